@@ -1,0 +1,1 @@
+fn main(){ let _ = bevy::prelude::App::new(); }

@@ -1,0 +1,162 @@
+use bevy::{
+    camera::CameraMainTextureUsages,
+    core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    pbr::ViewKeyCache,
+    platform::collections::{HashMap, HashSet},
+    prelude::*,
+    render::{
+        camera::{DirtySpecializations, ExtractedCamera},
+        render_resource::{PipelineCache, TextureFormat, TextureUsages},
+        sync_world::MainEntity,
+        view::{ExtractedView, RetainedViewEntity},
+    },
+};
+
+use super::{LeanDeferred, LeanDeferredSupport};
+use crate::lighting::{LightingPipelines, SceneFeatures, ViewLighting};
+
+/// The systems that decide which views are rendered lean; in `RenderSystems::PrepareAssets`.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+pub struct LeanViewSystems;
+
+/// On a view of the render world: this frame it is rendered through the G-buffer.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ActiveLeanView {
+    /// The view has a depth prepass, so Bevy builds its indirect draws early and wants depth before the main pass:
+    /// the G-buffer is drawn in the prepass' place.
+    pub draws_in_prepass: bool,
+    /// Lean meshes stay in Bevy's prepass, because it writes normals or motion vectors that only it can write.
+    pub keeps_prepass: bool,
+}
+
+/// Why a camera with [`LeanDeferred`] is rendered by Bevy's forward passes instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Reason {
+    Msaa,
+    NotHdr,
+    Format(TextureFormat),
+    DeferredPrepass,
+}
+
+impl Reason {
+    fn message(self) -> String {
+        match self {
+            Self::Msaa => "its Msaa is not Off".into(),
+            Self::NotHdr => "it has no Hdr component".into(),
+            Self::Format(format) => {
+                format!("its main texture is {format:?}, and Rgba16Float is needed")
+            }
+            Self::DeferredPrepass => "it has DeferredPrepass (Bevy's own deferred renderer)".into(),
+        }
+    }
+}
+
+/// What has been warned of, so that each camera hears of each reason once.
+#[derive(Resource, Default)]
+pub(super) struct ReportedReasons(HashSet<(MainEntity, Reason)>);
+
+fn reason_against(
+    camera: &ExtractedCamera,
+    view: &ExtractedView,
+    msaa: &Msaa,
+    deferred_prepass: bool,
+) -> Option<Reason> {
+    if msaa.samples() > 1 {
+        Some(Reason::Msaa)
+    } else if !camera.hdr {
+        Some(Reason::NotHdr)
+    } else if view.target_format != TextureFormat::Rgba16Float {
+        Some(Reason::Format(view.target_format))
+    } else if deferred_prepass {
+        Some(Reason::DeferredPrepass)
+    } else {
+        None
+    }
+}
+
+/// Inserts or removes [`ActiveLeanView`]. A view is active only while the lighting pipeline that it needs in this frame
+/// is compiled; until then forward draws it, so that neither switching over nor a new kind of light shows a dark
+/// frame. When that changes, all its meshes are queued anew.
+#[expect(clippy::type_complexity, reason = "all conditions of one decision")]
+pub(super) fn decide_active_views(
+    mut commands: Commands,
+    (support, scene, view_keys): (
+        Option<Res<LeanDeferredSupport>>,
+        SceneFeatures,
+        Res<ViewKeyCache>,
+    ),
+    (pipelines, pipeline_cache): (Option<ResMut<LightingPipelines>>, Res<PipelineCache>),
+    mut reported: ResMut<ReportedReasons>,
+    mut dirty_specializations: ResMut<DirtySpecializations>,
+    mut active_before: Local<HashMap<RetainedViewEntity, ActiveLeanView>>,
+    mut views: Query<(
+        Entity,
+        &ExtractedCamera,
+        &ExtractedView,
+        &Msaa,
+        &mut CameraMainTextureUsages,
+        (
+            Has<DepthPrepass>,
+            Has<NormalPrepass>,
+            Has<MotionVectorPrepass>,
+            Has<DeferredPrepass>,
+        ),
+        Option<&LeanDeferred>,
+        Option<&mut ViewLighting>,
+    )>,
+) {
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    let supported = support.is_some_and(|support| *support == LeanDeferredSupport::Full);
+    let mut active_now = HashMap::default();
+
+    for (entity, camera, view, msaa, mut usages, prepasses, settings, lighting) in &mut views {
+        let (depth_prepass, normal_prepass, motion_prepass, deferred_prepass) = prepasses;
+        let Some(settings) = settings.filter(|_| supported) else {
+            continue;
+        };
+        if let Some(reason) = reason_against(camera, view, msaa, deferred_prepass) {
+            let camera = view.retained_view_entity.main_entity;
+            if reported.0.insert((camera, reason)) {
+                warn!(
+                    "LeanDeferred on camera {camera:?} is off, Bevy renders it: {}.",
+                    reason.message()
+                );
+            }
+            commands
+                .entity(entity)
+                .remove::<(ActiveLeanView, ViewLighting)>();
+            continue;
+        }
+        let (Some(mut lighting), Some(view_key)) =
+            (lighting, view_keys.get(&view.retained_view_entity))
+        else {
+            commands.entity(entity).insert(ViewLighting::default());
+            continue;
+        };
+
+        // The lighting pass writes the main texture; whoever spawned the camera need not know.
+        usages.0 |= TextureUsages::STORAGE_BINDING;
+        let key = scene.key(*view_key, settings);
+        let pipeline = pipelines.specialize(&pipeline_cache, key);
+        lighting.pipeline = Some((key, pipeline));
+        if pipeline_cache.get_compute_pipeline(pipeline).is_some() {
+            let active = ActiveLeanView {
+                draws_in_prepass: depth_prepass || normal_prepass || motion_prepass,
+                keeps_prepass: normal_prepass || motion_prepass,
+            };
+            active_now.insert(view.retained_view_entity, active);
+            commands.entity(entity).insert(active);
+        } else {
+            commands.entity(entity).remove::<ActiveLeanView>();
+        }
+    }
+
+    for view in active_before.keys().chain(active_now.keys()) {
+        if active_before.get(view) != active_now.get(view) {
+            dirty_specializations.views.insert(*view);
+        }
+    }
+    *active_before = active_now;
+}

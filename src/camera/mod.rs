@@ -1,0 +1,72 @@
+//! The [`LeanDeferred`] component, and whether the camera that carries it can be rendered that way.
+//!
+//! - `settings.rs`: the component.
+//! - `support.rs`: what the device must offer, in one function.
+//! - `activity.rs`: per camera and frame, the decision lean or Bevy's forward, with one warning per reason.
+
+mod activity;
+mod settings;
+mod support;
+
+pub use activity::{ActiveLeanView, LeanViewSystems};
+pub use settings::{GBufferChannel, GeometricNormal, LeanDeferred};
+pub use support::{LeanDeferredSupport, missing_capabilities};
+
+use bevy::{
+    camera::CameraMainTextureUsages,
+    pbr::check_views_need_specialization,
+    prelude::*,
+    render::{
+        Render, RenderApp, RenderSystems, extract_component::ExtractComponentPlugin,
+        render_resource::TextureUsages,
+    },
+};
+
+/// Registers [`LeanDeferred`], extracts it and decides each frame which cameras are rendered with it.
+pub(crate) struct LeanCameraPlugin;
+
+impl Plugin for LeanCameraPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<LeanDeferred>()
+            .register_type::<GeometricNormal>()
+            .register_type::<GBufferChannel>()
+            .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
+            .add_observer(prepare_camera_on_add);
+
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .init_resource::<activity::ReportedReasons>()
+            .add_systems(
+                Render,
+                activity::decide_active_views
+                    .in_set(LeanViewSystems)
+                    .in_set(RenderSystems::PrepareAssets)
+                    .after(check_views_need_specialization),
+            );
+    }
+
+    fn finish(&self, app: &mut App) {
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        let support = LeanDeferredSupport::from_world(render_app.world());
+        if let LeanDeferredSupport::Missing(missing) = &support {
+            warn!("LeanDeferred is off, cameras render as Bevy has them. The device lacks: {missing}");
+        }
+        render_app.insert_resource(support);
+    }
+}
+
+/// Cameras get 4× MSAA unless told otherwise, long before [`LeanDeferred`] may be added to them: here it is switched
+/// off once. Who switches it on again later gets Bevy's forward renderer and a warning.
+fn prepare_camera_on_add(
+    added: On<Add, LeanDeferred>,
+    mut cameras: Query<(&mut Msaa, &mut CameraMainTextureUsages)>,
+) {
+    if let Ok((mut msaa, mut usages)) = cameras.get_mut(added.entity) {
+        *msaa = Msaa::Off;
+        usages.0 |= TextureUsages::STORAGE_BINDING;
+    }
+}

@@ -1,0 +1,93 @@
+use bevy::{camera::Hdr, prelude::*, render::extract_component::ExtractComponent};
+
+use crate::{camera::ActiveLeanView, gbuffer::GBufferTextures, lighting::ViewLighting};
+
+/// Renders this `Camera3d` through a packed 64-bit G-buffer and one compute lighting pass.
+///
+/// The picture is that of Bevy's forward renderer. Opaque and alpha-masked meshes whose material the G-buffer can
+/// carry go through it; every other mesh is drawn by Bevy's forward passes on the same camera, against the same depth.
+/// Adding or removing the component at run time switches the camera over and frees what it held.
+///
+/// Needs HDR (required, added by itself) and no MSAA (switched off when the component is added). A camera that
+/// breaks these later, that also has `DeferredPrepass`, or a device that lacks something, is rendered as Bevy has
+/// it, with one warning that names the reason.
+#[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Hdr)]
+#[extract_component_sync_target((Self, ActiveLeanView, GBufferTextures, ViewLighting))]
+pub struct LeanDeferred {
+    /// How the normal of the surface itself (not the shading normal) is found from depth. Shadow bias uses it.
+    /// Only computed where a light casts shadows. Default: the most exact.
+    pub geometric_normal: GeometricNormal,
+    /// Shows one channel of the G-buffer in place of the lit image. Default: none.
+    pub debug_view: Option<GBufferChannel>,
+}
+
+/// Ways to reconstruct the geometric normal of a pixel from the depth buffer.
+///
+/// All find two tangents from neighbouring depths and cross them; they differ in how they keep neighbours from
+/// across an edge out. The README has their errors and times.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum GeometricNormal {
+    /// Right and lower neighbour, as a screen-space derivative takes them: 3 taps, wrong along every edge.
+    ThreeTap,
+    /// On each axis the neighbour with the nearer depth: 5 taps (Turánszki 2019, "Improved normal reconstruction
+    /// from depth", Wicked Engine).
+    FiveTap,
+    /// On each axis the side whose two depths extrapolate best to the centre: 9 taps (atyuwen 2021, "Accurate Normal
+    /// Reconstruction from Depth Buffer"). Also right beside edges and on thin parts.
+    #[default]
+    NineTap,
+}
+
+impl GeometricNormal {
+    /// All of them, cheapest first.
+    pub const ALL: [Self; 3] = [Self::ThreeTap, Self::FiveTap, Self::NineTap];
+}
+
+/// One channel of the G-buffer, for [`LeanDeferred::debug_view`].
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[reflect(Clone, PartialEq)]
+pub enum GBufferChannel {
+    /// Linear albedo.
+    Albedo,
+    /// Metallic, grey.
+    Metallic,
+    /// Baked material occlusion, grey: white is open.
+    Occlusion,
+    /// World-space shading normal, `n / 2 + 1/2`.
+    Normal,
+    /// Perceptual roughness, grey.
+    Roughness,
+    /// World-space normal reconstructed from depth, `n / 2 + 1/2`.
+    GeometricNormal,
+    /// Distance along the view axis, grey: `1 / (1 + metres)`.
+    Depth,
+}
+
+impl GBufferChannel {
+    /// All channels, in the order of the bit table.
+    pub const ALL: [Self; 7] = [
+        Self::Albedo,
+        Self::Metallic,
+        Self::Occlusion,
+        Self::Normal,
+        Self::Roughness,
+        Self::GeometricNormal,
+        Self::Depth,
+    ];
+
+    /// The name of the shader definition that selects it.
+    pub(crate) fn shader_def(self) -> &'static str {
+        match self {
+            Self::Albedo => "DEBUG_ALBEDO",
+            Self::Metallic => "DEBUG_METALLIC",
+            Self::Occlusion => "DEBUG_OCCLUSION",
+            Self::Normal => "DEBUG_NORMAL",
+            Self::Roughness => "DEBUG_ROUGHNESS",
+            Self::GeometricNormal => "DEBUG_GEOMETRIC_NORMAL",
+            Self::Depth => "DEBUG_DEPTH",
+        }
+    }
+}

@@ -1,0 +1,99 @@
+use bevy::{
+    prelude::*,
+    render::{
+        render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
+        renderer::{RenderAdapter, RenderDevice},
+    },
+};
+
+use crate::gbuffer::layout::{NORMAL_FORMAT, SURFACE_FORMAT};
+
+/// Whether this device can run [`LeanDeferred`](super::LeanDeferred). In the render world, from `finish` on.
+#[derive(Resource, Clone, Debug, PartialEq, Eq)]
+pub enum LeanDeferredSupport {
+    /// It can.
+    Full,
+    /// It cannot; the text names what is missing.
+    Missing(String),
+}
+
+impl LeanDeferredSupport {
+    /// Looks at the device and adapter of a render world. Without them everything is missing.
+    pub(super) fn from_world(world: &World) -> Self {
+        let (Some(device), Some(adapter)) = (
+            world.get_resource::<RenderDevice>(),
+            world.get_resource::<RenderAdapter>(),
+        ) else {
+            return Self::Missing("a render device".into());
+        };
+        let missing = missing_capabilities(device, adapter);
+        if missing.is_empty() {
+            Self::Full
+        } else {
+            Self::Missing(missing.join(", "))
+        }
+    }
+}
+
+/// The one list of what [`LeanDeferred`](super::LeanDeferred) needs; returns what `device` does not have of it.
+pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> Vec<String> {
+    let mut missing = Vec::new();
+
+    if !adapter
+        .get_downlevel_capabilities()
+        .flags
+        .contains(DownlevelFlags::COMPUTE_SHADERS)
+    {
+        missing.push("compute shaders".into());
+    }
+
+    for (format, usage, name) in [
+        (
+            TextureFormat::Rgba16Float,
+            TextureUsages::STORAGE_BINDING,
+            "Rgba16Float as a storage texture",
+        ),
+        (
+            SURFACE_FORMAT,
+            TextureUsages::RENDER_ATTACHMENT,
+            "R32Uint as a render target",
+        ),
+        (
+            NORMAL_FORMAT,
+            TextureUsages::TEXTURE_BINDING,
+            "R32Uint as a texture",
+        ),
+    ] {
+        let allowed = adapter.get_texture_format_features(format).allowed_usages;
+        if !allowed.contains(usage) {
+            missing.push(name.into());
+        }
+    }
+
+    let limits = device.limits();
+    for (have, need, name) in [
+        (
+            limits.max_storage_textures_per_shader_stage,
+            1,
+            "max_storage_textures_per_shader_stage",
+        ),
+        // Bevy keeps lights and clusters in storage buffers only from 3 on; the compute pass has no other path.
+        (
+            limits.max_storage_buffers_per_shader_stage,
+            3,
+            "max_storage_buffers_per_shader_stage",
+        ),
+        (limits.max_color_attachments, 2, "max_color_attachments"),
+        (limits.max_bind_groups, 4, "max_bind_groups"),
+        (
+            limits.max_compute_invocations_per_workgroup,
+            64,
+            "max_compute_invocations_per_workgroup",
+        ),
+    ] {
+        if have < need {
+            missing.push(format!("{name} of {need} (it has {have})"));
+        }
+    }
+    missing
+}

@@ -1,0 +1,110 @@
+//! The packed G-buffer: 64 bits a pixel beside depth, drawn in one raster pass.
+//!
+//! - `layout.{rs,wgsl}`: the bit table; pack and unpack, twice.
+//! - `material.rs`: which materials and meshes it carries.
+//! - `phase.rs`, `pipeline.rs`, `queue.rs`: the render phases, their pipelines, and how meshes get there.
+//! - `textures.rs`, `pass.rs`: the targets, and the pass that draws into them.
+//! - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
+
+pub mod layout;
+mod material;
+mod pass;
+mod phase;
+mod pipeline;
+mod queue;
+mod textures;
+
+pub use material::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin};
+pub use phase::{AlphaMaskGBuffer, OpaqueGBuffer};
+pub use textures::GBufferTextures;
+
+use bevy::{
+    asset::embedded_asset,
+    core_pipeline::{
+        core_3d::prepare_core_3d_depth_textures,
+        mip_generation::experimental::depth::early_downsample_depth,
+        prepass::node::{early_prepass, late_prepass},
+        schedule::{Core3d, Core3dSystems},
+    },
+    pbr::{
+        DrawPrepass, MeshPipeline, StandardMaterial, main_build_indirect_parameters,
+        queue_material_meshes, queue_prepass_material_meshes,
+    },
+    prelude::*,
+    render::{
+        ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderDebugFlags, RenderSystems,
+        render_phase::{AddRenderCommand, BinnedRenderPhasePlugin, DrawFunctions},
+        render_resource::SpecializedMeshPipelines,
+    },
+    shader::load_shader_library,
+};
+
+/// Draws the meshes of lean cameras into the packed G-buffer.
+pub(crate) struct GBufferPlugin;
+
+impl Plugin for GBufferPlugin {
+    fn build(&self, app: &mut App) {
+        load_shader_library!(app, "layout.wgsl");
+        load_shader_library!(app, "pack.wgsl");
+        embedded_asset!(app, "gbuffer.wgsl");
+
+        app.add_plugins((
+            BinnedRenderPhasePlugin::<OpaqueGBuffer, MeshPipeline>::new(
+                RenderDebugFlags::default(),
+            ),
+            BinnedRenderPhasePlugin::<AlphaMaskGBuffer, MeshPipeline>::new(
+                RenderDebugFlags::default(),
+            ),
+            GBufferMaterialPlugin::<StandardMaterial>::default(),
+        ))
+        .add_systems(Update, material::requeue_changed_forward_only_meshes);
+
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .init_resource::<DrawFunctions<OpaqueGBuffer>>()
+            .init_resource::<DrawFunctions<AlphaMaskGBuffer>>()
+            .init_resource::<material::ForwardOnlyMeshes>()
+            .init_gpu_resource::<queue::PendingGBufferQueues>()
+            .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
+            .add_render_command::<OpaqueGBuffer, DrawPrepass>()
+            .add_render_command::<AlphaMaskGBuffer, DrawPrepass>()
+            .add_systems(
+                ExtractSchedule,
+                (
+                    phase::extract_gbuffer_phases,
+                    material::extract_forward_only_meshes,
+                ),
+            )
+            .add_systems(
+                Render,
+                (
+                    queue::queue_gbuffer_meshes
+                        .in_set(RenderSystems::QueueMeshes)
+                        .after(queue_material_meshes)
+                        .after(queue_prepass_material_meshes),
+                    textures::make_depth_readable
+                        .in_set(RenderSystems::PrepareResources)
+                        .before(prepare_core_3d_depth_textures),
+                    textures::prepare_gbuffer_textures.in_set(RenderSystems::PrepareResources),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                (
+                    pass::early_gbuffer_pass
+                        .in_set(Core3dSystems::Prepass)
+                        .after(early_prepass)
+                        .before(early_downsample_depth),
+                    pass::late_gbuffer_pass
+                        .in_set(Core3dSystems::Prepass)
+                        .after(late_prepass)
+                        .before(main_build_indirect_parameters),
+                    pass::main_gbuffer_pass
+                        .after(main_build_indirect_parameters)
+                        .before(Core3dSystems::MainPass),
+                ),
+            );
+    }
+}

@@ -1,0 +1,65 @@
+//! The pipelines that draw meshes into the G-buffer.
+
+use alloc::sync::Arc;
+
+use bevy::{
+    material::{MaterialProperties, key::ErasedMaterialPipelineKey},
+    mesh::MeshVertexBufferLayoutRef,
+    pbr::{MeshPipelineKey, PrepassPipeline, PrepassPipelineSpecializer},
+    prelude::*,
+    render::render_resource::{
+        ColorTargetState, ColorWrites, RenderPipelineDescriptor, SpecializedMeshPipeline,
+        SpecializedMeshPipelineError,
+    },
+};
+
+use super::layout::{NORMAL_FORMAT, SURFACE_FORMAT};
+
+/// Bevy's deferred prepass pipeline with the fragment shader and the targets swapped: vertex shader, bind groups,
+/// culling and depth stay Bevy's, so that positions agree bit for bit with its other passes.
+pub(super) struct GBufferPipelineSpecializer {
+    pub(super) pipeline: PrepassPipeline,
+    pub(super) properties: Arc<MaterialProperties>,
+    pub(super) fragment_shader: Handle<Shader>,
+}
+
+/// The key of [`GBufferPipelineSpecializer`]: the material's, and the shader, because pipelines of different material
+/// types share one cache.
+pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>);
+
+impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
+    type Key = GBufferPipelineKey;
+
+    fn specialize(
+        &self,
+        (key, _): Self::Key,
+        layout: &MeshVertexBufferLayoutRef,
+    ) -> Result<RenderPipelineDescriptor, SpecializedMeshPipelineError> {
+        let prepass = PrepassPipelineSpecializer {
+            pipeline: self.pipeline.clone(),
+            properties: self.properties.clone(),
+        };
+        let mut descriptor = prepass.specialize(key, layout)?;
+        descriptor.label = Some("lean_deferred/gbuffer".into());
+        if let Some(fragment) = &mut descriptor.fragment {
+            fragment.shader = self.fragment_shader.clone();
+            fragment.entry_point = None;
+            fragment.targets = [SURFACE_FORMAT, NORMAL_FORMAT]
+                .map(|format| {
+                    Some(ColorTargetState {
+                        format,
+                        blend: None,
+                        write_mask: ColorWrites::ALL,
+                    })
+                })
+                .to_vec();
+        }
+        Ok(descriptor)
+    }
+}
+
+/// What Bevy's view key contributes to a G-buffer pipeline. The rest of it is about lighting; leaving it out keeps
+/// pipelines shared between views that are lit differently.
+pub(super) const VIEW_KEY_BITS: MeshPipelineKey = MeshPipelineKey::MOTION_VECTOR_PREPASS
+    .union(MeshPipelineKey::INVERT_CULLING)
+    .union(MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS);

@@ -1,0 +1,357 @@
+//! Sorts the meshes of a lean view: into the G-buffer, out of Bevy's forward phases, or left to those.
+
+use bevy::{
+    core_pipeline::{
+        core_3d::{AlphaMask3d, Opaque3d, Opaque3dBatchSetKey, Opaque3dBinKey},
+        prepass::{
+            AlphaMask3dPrepass, Opaque3dPrepass, OpaqueNoLightmap3dBatchSetKey,
+            OpaqueNoLightmap3dBinKey,
+        },
+    },
+    ecs::system::SystemParam,
+    material::{
+        OpaqueRendererMethod, RenderPhaseType,
+        key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey},
+    },
+    mesh::Mesh3d,
+    pbr::{
+        DrawPrepass, MainPassOpaqueDrawFunction, MeshPipelineKey, PreparedMaterial,
+        PrepassPipeline, RenderMaterialInstances, RenderMeshInstanceFlags, RenderMeshInstances,
+        RenderMeshQueueData, SpecializedMaterialPipelineCache, ViewKeyCache,
+        alpha_mode_pipeline_key,
+    },
+    prelude::*,
+    render::{
+        batching::gpu_preprocessing::GpuPreprocessingSupport,
+        camera::{DirtySpecializations, PendingQueues},
+        erased_render_asset::ErasedRenderAssets,
+        mesh::{
+            RenderMesh,
+            allocator::{MeshAllocator, MeshSlabs},
+        },
+        render_asset::RenderAssets,
+        render_phase::{
+            BinnedRenderPhaseType, DrawFunctions, ViewBinnedRenderPhases,
+        },
+        render_resource::{CachedRenderPipelineId, PipelineCache, SpecializedMeshPipelines},
+        sync_world::MainEntity,
+        view::{ExtractedView, RenderVisibilityRanges, RenderVisibleEntities},
+    },
+};
+
+use super::{
+    material::{ForwardOnlyMeshes, GBufferMaterials},
+    phase::{AlphaMaskGBuffer, OpaqueGBuffer},
+    pipeline::{GBufferPipelineSpecializer, VIEW_KEY_BITS},
+};
+use crate::{LeanDeferred, camera::ActiveLeanView};
+
+/// Meshes whose assets or pipelines were not ready; tried again each frame, drawn by forward until then.
+#[derive(Resource, Default)]
+pub(super) struct PendingGBufferQueues(PendingQueues);
+
+/// What is known of meshes and materials, to find out how one is drawn.
+#[derive(SystemParam)]
+pub(super) struct MeshLookup<'w> {
+    mesh_instances: Res<'w, RenderMeshInstances>,
+    material_instances: Res<'w, RenderMaterialInstances>,
+    materials: Res<'w, ErasedRenderAssets<PreparedMaterial>>,
+    meshes: Res<'w, RenderAssets<RenderMesh>>,
+    mesh_allocator: Res<'w, MeshAllocator>,
+    gbuffer_materials: Res<'w, GBufferMaterials>,
+    forward_only_meshes: Res<'w, ForwardOnlyMeshes>,
+    visibility_ranges: Res<'w, RenderVisibilityRanges>,
+}
+
+/// A mesh of which everything is loaded.
+struct MeshToQueue<'a> {
+    instance: RenderMeshQueueData<'a>,
+    material: &'a PreparedMaterial,
+    material_id: bevy::asset::UntypedAssetId,
+    mesh: &'a RenderMesh,
+    slabs: MeshSlabs,
+}
+
+impl MeshLookup<'_> {
+    /// `Err(true)` if it may be there in a later frame, `Err(false)` if waiting is of no use. The conditions are those
+    /// of Bevy's own queue systems, so that both wait for the same meshes.
+    fn find(&self, entity: MainEntity) -> Result<MeshToQueue<'_>, bool> {
+        let material_instance = self.material_instances.instances.get(&entity).ok_or(true)?;
+        let instance = self
+            .mesh_instances
+            .render_mesh_queue_data(entity)
+            .ok_or(true)?;
+        let material = self.materials.get(material_instance.asset_id).ok_or(true)?;
+        let mesh = self.meshes.get(instance.mesh_asset_id()).ok_or(false)?;
+        let slabs = self
+            .mesh_allocator
+            .mesh_slabs(&instance.mesh_asset_id())
+            .ok_or(false)?;
+        Ok(MeshToQueue {
+            instance,
+            material,
+            material_id: material_instance.asset_id,
+            mesh,
+            slabs,
+        })
+    }
+
+    /// The fragment shader to draw it into the G-buffer with, or `None` if forward must draw it.
+    fn gbuffer_shader(&self, entity: MainEntity, mesh: &MeshToQueue) -> Option<&Handle<Shader>> {
+        let properties = &mesh.material.properties;
+        let opaque = matches!(
+            properties.render_phase_type,
+            RenderPhaseType::Opaque | RenderPhaseType::AlphaMask
+        );
+        if !opaque || self.forward_only_meshes.0.contains(&entity) {
+            return None;
+        }
+        self.gbuffer_materials.fragment_shader(mesh.material_id)
+    }
+}
+
+/// The pipelines of the G-buffer and what makes them.
+#[derive(SystemParam)]
+pub(super) struct GBufferPipelines<'w> {
+    cache: Res<'w, PipelineCache>,
+    prepass_pipeline: Res<'w, PrepassPipeline>,
+    specialized: ResMut<'w, SpecializedMeshPipelines<GBufferPipelineSpecializer>>,
+}
+
+impl GBufferPipelines<'_> {
+    fn specialize(
+        &mut self,
+        lookup: &MeshLookup,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        view_key: MeshPipelineKey,
+        fragment_shader: &Handle<Shader>,
+    ) -> Option<CachedRenderPipelineId> {
+        let properties = &mesh.material.properties;
+        let mut mesh_key = (view_key & VIEW_KEY_BITS)
+            | MeshPipelineKey::from_msaa_samples(1)
+            | MeshPipelineKey::DEFERRED_PREPASS
+            | MeshPipelineKey::from_bits_retain(mesh.mesh.key_bits.bits())
+            | alpha_mode_pipeline_key(properties.alpha_mode, &Msaa::Off);
+        if lookup
+            .visibility_ranges
+            .entity_has_crossfading_visibility_ranges(entity)
+        {
+            mesh_key |= MeshPipelineKey::VISIBILITY_RANGE_DITHER;
+        }
+        if view_key.contains(MeshPipelineKey::MOTION_VECTOR_PREPASS) {
+            let flags = mesh.instance.flags();
+            mesh_key.set(
+                MeshPipelineKey::HAS_PREVIOUS_SKIN,
+                flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_SKIN),
+            );
+            mesh_key.set(
+                MeshPipelineKey::HAS_PREVIOUS_MORPH,
+                flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH),
+            );
+        }
+        let key = ErasedMaterialPipelineKey {
+            type_id: mesh.material_id.type_id(),
+            mesh_key: ErasedMeshPipelineKey::new(mesh_key),
+            material_key: properties.material_key.clone(),
+        };
+        let specializer = GBufferPipelineSpecializer {
+            pipeline: self.prepass_pipeline.clone(),
+            properties: properties.clone(),
+            fragment_shader: fragment_shader.clone(),
+        };
+        self.specialized
+            .specialize(
+                &self.cache,
+                &specializer,
+                (key, fragment_shader.id()),
+                &mesh.mesh.layout,
+            )
+            .inspect_err(|error| error!("G-buffer pipeline: {error}"))
+            .ok()
+    }
+
+    fn is_ready(&self, pipeline: CachedRenderPipelineId) -> bool {
+        self.cache.get_render_pipeline(pipeline).is_some()
+    }
+}
+
+/// Bevy's phases that meshes of the G-buffer are taken out of.
+#[derive(SystemParam)]
+pub(super) struct BevyPhases<'w> {
+    opaque: ResMut<'w, ViewBinnedRenderPhases<Opaque3d>>,
+    alpha_mask: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
+    opaque_prepass: ResMut<'w, ViewBinnedRenderPhases<Opaque3dPrepass>>,
+    alpha_mask_prepass: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3dPrepass>>,
+    pipelines: Res<'w, SpecializedMaterialPipelineCache>,
+}
+
+impl BevyPhases<'_> {
+    fn remove(&mut self, view: &ExtractedView, entity: MainEntity, keeps_prepass: bool) {
+        let view = &view.retained_view_entity;
+        if let Some(phase) = self.opaque.get_mut(view) {
+            phase.remove(entity);
+        }
+        if let Some(phase) = self.alpha_mask.get_mut(view) {
+            phase.remove(entity);
+        }
+        if keeps_prepass {
+            return;
+        }
+        if let Some(phase) = self.opaque_prepass.get_mut(view) {
+            phase.remove(entity);
+        }
+        if let Some(phase) = self.alpha_mask_prepass.get_mut(view) {
+            phase.remove(entity);
+        }
+    }
+
+    /// Bevy leaves opaque meshes whose method is `Deferred` to its own deferred pass, which a lean view does not have.
+    /// Those that the G-buffer does not carry either are put into the forward phase here.
+    fn add_deferred_as_forward(
+        &mut self,
+        view: &ExtractedView,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        phase_type: BinnedRenderPhaseType,
+    ) {
+        let properties = &mesh.material.properties;
+        if !matches!(properties.render_phase_type, RenderPhaseType::Opaque)
+            || properties.render_method != OpaqueRendererMethod::Deferred
+        {
+            return;
+        }
+        let view = &view.retained_view_entity;
+        let (Some(phase), Some(pipeline), Some(draw_function)) = (
+            self.opaque.get_mut(view),
+            self.pipelines
+                .get(view)
+                .and_then(|pipelines| pipelines.get(&entity)),
+            properties.get_draw_function(MainPassOpaqueDrawFunction),
+        ) else {
+            return;
+        };
+        phase.remove(entity);
+        phase.add(
+            Opaque3dBatchSetKey {
+                pipeline: *pipeline,
+                draw_function,
+                material_bind_group_index: Some(mesh.material.binding.group.0),
+                slabs: mesh.slabs,
+                lightmap_slab: mesh.instance.lightmap_slab_index().map(|index| *index),
+            },
+            Opaque3dBinKey {
+                asset_id: mesh.instance.mesh_asset_id().into(),
+            },
+            (Entity::PLACEHOLDER, entity),
+            mesh.instance.current_uniform_index,
+            phase_type,
+        );
+    }
+}
+
+/// After Bevy's own queue systems: moves the meshes that the G-buffer carries into its phases. Looks only at meshes
+/// that became visible, changed, or were not ready before.
+pub(super) fn queue_gbuffer_meshes(
+    lookup: MeshLookup,
+    mut pipelines: GBufferPipelines,
+    mut bevy_phases: BevyPhases,
+    mut opaque_phases: ResMut<ViewBinnedRenderPhases<OpaqueGBuffer>>,
+    mut alpha_mask_phases: ResMut<ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
+    mut pending_queues: ResMut<PendingGBufferQueues>,
+    (opaque_draw_functions, alpha_mask_draw_functions): (
+        Res<DrawFunctions<OpaqueGBuffer>>,
+        Res<DrawFunctions<AlphaMaskGBuffer>>,
+    ),
+    (view_keys, dirty, gpu_preprocessing): (
+        Res<ViewKeyCache>,
+        Res<DirtySpecializations>,
+        Res<GpuPreprocessingSupport>,
+    ),
+    views: Query<
+        (
+            &ExtractedView,
+            &RenderVisibleEntities,
+            Option<&ActiveLeanView>,
+        ),
+        With<LeanDeferred>,
+    >,
+) {
+    let draw_opaque = opaque_draw_functions.read().id::<DrawPrepass>();
+    let draw_alpha_mask = alpha_mask_draw_functions.read().id::<DrawPrepass>();
+    let mut live_views = bevy::platform::collections::HashSet::default();
+
+    for (view, visible_entities, active) in &views {
+        let retained = view.retained_view_entity;
+        let Some(active) = active else {
+            // Bevy has queued everything itself.
+            opaque_phases.remove(&retained);
+            alpha_mask_phases.remove(&retained);
+            continue;
+        };
+        live_views.insert(retained);
+        let (Some(opaque), Some(alpha_mask), Some(view_key), Some(visible)) = (
+            opaque_phases.get_mut(&retained),
+            alpha_mask_phases.get_mut(&retained),
+            view_keys.get(&retained),
+            visible_entities.get::<Mesh3d>(),
+        ) else {
+            continue;
+        };
+        let pending = pending_queues.0.prepare_for_new_frame(retained);
+
+        for &entity in dirty.iter_to_dequeue(retained, visible) {
+            opaque.remove(entity);
+            alpha_mask.remove(entity);
+        }
+
+        for (render_entity, &entity) in
+            dirty.iter_to_queue(retained, visible, &pending.prev_frame)
+        {
+            let mesh = match lookup.find(entity) {
+                Ok(mesh) => mesh,
+                Err(may_come) => {
+                    if may_come {
+                        pending.current_frame.insert((*render_entity, entity));
+                    }
+                    continue;
+                }
+            };
+            let phase_type =
+                BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), &gpu_preprocessing);
+            let properties = &mesh.material.properties;
+            let pipeline = lookup.gbuffer_shader(entity, &mesh).and_then(|shader| {
+                pipelines.specialize(&lookup, entity, &mesh, *view_key, shader)
+            });
+            let Some(pipeline) = pipeline else {
+                bevy_phases.add_deferred_as_forward(view, entity, &mesh, phase_type);
+                continue;
+            };
+            if !pipelines.is_ready(pipeline) {
+                bevy_phases.add_deferred_as_forward(view, entity, &mesh, phase_type);
+                pending.current_frame.insert((*render_entity, entity));
+                continue;
+            }
+
+            bevy_phases.remove(view, entity, active.keeps_prepass);
+            let masked = matches!(properties.render_phase_type, RenderPhaseType::AlphaMask);
+            let batch_set_key = OpaqueNoLightmap3dBatchSetKey {
+                draw_function: if masked { draw_alpha_mask } else { draw_opaque },
+                pipeline,
+                material_bind_group_index: Some(mesh.material.binding.group.0),
+                slabs: mesh.slabs,
+            };
+            let bin_key = OpaqueNoLightmap3dBinKey {
+                asset_id: mesh.instance.mesh_asset_id().into(),
+            };
+            let entities = (*render_entity, entity);
+            let index = mesh.instance.current_uniform_index;
+            if masked {
+                alpha_mask.add(batch_set_key, bin_key, entities, index, phase_type);
+            } else {
+                opaque.add(batch_set_key, bin_key, entities, index, phase_type);
+            }
+        }
+    }
+    pending_queues.0.expire_stale_views(&live_views);
+}

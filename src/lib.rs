@@ -1,0 +1,69 @@
+//! A leaner renderer for any Bevy 3D camera, switched on by components.
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use bevy_lean_deferred::prelude::*;
+//!
+//! App::new()
+//!     .add_plugins((DefaultPlugins, LeanDeferredPlugins))
+//!     .add_systems(Startup, |mut commands: Commands| {
+//!         commands.spawn((Camera3d::default(), LeanDeferred::default()));
+//!     })
+//!     .run();
+//! ```
+//!
+//! # The frame of a camera with [`LeanDeferred`]
+//!
+//! 1. **G-buffer** ([`gbuffer`]): opaque and alpha-masked meshes are rasterised once, into two 32-bit targets and the
+//!    view's depth: 8 bytes a pixel beside depth. Meshes that these bits cannot carry (emissive, clearcoat, lightmapped,
+//!    … : [`GBufferMaterial`](gbuffer::GBufferMaterial)) stay in Bevy's forward passes on the same camera.
+//! 2. **Lighting** ([`lighting`]): one compute pass lights every pixel with Bevy's own lighting functions and writes the
+//!    view's HDR texture. What the view does not have (fog, probes, shadows, decals, …) is neither compiled in nor
+//!    bound.
+//! 3. Bevy goes on: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
+//!
+//! Data flows one way: component → extract → the decision which views are lean ([`camera`]) → queue and prepare →
+//! bind → pass. The GPU time of each pass is recorded under `lean_deferred/…`, visible with Bevy's
+//! `RenderDiagnosticsPlugin`.
+//!
+//! A camera without [`LeanDeferred`] renders as Bevy renders it. So does one that cannot be rendered lean (MSAA, no HDR, a
+//! device that lacks something), after one warning that says why.
+
+extern crate alloc;
+
+pub mod camera;
+pub mod gbuffer;
+pub mod lighting;
+
+pub use camera::{GBufferChannel, GeometricNormal, LeanDeferred};
+
+use bevy::{app::plugin_group, prelude::*};
+
+/// What most programs need.
+pub mod prelude {
+    pub use crate::{
+        GBufferChannel, GeometricNormal, LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins,
+        gbuffer::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin},
+    };
+}
+
+plugin_group! {
+    /// All effects of this crate. Add it after `DefaultPlugins`.
+    pub struct LeanDeferredPlugins {
+        :LeanDeferredPlugin,
+    }
+}
+
+/// The packed G-buffer and compute lighting, for cameras with [`LeanDeferred`].
+#[derive(Default)]
+pub struct LeanDeferredPlugin;
+
+impl Plugin for LeanDeferredPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins((
+            camera::LeanCameraPlugin,
+            gbuffer::GBufferPlugin,
+            lighting::LightingPlugin,
+        ));
+    }
+}

@@ -1,0 +1,78 @@
+//! What a view has to be lit with.
+
+use bevy::{
+    ecs::system::SystemParam,
+    light::EnvironmentMapLight,
+    pbr::{
+        ExtractedDirectionalLight, ExtractedPointLight, ExtractedRectLight, MeshPipeline,
+        MeshPipelineKey, RenderViewLightProbes,
+        decal::clustered::RenderClusteredDecals,
+    },
+    prelude::*,
+};
+
+use crate::{GBufferChannel, GeometricNormal, LeanDeferred};
+
+/// Which lighting pipeline a view needs. Everything in it is compiled in or out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct LightingKey {
+    /// The bits of Bevy's view key that matter to lighting.
+    pub(super) view: MeshPipelineKey,
+    /// Some light casts shadows with a shadow map; then this finds the geometric normal.
+    pub(super) shadow_maps: Option<GeometricNormal>,
+    pub(super) rect_lights: bool,
+    /// Decals, or lights with textures: they share a table.
+    pub(super) decals: bool,
+    pub(super) debug_view: Option<GBufferChannel>,
+}
+
+/// The bits of Bevy's view key that the lighting shader is compiled by. The rest is about how meshes are rasterised,
+/// or about passes after lighting.
+const VIEW_BITS: MeshPipelineKey = MeshPipelineKey::ENVIRONMENT_MAP
+    .union(MeshPipelineKey::IRRADIANCE_VOLUME)
+    .union(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION)
+    .union(MeshPipelineKey::CONTACT_SHADOWS)
+    .union(MeshPipelineKey::DISTANCE_FOG)
+    .union(MeshPipelineKey::ATMOSPHERE)
+    .union(MeshPipelineKey::TEMPORAL_JITTER)
+    .union(MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS)
+    .union(MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS)
+    .union(MeshPipelineKey::MSAA_RESERVED_BITS);
+
+/// What the scene has, whichever view looks at it.
+#[derive(SystemParam)]
+pub(crate) struct SceneFeatures<'w, 's> {
+    point_lights: Query<'w, 's, &'static ExtractedPointLight>,
+    directional_lights: Query<'w, 's, &'static ExtractedDirectionalLight>,
+    rect_lights: Query<'w, 's, (), With<ExtractedRectLight>>,
+    decals: Option<Res<'w, RenderClusteredDecals>>,
+    mesh_pipeline: Option<Res<'w, MeshPipeline>>,
+}
+
+impl SceneFeatures<'_, '_> {
+    /// The key for a view with Bevy's `view_key`.
+    pub(crate) fn key(&self, view_key: MeshPipelineKey, settings: &LeanDeferred) -> LightingKey {
+        let shadow_maps = self.point_lights.iter().any(|l| l.shadow_maps_enabled)
+            || self
+                .directional_lights
+                .iter()
+                .any(|l| l.shadow_maps_enabled);
+        let contact_shadows = view_key.contains(MeshPipelineKey::CONTACT_SHADOWS);
+        let decals_usable = self
+            .mesh_pipeline
+            .as_ref()
+            .is_some_and(|pipeline| pipeline.clustered_decals_are_usable);
+        let shows_normal = settings.debug_view == Some(GBufferChannel::GeometricNormal);
+        LightingKey {
+            view: view_key & VIEW_BITS,
+            shadow_maps: (shadow_maps || contact_shadows || shows_normal)
+                .then_some(settings.geometric_normal),
+            rect_lights: !self.rect_lights.is_empty(),
+            decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
+            debug_view: settings.debug_view,
+        }
+    }
+}
+
+/// The reflection probes and environment maps of a view.
+pub(super) type ViewEnvironmentMaps = RenderViewLightProbes<EnvironmentMapLight>;

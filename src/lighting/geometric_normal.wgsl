@@ -1,0 +1,43 @@
+// The normal of the surface itself, from depth. Without bindings: taps are passed in by value.
+//
+// Depth is affine in screen space on a plane, in perspective (reversed, infinite) as in orthographic projection: the
+// differences and extrapolations below are exact on planes without linearising first.
+#define_import_path bevy_lean_deferred::lighting::geometric_normal
+
+/// Which of the two neighbours on an axis lies on the surface of the centre: -1 or 1.
+/// `near_*` are the depths one pixel away, the sides being `a` (towards -1) and `b` (towards +1).
+///
+/// Turánszki 2019, "Improved normal reconstruction from depth": the one with the nearer depth.
+fn nearer_side(center: f32, near_a: f32, near_b: f32) -> f32 {
+    return select(1.0, -1.0, abs(near_a - center) < abs(near_b - center));
+}
+
+/// As `nearer_side`, with the depths two pixels away too. atyuwen 2021, "Accurate Normal Reconstruction from Depth
+/// Buffer": the side whose two depths, extended in a straight line, come nearest to the centre.
+fn straighter_side(center: f32, near_a: f32, far_a: f32, near_b: f32, far_b: f32) -> f32 {
+    let error_a = abs(2.0 * near_a - far_a - center);
+    let error_b = abs(2.0 * near_b - far_b - center);
+    return select(1.0, -1.0, error_a < error_b);
+}
+
+/// The unit normal that faces the viewer, from view-space positions: of the pixel, and of the chosen neighbours
+/// (`side` is 1 for the right or lower one, -1 for the other). Falls back to facing the viewer where the three are
+/// on one line.
+fn normal_from_positions(
+    center: vec3<f32>,
+    horizontal: vec3<f32>,
+    horizontal_side: f32,
+    vertical: vec3<f32>,
+    vertical_side: f32,
+) -> vec3<f32> {
+    let to_right = (horizontal - center) * horizontal_side;
+    let to_bottom = (vertical - center) * vertical_side;
+    // Right-handed view space, y up: bottom × right points at the viewer.
+    let n = cross(to_bottom, to_right);
+    // Scaled first: a product of two differences of a thousandth of a metre has no square in f32.
+    let largest = max(abs(n.x), max(abs(n.y), abs(n.z)));
+    if !(largest > 0.0 && largest < 1e30) {
+        return vec3(0.0, 0.0, 1.0);
+    }
+    return normalize(n / largest);
+}

@@ -1,0 +1,184 @@
+// Lights every pixel of the packed G-buffer, with Bevy's own lighting functions.
+#import bevy_lean_deferred::gbuffer::layout
+#import bevy_lean_deferred::lighting::geometric_normal::{
+    nearer_side, normal_from_positions, straighter_side,
+}
+#import bevy_pbr::{
+    mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
+    mesh_view_bindings::{depth_prepass_texture as depth_texture, view},
+    pbr_functions::{apply_pbr_lighting, calculate_view, main_pass_post_lighting_processing},
+    pbr_types::{PbrInput, STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT, pbr_input_new},
+}
+
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+#import bevy_pbr::decal::clustered::apply_decals
+#endif
+
+#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
+#import bevy_pbr::{
+    lighting::perceptualRoughnessToRoughness,
+    mesh_view_bindings::screen_space_ambient_occlusion_texture,
+    ssao_utils::ssao_multibounce,
+}
+#endif
+
+struct LightingUniform {
+    /// The camera's clear colour, as the main texture stores it.
+    background: vec4<f32>,
+    /// Pixels of the render target.
+    viewport_origin: vec2<u32>,
+    viewport_size: vec2<u32>,
+    /// 1 if pixels without geometry are to be set to `background`.
+    writes_background: u32,
+}
+
+@group(2) @binding(0) var surface_texture: texture_2d<u32>;
+@group(2) @binding(1) var normal_texture: texture_2d<u32>;
+@group(2) @binding(2) var output_texture: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(3) var<uniform> uniforms: LightingUniform;
+
+/// Keeps the division below finite for geometry so far away that its reversed depth is 0.
+const SMALLEST_DEPTH: f32 = 1e-30;
+
+fn view_position(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
+    let uv = (vec2<f32>(pixel) + 0.5 - view.main_pass_viewport.xy) / view.main_pass_viewport.zw;
+    let ndc = uv * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    // Through view space, not by `world_from_clip`: that matrix loses digits far from the origin.
+    let position = view.view_from_clip * vec4(ndc, max(depth, SMALLEST_DEPTH), 1.0);
+    return position.xyz / position.w;
+}
+
+#ifdef GEOMETRIC_NORMAL
+/// Depth at `pixel`, clamped to the viewport.
+fn depth_at(pixel: vec2<i32>) -> f32 {
+    let low = vec2<i32>(uniforms.viewport_origin);
+    let high = low + vec2<i32>(uniforms.viewport_size) - 1;
+    return textureLoad(depth_texture, clamp(pixel, low, high), 0);
+}
+
+/// View-space normal of the surface at `pixel`, unit length, facing the viewer.
+fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f32> {
+    let x = vec2(1, 0);
+    let y = vec2(0, 1);
+#ifdef GEOMETRIC_NORMAL_THREE_TAP
+    let right = depth_at(pixel + x);
+    let bottom = depth_at(pixel + y);
+    return normal_from_positions(
+        position,
+        view_position(pixel + x, right), 1.0,
+        view_position(pixel + y, bottom), 1.0,
+    );
+#else
+    let left = depth_at(pixel - x);
+    let right = depth_at(pixel + x);
+    let top = depth_at(pixel - y);
+    let bottom = depth_at(pixel + y);
+#ifdef GEOMETRIC_NORMAL_FIVE_TAP
+    let h = nearer_side(depth, left, right);
+    let v = nearer_side(depth, top, bottom);
+#else
+    let h = straighter_side(depth, left, depth_at(pixel - 2 * x), right, depth_at(pixel + 2 * x));
+    let v = straighter_side(depth, top, depth_at(pixel - 2 * y), bottom, depth_at(pixel + 2 * y));
+#endif
+    return normal_from_positions(
+        position,
+        view_position(pixel + i32(h) * x, select(left, right, h > 0.0)), h,
+        view_position(pixel + i32(v) * y, select(top, bottom, v > 0.0)), v,
+    );
+#endif
+}
+#endif  // GEOMETRIC_NORMAL
+
+fn pbr_input_from_gbuffer(pixel: vec2<i32>, normal_word: u32) -> PbrInput {
+    let surface_word = textureLoad(surface_texture, pixel, 0).r;
+    let depth = textureLoad(depth_texture, pixel, 0);
+    let position = view_position(pixel, depth);
+
+    var pbr = pbr_input_new();
+    pbr.material.base_color = vec4(layout::unpack_albedo(surface_word), 1.0);
+    pbr.material.metallic = layout::unpack_metallic(surface_word);
+    pbr.material.perceptual_roughness = layout::unpack_roughness(normal_word);
+    pbr.material.flags = STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT;
+    pbr.diffuse_occlusion = vec3(layout::unpack_occlusion(surface_word));
+    pbr.frag_coord = vec4(vec2<f32>(pixel) + 0.5, depth, 1.0);
+    pbr.world_position = vec4((view.world_from_view * vec4(position, 1.0)).xyz, 1.0);
+    pbr.is_orthographic = view.clip_from_view[3].w == 1.0;
+    pbr.V = calculate_view(pbr.world_position, pbr.is_orthographic);
+    pbr.N = layout::unpack_normal(normal_word);
+#ifdef GEOMETRIC_NORMAL
+    let geometric = geometric_normal(pixel, depth, position);
+    pbr.world_normal = (view.world_from_view * vec4(geometric, 0.0)).xyz;
+#else
+    pbr.world_normal = pbr.N;
+#endif
+#ifdef SHADOW_MAPS
+    pbr.flags = MESH_FLAGS_SHADOW_RECEIVER_BIT;
+#endif
+    return pbr;
+}
+
+#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
+/// As Bevy's `pbr_fragment` applies its own occlusion.
+fn apply_ssao(pbr: ptr<function, PbrInput>, pixel: vec2<i32>) {
+    let ssao = textureLoad(screen_space_ambient_occlusion_texture, pixel, 0).r;
+    let multibounce = ssao_multibounce(ssao, (*pbr).material.base_color.rgb);
+    (*pbr).diffuse_occlusion = min((*pbr).diffuse_occlusion, multibounce);
+    // Lagarde and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering".
+    let n_dot_v = max(dot((*pbr).N, (*pbr).V), 0.0001);
+    let roughness = perceptualRoughnessToRoughness((*pbr).material.perceptual_roughness);
+    (*pbr).specular_occlusion =
+        saturate(pow(n_dot_v + ssao, exp2(-16.0 * roughness - 1.0)) - 1.0 + ssao);
+}
+#endif
+
+#ifdef DEBUG_VIEW
+fn debug_color(pbr: PbrInput) -> vec3<f32> {
+#ifdef DEBUG_ALBEDO
+    return pbr.material.base_color.rgb;
+#else ifdef DEBUG_METALLIC
+    return vec3(pbr.material.metallic);
+#else ifdef DEBUG_OCCLUSION
+    return pbr.diffuse_occlusion;
+#else ifdef DEBUG_NORMAL
+    return pbr.N * 0.5 + 0.5;
+#else ifdef DEBUG_ROUGHNESS
+    return vec3(pbr.material.perceptual_roughness);
+#else ifdef DEBUG_GEOMETRIC_NORMAL
+    return pbr.world_normal * 0.5 + 0.5;
+#else
+    let z = (view.view_from_world * pbr.world_position).z;
+    return vec3(1.0 / (1.0 + abs(z)));
+#endif
+}
+#endif
+
+fn light(pixel: vec2<i32>, normal_word: u32) -> vec4<f32> {
+    var pbr = pbr_input_from_gbuffer(pixel, normal_word);
+#ifdef DEBUG_VIEW
+    return vec4(debug_color(pbr), 1.0);
+#else
+#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
+    apply_ssao(&pbr, pixel);
+#endif
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+    apply_decals(&pbr);
+#endif
+    return main_pass_post_lighting_processing(pbr, apply_pbr_lighting(pbr));
+#endif
+}
+
+@compute @workgroup_size(8, 8, 1)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= uniforms.viewport_size) {
+        return;
+    }
+    let pixel = vec2<i32>(uniforms.viewport_origin + id.xy);
+    let normal_word = textureLoad(normal_texture, pixel, 0).r;
+    if normal_word == layout::NO_GEOMETRY {
+        if uniforms.writes_background != 0u {
+            textureStore(output_texture, pixel, uniforms.background);
+        }
+        return;
+    }
+    textureStore(output_texture, pixel, light(pixel, normal_word));
+}

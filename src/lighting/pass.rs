@@ -1,0 +1,73 @@
+//! The dispatch.
+
+use bevy::{
+    prelude::*,
+    render::{
+        diagnostic::RecordDiagnostics,
+        render_resource::{ComputePassDescriptor, LoadOp, PipelineCache, RenderPassDescriptor},
+        renderer::{RenderContext, ViewQuery},
+        view::ViewTarget,
+    },
+};
+
+use super::ViewLighting;
+use crate::camera::ActiveLeanView;
+
+/// Pixels a side of the square that one workgroup lights.
+const TILE: u32 = 8;
+
+/// Lights the G-buffer of a view into its main texture.
+pub(super) fn lighting_pass(
+    view: ViewQuery<(&ViewLighting, &ViewTarget), With<ActiveLeanView>>,
+    pipeline_cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let (lighting, target) = view.into_inner();
+    let bindings = &lighting.bindings;
+    let Some((_, pipeline)) = lighting.pipeline else {
+        return;
+    };
+    let (Some(pipeline), Some(view_group), Some(arrays_group), Some(targets_group)) = (
+        pipeline_cache.get_compute_pipeline(pipeline),
+        bindings.view.get(),
+        bindings.arrays.get(),
+        bindings.targets_for(target.main_texture_view()),
+    ) else {
+        return;
+    };
+
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+
+    // Asking for the attachment marks the texture as cleared for this frame: without it, the next render pass would
+    // wipe what is written here. If it was about to be cleared, this pass does that too where it reaches every pixel.
+    let attachment = target.get_color_attachment();
+    let must_clear = matches!(attachment.ops.load, LoadOp::Clear(_));
+    let writes_background = must_clear && bindings.covers_target;
+    if must_clear && !writes_background {
+        drop(ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("lean_deferred/clear"),
+            color_attachments: &[Some(attachment)],
+            ..default()
+        }));
+    }
+
+    let mut pass = ctx
+        .command_encoder()
+        .begin_compute_pass(&ComputePassDescriptor {
+            label: Some("lean_deferred/lighting"),
+            timestamp_writes: None,
+        });
+    let span = diagnostics.pass_span(&mut pass, "lean_deferred/lighting");
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, view_group, &bindings.view_offsets);
+    pass.set_bind_group(1, arrays_group, &[]);
+    pass.set_bind_group(
+        2,
+        targets_group,
+        &[bindings.uniform_offsets[usize::from(writes_background)]],
+    );
+    let size = bindings.viewport_size;
+    pass.dispatch_workgroups(size.x.div_ceil(TILE), size.y.div_ceil(TILE), 1);
+    span.end(&mut pass);
+}

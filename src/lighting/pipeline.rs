@@ -1,0 +1,232 @@
+//! Layouts and pipelines of the lighting pass.
+
+use bevy::{
+    asset::load_embedded_asset,
+    pbr::{MeshPipeline, MeshPipelineKey, MeshPipelineViewLayoutKey},
+    platform::collections::HashMap,
+    prelude::*,
+    render::render_resource::{
+        BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedComputePipelineId,
+        ComputePipelineDescriptor, PipelineCache, ShaderStages, StorageTextureAccess,
+        TextureFormat, TextureSampleType,
+        binding_types::{texture_2d, texture_storage_2d, uniform_buffer},
+    },
+    shader::ShaderDefVal,
+};
+
+use super::{bindings::LightingUniform, features::LightingKey};
+use crate::GeometricNormal;
+
+/// Bindings of Bevy's view layout that no lighting function reads: visibility ranges (14), screen-space reflections
+/// (15), tonemapping (18, 19), prepass textures other than depth (21 to 23), transmission (24, 25), order-independent
+/// transparency (26 to 30), and the samplers of percentage-closer soft shadows (4, 7), which need derivatives.
+const UNUSED_VIEW_BINDINGS: [u32; 17] = [
+    4, 7, 14, 15, 18, 19, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, u32::MAX,
+];
+pub(super) const BLUE_NOISE_BINDING: u32 = 34;
+pub(super) const AREA_LIGHT_LUTS_BINDING: u32 = 35;
+pub(super) const DFG_LUT_BINDING: u32 = 37;
+pub(super) const DECALS_BINDING: u32 = 5;
+
+/// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output).
+#[derive(Clone)]
+pub(super) struct LightingLayouts {
+    pub(super) view: BindGroupLayoutDescriptor,
+    pub(super) arrays: BindGroupLayoutDescriptor,
+    pub(super) targets: BindGroupLayoutDescriptor,
+}
+
+impl LightingLayouts {
+    pub(super) fn has_view_binding(&self, binding: u32) -> bool {
+        self.view.entries.iter().any(|e| e.binding == binding)
+    }
+}
+
+/// Lighting pipelines by key. Made by `init_lighting_pipelines`.
+#[derive(Resource)]
+pub(crate) struct LightingPipelines {
+    mesh_pipeline: MeshPipeline,
+    shader: Handle<Shader>,
+    targets_layout: BindGroupLayoutDescriptor,
+    by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
+}
+
+pub(super) fn init_lighting_pipelines(
+    mut commands: Commands,
+    mesh_pipeline: Res<MeshPipeline>,
+    asset_server: Res<AssetServer>,
+) {
+    commands.insert_resource(LightingPipelines {
+        mesh_pipeline: mesh_pipeline.clone(),
+        shader: load_embedded_asset!(asset_server.as_ref(), "lighting.wgsl"),
+        targets_layout: BindGroupLayoutDescriptor::new(
+            "lean_deferred/lighting/targets",
+            &BindGroupLayoutEntries::sequential(
+                ShaderStages::COMPUTE,
+                (
+                    texture_2d(TextureSampleType::Uint),
+                    texture_2d(TextureSampleType::Uint),
+                    texture_storage_2d(TextureFormat::Rgba16Float, StorageTextureAccess::WriteOnly),
+                    uniform_buffer::<LightingUniform>(true),
+                ),
+            ),
+        ),
+        by_key: HashMap::default(),
+    });
+}
+
+impl LightingPipelines {
+    /// The pipeline for `key`; it may still be compiling.
+    pub(crate) fn specialize(
+        &mut self,
+        pipeline_cache: &PipelineCache,
+        key: LightingKey,
+    ) -> CachedComputePipelineId {
+        if let Some((id, _)) = self.by_key.get(&key) {
+            return *id;
+        }
+        let layouts = self.layouts(key);
+        let id = pipeline_cache.queue_compute_pipeline(ComputePipelineDescriptor {
+            label: Some("lean_deferred/lighting".into()),
+            layout: vec![
+                layouts.view.clone(),
+                layouts.arrays.clone(),
+                layouts.targets.clone(),
+            ],
+            shader: self.shader.clone(),
+            shader_defs: self.shader_defs(key, &layouts),
+            entry_point: Some("main".into()),
+            ..default()
+        });
+        self.by_key.insert(key, (id, layouts));
+        id
+    }
+
+    pub(super) fn layouts_of(&self, key: LightingKey) -> Option<&LightingLayouts> {
+        self.by_key.get(&key).map(|(_, layouts)| layouts)
+    }
+
+    /// Whether Bevy binds light probes and decals as arrays on this device.
+    pub(super) fn binds_arrays(&self) -> bool {
+        self.mesh_pipeline.binding_arrays_are_usable
+    }
+
+    /// Bevy's own view layouts, visible to compute, without what lighting does not read and the view does not have.
+    fn layouts(&self, key: LightingKey) -> LightingLayouts {
+        let layout_key = MeshPipelineViewLayoutKey::from(key.view | MeshPipelineKey::DEPTH_PREPASS);
+        let bevy_layout = self.mesh_pipeline.get_view_layout(layout_key);
+
+        let mut view = bevy_layout.main_layout;
+        view.label = "lean_deferred/lighting/view".into();
+        view.entries.retain(|entry| {
+            !UNUSED_VIEW_BINDINGS.contains(&entry.binding)
+                && (key.rect_lights
+                    || !(AREA_LIGHT_LUTS_BINDING..AREA_LIGHT_LUTS_BINDING + 2)
+                        .contains(&entry.binding))
+        });
+
+        let mut arrays = bevy_layout.binding_array_layout;
+        arrays.label = "lean_deferred/lighting/arrays".into();
+        arrays
+            .entries
+            .retain(|entry| key.decals || entry.binding < DECALS_BINDING);
+
+        for entry in view.entries.iter_mut().chain(&mut arrays.entries) {
+            entry.visibility = ShaderStages::COMPUTE;
+        }
+        LightingLayouts {
+            view,
+            arrays,
+            targets: self.targets_layout.clone(),
+        }
+    }
+
+    fn shader_defs(&self, key: LightingKey, layouts: &LightingLayouts) -> Vec<ShaderDefVal> {
+        // The G-buffer's own depth stands where Bevy's shaders look for that of a prepass.
+        let mut defs: Vec<ShaderDefVal> = vec!["DEPTH_PREPASS".into()];
+        let mut define = |condition: bool, name: &'static str| {
+            if condition {
+                defs.push(name.into());
+            }
+        };
+
+        let has = |bits| key.view.contains(bits);
+        define(has(MeshPipelineKey::ENVIRONMENT_MAP), "ENVIRONMENT_MAP");
+        define(has(MeshPipelineKey::IRRADIANCE_VOLUME), "IRRADIANCE_VOLUME");
+        define(
+            has(MeshPipelineKey::IRRADIANCE_VOLUME),
+            "IRRADIANCE_VOLUMES_ARE_USABLE",
+        );
+        define(
+            has(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION),
+            "SCREEN_SPACE_AMBIENT_OCCLUSION",
+        );
+        define(has(MeshPipelineKey::CONTACT_SHADOWS), "CONTACT_SHADOWS");
+        define(has(MeshPipelineKey::DISTANCE_FOG), "DISTANCE_FOG");
+        define(has(MeshPipelineKey::ATMOSPHERE), "ATMOSPHERE");
+        define(has(MeshPipelineKey::TEMPORAL_JITTER), "TEMPORAL_JITTER");
+
+        let filter = key.view & MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS;
+        define(
+            filter == MeshPipelineKey::SHADOW_FILTER_METHOD_HARDWARE_2X2,
+            "SHADOW_FILTER_METHOD_HARDWARE_2X2",
+        );
+        define(
+            filter == MeshPipelineKey::SHADOW_FILTER_METHOD_GAUSSIAN,
+            "SHADOW_FILTER_METHOD_GAUSSIAN",
+        );
+        define(
+            filter == MeshPipelineKey::SHADOW_FILTER_METHOD_TEMPORAL,
+            "SHADOW_FILTER_METHOD_TEMPORAL",
+        );
+
+        let projection = key.view & MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS;
+        define(
+            projection == MeshPipelineKey::VIEW_PROJECTION_NONSTANDARD,
+            "VIEW_PROJECTION_NONSTANDARD",
+        );
+        define(
+            projection == MeshPipelineKey::VIEW_PROJECTION_PERSPECTIVE,
+            "VIEW_PROJECTION_PERSPECTIVE",
+        );
+        define(
+            projection == MeshPipelineKey::VIEW_PROJECTION_ORTHOGRAPHIC,
+            "VIEW_PROJECTION_ORTHOGRAPHIC",
+        );
+
+        // Which look-up tables exist depends on features of Bevy that show only in its layout.
+        define(
+            layouts.has_view_binding(BLUE_NOISE_BINDING),
+            "BLUE_NOISE_TEXTURE",
+        );
+        define(layouts.has_view_binding(DFG_LUT_BINDING), "DFG_LUT");
+        define(
+            layouts.has_view_binding(AREA_LIGHT_LUTS_BINDING),
+            "AREA_LIGHT_LUTS",
+        );
+        define(self.binds_arrays(), "MULTIPLE_LIGHT_PROBES_IN_ARRAY");
+
+        define(key.decals, "CLUSTERED_DECALS_ARE_USABLE");
+        define(key.decals, "LIGHT_TEXTURES");
+        // Bevy blends the normal maps of decals only onto meshes with tangents; the G-buffer does not know which
+        // had them, and meshes under such decals mostly do.
+        define(key.decals, "VERTEX_TANGENTS");
+
+        define(key.shadow_maps.is_some(), "SHADOW_MAPS");
+        define(key.shadow_maps.is_some(), "GEOMETRIC_NORMAL");
+        define(
+            key.shadow_maps == Some(GeometricNormal::ThreeTap),
+            "GEOMETRIC_NORMAL_THREE_TAP",
+        );
+        define(
+            key.shadow_maps == Some(GeometricNormal::FiveTap),
+            "GEOMETRIC_NORMAL_FIVE_TAP",
+        );
+
+        define(key.debug_view.is_some(), "DEBUG_VIEW");
+        if let Some(channel) = key.debug_view {
+            define(true, channel.shader_def());
+        }
+        defs
+    }
+}
