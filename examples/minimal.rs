@@ -1,1 +1,3 @@
-fn main(){ let _ = bevy::prelude::App::new(); }
+fn main() {
+    let _ = bevy::prelude::App::new();
+}

@@ -53,7 +53,9 @@ impl Plugin for LeanCameraPlugin {
         };
         let support = LeanDeferredSupport::from_world(render_app.world());
         if let LeanDeferredSupport::Missing(missing) = &support {
-            warn!("LeanDeferred is off, cameras render as Bevy has them. The device lacks: {missing}");
+            warn!(
+                "LeanDeferred is off, cameras render as Bevy has them. The device lacks: {missing}"
+            );
         }
         render_app.insert_resource(support);
     }

@@ -12,7 +12,10 @@ use bevy::{
     platform::collections::{HashMap, HashSet},
     prelude::*,
     reflect::structs::Struct,
-    render::{Extract, ExtractSchedule, RenderApp, RenderStartup, sync_world::{MainEntity, MainEntityHashSet}},
+    render::{
+        Extract, ExtractSchedule, RenderApp, RenderStartup,
+        sync_world::{MainEntity, MainEntityHashSet},
+    },
     shader::ShaderRef,
 };
 
@@ -59,7 +62,9 @@ impl GBufferMaterial for StandardMaterial {
         let in_unit_range = |x: f32| (0.0..=1.0).contains(&x);
         self.opaque_render_method != OpaqueRendererMethod::Forward
             && [emissive.red, emissive.green, emissive.blue] == [0.0; 3]
-            && [albedo.red, albedo.green, albedo.blue].into_iter().all(in_unit_range)
+            && [albedo.red, albedo.green, albedo.blue]
+                .into_iter()
+                .all(in_unit_range)
             && self.reflectance == 0.5
             && [tint.red, tint.green, tint.blue] == [1.0; 3]
             && self.clearcoat == 0.0
@@ -196,15 +201,7 @@ pub(crate) struct ForwardOnlyMeshes(pub(crate) MainEntityHashSet);
 
 pub(super) fn extract_forward_only_meshes(
     mut forward_only: ResMut<ForwardOnlyMeshes>,
-    meshes: Extract<
-        Query<
-            Entity,
-            (
-                With<Mesh3d>,
-                Or<(With<NotShadowReceiver>, With<Lightmap>)>,
-            ),
-        >,
-    >,
+    meshes: Extract<Query<Entity, (With<Mesh3d>, Or<(With<NotShadowReceiver>, With<Lightmap>)>)>>,
 ) {
     forward_only.0.clear();
     forward_only.0.extend(meshes.iter().map(MainEntity::from));
@@ -217,7 +214,11 @@ pub(super) fn requeue_changed_forward_only_meshes(
     mut lightmaps: RemovedComponents<Lightmap>,
     mut meshes: Query<&mut Mesh3d>,
 ) {
-    for entity in changed.iter().chain(receivers.read()).chain(lightmaps.read()) {
+    for entity in changed
+        .iter()
+        .chain(receivers.read())
+        .chain(lightmaps.read())
+    {
         if let Ok(mut mesh) = meshes.get_mut(entity) {
             mesh.set_changed();
         }

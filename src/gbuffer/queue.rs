@@ -30,9 +30,7 @@ use bevy::{
             allocator::{MeshAllocator, MeshSlabs},
         },
         render_asset::RenderAssets,
-        render_phase::{
-            BinnedRenderPhaseType, DrawFunctions, ViewBinnedRenderPhases,
-        },
+        render_phase::{BinnedRenderPhaseType, DrawFunctions, ViewBinnedRenderPhases},
         render_resource::{CachedRenderPipelineId, PipelineCache, SpecializedMeshPipelines},
         sync_world::MainEntity,
         view::{ExtractedView, RenderVisibilityRanges, RenderVisibleEntities},
@@ -305,8 +303,7 @@ pub(super) fn queue_gbuffer_meshes(
             alpha_mask.remove(entity);
         }
 
-        for (render_entity, &entity) in
-            dirty.iter_to_queue(retained, visible, &pending.prev_frame)
+        for (render_entity, &entity) in dirty.iter_to_queue(retained, visible, &pending.prev_frame)
         {
             let mesh = match lookup.find(entity) {
                 Ok(mesh) => mesh,
@@ -320,9 +317,9 @@ pub(super) fn queue_gbuffer_meshes(
             let phase_type =
                 BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), &gpu_preprocessing);
             let properties = &mesh.material.properties;
-            let pipeline = lookup.gbuffer_shader(entity, &mesh).and_then(|shader| {
-                pipelines.specialize(&lookup, entity, &mesh, *view_key, shader)
-            });
+            let pipeline = lookup
+                .gbuffer_shader(entity, &mesh)
+                .and_then(|shader| pipelines.specialize(&lookup, entity, &mesh, *view_key, shader));
             let Some(pipeline) = pipeline else {
                 bevy_phases.add_deferred_as_forward(view, entity, &mesh, phase_type);
                 continue;

@@ -74,7 +74,10 @@ pub(super) struct ViewLightingBindings {
 
 impl ViewLightingBindings {
     /// The group that writes into `main_texture`.
-    pub(super) fn targets_for(&self, main_texture: &TextureView) -> Option<&bevy::render::render_resource::BindGroup> {
+    pub(super) fn targets_for(
+        &self,
+        main_texture: &TextureView,
+    ) -> Option<&bevy::render::render_resource::BindGroup> {
         self.targets
             .iter()
             .find(|(id, _)| *id == Some(main_texture.id()))
@@ -270,7 +273,9 @@ fn update_bind_groups(
         view.target.main_texture_other_view(),
     ];
     // The textures keep their slots while they swap roles, so that neither group is made anew.
-    if bindings.targets[0].0 == Some(outputs[1].id()) || bindings.targets[1].0 == Some(outputs[0].id()) {
+    if bindings.targets[0].0 == Some(outputs[1].id())
+        || bindings.targets[1].0 == Some(outputs[0].id())
+    {
         bindings.targets.swap(0, 1);
     }
     for (slot, output) in bindings.targets.iter_mut().zip(outputs) {
@@ -346,7 +351,11 @@ fn view_entries<'a>(
                 .default_view
                 .into_binding(),
             20 => view.depth.view().into_binding(),
-            31 => view.atmosphere?.transmittance_lut.default_view.into_binding(),
+            31 => view
+                .atmosphere?
+                .transmittance_lut
+                .default_view
+                .into_binding(),
             32 => (***resources.atmosphere_sampler.as_ref()?).into_binding(),
             33 => atmosphere?.binding()?,
             BLUE_NOISE_BINDING => images
@@ -437,11 +446,8 @@ impl<'a> ProbeAndDecalViews<'a> {
         let volumes = view
             .irradiance_volumes
             .map_or(&[][..], |volumes| &volumes.binding_index_to_textures[..]);
-        let (irradiance, irradiance_sampler) = gather(
-            &mut volumes.iter().copied(),
-            &fallback.d3,
-            length(3),
-        );
+        let (irradiance, irradiance_sampler) =
+            gather(&mut volumes.iter().copied(), &fallback.d3, length(3));
         let (decals, decal_sampler) = gather(
             &mut resources.decals.binding_index_to_textures.iter().copied(),
             &fallback.d2,

@@ -5,8 +5,7 @@ use bevy::{
     light::EnvironmentMapLight,
     pbr::{
         ExtractedDirectionalLight, ExtractedPointLight, ExtractedRectLight, MeshPipeline,
-        MeshPipelineKey, RenderViewLightProbes,
-        decal::clustered::RenderClusteredDecals,
+        MeshPipelineKey, RenderViewLightProbes, decal::clustered::RenderClusteredDecals,
     },
     prelude::*,
 };

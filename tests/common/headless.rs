@@ -1,0 +1,186 @@
+//! Bevy without a window: frames are made by hand and read back.
+
+use std::{
+    sync::{Arc, Mutex},
+    time::Duration,
+};
+
+use bevy::{
+    app::PluginsState,
+    asset::RenderAssetUsages,
+    camera::RenderTarget,
+    prelude::*,
+    render::{
+        RenderApp, RenderPlugin,
+        render_resource::{
+            Extent3d, PipelineCache, TextureDimension, TextureFormat, TextureUsages,
+        },
+        view::screenshot::{Screenshot, ScreenshotCaptured},
+    },
+    time::TimeUpdateStrategy,
+    window::ExitCondition,
+    winit::WinitPlugin,
+};
+use bevy_lean_deferred::LeanDeferredPlugins;
+
+/// Simulated time between two frames.
+pub const FRAME_TIME: Duration = Duration::from_micros(16_667);
+
+/// An app that renders into an image. Pipelines are compiled in the frame that asks for them.
+pub struct Headless {
+    pub app: App,
+    pub target: Handle<Image>,
+    pub size: UVec2,
+}
+
+impl Headless {
+    pub fn new(size: UVec2) -> Self {
+        Self::with(size, |_| {})
+    }
+
+    /// As [`new`](Self::new); `configure` may add plugins.
+    pub fn with(size: UVec2, configure: impl FnOnce(&mut App)) -> Self {
+        let mut app = App::new();
+        app.add_plugins(
+            DefaultPlugins
+                .set(WindowPlugin {
+                    primary_window: None,
+                    exit_condition: ExitCondition::DontExit,
+                    ..default()
+                })
+                .set(RenderPlugin {
+                    synchronous_pipeline_compilation: true,
+                    ..default()
+                })
+                .set(AssetPlugin {
+                    file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
+                    ..default()
+                })
+                .set(bevy::log::LogPlugin {
+                    filter: "warn,wgpu_hal=error,bevy_render::renderer=error".into(),
+                    ..default()
+                })
+                .disable::<WinitPlugin>()
+                .disable::<bevy::render::pipelined_rendering::PipelinedRenderingPlugin>(),
+        )
+        .add_plugins(LeanDeferredPlugins)
+        .insert_resource(TimeUpdateStrategy::ManualDuration(FRAME_TIME));
+        configure(&mut app);
+
+        while app.plugins_state() == PluginsState::Adding {
+            bevy::tasks::tick_global_task_pools_on_main_thread();
+        }
+        app.finish();
+        app.cleanup();
+
+        let target = app
+            .world_mut()
+            .resource_mut::<Assets<Image>>()
+            .add(target_image(size));
+        Self { app, target, size }
+    }
+
+    pub fn world(&mut self) -> &mut World {
+        self.app.world_mut()
+    }
+
+    /// What a camera of this app renders to.
+    pub fn render_target(&self) -> RenderTarget {
+        self.target.clone().into()
+    }
+
+    pub fn frames(&mut self, count: usize) {
+        for _ in 0..count {
+            self.app.update();
+        }
+    }
+
+    /// Makes frames until no asset is loading and no pipeline compiling, and a few more.
+    pub fn settle(&mut self) {
+        let mut quiet = 0;
+        for _ in 0..2000 {
+            self.app.update();
+            let render_world = self.app.sub_app(RenderApp).world();
+            let waiting = render_world
+                .resource::<PipelineCache>()
+                .waiting_pipelines()
+                .count();
+            quiet = if waiting == 0 { quiet + 1 } else { 0 };
+            if quiet > 4 {
+                return;
+            }
+        }
+        panic!("pipelines still waiting after 2000 frames");
+    }
+
+    /// The picture in the target, 8-bit sRGB, four bytes a pixel.
+    pub fn capture(&mut self) -> Picture {
+        let captured = Arc::new(Mutex::new(None));
+        let sink = captured.clone();
+        let target = self.target.clone();
+        self.world().spawn(Screenshot::image(target)).observe(
+            move |event: On<ScreenshotCaptured>| {
+                *sink.lock().unwrap() = Some(event.image.clone());
+            },
+        );
+        for _ in 0..200 {
+            self.app.update();
+            if let Some(image) = captured.lock().unwrap().take() {
+                return Picture {
+                    size: image.size(),
+                    rgba: image.data.expect("a captured image has data"),
+                };
+            }
+        }
+        panic!("no picture came back within 200 frames");
+    }
+}
+
+/// An sRGB image that can be rendered to and read back.
+pub fn target_image(size: UVec2) -> Image {
+    let mut image = Image::new_fill(
+        Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        &[0; 4],
+        TextureFormat::Rgba8UnormSrgb,
+        RenderAssetUsages::default(),
+    );
+    image.texture_descriptor.usage =
+        TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC | TextureUsages::TEXTURE_BINDING;
+    image
+}
+
+/// An 8-bit sRGB picture.
+#[derive(Clone)]
+pub struct Picture {
+    pub size: UVec2,
+    pub rgba: Vec<u8>,
+}
+
+impl Picture {
+    pub fn save(&self, path: impl AsRef<std::path::Path>) {
+        if let Some(folder) = path.as_ref().parent() {
+            std::fs::create_dir_all(folder).expect("the folder of a picture can be made");
+        }
+        Image::new(
+            Extent3d {
+                width: self.size.x,
+                height: self.size.y,
+                depth_or_array_layers: 1,
+            },
+            TextureDimension::D2,
+            self.rgba.clone(),
+            TextureFormat::Rgba8UnormSrgb,
+            RenderAssetUsages::default(),
+        )
+        .try_into_dynamic()
+        .expect("Rgba8UnormSrgb converts")
+        .to_rgb8()
+        .save(path)
+        .expect("a PNG can be written");
+    }
+}

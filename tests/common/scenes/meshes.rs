@@ -1,0 +1,3 @@
+use super::{Scene, SceneBuilder};
+
+pub const SCENES: &[Scene] = &[];

@@ -1,0 +1,52 @@
+//! Scenes built in code, small enough for a software renderer.
+
+pub mod boxes;
+mod build;
+mod lights;
+mod materials;
+mod meshes;
+mod views;
+
+pub use build::SceneBuilder;
+
+/// A scene and how exactly it must match Bevy's forward renderer.
+pub struct Scene {
+    pub name: &'static str,
+    /// Least PSNR in dB. Below [`LEAST_PSNR`] only with a reason.
+    pub least_psnr: f64,
+    /// Why it may be below.
+    pub reason: &'static str,
+    pub build: fn(&mut SceneBuilder),
+}
+
+/// What a scene must reach unless it says why not.
+pub const LEAST_PSNR: f64 = 45.0;
+
+impl Scene {
+    const fn new(name: &'static str, build: fn(&mut SceneBuilder)) -> Self {
+        Self {
+            name,
+            least_psnr: LEAST_PSNR,
+            reason: "",
+            build,
+        }
+    }
+
+    const fn allow(mut self, least_psnr: f64, reason: &'static str) -> Self {
+        self.least_psnr = least_psnr;
+        self.reason = reason;
+        self
+    }
+}
+
+/// All of them.
+pub fn all() -> impl Iterator<Item = &'static Scene> {
+    [
+        lights::SCENES,
+        materials::SCENES,
+        meshes::SCENES,
+        views::SCENES,
+    ]
+    .into_iter()
+    .flatten()
+}
