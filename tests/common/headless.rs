@@ -1,4 +1,5 @@
 //! Bevy without a window: frames are made by hand and read back.
+#![allow(dead_code, reason = "each binary uses a part")]
 
 use std::{
     sync::{Arc, Mutex},
@@ -7,7 +8,7 @@ use std::{
 
 use bevy::{
     app::PluginsState,
-    asset::RenderAssetUsages,
+    asset::{RenderAssetUsages, UnapprovedPathMode},
     camera::RenderTarget,
     prelude::*,
     render::{
@@ -54,6 +55,8 @@ impl Headless {
                 })
                 .set(AssetPlugin {
                     file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
+                    // Benches may name a file anywhere.
+                    unapproved_path_mode: UnapprovedPathMode::Allow,
                     ..default()
                 })
                 .set(bevy::log::LogPlugin {
@@ -162,11 +165,18 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// Writes a PNG; panics if that fails.
     pub fn save(&self, path: impl AsRef<std::path::Path>) {
-        if let Some(folder) = path.as_ref().parent() {
+        let path = path.as_ref();
+        if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).expect("the folder of a picture can be made");
         }
-        Image::new(
+        self.try_save(path).expect("a PNG can be written");
+    }
+
+    /// Writes a PNG.
+    pub fn try_save(&self, path: impl AsRef<std::path::Path>) -> Result<(), String> {
+        let image = Image::new(
             Extent3d {
                 width: self.size.x,
                 height: self.size.y,
@@ -176,11 +186,13 @@ impl Picture {
             self.rgba.clone(),
             TextureFormat::Rgba8UnormSrgb,
             RenderAssetUsages::default(),
-        )
-        .try_into_dynamic()
-        .expect("Rgba8UnormSrgb converts")
-        .to_rgb8()
-        .save(path)
-        .expect("a PNG can be written");
+        );
+        let image = image
+            .try_into_dynamic()
+            .map_err(|error| error.to_string())?;
+        image
+            .to_rgb8()
+            .save(path)
+            .map_err(|error| error.to_string())
     }
 }

@@ -1,6 +1,8 @@
 //! What tests and benches share: rendering without a window, comparing pictures, scenes built in code.
 #![allow(dead_code, reason = "each binary uses a part")]
 
+pub mod compute;
 pub mod headless;
 pub mod metrics;
+pub mod random;
 pub mod scenes;

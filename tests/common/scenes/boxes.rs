@@ -1,16 +1,56 @@
 //! The boxes scene of the benches: 1600 meshes on a plane, many point lights, one shadow-casting sun.
 
-use bevy::prelude::*;
+use bevy::{light::cluster::GlobalClusterSettings, prelude::*};
+
+/// How much of it there is.
+#[derive(Clone, Copy)]
+pub struct Boxes {
+    /// Meshes on a side of the grid.
+    pub side: u32,
+    /// Of the icospheres; 4 makes 5120 triangles.
+    pub subdivisions: u32,
+    pub point_lights: u32,
+}
+
+impl Boxes {
+    /// The whole scene.
+    pub fn full(point_lights: u32) -> Self {
+        Self {
+            side: 40,
+            subdivisions: 4,
+            point_lights,
+        }
+    }
+
+    /// A corner of it, for software renderers.
+    pub fn small(point_lights: u32) -> Self {
+        Self {
+            side: 10,
+            subdivisions: 2,
+            point_lights,
+        }
+    }
+}
+
+/// Makes room for hundreds of lights in Bevy's cluster lists from the first frame on. When Bevy grows them at run
+/// time, the lists are garbage for some frames, and a GPU may not come back from what they make it do.
+pub fn reserve_clusters(settings: &mut GlobalClusterSettings) {
+    if let Some(gpu) = &mut settings.gpu_clustering {
+        gpu.initial_z_slice_list_capacity = 1 << 16;
+        gpu.initial_index_list_capacity = 1 << 20;
+    }
+}
 
 /// Spawns everything but the camera.
 pub fn spawn(
     commands: &mut Commands,
     meshes: &mut Assets<Mesh>,
     materials: &mut Assets<StandardMaterial>,
-    point_lights: u32,
+    boxes: Boxes,
 ) {
+    let extent = 1.4 * boxes.side as f32;
     commands.spawn((
-        Mesh3d(meshes.add(Plane3d::default().mesh().size(60.0, 60.0))),
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(extent + 4.0, extent + 4.0))),
         MeshMaterial3d(materials.add(StandardMaterial {
             base_color: Color::srgb(0.6, 0.6, 0.6),
             perceptual_roughness: 0.6,
@@ -19,9 +59,14 @@ pub fn spawn(
     ));
 
     let cube = meshes.add(Cuboid::default());
-    let ball = meshes.add(Sphere::new(0.5).mesh().ico(4).expect("4 subdivisions"));
-    for i in 0..40u32 {
-        for j in 0..40u32 {
+    let ball = meshes.add(
+        Sphere::new(0.5)
+            .mesh()
+            .ico(boxes.subdivisions)
+            .expect("few subdivisions"),
+    );
+    for i in 0..boxes.side {
+        for j in 0..boxes.side {
             let material = materials.add(StandardMaterial {
                 base_color: Color::hsl((i * 40 + j) as f32 * 0.225 % 360.0, 0.6, 0.5),
                 metallic: (i % 5) as f32 / 4.0,
@@ -35,25 +80,16 @@ pub fn spawn(
                     ball.clone()
                 }),
                 MeshMaterial3d(material),
-                Transform::from_xyz((i as f32 - 19.5) * 1.4, 0.5, (j as f32 - 19.5) * 1.4),
+                Transform::from_xyz(
+                    (i as f32 + 0.5) * 1.4 - extent / 2.0,
+                    0.5,
+                    (j as f32 + 0.5) * 1.4 - extent / 2.0,
+                ),
             ));
         }
     }
 
-    // A low-discrepancy sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
-    for n in 0..point_lights {
-        let r = |a: f32| (0.5 + a * n as f32).fract();
-        let (u, v, w) = (r(0.819_172_5), r(0.671_043_6), r(0.549_700_5));
-        commands.spawn((
-            PointLight {
-                color: Color::hsl(360.0 * w, 0.7, 0.7),
-                intensity: 20_000.0,
-                range: 5.0,
-                ..default()
-            },
-            Transform::from_xyz(40.0 * (u - 0.5), 0.5 + 3.0 * w, 40.0 * (v - 0.5)),
-        ));
-    }
+    spawn_point_lights(commands, boxes);
     commands.spawn((
         DirectionalLight {
             illuminance: 8_000.0,
@@ -64,7 +100,28 @@ pub fn spawn(
     ));
 }
 
-/// Where the camera of the benches stands.
-pub fn camera_transform() -> Transform {
-    Transform::from_xyz(0.0, 6.0, 22.0).looking_at(Vec3::new(0.0, 1.0, 0.0), Vec3::Y)
+/// The point lights, without shadows.
+pub fn spawn_point_lights(commands: &mut Commands, boxes: Boxes) {
+    // A low-discrepancy sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
+    let spread = boxes.side as f32;
+    for n in 0..boxes.point_lights {
+        let r = |a: f32| (0.5 + a * n as f32).fract();
+        let (u, v, w) = (r(0.819_172_5), r(0.671_043_6), r(0.549_700_5));
+        commands.spawn((
+            PointLight {
+                color: Color::hsl(360.0 * w, 0.7, 0.7),
+                intensity: 20_000.0,
+                range: 5.0,
+                ..default()
+            },
+            Transform::from_xyz(spread * (u - 0.5), 0.5 + 3.0 * w, spread * (v - 0.5)),
+        ));
+    }
+}
+
+/// Where the camera of the benches stands: 22 m from the middle of the whole scene.
+pub fn camera_transform(boxes: Boxes) -> Transform {
+    let scale = boxes.side as f32 / 40.0;
+    Transform::from_xyz(0.0, 6.0 * scale, 22.0 * scale)
+        .looking_at(Vec3::new(0.0, 1.0, 0.0), Vec3::Y)
 }

@@ -2,6 +2,8 @@ use bevy::{
     asset::RenderAssetUsages,
     camera::{Exposure, Hdr},
     core_pipeline::tonemapping::Tonemapping,
+    image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor},
+    light::AmbientLight,
     prelude::*,
     render::render_resource::{
         Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
@@ -103,6 +105,67 @@ impl SceneBuilder<'_> {
         );
     }
 
+    /// A floor with a ball, a box and a slanted card of one material. They have tangents.
+    pub fn samples(&mut self, material: StandardMaterial) {
+        self.floor();
+        let material = self.add::<StandardMaterial>(material);
+        for (mesh, transform) in [
+            (
+                Mesh::from(Sphere::new(0.8).mesh().uv(48, 24)),
+                Transform::from_xyz(-1.7, 0.8, 0.3),
+            ),
+            (
+                Cuboid::from_length(1.2).into(),
+                Transform::from_xyz(0.1, 0.6, -0.5).with_rotation(Quat::from_rotation_y(0.5)),
+            ),
+            (
+                Rectangle::new(1.6, 1.6).into(),
+                Transform::from_xyz(1.8, 0.8, 0.5).with_rotation(Quat::from_euler(
+                    EulerRot::YXZ,
+                    -0.5,
+                    -0.3,
+                    0.2,
+                )),
+            ),
+        ] {
+            let mesh = mesh
+                .with_generated_tangents()
+                .expect("these meshes have all that tangents need");
+            let mesh = self.add(mesh);
+            self.spawn((Mesh3d(mesh), MeshMaterial3d(material.clone()), transform));
+        }
+    }
+
+    /// Balls of `subject` that lean solids cut, hide and are hidden by, on a floor.
+    pub fn among_lean(&mut self, subject: StandardMaterial) {
+        self.floor();
+        let clay = material((0.2, 0.5, 0.8), 0.0, 0.6);
+        for (size, position) in [
+            (Vec3::new(6.0, 1.4, 0.3), Vec3::new(0.0, 0.7, -1.6)),
+            (Vec3::new(0.25, 1.6, 0.25), Vec3::new(-1.2, 0.8, 1.6)),
+            (Vec3::new(1.0, 1.0, 1.0), Vec3::new(0.5, 0.5, 0.6)),
+            (Vec3::new(3.6, 0.3, 0.3), Vec3::new(0.2, 0.6, 0.2)),
+        ] {
+            self.mesh(
+                Cuboid::from_size(size),
+                clay.clone(),
+                Transform::from_translation(position),
+            );
+        }
+        let ball = Sphere::new(0.7)
+            .mesh()
+            .uv(48, 24)
+            .with_generated_tangents()
+            .expect("a sphere has all that tangents need");
+        for x in [-1.4, 0.3, 1.9] {
+            self.mesh(
+                ball.clone(),
+                subject.clone(),
+                Transform::from_xyz(x, 0.7, 0.2),
+            );
+        }
+    }
+
     pub fn sun(&mut self, shadow_maps_enabled: bool) -> Entity {
         self.spawn((
             DirectionalLight {
@@ -141,6 +204,44 @@ impl SceneBuilder<'_> {
             format,
             RenderAssetUsages::default(),
         ))
+    }
+
+    /// As [`image`](Self::image), tiled outside of 0..1.
+    pub fn tiled_image(
+        &mut self,
+        size: u32,
+        format: TextureFormat,
+        texel: impl Fn(f32, f32) -> [u8; 4],
+    ) -> Handle<Image> {
+        let handle = self.image(size, format, texel);
+        let mut images = self.world().resource_mut::<Assets<Image>>();
+        images.get_mut(&handle).expect("just added").sampler =
+            ImageSampler::Descriptor(ImageSamplerDescriptor {
+                address_mode_u: ImageAddressMode::Repeat,
+                address_mode_v: ImageAddressMode::Repeat,
+                ..ImageSamplerDescriptor::linear()
+            });
+        handle
+    }
+
+    /// An 8 × 8 checkerboard of two colours, tiled.
+    pub fn checker(&mut self, even: [u8; 4], odd: [u8; 4]) -> Handle<Image> {
+        self.tiled_image(64, TextureFormat::Rgba8UnormSrgb, |u, v| {
+            if ((u * 8.0) as u32 + (v * 8.0) as u32).is_multiple_of(2) {
+                even
+            } else {
+                odd
+            }
+        })
+    }
+
+    /// A tangent-space normal map of round bumps, eight by eight.
+    pub fn bumps(&mut self) -> Handle<Image> {
+        self.tiled_image(128, TextureFormat::Rgba8Unorm, |u, v| {
+            let slope = |x: f32| (x * 8.0 * std::f32::consts::TAU).sin() * 0.5;
+            let normal = Vec3::new(slope(u), slope(v), 1.0).normalize() * 127.5 + 127.5;
+            [normal.x as u8, normal.y as u8, normal.z as u8, 255]
+        })
     }
 
     /// A cube map with a colour a face, brighter upwards.
@@ -222,6 +323,14 @@ pub fn material(srgb: (f32, f32, f32), metallic: f32, roughness: f32) -> Standar
         base_color: Color::srgb(srgb.0, srgb.1, srgb.2),
         metallic,
         perceptual_roughness: roughness,
+        ..default()
+    }
+}
+
+/// Ambient light that is bright enough to tell surfaces in shadow apart.
+pub fn ambient() -> AmbientLight {
+    AmbientLight {
+        brightness: 500.0,
         ..default()
     }
 }

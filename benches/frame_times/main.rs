@@ -1,0 +1,124 @@
+//! GPU time, bytes and error of a frame: Bevy forward, Bevy deferred, this crate.
+//!
+//! `cargo bench --profile dev --bench frame_times -- --help`
+//!
+//! Prints a Markdown table; `--json FILE` writes the same figures. Times come from timestamp queries of the GPU; on a
+//! software renderer they are CPU times. A later effect adds a row by adding a [`Contender`] or a [`BenchScene`].
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+mod report;
+mod run;
+mod scenes;
+
+use argh::FromArgs;
+use bevy::math::UVec2;
+use run::{Contender, Measurement};
+use scenes::BenchScene;
+
+/// GPU time, bytes and error of a frame: Bevy forward, Bevy deferred, this crate.
+#[derive(FromArgs)]
+struct Args {
+    /// only scenes whose name contains this
+    #[argh(option, default = "String::new()")]
+    scene: String,
+
+    /// only contenders whose name contains this, beside forward, the reference
+    #[argh(option, default = "String::new()")]
+    contender: String,
+
+    /// width x height of the picture, default 3840x2160
+    #[argh(option, default = "UVec2::new(3840, 2160)", from_str_fn(parse_size))]
+    size: UVec2,
+
+    /// frames that are measured, default 40
+    #[argh(option, default = "40")]
+    frames: usize,
+
+    /// frames before measuring starts, default 15
+    #[argh(option, default = "15")]
+    warm_up: usize,
+
+    /// write the figures to this file
+    #[argh(option)]
+    json: Option<String>,
+
+    /// write each picture into this folder
+    #[argh(option)]
+    pictures: Option<String>,
+
+    /// glTF or GLB files to measure beside the built-in scenes, comma-separated
+    #[argh(option, default = "String::new()")]
+    gltf: String,
+
+    /// leave out FLIP, which takes seconds a picture at 4K
+    #[argh(switch)]
+    no_flip: bool,
+
+    /// given by cargo
+    #[argh(switch)]
+    #[expect(dead_code, reason = "cargo bench passes it")]
+    bench: bool,
+}
+
+fn parse_size(text: &str) -> Result<UVec2, String> {
+    let (x, y) = text.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
+    let number = |s: &str| s.parse::<u32>().map_err(|error| format!("{s}: {error}"));
+    let size = UVec2::new(number(x)?, number(y)?);
+    if size.min_element() == 0 {
+        return Err("both sides must be at least 1".into());
+    }
+    Ok(size)
+}
+
+fn main() {
+    let args: Args = argh::from_env();
+    let scenes: Vec<BenchScene> = scenes::all(&args.gltf)
+        .into_iter()
+        .filter(|scene| scene.name.contains(&args.scene))
+        .collect();
+    let contenders: Vec<Contender> = Contender::ALL
+        .into_iter()
+        .filter(|c| *c == Contender::Forward || c.name().contains(&args.contender))
+        .collect();
+
+    let total = scenes.len() * contenders.len();
+    let mut measurements: Vec<Measurement> = Vec::with_capacity(total);
+    for scene in &scenes {
+        let mut reference = None;
+        for contender in &contenders {
+            eprintln!(
+                "[{}/{total}] {}: {}",
+                measurements.len() + 1,
+                scene.name,
+                contender.name()
+            );
+            let (mut measurement, picture) =
+                run::measure(scene, *contender, args.size, args.warm_up, args.frames);
+            if let Some(folder) = &args.pictures {
+                let file = format!("{}_{}.png", scene.name, contender.name().replace(' ', "_"));
+                picture.save(std::path::Path::new(folder).join(file));
+            }
+            match &reference {
+                None => reference = Some(picture),
+                Some(reference) => {
+                    measurement.compare(reference, &picture, !args.no_flip);
+                }
+            }
+            eprintln!("{}", report::row(&measurement, None));
+            measurements.push(measurement);
+        }
+    }
+
+    println!(
+        "{}",
+        report::markdown(&measurements, args.size, args.frames)
+    );
+    if let Some(path) = args.json {
+        let json = serde_json::to_string_pretty(&measurements).expect("plain figures serialise");
+        if let Err(error) = std::fs::write(&path, json) {
+            eprintln!("cannot write {path}: {error}");
+            std::process::exit(1);
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! One scene through one renderer.
+
+use bevy::{
+    camera::Hdr,
+    core_pipeline::{
+        core_3d::main_opaque_pass_3d,
+        prepass::{DeferredPrepass, DepthPrepass},
+        schedule::{Core3d, Core3dSystems},
+        upscaling::upscaling,
+    },
+    diagnostic::DiagnosticsStore,
+    ecs::schedule::SingleThreadedExecutor,
+    pbr::{
+        DefaultOpaqueRendererMethod, clear_indirect_parameters_metadata,
+        deferred::deferred_lighting,
+    },
+    prelude::*,
+    render::{
+        RenderApp,
+        diagnostic::{RecordDiagnostics, RenderDiagnosticsPlugin},
+        renderer::{RenderAdapterInfo, RenderContext},
+    },
+};
+use bevy_lean_deferred::prelude::*;
+use serde::Serialize;
+
+use crate::{
+    common::{
+        headless::{Headless, Picture},
+        metrics,
+    },
+    scenes::BenchScene,
+};
+
+/// A way to render the scene.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Contender {
+    Forward,
+    BevyDeferred,
+    Lean(GeometricNormal),
+}
+
+impl Contender {
+    /// Forward first: it is the reference of the others.
+    pub const ALL: [Self; 5] = [
+        Self::Forward,
+        Self::BevyDeferred,
+        Self::Lean(GeometricNormal::NineTap),
+        Self::Lean(GeometricNormal::FiveTap),
+        Self::Lean(GeometricNormal::ThreeTap),
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Forward => "Bevy forward",
+            Self::BevyDeferred => "Bevy deferred",
+            Self::Lean(GeometricNormal::NineTap) => "lean",
+            Self::Lean(GeometricNormal::FiveTap) => "lean 5-tap normal",
+            Self::Lean(GeometricNormal::ThreeTap) => "lean 3-tap normal",
+        }
+    }
+
+    /// Bytes a pixel that the geometry stage must write, and that it and lighting must move in all: each target once
+    /// written, once read, formats as declared (depth 4, HDR colour 8).
+    fn bytes_per_pixel(self) -> (u32, u32) {
+        match self {
+            Self::Forward => (8 + 4, 8 + 4),
+            // G-buffer 16, lighting id 1, depth 4; copies of the id (1 read, 2 written) and of depth (4 + 4);
+            // lighting reads 16 + 2 + 4 and writes 8.
+            Self::BevyDeferred => (16 + 1 + 4, 21 + 3 + 8 + 22 + 8),
+            // G-buffer 8, depth 4; lighting reads both and writes 8.
+            Self::Lean(_) => (8 + 4, 12 + 12 + 8),
+        }
+    }
+
+    /// Names of the GPU spans of the geometry stage and of the lighting stage.
+    fn spans(self) -> (&'static str, Option<&'static str>) {
+        match self {
+            Self::Forward => ("main_opaque_pass_3d", None),
+            Self::BevyDeferred => ("early deferred prepass", Some("bench/deferred_lighting")),
+            Self::Lean(_) => ("lean_deferred/gbuffer", Some("lean_deferred/lighting")),
+        }
+    }
+}
+
+/// Median and spread of a GPU time, in milliseconds.
+#[derive(Serialize, Clone, Copy, Default)]
+pub struct Time {
+    pub median: f64,
+    /// 10th and 90th percentile.
+    pub low: f64,
+    pub high: f64,
+}
+
+#[derive(Serialize)]
+pub struct Measurement {
+    pub adapter: String,
+    pub scene: String,
+    pub contender: String,
+    /// Rasterising: the G-buffer, or forward's opaque pass with its lighting.
+    pub geometry: Option<Time>,
+    pub lighting: Option<Time>,
+    /// Everything from the first to the last pass of the camera, shadow maps and post-processing too.
+    pub camera: Option<Time>,
+    pub bytes_written_by_geometry: u32,
+    pub bytes_in_all: u32,
+    /// Against forward; none for forward itself.
+    pub psnr: Option<f64>,
+    pub flip: Option<f64>,
+    pub off_by_8: Option<f64>,
+}
+
+impl Measurement {
+    pub fn compare(&mut self, reference: &Picture, picture: &Picture, flip: bool) {
+        let difference = metrics::pixel_difference(reference, picture);
+        self.psnr = Some(difference.psnr);
+        self.off_by_8 = Some(difference.off_by_8);
+        self.flip = flip.then(|| metrics::flip(reference, picture));
+    }
+}
+
+/// Renders `warm_up` frames, then measures `frames`.
+pub fn measure(
+    scene: &BenchScene,
+    contender: Contender,
+    size: UVec2,
+    warm_up: usize,
+    frames: usize,
+) -> (Measurement, Picture) {
+    let mut headless = Headless::with(size, |app| {
+        app.add_plugins(RenderDiagnosticsPlugin);
+        if contender == Contender::BevyDeferred {
+            app.insert_resource(DefaultOpaqueRendererMethod::deferred());
+        }
+        add_bench_spans(app);
+    });
+    let transform = scene.spawn(&mut headless);
+    let target = headless.render_target();
+    let camera = headless
+        .world()
+        .spawn((Camera3d::default(), Hdr, Msaa::Off, target, transform))
+        .id();
+    let mut camera = headless.app.world_mut().entity_mut(camera);
+    match contender {
+        Contender::Forward => {}
+        Contender::BevyDeferred => {
+            camera.insert((DepthPrepass, DeferredPrepass));
+        }
+        Contender::Lean(geometric_normal) => {
+            camera.insert(LeanDeferred {
+                geometric_normal,
+                ..default()
+            });
+        }
+    }
+
+    headless.settle();
+    headless.frames(warm_up);
+    let mut samples = Samples::default();
+    for _ in 0..frames {
+        headless.frames(1);
+        samples.take(headless.app.world().resource::<DiagnosticsStore>());
+    }
+    let adapter = headless
+        .app
+        .sub_app(RenderApp)
+        .world()
+        .resource::<RenderAdapterInfo>()
+        .name
+        .clone();
+    let (geometry, lighting) = contender.spans();
+    let (bytes_written_by_geometry, bytes_in_all) = contender.bytes_per_pixel();
+    let measurement = Measurement {
+        adapter,
+        scene: scene.name.clone(),
+        contender: contender.name().into(),
+        geometry: samples.time(geometry),
+        lighting: lighting.and_then(|name| samples.time(name)),
+        camera: samples.time("bench/camera"),
+        bytes_written_by_geometry,
+        bytes_in_all,
+        psnr: None,
+        flip: None,
+        off_by_8: None,
+    };
+    (measurement, headless.capture())
+}
+
+/// GPU times by span name.
+#[derive(Default)]
+struct Samples(bevy::platform::collections::HashMap<String, Vec<f64>>);
+
+impl Samples {
+    /// Notes the newest value of each span.
+    fn take(&mut self, store: &DiagnosticsStore) {
+        for diagnostic in store.iter() {
+            let Some(name) = diagnostic.path().as_str().strip_suffix("/elapsed_gpu") else {
+                continue;
+            };
+            if let Some(value) = diagnostic.value() {
+                let name = name.trim_start_matches("render/");
+                let name = name.strip_prefix("bench/camera/").unwrap_or(name);
+                self.0.entry(name.to_owned()).or_default().push(value);
+            }
+        }
+    }
+
+    fn time(&self, name: &str) -> Option<Time> {
+        let mut values = self.0.get(name)?.clone();
+        values.sort_by(f64::total_cmp);
+        let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
+        Some(Time {
+            median: at(0.5),
+            low: at(0.1),
+            high: at(0.9),
+        })
+    }
+}
+
+/// A span around the whole camera, and one around Bevy's deferred lighting, which records none of its own. Spans of
+/// one thread nest, so the schedule runs on one.
+fn add_bench_spans(app: &mut App) {
+    let render_app = app.sub_app_mut(RenderApp);
+    render_app
+        .edit_schedule(Core3d, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        })
+        .add_systems(
+            Core3d,
+            (
+                (|ctx: RenderContext| begin(ctx, "bench/camera"))
+                    .before(clear_indirect_parameters_metadata)
+                    .before(Core3dSystems::Prepass),
+                end.after(upscaling),
+                (|ctx: RenderContext| begin(ctx, "bench/deferred_lighting"))
+                    .in_set(Core3dSystems::MainPass)
+                    .before(deferred_lighting),
+                end.in_set(Core3dSystems::MainPass)
+                    .after(deferred_lighting)
+                    .before(main_opaque_pass_3d),
+            ),
+        );
+}
+
+fn begin(mut ctx: RenderContext, name: &'static str) {
+    let recorder = ctx.diagnostic_recorder();
+    recorder
+        .as_deref()
+        .begin_time_span(ctx.command_encoder(), name.into());
+}
+
+fn end(mut ctx: RenderContext) {
+    let recorder = ctx.diagnostic_recorder();
+    recorder.as_deref().end_time_span(ctx.command_encoder());
+}

@@ -1,0 +1,73 @@
+//! The text in the corner: what is shown, and what it costs.
+
+use core::fmt::Write;
+
+use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+
+use crate::renderer::{Renderer, ViewerSettings};
+
+pub struct OverlayPlugin;
+
+impl Plugin for OverlayPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Startup, spawn_text)
+            .add_systems(Update, update_text);
+    }
+}
+
+#[derive(Component)]
+struct OverlayText;
+
+fn spawn_text(mut commands: Commands) {
+    commands.spawn((
+        OverlayText,
+        Text::default(),
+        TextFont::from_font_size(14.0),
+        Node {
+            position_type: PositionType::Absolute,
+            top: px(8),
+            left: px(10),
+            ..default()
+        },
+    ));
+}
+
+fn update_text(
+    settings: Res<ViewerSettings>,
+    diagnostics: Res<DiagnosticsStore>,
+    mut text: Single<&mut Text, With<OverlayText>>,
+) {
+    text.0.clear();
+    if !settings.text {
+        return;
+    }
+    let out = &mut text.0;
+    let _ = match settings.renderer {
+        Renderer::Forward => writeln!(out, "Bevy forward"),
+        Renderer::BevyDeferred => writeln!(out, "Bevy deferred"),
+        Renderer::Lean => writeln!(
+            out,
+            "lean, geometric normal {:?}{}",
+            settings.geometric_normal,
+            settings
+                .debug_view
+                .map_or(String::new(), |channel| format!(", showing {channel:?}"))
+        ),
+    };
+    let _ = writeln!(
+        out,
+        "1 forward  2 deferred  3 lean  D debug view  N normal  L sun  E environment  H text"
+    );
+    let mut times: Vec<(&str, f64)> = diagnostics
+        .iter()
+        .filter_map(|diagnostic| {
+            let name = diagnostic.path().as_str().strip_suffix("/elapsed_gpu")?;
+            Some((name.trim_start_matches("render/"), diagnostic.average()?))
+        })
+        .filter(|(_, milliseconds)| *milliseconds >= 0.0005)
+        .collect();
+    times.sort_by(|a, b| b.1.total_cmp(&a.1));
+    for (name, milliseconds) in times.into_iter().take(12) {
+        let _ = writeln!(out, "{milliseconds:7.3} ms  {name}");
+    }
+}

@@ -1,0 +1,154 @@
+//! Switching between the renderers.
+
+use core::str::FromStr;
+
+use bevy::{
+    core_pipeline::{
+        prepass::{DeferredPrepass, DepthPrepass},
+        tonemapping::Tonemapping,
+    },
+    pbr::DefaultOpaqueRendererMethod,
+    prelude::*,
+};
+use bevy_lean_deferred::prelude::*;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Renderer {
+    Forward,
+    BevyDeferred,
+    Lean,
+}
+
+impl FromStr for Renderer {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "forward" => Ok(Self::Forward),
+            "deferred" => Ok(Self::BevyDeferred),
+            "lean" => Ok(Self::Lean),
+            _ => Err("expected forward, deferred or lean".into()),
+        }
+    }
+}
+
+/// Reads the name of a channel as it stands in `--help`.
+pub fn parse_channel(text: &str) -> Result<GBufferChannel, String> {
+    GBufferChannel::ALL
+        .into_iter()
+        .find(|channel| {
+            let name = format!("{channel:?}").to_lowercase();
+            name == text.replace('-', "").to_lowercase()
+        })
+        .ok_or_else(|| format!("{text}: no such channel"))
+}
+
+/// What the keys change.
+#[derive(Resource, Clone)]
+pub struct ViewerSettings {
+    pub renderer: Renderer,
+    pub debug_view: Option<GBufferChannel>,
+    pub geometric_normal: GeometricNormal,
+    pub sun: bool,
+    pub environment: bool,
+    pub text: bool,
+}
+
+impl Default for ViewerSettings {
+    fn default() -> Self {
+        Self {
+            renderer: Renderer::Lean,
+            debug_view: None,
+            geometric_normal: GeometricNormal::default(),
+            sun: true,
+            environment: true,
+            text: true,
+        }
+    }
+}
+
+pub fn read_keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut settings: ResMut<ViewerSettings>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    for key in keys.get_just_pressed() {
+        match key {
+            KeyCode::Digit1 => settings.renderer = Renderer::Forward,
+            KeyCode::Digit2 => settings.renderer = Renderer::BevyDeferred,
+            KeyCode::Digit3 => settings.renderer = Renderer::Lean,
+            KeyCode::KeyD => settings.debug_view = next_view(settings.debug_view),
+            KeyCode::KeyN => {
+                settings.geometric_normal = next(&GeometricNormal::ALL, settings.geometric_normal);
+            }
+            KeyCode::KeyL => settings.sun = !settings.sun,
+            KeyCode::KeyE => settings.environment = !settings.environment,
+            KeyCode::KeyH => settings.text = !settings.text,
+            KeyCode::Escape => {
+                exit.write(AppExit::Success);
+            }
+            _ => {}
+        }
+    }
+}
+
+fn next<T: Copy + PartialEq>(all: &[T], current: T) -> T {
+    let index = all.iter().position(|x| *x == current).unwrap_or(0);
+    all[(index + 1) % all.len()]
+}
+
+/// None, then each channel, then none again.
+fn next_view(current: Option<GBufferChannel>) -> Option<GBufferChannel> {
+    match current {
+        None => GBufferChannel::ALL.first().copied(),
+        Some(channel) => {
+            let index = GBufferChannel::ALL.iter().position(|x| *x == channel);
+            index.and_then(|index| GBufferChannel::ALL.get(index + 1).copied())
+        }
+    }
+}
+
+pub fn apply_settings(
+    mut commands: Commands,
+    settings: Res<ViewerSettings>,
+    camera: Single<Entity, With<Camera3d>>,
+    mut default_method: ResMut<DefaultOpaqueRendererMethod>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut method_before: Local<Option<Renderer>>,
+) {
+    let mut camera = commands.entity(*camera);
+    camera.remove::<(LeanDeferred, DepthPrepass, DeferredPrepass)>();
+    match settings.renderer {
+        Renderer::Forward => {}
+        Renderer::BevyDeferred => {
+            camera.insert((DepthPrepass, DeferredPrepass));
+        }
+        Renderer::Lean => {
+            camera.insert(LeanDeferred {
+                geometric_normal: settings.geometric_normal,
+                debug_view: settings.debug_view,
+            });
+        }
+    }
+    let shows_data = settings.renderer == Renderer::Lean && settings.debug_view.is_some();
+    camera.insert(if shows_data {
+        Tonemapping::None
+    } else {
+        Tonemapping::TonyMcMapface
+    });
+
+    // Bevy settles a material's method when it prepares the material.
+    let was_deferred = *method_before == Some(Renderer::BevyDeferred);
+    let is_deferred = settings.renderer == Renderer::BevyDeferred;
+    if was_deferred != is_deferred {
+        if is_deferred {
+            default_method.set_to_deferred();
+        } else {
+            default_method.set_to_forward();
+        }
+        for (_, material) in materials.iter_mut() {
+            let _ = &mut *material;
+        }
+    }
+    *method_before = Some(settings.renderer);
+}

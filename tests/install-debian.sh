@@ -1,0 +1,27 @@
+#!/bin/sh
+# Installs what the crate's examples and tests need on Debian or Ubuntu, where it is missing: a C++ compiler (for FLIP),
+# a fast linker, Wayland's headers, the Vulkan loader and, where no GPU driver brings one, Mesa's software driver.
+# Does nothing elsewhere.
+set -eu
+command -v apt-get >/dev/null || exit 0
+
+missing=""
+need() { # package, test that succeeds if it is there
+    sh -c "$2" >/dev/null 2>&1 || missing="$missing $1"
+}
+need g++ "command -v g++"
+need mold "command -v mold"
+need pkg-config "command -v pkg-config"
+need libwayland-dev "pkg-config --exists wayland-client"
+need libxkbcommon-x11-0 "ldconfig -p | grep -q libxkbcommon-x11.so"
+need libvulkan1 "ldconfig -p | grep -q libvulkan.so.1"
+need vulkan-validationlayers "ls /usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json"
+need mesa-vulkan-drivers "ls /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json \${VK_DRIVER_FILES:-} | grep -q ."
+[ -n "$missing" ] || exit 0
+
+root=""
+[ "$(id -u)" = 0 ] || root=sudo
+echo "installing:$missing"
+$root apt-get update -qq
+# shellcheck disable=SC2086 # a list of packages
+DEBIAN_FRONTEND=noninteractive $root apt-get install -y -qq $missing >/dev/null

@@ -1,0 +1,213 @@
+//! What storing a surface in the G-buffer costs, beside what other layouts of the same bits would.
+
+use bevy::math::{DVec2, DVec3, Vec2Swizzles as _, Vec3};
+use bevy_lean_deferred::gbuffer::layout::{self, NORMAL_STEPS};
+
+/// A transfer curve for albedo.
+pub struct Curve {
+    name: &'static str,
+    /// From linear to what is stored.
+    pub encode: fn(f64) -> f64,
+    pub decode: fn(f64) -> f64,
+}
+
+pub const SRGB: Curve = Curve {
+    name: "sRGB",
+    encode: |x| {
+        if x <= 0.003_130_8 {
+            12.92 * x
+        } else {
+            1.055 * x.powf(1.0 / 2.4) - 0.055
+        }
+    },
+    decode: |x| {
+        if x <= 0.04045 {
+            x / 12.92
+        } else {
+            ((x + 0.055) / 1.055).powf(2.4)
+        }
+    },
+};
+
+/// The curves that were weighed, with their documented errors (RMS and largest, in 1/255 of sRGB) in 7 bits.
+const CURVES: [(Curve, [f64; 2]); 4] = [
+    (SRGB, [0.58, 1.00]),
+    (
+        Curve {
+            name: "gamma 2.0",
+            encode: f64::sqrt,
+            decode: |x| x * x,
+        },
+        [0.60, 1.41],
+    ),
+    (
+        Curve {
+            name: "gamma 2.2",
+            encode: |x| x.powf(1.0 / 2.2),
+            decode: |x| x.powf(2.2),
+        },
+        [0.60, 1.21],
+    ),
+    (
+        Curve {
+            name: "linear",
+            encode: |x| x,
+            decode: |x| x,
+        },
+        [2.25, 12.75],
+    ),
+];
+
+/// Root mean square and largest of `values`.
+fn rms_and_largest(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (mut count, mut squares, mut largest) = (0.0, 0.0, 0.0f64);
+    for value in values {
+        count += 1.0;
+        squares += value * value;
+        largest = largest.max(value.abs());
+    }
+    [f64::sqrt(squares / count), largest]
+}
+
+/// Values from 0 to 1 as they are in sRGB.
+fn srgb_values() -> impl Iterator<Item = f64> {
+    const COUNT: u32 = 1 << 20;
+    (0..=COUNT).map(|i| f64::from(i) / f64::from(COUNT))
+}
+
+/// Checks a measured figure against the one that `layout.rs` documents with so many decimals.
+fn assert_documented(what: &str, measured: f64, documented: f64, decimals: i32) {
+    let tolerance = 0.6 * 10f64.powi(-decimals);
+    assert!(
+        (measured - documented).abs() <= tolerance,
+        "{what}: measured {measured}, documented {documented}"
+    );
+}
+
+#[test]
+fn albedo_errors_are_as_documented() {
+    for (curve, documented) in CURVES {
+        let measured = rms_and_largest(srgb_values().map(|srgb| {
+            let stored = ((curve.encode)((SRGB.decode)(srgb)) * 127.0).round() / 127.0;
+            255.0 * ((SRGB.encode)((curve.decode)(stored)) - srgb)
+        }));
+        let [rms, largest] = measured;
+        println!(
+            "albedo, 7 bits, {:9}: RMS {rms:.3}, largest {largest:.3}",
+            curve.name
+        );
+        assert_documented(curve.name, rms, documented[0], 2);
+        assert_documented(curve.name, largest, documented[1], 2);
+    }
+}
+
+#[test]
+fn packed_albedo_is_as_exact_as_its_bits_allow() {
+    for (channel, steps) in [127.0, 255.0, 127.0].into_iter().enumerate() {
+        let [rms, largest] = rms_and_largest(srgb_values().map(|srgb| {
+            let word = layout::pack_surface(Vec3::splat((SRGB.decode)(srgb) as f32), 0.0, 0.0);
+            let stored = f64::from(layout::unpack_albedo(word)[channel]);
+            255.0 * ((SRGB.encode)(stored) - srgb)
+        }));
+        println!("albedo, channel {channel}, as packed: RMS {rms:.3}, largest {largest:.3}");
+        // Rounding to the nearest of evenly spaced values errs uniformly by up to half a step.
+        let half_step = 127.5 / steps;
+        assert!(largest <= half_step + 1e-3 && rms <= half_step / f64::sqrt(3.0) + 1e-3);
+    }
+}
+
+#[test]
+fn green_of_an_eight_bit_texture_is_exact() {
+    for code in 0..=255 {
+        let linear = layout::linear_from_srgb(code as f32 / 255.0);
+        let albedo = layout::unpack_albedo(layout::pack_surface(Vec3::splat(linear), 0.0, 0.0));
+        assert_eq!(albedo.y, linear, "of {code}");
+    }
+}
+
+/// The angle between `stored` and the unit vector `exact`, in degrees; also right for tiny ones.
+pub fn angle(stored: Vec3, exact: DVec3) -> f64 {
+    let stored = stored.as_dvec3();
+    stored
+        .cross(exact)
+        .length()
+        .atan2(stored.dot(exact))
+        .to_degrees()
+}
+
+fn octahedral_from_unit(n: DVec3) -> DVec2 {
+    let p = n.truncate() / n.abs().element_sum();
+    if n.z >= 0.0 {
+        p
+    } else {
+        (1.0 - p.yx().abs()) * DVec2::new(1f64.copysign(p.x), 1f64.copysign(p.y))
+    }
+}
+
+/// Inverse of [`octahedral_from_unit`].
+pub fn direction_from_octahedral(p: DVec2) -> DVec3 {
+    let z = 1.0 - p.x.abs() - p.y.abs();
+    let p = if z >= 0.0 {
+        p
+    } else {
+        (1.0 - p.yx().abs()) * DVec2::new(1f64.copysign(p.x), 1f64.copysign(p.y))
+    };
+    p.extend(z).normalize()
+}
+
+/// `n` as rounding each axis to the same codes on its own would store it.
+fn naively_stored(n: DVec3) -> DVec3 {
+    let steps = f64::from(NORMAL_STEPS);
+    let codes = ((octahedral_from_unit(n) * 0.5 + 0.5) * steps).round();
+    direction_from_octahedral(codes * (2.0 / steps) - 1.0)
+}
+
+/// Points spread evenly over the unit sphere, on a Fibonacci spiral.
+fn sphere(count: u32) -> impl Iterator<Item = DVec3> {
+    let golden_angle = core::f64::consts::PI * (3.0 - f64::sqrt(5.0));
+    (0..count).map(move |i| {
+        let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+        let (sin, cos) = (golden_angle * f64::from(i)).sin_cos();
+        let radius = (1.0 - z * z).sqrt();
+        DVec3::new(radius * cos, radius * sin, z)
+    })
+}
+
+/// Mean and largest angle between points on the sphere and what `store` makes of them.
+fn normal_errors(store: impl Fn(DVec3) -> Vec3) -> [f64; 2] {
+    const COUNT: u32 = 2_000_000;
+    let (sum, largest) = sphere(COUNT).fold((0.0, 0.0f64), |(sum, largest), n| {
+        let error = angle(store(n), n);
+        (sum + error, largest.max(error))
+    });
+    [sum / f64::from(COUNT), largest]
+}
+
+#[test]
+fn normal_errors_are_as_documented() {
+    let [mean, largest] =
+        normal_errors(|n| layout::unpack_normal(layout::pack_normal(n.as_vec3(), 0.0)));
+    let [naive_mean, naive_largest] = normal_errors(|n| naively_stored(n).as_vec3());
+    println!("normal: mean {mean:.5}°, largest {largest:.5}°");
+    println!("normal, each axis on its own: mean {naive_mean:.5}°, largest {naive_largest:.5}°");
+    assert!(mean <= 0.0198 && largest <= 0.0400);
+    assert_documented("mean error", mean, 0.0195, 4);
+    assert_documented("largest error", largest, 0.0395, 4);
+    assert_documented("mean error of naive rounding", naive_mean, 0.0256, 4);
+    assert_documented("largest error of naive rounding", naive_largest, 0.0656, 4);
+}
+
+#[test]
+fn axes_are_exact() {
+    for axis in [
+        Vec3::X,
+        Vec3::NEG_X,
+        Vec3::Y,
+        Vec3::NEG_Y,
+        Vec3::Z,
+        Vec3::NEG_Z,
+    ] {
+        let stored = layout::unpack_normal(layout::pack_normal(axis, 0.0));
+        assert_eq!(stored, axis);
+    }
+}
