@@ -16,7 +16,7 @@
 //! - Values that cannot be stored are clamped; NaN becomes 0, a normal without a direction becomes +Y.
 
 use bevy::{
-    math::{Vec2, Vec3},
+    math::{Vec2, Vec3, Vec3Swizzles, Vec2Swizzles},
     render::render_resource::TextureFormat,
 };
 
@@ -148,20 +148,44 @@ pub fn unit_or_up(n: Vec3) -> Vec3 {
     (n / largest).normalize()
 }
 
+/// The metric of the octahedral map at the unit vector `n`, at codes `p` in -1..1: the squared angle that a step
+/// (dx, dy) makes is proportional to `x dx² + 2 y dx dy + z dy²`. (The map's two partial derivatives have length √2;
+/// their parts along `n` do not turn it.)
+pub fn octahedral_metric(n: Vec3, p: Vec2) -> Vec3 {
+    let s = Vec2::new(sign_not_zero(p.x), sign_not_zero(p.y));
+    // Upper half: ∂/∂x = (1, 0, -sx), ∂/∂y = (0, 1, -sy). Lower half, folded: -sx (0, sy, 1), -sy (sx, 0, 1).
+    let along = if n.z >= 0.0 {
+        n.truncate() - s * n.z
+    } else {
+        -s * (s.yx() * n.yx() + n.z)
+    };
+    Vec3::new(
+        2.0 - along.x * along.x,
+        s.x * s.y - along.x * along.y,
+        2.0 - along.y * along.y,
+    )
+}
+
 /// Packs word 1 from a normal of any length and a perceptual roughness 0 to 1. Of the four codes around the exact
-/// point it takes the one whose direction is nearest (Cigolle et al. 2014, "precise" rounding).
+/// point it takes the one whose direction is nearest (after the "precise" rounding of Cigolle et al. 2014, with the
+/// metric in place of four decodes).
 pub fn pack_normal(normal: Vec3, perceptual_roughness: f32) -> u32 {
     let n = unit_or_up(normal);
-    let exact = (octahedral_from_unit(n) * 0.5 + 0.5) * NORMAL_STEPS;
+    let p = octahedral_from_unit(n);
+    let exact = (p * 0.5 + 0.5) * NORMAL_STEPS;
     let low = exact
         .floor()
         .clamp(Vec2::ZERO, Vec2::splat(NORMAL_STEPS - 1.0));
+    let metric = octahedral_metric(n, p);
     let mut best = low;
-    // Squared chord length: unlike the dot product it resolves differences far below 0.02 degrees in f32.
-    let mut best_distance = 8.0;
+    // Larger than any squared step to a corner of the cell.
+    let mut best_distance = 16.0;
     for i in 0..4 {
         let codes = low + Vec2::new((i & 1) as f32, (i >> 1) as f32);
-        let distance = unit_from_codes(codes).distance_squared(n);
+        let step = codes - exact;
+        let distance = metric.x * step.x * step.x
+            + 2.0 * metric.y * step.x * step.y
+            + metric.z * step.y * step.y;
         if distance < best_distance {
             best_distance = distance;
             best = codes;

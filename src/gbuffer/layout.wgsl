@@ -131,19 +131,32 @@ fn unit_or_up(n: vec3<f32>) -> vec3<f32> {
     return normalize(n / largest);
 }
 
+/// The metric of the octahedral map at the unit vector `n`, at codes `p` in -1..1: the squared angle that a step
+/// (dx, dy) makes is proportional to `x dx² + 2 y dx dy + z dy²`. (The map's two partial derivatives have length √2;
+/// their parts along `n` do not turn it.)
+fn octahedral_metric(n: vec3<f32>, p: vec2<f32>) -> vec3<f32> {
+    let s = vec2(sign_not_zero(p.x), sign_not_zero(p.y));
+    // Upper half: ∂/∂x = (1, 0, -sx), ∂/∂y = (0, 1, -sy). Lower half, folded: -sx (0, sy, 1), -sy (sx, 0, 1).
+    let along = select(-s * (s.yx * n.yx + n.z), n.xy - s * n.z, n.z >= 0.0);
+    return vec3(2.0 - along.x * along.x, s.x * s.y - along.x * along.y, 2.0 - along.y * along.y);
+}
+
 /// Packs a normal and the roughness. Of the four codes around the exact point it takes the one whose direction is
-/// nearest (Cigolle et al. 2014, "precise" rounding).
+/// nearest (after the "precise" rounding of Cigolle et al. 2014, with the metric in place of four decodes).
 fn pack_normal(normal: vec3<f32>, perceptual_roughness: f32) -> u32 {
     let n = unit_or_up(normal);
-    let exact = (octahedral_from_unit(n) * 0.5 + 0.5) * NORMAL_STEPS;
+    let p = octahedral_from_unit(n);
+    let exact = (p * 0.5 + 0.5) * NORMAL_STEPS;
     let low = clamp(floor(exact), vec2(0.0), vec2(NORMAL_STEPS - 1.0));
+    let metric = octahedral_metric(n, p);
     var best = low;
-    // Squared chord length: unlike the dot product it resolves differences far below 0.02 degrees in f32.
-    var best_distance = 8.0;
+    // Larger than any squared step to a corner of the cell.
+    var best_distance = 16.0;
     for (var i = 0u; i < 4u; i += 1u) {
         let codes = low + vec2(f32(i & 1u), f32(i >> 1u));
-        let chord = unit_from_codes(codes) - n;
-        let distance = dot(chord, chord);
+        let step = codes - exact;
+        let distance =
+            metric.x * step.x * step.x + 2.0 * metric.y * step.x * step.y + metric.z * step.y * step.y;
         if distance < best_distance {
             best_distance = distance;
             best = codes;

@@ -14,8 +14,9 @@ use bevy::{
     render::{
         RenderApp, RenderPlugin,
         render_resource::{
-            Extent3d, PipelineCache, TextureDimension, TextureFormat, TextureUsages,
+            Extent3d, PipelineCache, PollType, TextureDimension, TextureFormat, TextureUsages,
         },
+        renderer::RenderDevice,
         view::screenshot::{Screenshot, ScreenshotCaptured},
     },
     time::TimeUpdateStrategy,
@@ -94,7 +95,20 @@ impl Headless {
 
     pub fn frames(&mut self, count: usize) {
         for _ in 0..count {
-            self.app.update();
+            self.frame();
+        }
+    }
+
+    /// One frame, and waits until the GPU has finished it: without a window nothing else would hold the CPU back.
+    fn frame(&mut self) {
+        self.app.update();
+        let device = self
+            .app
+            .sub_app(RenderApp)
+            .world()
+            .resource::<RenderDevice>();
+        if let Err(error) = device.poll(PollType::wait_indefinitely()) {
+            warn!("waiting for the GPU: {error}");
         }
     }
 
@@ -102,7 +116,7 @@ impl Headless {
     pub fn settle(&mut self) {
         let mut quiet = 0;
         for _ in 0..2000 {
-            self.app.update();
+            self.frame();
             let render_world = self.app.sub_app(RenderApp).world();
             let waiting = render_world
                 .resource::<PipelineCache>()
@@ -127,7 +141,7 @@ impl Headless {
             },
         );
         for _ in 0..200 {
-            self.app.update();
+            self.frame();
             if let Some(image) = captured.lock().unwrap().take() {
                 return Picture {
                     size: image.size(),

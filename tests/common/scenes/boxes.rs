@@ -32,8 +32,8 @@ impl Boxes {
     }
 }
 
-/// Makes room for hundreds of lights in Bevy's cluster lists from the first frame on. When Bevy grows them at run
-/// time, the lists are garbage for some frames, and a GPU may not come back from what they make it do.
+/// Makes room for hundreds of lights in Bevy's cluster lists from the first frame on: when Bevy grows them at run time,
+/// they are garbage for some frames.
 pub fn reserve_clusters(settings: &mut GlobalClusterSettings) {
     if let Some(gpu) = &mut settings.gpu_clustering {
         gpu.initial_z_slice_list_capacity = 1 << 16;
