@@ -3,16 +3,21 @@
 use bevy::{
     camera::Hdr,
     core_pipeline::{
-        core_3d::main_opaque_pass_3d,
-        prepass::{DeferredPrepass, DepthPrepass},
+        core_3d::{main_opaque_pass_3d, main_transparent_pass_3d},
+        mip_generation::experimental::depth::early_downsample_depth,
+        prepass::{
+            DeferredPrepass, DepthPrepass,
+            node::{early_prepass, late_prepass},
+        },
         schedule::{Core3d, Core3dSystems},
         upscaling::upscaling,
     },
     diagnostic::DiagnosticsStore,
     ecs::schedule::SingleThreadedExecutor,
     pbr::{
-        DefaultOpaqueRendererMethod, clear_indirect_parameters_metadata,
-        deferred::deferred_lighting,
+        DefaultOpaqueRendererMethod, EARLY_SHADOW_PASS, clear_indirect_parameters_metadata,
+        deferred::deferred_lighting, early_prepass_build_indirect_parameters, per_view_shadow_pass,
+        shared_shadow_pass,
     },
     prelude::*,
     render::{
@@ -37,13 +42,16 @@ use crate::{
 pub enum Contender {
     Forward,
     BevyDeferred,
+    /// Forward with a depth prepass, of which the geometry column has the prepass alone: no G-buffer can be cheaper.
+    DepthOnly,
     Lean(GeometricNormal),
 }
 
 impl Contender {
     /// Forward first: it is the reference of the others.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Forward,
+        Self::DepthOnly,
         Self::BevyDeferred,
         Self::Lean(GeometricNormal::NineTap),
         Self::Lean(GeometricNormal::FiveTap),
@@ -53,6 +61,7 @@ impl Contender {
     pub fn name(self) -> &'static str {
         match self {
             Self::Forward => "Bevy forward",
+            Self::DepthOnly => "Bevy depth prepass",
             Self::BevyDeferred => "Bevy deferred",
             Self::Lean(GeometricNormal::NineTap) => "lean",
             Self::Lean(GeometricNormal::FiveTap) => "lean 5-tap normal",
@@ -65,6 +74,7 @@ impl Contender {
     fn bytes_per_pixel(self) -> (u32, u32) {
         match self {
             Self::Forward => (8 + 4, 8 + 4),
+            Self::DepthOnly => (4, 4 + 8),
             // G-buffer 16, lighting id 1, depth 4; copies of the id (1 read, 2 written) and of depth (4 + 4);
             // lighting reads 16 + 2 + 4 and writes 8.
             Self::BevyDeferred => (16 + 1 + 4, 21 + 3 + 8 + 22 + 8),
@@ -76,8 +86,9 @@ impl Contender {
     /// Names of the GPU spans of the geometry stage and of the lighting stage.
     fn spans(self) -> (&'static str, Option<&'static str>) {
         match self {
-            Self::Forward => ("main_opaque_pass_3d", None),
-            Self::BevyDeferred => ("early deferred prepass", Some("bench/deferred_lighting")),
+            Self::Forward => ("bench/opaque", None),
+            Self::DepthOnly => ("bench/prepass", None),
+            Self::BevyDeferred => ("bench/prepass", Some("bench/deferred_lighting")),
             Self::Lean(_) => ("lean_deferred/gbuffer", Some("lean_deferred/lighting")),
         }
     }
@@ -143,6 +154,9 @@ pub fn measure(
     let mut camera = headless.app.world_mut().entity_mut(camera);
     match contender {
         Contender::Forward => {}
+        Contender::DepthOnly => {
+            camera.insert(DepthPrepass);
+        }
         Contender::BevyDeferred => {
             camera.insert((DepthPrepass, DeferredPrepass));
         }
@@ -200,6 +214,7 @@ impl Samples {
             if let Some(value) = diagnostic.value() {
                 let name = name.trim_start_matches("render/");
                 let name = name.strip_prefix("bench/camera/").unwrap_or(name);
+                let name = name.strip_prefix("bench/prepass/").unwrap_or(name);
                 self.0.entry(name.to_owned()).or_default().push(value);
             }
         }
@@ -217,8 +232,9 @@ impl Samples {
     }
 }
 
-/// A span around the whole camera, and one around Bevy's deferred lighting, which records none of its own. Spans of
-/// one thread nest, so the schedule runs on one.
+/// Spans around whole stages of Bevy's renderers, with their clears and copies, as this crate's own spans have them:
+/// Bevy's spans lie inside its passes, and its deferred lighting has none. Spans of one thread nest, so the schedule
+/// runs on one.
 fn add_bench_spans(app: &mut App) {
     let render_app = app.sub_app_mut(RenderApp);
     render_app
@@ -237,9 +253,33 @@ fn add_bench_spans(app: &mut App) {
                     .before(deferred_lighting),
                 end.in_set(Core3dSystems::MainPass)
                     .after(deferred_lighting)
+                    .before(main_opaque_pass_3d)
+                    .before(begin_opaque),
+                begin_opaque
+                    .in_set(Core3dSystems::MainPass)
+                    .after(deferred_lighting)
                     .before(main_opaque_pass_3d),
+                end.in_set(Core3dSystems::MainPass)
+                    .after(main_opaque_pass_3d)
+                    .before(main_transparent_pass_3d),
+                begin_prepass
+                    .after(early_prepass_build_indirect_parameters)
+                    .after(per_view_shadow_pass::<EARLY_SHADOW_PASS>)
+                    .after(shared_shadow_pass::<EARLY_SHADOW_PASS>)
+                    .before(early_prepass),
+                end.after(early_downsample_depth)
+                    .before(late_prepass)
+                    .in_set(Core3dSystems::Prepass),
             ),
         );
+}
+
+fn begin_opaque(ctx: RenderContext) {
+    begin(ctx, "bench/opaque");
+}
+
+fn begin_prepass(ctx: RenderContext) {
+    begin(ctx, "bench/prepass");
 }
 
 fn begin(mut ctx: RenderContext, name: &'static str) {

@@ -1,5 +1,5 @@
 use bevy::{
-    camera::CameraMainTextureUsages,
+    camera::{Camera3dDepthLoadOp, CameraMainTextureUsages},
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
     pbr::ViewKeyCache,
     platform::collections::{HashMap, HashSet},
@@ -27,6 +27,9 @@ pub struct ActiveLeanView {
     pub draws_in_prepass: bool,
     /// Lean meshes stay in Bevy's prepass, because it writes normals or motion vectors that only it can write.
     pub keeps_prepass: bool,
+    /// At the time of lighting, depth other than 0 means that a lean mesh was drawn there: nothing else writes depth
+    /// before, and it starts at 0. Then the G-buffer needs no clearing.
+    pub depth_tells_geometry: bool,
 }
 
 /// Why a camera with [`LeanDeferred`] is rendered by Bevy's forward passes instead.
@@ -94,7 +97,7 @@ pub(super) fn decide_active_views(
         &ExtractedCamera,
         &ExtractedView,
         &Msaa,
-        &mut CameraMainTextureUsages,
+        (&mut CameraMainTextureUsages, &Camera3d),
         (
             Has<DepthPrepass>,
             Has<NormalPrepass>,
@@ -111,7 +114,9 @@ pub(super) fn decide_active_views(
     let supported = support.is_some_and(|support| *support == LeanDeferredSupport::Full);
     let mut active_now = HashMap::default();
 
-    for (entity, camera, view, msaa, mut usages, prepasses, settings, lighting) in &mut views {
+    for (entity, camera, view, msaa, (mut usages, camera_3d), prepasses, settings, lighting) in
+        &mut views
+    {
         let (depth_prepass, normal_prepass, motion_prepass, deferred_prepass) = prepasses;
         let Some(settings) = settings.filter(|_| supported) else {
             continue;
@@ -138,14 +143,17 @@ pub(super) fn decide_active_views(
 
         // The lighting pass writes the main texture; whoever spawned the camera need not know.
         usages.0 |= TextureUsages::STORAGE_BINDING;
-        let key = scene.key(*view_key, settings);
+        let draws_in_prepass = depth_prepass || normal_prepass || motion_prepass;
+        let starts_at_zero = matches!(camera_3d.depth_load_op, Camera3dDepthLoadOp::Clear(0.0));
+        let active = ActiveLeanView {
+            draws_in_prepass,
+            keeps_prepass: normal_prepass || motion_prepass,
+            depth_tells_geometry: !draws_in_prepass && starts_at_zero,
+        };
+        let key = scene.key(*view_key, settings, active.depth_tells_geometry);
         let pipeline = pipelines.specialize(&pipeline_cache, key);
         lighting.pipeline = Some((key, pipeline));
         if pipeline_cache.get_compute_pipeline(pipeline).is_some() {
-            let active = ActiveLeanView {
-                draws_in_prepass: depth_prepass || normal_prepass || motion_prepass,
-                keeps_prepass: normal_prepass || motion_prepass,
-            };
             active_now.insert(view.retained_view_entity, active);
             commands.entity(entity).insert(active);
         } else {

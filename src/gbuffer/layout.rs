@@ -16,7 +16,7 @@
 //! - Values that cannot be stored are clamped; NaN becomes 0, a normal without a direction becomes +Y.
 
 use bevy::{
-    math::{Vec2, Vec3, Vec3Swizzles, Vec2Swizzles},
+    math::{Vec2, Vec2Swizzles, Vec3, Vec3Swizzles},
     render::render_resource::TextureFormat,
 };
 

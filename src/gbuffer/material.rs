@@ -62,9 +62,15 @@ impl GBufferMaterial for StandardMaterial {
         let in_unit_range = |x: f32| (0.0..=1.0).contains(&x);
         self.opaque_render_method != OpaqueRendererMethod::Forward
             && [emissive.red, emissive.green, emissive.blue] == [0.0; 3]
-            && [albedo.red, albedo.green, albedo.blue]
-                .into_iter()
-                .all(in_unit_range)
+            && [
+                albedo.red,
+                albedo.green,
+                albedo.blue,
+                self.metallic,
+                self.perceptual_roughness,
+            ]
+            .into_iter()
+            .all(in_unit_range)
             && self.reflectance == 0.5
             && [tint.red, tint.green, tint.blue] == [1.0; 3]
             && self.clearcoat == 0.0

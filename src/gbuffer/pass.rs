@@ -14,7 +14,7 @@ use bevy::{
         diagnostic::RecordDiagnostics,
         occlusion_culling::OcclusionCulling,
         render_phase::ViewBinnedRenderPhases,
-        render_resource::{RenderPassDescriptor, StoreOp},
+        render_resource::{LoadOp, RenderPassDescriptor, StoreOp},
         renderer::{RenderContext, ViewQuery},
         view::{ExtractedView, NoIndirectDrawing, ViewDepthTexture},
     },
@@ -22,7 +22,7 @@ use bevy::{
 
 use super::{
     phase::{AlphaMaskGBuffer, OpaqueGBuffer},
-    textures::GBufferTextures,
+    textures::{GBufferTextures, initial_load},
 };
 use crate::camera::ActiveLeanView;
 
@@ -48,7 +48,15 @@ pub(super) fn early_gbuffer_pass(
     let entity = view.entity();
     let view = view.into_inner();
     if view.2.draws_in_prepass {
-        draw(world, entity, view, &opaque, &alpha_mask, true, &mut ctx);
+        draw(
+            world,
+            entity,
+            view,
+            &opaque,
+            &alpha_mask,
+            initial_load(view.2),
+            &mut ctx,
+        );
     }
 }
 
@@ -64,7 +72,15 @@ pub(super) fn late_gbuffer_pass(
     let view = view.into_inner();
     let (occlusion_culling, no_indirect_drawing) = view.7;
     if view.2.draws_in_prepass && occlusion_culling && !no_indirect_drawing {
-        draw(world, entity, view, &opaque, &alpha_mask, false, &mut ctx);
+        draw(
+            world,
+            entity,
+            view,
+            &opaque,
+            &alpha_mask,
+            LoadOp::Load,
+            &mut ctx,
+        );
     }
 }
 
@@ -79,7 +95,15 @@ pub(super) fn main_gbuffer_pass(
     let entity = view.entity();
     let view = view.into_inner();
     if !view.2.draws_in_prepass {
-        draw(world, entity, view, &opaque, &alpha_mask, true, &mut ctx);
+        draw(
+            world,
+            entity,
+            view,
+            &opaque,
+            &alpha_mask,
+            initial_load(view.2),
+            &mut ctx,
+        );
     }
 }
 
@@ -89,7 +113,7 @@ fn draw(
     (camera, view, _, textures, depth, prepass_textures, resolution_override, _): bevy::ecs::query::QueryItem<GBufferView>,
     opaque_phases: &ViewBinnedRenderPhases<OpaqueGBuffer>,
     alpha_mask_phases: &ViewBinnedRenderPhases<AlphaMaskGBuffer>,
-    clear: bool,
+    load: LoadOp<wgpu::Color>,
     ctx: &mut RenderContext,
 ) {
     let (Some(opaque), Some(alpha_mask)) = (
@@ -101,13 +125,14 @@ fn draw(
 
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
+    // Around the pass, not in it: clearing and copying are part of what it costs.
+    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/gbuffer");
     let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
         label: Some("lean_deferred/gbuffer"),
-        color_attachments: &textures.attachments(clear),
+        color_attachments: &textures.attachments(load),
         depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
         ..default()
     });
-    let span = diagnostics.pass_span(&mut pass, "lean_deferred/gbuffer");
 
     if let Some(viewport) =
         Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override)
@@ -125,7 +150,6 @@ fn draw(
         error!("drawing the alpha-masked G-buffer phase: {error:?}");
     }
 
-    span.end(&mut pass);
     drop(pass);
 
     // Whoever asked for a depth prepass reads this copy.
@@ -138,4 +162,5 @@ fn draw(
             prepass.size,
         );
     }
+    span.end(ctx.command_encoder());
 }

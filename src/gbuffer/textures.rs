@@ -29,24 +29,34 @@ pub struct GBufferTextures {
 
 impl GBufferTextures {
     /// The attachments of the G-buffer pass, in the order of the fragment shader's outputs.
-    pub(super) fn attachments(&self, clear: bool) -> [Option<RenderPassColorAttachment<'_>>; 2] {
+    pub(super) fn attachments(
+        &self,
+        load: LoadOp<wgpu::Color>,
+    ) -> [Option<RenderPassColorAttachment<'_>>; 2] {
         [&self.surface, &self.normal].map(|texture| {
             Some(RenderPassColorAttachment {
                 view: &texture.default_view,
                 depth_slice: None,
                 resolve_target: None,
                 ops: Operations {
-                    load: if clear {
-                        LoadOp::Clear(wgpu::Color {
-                            r: f64::from(NO_GEOMETRY),
-                            ..default()
-                        })
-                    } else {
-                        LoadOp::Load
-                    },
+                    load,
                     store: StoreOp::Store,
                 },
             })
+        })
+    }
+}
+
+/// How the G-buffer starts into its first pass.
+pub(super) fn initial_load(view: &ActiveLeanView) -> LoadOp<wgpu::Color> {
+    if view.depth_tells_geometry {
+        // SAFETY: no pixel is read that the pass has not written: lighting looks at depth first, which is cleared, and
+        // which each fragment that writes the G-buffer also writes.
+        LoadOp::DontCare(unsafe { wgpu::LoadOpDontCare::enabled() })
+    } else {
+        LoadOp::Clear(wgpu::Color {
+            r: f64::from(NO_GEOMETRY),
+            ..default()
         })
     }
 }

@@ -23,6 +23,8 @@ pub(crate) struct LightingKey {
     /// Decals, or lights with textures: they share a table.
     pub(super) decals: bool,
     pub(super) debug_view: Option<GBufferChannel>,
+    /// Pixels without geometry are known by their depth, not by the cleared G-buffer.
+    pub(super) depth_tells_geometry: bool,
 }
 
 /// The bits of Bevy's view key that the lighting shader is compiled by. The rest is about how meshes are rasterised,
@@ -50,7 +52,12 @@ pub(crate) struct SceneFeatures<'w, 's> {
 
 impl SceneFeatures<'_, '_> {
     /// The key for a view with Bevy's `view_key`.
-    pub(crate) fn key(&self, view_key: MeshPipelineKey, settings: &LeanDeferred) -> LightingKey {
+    pub(crate) fn key(
+        &self,
+        view_key: MeshPipelineKey,
+        settings: &LeanDeferred,
+        depth_tells_geometry: bool,
+    ) -> LightingKey {
         let shadow_maps = self.point_lights.iter().any(|l| l.shadow_maps_enabled)
             || self
                 .directional_lights
@@ -69,6 +76,7 @@ impl SceneFeatures<'_, '_> {
             rect_lights: !self.rect_lights.is_empty(),
             decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
             debug_view: settings.debug_view,
+            depth_tells_geometry,
         }
     }
 }

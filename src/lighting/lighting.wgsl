@@ -89,9 +89,8 @@ fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f
 }
 #endif  // GEOMETRIC_NORMAL
 
-fn pbr_input_from_gbuffer(pixel: vec2<i32>, normal_word: u32) -> PbrInput {
+fn pbr_input_from_gbuffer(pixel: vec2<i32>, normal_word: u32, depth: f32) -> PbrInput {
     let surface_word = textureLoad(surface_texture, pixel, 0).r;
-    let depth = textureLoad(depth_texture, pixel, 0);
     let position = view_position(pixel, depth);
 
     var pbr = pbr_input_new();
@@ -152,8 +151,8 @@ fn debug_color(pbr: PbrInput) -> vec3<f32> {
 }
 #endif
 
-fn light(pixel: vec2<i32>, normal_word: u32) -> vec4<f32> {
-    var pbr = pbr_input_from_gbuffer(pixel, normal_word);
+fn light(pixel: vec2<i32>, normal_word: u32, depth: f32) -> vec4<f32> {
+    var pbr = pbr_input_from_gbuffer(pixel, normal_word, depth);
 #ifdef DEBUG_VIEW
     return vec4(debug_color(pbr), 1.0);
 #else
@@ -173,12 +172,20 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let pixel = vec2<i32>(uniforms.viewport_origin + id.xy);
+    let depth = textureLoad(depth_texture, pixel, 0);
+#ifdef DEPTH_TELLS_GEOMETRY
+    // The G-buffer was not cleared: without depth it holds anything.
+    let has_geometry = depth != 0.0;
+#endif
     let normal_word = textureLoad(normal_texture, pixel, 0).r;
-    if normal_word == layout::NO_GEOMETRY {
+#ifndef DEPTH_TELLS_GEOMETRY
+    let has_geometry = normal_word != layout::NO_GEOMETRY;
+#endif
+    if !has_geometry {
         if uniforms.writes_background != 0u {
             textureStore(output_texture, pixel, uniforms.background);
         }
         return;
     }
-    textureStore(output_texture, pixel, light(pixel, normal_word));
+    textureStore(output_texture, pixel, light(pixel, normal_word, depth));
 }

@@ -42,6 +42,7 @@ pub(super) fn lighting_pass(
     // Asking for the attachment marks the texture as cleared for this frame: without it, the next render pass would
     // wipe what is written here. If it was about to be cleared, this pass does that too where it reaches every pixel.
     let attachment = target.get_color_attachment();
+    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/lighting");
     let must_clear = matches!(attachment.ops.load, LoadOp::Clear(_));
     let writes_background = must_clear && bindings.covers_target;
     if must_clear && !writes_background {
@@ -58,7 +59,6 @@ pub(super) fn lighting_pass(
             label: Some("lean_deferred/lighting"),
             timestamp_writes: None,
         });
-    let span = diagnostics.pass_span(&mut pass, "lean_deferred/lighting");
     pass.set_pipeline(pipeline);
     pass.set_bind_group(0, view_group, &bindings.view_offsets);
     pass.set_bind_group(1, arrays_group, &[]);
@@ -69,5 +69,6 @@ pub(super) fn lighting_pass(
     );
     let size = bindings.viewport_size;
     pass.dispatch_workgroups(size.x.div_ceil(TILE), size.y.div_ceil(TILE), 1);
-    span.end(&mut pass);
+    drop(pass);
+    span.end(ctx.command_encoder());
 }

@@ -239,6 +239,7 @@ impl LightingPipelines {
             "GEOMETRIC_NORMAL_FIVE_TAP",
         );
 
+        define(key.depth_tells_geometry, "DEPTH_TELLS_GEOMETRY");
         define(key.debug_view.is_some(), "DEBUG_VIEW");
         if let Some(channel) = key.debug_view {
             define(true, channel.shader_def());

@@ -1,0 +1,42 @@
+//! The normal of the surface itself, from depth: twin of `geometric_normal.wgsl`, under the same names. It is here for
+//! tests and measurements; only the device's is used to render.
+
+use bevy::math::Vec3;
+
+/// Which of the two neighbours on an axis lies on the surface of the centre: -1 or 1.
+/// `near_*` are the depths one pixel away, the sides being `a` (towards -1) and `b` (towards +1).
+pub fn nearer_side(center: f32, near_a: f32, near_b: f32) -> f32 {
+    if (near_a - center).abs() < (near_b - center).abs() {
+        -1.0
+    } else {
+        1.0
+    }
+}
+
+/// As [`nearer_side`], with the depths two pixels away too: the side whose two depths, extended in a straight line,
+/// come nearest to the centre.
+pub fn straighter_side(center: f32, near_a: f32, far_a: f32, near_b: f32, far_b: f32) -> f32 {
+    let error_a = (2.0 * near_a - far_a - center).abs();
+    let error_b = (2.0 * near_b - far_b - center).abs();
+    if error_a < error_b { -1.0 } else { 1.0 }
+}
+
+/// The unit normal that faces the viewer, from view-space positions: of the pixel, and of the chosen neighbours
+/// (`side` is 1 for the right or lower one, -1 for the other). Falls back to facing the viewer where the three are
+/// on one line.
+pub fn normal_from_positions(
+    center: Vec3,
+    horizontal: Vec3,
+    horizontal_side: f32,
+    vertical: Vec3,
+    vertical_side: f32,
+) -> Vec3 {
+    let to_right = (horizontal - center) * horizontal_side;
+    let to_bottom = (vertical - center) * vertical_side;
+    let n = to_bottom.cross(to_right);
+    let largest = n.abs().max_element();
+    if !(largest > 0.0 && largest < 1e30) {
+        return Vec3::Z;
+    }
+    (n / largest).normalize()
+}
