@@ -16,6 +16,7 @@ const ROUGHNESS_MAX: f32 = 255.0;
 
 /// Steps of one octahedral axis. Even, so that 0 is a code and the axes and flat floors are stored exactly.
 const NORMAL_STEPS: f32 = 4094.0;
+const HALF_STEPS: f32 = 2047.0;
 
 /// Both words of a pixel that no mesh was drawn to.
 const NO_GEOMETRY: u32 = 0u;
@@ -96,17 +97,8 @@ fn sign_not_zero(x: f32) -> f32 {
     return select(-1.0, 1.0, x >= 0.0);
 }
 
-/// Unit sphere to the square -1..1 (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent
-/// Unit Vectors").
-fn octahedral_from_unit(n: vec3<f32>) -> vec2<f32> {
-    let p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
-    if n.z >= 0.0 {
-        return p;
-    }
-    return (1.0 - abs(p.yx)) * vec2(sign_not_zero(p.x), sign_not_zero(p.y));
-}
-
-/// Inverse of `octahedral_from_unit`; the result is not normalised.
+/// The square -1..1 back to the octahedron (Cigolle et al. 2014, "A Survey of Efficient Representations for
+/// Independent Unit Vectors"); the result is not normalised.
 fn direction_from_octahedral(p: vec2<f32>) -> vec3<f32> {
     var n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
     if n.z < 0.0 {
@@ -120,50 +112,42 @@ fn unit_from_codes(codes: vec2<f32>) -> vec3<f32> {
     return normalize(direction_from_octahedral(codes * (2.0 / NORMAL_STEPS) - 1.0));
 }
 
-/// A unit vector from `n`. What has no direction (zero, NaN, infinite) becomes +Y: up lights like a floor, and no
-/// NaN reaches the lighting.
-fn unit_or_up(n: vec3<f32>) -> vec3<f32> {
-    // Scaled by the largest component first, so that neither tiny nor huge vectors lose their squares.
-    let largest = max(abs(n.x), max(abs(n.y), abs(n.z)));
-    if !is_finite(n.x) || !is_finite(n.y) || !is_finite(n.z) || largest < 1e-30 {
-        return vec3(0.0, 1.0, 0.0);
-    }
-    return normalize(n / largest);
-}
-
-/// The metric of the octahedral map at the unit vector `n`, at codes `p` in -1..1: the squared angle that a step
-/// (dx, dy) makes is proportional to `x dx² + 2 y dx dy + z dy²`. (The map's two partial derivatives have length √2;
-/// their parts along `n` do not turn it.)
-fn octahedral_metric(n: vec3<f32>, p: vec2<f32>) -> vec3<f32> {
-    let s = vec2(sign_not_zero(p.x), sign_not_zero(p.y));
-    // Upper half: ∂/∂x = (1, 0, -sx), ∂/∂y = (0, 1, -sy). Lower half, folded: -sx (0, sy, 1), -sy (sx, 0, 1).
-    let along = select(-s * (s.yx * n.yx + n.z), n.xy - s * n.z, n.z >= 0.0);
-    return vec3(2.0 - along.x * along.x, s.x * s.y - along.x * along.y, 2.0 - along.y * along.y);
-}
-
-/// Packs a normal and the roughness. Of the four codes around the exact point it takes the one whose direction is
-/// nearest (after the "precise" rounding of Cigolle et al. 2014, with the metric in place of four decodes).
+/// Packs a normal of any length and the roughness. Of the four codes around the exact point it takes the one whose
+/// direction is nearest: the "precise" rounding of Cigolle et al. 2014, by the metric of the map in place of four
+/// decodes. What has no direction (zero, NaN, infinite) becomes +Y: up lights like a floor, and no NaN reaches the
+/// lighting.
 fn pack_normal(normal: vec3<f32>, perceptual_roughness: f32) -> u32 {
-    let n = unit_or_up(normal);
-    let p = octahedral_from_unit(n);
-    let exact = (p * 0.5 + 0.5) * NORMAL_STEPS;
-    let low = clamp(floor(exact), vec2(0.0), vec2(NORMAL_STEPS - 1.0));
-    let metric = octahedral_metric(n, p);
-    var best = low;
-    // Larger than any squared step to a corner of the cell.
-    var best_distance = 16.0;
-    for (var i = 0u; i < 4u; i += 1u) {
-        let codes = low + vec2(f32(i & 1u), f32(i >> 1u));
-        let step = codes - exact;
-        let distance =
-            metric.x * step.x * step.x + 2.0 * metric.y * step.x * step.y + metric.z * step.y * step.y;
-        if distance < best_distance {
-            best_distance = distance;
-            best = codes;
-        }
+    var n = normal;
+    var size = abs(n.x) + abs(n.y) + abs(n.z);
+    // A NaN or infinite part makes the sum so; below 1e-30 the quotient would lose its digits.
+    if !is_finite(size) || size < 1e-30 {
+        n = vec3(0.0, 1.0, 0.0);
+        size = 1.0;
     }
-    let code = vec2<u32>(best) + 1u;
-    return code.x | (code.y << 12u) | (quantize(perceptual_roughness, ROUGHNESS_MAX) << 24u);
+    // All octants alike: on the octahedron's face of positive x and y, the lower half folded out.
+    let m = abs(n) / size;
+    let is_upper = n.z >= 0.0;
+    let across = select(m.yx, m.xy, is_upper);
+    let exact = select(1.0 - across, across, is_upper) * HALF_STEPS;
+    let low = min(floor(exact), vec2(HALF_STEPS - 1.0));
+    let f = exact - low;
+
+    // A step (dx, dy) of codes turns the direction by an angle whose square is proportional to
+    // a dx² + 2 b dx dy + c dy²: the parts of the map's derivatives (1, 0, -1) and (0, 1, -1) across the direction.
+    let length_squared = dot(m, m);
+    let along = across - m.z;
+    let ac = 2.0 * length_squared - along * along;
+    let b = length_squared - along.x * along.y;
+
+    // Of that, what a code more in x, in y or in both adds to the error of `low`.
+    let one = ac * (1.0 - 2.0 * f) - 2.0 * b * f.yx;
+    let both = one.x + one.y + 2.0 * b;
+    let more = min(one, vec2(both)) < min(one.yx, vec2(0.0));
+    let code = low + select(vec2(0.0), vec2(1.0), more);
+
+    let signed_code = vec2<u32>(HALF_STEPS + 1.0 + select(-code, code, n.xy >= vec2(0.0)));
+    return signed_code.x | (signed_code.y << 12u)
+        | (quantize(perceptual_roughness, ROUGHNESS_MAX) << 24u);
 }
 
 fn unpack_normal(word: u32) -> vec3<f32> {

@@ -105,11 +105,12 @@ impl SceneBuilder<'_> {
         );
     }
 
-    /// A floor with a ball, a box and a slanted card of one material. They have tangents.
+    /// A floor with a ball, a box and a slanted card of one material. They have tangents if it has a use for them.
     pub fn samples(&mut self, material: StandardMaterial) {
         self.floor();
+        let needs_tangents = material.normal_map_texture.is_some() || material.depth_map.is_some();
         let material = self.add::<StandardMaterial>(material);
-        for (mesh, transform) in [
+        for (mut mesh, transform) in [
             (
                 Mesh::from(Sphere::new(0.8).mesh().uv(48, 24)),
                 Transform::from_xyz(-1.7, 0.8, 0.3),
@@ -128,10 +129,11 @@ impl SceneBuilder<'_> {
                 )),
             ),
         ] {
-            let mesh = mesh
-                .with_generated_tangents()
-                .expect("these meshes have all that tangents need");
-            let mesh = self.add(mesh);
+            if needs_tangents {
+                mesh.generate_tangents()
+                    .expect("these meshes have all that tangents need");
+            }
+            let mesh = self.add::<Mesh>(mesh);
             self.spawn((Mesh3d(mesh), MeshMaterial3d(material.clone()), transform));
         }
     }

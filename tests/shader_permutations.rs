@@ -1,0 +1,210 @@
+//! Every shader of the crate composes and validates under whatever definitions Bevy and the crate may ask for.
+//!
+//! The imported modules are taken out of a running app, so they are what Bevy ships. Nothing is compiled for the
+//! device.
+
+mod common;
+#[path = "shader_permutations/covering.rs"]
+mod covering;
+#[path = "shader_permutations/factors.rs"]
+mod factors;
+
+use std::{
+    collections::{HashMap, HashSet},
+    sync::OnceLock,
+};
+
+use bevy::{
+    prelude::*,
+    shader::{Shader, ShaderImport},
+};
+use bevy_lean_deferred::GBufferChannel;
+use common::headless::Headless;
+use covering::{Factor, covering_rows};
+use factors::{GBUFFER, LIGHTING, implications};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga_oil::compose::{Composer, NagaModuleDescriptor, ShaderDefValue};
+
+type Definitions = HashMap<String, ShaderDefValue>;
+
+/// The definitions of a row, with those that are `always` there.
+fn definitions(row: &[&[&'static str]], always: &[&'static str]) -> Definitions {
+    row.iter()
+        .copied()
+        .flatten()
+        .flat_map(|name| implications(name).iter().chain([name]))
+        .chain(always)
+        .map(|name| (name.to_string(), ShaderDefValue::Bool(true)))
+        .collect()
+}
+
+/// The shader modules of a running app, by their import name.
+fn shipped_shaders() -> &'static HashMap<String, Shader> {
+    static SHADERS: OnceLock<HashMap<String, Shader>> = OnceLock::new();
+    SHADERS.get_or_init(|| {
+        let mut headless = Headless::new(UVec2::splat(8));
+        headless.frames(3);
+        let shaders = headless.world().resource::<Assets<Shader>>();
+        let shaders = shaders.iter().map(|(_, shader)| shader);
+        shaders
+            .map(|shader| (shader.import_path.module_name().to_string(), shader.clone()))
+            .collect()
+    })
+}
+
+/// Puts shaders together as Bevy's `ShaderCache` does.
+struct Modules {
+    composer: Composer,
+    capabilities: Capabilities,
+}
+
+impl Modules {
+    fn new() -> Self {
+        // What binding arrays need, beside what every device has.
+        let capabilities = Capabilities::default()
+            | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY
+            | Capabilities::BUFFER_BINDING_ARRAY
+            | Capabilities::STORAGE_BUFFER_BINDING_ARRAY
+            | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY_NON_UNIFORM_INDEXING;
+        Self {
+            composer: Composer::default().with_capabilities(capabilities),
+            capabilities,
+        }
+    }
+
+    fn add(&mut self, imports: &[ShaderImport]) -> Result<(), String> {
+        for import in imports {
+            let name = import.module_name();
+            if self.composer.contains_module(&name) {
+                continue;
+            }
+            let shader = shipped_shaders()
+                .get(name.as_str())
+                .ok_or_else(|| format!("there is no module {name}"))?;
+            self.add(&shader.imports)?;
+            let added = self
+                .composer
+                .add_composable_module(shader.into())
+                .map(|_| ());
+            added.map_err(|error| error.emit_to_string(&self.composer))?;
+        }
+        Ok(())
+    }
+
+    fn check(&mut self, shader: &Shader, defs: Definitions) -> Result<(), String> {
+        self.add(&shader.imports)?;
+        let composed = self.composer.make_naga_module(NagaModuleDescriptor {
+            shader_defs: defs,
+            ..shader.into()
+        });
+        let module = composed.map_err(|error| error.emit_to_string(&self.composer))?;
+        Validator::new(ValidationFlags::all(), self.capabilities)
+            .validate(&module)
+            .map_err(|error| format!("{:?}", error.into_inner()))?;
+        Ok(())
+    }
+}
+
+/// Checks `source` under rows of `factors` in which any two choices meet, and random ones.
+fn check_permutations(
+    source: &'static str,
+    path: &str,
+    factors: &[Factor],
+    always: &[&'static str],
+    values: &[(&str, u32)],
+) {
+    let shader = Shader::from_wgsl(source, path);
+    let mut modules = Modules::new();
+    let mut permutations = Vec::new();
+    for row in covering_rows(factors) {
+        let mut defs = definitions(&row, always);
+        defs.extend(
+            values
+                .iter()
+                .map(|(name, value)| (name.to_string(), ShaderDefValue::UInt(*value))),
+        );
+        if !permutations.contains(&defs) {
+            permutations.push(defs);
+        }
+    }
+    println!("{path}: {} permutations", permutations.len());
+    for defs in permutations {
+        let mut names: Vec<_> = defs.keys().cloned().collect();
+        names.sort();
+        if let Err(error) = modules.check(&shader, defs) {
+            panic!("{path} with {}:\n{error}", names.join(", "));
+        }
+    }
+}
+
+#[test]
+fn lighting_permutations_validate() {
+    // The least number of bindings that the crate asks a device for, and enough for everything.
+    for storage_buffers in [3, 16] {
+        check_permutations(
+            include_str!("../src/lighting/lighting.wgsl"),
+            "src/lighting/lighting.wgsl",
+            LIGHTING,
+            &["DEPTH_PREPASS"],
+            &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", storage_buffers)],
+        );
+    }
+}
+
+#[test]
+fn gbuffer_permutations_validate() {
+    check_permutations(
+        include_str!("../src/gbuffer/gbuffer.wgsl"),
+        "src/gbuffer/gbuffer.wgsl",
+        GBUFFER,
+        &[
+            "PREPASS_PIPELINE",
+            "PREPASS_FRAGMENT",
+            "VERTEX_OUTPUT_INSTANCE_INDEX",
+            "VERTEX_POSITIONS",
+            "NORMAL_PREPASS_OR_DEFERRED_PREPASS",
+            "MOTION_VECTOR_PREPASS_OR_DEFERRED_PREPASS",
+            "DEFERRED_PREPASS",
+        ],
+        &[
+            ("MATERIAL_BIND_GROUP", 3),
+            ("AVAILABLE_STORAGE_BUFFER_BINDINGS", 16),
+        ],
+    );
+}
+
+#[test]
+fn every_definition_of_the_lighting_shader_is_tried() {
+    let tried: HashSet<&str> = LIGHTING
+        .iter()
+        .copied()
+        .flatten()
+        .copied()
+        .flatten()
+        .flat_map(|name| implications(name).iter().chain([name]))
+        .copied()
+        .chain(["DEPTH_PREPASS"])
+        .collect();
+    let pipeline = include_str!("../src/lighting/pipeline.rs");
+    let is_definition = |text: &str| {
+        !text.is_empty()
+            && text
+                .chars()
+                .all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
+    };
+    // Text between quotes is every second part.
+    let unknown: Vec<&str> = pipeline
+        .split('"')
+        .skip(1)
+        .step_by(2)
+        .filter(|text| is_definition(text) && !tried.contains(text))
+        .collect();
+    assert!(
+        unknown.is_empty(),
+        "pipeline.rs defines {unknown:?}, which no permutation has"
+    );
+    let channels = tried
+        .iter()
+        .filter(|name| name.starts_with("DEBUG_") && **name != "DEBUG_VIEW");
+    assert_eq!(channels.count(), GBufferChannel::ALL.len());
+}
