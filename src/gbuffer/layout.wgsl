@@ -2,7 +2,7 @@
 //
 // | word | target          | bits, low to high                                         |
 // |------|-----------------|-----------------------------------------------------------|
-// | 0    | `surface`       | albedo R 7, G 8, B 7 (sRGB curve), metallic 5, occlusion 5 |
+// | 0    | `surface`       | albedo R 7, G 8, B 7 (square roots), metallic 5, occlusion 5 |
 // | 1    | `normal`        | octahedral x 12, y 12 (stored + 1, so 0 = no geometry), perceptual roughness 8 |
 //
 // Every other file calls these functions; none repeats a shift.
@@ -37,51 +37,30 @@ fn is_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
 }
 
-/// `x` clamped to 0..1; NaN becomes 0, infinities clamp.
-fn saturate_or_zero(x: f32) -> f32 {
-    let bits = bitcast<u32>(x);
-    if (bits & 0x7fffffffu) > 0x7f800000u {
-        return 0.0;
-    }
-    return clamp(x, 0.0, 1.0);
+/// True for NaN alone.
+fn is_nan(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u;
 }
 
-/// Rounds `x` in 0..1 to the nearest of `steps + 1` codes.
+/// Rounds `x`, clamped to 0..1, to the nearest of `steps + 1` codes; NaN becomes 0.
 fn quantize(x: f32, steps: f32) -> u32 {
-    return u32(saturate_or_zero(x) * steps + 0.5);
-}
-
-/// Linear to sRGB-encoded (IEC 61966-2-1:1999).
-fn srgb_from_linear(x: f32) -> f32 {
-    if x <= 0.0031308 {
-        return 12.92 * x;
-    }
-    return 1.055 * pow(x, 1.0 / 2.4) - 0.055;
-}
-
-/// sRGB-encoded to linear (IEC 61966-2-1:1999).
-fn linear_from_srgb(x: f32) -> f32 {
-    if x <= 0.04045 {
-        return x / 12.92;
-    }
-    return pow((x + 0.055) / 1.055, 2.4);
+    return u32(clamp(select(x, 0.0, is_nan(x)), 0.0, 1.0) * steps + 0.5);
 }
 
 fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32) -> u32 {
-    let r = quantize(srgb_from_linear(saturate_or_zero(albedo.r)), ALBEDO_R_MAX);
-    let g = quantize(srgb_from_linear(saturate_or_zero(albedo.g)), ALBEDO_G_MAX);
-    let b = quantize(srgb_from_linear(saturate_or_zero(albedo.b)), ALBEDO_B_MAX);
+    // One test for three: a NaN channel makes the sum NaN, and the whole colour black.
+    let valid = select(albedo, vec3(0.0), is_nan(albedo.r + albedo.g + albedo.b));
+    let root = sqrt(clamp(valid, vec3(0.0), vec3(1.0)));
+    let rgb = vec3<u32>(root * vec3(ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX) + 0.5);
     let m = quantize(metallic, FIVE_BIT_MAX);
     let o = quantize(occlusion, FIVE_BIT_MAX);
-    return r | (g << 7u) | (b << 15u) | (m << 22u) | (o << 27u);
+    return rgb.r | (rgb.g << 7u) | (rgb.b << 15u) | (m << 22u) | (o << 27u);
 }
 
 fn unpack_albedo(word: u32) -> vec3<f32> {
-    return vec3(
-        linear_from_srgb(f32(word & 0x7fu) / ALBEDO_R_MAX),
-        linear_from_srgb(f32((word >> 7u) & 0xffu) / ALBEDO_G_MAX),
-        linear_from_srgb(f32((word >> 15u) & 0x7fu) / ALBEDO_B_MAX),
-    );
+    let codes = vec3(word & 0x7fu, (word >> 7u) & 0xffu, (word >> 15u) & 0x7fu);
+    let root = vec3<f32>(codes) / vec3(ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX);
+    return root * root;
 }
 
 fn unpack_metallic(word: u32) -> f32 {

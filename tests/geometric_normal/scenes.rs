@@ -242,8 +242,7 @@ impl DepthBuffer {
 
     /// Depth at `pixel`, clamped to the picture, as in `lighting.wgsl`.
     pub fn depth(&self, pixel: IVec2) -> f32 {
-        let inside = pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(IVec2::new(WIDTH, HEIGHT)).all();
-        if inside { self.depths[Self::index(pixel)] } else { 1e9 }
+        self.depths[Self::index(pixel)]
     }
 
     /// View-space position at `pixel`, as in `lighting.wgsl`.

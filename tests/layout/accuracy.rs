@@ -4,14 +4,14 @@ use bevy::math::{DVec2, DVec3, Vec2Swizzles as _, Vec3};
 use bevy_lean_deferred::gbuffer::layout::{self, NORMAL_STEPS};
 
 /// A transfer curve for albedo.
-pub struct Curve {
+struct Curve {
     name: &'static str,
     /// From linear to what is stored.
-    pub encode: fn(f64) -> f64,
-    pub decode: fn(f64) -> f64,
+    encode: fn(f64) -> f64,
+    decode: fn(f64) -> f64,
 }
 
-pub const SRGB: Curve = Curve {
+const SRGB: Curve = Curve {
     name: "sRGB",
     encode: |x| {
         if x <= 0.003_130_8 {
@@ -95,9 +95,6 @@ fn albedo_errors_are_as_documented() {
             "albedo, 7 bits, {:9}: RMS {rms:.3}, largest {largest:.3}",
             curve.name
         );
-        if true {
-            continue;
-        }
         assert_documented(curve.name, rms, documented[0], 0.006);
         assert_documented(curve.name, largest, documented[1], 0.006);
     }
@@ -107,23 +104,15 @@ fn albedo_errors_are_as_documented() {
 fn packed_albedo_is_as_exact_as_its_bits_allow() {
     for (channel, steps) in [127.0, 255.0, 127.0].into_iter().enumerate() {
         let [rms, largest] = rms_and_largest(srgb_values().map(|srgb| {
-            let word = layout::pack_surface(Vec3::splat((SRGB.decode)(srgb) as f32), 0.0, 0.0);
+            let linear = (SRGB.decode)(srgb);
+            let word = layout::pack_surface(Vec3::splat(linear as f32), 0.0, 0.0);
             let stored = f64::from(layout::unpack_albedo(word)[channel]);
-            255.0 * ((SRGB.encode)(stored) - srgb)
+            stored.sqrt() - linear.sqrt()
         }));
-        println!("albedo, channel {channel}, as packed: RMS {rms:.3}, largest {largest:.3}");
-        // Rounding to the nearest of evenly spaced values errs uniformly by up to half a step.
-        let half_step = 127.5 / steps;
-        assert!(largest <= half_step + 1e-3 && rms <= half_step / f64::sqrt(3.0) + 1e-3);
-    }
-}
-
-#[test]
-fn green_of_an_eight_bit_texture_is_exact() {
-    for code in 0..=255 {
-        let linear = layout::linear_from_srgb(code as f32 / 255.0);
-        let albedo = layout::unpack_albedo(layout::pack_surface(Vec3::splat(linear), 0.0, 0.0));
-        assert_eq!(albedo.y, linear, "of {code}");
+        println!("albedo, channel {channel}, as packed: RMS {rms:.5}, largest {largest:.5} of the root");
+        // Rounding to the nearest of evenly spaced roots errs by up to half a step.
+        let half_step = 0.5 / steps;
+        assert!(largest <= half_step * 1.001 && rms <= half_step);
     }
 }
 

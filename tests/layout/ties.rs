@@ -5,7 +5,7 @@ use bevy_lean_deferred::gbuffer::layout::{NORMAL_STEPS, Surface};
 
 use crate::{
     SURFACE_FIELDS,
-    accuracy::{SRGB, direction_from_octahedral},
+    accuracy::direction_from_octahedral,
     normal_codes,
 };
 
@@ -38,11 +38,11 @@ pub fn differences(
     twin: [u32; 2],
     ties: &mut usize,
 ) -> Vec<String> {
-    let srgb = |x: f32| (SRGB.encode)(f64::from(x).clamp(0.0, 1.0));
+    let root = |x: f32| f64::from(x).clamp(0.0, 1.0).sqrt();
     let values = [
-        srgb(input.albedo.x),
-        srgb(input.albedo.y),
-        srgb(input.albedo.z),
+        root(input.albedo.x),
+        root(input.albedo.y),
+        root(input.albedo.z),
         f64::from(input.metallic),
         f64::from(input.occlusion),
     ];

@@ -2,11 +2,9 @@
 
 use bevy::{
     anti_alias::{fxaa::Fxaa, smaa::Smaa, taa::TemporalAntiAliasing},
-    camera::{CameraProjection, ClearColorConfig, Exposure, ScalingMode, SubCameraView, Viewport},
+    camera::{CameraProjection, ClearColorConfig, ScalingMode, SubCameraView, Viewport},
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
-    light::{Atmosphere, atmosphere::ScatteringMedium, light_consts::lux},
     math::Vec3A,
-    pbr::AtmosphereSettings,
     post_process::{
         bloom::Bloom,
         dof::{DepthOfField, DepthOfFieldMode},
@@ -240,24 +238,7 @@ pub const SCENES: &[Scene] = &[
         forward_ball(s);
         s.default_camera((NoIndirectDrawing, DepthPrepass));
     }),
-    Scene::new("atmosphere", |s| {
-        s.solids();
-        let medium = s.add(ScatteringMedium::earth(64, 64));
-        s.spawn(Atmosphere::earth(medium));
-        let sun = s.sun(true);
-        let world = s.world();
-        world
-            .get_mut::<DirectionalLight>(sun)
-            .expect("it was just spawned")
-            .illuminance = lux::RAW_SUNLIGHT;
-        s.default_camera((
-            Exposure { ev100: 13.0 },
-            AtmosphereSettings {
-                aerial_view_lut_max_distance: 50.0,
-                ..default()
-            },
-        ));
-    }),
+    // Not `Atmosphere`: llvmpipe (Mesa's software Vulkan) crashes on it, whoever renders.
 ];
 
 fn scene(s: &mut SceneBuilder) {
