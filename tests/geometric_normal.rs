@@ -4,17 +4,17 @@
 #[path = "geometric_normal/accuracy.rs"]
 mod accuracy;
 mod common;
-#[path = "../src/lighting/geometric_normal.rs"]
-mod geometric_normal;
 #[path = "geometric_normal/scenes.rs"]
 mod scenes;
 
 use bevy::math::{DVec3, IVec2, Vec3};
+use bevy_lean_deferred::lighting::geometric_normal::{
+    nearer_side, normal_from_positions, straighter_side,
+};
 use common::{
     compute::{Compute, WgslModule},
     random::Random,
 };
-use geometric_normal::{nearer_side, normal_from_positions, straighter_side};
 use scenes::{HEIGHT, Lens, WIDTH};
 
 const MODULE: WgslModule = WgslModule {

@@ -210,7 +210,6 @@ fn spawn_camera(mut commands: Commands) {
         Camera3d::default(),
         bevy::camera::Hdr,
         Msaa::Off,
-        bevy::camera::Exposure::OVERCAST,
         PanOrbitCamera {
             button_orbit: MouseButton::Left,
             button_pan: MouseButton::Right,

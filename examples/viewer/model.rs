@@ -141,7 +141,7 @@ pub fn watch_loading(
         high = high.max(center + radius);
     }
     let (center, radius) = ((low + high) / 2.0, (high - low).length() * 0.5);
-    let distance = radius * 1.7;
+    let distance = radius * 1.5;
 
     let (transform, orbit) = &mut *camera;
     let direction = Quat::from_rotation_y(angles.yaw) * Quat::from_rotation_x(-angles.pitch);

@@ -29,7 +29,7 @@ pub fn spawn_sun(mut commands: Commands) {
     commands.spawn((
         Sun,
         DirectionalLight {
-            illuminance: 4_000.0,
+            illuminance: 5_000.0,
             shadow_maps_enabled: true,
             ..default()
         },
@@ -64,14 +64,14 @@ pub fn apply_settings(
             camera.insert(EnvironmentMapLight {
                 diffuse_map: load(diffuse),
                 specular_map: load(specular),
-                intensity: 1_500.0,
+                intensity: 900.0,
                 ..default()
             });
         }
         None => {
             camera.insert(GeneratedEnvironmentMapLight {
                 environment_map: images.add(made_up_sky()),
-                intensity: 1_500.0,
+                intensity: 900.0,
                 ..default()
             });
         }

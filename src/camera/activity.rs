@@ -80,7 +80,6 @@ fn reason_against(
 /// Inserts or removes [`ActiveLeanView`]. A view is active only while the lighting pipeline that it needs in this frame
 /// is compiled; until then forward draws it, so that neither switching over nor a new kind of light shows a dark
 /// frame. When that changes, all its meshes are queued anew.
-#[expect(clippy::type_complexity, reason = "all conditions of one decision")]
 pub(super) fn decide_active_views(
     mut commands: Commands,
     (support, scene, view_keys): (

@@ -13,13 +13,9 @@ pub use settings::{GBufferChannel, GeometricNormal, LeanDeferred};
 pub use support::{LeanDeferredSupport, missing_capabilities};
 
 use bevy::{
-    camera::CameraMainTextureUsages,
     pbr::check_views_need_specialization,
     prelude::*,
-    render::{
-        Render, RenderApp, RenderSystems, extract_component::ExtractComponentPlugin,
-        render_resource::TextureUsages,
-    },
+    render::{Render, RenderApp, RenderSystems, extract_component::ExtractComponentPlugin},
 };
 
 /// Registers [`LeanDeferred`], extracts it and decides each frame which cameras are rendered with it.
@@ -31,7 +27,7 @@ impl Plugin for LeanCameraPlugin {
             .register_type::<GeometricNormal>()
             .register_type::<GBufferChannel>()
             .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
-            .add_observer(prepare_camera_on_add);
+            .add_observer(switch_msaa_off);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -63,12 +59,8 @@ impl Plugin for LeanCameraPlugin {
 
 /// Cameras get 4× MSAA unless told otherwise, long before [`LeanDeferred`] may be added to them: here it is switched
 /// off once. Who switches it on again later gets Bevy's forward renderer and a warning.
-fn prepare_camera_on_add(
-    added: On<Add, LeanDeferred>,
-    mut cameras: Query<(&mut Msaa, &mut CameraMainTextureUsages)>,
-) {
-    if let Ok((mut msaa, mut usages)) = cameras.get_mut(added.entity) {
+fn switch_msaa_off(added: On<Add, LeanDeferred>, mut cameras: Query<&mut Msaa>) {
+    if let Ok(mut msaa) = cameras.get_mut(added.entity) {
         *msaa = Msaa::Off;
-        usages.0 |= TextureUsages::STORAGE_BINDING;
     }
 }

@@ -37,8 +37,9 @@ struct LightingUniform {
 @group(2) @binding(2) var output_texture: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(3) var<uniform> uniforms: LightingUniform;
 
-/// Keeps the division below finite for geometry so far away that its reversed depth is 0.
-const SMALLEST_DEPTH: f32 = 1e-30;
+/// Keeps positions finite for geometry so far away that its reversed depth is 0, and the squares of their differences
+/// within f32.
+const SMALLEST_DEPTH: f32 = 1e-14;
 
 fn view_position(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     let uv = (vec2<f32>(pixel) + 0.5 - view.main_pass_viewport.xy) / view.main_pass_viewport.zw;
@@ -49,11 +50,20 @@ fn view_position(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
 }
 
 #ifdef GEOMETRIC_NORMAL
-/// Depth at `pixel`, clamped to the viewport.
+/// Further from any surface than the other side of an axis can be, so that that is chosen.
+const OUTSIDE: f32 = 1e9;
+
+fn is_in_viewport(pixel: vec2<i32>) -> bool {
+    let p = pixel - vec2<i32>(uniforms.viewport_origin);
+    return all(p >= vec2(0)) && all(p < vec2<i32>(uniforms.viewport_size));
+}
+
+/// Depth at `pixel`, `OUTSIDE` beyond the viewport.
 fn depth_at(pixel: vec2<i32>) -> f32 {
-    let low = vec2<i32>(uniforms.viewport_origin);
-    let high = low + vec2<i32>(uniforms.viewport_size) - 1;
-    return textureLoad(depth_texture, clamp(pixel, low, high), 0);
+    if !is_in_viewport(pixel) {
+        return OUTSIDE;
+    }
+    return textureLoad(depth_texture, pixel, 0);
 }
 
 /// View-space normal of the surface at `pixel`, unit length, facing the viewer.
@@ -61,12 +71,13 @@ fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f
     let x = vec2(1, 0);
     let y = vec2(0, 1);
 #ifdef GEOMETRIC_NORMAL_THREE_TAP
-    let right = depth_at(pixel + x);
-    let bottom = depth_at(pixel + y);
+    // Right and below, but inwards in the last column and row.
+    let h = select(-1, 1, is_in_viewport(pixel + x));
+    let v = select(-1, 1, is_in_viewport(pixel + y));
     return normal_from_positions(
         position,
-        view_position(pixel + x, right), 1.0,
-        view_position(pixel + y, bottom), 1.0,
+        view_position(pixel + h * x, depth_at(pixel + h * x)), f32(h),
+        view_position(pixel + v * y, depth_at(pixel + v * y)), f32(v),
     );
 #else
     let left = depth_at(pixel - x);

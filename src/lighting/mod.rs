@@ -4,11 +4,12 @@
 //! - `pipeline.rs`: layouts and pipelines.
 //! - `bindings.rs`, `bind_group_cache.rs`: the bind groups, made anew only when what they bind changed.
 //! - `pass.rs`: the dispatch.
-//! - `lighting.wgsl`, `geometric_normal.wgsl`: the shader, and its binding-free maths.
+//! - `lighting.wgsl`, `geometric_normal.{wgsl,rs}`: the shader, and its binding-free maths, twice.
 
 mod bind_group_cache;
 mod bindings;
 mod features;
+pub mod geometric_normal;
 mod pass;
 mod pipeline;
 

@@ -24,6 +24,10 @@ use bevy::{
     winit::WinitPlugin,
 };
 use bevy_lean_deferred::LeanDeferredPlugins;
+use log_watch::LogWatch;
+
+#[path = "log_watch.rs"]
+pub mod log_watch;
 
 /// Simulated time between two frames.
 pub const FRAME_TIME: Duration = Duration::from_micros(16_667);
@@ -62,6 +66,7 @@ impl Headless {
                 })
                 .set(bevy::log::LogPlugin {
                     filter: "warn,wgpu_hal=error,bevy_render::renderer=error".into(),
+                    custom_layer: |_| Some(Box::new(LogWatch)),
                     ..default()
                 })
                 .disable::<WinitPlugin>()

@@ -4,10 +4,11 @@ use std::fmt;
 
 use bevy::math::{IVec2, Vec3};
 
-use crate::{
-    geometric_normal::{nearer_side, normal_from_positions, straighter_side},
-    scenes::{DepthBuffer, HEIGHT, Lens, Scene, WIDTH},
+use bevy_lean_deferred::lighting::geometric_normal::{
+    nearer_side, normal_from_positions, straighter_side,
 };
+
+use crate::scenes::{DepthBuffer, HEIGHT, Lens, Scene, WIDTH};
 
 /// The choices of `GeometricNormal`, as `lighting.wgsl` puts them together.
 #[derive(Clone, Copy, Debug)]
@@ -38,15 +39,13 @@ impl Taps {
     fn side(self, buffer: &DepthBuffer, pixel: IVec2, axis: IVec2) -> f32 {
         let depth = |steps: i32| buffer.depth(pixel + axis * steps);
         match self {
-            Self::Three => 1.0,
+            Self::Three if DepthBuffer::contains(pixel + axis) => 1.0,
+            Self::Three => -1.0,
             Self::Five => nearer_side(depth(0), depth(-1), depth(1)),
             Self::Nine => straighter_side(depth(0), depth(-1), depth(-2), depth(1), depth(2)),
         }
     }
 }
-
-/// Pixels along the picture's edges that are not measured, because some of their neighbours do not exist.
-const MARGIN: i32 = 2;
 
 /// Angles in degrees between reconstructed and true normals.
 #[derive(Clone, Copy)]
@@ -73,8 +72,8 @@ impl fmt::Display for Errors {
 
 impl Errors {
     fn measure(buffer: &DepthBuffer, taps: Taps) -> Self {
-        let mut angles: Vec<f64> = (MARGIN..HEIGHT - MARGIN)
-            .flat_map(|y| (MARGIN..WIDTH - MARGIN).map(move |x| IVec2::new(x, y)))
+        let mut angles: Vec<f64> = (0..HEIGHT)
+            .flat_map(|y| (0..WIDTH).map(move |x| IVec2::new(x, y)))
             .filter_map(|pixel| {
                 let exact = buffer.normal(pixel)?;
                 let found = taps.normal(buffer, pixel).as_dvec3();

@@ -236,13 +236,20 @@ impl DepthBuffer {
     }
 
     fn index(pixel: IVec2) -> usize {
-        let pixel = pixel.clamp(IVec2::ZERO, IVec2::new(WIDTH - 1, HEIGHT - 1));
         (pixel.y * WIDTH + pixel.x) as usize
     }
 
-    /// Depth at `pixel`, clamped to the picture, as in `lighting.wgsl`.
+    pub fn contains(pixel: IVec2) -> bool {
+        pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(IVec2::new(WIDTH, HEIGHT)).all()
+    }
+
+    /// Depth at `pixel`, or one that is never chosen beyond the picture, as in `lighting.wgsl`.
     pub fn depth(&self, pixel: IVec2) -> f32 {
-        self.depths[Self::index(pixel)]
+        if Self::contains(pixel) {
+            self.depths[Self::index(pixel)]
+        } else {
+            1e9
+        }
     }
 
     /// View-space position at `pixel`, as in `lighting.wgsl`.

@@ -109,7 +109,9 @@ fn packed_albedo_is_as_exact_as_its_bits_allow() {
             let stored = f64::from(layout::unpack_albedo(word)[channel]);
             stored.sqrt() - linear.sqrt()
         }));
-        println!("albedo, channel {channel}, as packed: RMS {rms:.5}, largest {largest:.5} of the root");
+        println!(
+            "albedo, channel {channel}, as packed: RMS {rms:.5}, largest {largest:.5} of the root"
+        );
         // Rounding to the nearest of evenly spaced roots errs by up to half a step.
         let half_step = 0.5 / steps;
         assert!(largest <= half_step * 1.001 && rms <= half_step);

@@ -3,11 +3,7 @@
 use bevy::math::{DVec2, DVec3, Vec3};
 use bevy_lean_deferred::gbuffer::layout::{NORMAL_STEPS, Surface};
 
-use crate::{
-    SURFACE_FIELDS,
-    accuracy::direction_from_octahedral,
-    normal_codes,
-};
+use crate::{SURFACE_FIELDS, accuracy::direction_from_octahedral, normal_codes};
 
 /// Device and twin may round a value up and down that lies no further from the middle between two codes, in steps.
 const TIE: f64 = 1e-4;

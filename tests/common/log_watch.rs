@@ -1,0 +1,53 @@
+//! What this process has logged, for tests that ask.
+
+use core::fmt::{Debug, Write};
+use std::sync::Mutex;
+
+use bevy::log::tracing_subscriber::{Layer, Registry, layer::Context};
+use tracing::{
+    Event, Level,
+    field::{Field, Visit},
+};
+
+static MESSAGES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// Warnings and errors so far that contain `part`.
+pub fn messages_with(part: &str) -> Vec<String> {
+    let messages = MESSAGES.lock().unwrap_or_else(|poison| poison.into_inner());
+    messages
+        .iter()
+        .filter(|message| message.contains(part))
+        .cloned()
+        .collect()
+}
+
+/// Panics if the Vulkan validation layer has complained. wgpu loads it in builds with debug assertions, if installed.
+pub fn assert_validation_layer_silent() {
+    let complaints = messages_with("VUID");
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+/// Keeps warnings and errors.
+pub struct LogWatch;
+
+impl Layer<Registry> for LogWatch {
+    fn on_event(&self, event: &Event, _: Context<Registry>) {
+        if *event.metadata().level() > Level::WARN {
+            return;
+        }
+        let mut text = Text(String::new());
+        event.record(&mut text);
+        let mut messages = MESSAGES.lock().unwrap_or_else(|poison| poison.into_inner());
+        messages.push(text.0);
+    }
+}
+
+struct Text(String);
+
+impl Visit for Text {
+    fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
+        if field.name() == "message" {
+            let _ = write!(self.0, "{value:?}");
+        }
+    }
+}
