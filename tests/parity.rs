@@ -12,7 +12,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use common::{
-    headless::{Headless, Picture},
+    headless::{Headless, Picture, log_watch},
     metrics::difference,
     scenes::{self, LEAST_PSNR, Scene, SceneBuilder},
 };
@@ -96,6 +96,7 @@ fn compare(scene: &Scene, size: UVec2) -> Result<(), String> {
 fn report(results: impl IntoIterator<Item = Result<(), String>>) {
     let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+    log_watch::assert_validation_layer_silent();
 }
 
 /// All scenes, or those whose name has one of the words of `PARITY_SCENE`, which commas separate.

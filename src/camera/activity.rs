@@ -112,10 +112,9 @@ pub(super) fn decide_active_views(
     };
     let supported = support.is_some_and(|support| *support == LeanDeferredSupport::Full);
     let mut active_now = HashMap::default();
+    let mut lean_targets = Vec::new();
 
-    for (entity, camera, view, msaa, (mut usages, camera_3d), prepasses, settings, lighting) in
-        &mut views
-    {
+    for (entity, camera, view, msaa, (_, camera_3d), prepasses, settings, lighting) in &mut views {
         let (depth_prepass, normal_prepass, motion_prepass, deferred_prepass) = prepasses;
         let Some(settings) = settings.filter(|_| supported) else {
             continue;
@@ -140,8 +139,7 @@ pub(super) fn decide_active_views(
             continue;
         };
 
-        // The lighting pass writes the main texture; whoever spawned the camera need not know.
-        usages.0 |= TextureUsages::STORAGE_BINDING;
+        lean_targets.push(camera.target.clone());
         let draws_in_prepass = depth_prepass || normal_prepass || motion_prepass;
         let starts_at_zero = matches!(camera_3d.depth_load_op, Camera3dDepthLoadOp::Clear(0.0));
         let active = ActiveLeanView {
@@ -157,6 +155,15 @@ pub(super) fn decide_active_views(
             commands.entity(entity).insert(active);
         } else {
             commands.entity(entity).remove::<ActiveLeanView>();
+        }
+    }
+
+    // The lighting pass writes the main texture. Cameras of one target share it only while they ask for the same usages,
+    // so all of them ask for this one.
+    for (_, camera, view, _, (mut usages, _), ..) in &mut views {
+        if view.target_format == TextureFormat::Rgba16Float && lean_targets.contains(&camera.target)
+        {
+            usages.0 |= TextureUsages::STORAGE_BINDING;
         }
     }
 

@@ -101,7 +101,9 @@ impl MeshLookup<'_> {
             properties.render_phase_type,
             RenderPhaseType::Opaque | RenderPhaseType::AlphaMask
         );
-        if !opaque || self.forward_only_meshes.0.contains(&entity) {
+        // Without normals forward lights by what the vertex shader happens to leave there; it alone can match that.
+        let has_normals = mesh.mesh.layout.0.contains(Mesh::ATTRIBUTE_NORMAL);
+        if !opaque || !has_normals || self.forward_only_meshes.0.contains(&entity) {
             return None;
         }
         self.gbuffer_materials.fragment_shader(mesh.material_id)

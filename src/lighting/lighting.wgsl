@@ -68,6 +68,13 @@ fn depth_at(pixel: vec2<i32>) -> f32 {
 
 /// View-space normal of the surface at `pixel`, unit length, facing the viewer.
 fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f32> {
+    let n = normal_from_taps(pixel, depth, position);
+    // A mirrored projection turns the order of the taps, and the normal, around.
+    let to_viewer = select(-position, vec3(0.0, 0.0, 1.0), view.clip_from_view[3].w == 1.0);
+    return select(n, -n, dot(n, to_viewer) < 0.0);
+}
+
+fn normal_from_taps(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f32> {
     let x = vec2(1, 0);
     let y = vec2(0, 1);
 #ifdef GEOMETRIC_NORMAL_THREE_TAP
@@ -177,12 +184,24 @@ fn light(pixel: vec2<i32>, normal_word: u32, depth: f32) -> vec4<f32> {
 #endif
 }
 
-@compute @workgroup_size(8, 8, 1)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if any(id.xy >= uniforms.viewport_size) {
+/// Where invocation `i` of 64 lies in its 8×8 tile: along a Z-order curve, so that the pixels of a subgroup of any size
+/// lie close together (8 make 4×2, 32 make 8×4) and see the same lights.
+fn place_in_tile(i: u32) -> vec2<u32> {
+    let x = (i & 1u) | ((i >> 1u) & 2u) | ((i >> 2u) & 4u);
+    let y = ((i >> 1u) & 1u) | ((i >> 2u) & 2u) | ((i >> 3u) & 4u);
+    return vec2(x, y);
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn main(
+    @builtin(workgroup_id) tile: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let place = tile.xy * 8u + place_in_tile(invocation);
+    if any(place >= uniforms.viewport_size) {
         return;
     }
-    let pixel = vec2<i32>(uniforms.viewport_origin + id.xy);
+    let pixel = vec2<i32>(uniforms.viewport_origin + place);
     let depth = textureLoad(depth_texture, pixel, 0);
 #ifdef DEPTH_TELLS_GEOMETRY
     // The G-buffer was not cleared: without depth it holds anything.
