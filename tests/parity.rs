@@ -432,7 +432,7 @@ fn scene_to_change() -> (Headless, Subject) {
             }),
         ];
         let meshes = [
-            Mesh::from(Sphere::new(0.8).mesh().uv(48, 24)),
+            Sphere::new(0.8).mesh().uv(48, 24),
             Cuboid::from_length(1.1).into(),
         ]
         .map(|mut mesh| {

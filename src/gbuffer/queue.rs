@@ -1,6 +1,7 @@
 //! Sorts the meshes of a lean view: into the G-buffer, out of Bevy's forward phases, or left to those.
 
 use bevy::{
+    asset::UntypedAssetId,
     core_pipeline::{
         core_3d::{AlphaMask3d, Opaque3d, Opaque3dBatchSetKey, Opaque3dBinKey},
         prepass::{
@@ -20,6 +21,7 @@ use bevy::{
         RenderMeshQueueData, SpecializedMaterialPipelineCache, ViewKeyCache,
         alpha_mode_pipeline_key,
     },
+    platform::collections::HashSet,
     prelude::*,
     render::{
         batching::gpu_preprocessing::GpuPreprocessingSupport,
@@ -33,7 +35,7 @@ use bevy::{
         render_phase::{BinnedRenderPhaseType, DrawFunctions, ViewBinnedRenderPhases},
         render_resource::{CachedRenderPipelineId, PipelineCache, SpecializedMeshPipelines},
         sync_world::MainEntity,
-        view::{ExtractedView, RenderVisibilityRanges, RenderVisibleEntities},
+        view::{ExtractedView, RenderVisibilityRanges, RenderVisibleEntities, RetainedViewEntity},
     },
 };
 
@@ -65,7 +67,7 @@ pub(super) struct MeshLookup<'w> {
 struct MeshToQueue<'a> {
     instance: RenderMeshQueueData<'a>,
     material: &'a PreparedMaterial,
-    material_id: bevy::asset::UntypedAssetId,
+    material_id: UntypedAssetId,
     mesh: &'a RenderMesh,
     slabs: MeshSlabs,
 }
@@ -276,10 +278,11 @@ pub(super) fn queue_gbuffer_meshes(
         ),
         With<LeanDeferred>,
     >,
+    mut live_views: Local<HashSet<RetainedViewEntity>>,
 ) {
     let draw_opaque = opaque_draw_functions.read().id::<DrawPrepass>();
     let draw_alpha_mask = alpha_mask_draw_functions.read().id::<DrawPrepass>();
-    let mut live_views = bevy::platform::collections::HashSet::default();
+    live_views.clear();
 
     for (view, visible_entities, active) in &views {
         let retained = view.retained_view_entity;

@@ -1,7 +1,6 @@
-//! Buffers and bind groups of the lighting pass.
+//! Bind groups of the lighting pass.
 
 use bevy::{
-    camera::{ClearColorConfig, CompositingSpace, MainPassResolutionOverride, Viewport},
     ecs::{query::QueryData, system::SystemParam},
     image::Image,
     light::IrradianceVolume,
@@ -12,18 +11,17 @@ use bevy::{
         ViewLightProbesUniformOffset, ViewLightsUniformOffset, ViewShadowBindings,
         contact_shadows::ContactShadowsBuffer,
         decal::clustered::{DecalsBuffer, RenderClusteredDecals},
-        resources::{AtmosphereSampler, AtmosphereTextures, GpuAtmosphere},
+        resources::{AtmosphereSampler, AtmosphereTextures},
     },
     prelude::*,
     render::{
-        camera::ExtractedCamera,
         globals::GlobalsBuffer,
         render_asset::RenderAssets,
         render_resource::{
-            BindGroupEntry, BindGroupLayoutDescriptor, BindingResource, DynamicUniformBuffer,
-            IntoBinding, PipelineCache, ShaderType, StorageBuffer, TextureView, TextureViewId,
+            BindGroupEntry, BindGroupLayoutDescriptor, BindingResource, IntoBinding, PipelineCache,
+            TextureView, TextureViewId,
         },
-        renderer::{RenderDevice, RenderQueue},
+        renderer::RenderDevice,
         texture::{FallbackImage, GpuImage},
         view::{ViewDepthTexture, ViewTarget, ViewUniformOffset, ViewUniforms},
     },
@@ -32,6 +30,7 @@ use bevy::{
 use super::{
     ViewLighting,
     bind_group_cache::CachedBindGroup,
+    buffers::LightingBuffers,
     features::ViewEnvironmentMaps,
     pipeline::{
         AREA_LIGHT_LUTS_BINDING, BLUE_NOISE_BINDING, DFG_LUT_BINDING, LightingLayouts,
@@ -39,23 +38,6 @@ use super::{
     },
 };
 use crate::{camera::ActiveLeanView, gbuffer::GBufferTextures};
-
-/// Twin of the struct of the same name in `lighting.wgsl`.
-#[derive(ShaderType, Clone, Copy, Debug, Default)]
-pub(super) struct LightingUniform {
-    background: Vec4,
-    viewport_origin: UVec2,
-    viewport_size: UVec2,
-    writes_background: u32,
-}
-
-/// The crate's own buffers, one for all views.
-#[derive(Resource, Default)]
-pub(super) struct LightingBuffers {
-    uniforms: DynamicUniformBuffer<LightingUniform>,
-    /// Bevy keeps its own copy to itself. Only there while a lean view has an atmosphere.
-    atmosphere: Option<StorageBuffer<GpuAtmosphere>>,
-}
 
 /// The bind groups of one view, and what the dispatch needs beside them.
 #[derive(Default)]
@@ -88,83 +70,6 @@ impl ViewLightingBindings {
         self.view.clear();
         self.arrays.clear();
         self.targets = default();
-    }
-}
-
-/// Fills [`LightingBuffers`] for the views of this frame.
-pub(super) fn write_lighting_buffers(
-    mut buffers: ResMut<LightingBuffers>,
-    render_device: Res<RenderDevice>,
-    render_queue: Res<RenderQueue>,
-    clear_color: Res<ClearColor>,
-    mut views: Query<
-        (
-            &mut ViewLighting,
-            &ExtractedCamera,
-            Option<&MainPassResolutionOverride>,
-            Option<&GpuAtmosphere>,
-        ),
-        With<ActiveLeanView>,
-    >,
-) {
-    let buffers = &mut *buffers;
-    if views.is_empty() {
-        buffers.atmosphere = None;
-        return;
-    }
-    if let Some(atmosphere) = views.iter().find_map(|(.., atmosphere)| atmosphere) {
-        let buffer = buffers
-            .atmosphere
-            .get_or_insert_with(|| StorageBuffer::from(atmosphere.clone()));
-        buffer.set(atmosphere.clone());
-        buffer.write_buffer(&render_device, &render_queue);
-    } else {
-        buffers.atmosphere = None;
-    }
-
-    let count = 2 * views.iter().len();
-    let Some(mut writer) = buffers
-        .uniforms
-        .get_writer(count, &render_device, &render_queue)
-    else {
-        return;
-    };
-    for (mut lighting, camera, resolution_override, _) in &mut views {
-        let target_size = camera.physical_target_size.unwrap_or(UVec2::ONE);
-        let viewport =
-            Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
-        let (origin, size) = match &viewport {
-            Some(viewport) => (viewport.physical_position, viewport.physical_size),
-            None => (UVec2::ZERO, target_size),
-        };
-        let uniform = LightingUniform {
-            background: background(camera, &clear_color),
-            viewport_origin: origin,
-            viewport_size: size,
-            writes_background: 0,
-        };
-        lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
-            writer.write(&LightingUniform {
-                writes_background,
-                ..uniform
-            })
-        });
-        lighting.bindings.viewport_size = size;
-        lighting.bindings.covers_target = origin == UVec2::ZERO && size == target_size;
-    }
-}
-
-/// The clear colour of `camera` as its main texture stores it; as in Bevy's `prepare_view_targets`.
-fn background(camera: &ExtractedCamera, clear_color: &ClearColor) -> Vec4 {
-    let color = match camera.clear_color {
-        ClearColorConfig::Custom(color) => color,
-        ClearColorConfig::None => return Vec4::ZERO,
-        ClearColorConfig::Default => clear_color.0,
-    };
-    match camera.compositing_space {
-        Some(CompositingSpace::Oklab) => Oklaba::from(color).to_vec4(),
-        Some(CompositingSpace::Srgb) => Srgba::from(color).to_vec4(),
-        Some(CompositingSpace::Linear) | None => color.to_linear().to_vec4(),
     }
 }
 

@@ -2,12 +2,13 @@
 //!
 //! - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
 //! - `pipeline.rs`: layouts and pipelines.
-//! - `bindings.rs`, `bind_group_cache.rs`: the bind groups, made anew only when what they bind changed.
+//! - `buffers.rs`, `bindings.rs`, `bind_group_cache.rs`: the buffers and the bind groups, made anew only when what they bind changed.
 //! - `pass.rs`: the dispatch.
 //! - `lighting.wgsl`, `geometric_normal.{wgsl,rs}`: the shader, and its binding-free maths, twice.
 
 mod bind_group_cache;
 mod bindings;
+mod buffers;
 mod features;
 pub mod geometric_normal;
 mod pass;
@@ -51,7 +52,7 @@ impl Plugin for LightingPlugin {
             return;
         };
         render_app
-            .init_gpu_resource::<bindings::LightingBuffers>()
+            .init_gpu_resource::<buffers::LightingBuffers>()
             .add_systems(
                 RenderStartup,
                 pipeline::init_lighting_pipelines.after(MeshPipelineSystems),
@@ -59,7 +60,7 @@ impl Plugin for LightingPlugin {
             .add_systems(
                 Render,
                 (
-                    bindings::write_lighting_buffers.in_set(RenderSystems::PrepareResources),
+                    buffers::write_lighting_buffers.in_set(RenderSystems::PrepareResources),
                     bindings::prepare_lighting_bind_groups
                         .in_set(RenderSystems::PrepareBindGroups)
                         .after(prepare_mesh_view_bind_groups),

@@ -14,31 +14,14 @@ use bevy::{
     shader::ShaderDefVal,
 };
 
-use super::{bindings::LightingUniform, features::LightingKey};
+use super::{buffers::LightingUniform, features::LightingKey};
 use crate::GeometricNormal;
 
 /// Bindings of Bevy's view layout that no lighting function reads: visibility ranges (14), screen-space reflections
 /// (15), tonemapping (18, 19), prepass textures other than depth (21 to 23), transmission (24, 25), order-independent
 /// transparency (26 to 30), and the samplers of percentage-closer soft shadows (4, 7), which need derivatives.
-const UNUSED_VIEW_BINDINGS: [u32; 17] = [
-    4,
-    7,
-    14,
-    15,
-    18,
-    19,
-    21,
-    22,
-    23,
-    24,
-    25,
-    26,
-    27,
-    28,
-    29,
-    30,
-    u32::MAX,
-];
+const UNUSED_VIEW_BINDINGS: [u32; 16] =
+    [4, 7, 14, 15, 18, 19, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30];
 pub(super) const BLUE_NOISE_BINDING: u32 = 34;
 pub(super) const AREA_LIGHT_LUTS_BINDING: u32 = 35;
 pub(super) const DFG_LUT_BINDING: u32 = 37;

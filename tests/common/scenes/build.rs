@@ -112,7 +112,7 @@ impl SceneBuilder<'_> {
         let material = self.add::<StandardMaterial>(material);
         for (mut mesh, transform) in [
             (
-                Mesh::from(Sphere::new(0.8).mesh().uv(48, 24)),
+                Sphere::new(0.8).mesh().uv(48, 24),
                 Transform::from_xyz(-1.7, 0.8, 0.3),
             ),
             (

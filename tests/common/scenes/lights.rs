@@ -3,9 +3,9 @@
 use bevy::{
     core_pipeline::Skybox,
     light::{
-        AmbientLight, CascadeShadowConfigBuilder, EnvironmentMapLight, FogVolume, IrradianceVolume,
-        LightProbe, PointLight, RectLight, ShadowFilteringMethod, SpotLight, VolumetricFog,
-        VolumetricLight,
+        AmbientLight, CascadeShadowConfigBuilder, ClusteredDecal, DirectionalLightTexture,
+        EnvironmentMapLight, FogVolume, IrradianceVolume, LightProbe, PointLight, RectLight,
+        ShadowFilteringMethod, SpotLight, SpotLightTexture, VolumetricFog, VolumetricLight,
     },
     pbr::{ContactShadows, DistanceFog, FogFalloff, ScreenSpaceAmbientOcclusion},
     prelude::*,
@@ -180,6 +180,35 @@ pub const SCENES: &[Scene] = &[
             ..default()
         });
     }),
+    // Decals and light textures need bindless textures: a software renderer shows these scenes without them.
+    Scene::new("clustered_decal", |s| {
+        s.solids();
+        s.sun(true);
+        let checker = s.checker([240, 60, 40, 255], [40, 60, 240, 90]);
+        s.spawn((
+            ClusteredDecal {
+                base_color_texture: Some(checker),
+                ..default()
+            },
+            Transform::from_xyz(0.0, 0.5, 0.5)
+                .with_rotation(Quat::from_rotation_x(-1.2))
+                .with_scale(Vec3::new(4.0, 3.0, 3.0)),
+        ));
+        s.default_camera(());
+    }),
+    Scene::new("light_textures", |s| {
+        s.solids();
+        let image = s.checker([255, 255, 255, 255], [20, 20, 60, 255]);
+        let light = spot(s, true);
+        s.world().entity_mut(light).insert(SpotLightTexture {
+            image: image.clone(),
+        });
+        let sun = s.sun(true);
+        s.world()
+            .entity_mut(sun)
+            .insert(DirectionalLightTexture { image, tiled: true });
+        s.default_camera(indoor());
+    }),
     Scene::new("many_lights_of_all_kinds", |s| {
         s.solids();
         points(s, true);
@@ -208,7 +237,7 @@ fn points(s: &mut SceneBuilder, shadow_maps_enabled: bool) {
     }
 }
 
-fn spot(s: &mut SceneBuilder, shadow_maps_enabled: bool) {
+fn spot(s: &mut SceneBuilder, shadow_maps_enabled: bool) -> Entity {
     s.spawn((
         SpotLight {
             intensity: 120_000.0,
@@ -219,7 +248,7 @@ fn spot(s: &mut SceneBuilder, shadow_maps_enabled: bool) {
             ..default()
         },
         Transform::from_xyz(2.0, 4.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+    ))
 }
 
 fn fog(s: &mut SceneBuilder, falloff: FogFalloff) {
