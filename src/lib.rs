@@ -34,6 +34,7 @@ extern crate alloc;
 pub mod camera;
 pub mod gbuffer;
 pub mod lighting;
+mod tiles;
 
 pub use camera::{GBufferChannel, GeometricNormal, LeanDeferred};
 

@@ -39,6 +39,7 @@ enum Reason {
     NotHdr,
     Format(TextureFormat),
     DeferredPrepass,
+    SoftShadows,
 }
 
 impl Reason {
@@ -50,6 +51,10 @@ impl Reason {
                 format!("its main texture is {format:?}, and Rgba16Float is needed")
             }
             Self::DeferredPrepass => "it has DeferredPrepass (Bevy's own deferred renderer)".into(),
+            Self::SoftShadows => {
+                "a light has soft shadows (experimental_pbr_pcss), which only fragment shaders can filter"
+                    .into()
+            }
         }
     }
 }
@@ -58,11 +63,23 @@ impl Reason {
 #[derive(Resource, Default)]
 pub(super) struct ReportedReasons(HashSet<(MainEntity, Reason)>);
 
+impl ReportedReasons {
+    fn report(&mut self, camera: MainEntity, reason: Reason) {
+        if self.0.insert((camera, reason)) {
+            warn!(
+                "LeanDeferred on camera {camera:?} is off, Bevy renders it: {}.",
+                reason.message()
+            );
+        }
+    }
+}
+
 fn reason_against(
     camera: &ExtractedCamera,
     view: &ExtractedView,
     msaa: &Msaa,
     deferred_prepass: bool,
+    soft_shadows: bool,
 ) -> Option<Reason> {
     if msaa.samples() > 1 {
         Some(Reason::Msaa)
@@ -72,61 +89,59 @@ fn reason_against(
         Some(Reason::Format(view.target_format))
     } else if deferred_prepass {
         Some(Reason::DeferredPrepass)
+    } else if soft_shadows {
+        Some(Reason::SoftShadows)
     } else {
         None
     }
 }
 
-/// Inserts or removes [`ActiveLeanView`]. A view is active only while the lighting pipeline that it needs in this frame
-/// is compiled; until then forward draws it, so that neither switching over nor a new kind of light shows a dark
-/// frame. When that changes, all its meshes are queued anew.
+/// How a view that can be lean is drawn.
+fn draw_order(camera: &Camera3d, (depth, normal, motion): (bool, bool, bool)) -> ActiveLeanView {
+    let draws_in_prepass = depth || normal || motion;
+    let starts_at_zero = matches!(camera.depth_load_op, Camera3dDepthLoadOp::Clear(0.0));
+    ActiveLeanView {
+        draws_in_prepass,
+        keeps_prepass: normal || motion,
+        depth_tells_geometry: !draws_in_prepass && starts_at_zero,
+    }
+}
+
+/// Inserts or removes [`ActiveLeanView`], and [`ViewLighting`] on all views that can be lean. A view is active only
+/// while the lighting pipeline that it needs in this frame is compiled; until then forward draws it, so that neither
+/// switching over nor a new kind of light shows a dark frame. When that changes, all its meshes are queued anew.
 pub(super) fn decide_active_views(
     mut commands: Commands,
-    (support, scene, view_keys): (
-        Option<Res<LeanDeferredSupport>>,
-        SceneFeatures,
-        Res<ViewKeyCache>,
-    ),
+    support: Option<Res<LeanDeferredSupport>>,
+    (scene, view_keys): (SceneFeatures, Res<ViewKeyCache>),
     (pipelines, pipeline_cache): (Option<ResMut<LightingPipelines>>, Res<PipelineCache>),
     mut reported: ResMut<ReportedReasons>,
     mut dirty_specializations: ResMut<DirtySpecializations>,
     mut active_before: Local<HashMap<RetainedViewEntity, ActiveLeanView>>,
     mut views: Query<(
         Entity,
-        &ExtractedCamera,
-        &ExtractedView,
-        &Msaa,
-        (&mut CameraMainTextureUsages, &Camera3d),
+        (&ExtractedCamera, &ExtractedView, &Msaa, &Camera3d),
         (
             Has<DepthPrepass>,
             Has<NormalPrepass>,
             Has<MotionVectorPrepass>,
             Has<DeferredPrepass>,
         ),
-        Option<&LeanDeferred>,
+        &LeanDeferred,
         Option<&mut ViewLighting>,
     )>,
 ) {
-    let Some(mut pipelines) = pipelines else {
+    let (Some(mut pipelines), Some(LeanDeferredSupport::Full)) = (pipelines, support.as_deref())
+    else {
         return;
     };
-    let supported = support.is_some_and(|support| *support == LeanDeferredSupport::Full);
+    let soft_shadows = scene.has_soft_shadows();
     let mut active_now = HashMap::default();
-    let mut lean_targets = Vec::new();
 
-    for (entity, camera, view, msaa, (_, camera_3d), prepasses, settings, lighting) in &mut views {
-        let (depth_prepass, normal_prepass, motion_prepass, deferred_prepass) = prepasses;
-        let Some(settings) = settings.filter(|_| supported) else {
-            continue;
-        };
-        if let Some(reason) = reason_against(camera, view, msaa, deferred_prepass) {
-            let camera = view.retained_view_entity.main_entity;
-            if reported.0.insert((camera, reason)) {
-                warn!(
-                    "LeanDeferred on camera {camera:?} is off, Bevy renders it: {}.",
-                    reason.message()
-                );
-            }
+    for (entity, (camera, view, msaa, camera_3d), prepasses, settings, lighting) in &mut views {
+        let (depth, normal, motion, deferred) = prepasses;
+        if let Some(reason) = reason_against(camera, view, msaa, deferred, soft_shadows) {
+            reported.report(view.retained_view_entity.main_entity, reason);
             commands
                 .entity(entity)
                 .remove::<(ActiveLeanView, ViewLighting)>();
@@ -139,14 +154,7 @@ pub(super) fn decide_active_views(
             continue;
         };
 
-        lean_targets.push(camera.target.clone());
-        let draws_in_prepass = depth_prepass || normal_prepass || motion_prepass;
-        let starts_at_zero = matches!(camera_3d.depth_load_op, Camera3dDepthLoadOp::Clear(0.0));
-        let active = ActiveLeanView {
-            draws_in_prepass,
-            keeps_prepass: normal_prepass || motion_prepass,
-            depth_tells_geometry: !draws_in_prepass && starts_at_zero,
-        };
+        let active = draw_order(camera_3d, (depth, normal, motion));
         let key = scene.key(*view_key, settings, active.depth_tells_geometry);
         let pipeline = pipelines.specialize(&pipeline_cache, key);
         lighting.pipeline = Some((key, pipeline));
@@ -158,19 +166,29 @@ pub(super) fn decide_active_views(
         }
     }
 
-    // The lighting pass writes the main texture. Cameras of one target share it only while they ask for the same usages,
-    // so all of them ask for this one.
-    for (_, camera, view, _, (mut usages, _), ..) in &mut views {
-        if view.target_format == TextureFormat::Rgba16Float && lean_targets.contains(&camera.target)
-        {
-            usages.0 |= TextureUsages::STORAGE_BINDING;
-        }
-    }
-
     for view in active_before.keys().chain(active_now.keys()) {
         if active_before.get(view) != active_now.get(view) {
             dirty_specializations.views.insert(*view);
         }
     }
     *active_before = active_now;
+}
+
+/// The lighting pass writes the main texture. Cameras of one target share it only while they ask for the same usages,
+/// so all of them ask for that one.
+pub(super) fn make_main_textures_writable(
+    lean: Query<&ExtractedCamera, With<ViewLighting>>,
+    mut views: Query<(
+        &ExtractedCamera,
+        &ExtractedView,
+        &mut CameraMainTextureUsages,
+    )>,
+) {
+    for (camera, view, mut usages) in &mut views {
+        if view.target_format == TextureFormat::Rgba16Float
+            && lean.iter().any(|lean| lean.target == camera.target)
+        {
+            usages.0 |= TextureUsages::STORAGE_BINDING;
+        }
+    }
 }

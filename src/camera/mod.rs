@@ -36,7 +36,11 @@ impl Plugin for LeanCameraPlugin {
             .init_resource::<activity::ReportedReasons>()
             .add_systems(
                 Render,
-                activity::decide_active_views
+                (
+                    activity::decide_active_views,
+                    activity::make_main_textures_writable,
+                )
+                    .chain()
                     .in_set(LeanViewSystems)
                     .in_set(RenderSystems::PrepareAssets)
                     .after(check_views_need_specialization),

@@ -36,8 +36,7 @@ pub enum GeometricNormal {
     /// from depth", Wicked Engine).
     FiveTap,
     /// On each axis the side whose two depths extrapolate best to the centre: 9 taps (atyuwen 2021, "Accurate Normal
-    /// Reconstruction from Depth Buffer"). Also right beside edges; on
-    /// parts a few pixels thin it equals the five taps.
+    /// Reconstruction from Depth Buffer"). Also right beside edges; on parts a few pixels thin it equals the five taps.
     #[default]
     NineTap,
 }

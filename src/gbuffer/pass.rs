@@ -8,6 +8,7 @@
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
     core_pipeline::prepass::ViewPrepassTextures,
+    ecs::system::SystemParam,
     prelude::*,
     render::{
         camera::ExtractedCamera,
@@ -37,88 +38,72 @@ pub(super) type GBufferView = (
     (Has<OcclusionCulling>, Has<NoIndirectDrawing>),
 );
 
-/// In the place of the early prepass.
+/// When a pass draws.
+enum Moment {
+    /// In the place of the early prepass.
+    Early,
+    /// In the place of the late prepass: what the first depth did not hide.
+    Late,
+    /// Before the main pass, on views without any prepass.
+    Main,
+}
+
+/// What is drawn.
+#[derive(SystemParam)]
+pub(super) struct GBufferPhases<'w> {
+    opaque: Res<'w, ViewBinnedRenderPhases<OpaqueGBuffer>>,
+    alpha_mask: Res<'w, ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
+}
+
 pub(super) fn early_gbuffer_pass(
     world: &World,
     view: ViewQuery<GBufferView>,
-    opaque: Res<ViewBinnedRenderPhases<OpaqueGBuffer>>,
-    alpha_mask: Res<ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
+    phases: GBufferPhases,
     mut ctx: RenderContext,
 ) {
-    let entity = view.entity();
-    let view = view.into_inner();
-    if view.2.draws_in_prepass {
-        draw(
-            world,
-            entity,
-            view,
-            &opaque,
-            &alpha_mask,
-            initial_load(view.2),
-            &mut ctx,
-        );
-    }
+    draw(world, view, &phases, Moment::Early, &mut ctx);
 }
 
-/// In the place of the late prepass: what the first depth did not hide.
 pub(super) fn late_gbuffer_pass(
     world: &World,
     view: ViewQuery<GBufferView>,
-    opaque: Res<ViewBinnedRenderPhases<OpaqueGBuffer>>,
-    alpha_mask: Res<ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
+    phases: GBufferPhases,
     mut ctx: RenderContext,
 ) {
-    let entity = view.entity();
-    let view = view.into_inner();
-    let (occlusion_culling, no_indirect_drawing) = view.7;
-    if view.2.draws_in_prepass && occlusion_culling && !no_indirect_drawing {
-        draw(
-            world,
-            entity,
-            view,
-            &opaque,
-            &alpha_mask,
-            LoadOp::Load,
-            &mut ctx,
-        );
-    }
+    draw(world, view, &phases, Moment::Late, &mut ctx);
 }
 
-/// Before the main pass, on views without any prepass.
 pub(super) fn main_gbuffer_pass(
     world: &World,
     view: ViewQuery<GBufferView>,
-    opaque: Res<ViewBinnedRenderPhases<OpaqueGBuffer>>,
-    alpha_mask: Res<ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
+    phases: GBufferPhases,
     mut ctx: RenderContext,
 ) {
-    let entity = view.entity();
-    let view = view.into_inner();
-    if !view.2.draws_in_prepass {
-        draw(
-            world,
-            entity,
-            view,
-            &opaque,
-            &alpha_mask,
-            initial_load(view.2),
-            &mut ctx,
-        );
-    }
+    draw(world, view, &phases, Moment::Main, &mut ctx);
 }
 
 fn draw(
     world: &World,
-    view_entity: Entity,
-    (camera, view, _, textures, depth, prepass_textures, resolution_override, _): bevy::ecs::query::QueryItem<GBufferView>,
-    opaque_phases: &ViewBinnedRenderPhases<OpaqueGBuffer>,
-    alpha_mask_phases: &ViewBinnedRenderPhases<AlphaMaskGBuffer>,
-    load: LoadOp<wgpu::Color>,
+    view: ViewQuery<GBufferView>,
+    phases: &GBufferPhases,
+    moment: Moment,
     ctx: &mut RenderContext,
 ) {
+    let view_entity = view.entity();
+    let (camera, view, active, textures, depth, prepass_textures, resolution_override, culling) =
+        view.into_inner();
+    let (occlusion_culling, no_indirect_drawing) = culling;
+    let load = match moment {
+        Moment::Early if active.draws_in_prepass => initial_load(active),
+        Moment::Main if !active.draws_in_prepass => initial_load(active),
+        Moment::Late if active.draws_in_prepass && occlusion_culling && !no_indirect_drawing => {
+            LoadOp::Load
+        }
+        _ => return,
+    };
     let (Some(opaque), Some(alpha_mask)) = (
-        opaque_phases.get(&view.retained_view_entity),
-        alpha_mask_phases.get(&view.retained_view_entity),
+        phases.opaque.get(&view.retained_view_entity),
+        phases.alpha_mask.get(&view.retained_view_entity),
     ) else {
         return;
     };

@@ -12,7 +12,10 @@ use bevy::{
 };
 
 use super::ViewLighting;
-use crate::camera::ActiveLeanView;
+use crate::{
+    camera::ActiveLeanView,
+    tiles::{self, RowOrder},
+};
 
 /// Twin of the struct of the same name in `lighting.wgsl`.
 #[derive(ShaderType, Clone, Copy, Debug, Default)]
@@ -21,6 +24,7 @@ pub(super) struct LightingUniform {
     viewport_origin: UVec2,
     viewport_size: UVec2,
     writes_background: u32,
+    row_stride: u32,
 }
 
 /// The crate's own buffers, one for all views.
@@ -37,6 +41,7 @@ pub(super) fn write_lighting_buffers(
     render_device: Res<RenderDevice>,
     render_queue: Res<RenderQueue>,
     clear_color: Res<ClearColor>,
+    row_order: Res<RowOrder>,
     mut views: Query<
         (
             &mut ViewLighting,
@@ -82,6 +87,7 @@ pub(super) fn write_lighting_buffers(
             viewport_origin: origin,
             viewport_size: size,
             writes_background: 0,
+            row_stride: row_order.stride(tiles::count(size).y),
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
             writer.write(&LightingUniform {

@@ -51,6 +51,18 @@ pub(crate) struct SceneFeatures<'w, 's> {
 }
 
 impl SceneFeatures<'_, '_> {
+    /// Whether a light asks for percentage-closer soft shadows (Bevy's feature `experimental_pbr_pcss`). They take
+    /// derivatives of the shadow's coordinates, which compute shaders do not have.
+    pub(crate) fn has_soft_shadows(&self) -> bool {
+        self.point_lights
+            .iter()
+            .any(|light| light.shadow_maps_enabled && light.soft_shadows_enabled)
+            || self
+                .directional_lights
+                .iter()
+                .any(|light| light.shadow_maps_enabled && light.soft_shadow_size.is_some())
+    }
+
     /// The key for a view with Bevy's `view_key`.
     pub(crate) fn key(
         &self,

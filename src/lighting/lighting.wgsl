@@ -3,6 +3,7 @@
 #import bevy_lean_deferred::lighting::geometric_normal::{
     nearer_side, normal_from_positions, straighter_side,
 }
+#import bevy_lean_deferred::tiles::pixel_in_view
 #import bevy_pbr::{
     mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
     mesh_view_bindings::{depth_prepass_texture as depth_texture, view},
@@ -30,6 +31,7 @@ struct LightingUniform {
     viewport_size: vec2<u32>,
     /// 1 if pixels without geometry are to be set to `background`.
     writes_background: u32,
+    row_stride: u32,
 }
 
 @group(2) @binding(0) var surface_texture: texture_2d<u32>;
@@ -184,20 +186,13 @@ fn light(pixel: vec2<i32>, normal_word: u32, depth: f32) -> vec4<f32> {
 #endif
 }
 
-/// Where invocation `i` of 64 lies in its 8×8 tile: along a Z-order curve, so that the pixels of a subgroup of any size
-/// lie close together (8 make 4×2, 32 make 8×4) and see the same lights.
-fn place_in_tile(i: u32) -> vec2<u32> {
-    let x = (i & 1u) | ((i >> 1u) & 2u) | ((i >> 2u) & 4u);
-    let y = ((i >> 1u) & 1u) | ((i >> 2u) & 2u) | ((i >> 3u) & 4u);
-    return vec2(x, y);
-}
-
 @compute @workgroup_size(64, 1, 1)
 fn main(
     @builtin(workgroup_id) tile: vec3<u32>,
+    @builtin(num_workgroups) tiles: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    let place = tile.xy * 8u + place_in_tile(invocation);
+    let place = pixel_in_view(tile.xy, tiles.xy, uniforms.row_stride, invocation);
     if any(place >= uniforms.viewport_size) {
         return;
     }

@@ -32,6 +32,8 @@ use bevy::{
     shader::load_shader_library,
 };
 
+use crate::tiles::TilesPlugin;
+
 /// On a view: everything its lighting pass needs. Dropped with the effect.
 #[derive(Component, Default)]
 pub struct ViewLighting {
@@ -45,6 +47,7 @@ pub(crate) struct LightingPlugin;
 
 impl Plugin for LightingPlugin {
     fn build(&self, app: &mut App) {
+        TilesPlugin::add_to(app);
         load_shader_library!(app, "geometric_normal.wgsl");
         embedded_asset!(app, "lighting.wgsl");
 

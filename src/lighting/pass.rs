@@ -11,10 +11,7 @@ use bevy::{
 };
 
 use super::ViewLighting;
-use crate::camera::ActiveLeanView;
-
-/// Pixels a side of the square that one workgroup lights.
-const TILE: u32 = 8;
+use crate::{camera::ActiveLeanView, tiles};
 
 /// Lights the G-buffer of a view into its main texture.
 pub(super) fn lighting_pass(
@@ -67,8 +64,8 @@ pub(super) fn lighting_pass(
         targets_group,
         &[bindings.uniform_offsets[usize::from(writes_background)]],
     );
-    let size = bindings.viewport_size;
-    pass.dispatch_workgroups(size.x.div_ceil(TILE), size.y.div_ceil(TILE), 1);
+    let count = tiles::count(bindings.viewport_size);
+    pass.dispatch_workgroups(count.x, count.y, 1);
     drop(pass);
     span.end(ctx.command_encoder());
 }

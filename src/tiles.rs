@@ -1,0 +1,129 @@
+//! The 8×8 tiles in which compute passes cover a view, and the order in which a software driver walks over them.
+
+use bevy::{
+    prelude::*,
+    render::{RenderApp, renderer::RenderAdapterInfo},
+    shader::load_shader_library,
+};
+use wgpu::DeviceType;
+
+/// What the compute passes of all effects share. Each effect adds it, if it is not there.
+pub(crate) struct TilesPlugin;
+
+impl TilesPlugin {
+    pub(crate) fn add_to(app: &mut App) {
+        if !app.is_plugin_added::<Self>() {
+            app.add_plugins(Self);
+        }
+    }
+}
+
+impl Plugin for TilesPlugin {
+    fn build(&self, app: &mut App) {
+        load_shader_library!(app, "tiles.wgsl");
+    }
+
+    fn finish(&self, app: &mut App) {
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        let order = RowOrder::from_world(render_app.world());
+        render_app.insert_resource(order);
+    }
+}
+
+/// Pixels a side of the square that one workgroup covers.
+const SIDE: u32 = 8;
+
+/// Workgroups that cover `size` pixels.
+pub(crate) fn count(size: UVec2) -> UVec2 {
+    UVec2::new(size.x.div_ceil(SIDE), size.y.div_ceil(SIDE))
+}
+
+/// How the rows of tiles follow one another.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RowOrder {
+    /// From top to bottom. GPUs hand workgroups out one by one, and neighbours share caches.
+    TopDown,
+    /// Consecutive rows lie far apart. llvmpipe gives each of its threads one contiguous range of workgroups, so that
+    /// from top to bottom one thread gets the sky and another all the lit floor: on 2 threads that made lighting
+    /// 1.8 × slower.
+    Spread,
+}
+
+impl RowOrder {
+    fn from_world(world: &World) -> Self {
+        match world.get_resource::<RenderAdapterInfo>() {
+            Some(info) if info.device_type == DeviceType::Cpu => Self::Spread,
+            _ => Self::TopDown,
+        }
+    }
+
+    /// The factor that the shader takes the number of a row times, modulo `rows`.
+    pub(crate) fn stride(self, rows: u32) -> u32 {
+        match self {
+            Self::TopDown => 1,
+            Self::Spread => spreading_stride(rows),
+        }
+    }
+}
+
+/// The number nearest to the golden section of `rows` that has no divisor in common with it: its multiples reach every
+/// row once, and any number of consecutive ones is spread evenly (Weyl 1916, "Über die Gleichverteilung von Zahlen mod.
+/// Eins").
+fn spreading_stride(rows: u32) -> u32 {
+    let golden = (rows as f32 * 0.618_034) as u32;
+    (0..rows)
+        .flat_map(|distance| [golden + distance, golden.saturating_sub(distance)])
+        .find(|&stride| greatest_common_divisor(stride, rows) == 1)
+        .unwrap_or(1)
+}
+
+fn greatest_common_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 {
+        a
+    } else {
+        greatest_common_divisor(b, a % b)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_reached_once() {
+        for rows in 1..=2048 {
+            let stride = RowOrder::Spread.stride(rows);
+            let mut reached = vec![false; rows as usize];
+            for row in 0..rows {
+                // As the shader counts, in 32 bits.
+                reached[(row.wrapping_mul(stride) % rows) as usize] = true;
+            }
+            assert!(
+                reached.iter().all(|&row| row),
+                "{rows} rows, stride {stride}"
+            );
+        }
+    }
+
+    #[test]
+    fn each_thread_gets_rows_from_everywhere() {
+        for rows in [45, 90, 135, 270] {
+            let stride = RowOrder::Spread.stride(rows);
+            for threads in [2, 4, 8] {
+                let share = rows / threads;
+                for thread in 0..threads {
+                    let order =
+                        (thread * share..(thread + 1) * share).map(|row| row * stride % rows);
+                    let upper = order.filter(|&row| row < rows / 2).count() as f32;
+                    let part = upper / share as f32;
+                    assert!(
+                        (0.3..=0.7).contains(&part),
+                        "{rows} rows, {threads} threads: {part}"
+                    );
+                }
+            }
+        }
+    }
+}
