@@ -31,6 +31,7 @@
 
 extern crate alloc;
 
+mod bind_group_cache;
 pub mod camera;
 pub mod gbuffer;
 pub mod lighting;

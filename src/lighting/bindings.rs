@@ -29,7 +29,6 @@ use bevy::{
 
 use super::{
     ViewLighting,
-    bind_group_cache::CachedBindGroup,
     buffers::LightingBuffers,
     features::ViewEnvironmentMaps,
     pipeline::{
@@ -37,7 +36,7 @@ use super::{
         LightingPipelines,
     },
 };
-use crate::{camera::ActiveLeanView, gbuffer::GBufferTextures};
+use crate::{bind_group_cache::CachedBindGroup, camera::ActiveLeanView, gbuffer::GBufferTextures};
 
 /// The bind groups of one view, and what the dispatch needs beside them.
 #[derive(Default)]

@@ -2,11 +2,10 @@
 //!
 //! - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
 //! - `pipeline.rs`: layouts and pipelines.
-//! - `buffers.rs`, `bindings.rs`, `bind_group_cache.rs`: the buffers and the bind groups, made anew only when what they bind changed.
+//! - `buffers.rs`, `bindings.rs`: the buffers and the bind groups, made anew only when what they bind changed.
 //! - `pass.rs`: the dispatch.
 //! - `lighting.wgsl`, `geometric_normal.{wgsl,rs}`: the shader, and its binding-free maths, twice.
 
-mod bind_group_cache;
 mod bindings;
 mod buffers;
 mod features;

@@ -35,13 +35,13 @@ impl Bound {
 
 /// See the module's documentation.
 #[derive(Default)]
-pub(super) struct CachedBindGroup {
+pub(crate) struct CachedBindGroup {
     current: Option<(BindGroupLayout, Vec<(u32, Bound)>, BindGroup)>,
 }
 
 impl CachedBindGroup {
     /// Makes the bind group if there is none, or if `layout` or `entries` are not those of the last call.
-    pub(super) fn update(
+    pub(crate) fn update(
         &mut self,
         device: &RenderDevice,
         pipeline_cache: &PipelineCache,
@@ -64,11 +64,11 @@ impl CachedBindGroup {
         self.current = Some((layout, bound.unwrap_or_default(), bind_group));
     }
 
-    pub(super) fn get(&self) -> Option<&BindGroup> {
+    pub(crate) fn get(&self) -> Option<&BindGroup> {
         self.current.as_ref().map(|(_, _, bind_group)| bind_group)
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.current = None;
     }
 }
