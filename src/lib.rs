@@ -31,12 +31,15 @@
 
 extern crate alloc;
 
+pub mod ambient_occlusion;
 mod bind_group_cache;
 pub mod camera;
 pub mod gbuffer;
 pub mod lighting;
+mod shared;
 mod tiles;
 
+pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
 pub use camera::{GBufferChannel, GeometricNormal, LeanDeferred};
 
 use bevy::{app::plugin_group, prelude::*};
@@ -44,7 +47,12 @@ use bevy::{app::plugin_group, prelude::*};
 /// What most programs need.
 pub mod prelude {
     pub use crate::{
-        GBufferChannel, GeometricNormal, LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins,
+        GBufferChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
+        LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins,
+        ambient_occlusion::{
+            OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
+            OcclusionNormals, OcclusionQuality, OcclusionResolution,
+        },
         gbuffer::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin},
     };
 }
@@ -53,6 +61,7 @@ plugin_group! {
     /// All effects of this crate. Add it after `DefaultPlugins`.
     pub struct LeanDeferredPlugins {
         :LeanDeferredPlugin,
+        :LeanAmbientOcclusionPlugin,
     }
 }
 

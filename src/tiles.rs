@@ -1,36 +1,7 @@
 //! The 8×8 tiles in which compute passes cover a view, and the order in which a software driver walks over them.
 
-use bevy::{
-    prelude::*,
-    render::{RenderApp, renderer::RenderAdapterInfo},
-    shader::load_shader_library,
-};
+use bevy::{prelude::*, render::renderer::RenderAdapterInfo};
 use wgpu::DeviceType;
-
-/// What the compute passes of all effects share. Each effect adds it, if it is not there.
-pub(crate) struct TilesPlugin;
-
-impl TilesPlugin {
-    pub(crate) fn add_to(app: &mut App) {
-        if !app.is_plugin_added::<Self>() {
-            app.add_plugins(Self);
-        }
-    }
-}
-
-impl Plugin for TilesPlugin {
-    fn build(&self, app: &mut App) {
-        load_shader_library!(app, "tiles.wgsl");
-    }
-
-    fn finish(&self, app: &mut App) {
-        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-            return;
-        };
-        let order = RowOrder::from_world(render_app.world());
-        render_app.insert_resource(order);
-    }
-}
 
 /// Pixels a side of the square that one workgroup covers.
 const SIDE: u32 = 8;
@@ -52,7 +23,7 @@ pub(crate) enum RowOrder {
 }
 
 impl RowOrder {
-    fn from_world(world: &World) -> Self {
+    pub(crate) fn from_world(world: &World) -> Self {
         match world.get_resource::<RenderAdapterInfo>() {
             Some(info) if info.device_type == DeviceType::Cpu => Self::Spread,
             _ => Self::TopDown,

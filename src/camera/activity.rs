@@ -13,7 +13,10 @@ use bevy::{
 };
 
 use super::{LeanDeferred, LeanDeferredSupport};
-use crate::lighting::{LightingPipelines, SceneFeatures, ViewLighting};
+use crate::{
+    LeanAmbientOcclusion,
+    lighting::{LightingPipelines, SceneFeatures, ViewLighting},
+};
 
 /// The systems that decide which views are rendered lean; in `RenderSystems::PrepareAssets`.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
@@ -127,7 +130,7 @@ pub(super) fn decide_active_views(
             Has<MotionVectorPrepass>,
             Has<DeferredPrepass>,
         ),
-        &LeanDeferred,
+        (&LeanDeferred, Option<&LeanAmbientOcclusion>),
         Option<&mut ViewLighting>,
     )>,
 ) {
@@ -138,7 +141,9 @@ pub(super) fn decide_active_views(
     let soft_shadows = scene.has_soft_shadows();
     let mut active_now = HashMap::default();
 
-    for (entity, (camera, view, msaa, camera_3d), prepasses, settings, lighting) in &mut views {
+    for (entity, (camera, view, msaa, camera_3d), prepasses, (settings, occlusion), lighting) in
+        &mut views
+    {
         let (depth, normal, motion, deferred) = prepasses;
         if let Some(reason) = reason_against(camera, view, msaa, deferred, soft_shadows) {
             reported.report(view.retained_view_entity.main_entity, reason);
@@ -155,7 +160,7 @@ pub(super) fn decide_active_views(
         };
 
         let active = draw_order(camera_3d, (depth, normal, motion));
-        let key = scene.key(*view_key, settings, active.depth_tells_geometry);
+        let key = scene.key(*view_key, settings, occlusion, active.depth_tells_geometry);
         let pipeline = pipelines.specialize(&pipeline_cache, key);
         lighting.pipeline = Some((key, pipeline));
         if pipeline_cache.get_compute_pipeline(pipeline).is_some() {

@@ -39,12 +39,18 @@ use bevy::{
     shader::load_shader_library,
 };
 
+use crate::shared::SharedPlugin;
+
+/// The passes that draw the G-buffer, in `Core3d`.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+pub struct GBufferPasses;
+
 /// Draws the meshes of lean cameras into the packed G-buffer.
 pub(crate) struct GBufferPlugin;
 
 impl Plugin for GBufferPlugin {
     fn build(&self, app: &mut App) {
-        load_shader_library!(app, "layout.wgsl");
+        SharedPlugin::add_to(app);
         load_shader_library!(app, "pack.wgsl");
         embedded_asset!(app, "gbuffer.wgsl");
 
@@ -104,7 +110,8 @@ impl Plugin for GBufferPlugin {
                     pass::main_gbuffer_pass
                         .after(main_build_indirect_parameters)
                         .before(Core3dSystems::MainPass),
-                ),
+                )
+                    .in_set(GBufferPasses),
             );
     }
 }

@@ -36,7 +36,12 @@ use super::{
         LightingPipelines,
     },
 };
-use crate::{bind_group_cache::CachedBindGroup, camera::ActiveLeanView, gbuffer::GBufferTextures};
+use crate::{
+    ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
+    bind_group_cache::CachedBindGroup,
+    camera::ActiveLeanView,
+    gbuffer::GBufferTextures,
+};
 
 /// The bind groups of one view, and what the dispatch needs beside them.
 #[derive(Default)]
@@ -48,6 +53,8 @@ pub(super) struct ViewLightingBindings {
     targets: [(Option<TextureViewId>, CachedBindGroup); 2],
     /// Offsets of the uniform without and with `writes_background`.
     pub(super) uniform_offsets: [u32; 2],
+    /// Offset of the view's uniform of ambient occlusion, if lighting applies that.
+    pub(super) occlusion_offset: Option<u32>,
     pub(super) viewport_size: UVec2,
     /// The viewport is the whole render target.
     pub(super) covers_target: bool,
@@ -83,6 +90,7 @@ pub(super) struct LitView {
     shadows: &'static ViewShadowBindings,
     clusters: &'static ViewClusterBindings,
     ssao: Option<&'static ScreenSpaceAmbientOcclusionResources>,
+    occlusion: Option<(&'static OcclusionTexture, &'static ViewOcclusion)>,
     atmosphere: Option<&'static AtmosphereTextures>,
     environment_maps: Option<&'static ViewEnvironmentMaps>,
     irradiance_volumes: Option<&'static RenderViewLightProbes<IrradianceVolume>>,
@@ -113,6 +121,8 @@ pub(super) struct LightingResources<'w> {
     decals: Res<'w, RenderClusteredDecals>,
     images: Res<'w, RenderAssets<GpuImage>>,
     fallback: Res<'w, FallbackImage>,
+    occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
+    occlusion_uniforms: Option<Res<'w, OcclusionUniforms>>,
 }
 
 /// Makes the bind groups of the active views, where something they bind has changed.
@@ -182,19 +192,52 @@ fn update_bind_groups(
     {
         bindings.targets.swap(0, 1);
     }
+    let occlusion = occlusion_entries(layouts, view, resources)?;
+    bindings.occlusion_offset = view
+        .occlusion
+        .filter(|_| !occlusion.is_empty())
+        .map(|(_, view)| view.offset);
     for (slot, output) in bindings.targets.iter_mut().zip(outputs) {
-        let entries = [
+        let mut entries = vec![
             (0, view.gbuffer.surface.default_view.into_binding()),
             (1, view.gbuffer.normal.default_view.into_binding()),
             (2, output.into_binding()),
             (3, uniforms.clone()),
-        ]
-        .map(|(binding, resource)| BindGroupEntry { binding, resource });
+        ];
+        entries.extend_from_slice(&occlusion);
+        let entries: Vec<_> = entries
+            .into_iter()
+            .map(|(binding, resource)| BindGroupEntry { binding, resource })
+            .collect();
         slot.0 = Some(output.id());
         slot.1
             .update(device, pipeline_cache, &layouts.targets, &entries);
     }
     Some(())
+}
+
+/// What bind group 2 has for ambient occlusion; empty if its layout asks for none.
+fn occlusion_entries<'a>(
+    layouts: &LightingLayouts,
+    view: &'a LitViewItem,
+    resources: &'a LightingResources,
+) -> Option<Vec<(u32, BindingResource<'a>)>> {
+    if !layouts.has_occlusion() {
+        return Some(Vec::new());
+    }
+    let (texture, _) = view.occlusion?;
+    Some(vec![
+        (4, resources.occlusion_uniforms.as_ref()?.0.binding()?),
+        (
+            5,
+            resources
+                .occlusion_pipelines
+                .as_ref()?
+                .nearest_sampler
+                .into_binding(),
+        ),
+        (6, texture.0.default_view.into_binding()),
+    ])
 }
 
 /// The entries of bind group 0 in the order of its layout, and the dynamic offsets in the order of the entries.

@@ -10,7 +10,10 @@ use bevy::{
     prelude::*,
 };
 
-use crate::{GBufferChannel, GeometricNormal, LeanDeferred};
+use crate::{
+    GBufferChannel, GeometricNormal, LeanAmbientOcclusion, LeanDeferred,
+    ambient_occlusion::{FilterKey, OcclusionPipelines},
+};
 
 /// Which lighting pipeline a view needs. Everything in it is compiled in or out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -25,6 +28,25 @@ pub(crate) struct LightingKey {
     pub(super) debug_view: Option<GBufferChannel>,
     /// Pixels without geometry are known by their depth, not by the cleared G-buffer.
     pub(super) depth_tells_geometry: bool,
+    pub(super) occlusion: Option<OcclusionKey>,
+}
+
+/// How lighting applies ambient occlusion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct OcclusionKey {
+    pub(super) filter: FilterKey,
+    pub(super) multibounce: bool,
+    pub(super) direct_light: bool,
+}
+
+impl OcclusionKey {
+    fn new(settings: &LeanAmbientOcclusion) -> Option<Self> {
+        settings.is_for_lighting().then(|| Self {
+            filter: settings.into(),
+            multibounce: settings.multibounce,
+            direct_light: settings.direct_light_affect > 0.0,
+        })
+    }
 }
 
 /// The bits of Bevy's view key that the lighting shader is compiled by. The rest is about how meshes are rasterised,
@@ -48,6 +70,7 @@ pub(crate) struct SceneFeatures<'w, 's> {
     rect_lights: Query<'w, 's, (), With<ExtractedRectLight>>,
     decals: Option<Res<'w, RenderClusteredDecals>>,
     mesh_pipeline: Option<Res<'w, MeshPipeline>>,
+    occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
 }
 
 impl SceneFeatures<'_, '_> {
@@ -68,6 +91,7 @@ impl SceneFeatures<'_, '_> {
         &self,
         view_key: MeshPipelineKey,
         settings: &LeanDeferred,
+        occlusion: Option<&LeanAmbientOcclusion>,
         depth_tells_geometry: bool,
     ) -> LightingKey {
         let shadow_maps = self.point_lights.iter().any(|l| l.shadow_maps_enabled)
@@ -89,6 +113,9 @@ impl SceneFeatures<'_, '_> {
             decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
             debug_view: settings.debug_view,
             depth_tells_geometry,
+            occlusion: occlusion
+                .filter(|_| self.occlusion_pipelines.is_some() && settings.debug_view.is_none())
+                .and_then(OcclusionKey::new),
         }
     }
 }

@@ -16,11 +16,15 @@
 #endif
 
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
-#import bevy_pbr::{
-    lighting::perceptualRoughnessToRoughness,
-    mesh_view_bindings::screen_space_ambient_occlusion_texture,
-    ssao_utils::ssao_multibounce,
-}
+#import bevy_pbr::mesh_view_bindings::screen_space_ambient_occlusion_texture
+#endif
+
+#ifdef APPLIES_VISIBILITY
+#import bevy_pbr::{lighting::perceptualRoughnessToRoughness, ssao_utils::ssao_multibounce}
+#endif
+
+#ifdef LEAN_AMBIENT_OCCLUSION
+#import bevy_lean_deferred::ambient_occlusion::{filter::filtered_occlusion, view::OcclusionView}
 #endif
 
 struct LightingUniform {
@@ -38,6 +42,11 @@ struct LightingUniform {
 @group(2) @binding(1) var normal_texture: texture_2d<u32>;
 @group(2) @binding(2) var output_texture: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(3) var<uniform> uniforms: LightingUniform;
+#ifdef LEAN_AMBIENT_OCCLUSION
+@group(2) @binding(4) var<uniform> occlusion_view: OcclusionView;
+@group(2) @binding(5) var nearest_sampler: sampler;
+@group(2) @binding(6) var occlusion_texture: texture_2d<f32>;
+#endif
 
 /// Keeps positions finite for geometry so far away that its reversed depth is 0, and the squares of their differences
 /// within f32.
@@ -137,18 +146,44 @@ fn pbr_input_from_gbuffer(pixel: vec2<i32>, normal_word: u32, depth: f32) -> Pbr
 }
 
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
-/// As Bevy's `pbr_fragment` applies its own occlusion.
 fn apply_ssao(pbr: ptr<function, PbrInput>, pixel: vec2<i32>) {
     let ssao = textureLoad(screen_space_ambient_occlusion_texture, pixel, 0).r;
-    let multibounce = ssao_multibounce(ssao, (*pbr).material.base_color.rgb);
-    (*pbr).diffuse_occlusion = min((*pbr).diffuse_occlusion, multibounce);
+    apply_visibility(pbr, ssao, ssao_multibounce(ssao, (*pbr).material.base_color.rgb));
+}
+#endif
+
+#ifdef LEAN_AMBIENT_OCCLUSION
+/// Returns the visibility.
+fn apply_occlusion(pbr: ptr<function, PbrInput>, pixel: vec2<i32>, depth: f32) -> f32 {
+    let occlusion = filtered_occlusion(
+        occlusion_texture,
+        nearest_sampler,
+        depth_texture,
+        occlusion_view,
+        pixel - vec2<i32>(uniforms.viewport_origin),
+        depth,
+    );
+    let visibility = 1.0 - occlusion;
+#ifdef OCCLUSION_MULTIBOUNCE
+    apply_visibility(pbr, visibility, ssao_multibounce(visibility, (*pbr).material.base_color.rgb));
+#else
+    apply_visibility(pbr, visibility, vec3(visibility));
+#endif
+    return visibility;
+}
+#endif
+
+#ifdef APPLIES_VISIBILITY
+/// As Bevy's `pbr_fragment` applies its own occlusion.
+fn apply_visibility(pbr: ptr<function, PbrInput>, visibility: f32, tinted: vec3<f32>) {
+    (*pbr).diffuse_occlusion = min((*pbr).diffuse_occlusion, tinted);
     // Lagarde and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering".
     let n_dot_v = max(dot((*pbr).N, (*pbr).V), 0.0001);
     let roughness = perceptualRoughnessToRoughness((*pbr).material.perceptual_roughness);
-    (*pbr).specular_occlusion =
-        saturate(pow(n_dot_v + ssao, exp2(-16.0 * roughness - 1.0)) - 1.0 + ssao);
+    let specular = saturate(pow(n_dot_v + visibility, exp2(-16.0 * roughness - 1.0)) - 1.0 + visibility);
+    (*pbr).specular_occlusion = min((*pbr).specular_occlusion, specular);
 }
-#endif
+#endif  // APPLIES_VISIBILITY
 
 #ifdef DEBUG_VIEW
 fn debug_color(pbr: PbrInput) -> vec3<f32> {
@@ -182,7 +217,18 @@ fn light(pixel: vec2<i32>, normal_word: u32, depth: f32) -> vec4<f32> {
 #ifdef CLUSTERED_DECALS_ARE_USABLE
     apply_decals(&pbr);
 #endif
-    return main_pass_post_lighting_processing(pbr, apply_pbr_lighting(pbr));
+#ifdef LEAN_AMBIENT_OCCLUSION
+    let visibility = apply_occlusion(&pbr, pixel, depth);
+#endif
+    var color = apply_pbr_lighting(pbr);
+#ifdef OCCLUSION_OF_DIRECT_LIGHT
+    // With all indirect light occluded only direct light is left.
+    pbr.diffuse_occlusion = vec3(0.0);
+    pbr.specular_occlusion = 0.0;
+    let hidden = occlusion_view.direct_light_affect * (1.0 - visibility);
+    color = vec4(color.rgb - hidden * apply_pbr_lighting(pbr).rgb, color.a);
+#endif
+    return main_pass_post_lighting_processing(pbr, color);
 #endif
 }
 

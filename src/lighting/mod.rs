@@ -28,10 +28,9 @@ use bevy::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
         render_resource::CachedComputePipelineId,
     },
-    shader::load_shader_library,
 };
 
-use crate::tiles::TilesPlugin;
+use crate::shared::SharedPlugin;
 
 /// On a view: everything its lighting pass needs. Dropped with the effect.
 #[derive(Component, Default)]
@@ -41,13 +40,16 @@ pub struct ViewLighting {
     bindings: bindings::ViewLightingBindings,
 }
 
+/// The lighting pass, in `Core3d`.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+pub struct LightingPasses;
+
 /// Lights the packed G-buffer.
 pub(crate) struct LightingPlugin;
 
 impl Plugin for LightingPlugin {
     fn build(&self, app: &mut App) {
-        TilesPlugin::add_to(app);
-        load_shader_library!(app, "geometric_normal.wgsl");
+        SharedPlugin::add_to(app);
         embedded_asset!(app, "lighting.wgsl");
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -71,6 +73,7 @@ impl Plugin for LightingPlugin {
             .add_systems(
                 Core3d,
                 pass::lighting_pass
+                    .in_set(LightingPasses)
                     .in_set(Core3dSystems::MainPass)
                     .before(main_opaque_pass_3d),
             );

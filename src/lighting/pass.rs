@@ -59,11 +59,9 @@ pub(super) fn lighting_pass(
     pass.set_pipeline(pipeline);
     pass.set_bind_group(0, view_group, &bindings.view_offsets);
     pass.set_bind_group(1, arrays_group, &[]);
-    pass.set_bind_group(
-        2,
-        targets_group,
-        &[bindings.uniform_offsets[usize::from(writes_background)]],
-    );
+    let mut offsets = vec![bindings.uniform_offsets[usize::from(writes_background)]];
+    offsets.extend(bindings.occlusion_offset);
+    pass.set_bind_group(2, targets_group, &offsets);
     let count = tiles::count(bindings.viewport_size);
     pass.dispatch_workgroups(count.x, count.y, 1);
     drop(pass);

@@ -7,15 +7,15 @@ use bevy::{
     prelude::*,
     render::render_resource::{
         BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedComputePipelineId,
-        ComputePipelineDescriptor, PipelineCache, ShaderStages, StorageTextureAccess,
-        TextureFormat, TextureSampleType,
-        binding_types::{texture_2d, texture_storage_2d, uniform_buffer},
+        ComputePipelineDescriptor, PipelineCache, SamplerBindingType, ShaderStages,
+        StorageTextureAccess, TextureFormat, TextureSampleType,
+        binding_types::{sampler, texture_2d, texture_storage_2d, uniform_buffer},
     },
     shader::ShaderDefVal,
 };
 
 use super::{buffers::LightingUniform, features::LightingKey};
-use crate::GeometricNormal;
+use crate::{GeometricNormal, ambient_occlusion::OcclusionView};
 
 /// Bindings of Bevy's view layout that no lighting function reads: visibility ranges (14), screen-space reflections
 /// (15), tonemapping (18, 19), prepass textures other than depth (21 to 23), transmission (24, 25), order-independent
@@ -36,6 +36,10 @@ pub(super) struct LightingLayouts {
 }
 
 impl LightingLayouts {
+    pub(super) fn has_occlusion(&self) -> bool {
+        self.targets.entries.iter().any(|e| e.binding == 4)
+    }
+
     pub(super) fn has_view_binding(&self, binding: u32) -> bool {
         self.view.entries.iter().any(|e| e.binding == binding)
     }
@@ -46,7 +50,6 @@ impl LightingLayouts {
 pub(crate) struct LightingPipelines {
     mesh_pipeline: MeshPipeline,
     shader: Handle<Shader>,
-    targets_layout: BindGroupLayoutDescriptor,
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
 }
 
@@ -58,20 +61,36 @@ pub(super) fn init_lighting_pipelines(
     commands.insert_resource(LightingPipelines {
         mesh_pipeline: mesh_pipeline.clone(),
         shader: load_embedded_asset!(asset_server.as_ref(), "lighting.wgsl"),
-        targets_layout: BindGroupLayoutDescriptor::new(
-            "lean_deferred/lighting/targets",
-            &BindGroupLayoutEntries::sequential(
-                ShaderStages::COMPUTE,
-                (
-                    texture_2d(TextureSampleType::Uint),
-                    texture_2d(TextureSampleType::Uint),
-                    texture_storage_2d(TextureFormat::Rgba16Float, StorageTextureAccess::WriteOnly),
-                    uniform_buffer::<LightingUniform>(true),
-                ),
-            ),
-        ),
         by_key: HashMap::default(),
     });
+}
+
+/// The G-buffer, the output, the crate's uniform, and occlusion if the view has that.
+fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
+    let mut entries = BindGroupLayoutEntries::sequential(
+        ShaderStages::COMPUTE,
+        (
+            texture_2d(TextureSampleType::Uint),
+            texture_2d(TextureSampleType::Uint),
+            texture_storage_2d(TextureFormat::Rgba16Float, StorageTextureAccess::WriteOnly),
+            uniform_buffer::<LightingUniform>(true),
+        ),
+    )
+    .to_vec();
+    if key.occlusion.is_some() {
+        entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
+            ShaderStages::COMPUTE,
+            (
+                (4, uniform_buffer::<OcclusionView>(true)),
+                (5, sampler(SamplerBindingType::NonFiltering)),
+                (
+                    6,
+                    texture_2d(TextureSampleType::Float { filterable: false }),
+                ),
+            ),
+        ));
+    }
+    BindGroupLayoutDescriptor::new("lean_deferred/lighting/targets", &entries)
 }
 
 impl LightingPipelines {
@@ -136,7 +155,7 @@ impl LightingPipelines {
         LightingLayouts {
             view,
             arrays,
-            targets: self.targets_layout.clone(),
+            targets: targets_layout(key),
         }
     }
 
@@ -226,6 +245,17 @@ impl LightingPipelines {
         define(key.debug_view.is_some(), "DEBUG_VIEW");
         if let Some(channel) = key.debug_view {
             define(true, channel.shader_def());
+        }
+
+        define(
+            key.occlusion.is_some() || has(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION),
+            "APPLIES_VISIBILITY",
+        );
+        if let Some(occlusion) = key.occlusion {
+            define(true, "LEAN_AMBIENT_OCCLUSION");
+            define(occlusion.multibounce, "OCCLUSION_MULTIBOUNCE");
+            define(occlusion.direct_light, "OCCLUSION_OF_DIRECT_LIGHT");
+            defs.extend(occlusion.filter.shader_defs());
         }
         defs
     }

@@ -1,0 +1,104 @@
+//! Per camera and frame: whether and how occlusion is found and applied.
+
+use bevy::{
+    pbr::DistanceFog,
+    platform::collections::HashSet,
+    prelude::*,
+    render::{
+        render_resource::{CachedComputePipelineId, CachedRenderPipelineId, PipelineCache},
+        sync_world::MainEntity,
+        view::ExtractedView,
+    },
+};
+
+use super::{
+    LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals,
+    pipelines::{GatherKey, MergeKey, OcclusionPipelines},
+    support::OcclusionSupport,
+    uniforms::projection_of,
+};
+use crate::camera::ActiveLeanView;
+
+/// On a view of the render world: this frame it has ambient occlusion.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct ActiveOcclusion {
+    pub(super) key: GatherKey,
+    pub(super) gather: GatherPipeline,
+    /// The merge pass; `None` if lighting applies the occlusion.
+    pub(super) merge: Option<CachedRenderPipelineId>,
+}
+
+/// How occlusion is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum GatherPipeline {
+    Compute(CachedComputePipelineId),
+    Raster(CachedRenderPipelineId),
+}
+
+impl LeanAmbientOcclusion {
+    /// Whether the lighting pass of a lean view is to apply it.
+    pub(crate) fn is_for_lighting(&self) -> bool {
+        self.application != OcclusionApplication::MultiplicativeBlend && !self.debug_view
+    }
+}
+
+/// Cameras that have been warned of.
+#[derive(Resource, Default)]
+pub(super) struct Reported(HashSet<MainEntity>);
+
+/// Inserts or removes [`ActiveOcclusion`].
+pub(super) fn decide_active_occlusion(
+    mut commands: Commands,
+    support: Option<Res<OcclusionSupport>>,
+    pipelines: Option<ResMut<OcclusionPipelines>>,
+    pipeline_cache: Res<PipelineCache>,
+    mut reported: ResMut<Reported>,
+    views: Query<(
+        Entity,
+        &ExtractedView,
+        &Msaa,
+        &LeanAmbientOcclusion,
+        Option<&ActiveLeanView>,
+        Has<DistanceFog>,
+    )>,
+) {
+    let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
+        return;
+    };
+    for (entity, view, msaa, settings, lean, has_fog) in &views {
+        if msaa.samples() > 1 {
+            let camera = view.retained_view_entity.main_entity;
+            if reported.0.insert(camera) {
+                warn!("LeanAmbientOcclusion on camera {camera:?} is off: its Msaa is not Off.");
+            }
+            commands.entity(entity).remove::<ActiveOcclusion>();
+            continue;
+        }
+        let key = GatherKey {
+            kernel: settings.kernel,
+            samples: settings.quality.samples(),
+            // Only after a G-buffer pass of this frame there are any.
+            shading_normals: lean.is_some() && settings.normals == OcclusionNormals::Shading,
+            divisor: settings.resolution.divisor(),
+            format: settings.format,
+            projection: projection_of(view.clip_from_view),
+        };
+        let is_for_lighting = lean.is_some() && settings.is_for_lighting();
+        let merge = (!is_for_lighting).then(|| {
+            pipelines.merge(
+                &pipeline_cache,
+                MergeKey {
+                    target: view.target_format,
+                    filter: settings.into(),
+                    fog: has_fog,
+                    debug_view: settings.debug_view,
+                },
+            )
+        });
+        commands.entity(entity).insert(ActiveOcclusion {
+            key,
+            gather: pipelines.gather(&pipeline_cache, key, support.can_store(settings.format)),
+            merge,
+        });
+    }
+}

@@ -1,0 +1,60 @@
+// What the kernels read.
+#define_import_path bevy_lean_deferred::ambient_occlusion::bindings
+
+#import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+
+@group(0) @binding(0) var<uniform> view: OcclusionView;
+@group(0) @binding(1) var depth_texture: texture_depth_2d;
+@group(0) @binding(2) var nearest_sampler: sampler;
+#ifdef SHADING_NORMALS
+@group(0) @binding(3) var normal_texture: texture_2d<u32>;
+#endif
+
+fn is_in_view(pixel: vec2<i32>) -> bool {
+    return all(pixel >= vec2(0)) && all(pixel < vec2<i32>(view.viewport_size));
+}
+
+fn depth_at(pixel: vec2<i32>) -> f32 {
+    return textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
+}
+
+/// View-space position of the centre of `pixel`.
+fn view_position(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
+    let m = view.view_from_pixel;
+    let center = vec2<f32>(pixel) + 0.5;
+#ifdef PROJECTION_PERSPECTIVE
+    // What this and the next leave out is 0 in such matrices, or 1 where they divide.
+    let ray = vec3(center * vec2(m[0][0], m[1][1]) + m[3].xy, m[3].z);
+    return ray / (m[2].w * depth + m[3].w);
+#else ifdef PROJECTION_ORTHOGRAPHIC
+    return vec3(center, depth) * vec3(m[0][0], m[1][1], m[2][2]) + m[3].xyz;
+#else
+    let position = m * vec4(center, depth, 1.0);
+    return position.xyz / position.w;
+#endif
+}
+
+/// Unit vector from `position` to the viewer.
+fn direction_to_viewer(position: vec3<f32>) -> vec3<f32> {
+#ifdef PROJECTION_ORTHOGRAPHIC
+    return vec3(0.0, 0.0, 1.0);
+#else
+    return normalize(-position);
+#endif
+}
+
+/// Radius at `position` in metres, and in pixels along each axis.
+struct Radius {
+    metres: f32,
+    pixels: vec2<f32>,
+}
+
+fn radius_at(position: vec3<f32>) -> Radius {
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let pixels = view.radius * view.pixels_per_metre;
+#else
+    let pixels = view.radius * view.pixels_per_metre / max(-position.z, 1e-6);
+#endif
+    let shrink = min(view.largest_radius_in_pixels / max(pixels.x, pixels.y), 1.0);
+    return Radius(view.radius * shrink, pixels * shrink);
+}

@@ -1,0 +1,110 @@
+// The 3×3 filter (4×4 from half resolution), read with four gathers; for the merge pass and the lighting pass.
+#define_import_path bevy_lean_deferred::ambient_occlusion::filter
+
+#import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+
+/// Corners of the four gathers, in texels from the first one's centre. A gather's parts are the texels (0, 1), (1, 1),
+/// (1, 0), (0, 0) from there.
+fn gather_at(occlusion: texture_2d<f32>, nearest: sampler, first: vec2<i32>) -> vec4<f32> {
+    let place = vec2<f32>(first + 1) / vec2<f32>(textureDimensions(occlusion));
+    return textureGather(0, occlusion, nearest, place);
+}
+
+/// Depth around a pixel as a plane: depth is affine on screen, so this is exact.
+struct DepthPlane {
+    center: f32,
+    /// Per pixel.
+    slope: vec2<f32>,
+    /// 1 / the step in depth that separates surfaces.
+    inverse_step: f32,
+}
+
+fn depth_in_view(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>) -> f32 {
+    let inside = clamp(pixel, vec2(0), vec2<i32>(view.viewport_size) - 1);
+    return textureLoad(depth, vec2<i32>(view.viewport_origin) + inside, 0);
+}
+
+fn flatter(before: f32, center: f32, after: f32) -> f32 {
+    let a = center - before;
+    let b = after - center;
+    return select(b, a, abs(a) < abs(b));
+}
+
+fn depth_plane(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>, center: f32) -> DepthPlane {
+    let slope = vec2(
+        flatter(depth_in_view(depth, view, pixel - vec2(1, 0)), center, depth_in_view(depth, view, pixel + vec2(1, 0))),
+        flatter(depth_in_view(depth, view, pixel - vec2(0, 1)), center, depth_in_view(depth, view, pixel + vec2(0, 1))),
+    );
+    let nearness = view.edge.x * center + view.edge.y;
+    // The last digits of depth are no step.
+    let step = view.edge.z * nearness * nearness + 1e-6 * center;
+    return DepthPlane(center, slope, 1.0 / step);
+}
+
+/// Weight of a texel whose occlusion was found at `offset` pixels from the plane's centre: 1 on it, 0 a step away.
+fn edge_weight(plane: DepthPlane, depth: f32, offset: vec2<i32>) -> f32 {
+    let expected = plane.center + dot(plane.slope, vec2<f32>(offset));
+    return saturate(1.0 - abs(depth - expected) * plane.inverse_step);
+}
+
+/// Filtered occlusion of a `pixel` of the viewport, 0 to 1. `center` is its depth.
+fn filtered_occlusion(
+    occlusion: texture_2d<f32>,
+    nearest: sampler,
+    depth: texture_depth_2d,
+    view: OcclusionView,
+    pixel: vec2<i32>,
+    center: f32,
+) -> f32 {
+    var sum = 0.0;
+    var weights = 0.0;
+#ifdef OCCLUSION_EDGE_AWARE
+    let plane = depth_plane(depth, view, pixel, center);
+#endif
+#ifdef OCCLUSION_HALF
+    // 1 2 1 after linear interpolation: both classes of texels weigh the same, so the 2×2 pattern goes here too.
+    let base = pixel >> vec2(1u);
+    let odd = vec2<f32>(pixel & vec2(1)) * 0.5;
+    let least = 1e-3;
+    for (var i = 0; i < 4; i++) {
+        let corner = vec2(2 * (i & 1) - 1, 2 * (i >> 1u) - 1);
+        let values = gather_at(occlusion, nearest, base + corner);
+        for (var j = 0; j < 4; j++) {
+            let texel = corner + vec2(i32(j == 1 || j == 2), i32(j < 2));
+            let ramp = mix(vec2(1.0) - abs(vec2<f32>(texel)) * 0.5, 1.0 - abs(vec2<f32>(texel) - 1.0) * 0.5, odd);
+            let clipped = max(ramp, vec2(0.0));
+            var weight = clipped.x * clipped.y;
+#ifdef OCCLUSION_EDGE_AWARE
+            let offset = 2 * (base + texel) - pixel;
+            weight *= edge_weight(plane, depth_in_view(depth, view, pixel + offset), offset) + least;
+#endif
+            sum += weight * values[j];
+            weights += weight;
+        }
+    }
+#else
+    for (var i = 0; i < 4; i++) {
+        // The four gathers overlap: the centre comes four times, its neighbours twice.
+        let corner = vec2((i & 1) - 1, (i >> 1u) - 1);
+        let values = gather_at(occlusion, nearest, pixel + corner);
+        for (var j = 0; j < 4; j++) {
+            let offset = corner + vec2(i32(j == 1 || j == 2), i32(j < 2));
+            let distance = abs(offset.x) + abs(offset.y);
+#ifdef OCCLUSION_FLAT
+            // As often as they come, these make 2.34, 2 and √2.
+            var weight = select(select(1.41421356, 1.0, distance == 1), 0.585, distance == 0);
+#else
+            var weight = 1.0;
+#endif
+#ifdef OCCLUSION_EDGE_AWARE
+            if distance > 0 {
+                weight *= edge_weight(plane, depth_in_view(depth, view, pixel + offset), offset);
+            }
+#endif
+            sum += weight * values[j];
+            weights += weight;
+        }
+    }
+#endif
+    return saturate(sum / weights * view.intensity);
+}

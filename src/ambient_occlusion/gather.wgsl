@@ -1,0 +1,56 @@
+// Finds the occlusion of each texel: as a compute pass, or as a fragment pass where the format cannot be stored to.
+#import bevy_lean_deferred::ambient_occlusion::bindings::{depth_at, view}
+#import bevy_lean_deferred::gbuffer::layout::is_finite
+
+#ifdef HDAO
+#import bevy_lean_deferred::ambient_occlusion::hdao::hdao
+#else
+#import bevy_lean_deferred::ambient_occlusion::hbao::hbao
+#endif
+
+fn occlusion_at(texel: vec2<u32>) -> f32 {
+    let pixel = vec2<i32>(texel * #{DIVISOR}u);
+    let depth = depth_at(pixel);
+    // Sky, and what is not a number.
+    if !(depth > 0.0) {
+        return 0.0;
+    }
+#ifdef HDAO
+    let occlusion = hdao(pixel, depth);
+#else
+    let occlusion = hbao(texel, pixel, depth);
+#endif
+    return select(0.0, saturate(occlusion), is_finite(occlusion));
+}
+
+#ifdef COMPUTE
+#import bevy_lean_deferred::tiles::pixel_in_view
+
+#ifdef FLOAT16
+@group(0) @binding(4) var output_texture: texture_storage_2d<r16float, write>;
+#else
+@group(0) @binding(4) var output_texture: texture_storage_2d<r8unorm, write>;
+#endif
+
+@compute @workgroup_size(64, 1, 1)
+fn compute(
+    @builtin(workgroup_id) tile: vec3<u32>,
+    @builtin(num_workgroups) tiles: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let texel = pixel_in_view(tile.xy, tiles.xy, view.row_stride, invocation);
+    if all(texel < view.texture_size) {
+        textureStore(output_texture, texel, vec4(occlusion_at(texel), 0.0, 0.0, 0.0));
+    }
+}
+#else
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let occlusion = occlusion_at(vec2<u32>(position.xy));
+    // The target was cleared to none.
+    if occlusion == 0.0 {
+        discard;
+    }
+    return vec4(occlusion, 0.0, 0.0, 0.0);
+}
+#endif

@@ -1,0 +1,59 @@
+//! What a pair of horizons hides of the hemisphere, weighted by the cosine; twin of `horizon.wgsl`, under the same names.
+
+use core::f32::consts::PI;
+
+use bevy::math::{Vec2, Vec3};
+
+/// Arc cosine of `x` in -1..1, off by at most 6.8e-5 (Abramowitz and Stegun 1964, 4.4.45).
+pub fn fast_acos(x: f32) -> f32 {
+    let a = x.abs();
+    let polynomial = ((-0.0187293 * a + 0.0742610) * a - 0.2121144) * a + 1.5707288;
+    let angle = polynomial * (1.0 - a).max(0.0).sqrt();
+    if x >= 0.0 { angle } else { PI - angle }
+}
+
+/// A normal within the plane of a slice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SliceNormal {
+    /// Length of the normal's projection into the plane.
+    pub length: f32,
+    /// Cosine of its angle to the viewer.
+    pub cosine: f32,
+    /// Sine of that angle, positive towards the slice's tangent.
+    pub sine: f32,
+}
+
+/// `to_viewer` and `tangent` are the plane's axes, of unit length.
+pub fn slice_normal(normal: Vec3, to_viewer: Vec3, tangent: Vec3) -> SliceNormal {
+    let projected = Vec2::new(normal.dot(to_viewer), normal.dot(tangent));
+    let size = projected.length();
+    let unit = if size > 1e-6 {
+        projected / size
+    } else {
+        Vec2::X
+    };
+    SliceNormal {
+        length: size,
+        cosine: unit.x,
+        sine: unit.y,
+    }
+}
+
+/// Cosine-weighted light of one side of a slice between the viewer's direction and the angle whose cosine is `c`, in
+/// the closed form of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion", freed of
+/// double angles. `side` is 1 or -1.
+pub fn arc(normal: SliceNormal, c: f32, side: f32) -> f32 {
+    let s_squared = (1.0 - c * c).max(0.0);
+    let h = fast_acos(c) - s_squared.sqrt() * c;
+    0.5 * (s_squared * normal.cosine + side * h * normal.sine)
+}
+
+/// The part of the hemisphere about `normal` that lies on `side` between the horizon `c` and the surface: the tangent
+/// plane `base`. Both are cosines of angles to the viewer. Exactly 0 where the horizon is the surface.
+pub fn side_occlusion(normal: SliceNormal, base: f32, c: f32, side: f32) -> f32 {
+    let lowest = base.max(-side * normal.sine);
+    if c <= lowest {
+        return 0.0;
+    }
+    normal.length * (arc(normal, lowest, side) - arc(normal, c, side)).max(0.0)
+}

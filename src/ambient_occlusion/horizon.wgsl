@@ -1,0 +1,51 @@
+// What a pair of horizons hides of the hemisphere, weighted by the cosine. Without bindings; twin of `horizon.rs`.
+#define_import_path bevy_lean_deferred::ambient_occlusion::horizon
+
+const HALF_PI: f32 = 1.57079633;
+const PI: f32 = 3.14159265;
+
+/// Arc cosine of `x` in -1..1, off by at most 6.8e-5 (Abramowitz and Stegun 1964, 4.4.45).
+fn fast_acos(x: f32) -> f32 {
+    let a = abs(x);
+    let polynomial = ((-0.0187293 * a + 0.0742610) * a - 0.2121144) * a + 1.5707288;
+    let angle = polynomial * sqrt(max(1.0 - a, 0.0));
+    return select(PI - angle, angle, x >= 0.0);
+}
+
+/// A normal within the plane of a slice.
+struct SliceNormal {
+    /// Length of the normal's projection into the plane.
+    length: f32,
+    /// Cosine and sine of its angle to the viewer.
+    cosine: f32,
+    sine: f32,
+}
+
+/// `to_viewer` and `tangent` are the plane's axes, of unit length.
+fn slice_normal(normal: vec3<f32>, to_viewer: vec3<f32>, tangent: vec3<f32>) -> SliceNormal {
+    let projected = vec2(dot(normal, to_viewer), dot(normal, tangent));
+    let size = length(projected);
+    let unit = select(vec2(1.0, 0.0), projected / size, size > 1e-6);
+    return SliceNormal(size, unit.x, unit.y);
+}
+
+/// Cosine-weighted light of one side of a slice between the viewer's direction and the angle whose cosine is `c`, in
+/// the closed form of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion", freed of
+/// double angles. `side` is 1 or -1.
+fn arc(normal: SliceNormal, c: f32, side: f32) -> f32 {
+    let s_squared = max(1.0 - c * c, 0.0);
+    // Both terms change sign with the side, and so their product with the sine of the mirrored slice.
+    let h = fast_acos(c) - sqrt(s_squared) * c;
+    return 0.5 * (s_squared * normal.cosine + side * h * normal.sine);
+}
+
+/// The part of the hemisphere about `normal` that lies on `side` between the horizon `c` and the surface: the tangent
+/// plane `base`. Both are cosines of angles to the viewer. Exactly 0 where the horizon is the surface.
+fn side_occlusion(normal: SliceNormal, base: f32, c: f32, side: f32) -> f32 {
+    // Light from below the shading normal's own horizon does not count.
+    let lowest = max(base, -side * normal.sine);
+    if c <= lowest {
+        return 0.0;
+    }
+    return normal.length * max(arc(normal, lowest, side) - arc(normal, c, side), 0.0);
+}

@@ -1,0 +1,46 @@
+// Filters occlusion and multiplies the picture by what it leaves: the blend is dst · (1 - occlusion).
+#import bevy_lean_deferred::ambient_occlusion::filter::filtered_occlusion
+#import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+
+@group(0) @binding(0) var<uniform> view: OcclusionView;
+@group(0) @binding(1) var depth_texture: texture_depth_2d;
+@group(0) @binding(2) var nearest_sampler: sampler;
+@group(0) @binding(3) var occlusion_texture: texture_2d<f32>;
+
+#ifdef DISTANCE_FOG
+/// What distance fog leaves of the light of a surface, as Bevy's `fog.wgsl` counts it.
+fn fog_transmittance(pixel: vec2<i32>, depth: f32) -> f32 {
+    let position = view.view_from_pixel * vec4(vec2<f32>(pixel) + 0.5, depth, 1.0);
+    let distance = length(position.xyz / position.w);
+    var extinction = 0.0;
+    switch u32(view.fog.w) {
+        case 1u: { extinction = 1.0 - saturate((view.fog.y - distance) / (view.fog.y - view.fog.x)); }
+        case 2u: { extinction = 1.0 - exp(-distance * view.fog.x); }
+        default: { extinction = 1.0 - exp(-pow(distance * view.fog.x, 2.0)); }
+    }
+    return 1.0 - extinction * view.fog.z;
+}
+#endif
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let pixel = vec2<i32>(vec2<u32>(position.xy) - view.viewport_origin);
+    let depth = textureLoad(depth_texture, vec2<i32>(position.xy), 0);
+    var occlusion = 0.0;
+    if depth > 0.0 {
+        occlusion = filtered_occlusion(
+            occlusion_texture, nearest_sampler, depth_texture, view, pixel, depth,
+        );
+    }
+#ifdef DEBUG_VIEW
+    return vec4(vec3(1.0 - occlusion), 1.0);
+#else
+#ifdef DISTANCE_FOG
+    occlusion *= fog_transmittance(pixel, depth);
+#endif
+    if !(occlusion > 0.0) {
+        discard;
+    }
+    return vec4(vec3(occlusion), 0.0);
+#endif
+}

@@ -1,0 +1,127 @@
+//! Ambient occlusion in one channel, from depth.
+//!
+//! - `settings.rs`: the component. `support.rs`, `activity.rs`: what the device can do, and what a view gets.
+//! - `uniforms.rs`, `textures.rs`, `pipelines.rs`, `bindings.rs`: what the passes need.
+//! - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
+//! - `view.wgsl`, `bindings.wgsl`: what the shaders read. `horizon.{wgsl,rs}`: the closed form, twice.
+//! - `hbao.wgsl`, `hdao.wgsl`: the kernels. `gather.wgsl`: their entry points.
+//! - `filter.wgsl`: the 3×3 filter, for `merge.wgsl` and the lighting pass.
+
+mod activity;
+mod bindings;
+pub mod horizon;
+mod pass;
+mod pipelines;
+mod settings;
+mod support;
+mod textures;
+mod uniforms;
+
+pub use activity::ActiveOcclusion;
+pub use settings::{
+    LeanAmbientOcclusion, OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
+    OcclusionNormals, OcclusionQuality, OcclusionResolution,
+};
+pub use support::OcclusionSupport;
+pub use textures::OcclusionTexture;
+pub use uniforms::{OcclusionView, Projection, ViewOcclusion, projection_of};
+
+pub(crate) use pipelines::{FilterKey, OcclusionPipelines};
+pub(crate) use uniforms::OcclusionUniforms;
+
+use bevy::{
+    asset::embedded_asset,
+    core_pipeline::{
+        core_3d::{main_opaque_pass_3d, main_transparent_pass_3d, prepare_core_3d_depth_textures},
+        schedule::{Core3d, Core3dSystems},
+    },
+    pbr::main_transmissive_pass_3d,
+    prelude::*,
+    render::{
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        extract_component::ExtractComponentPlugin,
+    },
+    shader::load_shader_library,
+};
+
+use crate::{
+    camera::LeanViewSystems, gbuffer::GBufferPasses, lighting::LightingPasses, shared::SharedPlugin,
+};
+
+/// Ambient occlusion, for cameras with [`LeanAmbientOcclusion`].
+#[derive(Default)]
+pub struct LeanAmbientOcclusionPlugin;
+
+impl Plugin for LeanAmbientOcclusionPlugin {
+    fn build(&self, app: &mut App) {
+        SharedPlugin::add_to(app);
+        load_shader_library!(app, "view.wgsl");
+        load_shader_library!(app, "horizon.wgsl");
+        load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "hbao.wgsl");
+        load_shader_library!(app, "hdao.wgsl");
+        load_shader_library!(app, "filter.wgsl");
+        embedded_asset!(app, "gather.wgsl");
+        embedded_asset!(app, "merge.wgsl");
+        app.register_type::<LeanAmbientOcclusion>()
+            .add_plugins(ExtractComponentPlugin::<LeanAmbientOcclusion>::default())
+            .add_observer(switch_msaa_off);
+
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .init_resource::<activity::Reported>()
+            .init_gpu_resource::<OcclusionUniforms>()
+            .add_systems(RenderStartup, pipelines::init_occlusion_pipelines)
+            .add_systems(
+                Render,
+                (
+                    activity::decide_active_occlusion
+                        .in_set(RenderSystems::PrepareAssets)
+                        .after(LeanViewSystems),
+                    (
+                        uniforms::write_occlusion_uniforms,
+                        textures::prepare_occlusion_textures,
+                    )
+                        .chain()
+                        .in_set(RenderSystems::PrepareResources),
+                    textures::make_depth_readable
+                        .in_set(RenderSystems::PrepareResources)
+                        .before(prepare_core_3d_depth_textures),
+                    bindings::prepare_occlusion_bind_groups
+                        .in_set(RenderSystems::PrepareBindGroups),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                (
+                    pass::occlusion_for_lighting
+                        .in_set(Core3dSystems::MainPass)
+                        .after(GBufferPasses)
+                        .before(LightingPasses),
+                    pass::occlusion_after_opaque
+                        .in_set(Core3dSystems::MainPass)
+                        .after(main_opaque_pass_3d)
+                        .before(main_transmissive_pass_3d)
+                        .before(main_transparent_pass_3d),
+                ),
+            );
+    }
+
+    fn finish(&self, app: &mut App) {
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        let support = OcclusionSupport::from_world(render_app.world());
+        render_app.insert_resource(support);
+    }
+}
+
+/// Cameras get 4× MSAA unless told otherwise: here it is switched off once. Who switches it on again gets no occlusion
+/// and a warning.
+fn switch_msaa_off(added: On<Add, LeanAmbientOcclusion>, mut cameras: Query<&mut Msaa>) {
+    if let Ok(mut msaa) = cameras.get_mut(added.entity) {
+        *msaa = Msaa::Off;
+    }
+}

@@ -1,0 +1,140 @@
+//! The passes. Where lighting applies occlusion, it is found after the G-buffer; else after all opaque meshes, and
+//! merged there.
+
+use bevy::{
+    prelude::*,
+    render::{
+        diagnostic::RecordDiagnostics,
+        render_resource::{
+            ComputePassDescriptor, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
+            RenderPassDescriptor, StoreOp,
+        },
+        renderer::{RenderContext, ViewQuery},
+        view::ViewTarget,
+    },
+};
+
+use super::{
+    ActiveOcclusion, OcclusionTexture, ViewOcclusion, activity::GatherPipeline,
+    bindings::OcclusionBindings,
+};
+use crate::tiles;
+
+pub(super) type OcclusionViewQuery = (
+    &'static ActiveOcclusion,
+    &'static OcclusionTexture,
+    &'static ViewOcclusion,
+    &'static OcclusionBindings,
+    &'static ViewTarget,
+);
+
+/// Between G-buffer and lighting.
+pub(super) fn occlusion_for_lighting(
+    view: ViewQuery<OcclusionViewQuery>,
+    pipeline_cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let (active, texture, view, bindings, _) = view.into_inner();
+    if active.merge.is_none() {
+        gather(active, texture, view, bindings, &pipeline_cache, &mut ctx);
+    }
+}
+
+/// After the opaque meshes.
+pub(super) fn occlusion_after_opaque(
+    view: ViewQuery<OcclusionViewQuery>,
+    pipeline_cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let (active, texture, view, bindings, target) = view.into_inner();
+    if active.merge.is_some()
+        && gather(active, texture, view, bindings, &pipeline_cache, &mut ctx).is_some()
+    {
+        merge(active, view, bindings, target, &pipeline_cache, &mut ctx);
+    }
+}
+
+/// `None` while the pipeline is compiling.
+fn gather(
+    active: &ActiveOcclusion,
+    texture: &OcclusionTexture,
+    view: &ViewOcclusion,
+    bindings: &OcclusionBindings,
+    pipeline_cache: &PipelineCache,
+    ctx: &mut RenderContext,
+) -> Option<()> {
+    let group = bindings.gather.get()?;
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let label = Some("lean_deferred/occlusion/gather");
+    match active.gather {
+        GatherPipeline::Compute(pipeline) => {
+            let pipeline = pipeline_cache.get_compute_pipeline(pipeline)?;
+            let span =
+                diagnostics.time_span(ctx.command_encoder(), "lean_deferred/occlusion/gather");
+            let mut pass = ctx
+                .command_encoder()
+                .begin_compute_pass(&ComputePassDescriptor {
+                    label,
+                    timestamp_writes: None,
+                });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[view.offset]);
+            let count = tiles::count(view.texture_size);
+            pass.dispatch_workgroups(count.x, count.y, 1);
+            drop(pass);
+            span.end(ctx.command_encoder());
+        }
+        GatherPipeline::Raster(pipeline) => {
+            let pipeline = pipeline_cache.get_render_pipeline(pipeline)?;
+            let span =
+                diagnostics.time_span(ctx.command_encoder(), "lean_deferred/occlusion/gather");
+            let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+                label,
+                color_attachments: &[Some(RenderPassColorAttachment {
+                    view: &texture.0.default_view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: Operations {
+                        load: LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                        store: StoreOp::Store,
+                    },
+                })],
+                ..default()
+            });
+            pass.set_render_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[view.offset]);
+            pass.draw(0..3, 0..1);
+            drop(pass);
+            span.end(ctx.command_encoder());
+        }
+    }
+    Some(())
+}
+
+fn merge(
+    active: &ActiveOcclusion,
+    view: &ViewOcclusion,
+    bindings: &OcclusionBindings,
+    target: &ViewTarget,
+    pipeline_cache: &PipelineCache,
+    ctx: &mut RenderContext,
+) -> Option<()> {
+    let pipeline = pipeline_cache.get_render_pipeline(active.merge?)?;
+    let group = bindings.merge.get()?;
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/occlusion/merge");
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("lean_deferred/occlusion/merge"),
+        color_attachments: &[Some(target.get_color_attachment())],
+        ..default()
+    });
+    pass.set_camera_viewport(&view.viewport);
+    pass.set_render_pipeline(pipeline);
+    pass.set_bind_group(0, group, &[view.offset]);
+    pass.draw(0..3, 0..1);
+    drop(pass);
+    span.end(ctx.command_encoder());
+    Some(())
+}

@@ -1,0 +1,297 @@
+//! Layouts and pipelines: the gather as a compute or a raster pass, and the merge.
+
+use bevy::{
+    asset::load_embedded_asset,
+    core_pipeline::FullscreenShader,
+    platform::collections::HashMap,
+    prelude::*,
+    render::{
+        render_resource::{
+            BindGroupLayoutDescriptor, BindGroupLayoutEntries, BindGroupLayoutEntryBuilder,
+            BlendComponent, BlendFactor, BlendOperation, BlendState, CachedRenderPipelineId,
+            ColorTargetState, ColorWrites, ComputePipelineDescriptor, FilterMode, FragmentState,
+            PipelineCache, RenderPipelineDescriptor, Sampler, SamplerBindingType,
+            SamplerDescriptor, ShaderStages, StorageTextureAccess, TextureFormat,
+            TextureSampleType,
+            binding_types::{
+                sampler, texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer,
+            },
+        },
+        renderer::RenderDevice,
+    },
+    shader::ShaderDefVal,
+};
+
+use super::{
+    LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionResolution,
+    activity::GatherPipeline,
+    uniforms::{OcclusionView, Projection},
+};
+
+/// What the gather is compiled by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct GatherKey {
+    pub(super) kernel: OcclusionKernel,
+    /// Slices, and steps a side.
+    pub(super) samples: (u32, u32),
+    pub(super) shading_normals: bool,
+    pub(super) divisor: u32,
+    pub(super) format: OcclusionFormat,
+    pub(super) projection: Projection,
+}
+
+impl GatherKey {
+    /// As the shaders see it: what a kernel does not read is not in its key.
+    fn reduced(mut self) -> Self {
+        if self.kernel == OcclusionKernel::Hdao {
+            self.samples = (1, 1);
+            self.shading_normals = false;
+        }
+        self
+    }
+
+    pub(super) fn reads_normals(self) -> bool {
+        self.reduced().shading_normals
+    }
+
+    fn shader_defs(self) -> Vec<ShaderDefVal> {
+        let (slices, steps) = self.samples;
+        let mut defs: Vec<ShaderDefVal> = vec![
+            ShaderDefVal::UInt("SLICES".into(), slices),
+            ShaderDefVal::UInt("STEPS".into(), steps),
+            ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
+        ];
+        let mut define = |condition: bool, name: &'static str| {
+            if condition {
+                defs.push(name.into());
+            }
+        };
+        define(self.kernel == OcclusionKernel::Hdao, "HDAO");
+        define(self.shading_normals, "SHADING_NORMALS");
+        define(self.format == OcclusionFormat::Float16, "FLOAT16");
+        define(
+            self.projection == Projection::Perspective,
+            "PROJECTION_PERSPECTIVE",
+        );
+        define(
+            self.projection == Projection::Orthographic,
+            "PROJECTION_ORTHOGRAPHIC",
+        );
+        defs
+    }
+}
+
+/// What the filter is compiled by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct FilterKey {
+    flat: bool,
+    edge_aware: bool,
+    half: bool,
+}
+
+impl From<&LeanAmbientOcclusion> for FilterKey {
+    fn from(settings: &LeanAmbientOcclusion) -> Self {
+        let half = settings.resolution == OcclusionResolution::Half;
+        Self {
+            // From half resolution there is one set of weights.
+            flat: settings.filter.is_flat() && !half,
+            edge_aware: settings.filter.is_edge_aware(),
+            half,
+        }
+    }
+}
+
+impl FilterKey {
+    pub(crate) fn shader_defs(self) -> impl Iterator<Item = ShaderDefVal> {
+        [
+            (self.flat, "OCCLUSION_FLAT"),
+            (self.edge_aware, "OCCLUSION_EDGE_AWARE"),
+            (self.half, "OCCLUSION_HALF"),
+        ]
+        .into_iter()
+        .filter(|(condition, _)| *condition)
+        .map(|(_, name)| name.into())
+    }
+}
+
+/// What the merge is compiled by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct MergeKey {
+    pub(super) target: TextureFormat,
+    pub(super) filter: FilterKey,
+    pub(super) fog: bool,
+    pub(super) debug_view: bool,
+}
+
+/// `dst · (1 - occlusion)`, and alpha as it is.
+const MULTIPLICATIVE: BlendState = BlendState {
+    color: BlendComponent {
+        src_factor: BlendFactor::Zero,
+        dst_factor: BlendFactor::OneMinusSrc,
+        operation: BlendOperation::Add,
+    },
+    alpha: BlendComponent {
+        src_factor: BlendFactor::Zero,
+        dst_factor: BlendFactor::One,
+        operation: BlendOperation::Add,
+    },
+};
+
+/// The pipelines by key. Made by `init_occlusion_pipelines`.
+#[derive(Resource)]
+pub(crate) struct OcclusionPipelines {
+    gather_shader: Handle<Shader>,
+    merge_shader: Handle<Shader>,
+    fullscreen: FullscreenShader,
+    pub(crate) nearest_sampler: Sampler,
+    pub(super) merge_layout: BindGroupLayoutDescriptor,
+    gathers: HashMap<(GatherKey, bool), GatherPipeline>,
+    merges: HashMap<MergeKey, CachedRenderPipelineId>,
+}
+
+pub(super) fn init_occlusion_pipelines(
+    mut commands: Commands,
+    asset_server: Res<AssetServer>,
+    render_device: Res<RenderDevice>,
+    fullscreen: Res<FullscreenShader>,
+) {
+    commands.insert_resource(OcclusionPipelines {
+        gather_shader: load_embedded_asset!(asset_server.as_ref(), "gather.wgsl"),
+        merge_shader: load_embedded_asset!(asset_server.as_ref(), "merge.wgsl"),
+        fullscreen: fullscreen.clone(),
+        nearest_sampler: render_device.create_sampler(&SamplerDescriptor {
+            label: Some("lean_deferred/occlusion/nearest"),
+            mag_filter: FilterMode::Nearest,
+            min_filter: FilterMode::Nearest,
+            ..default()
+        }),
+        merge_layout: BindGroupLayoutDescriptor::new(
+            "lean_deferred/occlusion/merge",
+            &BindGroupLayoutEntries::sequential(
+                ShaderStages::FRAGMENT,
+                (
+                    uniform_buffer::<OcclusionView>(true),
+                    texture_depth_2d(),
+                    sampler(SamplerBindingType::NonFiltering),
+                    texture_2d(TextureSampleType::Float { filterable: false }),
+                ),
+            ),
+        ),
+        gathers: HashMap::default(),
+        merges: HashMap::default(),
+    });
+}
+
+impl OcclusionPipelines {
+    /// The layout of the gather's only bind group.
+    pub(super) fn gather_layout(&self, key: GatherKey, compute: bool) -> BindGroupLayoutDescriptor {
+        let stages = if compute {
+            ShaderStages::COMPUTE
+        } else {
+            ShaderStages::FRAGMENT
+        };
+        let mut entries: Vec<(u32, BindGroupLayoutEntryBuilder)> = vec![
+            (0, uniform_buffer::<OcclusionView>(true)),
+            (1, texture_depth_2d()),
+            (2, sampler(SamplerBindingType::NonFiltering)),
+        ];
+        if key.reads_normals() {
+            entries.push((3, texture_2d(TextureSampleType::Uint)));
+        }
+        if compute {
+            let format = key.format.texture_format();
+            entries.push((
+                4,
+                texture_storage_2d(format, StorageTextureAccess::WriteOnly),
+            ));
+        }
+        let entries: Vec<_> = entries
+            .into_iter()
+            .map(|(binding, entry)| entry.build(binding, stages))
+            .collect();
+        BindGroupLayoutDescriptor::new("lean_deferred/occlusion/gather", &entries)
+    }
+
+    /// The pipeline that finds occlusion; it may still be compiling.
+    pub(super) fn gather(
+        &mut self,
+        pipeline_cache: &PipelineCache,
+        key: GatherKey,
+        compute: bool,
+    ) -> GatherPipeline {
+        let key = key.reduced();
+        if let Some(pipeline) = self.gathers.get(&(key, compute)) {
+            return *pipeline;
+        }
+        let label = Some("lean_deferred/occlusion/gather".into());
+        let layout = vec![self.gather_layout(key, compute)];
+        let mut shader_defs = key.shader_defs();
+        let shader = self.gather_shader.clone();
+        let pipeline = if compute {
+            shader_defs.push("COMPUTE".into());
+            GatherPipeline::Compute(pipeline_cache.queue_compute_pipeline(
+                ComputePipelineDescriptor {
+                    label,
+                    layout,
+                    shader,
+                    shader_defs,
+                    entry_point: Some("compute".into()),
+                    ..default()
+                },
+            ))
+        } else {
+            GatherPipeline::Raster(
+                pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
+                    label,
+                    layout,
+                    vertex: self.fullscreen.to_vertex_state(),
+                    fragment: Some(FragmentState {
+                        shader,
+                        shader_defs,
+                        entry_point: Some("fragment".into()),
+                        targets: vec![Some(key.format.texture_format().into())],
+                    }),
+                    ..default()
+                }),
+            )
+        };
+        self.gathers.insert((key, compute), pipeline);
+        pipeline
+    }
+
+    /// The pipeline that multiplies the picture by occlusion; it may still be compiling.
+    pub(super) fn merge(
+        &mut self,
+        pipeline_cache: &PipelineCache,
+        key: MergeKey,
+    ) -> CachedRenderPipelineId {
+        if let Some(pipeline) = self.merges.get(&key) {
+            return *pipeline;
+        }
+        let mut shader_defs: Vec<ShaderDefVal> = key.filter.shader_defs().collect();
+        if key.fog && !key.debug_view {
+            shader_defs.push("DISTANCE_FOG".into());
+        }
+        if key.debug_view {
+            shader_defs.push("DEBUG_VIEW".into());
+        }
+        let pipeline = pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
+            label: Some("lean_deferred/occlusion/merge".into()),
+            layout: vec![self.merge_layout.clone()],
+            vertex: self.fullscreen.to_vertex_state(),
+            fragment: Some(FragmentState {
+                shader: self.merge_shader.clone(),
+                shader_defs,
+                entry_point: Some("fragment".into()),
+                targets: vec![Some(ColorTargetState {
+                    format: key.target,
+                    blend: (!key.debug_view).then_some(MULTIPLICATIVE),
+                    write_mask: ColorWrites::ALL,
+                })],
+            }),
+            ..default()
+        });
+        self.merges.insert(key, pipeline);
+        pipeline
+    }
+}

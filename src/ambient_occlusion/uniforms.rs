@@ -1,0 +1,203 @@
+//! What the shaders know of a view.
+
+use core::f32::consts::FRAC_PI_2;
+
+use bevy::{
+    camera::{MainPassResolutionOverride, Viewport},
+    diagnostic::FrameCount,
+    pbr::{DistanceFog, FogFalloff},
+    prelude::*,
+    render::{
+        camera::{ExtractedCamera, TemporalJitter},
+        render_resource::{DynamicUniformBuffer, ShaderType},
+        renderer::{RenderDevice, RenderQueue},
+        view::ExtractedView,
+    },
+};
+
+use super::LeanAmbientOcclusion;
+use crate::tiles::{self, RowOrder};
+
+/// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
+/// smooth picture, and too far apart in memory for a fast one.
+const LARGEST_RADIUS: f32 = 0.25;
+/// Steps in depth of this share of the radius separate surfaces.
+const EDGE: f32 = 0.1;
+
+/// Twin of the struct of the same name in `view.wgsl`.
+#[derive(ShaderType, Clone, Copy, Debug, Default)]
+pub struct OcclusionView {
+    pub view_from_pixel: Mat4,
+    pub view_from_world: Mat4,
+    pub edge: Vec4,
+    pub fog: Vec4,
+    pub pixels_per_metre: Vec2,
+    pub viewport_origin: UVec2,
+    pub viewport_size: UVec2,
+    pub texture_size: UVec2,
+    pub radius: f32,
+    pub largest_radius_in_pixels: f32,
+    pub intensity: f32,
+    pub sin_bias: f32,
+    pub inverse_falloff: f32,
+    pub thickness: f32,
+    pub direct_light_affect: f32,
+    pub turn: f32,
+    pub row_stride: u32,
+}
+
+impl OcclusionView {
+    /// What `settings` make of a view with the matrix `clip_from_view`, `viewport_size` pixels large. The rest stays 0.
+    pub fn new(
+        settings: &LeanAmbientOcclusion,
+        clip_from_view: Mat4,
+        viewport_size: UVec2,
+    ) -> Self {
+        let size = viewport_size.as_vec2();
+        let ndc_from_pixel = Mat4::from_translation(Vec3::new(-1.0, 1.0, 0.0))
+            * Mat4::from_scale(Vec3::new(2.0 / size.x, -2.0 / size.y, 1.0));
+        let view_from_pixel = normalized(clip_from_view.inverse() * ndc_from_pixel);
+        let scale = Vec2::new(clip_from_view.x_axis.x, clip_from_view.y_axis.y).abs();
+        let radius = settings.radius.max(0.0);
+
+        // In perspective depth / distance² is constant: a step of metres is one of 1/distance there.
+        let m = &view_from_pixel;
+        let step = EDGE * radius;
+        let edge = if projection_of(clip_from_view) == Projection::Orthographic {
+            Vec4::new(0.0, 1.0, step / m.z_axis.z.abs(), 0.0)
+        } else {
+            Vec4::new(m.z_axis.w, m.w_axis.w, step / m.z_axis.w.abs(), 0.0)
+        };
+        Self {
+            view_from_pixel,
+            edge,
+            pixels_per_metre: scale * size / 2.0,
+            viewport_size,
+            texture_size: texture_size(settings, viewport_size),
+            radius,
+            largest_radius_in_pixels: (LARGEST_RADIUS * size.y).max(1.0),
+            intensity: settings.intensity.max(0.0),
+            sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
+            // So that 0 is a hard edge, but no division by it.
+            inverse_falloff: 1.0 / settings.falloff.clamp(1e-4, 1.0),
+            thickness: settings.thickness.clamp(0.0, 1.0),
+            direct_light_affect: settings.direct_light_affect.clamp(0.0, 1.0),
+            row_stride: 1,
+            ..default()
+        }
+    }
+}
+
+/// The kinds of matrices for which positions are cheaper to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Projection {
+    /// Any, also off centre or with a far plane.
+    Perspective,
+    /// Any, also off centre.
+    Orthographic,
+    /// Anything else, such as an oblique near plane.
+    Other,
+}
+
+/// The kind of `clip_from_view`.
+pub fn projection_of(clip_from_view: Mat4) -> Projection {
+    let [x, y, z, w] = clip_from_view.to_cols_array_2d();
+    let independent = x[1..] == [0.0; 3] && [y[0], y[2], y[3]] == [0.0; 3];
+    match [z[3], w[3]] {
+        [-1.0, 0.0] if independent && w[..2] == [0.0; 2] => Projection::Perspective,
+        [0.0, 1.0] if independent && z[..2] == [0.0; 2] => Projection::Orthographic,
+        _ => Projection::Other,
+    }
+}
+
+/// Scaled so that the shader's short cuts hold: rays end at z = -1 in perspective, w is 1 in orthographic views.
+fn normalized(view_from_pixel: Mat4) -> Mat4 {
+    let w = view_from_pixel.w_axis;
+    if view_from_pixel.z_axis.w == 0.0 && w.w != 0.0 {
+        view_from_pixel * (1.0 / w.w)
+    } else if w.z != 0.0 {
+        view_from_pixel * (1.0 / w.z.abs())
+    } else {
+        view_from_pixel
+    }
+}
+
+/// Texels of the occlusion texture.
+pub(super) fn texture_size(settings: &LeanAmbientOcclusion, viewport_size: UVec2) -> UVec2 {
+    let divisor = settings.resolution.divisor();
+    UVec2::new(
+        viewport_size.x.div_ceil(divisor),
+        viewport_size.y.div_ceil(divisor),
+    )
+}
+
+/// As `OcclusionView::fog`. What attenuates channels differently counts with their mean.
+fn fog_parameters(fog: Option<&DistanceFog>) -> Vec4 {
+    let Some(fog) = fog else {
+        return Vec4::ZERO;
+    };
+    let alpha = fog.color.alpha();
+    match &fog.falloff {
+        FogFalloff::Linear { start, end } => Vec4::new(*start, *end, alpha, 1.0),
+        FogFalloff::Exponential { density } => Vec4::new(*density, 0.0, alpha, 2.0),
+        FogFalloff::ExponentialSquared { density } => Vec4::new(*density, 0.0, alpha, 3.0),
+        FogFalloff::Atmospheric { extinction, .. } => {
+            Vec4::new(extinction.element_sum() / 3.0, 0.0, alpha, 2.0)
+        }
+    }
+}
+
+/// The uniforms of all views.
+#[derive(Resource, Default)]
+pub(crate) struct OcclusionUniforms(pub(crate) DynamicUniformBuffer<OcclusionView>);
+
+/// On a view with ambient occlusion: where in the buffer its uniform is.
+#[derive(Component)]
+pub struct ViewOcclusion {
+    pub(crate) offset: u32,
+    pub(super) viewport: Viewport,
+    pub(super) texture_size: UVec2,
+}
+
+/// Fills [`OcclusionUniforms`] and inserts [`ViewOcclusion`].
+pub(super) fn write_occlusion_uniforms(
+    mut commands: Commands,
+    mut uniforms: ResMut<OcclusionUniforms>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    (row_order, frame): (Res<RowOrder>, Res<FrameCount>),
+    views: Query<(
+        Entity,
+        &LeanAmbientOcclusion,
+        &ExtractedCamera,
+        &ExtractedView,
+        Option<&MainPassResolutionOverride>,
+        Option<&DistanceFog>,
+        Has<TemporalJitter>,
+    )>,
+) {
+    let Some(mut writer) = uniforms.0.get_writer(views.iter().len(), &device, &queue) else {
+        return;
+    };
+    for (entity, settings, camera, view, resolution_override, fog, is_jittered) in &views {
+        let viewport =
+            Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override)
+                .unwrap_or_else(|| Viewport {
+                    physical_size: camera.physical_target_size.unwrap_or(UVec2::ONE),
+                    ..default()
+                });
+        let mut uniform = OcclusionView::new(settings, view.clip_from_view, viewport.physical_size);
+        uniform.view_from_world = view.world_from_view.to_matrix().inverse();
+        uniform.fog = fog_parameters(fog);
+        uniform.viewport_origin = viewport.physical_position;
+        uniform.row_stride = row_order.stride(tiles::count(uniform.texture_size).y);
+        if is_jittered {
+            // The golden section spreads any number of frames.
+            uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;
+        }
+        commands.entity(entity).insert(ViewOcclusion {
+            offset: writer.write(&uniform),
+            texture_size: uniform.texture_size,
+            viewport,
+        });
+    }
+}

@@ -1,0 +1,32 @@
+// What the passes of ambient occlusion know of a view.
+#define_import_path bevy_lean_deferred::ambient_occlusion::view
+
+/// Twin of the struct of the same name in `uniforms.rs`. Pixels count from the viewport's corner.
+struct OcclusionView {
+    /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
+    view_from_pixel: mat4x4<f32>,
+    view_from_world: mat4x4<f32>,
+    /// 1 / view-space distance is `edge.x * depth + edge.y`; its square times `edge.z` is the step in depth that
+    /// separates surfaces.
+    edge: vec4<f32>,
+    /// Extinction of distance fog: a, b of its mode; alpha; mode.
+    fog: vec4<f32>,
+    /// At a distance of one metre; in orthographic views anywhere.
+    pixels_per_metre: vec2<f32>,
+    viewport_origin: vec2<u32>,
+    viewport_size: vec2<u32>,
+    /// Texels of the occlusion texture.
+    texture_size: vec2<u32>,
+    /// Metres.
+    radius: f32,
+    largest_radius_in_pixels: f32,
+    intensity: f32,
+    sin_bias: f32,
+    inverse_falloff: f32,
+    thickness: f32,
+    /// How far direct light is darkened too, 0 to 1.
+    direct_light_affect: f32,
+    /// Parts of the pattern's turn and step that change from frame to frame, 0 to 1; 0 without TAA.
+    turn: f32,
+    row_stride: u32,
+}
