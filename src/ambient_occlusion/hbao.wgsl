@@ -79,6 +79,14 @@ fn horizon(march: March, base: f32) -> f32 {
     return highest;
 }
 
+/// Two unit vectors across `n`, which faces +Z at least a little, and across each other (Duff et al. 2017, "Building an
+/// Orthonormal Basis, Revisited").
+fn tangents(n: vec3<f32>) -> mat2x3<f32> {
+    let a = 1.0 / (1.0 + n.z);
+    let b = -n.x * n.y * a;
+    return mat2x3(vec3(1.0 - n.x * n.x * a, b, -n.x), vec3(b, 1.0 - n.y * n.y * a, -n.y));
+}
+
 /// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the 2×2 pattern.
 fn hbao(texel: vec2<u32>, pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
@@ -105,11 +113,17 @@ fn hbao(texel: vec2<u32>, pixel: vec2<i32>, depth: f32) -> f32 {
     // 0 3 / 2 1: neighbours along an axis look in rather different directions.
     let x = texel.x & 1u;
     let phase = f32(select(2u - x, 3u * x, (texel.y & 1u) == 0u));
+    let basis = tangents(march.to_viewer);
     var occlusion = 0.0;
     for (var slice = 0u; slice < #{SLICES}u; slice++) {
         let turn = (f32(slice) + 0.25 * (phase + view.turn)) / f32(#{SLICES}u);
-        let direction = vec3(cos(PI * turn), sin(PI * turn), 0.0);
-        let tangent = normalize(direction - march.to_viewer * dot(direction, march.to_viewer));
+        // Evenly about the view direction, not on the screen: so perspective is exact off its centre too.
+        let tangent = basis * vec2(cos(PI * turn), sin(PI * turn));
+#ifdef PROJECTION_ORTHOGRAPHIC
+        let direction = tangent.xy;
+#else
+        let direction = tangent.xy - tangent.z * position.xy / position.z;
+#endif
         let lobe = slice_normal(normal, march.to_viewer, tangent);
         let surface = slice_normal(march.geometric, march.to_viewer, tangent);
         // The surface's own horizons.

@@ -28,8 +28,11 @@ fn direction_to(sample: vec2<i32>, depth: f32, position: vec3<f32>, inverse_radi
     return vec4(delta * inverseSqrt(distance_squared), select(0.0, weight, is_in_view(sample)));
 }
 
-/// Occlusion of a pixel, 0 to 1. A pair with the angle α between its directions counts as a V-groove of that
-/// angle does at its edge: (1 + cos α) / 2.
+/// A pair counts wholly from an angle of 120° between its directions on.
+const SHARPNESS: f32 = 4.0;
+
+/// Occlusion of a pixel, 0 to 1. A pair with the angle α between its directions has (1 + cos α) / 2, as a V-groove has
+/// at its edge; times `SHARPNESS`, because the few pairs that form a valley stand for all that the walls hide.
 fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
     let to_viewer = direction_to_viewer(position);
@@ -59,7 +62,7 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
             let bisector = a.xyz + b.xyz;
             let valley = 0.25 * dot(bisector, bisector) - least;
             if dot(bisector, to_viewer) > 0.0 {
-                sum += a.w * b.w * max(valley, 0.0);
+                sum += a.w * b.w * saturate(SHARPNESS * valley);
             }
         }
     }

@@ -24,7 +24,7 @@ pub use settings::{
 };
 pub use support::OcclusionSupport;
 pub use textures::OcclusionTexture;
-pub use uniforms::{OcclusionView, Projection, ViewOcclusion, projection_of};
+pub use uniforms::{OcclusionView, ProjectionKind, ViewOcclusion, projection_of};
 
 pub(crate) use pipelines::{FilterKey, OcclusionPipelines};
 pub(crate) use uniforms::OcclusionUniforms;

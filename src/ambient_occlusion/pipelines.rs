@@ -25,7 +25,7 @@ use bevy::{
 use super::{
     LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionResolution,
     activity::GatherPipeline,
-    uniforms::{OcclusionView, Projection},
+    uniforms::{OcclusionView, ProjectionKind},
 };
 
 /// What the gather is compiled by.
@@ -37,7 +37,7 @@ pub(super) struct GatherKey {
     pub(super) shading_normals: bool,
     pub(super) divisor: u32,
     pub(super) format: OcclusionFormat,
-    pub(super) projection: Projection,
+    pub(super) projection: ProjectionKind,
 }
 
 impl GatherKey {
@@ -70,11 +70,11 @@ impl GatherKey {
         define(self.shading_normals, "SHADING_NORMALS");
         define(self.format == OcclusionFormat::Float16, "FLOAT16");
         define(
-            self.projection == Projection::Perspective,
+            self.projection == ProjectionKind::Perspective,
             "PROJECTION_PERSPECTIVE",
         );
         define(
-            self.projection == Projection::Orthographic,
+            self.projection == ProjectionKind::Orthographic,
             "PROJECTION_ORTHOGRAPHIC",
         );
         defs

@@ -25,7 +25,7 @@ pub struct LeanAmbientOcclusion {
     /// Angle above the surface, in radians, below which nothing counts: keeps noise of depth and normals out of flat
     /// regions. 0 to 0.5. Default 0.02.
     pub bias: f32,
-    /// Share of the squared radius over which occluders fade out, 0 (hard edge) to 1. Default 0.2.
+    /// Share of the squared radius over which occluders fade out, 0 (hard edge) to 1. Default 0.1.
     pub falloff: f32,
     /// 1: whatever is in front of a surface reaches back without end, as a height field does. Below that, horizons
     /// sink again behind thin parts, by `1 - thickness` a step (Jimenez et al. 2016). Default 1.
@@ -60,7 +60,7 @@ impl Default for LeanAmbientOcclusion {
             radius: 0.5,
             intensity: 1.0,
             bias: 0.02,
-            falloff: 0.2,
+            falloff: 0.1,
             thickness: 1.0,
             kernel: default(),
             quality: default(),

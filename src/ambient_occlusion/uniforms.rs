@@ -63,7 +63,7 @@ impl OcclusionView {
         // In perspective depth / distance² is constant: a step of metres is one of 1/distance there.
         let m = &view_from_pixel;
         let step = EDGE * radius;
-        let edge = if projection_of(clip_from_view) == Projection::Orthographic {
+        let edge = if projection_of(clip_from_view) == ProjectionKind::Orthographic {
             Vec4::new(0.0, 1.0, step / m.z_axis.z.abs(), 0.0)
         } else {
             Vec4::new(m.z_axis.w, m.w_axis.w, step / m.z_axis.w.abs(), 0.0)
@@ -90,7 +90,7 @@ impl OcclusionView {
 
 /// The kinds of matrices for which positions are cheaper to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Projection {
+pub enum ProjectionKind {
     /// Any, also off centre or with a far plane.
     Perspective,
     /// Any, also off centre.
@@ -100,13 +100,13 @@ pub enum Projection {
 }
 
 /// The kind of `clip_from_view`.
-pub fn projection_of(clip_from_view: Mat4) -> Projection {
+pub fn projection_of(clip_from_view: Mat4) -> ProjectionKind {
     let [x, y, z, w] = clip_from_view.to_cols_array_2d();
     let independent = x[1..] == [0.0; 3] && [y[0], y[2], y[3]] == [0.0; 3];
     match [z[3], w[3]] {
-        [-1.0, 0.0] if independent && w[..2] == [0.0; 2] => Projection::Perspective,
-        [0.0, 1.0] if independent && z[..2] == [0.0; 2] => Projection::Orthographic,
-        _ => Projection::Other,
+        [-1.0, 0.0] if independent && w[..2] == [0.0; 2] => ProjectionKind::Perspective,
+        [0.0, 1.0] if independent && z[..2] == [0.0; 2] => ProjectionKind::Orthographic,
+        _ => ProjectionKind::Other,
     }
 }
 
