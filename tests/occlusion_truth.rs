@@ -1,4 +1,5 @@
-//! The ground truth for ambient occlusion holds: closed forms beside Monte Carlo integrals. Nothing runs on the device.
+//! The ground truth for ambient occlusion holds: closed forms beside Monte Carlo integrals, and the screen-space
+//! integral of depth buffers beside closed forms. Nothing runs on the device.
 
 #[path = "occlusion_truth/camera.rs"]
 mod camera;
@@ -7,5 +8,7 @@ mod closed_forms;
 mod common;
 #[path = "occlusion_truth/directions.rs"]
 mod directions;
+#[path = "occlusion_truth/integrator.rs"]
+mod integrator;
 #[path = "occlusion_truth/scenes.rs"]
 mod scenes;
