@@ -1,9 +1,11 @@
-//! What tests and benches share: rendering without a window, comparing pictures, scenes built in code.
+//! What tests and benches share: rendering without a window, comparing pictures, scenes built in code, ground truth for
+//! ambient occlusion.
 #![allow(dead_code, reason = "each binary uses a part")]
 
 pub mod compute;
 pub mod headless;
 pub mod metrics;
+pub mod occlusion;
 pub mod random;
 pub mod scenes;
 
