@@ -6,6 +6,7 @@ pub mod compute;
 pub mod headless;
 pub mod metrics;
 pub mod occlusion;
+pub mod occlusion_gpu;
 pub mod random;
 pub mod scenes;
 

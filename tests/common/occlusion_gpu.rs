@@ -429,8 +429,7 @@ impl OcclusionGpu {
             shader_defs: defs,
             ..Default::default()
         });
-        let module =
-            composed.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
+        let module = composed.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
         self.device
             .create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: None,
