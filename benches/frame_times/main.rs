@@ -7,6 +7,8 @@
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
+#[path = "../common/gpu_time.rs"]
+mod gpu_time;
 mod report;
 mod run;
 mod scenes;

@@ -4,7 +4,7 @@ use core::fmt::Write;
 
 use bevy::math::UVec2;
 
-use crate::run::{Measurement, Time};
+use crate::{gpu_time::Time, run::Measurement};
 
 /// One row for each measurement; ratios are to Bevy deferred on the same scene.
 pub fn markdown(measurements: &[Measurement], size: UVec2, frames: usize) -> String {
@@ -39,22 +39,16 @@ pub fn row(m: &Measurement, peer: Option<&Measurement>) -> String {
         "| {} | {} | {} | {} | {} | {} | {} | {} / {} | {} | {} | {off_by_8} |",
         m.scene,
         m.contender,
-        time(m.geometry),
+        Time::text(m.geometry),
         ratio(m.geometry, peer.and_then(|p| p.geometry)),
-        time(m.lighting),
+        Time::text(m.lighting),
         ratio(m.lighting, peer.and_then(|p| p.lighting)),
-        time(m.camera),
+        Time::text(m.camera),
         m.bytes_written_by_geometry,
         m.bytes_in_all,
         figure(m.psnr, 1),
         figure(m.flip, 4),
     )
-}
-
-fn time(time: Option<Time>) -> String {
-    time.map_or("–".into(), |t| {
-        format!("{:.3} ({:.3}–{:.3})", t.median, t.low, t.high)
-    })
 }
 
 fn ratio(time: Option<Time>, peer: Option<Time>) -> String {

@@ -22,7 +22,7 @@ use bevy::{
     prelude::*,
     render::{
         RenderApp,
-        diagnostic::{RecordDiagnostics, RenderDiagnosticsPlugin},
+        diagnostic::RenderDiagnosticsPlugin,
         renderer::{RenderAdapterInfo, RenderContext},
     },
 };
@@ -34,6 +34,7 @@ use crate::{
         headless::{Headless, Picture},
         metrics,
     },
+    gpu_time::{Samples, Time, begin, end},
     scenes::BenchScene,
 };
 
@@ -92,15 +93,6 @@ impl Contender {
             Self::Lean(_) => ("lean_deferred/gbuffer", Some("lean_deferred/lighting")),
         }
     }
-}
-
-/// Median and spread of a GPU time, in milliseconds.
-#[derive(Serialize, Clone, Copy, Default)]
-pub struct Time {
-    pub median: f64,
-    /// 10th and 90th percentile.
-    pub low: f64,
-    pub high: f64,
 }
 
 #[derive(Serialize)]
@@ -200,38 +192,6 @@ pub fn measure(
     (measurement, headless.capture())
 }
 
-/// GPU times by span name.
-#[derive(Default)]
-struct Samples(bevy::platform::collections::HashMap<String, Vec<f64>>);
-
-impl Samples {
-    /// Notes the newest value of each span.
-    fn take(&mut self, store: &DiagnosticsStore) {
-        for diagnostic in store.iter() {
-            let Some(name) = diagnostic.path().as_str().strip_suffix("/elapsed_gpu") else {
-                continue;
-            };
-            if let Some(value) = diagnostic.value() {
-                let name = name.trim_start_matches("render/");
-                let name = name.strip_prefix("bench/camera/").unwrap_or(name);
-                let name = name.strip_prefix("bench/prepass/").unwrap_or(name);
-                self.0.entry(name.to_owned()).or_default().push(value);
-            }
-        }
-    }
-
-    fn time(&self, name: &str) -> Option<Time> {
-        let mut values = self.0.get(name)?.clone();
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
-        Some(Time {
-            median: at(0.5),
-            low: at(0.1),
-            high: at(0.9),
-        })
-    }
-}
-
 /// Spans around whole stages of Bevy's renderers, with their clears and copies, as this crate's own spans have them:
 /// Bevy's spans lie inside its passes, and its deferred lighting has none. Spans of one thread nest, so the schedule
 /// runs on one.
@@ -280,16 +240,4 @@ fn begin_opaque(ctx: RenderContext) {
 
 fn begin_prepass(ctx: RenderContext) {
     begin(ctx, "bench/prepass");
-}
-
-fn begin(mut ctx: RenderContext, name: &'static str) {
-    let recorder = ctx.diagnostic_recorder();
-    recorder
-        .as_deref()
-        .begin_time_span(ctx.command_encoder(), name.into());
-}
-
-fn end(mut ctx: RenderContext) {
-    let recorder = ctx.diagnostic_recorder();
-    recorder.as_deref().end_time_span(ctx.command_encoder());
 }

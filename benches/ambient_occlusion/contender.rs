@@ -1,0 +1,254 @@
+//! Who is compared.
+
+use bevy::{
+    pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionQualityLevel as BevyQuality},
+    prelude::*,
+};
+use bevy_lean_deferred::prelude::*;
+
+/// A camera with ambient occlusion of some kind, or the same camera without.
+#[derive(Clone)]
+pub struct Contender {
+    pub name: String,
+    /// The camera is a lean one, else Bevy's forward.
+    pub lean: bool,
+    pub occlusion: Option<Kind>,
+}
+
+#[derive(Clone, Copy)]
+pub enum Kind {
+    Lean(LeanAmbientOcclusion),
+    Bevy(BevyQuality),
+    /// The same samples as the crate's default, but stored in the alpha of a 4 × FP16 target, blurred with 9 fetches
+    /// and merged in a shader.
+    Naive,
+}
+
+/// Bytes a pixel, without and with what is read of depth and normals.
+#[derive(Clone, Copy, serde::Serialize)]
+pub struct Bytes {
+    /// Each texture once written and once read.
+    pub compulsory: f64,
+    pub compulsory_with_depth: f64,
+    /// Every texel of every fetch and gather.
+    pub fetched: f64,
+}
+
+impl Contender {
+    pub fn all() -> Vec<Self> {
+        let of = |name: String, lean, kind| Self {
+            name,
+            lean,
+            occlusion: kind,
+        };
+        let mut all = vec![of("lean camera, none".into(), true, None)];
+        let presets = OcclusionQuality::PRESETS;
+        all.extend(presets.map(|quality| {
+            let settings = LeanAmbientOcclusion {
+                quality,
+                ..default()
+            };
+            of(
+                format!("{quality:?}, indirect"),
+                true,
+                Some(Kind::Lean(settings)),
+            )
+        }));
+        let more = |name: &str, lean, settings| of(name.into(), lean, Some(Kind::Lean(settings)));
+        let base = LeanAmbientOcclusion::default();
+        all.extend([
+            more(
+                "Medium, indirect, geometric normals",
+                true,
+                LeanAmbientOcclusion {
+                    normals: OcclusionNormals::Geometric,
+                    ..base
+                },
+            ),
+            more(
+                "Medium, indirect, binomial",
+                true,
+                LeanAmbientOcclusion {
+                    filter: OcclusionFilter::Binomial,
+                    ..base
+                },
+            ),
+            more(
+                "Medium, indirect, half",
+                true,
+                LeanAmbientOcclusion {
+                    resolution: OcclusionResolution::Half,
+                    ..base
+                },
+            ),
+            more(
+                "HDAO, indirect",
+                true,
+                LeanAmbientOcclusion {
+                    kernel: OcclusionKernel::Hdao,
+                    ..base
+                },
+            ),
+            of("forward camera, none".into(), false, None),
+            more("Medium, blend", false, base),
+            more(
+                "Medium, blend, half",
+                false,
+                LeanAmbientOcclusion {
+                    resolution: OcclusionResolution::Half,
+                    ..base
+                },
+            ),
+            of("naive".into(), false, Some(Kind::Naive)),
+        ]);
+        let bevy = [
+            BevyQuality::Low,
+            BevyQuality::Medium,
+            BevyQuality::High,
+            BevyQuality::Ultra,
+        ];
+        all.extend(bevy.map(|quality| {
+            of(
+                format!("Bevy {quality:?}"),
+                false,
+                Some(Kind::Bevy(quality)),
+            )
+        }));
+        all
+    }
+
+    /// Gives `camera` what it needs. `shows` makes the picture the occlusion alone, where the crate can.
+    pub fn dress(&self, camera: &mut EntityWorldMut, shows: bool) {
+        if self.lean {
+            camera.insert(LeanDeferred::default());
+        }
+        match self.occlusion {
+            None => {}
+            Some(Kind::Lean(settings)) => {
+                camera.insert(LeanAmbientOcclusion {
+                    debug_view: shows,
+                    ..settings
+                });
+            }
+            Some(Kind::Bevy(quality_level)) => {
+                camera.insert(ScreenSpaceAmbientOcclusion {
+                    quality_level,
+                    ..default()
+                });
+            }
+            Some(Kind::Naive) => {
+                camera.insert((
+                    super::naive::NaiveOcclusion { shows },
+                    // Its depth, and usages.
+                    bevy::core_pipeline::prepass::DepthPrepass,
+                ));
+            }
+        }
+    }
+
+    /// Names of the GPU spans that only occlusion has.
+    pub fn spans(&self) -> &'static [&'static str] {
+        match self.occlusion {
+            None => &[],
+            // Lighting merges.
+            Some(Kind::Lean(_)) if self.lean => &["lean_deferred/occlusion/gather"],
+            Some(Kind::Lean(_)) => &[
+                "lean_deferred/occlusion/gather",
+                "lean_deferred/occlusion/merge",
+            ],
+            Some(Kind::Bevy(_)) => &["ssao"],
+            Some(Kind::Naive) => &["bench/naive/gather", "bench/naive/merge"],
+        }
+    }
+
+    /// Counted from the formats. The blend's read and write of the picture are left to `occluded`, the share of pixels
+    /// that it does not discard.
+    pub fn bytes(&self, occluded: f64) -> Bytes {
+        let picture = 8.0;
+        match self.occlusion {
+            None => Bytes {
+                compulsory: 0.0,
+                compulsory_with_depth: 0.0,
+                fetched: 0.0,
+            },
+            Some(Kind::Lean(settings)) => {
+                let texel = match settings.format {
+                    OcclusionFormat::Unorm8 => 1.0,
+                    OcclusionFormat::Float16 => 2.0,
+                };
+                let half = settings.resolution == OcclusionResolution::Half;
+                let share = if half { 0.25 } else { 1.0 };
+                let edge_aware = matches!(
+                    settings.filter,
+                    OcclusionFilter::BinomialEdgeAware | OcclusionFilter::FlatEdgeAware
+                );
+                let shading = self.lean
+                    && settings.normals == OcclusionNormals::Shading
+                    && settings.kernel == OcclusionKernel::Hbao;
+                let samples = match settings.kernel {
+                    // The pixel, four neighbours for its normal, and the steps.
+                    OcclusionKernel::Hbao => {
+                        let (slices, steps) = settings.quality.samples();
+                        f64::from(5 + slices * steps * 2)
+                    }
+                    OcclusionKernel::Hdao => 1.0 + 48.0,
+                };
+                let normal = if shading { 4.0 } else { 0.0 };
+                // Lighting has its depth anyway.
+                let blend = if self.lean {
+                    0.0
+                } else {
+                    occluded * 2.0 * picture
+                };
+                let merge_depth = if self.lean { 0.0 } else { 4.0 };
+                let filter_depths = match (edge_aware, half) {
+                    (false, _) => 0.0,
+                    (true, false) => 12.0 + 4.0,
+                    (true, true) => 16.0 + 4.0,
+                };
+                let own = texel * share * 2.0 + blend;
+                Bytes {
+                    compulsory: own,
+                    compulsory_with_depth: own + share * (4.0 + normal) + 4.0,
+                    fetched: share * (texel + 4.0 * samples + normal)
+                        + 16.0 * texel
+                        + 4.0 * filter_depths
+                        + merge_depth
+                        + blend,
+                }
+            }
+            // Depth into five levels (R16Float, 1.33 texels a pixel), gather (R16Float, and packed differences of
+            // depth, R32Uint), denoise (R16Float), and what the material's shader reads.
+            Some(Kind::Bevy(quality)) => {
+                let (slices, steps) = match quality {
+                    BevyQuality::Low => (1.0, 2.0),
+                    BevyQuality::Medium => (2.0, 2.0),
+                    BevyQuality::High => (3.0, 3.0),
+                    _ => (9.0, 3.0),
+                };
+                let levels = 2.0 * 1.33;
+                let own = 2.0 * levels + 2.0 * (2.0 + 4.0) + 2.0 * 2.0;
+                // The normal prepass writes 4 bytes, and its depth is copied.
+                let prepass = 4.0 + 4.0 + 4.0 + 4.0;
+                Bytes {
+                    compulsory: own,
+                    compulsory_with_depth: own + 4.0 + prepass,
+                    fetched: 4.0 + levels // preprocess
+                        + 2.0 * (4.0 + 4.0 * 2.0) + 4.0 + 2.0 * slices * steps * 2.0 + 2.0 + 4.0
+                        + 16.0 * 2.0 + 16.0 * 4.0 + 2.0 // denoise, with gathers
+                        + 2.0
+                        + prepass,
+                }
+            }
+            Some(Kind::Naive) => {
+                let (slices, steps) = OcclusionQuality::Medium.samples();
+                let samples = f64::from(5 + slices * steps * 2);
+                Bytes {
+                    compulsory: 8.0 + 8.0 + 2.0 * picture,
+                    compulsory_with_depth: 8.0 + 8.0 + 2.0 * picture + 4.0,
+                    fetched: 4.0 * samples + 8.0 + 9.0 * 8.0 + 2.0 * picture,
+                }
+            }
+        }
+    }
+}

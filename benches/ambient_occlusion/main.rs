@@ -1,0 +1,103 @@
+//! GPU time, bytes and error of ambient occlusion: this crate's presets, Bevy's, and the naive version.
+//!
+//! `cargo bench --profile dev --bench ambient_occlusion -- --help`
+//!
+//! Each contender runs in two scenes: `courtyard`, where all pixels have work to do, and `wall`, a floor before an endless
+//! wall, whose occlusion is known in closed form. The error stands beside the time in one table. A peer is added by adding
+//! a [`Contender`].
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+mod contender;
+#[path = "../common/gpu_time.rs"]
+mod gpu_time;
+mod naive;
+mod report;
+mod run;
+mod scene;
+mod show;
+
+use argh::FromArgs;
+use bevy::math::UVec2;
+use contender::Contender;
+
+/// GPU time, bytes and error of ambient occlusion.
+#[derive(FromArgs)]
+struct Args {
+    /// only contenders whose name contains this, beside those without occlusion
+    #[argh(option, default = "String::new()")]
+    contender: String,
+
+    /// sizes of the picture, comma-separated, default 1400x1050,1920x1080,3840x2160
+    #[argh(option, default = "String::from(\"1400x1050,1920x1080,3840x2160\")")]
+    size: String,
+
+    /// frames that are measured, default 40
+    #[argh(option, default = "40")]
+    frames: usize,
+
+    /// frames before measuring starts, default 15
+    #[argh(option, default = "15")]
+    warm_up: usize,
+
+    /// write the figures to this file
+    #[argh(option)]
+    json: Option<String>,
+
+    /// write each picture of occlusion into this folder
+    #[argh(option)]
+    pictures: Option<String>,
+
+    /// time a scene of few meshes, for software renderers
+    #[argh(switch)]
+    small: bool,
+
+    /// given by cargo
+    #[argh(switch)]
+    #[expect(dead_code, reason = "cargo bench passes it")]
+    bench: bool,
+}
+
+fn parse_size(text: &str) -> Option<UVec2> {
+    let (x, y) = text.split_once('x')?;
+    let size = UVec2::new(x.parse().ok()?, y.parse().ok()?);
+    (size.min_element() > 0).then_some(size)
+}
+
+fn main() {
+    let args: Args = argh::from_env();
+    let sizes: Option<Vec<UVec2>> = args.size.split(',').map(parse_size).collect();
+    let Some(sizes) = sizes else {
+        eprintln!("--size {}: expected WIDTHxHEIGHT, …", args.size);
+        std::process::exit(1);
+    };
+    let contenders: Vec<Contender> = Contender::all()
+        .into_iter()
+        .filter(|c| c.occlusion.is_none() || c.name.contains(&args.contender))
+        .collect();
+
+    let mut measurements = Vec::new();
+    let total = sizes.len() * contenders.len();
+    for size in sizes.iter().copied() {
+        for contender in &contenders {
+            eprintln!(
+                "[{}/{total}] {}×{}: {}",
+                measurements.len() + 1,
+                size.x,
+                size.y,
+                contender.name
+            );
+            let measurement = run::measure(contender, size, &args);
+            eprintln!("{}", report::row(&measurement, &measurements));
+            measurements.push(measurement);
+        }
+    }
+    println!("{}", report::markdown(&measurements, args.frames));
+    if let Some(path) = args.json {
+        let json = serde_json::to_string_pretty(&measurements).expect("plain figures serialise");
+        if let Err(error) = std::fs::write(&path, json) {
+            eprintln!("cannot write {path}: {error}");
+            std::process::exit(1);
+        }
+    }
+}

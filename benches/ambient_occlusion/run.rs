@@ -1,0 +1,187 @@
+//! One contender at one size.
+
+use bevy::{
+    camera::Hdr,
+    core_pipeline::{
+        prepass::node::{early_prepass, late_prepass},
+        schedule::{Core3d, Core3dSystems},
+        tonemapping::{DebandDither, Tonemapping},
+        upscaling::upscaling,
+    },
+    diagnostic::DiagnosticsStore,
+    ecs::schedule::SingleThreadedExecutor,
+    pbr::clear_indirect_parameters_metadata,
+    prelude::*,
+    render::{
+        RenderApp,
+        diagnostic::RenderDiagnosticsPlugin,
+        renderer::{RenderAdapterInfo, RenderContext},
+    },
+};
+use serde::Serialize;
+
+use crate::{
+    Args,
+    common::{
+        headless::{Headless, Picture},
+        occlusion::errors::Errors,
+        scenes::boxes::Boxes,
+    },
+    contender::{Bytes, Contender, Kind},
+    gpu_time::{Samples, Time, begin, end},
+    naive,
+    scene::{self, BenchScene},
+    show,
+};
+
+#[derive(Serialize)]
+pub struct Measurement {
+    pub adapter: String,
+    pub size: UVec2,
+    pub contender: String,
+    pub lean: bool,
+    /// Of the passes that only occlusion has, in order.
+    pub passes: Vec<Time>,
+    /// The lighting pass: it filters and applies occlusion on lean cameras.
+    pub lighting: Option<Time>,
+    /// Prepasses, which Bevy's occlusion needs.
+    pub prepass: Option<Time>,
+    pub camera: Option<Time>,
+    pub bytes: Bytes,
+    /// Share of pixels with occlusion.
+    pub occluded: f64,
+    /// Against the closed form of the wall: root mean square and bias.
+    pub wall: Option<(f64, f64)>,
+    /// Mean on the plane, where there is none.
+    pub plane: Option<f64>,
+}
+
+/// Renders frames to warm up, then measures some, and renders what the errors are measured on.
+pub fn measure(contender: &Contender, size: UVec2, args: &Args) -> Measurement {
+    let boxes = if args.small {
+        BenchScene::Boxes(Boxes::small(32))
+    } else {
+        BenchScene::Boxes(Boxes::full(64))
+    };
+    let mut headless = app(contender, boxes, size, false);
+    headless.settle();
+    headless.frames(args.warm_up);
+    let mut samples = Samples::default();
+    for _ in 0..args.frames {
+        headless.frames(1);
+        samples.take(headless.app.world().resource::<DiagnosticsStore>());
+    }
+    let adapter = headless
+        .app
+        .sub_app(RenderApp)
+        .world()
+        .resource::<RenderAdapterInfo>()
+        .name
+        .clone();
+    drop(headless);
+
+    let shown = |scene: BenchScene| -> Option<Vec<f32>> {
+        contender.occlusion?;
+        let mut headless = app(contender, scene, size, true);
+        headless.settle();
+        headless.frames(3);
+        let occlusion: Vec<f32> = show::read_main_texture(&mut headless.app)
+            .into_iter()
+            .map(|visibility| 1.0 - visibility)
+            .collect();
+        if let Some(folder) = &args.pictures {
+            let name = contender.name.replace([' ', ','], "_");
+            let file = format!("{name}_{}_{}x{}.png", scene.name(), size.x, size.y);
+            picture(&occlusion, size).save(std::path::Path::new(folder).join(file));
+        }
+        Some(occlusion)
+    };
+    let errors = |scene: BenchScene| {
+        let (truth, mask) = scene.truth(size)?;
+        Some(Errors::measure(&shown(scene)?, &truth, &mask))
+    };
+    let occluded = shown(boxes).map_or(0.0, |occlusion| {
+        let some = occlusion.iter().filter(|o| **o > 0.0).count();
+        some as f64 / occlusion.len() as f64
+    });
+    Measurement {
+        adapter,
+        size,
+        contender: contender.name.clone(),
+        lean: contender.lean,
+        passes: contender
+            .spans()
+            .iter()
+            .filter_map(|name| samples.time(name))
+            .collect(),
+        lighting: samples.time("lean_deferred/lighting"),
+        prepass: samples.time("bench/prepass"),
+        camera: samples.time("bench/camera"),
+        bytes: contender.bytes(occluded),
+        occluded,
+        wall: errors(BenchScene::Wall).map(|e| (e.rmse, e.bias)),
+        plane: errors(BenchScene::Plane).map(|e| e.mean),
+    }
+}
+
+fn app(contender: &Contender, scene: BenchScene, size: UVec2, shows: bool) -> Headless {
+    let mut headless = Headless::with(size, |app| {
+        app.add_plugins((RenderDiagnosticsPlugin, naive::plugin));
+        if shows && matches!(contender.occlusion, Some(Kind::Bevy(_))) {
+            app.add_plugins(show::plugin);
+        }
+        add_spans(app);
+    });
+    let transform = scene.spawn(&mut headless);
+    let target = headless.render_target();
+    let mut camera = headless.world().spawn((
+        Camera3d::default(),
+        Hdr,
+        Msaa::Off,
+        target,
+        transform,
+        scene::ambient(),
+    ));
+    if shows {
+        // What is read back is what the passes wrote.
+        camera.insert((Tonemapping::None, DebandDither::Disabled));
+    }
+    contender.dress(&mut camera, shows);
+    headless
+}
+
+fn picture(occlusion: &[f32], size: UVec2) -> Picture {
+    let grey = |o: &f32| ((1.0 - o) * 255.0).clamp(0.0, 255.0).round() as u8;
+    Picture {
+        size,
+        rgba: occlusion
+            .iter()
+            .map(grey)
+            .flat_map(|g| [g, g, g, 255])
+            .collect(),
+    }
+}
+
+/// Spans of one thread nest, so the schedule runs on one.
+fn add_spans(app: &mut App) {
+    let render_app = app.sub_app_mut(RenderApp);
+    render_app
+        .edit_schedule(Core3d, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        })
+        .add_systems(
+            Core3d,
+            (
+                (|ctx: RenderContext| begin(ctx, "bench/camera"))
+                    .before(clear_indirect_parameters_metadata)
+                    .before(Core3dSystems::Prepass),
+                end.after(upscaling),
+                (|ctx: RenderContext| begin(ctx, "bench/prepass"))
+                    .in_set(Core3dSystems::Prepass)
+                    .before(early_prepass),
+                end.in_set(Core3dSystems::Prepass)
+                    .after(early_prepass)
+                    .before(late_prepass),
+            ),
+        );
+}
