@@ -117,6 +117,18 @@ impl Contender {
         all
     }
 
+    /// A lean camera with that many slices, and steps a side.
+    pub fn with_samples(slices: u32, steps: u32) -> Self {
+        Self {
+            name: format!("{slices}x{steps}, indirect"),
+            lean: true,
+            occlusion: Some(Kind::Lean(LeanAmbientOcclusion {
+                quality: OcclusionQuality::Custom { slices, steps },
+                ..default()
+            })),
+        }
+    }
+
     /// Gives `camera` what it needs. `shows` makes the picture the occlusion alone, where the crate can.
     pub fn dress(&self, camera: &mut EntityWorldMut, shows: bool) {
         if self.lean {

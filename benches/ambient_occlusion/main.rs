@@ -24,13 +24,17 @@ use contender::Contender;
 /// GPU time, bytes and error of ambient occlusion.
 #[derive(FromArgs)]
 struct Args {
-    /// only contenders whose name contains this, beside those without occlusion
+    /// only contenders whose name contains one of these, which semicolons separate, beside those without occlusion
     #[argh(option, default = "String::new()")]
     contender: String,
 
     /// sizes of the picture, comma-separated, default 1400x1050,1920x1080,3840x2160
     #[argh(option, default = "String::from(\"1400x1050,1920x1080,3840x2160\")")]
     size: String,
+
+    /// further contenders with so many slices x steps, comma-separated
+    #[argh(option, default = "String::new()")]
+    samples: String,
 
     /// frames that are measured, default 40
     #[argh(option, default = "40")]
@@ -71,12 +75,22 @@ fn main() {
         eprintln!("--size {}: expected WIDTHxHEIGHT, …", args.size);
         std::process::exit(1);
     };
+    let words: Vec<&str> = args.contender.split(';').collect();
+    let samples = args.samples.split(',').filter_map(|text| {
+        let (slices, steps) = text.split_once('x')?;
+        Some(Contender::with_samples(
+            slices.parse().ok()?,
+            steps.parse().ok()?,
+        ))
+    });
     let contenders: Vec<Contender> = Contender::all()
         .into_iter()
-        .filter(|c| c.occlusion.is_none() || c.name.contains(&args.contender))
+        .filter(|c| c.occlusion.is_none() || words.iter().any(|word| c.name.contains(word)))
+        .chain(samples)
         .collect();
 
     let mut measurements = Vec::new();
+    let mut truths = run::Truths::new();
     let total = sizes.len() * contenders.len();
     for size in sizes.iter().copied() {
         for contender in &contenders {
@@ -87,7 +101,7 @@ fn main() {
                 size.y,
                 contender.name
             );
-            let measurement = run::measure(contender, size, &args);
+            let measurement = run::measure(contender, size, &args, &mut truths);
             eprintln!("{}", report::row(&measurement, &measurements));
             measurements.push(measurement);
         }

@@ -19,6 +19,7 @@ use bevy::{
     },
 };
 use serde::Serialize;
+use std::collections::HashMap;
 
 use crate::{
     Args,
@@ -56,8 +57,16 @@ pub struct Measurement {
     pub plane: Option<f64>,
 }
 
+/// Closed forms, by scene and size: casting the rays takes longer than all the frames.
+pub type Truths = HashMap<(&'static str, UVec2), (Vec<Option<f32>>, Vec<bool>)>;
+
 /// Renders frames to warm up, then measures some, and renders what the errors are measured on.
-pub fn measure(contender: &Contender, size: UVec2, args: &Args) -> Measurement {
+pub fn measure(
+    contender: &Contender,
+    size: UVec2,
+    args: &Args,
+    truths: &mut Truths,
+) -> Measurement {
     let boxes = if args.small {
         BenchScene::Boxes(Boxes::small(32))
     } else {
@@ -96,9 +105,12 @@ pub fn measure(contender: &Contender, size: UVec2, args: &Args) -> Measurement {
         }
         Some(occlusion)
     };
-    let errors = |scene: BenchScene| {
-        let (truth, mask) = scene.truth(size)?;
-        Some(Errors::measure(&shown(scene)?, &truth, &mask))
+    let mut errors = |scene: BenchScene| {
+        let shown = shown(scene)?;
+        let (truth, mask) = truths
+            .entry((scene.name(), size))
+            .or_insert_with(|| scene.truth(size).expect("these scenes have a closed form"));
+        Some(Errors::measure(&shown, truth, mask))
     };
     let occluded = shown(boxes).map_or(0.0, |occlusion| {
         let some = occlusion.iter().filter(|o| **o > 0.0).count();

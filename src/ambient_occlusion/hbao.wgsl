@@ -7,7 +7,7 @@
 #import bevy_lean_deferred::ambient_occlusion::horizon::{
     PI, side_occlusion, slice_normal,
 }
-#import bevy_lean_deferred::lighting::geometric_normal::{nearer_side, normal_from_positions}
+#import bevy_lean_deferred::lighting::geometric_normal::{normal_from_positions, straighter_side}
 
 #ifdef SHADING_NORMALS
 #import bevy_lean_deferred::ambient_occlusion::bindings::normal_texture
@@ -31,8 +31,16 @@ fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>, to_viewer
     let right = depth_or_outside(pixel + x);
     let top = depth_or_outside(pixel - y);
     let bottom = depth_or_outside(pixel + y);
-    let h = nearer_side(depth, left, right);
-    let v = nearer_side(depth, top, bottom);
+    let h = straighter_side(
+        depth,
+        left, depth_or_outside(pixel - 2 * x),
+        right, depth_or_outside(pixel + 2 * x),
+    );
+    let v = straighter_side(
+        depth,
+        top, depth_or_outside(pixel - 2 * y),
+        bottom, depth_or_outside(pixel + 2 * y),
+    );
     let n = normal_from_positions(
         position,
         view_position(pixel + i32(h) * x, select(left, right, h > 0.0)), h,
@@ -129,7 +137,7 @@ fn hbao(texel: vec2<u32>, pixel: vec2<i32>, depth: f32) -> f32 {
         // The surface's own horizons.
         let bases = vec2(-surface.sine, surface.sine);
 
-        march.offset = fract(0.125 + 0.25 * phase + 0.618 * f32(slice) + view.turn);
+        march.offset = fract(0.125 + 0.25 * phase + 0.0 + 0.618 * f32(slice) + view.turn);
         march.reach = radius.pixels * vec2(direction.x, -direction.y);
         let ahead = horizon(march, bases.x);
         march.offset = fract(march.offset + 0.5);

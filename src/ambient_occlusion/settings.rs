@@ -137,7 +137,7 @@ pub enum OcclusionNormals {
     /// The G-buffer's; the geometric one on cameras without.
     #[default]
     Shading,
-    /// Reconstructed from depth, five taps (Turánszki 2019, "Improved normal reconstruction from depth").
+    /// Reconstructed from depth, nine taps (atyuwen 2021, "Accurate Normal Reconstruction from Depth Buffer").
     Geometric,
 }
 
