@@ -21,7 +21,9 @@ fn depth_or_outside(pixel: vec2<i32>) -> f32 {
     if !is_in_view(pixel) {
         return OUTSIDE;
     }
-    return depth_at(pixel);
+    let depth = depth_at(pixel);
+    // Nor is the sky a neighbour, though its depth of 0 may be the nearer one at a horizon.
+    return select(OUTSIDE, depth, depth > 0.0);
 }
 
 fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>, to_viewer: vec3<f32>) -> vec3<f32> {
