@@ -68,14 +68,16 @@ fn horizon(march: March, base: f32) -> f32 {
         if !is_in_view(sample) {
             continue;
         }
-        let delta = view_position(sample, depth_at(sample)) - march.position;
+        let depth = depth_at(sample);
+        let delta = view_position(sample, depth) - march.position;
         let distance_squared = dot(delta, delta);
         let inverse_distance = inverseSqrt(distance_squared);
         let is_above = dot(delta, march.geometric) * inverse_distance > view.sin_bias;
         let nearness = 1.0 - distance_squared * march.inverse_radius_squared;
         let weight = saturate(nearness * view.inverse_falloff);
         let cosine = dot(delta, march.to_viewer) * inverse_distance;
-        let height = select(base, mix(base, cosine, weight), is_above && weight > 0.0);
+        // The sky is no occluder, though projections with a far plane place it there.
+        let height = select(base, mix(base, cosine, weight), is_above && weight > 0.0 && depth > 0.0);
         highest = max(height, mix(height, highest, view.thickness));
     }
     return highest;

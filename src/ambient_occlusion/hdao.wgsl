@@ -25,7 +25,7 @@ fn direction_to(sample: vec2<i32>, depth: f32, position: vec3<f32>, inverse_radi
     let delta = view_position(sample, depth) - position;
     let distance_squared = max(dot(delta, delta), 1e-30);
     let weight = saturate((1.0 - distance_squared * inverse_radius_squared) * view.inverse_falloff);
-    return vec4(delta * inverseSqrt(distance_squared), select(0.0, weight, is_in_view(sample)));
+    return vec4(delta * inverseSqrt(distance_squared), select(0.0, weight, depth > 0.0 && is_in_view(sample)));
 }
 
 /// A pair counts wholly from an angle of 120° between its directions on.
