@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::hbao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
-    depth_at, direction_to_viewer, is_in_view, radius_at, view, view_position,
+    depth_at, direction_to_viewer, is_in_view, largest_side, radius_at, view, view_position,
 }
 #import bevy_lean_deferred::ambient_occlusion::horizon::{
     PI, side_occlusion, slice_normal,
@@ -96,7 +96,7 @@ fn hbao(texel: vec2<u32>, pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
     let radius = radius_at(position);
     // Also true of what is not a number.
-    if !(max(radius.pixels.x, radius.pixels.y) > 1.0) {
+    if !(largest_side(radius.pixels) > 1.0) {
         return 0.0;
     }
     var march: March;

@@ -3,7 +3,8 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::hdao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
-    depth_texture, direction_to_viewer, is_in_view, nearest_sampler, radius_at, view, view_position,
+    depth_texture, direction_to_viewer, is_in_view, largest_side, nearest_sampler, radius_at, view,
+    view_position,
 }
 
 /// Corners of the 2×2 blocks on one side of the pixel, at a reach of 6; the others are opposite.
@@ -37,7 +38,7 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
     let to_viewer = direction_to_viewer(position);
     let radius = radius_at(position);
-    let reach = max(radius.pixels.x, radius.pixels.y);
+    let reach = largest_side(radius.pixels);
     if !(reach > 1.0) {
         return 0.0;
     }

@@ -61,9 +61,9 @@ impl OcclusionView {
         let w = if clip_from_view.z_axis.w == 0.0 {
             clip_from_view.w_axis.w
         } else {
-            clip_from_view.z_axis.w
+            -clip_from_view.z_axis.w
         };
-        let scale = Vec2::new(clip_from_view.x_axis.x, clip_from_view.y_axis.y).abs() / w.abs();
+        let scale = Vec2::new(clip_from_view.x_axis.x, clip_from_view.y_axis.y) / w;
         let radius = settings.radius.max(0.0);
 
         // In perspective depth / distance² is constant: a step of metres is one of 1/distance there.
