@@ -6,19 +6,13 @@ use bevy_lean_deferred::ambient_occlusion::{
 
 use crate::{
     common::{
-        occlusion::{errors::Errors, geometry::Geometry},
+        occlusion::geometry::Geometry,
         occlusion_gpu::{OcclusionGpu, Path},
     },
-    views::{SIZE, View, corner, groove, run, run_by, sphere, trench, wall},
+    views::{SIZE, View, corner, difference, groove, run, run_by, sphere, trench, wall},
 };
 
 const DEFAULT: fn() -> LeanAmbientOcclusion = LeanAmbientOcclusion::default;
-
-/// Errors of `result`, taking `reference` for the truth.
-fn difference(result: &[f32], reference: &[f32]) -> Errors {
-    let reference: Vec<Option<f32>> = reference.iter().copied().map(Some).collect();
-    Errors::measure(result, &reference, &vec![true; result.len()])
-}
 
 #[test]
 fn eight_bits_are_enough() {

@@ -3,7 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use bevy::math::{DVec3, UVec2};
-use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, OcclusionResolution};
+use bevy_lean_deferred::ambient_occlusion::{
+    LeanAmbientOcclusion, OcclusionKernel, OcclusionResolution,
+};
 
 use crate::common::{
     occlusion::{
@@ -176,6 +178,36 @@ pub fn plane(tilt: f64, distance: f64) -> View {
         normal: DVec3::new(0.3 * sin, 0.954 * sin, cos),
     };
     View::new("plane", plane, [0.0, 0.0, distance], [0.0; 3])
+}
+
+/// All kernels at both resolutions.
+pub fn kinds() -> impl Iterator<Item = LeanAmbientOcclusion> {
+    [OcclusionKernel::Hbao, OcclusionKernel::Hdao]
+        .into_iter()
+        .flat_map(|kernel| {
+            [OcclusionResolution::Full, OcclusionResolution::Half].map(|resolution| {
+                LeanAmbientOcclusion {
+                    kernel,
+                    resolution,
+                    ..LeanAmbientOcclusion::default()
+                }
+            })
+        })
+}
+
+/// The part of a picture from `origin` on.
+pub fn crop<T: Copy>(picture: &[T], width: u32, origin: UVec2, size: UVec2) -> Vec<T> {
+    let row = |y: u32| {
+        let start = ((origin.y + y) * width + origin.x) as usize;
+        &picture[start..start + size.x as usize]
+    };
+    (0..size.y).flat_map(row).copied().collect()
+}
+
+/// Errors of `result`, taking `reference` for the truth.
+pub fn difference(result: &[f32], reference: &[f32]) -> Errors {
+    let reference: Vec<_> = reference.iter().copied().map(Some).collect();
+    Errors::measure(result, &reference, &vec![true; result.len()])
 }
 
 /// As `OcclusionGpu::run`; panics if anything that comes out is not a number from 0 to 1.
