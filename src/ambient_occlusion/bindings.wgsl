@@ -43,7 +43,7 @@ fn direction_to_viewer(position: vec3<f32>) -> vec3<f32> {
 #endif
 }
 
-/// Radius at `position` in metres, and in pixels along each axis.
+/// Radius at `position` in metres, and in pixels along each axis, which are negative where the projection mirrors.
 struct Radius {
     metres: f32,
     pixels: vec2<f32>,
@@ -55,6 +55,10 @@ fn radius_at(position: vec3<f32>) -> Radius {
 #else
     let pixels = view.radius * view.pixels_per_metre / max(-position.z, 1e-6);
 #endif
-    let shrink = min(view.largest_radius_in_pixels / max(pixels.x, pixels.y), 1.0);
+    let shrink = min(view.largest_radius_in_pixels / largest_side(pixels), 1.0);
     return Radius(view.radius * shrink, pixels * shrink);
+}
+
+fn largest_side(pixels: vec2<f32>) -> f32 {
+    return max(abs(pixels.x), abs(pixels.y));
 }

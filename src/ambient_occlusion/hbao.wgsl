@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::hbao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
-    depth_at, direction_to_viewer, is_in_view, radius_at, view, view_position,
+    depth_at, direction_to_viewer, is_in_view, largest_side, radius_at, view, view_position,
 }
 #import bevy_lean_deferred::ambient_occlusion::horizon::{
     PI, side_occlusion, slice_normal,
@@ -21,7 +21,9 @@ fn depth_or_outside(pixel: vec2<i32>) -> f32 {
     if !is_in_view(pixel) {
         return OUTSIDE;
     }
-    return depth_at(pixel);
+    let depth = depth_at(pixel);
+    // Nor is the sky a neighbour, though its depth of 0 may be the nearer one at a horizon.
+    return select(OUTSIDE, depth, depth > 0.0);
 }
 
 fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>, to_viewer: vec3<f32>) -> vec3<f32> {
@@ -74,14 +76,16 @@ fn horizon(march: March, base: f32) -> f32 {
         if !is_in_view(sample) {
             continue;
         }
-        let delta = view_position(sample, depth_at(sample)) - march.position;
+        let depth = depth_at(sample);
+        let delta = view_position(sample, depth) - march.position;
         let distance_squared = dot(delta, delta);
         let inverse_distance = inverseSqrt(distance_squared);
         let is_above = dot(delta, march.geometric) * inverse_distance > view.sin_bias;
         let nearness = 1.0 - distance_squared * march.inverse_radius_squared;
         let weight = saturate(nearness * view.inverse_falloff);
         let cosine = dot(delta, march.to_viewer) * inverse_distance;
-        let height = select(base, mix(base, cosine, weight), is_above && weight > 0.0);
+        // The sky is no occluder, though projections with a far plane place it there.
+        let height = select(base, mix(base, cosine, weight), is_above && weight > 0.0 && depth > 0.0);
         highest = max(height, mix(height, highest, view.thickness));
     }
     return highest;
@@ -100,7 +104,7 @@ fn hbao(texel: vec2<u32>, pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
     let radius = radius_at(position);
     // Also true of what is not a number.
-    if !(max(radius.pixels.x, radius.pixels.y) > 1.0) {
+    if !(largest_side(radius.pixels) > 1.0) {
         return 0.0;
     }
     var march: March;

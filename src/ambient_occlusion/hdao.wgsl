@@ -3,7 +3,8 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::hdao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
-    depth_texture, direction_to_viewer, is_in_view, nearest_sampler, radius_at, view, view_position,
+    depth_texture, direction_to_viewer, is_in_view, largest_side, nearest_sampler, radius_at, view,
+    view_position,
 }
 
 /// Corners of the 2×2 blocks on one side of the pixel, at a reach of 6; the others are opposite.
@@ -25,7 +26,7 @@ fn direction_to(sample: vec2<i32>, depth: f32, position: vec3<f32>, inverse_radi
     let delta = view_position(sample, depth) - position;
     let distance_squared = max(dot(delta, delta), 1e-30);
     let weight = saturate((1.0 - distance_squared * inverse_radius_squared) * view.inverse_falloff);
-    return vec4(delta * inverseSqrt(distance_squared), select(0.0, weight, is_in_view(sample)));
+    return vec4(delta * inverseSqrt(distance_squared), select(0.0, weight, depth > 0.0 && is_in_view(sample)));
 }
 
 /// A pair counts wholly from an angle of 120° between its directions on.
@@ -37,7 +38,7 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
     let to_viewer = direction_to_viewer(position);
     let radius = radius_at(position);
-    let reach = max(radius.pixels.x, radius.pixels.y);
+    let reach = largest_side(radius.pixels);
     if !(reach > 1.0) {
         return 0.0;
     }

@@ -57,7 +57,13 @@ impl OcclusionView {
         let ndc_from_pixel = Mat4::from_translation(Vec3::new(-1.0, 1.0, 0.0))
             * Mat4::from_scale(Vec3::new(2.0 / size.x, -2.0 / size.y, 1.0));
         let view_from_pixel = normalized(clip_from_view.inverse() * ndc_from_pixel);
-        let scale = Vec2::new(clip_from_view.x_axis.x, clip_from_view.y_axis.y).abs();
+        // Of a homogeneous matrix: any multiple of it is the same projection.
+        let w = if clip_from_view.z_axis.w == 0.0 {
+            clip_from_view.w_axis.w
+        } else {
+            -clip_from_view.z_axis.w
+        };
+        let scale = Vec2::new(clip_from_view.x_axis.x, clip_from_view.y_axis.y) / w;
         let radius = settings.radius.max(0.0);
 
         // In perspective depth / distance² is constant: a step of metres is one of 1/distance there.

@@ -11,7 +11,7 @@ struct OcclusionView {
     edge: vec4<f32>,
     /// Extinction of distance fog: a, b of its mode; alpha; mode.
     fog: vec4<f32>,
-    /// At a distance of one metre; in orthographic views anywhere.
+    /// At a distance of one metre; in orthographic views anywhere. Negative along axes that the projection mirrors.
     pixels_per_metre: vec2<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,

@@ -1,6 +1,6 @@
 //! Runs the shipped gather and merge shaders of ambient occlusion on the device, over depth buffers made on the CPU.
 
-use std::{borrow::Cow, collections::HashMap};
+use std::{borrow::Cow, collections::HashMap, sync::Mutex};
 
 use bevy::{
     math::{Mat4, UVec2},
@@ -107,6 +107,8 @@ pub struct OcclusionGpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     nearest: wgpu::Sampler,
+    /// By source and definitions: composing takes longer than running.
+    shaders: Mutex<HashMap<(&'static str, Vec<String>), wgpu::ShaderModule>>,
 }
 
 impl OcclusionGpu {
@@ -126,6 +128,7 @@ impl OcclusionGpu {
             device,
             queue,
             nearest,
+            shaders: Mutex::default(),
         }
     }
 
@@ -408,7 +411,23 @@ impl OcclusionGpu {
             })
     }
 
-    fn shader(&self, source: &str, defs: HashMap<String, ShaderDefValue>) -> wgpu::ShaderModule {
+    fn shader(
+        &self,
+        source: &'static str,
+        defs: HashMap<String, ShaderDefValue>,
+    ) -> wgpu::ShaderModule {
+        let mut key: Vec<String> = defs.iter().map(|def| format!("{def:?}")).collect();
+        key.sort();
+        let mut shaders = self.shaders.lock().expect("no test panics in here");
+        let shader = shaders.entry((source, key));
+        shader.or_insert_with(|| self.compose(source, defs)).clone()
+    }
+
+    fn compose(
+        &self,
+        source: &'static str,
+        defs: HashMap<String, ShaderDefValue>,
+    ) -> wgpu::ShaderModule {
         let mut composer = Composer::default();
         composer.validate = false;
         for (path, source) in MODULES {

@@ -1,0 +1,199 @@
+//! Errors against closed forms, and against the converged integral of the same depth buffers.
+
+use bevy::math::UVec2;
+use bevy_lean_deferred::ambient_occlusion::{
+    LeanAmbientOcclusion, OcclusionKernel, OcclusionQuality, OcclusionResolution,
+};
+
+use crate::{
+    common::{
+        occlusion::{camera::Projection, errors::Errors, solids::Hit},
+        occlusion_gpu::OcclusionGpu,
+    },
+    views::{RADIUS, Seen, View, corner, groove, pit, plane, run, sphere, trench, wall},
+};
+
+const SMALL: UVec2 = UVec2::new(240, 135);
+
+/// The presets of the horizon-based kernel, the gather-based one, and half resolution.
+fn variants() -> [(&'static str, LeanAmbientOcclusion); 6] {
+    let default = LeanAmbientOcclusion::default();
+    let [low, medium, high, ultra] =
+        OcclusionQuality::PRESETS.map(|quality| LeanAmbientOcclusion { quality, ..default });
+    let half = LeanAmbientOcclusion {
+        resolution: OcclusionResolution::Half,
+        ..default
+    };
+    let hdao = LeanAmbientOcclusion {
+        kernel: OcclusionKernel::Hdao,
+        ..default
+    };
+    [
+        ("low", low),
+        ("medium (default)", medium),
+        ("high", high),
+        ("ultra", ultra),
+        ("medium, half", half),
+        ("HDAO", hdao),
+    ]
+}
+
+/// The largest occlusion with any of the variants, up to the border and the horizon.
+fn largest_occlusion(gpu: &OcclusionGpu, view: &View, radius: f64) -> f64 {
+    let seen = view.seen_within(0.0);
+    let on_surface: Vec<bool> = seen.truth.iter().map(Option::is_some).collect();
+    let largest = variants().map(|(name, settings)| {
+        let settings = LeanAmbientOcclusion {
+            radius: radius as f32,
+            ..settings
+        };
+        let occlusion = run(gpu, &settings, &seen.image).filtered;
+        let errors = Errors::measure(&occlusion, &seen.truth, &on_surface);
+        if errors.largest > 0.0 {
+            println!("radius {radius} m, {name}: {errors}");
+        }
+        errors.largest
+    });
+    largest.into_iter().fold(0.0, f64::max)
+}
+
+/// Wherever the plane is, and however large the radius.
+#[test]
+fn planes_are_not_occluded() {
+    let gpu = OcclusionGpu::new();
+    for tilt in [0.0, 45.0, 80.0, 88.0] {
+        for distance in [1.0, 10.0, 100.0, 1000.0] {
+            let view = plane(f64::to_radians(tilt), distance).with_size(SMALL);
+            // From the default, which is less than a pixel in the distance, to the largest on screen.
+            for radius in [RADIUS, 0.1 * distance, distance] {
+                let largest = largest_occlusion(&gpu, &view, radius);
+                println!("{tilt}°, {distance} m, radius {radius} m: {largest}");
+                assert_eq!(largest, 0.0);
+            }
+        }
+    }
+}
+
+/// Where the far plane sets what a depth buffer resolves, and cuts off what lies behind it.
+#[test]
+fn planes_are_not_occluded_in_orthographic_views() {
+    let gpu = OcclusionGpu::new();
+    for (distance, far) in [(100.0, 200.0), (500.0, 1000.0), (60.0, 100.0), (9.0, 10.0)] {
+        let projection = Projection::Orthographic {
+            height: 3.2,
+            near: 0.0,
+            far,
+        };
+        for tilt in [0.0, 10.0, 45.0, 80.0, 88.0] {
+            // Nor does the near plane cut: at this tilt it would leave single pixels without neighbours.
+            if tilt == 88.0 && distance < 50.0 {
+                continue;
+            }
+            let view = plane(f64::to_radians(tilt), distance)
+                .with_size(SMALL)
+                .with_projection(projection);
+            let largest = largest_occlusion(&gpu, &view, RADIUS);
+            println!("{tilt}°, {distance} m of {far} m: {largest}");
+            assert_eq!(largest, 0.0);
+        }
+    }
+}
+
+/// A part of a view, with the largest RMSE beside the closed form: of the integral, and of each of the [`variants`].
+struct Case {
+    name: &'static str,
+    seen: Seen,
+    of_integral: f64,
+    largest: [f64; 6],
+}
+
+fn cases() -> Vec<Case> {
+    let case = |view: View, of_integral, largest| Case {
+        name: view.name,
+        seen: view.seen(),
+        of_integral,
+        largest,
+    };
+    let of_sphere = |name, part: fn(&Hit) -> bool, of_integral, largest| Case {
+        name,
+        seen: sphere().seen().only(part),
+        of_integral,
+        largest,
+    };
+    vec![
+        case(wall(), 0.005, [0.048, 0.029, 0.021, 0.016, 0.031, 0.096]),
+        case(groove(), 0.002, [0.039, 0.026, 0.021, 0.020, 0.027, 0.054]),
+        case(corner(), 0.005, [0.059, 0.037, 0.029, 0.024, 0.037, 0.085]),
+        case(pit(), 0.006, [0.085, 0.056, 0.048, 0.037, 0.056, 0.079]),
+        case(trench(), 0.005, [0.109, 0.060, 0.046, 0.033, 0.061, 0.132]),
+        // The camera does not see all of the sphere that the floor and the sphere's lower half see of each other.
+        of_sphere(
+            "floor around sphere",
+            |hit| hit.point.y < 1e-6,
+            0.024,
+            [0.057, 0.040, 0.034, 0.031, 0.038, 0.083],
+        ),
+        of_sphere(
+            "sphere from below",
+            |hit| (1e-6..0.6).contains(&hit.point.y),
+            0.005,
+            [0.150, 0.094, 0.062, 0.055, 0.098, 0.201],
+        ),
+    ]
+}
+
+fn cell(errors: Errors) -> String {
+    format!("{:.4}, {:+.4}", errors.rmse, errors.bias)
+}
+
+/// Prints all figures: RMSE and bias of a result beside the closed form (everywhere, and only where that is not 0) and
+/// beside the converged integral of the same depth buffer; and of that integral beside the closed form.
+#[test]
+fn errors_of_all_presets() {
+    let gpu = OcclusionGpu::new();
+    println!("| geometry | setting | to the closed form | p99 | in its shade | to the integral |");
+    println!("|---|---|---|---|---|---|");
+    let mut failures = Vec::new();
+    for case in cases() {
+        let (name, seen) = (case.name, &case.seen);
+        // Where nothing occludes is little to be wrong about, and views show as much of that as one likes.
+        let shade = seen.shade(0.0);
+        let integral = seen.integral(6);
+        let not_held = Errors::measure_sparse(&integral, &seen.truth, &seen.mask);
+        let in_shade = Errors::measure_sparse(&integral, &seen.truth, &shade);
+        println!(
+            "| {name} | the integral | {} | {:.4} | {} | |",
+            cell(not_held),
+            not_held.p99,
+            cell(in_shade)
+        );
+        if not_held.rmse > case.of_integral {
+            failures.push(format!("{name}, the integral: {not_held}"));
+        }
+        let mut cheaper = f64::INFINITY;
+        for (i, (setting, settings)) in variants().into_iter().enumerate() {
+            let occlusion = run(&gpu, &settings, &seen.image).filtered;
+            let errors = seen.errors(&occlusion);
+            let in_shade = Errors::measure(&occlusion, &seen.truth, &shade);
+            let sampling = Errors::measure(&occlusion, &integral, &seen.mask);
+            println!(
+                "| {name} | {setting} | {} | {:.4} | {} | {} |",
+                cell(errors),
+                errors.p99,
+                cell(in_shade),
+                cell(sampling),
+            );
+            // What is found is there.
+            if errors.rmse > case.largest[i] || errors.bias > 0.001 {
+                failures.push(format!("{name}, {setting}: {errors}"));
+            }
+            if i < OcclusionQuality::PRESETS.len() {
+                if errors.rmse > cheaper {
+                    failures.push(format!("{name}: {setting} is worse than a cheaper preset"));
+                }
+                cheaper = errors.rmse;
+            }
+        }
+    }
+    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+}

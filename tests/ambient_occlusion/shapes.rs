@@ -1,0 +1,111 @@
+//! Any shape and size of picture, and any place in a larger buffer.
+
+use bevy::math::UVec2;
+use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, OcclusionFilter};
+
+use crate::{
+    common::{
+        occlusion::{camera::Projection, errors::Errors},
+        occlusion_gpu::{DepthImage, OcclusionGpu},
+    },
+    views::{ORTHOGRAPHIC, PERSPECTIVE, corner, crop, difference, kinds, plane, run, wall},
+};
+
+/// Pictures of the same middle, wider and taller.
+#[test]
+fn the_aspect_ratio_does_not_matter() {
+    const MIDDLE: UVec2 = UVec2::splat(272);
+    let gpu = OcclusionGpu::new();
+    let found = [UVec2::new(480, 272), MIDDLE, UVec2::new(272, 480)].map(|size| {
+        let Projection::Perspective { fov_y, near } = PERSPECTIVE else {
+            panic!("it is one");
+        };
+        let half_height = (0.5 * fov_y).tan() * f64::from(size.y) / f64::from(MIDDLE.y);
+        let projection = Projection::Perspective {
+            fov_y: 2.0 * half_height.atan(),
+            near,
+        };
+        let seen = wall().with_size(size).with_projection(projection).seen();
+        let occlusion = run(&gpu, &LeanAmbientOcclusion::default(), &seen.image).filtered;
+        let part = |picture: &[f32]| crop(picture, size.x, (size - MIDDLE) / 2, MIDDLE);
+        let truth = crop(&seen.truth, size.x, (size - MIDDLE) / 2, MIDDLE);
+        (part(&occlusion), truth, seen.mask)
+    });
+    let mask = &found[1].2;
+    let square = Errors::measure(&found[1].0, &found[1].1, mask);
+    for ((occlusion, truth, _), shape) in found.iter().zip(["16:9", "1:1", "9:16"]) {
+        let errors = Errors::measure(occlusion, truth, mask);
+        println!("{shape}: {errors}");
+        assert!((errors.rmse - square.rmse).abs() < 0.001 * square.rmse);
+        let reference: Vec<_> = found[1].0.iter().copied().map(Some).collect();
+        let errors = Errors::measure(occlusion, &reference, mask);
+        println!("{shape} beside 1:1: RMSE {:.1e}", errors.rmse);
+        assert!(errors.rmse < 1e-4);
+    }
+}
+
+/// Depths that no surface has.
+fn hostile(i: usize) -> f32 {
+    [f32::NAN, 1.0, 0.0, f32::INFINITY, 0.5, -1.0, 1e-40][i % 7]
+}
+
+#[test]
+fn a_view_is_alone_in_its_buffer() {
+    let gpu = OcclusionGpu::new();
+    let (size, origin) = (UVec2::new(240, 135), UVec2::new(37, 21));
+    let buffer_size = UVec2::new(331, 200);
+    for view in [wall(), corner().with_projection(ORTHOGRAPHIC)] {
+        let seen = view.with_size(size).seen_within(0.0);
+        let mut depth: Vec<f32> = (0..buffer_size.element_product() as usize)
+            .map(hostile)
+            .collect();
+        for (y, row) in seen.image.depth.chunks(size.x as usize).enumerate() {
+            let start = (origin.y as usize + y) * buffer_size.x as usize + origin.x as usize;
+            depth[start..start + row.len()].copy_from_slice(row);
+        }
+        let mut image = DepthImage::new(depth, buffer_size, seen.image.clip_from_view);
+        image.viewport = (origin, size);
+        for settings in kinds() {
+            for filter in OcclusionFilter::ALL {
+                let settings = LeanAmbientOcclusion { filter, ..settings };
+                let alone = run(&gpu, &settings, &seen.image);
+                let within = run(&gpu, &settings, &image);
+                let errors = difference(&within.filtered, &alone.filtered);
+                println!(
+                    "{:?}, {:?}, {filter:?}: {errors}",
+                    settings.kernel, settings.resolution
+                );
+                assert!(alone.gathered == within.gathered && alone.filtered == within.filtered);
+            }
+        }
+    }
+}
+
+#[test]
+fn sizes_may_be_odd_and_small() {
+    let gpu = OcclusionGpu::new();
+    for (x, y) in [(1, 1), (2, 2), (3, 5), (7, 1), (1, 7), (64, 3), (317, 211)] {
+        let size = UVec2::new(x, y);
+        for settings in kinds() {
+            let flat = plane(1.2, 2.0).with_size(size).seen_within(0.0);
+            let on_plane = run(&gpu, &settings, &flat.image).filtered;
+            let largest = on_plane.iter().copied().fold(0.0, f32::max);
+            assert_eq!(largest, 0.0, "{size}, {settings:?}");
+
+            let seen = wall().with_size(size).seen_within(0.0);
+            let mean = run(&gpu, &settings, &seen.image)
+                .filtered
+                .iter()
+                .sum::<f32>()
+                / (x * y) as f32;
+            println!(
+                "{size}, {:?}, {:?}: mean {mean:.4}",
+                settings.kernel, settings.resolution
+            );
+        }
+    }
+    let seen = wall().with_size(UVec2::new(317, 211)).seen();
+    let errors = seen.errors(&run(&gpu, &LeanAmbientOcclusion::default(), &seen.image).filtered);
+    println!("317 × 211: {errors}");
+    assert!(errors.rmse <= 0.03);
+}

@@ -1,0 +1,168 @@
+//! What storage, filter, resolution and the kind of pass change.
+
+use bevy_lean_deferred::ambient_occlusion::{
+    LeanAmbientOcclusion, OcclusionFilter, OcclusionFormat, OcclusionKernel, OcclusionResolution,
+};
+
+use crate::{
+    common::{
+        occlusion::geometry::Geometry,
+        occlusion_gpu::{OcclusionGpu, Path},
+    },
+    views::{SIZE, View, corner, difference, groove, run, run_by, sphere, trench, wall},
+};
+
+const DEFAULT: fn() -> LeanAmbientOcclusion = LeanAmbientOcclusion::default;
+
+#[test]
+fn eight_bits_are_enough() {
+    let gpu = OcclusionGpu::new();
+    for view in [wall(), corner(), trench(), sphere()] {
+        let seen = view.seen();
+        let [eight, sixteen] = [OcclusionFormat::Unorm8, OcclusionFormat::Float16].map(|format| {
+            let settings = LeanAmbientOcclusion {
+                format,
+                ..DEFAULT()
+            };
+            run(&gpu, &settings, &seen.image).filtered
+        });
+        let errors = difference(&eight, &sixteen);
+        println!(
+            "{}: 8 bits beside 16: RMSE {:.1e}, bias {:+.1e}, largest {:.1e}",
+            view.name, errors.rmse, errors.bias, errors.largest
+        );
+        assert!(
+            errors.rmse < 3e-4 && errors.largest <= 0.51 / 255.0,
+            "{errors}"
+        );
+        let rmse = [&eight, &sixteen].map(|occlusion| seen.errors(occlusion).rmse);
+        println!("{}: RMSE {rmse:?}", view.name);
+        assert!((rmse[0] - rmse[1]).abs() < 2e-4);
+    }
+}
+
+#[test]
+fn raster_and_compute_passes_agree() {
+    let gpu = OcclusionGpu::new();
+    let seen = corner().seen();
+    for kernel in [OcclusionKernel::Hbao, OcclusionKernel::Hdao] {
+        for resolution in [OcclusionResolution::Full, OcclusionResolution::Half] {
+            for format in [OcclusionFormat::Unorm8, OcclusionFormat::Float16] {
+                let settings = LeanAmbientOcclusion {
+                    kernel,
+                    resolution,
+                    format,
+                    ..DEFAULT()
+                };
+                let [compute, raster] = [Path::Compute, Path::Raster]
+                    .map(|path| run_by(path, &gpu, &settings, &seen.image).gathered);
+                let errors = difference(&raster, &compute);
+                println!("{kernel:?}, {resolution:?}, {format:?}: {errors}");
+                // Equal where they run on the same arithmetic; else a rounding may fall to the other side.
+                assert!(
+                    errors.rmse <= 1e-4 && errors.largest <= 1.0 / 255.0,
+                    "{errors}"
+                );
+            }
+        }
+    }
+}
+
+/// A low wall from above, its top in front of the floor: all of the top is open, the floor beside its outline is not.
+fn brink() -> View {
+    let wall = Geometry::Wall { height: 0.3 };
+    View::new("brink", wall, [-1.5, 2.5, 0.0], [0.0, 0.0, 0.0])
+}
+
+/// The largest difference between the means of two of the four classes of pixels, each with samples of its own.
+fn pattern(occlusion: &[f32], mask: &[bool]) -> f64 {
+    let mut sums = [(0.0, 0u32); 4];
+    for (i, (x, _)) in occlusion
+        .iter()
+        .zip(mask)
+        .enumerate()
+        .filter(|(_, (_, mask))| **mask)
+    {
+        let (column, row) = (i % SIZE.x as usize, i / SIZE.x as usize);
+        let (sum, count) = &mut sums[column % 2 + row % 2 * 2];
+        *sum += f64::from(*x);
+        *count += 1;
+    }
+    let means = sums.map(|(sum, count)| sum / f64::from(count));
+    means.iter().fold(0.0, |most, a| {
+        means.iter().fold(most, |most, b| most.max(a - b))
+    })
+}
+
+#[test]
+fn filters_remove_the_pattern_and_keep_edges() {
+    let gpu = OcclusionGpu::new();
+    let (wall, brink) = (wall().seen(), brink().seen_within(0.0));
+    let brink = brink.only(|hit| hit.point.x < 0.0);
+    let shade = wall.shade(0.1);
+    let raw = run(&gpu, &DEFAULT(), &wall.image).gathered;
+    println!(
+        "before the filter: pattern {:.4}, {}",
+        pattern(&raw, &shade),
+        wall.errors(&raw)
+    );
+    use OcclusionFilter as Filter;
+    use OcclusionResolution::{Full, Half};
+    // With the largest pattern left, RMSE on the wall, and occlusion that reaches the brink.
+    for (resolution, filter, largest) in [
+        (Full, Filter::Binomial, [3e-4, 0.029, 0.059]),
+        (Full, Filter::Flat, [0.047, 0.030, 0.078]),
+        (Full, Filter::BinomialEdgeAware, [0.0035, 0.029, 0.0]),
+        (Full, Filter::FlatEdgeAware, [0.046, 0.031, 0.0]),
+        (Half, Filter::Binomial, [8e-4, 0.029, 0.095]),
+        (Half, Filter::Flat, [8e-4, 0.029, 0.095]),
+        (Half, Filter::BinomialEdgeAware, [0.0021, 0.031, 3e-4]),
+        (Half, Filter::FlatEdgeAware, [0.0021, 0.031, 3e-4]),
+    ] {
+        let settings = LeanAmbientOcclusion {
+            resolution,
+            filter,
+            ..DEFAULT()
+        };
+        let occlusion = run(&gpu, &settings, &wall.image).filtered;
+        let onto_brink = brink.errors(&run(&gpu, &settings, &brink.image).filtered);
+        let found = [
+            pattern(&occlusion, &shade),
+            wall.errors(&occlusion).rmse,
+            onto_brink.largest,
+        ];
+        println!("{resolution:?}, {filter:?}: pattern, RMSE, onto the brink {found:.5?}");
+        assert!(
+            found
+                .iter()
+                .zip(largest)
+                .all(|(found, largest)| *found <= largest),
+            "{largest:?}"
+        );
+    }
+}
+
+#[test]
+fn half_resolution_is_near_full() {
+    let gpu = OcclusionGpu::new();
+    for (view, largest) in [
+        (wall(), 0.016),
+        (groove(), 0.008),
+        (corner(), 0.011),
+        (trench(), 0.018),
+        (sphere(), 0.013),
+    ] {
+        let seen = view.seen();
+        let [full, half] =
+            [OcclusionResolution::Full, OcclusionResolution::Half].map(|resolution| {
+                let settings = LeanAmbientOcclusion {
+                    resolution,
+                    ..DEFAULT()
+                };
+                run(&gpu, &settings, &seen.image).filtered
+            });
+        let errors = difference(&half, &full);
+        println!("{}: half beside full: {errors}", view.name);
+        assert!(errors.rmse <= largest && errors.bias.abs() <= 1e-3);
+    }
+}
