@@ -79,6 +79,7 @@ pub(super) fn decide_active_occlusion(
             samples: settings.quality.samples(),
             // Only after a G-buffer pass of this frame there are any.
             shading_normals: lean.is_some() && settings.normals == OcclusionNormals::Shading,
+            thin: settings.thickness < 1.0,
             divisor: settings.resolution.divisor(),
             format: settings.format,
             projection: projection_of(view.clip_from_view),

@@ -17,8 +17,8 @@
 /// Further from any surface than the other side of an axis can be, so that that is chosen.
 const OUTSIDE: f32 = 1e9;
 
-fn depth_or_outside(pixel: vec2<i32>) -> f32 {
-    if !is_in_view(pixel) {
+fn depth_or_outside(pixel: vec2<i32>, is_inside: bool) -> f32 {
+    if !is_inside && !is_in_view(pixel) {
         return OUTSIDE;
     }
     let depth = depth_at(pixel);
@@ -26,22 +26,29 @@ fn depth_or_outside(pixel: vec2<i32>) -> f32 {
     return select(OUTSIDE, depth, depth > 0.0);
 }
 
-fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>, to_viewer: vec3<f32>) -> vec3<f32> {
+/// The unit normal of the surface that depth shows, towards the viewer. Nine taps: see `straighter_side`.
+fn geometric_normal(
+    pixel: vec2<i32>,
+    depth: f32,
+    position: vec3<f32>,
+    to_viewer: vec3<f32>,
+    is_inside: bool,
+) -> vec3<f32> {
     let x = vec2(1, 0);
     let y = vec2(0, 1);
-    let left = depth_or_outside(pixel - x);
-    let right = depth_or_outside(pixel + x);
-    let top = depth_or_outside(pixel - y);
-    let bottom = depth_or_outside(pixel + y);
+    let left = depth_or_outside(pixel - x, is_inside);
+    let right = depth_or_outside(pixel + x, is_inside);
+    let top = depth_or_outside(pixel - y, is_inside);
+    let bottom = depth_or_outside(pixel + y, is_inside);
     let h = straighter_side(
         depth,
-        left, depth_or_outside(pixel - 2 * x),
-        right, depth_or_outside(pixel + 2 * x),
+        left, depth_or_outside(pixel - 2 * x, is_inside),
+        right, depth_or_outside(pixel + 2 * x, is_inside),
     );
     let v = straighter_side(
         depth,
-        top, depth_or_outside(pixel - 2 * y),
-        bottom, depth_or_outside(pixel + 2 * y),
+        top, depth_or_outside(pixel - 2 * y, is_inside),
+        bottom, depth_or_outside(pixel + 2 * y, is_inside),
     );
     let n = normal_from_positions(
         position,
@@ -57,36 +64,44 @@ struct March {
     position: vec3<f32>,
     to_viewer: vec3<f32>,
     geometric: vec3<f32>,
-    /// Pixels to the radius.
-    reach: vec2<f32>,
+    /// On screen; its longer side is a pixel long.
+    direction: vec2<f32>,
+    /// Pixels to the radius along that side.
+    reach: f32,
     inverse_radius_squared: f32,
     /// Where the first step stands between two, 0 to 1.
     offset: f32,
+    /// No sample can lie outside of the view.
+    is_inside: bool,
 }
 
 /// Cosine of the angle between the viewer and the highest sample; `base` if none is above the surface.
 fn horizon(march: March, base: f32) -> f32 {
     var highest = base;
     for (var i = 0u; i < #{STEPS}u; i++) {
+        // Closer together near the pixel, and never the pixel itself nor the one before.
         let t = (f32(i) + march.offset) / f32(#{STEPS}u);
-        // Closer together near the pixel, and never the pixel itself.
-        let reach = march.reach * t * sqrt(t);
-        let nearest = f32(i + 1u) / max(max(abs(reach.x), abs(reach.y)), 1e-6);
-        let sample = march.pixel + vec2<i32>(round(reach * max(nearest, 1.0)));
-        if !is_in_view(sample) {
+        let distance = max(march.reach * (0.5 * t + 0.5 * t * t), f32(i + 1u));
+        let sample = march.pixel + vec2<i32>(round(march.direction * distance));
+        if !march.is_inside && !is_in_view(sample) {
             continue;
         }
         let depth = depth_at(sample);
         let delta = view_position(sample, depth) - march.position;
         let distance_squared = dot(delta, delta);
         let inverse_distance = inverseSqrt(distance_squared);
-        let is_above = dot(delta, march.geometric) * inverse_distance > view.sin_bias;
         let nearness = 1.0 - distance_squared * march.inverse_radius_squared;
         let weight = saturate(nearness * view.inverse_falloff);
+        let elevation = dot(delta, march.geometric) * inverse_distance;
         let cosine = dot(delta, march.to_viewer) * inverse_distance;
         // The sky is no occluder, though projections with a far plane place it there.
-        let height = select(base, mix(base, cosine, weight), is_above && weight > 0.0 && depth > 0.0);
+        let counts = elevation > view.sin_bias && weight > 0.0 && depth > 0.0;
+        let height = select(base, mix(base, cosine, weight), counts);
+#ifdef THIN
         highest = max(height, mix(height, highest, view.thickness));
+#else
+        highest = max(height, highest);
+#endif
     }
     return highest;
 }
@@ -99,20 +114,27 @@ fn tangents(n: vec3<f32>) -> mat2x3<f32> {
     return mat2x3(vec3(1.0 - n.x * n.x * a, b, -n.x), vec3(b, 1.0 - n.y * n.y * a, -n.y));
 }
 
-/// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the 2×2 pattern.
-fn hbao(texel: vec2<u32>, pixel: vec2<i32>, depth: f32) -> f32 {
+/// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the 2×2 pattern: those of `phase` 0 to 3.
+fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
     let radius = radius_at(position);
+    let reach = largest_side(radius.pixels);
     // Also true of what is not a number.
-    if !(largest_side(radius.pixels) > 1.0) {
+    if !(reach > 1.0) {
         return 0.0;
     }
+    // On the screen's rim directions are stretched, at most by the ratio of the ray's length to its depth.
+    let to_viewer = direction_to_viewer(position);
+    let margin = i32(max(reach / max(to_viewer.z, 0.1), f32(#{STEPS}u))) + 2;
+    let is_inside = is_in_view(pixel - margin) && is_in_view(pixel + margin);
+
     var march: March;
     march.pixel = pixel;
     march.position = position;
-    march.to_viewer = direction_to_viewer(position);
-    march.geometric = geometric_normal(pixel, depth, position, march.to_viewer);
+    march.to_viewer = to_viewer;
+    march.geometric = geometric_normal(pixel, depth, position, to_viewer, is_inside);
     march.inverse_radius_squared = 1.0 / (radius.metres * radius.metres);
+    march.is_inside = is_inside;
 
     var normal = march.geometric;
 #ifdef SHADING_NORMALS
@@ -122,13 +144,10 @@ fn hbao(texel: vec2<u32>, pixel: vec2<i32>, depth: f32) -> f32 {
     }
 #endif
 
-    // 0 3 / 2 1: neighbours along an axis look in rather different directions.
-    let x = texel.x & 1u;
-    let phase = f32(select(2u - x, 3u * x, (texel.y & 1u) == 0u));
-    let basis = tangents(march.to_viewer);
+    let basis = tangents(to_viewer);
     var occlusion = 0.0;
     for (var slice = 0u; slice < #{SLICES}u; slice++) {
-        let turn = (f32(slice) + 0.25 * (phase + view.turn)) / f32(#{SLICES}u);
+        let turn = (f32(slice) + 0.25 * (f32(phase) + view.turn)) / f32(#{SLICES}u);
         // Evenly about the view direction, not on the screen: so perspective is exact off its centre too.
         let tangent = basis * vec2(cos(PI * turn), sin(PI * turn));
 #ifdef PROJECTION_ORTHOGRAPHIC
@@ -136,16 +155,18 @@ fn hbao(texel: vec2<u32>, pixel: vec2<i32>, depth: f32) -> f32 {
 #else
         let direction = tangent.xy - tangent.z * position.xy / position.z;
 #endif
-        let lobe = slice_normal(normal, march.to_viewer, tangent);
-        let surface = slice_normal(march.geometric, march.to_viewer, tangent);
+        let lobe = slice_normal(normal, to_viewer, tangent);
+        let surface = slice_normal(march.geometric, to_viewer, tangent);
         // The surface's own horizons.
         let bases = vec2(-surface.sine, surface.sine);
 
-        march.offset = fract(0.125 + 0.25 * phase + 0.0 + 0.618 * f32(slice) + view.turn);
-        march.reach = radius.pixels * vec2(direction.x, -direction.y);
+        let on_screen = radius.pixels * vec2(direction.x, -direction.y);
+        march.reach = largest_side(on_screen);
+        march.direction = on_screen / march.reach;
+        march.offset = fract(0.125 + 0.25 * f32(phase) + 0.618 * f32(slice) + view.turn);
         let ahead = horizon(march, bases.x);
+        march.direction = -march.direction;
         march.offset = fract(march.offset + 0.5);
-        march.reach = -march.reach;
         let behind = horizon(march, bases.y);
 
         occlusion += side_occlusion(lobe, bases.x, ahead, 1.0)

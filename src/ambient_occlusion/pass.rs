@@ -54,6 +54,11 @@ pub(super) fn occlusion_after_opaque(
     }
 }
 
+/// Of the gather: each finds four tiles of `texture_size` texels.
+pub(super) fn workgroups(texture_size: UVec2) -> UVec2 {
+    tiles::count(texture_size.map(|side| side.div_ceil(2)))
+}
+
 /// `None` while the pipeline is compiling.
 fn gather(
     active: &ActiveOcclusion,
@@ -80,7 +85,7 @@ fn gather(
                 });
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, group, &[view.offset]);
-            let count = tiles::count(view.texture_size);
+            let count = workgroups(view.texture_size);
             pass.dispatch_workgroups(count.x, count.y, 1);
             drop(pass);
             span.end(ctx.command_encoder());

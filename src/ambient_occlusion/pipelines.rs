@@ -35,6 +35,8 @@ pub(super) struct GatherKey {
     /// Slices, and steps a side.
     pub(super) samples: (u32, u32),
     pub(super) shading_normals: bool,
+    /// Horizons sink behind thin parts.
+    pub(super) thin: bool,
     pub(super) divisor: u32,
     pub(super) format: OcclusionFormat,
     pub(super) projection: ProjectionKind,
@@ -46,6 +48,7 @@ impl GatherKey {
         if self.kernel == OcclusionKernel::Hdao {
             self.samples = (1, 1);
             self.shading_normals = false;
+            self.thin = false;
         }
         self
     }
@@ -68,6 +71,7 @@ impl GatherKey {
         };
         define(self.kernel == OcclusionKernel::Hdao, "HDAO");
         define(self.shading_normals, "SHADING_NORMALS");
+        define(self.thin, "THIN");
         define(self.format == OcclusionFormat::Float16, "FLOAT16");
         define(
             self.projection == ProjectionKind::Perspective,

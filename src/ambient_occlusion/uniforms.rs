@@ -15,8 +15,8 @@ use bevy::{
     },
 };
 
-use super::LeanAmbientOcclusion;
-use crate::tiles::{self, RowOrder};
+use super::{LeanAmbientOcclusion, pass};
+use crate::tiles::RowOrder;
 
 /// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
 /// smooth picture, and too far apart in memory for a fast one.
@@ -195,7 +195,7 @@ pub(super) fn write_occlusion_uniforms(
         uniform.view_from_world = view.world_from_view.to_matrix().inverse();
         uniform.fog = fog_parameters(fog);
         uniform.viewport_origin = viewport.physical_position;
-        uniform.row_stride = row_order.stride(tiles::count(uniform.texture_size).y);
+        uniform.row_stride = row_order.stride(pass::workgroups(uniform.texture_size).y);
         if is_jittered {
             // The golden section spreads any number of frames.
             uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;

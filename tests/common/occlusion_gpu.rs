@@ -209,7 +209,7 @@ impl OcclusionGpu {
                 let mut pass = encoder.begin_compute_pass(&Default::default());
                 pass.set_pipeline(&pipeline);
                 pass.set_bind_group(0, &group, &[]);
-                let tiles = view.texture_size.map(|n| n.div_ceil(8));
+                let tiles = view.texture_size.map(|n| n.div_ceil(16));
                 pass.dispatch_workgroups(tiles.x, tiles.y, 1);
             }
             Path::Raster => {
@@ -633,6 +633,7 @@ fn gather_definitions(
         .into();
     let flags = [
         (settings.kernel == OcclusionKernel::Hdao, "HDAO"),
+        (settings.thickness < 1.0, "THIN"),
         (settings.format == OcclusionFormat::Float16, "FLOAT16"),
         (
             projection_of(clip_from_view) == ProjectionKind::Perspective,
