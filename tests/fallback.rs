@@ -11,20 +11,25 @@ use bevy::{
 use bevy_lean_deferred::{camera::LeanDeferredSupport, prelude::*};
 use common::{
     headless::{Headless, Picture, log_watch},
-    scenes::SceneBuilder,
+    lean::{active_lean_views, build},
 };
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 
+/// The solids, and the camera that sees them.
+fn scene() -> (Headless, Entity) {
+    let mut camera = Entity::PLACEHOLDER;
+    let headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        camera = s.default_camera(());
+    });
+    (headless, camera)
+}
+
 /// Renders the solids with a camera made by `spoil` from the usual one, without and with `LeanDeferred`.
 fn pictures(spoil: fn(&mut EntityWorldMut)) -> (Picture, Picture) {
-    let mut headless = Headless::new(SIZE);
-    let mut scene = SceneBuilder {
-        headless: &mut headless,
-    };
-    scene.solids();
-    scene.sun(true);
-    let camera = scene.default_camera(());
+    let (mut headless, camera) = scene();
     spoil(&mut headless.world().entity_mut(camera));
     headless.settle();
     let without = headless.capture();
@@ -79,17 +84,11 @@ fn deferred_prepass() {
 /// A device that lacks something, as `finish` would have found it.
 #[test]
 fn missing_support() {
-    let mut headless = Headless::with(SIZE, |_| {});
+    let (mut headless, camera) = scene();
     headless
         .app
         .sub_app_mut(RenderApp)
         .insert_resource(LeanDeferredSupport::Missing("a storage texture".into()));
-    let mut scene = SceneBuilder {
-        headless: &mut headless,
-    };
-    scene.solids();
-    scene.sun(true);
-    let camera = scene.default_camera(());
     headless.settle();
     let without = headless.capture();
     headless
@@ -102,20 +101,18 @@ fn missing_support() {
 
 #[test]
 fn spawning_with_the_default_msaa_works() {
-    let mut headless = Headless::new(SIZE);
-    let mut scene = SceneBuilder {
-        headless: &mut headless,
-    };
-    scene.solids();
-    scene.sun(true);
-    let target = scene.headless.render_target();
-    scene.spawn((
-        Camera3d::default(),
-        LeanDeferred::default(),
-        target,
-        Transform::from_xyz(-1.5, 2.8, 5.2).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+    let mut headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        let target = s.headless.render_target();
+        s.spawn((
+            Camera3d::default(),
+            LeanDeferred::default(),
+            target,
+            Transform::from_xyz(-1.5, 2.8, 5.2).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+    });
     headless.settle();
-    assert_eq!(common::active_lean_views(&mut headless), 1);
+    assert_eq!(active_lean_views(&mut headless), 1);
     log_watch::assert_validation_layer_silent();
 }
