@@ -5,8 +5,9 @@ mod common;
 use bevy::{
     camera::Hdr,
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
+    pbr::{ExtractedDirectionalLight, ExtractedPointLight},
     prelude::*,
-    render::RenderApp,
+    render::{Render, RenderApp, RenderSystems},
 };
 use bevy_lean_deferred::{camera::LeanDeferredSupport, prelude::*};
 use common::{
@@ -79,6 +80,84 @@ fn deferred_prepass() {
         },
         "it has DeferredPrepass",
     );
+}
+
+/// Which lights ask for percentage-closer soft shadows. Their components have no field for that without Bevy's feature
+/// `experimental_pbr_pcss`, but in the render world it is there.
+#[derive(Resource, Clone, Copy, Default, PartialEq, Debug)]
+struct SoftShadows {
+    sun: bool,
+    lamp: bool,
+}
+
+fn soften_shadows(
+    soft: Res<SoftShadows>,
+    mut suns: Query<&mut ExtractedDirectionalLight>,
+    mut lamps: Query<&mut ExtractedPointLight>,
+) {
+    for mut sun in &mut suns {
+        sun.soft_shadow_size = soft.sun.then_some(10.0);
+    }
+    for mut lamp in &mut lamps {
+        lamp.soft_shadows_enabled = soft.lamp;
+    }
+}
+
+#[test]
+fn soft_shadows() {
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        s.spawn((
+            PointLight {
+                intensity: 900_000.0,
+                radius: 0.2,
+                shadow_maps_enabled: true,
+                ..default()
+            },
+            Transform::from_xyz(-2.0, 2.5, 1.5),
+        ));
+        camera = s.default_camera(());
+    });
+    headless
+        .app
+        .sub_app_mut(RenderApp)
+        .init_resource::<SoftShadows>()
+        .add_systems(
+            Render,
+            soften_shadows
+                .after(RenderSystems::ExtractCommands)
+                .before(RenderSystems::PrepareAssets),
+        );
+    let mut pictures = |soft, lean| {
+        headless
+            .app
+            .sub_app_mut(RenderApp)
+            .insert_resource::<SoftShadows>(soft);
+        let mut camera = headless.world().entity_mut(camera);
+        if lean {
+            camera.insert(LeanDeferred::default());
+        } else {
+            camera.remove::<LeanDeferred>();
+        }
+        headless.settle();
+        (headless.capture(), active_lean_views(&mut headless))
+    };
+
+    for (sun, lamp) in [(true, false), (false, true), (true, true)] {
+        let soft = SoftShadows { sun, lamp };
+        let (without, _) = pictures(soft, false);
+        let (with, active) = pictures(soft, true);
+        assert_eq!(active, 0, "{soft:?}");
+        assert!(without.rgba == with.rgba, "{soft:?} is not Bevy's picture");
+    }
+    let warnings = log_watch::messages_with("a light has soft shadows");
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+
+    // Once they are hard again, the camera is lean again.
+    let (_, active) = pictures(SoftShadows::default(), true);
+    assert_eq!(active, 1);
 }
 
 /// A device that lacks something, as `finish` would have found it.
