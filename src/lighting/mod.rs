@@ -27,7 +27,7 @@ use bevy::{
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
-        render_resource::CachedComputePipelineId,
+        render_resource::{BindGroup, CachedComputePipelineId},
     },
     shader::load_shader_library,
 };
@@ -40,6 +40,15 @@ pub struct ViewLighting {
     /// The key and the pipeline of this frame.
     pub(crate) pipeline: Option<(LightingKey, CachedComputePipelineId)>,
     bindings: bindings::ViewLightingBindings,
+}
+
+impl ViewLighting {
+    /// The bind groups that stay as they are from frame to frame until something that they bind is replaced: light
+    /// probes and decals, and the G-buffer with either main texture. Another one, of the view, follows Bevy, which
+    /// makes the buffers of the light clusters anew in each frame.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        self.bindings.lasting()
+    }
 }
 
 /// Lights the packed G-buffer.

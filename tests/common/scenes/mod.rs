@@ -1,7 +1,7 @@
 //! Scenes built in code, small enough for a software renderer.
 
 pub mod boxes;
-mod build;
+pub mod build;
 mod lights;
 mod materials;
 mod meshes;
