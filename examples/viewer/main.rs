@@ -18,6 +18,8 @@ mod headless;
 mod model;
 mod overlay;
 mod renderer;
+#[path = "../../tests/common/size.rs"]
+mod size;
 mod sky;
 
 use std::{
@@ -35,6 +37,7 @@ use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 use headless::Headless;
 use model::ModelReady;
 use renderer::{Renderer, ViewerSettings};
+use size::parse_size;
 use sky::SkyFiles;
 
 /// Shows a glTF or GLB file, or a built-in scene, through Bevy forward, Bevy deferred, or bevy_lean_deferred.
@@ -79,16 +82,6 @@ struct Args {
     /// height of the camera over the model in degrees, default 15
     #[argh(option, default = "15.0")]
     pitch: f32,
-}
-
-fn parse_size(text: &str) -> Result<UVec2, String> {
-    let (x, y) = text.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
-    let number = |s: &str| s.parse::<u32>().map_err(|error| format!("{s}: {error}"));
-    let size = UVec2::new(number(x)?, number(y)?);
-    if size.min_element() == 0 {
-        return Err("both sides must be at least 1".into());
-    }
-    Ok(size)
 }
 
 fn main() -> AppExit {

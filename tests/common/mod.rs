@@ -7,3 +7,4 @@ pub mod lean;
 pub mod metrics;
 pub mod random;
 pub mod scenes;
+pub mod size;
