@@ -5,26 +5,32 @@ mod common;
 use bevy::{
     camera::Hdr,
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
+    pbr::{ExtractedDirectionalLight, ExtractedPointLight},
     prelude::*,
-    render::RenderApp,
+    render::{Render, RenderApp, RenderSystems},
 };
 use bevy_lean_deferred::{camera::LeanDeferredSupport, prelude::*};
 use common::{
     headless::{Headless, Picture, log_watch},
-    scenes::SceneBuilder,
+    lean::{active_lean_views, build},
 };
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 
+/// The solids, and the camera that sees them.
+fn scene() -> (Headless, Entity) {
+    let mut camera = Entity::PLACEHOLDER;
+    let headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        camera = s.default_camera(());
+    });
+    (headless, camera)
+}
+
 /// Renders the solids with a camera made by `spoil` from the usual one, without and with `LeanDeferred`.
 fn pictures(spoil: fn(&mut EntityWorldMut)) -> (Picture, Picture) {
-    let mut headless = Headless::new(SIZE);
-    let mut scene = SceneBuilder {
-        headless: &mut headless,
-    };
-    scene.solids();
-    scene.sun(true);
-    let camera = scene.default_camera(());
+    let (mut headless, camera) = scene();
     spoil(&mut headless.world().entity_mut(camera));
     headless.settle();
     let without = headless.capture();
@@ -76,20 +82,92 @@ fn deferred_prepass() {
     );
 }
 
+/// Which lights ask for percentage-closer soft shadows. Their components have no field for that without Bevy's feature
+/// `experimental_pbr_pcss`, but in the render world it is there.
+#[derive(Resource, Clone, Copy, Default, PartialEq, Debug)]
+struct SoftShadows {
+    sun: bool,
+    lamp: bool,
+}
+
+fn soften_shadows(
+    soft: Res<SoftShadows>,
+    mut suns: Query<&mut ExtractedDirectionalLight>,
+    mut lamps: Query<&mut ExtractedPointLight>,
+) {
+    for mut sun in &mut suns {
+        sun.soft_shadow_size = soft.sun.then_some(10.0);
+    }
+    for mut lamp in &mut lamps {
+        lamp.soft_shadows_enabled = soft.lamp;
+    }
+}
+
+#[test]
+fn soft_shadows() {
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        s.spawn((
+            PointLight {
+                intensity: 900_000.0,
+                radius: 0.2,
+                shadow_maps_enabled: true,
+                ..default()
+            },
+            Transform::from_xyz(-2.0, 2.5, 1.5),
+        ));
+        camera = s.default_camera(());
+    });
+    headless
+        .app
+        .sub_app_mut(RenderApp)
+        .init_resource::<SoftShadows>()
+        .add_systems(
+            Render,
+            soften_shadows
+                .after(RenderSystems::ExtractCommands)
+                .before(RenderSystems::PrepareAssets),
+        );
+    let mut pictures = |soft, lean| {
+        headless
+            .app
+            .sub_app_mut(RenderApp)
+            .insert_resource::<SoftShadows>(soft);
+        let mut camera = headless.world().entity_mut(camera);
+        if lean {
+            camera.insert(LeanDeferred::default());
+        } else {
+            camera.remove::<LeanDeferred>();
+        }
+        headless.settle();
+        (headless.capture(), active_lean_views(&mut headless))
+    };
+
+    for (sun, lamp) in [(true, false), (false, true), (true, true)] {
+        let soft = SoftShadows { sun, lamp };
+        let (without, _) = pictures(soft, false);
+        let (with, active) = pictures(soft, true);
+        assert_eq!(active, 0, "{soft:?}");
+        assert!(without.rgba == with.rgba, "{soft:?} is not Bevy's picture");
+    }
+    let warnings = log_watch::messages_with("a light has soft shadows");
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+
+    // Once they are hard again, the camera is lean again.
+    let (_, active) = pictures(SoftShadows::default(), true);
+    assert_eq!(active, 1);
+}
+
 /// A device that lacks something, as `finish` would have found it.
 #[test]
 fn missing_support() {
-    let mut headless = Headless::with(SIZE, |_| {});
+    let (mut headless, camera) = scene();
     headless
         .app
         .sub_app_mut(RenderApp)
         .insert_resource(LeanDeferredSupport::Missing("a storage texture".into()));
-    let mut scene = SceneBuilder {
-        headless: &mut headless,
-    };
-    scene.solids();
-    scene.sun(true);
-    let camera = scene.default_camera(());
     headless.settle();
     let without = headless.capture();
     headless
@@ -102,20 +180,18 @@ fn missing_support() {
 
 #[test]
 fn spawning_with_the_default_msaa_works() {
-    let mut headless = Headless::new(SIZE);
-    let mut scene = SceneBuilder {
-        headless: &mut headless,
-    };
-    scene.solids();
-    scene.sun(true);
-    let target = scene.headless.render_target();
-    scene.spawn((
-        Camera3d::default(),
-        LeanDeferred::default(),
-        target,
-        Transform::from_xyz(-1.5, 2.8, 5.2).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+    let mut headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        let target = s.headless.render_target();
+        s.spawn((
+            Camera3d::default(),
+            LeanDeferred::default(),
+            target,
+            Transform::from_xyz(-1.5, 2.8, 5.2).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+    });
     headless.settle();
-    assert_eq!(common::active_lean_views(&mut headless), 1);
+    assert_eq!(active_lean_views(&mut headless), 1);
     log_watch::assert_validation_layer_silent();
 }

@@ -19,6 +19,7 @@ mod show;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
+use common::size::parse_size;
 use contender::Contender;
 
 /// GPU time, bytes and error of ambient occlusion.
@@ -62,19 +63,13 @@ struct Args {
     bench: bool,
 }
 
-fn parse_size(text: &str) -> Option<UVec2> {
-    let (x, y) = text.split_once('x')?;
-    let size = UVec2::new(x.parse().ok()?, y.parse().ok()?);
-    (size.min_element() > 0).then_some(size)
-}
-
 fn main() {
     let args: Args = argh::from_env();
-    let sizes: Option<Vec<UVec2>> = args.size.split(',').map(parse_size).collect();
-    let Some(sizes) = sizes else {
-        eprintln!("--size {}: expected WIDTHxHEIGHT, …", args.size);
+    let sizes: Result<Vec<UVec2>, String> = args.size.split(',').map(parse_size).collect();
+    let sizes = sizes.unwrap_or_else(|error| {
+        eprintln!("--size {}: {error}", args.size);
         std::process::exit(1);
-    };
+    });
     let words: Vec<&str> = args.contender.split(';').collect();
     let samples = args.samples.split(',').filter_map(|text| {
         let (slices, steps) = text.split_once('x')?;

@@ -15,6 +15,7 @@ mod scenes;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
+use common::size::parse_size;
 use run::{Contender, Measurement};
 use scenes::BenchScene;
 
@@ -61,16 +62,6 @@ struct Args {
     #[argh(switch)]
     #[expect(dead_code, reason = "cargo bench passes it")]
     bench: bool,
-}
-
-fn parse_size(text: &str) -> Result<UVec2, String> {
-    let (x, y) = text.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
-    let number = |s: &str| s.parse::<u32>().map_err(|error| format!("{s}: {error}"));
-    let size = UVec2::new(number(x)?, number(y)?);
-    if size.min_element() == 0 {
-        return Err("both sides must be at least 1".into());
-    }
-    Ok(size)
 }
 
 fn main() {

@@ -18,7 +18,14 @@ mod headless;
 mod model;
 mod overlay;
 mod renderer;
+#[path = "../../tests/common/size.rs"]
+mod size;
 mod sky;
+
+use std::{
+    thread::sleep,
+    time::{Duration, Instant},
+};
 
 use argh::FromArgs;
 use bevy::{
@@ -28,7 +35,10 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 use headless::Headless;
+use model::ModelReady;
 use renderer::{Renderer, ViewerSettings};
+use size::parse_size;
+use sky::SkyFiles;
 
 /// Shows a glTF or GLB file, or a built-in scene, through Bevy forward, Bevy deferred, or bevy_lean_deferred.
 #[derive(FromArgs)]
@@ -74,22 +84,17 @@ struct Args {
     pitch: f32,
 }
 
-fn parse_size(text: &str) -> Result<UVec2, String> {
-    let (x, y) = text.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
-    let number = |s: &str| s.parse::<u32>().map_err(|error| format!("{s}: {error}"));
-    let size = UVec2::new(number(x)?, number(y)?);
-    if size.min_element() == 0 {
-        return Err("both sides must be at least 1".into());
-    }
-    Ok(size)
-}
-
 fn main() -> AppExit {
     let args: Args = argh::from_env();
-    if let Err(message) = model::check_file(args.file.as_deref()) {
-        eprintln!("error: {message}");
-        return AppExit::error();
-    }
+    let files = args.file.as_deref().map_or(Ok(()), model::check_file);
+    let sky = files.and_then(|()| SkyFiles::new(args.diffuse.clone(), args.specular.clone()));
+    let sky = match sky {
+        Ok(sky) => sky,
+        Err(message) => {
+            eprintln!("error: {message}");
+            return AppExit::error();
+        }
+    };
     let viewer = ViewerPlugin {
         settings: ViewerSettings {
             renderer: args.renderer,
@@ -97,7 +102,7 @@ fn main() -> AppExit {
             ..default()
         },
         model: model::ModelPath(args.file.clone()),
-        sky: sky::SkyFiles::new(args.diffuse.clone(), args.specular.clone()),
+        sky,
         angles: model::CameraAngles {
             yaw: args.yaw.to_radians(),
             pitch: args.pitch.to_radians(),
@@ -134,6 +139,9 @@ fn run_window(viewer: ViewerPlugin, args: &Args) -> AppExit {
         .run()
 }
 
+/// Plenty for a file on disk.
+const LONGEST_LOADING: Duration = Duration::from_secs(120);
+
 fn run_headless(viewer: ViewerPlugin, path: &str, args: &Args) -> AppExit {
     let mut headless = Headless::with(args.size, |app| {
         app.add_plugins(viewer);
@@ -148,20 +156,17 @@ fn run_headless(viewer: ViewerPlugin, path: &str, args: &Args) -> AppExit {
         world.entity_mut(camera).insert(target.clone());
     }
 
-    // Loading is asynchronous; half a minute is plenty for a file on disk.
-    for _ in 0..3000 {
+    let start = Instant::now();
+    while !headless.app.world().contains_resource::<ModelReady>() {
         headless.frames(1);
         if let Some(exit) = headless.app.should_exit() {
             return exit;
         }
-        if headless
-            .app
-            .world()
-            .contains_resource::<model::ModelReady>()
-        {
-            break;
+        if start.elapsed() > LONGEST_LOADING {
+            eprintln!("error: not loaded after {LONGEST_LOADING:?}");
+            return AppExit::error();
         }
-        std::thread::sleep(core::time::Duration::from_millis(10));
+        sleep(Duration::from_millis(10));
     }
     headless.settle();
     headless.frames(args.frames);
@@ -182,7 +187,7 @@ fn run_headless(viewer: ViewerPlugin, path: &str, args: &Args) -> AppExit {
 struct ViewerPlugin {
     settings: ViewerSettings,
     model: model::ModelPath,
-    sky: sky::SkyFiles,
+    sky: SkyFiles,
     angles: model::CameraAngles,
 }
 

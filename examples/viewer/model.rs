@@ -1,6 +1,7 @@
 //! Loading the model, and standing the camera before it.
 
 use bevy::{
+    asset::RecursiveDependencyLoadState,
     camera::primitives::Aabb,
     gltf::GltfAssetLabel,
     prelude::*,
@@ -26,17 +27,18 @@ pub struct ModelReady;
 #[derive(Resource)]
 pub struct LoadingModel(Option<Handle<WorldAsset>>);
 
-/// Says what is wrong with the file before a window opens.
-pub fn check_file(path: Option<&str>) -> Result<(), String> {
-    let Some(path) = path else {
-        return Ok(());
-    };
+/// Says what is wrong with the model's file before a window opens.
+pub fn check_file(path: &str) -> Result<(), String> {
     let extension = std::path::Path::new(path)
         .extension()
         .map(|extension| extension.to_string_lossy().to_lowercase());
     if !matches!(extension.as_deref(), Some("gltf" | "glb")) {
         return Err(format!("{path}: not a .gltf or .glb file"));
     }
+    check_readable(path)
+}
+
+pub fn check_readable(path: &str) -> Result<(), String> {
     std::fs::File::open(path)
         .map(|_| ())
         .map_err(|error| format!("{path}: {error}"))
@@ -107,28 +109,27 @@ pub fn watch_loading(
     let Some(loading) = loading else {
         return;
     };
+    let mut quit = |why: &str| {
+        eprintln!("error: {}: {why}", path.0.as_deref().unwrap_or_default());
+        exit.write(AppExit::error());
+        commands.remove_resource::<LoadingModel>();
+    };
     if let Some(scene) = &loading.0 {
-        if let Some(state) = asset_server.get_load_state(scene)
-            && let bevy::asset::LoadState::Failed(error) = state
-        {
-            eprintln!("error: {}: {error}", path.0.as_deref().unwrap_or_default());
-            exit.write(AppExit::error());
-            commands.remove_resource::<LoadingModel>();
-            return;
-        }
-        if !asset_server.is_loaded_with_dependencies(scene) {
-            return;
+        match asset_server.get_recursive_dependency_load_state(scene) {
+            Some(RecursiveDependencyLoadState::Loaded) => {}
+            // Also if only a texture is missing: Bevy does not draw materials that lack one.
+            Some(RecursiveDependencyLoadState::Failed(error)) => {
+                // A backtrace may follow the first line.
+                quit(error.to_string().lines().next().unwrap_or_default());
+                return;
+            }
+            _ => return,
         }
     }
     if bounds.is_empty() {
         *frames_without_mesh += 1;
         if *frames_without_mesh > 20 {
-            eprintln!(
-                "error: {}: its first scene holds no mesh",
-                path.0.as_deref().unwrap_or_default()
-            );
-            exit.write(AppExit::error());
-            commands.remove_resource::<LoadingModel>();
+            quit("its first scene holds no mesh");
         }
         return;
     }

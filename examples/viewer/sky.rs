@@ -10,15 +10,24 @@ use bevy::{
     },
 };
 
-use crate::renderer::ViewerSettings;
+use crate::{model::check_readable, renderer::ViewerSettings};
 
 /// Prefiltered maps, or none for a sky made here and filtered by Bevy.
 #[derive(Resource, Clone)]
 pub struct SkyFiles(Option<(String, String)>);
 
 impl SkyFiles {
-    pub fn new(diffuse: Option<String>, specular: Option<String>) -> Self {
-        Self(diffuse.zip(specular))
+    /// An error says what is wrong with the files before a window opens.
+    pub fn new(diffuse: Option<String>, specular: Option<String>) -> Result<Self, String> {
+        if diffuse.is_some() != specular.is_some() {
+            return Err("--diffuse and --specular are of use only together".into());
+        }
+        let files = diffuse.zip(specular);
+        if let Some((diffuse, specular)) = &files {
+            check_readable(diffuse)?;
+            check_readable(specular)?;
+        }
+        Ok(Self(files))
     }
 }
 

@@ -113,6 +113,7 @@ fn draw_order(camera: &Camera3d, (depth, normal, motion): (bool, bool, bool)) ->
 /// Inserts or removes [`ActiveLeanView`], and [`ViewLighting`] on all views that can be lean. A view is active only
 /// while the lighting pipeline that it needs in this frame is compiled; until then forward draws it, so that neither
 /// switching over nor a new kind of light shows a dark frame. When that changes, all its meshes are queued anew.
+/// Cameras that are switched off lose both, and so what they hold on the GPU.
 pub(super) fn decide_active_views(
     mut commands: Commands,
     support: Option<Res<LeanDeferredSupport>>,
@@ -133,7 +134,13 @@ pub(super) fn decide_active_views(
         (&LeanDeferred, Option<&LeanAmbientOcclusion>),
         Option<&mut ViewLighting>,
     )>,
+    switched_off: Query<Entity, (With<ViewLighting>, Without<ExtractedCamera>)>,
 ) {
+    for entity in &switched_off {
+        commands
+            .entity(entity)
+            .remove::<(ActiveLeanView, ViewLighting)>();
+    }
     let (Some(mut pipelines), Some(LeanDeferredSupport::Full)) = (pipelines, support.as_deref())
     else {
         return;

@@ -18,8 +18,8 @@ use bevy::{
         globals::GlobalsBuffer,
         render_asset::RenderAssets,
         render_resource::{
-            BindGroupEntry, BindGroupLayoutDescriptor, BindingResource, IntoBinding, PipelineCache,
-            TextureView, TextureViewId,
+            BindGroup, BindGroupEntry, BindGroupLayoutDescriptor, BindingResource, IntoBinding,
+            PipelineCache, TextureView, TextureViewId,
         },
         renderer::RenderDevice,
         texture::{FallbackImage, GpuImage},
@@ -62,14 +62,19 @@ pub(super) struct ViewLightingBindings {
 
 impl ViewLightingBindings {
     /// The group that writes into `main_texture`.
-    pub(super) fn targets_for(
-        &self,
-        main_texture: &TextureView,
-    ) -> Option<&bevy::render::render_resource::BindGroup> {
+    pub(super) fn targets_for(&self, main_texture: &TextureView) -> Option<&BindGroup> {
         self.targets
             .iter()
             .find(|(id, _)| *id == Some(main_texture.id()))
             .and_then(|(_, group)| group.get())
+    }
+
+    /// All but that of the view.
+    pub(super) fn lasting(&self) -> impl Iterator<Item = &BindGroup> {
+        let targets = self.targets.iter().map(|(_, group)| group);
+        core::iter::once(&self.arrays)
+            .chain(targets)
+            .filter_map(CachedBindGroup::get)
     }
 
     fn clear(&mut self) {

@@ -26,7 +26,7 @@ use bevy::{
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
-        render_resource::CachedComputePipelineId,
+        render_resource::{BindGroup, CachedComputePipelineId},
     },
 };
 
@@ -43,6 +43,15 @@ pub struct ViewLighting {
 /// The lighting pass, in `Core3d`.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LightingPasses;
+
+impl ViewLighting {
+    /// The bind groups that stay as they are from frame to frame until something that they bind is replaced: light
+    /// probes and decals, and the G-buffer with either main texture. Another one, of the view, follows Bevy, which
+    /// makes the buffers of the light clusters anew in each frame.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        self.bindings.lasting()
+    }
+}
 
 /// Lights the packed G-buffer.
 pub(crate) struct LightingPlugin;

@@ -137,26 +137,56 @@ impl Headless {
 
     /// The picture in the target, 8-bit sRGB, four bytes a pixel.
     pub fn capture(&mut self) -> Picture {
-        let captured = Arc::new(Mutex::new(None));
-        let sink = captured.clone();
+        let shot = self.request_picture();
+        self.await_picture(&shot)
+    }
+
+    /// The pictures of `count` frames in a row; `change` acts on the world before each.
+    pub fn film(
+        &mut self,
+        count: usize,
+        mut change: impl FnMut(&mut World, usize),
+    ) -> Vec<Picture> {
+        let shots: Vec<Shot> = (0..count)
+            .map(|frame| {
+                change(self.world(), frame);
+                let shot = self.request_picture();
+                self.frame();
+                shot
+            })
+            .collect();
+        shots.iter().map(|shot| self.await_picture(shot)).collect()
+    }
+
+    /// Of the next frame.
+    fn request_picture(&mut self) -> Shot {
+        let shot = Shot::default();
+        let sink = shot.clone();
         let target = self.target.clone();
         self.world().spawn(Screenshot::image(target)).observe(
             move |event: On<ScreenshotCaptured>| {
                 *sink.lock().unwrap() = Some(event.image.clone());
             },
         );
+        shot
+    }
+
+    fn await_picture(&mut self, shot: &Shot) -> Picture {
         for _ in 0..200 {
-            self.frame();
-            if let Some(image) = captured.lock().unwrap().take() {
+            if let Some(image) = shot.lock().unwrap().take() {
                 return Picture {
                     size: image.size(),
                     rgba: image.data.expect("a captured image has data"),
                 };
             }
+            self.frame();
         }
         panic!("no picture came back within 200 frames");
     }
 }
+
+/// A picture that is on its way from the GPU.
+type Shot = Arc<Mutex<Option<Image>>>;
 
 /// An sRGB image that can be rendered to and read back.
 pub fn target_image(size: UVec2) -> Image {

@@ -21,9 +21,14 @@ pub fn messages_with(part: &str) -> Vec<String> {
         .collect()
 }
 
-/// Panics if the Vulkan validation layer has complained. wgpu loads it in builds with debug assertions, if installed.
+/// What the Vulkan validation layer has complained of. wgpu loads it in builds with debug assertions, if installed.
+pub fn validation_layer_complaints() -> Vec<String> {
+    messages_with("VUID")
+}
+
+/// Panics if the Vulkan validation layer has complained. That it would be heard, `tests/validation_layer.rs` shows.
 pub fn assert_validation_layer_silent() {
-    let complaints = messages_with("VUID");
+    let complaints = validation_layer_complaints();
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 

@@ -1,7 +1,8 @@
 //! Scenes built in code, small enough for a software renderer.
 
 pub mod boxes;
-mod build;
+pub mod build;
+mod forward_materials;
 mod lights;
 mod materials;
 mod meshes;
@@ -44,6 +45,7 @@ pub fn all() -> impl Iterator<Item = &'static Scene> {
     [
         lights::SCENES,
         materials::SCENES,
+        forward_materials::SCENES,
         meshes::SCENES,
         views::SCENES,
     ]
