@@ -144,7 +144,12 @@ pub const SCENES: &[Scene] = &[
             Transform::default(),
         );
         lit(s);
-    }),
+    })
+    .allow(
+        42.0,
+        "a sheet without thickness at the terminator: whether it shadows itself hangs on the last bit of the bias, which \
+         follows the facet here and the interpolated normal in forward (55.9 dB on llvmpipe, 44.0 on an H200)",
+    ),
     Scene::new("far_from_origin", |s| {
         s.solids();
         let offset = Vec3::new(10_000.0, 20.0, -10_000.0);
