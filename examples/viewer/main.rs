@@ -13,22 +13,27 @@
 //! | mouse | left: orbit, right: pan, wheel: zoom |
 //! | Esc | quit |
 
-#[path = "../../tests/common/headless.rs"]
-mod headless;
+mod builtin;
+#[path = "../shared/choices.rs"]
+mod choices;
+#[path = "../shared/gpu_times.rs"]
+mod gpu_times;
+#[path = "../shared/made_up_sky.rs"]
+mod made_up_sky;
+#[path = "../shared/model.rs"]
 mod model;
 mod overlay;
 mod renderer;
+#[path = "../shared/run.rs"]
+mod run;
 mod sky;
 
 use argh::FromArgs;
-use bevy::{
-    asset::UnapprovedPathMode, prelude::*, render::diagnostic::RenderDiagnosticsPlugin,
-    window::WindowResolution,
-};
+use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin};
 use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
-use headless::Headless;
 use renderer::{Renderer, ViewerSettings};
+use run::{headless::Headless, parse_size};
 
 /// Shows a glTF or GLB file, or a built-in scene, through Bevy forward, Bevy deferred, or bevy_lean_deferred.
 #[derive(FromArgs)]
@@ -42,7 +47,7 @@ struct Args {
     renderer: Renderer,
 
     /// channel of the G-buffer to show: albedo, metallic, occlusion, normal, roughness, geometric-normal, depth
-    #[argh(option, from_str_fn(renderer::parse_channel))]
+    #[argh(option, from_str_fn(parse_channel))]
     debug_view: Option<GBufferChannel>,
 
     /// render without a window, write this PNG and quit
@@ -74,14 +79,8 @@ struct Args {
     pitch: f32,
 }
 
-fn parse_size(text: &str) -> Result<UVec2, String> {
-    let (x, y) = text.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
-    let number = |s: &str| s.parse::<u32>().map_err(|error| format!("{s}: {error}"));
-    let size = UVec2::new(number(x)?, number(y)?);
-    if size.min_element() == 0 {
-        return Err("both sides must be at least 1".into());
-    }
-    Ok(size)
+fn parse_channel(text: &str) -> Result<GBufferChannel, String> {
+    choices::parse(&GBufferChannel::ALL, text)
 }
 
 fn main() -> AppExit {
@@ -104,77 +103,16 @@ fn main() -> AppExit {
         },
     };
     match &args.headless {
-        Some(path) => run_headless(viewer, path, &args),
-        None => run_window(viewer, &args),
-    }
-}
-
-fn run_window(viewer: ViewerPlugin, args: &Args) -> AppExit {
-    App::new()
-        .add_plugins((
-            DefaultPlugins
-                .set(WindowPlugin {
-                    primary_window: Some(Window {
-                        title: "bevy_lean_deferred viewer".into(),
-                        resolution: WindowResolution::new(args.size.x, args.size.y),
-                        ..default()
-                    }),
-                    ..default()
-                })
-                .set(AssetPlugin {
-                    unapproved_path_mode: UnapprovedPathMode::Allow,
-                    ..default()
-                }),
-            LeanDeferredPlugins,
-            PanOrbitCameraPlugin,
-            viewer,
-            overlay::OverlayPlugin,
-        ))
-        .add_systems(Update, renderer::read_keys)
-        .run()
-}
-
-fn run_headless(viewer: ViewerPlugin, path: &str, args: &Args) -> AppExit {
-    let mut headless = Headless::with(args.size, |app| {
-        app.add_plugins(viewer);
-    });
-    // The camera is spawned in the first frame, for a window that is not there.
-    headless.frames(1);
-    let target = headless.render_target();
-    let world = headless.app.world_mut();
-    let mut cameras = world.query_filtered::<Entity, With<Camera3d>>();
-    let cameras: Vec<Entity> = cameras.iter(world).collect();
-    for camera in cameras {
-        world.entity_mut(camera).insert(target.clone());
-    }
-
-    // Loading is asynchronous; half a minute is plenty for a file on disk.
-    for _ in 0..3000 {
-        headless.frames(1);
-        if let Some(exit) = headless.app.should_exit() {
-            return exit;
+        Some(path) => {
+            let headless = Headless::with(args.size, |app| {
+                app.add_plugins(viewer);
+            });
+            run::write_picture(headless, path, args.frames)
         }
-        if headless
-            .app
-            .world()
-            .contains_resource::<model::ModelReady>()
-        {
-            break;
-        }
-        std::thread::sleep(core::time::Duration::from_millis(10));
-    }
-    headless.settle();
-    headless.frames(args.frames);
-    let picture = headless.capture();
-    match picture.try_save(path) {
-        Ok(()) => {
-            println!("{path}: {}×{}", picture.size.x, picture.size.y);
-            AppExit::Success
-        }
-        Err(error) => {
-            eprintln!("error: cannot write {path}: {error}");
-            AppExit::error()
-        }
+        None => run::windowed("bevy_lean_deferred viewer", args.size)
+            .add_plugins((PanOrbitCameraPlugin, viewer, overlay::OverlayPlugin))
+            .add_systems(Update, renderer::read_keys)
+            .run(),
     }
 }
 
@@ -193,7 +131,15 @@ impl Plugin for ViewerPlugin {
             .insert_resource(self.model.clone())
             .insert_resource(self.sky.clone())
             .insert_resource(self.angles)
-            .add_systems(Startup, (model::spawn_model, sky::spawn_sun, spawn_camera))
+            .add_systems(
+                Startup,
+                (
+                    model::spawn_model,
+                    builtin::spawn.run_if(model::is_builtin),
+                    sky::spawn_sun,
+                    spawn_camera,
+                ),
+            )
             .add_systems(
                 Update,
                 (
