@@ -16,11 +16,15 @@ use crate::run::SceneReady;
 #[derive(Resource, Clone)]
 pub struct ModelPath(pub Option<String>);
 
-/// Where the camera first stands, in radians around and above the model.
+/// Where the camera first stands.
 #[derive(Resource, Clone, Copy)]
-pub struct CameraAngles {
+pub struct Viewpoint {
+    /// Around the model, in radians.
     pub yaw: f32,
+    /// Above the model, in radians.
     pub pitch: f32,
+    /// How many times nearer than it would stand.
+    pub zoom: f32,
 }
 
 /// What is being loaded, and is to be framed after that; none for meshes that are there already.
@@ -67,7 +71,7 @@ pub fn watch_loading(
     asset_server: Res<AssetServer>,
     bounds: Query<(&Aabb, &GlobalTransform), With<Mesh3d>>,
     mut camera: Single<(&mut Transform, &mut PanOrbitCamera)>,
-    angles: Res<CameraAngles>,
+    viewpoint: Res<Viewpoint>,
     mut exit: MessageWriter<AppExit>,
     mut frames_without_mesh: Local<u32>,
 ) {
@@ -111,7 +115,7 @@ pub fn watch_loading(
     let distance = radius * 1.5;
 
     let (transform, orbit) = &mut *camera;
-    stand(transform, orbit, center, *angles, distance);
+    stand(transform, orbit, center, *viewpoint, distance);
     commands.remove_resource::<LoadingModel>();
     commands.insert_resource(SceneReady);
 }
@@ -121,18 +125,19 @@ pub fn stand(
     transform: &mut Transform,
     orbit: &mut PanOrbitCamera,
     focus: Vec3,
-    angles: CameraAngles,
+    viewpoint: Viewpoint,
     distance: f32,
 ) {
-    let direction = Quat::from_rotation_y(angles.yaw) * Quat::from_rotation_x(-angles.pitch);
+    let distance = distance / viewpoint.zoom;
+    let direction = Quat::from_rotation_y(viewpoint.yaw) * Quat::from_rotation_x(-viewpoint.pitch);
     *transform = Transform::from_translation(focus + direction * Vec3::Z * distance)
         .looking_at(focus, Vec3::Y);
     orbit.focus = focus;
     orbit.target_focus = focus;
-    orbit.yaw = Some(angles.yaw);
-    orbit.pitch = Some(angles.pitch);
+    orbit.yaw = Some(viewpoint.yaw);
+    orbit.pitch = Some(viewpoint.pitch);
     orbit.radius = Some(distance);
-    orbit.target_yaw = angles.yaw;
-    orbit.target_pitch = angles.pitch;
+    orbit.target_yaw = viewpoint.yaw;
+    orbit.target_pitch = viewpoint.pitch;
     orbit.target_radius = distance;
 }

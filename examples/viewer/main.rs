@@ -97,9 +97,10 @@ fn main() -> AppExit {
         },
         model: model::ModelPath(args.file.clone()),
         sky: sky::SkyFiles::new(args.diffuse.clone(), args.specular.clone()),
-        angles: model::CameraAngles {
+        viewpoint: model::Viewpoint {
             yaw: args.yaw.to_radians(),
             pitch: args.pitch.to_radians(),
+            zoom: 1.0,
         },
     };
     match &args.headless {
@@ -121,7 +122,7 @@ struct ViewerPlugin {
     settings: ViewerSettings,
     model: model::ModelPath,
     sky: sky::SkyFiles,
-    angles: model::CameraAngles,
+    viewpoint: model::Viewpoint,
 }
 
 impl Plugin for ViewerPlugin {
@@ -130,7 +131,7 @@ impl Plugin for ViewerPlugin {
             .insert_resource(self.settings.clone())
             .insert_resource(self.model.clone())
             .insert_resource(self.sky.clone())
-            .insert_resource(self.angles)
+            .insert_resource(self.viewpoint)
             .add_systems(
                 Startup,
                 (
