@@ -31,7 +31,7 @@ fn spawn_text(mut commands: Commands) {
         OverlayText,
         Text::default(),
         TextFont::from_font_size(14.0),
-        BackgroundColor(Color::BLACK.with_alpha(0.6)),
+        BackgroundColor(Color::BLACK.with_alpha(0.75)),
         Node {
             position_type: PositionType::Absolute,
             top: px(8),
@@ -56,10 +56,8 @@ fn update_text(
     text.0 = describe(&settings);
     let _ = write!(
         text.0,
-        "\nGPU: gather {}, merge {}, Bevy's ssao {}\n{}\n{KEYS}",
-        gpu_times::text(&diagnostics, "lean_deferred/occlusion/gather"),
-        gpu_times::text(&diagnostics, "lean_deferred/occlusion/merge"),
-        gpu_times::text(&diagnostics, "ssao"),
+        "\nGPU: {}\n{}\n{KEYS}",
+        times(&settings, &diagnostics),
         errors::text(&settings),
     );
 }
@@ -86,7 +84,7 @@ fn describe(settings: &ExampleSettings) -> String {
             occlusion.resolution,
             occlusion.filter,
             occlusion.format,
-            normals(occlusion.normals, settings.lean_deferred),
+            normals(occlusion, settings.lean_deferred),
             if occlusion.debug_view {
                 ", occlusion alone"
             } else {
@@ -94,6 +92,28 @@ fn describe(settings: &ExampleSettings) -> String {
             },
         ),
     }
+}
+
+/// Of the passes that run now: the others keep the times of when they last ran.
+fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
+    let time = |span| gpu_times::text(diagnostics, span);
+    let gather = "lean_deferred/occlusion/gather";
+    match settings.mode {
+        Mode::Off => "-".into(),
+        Mode::Bevy => format!("ssao {}", time("ssao")),
+        Mode::Lean if is_merged(settings) => format!(
+            "gather {}, merge {}",
+            time(gather),
+            time("lean_deferred/occlusion/merge")
+        ),
+        Mode::Lean => format!("gather {}, merged by the lighting pass", time(gather)),
+    }
+}
+
+fn is_merged(settings: &ExampleSettings) -> bool {
+    settings.occlusion.debug_view
+        || resolve(settings.occlusion.application, settings.lean_deferred)
+            == OcclusionApplication::MultiplicativeBlend
 }
 
 fn sampling(occlusion: &LeanAmbientOcclusion) -> String {
@@ -106,13 +126,18 @@ fn sampling(occlusion: &LeanAmbientOcclusion) -> String {
     }
 }
 
-/// The one chosen, and what it comes to on this camera.
-fn application(chosen: OcclusionApplication, lean_deferred: bool) -> String {
-    let used = match chosen {
+/// What an application comes to on this camera.
+fn resolve(chosen: OcclusionApplication, lean_deferred: bool) -> OcclusionApplication {
+    match chosen {
         OcclusionApplication::MultiplicativeBlend => chosen,
         _ if lean_deferred => OcclusionApplication::Indirect,
         _ => OcclusionApplication::MultiplicativeBlend,
-    };
+    }
+}
+
+/// The one chosen, and what it comes to.
+fn application(chosen: OcclusionApplication, lean_deferred: bool) -> String {
+    let used = resolve(chosen, lean_deferred);
     if used == chosen {
         format!("{chosen:?}")
     } else {
@@ -120,10 +145,10 @@ fn application(chosen: OcclusionApplication, lean_deferred: bool) -> String {
     }
 }
 
-fn normals(chosen: OcclusionNormals, lean_deferred: bool) -> &'static str {
-    if lean_deferred && chosen == OcclusionNormals::Shading {
-        "shading"
-    } else {
-        "geometric"
+fn normals(occlusion: &LeanAmbientOcclusion, lean_deferred: bool) -> &'static str {
+    match (occlusion.kernel, occlusion.normals) {
+        (OcclusionKernel::Hdao, _) => "no",
+        (OcclusionKernel::Hbao, OcclusionNormals::Shading) if lean_deferred => "shading",
+        (OcclusionKernel::Hbao, _) => "geometric",
     }
 }
