@@ -10,8 +10,10 @@
 
 #[path = "../tests/common/scenes/boxes.rs"]
 mod boxes;
-#[path = "../tests/common/headless.rs"]
-mod headless;
+#[path = "shared/gpu_times.rs"]
+mod gpu_times;
+#[path = "shared/run.rs"]
+mod run;
 
 use argh::FromArgs;
 use bevy::{
@@ -22,7 +24,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use boxes::Boxes;
-use headless::Headless;
+use run::{SceneReady, headless::Headless};
 
 /// The scene of the benches, live.
 #[derive(FromArgs)]
@@ -62,24 +64,10 @@ fn main() -> AppExit {
             app.run()
         }
         Some(path) => {
-            let mut headless = Headless::with(UVec2::new(1280, 720), |app| {
+            let headless = Headless::with(UVec2::new(1280, 720), |app| {
                 add_scene(app, settings);
             });
-            headless.frames(1);
-            let target = headless.render_target();
-            let world = headless.app.world_mut();
-            let mut cameras = world.query_filtered::<Entity, With<Camera3d>>();
-            if let Ok(camera) = cameras.single(world) {
-                world.entity_mut(camera).insert(target);
-            }
-            headless.settle();
-            match headless.capture().try_save(path) {
-                Ok(()) => AppExit::Success,
-                Err(error) => {
-                    eprintln!("error: cannot write {path}: {error}");
-                    AppExit::error()
-                }
-            }
+            run::write_picture(headless, path, 0)
         }
     }
 }
@@ -90,6 +78,7 @@ fn add_scene(app: &mut App, settings: Settings) {
         RenderDiagnosticsPlugin,
     ))
     .insert_resource(settings)
+    .insert_resource(SceneReady)
     .add_systems(Startup, setup)
     .add_systems(
         Update,
@@ -188,13 +177,7 @@ fn update_text(
         .get(&FrameTimeDiagnosticsPlugin::FPS)
         .and_then(|fps| fps.smoothed())
         .unwrap_or_default();
-    let gpu = |name: &str| {
-        diagnostics
-            .iter()
-            .find(|d| d.path().as_str() == format!("render/{name}/elapsed_gpu"))
-            .and_then(|d| d.average())
-            .map_or("-".into(), |ms| format!("{ms:.3} ms"))
-    };
+    let gpu = |name| gpu_times::text(&diagnostics, name);
     text.0 = format!(
         "{} lights, {} (Space), {fps:.0} frames a second\nG-buffer {}, lighting {}, opaque {}",
         settings.boxes.point_lights,

@@ -13,31 +13,27 @@
 //! | mouse | left: orbit, right: pan, wheel: zoom |
 //! | Esc | quit |
 
-#[path = "../../tests/common/headless.rs"]
-mod headless;
+mod builtin;
+#[path = "../shared/choices.rs"]
+mod choices;
+#[path = "../shared/gpu_times.rs"]
+mod gpu_times;
+#[path = "../shared/made_up_sky.rs"]
+mod made_up_sky;
+#[path = "../shared/model.rs"]
 mod model;
 mod overlay;
 mod renderer;
-#[path = "../../tests/common/size.rs"]
-mod size;
+#[path = "../shared/run.rs"]
+mod run;
 mod sky;
 
-use std::{
-    thread::sleep,
-    time::{Duration, Instant},
-};
-
 use argh::FromArgs;
-use bevy::{
-    asset::UnapprovedPathMode, prelude::*, render::diagnostic::RenderDiagnosticsPlugin,
-    window::WindowResolution,
-};
+use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin};
 use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
-use headless::Headless;
-use model::ModelReady;
 use renderer::{Renderer, ViewerSettings};
-use size::parse_size;
+use run::{headless::Headless, parse_size};
 use sky::SkyFiles;
 
 /// Shows a glTF or GLB file, or a built-in scene, through Bevy forward, Bevy deferred, or bevy_lean_deferred.
@@ -52,7 +48,7 @@ struct Args {
     renderer: Renderer,
 
     /// channel of the G-buffer to show: albedo, metallic, occlusion, normal, roughness, geometric-normal, depth
-    #[argh(option, from_str_fn(renderer::parse_channel))]
+    #[argh(option, from_str_fn(parse_channel))]
     debug_view: Option<GBufferChannel>,
 
     /// render without a window, write this PNG and quit
@@ -84,6 +80,10 @@ struct Args {
     pitch: f32,
 }
 
+fn parse_channel(text: &str) -> Result<GBufferChannel, String> {
+    choices::parse(&GBufferChannel::ALL, text)
+}
+
 fn main() -> AppExit {
     let args: Args = argh::from_env();
     let files = args.file.as_deref().map_or(Ok(()), model::check_file);
@@ -103,83 +103,23 @@ fn main() -> AppExit {
         },
         model: model::ModelPath(args.file.clone()),
         sky,
-        angles: model::CameraAngles {
+        viewpoint: model::Viewpoint {
             yaw: args.yaw.to_radians(),
             pitch: args.pitch.to_radians(),
+            zoom: 1.0,
         },
     };
     match &args.headless {
-        Some(path) => run_headless(viewer, path, &args),
-        None => run_window(viewer, &args),
-    }
-}
-
-fn run_window(viewer: ViewerPlugin, args: &Args) -> AppExit {
-    App::new()
-        .add_plugins((
-            DefaultPlugins
-                .set(WindowPlugin {
-                    primary_window: Some(Window {
-                        title: "bevy_lean_deferred viewer".into(),
-                        resolution: WindowResolution::new(args.size.x, args.size.y),
-                        ..default()
-                    }),
-                    ..default()
-                })
-                .set(AssetPlugin {
-                    unapproved_path_mode: UnapprovedPathMode::Allow,
-                    ..default()
-                }),
-            LeanDeferredPlugins,
-            PanOrbitCameraPlugin,
-            viewer,
-            overlay::OverlayPlugin,
-        ))
-        .add_systems(Update, renderer::read_keys)
-        .run()
-}
-
-/// Plenty for a file on disk.
-const LONGEST_LOADING: Duration = Duration::from_secs(120);
-
-fn run_headless(viewer: ViewerPlugin, path: &str, args: &Args) -> AppExit {
-    let mut headless = Headless::with(args.size, |app| {
-        app.add_plugins(viewer);
-    });
-    // The camera is spawned in the first frame, for a window that is not there.
-    headless.frames(1);
-    let target = headless.render_target();
-    let world = headless.app.world_mut();
-    let mut cameras = world.query_filtered::<Entity, With<Camera3d>>();
-    let cameras: Vec<Entity> = cameras.iter(world).collect();
-    for camera in cameras {
-        world.entity_mut(camera).insert(target.clone());
-    }
-
-    let start = Instant::now();
-    while !headless.app.world().contains_resource::<ModelReady>() {
-        headless.frames(1);
-        if let Some(exit) = headless.app.should_exit() {
-            return exit;
+        Some(path) => {
+            let headless = Headless::with(args.size, |app| {
+                app.add_plugins(viewer);
+            });
+            run::write_picture(headless, path, args.frames)
         }
-        if start.elapsed() > LONGEST_LOADING {
-            eprintln!("error: not loaded after {LONGEST_LOADING:?}");
-            return AppExit::error();
-        }
-        sleep(Duration::from_millis(10));
-    }
-    headless.settle();
-    headless.frames(args.frames);
-    let picture = headless.capture();
-    match picture.try_save(path) {
-        Ok(()) => {
-            println!("{path}: {}×{}", picture.size.x, picture.size.y);
-            AppExit::Success
-        }
-        Err(error) => {
-            eprintln!("error: cannot write {path}: {error}");
-            AppExit::error()
-        }
+        None => run::windowed("bevy_lean_deferred viewer", args.size)
+            .add_plugins((PanOrbitCameraPlugin, viewer, overlay::OverlayPlugin))
+            .add_systems(Update, renderer::read_keys)
+            .run(),
     }
 }
 
@@ -188,7 +128,7 @@ struct ViewerPlugin {
     settings: ViewerSettings,
     model: model::ModelPath,
     sky: SkyFiles,
-    angles: model::CameraAngles,
+    viewpoint: model::Viewpoint,
 }
 
 impl Plugin for ViewerPlugin {
@@ -197,8 +137,16 @@ impl Plugin for ViewerPlugin {
             .insert_resource(self.settings.clone())
             .insert_resource(self.model.clone())
             .insert_resource(self.sky.clone())
-            .insert_resource(self.angles)
-            .add_systems(Startup, (model::spawn_model, sky::spawn_sun, spawn_camera))
+            .insert_resource(self.viewpoint)
+            .add_systems(
+                Startup,
+                (
+                    model::spawn_model,
+                    builtin::spawn.run_if(model::is_builtin),
+                    sky::spawn_sun,
+                    spawn_camera,
+                ),
+            )
             .add_systems(
                 Update,
                 (

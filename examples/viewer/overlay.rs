@@ -4,7 +4,10 @@ use core::fmt::Write;
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 
-use crate::renderer::{Renderer, ViewerSettings};
+use crate::{
+    gpu_times,
+    renderer::{Renderer, ViewerSettings},
+};
 
 pub struct OverlayPlugin;
 
@@ -58,16 +61,10 @@ fn update_text(
         out,
         "1 forward  2 deferred  3 lean  D debug view  N normal  L sun  E environment  H text"
     );
-    let mut times: Vec<(&str, f64)> = diagnostics
-        .iter()
-        .filter_map(|diagnostic| {
-            let name = diagnostic.path().as_str().strip_suffix("/elapsed_gpu")?;
-            Some((name.trim_start_matches("render/"), diagnostic.average()?))
-        })
-        .filter(|(_, milliseconds)| *milliseconds >= 0.0005)
-        .collect();
-    times.sort_by(|a, b| b.1.total_cmp(&a.1));
-    for (name, milliseconds) in times.into_iter().take(12) {
+    for (name, milliseconds) in gpu_times::all(&diagnostics).into_iter().take(12) {
+        if milliseconds < 0.0005 {
+            break;
+        }
         let _ = writeln!(out, "{milliseconds:7.3} ms  {name}");
     }
 }

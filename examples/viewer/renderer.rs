@@ -12,6 +12,8 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
+use crate::choices::next;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Renderer {
     Forward,
@@ -30,17 +32,6 @@ impl FromStr for Renderer {
             _ => Err("expected forward, deferred or lean".into()),
         }
     }
-}
-
-/// Reads the name of a channel as it stands in `--help`.
-pub fn parse_channel(text: &str) -> Result<GBufferChannel, String> {
-    GBufferChannel::ALL
-        .into_iter()
-        .find(|channel| {
-            let name = format!("{channel:?}").to_lowercase();
-            name == text.replace('-', "").to_lowercase()
-        })
-        .ok_or_else(|| format!("{text}: no such channel"))
 }
 
 /// What the keys change.
@@ -90,11 +81,6 @@ pub fn read_keys(
             _ => {}
         }
     }
-}
-
-fn next<T: Copy + PartialEq>(all: &[T], current: T) -> T {
-    let index = all.iter().position(|x| *x == current).unwrap_or(0);
-    all[(index + 1) % all.len()]
 }
 
 /// None, then each channel, then none again.

@@ -1,16 +1,11 @@
 //! Sun and environment light.
 
 use bevy::{
-    asset::RenderAssetUsages,
     light::{EnvironmentMapLight, GeneratedEnvironmentMapLight},
     prelude::*,
-    render::render_resource::{
-        Extent3d, TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
-        TextureViewDimension,
-    },
 };
 
-use crate::{model::check_readable, renderer::ViewerSettings};
+use crate::{made_up_sky::made_up_sky, model::check_readable, renderer::ViewerSettings};
 
 /// Prefiltered maps, or none for a sky made here and filtered by Bevy.
 #[derive(Resource, Clone)]
@@ -85,70 +80,4 @@ pub fn apply_settings(
             });
         }
     }
-}
-
-/// A blue sky over a brown ground, with a bright window of cloud.
-fn made_up_sky() -> Image {
-    const SIZE: u32 = 64;
-    let mut data = Vec::with_capacity((SIZE * SIZE * 6 * 8) as usize);
-    for face in 0..6 {
-        for y in 0..SIZE {
-            for x in 0..SIZE {
-                let u = (x as f32 + 0.5) / SIZE as f32 * 2.0 - 1.0;
-                let v = (y as f32 + 0.5) / SIZE as f32 * 2.0 - 1.0;
-                let direction = match face {
-                    0 => Vec3::new(1.0, -v, -u),
-                    1 => Vec3::new(-1.0, -v, u),
-                    2 => Vec3::new(u, 1.0, v),
-                    3 => Vec3::new(u, -1.0, -v),
-                    4 => Vec3::new(u, -v, 1.0),
-                    _ => Vec3::new(-u, -v, -1.0),
-                }
-                .normalize();
-                for channel in sky_color(direction).extend(1.0).to_array() {
-                    data.extend_from_slice(&half_bits(channel).to_le_bytes());
-                }
-            }
-        }
-    }
-    let mut image = Image::new(
-        Extent3d {
-            width: SIZE,
-            height: SIZE,
-            depth_or_array_layers: 6,
-        },
-        TextureDimension::D2,
-        data,
-        TextureFormat::Rgba16Float,
-        RenderAssetUsages::default(),
-    );
-    image.texture_descriptor.usage |= TextureUsages::STORAGE_BINDING;
-    image.texture_view_descriptor = Some(TextureViewDescriptor {
-        dimension: Some(TextureViewDimension::Cube),
-        ..default()
-    });
-    image
-}
-
-fn sky_color(direction: Vec3) -> Vec3 {
-    let horizon = Vec3::new(0.85, 0.9, 1.0);
-    let zenith = Vec3::new(0.25, 0.45, 0.9);
-    let ground = Vec3::new(0.22, 0.19, 0.16);
-    let cloud = direction.dot(Vec3::new(-0.5, 0.6, 0.6).normalize());
-    let base = if direction.y >= 0.0 {
-        horizon.lerp(zenith, direction.y.sqrt())
-    } else {
-        ground.lerp(horizon * 0.5, (1.0 + direction.y * 4.0).clamp(0.0, 1.0))
-    };
-    base + Vec3::splat(2.5) * ((cloud - 0.8) * 8.0).clamp(0.0, 1.0)
-}
-
-/// An IEEE half of a number from 0 to 65504, rounded down; subnormals become 0.
-fn half_bits(x: f32) -> u16 {
-    let bits = x.to_bits();
-    let exponent = (bits >> 23) as i32 - 127 + 15;
-    if exponent <= 0 {
-        return 0;
-    }
-    ((exponent as u16) << 10) | ((bits >> 13) & 0x3ff) as u16
 }

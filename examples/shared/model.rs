@@ -1,4 +1,6 @@
-//! Loading the model, and standing the camera before it.
+//! Loading a glTF file, and standing the camera before it.
+//!
+//! The crate root has `run.rs` as `run`.
 
 use bevy::{
     asset::RecursiveDependencyLoadState,
@@ -9,23 +11,26 @@ use bevy::{
 };
 use bevy_panorbit_camera::PanOrbitCamera;
 
+use crate::run::SceneReady;
+
 /// The file to show, none for the built-in scene.
 #[derive(Resource, Clone)]
 pub struct ModelPath(pub Option<String>);
 
-/// Where the camera first stands, in radians around and above the model.
+/// Where the camera first stands.
 #[derive(Resource, Clone, Copy)]
-pub struct CameraAngles {
+pub struct Viewpoint {
+    /// Around the model, in radians.
     pub yaw: f32,
+    /// Above the model, in radians.
     pub pitch: f32,
+    /// How many times nearer than it would stand.
+    pub zoom: f32,
 }
 
-/// There once the model is spawned and the camera stands before it.
+/// What is being loaded, and is to be framed after that; none for meshes that are there already.
 #[derive(Resource)]
-pub struct ModelReady;
-
-#[derive(Resource)]
-pub struct LoadingModel(Option<Handle<WorldAsset>>);
+pub struct LoadingModel(pub Option<Handle<WorldAsset>>);
 
 /// Says what is wrong with the model's file before a window opens.
 pub fn check_file(path: &str) -> Result<(), String> {
@@ -44,16 +49,13 @@ pub fn check_readable(path: &str) -> Result<(), String> {
         .map_err(|error| format!("{path}: {error}"))
 }
 
-pub fn spawn_model(
-    mut commands: Commands,
-    path: Res<ModelPath>,
-    asset_server: Res<AssetServer>,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
+/// Whether a built-in scene takes the place of a file.
+pub fn is_builtin(path: Res<ModelPath>) -> bool {
+    path.0.is_none()
+}
+
+pub fn spawn_model(mut commands: Commands, path: Res<ModelPath>, asset_server: Res<AssetServer>) {
     let Some(path) = &path.0 else {
-        spawn_builtin(&mut commands, &mut meshes, &mut materials);
-        commands.insert_resource(LoadingModel(None));
         return;
     };
     // Assets are found relative to a folder of their own; the user means the working directory.
@@ -61,37 +63,6 @@ pub fn spawn_model(
     let scene = asset_server.load(GltfAssetLabel::Scene(0).from_asset(path));
     commands.spawn(WorldAssetRoot(scene.clone()));
     commands.insert_resource(LoadingModel(Some(scene)));
-}
-
-/// A row of balls from rough dielectric to smooth metal on a floor.
-fn spawn_builtin(
-    commands: &mut Commands,
-    meshes: &mut Assets<Mesh>,
-    materials: &mut Assets<StandardMaterial>,
-) {
-    commands.spawn((
-        Mesh3d(meshes.add(Plane3d::default().mesh().size(9.0, 5.0))),
-        MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: Color::srgb(0.45, 0.43, 0.4),
-            perceptual_roughness: 0.6,
-            ..default()
-        })),
-    ));
-    let ball = meshes.add(Sphere::new(0.5).mesh().uv(64, 32));
-    for row in 0..2 {
-        for column in 0..6 {
-            commands.spawn((
-                Mesh3d(ball.clone()),
-                MeshMaterial3d(materials.add(StandardMaterial {
-                    base_color: Color::hsl(column as f32 * 55.0, 0.65, 0.55),
-                    metallic: row as f32,
-                    perceptual_roughness: 0.1 + column as f32 * 0.17,
-                    ..default()
-                })),
-                Transform::from_xyz((column as f32 - 2.5) * 1.3, 0.5, (row as f32 - 0.5) * 1.6),
-            ));
-        }
-    }
 }
 
 /// Once everything is loaded, frames it; quits with an error if it cannot be loaded.
@@ -102,7 +73,7 @@ pub fn watch_loading(
     asset_server: Res<AssetServer>,
     bounds: Query<(&Aabb, &GlobalTransform), With<Mesh3d>>,
     mut camera: Single<(&mut Transform, &mut PanOrbitCamera)>,
-    angles: Res<CameraAngles>,
+    viewpoint: Res<Viewpoint>,
     mut exit: MessageWriter<AppExit>,
     mut frames_without_mesh: Local<u32>,
 ) {
@@ -145,17 +116,29 @@ pub fn watch_loading(
     let distance = radius * 1.5;
 
     let (transform, orbit) = &mut *camera;
-    let direction = Quat::from_rotation_y(angles.yaw) * Quat::from_rotation_x(-angles.pitch);
-    **transform = Transform::from_translation(center + direction * Vec3::Z * distance)
-        .looking_at(center, Vec3::Y);
-    orbit.focus = center;
-    orbit.target_focus = center;
-    orbit.yaw = Some(angles.yaw);
-    orbit.pitch = Some(angles.pitch);
-    orbit.radius = Some(distance);
-    orbit.target_yaw = angles.yaw;
-    orbit.target_pitch = angles.pitch;
-    orbit.target_radius = distance;
+    stand(transform, orbit, center, *viewpoint, distance);
     commands.remove_resource::<LoadingModel>();
-    commands.insert_resource(ModelReady);
+    commands.insert_resource(SceneReady);
+}
+
+/// Turns an orbiting camera to `focus`.
+pub fn stand(
+    transform: &mut Transform,
+    orbit: &mut PanOrbitCamera,
+    focus: Vec3,
+    viewpoint: Viewpoint,
+    distance: f32,
+) {
+    let distance = distance / viewpoint.zoom;
+    let direction = Quat::from_rotation_y(viewpoint.yaw) * Quat::from_rotation_x(-viewpoint.pitch);
+    *transform = Transform::from_translation(focus + direction * Vec3::Z * distance)
+        .looking_at(focus, Vec3::Y);
+    orbit.focus = focus;
+    orbit.target_focus = focus;
+    orbit.yaw = Some(viewpoint.yaw);
+    orbit.pitch = Some(viewpoint.pitch);
+    orbit.radius = Some(distance);
+    orbit.target_yaw = viewpoint.yaw;
+    orbit.target_pitch = viewpoint.pitch;
+    orbit.target_radius = distance;
 }

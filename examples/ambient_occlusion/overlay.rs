@@ -1,0 +1,154 @@
+//! The text in the corner: the settings, the keys, the time and the error.
+
+use core::fmt::Write;
+
+use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+use bevy_lean_deferred::prelude::*;
+
+use crate::{
+    errors, gpu_times,
+    settings::{ExampleSettings, Mode},
+};
+
+pub struct OverlayPlugin;
+
+impl Plugin for OverlayPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Startup, spawn_text)
+            .add_systems(Update, update_text);
+    }
+}
+
+const KEYS: &str =
+    "1 off  2 lean  3 Bevy's  G LeanDeferred  P preset  K kernel  A application  D occlusion alone
+Up/Down radius  Left/Right intensity  R resolution  F filter  T format  N normals  L sun  H text";
+
+#[derive(Component)]
+struct OverlayText;
+
+fn spawn_text(mut commands: Commands) {
+    commands.spawn((
+        OverlayText,
+        Text::default(),
+        TextFont::from_font_size(14.0),
+        BackgroundColor(Color::BLACK.with_alpha(0.75)),
+        Node {
+            position_type: PositionType::Absolute,
+            top: px(8),
+            left: px(8),
+            padding: px(6).all(),
+            ..default()
+        },
+    ));
+}
+
+fn update_text(
+    settings: Res<ExampleSettings>,
+    diagnostics: Res<DiagnosticsStore>,
+    overlay: Single<(&mut Text, &mut Visibility), With<OverlayText>>,
+) {
+    let (mut text, mut visibility) = overlay.into_inner();
+    if !settings.text {
+        *visibility = Visibility::Hidden;
+        return;
+    }
+    *visibility = Visibility::Inherited;
+    text.0 = describe(&settings);
+    let _ = write!(
+        text.0,
+        "\nGPU: {}\n{}\n{KEYS}",
+        times(&settings, &diagnostics),
+        errors::text(&settings),
+    );
+}
+
+fn describe(settings: &ExampleSettings) -> String {
+    let camera = if settings.lean_deferred {
+        "LeanDeferred"
+    } else {
+        "Bevy forward"
+    };
+    let occlusion = &settings.occlusion;
+    match settings.mode {
+        Mode::Off => format!("{camera}, no ambient occlusion"),
+        Mode::Bevy => format!(
+            "{camera}, Bevy's ScreenSpaceAmbientOcclusion {:?}",
+            settings.bevy_level()
+        ),
+        Mode::Lean => format!(
+            "{camera}, LeanAmbientOcclusion {}, radius {:.2} m, intensity {:.1}\n{}, {:?}, {:?}, {:?}, {} normals{}",
+            sampling(occlusion),
+            occlusion.radius,
+            occlusion.intensity,
+            application(occlusion.application, settings.lean_deferred),
+            occlusion.resolution,
+            occlusion.filter,
+            occlusion.format,
+            normals(occlusion, settings.lean_deferred),
+            if occlusion.debug_view {
+                ", occlusion alone"
+            } else {
+                ""
+            },
+        ),
+    }
+}
+
+/// Of the passes that run now: the others keep the times of when they last ran.
+fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
+    let time = |span| gpu_times::text(diagnostics, span);
+    let gather = "lean_deferred/occlusion/gather";
+    match settings.mode {
+        Mode::Off => "-".into(),
+        Mode::Bevy => format!("ssao {}", time("ssao")),
+        Mode::Lean if is_merged(settings) => format!(
+            "gather {}, merge {}",
+            time(gather),
+            time("lean_deferred/occlusion/merge")
+        ),
+        Mode::Lean => format!("gather {}, merged by the lighting pass", time(gather)),
+    }
+}
+
+fn is_merged(settings: &ExampleSettings) -> bool {
+    settings.occlusion.debug_view
+        || resolve(settings.occlusion.application, settings.lean_deferred)
+            == OcclusionApplication::MultiplicativeBlend
+}
+
+fn sampling(occlusion: &LeanAmbientOcclusion) -> String {
+    match occlusion.kernel {
+        OcclusionKernel::Hdao => "HDAO".into(),
+        OcclusionKernel::Hbao => {
+            let (slices, steps) = occlusion.quality.samples();
+            format!("HBAO {:?} ({slices} x 2 x {steps})", occlusion.quality)
+        }
+    }
+}
+
+/// What an application comes to on this camera.
+fn resolve(chosen: OcclusionApplication, lean_deferred: bool) -> OcclusionApplication {
+    match chosen {
+        OcclusionApplication::MultiplicativeBlend => chosen,
+        _ if lean_deferred => OcclusionApplication::Indirect,
+        _ => OcclusionApplication::MultiplicativeBlend,
+    }
+}
+
+/// The one chosen, and what it comes to.
+fn application(chosen: OcclusionApplication, lean_deferred: bool) -> String {
+    let used = resolve(chosen, lean_deferred);
+    if used == chosen {
+        format!("{chosen:?}")
+    } else {
+        format!("{chosen:?}: {used:?}")
+    }
+}
+
+fn normals(occlusion: &LeanAmbientOcclusion, lean_deferred: bool) -> &'static str {
+    match (occlusion.kernel, occlusion.normals) {
+        (OcclusionKernel::Hdao, _) => "no",
+        (OcclusionKernel::Hbao, OcclusionNormals::Shading) if lean_deferred => "shading",
+        (OcclusionKernel::Hbao, _) => "geometric",
+    }
+}

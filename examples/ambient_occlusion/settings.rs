@@ -1,0 +1,154 @@
+//! What the keys change, and its way onto the camera.
+
+use bevy::{
+    core_pipeline::{
+        prepass::{DepthPrepass, NormalPrepass},
+        tonemapping::Tonemapping,
+    },
+    pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionQualityLevel},
+    prelude::*,
+};
+use bevy_lean_deferred::prelude::*;
+
+use crate::{choices::next, courtyard::Sun};
+
+/// Whose ambient occlusion the camera has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    Off,
+    Lean,
+    Bevy,
+}
+
+pub const MODES: [Mode; 3] = [Mode::Off, Mode::Lean, Mode::Bevy];
+pub const APPLICATIONS: [OcclusionApplication; 3] = [
+    OcclusionApplication::Auto,
+    OcclusionApplication::MultiplicativeBlend,
+    OcclusionApplication::Indirect,
+];
+pub const KERNELS: [OcclusionKernel; 2] = [OcclusionKernel::Hbao, OcclusionKernel::Hdao];
+pub const RESOLUTIONS: [OcclusionResolution; 2] =
+    [OcclusionResolution::Full, OcclusionResolution::Half];
+pub const FORMATS: [OcclusionFormat; 2] = [OcclusionFormat::Unorm8, OcclusionFormat::Float16];
+pub const NORMALS: [OcclusionNormals; 2] = [OcclusionNormals::Shading, OcclusionNormals::Geometric];
+
+/// From one radius to the next larger one.
+const RADIUS_STEP: f32 = 1.25;
+const INTENSITY_STEP: f32 = 0.1;
+
+#[derive(Resource, Clone)]
+pub struct ExampleSettings {
+    pub mode: Mode,
+    pub lean_deferred: bool,
+    pub occlusion: LeanAmbientOcclusion,
+    pub sun: bool,
+    pub text: bool,
+}
+
+impl ExampleSettings {
+    /// Whether the picture is the occlusion alone.
+    fn shows_data(&self) -> bool {
+        self.mode == Mode::Lean && self.occlusion.debug_view
+    }
+
+    /// Bevy's level of the same name.
+    pub fn bevy_level(&self) -> ScreenSpaceAmbientOcclusionQualityLevel {
+        match self.occlusion.quality {
+            OcclusionQuality::Low => ScreenSpaceAmbientOcclusionQualityLevel::Low,
+            OcclusionQuality::Medium => ScreenSpaceAmbientOcclusionQualityLevel::Medium,
+            OcclusionQuality::Ultra => ScreenSpaceAmbientOcclusionQualityLevel::Ultra,
+            _ => ScreenSpaceAmbientOcclusionQualityLevel::High,
+        }
+    }
+}
+
+pub fn read_keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut settings: ResMut<ExampleSettings>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    for key in keys.get_just_pressed() {
+        if *key == KeyCode::Escape {
+            exit.write(AppExit::Success);
+            continue;
+        }
+        // Once asked for, the settings count as changed.
+        let ExampleSettings {
+            mode,
+            lean_deferred,
+            occlusion,
+            sun,
+            text,
+        } = &mut *settings;
+        match key {
+            KeyCode::Digit1 => *mode = Mode::Off,
+            KeyCode::Digit2 => *mode = Mode::Lean,
+            KeyCode::Digit3 => *mode = Mode::Bevy,
+            KeyCode::KeyG => *lean_deferred = !*lean_deferred,
+            KeyCode::KeyP => {
+                occlusion.quality = next(&OcclusionQuality::PRESETS, occlusion.quality);
+            }
+            KeyCode::ArrowUp => occlusion.radius = (occlusion.radius * RADIUS_STEP).min(10.0),
+            KeyCode::ArrowDown => occlusion.radius = (occlusion.radius / RADIUS_STEP).max(0.01),
+            KeyCode::ArrowRight => {
+                occlusion.intensity = (occlusion.intensity + INTENSITY_STEP).min(4.0);
+            }
+            KeyCode::ArrowLeft => {
+                occlusion.intensity = (occlusion.intensity - INTENSITY_STEP).max(0.0);
+            }
+            KeyCode::KeyA => occlusion.application = next(&APPLICATIONS, occlusion.application),
+            KeyCode::KeyK => occlusion.kernel = next(&KERNELS, occlusion.kernel),
+            KeyCode::KeyR => occlusion.resolution = next(&RESOLUTIONS, occlusion.resolution),
+            KeyCode::KeyF => occlusion.filter = next(&OcclusionFilter::ALL, occlusion.filter),
+            KeyCode::KeyT => occlusion.format = next(&FORMATS, occlusion.format),
+            KeyCode::KeyN => occlusion.normals = next(&NORMALS, occlusion.normals),
+            KeyCode::KeyD => occlusion.debug_view = !occlusion.debug_view,
+            KeyCode::KeyL => *sun = !*sun,
+            KeyCode::KeyH => *text = !*text,
+            _ => {}
+        }
+    }
+}
+
+pub fn apply(
+    mut commands: Commands,
+    settings: Res<ExampleSettings>,
+    camera: Single<Entity, With<Camera3d>>,
+    mut sun: Single<&mut Visibility, With<Sun>>,
+) {
+    **sun = if settings.sun {
+        Visibility::Inherited
+    } else {
+        Visibility::Hidden
+    };
+    let mut camera = commands.entity(*camera);
+    if settings.lean_deferred {
+        camera.insert_if_new(LeanDeferred::default());
+    } else {
+        camera.remove::<LeanDeferred>();
+    }
+    if settings.mode != Mode::Lean {
+        camera.remove::<LeanAmbientOcclusion>();
+    }
+    if settings.mode != Mode::Bevy {
+        camera.remove::<(ScreenSpaceAmbientOcclusion, DepthPrepass, NormalPrepass)>();
+    }
+    match settings.mode {
+        Mode::Off => {}
+        Mode::Lean => {
+            camera.insert(settings.occlusion);
+        }
+        Mode::Bevy => {
+            // Requires both prepasses. MSAA is off on this camera.
+            camera.insert(ScreenSpaceAmbientOcclusion {
+                quality_level: settings.bevy_level(),
+                ..default()
+            });
+        }
+    }
+    camera.insert(if settings.shows_data() {
+        Tonemapping::None
+    } else {
+        Tonemapping::TonyMcMapface
+    });
+}
