@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use bevy::{asset::UnapprovedPathMode, prelude::*, window::WindowResolution};
 use bevy_lean_deferred::LeanDeferredPlugins;
 use headless::Headless;
-pub use size::*;
+#[allow(unused_imports, reason = "each example uses a part")]
+pub use size::parse_size;
 
 #[path = "../../tests/common/headless.rs"]
 pub mod headless;
