@@ -26,6 +26,13 @@ fn depth_or_outside(pixel: vec2<i32>) -> f32 {
     return select(OUTSIDE, depth, depth > 0.0);
 }
 
+/// Depth of the neighbour on the chosen side. What stands before both sides, or has none, is a ridge or too thin to have
+/// a neighbour of its own surface: it faces the viewer.
+fn depth_on_side(center: f32, before: f32, after: f32, side: f32) -> f32 {
+    let faces_viewer = max(before, after) < center || min(before, after) == OUTSIDE;
+    return select(select(before, after, side > 0.0), center, faces_viewer);
+}
+
 fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>, to_viewer: vec3<f32>) -> vec3<f32> {
     let x = vec2(1, 0);
     let y = vec2(0, 1);
@@ -37,8 +44,8 @@ fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>, to_viewer
     let v = nearer_side(depth, top, bottom);
     let n = normal_from_positions(
         position,
-        view_position(pixel + i32(h) * x, select(left, right, h > 0.0)), h,
-        view_position(pixel + i32(v) * y, select(top, bottom, v > 0.0)), v,
+        view_position(pixel + i32(h) * x, depth_on_side(depth, left, right, h)), h,
+        view_position(pixel + i32(v) * y, depth_on_side(depth, top, bottom, v)), v,
     );
     return select(n, -n, dot(n, to_viewer) < 0.0);
 }
