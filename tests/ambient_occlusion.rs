@@ -9,6 +9,10 @@ mod accuracy;
 mod edges;
 #[path = "ambient_occlusion/horizon.rs"]
 mod horizon;
+#[path = "ambient_occlusion/hostile.rs"]
+mod hostile;
+#[path = "ambient_occlusion/motion.rs"]
+mod motion;
 #[path = "ambient_occlusion/projections.rs"]
 mod projections;
 #[path = "ambient_occlusion/reach.rs"]
