@@ -5,10 +5,18 @@ mod common;
 
 #[path = "ambient_occlusion/accuracy.rs"]
 mod accuracy;
+#[path = "ambient_occlusion/edges.rs"]
+mod edges;
 #[path = "ambient_occlusion/horizon.rs"]
 mod horizon;
+#[path = "ambient_occlusion/hostile.rs"]
+mod hostile;
+#[path = "ambient_occlusion/motion.rs"]
+mod motion;
 #[path = "ambient_occlusion/projections.rs"]
 mod projections;
+#[path = "ambient_occlusion/reach.rs"]
+mod reach;
 #[path = "ambient_occlusion/shapes.rs"]
 mod shapes;
 #[path = "ambient_occlusion/variants.rs"]

@@ -74,17 +74,17 @@ pub(super) fn decide_active_occlusion(
             commands.entity(entity).remove::<ActiveOcclusion>();
             continue;
         }
+        let is_for_lighting = lean.is_some() && settings.is_for_lighting();
         let key = GatherKey {
             kernel: settings.kernel,
             samples: settings.quality.samples(),
-            // Only after a G-buffer pass of this frame there are any.
-            shading_normals: lean.is_some() && settings.normals == OcclusionNormals::Shading,
+            // After the opaque meshes, the G-buffer's are those of what forward has drawn over.
+            shading_normals: is_for_lighting && settings.normals == OcclusionNormals::Shading,
             thin: settings.thickness < 1.0,
             divisor: settings.resolution.divisor(),
             format: settings.format,
             projection: projection_of(view.clip_from_view),
         };
-        let is_for_lighting = lean.is_some() && settings.is_for_lighting();
         let merge = (!is_for_lighting).then(|| {
             pipelines.merge(
                 &pipeline_cache,

@@ -27,7 +27,8 @@ fn depth_in_view(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>)
 fn flatter(before: f32, center: f32, after: f32) -> f32 {
     let a = center - before;
     let b = after - center;
-    return select(b, a, abs(a) < abs(b));
+    // Neither slope is that of a pixel before both of its neighbours.
+    return select(select(b, a, abs(a) < abs(b)), 0.0, a > 0.0 && b < 0.0);
 }
 
 fn depth_plane(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>, center: f32) -> DepthPlane {

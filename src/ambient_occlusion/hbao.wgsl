@@ -26,6 +26,13 @@ fn depth_or_outside(pixel: vec2<i32>, is_inside: bool) -> f32 {
     return select(OUTSIDE, depth, depth > 0.0);
 }
 
+/// Depth of the neighbour on the chosen side. What stands before both sides, or has none, is a ridge or too thin to have
+/// a neighbour of its own surface: it faces the viewer.
+fn depth_on_side(center: f32, before: f32, after: f32, side: f32) -> f32 {
+    let faces_viewer = max(before, after) < center || min(before, after) == OUTSIDE;
+    return select(select(before, after, side > 0.0), center, faces_viewer);
+}
+
 /// The unit normal of the surface that depth shows, towards the viewer. Nine taps: see `straighter_side`.
 fn geometric_normal(
     pixel: vec2<i32>,
@@ -52,8 +59,8 @@ fn geometric_normal(
     );
     let n = normal_from_positions(
         position,
-        view_position(pixel + i32(h) * x, select(left, right, h > 0.0)), h,
-        view_position(pixel + i32(v) * y, select(top, bottom, v > 0.0)), v,
+        view_position(pixel + i32(h) * x, depth_on_side(depth, left, right, h)), h,
+        view_position(pixel + i32(v) * y, depth_on_side(depth, top, bottom, v)), v,
     );
     return select(n, -n, dot(n, to_viewer) < 0.0);
 }
@@ -141,6 +148,10 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
     let word = textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
     if word != NO_GEOMETRY {
         normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
+        // On outlines depth may tell of another surface; no shading normal leans that far off its own.
+        if dot(normal, march.geometric) < 0.5 {
+            march.geometric = normal;
+        }
     }
 #endif
 

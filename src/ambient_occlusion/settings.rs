@@ -134,7 +134,7 @@ impl OcclusionQuality {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionNormals {
-    /// The G-buffer's; the geometric one on cameras without.
+    /// The G-buffer's where lighting applies the occlusion ([`OcclusionApplication::Indirect`]); else the geometric one.
     #[default]
     Shading,
     /// Reconstructed from depth, nine taps (atyuwen 2021, "Accurate Normal Reconstruction from Depth Buffer").

@@ -21,6 +21,8 @@ use crate::tiles::RowOrder;
 /// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
 /// smooth picture, and too far apart in memory for a fast one.
 const LARGEST_RADIUS: f32 = 0.25;
+/// Larger than any screen.
+const LARGEST_METRES: f32 = 1e9;
 /// Steps in depth of this share of the radius separate surfaces.
 const EDGE: f32 = 0.1;
 
@@ -64,7 +66,8 @@ impl OcclusionView {
             -clip_from_view.z_axis.w
         };
         let scale = Vec2::new(clip_from_view.x_axis.x, clip_from_view.y_axis.y) / w;
-        let radius = settings.radius.max(0.0);
+        // So that its size in pixels is finite.
+        let radius = settings.radius.max(0.0).min(LARGEST_METRES);
 
         // In perspective depth / distance² is constant: a step of metres is one of 1/distance there.
         let m = &view_from_pixel;
@@ -82,7 +85,7 @@ impl OcclusionView {
             texture_size: texture_size(settings, viewport_size),
             radius,
             largest_radius_in_pixels: (LARGEST_RADIUS * size.y).max(1.0),
-            intensity: settings.intensity.max(0.0),
+            intensity: settings.intensity.max(0.0).min(f32::MAX),
             sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
             // So that 0 is a hard edge, but no division by it.
             inverse_falloff: 1.0 / settings.falloff.clamp(1e-4, 1.0),

@@ -60,6 +60,14 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @builtin(frag_depth) f32 
     return textureLoad(source, vec2<i32>(position.xy), 0).r;
 }
 ";
+const DEPTH_READER: &str = r"
+@group(0) @binding(0) var depth: texture_depth_2d;
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    return vec4(textureLoad(depth, vec2<i32>(position.xy), 0));
+}
+";
 const FULLSCREEN: &str = r"
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
@@ -259,6 +267,51 @@ impl OcclusionGpu {
             gathered: self.read(&stored),
             filtered,
         }
+    }
+
+    /// What the shaders read of an image's depths: drivers clamp what is drawn to a depth buffer.
+    pub fn held_depth(&self, image: &DepthImage) -> Vec<f32> {
+        let depth = self.depth_texture(image).create_view(&Default::default());
+        let copy = self.texture(
+            image.size,
+            wgpu::TextureFormat::R32Float,
+            wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        );
+        let layout = self
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: None,
+                entries: &[layout_entry(
+                    0,
+                    wgpu::ShaderStages::FRAGMENT,
+                    wgpu::BindingType::Texture {
+                        sample_type: wgpu::TextureSampleType::Depth,
+                        view_dimension: wgpu::TextureViewDimension::D2,
+                        multisampled: false,
+                    },
+                )],
+            });
+        let group = self.group(
+            &layout,
+            &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&depth),
+            }],
+        );
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let target = Target::Color(
+            &copy.create_view(&Default::default()),
+            wgpu::TextureFormat::R32Float,
+        );
+        self.draw(
+            &mut encoder,
+            (&layout, &group),
+            self.shader(DEPTH_READER, HashMap::new()),
+            target,
+            None,
+        );
+        self.queue.submit([encoder.finish()]);
+        self.read(&copy)
     }
 
     fn texture(

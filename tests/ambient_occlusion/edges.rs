@@ -1,0 +1,229 @@
+//! What must stay free of occlusion beside outlines, and how near and how far the radius reaches.
+
+use bevy::math::UVec2;
+use bevy_lean_deferred::ambient_occlusion::{
+    LeanAmbientOcclusion, OcclusionFilter, OcclusionResolution,
+};
+
+use crate::{
+    common::{
+        occlusion::{depth_buffer::pixels, errors::Errors, geometry::Geometry, solids::Hit},
+        occlusion_gpu::{DepthImage, OcclusionGpu},
+    },
+    views::{RADIUS, SIZE, Seen, View, corner, kinds, run},
+};
+
+/// [`kinds`] with all filters.
+fn kinds_and_filters() -> impl Iterator<Item = LeanAmbientOcclusion> {
+    kinds().flat_map(|settings| {
+        OcclusionFilter::ALL.map(|filter| LeanAmbientOcclusion { filter, ..settings })
+    })
+}
+
+fn named(settings: &LeanAmbientOcclusion) -> String {
+    let LeanAmbientOcclusion {
+        kernel,
+        resolution,
+        filter,
+        ..
+    } = settings;
+    format!("{kernel:?}, {resolution:?}, {filter:?}")
+}
+
+fn knows_edges(settings: &LeanAmbientOcclusion) -> bool {
+    use OcclusionFilter as Filter;
+    matches!(
+        settings.filter,
+        Filter::BinomialEdgeAware | Filter::FlatEdgeAware
+    )
+}
+
+/// The largest occlusion of a part of a view.
+fn largest(seen: &Seen, occlusion: &[f32], part: impl Fn(Option<&Hit>) -> bool) -> f32 {
+    let pixels = seen.buffer.hits.iter().zip(occlusion);
+    pixels
+        .filter(|(hit, _)| part(hit.as_ref()))
+        .map(|(_, x)| *x)
+        .fold(0.0, f32::max)
+}
+
+fn pole(thickness: f64, gap: f64) -> View {
+    let pole = Geometry::Pole { thickness, gap };
+    View::new("pole", pole, [0.4, 0.5, 4.0], [0.1, 0.0, 0.0])
+}
+
+/// Neither the pole nor the wall behind it is occluded: they are further apart than the radius.
+#[test]
+fn thin_poles_have_no_halo() {
+    let gpu = OcclusionGpu::new();
+    // From one pixel to nine.
+    for thickness in [0.012, 0.03, 0.1] {
+        for gap in [0.7, 1.0, 10.0] {
+            let seen = pole(thickness, gap).seen();
+            let halos = kinds_and_filters().map(|settings| {
+                let occlusion = run(&gpu, &settings, &seen.image).filtered;
+                largest(&seen, &occlusion, |hit| hit.is_some())
+            });
+            let halo = halos.fold(0.0, f32::max);
+            println!("pole of {thickness} m, {gap} m before a wall: {halo}");
+            assert_eq!(halo, 0.0);
+        }
+    }
+}
+
+/// Within the radius a pole counts as endlessly deep, as for the integral, unless the setting says otherwise.
+#[test]
+fn thickness_narrows_the_halo_of_near_poles() {
+    let gpu = OcclusionGpu::new();
+    let seen = pole(0.05, 0.3).seen();
+    let is_on_wall = |hit: &Option<Hit>| hit.as_ref().is_some_and(|hit| hit.point.z < -0.2);
+    let on_wall: Vec<bool> = seen.buffer.hits.iter().map(is_on_wall).collect();
+    let none = vec![Some(0.0); on_wall.len()];
+    let integral = Errors::measure_sparse(&seen.integral(4), &none, &on_wall).mean;
+    let mut thicker = integral;
+    for thickness in [1.0, 0.75, 0.5, 0.25, 0.0] {
+        let settings = LeanAmbientOcclusion {
+            thickness,
+            ..LeanAmbientOcclusion::default()
+        };
+        let occlusion = run(&gpu, &settings, &seen.image).filtered;
+        let mean = Errors::measure(&occlusion, &none, &on_wall).mean;
+        println!("thickness {thickness}: mean {mean:.4} on the wall, integral {integral:.4}");
+        assert!(mean < thicker);
+        thicker = mean;
+    }
+    assert!(thicker <= 0.03 * integral);
+}
+
+#[test]
+fn the_sky_is_free_and_takes_nothing_away() {
+    let gpu = OcclusionGpu::new();
+    let sphere = Geometry::Sphere {
+        sphere_radius: 0.5,
+        height: 0.6,
+    };
+    let wall = Geometry::Wall { height: 0.4 };
+    // With the largest occlusion on what is open: with a filter that knows edges from full resolution, and from half.
+    for (view, of_full, of_half) in [
+        (
+            View::new("sphere", sphere, [0.0, 0.5, 3.0], [0.0, 0.7, 0.0]),
+            0.016,
+            0.042,
+        ),
+        (
+            View::new("wall", wall, [1.5, 0.3, 2.0], [0.0, 0.35, 0.0]),
+            0.0,
+            0.059,
+        ),
+    ] {
+        let seen = view.seen();
+        for settings in kinds_and_filters() {
+            let occlusion = run(&gpu, &settings, &seen.image).filtered;
+            let in_sky = largest(&seen, &occlusion, |hit| hit.is_none());
+            let open = largest(&seen, &occlusion, |hit| {
+                hit.is_some_and(|hit| view.scene.occlusion(hit, RADIUS) == Some(0.0))
+            });
+            println!(
+                "{} before the sky, {}: {in_sky} in the sky, {open:.4} on what is open",
+                view.name,
+                named(&settings)
+            );
+            assert_eq!(in_sky, 0.0);
+            let bound = match settings.resolution {
+                OcclusionResolution::Full => of_full,
+                OcclusionResolution::Half => of_half,
+            };
+            assert!(!knows_edges(&settings) || open <= bound);
+        }
+    }
+}
+
+/// Pixels of a surface with nothing else within four pixels, the reach of the filter from half resolution.
+fn within_facets(seen: &Seen) -> Vec<bool> {
+    let normals = seen.buffer.normals();
+    let same = |a: UVec2, b: UVec2| {
+        let [a, b] = [a, b].map(|pixel| normals[(pixel.y * SIZE.x + pixel.x) as usize]);
+        a.zip(b).is_some_and(|(a, b)| a.dot(b) > 0.99999)
+    };
+    let is_within = |pixel: UVec2| {
+        pixel.cmpge(UVec2::splat(4)).all()
+            && (pixel + 4).cmplt(SIZE).all()
+            && (0..81).all(|i| same(pixel, pixel + UVec2::new(i % 9, i / 9) - 4))
+    };
+    pixels(SIZE).map(|(pixel, _)| is_within(pixel)).collect()
+}
+
+/// Facets are exactly free. Of the pixels on their edges, some find the tangents of two facets, and with them no plane
+/// that has all of the mesh below it.
+#[test]
+fn facets_of_convex_meshes_do_not_show() {
+    let gpu = OcclusionGpu::new();
+    for facets in [6, 12, 32] {
+        let cylinder = Geometry::FacetedCylinder {
+            cylinder_radius: 0.5,
+            facets,
+        };
+        for eye in [[0.0, 0.5, 2.0], [0.3, 2.0, 1.0], [0.2, 0.1, 0.8]] {
+            let seen = View::new("cylinder", cylinder, eye, [0.0; 3]).seen();
+            let inside = within_facets(&seen);
+            let on_surface: Vec<bool> = seen.truth.iter().map(Option::is_some).collect();
+            for settings in kinds() {
+                let occlusion = run(&gpu, &settings, &seen.image).filtered;
+                let band = Errors::measure(&occlusion, &seen.truth, &inside);
+                let all = Errors::measure(&occlusion, &seen.truth, &on_surface);
+                let dark = occlusion.iter().filter(|x| **x > 0.02).count();
+                println!(
+                    "{facets} facets from {eye:?}, {:?}, {:?}: {} within facets; on edges up to {:.3}, {dark} of {} \
+                     pixels above 0.02, mean {:.1e}",
+                    settings.kernel,
+                    settings.resolution,
+                    band.largest,
+                    all.largest,
+                    all.count,
+                    all.mean
+                );
+                assert_eq!(band.largest, 0.0);
+                assert!(all.mean <= 1e-4 && dark <= all.count / 500 && all.largest < 0.42);
+            }
+        }
+    }
+}
+
+/// One pixel wide, in even and odd columns and rows, far before a corner: what they show and what shows between them.
+#[test]
+fn occlusion_hardly_bleeds_over_steps_of_one_pixel() {
+    let gpu = OcclusionGpu::new();
+    let seen = corner().seen();
+    let is_wire = |i: usize| {
+        let (x, y) = (i % SIZE.x as usize, i / SIZE.x as usize);
+        x % 17 == 8 || y % 23 == 11
+    };
+    let depths = seen.image.depth.iter().enumerate();
+    let before = seen.buffer.camera.depth(1.2) as f32;
+    let depths = depths.map(|(i, depth)| if is_wire(i) { before } else { *depth });
+    let image = DepthImage::new(depths.collect(), SIZE, seen.image.clip_from_view);
+    let wires: Vec<bool> = (0..seen.mask.len()).map(is_wire).collect();
+    let between: Vec<bool> = wires.iter().map(|wire| !wire).collect();
+    for settings in kinds_and_filters() {
+        let without = run(&gpu, &settings, &seen.image).filtered;
+        let occlusion = run(&gpu, &settings, &image).filtered;
+        let on_wires = Errors::measure(&occlusion, &vec![Some(0.0); wires.len()], &wires);
+        let without: Vec<_> = without.into_iter().map(Some).collect();
+        let between = Errors::measure(&occlusion, &without, &between);
+        println!(
+            "{}: on wires mean {:.4}, largest {:.4}; between them RMSE {:.4}, bias {:+.4}",
+            named(&settings),
+            on_wires.mean,
+            on_wires.largest,
+            between.rmse,
+            between.bias
+        );
+        // A wire between the texels of half resolution has none of its own.
+        let (mean, rmse) = match (knows_edges(&settings), settings.resolution) {
+            (true, OcclusionResolution::Full) => (0.0, 0.03),
+            (true, OcclusionResolution::Half) => (0.023, 0.027),
+            (false, _) => (0.040, 0.037),
+        };
+        assert!(on_wires.mean <= mean && between.rmse <= rmse);
+    }
+}

@@ -1,0 +1,148 @@
+//! From frame to frame, and beside the border of the picture.
+
+use std::f64::consts::FRAC_PI_8;
+
+use bevy::math::{DMat4, DVec2, DVec3, IVec2};
+use bevy_lean_deferred::ambient_occlusion::{
+    LeanAmbientOcclusion, OcclusionQuality, OcclusionResolution,
+};
+
+use crate::{
+    common::{
+        occlusion::{errors::Errors, geometry::Geometry, solids::Hit},
+        occlusion_gpu::OcclusionGpu,
+    },
+    views::{RADIUS, SIZE, Seen, View, run, sphere, wall},
+};
+
+struct Frame {
+    seen: Seen,
+    occlusion: Vec<f32>,
+}
+
+impl Frame {
+    fn new(gpu: &OcclusionGpu, settings: &LeanAmbientOcclusion, view: &View) -> Self {
+        let seen = view.seen();
+        let occlusion = run(gpu, settings, &seen.image).filtered;
+        Self { seen, occlusion }
+    }
+
+    /// Occlusion of a surface's point, interpolated; `None` beside what is another surface, and outside.
+    fn at(&self, point: DVec3, normal: DVec3) -> Option<f32> {
+        let camera = &self.seen.buffer.camera;
+        let position = camera.world_from_view.inverse().transform_point3(point);
+        let place = camera.pixel(position) - 0.5;
+        let (corner, part) = (place.floor(), place - place.floor());
+        let mut sum = 0.0;
+        for i in 0..4 {
+            let offset = IVec2::new(i & 1, i >> 1);
+            let pixel = corner.as_ivec2() + offset;
+            if pixel.cmplt(IVec2::ZERO).any() || pixel.cmpge(SIZE.as_ivec2()).any() {
+                return None;
+            }
+            let index = (pixel.y as u32 * SIZE.x + pixel.x as u32) as usize;
+            let hit = self.seen.buffer.hits[index].as_ref()?;
+            if hit.normal.dot(normal) < 0.999 {
+                return None;
+            }
+            let weight = DVec2::select(offset.cmpeq(IVec2::ONE), part, 1.0 - part);
+            sum += weight.element_product() * f64::from(self.occlusion[index]);
+        }
+        Some(sum as f32)
+    }
+
+    /// How far the next frame differs at this frame's points.
+    fn change(&self, next: &Frame, mask: &[bool]) -> Errors {
+        let hits = self.seen.buffer.hits.iter();
+        let after: Vec<Option<f32>> = hits
+            .map(|hit| {
+                let hit = hit.as_ref()?;
+                next.at(hit.point, hit.normal)
+            })
+            .collect();
+        let before: Vec<Option<f32>> = self.occlusion.iter().copied().map(Some).collect();
+        Errors::measure_sparse(&after, &before, mask)
+    }
+}
+
+/// Turns the camera to its right, in radians.
+fn turned(mut view: View, angle: f64) -> View {
+    view.camera.world_from_view *= DMat4::from_rotation_y(-angle);
+    view
+}
+
+/// Radians of a pixel in the middle of the picture.
+fn pixel_angle() -> f64 {
+    FRAC_PI_8.tan() / (0.5 * f64::from(SIZE.y))
+}
+
+/// By less than half a pixel a frame. On the sphere only outlines and its own shadow are in the shade.
+#[test]
+fn occlusion_stays_where_it_is_while_the_camera_turns() {
+    use OcclusionResolution::{Full, Half};
+    let gpu = OcclusionGpu::new();
+    for (resolution, quality, largest) in [
+        (Full, OcclusionQuality::Low, [0.0152, 0.030]),
+        (Full, OcclusionQuality::Medium, [0.0132, 0.041]),
+        (Full, OcclusionQuality::High, [0.0099, 0.033]),
+        (Half, OcclusionQuality::Medium, [0.0240, 0.036]),
+    ] {
+        let settings = LeanAmbientOcclusion {
+            resolution,
+            quality,
+            ..LeanAmbientOcclusion::default()
+        };
+        let views: [fn() -> View; 2] = [wall, sphere];
+        for (view, largest) in views.into_iter().zip(largest) {
+            let frame = |i| {
+                let angle = 0.4 * f64::from(i) * pixel_angle();
+                Frame::new(&gpu, &settings, &turned(view(), angle))
+            };
+            let frames: Vec<Frame> = (0..8).map(frame).collect();
+            let changes = frames
+                .windows(2)
+                .map(|pair| pair[0].change(&pair[1], &pair[0].seen.shade(0.0)));
+            let (rms, p99) = changes.fold((0.0f64, 0.0f64), |(rms, p99), change| {
+                (rms.max(change.rmse), p99.max(change.p99))
+            });
+            println!(
+                "{}, {quality:?}, {resolution:?}: RMS from frame to frame at most {rms:.4}, p99 {p99:.4}",
+                view().name
+            );
+            assert!(rms <= largest);
+        }
+    }
+}
+
+/// A wall passes out of the picture on the left, seen from above: the floor beside it loses its occlusion bit by bit, not
+/// at once.
+#[test]
+fn occluders_leave_the_picture_gradually() {
+    const EYE: f64 = 3.0;
+    let gpu = OcclusionGpu::new();
+    // Of the wall's foot from the border, in pixels.
+    let frame = |inside: i32| {
+        let pixel = pixel_angle() * EYE;
+        let x = (0.5 * f64::from(SIZE.x) - f64::from(inside)) * pixel;
+        let wall = Geometry::Wall { height: 0.5 };
+        let view = View::new("low wall", wall, [x, EYE, 0.0], [x, 0.0, 0.0]);
+        Frame::new(&gpu, &LeanAmbientOcclusion::default(), &view)
+    };
+    let in_shade = |hit: &Option<Hit>| {
+        hit.is_some_and(|hit| hit.normal.y > 0.5 && (0.0..RADIUS).contains(&hit.point.x))
+    };
+    let mut before = frame(48);
+    for inside in (-2..48).step_by(2).rev() {
+        let next = frame(inside);
+        let shade: Vec<bool> = before.seen.buffer.hits.iter().map(in_shade).collect();
+        let change = before.change(&next, &shade);
+        let errors = Errors::measure(&before.occlusion, &before.seen.truth, &shade);
+        println!(
+            "wall {inside} pixels inside: change of the mean {:+.4}, RMS {:.4}, largest {:.4}; mean {:.4}, beside the \
+             closed form RMSE {:.4}, bias {:+.4}",
+            change.bias, change.rmse, change.largest, errors.mean, errors.rmse, errors.bias
+        );
+        assert!(change.bias.abs() <= 0.021 && change.rmse <= 0.056 && change.largest <= 0.35);
+        before = next;
+    }
+}
