@@ -26,6 +26,12 @@ fn depth_or_outside(pixel: vec2<i32>, is_inside: bool) -> f32 {
     return select(OUTSIDE, depth, depth > 0.0);
 }
 
+/// Depth of the neighbour's neighbour; the neighbour's where there is none, which leaves nearness alone to choose by.
+fn second_depth(pixel: vec2<i32>, first: f32, is_inside: bool) -> f32 {
+    let second = depth_or_outside(pixel, is_inside);
+    return select(second, first, second == OUTSIDE);
+}
+
 /// Depth of the neighbour on the chosen side. What stands before both sides, or has none, is a ridge or too thin to have
 /// a neighbour of its own surface: it faces the viewer.
 fn depth_on_side(center: f32, before: f32, after: f32, side: f32) -> f32 {
@@ -49,13 +55,13 @@ fn geometric_normal(
     let bottom = depth_or_outside(pixel + y, is_inside);
     let h = straighter_side(
         depth,
-        left, depth_or_outside(pixel - 2 * x, is_inside),
-        right, depth_or_outside(pixel + 2 * x, is_inside),
+        left, second_depth(pixel - 2 * x, left, is_inside),
+        right, second_depth(pixel + 2 * x, right, is_inside),
     );
     let v = straighter_side(
         depth,
-        top, depth_or_outside(pixel - 2 * y, is_inside),
-        bottom, depth_or_outside(pixel + 2 * y, is_inside),
+        top, second_depth(pixel - 2 * y, top, is_inside),
+        bottom, second_depth(pixel + 2 * y, bottom, is_inside),
     );
     let n = normal_from_positions(
         position,
@@ -155,6 +161,10 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
     }
 #endif
 
+    // The steps are spread over 4×4 texels: what is left of that pattern after the filter is a fine dither, not stripes.
+    let quad = (vec2<u32>(pixel) / (2u * #{DIVISOR}u)) & vec2(1u);
+    let block = quad.x + 2u * quad.y;
+
     let basis = tangents(to_viewer);
     var occlusion = 0.0;
     for (var slice = 0u; slice < #{SLICES}u; slice++) {
@@ -174,7 +184,7 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
         let on_screen = radius.pixels * vec2(direction.x, -direction.y);
         march.reach = largest_side(on_screen);
         march.direction = on_screen / march.reach;
-        march.offset = fract(0.125 + 0.25 * f32(phase) + 0.618 * f32(slice) + view.turn);
+        march.offset = fract(0.125 + 0.25 * f32(phase + block) + 0.618 * f32(slice) + view.turn);
         let ahead = horizon(march, bases.x);
         march.direction = -march.direction;
         march.offset = fract(march.offset + 0.5);

@@ -37,8 +37,12 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     let m = view.view_from_pixel;
 #ifdef PROJECTION_ORTHOGRAPHIC
     let metres = abs(m[2].z);
-#else
+#else ifdef PROJECTION_PERSPECTIVE
     let metres = abs(m[2].w) * position.z * position.z;
+#else
+    let step = 1e-3 * depth;
+    let around = view_position(pixel, depth + step).z - view_position(pixel, depth - step).z;
+    let metres = abs(around) / (2.0 * step);
 #endif
     let pixels_per_metre = reach / radius.metres;
     let inverse_radius_squared = 1.0 / (radius.metres * radius.metres);
