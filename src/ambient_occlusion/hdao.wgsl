@@ -21,6 +21,21 @@ fn block(corner: vec2<i32>) -> vec4<f32> {
     return textureGather(depth_texture, nearest_sampler, place / vec2<f32>(textureDimensions(depth_texture)));
 }
 
+/// View-space z of a block.
+fn heights(corner: vec2<i32>, depths: vec4<f32>) -> vec4<f32> {
+#ifdef PROJECTION_PERSPECTIVE
+    let m = view.view_from_pixel;
+    return m[3].z / (m[2].w * depths + m[3].w);
+#else
+    return vec4(
+        view_position(corner + vec2(0, 1), depths.x).z,
+        view_position(corner + vec2(1, 1), depths.y).z,
+        view_position(corner + vec2(1, 0), depths.z).z,
+        view_position(corner, depths.w).z,
+    );
+#endif
+}
+
 /// Occlusion of a pixel, 0 to 1.
 fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
@@ -33,7 +48,7 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     let margin = 6 * scale + 2;
     let is_inside = is_in_view(pixel - margin) && is_in_view(pixel + margin);
 
-    // Metres towards the viewer, from steps in depth.
+    // Metres towards the viewer, from steps in depth: of two opposite samples their sum is exact on planes.
     let m = view.view_from_pixel;
 #ifdef PROJECTION_ORTHOGRAPHIC
     let metres = abs(m[2].z);
@@ -55,11 +70,11 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
         let here = block(pixel + corner);
         // The opposite block runs the other way around.
         let there = block(pixel - corner - 1).zwxy;
-        let rise = (here - depth) * metres;
-        let opposite_rise = (there - depth) * metres;
+        let rise = heights(pixel + corner, here) - position.z;
+        let opposite_rise = heights(pixel - corner - 1, there.zwxy).zwxy - position.z;
         let nearness = 1.0 - max(rise * rise, opposite_rise * opposite_rise) * inverse_radius_squared;
         let weight = saturate(nearness * view.inverse_falloff);
-        let valley = 0.5 * (rise + opposite_rise);
+        let valley = 0.5 * (here + there - 2.0 * depth) * metres;
         for (var j = 0u; j < 4u; j++) {
             let offset = corner + parts[j];
             let is_sky = min(here[j], there[j]) <= 0.0;
