@@ -21,7 +21,7 @@ use bevy::{
 use bevy_lean_deferred::GBufferChannel;
 use common::headless::Headless;
 use covering::{Factor, covering_rows};
-use factors::{GBUFFER, LIGHTING, implications};
+use factors::{GBUFFER, LIGHTING, OCCLUSION_GATHER, OCCLUSION_MERGE, implications};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{Composer, NagaModuleDescriptor, ShaderDefValue};
 
@@ -174,8 +174,28 @@ fn gbuffer_permutations_validate() {
 }
 
 #[test]
-fn every_definition_of_the_lighting_shader_is_tried() {
-    let tried: HashSet<&str> = LIGHTING
+fn occlusion_permutations_validate() {
+    for (slices, steps, divisor) in [(1, 6, 1), (2, 8, 2), (16, 64, 1)] {
+        check_permutations(
+            include_str!("../src/ambient_occlusion/gather.wgsl"),
+            "src/ambient_occlusion/gather.wgsl",
+            OCCLUSION_GATHER,
+            &[],
+            &[("SLICES", slices), ("STEPS", steps), ("DIVISOR", divisor)],
+        );
+    }
+    check_permutations(
+        include_str!("../src/ambient_occlusion/merge.wgsl"),
+        "src/ambient_occlusion/merge.wgsl",
+        OCCLUSION_MERGE,
+        &[],
+        &[],
+    );
+}
+
+/// The names in the factors and what comes with them.
+fn tried<'a>(factors: &[Factor], always: &[&'a str]) -> HashSet<&'a str> {
+    factors
         .iter()
         .copied()
         .flatten()
@@ -183,9 +203,12 @@ fn every_definition_of_the_lighting_shader_is_tried() {
         .flatten()
         .flat_map(|name| implications(name).iter().chain([name]))
         .copied()
-        .chain(["DEPTH_PREPASS"])
-        .collect();
-    let pipeline = include_str!("../src/lighting/pipeline.rs");
+        .chain(always.iter().copied())
+        .collect()
+}
+
+/// Panics if `pipeline` names a definition that has not been tried.
+fn assert_all_tried(path: &str, pipeline: &str, tried: &HashSet<&str>) {
     let is_definition = |text: &str| {
         !text.is_empty()
             && text
@@ -201,8 +224,23 @@ fn every_definition_of_the_lighting_shader_is_tried() {
         .collect();
     assert!(
         unknown.is_empty(),
-        "pipeline.rs defines {unknown:?}, which no permutation has"
+        "{path} defines {unknown:?}, which no permutation has"
     );
+}
+
+#[test]
+fn every_definition_of_the_occlusion_shaders_is_tried() {
+    let values = ["SLICES", "STEPS", "DIVISOR"];
+    let tried = &tried(OCCLUSION_GATHER, &values) | &tried(OCCLUSION_MERGE, &[]);
+    let pipelines = include_str!("../src/ambient_occlusion/pipelines.rs");
+    assert_all_tried("pipelines.rs", pipelines, &tried);
+}
+
+#[test]
+fn every_definition_of_the_lighting_shader_is_tried() {
+    let tried = tried(LIGHTING, &["DEPTH_PREPASS"]);
+    let pipeline = include_str!("../src/lighting/pipeline.rs");
+    assert_all_tried("pipeline.rs", pipeline, &tried);
     let channels = tried
         .iter()
         .filter(|name| name.starts_with("DEBUG_") && **name != "DEBUG_VIEW");

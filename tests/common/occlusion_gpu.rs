@@ -661,7 +661,7 @@ fn float_texture() -> wgpu::BindingType {
 }
 
 /// A half-precision number, finite and not negative, as occlusion is.
-fn half(bits: u16) -> f32 {
+pub fn half(bits: u16) -> f32 {
     let mantissa = f32::from(bits & 0x3ff);
     match i32::from(bits >> 10) {
         0 => mantissa * 2f32.powi(-24),

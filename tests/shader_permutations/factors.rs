@@ -13,7 +13,20 @@ macro_rules! optional {
 pub const LIGHTING: &[Factor] = &[
     optional!("ENVIRONMENT_MAP"),
     optional!("IRRADIANCE_VOLUME", "IRRADIANCE_VOLUMES_ARE_USABLE"),
+    // Bevy's own ambient occlusion, and the crate's.
     optional!("SCREEN_SPACE_AMBIENT_OCCLUSION"),
+    &[
+        &[],
+        &["LEAN_AMBIENT_OCCLUSION"],
+        &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_MULTIBOUNCE"],
+        &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_OF_DIRECT_LIGHT"],
+        &[
+            "LEAN_AMBIENT_OCCLUSION",
+            "OCCLUSION_MULTIBOUNCE",
+            "OCCLUSION_OF_DIRECT_LIGHT",
+        ],
+    ],
+    OCCLUSION_FILTERS,
     optional!("CONTACT_SHADOWS"),
     optional!("DISTANCE_FOG"),
     optional!("ATMOSPHERE"),
@@ -50,6 +63,34 @@ pub const LIGHTING: &[Factor] = &[
         &["DEBUG_GEOMETRIC_NORMAL"],
         &["DEBUG_DEPTH"],
     ],
+];
+
+/// What `FilterKey::shader_defs` makes of the settings of ambient occlusion.
+const OCCLUSION_FILTERS: Factor = &[
+    &[],
+    &["OCCLUSION_FLAT"],
+    &["OCCLUSION_EDGE_AWARE"],
+    &["OCCLUSION_FLAT", "OCCLUSION_EDGE_AWARE"],
+    &["OCCLUSION_HALF"],
+    &["OCCLUSION_HALF", "OCCLUSION_EDGE_AWARE"],
+];
+
+/// What `GatherKey::shader_defs` makes of a view with ambient occlusion, for both kinds of pass.
+pub const OCCLUSION_GATHER: &[Factor] = &[
+    &[&["SHADING_NORMALS"], &[], &["HDAO"]],
+    optional!("FLOAT16"),
+    optional!("COMPUTE"),
+    &[
+        &["PROJECTION_PERSPECTIVE"],
+        &["PROJECTION_ORTHOGRAPHIC"],
+        &[],
+    ],
+];
+
+/// What `OcclusionPipelines::merge` makes of them.
+pub const OCCLUSION_MERGE: &[Factor] = &[
+    &[&[], &["DISTANCE_FOG"], &["DEBUG_VIEW"]],
+    OCCLUSION_FILTERS,
 ];
 
 const PROJECTIONS: Factor = &[
@@ -117,6 +158,7 @@ pub const GBUFFER: &[Factor] = &[
 /// Names that come with others.
 pub fn implications(name: &str) -> &'static [&'static str] {
     match name {
+        "SCREEN_SPACE_AMBIENT_OCCLUSION" | "LEAN_AMBIENT_OCCLUSION" => &["APPLIES_VISIBILITY"],
         "CONTACT_SHADOWS" => &["SHADOW_MAPS", "GEOMETRIC_NORMAL"],
         "SHADOW_MAPS" => &["GEOMETRIC_NORMAL"],
         "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "SHADOW_MAPS", "GEOMETRIC_NORMAL"],

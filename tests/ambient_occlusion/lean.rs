@@ -1,0 +1,190 @@
+//! What occlusion does to the pictures of lean cameras.
+
+use bevy::{light::GlobalAmbientLight, prelude::*};
+use bevy_lean_deferred::prelude::*;
+
+use crate::{
+    common::{headless::log_watch, scenes::SceneBuilder},
+    stage::{Colors, Stage},
+};
+
+fn default() -> LeanAmbientOcclusion {
+    LeanAmbientOcclusion::default()
+}
+
+/// Boxes in a corner, so rough that specular light is occluded as diffuse light is.
+fn chalk(scene: &mut SceneBuilder) {
+    let material = StandardMaterial {
+        base_color: Color::srgb(0.8, 0.5, 0.3),
+        perceptual_roughness: 1.0,
+        ..Default::default()
+    };
+    for (size, position) in [
+        (Vec3::new(12.0, 0.1, 12.0), Vec3::new(0.0, -0.05, 0.0)),
+        (Vec3::new(12.0, 4.0, 0.1), Vec3::new(0.0, 2.0, -2.0)),
+        (Vec3::new(1.0, 1.2, 1.0), Vec3::new(-0.7, 0.6, -0.8)),
+        (Vec3::new(0.6, 0.6, 0.6), Vec3::new(0.8, 0.3, 0.4)),
+    ] {
+        scene.mesh(
+            Cuboid::from_size(size),
+            material.clone(),
+            Transform::from_translation(position),
+        );
+    }
+}
+
+fn set_ambient(scene: &mut SceneBuilder, brightness: f32) {
+    scene.world().insert_resource(GlobalAmbientLight {
+        brightness,
+        ..Default::default()
+    });
+}
+
+fn lit_directly(scene: &mut SceneBuilder) {
+    chalk(scene);
+    scene.sun(true);
+    set_ambient(scene, 0.0);
+}
+
+fn lit_indirectly(scene: &mut SceneBuilder) {
+    chalk(scene);
+    set_ambient(scene, 2000.0);
+}
+
+/// How far `after` is from `before` times a visibility, relative to `before`.
+fn product_error(before: &Colors, visibility: &Colors, after: &Colors) -> f32 {
+    let error = |i: usize| {
+        let expected = before.rgb(i) * visibility.rgb(i);
+        let error = (after.rgb(i) - expected).abs() / before.rgb(i).max(Vec3::splat(1e-3));
+        error.max_element()
+    };
+    (0..after.len()).map(error).fold(0.0, f32::max)
+}
+
+#[test]
+fn direct_light_is_left_alone_unless_told_otherwise() {
+    let mut stage = Stage::new(lit_directly);
+    stage.insert(LeanDeferred::default());
+    let before = stage.picture();
+    let changed = stage.picture_with(default()).different(&before);
+    println!("by default {changed} pixels in direct light change");
+    assert_eq!(changed, 0);
+
+    let visibility = stage.visibility(default());
+    for direct_light_affect in [0.5, 1.0] {
+        let after = stage.picture_with(LeanAmbientOcclusion {
+            direct_light_affect,
+            ..default()
+        });
+        let darker = after.count(|i| after.rgb(i).x < 0.95 * before.rgb(i).x);
+        let brighter = after.count(|i| after.rgb(i).cmpgt(before.rgb(i)).any());
+        println!(
+            "with an effect of {direct_light_affect}, {darker} are darker, {brighter} brighter"
+        );
+        assert!(darker > 500 && brighter == 0);
+        if direct_light_affect == 1.0 {
+            let error = product_error(&before, &visibility, &after);
+            println!("product of visibility off by up to {error:.1e}");
+            assert!(error <= 2e-3);
+        }
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+/// In indirect light alone, to darken that is to multiply the picture; bounces give some of it back.
+#[test]
+fn indirect_light_is_multiplied() {
+    let mut stage = Stage::new(lit_indirectly);
+    stage.insert(LeanDeferred::default());
+    let before = stage.picture();
+    let visibility = stage.visibility(default());
+    let [single, blend, bounced] = [
+        LeanAmbientOcclusion {
+            multibounce: false,
+            ..default()
+        },
+        LeanAmbientOcclusion {
+            application: OcclusionApplication::MultiplicativeBlend,
+            ..default()
+        },
+        default(),
+    ]
+    .map(|settings| stage.picture_with(settings));
+    let errors = [&single, &blend].map(|after| product_error(&before, &visibility, after));
+    println!("product of visibility off by up to {errors:?}, lit and blended");
+    assert!(errors.iter().all(|error| *error <= 2e-3));
+
+    let is_dark = |i: usize| visibility.rgb(i).x < 0.9;
+    let dark = single.count(is_dark);
+    let is_lifted = |i: usize| {
+        let (single, bounced) = (single.rgb(i), bounced.rgb(i));
+        bounced.x > single.x && bounced.cmpge(single).all()
+    };
+    let lifted = single.count(|i| is_dark(i) && is_lifted(i));
+    let brighter = bounced.count(|i| bounced.rgb(i).cmpgt(before.rgb(i) * 1.001).any());
+    println!("bounces lift {lifted} of {dark} dark pixels, {brighter} above what they were");
+    assert!(dark > 1000 && lifted == dark && brighter == 0);
+    log_watch::assert_validation_layer_silent();
+}
+
+/// Whatever normals the surface is shaded with, its own horizon is the geometric one.
+#[test]
+fn normal_maps_do_not_occlude() {
+    let mut stage = Stage::new(|scene| {
+        let bumps = scene.bumps();
+        let mesh = Plane3d::default().mesh().size(40.0, 40.0).build();
+        let mesh = mesh
+            .with_generated_tangents()
+            .expect("a plane has all that tangents need");
+        scene.mesh(
+            mesh,
+            StandardMaterial {
+                normal_map_texture: Some(bumps),
+                ..Default::default()
+            },
+            Transform::default(),
+        );
+        scene.sun(false);
+    });
+    stage.insert(LeanDeferred::default());
+    for resolution in [OcclusionResolution::Full, OcclusionResolution::Half] {
+        for quality in OcclusionQuality::PRESETS {
+            let visibility = stage.visibility(LeanAmbientOcclusion {
+                resolution,
+                quality,
+                ..default()
+            });
+            let occluded = visibility.count(|i| visibility.rgb(i) != Vec3::ONE);
+            println!(
+                "{resolution:?}, {quality:?}: {occluded} pixels of a normal-mapped plane are occluded"
+            );
+            assert_eq!(occluded, 0);
+        }
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+/// A ball of few facets with smooth normals before the sky.
+#[test]
+fn smooth_normals_show_no_facets() {
+    let mut stage = Stage::new(|scene| {
+        scene.mesh(
+            Sphere::new(1.2).mesh().uv(12, 8),
+            StandardMaterial::default(),
+            Transform::from_xyz(0.0, 0.4, 0.0),
+        );
+        scene.sun(false);
+    });
+    for lean in [false, true] {
+        if lean {
+            stage.insert(LeanDeferred::default());
+        }
+        let visibility = stage.visibility(default());
+        let occlusion = (0..visibility.len()).map(|i| 1.0 - visibility.rgb(i).x);
+        let mean = occlusion.clone().sum::<f32>() / visibility.len() as f32;
+        let dark = occlusion.filter(|x| *x > 0.02).count();
+        println!("lean {lean}: {dark} pixels above 0.02, mean {mean:.1e}");
+        assert!(dark <= 4 && mean <= 2.2e-5);
+    }
+    log_watch::assert_validation_layer_silent();
+}

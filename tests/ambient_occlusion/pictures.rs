@@ -1,0 +1,216 @@
+//! What multiplying does to the pictures of Bevy's forward renderer.
+
+use bevy::{
+    camera::{ClearColorConfig, Viewport},
+    pbr::{DistanceFog, FogFalloff},
+    prelude::*,
+};
+use bevy_lean_deferred::prelude::*;
+
+use crate::{
+    common::{headless::log_watch, scenes::SceneBuilder},
+    stage::{SIZE, Stage},
+};
+
+fn solids(scene: &mut SceneBuilder) {
+    scene.solids();
+    scene.sun(true);
+}
+
+/// Multiplied by visibility, and where that is 1 not touched: neither is alpha anywhere.
+#[test]
+fn the_blend_multiplies_and_keeps_what_is_open() {
+    let mut stage = Stage::new(solids);
+    let clear_color = Color::srgba(0.2, 0.3, 0.4, 0.35).into();
+    stage.insert(Camera {
+        clear_color: ClearColorConfig::Custom(clear_color),
+        ..default()
+    });
+    let before = stage.picture();
+    for resolution in [OcclusionResolution::Full, OcclusionResolution::Half] {
+        let settings = LeanAmbientOcclusion {
+            resolution,
+            ..default()
+        };
+        let visibility = stage.visibility(settings);
+        let after = stage.picture_with(settings);
+        let open = visibility.open();
+        let kept = after.count(|i| open[i] && after.same_pixel(&before, i));
+        let open = open.iter().filter(|open| **open).count();
+        let error = |i: usize| {
+            (after.rgb(i) - before.rgb(i) * visibility.rgb(i)).abs()
+                / before.rgb(i).max(Vec3::splat(1e-3))
+        };
+        let largest = (0..after.len())
+            .map(|i| error(i).max_element())
+            .fold(0.0, f32::max);
+        let dark = after.count(|i| visibility.rgb(i).x < 0.8);
+        println!(
+            "{resolution:?}: {kept} of {open} open pixels kept, {dark} dark ones; product off by up to {largest:.1e}"
+        );
+        assert!(kept == open && open > 20_000 && dark > 300);
+        assert!(after.same_alpha(&before));
+        assert!(largest <= 2e-3);
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+#[test]
+fn fog_in_front_is_spared() {
+    let mut stage = Stage::new(solids);
+    let fog = |start, end| DistanceFog {
+        color: Color::srgb(0.5, 0.6, 0.7),
+        falloff: FogFalloff::Linear { start, end },
+        ..default()
+    };
+    stage.insert(fog(0.1, 1.0));
+    let hidden = stage.picture();
+    let changed = stage.picture_with(default()).different(&hidden);
+    println!("behind opaque fog {changed} pixels change");
+    assert_eq!(changed, 0);
+
+    stage
+        .remove::<LeanAmbientOcclusion>()
+        .insert(fog(100.0, 200.0));
+    let clear = stage.picture();
+    let fogged = stage.picture_with(default());
+    let darker = fogged.different(&clear);
+    println!("before it begins, {darker}");
+    assert!(darker > 1000);
+    log_watch::assert_validation_layer_silent();
+}
+
+#[test]
+fn switching_off_gives_back_the_former_picture() {
+    let mut stage = Stage::new(solids);
+    for lean in [false, true] {
+        if lean {
+            stage.insert(LeanDeferred::default());
+        }
+        let before = stage.picture();
+        for application in [
+            OcclusionApplication::Auto,
+            OcclusionApplication::MultiplicativeBlend,
+            OcclusionApplication::Indirect,
+        ] {
+            let with = stage.picture_with(LeanAmbientOcclusion {
+                application,
+                ..default()
+            });
+            let changed = with.different(&before);
+            let after = stage.remove::<LeanAmbientOcclusion>().picture();
+            println!(
+                "lean {lean}, {application:?}: {changed} pixels changed, {} after",
+                after.different(&before)
+            );
+            assert!(changed > 1000 && after == before);
+        }
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+#[test]
+fn with_msaa_there_is_a_warning_and_bevys_picture() {
+    let mut stage = Stage::new(solids);
+    stage.insert(Msaa::Sample4);
+    let before = stage.picture();
+    // Adding the component switches it off.
+    let without_msaa = stage.picture_with(default());
+    stage.insert(Msaa::Sample4);
+    let after = stage.picture();
+    let warnings = log_watch::messages_with("its Msaa is not Off");
+    println!(
+        "{} pixels differ, {} with MSAA switched off; {warnings:?}",
+        after.different(&before),
+        without_msaa.different(&before)
+    );
+    assert!(after == before && without_msaa != before);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    log_watch::assert_validation_layer_silent();
+}
+
+#[test]
+fn cameras_of_one_target_have_their_own() {
+    let rects = [
+        URect::new(0, 0, 101, SIZE.y),
+        URect::new(101, 0, SIZE.x, SIZE.y),
+    ];
+    let mut cameras = Vec::new();
+    let mut stage = Stage::new(|scene| {
+        solids(scene);
+        for (order, rect) in rects.iter().enumerate() {
+            cameras.push(
+                scene.camera(
+                    Transform::from_xyz(-1.5 + 2.0 * order as f32, 2.8, 5.2)
+                        .looking_at(Vec3::Y * 0.4, Vec3::Y),
+                    Camera {
+                        order: order as isize,
+                        viewport: Some(Viewport {
+                            physical_position: rect.min,
+                            physical_size: rect.size(),
+                            ..default()
+                        }),
+                        ..default()
+                    },
+                ),
+            );
+        }
+    });
+    let unused = stage.camera;
+    stage.headless.world().despawn(unused);
+    for camera in &cameras {
+        stage.keep_colors(*camera);
+    }
+    let before = stage.picture();
+    for (i, camera) in cameras.iter().enumerate() {
+        stage
+            .entity(*camera)
+            .insert(LeanAmbientOcclusion::default());
+        let after = stage.picture();
+        let changed = rects.map(|rect| after.within(rect).different(&before.within(rect)));
+        println!("camera {i}: changed pixels {changed:?}");
+        assert!(changed[i] > 500 && changed[1 - i] == 0);
+        stage.entity(*camera).remove::<LeanAmbientOcclusion>();
+    }
+    // Of different kinds at once.
+    stage
+        .entity(cameras[0])
+        .insert((LeanDeferred::default(), LeanAmbientOcclusion::default()));
+    stage.entity(cameras[1]).insert(LeanAmbientOcclusion {
+        kernel: OcclusionKernel::Hdao,
+        resolution: OcclusionResolution::Half,
+        ..default()
+    });
+    let after = stage.picture();
+    let changed = rects.map(|rect| after.within(rect).different(&before.within(rect)));
+    println!("lean and forward: changed pixels {changed:?}");
+    assert!(changed.iter().all(|changed| *changed > 500));
+    log_watch::assert_validation_layer_silent();
+}
+
+#[test]
+fn targets_may_change_their_size() {
+    let other = UVec2::new(160, 211);
+    for lean in [false, true] {
+        let make = |size| {
+            let mut stage = Stage::with_size(size, solids);
+            if lean {
+                stage.insert(LeanDeferred::default());
+            }
+            stage.insert(LeanAmbientOcclusion::default());
+            stage
+        };
+        let fresh = make(other).picture();
+        let mut stage = make(SIZE);
+        let first = stage.picture();
+        let resized = stage.resized(other).picture();
+        let back = stage.resized(SIZE).picture();
+        println!(
+            "lean {lean}: {} pixels differ, and {} after going back",
+            resized.different(&fresh),
+            back.different(&first)
+        );
+        assert!(resized == fresh && back == first);
+    }
+    log_watch::assert_validation_layer_silent();
+}

@@ -1,0 +1,205 @@
+//! Scenes in Bevy whose cameras' pictures are read back as the main texture holds them.
+
+use std::sync::{Arc, Mutex};
+
+use bevy::{
+    asset::RenderAssetUsages,
+    core_pipeline::tonemapping::{DebandDither, Tonemapping},
+    prelude::*,
+    render::{
+        gpu_readback::{Readback, ReadbackComplete},
+        render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages},
+    },
+};
+use bevy_lean_deferred::LeanAmbientOcclusion;
+
+use crate::common::{headless::Headless, occlusion_gpu::half, scenes::SceneBuilder};
+
+/// Rows of as many pixels are copied without padding.
+pub const SIZE: UVec2 = UVec2::new(256, 192);
+
+pub struct Stage {
+    pub headless: Headless,
+    pub camera: Entity,
+}
+
+impl Stage {
+    /// A scene with the usual camera.
+    pub fn new(build: impl FnOnce(&mut SceneBuilder)) -> Self {
+        Self::with_size(SIZE, build)
+    }
+
+    pub fn with_size(size: UVec2, build: impl FnOnce(&mut SceneBuilder)) -> Self {
+        let mut headless = Headless::new(size);
+        let target = half_float_image(size);
+        headless.target = headless.world().resource_mut::<Assets<Image>>().add(target);
+        let mut scene = SceneBuilder {
+            headless: &mut headless,
+        };
+        build(&mut scene);
+        let camera = scene.default_camera(());
+        let mut stage = Self { headless, camera };
+        stage.keep_colors(camera);
+        stage
+    }
+
+    /// No tone mapping, and no dither: what is read back is what was lit.
+    pub fn keep_colors(&mut self, camera: Entity) {
+        self.entity(camera)
+            .insert((Tonemapping::None, DebandDither::Disabled));
+    }
+
+    pub fn entity(&mut self, entity: Entity) -> EntityWorldMut<'_> {
+        self.headless.world().entity_mut(entity)
+    }
+
+    pub fn insert(&mut self, bundle: impl Bundle) -> &mut Self {
+        let camera = self.camera;
+        self.entity(camera).insert(bundle);
+        self
+    }
+
+    pub fn remove<B: Bundle>(&mut self) -> &mut Self {
+        let camera = self.camera;
+        self.entity(camera).remove::<B>();
+        self
+    }
+
+    /// With `settings` on the camera.
+    pub fn picture_with(&mut self, settings: LeanAmbientOcclusion) -> Colors {
+        self.insert(settings);
+        self.picture()
+    }
+
+    /// Occlusion alone: visibility in all colours.
+    pub fn visibility(&mut self, settings: LeanAmbientOcclusion) -> Colors {
+        self.picture_with(LeanAmbientOcclusion {
+            debug_view: true,
+            ..settings
+        })
+    }
+
+    /// Makes the target another size.
+    pub fn resized(&mut self, size: UVec2) -> &mut Self {
+        self.headless.size = size;
+        let target = self.headless.target.id();
+        let mut images = self.headless.world().resource_mut::<Assets<Image>>();
+        _ = images.insert(target, half_float_image(size));
+        self
+    }
+
+    /// The target, once all is loaded.
+    pub fn picture(&mut self) -> Colors {
+        self.headless.settle();
+        let read = Arc::new(Mutex::new(None));
+        let sink = read.clone();
+        let readback = Readback::texture(self.headless.target.clone());
+        let reader = self
+            .headless
+            .world()
+            .spawn(readback)
+            .observe(move |event: On<ReadbackComplete>| {
+                *sink.lock().unwrap() = Some(event.data.clone());
+            })
+            .id();
+        for _ in 0..100 {
+            self.headless.frames(1);
+            if let Some(bytes) = read.lock().unwrap().take() {
+                self.headless.world().despawn(reader);
+                return Colors::new(&bytes, self.headless.size);
+            }
+        }
+        panic!("no picture came back within 100 frames");
+    }
+}
+
+fn half_float_image(size: UVec2) -> Image {
+    let mut image = Image::new_fill(
+        Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        &[0; 8],
+        TextureFormat::Rgba16Float,
+        RenderAssetUsages::default(),
+    );
+    image.texture_descriptor.usage =
+        TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC | TextureUsages::TEXTURE_BINDING;
+    image
+}
+
+/// A picture of half-precision numbers.
+#[derive(Clone, PartialEq)]
+pub struct Colors {
+    pub size: UVec2,
+    bits: Vec<[u16; 4]>,
+}
+
+impl Colors {
+    fn new(bytes: &[u8], size: UVec2) -> Self {
+        let words: Vec<u16> = bytes
+            .chunks(2)
+            .map(|b| u16::from_le_bytes([b[0], b[1]]))
+            .collect();
+        let bits = words.as_chunks().0.to_vec();
+        assert_eq!(bits.len(), size.element_product() as usize);
+        Self { size, bits }
+    }
+
+    pub fn len(&self) -> usize {
+        self.bits.len()
+    }
+
+    pub fn rgb(&self, i: usize) -> Vec3 {
+        let [r, g, b, _] = self.bits[i].map(half);
+        Vec3::new(r, g, b)
+    }
+
+    pub fn same_pixel(&self, other: &Self, i: usize) -> bool {
+        self.bits[i] == other.bits[i]
+    }
+
+    pub fn same_alpha(&self, other: &Self) -> bool {
+        let pairs = self.bits.iter().zip(&other.bits);
+        pairs.into_iter().all(|(a, b)| a[3] == b[3])
+    }
+
+    /// Pixels that a condition holds of.
+    pub fn count(&self, condition: impl Fn(usize) -> bool) -> usize {
+        (0..self.len()).filter(|i| condition(*i)).count()
+    }
+
+    /// How many pixels differ.
+    pub fn different(&self, other: &Self) -> usize {
+        self.count(|i| !self.same_pixel(other, i))
+    }
+
+    /// The same with the part outside of a rectangle made black.
+    pub fn within(&self, rect: URect) -> Self {
+        let mut part = self.clone();
+        for (i, bits) in part.bits.iter_mut().enumerate() {
+            let pixel = UVec2::new(i as u32 % self.size.x, i as u32 / self.size.x);
+            if pixel.cmplt(rect.min).any() || pixel.cmpge(rect.max).any() {
+                *bits = [0; 4];
+            }
+        }
+        part
+    }
+
+    /// Of a picture of [visibility](Stage::visibility): pixels that are open, as are all of their neighbours, so that
+    /// they are without the slightest occlusion.
+    pub fn open(&self) -> Vec<bool> {
+        let (width, height) = (self.size.x as usize, self.size.y as usize);
+        let is_open = |x: usize, y: usize| {
+            (y.saturating_sub(1)..(y + 2).min(height)).all(|y| {
+                (x.saturating_sub(1)..(x + 2).min(width))
+                    .all(|x| self.rgb(y * width + x) == Vec3::ONE)
+            })
+        };
+        (0..self.len())
+            .map(|i| is_open(i % width, i / width))
+            .collect()
+    }
+}
