@@ -38,7 +38,7 @@ pub(super) enum GatherPipeline {
 impl LeanAmbientOcclusion {
     /// Whether the lighting pass of a lean view is to apply it.
     pub(crate) fn is_for_lighting(&self) -> bool {
-        self.application != OcclusionApplication::MultiplicativeBlend && !self.debug_view
+        self.application != OcclusionApplication::MultiplicativeBlend
     }
 }
 

@@ -50,7 +50,8 @@ pub struct LeanAmbientOcclusion {
     /// How far direct light is darkened too, 0 (not; physical) to 1. Only of [`OcclusionApplication::Indirect`]; more
     /// than 0 lights each pixel twice. Default 0.
     pub direct_light_affect: f32,
-    /// Shows the filtered occlusion alone, white where there is none.
+    /// Shows the filtered occlusion alone, white where there is none; with [`OcclusionApplication::Indirect`] on what the
+    /// G-buffer holds. What is drawn later lies over it. Default false.
     pub debug_view: bool,
 }
 

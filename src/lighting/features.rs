@@ -37,6 +37,7 @@ pub(crate) struct OcclusionKey {
     pub(super) filter: FilterKey,
     pub(super) multibounce: bool,
     pub(super) direct_light: bool,
+    pub(super) debug_view: bool,
 }
 
 impl OcclusionKey {
@@ -44,7 +45,8 @@ impl OcclusionKey {
         settings.is_for_lighting().then(|| Self {
             filter: settings.into(),
             multibounce: settings.multibounce,
-            direct_light: settings.direct_light_affect > 0.0,
+            direct_light: settings.direct_light_affect > 0.0 && !settings.debug_view,
+            debug_view: settings.debug_view,
         })
     }
 }

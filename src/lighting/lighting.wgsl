@@ -220,6 +220,9 @@ fn light(pixel: vec2<i32>, normal_word: u32, depth: f32) -> vec4<f32> {
 #ifdef LEAN_AMBIENT_OCCLUSION
     let visibility = apply_occlusion(&pbr, pixel, depth);
 #endif
+#ifdef OCCLUSION_DEBUG_VIEW
+    return vec4(vec3(visibility), 1.0);
+#else
     var color = apply_pbr_lighting(pbr);
 #ifdef OCCLUSION_OF_DIRECT_LIGHT
     // With all indirect light occluded only direct light is left.
@@ -229,6 +232,7 @@ fn light(pixel: vec2<i32>, normal_word: u32, depth: f32) -> vec4<f32> {
     color = vec4(color.rgb - hidden * apply_pbr_lighting(pbr).rgb, color.a);
 #endif
     return main_pass_post_lighting_processing(pbr, color);
+#endif  // OCCLUSION_DEBUG_VIEW
 #endif
 }
 
@@ -253,6 +257,10 @@ fn main(
     let has_geometry = normal_word != layout::NO_GEOMETRY;
 #endif
     if !has_geometry {
+#ifdef OCCLUSION_DEBUG_VIEW
+        textureStore(output_texture, pixel, vec4(1.0));
+        return;
+#endif
         if uniforms.writes_background != 0u {
             textureStore(output_texture, pixel, uniforms.background);
         }

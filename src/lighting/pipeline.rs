@@ -255,6 +255,7 @@ impl LightingPipelines {
             define(true, "LEAN_AMBIENT_OCCLUSION");
             define(occlusion.multibounce, "OCCLUSION_MULTIBOUNCE");
             define(occlusion.direct_light, "OCCLUSION_OF_DIRECT_LIGHT");
+            define(occlusion.debug_view, "OCCLUSION_DEBUG_VIEW");
             defs.extend(occlusion.filter.shader_defs());
         }
         defs
