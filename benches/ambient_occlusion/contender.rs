@@ -66,6 +66,14 @@ impl Contender {
                 },
             ),
             more(
+                "Medium, indirect, radius 2 m",
+                true,
+                LeanAmbientOcclusion {
+                    radius: 2.0,
+                    ..base
+                },
+            ),
+            more(
                 "Medium, indirect, binomial",
                 true,
                 LeanAmbientOcclusion {

@@ -78,7 +78,13 @@ const OCCLUSION_FILTERS: Factor = &[
 
 /// What `GatherKey::shader_defs` makes of a view with ambient occlusion, for both kinds of pass.
 pub const OCCLUSION_GATHER: &[Factor] = &[
-    &[&["SHADING_NORMALS"], &[], &["HDAO"]],
+    &[
+        &["SHADING_NORMALS"],
+        &["SHADING_NORMALS", "THIN"],
+        &[],
+        &["THIN"],
+        &["HDAO"],
+    ],
     optional!("FLOAT16"),
     optional!("COMPUTE"),
     &[
