@@ -14,7 +14,7 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>) {
     let depth = depth_at(vec2<i32>(id.xy));
     var occlusion = 0.0;
     if depth > 0.0 {
-        occlusion = hbao(id.x & 1u | (id.y & 1u) << 1u, vec2<i32>(id.xy), depth);
+        occlusion = hbao((id.x & 1u) | ((id.y & 1u) << 1u), vec2<i32>(id.xy), depth);
     }
     textureStore(output_texture, id.xy, vec4(1.0, 1.0, 1.0, 1.0 - occlusion));
 }
