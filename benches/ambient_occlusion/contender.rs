@@ -206,12 +206,12 @@ impl Contender {
                     && settings.normals == OcclusionNormals::Shading
                     && settings.kernel == OcclusionKernel::Hbao;
                 let samples = match settings.kernel {
-                    // The pixel, four neighbours for its normal, and the steps.
+                    // The pixel, eight neighbours for its normal, and the steps.
                     OcclusionKernel::Hbao => {
                         let (slices, steps) = settings.quality.samples();
-                        f64::from(5 + slices * steps * 2)
+                        f64::from(9 + slices * steps * 2)
                     }
-                    OcclusionKernel::Hdao => 1.0 + 48.0,
+                    OcclusionKernel::Hdao => 1.0 + 32.0,
                 };
                 let normal = if shading { 4.0 } else { 0.0 };
                 // Lighting has its depth anyway.
@@ -262,7 +262,7 @@ impl Contender {
             }
             Some(Kind::Naive) => {
                 let (slices, steps) = OcclusionQuality::Medium.samples();
-                let samples = f64::from(5 + slices * steps * 2);
+                let samples = f64::from(9 + slices * steps * 2);
                 Bytes {
                     compulsory: 8.0 + 8.0 + 2.0 * picture,
                     compulsory_with_depth: 8.0 + 8.0 + 2.0 * picture + 4.0,
