@@ -67,7 +67,7 @@ impl OcclusionView {
         };
         let scale = Vec2::new(clip_from_view.x_axis.x, clip_from_view.y_axis.y) / w;
         // So that its size in pixels is finite.
-        let radius = settings.radius.max(0.0).min(LARGEST_METRES);
+        let radius = up_to(LARGEST_METRES, settings.radius);
 
         // In perspective depth / distance² is constant: a step of metres is one of 1/distance there.
         let m = &view_from_pixel;
@@ -85,7 +85,7 @@ impl OcclusionView {
             texture_size: texture_size(settings, viewport_size),
             radius,
             largest_radius_in_pixels: (LARGEST_RADIUS * size.y).max(1.0),
-            intensity: settings.intensity.max(0.0).min(f32::MAX),
+            intensity: up_to(f32::MAX, settings.intensity),
             sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
             // So that 0 is a hard edge, but no division by it.
             inverse_falloff: 1.0 / settings.falloff.clamp(1e-4, 1.0),
@@ -95,6 +95,11 @@ impl OcclusionView {
             ..default()
         }
     }
+}
+
+/// `x` within 0 and `largest`; 0 for what is not a number.
+fn up_to(largest: f32, x: f32) -> f32 {
+    if x > 0.0 { x.min(largest) } else { 0.0 }
 }
 
 /// The kinds of matrices for which positions are cheaper to compute.
