@@ -307,7 +307,7 @@ fn hemispheres_are_whole() {
             FRAC_PI_2 as f32 - 10f32.powf(random.range(-6.0, -1.0))
         };
         let (sin, cos) = tilt.sin_cos();
-        let (sin_azimuth, cos_azimuth) = random.range(0.0, 6.28).sin_cos();
+        let (sin_azimuth, cos_azimuth) = random.range(0.0, core::f32::consts::TAU).sin_cos();
         let normal = Vec3::new(sin * cos_azimuth, sin * sin_azimuth, cos);
         let mean = |c: Option<f32>| {
             let slices = (0..SLICES).map(|slice| {

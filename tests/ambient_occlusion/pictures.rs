@@ -21,7 +21,7 @@ fn solids(scene: &mut SceneBuilder) {
 #[test]
 fn the_blend_multiplies_and_keeps_what_is_open() {
     let mut stage = Stage::new(solids);
-    let clear_color = Color::srgba(0.2, 0.3, 0.4, 0.35).into();
+    let clear_color = Color::srgba(0.2, 0.3, 0.4, 0.35);
     stage.insert(Camera {
         clear_color: ClearColorConfig::Custom(clear_color),
         ..default()
