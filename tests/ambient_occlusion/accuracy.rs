@@ -10,7 +10,7 @@ use crate::{
         occlusion::{camera::Projection, errors::Errors, solids::Hit},
         occlusion_gpu::OcclusionGpu,
     },
-    views::{RADIUS, Seen, View, corner, groove, pit, plane, run, sphere, trench, wall},
+    views::{RADIUS, Seen, View, corner, groove, pit, plane, run, sphere, stairs, trench, wall},
 };
 
 const SMALL: UVec2 = UVec2::new(240, 135);
@@ -126,6 +126,7 @@ fn cases() -> Vec<Case> {
         case(corner(), 0.005, [0.059, 0.037, 0.029, 0.024, 0.037, 0.085]),
         case(pit(), 0.006, [0.085, 0.056, 0.048, 0.037, 0.056, 0.079]),
         case(trench(), 0.005, [0.109, 0.060, 0.046, 0.033, 0.061, 0.132]),
+        case(stairs(), 0.007, [0.097, 0.064, 0.055, 0.048, 0.065, 0.215]),
         // The camera does not see all of the sphere that the floor and the sphere's lower half see of each other.
         of_sphere(
             "floor around sphere",

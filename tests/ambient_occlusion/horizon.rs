@@ -187,7 +187,7 @@ fn random_sides(count: usize) -> Vec<[f32; 6]> {
             let side = if random.bits() & 1 == 0 { -1.0 } else { 1.0 };
             let (sine, cosine) = (side * angle).sin_cos();
             // The tangent plane of the surface, or of a normal map, and what stands above it.
-            let base = if i % 2 == 0 {
+            let base = if i.is_multiple_of(2) {
                 -side * sine
             } else {
                 random.range(-1.0, 1.0)
@@ -226,7 +226,7 @@ fn device_and_twin_hide_alike() {
             let directions = [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (0.6, 0.8)];
             directions.map(|(cosine, sine)| [length, cosine, sine, base, c, 1.0])
         })
-        .filter(|[length, ..]| !(*length < 0.0 || *length > 1.0 + f32::EPSILON))
+        .filter(|[length, ..]| length.is_nan() || (0.0..=1.0 + f32::EPSILON).contains(length))
         .collect();
     let device = kernel.run(&bits(&hostile));
     let mut range = [0.0f32; 2];

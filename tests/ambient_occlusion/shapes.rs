@@ -5,7 +5,7 @@ use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, OcclusionFilte
 
 use crate::{
     common::{
-        occlusion::{camera::Projection, errors::Errors},
+        occlusion::{camera::Projection, depth_buffer::pixels, errors::Errors},
         occlusion_gpu::{DepthImage, OcclusionGpu},
     },
     views::{ORTHOGRAPHIC, PERSPECTIVE, corner, crop, difference, kinds, plane, run, wall},
@@ -44,9 +44,22 @@ fn the_aspect_ratio_does_not_matter() {
     }
 }
 
-/// Depths that no surface has.
-fn hostile(i: usize) -> f32 {
-    [f32::NAN, 1.0, 0.0, f32::INFINITY, 0.5, -1.0, 1e-40][i % 7]
+/// A view's depths in a larger buffer. Around them what was there before: depths that no surface has, and such as would
+/// occlude what is beside them.
+fn in_buffer(depth: &[f32], size: UVec2, origin: UVec2, buffer_size: UVec2) -> Vec<f32> {
+    const HOSTILE: [f32; 7] = [f32::NAN, 1.0, 0.0, f32::INFINITY, 0.5, -1.0, 1e-40];
+    let value = |pixel: UVec2| {
+        let nearest = (pixel.max(origin) - origin).min(size - 1);
+        let depth = depth[(nearest.y * size.x + nearest.x) as usize];
+        if nearest + origin == pixel {
+            depth
+        } else if (pixel.x + pixel.y).is_multiple_of(3) {
+            HOSTILE[(pixel.x % 7) as usize]
+        } else {
+            (1.0 + 0.02 * (pixel.x % 5) as f32) * depth
+        }
+    };
+    pixels(buffer_size).map(|(pixel, _)| value(pixel)).collect()
 }
 
 #[test]
@@ -56,13 +69,7 @@ fn a_view_is_alone_in_its_buffer() {
     let buffer_size = UVec2::new(331, 200);
     for view in [wall(), corner().with_projection(ORTHOGRAPHIC)] {
         let seen = view.with_size(size).seen_within(0.0);
-        let mut depth: Vec<f32> = (0..buffer_size.element_product() as usize)
-            .map(hostile)
-            .collect();
-        for (y, row) in seen.image.depth.chunks(size.x as usize).enumerate() {
-            let start = (origin.y as usize + y) * buffer_size.x as usize + origin.x as usize;
-            depth[start..start + row.len()].copy_from_slice(row);
-        }
+        let depth = in_buffer(&seen.image.depth, size, origin, buffer_size);
         let mut image = DepthImage::new(depth, buffer_size, seen.image.clip_from_view);
         image.viewport = (origin, size);
         for settings in kinds() {

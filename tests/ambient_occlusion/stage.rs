@@ -162,8 +162,8 @@ impl Colors {
     }
 
     pub fn same_alpha(&self, other: &Self) -> bool {
-        let pairs = self.bits.iter().zip(&other.bits);
-        pairs.into_iter().all(|(a, b)| a[3] == b[3])
+        let mut pairs = self.bits.iter().zip(&other.bits);
+        pairs.all(|(a, b)| a[3] == b[3])
     }
 
     /// Pixels that a condition holds of.

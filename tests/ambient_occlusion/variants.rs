@@ -9,7 +9,7 @@ use crate::{
         occlusion::geometry::Geometry,
         occlusion_gpu::{OcclusionGpu, Path},
     },
-    views::{SIZE, View, corner, difference, groove, run, run_by, sphere, trench, wall},
+    views::{SIZE, View, corner, difference, groove, run, run_by, sphere, stairs, trench, wall},
 };
 
 const DEFAULT: fn() -> LeanAmbientOcclusion = LeanAmbientOcclusion::default;
@@ -151,6 +151,7 @@ fn half_resolution_is_near_full() {
         (corner(), 0.011),
         (trench(), 0.018),
         (sphere(), 0.013),
+        (stairs(), 0.030),
     ] {
         let seen = view.seen();
         let [full, half] =

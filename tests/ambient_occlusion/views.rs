@@ -162,6 +162,15 @@ pub fn trench() -> View {
     View::new("trench", trench, [0.0, 3.5, 0.5], [0.0; 3])
 }
 
+pub fn stairs() -> View {
+    let stairs = Geometry::Staircase {
+        tread: 0.25,
+        riser: 0.15,
+        steps: 6,
+    };
+    View::new("stairs", stairs, [-1.0, 3.0, 0.3], [0.7, 0.4, 0.0])
+}
+
 pub fn sphere() -> View {
     let sphere = Geometry::Sphere {
         sphere_radius: 0.5,
