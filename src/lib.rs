@@ -32,6 +32,7 @@
 extern crate alloc;
 
 pub mod ambient_occlusion;
+pub mod auto_exposure;
 mod bind_group_cache;
 pub mod camera;
 pub mod gbuffer;
@@ -40,6 +41,7 @@ mod shared;
 mod tiles;
 
 pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
+pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use camera::{GBufferChannel, GeometricNormal, LeanDeferred};
 
 use bevy::{app::plugin_group, prelude::*};
@@ -48,10 +50,15 @@ use bevy::{app::plugin_group, prelude::*};
 pub mod prelude {
     pub use crate::{
         GBufferChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
-        LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins,
+        LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
+        LeanDeferredPlugins,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
             OcclusionNormals, OcclusionQuality, OcclusionResolution,
+        },
+        auto_exposure::{
+            ExposureCut, ExposureSampling, LuminanceTrim, MeteredExposure, Metering,
+            MeteringPattern, ReductionPath,
         },
         gbuffer::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin},
     };
@@ -62,6 +69,7 @@ plugin_group! {
     pub struct LeanDeferredPlugins {
         :LeanDeferredPlugin,
         :LeanAmbientOcclusionPlugin,
+        :LeanAutoExposurePlugin,
     }
 }
 

@@ -207,7 +207,7 @@ pub fn target_image(size: UVec2) -> Image {
 }
 
 /// An 8-bit sRGB picture.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub struct Picture {
     pub size: UVec2,
     pub rgba: Vec<u8>,

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each binary uses a part")]
 
 pub mod compute;
+pub mod exposure_gpu;
 pub mod headless;
 pub mod lean;
 pub mod metrics;

@@ -1,0 +1,128 @@
+// The second pass: one workgroup sums the partial sums, and adapts the exposure.
+#import bevy_lean_deferred::auto_exposure::adaptation::adapted
+#import bevy_lean_deferred::auto_exposure::luminance::log_luminance
+#import bevy_lean_deferred::auto_exposure::reduction::{Place, WORKGROUP, workgroup_sum}
+#import bevy_lean_deferred::auto_exposure::view::{
+    BINS, BINS_PER_STOP, ExposureState, ExposureView, LOG_OF_FIRST_BIN,
+}
+#import bevy_render::view::View
+
+@group(0) @binding(0) var<uniform> view: ExposureView;
+@group(0) @binding(1) var<storage, read_write> bevy_view: View;
+#ifdef HISTOGRAM
+@group(0) @binding(2) var<storage, read_write> histogram: array<u32, 256>;
+var<workgroup> bins: array<f32, 256>;
+#else
+@group(0) @binding(2) var<storage, read_write> partials: array<vec2<f32>>;
+#endif
+@group(0) @binding(3) var<storage, read_write> state: ExposureState;
+
+#ifdef HISTOGRAM
+/// The counts of all bins up to the invocation's own, given that one's count.
+fn prefix_sum(invocation: u32, own: f32) -> f32 {
+    var sum = own;
+    for (var distance = 1u; distance < BINS; distance *= 2u) {
+        bins[invocation] = sum;
+        workgroupBarrier();
+        if invocation >= distance {
+            sum += bins[invocation - distance];
+        }
+        workgroupBarrier();
+    }
+    bins[invocation] = sum;
+    workgroupBarrier();
+    return sum;
+}
+
+/// What the invocation's bin adds to the sum over the weight between the shares that are left out, and to the weight. Bins
+/// count with their centres.
+fn trimmed(invocation: u32) -> vec2<f32> {
+    let own = f32(histogram[invocation]);
+    // Empty for the next frame.
+    histogram[invocation] = 0u;
+    let above = prefix_sum(invocation, own);
+    let all = bins[BINS - 1u];
+    let weight = max(min(above, all * (1.0 - view.trim_high)) - max(above - own, all * view.trim_low), 0.0);
+    let log_y = LOG_OF_FIRST_BIN + (f32(invocation) + 0.5) / BINS_PER_STOP;
+#ifdef LOG_AVERAGE
+    return vec2(log_y, 1.0) * weight;
+#else
+    return vec2(exp2(log_y), 1.0) * weight;
+#endif
+}
+#endif
+
+/// Stops of the compensation curve at a metered logarithm.
+fn compensation_at(log_y: f32) -> f32 {
+    if view.curve_points == 0u {
+        return 0.0;
+    }
+    var stops = view.curve[0].y;
+    for (var i = 1u; i < view.curve_points; i++) {
+        let a = view.curve[i - 1u];
+        let b = view.curve[i];
+        let t = saturate((log_y - a.x) / max(b.x - a.x, 1e-6));
+        if log_y >= a.x {
+            stops = mix(a.y, b.y, t);
+        }
+    }
+    return stops;
+}
+
+/// Adapts the exposure to the weighted sum of luminance, and the weight.
+fn adapt(sum: vec2<f32>) {
+    var y = state.luminance;
+    var target_exposure = state.target_exposure;
+    // A view that has nothing to be metered keeps its target.
+    if sum.y > 0.0 {
+#ifdef LOG_AVERAGE
+        let log_y = sum.x / sum.y;
+        y = exp2(log_y);
+#else
+        y = sum.x / sum.y;
+        let log_y = log_luminance(y);
+#endif
+        let stops = clamp(view.log_target - log_y, view.min_exposure, view.max_exposure);
+        target_exposure = stops + view.compensation + compensation_at(log_y);
+    }
+    let is_cut = state.cuts_seen != view.cuts + 1u || view.instant != 0u;
+    let moved = adapted(
+        state.exposure,
+        target_exposure,
+        view.seconds,
+        view.speed_brighten,
+        view.speed_darken,
+        view.transition,
+    );
+    let exposure = select(moved, target_exposure, is_cut);
+    state = ExposureState(y, exposure, target_exposure, view.cuts + 1u);
+    bevy_view.color_grading.exposure += exposure;
+}
+
+@compute @workgroup_size(256, 1, 1)
+fn sum_and_adapt(
+    @builtin(local_invocation_index) invocation: u32,
+#ifdef SUBGROUPS
+    @builtin(subgroup_invocation_id) in_subgroup: u32,
+    @builtin(subgroup_id) subgroup: u32,
+    @builtin(num_subgroups) subgroups: u32,
+#endif
+) {
+#ifdef SUBGROUPS
+    let place = Place(invocation, in_subgroup, subgroup, subgroups);
+#else
+    let place = Place(invocation);
+#endif
+#ifdef HISTOGRAM
+    let part = trimmed(invocation);
+#else
+    var part = vec2(0.0);
+    for (var i = invocation; i < view.partials; i += WORKGROUP) {
+        part += partials[i];
+    }
+#endif
+    let sum = workgroup_sum(place, part);
+    if invocation == 0u {
+        adapt(sum);
+    }
+}

@@ -1,0 +1,21 @@
+// The luminance of a pixel, safe against anything a picture may hold. Without bindings; twin of `luminance.rs`.
+#define_import_path bevy_lean_deferred::auto_exposure::luminance
+
+/// ITU-R BT.709-6, 3.2.
+const WEIGHTS: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
+const LARGEST: f32 = 65504.0;
+/// Base-2 logarithms below this, and so black, count as this.
+const LOWEST_LOG: f32 = -14.0;
+
+/// Luminance 0 to `LARGEST`; -1 for what is not a number. Looks at the bits, because comparisons with NaN may be
+/// optimised away.
+fn luminance(color: vec3<f32>) -> f32 {
+    let y = dot(color, WEIGHTS);
+    let is_nan = (bitcast<u32>(y) & 0x7fffffffu) > 0x7f800000u;
+    return select(clamp(y, 0.0, LARGEST), -1.0, is_nan);
+}
+
+/// Base-2 logarithm, at least `LOWEST_LOG`.
+fn log_luminance(y: f32) -> f32 {
+    return max(log2(max(y, 1e-5)), LOWEST_LOG);
+}

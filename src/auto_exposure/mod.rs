@@ -1,0 +1,105 @@
+//! Auto exposure: the picture's luminance, reduced in two dispatches, and an exposure that follows it.
+//!
+//! - `settings.rs`: the components. `support.rs`: what the device can do.
+//! - `state.rs`: the exposure of a camera on the GPU, its way back, and cuts.
+//! - `key.rs`: what the shaders are compiled by. `uniforms.rs`, `pipelines.rs`, `bindings.rs`, `pass.rs`: the passes.
+//! - `meter.wgsl`, `adapt.wgsl`: the shaders. `reduction.wgsl`: the sum of a workgroup. `view.wgsl`: what they share.
+//! - `luminance.{wgsl,rs}`, `adaptation.{wgsl,rs}`: binding-free maths, twice.
+
+pub mod adaptation;
+mod bindings;
+mod key;
+pub mod luminance;
+mod pass;
+mod pipelines;
+mod settings;
+mod state;
+mod support;
+mod uniforms;
+
+pub use bindings::ExposureBindings;
+pub use key::ExposureKey;
+pub use pipelines::{ViewExposurePipelines, adapt_layout, meter_layout};
+pub use settings::{
+    ExposureCut, ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure, Metering,
+    MeteringPattern, ReductionPath,
+};
+pub use state::{ExposureBuffer, ExposureCuts};
+pub use support::ExposureSupport;
+pub use uniforms::{ExposureState, ExposureView, ViewExposure};
+
+use bevy::{
+    asset::embedded_asset,
+    core_pipeline::schedule::{Core2d, Core2dSystems, Core3d, Core3dSystems},
+    prelude::*,
+    render::{
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        extract_component::ExtractComponentPlugin,
+    },
+    shader::load_shader_library,
+};
+
+/// Auto exposure, for cameras with [`LeanAutoExposure`].
+#[derive(Default)]
+pub struct LeanAutoExposurePlugin;
+
+impl Plugin for LeanAutoExposurePlugin {
+    fn build(&self, app: &mut App) {
+        load_shader_library!(app, "view.wgsl");
+        load_shader_library!(app, "luminance.wgsl");
+        load_shader_library!(app, "adaptation.wgsl");
+        load_shader_library!(app, "reduction.wgsl");
+        embedded_asset!(app, "meter.wgsl");
+        embedded_asset!(app, "adapt.wgsl");
+        app.register_type::<LeanAutoExposure>()
+            .register_type::<MeteredExposure>()
+            .register_type::<ExposureCut>()
+            .add_plugins((
+                ExtractComponentPlugin::<LeanAutoExposure>::default(),
+                ExtractComponentPlugin::<ExposureBuffer>::default(),
+                ExtractComponentPlugin::<ExposureCuts>::default(),
+            ))
+            .add_observer(state::add_state)
+            .add_observer(state::remove_state)
+            .add_systems(Last, state::count_cuts);
+
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .init_gpu_resource::<uniforms::ExposureUniforms>()
+            .init_resource::<pipelines::Reported>()
+            .add_systems(RenderStartup, pipelines::init_exposure_pipelines)
+            .add_systems(
+                Render,
+                (
+                    pipelines::queue_exposure_pipelines.in_set(RenderSystems::Queue),
+                    uniforms::write_exposure_uniforms.in_set(RenderSystems::PrepareResources),
+                    bindings::prepare_exposure_bind_groups.in_set(RenderSystems::PrepareBindGroups),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                pass::auto_exposure
+                    .after(Core3dSystems::EarlyPostProcess)
+                    .before(Core3dSystems::PostProcess),
+            )
+            .add_systems(
+                Core2d,
+                pass::auto_exposure
+                    .after(Core2dSystems::EarlyPostProcess)
+                    .before(Core2dSystems::PostProcess),
+            );
+    }
+
+    fn finish(&self, app: &mut App) {
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        let support = ExposureSupport::from_world(render_app.world());
+        if let Some(missing) = &support.missing {
+            warn!("LeanAutoExposure is off. The device lacks: {missing}");
+        }
+        render_app.insert_resource(support);
+    }
+}

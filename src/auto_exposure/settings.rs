@@ -1,0 +1,168 @@
+use bevy::{camera::Hdr, prelude::*, render::extract_component::ExtractComponent};
+
+use super::{bindings::ExposureBindings, pipelines::ViewExposurePipelines, uniforms::ViewExposure};
+
+/// Measures the luminance of the picture and adapts the exposure to it over time.
+///
+/// For HDR cameras (required), 3D or 2D, with or without [`LeanDeferred`](crate::LeanDeferred). Measured is the camera's own
+/// viewport, after anti-aliasing and before bloom and other post-processing; applied is the exposure in tonemapping,
+/// where Bevy's `AutoExposure` applies it too: use one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`. The first frame starts adapted. What was measured is read
+/// back into [`MeteredExposure`].
+///
+/// Not a number counts as no pixel; negative luminance counts as 0, and everything above 65504 as that. A black view
+/// has the largest exposure; one that has nothing to be metered keeps the target that it had. Settings that are not
+/// numbers count as their defaults.
+#[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Hdr, MeteredExposure)]
+#[extract_component_sync_target((Self, ViewExposure, ViewExposurePipelines, ExposureBindings))]
+pub struct LeanAutoExposure {
+    /// Which mean is taken. Default [`Metering::LogAverage`].
+    pub metering: Metering,
+    /// Which pixels count how much. Default [`MeteringPattern::Average`].
+    pub pattern: MeteringPattern,
+    /// Leaves the darkest and the brightest pixels out. Default none: it costs a histogram.
+    pub trim: Option<LuminanceTrim>,
+    /// The luminance that the metered one is brought to, before tonemapping. More than 0. Default 0.18, middle grey
+    /// (Bevy's `AutoExposure` has 1).
+    pub target: f32,
+    /// Added to the exposure, in stops. Default 0.
+    pub compensation: f32,
+    /// Added to the exposure too: points of (metered luminance as its base-2 logarithm, stops), in rising order and
+    /// connected by straight lines; the first 16 count. Default none.
+    pub compensation_curve: Vec<Vec2>,
+    /// Least exposure in stops, without the compensation. Default -8.
+    pub min_exposure: f32,
+    /// Largest exposure in stops, without the compensation. Default 8.
+    pub max_exposure: f32,
+    /// How fast the picture becomes brighter, in stops a second. Default 3.
+    pub speed_brighten: f32,
+    /// How fast it becomes darker, in stops a second. Default 1.
+    pub speed_darken: f32,
+    /// Nearer to its target than this many stops, the exposure approaches it exponentially, so that it comes to rest
+    /// without a jerk; 0 keeps the speed to the end. Default 1.5.
+    pub transition: f32,
+    /// No adaptation: each frame has its own exposure. Default false.
+    pub instant: bool,
+    /// How many pixels are read. Default [`ExposureSampling::All`].
+    pub sampling: ExposureSampling,
+    /// Default [`ReductionPath::Auto`].
+    pub reduction: ReductionPath,
+}
+
+impl Default for LeanAutoExposure {
+    fn default() -> Self {
+        Self {
+            metering: default(),
+            pattern: default(),
+            trim: None,
+            target: 0.18,
+            compensation: 0.0,
+            compensation_curve: Vec::new(),
+            min_exposure: -8.0,
+            max_exposure: 8.0,
+            speed_brighten: 3.0,
+            speed_darken: 1.0,
+            transition: 1.5,
+            instant: false,
+            sampling: default(),
+            reduction: default(),
+        }
+    }
+}
+
+/// The mean over the pixels' luminance Y = 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709).
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum Metering {
+    /// The geometric mean, which few bright pixels hardly move (Reinhard, Stark, Shirley and Ferwerda 2002, "Photographic
+    /// Tone Reproduction for Digital Images"). Luminance below 2^-14 counts as that.
+    #[default]
+    LogAverage,
+    /// The arithmetic mean, as a light meter takes it.
+    LinearAverage,
+}
+
+/// Which pixels count how much.
+#[derive(Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum MeteringPattern {
+    /// All alike.
+    #[default]
+    Average,
+    /// Fully in the centre, falling off as a Gaussian with a deviation of a quarter of the viewport's height.
+    CenterWeighted,
+    /// Only a disc in the centre.
+    Spot {
+        /// As a share of the viewport's height, more than 0.
+        radius: f32,
+    },
+    /// The red channel of a texture stretched over the viewport, of any size and filtered as its sampler says. While it is
+    /// loading, all pixels count.
+    Mask(Handle<Image>),
+}
+
+/// Shares of the metered weight, 0 to 1, that are left out. The others count by a histogram of 256 bins, 1/8.5 of a stop
+/// wide: metered luminance is exact to half a bin. If they leave nothing, nothing is metered.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Clone, PartialEq)]
+pub struct LuminanceTrim {
+    /// Of the darkest pixels.
+    pub low: f32,
+    /// Of the brightest pixels.
+    pub high: f32,
+}
+
+/// How many pixels are read: 4×4 blocks of them, in staggered rows.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum ExposureSampling {
+    /// Each one, once.
+    #[default]
+    All,
+    /// One of four. Lights smaller than a block may be missed, or come and go as they move.
+    Quarter,
+    /// One of sixteen.
+    Sixteenth,
+}
+
+impl ExposureSampling {
+    /// Distance of the blocks that are read, in blocks.
+    pub(super) fn stride(self) -> u32 {
+        match self {
+            Self::All => 1,
+            Self::Quarter => 2,
+            Self::Sixteenth => 4,
+        }
+    }
+}
+
+/// How a workgroup adds its pixels up.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum ReductionPath {
+    /// By subgroups where the device has them, of at least 4 invocations; else in shared memory.
+    #[default]
+    Auto,
+    /// By subgroup arithmetic, if the device has any.
+    Subgroup,
+    /// By a tree in shared memory.
+    SharedMemory,
+}
+
+/// What a camera's [`LeanAutoExposure`] has measured, a few frames ago: it comes from the GPU without waiting.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct MeteredExposure {
+    /// Mean luminance before the exposure, by the camera's metering.
+    pub luminance: f32,
+    /// The exposure in stops that the picture had.
+    pub exposure: f32,
+    /// Where it is heading, in stops.
+    pub target_exposure: f32,
+}
+
+/// Put on a camera at a cut: the next frame starts adapted. Removed by itself.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+pub struct ExposureCut;

@@ -1,0 +1,335 @@
+//! Auto exposure on cameras of an app.
+
+use bevy::{
+    camera::{ClearColorConfig, Hdr, Viewport},
+    core_pipeline::tonemapping::{DebandDither, Tonemapping},
+    prelude::*,
+};
+use bevy_lean_deferred::{
+    auto_exposure::{ExposureCut, LeanAutoExposure, MeteredExposure},
+    prelude::*,
+};
+
+use crate::{
+    common::headless::{Headless, log_watch},
+    instant,
+};
+
+const SIZE: UVec2 = UVec2::new(64, 48);
+
+fn grey(value: f32) -> Color {
+    LinearRgba::rgb(value, value, value).into()
+}
+
+/// A 3D camera that sees nothing but its background.
+fn camera(headless: &mut Headless, background: f32, settings: LeanAutoExposure) -> Entity {
+    camera_of(Camera3d::default(), headless, background, settings)
+}
+
+fn camera_of(
+    kind: impl Bundle,
+    headless: &mut Headless,
+    background: f32,
+    settings: LeanAutoExposure,
+) -> Entity {
+    let target = headless.render_target();
+    headless
+        .world()
+        .spawn((
+            kind,
+            Camera {
+                clear_color: ClearColorConfig::Custom(grey(background)),
+                ..default()
+            },
+            (
+                Hdr,
+                Msaa::Off,
+                Tonemapping::Reinhard,
+                DebandDither::Disabled,
+            ),
+            target,
+            settings,
+        ))
+        .id()
+}
+
+fn set_background(headless: &mut Headless, camera: Entity, value: f32) {
+    let mut entity = headless.world().entity_mut(camera);
+    let mut camera = entity.get_mut::<Camera>().expect("it is one");
+    camera.clear_color = ClearColorConfig::Custom(grey(value));
+}
+
+fn metered_now(headless: &mut Headless, camera: Entity) -> MeteredExposure {
+    *headless
+        .world()
+        .get::<MeteredExposure>(camera)
+        .expect("required")
+}
+
+/// What came back after some frames.
+fn metered(headless: &mut Headless, camera: Entity) -> MeteredExposure {
+    headless.settle();
+    headless.frames(4);
+    metered_now(headless, camera)
+}
+
+/// One pixel before tonemapping.
+fn shown(headless: &mut Headless, pixel: UVec2) -> f32 {
+    let picture = headless.capture();
+    let value = picture.rgba[4 * (pixel.y * picture.size.x + pixel.x) as usize];
+    let tonemapped = LinearRgba::from(Srgba::rgb_u8(value, value, value)).red;
+    tonemapped / (1.0 - tonemapped)
+}
+
+/// The picture's middle grey comes out as asked for, in 3D and 2D, with and without a G-buffer; what was measured comes
+/// back.
+#[test]
+fn pictures_come_out_middle_grey() {
+    for background in [0.002, 0.18, 20.0] {
+        let mut headless = Headless::new(SIZE);
+        let camera = camera(&mut headless, background, instant());
+        for lean in [false, true] {
+            if lean {
+                headless
+                    .world()
+                    .entity_mut(camera)
+                    .insert(LeanDeferred::default());
+            }
+            let metered = metered(&mut headless, camera);
+            let shown = shown(&mut headless, UVec2::new(30, 20));
+            println!(
+                "{background} is metered as {}, shown as {shown}",
+                metered.luminance
+            );
+            assert!((metered.luminance / background - 1.0).abs() < 1e-3);
+            assert!((metered.exposure - (0.18 / background).log2()).abs() < 1e-2);
+            assert!((shown - 0.18).abs() < 0.005);
+        }
+    }
+    let mut headless = Headless::new(SIZE);
+    let camera = camera_of(Camera2d, &mut headless, 2.0, instant());
+    metered(&mut headless, camera);
+    let shown = shown(&mut headless, UVec2::new(30, 20));
+    assert!((shown - 0.18).abs() < 0.005, "2D shows {shown}");
+    log_watch::assert_validation_layer_silent();
+}
+
+/// Two cameras side by side meter their own halves.
+#[test]
+fn cameras_meter_their_own_viewports() {
+    let size = UVec2::new(150, 90);
+    let mut headless = Headless::new(size);
+    let backgrounds = [0.25, 4.0];
+    let cameras = backgrounds.map(|value| camera(&mut headless, value, instant()));
+    let mut left = 0;
+    for (order, (camera, width)) in cameras.into_iter().zip([67, 83]).enumerate() {
+        // Where there is no viewport, the target is not cleared: a wall in front of each camera is.
+        let layer = bevy::camera::visibility::RenderLayers::layer(order + 1);
+        let wall = headless
+            .world()
+            .resource_mut::<Assets<Mesh>>()
+            .add(Plane3d::new(Vec3::Z, Vec2::splat(50.0)));
+        let value = backgrounds[order];
+        let material = headless
+            .world()
+            .resource_mut::<Assets<StandardMaterial>>()
+            .add(StandardMaterial {
+                base_color: LinearRgba::rgb(value, value, value).into(),
+                unlit: true,
+                ..default()
+            });
+        headless.world().spawn((
+            Mesh3d(wall),
+            MeshMaterial3d(material),
+            Transform::from_xyz(0.0, 0.0, -5.0),
+            layer.clone(),
+        ));
+        let mut entity = headless.world().entity_mut(camera);
+        entity.insert(layer);
+        let mut camera = entity.get_mut::<Camera>().expect("it is one");
+        camera.order = order as isize;
+        camera.viewport = Some(Viewport {
+            physical_position: UVec2::new(left, 0),
+            physical_size: UVec2::new(width, size.y),
+            ..default()
+        });
+        if order > 0 {
+            camera.clear_color = ClearColorConfig::None;
+        }
+        left += width;
+    }
+    for (camera, value) in cameras.into_iter().zip(backgrounds) {
+        let metered = metered(&mut headless, camera);
+        println!("{value} is metered as {}", metered.luminance);
+        assert!((metered.luminance / value - 1.0).abs() < 1e-3);
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+/// Exposures of the frames to come, as they come back.
+fn exposures(headless: &mut Headless, camera: Entity, frames: usize) -> Vec<f32> {
+    (0..frames)
+        .map(|_| {
+            headless.frames(1);
+            metered_now(headless, camera).exposure
+        })
+        .collect()
+}
+
+/// Adaptation takes its time, a cut and a new component do not, and resizing, a mask or other settings make no flash.
+#[test]
+fn nothing_flashes() {
+    let mut headless = Headless::new(SIZE);
+    let camera = camera(&mut headless, 0.18, LeanAutoExposure::default());
+    let start = metered(&mut headless, camera);
+    assert_eq!(start.exposure, start.target_exposure);
+    assert!(start.exposure.abs() < 1e-2);
+
+    set_background(&mut headless, camera, 0.18 * 16.0);
+    let adapting = exposures(&mut headless, camera, 30);
+    println!("adapting: {adapting:?}");
+    let per_frame = 1.0 / 60.0;
+    for pair in adapting.windows(2) {
+        assert!(pair[1] <= pair[0] && pair[0] - pair[1] <= 2.1 * per_frame);
+    }
+    assert!(*adapting.last().expect("30") > -1.0);
+
+    // None of these changes what is metered: the exposure goes on as before.
+    let changes: [fn(&mut Headless, Entity); 4] = [
+        |headless, camera| {
+            let mut entity = headless.world().entity_mut(camera);
+            let mut settings = entity.get_mut::<LeanAutoExposure>().expect("it has one");
+            settings.pattern = MeteringPattern::CenterWeighted;
+        },
+        |headless, camera| {
+            let mut entity = headless.world().entity_mut(camera);
+            let mut settings = entity.get_mut::<LeanAutoExposure>().expect("it has one");
+            settings.trim = Some(LuminanceTrim {
+                low: 0.1,
+                high: 0.1,
+            });
+        },
+        |headless, _| {
+            let target = headless.target.clone();
+            *headless
+                .world()
+                .resource_mut::<Assets<Image>>()
+                .get_mut(&target)
+                .expect("it is there") = crate::common::headless::target_image(UVec2::new(91, 33));
+        },
+        |headless, camera| {
+            let mut entity = headless.world().entity_mut(camera);
+            let mut settings = entity.get_mut::<LeanAutoExposure>().expect("it has one");
+            settings.trim = None;
+            settings.sampling = ExposureSampling::Quarter;
+        },
+    ];
+    let mut last = metered_now(&mut headless, camera).exposure;
+    for change in changes {
+        change(&mut headless, camera);
+        for exposure in exposures(&mut headless, camera, 6) {
+            assert!(
+                exposure <= last && last - exposure <= 2.1 * per_frame,
+                "{last}, {exposure}"
+            );
+            last = exposure;
+        }
+    }
+
+    headless.world().entity_mut(camera).insert(ExposureCut);
+    let after = metered(&mut headless, camera);
+    assert_eq!(after.exposure, after.target_exposure);
+    assert!(headless.world().get::<ExposureCut>(camera).is_none());
+
+    set_background(&mut headless, camera, 0.18);
+    headless
+        .world()
+        .entity_mut(camera)
+        .remove::<LeanAutoExposure>();
+    headless.frames(2);
+    assert!((shown(&mut headless, UVec2::new(30, 20)) - 0.18).abs() < 0.005);
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert(LeanAutoExposure::default());
+    let again = metered(&mut headless, camera);
+    assert_eq!(again.exposure, again.target_exposure);
+    log_watch::assert_validation_layer_silent();
+}
+
+/// A camera that was inactive for a while has adapted meanwhile.
+#[test]
+fn pauses_count() {
+    let mut headless = Headless::new(SIZE);
+    let camera = camera(&mut headless, 0.18, LeanAutoExposure::default());
+    metered(&mut headless, camera);
+    let set_active = |headless: &mut Headless, active: bool| {
+        let mut entity = headless.world().entity_mut(camera);
+        entity.get_mut::<Camera>().expect("it is one").is_active = active;
+    };
+    set_active(&mut headless, false);
+    headless.frames(600);
+    set_background(&mut headless, camera, 0.18 * 16.0);
+    set_active(&mut headless, true);
+    headless.frames(5);
+    let metered = metered_now(&mut headless, camera);
+    assert!(
+        (metered.exposure - metered.target_exposure).abs() < 0.01,
+        "{metered:?}"
+    );
+}
+
+/// One warning, and the picture as it was.
+#[test]
+fn without_hdr_there_is_a_warning() {
+    let mut headless = Headless::new(SIZE);
+    let camera = camera(&mut headless, 0.5, instant());
+    headless.world().entity_mut(camera).remove::<Hdr>();
+    headless.settle();
+    let with = headless.capture();
+    headless
+        .world()
+        .entity_mut(camera)
+        .remove::<LeanAutoExposure>();
+    headless.settle();
+    assert!(with == headless.capture());
+    let warnings = log_watch::messages_with("LeanAutoExposure on camera");
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+}
+
+/// The mask is an asset: as long as it is not there, all pixels count.
+#[test]
+fn masks_are_assets() {
+    let mut headless = Headless::new(SIZE);
+    let camera = camera(&mut headless, 2.0, instant());
+    let mask = headless
+        .world()
+        .resource_mut::<Assets<Image>>()
+        .reserve_handle();
+    let settings = LeanAutoExposure {
+        pattern: MeteringPattern::Mask(mask.clone()),
+        ..instant()
+    };
+    headless.world().entity_mut(camera).insert(settings);
+    let before = metered(&mut headless, camera);
+    assert!((before.luminance - 2.0).abs() < 1e-3);
+    // Nothing counts: what was metered stays.
+    let black = Image::new_fill(
+        bevy::render::render_resource::Extent3d::default(),
+        bevy::render::render_resource::TextureDimension::D2,
+        &[0],
+        bevy::render::render_resource::TextureFormat::R8Unorm,
+        bevy::asset::RenderAssetUsages::RENDER_WORLD,
+    );
+    headless
+        .world()
+        .resource_mut::<Assets<Image>>()
+        .insert(&mask, black)
+        .expect("the handle is alive");
+    headless.settle();
+    set_background(&mut headless, camera, 0.1);
+    let masked = metered(&mut headless, camera);
+    println!("masked: {masked:?}");
+    assert!((masked.luminance - 2.0).abs() < 1e-3);
+    log_watch::assert_validation_layer_silent();
+}

@@ -1,0 +1,177 @@
+//! Which pixels count how much.
+
+use bevy::{
+    asset::Handle,
+    math::{UVec2, Vec3},
+};
+use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
+
+use crate::{
+    METERINGS,
+    common::{
+        exposure_gpu::{ExposureGpu, Meter},
+        random::Random,
+    },
+    instant, paths,
+    pictures::{EASY, HOSTILE, picture},
+    reference::{self, Mask},
+};
+
+/// The largest relative error of luminance over viewports, means and paths.
+fn worst_error(gpu: &ExposureGpu, settings: &LeanAutoExposure, mask: Option<&Mask>) -> f64 {
+    let mut worst = 0.0f64;
+    for (size, viewport) in [
+        (UVec2::new(211, 137), (UVec2::ZERO, UVec2::new(211, 137))),
+        (
+            UVec2::new(211, 137),
+            (UVec2::new(31, 17), UVec2::new(97, 101)),
+        ),
+        (UVec2::new(9, 4), (UVec2::new(8, 3), UVec2::ONE)),
+    ] {
+        for (_, texel) in [EASY[1], HOSTILE[0], HOSTILE[1]] {
+            let mut texels = picture(size, texel);
+            // Beside the viewport is nothing that may count.
+            for (i, texel) in texels.iter_mut().enumerate() {
+                let pixel = UVec2::new(i as u32 % size.x, i as u32 / size.x);
+                if pixel.cmplt(viewport.0).any() || pixel.cmpge(viewport.0 + viewport.1).any() {
+                    *texel = Vec3::splat(60000.0);
+                }
+            }
+            let texture = gpu.picture(size, &texels);
+            let mask_texture = mask.map(|mask| gpu.mask(mask.size, &mask.texels));
+            for metering in METERINGS {
+                let settings = LeanAutoExposure {
+                    metering,
+                    ..settings.clone()
+                };
+                let Some(expected) = reference::metered(&settings, &texels, size, viewport, mask)
+                else {
+                    continue;
+                };
+                for path in paths(gpu) {
+                    let mask = mask_texture.as_ref();
+                    let state =
+                        Meter::new(gpu, &settings, path, &texture, viewport, mask).frame(0.1, 0);
+                    worst = worst.max((f64::from(state.luminance) / expected - 1.0).abs());
+                }
+            }
+        }
+    }
+    worst
+}
+
+#[test]
+fn patterns_weight() {
+    let gpu = ExposureGpu::new();
+    for (pattern, bound) in [
+        (MeteringPattern::Average, 1e-5),
+        (MeteringPattern::CenterWeighted, 1e-5),
+        (MeteringPattern::Spot { radius: 0.05 }, 1e-5),
+        (MeteringPattern::Spot { radius: 0.37 }, 1e-5),
+    ] {
+        let settings = LeanAutoExposure {
+            pattern: pattern.clone(),
+            ..instant()
+        };
+        let worst = worst_error(&gpu, &settings, None);
+        println!("{pattern:?}: off by up to {worst:.1e}");
+        assert!(worst <= bound);
+    }
+}
+
+/// Masks of any size; the error is that of the device's filter, which has 8 bits.
+#[test]
+fn masks_weight() {
+    let gpu = ExposureGpu::new();
+    let settings = LeanAutoExposure {
+        pattern: MeteringPattern::Mask(Handle::default()),
+        ..instant()
+    };
+    let mut random = Random::new(5);
+    for size in [
+        UVec2::ONE,
+        UVec2::new(2, 3),
+        UVec2::new(64, 64),
+        UVec2::new(333, 17),
+    ] {
+        let texels = (0..size.element_product()).map(|_| (random.bits() >> 24) as u8 | 1);
+        let mask = Mask {
+            size,
+            texels: texels.collect(),
+        };
+        let worst = worst_error(&gpu, &settings, Some(&mask));
+        println!("mask of {size}: off by up to {worst:.1e}");
+        assert!(worst <= 2e-3);
+    }
+}
+
+/// Half a bin of the histogram, and what a bin is coarser than a pixel at the limits of the shares.
+#[test]
+fn trimming() {
+    let gpu = ExposureGpu::new();
+    for (low, high) in [(0.0, 0.0), (0.1, 0.1), (0.5, 0.4), (0.0, 0.95), (0.9, 0.0)] {
+        let settings = LeanAutoExposure {
+            trim: Some(LuminanceTrim { low, high }),
+            ..instant()
+        };
+        let stops = (1.0 + worst_error(&gpu, &settings, None)).log2();
+        println!("without {low} and {high}: off by up to {stops:.3} stops");
+        assert!(stops <= 0.06);
+    }
+    let all = LeanAutoExposure {
+        trim: Some(LuminanceTrim {
+            low: 0.6,
+            high: 0.6,
+        }),
+        ..instant()
+    };
+    let size = UVec2::new(20, 10);
+    let texture = gpu.picture(size, &picture(size, EASY[1].1));
+    for path in paths(&gpu) {
+        let state = Meter::new(&gpu, &all, path, &texture, (UVec2::ZERO, size), None).frame(0.1, 0);
+        assert_eq!(state.exposure, 0.0, "nothing is left");
+    }
+}
+
+/// Every bin of the histogram holds what an 8192×8192 picture of one colour puts into it.
+#[test]
+fn histograms_do_not_overflow() {
+    let gpu = ExposureGpu::new();
+    let size = UVec2::splat(8192);
+    if gpu.device.limits().max_texture_dimension_2d < size.x {
+        println!("this device has no textures of {size}");
+        return;
+    }
+    let texture = gpu.picture(size, &vec![Vec3::ONE; size.element_product() as usize]);
+    let settings = LeanAutoExposure {
+        trim: Some(LuminanceTrim {
+            low: 0.1,
+            high: 0.1,
+        }),
+        ..instant()
+    };
+    for path in paths(&gpu) {
+        let state =
+            Meter::new(&gpu, &settings, path, &texture, (UVec2::ZERO, size), None).frame(0.1, 0);
+        assert!(state.luminance.log2().abs() <= 0.06);
+    }
+}
+
+/// Fewer pixels: just those are read that the documentation names.
+#[test]
+fn sampling_reads_blocks() {
+    let gpu = ExposureGpu::new();
+    for sampling in [
+        ExposureSampling::All,
+        ExposureSampling::Quarter,
+        ExposureSampling::Sixteenth,
+    ] {
+        let settings = LeanAutoExposure {
+            sampling,
+            ..instant()
+        };
+        let worst = worst_error(&gpu, &settings, None);
+        println!("{sampling:?}: off by up to {worst:.1e} from the mean of what it reads");
+        assert!(worst <= 1e-5);
+    }
+}

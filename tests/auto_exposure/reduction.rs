@@ -1,0 +1,171 @@
+//! The sum over all pixels, by both paths, against double precision.
+
+use std::process::Command;
+
+use bevy::math::{UVec2, Vec3};
+use bevy_lean_deferred::auto_exposure::{ExposureState, LeanAutoExposure};
+
+use crate::{
+    METERINGS,
+    common::exposure_gpu::{ExposureGpu, Meter},
+    instant, paths,
+    pictures::{EASY, HOSTILE, picture},
+    reference,
+};
+
+const SIZES: [UVec2; 10] = [
+    UVec2::new(1, 1),
+    UVec2::new(3, 5),
+    UVec2::new(7, 1),
+    UVec2::new(1, 129),
+    UVec2::new(64, 128),
+    UVec2::new(65, 127),
+    UVec2::new(131, 257),
+    UVec2::new(317, 211),
+    UVec2::new(1009, 97),
+    UVec2::new(1280, 720),
+];
+
+/// By each path: what a first frame finds in `texels`.
+fn by_paths(
+    gpu: &ExposureGpu,
+    settings: &LeanAutoExposure,
+    size: UVec2,
+    texels: &[Vec3],
+) -> Vec<ExposureState> {
+    let picture = gpu.picture(size, texels);
+    paths(gpu)
+        .into_iter()
+        .map(|path| {
+            Meter::new(gpu, settings, path, &picture, (UVec2::ZERO, size), None).frame(0.1, 0)
+        })
+        .collect()
+}
+
+/// Each pixel counts once at any size, by either path and either mean, whatever the picture holds.
+#[test]
+fn every_pixel_counts_once() {
+    let gpu = ExposureGpu::new();
+    println!(
+        "{}, subgroups of {} to {}",
+        gpu.adapter.name, gpu.adapter.subgroup_min_size, gpu.adapter.subgroup_max_size
+    );
+    for (name, texel) in EASY.into_iter().chain(HOSTILE) {
+        let (mut worst, mut apart) = (0.0f64, 0.0f64);
+        for size in SIZES {
+            let texels = picture(size, texel);
+            for metering in METERINGS {
+                let settings = LeanAutoExposure {
+                    metering,
+                    ..instant()
+                };
+                let whole = (UVec2::ZERO, size);
+                let expected = reference::metered(&settings, &texels, size, whole, None);
+                let states = by_paths(&gpu, &settings, size, &texels);
+                for state in &states {
+                    assert!(state.exposure.is_finite() && state.target_exposure.is_finite());
+                    let Some(expected) = expected else {
+                        assert_eq!((state.luminance, state.exposure), (0.0, 0.0));
+                        continue;
+                    };
+                    // Relative; black is black.
+                    let error = (f64::from(state.luminance) - expected).abs() / expected.max(1e-30);
+                    worst = worst.max(error);
+                    let other = f64::from(states[0].luminance);
+                    apart =
+                        apart.max((f64::from(state.luminance) - other).abs() / expected.max(1e-30));
+                }
+            }
+        }
+        println!("{name}: off by up to {worst:.1e}, paths {apart:.1e} apart");
+        assert!(worst <= 1e-5);
+        assert!(apart <= 1e-6);
+    }
+}
+
+/// Half a gigabyte of picture: sums and weights stay exact.
+#[test]
+fn large_pictures_are_as_exact() {
+    let gpu = ExposureGpu::new();
+    let size = UVec2::splat(8192);
+    if gpu.device.limits().max_texture_dimension_2d < size.x {
+        println!("this device has no textures of {size}");
+        return;
+    }
+    // Repeats after 8 rows, so that the mean is that of 8 rows.
+    let band_size = UVec2::new(size.x, 8);
+    for (name, texel) in [EASY[1], EASY[2], HOSTILE[3]] {
+        let band = picture(band_size, texel);
+        let texels = band.repeat((size.y / band_size.y) as usize);
+        for metering in METERINGS {
+            let settings = LeanAutoExposure {
+                metering,
+                ..instant()
+            };
+            let whole = (UVec2::ZERO, band_size);
+            let expected = reference::metered(&settings, &band, band_size, whole, None);
+            let expected = expected.expect("there are numbers among them");
+            for state in by_paths(&gpu, &settings, size, &texels) {
+                let error = (f64::from(state.luminance) / expected - 1.0).abs();
+                println!("{name}, {metering:?}: off by {error:.1e}");
+                assert!(error <= 1e-5);
+            }
+        }
+    }
+}
+
+/// Nothing to be metered: the target stays what it was.
+#[test]
+fn a_view_of_no_numbers_keeps_its_target() {
+    let gpu = ExposureGpu::new();
+    let size = UVec2::new(37, 21);
+    let picture_of = |value: f32| vec![Vec3::splat(value); size.element_product() as usize];
+    let settings = LeanAutoExposure {
+        min_exposure: -20.0,
+        max_exposure: 20.0,
+        ..instant()
+    };
+    for path in paths(&gpu) {
+        let texture = gpu.picture(size, &picture_of(0.045));
+        let meter = Meter::new(&gpu, &settings, path, &texture, (UVec2::ZERO, size), None);
+        let before = meter.frame(0.1, 0);
+        assert!((before.exposure - 2.0).abs() < 1e-3);
+        gpu.overwrite(&texture, &picture_of(f32::NAN));
+        let after = meter.frame(0.1, 0);
+        assert_eq!(
+            (before.luminance, before.exposure),
+            (after.luminance, after.exposure)
+        );
+    }
+}
+
+/// Software renderers have subgroups of other sizes, if they are told: then all of the above holds as well.
+#[test]
+fn subgroups_may_have_any_size() {
+    const WIDTH: &str = "LP_NATIVE_VECTOR_WIDTH";
+    let gpu = ExposureGpu::new();
+    if !gpu.adapter.name.contains("llvmpipe") || std::env::var_os(WIDTH).is_some() {
+        println!("subgroups of {} alone", gpu.adapter.subgroup_min_size);
+        return;
+    }
+    let program = std::env::current_exe().expect("a test is a program");
+    for (width, size) in [("128", 4), ("256", 8), ("512", 16)] {
+        let output = Command::new(&program)
+            .args([
+                "every_pixel_counts_once",
+                "patterns_weight",
+                "trimming",
+                "--nocapture",
+            ])
+            .env(WIDTH, width)
+            .output()
+            .expect("it runs again");
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{text}");
+        assert!(
+            text.contains(&format!("subgroups of {size} to {size}")),
+            "{text}"
+        );
+        assert!(text.contains("3 passed"), "{text}");
+    }
+}

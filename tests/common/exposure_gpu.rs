@@ -1,0 +1,407 @@
+//! Runs the shipped shaders of auto exposure on the device, over pictures made on the CPU.
+
+use std::{borrow::Cow, collections::HashMap, sync::Mutex};
+
+use bevy::{
+    math::{UVec2, Vec3},
+    render::render_resource::encase::{StorageBuffer, UniformBuffer},
+    shader::ShaderDefVal,
+    tasks::block_on,
+};
+use bevy_lean_deferred::auto_exposure::{
+    ExposureKey, ExposureState, ExposureView, LeanAutoExposure, MeteringPattern, adapt_layout,
+    meter_layout,
+};
+use half::f16;
+use naga_oil::compose::{
+    ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
+};
+
+/// The modules that the shaders import, in the order of their own imports.
+const MODULES: [(&str, &str); 5] = [
+    (
+        "view.wgsl",
+        include_str!("../../src/auto_exposure/view.wgsl"),
+    ),
+    (
+        "luminance.wgsl",
+        include_str!("../../src/auto_exposure/luminance.wgsl"),
+    ),
+    (
+        "adaptation.wgsl",
+        include_str!("../../src/auto_exposure/adaptation.wgsl"),
+    ),
+    (
+        "reduction.wgsl",
+        include_str!("../../src/auto_exposure/reduction.wgsl"),
+    ),
+    ("bevy_view.wgsl", BEVY_VIEW),
+];
+/// In place of Bevy's, as far as the shaders know it.
+const BEVY_VIEW: &str = "
+#define_import_path bevy_render::view
+struct ColorGrading { exposure: f32 }
+struct View { color_grading: ColorGrading }
+";
+const METER: &str = include_str!("../../src/auto_exposure/meter.wgsl");
+const ADAPT: &str = include_str!("../../src/auto_exposure/adapt.wgsl");
+
+/// Bytes of Bevy's view that are bound.
+const BEVY_VIEW_SIZE: u64 = 4096;
+
+/// A device of its own.
+pub struct ExposureGpu {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub adapter: wgpu::AdapterInfo,
+    /// By source and definitions: composing takes longer than running.
+    shaders: Mutex<HashMap<(&'static str, Vec<String>), wgpu::ShaderModule>>,
+}
+
+impl ExposureGpu {
+    pub fn new() -> Self {
+        let instance =
+            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let adapter = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+            .unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
+        let wanted = wgpu::Features::SUBGROUP
+            | wgpu::Features::TIMESTAMP_QUERY
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
+            | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
+        let (device, queue) = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            required_features: wanted & adapter.features(),
+            required_limits: adapter.limits(),
+            ..Default::default()
+        }))
+        .unwrap_or_else(|error| panic!("no device: {error}"));
+        Self {
+            device,
+            queue,
+            adapter: adapter.get_info(),
+            shaders: Mutex::default(),
+        }
+    }
+
+    pub fn has_subgroups(&self) -> bool {
+        self.device.features().contains(wgpu::Features::SUBGROUP)
+    }
+
+    /// A picture in the format of Bevy's main textures.
+    pub fn picture(&self, size: UVec2, texels: &[Vec3]) -> wgpu::Texture {
+        self.texture(
+            size,
+            wgpu::TextureFormat::Rgba16Float,
+            &texel_bytes(texels),
+            8,
+        )
+    }
+
+    /// Another picture in the same place.
+    pub fn overwrite(&self, picture: &wgpu::Texture, texels: &[Vec3]) {
+        self.write(picture, &texel_bytes(texels), 8);
+    }
+
+    /// A metering mask.
+    pub fn mask(&self, size: UVec2, texels: &[u8]) -> wgpu::Texture {
+        self.texture(size, wgpu::TextureFormat::R8Unorm, texels, 1)
+    }
+
+    fn texture(
+        &self,
+        size: UVec2,
+        format: wgpu::TextureFormat,
+        bytes: &[u8],
+        texel_size: u32,
+    ) -> wgpu::Texture {
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d {
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        self.write(&texture, bytes, texel_size);
+        texture
+    }
+
+    fn write(&self, texture: &wgpu::Texture, bytes: &[u8], texel_size: u32) {
+        self.queue.write_texture(
+            texture.as_image_copy(),
+            bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(texel_size * texture.width()),
+                rows_per_image: None,
+            },
+            texture.size(),
+        );
+    }
+
+    pub fn buffer(&self, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    pub fn bind_group(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        resources: &[wgpu::BindingResource],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = resources
+            .iter()
+            .zip(0..)
+            .map(|(resource, binding)| wgpu::BindGroupEntry {
+                binding,
+                resource: resource.clone(),
+            })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout,
+            entries: &entries,
+        })
+    }
+
+    /// What a buffer holds, after all that was submitted.
+    pub fn read(&self, buffer: &wgpu::Buffer) -> Vec<u8> {
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let readback = self.buffer(buffer.size(), usage);
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &readback, 0, buffer.size());
+        self.queue.submit([encoder.finish()]);
+        readback.map_async(wgpu::MapMode::Read, .., |mapped| {
+            mapped.unwrap_or_else(|error| panic!("the results cannot be read: {error}"));
+        });
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .unwrap_or_else(|error| panic!("the device did not finish: {error}"));
+        readback.get_mapped_range(..).to_vec()
+    }
+
+    fn shader(&self, source: &'static str, key: ExposureKey) -> wgpu::ShaderModule {
+        let defs: HashMap<String, ShaderDefValue> = key
+            .shader_defs()
+            .into_iter()
+            .map(|def| match def {
+                ShaderDefVal::Bool(name, value) => (name, ShaderDefValue::Bool(value)),
+                ShaderDefVal::Int(name, value) => (name, ShaderDefValue::Int(value)),
+                ShaderDefVal::UInt(name, value) => (name, ShaderDefValue::UInt(value)),
+            })
+            .collect();
+        let mut name: Vec<String> = defs.iter().map(|def| format!("{def:?}")).collect();
+        name.sort();
+        let mut shaders = self
+            .shaders
+            .lock()
+            .expect("no test panics while it composes");
+        let shader = shaders.entry((source, name));
+        shader
+            .or_insert_with(|| {
+                let mut composer =
+                    Composer::default().with_capabilities(naga::valid::Capabilities::SUBGROUP);
+                for (path, module) in MODULES {
+                    let added = composer.add_composable_module(ComposableModuleDescriptor {
+                        source: module,
+                        file_path: path,
+                        ..Default::default()
+                    });
+                    if let Err(error) = added.map(|_| ()) {
+                        panic!("{}", error.emit_to_string(&composer));
+                    }
+                }
+                let module = composer
+                    .make_naga_module(NagaModuleDescriptor {
+                        source,
+                        file_path: "exposure.wgsl",
+                        shader_defs: defs,
+                        ..Default::default()
+                    })
+                    .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
+                self.device
+                    .create_shader_module(wgpu::ShaderModuleDescriptor {
+                        label: None,
+                        source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
+                    })
+            })
+            .clone()
+    }
+
+    pub fn pipeline(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        shader: &wgpu::ShaderModule,
+        entry_point: &str,
+    ) -> wgpu::ComputePipeline {
+        let layout = self
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &[Some(layout)],
+                immediate_size: 0,
+            });
+        self.device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: None,
+                layout: Some(&layout),
+                module: shader,
+                entry_point: Some(entry_point),
+                compilation_options: Default::default(),
+                cache: None,
+            })
+    }
+}
+
+fn texel_bytes(texels: &[Vec3]) -> Vec<u8> {
+    texels
+        .iter()
+        .flat_map(|texel| [texel.x, texel.y, texel.z, 1.0])
+        .flat_map(|channel| f16::from_f32(channel).to_le_bytes())
+        .collect()
+}
+
+/// What one camera has: its pipelines, buffers and state.
+pub struct Meter<'a> {
+    gpu: &'a ExposureGpu,
+    settings: LeanAutoExposure,
+    key: ExposureKey,
+    viewport: (UVec2, UVec2),
+    uniform: wgpu::Buffer,
+    bevy_view: wgpu::Buffer,
+    state: wgpu::Buffer,
+    passes: [(wgpu::ComputePipeline, wgpu::BindGroup); 2],
+}
+
+impl<'a> Meter<'a> {
+    /// A camera that has not rendered yet and sees `viewport` (origin and size) of `picture`.
+    pub fn new(
+        gpu: &'a ExposureGpu,
+        settings: &LeanAutoExposure,
+        subgroups: bool,
+        picture: &wgpu::Texture,
+        viewport: (UVec2, UVec2),
+        mask: Option<&wgpu::Texture>,
+    ) -> Self {
+        use wgpu::BufferUsages as Usage;
+        assert_eq!(
+            mask.is_some(),
+            matches!(settings.pattern, MeteringPattern::Mask(_))
+        );
+        let key = ExposureKey::new(settings, subgroups, mask.is_some());
+        let uniform_size = <ExposureView as bevy::render::render_resource::ShaderType>::min_size();
+        let uniform = gpu.buffer(uniform_size.get(), Usage::UNIFORM | Usage::COPY_DST);
+        let sums = gpu.buffer(key.sums_size(viewport.1), Usage::STORAGE);
+        let read_write = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
+        let bevy_view = gpu.buffer(BEVY_VIEW_SIZE, read_write);
+        let state = gpu.buffer(16, read_write);
+        let picture = picture.create_view(&Default::default());
+        let layout = |entries: &[wgpu::BindGroupLayoutEntry]| {
+            gpu.device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                    label: None,
+                    entries,
+                })
+        };
+
+        let layouts = [
+            layout(&meter_layout(key).entries),
+            layout(&adapt_layout().entries),
+        ];
+        use wgpu::BindingResource::{Sampler, TextureView};
+        let mut resources = vec![
+            uniform.as_entire_binding(),
+            TextureView(&picture),
+            sums.as_entire_binding(),
+        ];
+        let mask = mask.map(|mask| mask.create_view(&Default::default()));
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        if let Some(mask) = &mask {
+            resources.extend([TextureView(mask), Sampler(&sampler)]);
+        }
+        let meter_group = gpu.bind_group(&layouts[0], &resources);
+        let adapt_group = gpu.bind_group(
+            &layouts[1],
+            &[
+                uniform.as_entire_binding(),
+                bevy_view.as_entire_binding(),
+                sums.as_entire_binding(),
+                state.as_entire_binding(),
+            ],
+        );
+        let pipeline = |layout, source, entry_point| {
+            gpu.pipeline(layout, &gpu.shader(source, key), entry_point)
+        };
+        let passes = [
+            (pipeline(&layouts[0], METER, "meter"), meter_group),
+            (pipeline(&layouts[1], ADAPT, "sum_and_adapt"), adapt_group),
+        ];
+        Self {
+            gpu,
+            settings: settings.clone(),
+            key,
+            viewport,
+            uniform,
+            bevy_view,
+            state,
+            passes,
+        }
+    }
+
+    /// Prepares a frame that follows the last one after `seconds`.
+    pub fn prepare(&self, seconds: f32, cuts: u32) {
+        let (origin, size) = self.viewport;
+        let view = ExposureView::new(&self.settings, self.key, origin, size, seconds, cuts);
+        let mut bytes = UniformBuffer::new(Vec::new());
+        bytes.write(&view).expect("it fits");
+        self.gpu
+            .queue
+            .write_buffer(&self.uniform, 0, bytes.as_ref());
+        self.gpu.queue.write_buffer(&self.bevy_view, 0, &[0; 4]);
+    }
+
+    /// The first or the second pass, as the crate dispatches it.
+    pub fn dispatch(&self, pass: &mut wgpu::ComputePass, index: usize) {
+        let (pipeline, group) = &self.passes[index];
+        let groups = [self.key.workgroups(self.viewport.1), UVec2::ONE][index];
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, group, &[0, 0][..=index]);
+        pass.dispatch_workgroups(groups.x, groups.y, 1);
+    }
+
+    pub fn state(&self) -> ExposureState {
+        let mut state = ExposureState::default();
+        StorageBuffer::new(self.gpu.read(&self.state))
+            .read(&mut state)
+            .expect("it has its size");
+        state
+    }
+
+    /// A frame; what it left, after checking that the view got that exposure.
+    pub fn frame(&self, seconds: f32, cuts: u32) -> ExposureState {
+        self.prepare(seconds, cuts);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        for index in 0..2 {
+            self.dispatch(&mut encoder.begin_compute_pass(&Default::default()), index);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        let state = self.state();
+        let applied = self.gpu.read(&self.bevy_view);
+        let applied = f32::from_le_bytes(*applied.first_chunk().expect("it is longer"));
+        assert_eq!(applied.to_bits(), state.exposure.to_bits());
+        state
+    }
+}
