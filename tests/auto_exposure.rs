@@ -13,6 +13,8 @@ mod pictures;
 mod reduction;
 #[path = "auto_exposure/reference.rs"]
 mod reference;
+#[path = "auto_exposure/resources.rs"]
+mod resources;
 
 use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
 use common::exposure_gpu::ExposureGpu;

@@ -21,7 +21,7 @@ use bevy::{
 use bevy_lean_deferred::GBufferChannel;
 use common::headless::Headless;
 use covering::{Factor, covering_rows};
-use factors::{GBUFFER, LIGHTING, OCCLUSION_GATHER, OCCLUSION_MERGE, implications};
+use factors::{EXPOSURE, GBUFFER, LIGHTING, OCCLUSION_GATHER, OCCLUSION_MERGE, implications};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{Composer, NagaModuleDescriptor, ShaderDefValue};
 
@@ -65,7 +65,8 @@ impl Modules {
             | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY
             | Capabilities::BUFFER_BINDING_ARRAY
             | Capabilities::STORAGE_BUFFER_BINDING_ARRAY
-            | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY_NON_UNIFORM_INDEXING;
+            | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY_NON_UNIFORM_INDEXING
+            | Capabilities::SUBGROUP;
         Self {
             composer: Composer::default().with_capabilities(capabilities),
             capabilities,
@@ -193,6 +194,28 @@ fn occlusion_permutations_validate() {
     );
 }
 
+#[test]
+fn exposure_permutations_validate() {
+    for stride in [1, 2, 4] {
+        for (source, path) in [
+            (
+                include_str!("../src/auto_exposure/meter.wgsl"),
+                "src/auto_exposure/meter.wgsl",
+            ),
+            (
+                include_str!("../src/auto_exposure/adapt.wgsl"),
+                "src/auto_exposure/adapt.wgsl",
+            ),
+            (
+                include_str!("../src/auto_exposure/overlay.wgsl"),
+                "src/auto_exposure/overlay.wgsl",
+            ),
+        ] {
+            check_permutations(source, path, EXPOSURE, &[], &[("STRIDE", stride)]);
+        }
+    }
+}
+
 /// The names in the factors and what comes with them.
 fn tried<'a>(factors: &[Factor], always: &[&'a str]) -> HashSet<&'a str> {
     factors
@@ -234,6 +257,12 @@ fn every_definition_of_the_occlusion_shaders_is_tried() {
     let tried = &tried(OCCLUSION_GATHER, &values) | &tried(OCCLUSION_MERGE, &[]);
     let pipelines = include_str!("../src/ambient_occlusion/pipelines.rs");
     assert_all_tried("pipelines.rs", pipelines, &tried);
+}
+
+#[test]
+fn every_definition_of_the_exposure_shaders_is_tried() {
+    let key = include_str!("../src/auto_exposure/key.rs");
+    assert_all_tried("key.rs", key, &tried(EXPOSURE, &["STRIDE"]));
 }
 
 #[test]

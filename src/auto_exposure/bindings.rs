@@ -5,7 +5,7 @@ use bevy::{
     render::{
         render_asset::RenderAssets,
         render_resource::{
-            BindGroupEntry, BindingResource, IntoBinding, PipelineCache, TextureViewId,
+            BindGroup, BindGroupEntry, BindingResource, IntoBinding, PipelineCache, TextureViewId,
         },
         renderer::RenderDevice,
         storage::GpuShaderBuffer,
@@ -28,6 +28,14 @@ pub struct ExposureBindings {
     /// Post-processing swaps the two main textures: there is a group for each.
     pub(super) meter: [(Option<TextureViewId>, CachedBindGroup); 2],
     pub(super) adapt: CachedBindGroup,
+}
+
+impl ExposureBindings {
+    /// Those that stay from frame to frame as long as nothing changes.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        let meter = self.meter.iter().map(|(_, group)| group);
+        meter.chain([&self.adapt]).filter_map(CachedBindGroup::get)
+    }
 }
 
 /// Makes the bind groups of all views with auto exposure.
@@ -104,7 +112,7 @@ pub(super) fn prepare_exposure_bind_groups(
     }
 }
 
-fn numbered(resources: Vec<BindingResource>) -> Vec<BindGroupEntry> {
+pub(super) fn numbered(resources: Vec<BindingResource>) -> Vec<BindGroupEntry> {
     resources
         .into_iter()
         .zip(0..)

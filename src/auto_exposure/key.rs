@@ -72,6 +72,17 @@ impl ExposureKey {
         }
     }
 
+    /// What of it the overlay's shader sees.
+    pub(super) fn of_overlay(self) -> Self {
+        Self {
+            metering: Metering::default(),
+            sampling: ExposureSampling::default(),
+            histogram: false,
+            subgroups: false,
+            ..self
+        }
+    }
+
     /// What both shaders are compiled with.
     pub fn shader_defs(self) -> Vec<ShaderDefVal> {
         let mut defs = vec![ShaderDefVal::UInt("STRIDE".into(), self.sampling.stride())];

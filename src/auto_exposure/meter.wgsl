@@ -1,6 +1,7 @@
 // The first pass: reads each pixel of the viewport once, or one in some, and leaves one partial sum for each workgroup,
 // or what it adds to the histogram.
 #import bevy_lean_deferred::auto_exposure::luminance::{log_luminance, luminance}
+#import bevy_lean_deferred::auto_exposure::pattern::pattern_weight
 #import bevy_lean_deferred::auto_exposure::reduction::{Place, workgroup_sum}
 #import bevy_lean_deferred::auto_exposure::view::{
     BINS, BINS_PER_STOP, ExposureView, FULL_WEIGHT, LOG_OF_FIRST_BIN, TILE,
@@ -26,15 +27,7 @@ fn weight_of(pixel: vec2<u32>) -> f32 {
 #ifdef MASK
     return saturate(textureSampleLevel(mask, mask_sampler, center / size, 0.0).r);
 #else
-    let offset = (center - 0.5 * size) / size.y;
-    let distance_squared = dot(offset, offset);
-#ifdef CENTER_WEIGHTED
-    return exp(-8.0 * distance_squared);
-#else ifdef SPOT
-    return f32(distance_squared < view.spot_radius * view.spot_radius);
-#else
-    return 1.0;
-#endif
+    return pattern_weight(center, size, view.spot_radius);
 #endif
 }
 

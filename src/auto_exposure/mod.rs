@@ -4,12 +4,14 @@
 //! - `state.rs`: the exposure of a camera on the GPU, its way back, and cuts.
 //! - `key.rs`: what the shaders are compiled by. `uniforms.rs`, `pipelines.rs`, `bindings.rs`, `pass.rs`: the passes.
 //! - `meter.wgsl`, `adapt.wgsl`: the shaders. `reduction.wgsl`: the sum of a workgroup. `view.wgsl`: what they share.
+//! - `overlay.{rs,wgsl}`: what is metered, shown over the picture. `pattern.wgsl`: how much a pixel counts.
 //! - `luminance.{wgsl,rs}`, `adaptation.{wgsl,rs}`: binding-free maths, twice.
 
 pub mod adaptation;
 mod bindings;
 mod key;
 pub mod luminance;
+mod overlay;
 mod pass;
 mod pipelines;
 mod settings;
@@ -19,6 +21,7 @@ mod uniforms;
 
 pub use bindings::ExposureBindings;
 pub use key::ExposureKey;
+pub use overlay::ExposureOverlay;
 pub use pipelines::{ViewExposurePipelines, adapt_layout, meter_layout};
 pub use settings::{
     ExposureCut, ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure, Metering,
@@ -30,7 +33,10 @@ pub use uniforms::{ExposureState, ExposureView, ViewExposure};
 
 use bevy::{
     asset::embedded_asset,
-    core_pipeline::schedule::{Core2d, Core2dSystems, Core3d, Core3dSystems},
+    core_pipeline::{
+        schedule::{Core2d, Core2dSystems, Core3d, Core3dSystems},
+        tonemapping::tonemapping,
+    },
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
@@ -47,10 +53,12 @@ impl Plugin for LeanAutoExposurePlugin {
     fn build(&self, app: &mut App) {
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "luminance.wgsl");
+        load_shader_library!(app, "pattern.wgsl");
         load_shader_library!(app, "adaptation.wgsl");
         load_shader_library!(app, "reduction.wgsl");
         embedded_asset!(app, "meter.wgsl");
         embedded_asset!(app, "adapt.wgsl");
+        embedded_asset!(app, "overlay.wgsl");
         app.register_type::<LeanAutoExposure>()
             .register_type::<MeteredExposure>()
             .register_type::<ExposureCut>()
@@ -69,26 +77,49 @@ impl Plugin for LeanAutoExposurePlugin {
         render_app
             .init_gpu_resource::<uniforms::ExposureUniforms>()
             .init_resource::<pipelines::Reported>()
-            .add_systems(RenderStartup, pipelines::init_exposure_pipelines)
+            .add_systems(
+                RenderStartup,
+                (
+                    pipelines::init_exposure_pipelines,
+                    overlay::init_overlay_pipelines,
+                ),
+            )
             .add_systems(
                 Render,
                 (
                     pipelines::queue_exposure_pipelines.in_set(RenderSystems::Queue),
                     uniforms::write_exposure_uniforms.in_set(RenderSystems::PrepareResources),
-                    bindings::prepare_exposure_bind_groups.in_set(RenderSystems::PrepareBindGroups),
+                    overlay::queue_overlay_pipelines
+                        .in_set(RenderSystems::Queue)
+                        .after(pipelines::queue_exposure_pipelines),
+                    (
+                        bindings::prepare_exposure_bind_groups,
+                        overlay::prepare_overlay_bind_groups,
+                    )
+                        .in_set(RenderSystems::PrepareBindGroups),
                 ),
             )
             .add_systems(
                 Core3d,
-                pass::auto_exposure
-                    .after(Core3dSystems::EarlyPostProcess)
-                    .before(Core3dSystems::PostProcess),
+                (
+                    pass::auto_exposure
+                        .after(Core3dSystems::EarlyPostProcess)
+                        .before(Core3dSystems::PostProcess),
+                    overlay::exposure_overlay
+                        .in_set(Core3dSystems::PostProcess)
+                        .after(tonemapping),
+                ),
             )
             .add_systems(
                 Core2d,
-                pass::auto_exposure
-                    .after(Core2dSystems::EarlyPostProcess)
-                    .before(Core2dSystems::PostProcess),
+                (
+                    pass::auto_exposure
+                        .after(Core2dSystems::EarlyPostProcess)
+                        .before(Core2dSystems::PostProcess),
+                    overlay::exposure_overlay
+                        .in_set(Core2dSystems::PostProcess)
+                        .after(tonemapping),
+                ),
             );
     }
 

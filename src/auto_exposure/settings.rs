@@ -1,6 +1,9 @@
 use bevy::{camera::Hdr, prelude::*, render::extract_component::ExtractComponent};
 
-use super::{bindings::ExposureBindings, pipelines::ViewExposurePipelines, uniforms::ViewExposure};
+use super::{
+    bindings::ExposureBindings, overlay::ExposureOverlay, pipelines::ViewExposurePipelines,
+    uniforms::ViewExposure,
+};
 
 /// Measures the luminance of the picture and adapts the exposure to it over time.
 ///
@@ -15,7 +18,7 @@ use super::{bindings::ExposureBindings, pipelines::ViewExposurePipelines, unifor
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Hdr, MeteredExposure)]
-#[extract_component_sync_target((Self, ViewExposure, ViewExposurePipelines, ExposureBindings))]
+#[extract_component_sync_target((Self, ViewExposure, ViewExposurePipelines, ExposureBindings, ExposureOverlay))]
 pub struct LeanAutoExposure {
     /// Which mean is taken. Default [`Metering::LogAverage`].
     pub metering: Metering,
@@ -48,6 +51,9 @@ pub struct LeanAutoExposure {
     pub sampling: ExposureSampling,
     /// Default [`ReductionPath::Auto`].
     pub reduction: ReductionPath,
+    /// Shows over the tonemapped picture how much each pixel counts, and on a scale of stops the exposure (white) and where it
+    /// is heading (green). Default false.
+    pub overlay: bool,
 }
 
 impl Default for LeanAutoExposure {
@@ -67,6 +73,7 @@ impl Default for LeanAutoExposure {
             instant: false,
             sampling: default(),
             reduction: default(),
+            overlay: false,
         }
     }
 }

@@ -333,3 +333,54 @@ fn masks_are_assets() {
     assert!((masked.luminance - 2.0).abs() < 1e-3);
     log_watch::assert_validation_layer_silent();
 }
+
+/// Uncounted pixels are darker, the scale's marks stand where exposure and target are, and without it the picture is as before.
+#[test]
+fn the_overlay_shows_what_is_metered() {
+    let mut headless = Headless::new(UVec2::new(640, 360));
+    let settings = LeanAutoExposure {
+        pattern: MeteringPattern::Spot { radius: 0.3 },
+        ..default()
+    };
+    let camera = camera(&mut headless, 0.18, settings.clone());
+    metered(&mut headless, camera);
+    let without = headless.capture();
+    let with_overlay = LeanAutoExposure {
+        overlay: true,
+        ..settings.clone()
+    };
+    headless.world().entity_mut(camera).insert(with_overlay);
+    set_background(&mut headless, camera, 0.18 * 16.0);
+    headless.settle();
+    headless.frames(30);
+    let state = metered(&mut headless, camera);
+    let with = headless.capture();
+    let at = |x: u32, y: u32| {
+        let i = 4 * (y * with.size.x + x) as usize;
+        [with.rgba[i], with.rgba[i + 1], with.rgba[i + 2]]
+    };
+    // Tonemapped and stored as sRGB.
+    let counted = LinearRgba::from(Srgba::rgb_u8(at(320, 180)[0], 0, 0)).red;
+    let uncounted = LinearRgba::from(Srgba::rgb_u8(at(5, 5)[0], 0, 0)).red;
+    assert!(
+        (uncounted / counted - 0.35).abs() < 0.02,
+        "{uncounted} of {counted}"
+    );
+
+    // The scale of -8 to 8 stops and half a stop more lies over 0.6 of the width.
+    let column = |stops: f32| (640.0 * (0.2 + 0.6 * (stops + 8.5) / 17.0)) as u32;
+    println!("{state:?}");
+    assert_eq!(at(column(state.exposure), 332), [255; 3]);
+    let [red, green, _] = at(column(state.target_exposure), 341);
+    assert!(green > 200 && red < 150);
+    assert!(at(column(5.5), 341)[1] < 100);
+
+    set_background(&mut headless, camera, 0.18);
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert((settings, ExposureCut));
+    metered(&mut headless, camera);
+    assert!(headless.capture() == without);
+    log_watch::assert_validation_layer_silent();
+}

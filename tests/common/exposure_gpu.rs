@@ -18,7 +18,7 @@ use naga_oil::compose::{
 };
 
 /// The modules that the shaders import, in the order of their own imports.
-const MODULES: [(&str, &str); 5] = [
+const MODULES: [(&str, &str); 6] = [
     (
         "view.wgsl",
         include_str!("../../src/auto_exposure/view.wgsl"),
@@ -26,6 +26,10 @@ const MODULES: [(&str, &str); 5] = [
     (
         "luminance.wgsl",
         include_str!("../../src/auto_exposure/luminance.wgsl"),
+    ),
+    (
+        "pattern.wgsl",
+        include_str!("../../src/auto_exposure/pattern.wgsl"),
     ),
     (
         "adaptation.wgsl",

@@ -162,6 +162,19 @@ pub const GBUFFER: &[Factor] = &[
     ],
 ];
 
+/// What `ExposureKey::shader_defs` makes of the settings of auto exposure.
+pub const EXPOSURE: &[Factor] = &[
+    optional!("LOG_AVERAGE"),
+    &[
+        &[],
+        &["WEIGHTED", "CENTER_WEIGHTED"],
+        &["WEIGHTED", "SPOT"],
+        &["WEIGHTED", "MASK"],
+    ],
+    optional!("HISTOGRAM"),
+    optional!("SUBGROUPS"),
+];
+
 /// Names that come with others.
 pub fn implications(name: &str) -> &'static [&'static str] {
     match name {

@@ -1,0 +1,220 @@
+//! What is metered, shown over the tonemapped picture of cameras that ask for it.
+
+use bevy::{
+    asset::load_embedded_asset,
+    core_pipeline::FullscreenShader,
+    platform::collections::HashMap,
+    prelude::*,
+    render::{
+        camera::ExtractedCamera,
+        diagnostic::RecordDiagnostics,
+        render_asset::RenderAssets,
+        render_resource::{
+            BindGroupLayoutDescriptor, BlendState, CachedRenderPipelineId, ColorTargetState,
+            ColorWrites, DynamicBindGroupLayoutEntries, FragmentState, IntoBinding, PipelineCache,
+            RenderPassDescriptor, RenderPipelineDescriptor, SamplerBindingType, ShaderStages,
+            ShaderType, TextureFormat, TextureSampleType,
+            binding_types::{sampler, storage_buffer_read_only_sized, texture_2d, uniform_buffer},
+        },
+        renderer::{RenderContext, RenderDevice, ViewQuery},
+        storage::GpuShaderBuffer,
+        texture::GpuImage,
+        view::{ExtractedView, ViewTarget},
+    },
+};
+
+use super::{
+    ExposureKey, LeanAutoExposure, MeteringPattern, ViewExposure, ViewExposurePipelines,
+    bindings::numbered,
+    state::ExposureBuffer,
+    uniforms::{ExposureState, ExposureUniforms, ExposureView},
+};
+use crate::bind_group_cache::CachedBindGroup;
+
+/// On a view with the overlay of auto exposure: its pipeline, which may still be compiling, and its bind group.
+#[derive(Component)]
+pub struct ExposureOverlay {
+    key: ExposureKey,
+    pipeline: CachedRenderPipelineId,
+    group: CachedBindGroup,
+}
+
+/// The pipelines by target and key. Made by `init_overlay_pipelines`.
+#[derive(Resource)]
+pub(super) struct OverlayPipelines {
+    shader: Handle<Shader>,
+    fullscreen: FullscreenShader,
+    by_key: HashMap<(TextureFormat, ExposureKey), CachedRenderPipelineId>,
+}
+
+pub(super) fn init_overlay_pipelines(
+    mut commands: Commands,
+    asset_server: Res<AssetServer>,
+    fullscreen: Res<FullscreenShader>,
+) {
+    commands.insert_resource(OverlayPipelines {
+        shader: load_embedded_asset!(asset_server.as_ref(), "overlay.wgsl"),
+        fullscreen: fullscreen.clone(),
+        by_key: HashMap::default(),
+    });
+}
+
+/// Settings and state; mask and its sampler.
+fn layout(key: ExposureKey) -> BindGroupLayoutDescriptor {
+    let entries = DynamicBindGroupLayoutEntries::sequential(
+        ShaderStages::FRAGMENT,
+        (
+            uniform_buffer::<ExposureView>(true),
+            storage_buffer_read_only_sized(false, Some(ExposureState::min_size())),
+        ),
+    );
+    let entries = if key.has_mask() {
+        entries.extend_sequential((
+            texture_2d(TextureSampleType::Float { filterable: true }),
+            sampler(SamplerBindingType::Filtering),
+        ))
+    } else {
+        entries
+    };
+    BindGroupLayoutDescriptor::new("lean_deferred/exposure/overlay", &entries)
+}
+
+impl OverlayPipelines {
+    fn get(
+        &mut self,
+        format: TextureFormat,
+        key: ExposureKey,
+        pipeline_cache: &PipelineCache,
+    ) -> CachedRenderPipelineId {
+        *self.by_key.entry((format, key)).or_insert_with(|| {
+            pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
+                label: Some("lean_deferred/exposure/overlay".into()),
+                layout: vec![layout(key)],
+                vertex: self.fullscreen.to_vertex_state(),
+                fragment: Some(FragmentState {
+                    shader: self.shader.clone(),
+                    shader_defs: key.shader_defs(),
+                    entry_point: Some("fragment".into()),
+                    targets: vec![Some(ColorTargetState {
+                        format,
+                        blend: Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                        write_mask: ColorWrites::COLOR,
+                    })],
+                }),
+                ..default()
+            })
+        })
+    }
+}
+
+/// Inserts or removes [`ExposureOverlay`].
+pub(super) fn queue_overlay_pipelines(
+    mut commands: Commands,
+    pipelines: Option<ResMut<OverlayPipelines>>,
+    pipeline_cache: Res<PipelineCache>,
+    mut views: Query<(
+        Entity,
+        &ExtractedView,
+        &LeanAutoExposure,
+        Option<&ViewExposurePipelines>,
+        Option<&mut ExposureOverlay>,
+    )>,
+) {
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    for (entity, view, settings, metering, overlay) in &mut views {
+        let Some(metering) = metering.filter(|_| settings.overlay) else {
+            if overlay.is_some() {
+                commands.entity(entity).remove::<ExposureOverlay>();
+            }
+            continue;
+        };
+        let key = metering.key.of_overlay();
+        let pipeline = pipelines.get(view.target_format, key, &pipeline_cache);
+        match overlay {
+            Some(mut overlay) => {
+                overlay.key = key;
+                overlay.pipeline = pipeline;
+            }
+            None => {
+                commands.entity(entity).insert(ExposureOverlay {
+                    key,
+                    pipeline,
+                    group: CachedBindGroup::default(),
+                });
+            }
+        }
+    }
+}
+
+pub(super) fn prepare_overlay_bind_groups(
+    (device, pipeline_cache): (Res<RenderDevice>, Res<PipelineCache>),
+    uniforms: Res<ExposureUniforms>,
+    (buffers, images): (
+        Res<RenderAssets<GpuShaderBuffer>>,
+        Res<RenderAssets<GpuImage>>,
+    ),
+    mut views: Query<(&LeanAutoExposure, &ExposureBuffer, &mut ExposureOverlay)>,
+) {
+    let Some(uniforms) = uniforms.0.binding() else {
+        return;
+    };
+    for (settings, state, mut overlay) in &mut views {
+        let mask = match &settings.pattern {
+            MeteringPattern::Mask(mask) if overlay.key.has_mask() => images.get(mask),
+            _ => None,
+        };
+        let Some(state) = buffers.get(&state.0) else {
+            continue;
+        };
+        if mask.is_some() != overlay.key.has_mask() {
+            continue;
+        }
+        let mut entries = vec![uniforms.clone(), state.buffer.as_entire_binding()];
+        if let Some(mask) = mask {
+            entries.push(mask.texture_view.into_binding());
+            entries.push(mask.sampler.into_binding());
+        }
+        let layout = layout(overlay.key);
+        overlay
+            .group
+            .update(&device, &pipeline_cache, &layout, &numbered(entries));
+    }
+}
+
+/// After tonemapping.
+pub(super) fn exposure_overlay(
+    view: ViewQuery<(
+        &ExposureOverlay,
+        &ViewExposure,
+        &ViewTarget,
+        &ExtractedCamera,
+    )>,
+    pipeline_cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let (overlay, view, target, camera) = view.into_inner();
+    let (Some(pipeline), Some(group)) = (
+        pipeline_cache.get_render_pipeline(overlay.pipeline),
+        overlay.group.get(),
+    ) else {
+        return;
+    };
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/exposure/overlay");
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("lean_deferred/exposure/overlay"),
+        color_attachments: &[Some(target.get_color_attachment())],
+        ..default()
+    });
+    if let Some(viewport) = &camera.viewport {
+        pass.set_camera_viewport(viewport);
+    }
+    pass.set_render_pipeline(pipeline);
+    pass.set_bind_group(0, group, &[view.offset]);
+    pass.draw(0..3, 0..1);
+    drop(pass);
+    span.end(ctx.command_encoder());
+}
