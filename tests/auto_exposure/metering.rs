@@ -133,7 +133,32 @@ fn trimming() {
     }
 }
 
-/// Every bin of the histogram holds what an 8192×8192 picture of one colour puts into it.
+/// The histogram of a frame holds nothing of the one before.
+#[test]
+fn histograms_are_of_one_frame() {
+    let gpu = ExposureGpu::new();
+    let size = UVec2::new(50, 30);
+    let settings = LeanAutoExposure {
+        trim: Some(LuminanceTrim {
+            low: 0.0,
+            high: 0.0,
+        }),
+        ..instant()
+    };
+    let grey = |value: f32| vec![Vec3::splat(value); size.element_product() as usize];
+    for path in paths(&gpu) {
+        let texture = gpu.picture(size, &grey(8.0));
+        let meter = Meter::new(&gpu, &settings, path, &texture, (UVec2::ZERO, size), None);
+        for value in [8.0f32, 0.25, 2.0] {
+            gpu.overwrite(&texture, &grey(value));
+            let state = meter.frame(0.1, 0);
+            assert!((state.luminance / value).log2().abs() <= 0.06);
+            assert_eq!(state.exposure, state.target_exposure, "it is instant");
+        }
+    }
+}
+
+/// Bins hold what the pixels of an 8192×8192 picture put into them: a quarter is 1, the rest is 4.
 #[test]
 fn histograms_do_not_overflow() {
     let gpu = ExposureGpu::new();
@@ -142,18 +167,21 @@ fn histograms_do_not_overflow() {
         println!("this device has no textures of {size}");
         return;
     }
-    let texture = gpu.picture(size, &vec![Vec3::ONE; size.element_product() as usize]);
+    let mut texels = vec![Vec3::ONE; size.element_product() as usize];
+    let quarter = texels.len() / 4;
+    texels[quarter..].fill(Vec3::splat(4.0));
+    let texture = gpu.picture(size, &texels);
     let settings = LeanAutoExposure {
         trim: Some(LuminanceTrim {
-            low: 0.1,
-            high: 0.1,
+            low: 0.0,
+            high: 0.0,
         }),
         ..instant()
     };
     for path in paths(&gpu) {
         let state =
             Meter::new(&gpu, &settings, path, &texture, (UVec2::ZERO, size), None).frame(0.1, 0);
-        assert!(state.luminance.log2().abs() <= 0.06);
+        assert!((state.luminance.log2() - 1.5).abs() <= 0.06, "{state:?}");
     }
 }
 
