@@ -1,4 +1,5 @@
 //! GPU times of spans, and systems that open and close them.
+#![allow(dead_code, reason = "each bench uses a part")]
 
 use bevy::{
     diagnostic::DiagnosticsStore,
@@ -18,6 +19,17 @@ pub struct Time {
 }
 
 impl Time {
+    /// Of times in milliseconds, at least one.
+    pub fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
+        Self {
+            median: at(0.5),
+            low: at(0.1),
+            high: at(0.9),
+        }
+    }
+
     /// For a table.
     pub fn text(time: Option<Self>) -> String {
         time.map_or("–".into(), |t| {
@@ -47,14 +59,7 @@ impl Samples {
     }
 
     pub fn time(&self, name: &str) -> Option<Time> {
-        let mut values = self.0.get(name)?.clone();
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
-        Some(Time {
-            median: at(0.5),
-            low: at(0.1),
-            high: at(0.9),
-        })
+        Some(Time::of(self.0.get(name)?.clone()))
     }
 }
 

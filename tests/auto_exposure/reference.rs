@@ -41,7 +41,8 @@ pub fn luminance(texel: Vec3) -> Option<f64> {
     (!y.is_nan()).then(|| y.clamp(0.0, f64::from(LARGEST)))
 }
 
-fn weight(pattern: &MeteringPattern, mask: Option<&Mask>, pixel: UVec2, size: UVec2) -> f64 {
+/// How much a pixel of a viewport of `size` counts.
+pub fn weight(pattern: &MeteringPattern, mask: Option<&Mask>, pixel: UVec2, size: UVec2) -> f64 {
     let size = size.as_dvec2();
     let center = pixel.as_dvec2() + 0.5;
     let distance_squared = ((center - 0.5 * size) / size.y).length_squared();

@@ -296,12 +296,59 @@ impl<'a> Meter<'a> {
         viewport: (UVec2, UVec2),
         mask: Option<&wgpu::Texture>,
     ) -> Self {
-        use wgpu::BufferUsages as Usage;
         assert_eq!(
             mask.is_some(),
             matches!(settings.pattern, MeteringPattern::Mask(_))
         );
         let key = ExposureKey::new(settings, subgroups, mask.is_some());
+        let pipeline = |entries: &[wgpu::BindGroupLayoutEntry], source, entry_point| {
+            let layout = gpu
+                .device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                    label: None,
+                    entries,
+                });
+            gpu.pipeline(&layout, &gpu.shader(source, key), entry_point)
+        };
+        let pipelines = [
+            pipeline(&meter_layout(key).entries, METER, "meter"),
+            pipeline(&adapt_layout().entries, ADAPT, "sum_and_adapt"),
+        ];
+        Self::with_pipelines(
+            gpu,
+            settings.clone(),
+            key,
+            pipelines,
+            picture,
+            viewport,
+            mask,
+        )
+    }
+
+    /// A camera of the same settings that sees the same viewport of another picture. Compiles nothing.
+    pub fn another(&self, picture: &wgpu::Texture, mask: Option<&wgpu::Texture>) -> Self {
+        let pipelines = self.passes.each_ref().map(|(pipeline, _)| pipeline.clone());
+        Self::with_pipelines(
+            self.gpu,
+            self.settings.clone(),
+            self.key,
+            pipelines,
+            picture,
+            self.viewport,
+            mask,
+        )
+    }
+
+    fn with_pipelines(
+        gpu: &'a ExposureGpu,
+        settings: LeanAutoExposure,
+        key: ExposureKey,
+        [meter, adapt]: [wgpu::ComputePipeline; 2],
+        picture: &wgpu::Texture,
+        viewport: (UVec2, UVec2),
+        mask: Option<&wgpu::Texture>,
+    ) -> Self {
+        use wgpu::BufferUsages as Usage;
         let uniform_size = <ExposureView as bevy::render::render_resource::ShaderType>::min_size();
         let uniform = gpu.buffer(uniform_size.get(), Usage::UNIFORM | Usage::COPY_DST);
         let sums = gpu.buffer(key.sums_size(viewport.1), Usage::STORAGE);
@@ -309,18 +356,7 @@ impl<'a> Meter<'a> {
         let bevy_view = gpu.buffer(BEVY_VIEW_SIZE, read_write);
         let state = gpu.buffer(16, read_write);
         let picture = picture.create_view(&Default::default());
-        let layout = |entries: &[wgpu::BindGroupLayoutEntry]| {
-            gpu.device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                    label: None,
-                    entries,
-                })
-        };
 
-        let layouts = [
-            layout(&meter_layout(key).entries),
-            layout(&adapt_layout().entries),
-        ];
         use wgpu::BindingResource::{Sampler, TextureView};
         let mut resources = vec![
             uniform.as_entire_binding(),
@@ -336,9 +372,9 @@ impl<'a> Meter<'a> {
         if let Some(mask) = &mask {
             resources.extend([TextureView(mask), Sampler(&sampler)]);
         }
-        let meter_group = gpu.bind_group(&layouts[0], &resources);
+        let meter_group = gpu.bind_group(&meter.get_bind_group_layout(0), &resources);
         let adapt_group = gpu.bind_group(
-            &layouts[1],
+            &adapt.get_bind_group_layout(0),
             &[
                 uniform.as_entire_binding(),
                 bevy_view.as_entire_binding(),
@@ -346,22 +382,15 @@ impl<'a> Meter<'a> {
                 state.as_entire_binding(),
             ],
         );
-        let pipeline = |layout, source, entry_point| {
-            gpu.pipeline(layout, &gpu.shader(source, key), entry_point)
-        };
-        let passes = [
-            (pipeline(&layouts[0], METER, "meter"), meter_group),
-            (pipeline(&layouts[1], ADAPT, "sum_and_adapt"), adapt_group),
-        ];
         Self {
             gpu,
-            settings: settings.clone(),
+            settings,
             key,
             viewport,
             uniform,
             bevy_view,
             state,
-            passes,
+            passes: [(meter, meter_group), (adapt, adapt_group)],
         }
     }
 

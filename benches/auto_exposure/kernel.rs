@@ -1,0 +1,63 @@
+//! The bench's own shaders.
+
+use crate::{Args, common::exposure_gpu::ExposureGpu, gpu_time::Time, timing::time};
+
+/// A dispatch.
+pub struct Kernel {
+    pub pipeline: wgpu::ComputePipeline,
+    pub group: wgpu::BindGroup,
+    pub groups: [u32; 2],
+}
+
+impl Kernel {
+    /// Times frames of some dispatches each, in turn of `frames`.
+    pub fn time(gpu: &ExposureGpu, frames: &[Vec<Self>], args: &Args) -> Vec<Time> {
+        time(gpu, frames[0].len(), args, |frame, encoder, timestamps| {
+            for (index, kernel) in frames[frame % frames.len()].iter().enumerate() {
+                let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
+                pass.set_pipeline(&kernel.pipeline);
+                pass.set_bind_group(0, &kernel.group, &[]);
+                pass.dispatch_workgroups(kernel.groups[0], kernel.groups[1], 1);
+            }
+        })
+    }
+}
+
+/// With the layout that the shader asks for.
+pub fn compile(gpu: &ExposureGpu, source: &str, entry_point: &str) -> wgpu::ComputePipeline {
+    let module = gpu
+        .device
+        .create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: None,
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+    gpu.device
+        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: None,
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: Default::default(),
+            cache: None,
+        })
+}
+
+/// What a pipeline reads and writes, by binding.
+pub fn bind(
+    gpu: &ExposureGpu,
+    pipeline: &wgpu::ComputePipeline,
+    resources: &[(u32, wgpu::BindingResource)],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = resources
+        .iter()
+        .map(|(binding, resource)| wgpu::BindGroupEntry {
+            binding: *binding,
+            resource: resource.clone(),
+        })
+        .collect();
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &entries,
+    })
+}

@@ -1,0 +1,103 @@
+//! This crate's auto exposure, outside of any app.
+
+use bevy::{asset::Handle, math::UVec2};
+use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
+
+use crate::{
+    Args,
+    common::exposure_gpu::{ExposureGpu, Meter},
+    gpu_time::Time,
+    picture::{TRIM, mask},
+    ring::Ring,
+    timing::time,
+};
+
+/// Settings, by name.
+pub fn contenders() -> Vec<(String, LeanAutoExposure)> {
+    let base = LeanAutoExposure {
+        instant: true,
+        ..Default::default()
+    };
+    let mut all = Vec::new();
+    for metering in [Metering::LogAverage, Metering::LinearAverage] {
+        for sampling in [
+            ExposureSampling::All,
+            ExposureSampling::Quarter,
+            ExposureSampling::Sixteenth,
+        ] {
+            all.push((
+                format!("{metering:?}, {sampling:?}"),
+                LeanAutoExposure {
+                    metering,
+                    sampling,
+                    ..base.clone()
+                },
+            ));
+        }
+    }
+    let patterned = |pattern| LeanAutoExposure {
+        pattern,
+        ..base.clone()
+    };
+    all.extend([
+        (
+            "LogAverage, All, CenterWeighted".into(),
+            patterned(MeteringPattern::CenterWeighted),
+        ),
+        (
+            "LogAverage, All, Mask".into(),
+            patterned(MeteringPattern::Mask(Handle::default())),
+        ),
+        (
+            "LogAverage, All, trim".into(),
+            LeanAutoExposure {
+                trim: Some(TRIM),
+                ..base.clone()
+            },
+        ),
+    ]);
+    all
+}
+
+/// Share of the pixels that is read.
+pub fn share(sampling: ExposureSampling) -> f64 {
+    match sampling {
+        ExposureSampling::All => 1.0,
+        ExposureSampling::Quarter => 1.0 / 4.0,
+        ExposureSampling::Sixteenth => 1.0 / 16.0,
+    }
+}
+
+/// Times the passes over `ring`, each picture with buffers of its own; with them the metered luminance.
+pub fn measure(
+    gpu: &ExposureGpu,
+    ring: &Ring,
+    settings: &LeanAutoExposure,
+    subgroups: bool,
+    args: &Args,
+) -> (Vec<Time>, f64) {
+    let mask = matches!(settings.pattern, MeteringPattern::Mask(_)).then(|| {
+        let mask = mask();
+        gpu.mask(mask.size, &mask.texels)
+    });
+    let mask = mask.as_ref();
+    let size = ring.0[0].size();
+    let viewport = (UVec2::ZERO, UVec2::new(size.width, size.height));
+    let first = Meter::new(gpu, settings, subgroups, &ring.0[0], viewport, mask);
+    let others: Vec<Meter> = ring.0[1..]
+        .iter()
+        .map(|picture| first.another(picture, mask))
+        .collect();
+    let meters: Vec<&Meter> = core::iter::once(&first).chain(&others).collect();
+    for meter in &meters {
+        meter.prepare(0.1, 0);
+    }
+    let passes = time(gpu, 2, args, |frame, encoder, timestamps| {
+        let meter = meters[frame % meters.len()];
+        for index in 0..2 {
+            let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
+            meter.dispatch(&mut pass, index);
+        }
+    });
+    (passes, first.state().luminance.into())
+}

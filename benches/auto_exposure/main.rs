@@ -1,0 +1,185 @@
+//! GPU time, bandwidth and error of auto exposure: this crate's, a pyramid of three passes, and Bevy's.
+//!
+//! `cargo bench --profile dev --bench auto_exposure -- --help`
+//!
+//! All meter one picture. Beside the times stand those of copying and of reading it, and the error against its mean in
+//! double precision. What each time contains:
+//!
+//! - Outside of an app: from the begin to the end of one compute pass of one dispatch, by the timestamps of the pass. The
+//!   begin waits for all earlier commands, so that neither gaps nor other passes count; barriers for what the pass binds do.
+//!   The picture is in many textures that take turns, so that caches do not hold it.
+//! - In an app: a span of the command encoder around the pass, with its barriers. There the frame has just drawn the picture,
+//!   and caches may hold a part of it.
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+
+mod bounds;
+#[path = "../common/gpu_time.rs"]
+mod gpu_time;
+mod in_app;
+mod kernel;
+mod lean;
+mod picture;
+mod pyramid;
+#[path = "../../tests/auto_exposure/reference.rs"]
+#[allow(dead_code, reason = "the bench has other pictures than the tests")]
+mod reference;
+mod report;
+mod ring;
+mod timing;
+
+use argh::FromArgs;
+use bevy::math::UVec2;
+use common::{exposure_gpu::ExposureGpu, size::parse_size};
+use picture::{Picture, Truth};
+use report::{Group, Measurement, Table};
+use ring::Ring;
+
+/// GPU time, bandwidth and error of auto exposure.
+#[derive(FromArgs)]
+struct Args {
+    /// only contenders whose name contains one of these, which semicolons separate, beside the copies
+    #[argh(option, default = "String::new()")]
+    contender: String,
+
+    /// sizes of the picture, comma-separated, default 1920x1080,3840x2160,7680x4320
+    #[argh(option, default = "String::from(\"1920x1080,3840x2160,7680x4320\")")]
+    size: String,
+
+    /// frames that are measured, default 100
+    #[argh(option, default = "100")]
+    frames: usize,
+
+    /// frames before measuring starts, default 50
+    #[argh(option, default = "50")]
+    warm_up: usize,
+
+    /// megabytes of pictures that take turns, default 256 (at least 2 pictures, at most 16); 0 is one picture
+    #[argh(option, default = "256")]
+    ring_mb: u64,
+
+    /// write the figures to this file
+    #[argh(option)]
+    json: Option<String>,
+
+    /// given by cargo
+    #[argh(switch)]
+    #[expect(dead_code, reason = "cargo bench passes it")]
+    bench: bool,
+}
+
+impl Args {
+    fn wants(&self, contender: &str) -> bool {
+        self.contender
+            .split(';')
+            .any(|word| contender.contains(word))
+    }
+}
+
+fn main() {
+    let args: Args = argh::from_env();
+    let fail = |text: String| -> ! {
+        eprintln!("{text}");
+        std::process::exit(1);
+    };
+    let sizes: Result<Vec<UVec2>, String> = args.size.split(',').map(parse_size).collect();
+    let sizes = sizes.unwrap_or_else(|error| fail(format!("--size {}: {error}", args.size)));
+    if args.frames == 0 {
+        fail("--frames: at least 1".into());
+    }
+    println!("{}", report::header(&args));
+    let mut tables = Vec::new();
+    for size in sizes {
+        let table = measure(size, &args).unwrap_or_else(|error| fail(error));
+        println!("{}", report::markdown(&table));
+        tables.push(table);
+    }
+    if let Some(path) = args.json {
+        let json = serde_json::to_string_pretty(&tables).expect("plain figures serialise");
+        if let Err(error) = std::fs::write(&path, json) {
+            fail(format!("cannot write {path}: {error}"));
+        }
+    }
+}
+
+/// All contenders at one size.
+fn measure(size: UVec2, args: &Args) -> Result<Table, String> {
+    let gpu = ExposureGpu::new();
+    if !gpu
+        .device
+        .features()
+        .contains(wgpu::Features::TIMESTAMP_QUERY)
+    {
+        return Err(format!("{} has no timestamps", gpu.adapter.name));
+    }
+    eprintln!("{}×{}: the picture", size.x, size.y);
+    let picture = Picture::new(size);
+    let truth = Truth::new(&picture, &picture::mask());
+    let ring = Ring::new(&gpu, &picture, args.ring_mb);
+    let pictures = ring.0.len();
+    let mut measurements = bounds::measure(&gpu, &ring, args);
+    measurements.extend(outside(&gpu, &ring, size, &truth, args));
+    let adapter = gpu.adapter.name.clone();
+    // The app has a device of its own.
+    drop((ring, gpu));
+    measurements.extend(in_app::measure(picture, &truth, args));
+    Ok(Table {
+        adapter,
+        size,
+        pictures,
+        measurements,
+    })
+}
+
+/// Contenders outside of an app.
+fn outside(
+    gpu: &ExposureGpu,
+    ring: &Ring,
+    size: UVec2,
+    truth: &Truth,
+    args: &Args,
+) -> Vec<Measurement> {
+    let paths = [(true, "subgroups"), (false, "shared memory")];
+    let paths = paths
+        .into_iter()
+        .filter(|(subgroups, _)| !subgroups || gpu.has_subgroups());
+    let bytes = size.as_dvec2().element_product() * picture::TEXEL as f64;
+    let mut measurements = Vec::new();
+    for (settings_name, settings) in lean::contenders() {
+        for (subgroups, path) in paths.clone() {
+            let contender = format!("{settings_name}, {path}");
+            if !args.wants(&contender) {
+                continue;
+            }
+            eprintln!("{contender}");
+            let (passes, luminance) = lean::measure(gpu, ring, &settings, subgroups, args);
+            measurements.push(Measurement {
+                group: Group::Lean,
+                contender,
+                passes,
+                bytes: bytes * lean::share(settings.sampling),
+                luminance: Some(luminance),
+                error: Some(luminance / truth.of(&settings) - 1.0),
+            });
+        }
+    }
+    for (subgroups, path) in paths {
+        let contender = format!("pyramid, {path}");
+        if !args.wants(&contender) {
+            continue;
+        }
+        eprintln!("{contender}");
+        let (passes, luminance) = pyramid::measure(gpu, ring, subgroups, args);
+        let expected = truth.of(&Default::default());
+        measurements.push(Measurement {
+            group: Group::Pyramid,
+            contender,
+            passes,
+            bytes,
+            luminance: Some(luminance),
+            error: Some(luminance / expected - 1.0),
+        });
+    }
+    measurements
+}

@@ -1,0 +1,66 @@
+//! The picture in many textures, so that caches hold none of it when its turn comes again.
+
+use bevy::math::UVec2;
+
+use crate::{common::exposure_gpu::ExposureGpu, picture::Picture};
+
+/// More textures than this only small pictures would need, which are there to try the bench out.
+const MOST: u64 = 16;
+
+/// Textures that take turns.
+pub struct Ring(pub Vec<wgpu::Texture>);
+
+impl Ring {
+    /// As many copies of `picture` as make up `megabytes`; of those, at least 2. With 0 it is 1, which caches may hold.
+    pub fn new(gpu: &ExposureGpu, picture: &Picture, megabytes: u64) -> Self {
+        let needed = (megabytes * 1_000_000).div_ceil(picture.bytes.len() as u64);
+        let count = match megabytes {
+            0 => 1,
+            _ => needed.clamp(2, MOST),
+        };
+        // As Bevy's main textures.
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST;
+        let ring = Self::empty(gpu, picture.size, count as usize, usage);
+        for texture in &ring.0 {
+            gpu.queue.write_texture(
+                texture.as_image_copy(),
+                &picture.bytes,
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(8 * texture.width()),
+                    rows_per_image: None,
+                },
+                texture.size(),
+            );
+            // Frees what the upload was staged in.
+            gpu.queue.submit([]);
+            gpu.device
+                .poll(wgpu::PollType::wait_indefinitely())
+                .unwrap_or_else(|error| panic!("the device did not finish: {error}"));
+        }
+        ring
+    }
+
+    pub fn empty(gpu: &ExposureGpu, size: UVec2, count: usize, usage: wgpu::TextureUsages) -> Self {
+        let texture = || {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d {
+                    width: size.x,
+                    height: size.y,
+                    depth_or_array_layers: 1,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba16Float,
+                usage,
+                view_formats: &[],
+            })
+        };
+        Self((0..count).map(|_| texture()).collect())
+    }
+}
