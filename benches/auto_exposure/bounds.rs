@@ -79,20 +79,19 @@ fn by_shader(gpu: &ExposureGpu, ring: &Ring, args: &Args) -> Vec<Time> {
 }
 
 fn by_command(gpu: &ExposureGpu, ring: &Ring, args: &Args) -> Vec<Time> {
-    let inside = wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
-    if !gpu.device.features().contains(inside) {
+    if !gpu.has(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS) {
         return Vec::new();
     }
     let targets = targets(gpu, ring, wgpu::TextureUsages::COPY_DST);
-    time(gpu, 1, args, |frame, encoder, timestamps| {
-        let i = frame % ring.0.len();
-        encoder.write_timestamp(timestamps.0, 0);
-        encoder.copy_texture_to_texture(
-            ring.0[i].as_image_copy(),
-            targets.0[i].as_image_copy(),
-            ring.0[i].size(),
-        );
-        encoder.write_timestamp(timestamps.0, 1);
+    time(gpu, 1, args, |frame, _, encoder, timestamps| {
+        let turn = frame % ring.0.len();
+        timestamps.around(encoder, |encoder| {
+            encoder.copy_texture_to_texture(
+                ring.0[turn].as_image_copy(),
+                targets.0[turn].as_image_copy(),
+                ring.0[turn].size(),
+            );
+        });
     })
 }
 

@@ -10,16 +10,20 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// Times frames of some dispatches each, in turn of `frames`.
-    pub fn time(gpu: &ExposureGpu, frames: &[Vec<Self>], args: &Args) -> Vec<Time> {
-        time(gpu, frames[0].len(), args, |frame, encoder, timestamps| {
-            for (index, kernel) in frames[frame % frames.len()].iter().enumerate() {
+    /// Times the dispatches of frames that take turns.
+    pub fn time(gpu: &ExposureGpu, turns: &[Vec<Self>], args: &Args) -> Vec<Time> {
+        time(
+            gpu,
+            turns[0].len(),
+            args,
+            |frame, index, encoder, timestamps| {
+                let kernel = &turns[frame % turns.len()][index];
                 let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
                 pass.set_pipeline(&kernel.pipeline);
                 pass.set_bind_group(0, &kernel.group, &[]);
                 pass.dispatch_workgroups(kernel.groups[0], kernel.groups[1], 1);
-            }
-        })
+            },
+        )
     }
 }
 

@@ -92,12 +92,9 @@ pub fn measure(
     for meter in &meters {
         meter.prepare(0.1, 0);
     }
-    let passes = time(gpu, 2, args, |frame, encoder, timestamps| {
-        let meter = meters[frame % meters.len()];
-        for index in 0..2 {
-            let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
-            meter.dispatch(&mut pass, index);
-        }
+    let passes = time(gpu, 2, args, |frame, index, encoder, timestamps| {
+        let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
+        meters[frame % meters.len()].dispatch(&mut pass, index);
     });
     (passes, first.state().luminance.into())
 }

@@ -6,8 +6,9 @@
 //! double precision. What each time contains:
 //!
 //! - Outside of an app: from the begin to the end of one compute pass of one dispatch, by the timestamps of the pass. The
-//!   begin waits for all earlier commands, so that neither gaps nor other passes count; barriers for what the pass binds do.
-//!   The picture is in many textures that take turns, so that caches do not hold it.
+//!   begin waits for all earlier commands: neither gaps, nor barriers before the pass, nor other passes count. On
+//!   software renderers: from submitting the pass until it has finished, by the clock of the CPU. The picture is in many
+//!   textures that take turns, so that caches do not hold it.
 //! - In an app: a span of the command encoder around the pass, with its barriers. There the frame has just drawn the picture,
 //!   and caches may hold a part of it.
 
@@ -106,11 +107,7 @@ fn main() {
 /// All contenders at one size.
 fn measure(size: UVec2, args: &Args) -> Result<Table, String> {
     let gpu = ExposureGpu::new();
-    if !gpu
-        .device
-        .features()
-        .contains(wgpu::Features::TIMESTAMP_QUERY)
-    {
+    if !gpu.has(wgpu::Features::TIMESTAMP_QUERY) {
         return Err(format!("{} has no timestamps", gpu.adapter.name));
     }
     eprintln!("{}×{}: the picture", size.x, size.y);

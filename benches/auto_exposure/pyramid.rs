@@ -25,7 +25,7 @@ pub fn measure(gpu: &ExposureGpu, ring: &Ring, subgroups: bool, args: &Args) -> 
     let pixels = size.width as f32 * size.height as f32;
     gpu.queue.write_buffer(&metered, 0, &pixels.to_le_bytes());
 
-    let frames: Vec<Vec<Kernel>> = ring
+    let turns: Vec<Vec<Kernel>> = ring
         .0
         .iter()
         .map(|picture| {
@@ -55,7 +55,7 @@ pub fn measure(gpu: &ExposureGpu, ring: &Ring, subgroups: bool, args: &Args) -> 
                 .collect()
         })
         .collect();
-    let passes = Kernel::time(gpu, &frames, args);
+    let passes = Kernel::time(gpu, &turns, args);
     let metered = gpu.read(&metered);
     let luminance = f32::from_le_bytes(*metered[4..].first_chunk().expect("it has 8 bytes"));
     (passes, luminance.into())

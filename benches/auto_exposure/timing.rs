@@ -1,33 +1,63 @@
-//! GPU times of passes, outside of any app.
+//! Times of passes, outside of any app.
+
+use std::time::Instant;
 
 use crate::{Args, common::exposure_gpu::ExposureGpu, gpu_time::Time};
 
-/// Where a frame of [`time`] notes its timestamps.
-pub struct Timestamps<'a>(pub &'a wgpu::QuerySet);
+/// What times a pass on its device.
+pub struct Timestamps<'a>(Option<&'a wgpu::QuerySet>);
 
 impl Timestamps<'_> {
     /// For compute pass `index`: at its begin, when all earlier commands have ended, and at its end. Between them lie the
-    /// barriers that its bindings need, the start of the dispatch and its last write.
+    /// start of the dispatch and its last write, but not the barriers before.
     pub fn of_pass(&self, index: usize) -> wgpu::ComputePassDescriptor<'_> {
         let first = 2 * index as u32;
         wgpu::ComputePassDescriptor {
             label: None,
-            timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
-                query_set: self.0,
+            timestamp_writes: self.0.map(|query_set| wgpu::ComputePassTimestampWrites {
+                query_set,
                 beginning_of_pass_write_index: Some(first),
                 end_of_pass_write_index: Some(first + 1),
             }),
         }
     }
+
+    /// For what is no pass, in place of the first. With the barriers before.
+    pub fn around(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        encode: impl FnOnce(&mut wgpu::CommandEncoder),
+    ) {
+        if let Some(queries) = self.0 {
+            encoder.write_timestamp(queries, 0);
+        }
+        encode(encoder);
+        if let Some(queries) = self.0 {
+            encoder.write_timestamp(queries, 1);
+        }
+    }
 }
 
-/// Times of `passes` passes over some frames after others to warm up. `encode` gets the number of the frame and writes all
-/// timestamps of it: to resolve one that was not written may hang the device.
+/// Times of `passes` passes over some frames after others to warm up. `encode` gets the number of the frame, and the index
+/// of the pass to be encoded. It writes both timestamps: to resolve one that was not written may hang the device.
 pub fn time(
     gpu: &ExposureGpu,
     passes: usize,
     args: &Args,
-    mut encode: impl FnMut(usize, &mut wgpu::CommandEncoder, Timestamps),
+    encode: impl FnMut(usize, usize, &mut wgpu::CommandEncoder, Timestamps),
+) -> Vec<Time> {
+    if gpu.adapter.device_type == wgpu::DeviceType::Cpu {
+        by_clock(gpu, passes, args, encode)
+    } else {
+        by_timestamps(gpu, passes, args, encode)
+    }
+}
+
+fn by_timestamps(
+    gpu: &ExposureGpu,
+    passes: usize,
+    args: &Args,
+    mut encode: impl FnMut(usize, usize, &mut wgpu::CommandEncoder, Timestamps),
 ) -> Vec<Time> {
     use wgpu::BufferUsages as Usage;
     let count = 2 * passes as u32;
@@ -41,7 +71,9 @@ pub fn time(
     let all = gpu.buffer(size * args.frames as u64, Usage::COPY_DST | Usage::COPY_SRC);
     for frame in 0..args.warm_up + args.frames {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encode(frame, &mut encoder, Timestamps(&queries));
+        for pass in 0..passes {
+            encode(frame, pass, &mut encoder, Timestamps(Some(&queries)));
+        }
         encoder.resolve_query_set(&queries, 0..count, &resolved, 0);
         if let Some(measured) = frame.checked_sub(args.warm_up) {
             encoder.copy_buffer_to_buffer(&resolved, 0, &all, size * measured as u64, size);
@@ -62,4 +94,31 @@ pub fn time(
             Time::of(ticks.chunks_exact(count as usize).map(of_frame).collect())
         })
         .collect()
+}
+
+/// For software renderers, whose timestamps need not lie before and after the dispatch: from submitting a pass until it has
+/// finished.
+fn by_clock(
+    gpu: &ExposureGpu,
+    passes: usize,
+    args: &Args,
+    mut encode: impl FnMut(usize, usize, &mut wgpu::CommandEncoder, Timestamps),
+) -> Vec<Time> {
+    let mut samples = vec![Vec::new(); passes];
+    for frame in 0..args.warm_up + args.frames {
+        for (pass, samples) in samples.iter_mut().enumerate() {
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            encode(frame, pass, &mut encoder, Timestamps(None));
+            let commands = encoder.finish();
+            let start = Instant::now();
+            gpu.queue.submit([commands]);
+            gpu.device
+                .poll(wgpu::PollType::wait_indefinitely())
+                .unwrap_or_else(|error| panic!("the device did not finish: {error}"));
+            if frame >= args.warm_up {
+                samples.push(start.elapsed().as_secs_f64() * 1e3);
+            }
+        }
+    }
+    samples.into_iter().map(Time::of).collect()
 }

@@ -86,8 +86,12 @@ impl ExposureGpu {
         }
     }
 
+    pub fn has(&self, features: wgpu::Features) -> bool {
+        self.device.features().contains(features)
+    }
+
     pub fn has_subgroups(&self) -> bool {
-        self.device.features().contains(wgpu::Features::SUBGROUP)
+        self.has(wgpu::Features::SUBGROUP)
     }
 
     /// A picture in the format of Bevy's main textures.
