@@ -18,6 +18,7 @@ pub fn measure(gpu: &ExposureGpu, ring: &Ring, args: &Args) -> Vec<Measurement> 
     let of = |name: &str, group, passes: Vec<Time>, bytes| Measurement {
         group,
         contender: name.into(),
+        whole: passes.first().copied(),
         passes,
         bytes,
         luminance: None,

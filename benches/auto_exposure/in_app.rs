@@ -24,9 +24,9 @@ use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
 use crate::{
     Args,
     common::headless::{FRAME_TIME, Headless},
-    gpu_time::{Samples, Time},
+    gpu_time::Samples,
     picture::{Picture, TEXEL, TRIM, Truth},
-    report::{Group, Measurement},
+    report::{Group, Measured, Measurement},
 };
 
 #[derive(Clone)]
@@ -97,21 +97,22 @@ pub fn measure(picture: Picture, truth: &Truth, args: &Args) -> Vec<Measurement>
                     truth.of(&LeanAutoExposure { trim, ..default() })
                 }
             };
-            let (passes, luminance) = run(&mut headless, &kind, args);
+            let measured = run(&mut headless, &kind, args);
             Measurement {
                 group: Group::InApp,
                 contender: name.into(),
-                passes,
+                passes: measured.passes,
+                whole: measured.whole,
                 bytes,
-                luminance: Some(luminance),
-                error: Some(luminance / expected - 1.0),
+                luminance: Some(measured.luminance),
+                error: Some(measured.luminance / expected - 1.0),
             }
         })
         .collect()
 }
 
 /// Times of the passes, and the metered luminance.
-fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> (Vec<Time>, f64) {
+fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> Measured {
     let camera = spawn_camera(headless, kind);
     headless.settle();
     headless.frames(args.warm_up);
@@ -120,12 +121,16 @@ fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> (Vec<Time>, f64) {
         headless.frames(1);
         samples.take(headless.app.world().resource::<DiagnosticsStore>());
     }
-    let spans: &[&str] = match kind {
-        Kind::Lean(_) => &[
-            "lean_deferred/exposure/meter",
-            "lean_deferred/exposure/adapt",
-        ],
-        Kind::Bevy(_) => &["auto_exposure"],
+    let (whole, spans): (_, &[&str]) = match kind {
+        Kind::Lean(_) => (
+            "lean_deferred/exposure",
+            &[
+                "lean_deferred/exposure/meter",
+                "lean_deferred/exposure/adapt",
+            ],
+        ),
+        // One span for both dispatches.
+        Kind::Bevy(_) => ("auto_exposure", &["auto_exposure"]),
     };
     let luminance = match kind {
         Kind::Lean(_) => headless
@@ -138,8 +143,11 @@ fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> (Vec<Time>, f64) {
         Kind::Bevy(_) => (-f64::from(exposure(headless))).exp2(),
     };
     headless.world().despawn(camera);
-    let passes = spans.iter().filter_map(|name| samples.time(name)).collect();
-    (passes, luminance)
+    Measured {
+        passes: spans.iter().filter_map(|name| samples.time(name)).collect(),
+        whole: samples.time(whole),
+        luminance,
+    }
 }
 
 fn app(picture: Picture) -> Headless {

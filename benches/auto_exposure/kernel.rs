@@ -18,12 +18,25 @@ impl Kernel {
             args,
             |frame, index, encoder, timestamps| {
                 let kernel = &turns[frame % turns.len()][index];
-                let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
-                pass.set_pipeline(&kernel.pipeline);
-                pass.set_bind_group(0, &kernel.group, &[]);
-                pass.dispatch_workgroups(kernel.groups[0], kernel.groups[1], 1);
+                kernel.dispatch(&mut encoder.begin_compute_pass(&timestamps.of_pass(index)));
             },
         )
+    }
+
+    /// Times frames that take turns, with all their dispatches in one pass.
+    pub fn time_whole(gpu: &ExposureGpu, turns: &[Vec<Self>], args: &Args) -> Time {
+        time(gpu, 1, args, |frame, index, encoder, timestamps| {
+            let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
+            for kernel in &turns[frame % turns.len()] {
+                kernel.dispatch(&mut pass);
+            }
+        })[0]
+    }
+
+    fn dispatch(&self, pass: &mut wgpu::ComputePass) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.dispatch_workgroups(self.groups[0], self.groups[1], 1);
     }
 }
 

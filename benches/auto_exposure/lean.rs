@@ -6,8 +6,8 @@ use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
 use crate::{
     Args,
     common::exposure_gpu::{ExposureGpu, Meter},
-    gpu_time::Time,
     picture::{TRIM, mask},
+    report::Measured,
     ring::Ring,
     timing::time,
 };
@@ -68,14 +68,14 @@ pub fn share(sampling: ExposureSampling) -> f64 {
     }
 }
 
-/// Times the passes over `ring`, each picture with buffers of its own; with them the metered luminance.
+/// Times the passes over `ring`, each picture with buffers of its own.
 pub fn measure(
     gpu: &ExposureGpu,
     ring: &Ring,
     settings: &LeanAutoExposure,
     subgroups: bool,
     args: &Args,
-) -> (Vec<Time>, f64) {
+) -> Measured {
     let mask = matches!(settings.pattern, MeteringPattern::Mask(_)).then(|| {
         let mask = mask();
         gpu.mask(mask.size, &mask.texels)
@@ -96,5 +96,15 @@ pub fn measure(
         let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
         meters[frame % meters.len()].dispatch(&mut pass, index);
     });
-    (passes, first.state().luminance.into())
+    let whole = time(gpu, 1, args, |frame, index, encoder, timestamps| {
+        let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
+        for dispatch in 0..2 {
+            meters[frame % meters.len()].dispatch(&mut pass, dispatch);
+        }
+    });
+    Measured {
+        passes,
+        whole: whole.first().copied(),
+        luminance: first.state().luminance.into(),
+    }
 }

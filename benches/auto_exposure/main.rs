@@ -64,6 +64,10 @@ struct Args {
     #[argh(option)]
     json: Option<String>,
 
+    /// meter one grey, in place of gradients, noise and lights
+    #[argh(switch)]
+    flat: bool,
+
     /// given by cargo
     #[argh(switch)]
     #[expect(dead_code, reason = "cargo bench passes it")]
@@ -111,7 +115,11 @@ fn measure(size: UVec2, args: &Args) -> Result<Table, String> {
         return Err(format!("{} has no timestamps", gpu.adapter.name));
     }
     eprintln!("{}×{}: the picture", size.x, size.y);
-    let picture = Picture::new(size);
+    let picture = if args.flat {
+        Picture::flat(size)
+    } else {
+        Picture::new(size)
+    };
     let truth = Truth::new(&picture, &picture::mask());
     let ring = Ring::new(&gpu, &picture, args.ring_mb);
     let pictures = ring.0.len();
@@ -150,14 +158,15 @@ fn outside(
                 continue;
             }
             eprintln!("{contender}");
-            let (passes, luminance) = lean::measure(gpu, ring, &settings, subgroups, args);
+            let measured = lean::measure(gpu, ring, &settings, subgroups, args);
             measurements.push(Measurement {
                 group: Group::Lean,
                 contender,
-                passes,
+                passes: measured.passes,
+                whole: measured.whole,
                 bytes: bytes * lean::share(settings.sampling),
-                luminance: Some(luminance),
-                error: Some(luminance / truth.of(&settings) - 1.0),
+                luminance: Some(measured.luminance),
+                error: Some(measured.luminance / truth.of(&settings) - 1.0),
             });
         }
     }
@@ -167,15 +176,16 @@ fn outside(
             continue;
         }
         eprintln!("{contender}");
-        let (passes, luminance) = pyramid::measure(gpu, ring, subgroups, args);
+        let measured = pyramid::measure(gpu, ring, subgroups, args);
         let expected = truth.of(&Default::default());
         measurements.push(Measurement {
             group: Group::Pyramid,
             contender,
-            passes,
+            passes: measured.passes,
+            whole: measured.whole,
             bytes,
-            luminance: Some(luminance),
-            error: Some(luminance / expected - 1.0),
+            luminance: Some(measured.luminance),
+            error: Some(measured.luminance / expected - 1.0),
         });
     }
     measurements

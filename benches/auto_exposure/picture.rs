@@ -54,6 +54,15 @@ impl Picture {
         Self { size, bytes }
     }
 
+    /// One grey: all pixels count in one bin of a histogram.
+    pub fn flat(size: UVec2) -> Self {
+        let texel = [0.5, 0.5, 0.5, 1.0].map(|channel| f16::from_f32(channel).to_le_bytes());
+        Self {
+            size,
+            bytes: texel.as_flattened().repeat(size.element_product() as usize),
+        }
+    }
+
     fn texel(&self, x: u32, y: u32) -> Vec3 {
         let at = (y as usize * self.size.x as usize + x as usize) * TEXEL;
         let channel = |i| f16::from_le_bytes([self.bytes[at + i], self.bytes[at + i + 1]]).to_f32();

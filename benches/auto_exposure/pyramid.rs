@@ -3,8 +3,8 @@
 use crate::{
     Args,
     common::exposure_gpu::ExposureGpu,
-    gpu_time::Time,
     kernel::{Kernel, bind, compile},
+    report::Measured,
     ring::Ring,
 };
 use wgpu::BindingResource::TextureView;
@@ -14,7 +14,7 @@ const SUM_SHARED: &str = include_str!("sum_shared.wgsl");
 const SUM_SUBGROUPS: &str = include_str!("sum_subgroups.wgsl");
 
 /// Times the passes over `ring`; with them the metered luminance.
-pub fn measure(gpu: &ExposureGpu, ring: &Ring, subgroups: bool, args: &Args) -> (Vec<Time>, f64) {
+pub fn measure(gpu: &ExposureGpu, ring: &Ring, subgroups: bool, args: &Args) -> Measured {
     use wgpu::BufferUsages as Usage;
     let sum = if subgroups { SUM_SUBGROUPS } else { SUM_SHARED };
     let source = format!("{sum}{PYRAMID}");
@@ -56,9 +56,14 @@ pub fn measure(gpu: &ExposureGpu, ring: &Ring, subgroups: bool, args: &Args) -> 
         })
         .collect();
     let passes = Kernel::time(gpu, &turns, args);
+    let whole = Some(Kernel::time_whole(gpu, &turns, args));
     let metered = gpu.read(&metered);
     let luminance = f32::from_le_bytes(*metered[4..].first_chunk().expect("it has 8 bytes"));
-    (passes, luminance.into())
+    Measured {
+        passes,
+        whole,
+        luminance: luminance.into(),
+    }
 }
 
 /// A texel for each `scale`×`scale` pixels of the picture.

@@ -18,12 +18,23 @@ pub enum Group {
     InApp,
 }
 
+/// What was measured of one contender.
+pub struct Measured {
+    /// Each dispatch in a pass of its own.
+    pub passes: Vec<Time>,
+    /// All in one pass.
+    pub whole: Option<Time>,
+    pub luminance: f64,
+}
+
 #[derive(Serialize)]
 pub struct Measurement {
     pub group: Group,
     pub contender: String,
     /// In milliseconds. Bevy's two dispatches are one.
     pub passes: Vec<Time>,
+    /// All in one pass.
+    pub whole: Option<Time>,
     /// That the first pass moves: of the pixels that it reads; for copies also of those that it writes.
     pub bytes: f64,
     pub luminance: Option<f64>,
@@ -51,7 +62,7 @@ pub struct Table {
 
 pub fn header(args: &Args) -> String {
     format!(
-        "Median of {} frames (10th–90th percentile) in µs; all: sum of the medians. GB/s: bytes of the pixels that the \
+        "Median of {} frames (10th–90th percentile) in µs; all: the dispatches in one pass. GB/s: bytes of the pixels that the \
          first pass reads (copies: also of those written) over its time; %: of the faster copy. Error: of the metered \
          luminance, relative to the mean in double precision over the whole picture. In an app, times are from spans \
          around the passes, Bevy's two dispatches in one.\n",
@@ -75,7 +86,6 @@ pub fn markdown(table: &Table) -> String {
     for m in &table.measurements {
         let rate = m.gigabytes_per_second();
         let figure = |value: Option<f64>| value.map_or("–".into(), |value| format!("{value:.1}"));
-        let sum = m.passes.iter().map(|time| time.median * 1e3).sum();
         let _ = writeln!(
             text,
             "| {} | {} | {} | {} | {} | {} | {} | {} |",
@@ -83,7 +93,7 @@ pub fn markdown(table: &Table) -> String {
             microseconds(m.passes.first()),
             microseconds(m.passes.get(1)),
             microseconds(m.passes.get(2)),
-            figure((!m.passes.is_empty()).then_some(sum)),
+            microseconds(m.whole.as_ref()),
             figure(rate),
             figure(rate.map(|rate| 100.0 * rate / copy)),
             m.error.map_or("–".into(), error),

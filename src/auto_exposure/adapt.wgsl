@@ -50,6 +50,25 @@ fn trimmed(invocation: u32) -> vec2<f32> {
     return vec2(exp2(log_y), 1.0) * weight;
 #endif
 }
+#else
+/// The partial sum `i`, if there is one.
+fn partial(i: u32) -> vec2<f32> {
+    let count = arrayLength(&partials);
+    return select(vec2(0.0), partials[min(i, count - 1u)], i < count);
+}
+
+/// One part in 256 of the partial sums, four at a time.
+fn sum_of_partials(invocation: u32) -> vec2<f32> {
+    var sum = vec2(0.0);
+    for (var i = invocation; i < arrayLength(&partials); i += 4u * WORKGROUP) {
+        let a = partial(i);
+        let b = partial(i + WORKGROUP);
+        let c = partial(i + 2u * WORKGROUP);
+        let d = partial(i + 3u * WORKGROUP);
+        sum += (a + b) + (c + d);
+    }
+    return sum;
+}
 #endif
 
 /// Stops of the compensation curve at a metered logarithm.
@@ -70,9 +89,9 @@ fn compensation_at(log_y: f32) -> f32 {
 }
 
 /// Adapts the exposure to the weighted sum of luminance, and the weight.
-fn adapt(sum: vec2<f32>) {
-    var y = state.luminance;
-    var target_exposure = state.target_exposure;
+fn adapt(last: ExposureState, sum: vec2<f32>) -> ExposureState {
+    var y = last.luminance;
+    var target_exposure = last.target_exposure;
     // A view that has nothing to be metered keeps its target.
     if sum.y > 0.0 {
 #ifdef LOG_AVERAGE
@@ -85,9 +104,9 @@ fn adapt(sum: vec2<f32>) {
         let stops = clamp(view.log_target - log_y, view.min_exposure, view.max_exposure);
         target_exposure = stops + view.compensation + compensation_at(log_y);
     }
-    let is_cut = state.cuts_seen != view.cuts + 1u || view.instant != 0u;
+    let is_cut = last.cuts_seen != view.cuts + 1u || view.instant != 0u;
     let moved = adapted(
-        state.exposure,
+        last.exposure,
         target_exposure,
         view.seconds,
         view.speed_brighten,
@@ -95,8 +114,7 @@ fn adapt(sum: vec2<f32>) {
         view.transition,
     );
     let exposure = select(moved, target_exposure, is_cut);
-    state = ExposureState(y, exposure, target_exposure, view.cuts + 1u);
-    bevy_view.color_grading.exposure += exposure;
+    return ExposureState(y, exposure, target_exposure, view.cuts + 1u);
 }
 
 @compute @workgroup_size(256, 1, 1)
@@ -113,16 +131,18 @@ fn sum_and_adapt(
 #else
     let place = Place(invocation);
 #endif
+    // Read before they are needed: all that memory has to answer is on its way at once.
+    let last = state;
+    let base = bevy_view.color_grading.exposure;
 #ifdef HISTOGRAM
     let part = trimmed(invocation);
 #else
-    var part = vec2(0.0);
-    for (var i = invocation; i < view.partials; i += WORKGROUP) {
-        part += partials[i];
-    }
+    let part = sum_of_partials(invocation);
 #endif
     let sum = workgroup_sum(place, part);
     if invocation == 0u {
-        adapt(sum);
+        let now = adapt(last, sum);
+        state = now;
+        bevy_view.color_grading.exposure = base + now.exposure;
     }
 }

@@ -1,18 +1,24 @@
 //! How exposure follows the metered luminance; twin of `adaptation.wgsl`, under the same names.
 
-/// What is left of a distance of `stops` to the target after `seconds`: constant `speed` (stops a second) down to
+/// What of a distance of `stops` to the target is covered after `seconds`: constant `speed` (stops a second) down to
 /// `transition` stops, exponential from there. Solved exactly, so that neither the frame rate nor a long frame matters.
-pub fn remaining(stops: f32, seconds: f32, speed: f32, transition: f32) -> f32 {
+pub fn covered(stops: f32, seconds: f32, speed: f32, transition: f32) -> f32 {
     let linear_part = (stops - transition).max(0.0);
     let linear_travel = speed * seconds;
     if linear_travel <= linear_part {
-        return stops - linear_travel;
+        return linear_travel;
     }
     if transition <= 0.0 {
-        return 0.0;
+        return stops;
     }
-    let start = stops - linear_part;
-    start * (-(linear_travel - linear_part) / transition).exp()
+    let x = (linear_travel - linear_part) / transition;
+    // 1 - exp(-x); of a small x, the difference would keep few digits.
+    let share = if x < 0.01 {
+        x - 0.5 * x * x
+    } else {
+        1.0 - (-x).exp()
+    };
+    linear_part + (stops - linear_part) * share
 }
 
 /// The exposure after `seconds` on the way from `current` to `target_exposure`, in stops.
@@ -33,6 +39,7 @@ pub fn adapted(
     } else {
         speed_darken
     };
-    let rest = remaining(distance.abs(), seconds, speed, transition);
-    target_exposure - distance.signum() * rest
+    let exposure =
+        current + distance.signum() * covered(distance.abs(), seconds, speed, transition);
+    exposure.clamp(current.min(target_exposure), current.max(target_exposure))
 }

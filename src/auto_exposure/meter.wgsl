@@ -3,6 +3,7 @@
 #import bevy_lean_deferred::auto_exposure::luminance::{log_luminance, luminance}
 #import bevy_lean_deferred::auto_exposure::pattern::pattern_weight
 #import bevy_lean_deferred::auto_exposure::reduction::{Place, workgroup_sum}
+#import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
 #import bevy_lean_deferred::auto_exposure::view::{
     BINS, BINS_PER_STOP, ExposureView, FULL_WEIGHT, LOG_OF_FIRST_BIN, TILE,
 }
@@ -43,16 +44,20 @@ fn spread(pixel: vec2<u32>) -> vec2<u32> {
 #endif
 }
 
+/// What a pixel of the viewport holds; beyond the viewport, what its last one holds.
+fn color_at(pixel: vec2<u32>) -> vec3<f32> {
+    let inside = min(spread(pixel), view.viewport_size - 1u);
+    return textureLoad(picture, view.viewport_origin + inside, 0).rgb;
+}
+
 /// The weighted luminance of a pixel, and its weight.
-fn measured(pixel: vec2<u32>) -> vec2<f32> {
-    if any(pixel >= view.viewport_size) {
-        return vec2(0.0);
-    }
-    let y = luminance(textureLoad(picture, view.viewport_origin + pixel, 0).rgb);
+fn measured(color: vec3<f32>, pixel: vec2<u32>) -> vec2<f32> {
+    let y = luminance(color);
+    let counts = all(spread(pixel) < view.viewport_size) && y >= 0.0;
 #ifdef WEIGHTED
-    let weight = select(weight_of(pixel), 0.0, y < 0.0);
+    let weight = select(0.0, weight_of(spread(pixel)), counts);
 #else
-    let weight = select(1.0, 0.0, y < 0.0);
+    let weight = select(0.0, 1.0, counts);
 #endif
 #ifdef LOG_AVERAGE
     return vec2(log_luminance(y), 1.0) * weight;
@@ -75,22 +80,35 @@ fn count(place: Place, sample: vec2<f32>) {
 #endif
     let bin = bin_of(log_y);
 #ifdef SUBGROUPS
-    // Neighbours mostly share a bin: one addition for all that have the first one's.
+    // Flat regions would have all invocations wait for one bin.
     let first = subgroupBroadcastFirst(bin);
-    let together = subgroupAdd(select(0u, weight, bin == first));
-    if place.in_subgroup == 0u {
-        atomicAdd(&bins[first], together);
+    if subgroupAll(bin == first) {
+        let together = subgroupAdd(weight);
+        if place.in_subgroup == 0u {
+            atomicAdd(&bins[first], together);
+        }
+        return;
     }
-    if bin != first && weight > 0u {
-        atomicAdd(&bins[bin], weight);
-    }
-#else
+#endif
     if weight > 0u {
         atomicAdd(&bins[bin], weight);
     }
-#endif
 }
 #endif
+
+/// Where invocation `i` lies in a square of 16×16 pixels.
+fn place_in_square(i: u32) -> vec2<u32> {
+    return place_in_tile(i & 63u) + SIDE * vec2((i >> 6u) & 1u, i >> 7u);
+}
+
+/// Measures a pixel, and counts it in the histogram if there is one.
+fn counted(place: Place, color: vec3<f32>, pixel: vec2<u32>) -> vec2<f32> {
+    let sample = measured(color, pixel);
+#ifdef HISTOGRAM
+    count(place, sample);
+#endif
+    return sample;
+}
 
 @compute @workgroup_size(256, 1, 1)
 fn meter(
@@ -112,25 +130,35 @@ fn meter(
     atomicStore(&bins[invocation], 0u);
     workgroupBarrier();
 #endif
-    // 16×16 pixels at a time, in 2×2 quads, so that neighbours in memory are read together.
-    let quad = vec2(invocation & 1u, (invocation >> 1u) & 1u);
-    let in_square = quad + 2u * vec2((invocation >> 2u) & 7u, invocation >> 5u);
+    // 16×16 pixels at a time, along a Z-order curve, so that those of a subgroup lie together in memory. Eight such squares are
+    // read before any is looked at: memory is slow to answer, but answers many at once.
+    let corner = tile.xy * TILE + place_in_square(invocation);
     var sum = vec2(0.0);
-    for (var y = 0u; y < 8u; y++) {
-        for (var x = 0u; x < 4u; x++) {
-            let sample = measured(spread(tile.xy * TILE + 16u * vec2(x, y) + in_square));
-#ifdef HISTOGRAM
-            count(place, sample);
-#else
-            sum += sample;
-#endif
-        }
+    for (var y = 0u; y < TILE.y; y += 32u) {
+        let a = corner + vec2(0u, y);
+        let b = corner + vec2(0u, y + 16u);
+        let a0 = color_at(a);
+        let a1 = color_at(a + vec2(16u, 0u));
+        let a2 = color_at(a + vec2(32u, 0u));
+        let a3 = color_at(a + vec2(48u, 0u));
+        let b0 = color_at(b);
+        let b1 = color_at(b + vec2(16u, 0u));
+        let b2 = color_at(b + vec2(32u, 0u));
+        let b3 = color_at(b + vec2(48u, 0u));
+        sum += counted(place, a0, a);
+        sum += counted(place, a1, a + vec2(16u, 0u));
+        sum += counted(place, a2, a + vec2(32u, 0u));
+        sum += counted(place, a3, a + vec2(48u, 0u));
+        sum += counted(place, b0, b);
+        sum += counted(place, b1, b + vec2(16u, 0u));
+        sum += counted(place, b2, b + vec2(32u, 0u));
+        sum += counted(place, b3, b + vec2(48u, 0u));
     }
 #ifdef HISTOGRAM
     workgroupBarrier();
-    let counted = atomicLoad(&bins[invocation]);
-    if counted > 0u {
-        atomicAdd(&histogram[invocation], counted);
+    let own = atomicLoad(&bins[invocation]);
+    if own > 0u {
+        atomicAdd(&histogram[invocation], own);
     }
 #else
     let total = workgroup_sum(place, sum);

@@ -1,10 +1,11 @@
-//! The two dispatches.
+//! The two dispatches. Their GPU times are those of the spans `lean_deferred/exposure/meter` and `…/adapt`, where the device
+//! can tell times within a pass, and together of `lean_deferred/exposure`.
 
 use bevy::{
     prelude::*,
     render::{
         diagnostic::RecordDiagnostics,
-        render_resource::{BindGroup, ComputePassDescriptor, ComputePipeline, PipelineCache},
+        render_resource::{ComputePassDescriptor, PipelineCache},
         renderer::{RenderContext, ViewQuery},
         view::{ViewTarget, ViewUniformOffset},
     },
@@ -38,41 +39,32 @@ pub(super) fn auto_exposure(
     ) else {
         return;
     };
-    dispatch(
-        &mut ctx,
-        "lean_deferred/exposure/meter",
-        (meter, meter_group),
-        &[view.offset],
-        view.workgroups,
-    );
-    dispatch(
-        &mut ctx,
-        "lean_deferred/exposure/adapt",
-        (adapt, adapt_group),
-        &[view.offset, view_offset.offset],
-        UVec2::ONE,
-    );
-}
 
-fn dispatch(
-    ctx: &mut RenderContext,
-    name: &'static str,
-    (pipeline, group): (&ComputePipeline, &BindGroup),
-    offsets: &[u32],
-    workgroups: UVec2,
-) {
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
-    let span = diagnostics.time_span(ctx.command_encoder(), name);
+    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/exposure");
+    // One pass for both: each pass more would cost as much as a dispatch.
     let mut pass = ctx
         .command_encoder()
         .begin_compute_pass(&ComputePassDescriptor {
-            label: Some(name),
+            label: Some("lean_deferred/exposure"),
             timestamp_writes: None,
         });
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, group, offsets);
-    pass.dispatch_workgroups(workgroups.x, workgroups.y, 1);
+    let mut dispatch = |name: &'static str, pipeline, group, offsets: &[u32], groups: UVec2| {
+        let span = diagnostics.pass_span(&mut pass, name);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, group, offsets);
+        pass.dispatch_workgroups(groups.x, groups.y, 1);
+        span.end(&mut pass);
+    };
+    dispatch("meter", meter, meter_group, &[view.offset], view.workgroups);
+    dispatch(
+        "adapt",
+        adapt,
+        adapt_group,
+        &[view.offset, view_offset.offset],
+        UVec2::ONE,
+    );
     drop(pass);
     span.end(ctx.command_encoder());
 }

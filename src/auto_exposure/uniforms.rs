@@ -12,8 +12,7 @@ use bevy::{
 };
 
 use super::{
-    ExposureKey, LeanAutoExposure, MeteringPattern, pipelines::ViewExposurePipelines,
-    state::ExposureCuts,
+    LeanAutoExposure, MeteringPattern, pipelines::ViewExposurePipelines, state::ExposureCuts,
 };
 
 /// Points of a compensation curve that count.
@@ -42,15 +41,13 @@ pub struct ExposureView {
     instant: u32,
     cuts: u32,
     curve_points: u32,
-    partials: u32,
     curve: [Vec4; CURVE_POINTS],
 }
 
 impl ExposureView {
-    /// What `settings` make of a viewport in a frame that follows the last one after `seconds`, with the shaders of `key`.
+    /// What `settings` make of a viewport in a frame that follows the last one after `seconds`.
     pub fn new(
         settings: &LeanAutoExposure,
-        key: ExposureKey,
         viewport_origin: UVec2,
         viewport_size: UVec2,
         seconds: f32,
@@ -86,7 +83,6 @@ impl ExposureView {
             instant: settings.instant.into(),
             cuts,
             curve_points: settings.compensation_curve.len().min(CURVE_POINTS) as u32,
-            partials: key.workgroups(viewport_size).element_product(),
             curve,
         }
     }
@@ -182,9 +178,7 @@ pub(super) fn write_exposure_uniforms(
         let now = time.elapsed_secs_f64();
         let seconds = (now - view.rendered) as f32;
         view.rendered = now;
-        view.offset = writer.write(&ExposureView::new(
-            settings, key, origin, size, seconds, cuts.0,
-        ));
+        view.offset = writer.write(&ExposureView::new(settings, origin, size, seconds, cuts.0));
         view.workgroups = key.workgroups(size);
         let sums_size = key.sums_size(size);
         if view.sums.size() != sums_size || view.is_histogram != key.has_histogram() {

@@ -26,8 +26,6 @@ struct ExposureView {
     /// Counts camera cuts.
     cuts: u32,
     curve_points: u32,
-    /// Partial sums of the first pass.
-    partials: u32,
     /// (metered logarithm, stops) in each.
     curve: array<vec4<f32>, 16>,
 }

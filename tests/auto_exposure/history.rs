@@ -3,7 +3,7 @@
 use bevy::math::{UVec2, Vec3};
 use bevy_lean_deferred::auto_exposure::{
     ExposureState, LeanAutoExposure,
-    adaptation::{adapted, remaining},
+    adaptation::{adapted, covered},
 };
 
 use crate::{
@@ -248,6 +248,6 @@ fn adaptation_is_independent_of_the_frame_rate() {
             assert!((once - 1.0) * (start - 1.0) >= 0.0, "it overshoots");
         }
     }
-    assert_eq!(remaining(3.0, 0.5, 2.0, 1.0), 2.0);
-    assert!((remaining(1.0, 1.0, 1.0, 1.0) - (-1.0f32).exp()).abs() < 1e-6);
+    assert_eq!(covered(3.0, 0.5, 2.0, 1.0), 1.0);
+    assert!((covered(1.0, 1.0, 1.0, 1.0) - (1.0 - (-1.0f32).exp())).abs() < 1e-6);
 }

@@ -18,7 +18,8 @@ use naga_oil::compose::{
 };
 
 /// The modules that the shaders import, in the order of their own imports.
-const MODULES: [(&str, &str); 6] = [
+const MODULES: [(&str, &str); 7] = [
+    ("tiles.wgsl", include_str!("../../src/tiles.wgsl")),
     (
         "view.wgsl",
         include_str!("../../src/auto_exposure/view.wgsl"),
@@ -401,7 +402,7 @@ impl<'a> Meter<'a> {
     /// Prepares a frame that follows the last one after `seconds`.
     pub fn prepare(&self, seconds: f32, cuts: u32) {
         let (origin, size) = self.viewport;
-        let view = ExposureView::new(&self.settings, self.key, origin, size, seconds, cuts);
+        let view = ExposureView::new(&self.settings, origin, size, seconds, cuts);
         let mut bytes = UniformBuffer::new(Vec::new());
         bytes.write(&view).expect("it fits");
         self.gpu
