@@ -6,6 +6,7 @@ use bevy::{light::Skybox, prelude::*};
 use bevy_panorbit_camera::PanOrbitCamera;
 
 use crate::{
+    builder::Builder,
     made_up_sky::made_up_sky,
     model::{self, Viewpoint},
     run::SceneReady,
@@ -99,36 +100,6 @@ pub fn spawn(
     yard.add(ring, &clay, Vec3::new(0.3, 0.1, 0.9));
     let pane = Transform::from_xyz(1.2, 0.55, 0.3).with_rotation(Quat::from_rotation_y(0.5));
     yard.add_at(Cuboid::new(0.9, 1.1, 0.02), &glass, pane);
-}
-
-/// Spawns meshes.
-struct Builder<'w, 's> {
-    commands: Commands<'w, 's>,
-    meshes: ResMut<'w, Assets<Mesh>>,
-}
-
-impl Builder<'_, '_> {
-    fn add(&mut self, mesh: impl Into<Mesh>, material: &Handle<StandardMaterial>, center: Vec3) {
-        self.add_at(mesh, material, Transform::from_translation(center));
-    }
-
-    fn add_at(
-        &mut self,
-        mesh: impl Into<Mesh>,
-        material: &Handle<StandardMaterial>,
-        transform: Transform,
-    ) {
-        self.commands.spawn((
-            Mesh3d(self.meshes.add(mesh)),
-            MeshMaterial3d(material.clone()),
-            transform,
-        ));
-    }
-
-    /// A box between two corners.
-    fn add_box(&mut self, material: &Handle<StandardMaterial>, low: Vec3, high: Vec3) {
-        self.add(Cuboid::from_size(high - low), material, (low + high) / 2.0);
-    }
 }
 
 /// Slabs with joints between them, on a plane that goes on to the horizon.

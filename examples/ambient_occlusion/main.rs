@@ -22,6 +22,8 @@
 //! | Esc | quit |
 
 mod args;
+#[path = "../shared/builder.rs"]
+mod builder;
 #[path = "../shared/choices.rs"]
 mod choices;
 mod courtyard;

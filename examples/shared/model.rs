@@ -1,6 +1,7 @@
 //! Loading a glTF file, and standing the camera before it.
 //!
 //! The crate root has `run.rs` as `run`.
+#![allow(dead_code, reason = "each example uses a part")]
 
 use bevy::{
     asset::RecursiveDependencyLoadState,

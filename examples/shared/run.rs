@@ -43,9 +43,18 @@ pub fn windowed(title: &str, size: UVec2) -> App {
     app
 }
 
-/// Points the cameras of the first frame, made for a window that is not there, at the picture; waits for
-/// [`SceneReady`], makes `frames` more and writes a PNG.
+/// As [`make_ready`]; makes `frames` more and writes a PNG.
 pub fn write_picture(mut headless: Headless, path: &str, frames: usize) -> AppExit {
+    if let Err(exit) = make_ready(&mut headless) {
+        return exit;
+    }
+    headless.frames(frames);
+    save_picture(&mut headless, path)
+}
+
+/// Points the cameras of the first frame, made for a window that is not there, at the picture; waits for
+/// [`SceneReady`], and until nothing is loading or compiling. If that fails, says how the program is to exit.
+pub fn make_ready(headless: &mut Headless) -> Result<(), AppExit> {
     headless.frames(1);
     let target = headless.render_target();
     let world = headless.app.world_mut();
@@ -59,16 +68,20 @@ pub fn write_picture(mut headless: Headless, path: &str, frames: usize) -> AppEx
     while !headless.app.world().contains_resource::<SceneReady>() {
         headless.frames(1);
         if let Some(exit) = headless.app.should_exit() {
-            return exit;
+            return Err(exit);
         }
         if start.elapsed() > LOADING_TIME {
             eprintln!("error: the scene was not loaded within {LOADING_TIME:?}");
-            return AppExit::error();
+            return Err(AppExit::error());
         }
         std::thread::sleep(Duration::from_millis(10));
     }
     headless.settle();
-    headless.frames(frames);
+    Ok(())
+}
+
+/// Writes a PNG of the next frame.
+pub fn save_picture(headless: &mut Headless, path: &str) -> AppExit {
     let picture = headless.capture();
     match picture.try_save(path) {
         Ok(()) => {
