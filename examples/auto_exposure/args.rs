@@ -1,0 +1,205 @@
+//! The command line.
+
+use core::fmt::Display;
+use core::str::FromStr;
+
+use argh::FromArgs;
+use bevy::prelude::*;
+use bevy_lean_deferred::prelude::*;
+
+use crate::{
+    choices,
+    run::parse_size,
+    settings::{self, ExampleSettings, Mode, Pattern},
+    walk::{self, Place},
+};
+
+/// Frames after which an exposure has adapted that is adapted at once.
+const FRAMES: usize = 8;
+/// As above, of Bevy's, which starts without exposure: 8 simulated seconds.
+const BEVY_FRAMES: usize = 480;
+
+/// A house with an open door, without auto exposure, with LeanAutoExposure, or with Bevy's.
+#[derive(FromArgs)]
+pub struct Args {
+    /// off, lean (the default) or bevy
+    #[argh(option, default = "Mode::Lean", from_str_fn(mode))]
+    mode: Mode,
+
+    /// where the camera stands: dark (the default), room or door
+    #[argh(option, default = "Place::Dark", from_str_fn(place))]
+    pub view: Place,
+
+    /// where it stands first, with --headless, so that the picture shows the exposure on its way
+    #[argh(option, from_str_fn(place))]
+    from: Option<Place>,
+
+    /// put LeanDeferred on the camera
+    #[argh(switch)]
+    deferred: bool,
+
+    /// log-average (the default) or linear-average
+    #[argh(option, default = "default()", from_str_fn(metering))]
+    metering: Metering,
+
+    /// average (the default), center-weighted, spot or mask
+    #[argh(option, default = "default()", from_str_fn(pattern))]
+    pattern: Pattern,
+
+    /// of the spot, as a share of the picture's height, default 0.1
+    #[argh(option, default = "0.1", from_str_fn(positive))]
+    spot_radius: f32,
+
+    /// leave out the darkest and the brightest tenth
+    #[argh(switch)]
+    trim: bool,
+
+    /// luminance that the metered one is brought to, default 0.18
+    #[argh(option, default = "0.18", from_str_fn(positive))]
+    target: f32,
+
+    /// stops, default 0
+    #[argh(option, default = "0.0", from_str_fn(finite))]
+    compensation: f32,
+
+    /// leave dark views somewhat dark and bright ones somewhat bright
+    #[argh(switch)]
+    curve: bool,
+
+    /// stops, default -8
+    #[argh(option, default = "-8.0", from_str_fn(finite))]
+    min_exposure: f32,
+
+    /// stops, default 8
+    #[argh(option, default = "8.0", from_str_fn(finite))]
+    max_exposure: f32,
+
+    /// stops a second as the picture becomes brighter, default 3
+    #[argh(option, default = "3.0", from_str_fn(not_negative))]
+    speed_brighten: f32,
+
+    /// stops a second as the picture becomes darker, default 1
+    #[argh(option, default = "1.0", from_str_fn(not_negative))]
+    speed_darken: f32,
+
+    /// stops before the target from which the exposure approaches it exponentially, default 1.5
+    #[argh(option, default = "1.5", from_str_fn(not_negative))]
+    transition: f32,
+
+    /// no adaptation
+    #[argh(switch)]
+    instant: bool,
+
+    /// all (the default), quarter or sixteenth
+    #[argh(option, default = "default()", from_str_fn(sampling))]
+    sampling: ExposureSampling,
+
+    /// auto (the default), subgroup or shared-memory
+    #[argh(option, default = "default()", from_str_fn(reduction))]
+    reduction: ReductionPath,
+
+    /// render without a window, write this PNG and quit
+    #[argh(option)]
+    pub headless: Option<String>,
+
+    /// width x height of the picture or window, default 1280x720
+    #[argh(option, default = "UVec2::new(1280, 720)", from_str_fn(parse_size))]
+    pub size: UVec2,
+
+    /// frames of 1/60 s before the picture is taken, default 8; 480 with Bevy's, which has to adapt first
+    #[argh(option)]
+    frames: Option<usize>,
+
+    /// show the text in the picture of --headless too
+    #[argh(switch)]
+    pub text: bool,
+}
+
+impl Args {
+    pub fn settings(&self) -> ExampleSettings {
+        ExampleSettings {
+            mode: self.mode,
+            lean_deferred: self.deferred,
+            exposure: LeanAutoExposure {
+                metering: self.metering,
+                trim: self.trim.then_some(settings::TRIM),
+                target: self.target,
+                compensation: self.compensation,
+                min_exposure: self.min_exposure,
+                max_exposure: self.max_exposure,
+                speed_brighten: self.speed_brighten,
+                speed_darken: self.speed_darken,
+                transition: self.transition,
+                instant: self.instant,
+                sampling: self.sampling,
+                reduction: self.reduction,
+                ..default()
+            },
+            pattern: self.pattern,
+            spot_radius: self.spot_radius,
+            curve: self.curve,
+            text: true,
+        }
+    }
+
+    /// Where the camera stands first.
+    pub fn start(&self) -> Place {
+        match (&self.headless, self.from) {
+            (Some(_), Some(from)) => from,
+            _ => self.view,
+        }
+    }
+
+    pub fn frames(&self) -> usize {
+        self.frames.unwrap_or(if self.mode == Mode::Bevy {
+            BEVY_FRAMES
+        } else {
+            FRAMES
+        })
+    }
+}
+
+fn mode(text: &str) -> Result<Mode, String> {
+    choices::parse(&settings::MODES, text)
+}
+
+fn place(text: &str) -> Result<Place, String> {
+    choices::parse(&walk::PLACES, text)
+}
+
+fn metering(text: &str) -> Result<Metering, String> {
+    choices::parse(&settings::METERINGS, text)
+}
+
+fn pattern(text: &str) -> Result<Pattern, String> {
+    choices::parse(&settings::PATTERNS, text)
+}
+
+fn sampling(text: &str) -> Result<ExposureSampling, String> {
+    choices::parse(&settings::SAMPLINGS, text)
+}
+
+fn reduction(text: &str) -> Result<ReductionPath, String> {
+    choices::parse(&settings::REDUCTIONS, text)
+}
+
+fn number_where(text: &str, expected: impl Display, holds: fn(f32) -> bool) -> Result<f32, String> {
+    let number = f32::from_str(text).map_err(|error| format!("{text}: {error}"))?;
+    if number.is_finite() && holds(number) {
+        Ok(number)
+    } else {
+        Err(format!("{text}: expected {expected}"))
+    }
+}
+
+fn finite(text: &str) -> Result<f32, String> {
+    number_where(text, "a number", |_| true)
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    number_where(text, "more than 0", |x| x > 0.0)
+}
+
+fn not_negative(text: &str) -> Result<f32, String> {
+    number_where(text, "0 or more", |x| x >= 0.0)
+}

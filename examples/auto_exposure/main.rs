@@ -1,0 +1,183 @@
+//! Auto exposure in a house with an open door: none, this crate's, or Bevy's.
+//!
+//! `cargo run --example auto_exposure -- [--view dark|room|door] [--headless OUT.png] [--help]`
+//!
+//! Outside is sunshine, several thousand times brighter than the corner with the lamp. Space walks there and back: the
+//! picture is too dark or too bright at first, and adapts. Before the door and the corner at once, the metering and its
+//! pattern decide which of the two is shown well.
+//!
+//! The mask of the example counts the lower half of the picture fully and fades to a tenth at the top, so that skies
+//! and ceilings count little:
+//!
+//! | height | weight |
+//! |---|---|
+//! | top | 0.1 |
+//! | a quarter down | 0.55 |
+//! | middle to bottom | 1 |
+//!
+//! Bevy's `AutoExposure` gets the same settings as far as it has them; target and compensation as its compensation
+//! curve. Its range replaces the limits of the exposure.
+//!
+//! | key | does |
+//! |---|---|
+//! | 1, 2, 3 | none, `LeanAutoExposure`, Bevy's `AutoExposure` |
+//! | Space | walk on: dark corner, middle of the room, door, and back |
+//! | G | `LeanDeferred` on / off |
+//! | M | metering: LogAverage, LinearAverage |
+//! | P | pattern: Average, CenterWeighted, Spot, Mask |
+//! | T | trim: leave out the darkest and the brightest tenth / none |
+//! | Up, Down | larger, smaller target |
+//! | Right, Left | more, less compensation |
+//! | C | compensation curve on / off |
+//! | Page Up, Page Down | twice, half the speeds |
+//! | I | instant / adapting |
+//! | S | sampling: All, Quarter, Sixteenth |
+//! | R | reduction: Auto, Subgroup, SharedMemory |
+//! | X | cut: the next frame starts adapted |
+//! | H | text on / off |
+//! | mouse | left: look around, right: pan, wheel: move |
+//! | Esc | quit |
+
+mod args;
+#[path = "../shared/builder.rs"]
+mod builder;
+#[path = "../shared/choices.rs"]
+mod choices;
+mod garden;
+#[path = "../shared/gpu_times.rs"]
+mod gpu_times;
+mod house;
+#[path = "../shared/made_up_sky.rs"]
+mod made_up_sky;
+#[path = "../shared/model.rs"]
+mod model;
+mod overlay;
+#[path = "../shared/run.rs"]
+mod run;
+mod settings;
+mod walk;
+
+use bevy::{
+    camera::{Exposure, Hdr, ShadowLodOrigin},
+    core_pipeline::tonemapping::Tonemapping,
+    ecs::system::RunSystemOnce,
+    post_process::auto_exposure::AutoExposurePlugin,
+    prelude::*,
+    render::diagnostic::RenderDiagnosticsPlugin,
+    ui::IsDefaultUiCamera,
+};
+use bevy_lean_deferred::prelude::*;
+use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
+use run::headless::Headless;
+use settings::ExampleSettings;
+use walk::Place;
+
+/// Between indoors and an overcast day, so that both ends of the scene are within the limits of the exposure.
+const EXPOSURE: Exposure = Exposure { ev100: 8.0 };
+
+fn main() -> AppExit {
+    let args: args::Args = argh::from_env();
+    let example = ExamplePlugin {
+        settings: args.settings(),
+        place: args.start(),
+    };
+    match &args.headless {
+        Some(path) => {
+            let headless = Headless::with(args.size, |app| {
+                app.add_plugins(example);
+                if args.text {
+                    app.add_plugins(overlay::OverlayPlugin);
+                }
+            });
+            write_picture(headless, path, &args)
+        }
+        None => run::windowed("bevy_lean_deferred auto exposure", args.size)
+            .add_plugins((PanOrbitCameraPlugin, example, overlay::OverlayPlugin))
+            .add_systems(
+                Update,
+                (
+                    settings::read_keys.before(settings::apply),
+                    (walk::read_keys, walk::walk).chain(),
+                ),
+            )
+            .run(),
+    }
+}
+
+/// Writes a PNG, and says what was metered for it.
+fn write_picture(mut headless: Headless, path: &str, args: &args::Args) -> AppExit {
+    if let Err(exit) = run::make_ready(&mut headless) {
+        return exit;
+    }
+    let world = headless.world();
+    if *world.resource::<Place>() != args.view {
+        world.insert_resource(args.view);
+        if let Err(error) = world.run_system_once(walk::stand) {
+            error!("{error}");
+        }
+    }
+    headless.frames(args.frames());
+    let exit = run::save_picture(&mut headless, path);
+    let world = headless.world();
+    let mut metered = world.query_filtered::<&MeteredExposure, With<LeanAutoExposure>>();
+    for metered in metered.iter(world) {
+        println!("{:?}: {}", args.view, overlay::metered(metered));
+    }
+    exit
+}
+
+/// The scene, the camera and its auto exposure.
+struct ExamplePlugin {
+    settings: ExampleSettings,
+    place: Place,
+}
+
+impl Plugin for ExamplePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins((RenderDiagnosticsPlugin, AutoExposurePlugin))
+            .insert_resource(self.settings.clone())
+            .insert_resource(self.place)
+            .add_systems(
+                Startup,
+                (
+                    (spawn_camera, settings::add_mask),
+                    (
+                        house::spawn,
+                        garden::spawn,
+                        garden::spawn_lights,
+                        walk::stand,
+                    ),
+                )
+                    .chain(),
+            )
+            .add_systems(
+                Update,
+                settings::apply.run_if(resource_changed::<ExampleSettings>),
+            )
+            .insert_resource(run::SceneReady);
+    }
+}
+
+fn spawn_camera(mut commands: Commands) {
+    commands.spawn((
+        Camera3d::default(),
+        Projection::Perspective(PerspectiveProjection {
+            fov: 1.0,
+            ..default()
+        }),
+        // As LeanDeferred and both auto exposures need it, so that all modes are alike.
+        Hdr,
+        Msaa::Off,
+        EXPOSURE,
+        // Not `None`: the exposure is applied in tonemapping.
+        Tonemapping::TonyMcMapface,
+        IsDefaultUiCamera,
+        ShadowLodOrigin,
+        PanOrbitCamera {
+            button_orbit: MouseButton::Left,
+            button_pan: MouseButton::Right,
+            ..default()
+        },
+        Transform::default(),
+    ));
+}

@@ -1,0 +1,135 @@
+//! The text in the corner: the settings, what is metered, the times and the keys.
+
+use core::fmt::Write;
+
+use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+use bevy_lean_deferred::prelude::*;
+
+use crate::{
+    gpu_times,
+    settings::{ExampleSettings, Mode, Pattern},
+};
+
+pub struct OverlayPlugin;
+
+impl Plugin for OverlayPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Startup, spawn_text)
+            .add_systems(Update, update_text);
+    }
+}
+
+const KEYS: &str =
+    "1 off  2 lean  3 Bevy's  Space walk  G LeanDeferred  M metering  P pattern  T trim  Up/Down target
+Left/Right compensation  C curve  PgUp/PgDn speeds  I instant  S sampling  R reduction  X cut  H text";
+
+#[derive(Component)]
+struct OverlayText;
+
+fn spawn_text(mut commands: Commands) {
+    commands.spawn((
+        OverlayText,
+        Text::default(),
+        TextFont::from_font_size(14.0),
+        BackgroundColor(Color::BLACK.with_alpha(0.75)),
+        Node {
+            position_type: PositionType::Absolute,
+            top: px(8),
+            left: px(8),
+            padding: px(6).all(),
+            ..default()
+        },
+    ));
+}
+
+fn update_text(
+    settings: Res<ExampleSettings>,
+    diagnostics: Res<DiagnosticsStore>,
+    camera: Single<Option<&MeteredExposure>, With<Camera3d>>,
+    overlay: Single<(&mut Text, &mut Visibility), With<OverlayText>>,
+) {
+    let (mut text, mut visibility) = overlay.into_inner();
+    if !settings.text {
+        *visibility = Visibility::Hidden;
+        return;
+    }
+    *visibility = Visibility::Inherited;
+    text.0 = describe(&settings);
+    if settings.mode == Mode::Lean
+        && let Some(exposure) = *camera
+    {
+        let _ = write!(text.0, "\n{}", metered(exposure));
+    }
+    let _ = write!(text.0, "\nGPU: {}\n{KEYS}", times(&settings, &diagnostics));
+}
+
+/// What was read back.
+pub fn metered(metered: &MeteredExposure) -> String {
+    let MeteredExposure {
+        luminance,
+        exposure,
+        target_exposure,
+    } = metered;
+    format!(
+        "luminance {luminance:.4}, exposure {exposure:+.2} stops, heading for {target_exposure:+.2}"
+    )
+}
+
+fn describe(settings: &ExampleSettings) -> String {
+    let camera = if settings.lean_deferred {
+        "LeanDeferred"
+    } else {
+        "Bevy forward"
+    };
+    let exposure = &settings.exposure;
+    let trim = match exposure.trim {
+        Some(trim) => format!(
+            "without the darkest {:.0} % and the brightest {:.0} %",
+            100.0 * trim.low,
+            100.0 * trim.high
+        ),
+        None => "untrimmed".into(),
+    };
+    let target = format!(
+        "target {:.2}, compensation {:+.2} stops, curve {}",
+        exposure.target,
+        exposure.compensation,
+        if settings.curve { "on" } else { "off" },
+    );
+    let speeds = format!(
+        "{} stops a second brighter, {} darker",
+        exposure.speed_brighten, exposure.speed_darken
+    );
+    match settings.mode {
+        Mode::Off => format!("{camera}, no auto exposure"),
+        Mode::Bevy => {
+            let pattern = match settings.pattern {
+                Pattern::Mask => "Mask",
+                _ => "Average",
+            };
+            format!("{camera}, Bevy's AutoExposure, {pattern}, {trim}\n{target}\n{speeds}")
+        }
+        Mode::Lean => format!(
+            "{camera}, LeanAutoExposure {:?}, {:?}, {trim}\n{target}\n{}, sampling {:?}, reduction {:?}",
+            exposure.metering,
+            settings.pattern,
+            if exposure.instant { "instant" } else { &speeds },
+            exposure.sampling,
+            exposure.reduction,
+        ),
+    }
+}
+
+/// Of the passes that run now: the others keep the times of when they last ran.
+fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
+    let time = |span| gpu_times::text(diagnostics, span);
+    match settings.mode {
+        Mode::Off => "-".into(),
+        Mode::Bevy => format!("auto_exposure {}", time("auto_exposure")),
+        Mode::Lean => format!(
+            "meter {}, adapt {}",
+            time("lean_deferred/exposure/meter"),
+            time("lean_deferred/exposure/adapt")
+        ),
+    }
+}

@@ -1,0 +1,384 @@
+//! How many frames a second are left with auto exposure on many cameras: the boxes scene of the benches, or a sky
+//! alone, in as many viewports as there are cameras, as fast as it goes.
+//!
+//! `cargo run --example exposure_stress -- [--cameras N] [--effect none|lean|bevy] [--headless] [--help]`
+//!
+//! In a window, without vertical synchronisation, frame times are those of the whole app; every three seconds and at
+//! the end they are printed. With `--headless` the CPU waits for the GPU after each frame, so that frame times are the
+//! sum of both. Compare `--effect none` with the others.
+//!
+//! | key | does |
+//! |---|---|
+//! | 1, 2, 3 | none, `LeanAutoExposure`, Bevy's `AutoExposure` |
+//! | Esc | quit |
+
+#[path = "../tests/common/scenes/boxes.rs"]
+mod boxes;
+#[path = "shared/choices.rs"]
+mod choices;
+#[path = "shared/frame_times.rs"]
+mod frame_times;
+#[path = "shared/gpu_times.rs"]
+mod gpu_times;
+#[path = "shared/made_up_sky.rs"]
+mod made_up_sky;
+#[path = "shared/run.rs"]
+mod run;
+
+use core::f32::consts::TAU;
+use std::time::Instant;
+
+use argh::FromArgs;
+use bevy::{
+    camera::{Hdr, ShadowLodOrigin, Viewport},
+    core_pipeline::tonemapping::Tonemapping,
+    diagnostic::DiagnosticsStore,
+    light::{Skybox, cluster::GlobalClusterSettings},
+    post_process::auto_exposure::{AutoExposure, AutoExposurePlugin},
+    prelude::*,
+    render::diagnostic::RenderDiagnosticsPlugin,
+    window::{PresentMode, WindowResolution},
+    winit::WinitSettings,
+};
+use bevy_lean_deferred::prelude::*;
+use boxes::Boxes;
+use frame_times::{FrameReports, FrameTimes};
+use made_up_sky::made_up_sky;
+use run::{SceneReady, headless::Headless, parse_size};
+
+/// Before the first that counts: pipelines compile, shadow maps are made.
+const WARM_UP_FRAMES: usize = 20;
+
+/// Frame times of cameras with auto exposure.
+#[derive(FromArgs, Resource, Clone)]
+struct Args {
+    /// cameras side by side, default 1
+    #[argh(option, default = "1", from_str_fn(at_least_one))]
+    cameras: u32,
+
+    /// none, lean (the default) or bevy
+    #[argh(option, default = "Effect::Lean", from_str_fn(effect))]
+    effect: Effect,
+
+    /// put LeanDeferred on the cameras
+    #[argh(switch)]
+    deferred: bool,
+
+    /// leave out the darkest and the brightest tenth; Bevy's always does
+    #[argh(switch)]
+    trim: bool,
+
+    /// all (the default), quarter or sixteenth
+    #[argh(option, default = "default()", from_str_fn(sampling))]
+    sampling: ExposureSampling,
+
+    /// auto (the default), subgroup or shared-memory
+    #[argh(option, default = "default()", from_str_fn(reduction))]
+    reduction: ReductionPath,
+
+    /// a sky alone in place of the boxes, so that auto exposure is much of the frame
+    #[argh(switch)]
+    sky: bool,
+
+    /// point lights, default 32
+    #[argh(option, default = "32")]
+    lights: u32,
+
+    /// a grid of 10 by 10 meshes in place of 40 by 40, for software renderers
+    #[argh(switch)]
+    small: bool,
+
+    /// width x height of the picture or window in pixels, default 1920x1080
+    #[argh(option, default = "UVec2::new(1920, 1080)", from_str_fn(parse_size))]
+    size: UVec2,
+
+    /// render without a window, and quit after --frames
+    #[argh(switch)]
+    headless: bool,
+
+    /// frames that count, with --headless, default 1000
+    #[argh(option, default = "1000", from_str_fn(at_least_one))]
+    frames: u32,
+}
+
+/// Whose auto exposure the cameras have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Effect {
+    None,
+    Lean,
+    Bevy,
+}
+
+const EFFECTS: [Effect; 3] = [Effect::None, Effect::Lean, Effect::Bevy];
+
+impl Args {
+    fn boxes(&self) -> Boxes {
+        if self.small {
+            Boxes::small(self.lights)
+        } else {
+            Boxes::full(self.lights)
+        }
+    }
+
+    fn lean(&self) -> LeanAutoExposure {
+        LeanAutoExposure {
+            trim: self.trim.then_some(LuminanceTrim {
+                low: 0.1,
+                high: 0.1,
+            }),
+            sampling: self.sampling,
+            reduction: self.reduction,
+            ..default()
+        }
+    }
+
+    /// Columns and rows of viewports, as many of one as of the other if possible.
+    fn grid(&self) -> UVec2 {
+        let columns = f64::from(self.cameras).sqrt().ceil() as u32;
+        UVec2::new(columns, self.cameras.div_ceil(columns))
+    }
+
+    /// Where the camera of this number draws.
+    fn viewport(&self, camera: u32) -> Viewport {
+        let grid = self.grid();
+        let cell = UVec2::new(camera % grid.x, camera / grid.x);
+        let low = self.size * cell / grid;
+        let high = self.size * (cell + 1) / grid;
+        Viewport {
+            physical_position: low,
+            physical_size: high - low,
+            ..default()
+        }
+    }
+}
+
+fn main() -> AppExit {
+    let args: Args = argh::from_env();
+    let UVec2 { x, y } = args.size;
+    if args.grid().cmpgt(args.size).any() {
+        eprintln!("error: {} viewports do not fit in {x}×{y}", args.cameras);
+        return AppExit::error();
+    }
+    if args.headless {
+        run_headless(args)
+    } else {
+        let mut app = App::new();
+        app.add_plugins((
+            DefaultPlugins.set(WindowPlugin {
+                primary_window: Some(Window {
+                    title: "bevy_lean_deferred exposure stress".into(),
+                    present_mode: PresentMode::AutoNoVsync,
+                    resolution: WindowResolution::new(x, y).with_scale_factor_override(1.0),
+                    resizable: false,
+                    ..default()
+                }),
+                ..default()
+            }),
+            LeanDeferredPlugins,
+        ))
+        .insert_resource(WinitSettings::continuous())
+        .init_resource::<Reports>()
+        .add_systems(Update, (read_keys.before(apply_effect), measure))
+        .add_systems(Last, report_all.run_if(on_message::<AppExit>));
+        add_scene(&mut app, args);
+        app.run()
+    }
+}
+
+fn run_headless(args: Args) -> AppExit {
+    let mut headless = Headless::with(args.size, |app| add_scene(app, args.clone()));
+    if let Err(exit) = run::make_ready(&mut headless) {
+        return exit;
+    }
+    headless.frames(WARM_UP_FRAMES);
+    let mut reports = FrameReports::default();
+    for _ in 0..args.frames {
+        let start = Instant::now();
+        headless.frames(1);
+        let recent = reports.add(start.elapsed().as_secs_f64() * 1000.0);
+        if let Some(times) = recent {
+            report("", &args, &times, headless.app.world().resource());
+        }
+    }
+    report(
+        "all: ",
+        &args,
+        &reports.all,
+        headless.app.world().resource(),
+    );
+    AppExit::Success
+}
+
+fn add_scene(app: &mut App, args: Args) {
+    app.add_plugins((RenderDiagnosticsPlugin, AutoExposurePlugin))
+        .insert_resource(args)
+        .insert_resource(SceneReady)
+        .add_systems(Startup, setup)
+        .add_systems(
+            Update,
+            (turn_cameras, apply_effect.run_if(resource_changed::<Args>)),
+        );
+}
+
+fn setup(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    args: Res<Args>,
+    mut images: ResMut<Assets<Image>>,
+    mut clusters: ResMut<GlobalClusterSettings>,
+) {
+    let sky = args.sky.then(|| Skybox {
+        image: Some(images.add(made_up_sky())),
+        brightness: 1_000.0,
+        ..default()
+    });
+    if !args.sky {
+        boxes::reserve_clusters(&mut clusters);
+        boxes::spawn(&mut commands, &mut meshes, &mut materials, args.boxes());
+    }
+    for number in 0..args.cameras {
+        let turn = Quat::from_rotation_y(TAU * number as f32 / args.cameras as f32);
+        let mut camera = commands.spawn((
+            Camera3d::default(),
+            Camera {
+                order: number as isize,
+                viewport: Some(args.viewport(number)),
+                ..default()
+            },
+            Hdr,
+            Msaa::Off,
+            Tonemapping::TonyMcMapface,
+            Transform::from_rotation(turn) * boxes::camera_transform(args.boxes()),
+        ));
+        if number == 0 {
+            camera.insert(ShadowLodOrigin);
+        }
+        if let Some(sky) = &sky {
+            camera.insert(sky.clone());
+        }
+        if args.deferred {
+            camera.insert(LeanDeferred::default());
+        }
+    }
+}
+
+/// Round the middle of the scene, so that the exposure has something to follow.
+fn turn_cameras(time: Res<Time>, mut cameras: Query<&mut Transform, With<Camera3d>>) {
+    let turn = Quat::from_rotation_y(0.2 * time.delta_secs());
+    for mut transform in &mut cameras {
+        transform.rotate_around(Vec3::ZERO, turn);
+    }
+}
+
+fn apply_effect(mut commands: Commands, args: Res<Args>, cameras: Query<Entity, With<Camera3d>>) {
+    for camera in &cameras {
+        let mut camera = commands.entity(camera);
+        camera.remove::<(LeanAutoExposure, AutoExposure)>();
+        match args.effect {
+            Effect::None => {}
+            Effect::Lean => {
+                camera.insert(args.lean());
+            }
+            Effect::Bevy => {
+                camera.insert(AutoExposure::default());
+            }
+        }
+    }
+}
+
+fn read_keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut args: ResMut<Args>,
+    mut reports: ResMut<Reports>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    for key in keys.get_just_pressed() {
+        args.effect = match key {
+            KeyCode::Digit1 => Effect::None,
+            KeyCode::Digit2 => Effect::Lean,
+            KeyCode::Digit3 => Effect::Bevy,
+            KeyCode::Escape => {
+                exit.write(AppExit::Success);
+                continue;
+            }
+            _ => continue,
+        };
+        // Of this effect alone.
+        *reports = default();
+    }
+}
+
+/// Frame times in a window.
+#[derive(Resource, Default)]
+struct Reports {
+    frames: usize,
+    times: FrameReports,
+}
+
+fn measure(
+    time: Res<Time<Real>>,
+    args: Res<Args>,
+    diagnostics: Res<DiagnosticsStore>,
+    mut reports: ResMut<Reports>,
+) {
+    reports.frames += 1;
+    if reports.frames <= WARM_UP_FRAMES {
+        return;
+    }
+    let recent = reports.times.add(time.delta_secs_f64() * 1000.0);
+    if let Some(times) = recent {
+        report("", &args, &times, &diagnostics);
+    }
+}
+
+fn report_all(args: Res<Args>, diagnostics: Res<DiagnosticsStore>, reports: Res<Reports>) {
+    report("all: ", &args, &reports.times.all, &diagnostics);
+}
+
+/// One line: what was rendered, the frame times, and the GPU times of the effect for a camera.
+fn report(what: &str, args: &Args, times: &FrameTimes, diagnostics: &DiagnosticsStore) {
+    let time = |span| gpu_times::text(diagnostics, span);
+    let gpu = match args.effect {
+        Effect::None => String::new(),
+        Effect::Lean => format!(
+            "; GPU: meter {}, adapt {}",
+            time("lean_deferred/exposure/meter"),
+            time("lean_deferred/exposure/adapt")
+        ),
+        Effect::Bevy => format!("; GPU: auto_exposure {}", time("auto_exposure")),
+    };
+    println!(
+        "{what}{:?}, cameras: {}, {}×{}: {times}{gpu}",
+        args.effect, args.cameras, args.size.x, args.size.y
+    );
+}
+
+fn effect(text: &str) -> Result<Effect, String> {
+    choices::parse(&EFFECTS, text)
+}
+
+fn sampling(text: &str) -> Result<ExposureSampling, String> {
+    let all = [
+        ExposureSampling::All,
+        ExposureSampling::Quarter,
+        ExposureSampling::Sixteenth,
+    ];
+    choices::parse(&all, text)
+}
+
+fn reduction(text: &str) -> Result<ReductionPath, String> {
+    let all = [
+        ReductionPath::Auto,
+        ReductionPath::Subgroup,
+        ReductionPath::SharedMemory,
+    ];
+    choices::parse(&all, text)
+}
+
+fn at_least_one(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(number) if number > 0 => Ok(number),
+        _ => Err(format!("{text}: expected a whole number, at least 1")),
+    }
+}
