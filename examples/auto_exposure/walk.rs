@@ -40,7 +40,7 @@ impl Place {
     fn pose(self) -> Pose {
         let (eye, at) = match self {
             Self::Dark => ([-1.1, 1.55, -0.3], [-2.3, 0.85, -4.2]),
-            Self::Room => ([-0.5, 1.6, 2.2], [-0.2, 1.15, -3.0]),
+            Self::Room => ([-0.5, 1.6, 2.2], [1.2, 1.2, -5.0]),
             Self::Door => ([1.2, 1.6, -4.4], [1.5, 1.5, -9.0]),
         };
         let eye = Vec3::from(eye);
