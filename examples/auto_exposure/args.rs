@@ -74,11 +74,11 @@ pub struct Args {
     #[argh(option, default = "8.0", from_str_fn(finite))]
     max_exposure: f32,
 
-    /// stops a second as the picture becomes brighter, default 3
+    /// stops a second as the scene becomes brighter, default 3
     #[argh(option, default = "3.0", from_str_fn(not_negative))]
     speed_brighten: f32,
 
-    /// stops a second as the picture becomes darker, default 1
+    /// stops a second as the scene becomes darker, default 1
     #[argh(option, default = "1.0", from_str_fn(not_negative))]
     speed_darken: f32,
 

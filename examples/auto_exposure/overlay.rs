@@ -97,7 +97,7 @@ fn describe(settings: &ExampleSettings) -> String {
         if settings.curve { "on" } else { "off" },
     );
     let speeds = format!(
-        "{} stops a second brighter, {} darker",
+        "{} stops a second into light, {} into the dark",
         exposure.speed_brighten, exposure.speed_darken
     );
     match settings.mode {

@@ -109,9 +109,8 @@ impl ExampleSettings {
         AutoExposure {
             range: BEVY_RANGE,
             filter: trim.low..=1.0 - trim.high,
-            // Each names the speeds by something else: Bevy by what the view becomes, lean by the picture.
-            speed_brighten: exposure.speed_darken,
-            speed_darken: exposure.speed_brighten,
+            speed_brighten: exposure.speed_brighten,
+            speed_darken: exposure.speed_darken,
             exponential_transition_distance: exposure.transition,
             metering_mask: match self.pattern {
                 Pattern::Mask => mask.clone(),

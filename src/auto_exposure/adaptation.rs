@@ -34,10 +34,11 @@ pub fn adapted(
     if distance == 0.0 {
         return target_exposure;
     }
+    // The scene is darker than it was, or brighter.
     let speed = if distance > 0.0 {
-        speed_brighten
-    } else {
         speed_darken
+    } else {
+        speed_brighten
     };
     let exposure =
         current + distance.signum() * covered(distance.abs(), seconds, speed, transition);

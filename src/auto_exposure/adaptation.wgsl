@@ -28,7 +28,8 @@ fn adapted(
     transition: f32,
 ) -> f32 {
     let distance = target_exposure - current;
-    let speed = select(speed_darken, speed_brighten, distance > 0.0);
+    // The scene is darker than it was, or brighter.
+    let speed = select(speed_brighten, speed_darken, distance > 0.0);
     let exposure = current + sign(distance) * covered(abs(distance), seconds, speed, transition);
     return clamp(exposure, min(current, target_exposure), max(current, target_exposure));
 }

@@ -38,9 +38,10 @@ pub struct LeanAutoExposure {
     pub min_exposure: f32,
     /// Largest exposure in stops, without the compensation. Default 8.
     pub max_exposure: f32,
-    /// How fast the picture becomes brighter, in stops a second. Default 3.
+    /// How fast the exposure falls when the scene becomes brighter, in stops a second. Default 3, as Bevy's and as eyes:
+    /// they take to light sooner than to the dark.
     pub speed_brighten: f32,
-    /// How fast it becomes darker, in stops a second. Default 1.
+    /// How fast it rises when the scene becomes darker, in stops a second. Default 1.
     pub speed_darken: f32,
     /// Nearer to its target than this many stops, the exposure approaches it exponentially, so that it comes to rest
     /// without a jerk; 0 keeps the speed to the end. Default 1.5.
@@ -157,7 +158,8 @@ pub enum ReductionPath {
     SharedMemory,
 }
 
-/// What a camera's [`LeanAutoExposure`] has measured, a few frames ago: it comes from the GPU without waiting.
+/// What a camera's [`LeanAutoExposure`] has measured, a few frames ago: it comes from the GPU without waiting. Added and
+/// removed with it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct MeteredExposure {
@@ -169,7 +171,7 @@ pub struct MeteredExposure {
     pub target_exposure: f32,
 }
 
-/// Put on a camera at a cut: the next frame starts adapted. Removed by itself.
+/// Put on a camera at a cut: the next frame starts adapted. Removed at the end of the frame.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct ExposureCut;

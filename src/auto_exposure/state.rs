@@ -50,7 +50,7 @@ pub(super) fn remove_state(removed: On<Remove, LeanAutoExposure>, mut commands: 
         .entity(removed.entity)
         .queue_silenced(|mut camera: EntityWorldMut| {
             camera.despawn_related::<ExposureReaders>();
-            camera.remove::<(ExposureBuffer, ExposureCuts)>();
+            camera.remove::<(ExposureBuffer, ExposureCuts, MeteredExposure)>();
         });
 }
 
@@ -78,10 +78,12 @@ fn keep_metered(
 /// Counts the cuts of this frame.
 pub(super) fn count_cuts(
     mut commands: Commands,
-    mut cameras: Query<(Entity, &mut ExposureCuts), With<ExposureCut>>,
+    mut cameras: Query<(Entity, Option<&mut ExposureCuts>), With<ExposureCut>>,
 ) {
-    for (camera, mut cuts) in &mut cameras {
-        cuts.0 = cuts.0.wrapping_add(1) & 0x7fff_ffff;
+    for (camera, cuts) in &mut cameras {
+        if let Some(mut cuts) = cuts {
+            cuts.0 = cuts.0.wrapping_add(1) & 0x7fff_ffff;
+        }
         commands.entity(camera).remove::<ExposureCut>();
     }
 }

@@ -190,9 +190,9 @@ fn nothing_flashes() {
     println!("adapting: {adapting:?}");
     let per_frame = 1.0 / 60.0;
     for pair in adapting.windows(2) {
-        assert!(pair[1] <= pair[0] && pair[0] - pair[1] <= 2.1 * per_frame);
+        assert!(pair[1] <= pair[0] && pair[0] - pair[1] <= 3.1 * per_frame);
     }
-    assert!(*adapting.last().expect("30") > -1.0);
+    assert!(*adapting.last().expect("30") > -2.0);
 
     // None of these changes what is metered: the exposure goes on as before.
     let changes: [fn(&mut Headless, Entity); 4] = [
@@ -229,7 +229,7 @@ fn nothing_flashes() {
         change(&mut headless, camera);
         for exposure in exposures(&mut headless, camera, 6) {
             assert!(
-                exposure <= last && last - exposure <= 2.1 * per_frame,
+                exposure <= last && last - exposure <= 3.1 * per_frame,
                 "{last}, {exposure}"
             );
             last = exposure;
@@ -340,6 +340,7 @@ fn the_overlay_shows_what_is_metered() {
     let mut headless = Headless::new(UVec2::new(640, 360));
     let settings = LeanAutoExposure {
         pattern: MeteringPattern::Spot { radius: 0.3 },
+        speed_brighten: 1.0,
         ..default()
     };
     let camera = camera(&mut headless, 0.18, settings.clone());
