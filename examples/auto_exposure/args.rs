@@ -90,6 +90,10 @@ pub struct Args {
     #[argh(switch)]
     instant: bool,
 
+    /// show how much each pixel counts, and the exposure on a scale
+    #[argh(switch)]
+    overlay: bool,
+
     /// all (the default), quarter or sixteenth
     #[argh(option, default = "default()", from_str_fn(sampling))]
     sampling: ExposureSampling,
@@ -131,6 +135,7 @@ impl Args {
                 speed_darken: self.speed_darken,
                 transition: self.transition,
                 instant: self.instant,
+                overlay: self.overlay,
                 sampling: self.sampling,
                 reduction: self.reduction,
                 ..default()

@@ -34,6 +34,7 @@
 //! | S | sampling: All, Quarter, Sixteenth |
 //! | R | reduction: Auto, Subgroup, SharedMemory |
 //! | X | cut: the next frame starts adapted |
+//! | O | overlay of the exposure: what counts, and a scale, on / off |
 //! | H | text on / off |
 //! | mouse | left: look around, right: pan, wheel: move |
 //! | Esc | quit |

@@ -21,7 +21,7 @@ impl Plugin for OverlayPlugin {
 
 const KEYS: &str =
     "1 off  2 lean  3 Bevy's  Space walk  G LeanDeferred  M metering  P pattern  T trim  Up/Down target
-Left/Right compensation  C curve  PgUp/PgDn speeds  I instant  S sampling  R reduction  X cut  H text";
+Left/Right compensation  C curve  PgUp/PgDn speeds  I instant  S sampling  R reduction  X cut  O overlay  H text";
 
 #[derive(Component)]
 struct OverlayText;

@@ -183,6 +183,7 @@ pub fn read_keys(
             KeyCode::KeyI => exposure.instant = !exposure.instant,
             KeyCode::KeyS => exposure.sampling = next(&SAMPLINGS, exposure.sampling),
             KeyCode::KeyR => exposure.reduction = next(&REDUCTIONS, exposure.reduction),
+            KeyCode::KeyO => exposure.overlay = !exposure.overlay,
             KeyCode::KeyH => *text = !*text,
             _ => {}
         }
