@@ -341,11 +341,7 @@ fn report(what: &str, args: &Args, times: &FrameTimes, diagnostics: &Diagnostics
     let time = |span| gpu_times::text(diagnostics, span);
     let gpu = match args.effect {
         Effect::None => String::new(),
-        Effect::Lean => format!(
-            "; GPU: meter {}, adapt {}",
-            time("lean_deferred/exposure/meter"),
-            time("lean_deferred/exposure/adapt")
-        ),
+        Effect::Lean => format!("; GPU: {}", time("lean_deferred/exposure")),
         Effect::Bevy => format!("; GPU: auto_exposure {}", time("auto_exposure")),
     };
     println!(

@@ -31,7 +31,7 @@ pub struct Measured {
 pub struct Measurement {
     pub group: Group,
     pub contender: String,
-    /// In milliseconds. Bevy's two dispatches are one.
+    /// In milliseconds; none in an app.
     pub passes: Vec<Time>,
     /// All in one pass.
     pub whole: Option<Time>,
@@ -45,7 +45,7 @@ pub struct Measurement {
 impl Measurement {
     /// That the first pass reaches.
     fn gigabytes_per_second(&self) -> Option<f64> {
-        let first = self.passes.first()?.median;
+        let first = self.passes.first().or(self.whole.as_ref())?.median;
         (self.bytes > 0.0 && first > 0.0).then(|| self.bytes / (first * 1e-3) * 1e-9)
     }
 }
@@ -64,8 +64,8 @@ pub fn header(args: &Args) -> String {
     format!(
         "Median of {} frames (10th–90th percentile) in µs; all: the dispatches in one pass. GB/s: bytes of the pixels that the \
          first pass reads (copies: also of those written) over its time; %: of the faster copy. Error: of the metered \
-         luminance, relative to the mean in double precision over the whole picture. In an app, times are from spans \
-         around the passes, Bevy's two dispatches in one.\n",
+         luminance, relative to the mean in double precision over the whole picture. In an app, times are from the span \
+         around both dispatches, and so are GB/s.\n",
         args.frames
     )
 }

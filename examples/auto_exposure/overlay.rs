@@ -126,10 +126,6 @@ fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
     match settings.mode {
         Mode::Off => "-".into(),
         Mode::Bevy => format!("auto_exposure {}", time("auto_exposure")),
-        Mode::Lean => format!(
-            "meter {}, adapt {}",
-            time("lean_deferred/exposure/meter"),
-            time("lean_deferred/exposure/adapt")
-        ),
+        Mode::Lean => time("lean_deferred/exposure"),
     }
 }

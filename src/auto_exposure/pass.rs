@@ -1,5 +1,5 @@
-//! The two dispatches. Their GPU times are those of the spans `lean_deferred/exposure/meter` and `…/adapt`, where the device
-//! can tell times within a pass, and together of `lean_deferred/exposure`.
+//! The two dispatches, in one pass. Their GPU time is that of the span `lean_deferred/exposure`: timestamps between them would
+//! cost as much as they do.
 
 use bevy::{
     prelude::*,
@@ -43,28 +43,18 @@ pub(super) fn auto_exposure(
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/exposure");
-    // One pass for both: each pass more would cost as much as a dispatch.
     let mut pass = ctx
         .command_encoder()
         .begin_compute_pass(&ComputePassDescriptor {
             label: Some("lean_deferred/exposure"),
             timestamp_writes: None,
         });
-    let mut dispatch = |name: &'static str, pipeline, group, offsets: &[u32], groups: UVec2| {
-        let span = diagnostics.pass_span(&mut pass, name);
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, group, offsets);
-        pass.dispatch_workgroups(groups.x, groups.y, 1);
-        span.end(&mut pass);
-    };
-    dispatch("meter", meter, meter_group, &[view.offset], view.workgroups);
-    dispatch(
-        "adapt",
-        adapt,
-        adapt_group,
-        &[view.offset, view_offset.offset],
-        UVec2::ONE,
-    );
+    pass.set_pipeline(meter);
+    pass.set_bind_group(0, meter_group, &[view.offset]);
+    pass.dispatch_workgroups(view.workgroups.x, view.workgroups.y, 1);
+    pass.set_pipeline(adapt);
+    pass.set_bind_group(0, adapt_group, &[view.offset, view_offset.offset]);
+    pass.dispatch_workgroups(1, 1, 1);
     drop(pass);
     span.end(ctx.command_encoder());
 }

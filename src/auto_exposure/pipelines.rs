@@ -122,7 +122,7 @@ pub(super) fn queue_exposure_pipelines(
             MeteringPattern::Mask(mask) => images.get(mask).is_some(),
             _ => false,
         };
-        let subgroups = support.uses_subgroups(settings.reduction);
+        let subgroups = support.uses_subgroups(settings);
         let key = ExposureKey::new(settings, subgroups, mask_is_loaded);
         let view = pipelines.get(key, &pipeline_cache);
         let is_ready = [view.meter, view.adapt]

@@ -149,10 +149,11 @@ impl ExposureSampling {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ReductionPath {
-    /// By subgroups where the device has them, of at least 4 invocations; else in shared memory.
+    /// By subgroups where the device has them, of at least 4 invocations; else, and for the histogram that
+    /// [`LeanAutoExposure::trim`] takes, in shared memory.
     #[default]
     Auto,
-    /// By subgroup arithmetic, if the device has any.
+    /// By subgroup arithmetic, if the device has any; in the histogram, invocations of a subgroup that agree count once.
     Subgroup,
     /// By a tree in shared memory.
     SharedMemory,

@@ -8,7 +8,7 @@ use bevy::{
     },
 };
 
-use super::ReductionPath;
+use super::{LeanAutoExposure, ReductionPath};
 
 /// Below this a subgroup saves no step of the tree.
 const SMALLEST_SUBGROUP: u32 = 4;
@@ -64,10 +64,13 @@ impl ExposureSupport {
         }
     }
 
-    /// Whether a camera with `path` meters by subgroups.
-    pub(super) fn uses_subgroups(&self, path: ReductionPath) -> bool {
-        match path {
-            ReductionPath::Auto => self.subgroup_size >= SMALLEST_SUBGROUP,
+    /// Whether a camera with `settings` meters by subgroups.
+    pub(super) fn uses_subgroups(&self, settings: &LeanAutoExposure) -> bool {
+        match settings.reduction {
+            // The histogram is faster without: see the bench.
+            ReductionPath::Auto => {
+                self.subgroup_size >= SMALLEST_SUBGROUP && settings.trim.is_none()
+            }
             ReductionPath::Subgroup => self.subgroup_size > 0,
             ReductionPath::SharedMemory => false,
         }
