@@ -12,25 +12,26 @@
 //! | 1, 2, 3 | none, `LeanAutoExposure`, Bevy's `AutoExposure` |
 //! | Esc | quit |
 
-#[path = "../tests/common/scenes/boxes.rs"]
+mod args;
+#[path = "../../tests/common/scenes/boxes.rs"]
 mod boxes;
-#[path = "shared/choices.rs"]
+#[path = "../shared/choices.rs"]
 mod choices;
-#[path = "shared/frame_times.rs"]
+#[path = "../shared/frame_times.rs"]
 mod frame_times;
-#[path = "shared/gpu_times.rs"]
+#[path = "../shared/gpu_times.rs"]
 mod gpu_times;
-#[path = "shared/made_up_sky.rs"]
+#[path = "../shared/made_up_sky.rs"]
 mod made_up_sky;
-#[path = "shared/run.rs"]
+#[path = "../shared/run.rs"]
 mod run;
 
 use core::f32::consts::TAU;
 use std::time::Instant;
 
-use argh::FromArgs;
+use args::{Args, Effect};
 use bevy::{
-    camera::{Hdr, ShadowLodOrigin, Viewport},
+    camera::{Hdr, ShadowLodOrigin},
     core_pipeline::tonemapping::Tonemapping,
     diagnostic::DiagnosticsStore,
     light::{Skybox, cluster::GlobalClusterSettings},
@@ -41,116 +42,12 @@ use bevy::{
     winit::WinitSettings,
 };
 use bevy_lean_deferred::prelude::*;
-use boxes::Boxes;
 use frame_times::{FrameReports, FrameTimes};
 use made_up_sky::made_up_sky;
-use run::{SceneReady, headless::Headless, parse_size};
+use run::{SceneReady, headless::Headless};
 
 /// Before the first that counts: pipelines compile, shadow maps are made.
 const WARM_UP_FRAMES: usize = 20;
-
-/// Frame times of cameras with auto exposure.
-#[derive(FromArgs, Resource, Clone)]
-struct Args {
-    /// cameras side by side, default 1
-    #[argh(option, default = "1", from_str_fn(at_least_one))]
-    cameras: u32,
-
-    /// none, lean (the default) or bevy
-    #[argh(option, default = "Effect::Lean", from_str_fn(effect))]
-    effect: Effect,
-
-    /// put LeanDeferred on the cameras
-    #[argh(switch)]
-    deferred: bool,
-
-    /// leave out the darkest and the brightest tenth; Bevy's always does
-    #[argh(switch)]
-    trim: bool,
-
-    /// all (the default), quarter or sixteenth
-    #[argh(option, default = "default()", from_str_fn(sampling))]
-    sampling: ExposureSampling,
-
-    /// auto (the default), subgroup or shared-memory
-    #[argh(option, default = "default()", from_str_fn(reduction))]
-    reduction: ReductionPath,
-
-    /// a sky alone in place of the boxes, so that auto exposure is much of the frame
-    #[argh(switch)]
-    sky: bool,
-
-    /// point lights, default 32
-    #[argh(option, default = "32")]
-    lights: u32,
-
-    /// a grid of 10 by 10 meshes in place of 40 by 40, for software renderers
-    #[argh(switch)]
-    small: bool,
-
-    /// width x height of the picture or window in pixels, default 1920x1080
-    #[argh(option, default = "UVec2::new(1920, 1080)", from_str_fn(parse_size))]
-    size: UVec2,
-
-    /// render without a window, and quit after --frames
-    #[argh(switch)]
-    headless: bool,
-
-    /// frames that count, with --headless, default 1000
-    #[argh(option, default = "1000", from_str_fn(at_least_one))]
-    frames: u32,
-}
-
-/// Whose auto exposure the cameras have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Effect {
-    None,
-    Lean,
-    Bevy,
-}
-
-const EFFECTS: [Effect; 3] = [Effect::None, Effect::Lean, Effect::Bevy];
-
-impl Args {
-    fn boxes(&self) -> Boxes {
-        if self.small {
-            Boxes::small(self.lights)
-        } else {
-            Boxes::full(self.lights)
-        }
-    }
-
-    fn lean(&self) -> LeanAutoExposure {
-        LeanAutoExposure {
-            trim: self.trim.then_some(LuminanceTrim {
-                low: 0.1,
-                high: 0.1,
-            }),
-            sampling: self.sampling,
-            reduction: self.reduction,
-            ..default()
-        }
-    }
-
-    /// Columns and rows of viewports, as many of one as of the other if possible.
-    fn grid(&self) -> UVec2 {
-        let columns = f64::from(self.cameras).sqrt().ceil() as u32;
-        UVec2::new(columns, self.cameras.div_ceil(columns))
-    }
-
-    /// Where the camera of this number draws.
-    fn viewport(&self, camera: u32) -> Viewport {
-        let grid = self.grid();
-        let cell = UVec2::new(camera % grid.x, camera / grid.x);
-        let low = self.size * cell / grid;
-        let high = self.size * (cell + 1) / grid;
-        Viewport {
-            physical_position: low,
-            physical_size: high - low,
-            ..default()
-        }
-    }
-}
 
 fn main() -> AppExit {
     let args: Args = argh::from_env();
@@ -348,33 +245,4 @@ fn report(what: &str, args: &Args, times: &FrameTimes, diagnostics: &Diagnostics
         "{what}{:?}, cameras: {}, {}×{}: {times}{gpu}",
         args.effect, args.cameras, args.size.x, args.size.y
     );
-}
-
-fn effect(text: &str) -> Result<Effect, String> {
-    choices::parse(&EFFECTS, text)
-}
-
-fn sampling(text: &str) -> Result<ExposureSampling, String> {
-    let all = [
-        ExposureSampling::All,
-        ExposureSampling::Quarter,
-        ExposureSampling::Sixteenth,
-    ];
-    choices::parse(&all, text)
-}
-
-fn reduction(text: &str) -> Result<ReductionPath, String> {
-    let all = [
-        ReductionPath::Auto,
-        ReductionPath::Subgroup,
-        ReductionPath::SharedMemory,
-    ];
-    choices::parse(&all, text)
-}
-
-fn at_least_one(text: &str) -> Result<u32, String> {
-    match text.parse() {
-        Ok(number) if number > 0 => Ok(number),
-        _ => Err(format!("{text}: expected a whole number, at least 1")),
-    }
 }

@@ -1,0 +1,139 @@
+//! What the command line says.
+
+use argh::FromArgs;
+use bevy::{camera::Viewport, prelude::*};
+use bevy_lean_deferred::prelude::*;
+
+use crate::{boxes::Boxes, choices, run::parse_size};
+
+/// Frame times of cameras with auto exposure.
+#[derive(FromArgs, Resource, Clone)]
+pub struct Args {
+    /// cameras side by side, default 1
+    #[argh(option, default = "1", from_str_fn(at_least_one))]
+    pub cameras: u32,
+
+    /// none, lean (the default) or bevy
+    #[argh(option, default = "Effect::Lean", from_str_fn(effect))]
+    pub effect: Effect,
+
+    /// put LeanDeferred on the cameras
+    #[argh(switch)]
+    pub deferred: bool,
+
+    /// leave out the darkest and the brightest tenth; Bevy's always does
+    #[argh(switch)]
+    pub trim: bool,
+
+    /// all (the default), quarter or sixteenth
+    #[argh(option, default = "default()", from_str_fn(sampling))]
+    pub sampling: ExposureSampling,
+
+    /// auto (the default), subgroup or shared-memory
+    #[argh(option, default = "default()", from_str_fn(reduction))]
+    pub reduction: ReductionPath,
+
+    /// a sky alone in place of the boxes, so that auto exposure is much of the frame
+    #[argh(switch)]
+    pub sky: bool,
+
+    /// point lights, default 32
+    #[argh(option, default = "32")]
+    pub lights: u32,
+
+    /// a grid of 10 by 10 meshes in place of 40 by 40, for software renderers
+    #[argh(switch)]
+    pub small: bool,
+
+    /// width x height of the picture or window in pixels, default 1920x1080
+    #[argh(option, default = "UVec2::new(1920, 1080)", from_str_fn(parse_size))]
+    pub size: UVec2,
+
+    /// render without a window, and quit after --frames
+    #[argh(switch)]
+    pub headless: bool,
+
+    /// frames that count, with --headless, default 1000
+    #[argh(option, default = "1000", from_str_fn(at_least_one))]
+    pub frames: u32,
+}
+
+/// Whose auto exposure the cameras have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    None,
+    Lean,
+    Bevy,
+}
+
+const EFFECTS: [Effect; 3] = [Effect::None, Effect::Lean, Effect::Bevy];
+
+impl Args {
+    pub fn boxes(&self) -> Boxes {
+        if self.small {
+            Boxes::small(self.lights)
+        } else {
+            Boxes::full(self.lights)
+        }
+    }
+
+    pub fn lean(&self) -> LeanAutoExposure {
+        LeanAutoExposure {
+            trim: self.trim.then_some(LuminanceTrim {
+                low: 0.1,
+                high: 0.1,
+            }),
+            sampling: self.sampling,
+            reduction: self.reduction,
+            ..default()
+        }
+    }
+
+    /// Columns and rows of viewports, as many of one as of the other if possible.
+    pub fn grid(&self) -> UVec2 {
+        let columns = f64::from(self.cameras).sqrt().ceil() as u32;
+        UVec2::new(columns, self.cameras.div_ceil(columns))
+    }
+
+    /// Where the camera of this number draws.
+    pub fn viewport(&self, camera: u32) -> Viewport {
+        let grid = self.grid();
+        let cell = UVec2::new(camera % grid.x, camera / grid.x);
+        let low = self.size * cell / grid;
+        let high = self.size * (cell + 1) / grid;
+        Viewport {
+            physical_position: low,
+            physical_size: high - low,
+            ..default()
+        }
+    }
+}
+
+fn effect(text: &str) -> Result<Effect, String> {
+    choices::parse(&EFFECTS, text)
+}
+
+fn sampling(text: &str) -> Result<ExposureSampling, String> {
+    let all = [
+        ExposureSampling::All,
+        ExposureSampling::Quarter,
+        ExposureSampling::Sixteenth,
+    ];
+    choices::parse(&all, text)
+}
+
+fn reduction(text: &str) -> Result<ReductionPath, String> {
+    let all = [
+        ReductionPath::Auto,
+        ReductionPath::Subgroup,
+        ReductionPath::SharedMemory,
+    ];
+    choices::parse(&all, text)
+}
+
+fn at_least_one(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(number) if number > 0 => Ok(number),
+        _ => Err(format!("{text}: expected a whole number, at least 1")),
+    }
+}
