@@ -3,10 +3,10 @@
 #import bevy_lean_deferred::auto_exposure::luminance::{log_luminance, luminance}
 #import bevy_lean_deferred::auto_exposure::pattern::pattern_weight
 #import bevy_lean_deferred::auto_exposure::reduction::{Place, workgroup_sum}
-#import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
 #import bevy_lean_deferred::auto_exposure::view::{
     BINS, BINS_PER_STOP, ExposureView, FULL_WEIGHT, LOG_OF_FIRST_BIN, TILE,
 }
+#import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
 
 @group(0) @binding(0) var<uniform> view: ExposureView;
 @group(0) @binding(1) var picture: texture_2d<f32>;
@@ -26,7 +26,9 @@ fn weight_of(pixel: vec2<u32>) -> f32 {
     let size = vec2<f32>(view.viewport_size);
     let center = vec2<f32>(pixel) + 0.5;
 #ifdef MASK
-    return saturate(textureSampleLevel(mask, mask_sampler, center / size, 0.0).r);
+    let weight = textureSampleLevel(mask, mask_sampler, center / size, 0.0).r;
+    // Where a mask is not a number, nothing counts.
+    return select(0.0, min(weight, 1.0), weight > 0.0);
 #else
     return pattern_weight(center, size, view.spot_radius);
 #endif
@@ -71,6 +73,7 @@ fn bin_of(log_y: f32) -> u32 {
     return u32(clamp((log_y - LOG_OF_FIRST_BIN) * BINS_PER_STOP, 0.0, f32(BINS - 1u)));
 }
 
+/// Adds a sample to the workgroup's histogram.
 fn count(place: Place, sample: vec2<f32>) {
     let weight = u32(sample.y * FULL_WEIGHT + 0.5);
 #ifdef LOG_AVERAGE

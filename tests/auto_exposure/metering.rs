@@ -105,6 +105,39 @@ fn masks_weight() {
     }
 }
 
+/// Where the mask is no weight, nothing counts; elsewhere all goes on.
+#[test]
+fn masks_may_be_hostile() {
+    let gpu = ExposureGpu::new();
+    let size = UVec2::new(40, 30);
+    let texture = gpu.picture(size, &vec![Vec3::splat(2.0); 1200]);
+    for bad in [f32::NAN, f32::NEG_INFINITY, -1.0] {
+        let mask = gpu.float_mask(UVec2::new(4, 1), &[bad, bad, 0.5, 100.0]);
+        for trim in [
+            None,
+            Some(LuminanceTrim {
+                low: 0.0,
+                high: 0.0,
+            }),
+        ] {
+            let settings = LeanAutoExposure {
+                pattern: MeteringPattern::Mask(Handle::default()),
+                trim,
+                ..instant()
+            };
+            for path in paths(&gpu) {
+                let whole = (UVec2::ZERO, size);
+                let meter = Meter::new(&gpu, &settings, path, &texture, whole, Some(&mask));
+                let state = meter.frame(0.1, 0);
+                assert!(
+                    (state.luminance / 2.0).log2().abs() <= 0.06,
+                    "{bad}: {state:?}"
+                );
+            }
+        }
+    }
+}
+
 /// Half a bin of the histogram, and what a bin is coarser than a pixel at the limits of the shares.
 #[test]
 fn trimming() {

@@ -115,6 +115,15 @@ impl ExposureGpu {
         self.texture(size, wgpu::TextureFormat::R8Unorm, texels, 1)
     }
 
+    /// A metering mask in half precision.
+    pub fn float_mask(&self, size: UVec2, texels: &[f32]) -> wgpu::Texture {
+        let bytes: Vec<u8> = texels
+            .iter()
+            .flat_map(|texel| f16::from_f32(*texel).to_le_bytes())
+            .collect();
+        self.texture(size, wgpu::TextureFormat::R16Float, &bytes, 2)
+    }
+
     fn texture(
         &self,
         size: UVec2,
