@@ -34,10 +34,14 @@ mod gpu_times;
 mod made_up_sky;
 #[path = "../shared/model.rs"]
 mod model;
+#[path = "../shared/numbers.rs"]
+mod numbers;
 mod overlay;
 #[path = "../shared/run.rs"]
 mod run;
 mod settings;
+#[path = "../shared/text_panel.rs"]
+mod text_panel;
 
 use bevy::{
     camera::Hdr, prelude::*, render::diagnostic::RenderDiagnosticsPlugin, ui::IsDefaultUiCamera,

@@ -8,13 +8,14 @@ use bevy_lean_deferred::prelude::*;
 use crate::{
     errors, gpu_times,
     settings::{ExampleSettings, Mode},
+    text_panel::{TextPanel, spawn_text_panel},
 };
 
 pub struct OverlayPlugin;
 
 impl Plugin for OverlayPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Startup, spawn_text)
+        app.add_systems(Startup, spawn_text_panel)
             .add_systems(Update, update_text);
     }
 }
@@ -23,29 +24,10 @@ const KEYS: &str =
     "1 off  2 lean  3 Bevy's  G LeanDeferred  P preset  K kernel  A application  D occlusion alone
 Up/Down radius  Left/Right intensity  R resolution  F filter  T format  N normals  L sun  H text";
 
-#[derive(Component)]
-struct OverlayText;
-
-fn spawn_text(mut commands: Commands) {
-    commands.spawn((
-        OverlayText,
-        Text::default(),
-        TextFont::from_font_size(14.0),
-        BackgroundColor(Color::BLACK.with_alpha(0.75)),
-        Node {
-            position_type: PositionType::Absolute,
-            top: px(8),
-            left: px(8),
-            padding: px(6).all(),
-            ..default()
-        },
-    ));
-}
-
 fn update_text(
     settings: Res<ExampleSettings>,
     diagnostics: Res<DiagnosticsStore>,
-    overlay: Single<(&mut Text, &mut Visibility), With<OverlayText>>,
+    overlay: Single<(&mut Text, &mut Visibility), With<TextPanel>>,
 ) {
     let (mut text, mut visibility) = overlay.into_inner();
     if !settings.text {
@@ -111,9 +93,8 @@ fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
 }
 
 fn is_merged(settings: &ExampleSettings) -> bool {
-    settings.occlusion.debug_view
-        || resolve(settings.occlusion.application, settings.lean_deferred)
-            == OcclusionApplication::MultiplicativeBlend
+    resolve(settings.occlusion.application, settings.lean_deferred)
+        == OcclusionApplication::MultiplicativeBlend
 }
 
 fn sampling(occlusion: &LeanAmbientOcclusion) -> String {

@@ -1,14 +1,12 @@
 //! The command line.
 
-use core::fmt::Display;
-use core::str::FromStr;
-
 use argh::FromArgs;
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 
 use crate::{
     choices,
+    numbers::{finite, not_negative, positive},
     run::parse_size,
     settings::{self, ExampleSettings, Mode, Pattern},
     walk::{self, Place},
@@ -186,25 +184,4 @@ fn sampling(text: &str) -> Result<ExposureSampling, String> {
 
 fn reduction(text: &str) -> Result<ReductionPath, String> {
     choices::parse(&settings::REDUCTIONS, text)
-}
-
-fn number_where(text: &str, expected: impl Display, holds: fn(f32) -> bool) -> Result<f32, String> {
-    let number = f32::from_str(text).map_err(|error| format!("{text}: {error}"))?;
-    if number.is_finite() && holds(number) {
-        Ok(number)
-    } else {
-        Err(format!("{text}: expected {expected}"))
-    }
-}
-
-fn finite(text: &str) -> Result<f32, String> {
-    number_where(text, "a number", |_| true)
-}
-
-fn positive(text: &str) -> Result<f32, String> {
-    number_where(text, "more than 0", |x| x > 0.0)
-}
-
-fn not_negative(text: &str) -> Result<f32, String> {
-    number_where(text, "0 or more", |x| x >= 0.0)
 }

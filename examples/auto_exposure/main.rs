@@ -52,10 +52,14 @@ mod house;
 mod made_up_sky;
 #[path = "../shared/model.rs"]
 mod model;
+#[path = "../shared/numbers.rs"]
+mod numbers;
 mod overlay;
 #[path = "../shared/run.rs"]
 mod run;
 mod settings;
+#[path = "../shared/text_panel.rs"]
+mod text_panel;
 mod walk;
 
 use bevy::{

@@ -8,13 +8,14 @@ use bevy_lean_deferred::prelude::*;
 use crate::{
     gpu_times,
     settings::{ExampleSettings, Mode, Pattern},
+    text_panel::{TextPanel, spawn_text_panel},
 };
 
 pub struct OverlayPlugin;
 
 impl Plugin for OverlayPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Startup, spawn_text)
+        app.add_systems(Startup, spawn_text_panel)
             .add_systems(Update, update_text);
     }
 }
@@ -23,30 +24,11 @@ const KEYS: &str =
     "1 off  2 lean  3 Bevy's  Space walk  G LeanDeferred  M metering  P pattern  T trim  Up/Down target
 Left/Right compensation  C curve  PgUp/PgDn speeds  I instant  S sampling  R reduction  X cut  O overlay  H text";
 
-#[derive(Component)]
-struct OverlayText;
-
-fn spawn_text(mut commands: Commands) {
-    commands.spawn((
-        OverlayText,
-        Text::default(),
-        TextFont::from_font_size(14.0),
-        BackgroundColor(Color::BLACK.with_alpha(0.75)),
-        Node {
-            position_type: PositionType::Absolute,
-            top: px(8),
-            left: px(8),
-            padding: px(6).all(),
-            ..default()
-        },
-    ));
-}
-
 fn update_text(
     settings: Res<ExampleSettings>,
     diagnostics: Res<DiagnosticsStore>,
     camera: Single<Option<&MeteredExposure>, With<Camera3d>>,
-    overlay: Single<(&mut Text, &mut Visibility), With<OverlayText>>,
+    overlay: Single<(&mut Text, &mut Visibility), With<TextPanel>>,
 ) {
     let (mut text, mut visibility) = overlay.into_inner();
     if !settings.text {
