@@ -12,7 +12,8 @@ use bevy::{
 };
 
 use super::{
-    LeanAutoExposure, MeteringPattern, pipelines::ViewExposurePipelines, state::ExposureCuts,
+    ExposureKey, LeanAutoExposure, MeteringPattern, pipelines::ViewExposurePipelines,
+    state::ExposureCuts,
 };
 
 /// Points of a compensation curve that count.
@@ -123,25 +124,25 @@ pub struct ViewExposure {
 }
 
 impl ViewExposure {
-    fn new(device: &RenderDevice) -> Self {
+    fn new(device: &RenderDevice, key: ExposureKey, viewport_size: UVec2) -> Self {
         Self {
             offset: 0,
             workgroups: UVec2::ZERO,
-            sums: sums(device, 0),
-            is_histogram: false,
+            sums: device.create_buffer(&BufferDescriptor {
+                label: Some("lean_deferred/exposure/sums"),
+                size: key.sums_size(viewport_size),
+                usage: BufferUsages::STORAGE,
+                mapped_at_creation: false,
+            }),
+            is_histogram: key.has_histogram(),
             rendered: 0.0,
         }
     }
-}
 
-/// A buffer of so many bytes, all 0.
-fn sums(device: &RenderDevice, size: u64) -> Buffer {
-    device.create_buffer(&BufferDescriptor {
-        label: Some("lean_deferred/exposure/sums"),
-        size,
-        usage: BufferUsages::STORAGE,
-        mapped_at_creation: false,
-    })
+    /// Whether the buffer is what the shaders of `key` expect.
+    fn fits(&self, key: ExposureKey, viewport_size: UVec2) -> bool {
+        self.sums.size() == key.sums_size(viewport_size) && self.is_histogram == key.has_histogram()
+    }
 }
 
 /// Fills [`ExposureUniforms`], and makes the buffers where there are none that fit.
@@ -163,11 +164,6 @@ pub(super) fn write_exposure_uniforms(
     };
     for (entity, settings, camera, cuts, pipelines, view) in &mut views {
         let key = pipelines.key;
-        let mut new = None;
-        let view = match view {
-            Some(view) => view.into_inner(),
-            None => new.insert(ViewExposure::new(&device)),
-        };
         let (origin, size) = match &camera.viewport {
             Some(viewport) => (viewport.physical_position, viewport.physical_size),
             None => (
@@ -175,16 +171,22 @@ pub(super) fn write_exposure_uniforms(
                 camera.physical_target_size.unwrap_or(UVec2::ONE),
             ),
         };
+        let mut new = None;
+        let view = match view {
+            Some(view) => view.into_inner(),
+            None => new.insert(ViewExposure::new(&device, key, size)),
+        };
+        if !view.fits(key, size) {
+            *view = ViewExposure {
+                rendered: view.rendered,
+                ..ViewExposure::new(&device, key, size)
+            };
+        }
         let now = time.elapsed_secs_f64();
         let seconds = (now - view.rendered) as f32;
         view.rendered = now;
         view.offset = writer.write(&ExposureView::new(settings, origin, size, seconds, cuts.0));
         view.workgroups = key.workgroups(size);
-        let sums_size = key.sums_size(size);
-        if view.sums.size() != sums_size || view.is_histogram != key.has_histogram() {
-            view.sums = sums(&device, sums_size);
-            view.is_histogram = key.has_histogram();
-        }
         if let Some(new) = new {
             commands.entity(entity).insert(new);
         }
