@@ -16,6 +16,7 @@ use bevy::{
         view::ViewTarget,
     },
 };
+use half::f16;
 
 const SHADER: Handle<Shader> = uuid_handle!("6c1f2a52-3d0c-4a5e-8a55-0f3a1f6d7b02");
 
@@ -140,16 +141,6 @@ pub fn read_main_texture(app: &mut App) -> Vec<f32> {
     bytes
         .chunks(row as usize)
         .flat_map(|line| line[..(size.width * 8) as usize].chunks(8))
-        .map(|texel| half(u16::from_le_bytes([texel[0], texel[1]])))
+        .map(|texel| f16::from_le_bytes([texel[0], texel[1]]).to_f32())
         .collect()
-}
-
-fn half(bits: u16) -> f32 {
-    let sign = if bits >> 15 == 0 { 1.0 } else { -1.0 };
-    let mantissa = f32::from(bits & 0x3ff);
-    sign * match i32::from((bits >> 10) & 31) {
-        0 => mantissa * 2f32.powi(-24),
-        exponent if exponent < 31 => (1.0 + mantissa / 1024.0) * 2f32.powi(exponent - 15),
-        _ => f32::NAN,
-    }
 }

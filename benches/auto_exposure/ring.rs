@@ -2,7 +2,10 @@
 
 use bevy::math::UVec2;
 
-use crate::{common::exposure_gpu::ExposureGpu, picture::Picture};
+use crate::{
+    common::{exposure_gpu::ExposureGpu, gpu::texture},
+    picture::Picture,
+};
 
 /// More textures than this only small pictures would need, which are there to try the bench out.
 const MOST: u64 = 16;
@@ -45,22 +48,7 @@ impl Ring {
     }
 
     pub fn empty(gpu: &ExposureGpu, size: UVec2, count: usize, usage: wgpu::TextureUsages) -> Self {
-        let texture = || {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: None,
-                size: wgpu::Extent3d {
-                    width: size.x,
-                    height: size.y,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::Rgba16Float,
-                usage,
-                view_formats: &[],
-            })
-        };
-        Self((0..count).map(|_| texture()).collect())
+        let make = || texture(&gpu.device, size, wgpu::TextureFormat::Rgba16Float, usage);
+        Self((0..count).map(|_| make()).collect())
     }
 }

@@ -6,7 +6,6 @@ use bevy::{
     math::{UVec2, Vec3},
     render::render_resource::encase::{StorageBuffer, UniformBuffer},
     shader::ShaderDefVal,
-    tasks::block_on,
 };
 use bevy_lean_deferred::auto_exposure::{
     ExposureKey, ExposureState, ExposureView, LeanAutoExposure, MeteringPattern, adapt_layout,
@@ -16,6 +15,8 @@ use half::f16;
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
 };
+
+use super::gpu;
 
 /// The modules that the shaders import, in the order of their own imports.
 const MODULES: [(&str, &str); 7] = [
@@ -65,24 +66,16 @@ pub struct ExposureGpu {
 
 impl ExposureGpu {
     pub fn new() -> Self {
-        let instance =
-            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-            .unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
-        let wanted = wgpu::Features::SUBGROUP
-            | wgpu::Features::TIMESTAMP_QUERY
-            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
-            | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
-        let (device, queue) = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            required_features: wanted & adapter.features(),
-            required_limits: adapter.limits(),
-            ..Default::default()
-        }))
-        .unwrap_or_else(|error| panic!("no device: {error}"));
+        let (adapter, device, queue) = gpu::request(
+            wgpu::Features::SUBGROUP
+                | wgpu::Features::TIMESTAMP_QUERY
+                | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
+                | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES,
+        );
         Self {
             device,
             queue,
-            adapter: adapter.get_info(),
+            adapter,
             shaders: Mutex::default(),
         }
     }
@@ -131,20 +124,8 @@ impl ExposureGpu {
         bytes: &[u8],
         texel_size: u32,
     ) -> wgpu::Texture {
-        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d {
-                width: size.x,
-                height: size.y,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+        let texture = gpu::texture(&self.device, size, format, usage);
         self.write(&texture, bytes, texel_size);
         texture
     }

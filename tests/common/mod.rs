@@ -4,6 +4,7 @@
 
 pub mod compute;
 pub mod exposure_gpu;
+pub mod gpu;
 pub mod headless;
 pub mod lean;
 pub mod metrics;

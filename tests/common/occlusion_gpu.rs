@@ -5,15 +5,17 @@ use std::{borrow::Cow, collections::HashMap, sync::Mutex};
 use bevy::{
     math::{Mat4, UVec2},
     render::render_resource::encase::UniformBuffer,
-    tasks::block_on,
 };
 use bevy_lean_deferred::ambient_occlusion::{
     LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionResolution, OcclusionView,
     ProjectionKind, projection_of,
 };
+use half::f16;
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
 };
+
+use super::gpu;
 
 /// The modules that `gather.wgsl` and `merge.wgsl` import, in the order of their own imports.
 const MODULES: [(&str, &str); 9] = [
@@ -121,16 +123,8 @@ pub struct OcclusionGpu {
 
 impl OcclusionGpu {
     pub fn new() -> Self {
-        let instance =
-            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-            .unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
-        let (device, queue) = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            required_features: wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES,
-            required_limits: adapter.limits(),
-            ..Default::default()
-        }))
-        .unwrap_or_else(|error| panic!("no device: {error}"));
+        let (_, device, queue) =
+            gpu::request(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
         let nearest = device.create_sampler(&wgpu::SamplerDescriptor::default());
         Self {
             device,
@@ -320,20 +314,7 @@ impl OcclusionGpu {
         format: wgpu::TextureFormat,
         usage: wgpu::TextureUsages,
     ) -> wgpu::Texture {
-        self.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d {
-                width: size.x,
-                height: size.y,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage,
-            view_formats: &[],
-        })
+        gpu::texture(&self.device, size, format, usage)
     }
 
     fn depth_texture(&self, image: &DepthImage) -> wgpu::Texture {
@@ -660,13 +641,13 @@ fn float_texture() -> wgpu::BindingType {
     }
 }
 
-/// A half-precision number, finite and not negative, as occlusion is.
+/// A half-precision number, finite and not negative, as occlusion is; any other is not a number.
 pub fn half(bits: u16) -> f32 {
-    let mantissa = f32::from(bits & 0x3ff);
-    match i32::from(bits >> 10) {
-        0 => mantissa * 2f32.powi(-24),
-        exponent if exponent < 31 => (1.0 + mantissa / 1024.0) * 2f32.powi(exponent - 15),
-        _ => f32::NAN,
+    let value = f16::from_bits(bits);
+    if value.is_finite() && value.is_sign_positive() {
+        value.to_f32()
+    } else {
+        f32::NAN
     }
 }
 
