@@ -63,7 +63,10 @@ pub mod prelude {
             ExposureCut, ExposureSampling, LuminanceTrim, MeteredExposure, Metering,
             MeteringPattern, ReductionPath,
         },
-        gbuffer::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin},
+        gbuffer::{
+            GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
+            GBufferTargets, ShadingModel,
+        },
     };
 }
 

@@ -19,6 +19,8 @@ impl Plugin for SharedPlugin {
     fn build(&self, app: &mut App) {
         load_shader_library!(app, "tiles.wgsl");
         load_shader_library!(app, "gbuffer/layout.wgsl");
+        load_shader_library!(app, "gbuffer/layout/emissive.wgsl");
+        load_shader_library!(app, "gbuffer/layout/specialization.wgsl");
         load_shader_library!(app, "lighting/geometric_normal.wgsl");
     }
 

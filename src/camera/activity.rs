@@ -6,16 +6,18 @@ use bevy::{
     prelude::*,
     render::{
         camera::{DirtySpecializations, ExtractedCamera},
+        occlusion_culling::OcclusionCulling,
         render_resource::{PipelineCache, TextureFormat, TextureUsages},
         sync_world::MainEntity,
-        view::{ExtractedView, RetainedViewEntity},
+        view::{ExtractedView, NoIndirectDrawing, RetainedViewEntity},
     },
 };
 
 use super::{LeanDeferred, LeanDeferredSupport};
 use crate::{
     LeanAmbientOcclusion,
-    lighting::{LightingPipelines, SceneFeatures, ViewLighting},
+    gbuffer::{Demand, GBufferTargets, ViewDemands},
+    lighting::{LightingPipelines, LightingVariants, SceneFeatures, ViewLighting},
 };
 
 /// The systems that decide which views are rendered lean; in `RenderSystems::PrepareAssets`.
@@ -30,9 +32,31 @@ pub struct ActiveLeanView {
     pub draws_in_prepass: bool,
     /// Lean meshes stay in Bevy's prepass, because it writes normals or motion vectors that only it can write.
     pub keeps_prepass: bool,
+    /// The optional targets that the view has.
+    pub targets: GBufferTargets,
+    /// The kinds of special surfaces that lighting is compiled for.
+    pub(crate) variants: LightingVariants,
+    /// Meshes are drawn twice: those that were visible before, and those that the depth of these does not hide.
+    pub culls_in_two_phases: bool,
     /// At the time of lighting, depth other than 0 means that a lean mesh was drawn there: nothing else writes depth
     /// before, and it starts at 0. Then the G-buffer needs no clearing.
     pub depth_tells_geometry: bool,
+}
+
+impl ActiveLeanView {
+    /// What meshes may need to be drawn into the G-buffer.
+    pub(crate) fn demand(&self) -> Demand {
+        Demand {
+            targets: self.targets,
+            variants: self.variants,
+        }
+    }
+
+    /// Whether meshes that need no optional targets write them all the same: in the second phase of culling they may
+    /// come to lie in front of some that do.
+    pub(crate) fn extends_all(&self) -> bool {
+        self.culls_in_two_phases && !self.targets.is_empty()
+    }
 }
 
 /// Why a camera with [`LeanDeferred`] is rendered by Bevy's forward passes instead.
@@ -100,26 +124,34 @@ fn reason_against(
 }
 
 /// How a view that can be lean is drawn.
-fn draw_order(camera: &Camera3d, (depth, normal, motion): (bool, bool, bool)) -> ActiveLeanView {
+fn draw_order(
+    camera: &Camera3d,
+    (depth, normal, motion): (bool, bool, bool),
+    occlusion_culling: bool,
+) -> ActiveLeanView {
     let draws_in_prepass = depth || normal || motion;
     let starts_at_zero = matches!(camera.depth_load_op, Camera3dDepthLoadOp::Clear(0.0));
     ActiveLeanView {
         draws_in_prepass,
         keeps_prepass: normal || motion,
+        targets: GBufferTargets::empty(),
+        variants: LightingVariants::empty(),
+        culls_in_two_phases: draws_in_prepass && occlusion_culling,
         depth_tells_geometry: !draws_in_prepass && starts_at_zero,
     }
 }
 
 /// Inserts or removes [`ActiveLeanView`], and [`ViewLighting`] on all views that can be lean. A view is active only
-/// while the lighting pipeline that it needs in this frame is compiled; until then forward draws it, so that neither
-/// switching over nor a new kind of light shows a dark frame. When that changes, all its meshes are queued anew.
+/// while the lighting pipelines that it needs in this frame are compiled; until then forward draws it, so that neither
+/// switching over nor a new kind of light shows a dark frame. What its meshes newly ask for it gets once that is
+/// compiled; until then forward draws those. When that changes, all its meshes are queued anew.
 /// Cameras that are switched off lose both, and so what they hold on the GPU.
 pub(super) fn decide_active_views(
     mut commands: Commands,
     support: Option<Res<LeanDeferredSupport>>,
     (scene, view_keys): (SceneFeatures, Res<ViewKeyCache>),
     (pipelines, pipeline_cache): (Option<ResMut<LightingPipelines>>, Res<PipelineCache>),
-    mut reported: ResMut<ReportedReasons>,
+    (mut reported, mut demands): (ResMut<ReportedReasons>, ResMut<ViewDemands>),
     mut dirty_specializations: ResMut<DirtySpecializations>,
     mut active_before: Local<HashMap<RetainedViewEntity, ActiveLeanView>>,
     mut views: Query<(
@@ -130,6 +162,7 @@ pub(super) fn decide_active_views(
             Has<NormalPrepass>,
             Has<MotionVectorPrepass>,
             Has<DeferredPrepass>,
+            (Has<OcclusionCulling>, Has<NoIndirectDrawing>),
         ),
         (&LeanDeferred, Option<&LeanAmbientOcclusion>),
         Option<&mut ViewLighting>,
@@ -151,7 +184,7 @@ pub(super) fn decide_active_views(
     for (entity, (camera, view, msaa, camera_3d), prepasses, (settings, occlusion), lighting) in
         &mut views
     {
-        let (depth, normal, motion, deferred) = prepasses;
+        let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         if let Some(reason) = reason_against(camera, view, msaa, deferred, soft_shadows) {
             reported.report(view.retained_view_entity.main_entity, reason);
             commands
@@ -166,11 +199,38 @@ pub(super) fn decide_active_views(
             continue;
         };
 
-        let active = draw_order(camera_3d, (depth, normal, motion));
-        let key = scene.key(*view_key, settings, occlusion, active.depth_tells_geometry);
-        let pipeline = pipelines.specialize(&pipeline_cache, key);
-        lighting.pipeline = Some((key, pipeline));
-        if pipeline_cache.get_compute_pipeline(pipeline).is_some() {
+        let order = draw_order(
+            camera_3d,
+            (depth, normal, motion),
+            occlusion_culling && !no_indirect,
+        );
+        let before = active_before
+            .get(&view.retained_view_entity)
+            .map_or(Demand::default(), ActiveLeanView::demand);
+        let wanted = demands.wanted(view.retained_view_entity);
+        let compiled = [wanted, before].into_iter().find(|demand| {
+            let key = scene.key(
+                *view_key,
+                settings,
+                occlusion,
+                order.depth_tells_geometry,
+                *demand,
+            );
+            lighting.pipelines = key
+                .variants()
+                .map(|key| (key, pipelines.specialize(&pipeline_cache, key)))
+                .collect();
+            lighting
+                .pipelines
+                .iter()
+                .all(|(_, id)| pipeline_cache.get_compute_pipeline(*id).is_some())
+        });
+        if let Some(Demand { targets, variants }) = compiled {
+            let active = ActiveLeanView {
+                targets,
+                variants,
+                ..order
+            };
             active_now.insert(view.retained_view_entity, active);
             commands.entity(entity).insert(active);
         } else {

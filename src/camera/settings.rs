@@ -64,11 +64,16 @@ pub enum GBufferChannel {
     GeometricNormal,
     /// Distance along the view axis, grey: `1 / (1 + metres)`.
     Depth,
+    /// Emitted light and that of lightmaps, as exposed. Black while no visible mesh has any.
+    Emissive,
+    /// A colour for each shading model: subsurface pink, anisotropy yellow, rim cyan, clearcoat blue, backlight green,
+    /// unlit magenta; plain surfaces grey by their specular constant (white at 2).
+    ShadingModel,
 }
 
 impl GBufferChannel {
     /// All channels, in the order of the bit table.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Albedo,
         Self::Metallic,
         Self::Occlusion,
@@ -76,6 +81,8 @@ impl GBufferChannel {
         Self::Roughness,
         Self::GeometricNormal,
         Self::Depth,
+        Self::Emissive,
+        Self::ShadingModel,
     ];
 
     /// The name of the shader definition that selects it.
@@ -88,6 +95,8 @@ impl GBufferChannel {
             Self::Roughness => "DEBUG_ROUGHNESS",
             Self::GeometricNormal => "DEBUG_GEOMETRIC_NORMAL",
             Self::Depth => "DEBUG_DEPTH",
+            Self::Emissive => "DEBUG_EMISSIVE",
+            Self::ShadingModel => "DEBUG_SHADING_MODEL",
         }
     }
 }

@@ -77,13 +77,14 @@ pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> V
             1,
             "max_storage_textures_per_shader_stage",
         ),
-        // Bevy keeps lights and clusters in storage buffers only from 3 on; the compute pass has no other path.
+        // Bevy keeps lights and clusters in storage buffers only from 3 on; the compute pass has no other path. Decals,
+        // the atmosphere and the lists of special surfaces' tiles need one, one and two more.
         (
             limits.max_storage_buffers_per_shader_stage,
-            3,
+            8,
             "max_storage_buffers_per_shader_stage",
         ),
-        (limits.max_color_attachments, 2, "max_color_attachments"),
+        (limits.max_color_attachments, 4, "max_color_attachments"),
         (limits.max_bind_groups, 4, "max_bind_groups"),
         (
             limits.max_compute_invocations_per_workgroup,

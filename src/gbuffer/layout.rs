@@ -4,6 +4,8 @@
 //! |---|---|---|
 //! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 8, B 7 (square roots), metallic 5, material occlusion 5 |
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
+//! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](emissive) |
+//! | optional | [`SPECIALIZATION_FORMAT`] | [specular constant, shading model, flags](specialization) |
 //!
 //! Choices, with what they cost (`tests/layout.rs` measures and bounds each figure):
 //!
@@ -16,6 +18,9 @@
 //!   rounding each axis on its own.
 //! - Values that cannot be stored are clamped; NaN becomes 0, a normal without a direction becomes +Y.
 
+pub mod emissive;
+pub mod specialization;
+
 use bevy::{
     math::{Vec2, Vec2Swizzles, Vec3, Vec3Swizzles},
     render::render_resource::TextureFormat,
@@ -25,6 +30,10 @@ use bevy::{
 pub const SURFACE_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the target that holds normal and roughness.
 pub const NORMAL_FORMAT: TextureFormat = TextureFormat::R32Uint;
+/// Format of the optional target that holds emitted light.
+pub const EMISSIVE_FORMAT: TextureFormat = TextureFormat::R32Uint;
+/// Format of the optional target that holds what of a surface is not at its default.
+pub const SPECIALIZATION_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Bytes a pixel of the base targets, depth not counted.
 pub const BASE_BYTES_PER_PIXEL: u32 = 8;
 
@@ -62,16 +71,21 @@ fn quantize(x: f32, steps: f32) -> u32 {
     (valid.clamp(0.0, 1.0) * steps + 0.5) as u32
 }
 
-/// Packs word 0. All inputs 0 to 1; a colour with a NaN becomes black.
-pub fn pack_surface(albedo: Vec3, metallic: f32, occlusion: f32) -> u32 {
-    let valid = if (albedo.x + albedo.y + albedo.z).is_nan() {
+/// Rounds the square roots of `color`, clamped to 0..1, to the nearest of `steps + 1` codes; with a NaN it becomes
+/// black.
+fn quantize_roots(color: Vec3, steps: Vec3) -> [u32; 3] {
+    let valid = if (color.x + color.y + color.z).is_nan() {
         Vec3::ZERO
     } else {
-        albedo.clamp(Vec3::ZERO, Vec3::ONE)
+        color.clamp(Vec3::ZERO, Vec3::ONE)
     };
-    let r = quantize(valid.x.sqrt(), ALBEDO_R_MAX);
-    let g = quantize(valid.y.sqrt(), ALBEDO_G_MAX);
-    let b = quantize(valid.z.sqrt(), ALBEDO_B_MAX);
+    let root = Vec3::new(valid.x.sqrt(), valid.y.sqrt(), valid.z.sqrt());
+    (root * steps + 0.5).to_array().map(|code| code as u32)
+}
+
+/// Packs word 0. All inputs 0 to 1; a colour with a NaN becomes black.
+pub fn pack_surface(albedo: Vec3, metallic: f32, occlusion: f32) -> u32 {
+    let [r, g, b] = quantize_roots(albedo, Vec3::new(ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX));
     let m = quantize(metallic, FIVE_BIT_MAX);
     let o = quantize(occlusion, FIVE_BIT_MAX);
     r | (g << 7) | (b << 15) | (m << 22) | (o << 27)

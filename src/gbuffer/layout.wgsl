@@ -5,6 +5,7 @@
 // | 0    | `surface`       | albedo R 7, G 8, B 7 (square roots), metallic 5, occlusion 5 |
 // | 1    | `normal`        | octahedral x 12, y 12 (stored + 1, so 0 = no geometry), perceptual roughness 8 |
 //
+// The optional targets' words are in `layout/`, a file for each.
 // Every other file calls these functions; none repeats a shift.
 #define_import_path bevy_lean_deferred::gbuffer::layout
 
@@ -47,11 +48,15 @@ fn quantize(x: f32, steps: f32) -> u32 {
     return u32(clamp(select(x, 0.0, is_nan(x)), 0.0, 1.0) * steps + 0.5);
 }
 
+/// Rounds the square roots of `color`, clamped to 0..1, to the nearest of `steps + 1` codes. One test for three: a NaN
+/// channel makes the sum NaN, and the whole colour black.
+fn quantize_roots(color: vec3<f32>, steps: vec3<f32>) -> vec3<u32> {
+    let valid = select(color, vec3(0.0), is_nan(color.r + color.g + color.b));
+    return vec3<u32>(sqrt(clamp(valid, vec3(0.0), vec3(1.0))) * steps + 0.5);
+}
+
 fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32) -> u32 {
-    // One test for three: a NaN channel makes the sum NaN, and the whole colour black.
-    let valid = select(albedo, vec3(0.0), is_nan(albedo.r + albedo.g + albedo.b));
-    let root = sqrt(clamp(valid, vec3(0.0), vec3(1.0)));
-    let rgb = vec3<u32>(root * vec3(ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX) + 0.5);
+    let rgb = quantize_roots(albedo, vec3(ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX));
     let m = quantize(metallic, FIVE_BIT_MAX);
     let o = quantize(occlusion, FIVE_BIT_MAX);
     return rgb.r | (rgb.g << 7u) | (rgb.b << 15u) | (m << 22u) | (o << 27u);

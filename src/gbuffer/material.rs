@@ -7,16 +7,22 @@ use bevy::{
     light::NotShadowReceiver,
     material::OpaqueRendererMethod,
     pbr::{
-        ExtendedMaterial, Lightmap, Material, MaterialExtension, MaterialPlugin, StandardMaterial,
+        ExtendedMaterial, Lightmap, Material, MaterialExtension, MaterialPlugin, MeshPipelineKey,
+        StandardMaterial,
     },
-    platform::collections::{HashMap, HashSet},
+    platform::collections::HashMap,
     prelude::*,
     reflect::structs::Struct,
     render::{
         Extract, ExtractSchedule, RenderApp, RenderStartup,
-        sync_world::{MainEntity, MainEntityHashSet},
+        sync_world::{MainEntity, MainEntityHashMap, MainEntityHashSet},
     },
-    shader::ShaderRef,
+    shader::{ShaderDefVal, ShaderRef},
+};
+
+use super::{
+    layout::specialization::{LARGEST_REFLECTANCE, LARGEST_UNLIT},
+    targets::{GBufferNeeds, GBufferTargets, ShadingModel},
 };
 
 /// A [`Material`] that can be drawn into the packed G-buffer.
@@ -39,50 +45,121 @@ use bevy::{
 /// }
 /// ```
 ///
+/// The shader is compiled once without optional targets, and if the material needs some, with `GBUFFER_EMISSIVE` and
+/// `GBUFFER_SPECIALIZATION` as far as the view has them. `pack_pbr_input` fills them from the same `PbrInput`.
+///
 /// Its vertex shader is the one of the material's deferred pass ([`Material::deferred_vertex_shader`]).
 pub trait GBufferMaterial: Material {
-    /// The fragment shader for the G-buffer. The default packs a plain `StandardMaterial` bind group.
+    /// The fragment shader for the G-buffer. The default packs a `StandardMaterial` bind group.
     fn gbuffer_fragment_shader() -> ShaderRef {
         ShaderRef::Default
     }
 
-    /// Whether the base targets carry this very material exactly enough. One that answers `false` is drawn by Bevy's
-    /// forward pass; it may answer differently after it was changed.
-    fn fits_gbuffer(&self) -> bool;
+    /// What this very material needs of the G-buffer. One that answers `None` is drawn by Bevy's forward pass; it may
+    /// answer differently after it was changed.
+    fn gbuffer_needs(&self) -> Option<GBufferNeeds>;
 }
 
 impl GBufferMaterial for StandardMaterial {
-    /// The base targets hold albedo, metallic, roughness, normal and occlusion. What else a `StandardMaterial` may
-    /// ask for must be at its default. An explicit `OpaqueRendererMethod::Forward` is honoured.
-    fn fits_gbuffer(&self) -> bool {
-        let emissive = &self.emissive;
+    /// Opaque and alpha-masked materials fit, except with what no target has bits for: an explicit
+    /// `OpaqueRendererMethod::Forward`, specular transmission, a coloured specular tint, clearcoat on a normal map or
+    /// with one of its own, two of clearcoat, anisotropy and diffuse transmission at once, a depth bias, and values
+    /// out of range.
+    fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
+        if self.opaque_render_method == OpaqueRendererMethod::Forward
+            || self.specular_transmission != 0.0
+            // It moves the depth from which lighting finds the position.
+            || self.depth_bias != 0.0
+        {
+            return None;
+        }
         let albedo = self.base_color.to_linear();
-        let tint = self.specular_tint.to_linear();
-        // `fog_enabled` and `unlit` have no bit; a depth bias moves the depth from which lighting finds the position.
-        let in_unit_range = |x: f32| (0.0..=1.0).contains(&x);
-        self.opaque_render_method != OpaqueRendererMethod::Forward
-            && [emissive.red, emissive.green, emissive.blue] == [0.0; 3]
-            && [
+        let mut needs = GBufferNeeds::BASE;
+        if !self.fog_enabled {
+            needs.targets |= GBufferTargets::SPECIALIZATION;
+        }
+        if self.unlit {
+            return all_in([albedo.red, albedo.green, albedo.blue], 0.0, LARGEST_UNLIT)
+                .then(|| needs.with_shading_model(ShadingModel::Unlit));
+        }
+
+        let in_range = all_in(
+            [
                 albedo.red,
                 albedo.green,
                 albedo.blue,
                 self.metallic,
                 self.perceptual_roughness,
-            ]
-            .into_iter()
-            .all(in_unit_range)
-            && self.reflectance == 0.5
-            && [tint.red, tint.green, tint.blue] == [1.0; 3]
-            && self.clearcoat == 0.0
-            && self.anisotropy_strength == 0.0
-            && self.diffuse_transmission == 0.0
-            && self.specular_transmission == 0.0
-            && !self.unlit
-            && self.fog_enabled
-            && self.depth_bias == 0.0
-            && !has_texture(self, "specular_texture")
-            && !has_texture(self, "specular_tint_texture")
+            ],
+            0.0,
+            1.0,
+        );
+        let emissive = [self.emissive.red, self.emissive.green, self.emissive.blue];
+        // Light that a surface takes away has no code. What is not a number is black.
+        if !in_range || emissive.iter().any(|&channel| channel < 0.0) {
+            return None;
+        }
+        if emissive != [0.0; 3] {
+            needs.targets |= GBufferTargets::EMISSIVE;
+        }
+
+        let tint = self.specular_tint.to_linear();
+        let reflectance = self.reflectance * tint.green;
+        if [tint.red, tint.blue] != [tint.green; 2]
+            || has_texture(self, "specular_tint_texture")
+            || !all_in([reflectance], 0.0, LARGEST_REFLECTANCE)
+        {
+            return None;
+        }
+        if reflectance != 0.5 || has_texture(self, "specular_texture") {
+            needs.targets |= GBufferTargets::SPECIALIZATION;
+        }
+        self.special_shading_model()
+            .map(|shading_model| match shading_model {
+                ShadingModel::Plain => needs,
+                special => needs.with_shading_model(special),
+            })
     }
+}
+
+/// What the shading model of a `StandardMaterial` follows from.
+trait SpecialShadingModel {
+    /// `None` if there is none for it.
+    fn special_shading_model(&self) -> Option<ShadingModel>;
+}
+
+impl SpecialShadingModel for StandardMaterial {
+    fn special_shading_model(&self) -> Option<ShadingModel> {
+        let clearcoat = self.clearcoat > 0.0;
+        let anisotropy = self.anisotropy_strength > 0.0;
+        let backlight = self.diffuse_transmission > 0.0;
+        match (clearcoat, anisotropy, backlight) {
+            (false, false, false) => Some(ShadingModel::Plain),
+            // The layer lies on the mesh's normal, or on one of its own; there are bits for one normal.
+            (true, false, false) => (self.normal_map_texture.is_none()
+                && !has_texture(self, "clearcoat_normal_texture")
+                && all_in(
+                    [self.clearcoat, self.clearcoat_perceptual_roughness],
+                    0.0,
+                    1.0,
+                ))
+            .then_some(ShadingModel::Clearcoat),
+            // Without the feature `pbr_anisotropy_texture` forward shades in a way of its own.
+            (false, true, false) => (self.field("anisotropy_texture").is_some()
+                && self.anisotropy_strength <= 1.0)
+                .then_some(ShadingModel::Anisotropy),
+            (false, false, true) => (self.diffuse_transmission <= 1.0 && self.thickness >= 0.0)
+                .then_some(ShadingModel::Backlight),
+            _ => None,
+        }
+    }
+}
+
+/// Also `false` if one is not a number.
+fn all_in<const N: usize>(values: [f32; N], least: f32, largest: f32) -> bool {
+    values
+        .into_iter()
+        .all(|value| (least..=largest).contains(&value))
 }
 
 /// Whether the optional texture `field` is set. By reflection, because whether `StandardMaterial` has the field depends
@@ -94,6 +171,28 @@ fn has_texture(material: &StandardMaterial, field: &str) -> bool {
         .is_some_and(|option| option.variant_name() == "Some")
 }
 
+/// The definitions with which Bevy's shaders read the textures of a `StandardMaterial` that it has only with some
+/// features. Its prepass does without.
+pub(super) fn material_texture_defs() -> Vec<ShaderDefVal> {
+    let material = StandardMaterial::default();
+    [
+        (
+            "diffuse_transmission_texture",
+            "PBR_TRANSMISSION_TEXTURES_SUPPORTED",
+        ),
+        (
+            "clearcoat_texture",
+            "PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED",
+        ),
+        ("anisotropy_texture", "PBR_ANISOTROPY_TEXTURE_SUPPORTED"),
+        ("specular_texture", "PBR_SPECULAR_TEXTURES_SUPPORTED"),
+    ]
+    .into_iter()
+    .filter(|(field, _)| material.field(field).is_some())
+    .map(|(_, name)| name.into())
+    .collect()
+}
+
 /// A [`MaterialExtension`] of [`StandardMaterial`] whose [`ExtendedMaterial`] can be drawn into the packed G-buffer.
 /// See [`GBufferMaterial`].
 pub trait GBufferMaterialExtension: MaterialExtension {
@@ -102,9 +201,10 @@ pub trait GBufferMaterialExtension: MaterialExtension {
         ShaderRef::Default
     }
 
-    /// Whether the base targets carry what the extension makes of its base. Asked only if they carry the base.
-    fn fits_gbuffer(&self) -> bool {
-        true
+    /// What the G-buffer needs for what the extension makes of its base, of which `base` is needed. Not asked if
+    /// forward draws the base.
+    fn gbuffer_needs(&self, base: GBufferNeeds) -> Option<GBufferNeeds> {
+        Some(base)
     }
 }
 
@@ -113,8 +213,8 @@ impl<E: GBufferMaterialExtension> GBufferMaterial for ExtendedMaterial<StandardM
         E::gbuffer_fragment_shader()
     }
 
-    fn fits_gbuffer(&self) -> bool {
-        self.base.fits_gbuffer() && self.extension.fits_gbuffer()
+    fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
+        self.extension.gbuffer_needs(self.base.gbuffer_needs()?)
     }
 }
 
@@ -138,7 +238,7 @@ where
         render_app
             .init_resource::<GBufferMaterials>()
             .add_systems(RenderStartup, load_fragment_shader::<M>)
-            .add_systems(ExtractSchedule, extract_fitting_materials::<M>);
+            .add_systems(ExtractSchedule, extract_material_needs::<M>);
     }
 }
 
@@ -146,16 +246,16 @@ where
 #[derive(Resource, Default)]
 pub(crate) struct GBufferMaterials {
     fragment_shaders: HashMap<TypeId, Handle<Shader>>,
-    fitting: HashSet<UntypedAssetId>,
+    needs: HashMap<UntypedAssetId, GBufferNeeds>,
 }
 
 impl GBufferMaterials {
-    /// The fragment shader to draw `material` into the G-buffer with, or `None` if forward must draw it.
-    pub(crate) fn fragment_shader(&self, material: UntypedAssetId) -> Option<&Handle<Shader>> {
-        self.fitting
-            .contains(&material)
-            .then(|| self.fragment_shaders.get(&material.type_id()))
-            .flatten()
+    /// What `material` needs, and the fragment shader to draw it into the G-buffer with; `None` if forward must draw
+    /// it.
+    pub(crate) fn get(&self, material: UntypedAssetId) -> Option<(GBufferNeeds, &Handle<Shader>)> {
+        let needs = self.needs.get(&material)?;
+        let shader = self.fragment_shaders.get(&material.type_id())?;
+        Some((*needs, shader))
     }
 }
 
@@ -173,7 +273,7 @@ fn load_fragment_shader<M: GBufferMaterial>(
 
 /// Follows the assets of type `M`. Bevy marks the meshes of a changed material as dirty, so they are queued anew, with
 /// what is recorded here, in the same frame.
-fn extract_fitting_materials<M: GBufferMaterial>(
+fn extract_material_needs<M: GBufferMaterial>(
     mut events: Extract<MessageReader<AssetEvent<M>>>,
     assets: Extract<Res<Assets<M>>>,
     mut materials: ResMut<GBufferMaterials>,
@@ -184,37 +284,70 @@ fn extract_fitting_materials<M: GBufferMaterial>(
         | AssetEvent::Removed { id }
         | AssetEvent::Unused { id }
         | AssetEvent::LoadedWithDependencies { id }) = event;
-        update_fitting(*id, assets.get(*id), &mut materials);
+        update_needs(*id, assets.get(*id), &mut materials);
     }
 }
 
-fn update_fitting<M: GBufferMaterial>(
+fn update_needs<M: GBufferMaterial>(
     id: AssetId<M>,
     material: Option<&M>,
     materials: &mut GBufferMaterials,
 ) {
-    if material.is_some_and(M::fits_gbuffer) {
-        materials.fitting.insert(id.untyped());
+    if let Some(needs) = material.and_then(M::gbuffer_needs) {
+        materials.needs.insert(id.untyped(), needs);
     } else {
-        materials.fitting.remove(&id.untyped());
+        materials.needs.remove(&id.untyped());
     }
 }
 
-/// In the render world: meshes that forward must draw whatever their material, because the mesh itself asks for
-/// something the base targets have no bit for.
+/// In the render world: meshes of which the G-buffer must know more than their material says.
 #[derive(Resource, Default)]
-pub(crate) struct ForwardOnlyMeshes(pub(crate) MainEntityHashSet);
-
-pub(super) fn extract_forward_only_meshes(
-    mut forward_only: ResMut<ForwardOnlyMeshes>,
-    meshes: Extract<Query<Entity, (With<Mesh3d>, Or<(With<NotShadowReceiver>, With<Lightmap>)>)>>,
-) {
-    forward_only.0.clear();
-    forward_only.0.extend(meshes.iter().map(MainEntity::from));
+pub(crate) struct SpecialMeshes {
+    without_shadows: MainEntityHashSet,
+    /// With whether the lightmap is sampled bicubically.
+    lightmapped: MainEntityHashMap<bool>,
 }
 
-/// In the main world: has meshes queued anew whose components made or unmade them forward-only.
-pub(super) fn requeue_changed_forward_only_meshes(
+impl SpecialMeshes {
+    /// The targets that `mesh` needs, whatever its material.
+    pub(crate) fn targets(&self, mesh: MainEntity) -> GBufferTargets {
+        let mut targets = GBufferTargets::empty();
+        if self.without_shadows.contains(&mesh) {
+            targets |= GBufferTargets::SPECIALIZATION;
+        }
+        if self.lightmap_key(mesh).is_some() {
+            targets |= GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
+        }
+        targets
+    }
+
+    /// What the lightmap of `mesh`, if it has one, adds to the key of its pipelines.
+    pub(crate) fn lightmap_key(&self, mesh: MainEntity) -> Option<MeshPipelineKey> {
+        let bicubic = *self.lightmapped.get(&mesh)?;
+        let mut key = MeshPipelineKey::LIGHTMAPPED;
+        key.set(MeshPipelineKey::LIGHTMAP_BICUBIC_SAMPLING, bicubic);
+        Some(key)
+    }
+}
+
+pub(super) fn extract_special_meshes(
+    mut special: ResMut<SpecialMeshes>,
+    without_shadows: Extract<Query<Entity, (With<Mesh3d>, With<NotShadowReceiver>)>>,
+    lightmapped: Extract<Query<(Entity, &Lightmap), With<Mesh3d>>>,
+) {
+    special.without_shadows.clear();
+    special
+        .without_shadows
+        .extend(without_shadows.iter().map(MainEntity::from));
+    special.lightmapped.clear();
+    let lightmapped = lightmapped.iter();
+    special.lightmapped.extend(
+        lightmapped.map(|(mesh, lightmap)| (MainEntity::from(mesh), lightmap.bicubic_sampling)),
+    );
+}
+
+/// In the main world: has meshes queued anew whose components changed what they need.
+pub(super) fn requeue_changed_special_meshes(
     changed: Query<Entity, Or<(Added<NotShadowReceiver>, Added<Lightmap>)>>,
     mut receivers: RemovedComponents<NotShadowReceiver>,
     mut lightmaps: RemovedComponents<Lightmap>,

@@ -1,21 +1,27 @@
-//! The packed G-buffer: 64 bits a pixel beside depth, drawn in one raster pass.
+//! The packed G-buffer: 64 bits a pixel beside depth, and 32 more for each optional target that a visible mesh needs.
 //!
-//! - `layout.{rs,wgsl}`: the bit table; pack and unpack, twice.
-//! - `material.rs`: which materials and meshes it carries.
+//! - `layout.{rs,wgsl}`, `layout/`: the bit tables; pack and unpack, twice.
+//! - `targets.rs`: the optional targets.
+//! - `material.rs`: which materials and meshes it carries, and what they need.
+//! - `demand.rs`: what all visible meshes of a view need together.
 //! - `phase.rs`, `pipeline.rs`, `queue.rs`: the render phases, their pipelines, and how meshes get there.
 //! - `textures.rs`, `pass.rs`: the targets, and the pass that draws into them.
 //! - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
 
+mod demand;
 pub mod layout;
 mod material;
 mod pass;
 mod phase;
 mod pipeline;
 mod queue;
+mod targets;
 mod textures;
 
+pub(crate) use demand::{Demand, ViewDemands};
 pub use material::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin};
-pub use phase::{AlphaMaskGBuffer, OpaqueGBuffer};
+pub use phase::{AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer};
+pub use targets::{GBufferNeeds, GBufferTargets, ShadingModel};
 pub use textures::GBufferTextures;
 
 use bevy::{
@@ -61,9 +67,15 @@ impl Plugin for GBufferPlugin {
             BinnedRenderPhasePlugin::<AlphaMaskGBuffer, MeshPipeline>::new(
                 RenderDebugFlags::default(),
             ),
+            BinnedRenderPhasePlugin::<ExtendedOpaqueGBuffer, MeshPipeline>::new(
+                RenderDebugFlags::default(),
+            ),
+            BinnedRenderPhasePlugin::<ExtendedAlphaMaskGBuffer, MeshPipeline>::new(
+                RenderDebugFlags::default(),
+            ),
             GBufferMaterialPlugin::<StandardMaterial>::default(),
         ))
-        .add_systems(Update, material::requeue_changed_forward_only_meshes);
+        .add_systems(Update, material::requeue_changed_special_meshes);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -71,16 +83,21 @@ impl Plugin for GBufferPlugin {
         render_app
             .init_resource::<DrawFunctions<OpaqueGBuffer>>()
             .init_resource::<DrawFunctions<AlphaMaskGBuffer>>()
-            .init_resource::<material::ForwardOnlyMeshes>()
+            .init_resource::<DrawFunctions<ExtendedOpaqueGBuffer>>()
+            .init_resource::<DrawFunctions<ExtendedAlphaMaskGBuffer>>()
+            .init_resource::<material::SpecialMeshes>()
+            .init_resource::<ViewDemands>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
             .add_render_command::<OpaqueGBuffer, DrawPrepass>()
             .add_render_command::<AlphaMaskGBuffer, DrawPrepass>()
+            .add_render_command::<ExtendedOpaqueGBuffer, DrawPrepass>()
+            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawPrepass>()
             .add_systems(
                 ExtractSchedule,
                 (
                     phase::extract_gbuffer_phases,
-                    material::extract_forward_only_meshes,
+                    material::extract_special_meshes,
                 ),
             )
             .add_systems(

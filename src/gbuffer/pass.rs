@@ -1,4 +1,6 @@
-//! The raster pass. Where it stands in the frame depends on the view:
+//! The raster passes: first the meshes that write the base targets alone, then, while the view has optional targets,
+//! those that write them. The second writes all of the view's optional targets, so that what lies in front replaces all
+//! that what lies behind has left there. Where they stand in the frame depends on the view:
 //!
 //! - No prepass: once, after Bevy has built the indirect draws for the main passes.
 //! - A depth prepass, which something else asked for: in its place, so that what reads depth between prepass and main
@@ -8,21 +10,21 @@
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
     core_pipeline::prepass::ViewPrepassTextures,
-    ecs::system::SystemParam,
     prelude::*,
     render::{
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
-        occlusion_culling::OcclusionCulling,
-        render_phase::ViewBinnedRenderPhases,
+        render_phase::{
+            BinnedPhaseItem, BinnedRenderPhase, CachedRenderPipelinePhaseItem, TrackedRenderPass,
+        },
         render_resource::{LoadOp, RenderPassDescriptor, StoreOp},
         renderer::{RenderContext, ViewQuery},
-        view::{ExtractedView, NoIndirectDrawing, ViewDepthTexture},
+        view::{ExtractedView, ViewDepthTexture},
     },
 };
 
 use super::{
-    phase::{AlphaMaskGBuffer, OpaqueGBuffer},
+    phase::DrawnGBufferPhases,
     textures::{GBufferTextures, initial_load},
 };
 use crate::camera::ActiveLeanView;
@@ -35,7 +37,6 @@ pub(super) type GBufferView = (
     &'static ViewDepthTexture,
     Option<&'static ViewPrepassTextures>,
     Option<&'static MainPassResolutionOverride>,
-    (Has<OcclusionCulling>, Has<NoIndirectDrawing>),
 );
 
 /// When a pass draws.
@@ -48,17 +49,10 @@ enum Moment {
     Main,
 }
 
-/// What is drawn.
-#[derive(SystemParam)]
-pub(super) struct GBufferPhases<'w> {
-    opaque: Res<'w, ViewBinnedRenderPhases<OpaqueGBuffer>>,
-    alpha_mask: Res<'w, ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
-}
-
 pub(super) fn early_gbuffer_pass(
     world: &World,
     view: ViewQuery<GBufferView>,
-    phases: GBufferPhases,
+    phases: DrawnGBufferPhases,
     mut ctx: RenderContext,
 ) {
     draw(world, view, &phases, Moment::Early, &mut ctx);
@@ -67,7 +61,7 @@ pub(super) fn early_gbuffer_pass(
 pub(super) fn late_gbuffer_pass(
     world: &World,
     view: ViewQuery<GBufferView>,
-    phases: GBufferPhases,
+    phases: DrawnGBufferPhases,
     mut ctx: RenderContext,
 ) {
     draw(world, view, &phases, Moment::Late, &mut ctx);
@@ -76,7 +70,7 @@ pub(super) fn late_gbuffer_pass(
 pub(super) fn main_gbuffer_pass(
     world: &World,
     view: ViewQuery<GBufferView>,
-    phases: GBufferPhases,
+    phases: DrawnGBufferPhases,
     mut ctx: RenderContext,
 ) {
     draw(world, view, &phases, Moment::Main, &mut ctx);
@@ -85,57 +79,65 @@ pub(super) fn main_gbuffer_pass(
 fn draw(
     world: &World,
     view: ViewQuery<GBufferView>,
-    phases: &GBufferPhases,
+    phases: &DrawnGBufferPhases,
     moment: Moment,
     ctx: &mut RenderContext,
 ) {
     let view_entity = view.entity();
-    let (camera, view, active, textures, depth, prepass_textures, resolution_override, culling) =
+    let (camera, view, active, textures, depth, prepass_textures, resolution_override) =
         view.into_inner();
-    let (occlusion_culling, no_indirect_drawing) = culling;
-    let load = match moment {
-        Moment::Early if active.draws_in_prepass => initial_load(active),
-        Moment::Main if !active.draws_in_prepass => initial_load(active),
-        Moment::Late if active.draws_in_prepass && occlusion_culling && !no_indirect_drawing => {
-            LoadOp::Load
-        }
+    let is_first = match moment {
+        Moment::Early if active.draws_in_prepass => true,
+        Moment::Main if !active.draws_in_prepass => true,
+        Moment::Late if active.culls_in_two_phases => false,
         _ => return,
     };
-    let (Some(opaque), Some(alpha_mask)) = (
-        phases.opaque.get(&view.retained_view_entity),
-        phases.alpha_mask.get(&view.retained_view_entity),
+    let retained = view.retained_view_entity;
+    let (Some(opaque), Some(alpha_mask), Some(extended_opaque), Some(extended_alpha_mask)) = (
+        phases.opaque.get(&retained),
+        phases.alpha_mask.get(&retained),
+        phases.extended_opaque.get(&retained),
+        phases.extended_alpha_mask.get(&retained),
     ) else {
         return;
     };
 
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
-    // Around the pass, not in it: clearing and copying are part of what it costs.
+    // Around the passes, not in them: clearing and copying are part of what they cost.
     let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/gbuffer");
+    let viewport =
+        Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
     let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
         label: Some("lean_deferred/gbuffer"),
-        color_attachments: &textures.attachments(load),
+        color_attachments: &textures.base_attachments(if is_first {
+            initial_load(active)
+        } else {
+            LoadOp::Load
+        }),
         depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
         ..default()
     });
-
-    if let Some(viewport) =
-        Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override)
-    {
-        pass.set_camera_viewport(&viewport);
+    if let Some(viewport) = &viewport {
+        pass.set_camera_viewport(viewport);
     }
-    if !opaque.is_empty()
-        && let Err(error) = opaque.render(&mut pass, world, view_entity)
-    {
-        error!("drawing the opaque G-buffer phase: {error:?}");
-    }
-    if !alpha_mask.is_empty()
-        && let Err(error) = alpha_mask.render(&mut pass, world, view_entity)
-    {
-        error!("drawing the alpha-masked G-buffer phase: {error:?}");
-    }
-
+    render(opaque, &mut pass, world, view_entity);
+    render(alpha_mask, &mut pass, world, view_entity);
     drop(pass);
+
+    if !active.targets.is_empty() {
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("lean_deferred/gbuffer/extended"),
+            color_attachments: &textures.all_attachments(is_first),
+            depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+            ..default()
+        });
+        if let Some(viewport) = &viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        render(extended_opaque, &mut pass, world, view_entity);
+        render(extended_alpha_mask, &mut pass, world, view_entity);
+    }
 
     // Whoever asked for a depth prepass reads this copy.
     if let Some(prepass) = prepass_textures
@@ -148,4 +150,18 @@ fn draw(
         );
     }
     span.end(ctx.command_encoder());
+}
+
+/// Draws the meshes of one phase.
+fn render<'w, P: BinnedPhaseItem + CachedRenderPipelinePhaseItem>(
+    phase: &BinnedRenderPhase<P>,
+    pass: &mut TrackedRenderPass<'w>,
+    world: &'w World,
+    view: Entity,
+) {
+    if !phase.is_empty()
+        && let Err(error) = phase.render(pass, world, view)
+    {
+        error!("drawing {}: {error:?}", core::any::type_name::<P>());
+    }
 }

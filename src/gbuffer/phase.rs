@@ -1,16 +1,20 @@
-//! The two render phases of the G-buffer.
+//! The render phases of the G-buffer: opaque and alpha-masked meshes, each with and without optional targets.
 
 use core::ops::Range;
 
 use bevy::{
-    core_pipeline::prepass::{OpaqueNoLightmap3dBatchSetKey, OpaqueNoLightmap3dBinKey},
+    asset::AssetId,
+    core_pipeline::core_3d::{Opaque3dBatchSetKey, Opaque3dBinKey},
+    ecs::system::SystemParam,
+    pbr::LightmapSlabIndex,
     prelude::*,
     render::{
         Extract,
         batching::gpu_preprocessing::{GpuPreprocessingMode, GpuPreprocessingSupport},
+        mesh::allocator::MeshSlabs,
         render_phase::{
-            BinnedPhaseItem, CachedRenderPipelinePhaseItem, DrawFunctionId, PhaseItem,
-            PhaseItemExtraIndex, ViewBinnedRenderPhases,
+            BinnedPhaseItem, BinnedRenderPhaseType, CachedRenderPipelinePhaseItem, DrawFunctionId,
+            InputUniformIndex, PhaseItem, PhaseItemExtraIndex, ViewBinnedRenderPhases,
         },
         render_resource::CachedRenderPipelineId,
         sync_world::MainEntity,
@@ -20,15 +24,15 @@ use bevy::{
 
 use crate::LeanDeferred;
 
-/// Declares a binned phase item keyed like Bevy's prepass and deferred phases.
+/// Declares a binned phase item keyed like Bevy's opaque phase.
 macro_rules! gbuffer_phase {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
         pub struct $name {
             /// What must be equal to be drawn by one multi-draw.
-            pub batch_set_key: OpaqueNoLightmap3dBatchSetKey,
+            pub batch_set_key: Opaque3dBatchSetKey,
             /// What must be equal to be drawn as instances.
-            pub bin_key: OpaqueNoLightmap3dBinKey,
+            pub bin_key: Opaque3dBinKey,
             /// An entity that stands for the batch.
             pub representative_entity: (Entity, MainEntity),
             /// The instances.
@@ -70,8 +74,8 @@ macro_rules! gbuffer_phase {
         }
 
         impl BinnedPhaseItem for $name {
-            type BatchSetKey = OpaqueNoLightmap3dBatchSetKey;
-            type BinKey = OpaqueNoLightmap3dBinKey;
+            type BatchSetKey = Opaque3dBatchSetKey;
+            type BinKey = Opaque3dBinKey;
 
             fn new(
                 batch_set_key: Self::BatchSetKey,
@@ -99,19 +103,145 @@ macro_rules! gbuffer_phase {
 }
 
 gbuffer_phase! {
-    /// Opaque meshes of the G-buffer.
+    /// Opaque meshes that write the base targets alone.
     OpaqueGBuffer
 }
 
 gbuffer_phase! {
-    /// Alpha-masked meshes of the G-buffer.
+    /// Alpha-masked meshes that write the base targets alone.
     AlphaMaskGBuffer
+}
+
+gbuffer_phase! {
+    /// Opaque meshes that write optional targets too.
+    ExtendedOpaqueGBuffer
+}
+
+gbuffer_phase! {
+    /// Alpha-masked meshes that write optional targets too.
+    ExtendedAlphaMaskGBuffer
+}
+
+/// The phases of all views.
+#[derive(SystemParam)]
+pub(super) struct GBufferPhases<'w> {
+    opaque: ResMut<'w, ViewBinnedRenderPhases<OpaqueGBuffer>>,
+    alpha_mask: ResMut<'w, ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
+    extended_opaque: ResMut<'w, ViewBinnedRenderPhases<ExtendedOpaqueGBuffer>>,
+    extended_alpha_mask: ResMut<'w, ViewBinnedRenderPhases<ExtendedAlphaMaskGBuffer>>,
+}
+
+/// The phases of all views, to be drawn.
+#[derive(SystemParam)]
+pub(super) struct DrawnGBufferPhases<'w> {
+    pub(super) opaque: Res<'w, ViewBinnedRenderPhases<OpaqueGBuffer>>,
+    pub(super) alpha_mask: Res<'w, ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
+    pub(super) extended_opaque: Res<'w, ViewBinnedRenderPhases<ExtendedOpaqueGBuffer>>,
+    pub(super) extended_alpha_mask: Res<'w, ViewBinnedRenderPhases<ExtendedAlphaMaskGBuffer>>,
+}
+
+impl GBufferPhases<'_> {
+    fn prepare_for_new_frame(&mut self, view: RetainedViewEntity, mode: GpuPreprocessingMode) {
+        self.opaque.prepare_for_new_frame(view, mode);
+        self.alpha_mask.prepare_for_new_frame(view, mode);
+        self.extended_opaque.prepare_for_new_frame(view, mode);
+        self.extended_alpha_mask.prepare_for_new_frame(view, mode);
+    }
+
+    fn retain(&mut self, live: &[RetainedViewEntity]) {
+        self.opaque.retain(|view, _| live.contains(view));
+        self.alpha_mask.retain(|view, _| live.contains(view));
+        self.extended_opaque.retain(|view, _| live.contains(view));
+        self.extended_alpha_mask
+            .retain(|view, _| live.contains(view));
+    }
+
+    /// Whether `view` has phases in this frame.
+    pub(super) fn has_view(&self, view: &RetainedViewEntity) -> bool {
+        self.opaque.contains_key(view)
+    }
+
+    /// Takes all meshes out of the phases of `view`.
+    pub(super) fn remove_view(&mut self, view: &RetainedViewEntity) {
+        self.opaque.remove(view);
+        self.alpha_mask.remove(view);
+        self.extended_opaque.remove(view);
+        self.extended_alpha_mask.remove(view);
+    }
+
+    /// Takes `mesh` out of whichever phase of `view` it is in.
+    pub(super) fn remove(&mut self, view: &RetainedViewEntity, mesh: MainEntity) {
+        remove(&mut self.opaque, view, mesh);
+        remove(&mut self.alpha_mask, view, mesh);
+        remove(&mut self.extended_opaque, view, mesh);
+        remove(&mut self.extended_alpha_mask, view, mesh);
+    }
+
+    /// Puts a mesh into one of the phases of `view`.
+    pub(super) fn add(
+        &mut self,
+        view: &RetainedViewEntity,
+        alpha_masked: bool,
+        extended: bool,
+        item: QueuedMesh,
+    ) {
+        match (extended, alpha_masked) {
+            (false, false) => item.add_to(&mut self.opaque, view),
+            (false, true) => item.add_to(&mut self.alpha_mask, view),
+            (true, false) => item.add_to(&mut self.extended_opaque, view),
+            (true, true) => item.add_to(&mut self.extended_alpha_mask, view),
+        }
+    }
+}
+
+/// What a phase must know to draw a mesh.
+pub(super) struct QueuedMesh {
+    pub(super) pipeline: CachedRenderPipelineId,
+    pub(super) draw_function: DrawFunctionId,
+    pub(super) material_bind_group_index: Option<u32>,
+    pub(super) slabs: MeshSlabs,
+    pub(super) lightmap_slab: Option<LightmapSlabIndex>,
+    pub(super) mesh: AssetId<Mesh>,
+    pub(super) entities: (Entity, MainEntity),
+    pub(super) uniform_index: InputUniformIndex,
+    pub(super) phase_type: BinnedRenderPhaseType,
+}
+
+impl QueuedMesh {
+    fn add_to<P>(self, phases: &mut ViewBinnedRenderPhases<P>, view: &RetainedViewEntity)
+    where
+        P: BinnedPhaseItem<BatchSetKey = Opaque3dBatchSetKey, BinKey = Opaque3dBinKey>,
+    {
+        let Some(phase) = phases.get_mut(view) else {
+            return;
+        };
+        let key = Opaque3dBatchSetKey {
+            pipeline: self.pipeline,
+            draw_function: self.draw_function,
+            material_bind_group_index: self.material_bind_group_index,
+            slabs: self.slabs,
+            lightmap_slab: self.lightmap_slab.map(|index| *index),
+        };
+        let bin = Opaque3dBinKey {
+            asset_id: self.mesh.into(),
+        };
+        phase.add(key, bin, self.entities, self.uniform_index, self.phase_type);
+    }
+}
+
+fn remove<P: BinnedPhaseItem>(
+    phases: &mut ViewBinnedRenderPhases<P>,
+    view: &RetainedViewEntity,
+    mesh: MainEntity,
+) {
+    if let Some(phase) = phases.get_mut(view) {
+        phase.remove(mesh);
+    }
 }
 
 /// Keeps a phase of each kind for every active camera with [`LeanDeferred`], and none for others.
 pub(super) fn extract_gbuffer_phases(
-    mut opaque_phases: ResMut<ViewBinnedRenderPhases<OpaqueGBuffer>>,
-    mut alpha_mask_phases: ResMut<ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
+    mut phases: GBufferPhases,
     cameras: Extract<
         Query<(Entity, &Camera, Has<NoIndirectDrawing>), (With<Camera3d>, With<LeanDeferred>)>,
     >,
@@ -130,10 +260,8 @@ pub(super) fn extract_gbuffer_phases(
         });
         // A camera's own view is its subview 0.
         let view = RetainedViewEntity::new(camera_entity.into(), None, 0);
-        opaque_phases.prepare_for_new_frame(view, mode);
-        alpha_mask_phases.prepare_for_new_frame(view, mode);
+        phases.prepare_for_new_frame(view, mode);
         live.push(view);
     }
-    opaque_phases.retain(|view, _| live.contains(view));
-    alpha_mask_phases.retain(|view, _| live.contains(view));
+    phases.retain(&live);
 }

@@ -13,7 +13,7 @@ use bevy::{
     },
 };
 
-use super::layout::{NORMAL_FORMAT, SURFACE_FORMAT};
+use super::{material::material_texture_defs, targets::GBufferTargets};
 
 /// Bevy's deferred prepass pipeline with the fragment shader and the targets swapped: vertex shader, bind groups,
 /// culling and depth stay Bevy's, so that positions agree bit for bit with its other passes.
@@ -23,16 +23,16 @@ pub(super) struct GBufferPipelineSpecializer {
     pub(super) fragment_shader: Handle<Shader>,
 }
 
-/// The key of [`GBufferPipelineSpecializer`]: the material's, and the shader, because pipelines of different material
-/// types share one cache.
-pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>);
+/// The key of [`GBufferPipelineSpecializer`]: the material's, the shader, because pipelines of different material
+/// types share one cache, and the optional targets of the pass.
+pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>, GBufferTargets);
 
 impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
     type Key = GBufferPipelineKey;
 
     fn specialize(
         &self,
-        (key, _): Self::Key,
+        (key, _, targets): Self::Key,
         layout: &MeshVertexBufferLayoutRef,
     ) -> Result<RenderPipelineDescriptor, SpecializedMeshPipelineError> {
         let prepass = PrepassPipelineSpecializer {
@@ -44,15 +44,16 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         if let Some(fragment) = &mut descriptor.fragment {
             fragment.shader = self.fragment_shader.clone();
             fragment.entry_point = None;
-            fragment.targets = [SURFACE_FORMAT, NORMAL_FORMAT]
-                .map(|format| {
-                    Some(ColorTargetState {
-                        format,
-                        blend: None,
-                        write_mask: ColorWrites::ALL,
-                    })
-                })
-                .to_vec();
+            fragment.targets = targets.attachments(|format| ColorTargetState {
+                format,
+                blend: None,
+                write_mask: ColorWrites::ALL,
+            });
+            let defs = targets.iter().map(|target| target.shader_def().into());
+            fragment.shader_defs.extend(defs);
+            if targets.contains(GBufferTargets::SPECIALIZATION) {
+                fragment.shader_defs.extend(material_texture_defs());
+            }
         }
         Ok(descriptor)
     }

@@ -4,10 +4,7 @@ use bevy::{
     asset::UntypedAssetId,
     core_pipeline::{
         core_3d::{AlphaMask3d, Opaque3d, Opaque3dBatchSetKey, Opaque3dBinKey},
-        prepass::{
-            AlphaMask3dPrepass, Opaque3dPrepass, OpaqueNoLightmap3dBatchSetKey,
-            OpaqueNoLightmap3dBinKey,
-        },
+        prepass::{AlphaMask3dPrepass, Opaque3dPrepass},
     },
     ecs::system::SystemParam,
     material::{
@@ -32,7 +29,9 @@ use bevy::{
             allocator::{MeshAllocator, MeshSlabs},
         },
         render_asset::RenderAssets,
-        render_phase::{BinnedRenderPhaseType, DrawFunctions, ViewBinnedRenderPhases},
+        render_phase::{
+            BinnedRenderPhaseType, DrawFunctionId, DrawFunctions, ViewBinnedRenderPhases,
+        },
         render_resource::{CachedRenderPipelineId, PipelineCache, SpecializedMeshPipelines},
         sync_world::MainEntity,
         view::{ExtractedView, RenderVisibilityRanges, RenderVisibleEntities, RetainedViewEntity},
@@ -40,11 +39,16 @@ use bevy::{
 };
 
 use super::{
-    material::{ForwardOnlyMeshes, GBufferMaterials},
-    phase::{AlphaMaskGBuffer, OpaqueGBuffer},
+    demand::{Demand, ViewDemands},
+    material::{GBufferMaterials, SpecialMeshes},
+    phase::{
+        AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferPhases,
+        OpaqueGBuffer, QueuedMesh,
+    },
     pipeline::{GBufferPipelineSpecializer, VIEW_KEY_BITS},
+    targets::{GBufferTargets, ShadingModel},
 };
-use crate::{LeanDeferred, camera::ActiveLeanView};
+use crate::{LeanDeferred, camera::ActiveLeanView, lighting::LightingVariant};
 
 /// Meshes whose assets or pipelines were not ready; tried again each frame, drawn by forward until then.
 #[derive(Resource, Default)]
@@ -59,7 +63,7 @@ pub(super) struct MeshLookup<'w> {
     meshes: Res<'w, RenderAssets<RenderMesh>>,
     mesh_allocator: Res<'w, MeshAllocator>,
     gbuffer_materials: Res<'w, GBufferMaterials>,
-    forward_only_meshes: Res<'w, ForwardOnlyMeshes>,
+    special_meshes: Res<'w, SpecialMeshes>,
     visibility_ranges: Res<'w, RenderVisibilityRanges>,
 }
 
@@ -96,19 +100,34 @@ impl MeshLookup<'_> {
         })
     }
 
-    /// The fragment shader to draw it into the G-buffer with, or `None` if forward must draw it.
-    fn gbuffer_shader(&self, entity: MainEntity, mesh: &MeshToQueue) -> Option<&Handle<Shader>> {
-        let properties = &mesh.material.properties;
+    /// What it needs, and the fragment shader to draw it into the G-buffer with, or `None` if forward must draw it.
+    fn gbuffer_needs(
+        &self,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+    ) -> Option<(Demand, &Handle<Shader>)> {
         let opaque = matches!(
-            properties.render_phase_type,
+            mesh.material.properties.render_phase_type,
             RenderPhaseType::Opaque | RenderPhaseType::AlphaMask
         );
         // Without normals forward lights by what the vertex shader happens to leave there; it alone can match that.
         let has_normals = mesh.mesh.layout.0.contains(Mesh::ATTRIBUTE_NORMAL);
-        if !opaque || !has_normals || self.forward_only_meshes.0.contains(&entity) {
+        if !opaque || !has_normals {
             return None;
         }
-        self.gbuffer_materials.fragment_shader(mesh.material_id)
+        let (needs, shader) = self.gbuffer_materials.get(mesh.material_id)?;
+        // The same without tangents.
+        if needs.shading_model == ShadingModel::Anisotropy
+            && !mesh.mesh.layout.0.contains(Mesh::ATTRIBUTE_TANGENT)
+        {
+            return None;
+        }
+        let lightmapped = self.special_meshes.lightmap_key(entity).is_some();
+        let demand = Demand {
+            targets: needs.targets | self.special_meshes.targets(entity),
+            variants: LightingVariant::new(needs.shading_model, lightmapped).as_set(),
+        };
+        Some((demand, shader))
     }
 }
 
@@ -128,6 +147,7 @@ impl GBufferPipelines<'_> {
         mesh: &MeshToQueue,
         view_key: MeshPipelineKey,
         fragment_shader: &Handle<Shader>,
+        targets: GBufferTargets,
     ) -> Option<CachedRenderPipelineId> {
         let properties = &mesh.material.properties;
         let mut mesh_key = (view_key & VIEW_KEY_BITS)
@@ -140,6 +160,9 @@ impl GBufferPipelines<'_> {
             .entity_has_crossfading_visibility_ranges(entity)
         {
             mesh_key |= MeshPipelineKey::VISIBILITY_RANGE_DITHER;
+        }
+        if let Some(lightmap) = lookup.special_meshes.lightmap_key(entity) {
+            mesh_key |= lightmap;
         }
         if view_key.contains(MeshPipelineKey::MOTION_VECTOR_PREPASS) {
             let flags = mesh.instance.flags();
@@ -166,7 +189,7 @@ impl GBufferPipelines<'_> {
             .specialize(
                 &self.cache,
                 &specializer,
-                (key, fragment_shader.id()),
+                (key, fragment_shader.id(), targets),
                 &mesh.mesh.layout,
             )
             .inspect_err(|error| error!("G-buffer pipeline: {error}"))
@@ -252,19 +275,38 @@ impl BevyPhases<'_> {
     }
 }
 
+/// How the meshes of each phase are drawn.
+#[derive(SystemParam)]
+pub(super) struct GBufferDrawFunctions<'w> {
+    opaque: Res<'w, DrawFunctions<OpaqueGBuffer>>,
+    alpha_mask: Res<'w, DrawFunctions<AlphaMaskGBuffer>>,
+    extended_opaque: Res<'w, DrawFunctions<ExtendedOpaqueGBuffer>>,
+    extended_alpha_mask: Res<'w, DrawFunctions<ExtendedAlphaMaskGBuffer>>,
+}
+
+impl GBufferDrawFunctions<'_> {
+    fn get(&self, extended: bool, alpha_masked: bool) -> DrawFunctionId {
+        match (extended, alpha_masked) {
+            (false, false) => self.opaque.read().id::<DrawPrepass>(),
+            (false, true) => self.alpha_mask.read().id::<DrawPrepass>(),
+            (true, false) => self.extended_opaque.read().id::<DrawPrepass>(),
+            (true, true) => self.extended_alpha_mask.read().id::<DrawPrepass>(),
+        }
+    }
+}
+
 /// After Bevy's own queue systems: moves the meshes that the G-buffer carries into its phases. Looks only at meshes
 /// that became visible, changed, or were not ready before.
+///
+/// A mesh that needs more than its view has is left to forward, and its need recorded: the view has it from a later
+/// frame on, once lighting is compiled for it.
 pub(super) fn queue_gbuffer_meshes(
     lookup: MeshLookup,
     mut pipelines: GBufferPipelines,
     mut bevy_phases: BevyPhases,
-    mut opaque_phases: ResMut<ViewBinnedRenderPhases<OpaqueGBuffer>>,
-    mut alpha_mask_phases: ResMut<ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
-    mut pending_queues: ResMut<PendingGBufferQueues>,
-    (opaque_draw_functions, alpha_mask_draw_functions): (
-        Res<DrawFunctions<OpaqueGBuffer>>,
-        Res<DrawFunctions<AlphaMaskGBuffer>>,
-    ),
+    mut phases: GBufferPhases,
+    (mut pending_queues, mut demands): (ResMut<PendingGBufferQueues>, ResMut<ViewDemands>),
+    draw_functions: GBufferDrawFunctions,
     (view_keys, dirty, gpu_preprocessing): (
         Res<ViewKeyCache>,
         Res<DirtySpecializations>,
@@ -280,32 +322,29 @@ pub(super) fn queue_gbuffer_meshes(
     >,
     mut live_views: Local<HashSet<RetainedViewEntity>>,
 ) {
-    let draw_opaque = opaque_draw_functions.read().id::<DrawPrepass>();
-    let draw_alpha_mask = alpha_mask_draw_functions.read().id::<DrawPrepass>();
     live_views.clear();
 
     for (view, visible_entities, active) in &views {
         let retained = view.retained_view_entity;
         let Some(active) = active else {
             // Bevy has queued everything itself.
-            opaque_phases.remove(&retained);
-            alpha_mask_phases.remove(&retained);
+            phases.remove_view(&retained);
             continue;
         };
         live_views.insert(retained);
-        let (Some(opaque), Some(alpha_mask), Some(view_key), Some(visible)) = (
-            opaque_phases.get_mut(&retained),
-            alpha_mask_phases.get_mut(&retained),
+        let (true, Some(view_key), Some(visible)) = (
+            phases.has_view(&retained),
             view_keys.get(&retained),
             visible_entities.get::<Mesh3d>(),
         ) else {
             continue;
         };
         let pending = pending_queues.0.prepare_for_new_frame(retained);
+        let view_demand = demands.of(retained);
 
         for &entity in dirty.iter_to_dequeue(retained, visible) {
-            opaque.remove(entity);
-            alpha_mask.remove(entity);
+            phases.remove(&retained, entity);
+            view_demand.remove(entity);
         }
 
         for (render_entity, &entity) in dirty.iter_to_queue(retained, visible, &pending.prev_frame)
@@ -321,39 +360,51 @@ pub(super) fn queue_gbuffer_meshes(
             };
             let phase_type =
                 BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), &gpu_preprocessing);
-            let properties = &mesh.material.properties;
-            let pipeline = lookup
-                .gbuffer_shader(entity, &mesh)
-                .and_then(|shader| pipelines.specialize(&lookup, entity, &mesh, *view_key, shader));
-            let Some(pipeline) = pipeline else {
+            let Some((demand, shader)) = lookup.gbuffer_needs(entity, &mesh) else {
                 bevy_phases.add_deferred_as_forward(view, entity, &mesh, phase_type);
                 continue;
             };
-            if !pipelines.is_ready(pipeline) {
+            view_demand.insert(entity, demand);
+            let extended = !demand.targets.is_empty() || active.extends_all();
+            let targets = if extended {
+                active.targets
+            } else {
+                GBufferTargets::empty()
+            };
+            let pipeline = if active.demand().contains(demand) {
+                pipelines.specialize(&lookup, entity, &mesh, *view_key, shader, targets)
+            } else {
+                None
+            };
+            let Some(pipeline) = pipeline.filter(|pipeline| pipelines.is_ready(*pipeline)) else {
                 bevy_phases.add_deferred_as_forward(view, entity, &mesh, phase_type);
                 pending.current_frame.insert((*render_entity, entity));
                 continue;
-            }
+            };
 
             bevy_phases.remove(view, entity, active.keeps_prepass);
-            let masked = matches!(properties.render_phase_type, RenderPhaseType::AlphaMask);
-            let batch_set_key = OpaqueNoLightmap3dBatchSetKey {
-                draw_function: if masked { draw_alpha_mask } else { draw_opaque },
-                pipeline,
-                material_bind_group_index: Some(mesh.material.binding.group.0),
-                slabs: mesh.slabs,
-            };
-            let bin_key = OpaqueNoLightmap3dBinKey {
-                asset_id: mesh.instance.mesh_asset_id().into(),
-            };
-            let entities = (*render_entity, entity);
-            let index = mesh.instance.current_uniform_index;
-            if masked {
-                alpha_mask.add(batch_set_key, bin_key, entities, index, phase_type);
-            } else {
-                opaque.add(batch_set_key, bin_key, entities, index, phase_type);
-            }
+            let alpha_masked = matches!(
+                mesh.material.properties.render_phase_type,
+                RenderPhaseType::AlphaMask
+            );
+            phases.add(
+                &retained,
+                alpha_masked,
+                extended,
+                QueuedMesh {
+                    pipeline,
+                    draw_function: draw_functions.get(extended, alpha_masked),
+                    material_bind_group_index: Some(mesh.material.binding.group.0),
+                    slabs: mesh.slabs,
+                    lightmap_slab: mesh.instance.lightmap_slab_index(),
+                    mesh: mesh.instance.mesh_asset_id(),
+                    entities: (*render_entity, entity),
+                    uniform_index: mesh.instance.current_uniform_index,
+                    phase_type,
+                },
+            );
         }
     }
     pending_queues.0.expire_stale_views(&live_views);
+    demands.retain(|view| live_views.contains(view));
 }

@@ -15,35 +15,70 @@ use bevy::{
     },
 };
 
-use super::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT};
+use super::{
+    layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT},
+    targets::GBufferTargets,
+};
 use crate::camera::ActiveLeanView;
 
-/// The base targets of one view, as large as its render target. Optional targets will stand beside them.
+/// The targets of one view, as large as its render target.
 #[derive(Component, Clone)]
 pub struct GBufferTextures {
     /// Albedo, metallic, occlusion.
     pub surface: CachedTexture,
     /// Normal, roughness; [`NO_GEOMETRY`] where no mesh was drawn.
     pub normal: CachedTexture,
+    /// The optional targets that the view has in this frame, in the order of their bits.
+    optional: Vec<(GBufferTargets, CachedTexture)>,
 }
 
 impl GBufferTextures {
-    /// The attachments of the G-buffer pass, in the order of the fragment shader's outputs.
-    pub(super) fn attachments(
+    /// The texture of a single optional target, if the view has it in this frame.
+    pub fn optional(&self, target: GBufferTargets) -> Option<&CachedTexture> {
+        self.optional
+            .iter()
+            .find_map(|(other, texture)| (*other == target).then_some(texture))
+    }
+
+    /// The attachments of the pass that writes the base targets alone.
+    pub(super) fn base_attachments(
         &self,
         load: LoadOp<wgpu::Color>,
     ) -> [Option<RenderPassColorAttachment<'_>>; 2] {
-        [&self.surface, &self.normal].map(|texture| {
-            Some(RenderPassColorAttachment {
-                view: &texture.default_view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: Operations {
-                    load,
-                    store: StoreOp::Store,
-                },
-            })
-        })
+        [&self.surface, &self.normal].map(|texture| Some(attachment(texture, load)))
+    }
+
+    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs. It comes
+    /// after one that wrote the base targets; the optional ones are cleared if it `is_first` to write them.
+    pub(super) fn all_attachments(
+        &self,
+        is_first: bool,
+    ) -> Vec<Option<RenderPassColorAttachment<'_>>> {
+        let mut attachments = self.base_attachments(LoadOp::Load).to_vec();
+        for (target, texture) in &self.optional {
+            let clear = LoadOp::Clear(wgpu::Color {
+                r: f64::from(target.clear_value()),
+                ..default()
+            });
+            attachments.resize(target.slot(), None);
+            attachments.push(Some(attachment(
+                texture,
+                if is_first { clear } else { LoadOp::Load },
+            )));
+        }
+        attachments
+    }
+}
+
+fn attachment(texture: &CachedTexture, load: LoadOp<wgpu::Color>) -> RenderPassColorAttachment<'_> {
+    RenderPassColorAttachment {
+        view: &texture.default_view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: Operations {
+            load,
+            store: StoreOp::Store,
+        },
     }
 }
 
@@ -62,12 +97,12 @@ pub(super) fn initial_load(view: &ActiveLeanView) -> LoadOp<wgpu::Color> {
 }
 
 /// Gives each active view its targets and takes them from views that are no longer active. Cameras are drawn one after
-/// the other, so those of one size share them.
+/// the other, so those of one size that need the same share them.
 pub(super) fn prepare_gbuffer_textures(
     mut commands: Commands,
     mut texture_cache: ResMut<TextureCache>,
     render_device: Res<RenderDevice>,
-    views: Query<(Entity, &ExtractedCamera), With<ActiveLeanView>>,
+    views: Query<(Entity, &ExtractedCamera, &ActiveLeanView)>,
     stale: Query<
         Entity,
         (
@@ -75,16 +110,16 @@ pub(super) fn prepare_gbuffer_textures(
             Or<(Without<ActiveLeanView>, Without<ExtractedCamera>)>,
         ),
     >,
-    mut by_size: Local<HashMap<UVec2, GBufferTextures>>,
+    mut by_size: Local<HashMap<(UVec2, GBufferTargets), GBufferTextures>>,
 ) {
     for entity in &stale {
         commands.entity(entity).remove::<GBufferTextures>();
     }
-    for (entity, camera) in &views {
+    for (entity, camera, active) in &views {
         let Some(size) = camera.physical_target_size else {
             continue;
         };
-        let textures = by_size.entry(size).or_insert_with(|| {
+        let textures = by_size.entry((size, active.targets)).or_insert_with(|| {
             let mut texture = |label, format| {
                 texture_cache.get(
                     &render_device,
@@ -103,6 +138,11 @@ pub(super) fn prepare_gbuffer_textures(
             GBufferTextures {
                 surface: texture("lean_deferred/gbuffer/surface", SURFACE_FORMAT),
                 normal: texture("lean_deferred/gbuffer/normal", NORMAL_FORMAT),
+                optional: active
+                    .targets
+                    .iter()
+                    .map(|target| (target, texture(target.label(), target.format())))
+                    .collect(),
             }
         });
         commands.entity(entity).insert(textures.clone());

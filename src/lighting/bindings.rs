@@ -33,14 +33,16 @@ use super::{
     features::ViewEnvironmentMaps,
     pipeline::{
         AREA_LIGHT_LUTS_BINDING, BLUE_NOISE_BINDING, DFG_LUT_BINDING, LightingLayouts,
-        LightingPipelines,
+        LightingPipelines, target_binding,
     },
+    tile_lists::{filling_layout, reading_layout},
 };
 use crate::{
     ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
     bind_group_cache::CachedBindGroup,
     camera::ActiveLeanView,
-    gbuffer::GBufferTextures,
+    gbuffer::{GBufferTargets, GBufferTextures},
+    tiles,
 };
 
 /// The bind groups of one view, and what the dispatch needs beside them.
@@ -51,6 +53,9 @@ pub(super) struct ViewLightingBindings {
     pub(super) arrays: CachedBindGroup,
     /// Post-processing swaps the two main textures, also between cameras of one target: there is a group for each.
     targets: [(Option<TextureViewId>, CachedBindGroup); 2],
+    /// The lists of tiles, to be filled and to be read. Empty where there are no special surfaces.
+    pub(super) fill_lists: CachedBindGroup,
+    pub(super) read_lists: CachedBindGroup,
     /// Offsets of the uniform without and with `writes_background`.
     pub(super) uniform_offsets: [u32; 2],
     /// Offset of the view's uniform of ambient occlusion, if lighting applies that.
@@ -72,7 +77,8 @@ impl ViewLightingBindings {
     /// All but that of the view.
     pub(super) fn lasting(&self) -> impl Iterator<Item = &BindGroup> {
         let targets = self.targets.iter().map(|(_, group)| group);
-        core::iter::once(&self.arrays)
+        [&self.arrays, &self.fill_lists, &self.read_lists]
+            .into_iter()
             .chain(targets)
             .filter_map(CachedBindGroup::get)
     }
@@ -81,6 +87,8 @@ impl ViewLightingBindings {
         self.view.clear();
         self.arrays.clear();
         self.targets = default();
+        self.fill_lists.clear();
+        self.read_lists.clear();
     }
 }
 
@@ -139,13 +147,14 @@ pub(super) fn prepare_lighting_bind_groups(
     mut views: Query<LitView, With<ActiveLeanView>>,
 ) {
     for mut view in &mut views {
-        let layouts = view
-            .lighting
-            .pipeline
-            .and_then(|(key, _)| pipelines.layouts_of(key));
-        let Some(layouts) = layouts else {
+        let Some(key) = view.lighting.pipelines.first().map(|(key, _)| *key) else {
             continue;
         };
+        let Some(layouts) = pipelines.layouts_of(key) else {
+            continue;
+        };
+        let tiles = tiles::count(view.lighting.bindings.viewport_size).element_product();
+        view.lighting.update_tile_lists(&render_device, key, tiles);
         // Out of the view while its other parts are borrowed for the entries.
         let mut bindings = core::mem::take(&mut view.lighting.bindings);
         let complete = update_bind_groups(
@@ -186,6 +195,24 @@ fn update_bind_groups(
         .arrays
         .update(device, pipeline_cache, &layouts.arrays, &entries);
 
+    if let Some(lists) = &view.lighting.tile_lists {
+        let entries = [
+            (0, lists.dispatches().as_entire_binding()),
+            (1, lists.lists().as_entire_binding()),
+        ];
+        let [filled, read] = [&entries[..], &[(0, entries[1].1.clone())]].map(group_entries);
+        let (fill, reading) = (filling_layout(), reading_layout());
+        bindings
+            .fill_lists
+            .update(device, pipeline_cache, &fill, &filled);
+        bindings
+            .read_lists
+            .update(device, pipeline_cache, &reading, &read);
+    } else {
+        bindings.fill_lists.clear();
+        bindings.read_lists.clear();
+    }
+
     let uniforms = resources.buffers.uniforms.binding()?;
     let outputs = [
         view.target.main_texture_view(),
@@ -210,15 +237,31 @@ fn update_bind_groups(
             (3, uniforms.clone()),
         ];
         entries.extend_from_slice(&occlusion);
-        let entries: Vec<_> = entries
-            .into_iter()
-            .map(|(binding, resource)| BindGroupEntry { binding, resource })
-            .collect();
+        for target in GBufferTargets::all() {
+            if let Some(texture) = view.gbuffer.optional(target) {
+                let texture = texture.default_view.into_binding();
+                entries.push((target_binding(target), texture));
+            }
+        }
         slot.0 = Some(output.id());
-        slot.1
-            .update(device, pipeline_cache, &layouts.targets, &entries);
+        slot.1.update(
+            device,
+            pipeline_cache,
+            &layouts.targets,
+            &group_entries(&entries),
+        );
     }
     Some(())
+}
+
+fn group_entries<'a>(entries: &[(u32, BindingResource<'a>)]) -> Vec<BindGroupEntry<'a>> {
+    entries
+        .iter()
+        .map(|(binding, resource)| BindGroupEntry {
+            binding: *binding,
+            resource: resource.clone(),
+        })
+        .collect()
 }
 
 /// What bind group 2 has for ambient occlusion; empty if its layout asks for none.

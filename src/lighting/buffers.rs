@@ -25,6 +25,7 @@ pub(super) struct LightingUniform {
     viewport_size: UVec2,
     writes_background: u32,
     row_stride: u32,
+    list_capacity: u32,
 }
 
 /// The crate's own buffers, one for all views.
@@ -88,6 +89,7 @@ pub(super) fn write_lighting_buffers(
             viewport_size: size,
             writes_background: 0,
             row_stride: row_order.stride(tiles::count(size).y),
+            list_capacity: tiles::count(size).element_product(),
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
             writer.write(&LightingUniform {

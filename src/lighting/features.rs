@@ -13,7 +13,10 @@ use bevy::{
 use crate::{
     GBufferChannel, GeometricNormal, LeanAmbientOcclusion, LeanDeferred,
     ambient_occlusion::{FilterKey, OcclusionPipelines},
+    gbuffer::{Demand, GBufferTargets},
 };
+
+use super::variants::{LightingVariant, LightingVariants};
 
 /// Which lighting pipeline a view needs. Everything in it is compiled in or out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -29,6 +32,21 @@ pub(crate) struct LightingKey {
     /// Pixels without geometry are known by their depth, not by the cleared G-buffer.
     pub(super) depth_tells_geometry: bool,
     pub(super) occlusion: Option<OcclusionKey>,
+    /// The optional targets that the view has.
+    pub(super) targets: GBufferTargets,
+    /// The kinds of special surfaces that the view has: the plain variant lists their tiles.
+    pub(super) listed: LightingVariants,
+    /// The kind of surface that is lit.
+    pub(super) variant: LightingVariant,
+}
+
+impl LightingKey {
+    /// The keys of all dispatches, the plain one first.
+    pub(crate) fn variants(self) -> impl Iterator<Item = Self> {
+        core::iter::once(LightingVariant::PLAIN)
+            .chain(self.listed.each())
+            .map(move |variant| Self { variant, ..self })
+    }
 }
 
 /// How lighting applies ambient occlusion.
@@ -95,6 +113,7 @@ impl SceneFeatures<'_, '_> {
         settings: &LeanDeferred,
         occlusion: Option<&LeanAmbientOcclusion>,
         depth_tells_geometry: bool,
+        demand: Demand,
     ) -> LightingKey {
         let shadow_maps = self.point_lights.iter().any(|l| l.shadow_maps_enabled)
             || self
@@ -118,6 +137,14 @@ impl SceneFeatures<'_, '_> {
             occlusion: occlusion
                 .filter(|_| self.occlusion_pipelines.is_some() && settings.debug_view.is_none())
                 .and_then(OcclusionKey::new),
+            targets: demand.targets,
+            // Channels are shown for all surfaces alike.
+            listed: if settings.debug_view.is_some() {
+                LightingVariants::empty()
+            } else {
+                demand.variants
+            },
+            variant: LightingVariant::PLAIN,
         }
     }
 }

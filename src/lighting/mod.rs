@@ -1,10 +1,13 @@
 //! The lighting pass: one compute dispatch over the packed G-buffer, with Bevy's own lighting functions.
 //!
 //! - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
+//! - `variants.rs`: the kinds of surfaces for which it is compiled apart.
+//! - `tile_lists.{rs,wgsl}`: where on the screen each kind is.
 //! - `pipeline.rs`: layouts and pipelines.
 //! - `buffers.rs`, `bindings.rs`: the buffers and the bind groups, made anew only when what they bind changed.
-//! - `pass.rs`: the dispatch.
-//! - `lighting.wgsl`, `geometric_normal.{wgsl,rs}`: the shader, and its binding-free maths, twice.
+//! - `pass.rs`: the dispatches.
+//! - `lighting.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader.
+//! - `geometric_normal.{wgsl,rs}`: its binding-free maths, twice.
 
 mod bindings;
 mod buffers;
@@ -12,9 +15,12 @@ mod features;
 pub mod geometric_normal;
 mod pass;
 mod pipeline;
+mod tile_lists;
+mod variants;
 
 pub(crate) use features::{LightingKey, SceneFeatures};
 pub(crate) use pipeline::LightingPipelines;
+pub(crate) use variants::{LightingVariant, LightingVariants};
 
 use bevy::{
     asset::embedded_asset,
@@ -27,7 +33,9 @@ use bevy::{
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
         render_resource::{BindGroup, CachedComputePipelineId},
+        renderer::RenderDevice,
     },
+    shader::load_shader_library,
 };
 
 use crate::shared::SharedPlugin;
@@ -35,8 +43,9 @@ use crate::shared::SharedPlugin;
 /// On a view: everything its lighting pass needs. Dropped with the effect.
 #[derive(Component, Default)]
 pub struct ViewLighting {
-    /// The key and the pipeline of this frame.
-    pub(crate) pipeline: Option<(LightingKey, CachedComputePipelineId)>,
+    /// The keys and pipelines of this frame, that for plain surfaces first.
+    pub(crate) pipelines: Vec<(LightingKey, CachedComputePipelineId)>,
+    tile_lists: Option<tile_lists::TileLists>,
     bindings: bindings::ViewLightingBindings,
 }
 
@@ -45,6 +54,15 @@ pub struct ViewLighting {
 pub struct LightingPasses;
 
 impl ViewLighting {
+    /// Makes the lists of tiles anew if they are not those that `key` needs.
+    fn update_tile_lists(&mut self, device: &RenderDevice, key: LightingKey, capacity: u32) {
+        if key.listed.is_empty() {
+            self.tile_lists = None;
+        } else if !(self.tile_lists.as_ref()).is_some_and(|lists| lists.fit(key.listed, capacity)) {
+            self.tile_lists = Some(tile_lists::TileLists::new(device, key.listed, capacity));
+        }
+    }
+
     /// The bind groups that stay as they are from frame to frame until something that they bind is replaced: light
     /// probes and decals, and the G-buffer with either main texture. Another one, of the view, follows Bevy, which
     /// makes the buffers of the light clusters anew in each frame.
@@ -59,6 +77,9 @@ pub(crate) struct LightingPlugin;
 impl Plugin for LightingPlugin {
     fn build(&self, app: &mut App) {
         SharedPlugin::add_to(app);
+        load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "surface.wgsl");
+        load_shader_library!(app, "tile_lists.wgsl");
         embedded_asset!(app, "lighting.wgsl");
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

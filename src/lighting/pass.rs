@@ -1,4 +1,4 @@
-//! The dispatch.
+//! The dispatches.
 
 use bevy::{
     prelude::*,
@@ -10,7 +10,7 @@ use bevy::{
     },
 };
 
-use super::ViewLighting;
+use super::{ViewLighting, variants::LightingVariant};
 use crate::{camera::ActiveLeanView, tiles};
 
 /// Lights the G-buffer of a view into its main texture.
@@ -21,11 +21,13 @@ pub(super) fn lighting_pass(
 ) {
     let (lighting, target) = view.into_inner();
     let bindings = &lighting.bindings;
-    let Some((_, pipeline)) = lighting.pipeline else {
-        return;
-    };
-    let (Some(pipeline), Some(view_group), Some(arrays_group), Some(targets_group)) = (
-        pipeline_cache.get_compute_pipeline(pipeline),
+    let pipelines: Option<Vec<_>> = lighting
+        .pipelines
+        .iter()
+        .map(|(key, id)| Some((key.variant, pipeline_cache.get_compute_pipeline(*id)?)))
+        .collect();
+    let (Some(pipelines), Some(view_group), Some(arrays_group), Some(targets_group)) = (
+        pipelines,
         bindings.view.get(),
         bindings.arrays.get(),
         bindings.targets_for(target.main_texture_view()),
@@ -50,20 +52,35 @@ pub(super) fn lighting_pass(
         }));
     }
 
+    if let Some(lists) = &lighting.tile_lists {
+        lists.clear(ctx.command_encoder());
+    }
     let mut pass = ctx
         .command_encoder()
         .begin_compute_pass(&ComputePassDescriptor {
             label: Some("lean_deferred/lighting"),
             timestamp_writes: None,
         });
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, view_group, &bindings.view_offsets);
-    pass.set_bind_group(1, arrays_group, &[]);
     let mut offsets = vec![bindings.uniform_offsets[usize::from(writes_background)]];
     offsets.extend(bindings.occlusion_offset);
-    pass.set_bind_group(2, targets_group, &offsets);
-    let count = tiles::count(bindings.viewport_size);
-    pass.dispatch_workgroups(count.x, count.y, 1);
+    for (variant, pipeline) in pipelines {
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, view_group, &bindings.view_offsets);
+        pass.set_bind_group(1, arrays_group, &[]);
+        pass.set_bind_group(2, targets_group, &offsets);
+        if variant == LightingVariant::PLAIN {
+            if let Some(group) = bindings.fill_lists.get() {
+                pass.set_bind_group(3, group, &[]);
+            }
+            let count = tiles::count(bindings.viewport_size);
+            pass.dispatch_workgroups(count.x, count.y, 1);
+        } else if let (Some(lists), Some(group)) = (&lighting.tile_lists, bindings.read_lists.get())
+        {
+            pass.set_bind_group(3, group, &[]);
+            let offset = lists.dispatch_offset(variant);
+            pass.dispatch_workgroups_indirect(lists.dispatches(), offset);
+        }
+    }
     drop(pass);
     span.end(ctx.command_encoder());
 }

@@ -14,8 +14,13 @@ use bevy::{
     shader::ShaderDefVal,
 };
 
-use super::{buffers::LightingUniform, features::LightingKey};
-use crate::{GeometricNormal, ambient_occlusion::OcclusionView};
+use super::{
+    buffers::LightingUniform,
+    features::LightingKey,
+    tile_lists::{filling_layout, reading_layout},
+    variants::LightingVariant,
+};
+use crate::{GeometricNormal, ambient_occlusion::OcclusionView, gbuffer::GBufferTargets};
 
 /// Bindings of Bevy's view layout that no lighting function reads: visibility ranges (14), screen-space reflections
 /// (15), tonemapping (18, 19), prepass textures other than depth (21 to 23), transmission (24, 25), order-independent
@@ -27,12 +32,15 @@ pub(super) const AREA_LIGHT_LUTS_BINDING: u32 = 35;
 pub(super) const DFG_LUT_BINDING: u32 = 37;
 pub(super) const DECALS_BINDING: u32 = 5;
 
-/// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output).
+/// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output). All variants of a view share
+/// these.
 #[derive(Clone)]
 pub(super) struct LightingLayouts {
     pub(super) view: BindGroupLayoutDescriptor,
     pub(super) arrays: BindGroupLayoutDescriptor,
     pub(super) targets: BindGroupLayoutDescriptor,
+    /// Bind group 3, where there are special surfaces.
+    lists: Option<BindGroupLayoutDescriptor>,
 }
 
 impl LightingLayouts {
@@ -65,6 +73,11 @@ pub(super) fn init_lighting_pipelines(
     });
 }
 
+/// Where bind group 2 has an optional target.
+pub(super) fn target_binding(target: GBufferTargets) -> u32 {
+    7 + target.bits().trailing_zeros()
+}
+
 /// The G-buffer, the output, the crate's uniform, and occlusion if the view has that.
 fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
     let mut entries = BindGroupLayoutEntries::sequential(
@@ -90,6 +103,13 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
             ),
         ));
     }
+    for target in key.targets {
+        let texture = texture_2d(TextureSampleType::Uint);
+        entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
+            ShaderStages::COMPUTE,
+            ((target_binding(target), texture),),
+        ));
+    }
     BindGroupLayoutDescriptor::new("lean_deferred/lighting/targets", &entries)
 }
 
@@ -106,11 +126,11 @@ impl LightingPipelines {
         let layouts = self.layouts(key);
         let id = pipeline_cache.queue_compute_pipeline(ComputePipelineDescriptor {
             label: Some("lean_deferred/lighting".into()),
-            layout: vec![
-                layouts.view.clone(),
-                layouts.arrays.clone(),
-                layouts.targets.clone(),
-            ],
+            layout: [&layouts.view, &layouts.arrays, &layouts.targets]
+                .into_iter()
+                .chain(&layouts.lists)
+                .cloned()
+                .collect(),
             shader: self.shader.clone(),
             shader_defs: self.shader_defs(key, &layouts),
             entry_point: Some("main".into()),
@@ -156,6 +176,13 @@ impl LightingPipelines {
             view,
             arrays,
             targets: targets_layout(key),
+            lists: if key.variant != LightingVariant::PLAIN {
+                Some(reading_layout())
+            } else if !key.listed.is_empty() {
+                Some(filling_layout())
+            } else {
+                None
+            },
         }
     }
 
@@ -241,6 +268,9 @@ impl LightingPipelines {
             "GEOMETRIC_NORMAL_FIVE_TAP",
         );
 
+        for target in key.targets {
+            define(true, target.shader_def());
+        }
         define(key.depth_tells_geometry, "DEPTH_TELLS_GEOMETRY");
         define(key.debug_view.is_some(), "DEBUG_VIEW");
         if let Some(channel) = key.debug_view {
@@ -258,6 +288,7 @@ impl LightingPipelines {
             define(occlusion.debug_view, "OCCLUSION_DEBUG_VIEW");
             defs.extend(occlusion.filter.shader_defs());
         }
+        defs.extend(key.variant.shader_defs(key.listed));
         defs
     }
 }

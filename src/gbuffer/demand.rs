@@ -1,0 +1,112 @@
+//! What the visible meshes of each view need of the G-buffer and of lighting, and what a view gets for it.
+
+use bevy::{
+    platform::collections::HashMap,
+    prelude::*,
+    render::{
+        sync_world::{MainEntity, MainEntityHashMap},
+        view::RetainedViewEntity,
+    },
+};
+
+use super::targets::GBufferTargets;
+use crate::lighting::LightingVariants;
+
+/// Targets to write and ways to light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Demand {
+    pub(crate) targets: GBufferTargets,
+    pub(crate) variants: LightingVariants,
+}
+
+impl Demand {
+    /// Whether all of `other` is in this.
+    pub(crate) fn contains(self, other: Self) -> bool {
+        self.targets.contains(other.targets) && self.variants.contains(other.variants)
+    }
+
+    pub(crate) fn is_empty(self) -> bool {
+        self == Self::default()
+    }
+
+    fn union(self, other: Self) -> Self {
+        Self {
+            targets: self.targets | other.targets,
+            variants: self.variants | other.variants,
+        }
+    }
+}
+
+/// Frames that a view keeps what none of its visible meshes needs any more: what goes out of sight and comes back
+/// finds textures and pipelines as they were.
+const LINGERING_FRAMES: u32 = 120;
+
+/// The demand of one view.
+#[derive(Default)]
+pub(super) struct ViewDemand {
+    by_mesh: MainEntityHashMap<Demand>,
+    /// How many meshes have each demand.
+    counts: HashMap<Demand, usize>,
+    /// For how many more frames each demand of before is met.
+    lingering: HashMap<Demand, u32>,
+}
+
+impl ViewDemand {
+    /// Records what `mesh` needs, in place of what it needed before.
+    pub(super) fn insert(&mut self, mesh: MainEntity, demand: Demand) {
+        self.remove(mesh);
+        if !demand.is_empty() {
+            self.by_mesh.insert(mesh, demand);
+            *self.counts.entry(demand).or_default() += 1;
+        }
+    }
+
+    /// Forgets a mesh.
+    pub(super) fn remove(&mut self, mesh: MainEntity) {
+        let Some(demand) = self.by_mesh.remove(&mesh) else {
+            return;
+        };
+        if let Some(count) = self.counts.get_mut(&demand) {
+            *count -= 1;
+            if *count == 0 {
+                self.counts.remove(&demand);
+            }
+        }
+    }
+
+    /// What is needed now, or was a little while ago. To be called once a frame.
+    fn wanted(&mut self) -> Demand {
+        self.lingering.retain(|_, frames| {
+            *frames = frames.saturating_sub(1);
+            *frames > 0
+        });
+        for demand in self.counts.keys() {
+            self.lingering.insert(*demand, LINGERING_FRAMES);
+        }
+        self.lingering
+            .keys()
+            .fold(Demand::default(), |all, demand| all.union(*demand))
+    }
+}
+
+/// The demands of all lean views.
+#[derive(Resource, Default)]
+pub(crate) struct ViewDemands(HashMap<RetainedViewEntity, ViewDemand>);
+
+impl ViewDemands {
+    pub(super) fn of(&mut self, view: RetainedViewEntity) -> &mut ViewDemand {
+        self.0.entry(view).or_default()
+    }
+
+    /// Forgets all views that are not `live`.
+    pub(super) fn retain(&mut self, live: impl Fn(&RetainedViewEntity) -> bool) {
+        self.0.retain(|view, _| live(view));
+    }
+
+    /// What `view` should have in this frame, by what its meshes needed up to the last one.
+    pub(crate) fn wanted(&mut self, view: RetainedViewEntity) -> Demand {
+        self.0
+            .get_mut(&view)
+            .map_or(Demand::default(), ViewDemand::wanted)
+    }
+}

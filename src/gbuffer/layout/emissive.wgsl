@@ -1,0 +1,35 @@
+// Light with a shared exponent; twin of `emissive.rs`, under the same names.
+//
+// Mantissas R 9, G 9, B 9, exponent 5, low to high, as in the graphics APIs' RGB9E5.
+#define_import_path bevy_lean_deferred::gbuffer::layout::emissive
+
+#import bevy_lean_deferred::gbuffer::layout::is_nan
+
+/// Largest value of a channel. Brighter ones are clamped.
+const LARGEST_EMISSIVE: f32 = 65408.0;
+
+/// 2 to the power of `n`, exactly, for -126 to 127.
+fn power_of_two(n: i32) -> f32 {
+    return bitcast<f32>(u32(n + 127) << 23u);
+}
+
+/// Packs linear, exposed light. Negative values become 0, and so does a colour with a NaN.
+fn pack_emissive(color: vec3<f32>) -> u32 {
+    let number = select(color, vec3(0.0), is_nan(color.r + color.g + color.b));
+    let valid = clamp(number, vec3(0.0), vec3(LARGEST_EMISSIVE));
+    let largest = max(valid.r, max(valid.g, valid.b));
+    // The logarithm's integer part stands in the bits of a float.
+    var exponent = max(i32(bitcast<u32>(largest) >> 23u) - 127, -16) + 16;
+    // Rounded up to a mantissa of ten bits?
+    if largest * power_of_two(24 - exponent) + 0.5 >= 512.0 {
+        exponent += 1;
+    }
+    let mantissas = vec3<u32>(valid * power_of_two(24 - exponent) + 0.5);
+    return mantissas.r | (mantissas.g << 9u) | (mantissas.b << 18u) | (u32(exponent) << 27u);
+}
+
+/// The light of a word of the emissive target.
+fn unpack_emissive(word: u32) -> vec3<f32> {
+    let mantissas = vec3(word & 0x1ffu, (word >> 9u) & 0x1ffu, (word >> 18u) & 0x1ffu);
+    return vec3<f32>(mantissas) * power_of_two(i32(word >> 27u) - 24);
+}

@@ -1,0 +1,122 @@
+//! The optional targets of the G-buffer, and what a material needs of it.
+
+use bevy::{prelude::*, render::render_resource::TextureFormat};
+use bitflags::bitflags;
+
+use super::layout::{EMISSIVE_FORMAT, NORMAL_FORMAT, SPECIALIZATION_FORMAT, SURFACE_FORMAT};
+
+bitflags! {
+    /// Targets beside the base ones. Each exists only while a visible mesh writes it (and a little longer, so that what
+    /// comes and goes does not make textures and pipelines anew).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Reflect)]
+    #[reflect(opaque, Default, Clone, PartialEq, Hash)]
+    pub struct GBufferTargets: u8 {
+        /// Light that a surface emits, or that a lightmap holds for it.
+        const EMISSIVE = 1 << 0;
+        /// Specular constant, shading model with its arguments, and flags that are not at their defaults.
+        const SPECIALIZATION = 1 << 1;
+    }
+}
+
+impl GBufferTargets {
+    /// What `make` makes of the formats of a pass with these targets: two of the base, one for each optional target up
+    /// to the last, in the order of the fragment shader's outputs.
+    pub(crate) fn attachments<T>(self, make: impl Fn(TextureFormat) -> T) -> Vec<Option<T>> {
+        let mut attachments = vec![Some(make(SURFACE_FORMAT)), Some(make(NORMAL_FORMAT))];
+        attachments.extend(
+            Self::all()
+                .iter()
+                .take_while(|target| target.bits() <= self.bits())
+                .map(|target| self.contains(target).then(|| make(target.format()))),
+        );
+        attachments
+    }
+
+    /// The attachment of a single target.
+    pub(crate) const fn slot(self) -> usize {
+        2 + self.bits().trailing_zeros() as usize
+    }
+
+    /// What a single target is cleared to.
+    pub(crate) const fn clear_value(self) -> u32 {
+        0
+    }
+
+    /// The format of a single target.
+    pub(crate) fn format(self) -> TextureFormat {
+        match self {
+            Self::EMISSIVE => EMISSIVE_FORMAT,
+            _ => SPECIALIZATION_FORMAT,
+        }
+    }
+
+    /// The name of a single target, in labels of the graphics API.
+    pub(crate) fn label(self) -> &'static str {
+        match self {
+            Self::EMISSIVE => "lean_deferred/gbuffer/emissive",
+            _ => "lean_deferred/gbuffer/specialization",
+        }
+    }
+
+    /// The shader definition that makes shaders write or read a single target.
+    pub(crate) fn shader_def(self) -> &'static str {
+        match self {
+            Self::EMISSIVE => "GBUFFER_EMISSIVE",
+            _ => "GBUFFER_SPECIALIZATION",
+        }
+    }
+
+    /// Bytes a pixel of these targets, the base targets not counted.
+    pub fn bytes_per_pixel(self) -> u32 {
+        self.iter()
+            .filter_map(|target| target.format().block_copy_size(None))
+            .sum()
+    }
+}
+
+/// How a surface reflects light. A pixel has one of these; a material that asks for two at once is drawn forward.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq, Hash)]
+#[repr(u8)]
+pub enum ShadingModel {
+    /// Base colour, metallic, roughness.
+    #[default]
+    Plain = 0,
+    /// Light that enters scatters and leaves elsewhere. Stored; lit as [`Plain`](Self::Plain).
+    Subsurface = 1,
+    /// Highlights stretched along a tangent.
+    Anisotropy = 2,
+    /// Light caught along the silhouette.
+    Rim = 3,
+    /// A second, clear layer.
+    Clearcoat = 4,
+    /// Light that falls on the back shines through.
+    Backlight = 5,
+    /// The base colour, whatever the light.
+    Unlit = 6,
+}
+
+/// What a material needs of the G-buffer beside the base targets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct GBufferNeeds {
+    /// The optional targets that it writes.
+    pub targets: GBufferTargets,
+    /// How its pixels are lit.
+    pub shading_model: ShadingModel,
+}
+
+impl GBufferNeeds {
+    /// Only the base targets.
+    pub const BASE: Self = Self {
+        targets: GBufferTargets::empty(),
+        shading_model: ShadingModel::Plain,
+    };
+
+    /// The same with another shading model, which the specialization target names.
+    pub fn with_shading_model(self, shading_model: ShadingModel) -> Self {
+        Self {
+            targets: self.targets | GBufferTargets::SPECIALIZATION,
+            shading_model,
+        }
+    }
+}

@@ -1,0 +1,35 @@
+// What the lighting pass binds beside Bevy's view and light probes.
+#define_import_path bevy_lean_deferred::lighting::bindings
+
+#ifdef LEAN_AMBIENT_OCCLUSION
+#import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+#endif
+
+struct LightingUniform {
+    /// The camera's clear colour, as the main texture stores it.
+    background: vec4<f32>,
+    /// Pixels of the render target.
+    viewport_origin: vec2<u32>,
+    viewport_size: vec2<u32>,
+    /// 1 if pixels without geometry are to be set to `background`.
+    writes_background: u32,
+    row_stride: u32,
+    /// Tiles that each list has room for.
+    list_capacity: u32,
+}
+
+@group(2) @binding(0) var surface_texture: texture_2d<u32>;
+@group(2) @binding(1) var normal_texture: texture_2d<u32>;
+@group(2) @binding(2) var output_texture: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(3) var<uniform> uniforms: LightingUniform;
+#ifdef LEAN_AMBIENT_OCCLUSION
+@group(2) @binding(4) var<uniform> occlusion_view: OcclusionView;
+@group(2) @binding(5) var nearest_sampler: sampler;
+@group(2) @binding(6) var occlusion_texture: texture_2d<f32>;
+#endif
+#ifdef GBUFFER_EMISSIVE
+@group(2) @binding(7) var emissive_texture: texture_2d<u32>;
+#endif
+#ifdef GBUFFER_SPECIALIZATION
+@group(2) @binding(8) var specialization_texture: texture_2d<u32>;
+#endif

@@ -1,0 +1,193 @@
+// From the packed G-buffer to what Bevy's lighting functions take.
+#define_import_path bevy_lean_deferred::lighting::surface
+
+#import bevy_lean_deferred::gbuffer::layout
+#import bevy_lean_deferred::lighting::bindings::{normal_texture, surface_texture, uniforms}
+#import bevy_lean_deferred::lighting::geometric_normal::{
+    nearer_side, normal_from_positions, straighter_side,
+}
+#import bevy_pbr::{
+    mesh_types::{MESH_FLAGS_SHADOW_RECEIVER_BIT, MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT},
+    mesh_view_bindings::{depth_prepass_texture as depth_texture, view},
+    pbr_functions::calculate_view,
+    pbr_types::{PbrInput, STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT, pbr_input_new},
+}
+
+#ifdef GBUFFER_EMISSIVE
+#import bevy_lean_deferred::gbuffer::layout::emissive::unpack_emissive
+#import bevy_lean_deferred::lighting::bindings::emissive_texture
+#endif
+
+#ifdef GBUFFER_SPECIALIZATION
+#import bevy_lean_deferred::gbuffer::layout::specialization
+#endif
+
+/// A pixel of the G-buffer, as far as every invocation reads it.
+struct Pixel {
+    /// In the render target.
+    position: vec2<i32>,
+    has_geometry: bool,
+    depth: f32,
+    normal_word: u32,
+    /// 0, a plain surface, where the view has no such target.
+    specialization_word: u32,
+}
+
+/// Keeps positions finite for geometry so far away that its reversed depth is 0, and the squares of their differences
+/// within f32.
+const SMALLEST_DEPTH: f32 = 1e-14;
+
+fn view_position(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
+    let uv = (vec2<f32>(pixel) + 0.5 - view.main_pass_viewport.xy) / view.main_pass_viewport.zw;
+    let ndc = uv * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    // Through view space, not by `world_from_clip`: that matrix loses digits far from the origin.
+    let position = view.view_from_clip * vec4(ndc, max(depth, SMALLEST_DEPTH), 1.0);
+    return position.xyz / position.w;
+}
+
+#ifdef GEOMETRIC_NORMAL
+/// Further from any surface than the other side of an axis can be, so that that is chosen.
+const OUTSIDE: f32 = 1e9;
+
+fn is_in_viewport(pixel: vec2<i32>) -> bool {
+    let p = pixel - vec2<i32>(uniforms.viewport_origin);
+    return all(p >= vec2(0)) && all(p < vec2<i32>(uniforms.viewport_size));
+}
+
+/// Depth at `pixel`, `OUTSIDE` beyond the viewport.
+fn depth_at(pixel: vec2<i32>) -> f32 {
+    if !is_in_viewport(pixel) {
+        return OUTSIDE;
+    }
+    return textureLoad(depth_texture, pixel, 0);
+}
+
+/// View-space normal of the surface at `pixel`, unit length, facing the viewer.
+fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f32> {
+    let n = normal_from_taps(pixel, depth, position);
+    // A mirrored projection turns the order of the taps, and the normal, around.
+    let to_viewer = select(-position, vec3(0.0, 0.0, 1.0), view.clip_from_view[3].w == 1.0);
+    return select(n, -n, dot(n, to_viewer) < 0.0);
+}
+
+fn normal_from_taps(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f32> {
+    let x = vec2(1, 0);
+    let y = vec2(0, 1);
+#ifdef GEOMETRIC_NORMAL_THREE_TAP
+    // Right and below, but inwards in the last column and row.
+    let h = select(-1, 1, is_in_viewport(pixel + x));
+    let v = select(-1, 1, is_in_viewport(pixel + y));
+    return normal_from_positions(
+        position,
+        view_position(pixel + h * x, depth_at(pixel + h * x)), f32(h),
+        view_position(pixel + v * y, depth_at(pixel + v * y)), f32(v),
+    );
+#else
+    let left = depth_at(pixel - x);
+    let right = depth_at(pixel + x);
+    let top = depth_at(pixel - y);
+    let bottom = depth_at(pixel + y);
+#ifdef GEOMETRIC_NORMAL_FIVE_TAP
+    let h = nearer_side(depth, left, right);
+    let v = nearer_side(depth, top, bottom);
+#else
+    let h = straighter_side(depth, left, depth_at(pixel - 2 * x), right, depth_at(pixel + 2 * x));
+    let v = straighter_side(depth, top, depth_at(pixel - 2 * y), bottom, depth_at(pixel + 2 * y));
+#endif
+    return normal_from_positions(
+        position,
+        view_position(pixel + i32(h) * x, select(left, right, h > 0.0)), h,
+        view_position(pixel + i32(v) * y, select(top, bottom, v > 0.0)), v,
+    );
+#endif
+}
+#endif  // GEOMETRIC_NORMAL
+
+fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
+    let surface_word = textureLoad(surface_texture, pixel.position, 0).r;
+    let position = view_position(pixel.position, pixel.depth);
+
+    var pbr = pbr_input_new();
+    pbr.material.base_color = vec4(layout::unpack_albedo(surface_word), 1.0);
+    pbr.material.metallic = layout::unpack_metallic(surface_word);
+    pbr.material.perceptual_roughness = layout::unpack_roughness(pixel.normal_word);
+    // What is stored is exposed already, and what decals add is not exposed.
+    pbr.material.emissive = vec4(0.0);
+    pbr.material.flags = STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT;
+    pbr.diffuse_occlusion = vec3(layout::unpack_occlusion(surface_word));
+    pbr.frag_coord = vec4(vec2<f32>(pixel.position) + 0.5, pixel.depth, 1.0);
+    pbr.world_position = vec4((view.world_from_view * vec4(position, 1.0)).xyz, 1.0);
+    pbr.is_orthographic = view.clip_from_view[3].w == 1.0;
+    pbr.V = calculate_view(pbr.world_position, pbr.is_orthographic);
+    pbr.N = layout::unpack_normal(pixel.normal_word);
+#ifdef GEOMETRIC_NORMAL
+    let geometric = geometric_normal(pixel.position, pixel.depth, position);
+    pbr.world_normal = (view.world_from_view * vec4(geometric, 0.0)).xyz;
+#else
+    pbr.world_normal = pbr.N;
+#endif
+#ifdef SHADOW_MAPS
+    pbr.flags = MESH_FLAGS_SHADOW_RECEIVER_BIT;
+#endif
+#ifdef GBUFFER_SPECIALIZATION
+    specialize(&pbr, pixel.specialization_word);
+#endif
+#ifdef GBUFFER_EMISSIVE
+    let light = unpack_emissive(textureLoad(emissive_texture, pixel.position, 0).r);
+#ifdef LIGHTMAP
+    // Bevy exposes the light of lightmaps.
+    let lightmap = pixel.specialization_word & specialization::LIGHTMAP_BITS;
+    if lightmap == specialization::LIGHTMAP_INCIDENT {
+        pbr.lightmap_light = light / view.exposure;
+    } else {
+        pbr.material.emissive = vec4(light, 0.0);
+    }
+#else
+    pbr.material.emissive = vec4(light, 0.0);
+#endif
+#endif  // GBUFFER_EMISSIVE
+    return pbr;
+}
+
+#ifdef GBUFFER_SPECIALIZATION
+fn is_unlit(word: u32) -> bool {
+    return specialization::unpack_shading_model(word) == specialization::UNLIT;
+}
+
+fn specialize(pbr: ptr<function, PbrInput>, word: u32) {
+    if (word & specialization::NO_FOG) != 0u {
+        (*pbr).material.flags = 0u;
+    }
+    if is_unlit(word) {
+        (*pbr).material.base_color = vec4(specialization::unpack_unlit(word), 1.0);
+        return;
+    }
+    (*pbr).material.reflectance = vec3(specialization::unpack_reflectance(word));
+#ifdef SHADOW_MAPS
+    if (word & specialization::NO_SHADOWS) != 0u {
+        (*pbr).flags = 0u;
+    }
+#endif
+
+    // A variant of this pass is compiled for one shading model.
+    let arguments = specialization::unpack_arguments(word);
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    (*pbr).material.clearcoat = specialization::unpack_clearcoat_strength(arguments);
+    (*pbr).material.clearcoat_perceptual_roughness =
+        specialization::unpack_clearcoat_roughness(arguments);
+    (*pbr).clearcoat_N = (*pbr).N;
+#endif
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+    (*pbr).anisotropy_strength = specialization::unpack_anisotropy_strength(arguments);
+    (*pbr).anisotropy_T = specialization::unpack_anisotropy_tangent(arguments, (*pbr).N);
+    (*pbr).anisotropy_B = cross((*pbr).N, (*pbr).anisotropy_T);
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    (*pbr).material.diffuse_transmission = specialization::unpack_backlight_transmission(arguments);
+    (*pbr).material.thickness = specialization::unpack_backlight_thickness(arguments);
+    if specialization::unpack_backlight_shadows(arguments) {
+        (*pbr).flags |= MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT;
+    }
+#endif
+}
+#endif  // GBUFFER_SPECIALIZATION
