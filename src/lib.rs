@@ -65,7 +65,7 @@ pub mod prelude {
         },
         gbuffer::{
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
-            GBufferTargets, ShadingModel,
+            GBufferTargets, GBufferUsage, ShadingModel,
         },
     };
 }

@@ -1,19 +1,24 @@
 use bevy::{camera::Hdr, prelude::*, render::extract_component::ExtractComponent};
 
-use crate::{camera::ActiveLeanView, gbuffer::GBufferTextures, lighting::ViewLighting};
+use crate::{
+    camera::ActiveLeanView,
+    gbuffer::{GBufferTextures, GBufferUsage},
+    lighting::ViewLighting,
+};
 
 /// Renders this `Camera3d` through a packed 64-bit G-buffer and one compute lighting pass.
 ///
 /// The picture is that of Bevy's forward renderer. Opaque and alpha-masked meshes whose material the G-buffer can
 /// carry go through it; every other mesh is drawn by Bevy's forward passes on the same camera, against the same depth.
 /// Adding or removing the component at run time switches the camera over and frees what it held.
+/// What its targets cost is in [`GBufferUsage`].
 ///
 /// Needs HDR (required, added by itself) and no MSAA (switched off when the component is added). A camera that
 /// breaks these later, that also has `DeferredPrepass`, or a device that lacks something, is rendered as Bevy has
 /// it, with one warning that names the reason.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(Hdr)]
+#[require(Hdr, GBufferUsage)]
 #[extract_component_sync_target((Self, ActiveLeanView, GBufferTextures, ViewLighting))]
 pub struct LeanDeferred {
     /// How the normal of the surface itself (not the shading normal) is found from depth. Shadow bias uses it.

@@ -5,7 +5,8 @@
 //! - `material.rs`: which materials and meshes it carries, and what they need.
 //! - `demand.rs`: what all visible meshes of a view need together.
 //! - `phase.rs`, `pipeline.rs`, `queue.rs`: the render phases, their pipelines, and how meshes get there.
-//! - `textures.rs`, `pass.rs`: the targets, and the pass that draws into them.
+//! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them.
+//! - `usage.rs`: what a camera has of them, for users.
 //! - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
 
 mod demand;
@@ -17,12 +18,14 @@ mod pipeline;
 mod queue;
 mod targets;
 mod textures;
+mod usage;
 
 pub(crate) use demand::{Demand, ViewDemands};
 pub use material::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin};
 pub use phase::{AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer};
 pub use targets::{GBufferNeeds, GBufferTargets, ShadingModel};
 pub use textures::GBufferTextures;
+pub use usage::GBufferUsage;
 
 use bevy::{
     asset::embedded_asset,
@@ -75,6 +78,9 @@ impl Plugin for GBufferPlugin {
             ),
             GBufferMaterialPlugin::<StandardMaterial>::default(),
         ))
+        .register_type::<GBufferTargets>()
+        .register_type::<GBufferUsage>()
+        .add_observer(usage::remove_usage)
         .add_systems(Update, material::requeue_changed_special_meshes);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -96,6 +102,7 @@ impl Plugin for GBufferPlugin {
             .add_systems(
                 ExtractSchedule,
                 (
+                    usage::report_usage,
                     phase::extract_gbuffer_phases,
                     material::extract_special_meshes,
                 ),

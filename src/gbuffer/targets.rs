@@ -50,6 +50,14 @@ impl GBufferTargets {
         }
     }
 
+    /// The name of a single target.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::EMISSIVE => "emissive",
+            _ => "specialization",
+        }
+    }
+
     /// The name of a single target, in labels of the graphics API.
     pub(crate) fn label(self) -> &'static str {
         match self {

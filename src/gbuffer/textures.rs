@@ -18,6 +18,7 @@ use bevy::{
 use super::{
     layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT},
     targets::GBufferTargets,
+    usage::GBufferUsage,
 };
 use crate::camera::ActiveLeanView;
 
@@ -38,6 +39,15 @@ impl GBufferTextures {
         self.optional
             .iter()
             .find_map(|(other, texture)| (*other == target).then_some(texture))
+    }
+
+    /// What these are and cost.
+    pub(super) fn usage(&self) -> GBufferUsage {
+        let texture = &self.surface.texture;
+        GBufferUsage {
+            size: UVec2::new(texture.width(), texture.height()),
+            targets: self.optional.iter().map(|(target, _)| *target).collect(),
+        }
     }
 
     /// The attachments of the pass that writes the base targets alone.

@@ -277,7 +277,7 @@ fn positions(mesh: &Mesh) -> Vec<[f32; 3]> {
 }
 
 /// A cube whose second UVs are the first, turned and doubled.
-pub(super) fn cube_with_second_uvs() -> Mesh {
+pub fn cube_with_second_uvs() -> Mesh {
     let mut mesh = Mesh::from(Cuboid::from_length(1.4));
     let Some(VertexAttributeValues::Float32x2(uvs)) = mesh.attribute(Mesh::ATTRIBUTE_UV_0) else {
         panic!("a built cuboid has UVs");

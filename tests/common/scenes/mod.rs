@@ -9,6 +9,7 @@ mod meshes;
 mod views;
 
 pub use build::SceneBuilder;
+pub use materials::cube_with_second_uvs;
 
 /// A scene and how exactly it must match Bevy's forward renderer.
 pub struct Scene {

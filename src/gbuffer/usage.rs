@@ -1,0 +1,92 @@
+//! Tells users which targets a camera has, and what they cost.
+
+use bevy::{
+    prelude::*,
+    render::{MainWorld, sync_world::MainEntity},
+};
+
+use super::{layout::BASE_BYTES_PER_PIXEL, targets::GBufferTargets, textures::GBufferTextures};
+use crate::LeanDeferred;
+
+/// On a camera with [`LeanDeferred`]: what its G-buffer was made of in the last frame that was rendered.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn print_costs(cameras: Query<(Entity, &GBufferUsage)>) {
+///     for (camera, usage) in &cameras {
+///         for (target, bytes) in usage.each() {
+///             info!("{camera}: {target} {bytes} bytes");
+///         }
+///     }
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct GBufferUsage {
+    /// Pixels of the targets; zero while Bevy's forward passes render the camera.
+    pub size: UVec2,
+    /// The optional targets beside the base.
+    pub targets: GBufferTargets,
+}
+
+impl GBufferUsage {
+    /// Whether the camera was rendered through the G-buffer.
+    pub fn is_active(&self) -> bool {
+        self.size != UVec2::ZERO
+    }
+
+    /// Bytes a pixel of all targets, depth not counted.
+    pub fn bytes_per_pixel(&self) -> u32 {
+        if self.is_active() {
+            BASE_BYTES_PER_PIXEL + self.targets.bytes_per_pixel()
+        } else {
+            0
+        }
+    }
+
+    /// Bytes of all targets. Cameras of one size that need the same share theirs.
+    pub fn bytes(&self) -> u64 {
+        self.pixels() * u64::from(self.bytes_per_pixel())
+    }
+
+    /// The name of each target, and its bytes.
+    pub fn each(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        let base = self
+            .is_active()
+            .then_some(("base", u64::from(BASE_BYTES_PER_PIXEL)));
+        let optional = self
+            .targets
+            .iter()
+            .map(|target| (target.name(), u64::from(target.bytes_per_pixel())));
+        let pixels = self.pixels();
+        base.into_iter()
+            .chain(optional)
+            .map(move |(name, bytes)| (name, bytes * pixels))
+    }
+
+    fn pixels(&self) -> u64 {
+        u64::from(self.size.x) * u64::from(self.size.y)
+    }
+}
+
+/// Hands what the last frame's views had to their cameras in the main world.
+pub(super) fn report_usage(
+    mut main_world: ResMut<MainWorld>,
+    views: Query<(&MainEntity, Option<&GBufferTextures>), With<LeanDeferred>>,
+) {
+    for (camera, textures) in &views {
+        let usage = textures.map_or(GBufferUsage::default(), GBufferTextures::usage);
+        if let Some(mut reported) = main_world.get_mut::<GBufferUsage>(camera.id()) {
+            reported.set_if_neq(usage);
+        }
+    }
+}
+
+pub(super) fn remove_usage(removed: On<Remove, LeanDeferred>, mut commands: Commands) {
+    commands
+        .entity(removed.entity)
+        .queue_silenced(|mut camera: EntityWorldMut| {
+            camera.remove::<GBufferUsage>();
+        });
+}
