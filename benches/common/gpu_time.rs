@@ -53,6 +53,8 @@ impl Samples {
                 let name = name.trim_start_matches("render/");
                 let name = name.strip_prefix("bench/camera/").unwrap_or(name);
                 let name = name.strip_prefix("bench/prepass/").unwrap_or(name);
+                // It may have run within any stage of Bevy's that the bench has a span around.
+                let name = name.find("lean_deferred/").map_or(name, |at| &name[at..]);
                 self.0.entry(name.to_owned()).or_default().push(value);
             }
         }

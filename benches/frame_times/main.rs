@@ -12,6 +12,7 @@ mod gpu_time;
 mod report;
 mod run;
 mod scenes;
+mod special;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
@@ -75,11 +76,21 @@ fn main() {
         .filter(|c| *c == Contender::Forward || c.name().contains(&args.contender))
         .collect();
 
-    let total = scenes.len() * contenders.len();
+    let is_measured =
+        |scene: &BenchScene, contender: Contender| !scene.is_special() || contender.is_plain();
+    let total = scenes
+        .iter()
+        .map(|scene| {
+            contenders
+                .iter()
+                .filter(|c| is_measured(scene, **c))
+                .count()
+        })
+        .sum::<usize>();
     let mut measurements: Vec<Measurement> = Vec::with_capacity(total);
     for scene in &scenes {
         let mut reference = None;
-        for contender in &contenders {
+        for contender in contenders.iter().filter(|c| is_measured(scene, **c)) {
             eprintln!(
                 "[{}/{total}] {}: {}",
                 measurements.len() + 1,

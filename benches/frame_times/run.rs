@@ -70,17 +70,25 @@ impl Contender {
         }
     }
 
+    /// Whether it is a renderer as it comes, without further settings.
+    pub fn is_plain(self) -> bool {
+        matches!(
+            self,
+            Self::Forward | Self::BevyDeferred | Self::Lean(GeometricNormal::NineTap)
+        )
+    }
+
     /// Bytes a pixel that the geometry stage must write, and that it and lighting must move in all: each target once
     /// written, once read, formats as declared (depth 4, HDR colour 8).
-    fn bytes_per_pixel(self) -> (u32, u32) {
+    fn bytes_per_pixel(self, gbuffer: u32) -> (u32, u32) {
         match self {
             Self::Forward => (8 + 4, 8 + 4),
             Self::DepthOnly => (4, 4 + 8),
             // G-buffer 16, lighting id 1, depth 4; copies of the id (1 read, 2 written) and of depth (4 + 4);
             // lighting reads 16 + 2 + 4 and writes 8.
             Self::BevyDeferred => (16 + 1 + 4, 21 + 3 + 8 + 22 + 8),
-            // G-buffer 8, depth 4; lighting reads both and writes 8.
-            Self::Lean(_) => (8 + 4, 12 + 12 + 8),
+            // G-buffer, depth 4; lighting reads both and writes 8. Optional targets count as if all pixels wrote them.
+            Self::Lean(_) => (gbuffer + 4, 2 * (gbuffer + 4) + 8),
         }
     }
 
@@ -175,7 +183,8 @@ pub fn measure(
         .name
         .clone();
     let (geometry, lighting) = contender.spans();
-    let (bytes_written_by_geometry, bytes_in_all) = contender.bytes_per_pixel();
+    let (bytes_written_by_geometry, bytes_in_all) =
+        contender.bytes_per_pixel(gbuffer_bytes(&mut headless));
     let measurement = Measurement {
         adapter,
         scene: scene.name.clone(),
@@ -190,6 +199,13 @@ pub fn measure(
         off_by_8: None,
     };
     (measurement, headless.capture())
+}
+
+/// Bytes a pixel of the lean camera's G-buffer, if there is one.
+fn gbuffer_bytes(headless: &mut Headless) -> u32 {
+    let world = headless.world();
+    let mut cameras = world.query::<&GBufferUsage>();
+    cameras.iter(world).map(GBufferUsage::bytes_per_pixel).sum()
 }
 
 /// Spans around whole stages of Bevy's renderers, with their clears and copies, as this crate's own spans have them:

@@ -9,6 +9,7 @@ use crate::common::{
     headless::Headless,
     scenes::boxes::{self, Boxes},
 };
+use crate::special::{self, Special};
 
 /// A named scene; `spawn` makes everything but the camera.
 pub struct BenchScene {
@@ -18,7 +19,11 @@ pub struct BenchScene {
 
 enum Kind {
     Boxes(Boxes),
-    Gltf { path: String },
+    /// With what is special, and every how many boxes.
+    SpecialBoxes(Boxes, Special, usize),
+    Gltf {
+        path: String,
+    },
 }
 
 /// The built-in scenes, and one for each of the comma-separated glTF files.
@@ -39,15 +44,38 @@ pub fn all(gltf: &str) -> Vec<BenchScene> {
             .map_or("gltf".into(), |stem| stem.to_string_lossy().into_owned()),
         kind: Kind::Gltf { path: path.into() },
     });
-    boxes.into_iter().chain(models).collect()
+    let special = special::SCENES.map(|(name, special, every)| BenchScene {
+        name: name.into(),
+        kind: Kind::SpecialBoxes(Boxes::full(64), special, every),
+    });
+    let small = BenchScene {
+        name: "small_targets_all".into(),
+        kind: Kind::SpecialBoxes(Boxes::small(32), Special::Everything, 1),
+    };
+    boxes
+        .into_iter()
+        .chain(special)
+        .chain([small])
+        .chain(models)
+        .collect()
 }
 
 impl BenchScene {
+    /// Whether it shows what the optional targets cost, rather than how renderers compare.
+    pub fn is_special(&self) -> bool {
+        matches!(self.kind, Kind::SpecialBoxes(..))
+    }
+
     /// Spawns the scene and returns where its camera stands.
     pub fn spawn(&self, headless: &mut Headless) -> Transform {
         match &self.kind {
             Kind::Boxes(boxes) => {
                 spawn_boxes(headless.world(), *boxes);
+                boxes::camera_transform(*boxes)
+            }
+            Kind::SpecialBoxes(boxes, special, every) => {
+                spawn_boxes(headless.world(), *boxes);
+                special::make_special(headless.world(), *special, *every);
                 boxes::camera_transform(*boxes)
             }
             Kind::Gltf { path } => spawn_gltf(headless, path),

@@ -135,7 +135,7 @@ fn meshes_get_the_targets_that_they_need() {
     assert_eq!(usage(&mut headless).targets, SPECIALIZATION);
     assert!(!forward_draws(&headless));
 
-    let cube = crate::common::scenes::cube_with_second_uvs();
+    let cube = crate::common::scenes::materials::cube_with_second_uvs();
     let world = headless.world();
     let cube = world.resource_mut::<Assets<Mesh>>().add(cube);
     let image = world.resource_mut::<Assets<Image>>().add(Image::default());

@@ -4,12 +4,11 @@ pub mod boxes;
 pub mod build;
 mod forward_materials;
 mod lights;
-mod materials;
+pub mod materials;
 mod meshes;
 mod views;
 
 pub use build::SceneBuilder;
-pub use materials::cube_with_second_uvs;
 
 /// A scene and how exactly it must match Bevy's forward renderer.
 pub struct Scene {
