@@ -21,21 +21,38 @@ use bevy::{
 use bevy_lean_deferred::GBufferChannel;
 use common::headless::Headless;
 use covering::{Factor, covering_rows};
-use factors::{EXPOSURE, GBUFFER, LIGHTING, OCCLUSION_GATHER, OCCLUSION_MERGE, implications};
+use factors::{
+    EXPOSURE, GBUFFER, LIGHTING, OCCLUSION_GATHER, OCCLUSION_MERGE, implications, occurs,
+};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{Composer, NagaModuleDescriptor, ShaderDefValue};
 
 type Definitions = HashMap<String, ShaderDefValue>;
 
+/// The definition that `text` stands for: a name, or a name, `=` and a number.
+fn definition(text: &str) -> (String, ShaderDefValue) {
+    match text.split_once('=') {
+        Some((name, value)) => {
+            let value = value.parse().expect("the value is a number");
+            (name.to_string(), ShaderDefValue::UInt(value))
+        }
+        None => (text.to_string(), ShaderDefValue::Bool(true)),
+    }
+}
+
 /// The definitions of a row, with those that are `always` there.
 fn definitions(row: &[&[&'static str]], always: &[&'static str]) -> Definitions {
-    row.iter()
+    let mut defs: Definitions = row
+        .iter()
         .copied()
         .flatten()
         .flat_map(|name| implications(name).iter().chain([name]))
         .chain(always)
-        .map(|name| (name.to_string(), ShaderDefValue::Bool(true)))
-        .collect()
+        .map(|name| definition(name))
+        .collect();
+    let names: HashSet<String> = defs.keys().cloned().collect();
+    defs.retain(|name, _| occurs(name, |other| names.contains(other)));
+    defs
 }
 
 /// The shader modules of a running app, by their import name.
@@ -130,7 +147,13 @@ fn check_permutations(
     }
     println!("{path}: {} permutations", permutations.len());
     for defs in permutations {
-        let mut names: Vec<_> = defs.keys().cloned().collect();
+        let mut names: Vec<_> = defs
+            .iter()
+            .map(|(name, value)| match value {
+                ShaderDefValue::UInt(value) => format!("{name}={value}"),
+                _ => name.clone(),
+            })
+            .collect();
         names.sort();
         if let Err(error) = modules.check(&shader, defs) {
             panic!("{path} with {}:\n{error}", names.join(", "));
@@ -225,7 +248,7 @@ fn tried<'a>(factors: &[Factor], always: &[&'a str]) -> HashSet<&'a str> {
         .copied()
         .flatten()
         .flat_map(|name| implications(name).iter().chain([name]))
-        .copied()
+        .map(|name| name.split_once('=').map_or(*name, |(name, _)| name))
         .chain(always.iter().copied())
         .collect()
 }
@@ -270,8 +293,21 @@ fn every_definition_of_the_lighting_shader_is_tried() {
     let tried = tried(LIGHTING, &["DEPTH_PREPASS"]);
     let pipeline = include_str!("../src/lighting/pipeline.rs");
     assert_all_tried("pipeline.rs", pipeline, &tried);
+    let variants = include_str!("../src/lighting/variants.rs");
+    assert_all_tried("variants.rs", variants, &tried);
+    let targets = include_str!("../src/gbuffer/targets.rs");
+    assert_all_tried("targets.rs", targets, &tried);
     let channels = tried
         .iter()
         .filter(|name| name.starts_with("DEBUG_") && **name != "DEBUG_VIEW");
     assert_eq!(channels.count(), GBufferChannel::ALL.len());
+}
+
+#[test]
+fn every_definition_of_the_gbuffer_shader_is_tried() {
+    let tried = tried(GBUFFER, &[]);
+    let material = include_str!("../src/gbuffer/material.rs");
+    assert_all_tried("material.rs", material, &tried);
+    let targets = include_str!("../src/gbuffer/targets.rs");
+    assert_all_tried("targets.rs", targets, &tried);
 }

@@ -1,4 +1,4 @@
-//! The definitions that Bevy and the crate compile shaders with.
+//! The definitions that Bevy and the crate compile shaders with. `NAME` is true, `NAME=1` an unsigned number.
 
 use crate::covering::Factor;
 
@@ -56,13 +56,68 @@ pub const LIGHTING: &[Factor] = &[
     optional!("DEPTH_TELLS_GEOMETRY"),
     &[
         &[],
-        &["DEBUG_ALBEDO"],
-        &["DEBUG_METALLIC"],
-        &["DEBUG_OCCLUSION"],
-        &["DEBUG_NORMAL"],
-        &["DEBUG_ROUGHNESS"],
-        &["DEBUG_GEOMETRIC_NORMAL"],
-        &["DEBUG_DEPTH"],
+        &["GBUFFER_EMISSIVE"],
+        &["GBUFFER_SPECIALIZATION"],
+        &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
+    ],
+    WHAT_IS_LIT,
+];
+
+/// Channels are shown for all surfaces alike; else a dispatch may list special surfaces, or light one kind of them
+/// (`LightingVariant::shader_defs`).
+const WHAT_IS_LIT: Factor = &[
+    &[],
+    &["DEBUG_ALBEDO"],
+    &["DEBUG_METALLIC"],
+    &["DEBUG_OCCLUSION"],
+    &["DEBUG_NORMAL"],
+    &["DEBUG_ROUGHNESS"],
+    &["DEBUG_GEOMETRIC_NORMAL"],
+    &["DEBUG_DEPTH"],
+    &["DEBUG_EMISSIVE"],
+    &["DEBUG_SHADING_MODEL"],
+    &["LISTED_VARIANTS=4"],
+    &["LISTED_VARIANTS=15676"],
+    &[
+        "LIGHTING_VARIANT=2",
+        "LIST_RANK=0",
+        "STANDARD_MATERIAL_ANISOTROPY",
+    ],
+    &["LIGHTING_VARIANT=3", "LIST_RANK=1", "SHADING_MODEL_RIM"],
+    &[
+        "LIGHTING_VARIANT=4",
+        "LIST_RANK=2",
+        "STANDARD_MATERIAL_CLEARCOAT",
+    ],
+    &[
+        "LIGHTING_VARIANT=5",
+        "LIST_RANK=3",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+    ],
+    &["LIGHTING_VARIANT=8", "LIST_RANK=0", "LIGHTMAP"],
+    &[
+        "LIGHTING_VARIANT=10",
+        "LIST_RANK=5",
+        "LIGHTMAP",
+        "STANDARD_MATERIAL_ANISOTROPY",
+    ],
+    &[
+        "LIGHTING_VARIANT=11",
+        "LIST_RANK=6",
+        "LIGHTMAP",
+        "SHADING_MODEL_RIM",
+    ],
+    &[
+        "LIGHTING_VARIANT=12",
+        "LIST_RANK=7",
+        "LIGHTMAP",
+        "STANDARD_MATERIAL_CLEARCOAT",
+    ],
+    &[
+        "LIGHTING_VARIANT=13",
+        "LIST_RANK=8",
+        "LIGHTMAP",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
     ],
 ];
 
@@ -151,14 +206,75 @@ pub const GBUFFER: &[Factor] = &[
     PROJECTIONS,
     optional!("STANDARD_MATERIAL_NORMAL_MAP"),
     optional!("RELIEF_MAPPING"),
+    optional!(
+        "STANDARD_MATERIAL_BASE_COLOR_UV_B",
+        "STANDARD_MATERIAL_METALLIC_ROUGHNESS_UV_B",
+        "STANDARD_MATERIAL_OCCLUSION_UV_B",
+        "STANDARD_MATERIAL_NORMAL_MAP_UV_B"
+    ),
+    optional!(
+        "STANDARD_MATERIAL_EMISSIVE_UV_B",
+        "STANDARD_MATERIAL_SPECULAR_UV_B",
+        "STANDARD_MATERIAL_SPECULAR_TINT_UV_B",
+        "STANDARD_MATERIAL_CLEARCOAT_UV_B",
+        "STANDARD_MATERIAL_CLEARCOAT_ROUGHNESS_UV_B",
+        "STANDARD_MATERIAL_CLEARCOAT_NORMAL_UV_B",
+        "STANDARD_MATERIAL_ANISOTROPY_UV_B",
+        "STANDARD_MATERIAL_SPECULAR_TRANSMISSION_UV_B",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION_UV_B",
+        "STANDARD_MATERIAL_THICKNESS_UV_B"
+    ),
+    optional!("PBR_SPECULAR_TEXTURES_SUPPORTED"),
+    optional!("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED"),
+    optional!("PBR_ANISOTROPY_TEXTURE_SUPPORTED"),
+    optional!("PBR_TRANSMISSION_TEXTURES_SUPPORTED"),
+    WHAT_IS_DRAWN,
+];
+
+/// The optional targets, with the materials and meshes that only passes with these targets draw.
+const WHAT_IS_DRAWN: Factor = &[
+    &[],
+    &["GBUFFER_EMISSIVE"],
+    &["GBUFFER_SPECIALIZATION"],
+    &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
+    &["STANDARD_MATERIAL_CLEARCOAT"],
+    &["STANDARD_MATERIAL_CLEARCOAT", "GBUFFER_EMISSIVE"],
+    &["STANDARD_MATERIAL_ANISOTROPY"],
+    &["STANDARD_MATERIAL_ANISOTROPY", "GBUFFER_EMISSIVE"],
+    &["STANDARD_MATERIAL_DIFFUSE_TRANSMISSION"],
+    &["STANDARD_MATERIAL_DIFFUSE_TRANSMISSION", "GBUFFER_EMISSIVE"],
+    // Unlit materials may have all.
     &[
-        &[],
-        &[
-            "STANDARD_MATERIAL_BASE_COLOR_UV_B",
-            "STANDARD_MATERIAL_METALLIC_ROUGHNESS_UV_B",
-            "STANDARD_MATERIAL_OCCLUSION_UV_B",
-            "STANDARD_MATERIAL_NORMAL_MAP_UV_B",
-        ],
+        "STANDARD_MATERIAL_CLEARCOAT",
+        "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP",
+        "STANDARD_MATERIAL_ANISOTROPY",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+    ],
+    &["LIGHTMAP", "VERTEX_UVS_A", "VERTEX_UVS_B"],
+    &[
+        "LIGHTMAP",
+        "LIGHTMAP_BICUBIC_SAMPLING",
+        "VERTEX_UVS_A",
+        "VERTEX_UVS_B",
+    ],
+    &[
+        "LIGHTMAP",
+        "VERTEX_UVS_A",
+        "VERTEX_UVS_B",
+        "STANDARD_MATERIAL_CLEARCOAT",
+    ],
+    &[
+        "LIGHTMAP",
+        "VERTEX_UVS_A",
+        "VERTEX_UVS_B",
+        "STANDARD_MATERIAL_ANISOTROPY",
+    ],
+    &[
+        "LIGHTMAP",
+        "LIGHTMAP_BICUBIC_SAMPLING",
+        "VERTEX_UVS_A",
+        "VERTEX_UVS_B",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
     ],
 ];
 
@@ -185,7 +301,36 @@ pub fn implications(name: &str) -> &'static [&'static str] {
         // Decals are bound in arrays, on the devices on which light probes are too.
         "CLUSTERED_DECALS_ARE_USABLE" => &["MULTIPLE_LIGHT_PROBES_IN_ARRAY"],
         "VERTEX_UVS_A" | "VERTEX_UVS_B" => &["VERTEX_UVS"],
+        "LIGHTMAP" => &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION" => &[
+            "STANDARD_MATERIAL_DIFFUSE_OR_SPECULAR_TRANSMISSION",
+            "GBUFFER_SPECIALIZATION",
+        ],
+        "STANDARD_MATERIAL_CLEARCOAT" | "STANDARD_MATERIAL_ANISOTROPY" => {
+            &["GBUFFER_SPECIALIZATION"]
+        }
+        name if name.starts_with("LISTED_") || name.starts_with("LIGHTING_VARIANT") => {
+            &["GBUFFER_SPECIALIZATION"]
+        }
         name if name.starts_with("DEBUG_") => &["DEBUG_VIEW"],
         _ => &[],
+    }
+}
+
+/// Whether `name` occurs beside the definitions that the view, mesh or device `has`.
+pub fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
+    match name {
+        // What `material_texture_defs` adds.
+        "PBR_SPECULAR_TEXTURES_SUPPORTED"
+        | "PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED"
+        | "PBR_ANISOTROPY_TEXTURE_SUPPORTED"
+        | "PBR_TRANSMISSION_TEXTURES_SUPPORTED" => has("GBUFFER_SPECIALIZATION"),
+        // Else materials have no such texture.
+        "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP" => {
+            has("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED")
+        }
+        // Without arrays Bevy's own `environment_map.wgsl` does not compile for lightmaps.
+        "ENVIRONMENT_MAP" => !has("LIGHTMAP") || has("MULTIPLE_LIGHT_PROBES_IN_ARRAY"),
+        _ => true,
     }
 }
