@@ -100,3 +100,102 @@ impl LightingVariants {
         })
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/common/compute.rs"]
+mod compute;
+
+#[cfg(test)]
+mod tests {
+    use bevy::{math::Vec3, shader::ShaderDefVal};
+
+    use super::{
+        LightingVariant, LightingVariants,
+        compute::{Compute, WgslModule},
+    };
+    use crate::gbuffer::{ShadingModel, layout::specialization as special};
+
+    const MODELS: [ShadingModel; 7] = [
+        ShadingModel::Plain,
+        ShadingModel::Subsurface,
+        ShadingModel::Anisotropy,
+        ShadingModel::Rim,
+        ShadingModel::Clearcoat,
+        ShadingModel::Backlight,
+        ShadingModel::Unlit,
+    ];
+
+    const KERNEL: &str = "
+#import bevy_lean_deferred::lighting::tile_lists::variant_of
+fn kernel(word: array<u32, 1>) -> array<u32, 1> {
+    return array(variant_of(word[0]));
+}";
+
+    #[test]
+    fn shaders_know_variants_by_the_same_numbers() {
+        let mut pixels = Vec::new();
+        for shading_model in MODELS {
+            for lightmap in [
+                special::LIGHTMAP_NONE,
+                special::LIGHTMAP_INCIDENT,
+                special::LIGHTMAP_REFLECTED,
+            ] {
+                for flags in [0, special::NO_FOG, special::NO_SHADOWS] {
+                    let word =
+                        special::pack_specialization(0.7, shading_model as u32, lightmap | flags);
+                    let is_lightmapped = lightmap != special::LIGHTMAP_NONE;
+                    let variant = LightingVariant::new(shading_model, is_lightmapped);
+                    pixels.push((word, variant));
+                    pixels.push((special::with_arguments(word, 0x1_ffff), variant));
+                }
+            }
+        }
+        for brightness in [0.0, 0.3, 1.0, 70.0, 3e4] {
+            let color = brightness * Vec3::new(1.0, 0.5, 0.9);
+            let word = special::pack_unlit(color, ShadingModel::Unlit as u32, special::NO_FOG);
+            pixels.push((word, LightingVariant::PLAIN));
+        }
+
+        let compute = Compute::new();
+        let modules = [
+            WgslModule {
+                path: "layout.wgsl",
+                source: include_str!("../gbuffer/layout.wgsl"),
+            },
+            WgslModule {
+                path: "specialization.wgsl",
+                source: include_str!("../gbuffer/layout/specialization.wgsl"),
+            },
+            WgslModule {
+                path: "bindings.wgsl",
+                source: include_str!("bindings.wgsl"),
+            },
+            WgslModule {
+                path: "tile_lists.wgsl",
+                source: include_str!("tile_lists.wgsl"),
+            },
+        ];
+        let kernel = compute.kernel::<1, 1>(&modules, KERNEL);
+        let words: Vec<_> = pixels.iter().map(|(word, _)| [*word]).collect();
+        for ((word, variant), [device]) in pixels.into_iter().zip(kernel.run(&words)) {
+            assert_eq!(device, variant.index(), "{word:08x}, {variant:?}");
+        }
+    }
+
+    #[test]
+    fn lists_follow_in_the_order_of_the_numbers() {
+        for bits in 0..=u16::MAX {
+            let listed = LightingVariants::from_bits_retain(bits);
+            // Of those that there are.
+            let listed = listed
+                .each()
+                .fold(LightingVariants::empty(), |set, variant| {
+                    set | variant.as_set()
+                });
+            for (place, variant) in listed.each().enumerate() {
+                let rank = ShaderDefVal::UInt("LIST_RANK".into(), place as u32);
+                assert!(variant.shader_defs(listed).contains(&rank), "{variant:?}");
+            }
+        }
+    }
+}

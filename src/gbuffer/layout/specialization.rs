@@ -21,6 +21,11 @@
 //! and the fog hold the colour, 8 + 8 + 8 (square roots) and a shared exponent of 4.
 //!
 //! A word of 0 is a plain surface with nothing but defaults.
+//!
+//! Largest errors (`tests/layout_optional.rs` measures and bounds them): linear values half a step; the tangent of
+//! anisotropy 0.088° about the stored normal, with whose error 0.095°; thickness 2.2%; mean free path 7.6%; exponent of
+//! rim light 0.48. Of unlit colours up to 1, 0.71 in 1/255 of sRGB (RMS 0.30); of brighter ones 0.56% of the brightest
+//! channel.
 
 use bevy::math::{Vec2, Vec3};
 
@@ -81,9 +86,12 @@ pub fn unpack_arguments(word: u32) -> u32 {
     word >> ARGUMENTS_SHIFT
 }
 
+/// Where `tangents` takes another frame. Not at 0, where walls are: passes may differ in a normal's last bits.
+const FRAME_SEAM: f32 = -0.3;
+
 /// Two tangents of a unit vector (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 fn tangents(n: Vec3) -> [Vec3; 2] {
-    let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let sign = if n.z >= FRAME_SEAM { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
     [

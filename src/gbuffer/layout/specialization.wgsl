@@ -63,9 +63,12 @@ fn unpack_arguments(word: u32) -> u32 {
     return word >> ARGUMENTS_SHIFT;
 }
 
+/// Where `tangents` takes another frame. Not at 0, where walls are: passes may differ in a normal's last bits.
+const FRAME_SEAM: f32 = -0.3;
+
 /// Two tangents of a unit vector (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 fn tangents(n: vec3<f32>) -> mat2x3<f32> {
-    let s = select(-1.0, 1.0, n.z >= 0.0);
+    let s = select(-1.0, 1.0, n.z >= FRAME_SEAM);
     let a = -1.0 / (s + n.z);
     let b = n.x * n.y * a;
     return mat2x3(
