@@ -167,6 +167,10 @@ fn kernel(word: array<u32, 1>) -> array<u32, 1> {
                 source: include_str!("../gbuffer/layout/specialization.wgsl"),
             },
             WgslModule {
+                path: "view.wgsl",
+                source: include_str!("../ambient_occlusion/view.wgsl"),
+            },
+            WgslModule {
                 path: "bindings.wgsl",
                 source: include_str!("bindings.wgsl"),
             },
