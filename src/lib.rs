@@ -40,6 +40,7 @@ mod bind_group_cache;
 pub mod camera;
 pub mod gbuffer;
 pub mod lighting;
+pub mod shading_extension;
 mod shared;
 mod tiles;
 
@@ -67,6 +68,7 @@ pub mod prelude {
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
             GBufferTargets, GBufferUsage, ShadingModel,
         },
+        shading_extension::{ExtendedStandardMaterial, ShadingExtension},
     };
 }
 
@@ -89,6 +91,7 @@ impl Plugin for LeanDeferredPlugin {
             camera::LeanCameraPlugin,
             gbuffer::GBufferPlugin,
             lighting::LightingPlugin,
+            shading_extension::ShadingExtensionPlugin,
         ));
     }
 }

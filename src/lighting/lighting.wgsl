@@ -22,6 +22,13 @@
 #import bevy_lean_deferred::lighting::tile_lists::variant_of
 #endif
 
+#ifdef SHADING_MODEL_RIM
+#import bevy_lean_deferred::gbuffer::layout::specialization::{
+    unpack_arguments, unpack_rim_color, unpack_rim_exponent,
+}
+#import bevy_lean_deferred::shading_extension::rim::rim_light
+#endif
+
 #ifdef LISTED_VARIANTS
 #import bevy_lean_deferred::lighting::tile_lists::list_tile
 #endif
@@ -154,6 +161,11 @@ fn light(pixel: Pixel) -> vec4<f32> {
 #endif
 #endif
     var color = apply_pbr_lighting(pbr);
+#ifdef SHADING_MODEL_RIM
+    let arguments = unpack_arguments(pixel.specialization_word);
+    let rim = rim_light(pbr, unpack_rim_color(arguments), unpack_rim_exponent(arguments));
+    color = vec4(color.rgb + rim, color.a);
+#endif
 #ifdef OCCLUSION_OF_DIRECT_LIGHT
     // With all indirect light occluded only direct light is left, and what the surface itself emits.
     pbr.diffuse_occlusion = vec3(0.0);

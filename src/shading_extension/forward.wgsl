@@ -1,0 +1,42 @@
+// Fragment shader that draws a `StandardMaterial` with a `ShadingExtension` in Bevy's forward passes.
+#import bevy_lean_deferred::gbuffer::layout::specialization::{
+    RIM, unpack_rim_color, unpack_rim_exponent,
+}
+#import bevy_lean_deferred::shading_extension::{extension::extension, rim::rim_light}
+#import bevy_pbr::{
+    decal::clustered::apply_decals,
+    forward_io::{FragmentOutput, VertexOutput},
+    pbr_fragment::pbr_input_from_standard_material,
+    pbr_functions::{alpha_discard, apply_pbr_lighting, main_pass_post_lighting_processing},
+    pbr_types::{PbrInput, STANDARD_MATERIAL_FLAGS_UNLIT_BIT},
+}
+
+#ifdef VISIBILITY_RANGE_DITHER
+#import bevy_pbr::pbr_functions::visibility_range_dither
+#endif
+
+fn light(pbr: PbrInput) -> vec4<f32> {
+    if (pbr.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u {
+        return pbr.material.base_color;
+    }
+    var color = apply_pbr_lighting(pbr);
+    if extension.shading_model == RIM {
+        let rim_color = unpack_rim_color(extension.arguments);
+        let rim = rim_light(pbr, rim_color, unpack_rim_exponent(extension.arguments));
+        color = vec4(color.rgb + rim, color.a);
+    }
+    return color;
+}
+
+@fragment
+fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
+#ifdef VISIBILITY_RANGE_DITHER
+    visibility_range_dither(in.position, in.visibility_range_dither);
+#endif
+    var pbr = pbr_input_from_standard_material(in, is_front);
+    pbr.material.base_color = alpha_discard(pbr.material, pbr.material.base_color);
+    apply_decals(&pbr);
+    var out: FragmentOutput;
+    out.color = main_pass_post_lighting_processing(pbr, light(pbr));
+    return out;
+}

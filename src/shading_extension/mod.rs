@@ -1,0 +1,217 @@
+//! Shading models that a `StandardMaterial` does not have, as an extension of it.
+//!
+//! - `extension.wgsl`: its bindings.
+//! - `forward.wgsl`, `gbuffer.wgsl`: the fragment shaders of cameras without and with `LeanDeferred`.
+//! - `rim.wgsl`: rim light, for the first of these and for the lighting pass.
+
+use bevy::{
+    asset::{AssetPath, embedded_asset, embedded_path},
+    ecs::system::SystemParamItem,
+    pbr::{ExtendedMaterial, MaterialExtension, MaterialPlugin, StandardMaterial},
+    prelude::*,
+    render::{
+        render_resource::{
+            AsBindGroup, AsBindGroupError, BindGroupLayout, BindGroupLayoutEntry,
+            UnpreparedBindGroup,
+        },
+        renderer::RenderDevice,
+    },
+    shader::{ShaderRef, load_shader_library},
+};
+
+use crate::gbuffer::{
+    GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds, ShadingModel,
+    layout::specialization::{pack_rim, pack_subsurface},
+};
+
+/// A `StandardMaterial` with a [`ShadingExtension`].
+pub type ExtendedStandardMaterial = ExtendedMaterial<StandardMaterial, ShadingExtension>;
+
+/// Adds a shading model to a [`StandardMaterial`], on cameras with and without [`LeanDeferred`](crate::LeanDeferred).
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn spawn(mut commands: Commands, mut materials: ResMut<Assets<ExtendedStandardMaterial>>) {
+///     commands.spawn(MeshMaterial3d(materials.add(ExtendedStandardMaterial {
+///         base: Color::srgb(0.5, 0.4, 0.3).into(),
+///         extension: ShadingExtension::Rim {
+///             color: Color::WHITE,
+///             exponent: 4.0,
+///         },
+///     })));
+/// }
+/// ```
+///
+/// A surface has one special shading model: on a base that is unlit or has clearcoat, anisotropy or diffuse
+/// transmission, forward draws the mesh, with both. Every camera shows the arguments as rounded to the bits that the
+/// G-buffer has for them. Bevy's own deferred renderer shows the base alone.
+#[derive(Asset, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum ShadingExtension {
+    /// The base as it is. Default.
+    #[default]
+    None,
+    /// Light that enters scatters and leaves elsewhere. Stored in the G-buffer; lit as the base is.
+    Subsurface {
+        /// Colour of the scattered light, each channel from 0 to 1.
+        color: Color,
+        /// Metres that light travels between two scatterings, 0.0001 to 1. More is softer.
+        mean_free_path: f32,
+    },
+    /// Ambient and environment light from behind, caught along the silhouette of what faces up.
+    Rim {
+        /// Factor on the light, each channel from 0 (none) to 1 (all of it).
+        color: Color,
+        /// 1 to 16. Less is a wider rim; Mitchell et al. 2007 use 4.
+        exponent: f32,
+    },
+}
+
+impl ShadingExtension {
+    fn shading_model(self) -> ShadingModel {
+        match self {
+            Self::None => ShadingModel::Plain,
+            Self::Subsurface { .. } => ShadingModel::Subsurface,
+            Self::Rim { .. } => ShadingModel::Rim,
+        }
+    }
+
+    /// As the G-buffer stores them.
+    fn packed_arguments(self) -> u32 {
+        let linear = |color: Color| color.to_linear().to_vec3();
+        match self {
+            Self::None => 0,
+            Self::Subsurface {
+                color,
+                mean_free_path,
+            } => pack_subsurface(linear(color), mean_free_path),
+            Self::Rim { color, exponent } => pack_rim(linear(color), exponent),
+        }
+    }
+}
+
+impl GBufferMaterialExtension for ShadingExtension {
+    fn gbuffer_fragment_shader() -> ShaderRef {
+        embedded("gbuffer.wgsl")
+    }
+
+    fn gbuffer_needs(&self, base: GBufferNeeds) -> Option<GBufferNeeds> {
+        match self.shading_model() {
+            ShadingModel::Plain => Some(base),
+            special => (base.shading_model == ShadingModel::Plain)
+                .then(|| base.with_shading_model(special)),
+        }
+    }
+}
+
+impl MaterialExtension for ShadingExtension {
+    fn fragment_shader() -> ShaderRef {
+        embedded("forward.wgsl")
+    }
+}
+
+fn embedded(file: &str) -> ShaderRef {
+    ShaderRef::Path(AssetPath::from_path_buf(embedded_path!(file)).with_source("embedded"))
+}
+
+/// What the shaders read of the extension, in the bind group of the material.
+#[derive(AsBindGroup)]
+#[doc(hidden)]
+pub struct ExtensionBindings {
+    #[uniform(100)]
+    shading_model: u32,
+    #[uniform(100)]
+    arguments: u32,
+}
+
+impl From<&ShadingExtension> for ExtensionBindings {
+    fn from(extension: &ShadingExtension) -> Self {
+        Self {
+            shading_model: extension.shading_model() as u32,
+            arguments: extension.packed_arguments(),
+        }
+    }
+}
+
+/// Not derived: Bevy derives it for structs only.
+impl AsBindGroup for ShadingExtension {
+    type Data = ();
+    type Param = <ExtensionBindings as AsBindGroup>::Param;
+
+    fn label() -> &'static str {
+        "lean_deferred/shading_extension"
+    }
+
+    fn bind_group_data(&self) -> Self::Data {}
+
+    fn unprepared_bind_group(
+        &self,
+        layout: &BindGroupLayout,
+        render_device: &RenderDevice,
+        param: &mut SystemParamItem<'_, '_, Self::Param>,
+        force_no_bindless: bool,
+    ) -> Result<UnpreparedBindGroup, AsBindGroupError> {
+        ExtensionBindings::from(self).unprepared_bind_group(
+            layout,
+            render_device,
+            param,
+            force_no_bindless,
+        )
+    }
+
+    fn bind_group_layout_entries(
+        render_device: &RenderDevice,
+        force_no_bindless: bool,
+    ) -> Vec<BindGroupLayoutEntry> {
+        ExtensionBindings::bind_group_layout_entries(render_device, force_no_bindless)
+    }
+}
+
+/// Draws [`ExtendedStandardMaterial`]s, on cameras with and without `LeanDeferred`. Part of
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin).
+#[derive(Default)]
+pub struct ShadingExtensionPlugin;
+
+impl Plugin for ShadingExtensionPlugin {
+    fn build(&self, app: &mut App) {
+        load_shader_library!(app, "extension.wgsl");
+        load_shader_library!(app, "rim.wgsl");
+        embedded_asset!(app, "forward.wgsl");
+        embedded_asset!(app, "gbuffer.wgsl");
+        app.register_type::<ShadingExtension>().add_plugins((
+            MaterialPlugin::<ExtendedStandardMaterial>::default(),
+            GBufferMaterialPlugin::<ExtendedStandardMaterial>::default(),
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gbuffer::GBufferMaterial;
+
+    #[test]
+    fn a_second_special_shading_model_goes_forward() {
+        let rim = ShadingExtension::Rim {
+            color: Color::WHITE,
+            exponent: 4.0,
+        };
+        let needs = |extension, clearcoat| {
+            let base = StandardMaterial {
+                clearcoat,
+                ..default()
+            };
+            ExtendedStandardMaterial { base, extension }.gbuffer_needs()
+        };
+        assert_eq!(
+            needs(rim, 0.0).map(|needs| needs.shading_model),
+            Some(ShadingModel::Rim)
+        );
+        assert_eq!(needs(rim, 1.0), None);
+        assert_eq!(
+            needs(ShadingExtension::None, 1.0).map(|needs| needs.shading_model),
+            Some(ShadingModel::Clearcoat)
+        );
+    }
+}

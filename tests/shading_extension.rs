@@ -1,0 +1,225 @@
+//! Rim light and subsurface scattering of `ShadingExtension` go through the G-buffer and look as in forward.
+
+mod common;
+
+use bevy::{
+    light::{AmbientLight, EnvironmentMapLight, IrradianceVolume, LightProbe},
+    prelude::*,
+    render::RenderApp,
+};
+use bevy_lean_deferred::{camera::ActiveLeanView, prelude::*};
+use common::{
+    headless::{Headless, Picture},
+    lean::{build, judge, report, set_lean, settled},
+    metrics::difference,
+    scenes::{LEAST_PSNR, SceneBuilder},
+};
+
+const SIZE: UVec2 = UVec2::new(320, 240);
+
+/// What lights the balls from all around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Surroundings {
+    Ambient,
+    EnvironmentMap,
+    IrradianceVolume,
+}
+
+/// A saturated, a white and a wide rim.
+const RIMS: [ShadingExtension; 3] = [
+    rim(Color::srgb(1.0, 0.5, 0.2), 4.0),
+    rim(Color::WHITE, 2.0),
+    rim(Color::srgb(0.3, 0.8, 1.0), 1.0),
+];
+
+const SUBSURFACES: [ShadingExtension; 3] = [
+    subsurface(Color::srgb(0.9, 0.3, 0.2), 0.001),
+    subsurface(Color::srgb(0.9, 0.8, 0.7), 0.02),
+    subsurface(Color::WHITE, 1.0),
+];
+
+const fn rim(color: Color, exponent: f32) -> ShadingExtension {
+    ShadingExtension::Rim { color, exponent }
+}
+
+const fn subsurface(color: Color, mean_free_path: f32) -> ShadingExtension {
+    ShadingExtension::Subsurface {
+        color,
+        mean_free_path,
+    }
+}
+
+fn balls(
+    s: &mut SceneBuilder,
+    extensions: [ShadingExtension; 3],
+    change: fn(&mut StandardMaterial),
+) {
+    let mesh = s.add::<Mesh>(Sphere::new(0.8).mesh().uv(64, 32));
+    for (extension, x) in extensions.into_iter().zip([-1.9, 0.0, 1.9]) {
+        let mut base = StandardMaterial {
+            base_color: Color::srgb(0.3, 0.25, 0.2),
+            perceptual_roughness: 0.7,
+            ..default()
+        };
+        change(&mut base);
+        let material =
+            s.add::<ExtendedStandardMaterial>(ExtendedStandardMaterial { base, extension });
+        s.spawn((
+            Mesh3d(mesh.clone()),
+            MeshMaterial3d(material),
+            Transform::from_xyz(x, 0.8, 0.0),
+        ));
+    }
+}
+
+/// Three balls on a floor in the sun, and what surrounds them.
+fn scene(
+    s: &mut SceneBuilder,
+    surroundings: Surroundings,
+    extensions: [ShadingExtension; 3],
+    change: fn(&mut StandardMaterial),
+) {
+    s.floor();
+    s.sun(true);
+    balls(s, extensions, change);
+    let camera = s.default_camera(AmbientLight {
+        brightness: 700.0,
+        ..default()
+    });
+    match surroundings {
+        Surroundings::Ambient => {}
+        Surroundings::EnvironmentMap => {
+            let map = s.cube_map();
+            s.world().entity_mut(camera).insert(EnvironmentMapLight {
+                diffuse_map: map.clone(),
+                specular_map: map,
+                intensity: 900.0,
+                ..default()
+            });
+        }
+        Surroundings::IrradianceVolume => {
+            let voxels = s.irradiance_voxels();
+            s.spawn((
+                LightProbe::default(),
+                IrradianceVolume {
+                    voxels,
+                    intensity: 1500.0,
+                    ..default()
+                },
+                Transform::from_scale(Vec3::splat(9.0)),
+            ));
+        }
+    }
+}
+
+/// The optional targets of the only lean view.
+fn targets(headless: &mut Headless) -> GBufferTargets {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query::<&ActiveLeanView>();
+    views.single(world).expect("one lean view").targets
+}
+
+fn forward(
+    surroundings: Surroundings,
+    extensions: [ShadingExtension; 3],
+    change: fn(&mut StandardMaterial),
+) -> (Headless, Picture) {
+    let mut headless = build(SIZE, |s| scene(s, surroundings, extensions, change));
+    let picture = settled(&mut headless);
+    (headless, picture)
+}
+
+fn compare(
+    name: &str,
+    surroundings: Surroundings,
+    extensions: [ShadingExtension; 3],
+    change: fn(&mut StandardMaterial),
+    expected: GBufferTargets,
+) -> Result<(), String> {
+    let (mut headless, forward) = forward(surroundings, extensions, change);
+    set_lean(&mut headless, true);
+    let lean = settled(&mut headless);
+    assert_eq!(targets(&mut headless), expected, "{name}");
+    let name = format!("{name}_{surroundings:?}").to_lowercase();
+    judge(&name, &forward, &lean, LEAST_PSNR)
+}
+
+const ALL: [Surroundings; 3] = [
+    Surroundings::Ambient,
+    Surroundings::EnvironmentMap,
+    Surroundings::IrradianceVolume,
+];
+
+#[test]
+fn rims_match_forward() {
+    let through = GBufferTargets::SPECIALIZATION;
+    report(ALL.map(|surroundings| compare("rim", surroundings, RIMS, |_| {}, through)));
+    report([compare(
+        "rim_emissive",
+        Surroundings::EnvironmentMap,
+        RIMS,
+        |base| base.emissive = LinearRgba::rgb(0.0, 0.1, 0.05),
+        GBufferTargets::all(),
+    )]);
+}
+
+#[test]
+fn subsurface_matches_forward_and_the_plain_base() {
+    for surroundings in [Surroundings::Ambient, Surroundings::EnvironmentMap] {
+        let through = GBufferTargets::SPECIALIZATION;
+        report([compare(
+            "subsurface",
+            surroundings,
+            SUBSURFACES,
+            |_| {},
+            through,
+        )]);
+        let none = [ShadingExtension::None; 3];
+        let [(_, plain), (_, subsurface)] =
+            [none, SUBSURFACES].map(|extensions| forward(surroundings, extensions, |_| {}));
+        assert!(plain == subsurface, "forward shows the base");
+    }
+}
+
+/// So that a rim that neither renderer draws fails too.
+#[test]
+fn rims_show() {
+    for surroundings in ALL {
+        let [(_, plain), (_, rims)] = [[ShadingExtension::None; 3], RIMS]
+            .map(|extensions| forward(surroundings, extensions, |_| {}));
+        let psnr = difference(&plain, &rims).psnr;
+        println!("{surroundings:?}: {psnr:.1} dB without rims");
+        assert!(psnr < 35.0, "{surroundings:?}: {psnr:.1} dB");
+    }
+}
+
+/// Bases that are special themselves, and bases without an extension.
+#[test]
+fn other_bases_match_forward() {
+    let none = [ShadingExtension::None; 3];
+    let surroundings = Surroundings::EnvironmentMap;
+    report([
+        compare("none", surroundings, none, |_| {}, GBufferTargets::empty()),
+        compare(
+            "none_clearcoat",
+            surroundings,
+            none,
+            |base| base.clearcoat = 1.0,
+            GBufferTargets::SPECIALIZATION,
+        ),
+        compare(
+            "rim_clearcoat",
+            surroundings,
+            RIMS,
+            |base| base.clearcoat = 1.0,
+            GBufferTargets::empty(),
+        ),
+        compare(
+            "rim_unlit",
+            surroundings,
+            RIMS,
+            |base| base.unlit = true,
+            GBufferTargets::empty(),
+        ),
+    ]);
+}
