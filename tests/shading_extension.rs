@@ -17,6 +17,9 @@ use common::{
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 
+/// Stricter than other scenes: a rim that is a fifth too dark still reaches 45 to 48 dB.
+const LEAST_RIM_PSNR: f64 = 50.0;
+
 /// What lights the balls from all around.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Surroundings {
@@ -141,7 +144,9 @@ fn compare(
     let lean = settled(&mut headless);
     assert_eq!(targets(&mut headless), expected, "{name}");
     let name = format!("{name}_{surroundings:?}").to_lowercase();
-    judge(&name, &forward, &lean, LEAST_PSNR)
+    let has_rims = extensions == RIMS;
+    let least_psnr = if has_rims { LEAST_RIM_PSNR } else { LEAST_PSNR };
+    judge(&name, &forward, &lean, least_psnr)
 }
 
 const ALL: [Surroundings; 3] = [

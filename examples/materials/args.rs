@@ -1,0 +1,73 @@
+//! The command line.
+
+use argh::FromArgs;
+use bevy::prelude::*;
+use bevy_lean_deferred::prelude::*;
+
+use crate::{
+    choices,
+    run::parse_size,
+    settings::{self, ExampleSettings, Shown},
+};
+
+/// Balls of every shading model that the G-buffer carries: lean beside forward.
+#[derive(FromArgs)]
+pub struct Args {
+    /// both (the default), lean or forward
+    #[argh(option, default = "Shown::Both", from_str_fn(shown))]
+    shown: Shown,
+
+    /// channel of the G-buffer to show for the lit picture, such as shading-model
+    #[argh(option, from_str_fn(channel))]
+    pub debug_view: Option<GBufferChannel>,
+
+    /// leave the sun out
+    #[argh(switch)]
+    no_sun: bool,
+
+    /// leave the environment map out
+    #[argh(switch)]
+    no_environment: bool,
+
+    /// render without a window, write this PNG and quit
+    #[argh(option)]
+    pub headless: Option<String>,
+
+    /// width x height of the picture or window, default 1280x860
+    #[argh(option, default = "UVec2::new(1280, 860)", from_str_fn(parse_size))]
+    pub size: UVec2,
+
+    /// frames before the picture is taken, default 8
+    #[argh(option, default = "8")]
+    pub frames: usize,
+
+    /// show the text in the picture of --headless too
+    #[argh(switch)]
+    pub text: bool,
+}
+
+impl Args {
+    pub fn settings(&self) -> ExampleSettings {
+        ExampleSettings {
+            shown: self.shown,
+            debug_view: self.debug_view,
+            sun: !self.no_sun,
+            environment: !self.no_environment,
+            text: true,
+            picture: self.size,
+        }
+    }
+
+    /// Whether the halves of the picture are to look the same.
+    pub fn compares(&self) -> bool {
+        self.shown == Shown::Both && self.debug_view.is_none() && !self.text
+    }
+}
+
+fn shown(text: &str) -> Result<Shown, String> {
+    choices::parse(&settings::SHOWN, text)
+}
+
+fn channel(text: &str) -> Result<GBufferChannel, String> {
+    choices::parse(&GBufferChannel::ALL, text)
+}

@@ -1,0 +1,83 @@
+//! Pictures of `--headless`, and how far lean is from forward.
+
+use bevy::prelude::*;
+
+use crate::{
+    args::Args,
+    grid,
+    headless::{Headless, Picture},
+    metrics::{Difference, difference, pixel_difference},
+    rows::ROWS,
+    run,
+    settings::Side,
+};
+
+/// Writes a PNG. If it has lean beside forward, prints their differences, of the whole and of each row.
+pub fn write_pictures(mut headless: Headless, path: &str, args: &Args) -> AppExit {
+    if let Err(exit) = run::make_ready(&mut headless) {
+        return exit;
+    }
+    headless.frames(args.frames);
+    let picture = headless.capture();
+    if let Err(error) = picture.try_save(path) {
+        eprintln!("error: cannot write {path}: {error}");
+        return AppExit::error();
+    }
+    println!("{path}: {}×{}", picture.size.x, picture.size.y);
+    if args.compares() {
+        compare(&mut headless, &picture);
+    }
+    AppExit::Success
+}
+
+fn compare(headless: &mut Headless, picture: &Picture) {
+    let size = UVec2::new(picture.size.x / 2, picture.size.y);
+    let lean = crop(picture, UVec2::ZERO, size);
+    let forward = crop(picture, UVec2::new(picture.size.x - size.x, 0), size);
+    let print = |name: &str, difference: Difference| println!("{name:12} {difference}");
+    print("all", difference(&forward, &lean));
+    let bands = bands(headless);
+    for (row, [top, bottom]) in ROWS.iter().zip(bands) {
+        let top = (top.max(0.0) as u32).min(size.y);
+        let bottom = (bottom.max(0.0) as u32).clamp(top, size.y);
+        let [forward, lean] = [&forward, &lean].map(|half| {
+            let corner = UVec2::new(0, top);
+            crop(half, corner, UVec2::new(size.x, bottom - top))
+        });
+        if !lean.rgba.is_empty() {
+            print(row.name, pixel_difference(&forward, &lean));
+        }
+    }
+}
+
+/// Top and bottom of each row in the picture.
+fn bands(headless: &mut Headless) -> Vec<[f32; 2]> {
+    let world = headless.world();
+    let mut cameras = world.query::<(&Side, &Camera, &GlobalTransform)>();
+    let Some((_, camera, place)) = cameras.iter(world).find(|(side, ..)| **side == Side::Left)
+    else {
+        return Vec::new();
+    };
+    let height = |y: f32| {
+        let place = camera.world_to_viewport(place, Vec3::Y * y);
+        place.map_or(0.0, |place| place.y)
+    };
+    (0..ROWS.len())
+        .map(|row| {
+            let y = grid::row_height(row);
+            [height(y + 0.5), height(y - 0.5)]
+        })
+        .collect()
+}
+
+/// The part of a picture with a corner and a size.
+fn crop(picture: &Picture, corner: UVec2, size: UVec2) -> Picture {
+    let rgba = (corner.y..corner.y + size.y)
+        .flat_map(|y| {
+            let from = (y * picture.size.x + corner.x) as usize * 4;
+            picture.rgba[from..from + size.x as usize * 4].iter()
+        })
+        .copied()
+        .collect();
+    Picture { size, rgba }
+}

@@ -1,0 +1,167 @@
+//! The samples in rows and columns, and their light.
+
+use bevy::{
+    asset::RenderAssetUsages,
+    image::ImageSampler,
+    light::{CascadeShadowConfigBuilder, NotShadowReceiver},
+    pbr::Lightmap,
+    prelude::*,
+    render::render_resource::{Extent3d, TextureDimension, TextureFormat},
+};
+use bevy_lean_deferred::prelude::*;
+
+use crate::rows::{COLUMNS, ROWS, Textures};
+
+/// Metres between two samples.
+const SPACING: f32 = 1.0;
+const RADIUS: f32 = 0.4;
+
+#[derive(Component)]
+pub struct Sun;
+
+/// Half the width and the height of the grid, with a margin.
+pub fn half_size() -> Vec2 {
+    (Vec2::new(COLUMNS as f32, ROWS.len() as f32) * SPACING + 0.3) / 2.0
+}
+
+/// The middle of a row.
+pub fn row_height(row: usize) -> f32 {
+    ((ROWS.len() - 1) as f32 / 2.0 - row as f32) * SPACING
+}
+
+pub fn spawn(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut images: ResMut<Assets<Image>>,
+    mut standard: ResMut<Assets<StandardMaterial>>,
+    mut extended: ResMut<Assets<ExtendedStandardMaterial>>,
+) {
+    let ball = meshes.add(with_all_attributes(Sphere::new(RADIUS).mesh().uv(64, 32)));
+    let leaf = meshes.add(with_all_attributes(Circle::new(RADIUS).into()));
+    let textures = Textures {
+        specular: images.add(specular_texture()),
+        lightmap: images.add(lightmap()),
+    };
+    for (row, kind) in ROWS.iter().enumerate() {
+        for column in 0..COLUMNS {
+            let sample = (kind.sample)(column, &textures);
+            let x = (column as f32 - (COLUMNS - 1) as f32 / 2.0) * SPACING;
+            let mut entity = commands.spawn((
+                Mesh3d(if sample.is_leaf { &leaf } else { &ball }.clone()),
+                Transform::from_xyz(x, row_height(row), 0.0),
+            ));
+            if sample.extension == ShadingExtension::None {
+                entity.insert(MeshMaterial3d(standard.add(sample.base)));
+            } else {
+                entity.insert(MeshMaterial3d(extended.add(ExtendedStandardMaterial {
+                    base: sample.base,
+                    extension: sample.extension,
+                })));
+            }
+            if sample.ignores_shadows {
+                entity.insert(NotShadowReceiver);
+            }
+            if let Some(bicubic_sampling) = sample.lightmap {
+                entity.insert(Lightmap {
+                    image: textures.lightmap.clone(),
+                    bicubic_sampling,
+                    ..default()
+                });
+            }
+        }
+        if kind.has_bar {
+            commands.spawn((
+                Mesh3d(meshes.add(Cuboid::new(COLUMNS as f32 * SPACING, 0.1, 0.1))),
+                MeshMaterial3d(standard.add(Color::srgb(0.2, 0.2, 0.2))),
+                Transform::from_xyz(0.0, row_height(row) + 0.5, 0.5),
+            ));
+        }
+        if kind.has_light_behind {
+            for x in [-3.0, 0.0, 3.0] {
+                commands.spawn((
+                    PointLight {
+                        intensity: 400_000.0,
+                        range: 3.0,
+                        ..default()
+                    },
+                    Transform::from_xyz(x, row_height(row), -1.2),
+                ));
+            }
+        }
+    }
+}
+
+pub fn spawn_lights(mut commands: Commands) {
+    commands.spawn((
+        Sun,
+        DirectionalLight {
+            illuminance: 4_000.0,
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        CascadeShadowConfigBuilder {
+            num_cascades: 1,
+            maximum_distance: 60.0,
+            ..default()
+        }
+        .build(),
+        Transform::from_xyz(0.4, 1.0, 0.8).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+}
+
+/// With tangents, and the UVs of lightmaps.
+fn with_all_attributes(mut mesh: Mesh) -> Mesh {
+    if let Some(uvs) = mesh.attribute(Mesh::ATTRIBUTE_UV_0).cloned() {
+        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs);
+    }
+    match mesh.clone().with_generated_tangents() {
+        Ok(mesh) => mesh,
+        Err(error) => {
+            error!("a sample has no tangents: {error}");
+            mesh
+        }
+    }
+}
+
+/// Stripes of full and no reflectance, in the alpha channel.
+fn specular_texture() -> Image {
+    image(TextureFormat::Rgba8Unorm, |u, _| {
+        let stripe = ((u * 16.0) as u32).is_multiple_of(2);
+        [255, 255, 255, if stripe { 255 } else { 0 }]
+    })
+}
+
+/// A checkerboard of warm and cool light.
+fn lightmap() -> Image {
+    image(TextureFormat::Rgba8UnormSrgb, |u, v| {
+        if ((u * 16.0) as u32 + (v * 8.0) as u32).is_multiple_of(2) {
+            [255, 190, 110, 255]
+        } else {
+            [40, 70, 140, 255]
+        }
+    })
+}
+
+/// From a function of u and v in 0..1.
+fn image(format: TextureFormat, texel: impl Fn(f32, f32) -> [u8; 4]) -> Image {
+    const SIZE: u32 = 64;
+    let data = (0..SIZE * SIZE)
+        .flat_map(|i| {
+            let center = |x: u32| (x as f32 + 0.5) / SIZE as f32;
+            texel(center(i % SIZE), center(i / SIZE))
+        })
+        .collect();
+    let mut image = Image::new(
+        Extent3d {
+            width: SIZE,
+            height: SIZE,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        data,
+        format,
+        RenderAssetUsages::default(),
+    );
+    image.sampler = ImageSampler::linear();
+    image
+}

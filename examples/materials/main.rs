@@ -1,0 +1,87 @@
+//! Balls of every shading model and parameter that the G-buffer carries: lean beside forward.
+//!
+//! `cargo run --example materials -- [--headless OUT.png] [--help]`
+//!
+//! A row for each; `rows.rs` has them from top to bottom. Both halves show the same scene from the same place.
+//!
+//! | key | does |
+//! |---|---|
+//! | 1, 2, 3 | lean beside forward, lean alone, forward alone |
+//! | D | next channel of the G-buffer, where lean is shown |
+//! | L | sun on / off |
+//! | E | environment map on / off |
+//! | H | text on / off |
+//! | mouse, over the left half | left: orbit, right: pan, wheel: zoom |
+//! | Esc | quit |
+//!
+//! `--headless` writes a PNG and, of lean beside forward, prints how far the halves are apart.
+
+mod args;
+#[path = "../shared/choices.rs"]
+mod choices;
+mod figures;
+#[path = "../shared/gpu_times.rs"]
+mod gpu_times;
+mod grid;
+#[path = "../shared/made_up_sky.rs"]
+mod made_up_sky;
+#[path = "../../tests/common/metrics.rs"]
+mod metrics;
+mod overlay;
+mod rows;
+#[path = "../shared/run.rs"]
+mod run;
+mod settings;
+#[path = "../shared/text_panel.rs"]
+mod text_panel;
+
+use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin, window::WindowResized};
+use bevy_panorbit_camera::PanOrbitCameraPlugin;
+use run::headless::{self, Headless};
+use settings::ExampleSettings;
+
+fn main() -> AppExit {
+    let args: args::Args = argh::from_env();
+    let example = ExamplePlugin {
+        settings: args.settings(),
+    };
+    match &args.headless {
+        Some(path) => {
+            let headless = Headless::with(args.size, |app| {
+                app.add_plugins(example);
+                if args.text {
+                    app.add_plugins(overlay::OverlayPlugin);
+                }
+            });
+            figures::write_pictures(headless, path, &args)
+        }
+        None => run::windowed("bevy_lean_deferred materials", args.size)
+            .add_plugins((PanOrbitCameraPlugin, example, overlay::OverlayPlugin))
+            .add_systems(Update, settings::read_keys.before(settings::apply))
+            .run(),
+    }
+}
+
+/// The scene and its two cameras.
+struct ExamplePlugin {
+    settings: ExampleSettings,
+}
+
+impl Plugin for ExamplePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins(RenderDiagnosticsPlugin)
+            .insert_resource(self.settings.clone())
+            .add_systems(
+                Startup,
+                (grid::spawn, grid::spawn_lights, settings::spawn_cameras),
+            )
+            .add_systems(
+                Update,
+                settings::apply.run_if(
+                    resource_changed::<ExampleSettings>.or_else(on_message::<WindowResized>),
+                ),
+            )
+            .add_systems(PostUpdate, settings::follow)
+            .insert_resource(run::SceneReady);
+    }
+}

@@ -1,0 +1,203 @@
+//! The cameras, and what the keys change of them.
+
+use bevy::{
+    camera::{Hdr, ShadowLodOrigin, Viewport},
+    core_pipeline::tonemapping::Tonemapping,
+    light::{AmbientLight, EnvironmentMapLight, GeneratedEnvironmentMapLight},
+    pbr::{DistanceFog, FogFalloff},
+    prelude::*,
+    ui::IsDefaultUiCamera,
+};
+use bevy_lean_deferred::prelude::*;
+use bevy_panorbit_camera::PanOrbitCamera;
+
+use crate::{
+    grid::{self, Sun},
+    made_up_sky::made_up_sky,
+};
+
+/// Which cameras are on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    Both,
+    Lean,
+    Forward,
+}
+
+pub const SHOWN: [Shown; 3] = [Shown::Both, Shown::Lean, Shown::Forward];
+
+#[derive(Resource, Clone)]
+pub struct ExampleSettings {
+    pub shown: Shown,
+    pub debug_view: Option<GBufferChannel>,
+    pub sun: bool,
+    pub environment: bool,
+    pub text: bool,
+    /// The size of the picture where there is no window.
+    pub picture: UVec2,
+}
+
+/// Which half of the picture a camera has.
+#[derive(Component, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// With `LeanDeferred`.
+    Left,
+    /// Bevy's forward renderer.
+    Right,
+}
+
+/// Narrow, so that rows and columns look alike.
+const FOV: f32 = 0.35;
+
+pub fn spawn_cameras(mut commands: Commands, settings: Res<ExampleSettings>) {
+    let half_size = grid::half_size();
+    let aspect = settings.picture.x as f32 / 2.0 / settings.picture.y as f32;
+    let distance = half_size.y.max(half_size.x / aspect) / (FOV / 2.0).tan();
+    for (order, side) in [Side::Left, Side::Right].into_iter().enumerate() {
+        let mut camera = commands.spawn((
+            side,
+            Camera3d::default(),
+            Camera {
+                order: order as isize,
+                ..default()
+            },
+            Projection::Perspective(PerspectiveProjection {
+                fov: FOV,
+                ..default()
+            }),
+            // As LeanDeferred needs it, so that both are alike.
+            Hdr,
+            Msaa::Off,
+            AmbientLight {
+                brightness: 100.0,
+                ..default()
+            },
+            DistanceFog {
+                color: Color::srgb(0.45, 0.55, 0.75),
+                falloff: FogFalloff::Exponential { density: 0.008 },
+                ..default()
+            },
+            Transform::from_xyz(0.0, 0.0, distance),
+        ));
+        if side == Side::Left {
+            camera.insert((
+                PanOrbitCamera {
+                    button_orbit: MouseButton::Left,
+                    button_pan: MouseButton::Right,
+                    ..default()
+                },
+                ShadowLodOrigin,
+            ));
+        }
+    }
+}
+
+/// The right camera stands where the left one does.
+pub fn follow(mut cameras: Query<(&Side, &mut Transform)>) {
+    let left = cameras.iter().find(|(side, _)| **side == Side::Left);
+    let Some(place) = left.map(|(_, transform)| *transform) else {
+        return;
+    };
+    for (_, mut transform) in &mut cameras {
+        transform.set_if_neq(place);
+    }
+}
+
+pub fn read_keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut settings: ResMut<ExampleSettings>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    for key in keys.get_just_pressed() {
+        match key {
+            KeyCode::Digit1 => settings.shown = Shown::Both,
+            KeyCode::Digit2 => settings.shown = Shown::Lean,
+            KeyCode::Digit3 => settings.shown = Shown::Forward,
+            KeyCode::KeyD => settings.debug_view = next_view(settings.debug_view),
+            KeyCode::KeyL => settings.sun = !settings.sun,
+            KeyCode::KeyE => settings.environment = !settings.environment,
+            KeyCode::KeyH => settings.text = !settings.text,
+            KeyCode::Escape => {
+                exit.write(AppExit::Success);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// None, then each channel, then none again.
+fn next_view(current: Option<GBufferChannel>) -> Option<GBufferChannel> {
+    let Some(channel) = current else {
+        return GBufferChannel::ALL.first().copied();
+    };
+    let index = GBufferChannel::ALL.iter().position(|x| *x == channel);
+    index.and_then(|index| GBufferChannel::ALL.get(index + 1).copied())
+}
+
+pub fn apply(
+    mut commands: Commands,
+    settings: Res<ExampleSettings>,
+    mut cameras: Query<(Entity, &Side, &mut Camera)>,
+    windows: Query<&Window>,
+    mut sun: Single<&mut Visibility, With<Sun>>,
+    mut images: ResMut<Assets<Image>>,
+    mut sky: Local<Option<Handle<Image>>>,
+) {
+    sun.set_if_neq(if settings.sun {
+        Visibility::Inherited
+    } else {
+        Visibility::Hidden
+    });
+    let sky = sky.get_or_insert_with(|| images.add(made_up_sky()));
+    let window = windows.iter().next().map(Window::physical_size);
+    let picture = window.unwrap_or(settings.picture);
+    for (entity, side, mut camera) in &mut cameras {
+        camera.is_active = match side {
+            Side::Left => settings.shown != Shown::Forward,
+            Side::Right => settings.shown != Shown::Lean,
+        };
+        camera.viewport = (settings.shown == Shown::Both).then(|| half(picture, *side));
+
+        let mut entity = commands.entity(entity);
+        // The panel is on the camera that is always the leftmost.
+        let has_panel = (*side == Side::Left) == (settings.shown != Shown::Forward);
+        if has_panel {
+            entity.insert(IsDefaultUiCamera);
+        } else {
+            entity.remove::<IsDefaultUiCamera>();
+        }
+        let debug_view = settings.debug_view.filter(|_| *side == Side::Left);
+        if *side == Side::Left {
+            entity.insert(LeanDeferred {
+                debug_view,
+                ..default()
+            });
+        }
+        entity.insert(if debug_view.is_some() {
+            Tonemapping::None
+        } else {
+            Tonemapping::TonyMcMapface
+        });
+        if settings.environment {
+            entity.insert_if_new(GeneratedEnvironmentMapLight {
+                environment_map: sky.clone(),
+                intensity: 900.0,
+                ..default()
+            });
+        } else {
+            entity.remove::<(GeneratedEnvironmentMapLight, EnvironmentMapLight)>();
+        }
+    }
+}
+
+fn half(picture: UVec2, side: Side) -> Viewport {
+    let width = (picture.x / 2).max(1);
+    Viewport {
+        physical_position: match side {
+            Side::Left => UVec2::ZERO,
+            Side::Right => UVec2::new(picture.x - width, 0),
+        },
+        physical_size: UVec2::new(width, picture.y.max(1)),
+        ..default()
+    }
+}
