@@ -6,7 +6,7 @@ use crate::{
     args::Args,
     grid,
     headless::{Headless, Picture},
-    metrics::{Difference, difference, pixel_difference},
+    metrics::{Difference, difference},
     rows::ROWS,
     run,
     settings::Side,
@@ -45,7 +45,7 @@ fn compare(headless: &mut Headless, picture: &Picture) {
             crop(half, corner, UVec2::new(size.x, bottom - top))
         });
         if !lean.rgba.is_empty() {
-            print(row.name, pixel_difference(&forward, &lean));
+            print(row.name, difference(&forward, &lean));
         }
     }
 }

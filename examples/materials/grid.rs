@@ -48,7 +48,7 @@ pub fn spawn(
             let x = (column as f32 - (COLUMNS - 1) as f32 / 2.0) * SPACING;
             let mut entity = commands.spawn((
                 Mesh3d(if sample.is_leaf { &leaf } else { &ball }.clone()),
-                Transform::from_xyz(x, row_height(row), 0.0),
+                Transform::from_xyz(x, row_height(row), -kind.depth),
             ));
             if sample.extension == ShadingExtension::None {
                 entity.insert(MeshMaterial3d(standard.add(sample.base)));
@@ -80,7 +80,7 @@ pub fn spawn(
             for x in [-3.0, 0.0, 3.0] {
                 commands.spawn((
                     PointLight {
-                        intensity: 400_000.0,
+                        intensity: 150_000.0,
                         range: 3.0,
                         ..default()
                     },

@@ -13,6 +13,8 @@ pub struct Row {
     /// A bar above it throws a shadow onto it.
     pub has_bar: bool,
     pub has_light_behind: bool,
+    /// Metres behind the others.
+    pub depth: f32,
 }
 
 impl Row {
@@ -27,6 +29,7 @@ impl Row {
             sample,
             has_bar: false,
             has_light_behind: false,
+            depth: 0.0,
         }
     }
 }
@@ -87,14 +90,18 @@ pub const ROWS: [Row; 13] = [
             backlight,
         )
     },
-    Row::new("unlit", "five colours; last 4: brightness 1 to 64", unlit),
-    Row::new("rim", "exponent 1, 4, 16 in three colours", rim),
+    Row {
+        // In the middle, so that it does not hide behind others.
+        depth: 4.0,
+        ..Row::new("fog", "with and without, by turns", fog)
+    },
+    Row::new("rim", "exponent 1, 2, 5 in three colours", rim),
     Row::new(
         "subsurface",
         "mean free path 0.1 mm, 1 cm, 1 m in three colours (lit as plain)",
         subsurface,
     ),
-    Row::new("fog", "with and without, by turns", fog),
+    Row::new("unlit", "five colours; last 4: brightness 1 to 64", unlit),
     Row {
         has_bar: true,
         ..Row::new("shadows", "received and not, by turns", shadows)
@@ -108,7 +115,7 @@ pub const ROWS: [Row; 13] = [
         has_bar: true,
         ..Row::new(
             "combined",
-            "clearcoat, anisotropy, backlight, rim: emissive, without fog, without shadows",
+            "clearcoat, anisotropy, backlight, rim: emissive, the next 4 without fog, one without shadows",
             combined,
         )
     },
@@ -226,7 +233,7 @@ fn unlit(column: usize, _: &Textures) -> Sample {
 }
 
 fn rim(column: usize, _: &Textures) -> Sample {
-    let (color, exponent) = pair(column, COLORS, [1.0, 4.0, 16.0]);
+    let (color, exponent) = pair(column, COLORS, [1.0, 2.0, 5.0]);
     Sample {
         base: base(Color::srgb(0.08, 0.08, 0.1), 0.0, 0.8),
         extension: ShadingExtension::Rim { color, exponent },

@@ -74,7 +74,11 @@ pub fn spawn_cameras(mut commands: Commands, settings: Res<ExampleSettings>) {
             },
             DistanceFog {
                 color: Color::srgb(0.45, 0.55, 0.75),
-                falloff: FogFalloff::Exponential { density: 0.008 },
+                // A tenth at the grid, half where the row about fog stands.
+                falloff: FogFalloff::Linear {
+                    start: distance - 1.0,
+                    end: distance + 9.0,
+                },
                 ..default()
             },
             Transform::from_xyz(0.0, 0.0, distance),
