@@ -20,6 +20,7 @@ impl Plugin for SharedPlugin {
         load_shader_library!(app, "tiles.wgsl");
         load_shader_library!(app, "gbuffer/layout.wgsl");
         load_shader_library!(app, "gbuffer/layout/emissive.wgsl");
+        load_shader_library!(app, "gbuffer/layout/motion.wgsl");
         load_shader_library!(app, "gbuffer/layout/specialization.wgsl");
         load_shader_library!(app, "lighting/geometric_normal.wgsl");
     }

@@ -16,7 +16,7 @@ use bevy::{
 use super::{LeanDeferred, LeanDeferredSupport};
 use crate::{
     LeanAmbientOcclusion,
-    gbuffer::{Demand, GBufferTargets, ViewDemands},
+    gbuffer::{Demand, GBufferTargets, MotionResolvePipelines, ViewDemands},
     lighting::{LightingPipelines, LightingVariants, SceneFeatures, ViewLighting},
 };
 
@@ -30,8 +30,11 @@ pub struct ActiveLeanView {
     /// The view has a depth prepass, so Bevy builds its indirect draws early and wants depth before the main pass:
     /// the G-buffer is drawn in the prepass' place.
     pub draws_in_prepass: bool,
-    /// Lean meshes stay in Bevy's prepass, because it writes normals or motion vectors that only it can write.
+    /// Lean meshes stay in Bevy's prepass, because it writes what only it can write: normals, and then motion vectors
+    /// too.
     pub keeps_prepass: bool,
+    /// The view has motion vectors, and those of lean meshes are made from the G-buffer.
+    pub resolves_motion: bool,
     /// The optional targets that the view has.
     pub targets: GBufferTargets,
     /// The kinds of special surfaces that lighting is compiled for.
@@ -123,20 +126,27 @@ fn reason_against(
     }
 }
 
-/// How a view that can be lean is drawn.
+/// How a view that can be lean is drawn. `can_resolve_motion` is asked with whether meshes are drawn twice.
 fn draw_order(
     camera: &Camera3d,
     (depth, normal, motion): (bool, bool, bool),
     occlusion_culling: bool,
+    can_resolve_motion: impl FnOnce(bool) -> bool,
 ) -> ActiveLeanView {
     let draws_in_prepass = depth || normal || motion;
+    let culls_in_two_phases = draws_in_prepass && occlusion_culling;
+    let resolves_motion = motion
+        && !normal
+        && (depth || !culls_in_two_phases)
+        && can_resolve_motion(culls_in_two_phases);
     let starts_at_zero = matches!(camera.depth_load_op, Camera3dDepthLoadOp::Clear(0.0));
     ActiveLeanView {
         draws_in_prepass,
-        keeps_prepass: normal || motion,
+        keeps_prepass: normal || (motion && !resolves_motion),
+        resolves_motion,
         targets: GBufferTargets::empty(),
         variants: LightingVariants::empty(),
-        culls_in_two_phases: draws_in_prepass && occlusion_culling,
+        culls_in_two_phases,
         depth_tells_geometry: !draws_in_prepass && starts_at_zero,
     }
 }
@@ -150,7 +160,11 @@ pub(super) fn decide_active_views(
     mut commands: Commands,
     support: Option<Res<LeanDeferredSupport>>,
     (scene, view_keys): (SceneFeatures, Res<ViewKeyCache>),
-    (pipelines, pipeline_cache): (Option<ResMut<LightingPipelines>>, Res<PipelineCache>),
+    (pipelines, mut motion_pipelines, pipeline_cache): (
+        Option<ResMut<LightingPipelines>>,
+        Option<ResMut<MotionResolvePipelines>>,
+        Res<PipelineCache>,
+    ),
     (mut reported, mut demands): (ResMut<ReportedReasons>, ResMut<ViewDemands>),
     mut dirty_specializations: ResMut<DirtySpecializations>,
     mut active_before: Local<HashMap<RetainedViewEntity, ActiveLeanView>>,
@@ -203,12 +217,22 @@ pub(super) fn decide_active_views(
             camera_3d,
             (depth, normal, motion),
             occlusion_culling && !no_indirect,
+            |in_two_phases| {
+                (motion_pipelines.as_mut())
+                    .is_some_and(|pipelines| pipelines.are_ready(&pipeline_cache, in_two_phases))
+            },
         );
         let before = active_before
             .get(&view.retained_view_entity)
             .map_or(Demand::default(), ActiveLeanView::demand);
         let wanted = demands.wanted(view.retained_view_entity);
-        let compiled = [wanted, before].into_iter().find(|demand| {
+        let possible = |mut demand: Demand| {
+            if !order.resolves_motion {
+                demand.targets.remove(GBufferTargets::MOTION);
+            }
+            demand
+        };
+        let compiled = [wanted, before].map(possible).into_iter().find(|demand| {
             let key = scene.key(
                 *view_key,
                 settings,

@@ -2,7 +2,7 @@ use bevy::{camera::Hdr, prelude::*, render::extract_component::ExtractComponent}
 
 use crate::{
     camera::ActiveLeanView,
-    gbuffer::{GBufferTextures, GBufferUsage},
+    gbuffer::{GBufferTextures, GBufferUsage, ViewMotionResolve},
     lighting::ViewLighting,
 };
 
@@ -19,7 +19,13 @@ use crate::{
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Hdr, GBufferUsage)]
-#[extract_component_sync_target((Self, ActiveLeanView, GBufferTextures, ViewLighting))]
+#[extract_component_sync_target((
+    Self,
+    ActiveLeanView,
+    GBufferTextures,
+    ViewLighting,
+    ViewMotionResolve
+))]
 pub struct LeanDeferred {
     /// How the normal of the surface itself (not the shading normal) is found from depth. Shadow bias uses it.
     /// Only computed where a light casts shadows. Default: the most exact.

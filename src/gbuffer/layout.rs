@@ -6,6 +6,7 @@
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
 //! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](emissive) |
 //! | optional | [`SPECIALIZATION_FORMAT`] | [specular constant, shading model, flags](specialization) |
+//! | optional | [`MOTION_FORMAT`] | [motion vector](motion) |
 //!
 //! Choices, with what they cost (`tests/layout.rs` measures and bounds each figure):
 //!
@@ -19,6 +20,7 @@
 //! - Values that cannot be stored are clamped; NaN becomes 0, a normal without a direction becomes +Y.
 
 pub mod emissive;
+pub mod motion;
 pub mod specialization;
 
 use bevy::{
@@ -34,6 +36,8 @@ pub const NORMAL_FORMAT: TextureFormat = TextureFormat::R32Uint;
 pub const EMISSIVE_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the optional target that holds what of a surface is not at its default.
 pub const SPECIALIZATION_FORMAT: TextureFormat = TextureFormat::R32Uint;
+/// Format of the optional target that holds the motion of meshes that move or deform.
+pub const MOTION_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Bytes a pixel of the base targets, depth not counted.
 pub const BASE_BYTES_PER_PIXEL: u32 = 8;
 

@@ -34,19 +34,23 @@ use super::{
 ///
 /// ```wgsl
 /// #import bevy_pbr::{prepass_io::VertexOutput, pbr_fragment::pbr_input_from_standard_material}
-/// #import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, pack_pbr_input, apply_discards}
+/// #import bevy_lean_deferred::gbuffer::pack::{
+///     GBufferOutput, apply_discards, pack_pbr_input, with_motion,
+/// }
 ///
 /// @fragment
 /// fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferOutput {
 ///     var pbr_input = pbr_input_from_standard_material(in, is_front);
 ///     pbr_input.material.base_color.b = 1.0;
 ///     apply_discards(in, &pbr_input);
-///     return pack_pbr_input(pbr_input);
+///     return with_motion(pack_pbr_input(pbr_input), in);
 /// }
 /// ```
 ///
-/// The shader is compiled once without optional targets, and if the material needs some, with `GBUFFER_EMISSIVE` and
-/// `GBUFFER_SPECIALIZATION` as far as the view has them. `pack_pbr_input` fills them from the same `PbrInput`.
+/// The shader is compiled once without optional targets, and if the material needs some, with `GBUFFER_EMISSIVE`,
+/// `GBUFFER_SPECIALIZATION` and `GBUFFER_MOTION` as far as the view has them. `pack_pbr_input` fills the first two from
+/// the same `PbrInput`, `with_motion` the last: without it motion vectors are those of a mesh at rest. For meshes that
+/// do not move `VertexOutput` has no previous position.
 ///
 /// Its vertex shader is the one of the material's deferred pass ([`Material::deferred_vertex_shader`]).
 pub trait GBufferMaterial: Material {

@@ -7,15 +7,18 @@
 //! - `phase.rs`, `pipeline.rs`, `queue.rs`: the render phases, their pipelines, and how meshes get there.
 //! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them.
 //! - `usage.rs`: what a camera has of them, for users.
+//! - `moving.rs`, `resolve_motion.{rs,wgsl}`: which meshes move, and their motion vectors into Bevy's texture.
 //! - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
 
 mod demand;
 pub mod layout;
 mod material;
+mod moving;
 mod pass;
 mod phase;
 mod pipeline;
 mod queue;
+mod resolve_motion;
 mod targets;
 mod textures;
 mod usage;
@@ -23,6 +26,7 @@ mod usage;
 pub(crate) use demand::{Demand, ViewDemands};
 pub use material::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin};
 pub use phase::{AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer};
+pub(crate) use resolve_motion::{MotionResolvePipelines, ViewMotionResolve};
 pub use targets::{GBufferNeeds, GBufferTargets, ShadingModel};
 pub use textures::GBufferTextures;
 pub use usage::GBufferUsage;
@@ -41,7 +45,9 @@ use bevy::{
     },
     prelude::*,
     render::{
-        ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderDebugFlags, RenderSystems,
+        ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderDebugFlags, RenderStartup,
+        RenderSystems,
+        camera::DirtySpecializationSystems,
         render_phase::{AddRenderCommand, BinnedRenderPhasePlugin, DrawFunctions},
         render_resource::SpecializedMeshPipelines,
     },
@@ -62,6 +68,7 @@ impl Plugin for GBufferPlugin {
         SharedPlugin::add_to(app);
         load_shader_library!(app, "pack.wgsl");
         embedded_asset!(app, "gbuffer.wgsl");
+        embedded_asset!(app, "resolve_motion.wgsl");
 
         app.add_plugins((
             BinnedRenderPhasePlugin::<OpaqueGBuffer, MeshPipeline>::new(
@@ -92,6 +99,7 @@ impl Plugin for GBufferPlugin {
             .init_resource::<DrawFunctions<ExtendedOpaqueGBuffer>>()
             .init_resource::<DrawFunctions<ExtendedAlphaMaskGBuffer>>()
             .init_resource::<material::SpecialMeshes>()
+            .init_resource::<moving::MovingMeshes>()
             .init_resource::<ViewDemands>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
@@ -99,12 +107,14 @@ impl Plugin for GBufferPlugin {
             .add_render_command::<AlphaMaskGBuffer, DrawPrepass>()
             .add_render_command::<ExtendedOpaqueGBuffer, DrawPrepass>()
             .add_render_command::<ExtendedAlphaMaskGBuffer, DrawPrepass>()
+            .add_systems(RenderStartup, resolve_motion::init_motion_resolve_pipelines)
             .add_systems(
                 ExtractSchedule,
                 (
                     usage::report_usage,
                     phase::extract_gbuffer_phases,
                     material::extract_special_meshes,
+                    moving::extract_moving_meshes.after(DirtySpecializationSystems::Clear),
                 ),
             )
             .add_systems(
@@ -118,6 +128,7 @@ impl Plugin for GBufferPlugin {
                         .in_set(RenderSystems::PrepareResources)
                         .before(prepare_core_3d_depth_textures),
                     textures::prepare_gbuffer_textures.in_set(RenderSystems::PrepareResources),
+                    resolve_motion::prepare_motion_resolve.in_set(RenderSystems::PrepareBindGroups),
                 ),
             )
             .add_systems(

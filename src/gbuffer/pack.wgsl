@@ -3,6 +3,7 @@
 
 #import bevy_lean_deferred::gbuffer::layout::{Surface, pack, unpack_normal}
 #import bevy_pbr::{
+    mesh_view_bindings::view,
     pbr_functions::alpha_discard,
     pbr_types::PbrInput,
     prepass_io::VertexOutput,
@@ -14,7 +15,6 @@
 
 #ifdef GBUFFER_EMISSIVE
 #import bevy_lean_deferred::gbuffer::layout::emissive::pack_emissive
-#import bevy_pbr::mesh_view_bindings::view
 #ifdef LIGHTMAP
 #import bevy_pbr::pbr_functions::calculate_diffuse_color
 #endif
@@ -28,6 +28,13 @@
 }
 #endif
 
+#ifdef GBUFFER_MOTION
+#import bevy_lean_deferred::gbuffer::layout::motion::{INVALID_MOTION, motion_between, pack_motion}
+#ifdef MOTION_VECTOR_PREPASS
+#import bevy_pbr::prepass_bindings::previous_view_uniforms
+#endif
+#endif
+
 /// The targets of the G-buffer: two of the base, and those that are optional.
 struct GBufferOutput {
     @location(0) surface: u32,
@@ -37,6 +44,9 @@ struct GBufferOutput {
 #endif
 #ifdef GBUFFER_SPECIALIZATION
     @location(3) specialization: u32,
+#endif
+#ifdef GBUFFER_MOTION
+    @location(4) motion: u32,
 #endif
 }
 
@@ -50,7 +60,8 @@ fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
 }
 
 /// Packs what the targets of this pass carry of `in`: base colour, metallic, roughness, shading normal and occlusion,
-/// and where they are written, emitted light and what a `StandardMaterial` may have beyond these.
+/// and where they are written, emitted light and what a `StandardMaterial` may have beyond these. The surface does not
+/// move, unless `with_motion` says otherwise.
 fn pack_pbr_input(in: PbrInput) -> GBufferOutput {
     var out: GBufferOutput;
     let words = pack(Surface(
@@ -69,7 +80,24 @@ fn pack_pbr_input(in: PbrInput) -> GBufferOutput {
 #ifdef GBUFFER_SPECIALIZATION
     out.specialization = specialization_word(in, words.y);
 #endif
+#ifdef GBUFFER_MOTION
+    out.motion = INVALID_MOTION;
+#endif
     return out;
+}
+
+/// Adds where the surface was in the last frame, if the mesh moves or deforms. The others' motion follows from depth.
+fn with_motion(out: GBufferOutput, in: VertexOutput) -> GBufferOutput {
+    var moved = out;
+#ifdef GBUFFER_MOTION
+#ifdef MOTION_VECTOR_PREPASS
+    moved.motion = pack_motion(motion_between(
+        view.unjittered_clip_from_world * in.world_position,
+        previous_view_uniforms.clip_from_world * in.previous_world_position,
+    ));
+#endif
+#endif
+    return moved;
 }
 
 #ifdef GBUFFER_SPECIALIZATION

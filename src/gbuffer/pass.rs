@@ -17,7 +17,7 @@ use bevy::{
         render_phase::{
             BinnedPhaseItem, BinnedRenderPhase, CachedRenderPipelinePhaseItem, TrackedRenderPass,
         },
-        render_resource::{LoadOp, RenderPassDescriptor, StoreOp},
+        render_resource::{LoadOp, PipelineCache, RenderPassDescriptor, StoreOp},
         renderer::{RenderContext, ViewQuery},
         view::{ExtractedView, ViewDepthTexture},
     },
@@ -25,6 +25,7 @@ use bevy::{
 
 use super::{
     phase::DrawnGBufferPhases,
+    resolve_motion::ViewMotionResolve,
     textures::{GBufferTextures, initial_load},
 };
 use crate::camera::ActiveLeanView;
@@ -36,6 +37,7 @@ pub(super) type GBufferView = (
     &'static GBufferTextures,
     &'static ViewDepthTexture,
     Option<&'static ViewPrepassTextures>,
+    Option<&'static ViewMotionResolve>,
     Option<&'static MainPassResolutionOverride>,
 );
 
@@ -84,8 +86,16 @@ fn draw(
     ctx: &mut RenderContext,
 ) {
     let view_entity = view.entity();
-    let (camera, view, active, textures, depth, prepass_textures, resolution_override) =
-        view.into_inner();
+    let (
+        camera,
+        view,
+        active,
+        textures,
+        depth,
+        prepass_textures,
+        resolve_motion,
+        resolution_override,
+    ) = view.into_inner();
     let is_first = match moment {
         Moment::Early if active.draws_in_prepass => true,
         Moment::Main if !active.draws_in_prepass => true,
@@ -137,6 +147,11 @@ fn draw(
         }
         render(extended_opaque, &mut pass, world, view_entity);
         render(extended_alpha_mask, &mut pass, world, view_entity);
+    }
+
+    if let (Some(resolve), Some(prepass)) = (resolve_motion, prepass_textures) {
+        let cache = world.resource::<PipelineCache>();
+        resolve.draw(!is_first, prepass, viewport.as_ref(), cache, ctx);
     }
 
     // Whoever asked for a depth prepass reads this copy.

@@ -11,6 +11,7 @@ use bevy::{
         ColorTargetState, ColorWrites, RenderPipelineDescriptor, SpecializedMeshPipeline,
         SpecializedMeshPipelineError,
     },
+    shader::ShaderDefVal,
 };
 
 use super::{material::material_texture_defs, targets::GBufferTargets};
@@ -24,15 +25,27 @@ pub(super) struct GBufferPipelineSpecializer {
 }
 
 /// The key of [`GBufferPipelineSpecializer`]: the material's, the shader, because pipelines of different material
-/// types share one cache, and the optional targets of the pass.
-pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>, GBufferTargets);
+/// types share one cache, the optional targets of the pass, and whether the mesh writes its motion.
+pub(super) type GBufferPipelineKey = (
+    ErasedMaterialPipelineKey,
+    AssetId<Shader>,
+    GBufferTargets,
+    bool,
+);
+
+/// What Bevy's shaders need to know where a mesh was in the last frame.
+const MOTION_DEFS: [&str; 3] = [
+    "MOTION_VECTOR_PREPASS",
+    "HAS_PREVIOUS_SKIN",
+    "HAS_PREVIOUS_MORPH",
+];
 
 impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
     type Key = GBufferPipelineKey;
 
     fn specialize(
         &self,
-        (key, _, targets): Self::Key,
+        (key, _, targets, writes_motion): Self::Key,
         layout: &MeshVertexBufferLayoutRef,
     ) -> Result<RenderPipelineDescriptor, SpecializedMeshPipelineError> {
         let prepass = PrepassPipelineSpecializer {
@@ -41,7 +54,14 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         };
         let mut descriptor = prepass.specialize(key, layout)?;
         descriptor.label = Some("lean_deferred/gbuffer".into());
+        // The layouts stay: on a view with motion vectors Bevy binds the groups that have previous positions.
+        let needs_def = |def: &ShaderDefVal| {
+            writes_motion
+                || !matches!(def, ShaderDefVal::Bool(name, _) if MOTION_DEFS.contains(&name.as_str()))
+        };
+        descriptor.vertex.shader_defs.retain(needs_def);
         if let Some(fragment) = &mut descriptor.fragment {
+            fragment.shader_defs.retain(needs_def);
             fragment.shader = self.fragment_shader.clone();
             fragment.entry_point = None;
             fragment.targets = targets.attachments(|format| ColorTargetState {

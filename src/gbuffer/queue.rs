@@ -41,6 +41,7 @@ use bevy::{
 use super::{
     demand::{Demand, ViewDemands},
     material::{GBufferMaterials, SpecialMeshes},
+    moving::MovingMeshes,
     phase::{
         AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferPhases,
         OpaqueGBuffer, QueuedMesh,
@@ -64,6 +65,7 @@ pub(super) struct MeshLookup<'w> {
     mesh_allocator: Res<'w, MeshAllocator>,
     gbuffer_materials: Res<'w, GBufferMaterials>,
     special_meshes: Res<'w, SpecialMeshes>,
+    moving_meshes: Res<'w, MovingMeshes>,
     visibility_ranges: Res<'w, RenderVisibilityRanges>,
 }
 
@@ -74,6 +76,15 @@ struct MeshToQueue<'a> {
     material_id: UntypedAssetId,
     mesh: &'a RenderMesh,
     slabs: MeshSlabs,
+}
+
+impl MeshToQueue<'_> {
+    /// Whether its vertices may move within it.
+    fn deforms(&self) -> bool {
+        self.mesh.layout.0.contains(Mesh::ATTRIBUTE_JOINT_INDEX)
+            || MeshPipelineKey::from_bits_retain(self.mesh.key_bits.bits())
+                .contains(MeshPipelineKey::MORPH_TARGETS)
+    }
 }
 
 impl MeshLookup<'_> {
@@ -105,6 +116,7 @@ impl MeshLookup<'_> {
         &self,
         entity: MainEntity,
         mesh: &MeshToQueue,
+        view: &ActiveLeanView,
     ) -> Option<(Demand, &Handle<Shader>)> {
         let opaque = matches!(
             mesh.material.properties.render_phase_type,
@@ -123,8 +135,16 @@ impl MeshLookup<'_> {
             return None;
         }
         let lightmapped = self.special_meshes.lightmap_key(entity).is_some();
+        let mut targets = needs.targets | self.special_meshes.targets(entity);
+        if mesh.deforms() || self.moving_meshes.contains(entity) {
+            targets |= GBufferTargets::MOTION;
+        }
+        targets.set(
+            GBufferTargets::MOTION,
+            view.resolves_motion && targets.contains(GBufferTargets::MOTION),
+        );
         let demand = Demand {
-            targets: needs.targets | self.special_meshes.targets(entity),
+            targets,
             variants: LightingVariant::new(needs.shading_model, lightmapped).as_set(),
         };
         Some((demand, shader))
@@ -148,6 +168,7 @@ impl GBufferPipelines<'_> {
         view_key: MeshPipelineKey,
         fragment_shader: &Handle<Shader>,
         targets: GBufferTargets,
+        writes_motion: bool,
     ) -> Option<CachedRenderPipelineId> {
         let properties = &mesh.material.properties;
         let mut mesh_key = (view_key & VIEW_KEY_BITS)
@@ -164,7 +185,7 @@ impl GBufferPipelines<'_> {
         if let Some(lightmap) = lookup.special_meshes.lightmap_key(entity) {
             mesh_key |= lightmap;
         }
-        if view_key.contains(MeshPipelineKey::MOTION_VECTOR_PREPASS) {
+        if writes_motion {
             let flags = mesh.instance.flags();
             mesh_key.set(
                 MeshPipelineKey::HAS_PREVIOUS_SKIN,
@@ -189,7 +210,7 @@ impl GBufferPipelines<'_> {
             .specialize(
                 &self.cache,
                 &specializer,
-                (key, fragment_shader.id(), targets),
+                (key, fragment_shader.id(), targets, writes_motion),
                 &mesh.mesh.layout,
             )
             .inspect_err(|error| error!("G-buffer pipeline: {error}"))
@@ -360,7 +381,7 @@ pub(super) fn queue_gbuffer_meshes(
             };
             let phase_type =
                 BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), &gpu_preprocessing);
-            let Some((demand, shader)) = lookup.gbuffer_needs(entity, &mesh) else {
+            let Some((demand, shader)) = lookup.gbuffer_needs(entity, &mesh, active) else {
                 bevy_phases.add_deferred_as_forward(view, entity, &mesh, phase_type);
                 continue;
             };
@@ -372,7 +393,16 @@ pub(super) fn queue_gbuffer_meshes(
                 GBufferTargets::empty()
             };
             let pipeline = if active.demand().contains(demand) {
-                pipelines.specialize(&lookup, entity, &mesh, *view_key, shader, targets)
+                let writes_motion = demand.targets.contains(GBufferTargets::MOTION);
+                pipelines.specialize(
+                    &lookup,
+                    entity,
+                    &mesh,
+                    *view_key,
+                    shader,
+                    targets,
+                    writes_motion,
+                )
             } else {
                 None
             };

@@ -3,7 +3,10 @@
 use bevy::{prelude::*, render::render_resource::TextureFormat};
 use bitflags::bitflags;
 
-use super::layout::{EMISSIVE_FORMAT, NORMAL_FORMAT, SPECIALIZATION_FORMAT, SURFACE_FORMAT};
+use super::layout::{
+    EMISSIVE_FORMAT, MOTION_FORMAT, NORMAL_FORMAT, SPECIALIZATION_FORMAT, SURFACE_FORMAT,
+    motion::INVALID_MOTION,
+};
 
 bitflags! {
     /// Targets beside the base ones. Each exists only while a visible mesh writes it (and a little longer, so that what
@@ -15,10 +18,16 @@ bitflags! {
         const EMISSIVE = 1 << 0;
         /// Specular constant, shading model with its arguments, and flags that are not at their defaults.
         const SPECIALIZATION = 1 << 1;
+        /// Where a surface was in the last frame. Meshes that move, are skinned or have morph targets write it without
+        /// being told; a material whose vertex shader animates names it. Only on views with `MotionVectorPrepass`.
+        const MOTION = 1 << 2;
     }
 }
 
 impl GBufferTargets {
+    /// Those that lighting reads.
+    pub(crate) const LIT: Self = Self::EMISSIVE.union(Self::SPECIALIZATION);
+
     /// What `make` makes of the formats of a pass with these targets: two of the base, one for each optional target up
     /// to the last, in the order of the fragment shader's outputs.
     pub(crate) fn attachments<T>(self, make: impl Fn(TextureFormat) -> T) -> Vec<Option<T>> {
@@ -39,13 +48,18 @@ impl GBufferTargets {
 
     /// What a single target is cleared to.
     pub(crate) const fn clear_value(self) -> u32 {
-        0
+        if self.contains(Self::MOTION) {
+            INVALID_MOTION
+        } else {
+            0
+        }
     }
 
     /// The format of a single target.
     pub(crate) fn format(self) -> TextureFormat {
         match self {
             Self::EMISSIVE => EMISSIVE_FORMAT,
+            Self::MOTION => MOTION_FORMAT,
             _ => SPECIALIZATION_FORMAT,
         }
     }
@@ -62,6 +76,7 @@ impl GBufferTargets {
     pub(crate) fn label(self) -> &'static str {
         match self {
             Self::EMISSIVE => "lean_deferred/gbuffer/emissive",
+            Self::MOTION => "lean_deferred/gbuffer/motion",
             _ => "lean_deferred/gbuffer/specialization",
         }
     }
@@ -70,6 +85,7 @@ impl GBufferTargets {
     pub(crate) fn shader_def(self) -> &'static str {
         match self {
             Self::EMISSIVE => "GBUFFER_EMISSIVE",
+            Self::MOTION => "GBUFFER_MOTION",
             _ => "GBUFFER_SPECIALIZATION",
         }
     }

@@ -237,7 +237,7 @@ fn update_bind_groups(
             (3, uniforms.clone()),
         ];
         entries.extend_from_slice(&occlusion);
-        for target in GBufferTargets::all() {
+        for target in GBufferTargets::LIT {
             if let Some(texture) = view.gbuffer.optional(target) {
                 let texture = texture.default_view.into_binding();
                 entries.push((target_binding(target), texture));

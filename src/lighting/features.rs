@@ -137,7 +137,7 @@ impl SceneFeatures<'_, '_> {
             occlusion: occlusion
                 .filter(|_| self.occlusion_pipelines.is_some() && settings.debug_view.is_none())
                 .and_then(OcclusionKey::new),
-            targets: demand.targets,
+            targets: demand.targets & GBufferTargets::LIT,
             // Channels are shown for all surfaces alike.
             listed: if settings.debug_view.is_some() {
                 LightingVariants::empty()

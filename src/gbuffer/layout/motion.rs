@@ -1,0 +1,55 @@
+//! Motion vectors of two half floats; twin of `motion.wgsl`.
+//!
+//! x low, y high. They are what Bevy's `Rg16Float` motion vectors hold, so that nothing is rounded twice: 16-bit snorm,
+//! with as many bits, would round anew (by up to 1.5e-5 of the picture) and could not hold motions beyond ±1.
+
+use bevy::math::{Vec2, Vec4, Vec4Swizzles};
+
+/// No surface wrote its motion: two NaNs, which no motion packs to. As a float, which graphics APIs take for clear
+/// values, it is exact.
+pub const INVALID_MOTION: u32 = 0x7e00_7e00;
+/// Largest half float. Longer motions are clamped.
+pub const LARGEST_MOTION: f32 = 65504.0;
+
+/// The bits of the half float nearest to `x`, ties to even. WGSL leaves the rounding to the device; those known round so.
+fn half_from(x: f32) -> u32 {
+    let sign = (x.to_bits() >> 16) & 0x8000;
+    let magnitude = x.abs();
+    // The step between halves near `magnitude`, which a sum of that size in f32 rounds to. The least is 2⁻²⁴.
+    let exponent = ((magnitude.to_bits() >> 23) as i32 - 127).max(-14);
+    let power = |n: i32| f32::from_bits(((n + 127) as u32) << 23);
+    let steps = (magnitude * power(10 - exponent)).round_ties_even() as u32;
+    // A mantissa that was rounded up to 2048 carries into the exponent by itself.
+    sign | ((((exponent + 14) as u32) << 10) + steps)
+}
+
+fn float_from(half: u32) -> f32 {
+    let exponent = ((half >> 10) & 0x1f) as i32;
+    let mantissa = half & 0x3ff;
+    let power = |n: i32| f32::from_bits(((n + 127) as u32) << 23);
+    let magnitude = match exponent {
+        0 => mantissa as f32 * power(-24),
+        31 => return f32::NAN,
+        _ => (mantissa + 0x400) as f32 * power(exponent - 25),
+    };
+    if half & 0x8000 == 0 { magnitude } else { -magnitude }
+}
+
+/// The way across the picture, in UV units, from one position in clip space to another; as in Bevy's `prepass.wgsl`.
+pub fn motion_between(clip: Vec4, previous_clip: Vec4) -> Vec2 {
+    (clip.xy() / clip.w - previous_clip.xy() / previous_clip.w) * Vec2::new(0.5, -0.5)
+}
+
+/// Packs a motion in UV units. A part that is NaN becomes 0.
+pub fn pack_motion(motion: Vec2) -> u32 {
+    let [x, y] = motion.to_array().map(|part| {
+        let number = if part.is_nan() { 0.0 } else { part };
+        half_from(number.clamp(-LARGEST_MOTION, LARGEST_MOTION))
+    });
+    x | (y << 16)
+}
+
+/// The motion of a word other than [`INVALID_MOTION`].
+pub fn unpack_motion(word: u32) -> Vec2 {
+    Vec2::new(float_from(word & 0xffff), float_from(word >> 16))
+}

@@ -1,0 +1,78 @@
+//! Which meshes move: their motion vectors do not follow from depth and the cameras alone.
+
+use bevy::{
+    camera::visibility::ViewVisibility,
+    core_pipeline::prepass::{MotionVectorPrepass, NormalPrepass},
+    pbr::PreviousGlobalTransform,
+    prelude::*,
+    render::{
+        Extract,
+        camera::DirtySpecializations,
+        sync_world::{MainEntity, MainEntityHashMap},
+    },
+};
+
+use crate::LeanDeferred;
+
+/// Frames that a mesh goes on writing its motion after it stopped: one that stops and goes, as by the steps of a
+/// physics simulation slower than the display, is not queued anew each time.
+const LINGERING_FRAMES: u32 = 30;
+
+/// In the render world: the visible meshes that moved in this frame or a little while ago, with the frames that they are
+/// still listed. Empty without a lean camera that asks for motion vectors.
+#[derive(Resource, Default)]
+pub(crate) struct MovingMeshes(MainEntityHashMap<u32>);
+
+impl MovingMeshes {
+    pub(crate) fn contains(&self, mesh: MainEntity) -> bool {
+        self.0.contains_key(&mesh)
+    }
+}
+
+/// Has meshes queued anew, by Bevy too, in the frame in which they start to move and when they have stopped. Static
+/// meshes cost the look at a change tick.
+pub(super) fn extract_moving_meshes(
+    mut moving: ResMut<MovingMeshes>,
+    mut dirty: ResMut<DirtySpecializations>,
+    cameras: Extract<
+        Query<
+            &Camera,
+            (
+                With<LeanDeferred>,
+                With<MotionVectorPrepass>,
+                Without<NormalPrepass>,
+            ),
+        >,
+    >,
+    changed: Extract<
+        Query<
+            (
+                Entity,
+                &GlobalTransform,
+                &PreviousGlobalTransform,
+                &ViewVisibility,
+            ),
+            (With<Mesh3d>, Changed<GlobalTransform>),
+        >,
+    >,
+) {
+    if !cameras.iter().any(|camera| camera.is_active) {
+        moving.0.clear();
+        return;
+    }
+    moving.0.retain(|mesh, frames| {
+        *frames -= 1;
+        if *frames == 0 {
+            dirty.changed_renderables.insert(*mesh);
+        }
+        *frames > 0
+    });
+    for (mesh, transform, previous, visibility) in &changed {
+        if visibility.get() && transform.affine() != previous.0 {
+            let mesh = MainEntity::from(mesh);
+            if moving.0.insert(mesh, LINGERING_FRAMES).is_none() {
+                dirty.changed_renderables.insert(mesh);
+            }
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Motion vectors of lean meshes, into the texture where Bevy's prepass has those of all others.
+//!
+//! On a view with `MotionVectorPrepass` lean meshes do not go through Bevy's prepass. Those that move or deform write the
+//! motion target of the G-buffer; a full-screen triangle after it writes their motion, and that of what is at rest, to
+//! `ViewPrepassTextures::motion_vectors`, which temporal anti-aliasing and motion blur read. It discards pixels without
+//! a lean mesh: they keep what Bevy's prepass has drawn, meshes that only forward draws and the background.
+//!
+//! A raster pass, not a compute pass: Bevy makes that texture without `STORAGE_BINDING`, and not every device can store
+//! to `Rg16Float`.
+//!
+//! With two-phase occlusion culling it runs after each phase. After the first, pixels of lean meshes are known by the
+//! G-buffer. Then Bevy's late prepass draws over some of them; so after the second, the pixels of lean meshes are those
+//! whose depth is no longer that of the copy which the late prepass made. That copy exists with `DepthPrepass` alone;
+//! views without, and those with `NormalPrepass`, leave motion vectors to Bevy's prepass.
+
+use bevy::{
+    asset::load_embedded_asset,
+    core_pipeline::{
+        FullscreenShader,
+        prepass::{
+            MOTION_VECTOR_PREPASS_FORMAT, PreviousViewData, PreviousViewUniformOffset,
+            PreviousViewUniforms, ViewPrepassTextures,
+        },
+    },
+    platform::collections::HashMap,
+    prelude::*,
+    render::{
+        render_resource::{
+            BindGroupEntry, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
+            CachedRenderPipelineId, ColorTargetState, ColorWrites, FragmentState, IntoBinding,
+            PipelineCache, RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages,
+            TextureSampleType,
+            binding_types::{texture_2d, texture_depth_2d, uniform_buffer},
+        },
+        renderer::{RenderContext, RenderDevice},
+        view::{ViewDepthTexture, ViewUniform, ViewUniformOffset, ViewUniforms},
+    },
+};
+
+use super::{targets::GBufferTargets, textures::GBufferTextures};
+use crate::{bind_group_cache::CachedBindGroup, camera::ActiveLeanView};
+
+/// What the resolve is compiled by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct ResolveKey {
+    /// After the second phase of culling.
+    late: bool,
+    /// The view has a motion target.
+    motion_target: bool,
+}
+
+impl ResolveKey {
+    fn layout(self) -> BindGroupLayoutDescriptor {
+        let drawn = if self.late {
+            texture_depth_2d()
+        } else {
+            texture_2d(TextureSampleType::Uint)
+        };
+        let mut entries = BindGroupLayoutEntries::sequential(
+            ShaderStages::FRAGMENT,
+            (
+                uniform_buffer::<ViewUniform>(true),
+                uniform_buffer::<PreviousViewData>(true),
+                texture_depth_2d(),
+                drawn,
+            ),
+        )
+        .to_vec();
+        if self.motion_target {
+            entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
+                ShaderStages::FRAGMENT,
+                ((4, texture_2d(TextureSampleType::Uint)),),
+            ));
+        }
+        BindGroupLayoutDescriptor::new("lean_deferred/resolve_motion", &entries)
+    }
+}
+
+/// The pipelines of the resolve, made when a view first needs them.
+#[derive(Resource)]
+pub(crate) struct MotionResolvePipelines {
+    shader: Handle<Shader>,
+    fullscreen_shader: FullscreenShader,
+    by_key: HashMap<ResolveKey, CachedRenderPipelineId>,
+}
+
+pub(super) fn init_motion_resolve_pipelines(
+    mut commands: Commands,
+    asset_server: Res<AssetServer>,
+    fullscreen_shader: Res<FullscreenShader>,
+) {
+    commands.insert_resource(MotionResolvePipelines {
+        shader: load_embedded_asset!(asset_server.as_ref(), "resolve_motion.wgsl"),
+        fullscreen_shader: fullscreen_shader.clone(),
+        by_key: HashMap::default(),
+    });
+}
+
+impl MotionResolvePipelines {
+    /// Whether all that a view may need is compiled, with and without a motion target; starts that if need be.
+    pub(crate) fn are_ready(&mut self, cache: &PipelineCache, in_two_phases: bool) -> bool {
+        let mut ready = true;
+        for late in [false, true] {
+            for motion_target in [false, true] {
+                if late <= in_two_phases {
+                    let key = ResolveKey {
+                        late,
+                        motion_target,
+                    };
+                    let pipeline = self.specialize(cache, key);
+                    ready &= cache.get_render_pipeline(pipeline).is_some();
+                }
+            }
+        }
+        ready
+    }
+
+    fn specialize(&mut self, cache: &PipelineCache, key: ResolveKey) -> CachedRenderPipelineId {
+        *self.by_key.entry(key).or_insert_with(|| {
+            let mut shader_defs = Vec::new();
+            if key.late {
+                shader_defs.push("LATE".into());
+            }
+            if key.motion_target {
+                shader_defs.push(GBufferTargets::MOTION.shader_def().into());
+            }
+            cache.queue_render_pipeline(RenderPipelineDescriptor {
+                label: Some("lean_deferred/resolve_motion".into()),
+                layout: vec![key.layout()],
+                vertex: self.fullscreen_shader.to_vertex_state(),
+                fragment: Some(FragmentState {
+                    shader: self.shader.clone(),
+                    shader_defs,
+                    targets: vec![Some(ColorTargetState {
+                        format: MOTION_VECTOR_PREPASS_FORMAT,
+                        blend: None,
+                        write_mask: ColorWrites::ALL,
+                    })],
+                    ..default()
+                }),
+                ..default()
+            })
+        })
+    }
+}
+
+/// On a view whose lean meshes' motion is resolved: the bind groups, early and late, and the pipelines they are for.
+#[derive(Component, Default)]
+pub struct ViewMotionResolve {
+    offsets: [u32; 2],
+    pipelines: [Option<CachedRenderPipelineId>; 2],
+    groups: [CachedBindGroup; 2],
+}
+
+pub(super) fn prepare_motion_resolve(
+    mut commands: Commands,
+    pipelines: Option<Res<MotionResolvePipelines>>,
+    (device, cache): (Res<RenderDevice>, Res<PipelineCache>),
+    (view_uniforms, previous_uniforms): (Res<ViewUniforms>, Res<PreviousViewUniforms>),
+    mut views: Query<(
+        Entity,
+        &ActiveLeanView,
+        (&GBufferTextures, &ViewDepthTexture, &ViewPrepassTextures),
+        (&ViewUniformOffset, &PreviousViewUniformOffset),
+        Option<&mut ViewMotionResolve>,
+    )>,
+    stale: Query<(Entity, Option<&ActiveLeanView>), With<ViewMotionResolve>>,
+) {
+    for (entity, active) in &stale {
+        if !active.is_some_and(|active| active.resolves_motion) {
+            commands.entity(entity).remove::<ViewMotionResolve>();
+        }
+    }
+    let (Some(pipelines), Some(view_binding), Some(previous_binding)) = (
+        pipelines,
+        view_uniforms.uniforms.binding(),
+        previous_uniforms.uniforms.binding(),
+    ) else {
+        return;
+    };
+    for (entity, active, (textures, depth, prepass), (offset, previous_offset), resolve) in
+        &mut views
+    {
+        if !active.resolves_motion {
+            continue;
+        }
+        let mut made = ViewMotionResolve::default();
+        let exists = resolve.is_some();
+        let resolve = resolve.map_or(&mut made, Mut::into_inner);
+        resolve.offsets = [offset.offset, previous_offset.offset];
+        for (index, late) in [false, true].into_iter().enumerate() {
+            resolve.pipelines[index] = None;
+            let motion = textures.optional(GBufferTargets::MOTION);
+            let drawn = match (late, &prepass.depth) {
+                (false, _) => &textures.normal,
+                (true, Some(earlier)) if active.culls_in_two_phases => &earlier.texture,
+                _ => continue,
+            };
+            let key = ResolveKey {
+                late,
+                motion_target: motion.is_some(),
+            };
+            let mut resources = vec![
+                view_binding.clone(),
+                previous_binding.clone(),
+                depth.view().into_binding(),
+                drawn.default_view.into_binding(),
+            ];
+            resources.extend(motion.map(|texture| texture.default_view.into_binding()));
+            let entries: Vec<_> = (0..)
+                .zip(resources)
+                .map(|(binding, resource)| BindGroupEntry { binding, resource })
+                .collect();
+            resolve.groups[index].update(&device, &cache, &key.layout(), &entries);
+            resolve.pipelines[index] = pipelines.by_key.get(&key).copied();
+        }
+        if !exists {
+            commands.entity(entity).insert(made);
+        }
+    }
+}
+
+impl ViewMotionResolve {
+    /// Draws after the early or the late pass of the G-buffer, before depth is copied.
+    pub(super) fn draw(
+        &self,
+        late: bool,
+        prepass: &ViewPrepassTextures,
+        viewport: Option<&bevy::camera::Viewport>,
+        cache: &PipelineCache,
+        ctx: &mut RenderContext,
+    ) {
+        let index = usize::from(late);
+        let (Some(motion_vectors), Some(pipeline), Some(group)) = (
+            &prepass.motion_vectors,
+            self.pipelines[index].and_then(|id| cache.get_render_pipeline(id)),
+            self.groups[index].get(),
+        ) else {
+            return;
+        };
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("lean_deferred/resolve_motion"),
+            color_attachments: &[Some(motion_vectors.get_attachment())],
+            ..default()
+        });
+        if let Some(viewport) = viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        pass.set_render_pipeline(pipeline);
+        pass.set_bind_group(0, group, &self.offsets);
+        pass.draw(0..3, 0..1);
+    }
+}
