@@ -13,7 +13,7 @@ use bevy::{
     },
     mesh::Mesh3d,
     pbr::{
-        DrawPrepass, MainPassOpaqueDrawFunction, MeshPipelineKey, PreparedMaterial,
+        DrawPrepass, MainPassOpaqueDrawFunction, MeshPipelineKey, MorphIndices, PreparedMaterial,
         PrepassPipeline, RenderMaterialInstances, RenderMeshInstanceFlags, RenderMeshInstances,
         RenderMeshQueueData, SpecializedMaterialPipelineCache, ViewKeyCache,
         alpha_mode_pipeline_key,
@@ -66,6 +66,7 @@ pub(super) struct MeshLookup<'w> {
     gbuffer_materials: Res<'w, GBufferMaterials>,
     special_meshes: Res<'w, SpecialMeshes>,
     moving_meshes: Res<'w, MovingMeshes>,
+    morph_indices: Res<'w, MorphIndices>,
     visibility_ranges: Res<'w, RenderVisibilityRanges>,
 }
 
@@ -109,6 +110,19 @@ impl MeshLookup<'_> {
             mesh,
             slabs,
         })
+    }
+
+    /// Whether Bevy has only this frame's weights of the morph targets: those of the last are there from the next frame
+    /// on, for which other pipelines are needed.
+    fn awaits_previous_morph(&self, entity: MainEntity, mesh: &MeshToQueue) -> bool {
+        let flags = mesh.instance.flags();
+        let is_morphed = match &*self.morph_indices {
+            MorphIndices::Uniform { current, .. } => current.contains_key(&entity),
+            MorphIndices::Storage {
+                morph_weights_info, ..
+            } => morph_weights_info.contains_key(&entity),
+        };
+        is_morphed && !flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH)
     }
 
     /// What it needs, and the fragment shader to draw it into the G-buffer with, or `None` if forward must draw it.
@@ -392,8 +406,8 @@ pub(super) fn queue_gbuffer_meshes(
             } else {
                 GBufferTargets::empty()
             };
+            let writes_motion = demand.targets.contains(GBufferTargets::MOTION);
             let pipeline = if active.demand().contains(demand) {
-                let writes_motion = demand.targets.contains(GBufferTargets::MOTION);
                 pipelines.specialize(
                     &lookup,
                     entity,
@@ -412,7 +426,11 @@ pub(super) fn queue_gbuffer_meshes(
                 continue;
             };
 
+            if writes_motion && lookup.awaits_previous_morph(entity, &mesh) {
+                pending.current_frame.insert((*render_entity, entity));
+            }
             bevy_phases.remove(view, entity, active.keeps_prepass);
+            phases.remove(&retained, entity);
             let alpha_masked = matches!(
                 mesh.material.properties.render_phase_type,
                 RenderPhaseType::AlphaMask

@@ -246,8 +246,8 @@ fn crossfade(s: &mut SceneBuilder) {
     }
 }
 
-/// A bent column: two joints, the upper one turned.
-fn skinned(s: &mut SceneBuilder) {
+/// A bent column: two joints, the upper one turned. Returns that.
+pub fn skinned(s: &mut SceneBuilder) -> Entity {
     let mut mesh = Mesh::from(Cylinder::new(0.4, 2.0).mesh().segments(20));
     let Some(VertexAttributeValues::Float32x3(positions)) =
         mesh.attribute(Mesh::ATTRIBUTE_POSITION)
@@ -285,10 +285,11 @@ fn skinned(s: &mut SceneBuilder) {
         },
         NoFrustumCulling,
     ));
+    upper
 }
 
-/// A ball that one morph target flattens and another pulls to the right.
-fn morphed(s: &mut SceneBuilder) {
+/// A ball that one morph target flattens and another pulls to the right. Returns it.
+pub fn morphed(s: &mut SceneBuilder) -> Entity {
     let mut mesh = Sphere::new(0.8).mesh().uv(48, 24);
     let Some(VertexAttributeValues::Float32x3(positions)) =
         mesh.attribute(Mesh::ATTRIBUTE_POSITION)
@@ -309,6 +310,7 @@ fn morphed(s: &mut SceneBuilder) {
     s.world().entity_mut(ball).insert(MeshMorphWeights::Value {
         weights: vec![0.5, 0.8],
     });
+    ball
 }
 
 /// 256 boxes of one mesh and four materials, on a floor.

@@ -5,7 +5,7 @@ pub mod build;
 mod forward_materials;
 mod lights;
 pub mod materials;
-mod meshes;
+pub mod meshes;
 mod views;
 
 pub use build::SceneBuilder;
