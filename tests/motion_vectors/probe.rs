@@ -114,11 +114,9 @@ fn record(
 pub fn read(headless: &mut Headless) -> Vec<Vec2> {
     let world = headless.app.sub_app(RenderApp).world();
     let probe = world.resource::<MotionProbe>();
-    probe
-        .readback
-        .map_async(wgpu::MapMode::Read, .., |mapped| {
-            mapped.unwrap_or_else(|error| panic!("the motion vectors cannot be read: {error}"));
-        });
+    probe.readback.map_async(wgpu::MapMode::Read, .., |mapped| {
+        mapped.unwrap_or_else(|error| panic!("the motion vectors cannot be read: {error}"));
+    });
     world
         .resource::<RenderDevice>()
         .wgpu_device()
@@ -127,7 +125,8 @@ pub fn read(headless: &mut Headless) -> Vec<Vec2> {
     let motions = (probe.readback.get_mapped_range(..).as_chunks::<8>().0)
         .iter()
         .map(|bytes| {
-            let [x, y] = [[0, 1, 2, 3], [4, 5, 6, 7]].map(|at| f32::from_le_bytes(at.map(|i| bytes[i])));
+            let [x, y] =
+                [[0, 1, 2, 3], [4, 5, 6, 7]].map(|at| f32::from_le_bytes(at.map(|i| bytes[i])));
             Vec2::new(x, y)
         })
         .collect();

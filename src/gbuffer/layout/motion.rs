@@ -32,7 +32,11 @@ fn float_from(half: u32) -> f32 {
         31 => return f32::NAN,
         _ => (mantissa + 0x400) as f32 * power(exponent - 25),
     };
-    if half & 0x8000 == 0 { magnitude } else { -magnitude }
+    if half & 0x8000 == 0 {
+        magnitude
+    } else {
+        -magnitude
+    }
 }
 
 /// The way across the picture, in UV units, from one position in clip space to another; as in Bevy's `prepass.wgsl`.
