@@ -110,17 +110,13 @@ fn shift_movers(world: &mut World, by: Vec3) {
     }
 }
 
-/// Starts at the same phase of the jitter.
-fn align(headless: &mut Headless) {
+/// Makes frames until all is loaded, and as many in each app: jitter and noise are then the same, and after enough of
+/// them what temporal anti-aliasing has gathered.
+fn align(headless: &mut Headless, frames: u32) {
     headless.settle();
-    while !headless
-        .world()
-        .resource::<FrameCount>()
-        .0
-        .is_multiple_of(8)
-    {
-        headless.frames(1);
-    }
+    let made = headless.world().resource::<FrameCount>().0;
+    let rest = frames.checked_sub(made).expect("loaded by then");
+    headless.frames(rest as usize);
 }
 
 /// The view of the last frame, if it was lean.
@@ -223,7 +219,7 @@ impl<F: FnMut(&mut SceneBuilder)> Case<F> {
             let mut headless = build(SIZE, &mut self.make);
             probe::install(&mut headless);
             set_lean(&mut headless, lean);
-            align(&mut headless);
+            align(&mut headless, 64);
             film(&mut headless, self.frames, self.script)
         });
         assert!(forward.iter().all(|frame| frame.view.is_none()));
@@ -599,7 +595,7 @@ fn moving_meshes_are_queued_once() {
 fn pictures_of(camera: impl Bundle, lean: bool) -> Vec<Picture> {
     let mut headless = build(SIZE, |s| still_and_moving(s, camera));
     set_lean(&mut headless, lean);
-    align(&mut headless);
+    align(&mut headless, 256);
     headless.film(8, |world, frame| {
         turn_camera(world, frame as f32 * 0.03);
         shift_movers(world, Vec3::new(0.1, 0.04, -0.06));
