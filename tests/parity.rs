@@ -85,17 +85,6 @@ fn explicitly_deferred_materials_look_as_others_do_forward() {
     );
 }
 
-/// The part of a picture inside of `rect`.
-fn crop(picture: &Picture, rect: URect) -> Vec<u8> {
-    (rect.min.y..rect.max.y)
-        .flat_map(|y| {
-            let row = (y * picture.size.x) as usize;
-            let (from, to) = (row + rect.min.x as usize, row + rect.max.x as usize);
-            picture.rgba[from * 4..to * 4].iter().copied()
-        })
-        .collect()
-}
-
 #[test]
 fn a_lean_camera_leaves_others_of_its_target_alone() {
     let rects = [
@@ -126,7 +115,7 @@ fn a_lean_camera_leaves_others_of_its_target_alone() {
             .entity_mut(cameras[lean])
             .insert(LeanDeferred::default());
         let after = settled(&mut headless);
-        let changed = |rect: URect| crop(&before, rect) != crop(&after, rect);
+        let changed = |rect: URect| before.crop(rect) != after.crop(rect);
         assert!(changed(rects[lean]), "camera {lean} is not lean at all");
         assert!(
             !changed(rects[1 - lean]),
@@ -555,7 +544,7 @@ fn no_mesh_is_lost() {
     // Pixels that something was drawn to, and their mean colour. The corner of a cell is background, which is dithered.
     let content = |picture: &Picture, column: u32, row: u32| {
         let min = UVec2::new(column, row) * CELL;
-        let pixels = crop(picture, URect::from_corners(min, min + CELL));
+        let pixels = picture.crop(URect::from_corners(min, min + CELL)).rgba;
         let is_drawn = |p: &[u8]| p.iter().zip(&pixels).any(|(a, b)| a.abs_diff(*b) > 2);
         let drawn = pixels.chunks(4).filter(|p| is_drawn(p));
         let (count, sum) = drawn.fold((0u32, Vec3::ZERO), |(count, sum), p| {

@@ -83,6 +83,7 @@ impl Modules {
             | Capabilities::BUFFER_BINDING_ARRAY
             | Capabilities::STORAGE_BUFFER_BINDING_ARRAY
             | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY_NON_UNIFORM_INDEXING
+            | Capabilities::SHADER_FLOAT16_IN_FLOAT32
             | Capabilities::SUBGROUP;
         Self {
             composer: Composer::default().with_capabilities(capabilities),

@@ -32,18 +32,21 @@ pub fn write_pictures(mut headless: Headless, path: &str, args: &Args) -> AppExi
 
 fn compare(headless: &mut Headless, picture: &Picture) {
     let size = UVec2::new(picture.size.x / 2, picture.size.y);
-    let lean = crop(picture, UVec2::ZERO, size);
-    let forward = crop(picture, UVec2::new(picture.size.x - size.x, 0), size);
+    let half = |x: u32| {
+        picture.crop(URect::from_corners(
+            UVec2::new(x, 0),
+            UVec2::new(x, 0) + size,
+        ))
+    };
+    let [lean, forward] = [0, picture.size.x - size.x].map(half);
     let print = |name: &str, difference: Difference| println!("{name:12} {difference}");
     print("all", difference(&forward, &lean));
     let bands = bands(headless);
     for (row, [top, bottom]) in ROWS.iter().zip(bands) {
         let top = (top.max(0.0) as u32).min(size.y);
         let bottom = (bottom.max(0.0) as u32).clamp(top, size.y);
-        let [forward, lean] = [&forward, &lean].map(|half| {
-            let corner = UVec2::new(0, top);
-            crop(half, corner, UVec2::new(size.x, bottom - top))
-        });
+        let band = URect::new(0, top, size.x, bottom);
+        let [forward, lean] = [&forward, &lean].map(|half| half.crop(band));
         if !lean.rgba.is_empty() {
             print(row.name, difference(&forward, &lean));
         }
@@ -68,16 +71,4 @@ fn bands(headless: &mut Headless) -> Vec<[f32; 2]> {
             [height(y + 0.5), height(y - 0.5)]
         })
         .collect()
-}
-
-/// The part of a picture with a corner and a size.
-fn crop(picture: &Picture, corner: UVec2, size: UVec2) -> Picture {
-    let rgba = (corner.y..corner.y + size.y)
-        .flat_map(|y| {
-            let from = (y * picture.size.x + corner.x) as usize * 4;
-            picture.rgba[from..from + size.x as usize * 4].iter()
-        })
-        .copied()
-        .collect();
-    Picture { size, rgba }
 }

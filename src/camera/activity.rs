@@ -1,5 +1,5 @@
 use bevy::{
-    camera::{Camera3dDepthLoadOp, CameraMainTextureUsages},
+    camera::{Camera3dDepthLoadOp, CameraMainTextureUsages, visibility::RenderLayers},
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
     pbr::ViewKeyCache,
     platform::collections::{HashMap, HashSet},
@@ -35,6 +35,8 @@ pub struct ActiveLeanView {
     pub keeps_prepass: bool,
     /// The view has motion vectors, and those of lean meshes are made from the G-buffer.
     pub resolves_motion: bool,
+    /// Some light, decal or light probe has layers that keep it from some meshes.
+    pub has_light_layers: bool,
     /// The optional targets that the view has.
     pub targets: GBufferTargets,
     /// The kinds of special surfaces that lighting is compiled for.
@@ -131,6 +133,7 @@ fn draw_order(
     camera: &Camera3d,
     (depth, normal, motion): (bool, bool, bool),
     occlusion_culling: bool,
+    has_light_layers: bool,
     can_resolve_motion: impl FnOnce(bool) -> bool,
 ) -> ActiveLeanView {
     let draws_in_prepass = depth || normal || motion;
@@ -144,6 +147,7 @@ fn draw_order(
         draws_in_prepass,
         keeps_prepass: normal || (motion && !resolves_motion),
         resolves_motion,
+        has_light_layers,
         targets: GBufferTargets::empty(),
         variants: LightingVariants::empty(),
         culls_in_two_phases,
@@ -170,7 +174,13 @@ pub(super) fn decide_active_views(
     mut active_before: Local<HashMap<RetainedViewEntity, ActiveLeanView>>,
     mut views: Query<(
         Entity,
-        (&ExtractedCamera, &ExtractedView, &Msaa, &Camera3d),
+        (
+            &ExtractedCamera,
+            &ExtractedView,
+            &Msaa,
+            &Camera3d,
+            Option<&RenderLayers>,
+        ),
         (
             Has<DepthPrepass>,
             Has<NormalPrepass>,
@@ -195,9 +205,8 @@ pub(super) fn decide_active_views(
     let soft_shadows = scene.has_soft_shadows();
     let mut active_now = HashMap::default();
 
-    for (entity, (camera, view, msaa, camera_3d), prepasses, (settings, occlusion), lighting) in
-        &mut views
-    {
+    for (entity, camera, prepasses, (settings, occlusion), lighting) in &mut views {
+        let (camera, view, msaa, camera_3d, layers) = camera;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         if let Some(reason) = reason_against(camera, view, msaa, deferred, soft_shadows) {
             reported.report(view.retained_view_entity.main_entity, reason);
@@ -217,6 +226,7 @@ pub(super) fn decide_active_views(
             camera_3d,
             (depth, normal, motion),
             occlusion_culling && !no_indirect,
+            scene.has_light_layers(settings, layers),
             |in_two_phases| {
                 (motion_pipelines.as_mut())
                     .is_some_and(|pipelines| pipelines.are_ready(&pipeline_cache, in_two_phases))
@@ -230,16 +240,13 @@ pub(super) fn decide_active_views(
             if !order.resolves_motion {
                 demand.targets.remove(GBufferTargets::MOTION);
             }
+            if !order.has_light_layers {
+                demand.targets.remove(GBufferTargets::VISIBILITY_MASK);
+            }
             demand
         };
         let compiled = [wanted, before].map(possible).into_iter().find(|demand| {
-            let key = scene.key(
-                *view_key,
-                settings,
-                occlusion,
-                order.depth_tells_geometry,
-                *demand,
-            );
+            let key = scene.key(*view_key, settings, occlusion, &order, *demand);
             lighting.pipelines = key
                 .variants()
                 .map(|key| (key, pipelines.specialize(&pipeline_cache, key)))

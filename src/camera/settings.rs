@@ -16,7 +16,7 @@ use crate::{
 /// Needs HDR (required, added by itself) and no MSAA (switched off when the component is added). A camera that
 /// breaks these later, that also has `DeferredPrepass`, or a device that lacks something, is rendered as Bevy has
 /// it, with one warning that names the reason.
-#[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Hdr, GBufferUsage)]
 #[extract_component_sync_target((
@@ -30,8 +30,26 @@ pub struct LeanDeferred {
     /// How the normal of the surface itself (not the shading normal) is found from depth. Shadow bias uses it.
     /// Only computed where a light casts shadows. Default: the most exact.
     pub geometric_normal: GeometricNormal,
+    /// Lights, decals and light probes that have a [`RenderLayers`](bevy::camera::visibility::RenderLayers) component
+    /// affect only meshes that share a layer with them. Default: true.
+    ///
+    /// Bevy's forward pass asks only whether the camera shares one. The two differ on cameras that see several layers,
+    /// where a light has some of these but not all; elsewhere, and where no such light exists, this costs nothing.
+    /// Lights without the component affect all meshes. Layers from 31 on count as one. Meshes that Bevy's forward pass
+    /// draws, such as transparent ones, are lit as Bevy has it.
+    pub light_layers: bool,
     /// Shows one channel of the G-buffer in place of the lit image. Default: none.
     pub debug_view: Option<GBufferChannel>,
+}
+
+impl Default for LeanDeferred {
+    fn default() -> Self {
+        Self {
+            geometric_normal: GeometricNormal::default(),
+            light_layers: true,
+            debug_view: None,
+        }
+    }
 }
 
 /// Ways to reconstruct the geometric normal of a pixel from the depth buffer.
@@ -80,11 +98,16 @@ pub enum GBufferChannel {
     /// A colour for each shading model: subsurface pink, anisotropy yellow, rim cyan, clearcoat blue, backlight green,
     /// unlit magenta; plain surfaces grey by their specular constant (white at 2).
     ShadingModel,
+    /// Motion of meshes that move or deform: grey at rest, red and green with the motion across the picture (full at a
+    /// tenth of it), black where it follows from the cameras. Black without `MotionVectorPrepass`.
+    Motion,
+    /// Render layers: a colour for each set, grey for layer 0 alone. All grey while no light's layers tell meshes apart.
+    VisibilityMask,
 }
 
 impl GBufferChannel {
     /// All channels, in the order of the bit table.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Albedo,
         Self::Metallic,
         Self::Occlusion,
@@ -94,6 +117,8 @@ impl GBufferChannel {
         Self::Depth,
         Self::Emissive,
         Self::ShadingModel,
+        Self::Motion,
+        Self::VisibilityMask,
     ];
 
     /// The name of the shader definition that selects it.
@@ -108,6 +133,8 @@ impl GBufferChannel {
             Self::Depth => "DEBUG_DEPTH",
             Self::Emissive => "DEBUG_EMISSIVE",
             Self::ShadingModel => "DEBUG_SHADING_MODEL",
+            Self::Motion => "DEBUG_MOTION",
+            Self::VisibilityMask => "DEBUG_VISIBILITY_MASK",
         }
     }
 }

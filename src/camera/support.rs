@@ -39,12 +39,14 @@ impl LeanDeferredSupport {
 pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> Vec<String> {
     let mut missing = Vec::new();
 
-    if !adapter
-        .get_downlevel_capabilities()
-        .flags
-        .contains(DownlevelFlags::COMPUTE_SHADERS)
-    {
-        missing.push("compute shaders".into());
+    let flags = adapter.get_downlevel_capabilities().flags;
+    for (flag, name) in [
+        (DownlevelFlags::COMPUTE_SHADERS, "compute shaders"),
+        (DownlevelFlags::SHADER_F16_IN_F32, "packing of half floats"),
+    ] {
+        if !flags.contains(flag) {
+            missing.push(name.into());
+        }
     }
 
     for (format, usage, name) in [
@@ -78,13 +80,13 @@ pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> V
             "max_storage_textures_per_shader_stage",
         ),
         // Bevy keeps lights and clusters in storage buffers only from 3 on; the compute pass has no other path. Decals,
-        // the atmosphere and the lists of special surfaces' tiles need one, one and two more.
+        // the atmosphere, the lights' layers and the lists of special surfaces' tiles need one, one, one and two more.
         (
             limits.max_storage_buffers_per_shader_stage,
             8,
             "max_storage_buffers_per_shader_stage",
         ),
-        (limits.max_color_attachments, 4, "max_color_attachments"),
+        (limits.max_color_attachments, 6, "max_color_attachments"),
         (limits.max_bind_groups, 4, "max_bind_groups"),
         (
             limits.max_compute_invocations_per_workgroup,

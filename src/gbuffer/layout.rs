@@ -7,6 +7,7 @@
 //! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](emissive) |
 //! | optional | [`SPECIALIZATION_FORMAT`] | [specular constant, shading model, flags](specialization) |
 //! | optional | [`MOTION_FORMAT`] | [motion vector](motion) |
+//! | optional | [`VISIBILITY_MASK_FORMAT`] | one bit for each render layer; see [`visibility_mask`] |
 //!
 //! Choices, with what they cost (`tests/layout.rs` measures and bounds each figure):
 //!
@@ -24,6 +25,7 @@ pub mod motion;
 pub mod specialization;
 
 use bevy::{
+    camera::visibility::RenderLayers,
     math::{Vec2, Vec2Swizzles, Vec3, Vec3Swizzles},
     render::render_resource::TextureFormat,
 };
@@ -38,6 +40,12 @@ pub const EMISSIVE_FORMAT: TextureFormat = TextureFormat::R32Uint;
 pub const SPECIALIZATION_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the optional target that holds the motion of meshes that move or deform.
 pub const MOTION_FORMAT: TextureFormat = TextureFormat::R32Uint;
+/// Format of the optional target that holds which [`RenderLayers`] a mesh is on.
+pub const VISIBILITY_MASK_FORMAT: TextureFormat = TextureFormat::R32Uint;
+/// The visibility mask of a mesh without `RenderLayers`: layer 0 alone.
+pub const DEFAULT_VISIBILITY_MASK: u32 = 1;
+/// Layers from this one on share one bit of the visibility mask.
+pub const SHARED_LAYERS: usize = 31;
 /// Bytes a pixel of the base targets, depth not counted.
 pub const BASE_BYTES_PER_PIXEL: u32 = 8;
 
@@ -50,6 +58,14 @@ const ROUGHNESS_MAX: f32 = 255.0;
 /// Steps of one octahedral axis. Even, so that 0 is a code and the axes and flat floors are stored exactly.
 pub const NORMAL_STEPS: f32 = 4094.0;
 const HALF_STEPS: f32 = 2047.0;
+
+/// A bit for each layer; one more for all from [`SHARED_LAYERS`] on, so that none is lost. The word itself is what
+/// shaders read.
+pub fn visibility_mask(layers: &RenderLayers) -> u32 {
+    layers
+        .iter()
+        .fold(0, |mask, layer| mask | 1 << layer.min(SHARED_LAYERS))
+}
 
 /// Both words of a pixel that no mesh was drawn to.
 pub const NO_GEOMETRY: u32 = 0;

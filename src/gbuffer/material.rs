@@ -4,6 +4,7 @@ use core::{any::TypeId, marker::PhantomData};
 
 use bevy::{
     asset::{AssetId, AssetServer, UntypedAssetId, load_embedded_asset},
+    camera::visibility::RenderLayers,
     light::NotShadowReceiver,
     material::OpaqueRendererMethod,
     pbr::{
@@ -48,7 +49,7 @@ use super::{
 /// ```
 ///
 /// The shader is compiled once without optional targets, and if the material needs some, with `GBUFFER_EMISSIVE`,
-/// `GBUFFER_SPECIALIZATION` and `GBUFFER_MOTION` as far as the view has them. `pack_pbr_input` fills the first two from
+/// `GBUFFER_SPECIALIZATION`, `GBUFFER_MOTION` and `GBUFFER_VISIBILITY_MASK` as far as the view has them. `pack_pbr_input` fills the first two from
 /// the same `PbrInput`, `with_motion` the last: without it motion vectors are those of a mesh at rest. For meshes that
 /// do not move `VertexOutput` has no previous position.
 ///
@@ -352,15 +353,27 @@ pub(super) fn extract_special_meshes(
 
 /// In the main world: has meshes queued anew whose components changed what they need.
 pub(super) fn requeue_changed_special_meshes(
-    changed: Query<Entity, Or<(Added<NotShadowReceiver>, Added<Lightmap>)>>,
+    changed: Query<
+        Entity,
+        (
+            With<Mesh3d>,
+            Or<(
+                Added<NotShadowReceiver>,
+                Added<Lightmap>,
+                Changed<RenderLayers>,
+            )>,
+        ),
+    >,
     mut receivers: RemovedComponents<NotShadowReceiver>,
     mut lightmaps: RemovedComponents<Lightmap>,
+    mut layers: RemovedComponents<RenderLayers>,
     mut meshes: Query<&mut Mesh3d>,
 ) {
     for entity in changed
         .iter()
         .chain(receivers.read())
         .chain(lightmaps.read())
+        .chain(layers.read())
     {
         if let Ok(mut mesh) = meshes.get_mut(entity) {
             mesh.set_changed();

@@ -48,6 +48,9 @@ struct GBufferOutput {
 #ifdef GBUFFER_MOTION
     @location(4) motion: u32,
 #endif
+#ifdef GBUFFER_VISIBILITY_MASK
+    @location(5) visibility_mask: u32,
+#endif
 }
 
 /// Discards fragments that the alpha mask or a visibility range's crossfade leave out.
@@ -60,8 +63,8 @@ fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
 }
 
 /// Packs what the targets of this pass carry of `in`: base colour, metallic, roughness, shading normal and occlusion,
-/// and where they are written, emitted light and what a `StandardMaterial` may have beyond these. The surface does not
-/// move, unless `with_motion` says otherwise.
+/// and where they are written, emitted light, what a `StandardMaterial` may have beyond these, and the layers of the
+/// mesh. The surface does not move, unless `with_motion` says otherwise.
 fn pack_pbr_input(in: PbrInput) -> GBufferOutput {
     var out: GBufferOutput;
     let words = pack(Surface(
@@ -82,6 +85,9 @@ fn pack_pbr_input(in: PbrInput) -> GBufferOutput {
 #endif
 #ifdef GBUFFER_MOTION
     out.motion = INVALID_MOTION;
+#endif
+#ifdef GBUFFER_VISIBILITY_MASK
+    out.visibility_mask = #{MESH_VISIBILITY_MASK}u;
 #endif
     return out;
 }

@@ -25,13 +25,19 @@ pub(super) struct GBufferPipelineSpecializer {
 }
 
 /// The key of [`GBufferPipelineSpecializer`]: the material's, the shader, because pipelines of different material
-/// types share one cache, the optional targets of the pass, and whether the mesh writes its motion.
-pub(super) type GBufferPipelineKey = (
-    ErasedMaterialPipelineKey,
-    AssetId<Shader>,
-    GBufferTargets,
-    bool,
-);
+/// types share one cache, and what the mesh writes.
+pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>, MeshOutput);
+
+/// What a mesh writes beside the base targets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct MeshOutput {
+    /// The optional targets of the pass that it is drawn in.
+    pub(super) targets: GBufferTargets,
+    /// Its motion, and not that it is at rest.
+    pub(super) writes_motion: bool,
+    /// The same for all meshes where `targets` has no visibility mask.
+    pub(super) visibility_mask: u32,
+}
 
 /// What Bevy's shaders need to know where a mesh was in the last frame.
 const MOTION_DEFS: [&str; 3] = [
@@ -45,7 +51,7 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
 
     fn specialize(
         &self,
-        (key, _, targets, writes_motion): Self::Key,
+        (key, _, output): Self::Key,
         layout: &MeshVertexBufferLayoutRef,
     ) -> Result<RenderPipelineDescriptor, SpecializedMeshPipelineError> {
         let prepass = PrepassPipelineSpecializer {
@@ -56,7 +62,7 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         descriptor.label = Some("lean_deferred/gbuffer".into());
         // The layouts stay: on a view with motion vectors Bevy binds the groups that have previous positions.
         let needs_def = |def: &ShaderDefVal| {
-            writes_motion
+            output.writes_motion
                 || !matches!(def, ShaderDefVal::Bool(name, _) if MOTION_DEFS.contains(&name.as_str()))
         };
         descriptor.vertex.shader_defs.retain(needs_def);
@@ -64,15 +70,22 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
             fragment.shader_defs.retain(needs_def);
             fragment.shader = self.fragment_shader.clone();
             fragment.entry_point = None;
-            fragment.targets = targets.attachments(|format| ColorTargetState {
+            fragment.targets = output.targets.attachments(|format| ColorTargetState {
                 format,
                 blend: None,
                 write_mask: ColorWrites::ALL,
             });
-            let defs = targets.iter().map(|target| target.shader_def().into());
+            let defs = output.targets.iter();
+            let defs = defs.map(|target| target.shader_def().into());
             fragment.shader_defs.extend(defs);
-            if targets.contains(GBufferTargets::SPECIALIZATION) {
+            if output.targets.contains(GBufferTargets::SPECIALIZATION) {
                 fragment.shader_defs.extend(material_texture_defs());
+            }
+            if output.targets.contains(GBufferTargets::VISIBILITY_MASK) {
+                fragment.shader_defs.push(ShaderDefVal::UInt(
+                    "MESH_VISIBILITY_MASK".into(),
+                    output.visibility_mask,
+                ));
             }
         }
         Ok(descriptor)

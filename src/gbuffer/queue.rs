@@ -40,13 +40,14 @@ use bevy::{
 
 use super::{
     demand::{Demand, ViewDemands},
+    layout::{DEFAULT_VISIBILITY_MASK, visibility_mask},
     material::{GBufferMaterials, SpecialMeshes},
     moving::MovingMeshes,
     phase::{
         AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferPhases,
         OpaqueGBuffer, QueuedMesh,
     },
-    pipeline::{GBufferPipelineSpecializer, VIEW_KEY_BITS},
+    pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
     targets::{GBufferTargets, ShadingModel},
 };
 use crate::{LeanDeferred, camera::ActiveLeanView, lighting::LightingVariant};
@@ -85,6 +86,11 @@ impl MeshToQueue<'_> {
         self.mesh.layout.0.contains(Mesh::ATTRIBUTE_JOINT_INDEX)
             || MeshPipelineKey::from_bits_retain(self.mesh.key_bits.bits())
                 .contains(MeshPipelineKey::MORPH_TARGETS)
+    }
+
+    fn visibility_mask(&self) -> u32 {
+        let layers = self.instance.render_layers.as_ref();
+        layers.map_or(DEFAULT_VISIBILITY_MASK, visibility_mask)
     }
 }
 
@@ -157,6 +163,9 @@ impl MeshLookup<'_> {
             GBufferTargets::MOTION,
             view.resolves_motion && targets.contains(GBufferTargets::MOTION),
         );
+        if view.has_light_layers && mesh.visibility_mask() != DEFAULT_VISIBILITY_MASK {
+            targets |= GBufferTargets::VISIBILITY_MASK;
+        }
         let demand = Demand {
             targets,
             variants: LightingVariant::new(needs.shading_model, lightmapped).as_set(),
@@ -181,8 +190,7 @@ impl GBufferPipelines<'_> {
         mesh: &MeshToQueue,
         view_key: MeshPipelineKey,
         fragment_shader: &Handle<Shader>,
-        targets: GBufferTargets,
-        writes_motion: bool,
+        output: MeshOutput,
     ) -> Option<CachedRenderPipelineId> {
         let properties = &mesh.material.properties;
         let mut mesh_key = (view_key & VIEW_KEY_BITS)
@@ -199,7 +207,7 @@ impl GBufferPipelines<'_> {
         if let Some(lightmap) = lookup.special_meshes.lightmap_key(entity) {
             mesh_key |= lightmap;
         }
-        if writes_motion {
+        if output.writes_motion {
             let flags = mesh.instance.flags();
             mesh_key.set(
                 MeshPipelineKey::HAS_PREVIOUS_SKIN,
@@ -224,7 +232,7 @@ impl GBufferPipelines<'_> {
             .specialize(
                 &self.cache,
                 &specializer,
-                (key, fragment_shader.id(), targets, writes_motion),
+                (key, fragment_shader.id(), output),
                 &mesh.mesh.layout,
             )
             .inspect_err(|error| error!("G-buffer pipeline: {error}"))
@@ -406,17 +414,17 @@ pub(super) fn queue_gbuffer_meshes(
             } else {
                 GBufferTargets::empty()
             };
-            let writes_motion = demand.targets.contains(GBufferTargets::MOTION);
+            let output = MeshOutput {
+                targets,
+                writes_motion: demand.targets.contains(GBufferTargets::MOTION),
+                visibility_mask: if targets.contains(GBufferTargets::VISIBILITY_MASK) {
+                    mesh.visibility_mask()
+                } else {
+                    DEFAULT_VISIBILITY_MASK
+                },
+            };
             let pipeline = if active.demand().contains(demand) {
-                pipelines.specialize(
-                    &lookup,
-                    entity,
-                    &mesh,
-                    *view_key,
-                    shader,
-                    targets,
-                    writes_motion,
-                )
+                pipelines.specialize(&lookup, entity, &mesh, *view_key, shader, output)
             } else {
                 None
             };
@@ -426,7 +434,7 @@ pub(super) fn queue_gbuffer_meshes(
                 continue;
             };
 
-            if writes_motion && lookup.awaits_previous_morph(entity, &mesh) {
+            if output.writes_motion && lookup.awaits_previous_morph(entity, &mesh) {
                 pending.current_frame.insert((*render_entity, entity));
             }
             bevy_phases.remove(view, entity, active.keeps_prepass);

@@ -4,8 +4,8 @@ use bevy::{prelude::*, render::render_resource::TextureFormat};
 use bitflags::bitflags;
 
 use super::layout::{
-    EMISSIVE_FORMAT, MOTION_FORMAT, NORMAL_FORMAT, SPECIALIZATION_FORMAT, SURFACE_FORMAT,
-    motion::INVALID_MOTION,
+    DEFAULT_VISIBILITY_MASK, EMISSIVE_FORMAT, MOTION_FORMAT, NORMAL_FORMAT, SPECIALIZATION_FORMAT,
+    SURFACE_FORMAT, VISIBILITY_MASK_FORMAT, motion::INVALID_MOTION,
 };
 
 bitflags! {
@@ -21,12 +21,16 @@ bitflags! {
         /// Where a surface was in the last frame. Meshes that move, are skinned or have morph targets write it without
         /// being told; a material whose vertex shader animates names it. Only on views with `MotionVectorPrepass`.
         const MOTION = 1 << 2;
+        /// Which [`RenderLayers`](bevy::camera::visibility::RenderLayers) a mesh is on. Meshes on other layers than
+        /// layer 0 alone write it without being told, on views with a light, decal or light probe that its own layers
+        /// keep from some meshes.
+        const VISIBILITY_MASK = 1 << 3;
     }
 }
 
 impl GBufferTargets {
     /// Those that lighting reads.
-    pub(crate) const LIT: Self = Self::EMISSIVE.union(Self::SPECIALIZATION);
+    pub(crate) const LIT: Self = Self::all().difference(Self::MOTION);
 
     /// What `make` makes of the formats of a pass with these targets: two of the base, one for each optional target up
     /// to the last, in the order of the fragment shader's outputs.
@@ -48,10 +52,10 @@ impl GBufferTargets {
 
     /// What a single target is cleared to.
     pub(crate) const fn clear_value(self) -> u32 {
-        if self.contains(Self::MOTION) {
-            INVALID_MOTION
-        } else {
-            0
+        match self {
+            Self::MOTION => INVALID_MOTION,
+            Self::VISIBILITY_MASK => DEFAULT_VISIBILITY_MASK,
+            _ => 0,
         }
     }
 
@@ -60,6 +64,7 @@ impl GBufferTargets {
         match self {
             Self::EMISSIVE => EMISSIVE_FORMAT,
             Self::MOTION => MOTION_FORMAT,
+            Self::VISIBILITY_MASK => VISIBILITY_MASK_FORMAT,
             _ => SPECIALIZATION_FORMAT,
         }
     }
@@ -68,6 +73,8 @@ impl GBufferTargets {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::EMISSIVE => "emissive",
+            Self::MOTION => "motion",
+            Self::VISIBILITY_MASK => "visibility mask",
             _ => "specialization",
         }
     }
@@ -77,6 +84,7 @@ impl GBufferTargets {
         match self {
             Self::EMISSIVE => "lean_deferred/gbuffer/emissive",
             Self::MOTION => "lean_deferred/gbuffer/motion",
+            Self::VISIBILITY_MASK => "lean_deferred/gbuffer/visibility_mask",
             _ => "lean_deferred/gbuffer/specialization",
         }
     }
@@ -86,6 +94,7 @@ impl GBufferTargets {
         match self {
             Self::EMISSIVE => "GBUFFER_EMISSIVE",
             Self::MOTION => "GBUFFER_MOTION",
+            Self::VISIBILITY_MASK => "GBUFFER_VISIBILITY_MASK",
             _ => "GBUFFER_SPECIALIZATION",
         }
     }

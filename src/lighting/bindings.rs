@@ -32,8 +32,8 @@ use super::{
     buffers::LightingBuffers,
     features::ViewEnvironmentMaps,
     pipeline::{
-        AREA_LIGHT_LUTS_BINDING, BLUE_NOISE_BINDING, DFG_LUT_BINDING, LightingLayouts,
-        LightingPipelines, target_binding,
+        AREA_LIGHT_LUTS_BINDING, BLUE_NOISE_BINDING, DFG_LUT_BINDING, LIGHT_LAYERS_BINDING,
+        LightingLayouts, LightingPipelines, target_binding,
     },
     tile_lists::{filling_layout, reading_layout},
 };
@@ -41,7 +41,7 @@ use crate::{
     ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
     bind_group_cache::CachedBindGroup,
     camera::ActiveLeanView,
-    gbuffer::{GBufferTargets, GBufferTextures},
+    gbuffer::GBufferTextures,
     tiles,
 };
 
@@ -237,7 +237,11 @@ fn update_bind_groups(
             (3, uniforms.clone()),
         ];
         entries.extend_from_slice(&occlusion);
-        for target in GBufferTargets::LIT {
+        if layouts.has_light_layers() {
+            let table = view.lighting.light_layers.as_ref()?;
+            entries.push((LIGHT_LAYERS_BINDING, table.binding()?));
+        }
+        for target in layouts.read_targets {
             if let Some(texture) = view.gbuffer.optional(target) {
                 let texture = texture.default_view.into_binding();
                 entries.push((target_binding(target), texture));

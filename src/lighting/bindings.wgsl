@@ -18,6 +18,18 @@ struct LightingUniform {
     list_capacity: u32,
 }
 
+#ifdef LIGHT_LAYERS
+/// The visibility masks of lights, light probes and decals, each by the index by which Bevy's shaders know it.
+struct LightLayersTable {
+    directional_lights: array<u32, 10>,
+    rect_lights: array<u32, 8>,
+    reflection_probes: array<u32, 8>,
+    irradiance_volumes: array<u32, 8>,
+    /// x: of the point or spot light with this index; y: of the decal. All that come after these affect everything.
+    clustered: array<vec2<u32>>,
+}
+#endif
+
 @group(2) @binding(0) var surface_texture: texture_2d<u32>;
 @group(2) @binding(1) var normal_texture: texture_2d<u32>;
 @group(2) @binding(2) var output_texture: texture_storage_2d<rgba16float, write>;
@@ -32,4 +44,13 @@ struct LightingUniform {
 #endif
 #ifdef GBUFFER_SPECIALIZATION
 @group(2) @binding(8) var specialization_texture: texture_2d<u32>;
+#endif
+#ifdef GBUFFER_MOTION
+@group(2) @binding(9) var motion_texture: texture_2d<u32>;
+#endif
+#ifdef GBUFFER_VISIBILITY_MASK
+@group(2) @binding(10) var visibility_mask_texture: texture_2d<u32>;
+#endif
+#ifdef LIGHT_LAYERS
+@group(2) @binding(11) var<storage> light_layers: LightLayersTable;
 #endif

@@ -1,6 +1,7 @@
 //! What a view has to be lit with.
 
 use bevy::{
+    camera::visibility::RenderLayers,
     ecs::system::SystemParam,
     light::EnvironmentMapLight,
     pbr::{
@@ -13,10 +14,14 @@ use bevy::{
 use crate::{
     GBufferChannel, GeometricNormal, LeanAmbientOcclusion, LeanDeferred,
     ambient_occlusion::{FilterKey, OcclusionPipelines},
+    camera::ActiveLeanView,
     gbuffer::{Demand, GBufferTargets},
 };
 
-use super::variants::{LightingVariant, LightingVariants};
+use super::{
+    light_layers::LightLayers,
+    variants::{LightingVariant, LightingVariants},
+};
 
 /// Which lighting pipeline a view needs. Everything in it is compiled in or out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -32,7 +37,9 @@ pub(crate) struct LightingKey {
     /// Pixels without geometry are known by their depth, not by the cleared G-buffer.
     pub(super) depth_tells_geometry: bool,
     pub(super) occlusion: Option<OcclusionKey>,
-    /// The optional targets that the view has.
+    /// Some light, decal or light probe has layers that keep it from some meshes.
+    pub(super) light_layers: bool,
+    /// The optional targets that the view has, as far as they are read.
     pub(super) targets: GBufferTargets,
     /// The kinds of special surfaces that the view has: the plain variant lists their tiles.
     pub(super) listed: LightingVariants,
@@ -91,6 +98,7 @@ pub(crate) struct SceneFeatures<'w, 's> {
     decals: Option<Res<'w, RenderClusteredDecals>>,
     mesh_pipeline: Option<Res<'w, MeshPipeline>>,
     occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
+    light_layers: Res<'w, LightLayers>,
 }
 
 impl SceneFeatures<'_, '_> {
@@ -106,13 +114,22 @@ impl SceneFeatures<'_, '_> {
                 .any(|light| light.shadow_maps_enabled && light.soft_shadow_size.is_some())
     }
 
+    /// Whether a view with these settings and layers tells lights by their layers.
+    pub(crate) fn has_light_layers(
+        &self,
+        settings: &LeanDeferred,
+        view_layers: Option<&RenderLayers>,
+    ) -> bool {
+        settings.light_layers && self.light_layers.matter_to(view_layers.unwrap_or_default())
+    }
+
     /// The key for a view with Bevy's `view_key`.
     pub(crate) fn key(
         &self,
         view_key: MeshPipelineKey,
         settings: &LeanDeferred,
         occlusion: Option<&LeanAmbientOcclusion>,
-        depth_tells_geometry: bool,
+        order: &ActiveLeanView,
         demand: Demand,
     ) -> LightingKey {
         let shadow_maps = self.point_lights.iter().any(|l| l.shadow_maps_enabled)
@@ -126,6 +143,10 @@ impl SceneFeatures<'_, '_> {
             .as_ref()
             .is_some_and(|pipeline| pipeline.clustered_decals_are_usable);
         let shows_normal = settings.debug_view == Some(GBufferChannel::GeometricNormal);
+        let mut read_targets = GBufferTargets::LIT;
+        if settings.debug_view == Some(GBufferChannel::Motion) {
+            read_targets |= GBufferTargets::MOTION;
+        }
         LightingKey {
             view: view_key & VIEW_BITS,
             shadow_maps: (shadow_maps || contact_shadows || shows_normal)
@@ -133,11 +154,12 @@ impl SceneFeatures<'_, '_> {
             rect_lights: !self.rect_lights.is_empty(),
             decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
             debug_view: settings.debug_view,
-            depth_tells_geometry,
+            depth_tells_geometry: order.depth_tells_geometry,
             occlusion: occlusion
                 .filter(|_| self.occlusion_pipelines.is_some() && settings.debug_view.is_none())
                 .and_then(OcclusionKey::new),
-            targets: demand.targets & GBufferTargets::LIT,
+            light_layers: order.has_light_layers && settings.debug_view.is_none(),
+            targets: demand.targets & read_targets,
             // Channels are shown for all surfaces alike.
             listed: if settings.debug_view.is_some() {
                 LightingVariants::empty()

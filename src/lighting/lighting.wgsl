@@ -33,6 +33,23 @@
 #import bevy_lean_deferred::lighting::tile_lists::list_tile
 #endif
 
+#ifdef LIGHT_LAYERS
+#import bevy_lean_deferred::lighting::light_layers
+#endif
+
+#ifdef DEBUG_MOTION
+#ifdef GBUFFER_MOTION
+#import bevy_lean_deferred::gbuffer::layout::motion
+#import bevy_lean_deferred::lighting::bindings::motion_texture
+#endif
+#endif
+
+#ifdef DEBUG_VISIBILITY_MASK
+#ifdef GBUFFER_VISIBILITY_MASK
+#import bevy_lean_deferred::lighting::bindings::visibility_mask_texture
+#endif
+#endif
+
 #ifdef LIGHTING_VARIANT
 #import bevy_lean_deferred::lighting::tile_lists::listed_tile
 #endif
@@ -111,6 +128,31 @@ fn shading_model_color(word: u32) -> vec3<f32> {
 }
 #endif
 
+#ifdef DEBUG_MOTION
+fn motion_color(pixel: vec2<i32>) -> vec3<f32> {
+#ifdef GBUFFER_MOTION
+    let word = textureLoad(motion_texture, pixel, 0).r;
+    if word != motion::INVALID_MOTION {
+        return vec3(saturate(0.5 + 5.0 * motion::unpack_motion(word)), 0.5);
+    }
+#endif
+    return vec3(0.0);
+}
+#endif
+
+#ifdef DEBUG_VISIBILITY_MASK
+fn visibility_mask_color(pixel: vec2<i32>) -> vec3<f32> {
+#ifdef GBUFFER_VISIBILITY_MASK
+    let mask = textureLoad(visibility_mask_texture, pixel, 0).r;
+    if mask != 1u {
+        // Neighbouring masks get colours far apart (Knuth 1973, "The Art of Computer Programming" 3, 6.4).
+        return unpack4x8unorm(mask * 2654435769u).gba;
+    }
+#endif
+    return vec3(0.5);
+}
+#endif
+
 #ifdef DEBUG_VIEW
 fn debug_color(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
 #ifdef DEBUG_ALBEDO
@@ -129,6 +171,10 @@ fn debug_color(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
     return pbr.material.emissive.rgb;
 #else ifdef DEBUG_SHADING_MODEL
     return shading_model_color(pixel.specialization_word);
+#else ifdef DEBUG_MOTION
+    return motion_color(pixel.position);
+#else ifdef DEBUG_VISIBILITY_MASK
+    return visibility_mask_color(pixel.position);
 #else
     let z = (view.view_from_world * pbr.world_position).z;
     return vec3(1.0 / (1.0 + abs(z)));
@@ -141,6 +187,9 @@ fn light(pixel: Pixel) -> vec4<f32> {
 #ifdef DEBUG_VIEW
     return vec4(debug_color(pbr, pixel), 1.0);
 #else
+#ifdef LIGHT_LAYERS
+    light_layers::enter_pixel(pixel.position);
+#endif
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
     apply_ssao(&pbr, pixel.position);
 #endif

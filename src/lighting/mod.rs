@@ -3,6 +3,7 @@
 //! - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
 //! - `variants.rs`: the kinds of surfaces for which it is compiled apart.
 //! - `tile_lists.{rs,wgsl}`: where on the screen each kind is.
+//! - `light_layers.{rs,wgsl}`: which lights affect which meshes.
 //! - `pipeline.rs`: layouts and pipelines.
 //! - `buffers.rs`, `bindings.rs`: the buffers and the bind groups, made anew only when what they bind changed.
 //! - `pass.rs`: the dispatches.
@@ -13,6 +14,7 @@ mod bindings;
 mod buffers;
 mod features;
 pub mod geometric_normal;
+mod light_layers;
 mod pass;
 mod pipeline;
 mod tile_lists;
@@ -46,6 +48,7 @@ pub struct ViewLighting {
     /// The keys and pipelines of this frame, that for plain surfaces first.
     pub(crate) pipelines: Vec<(LightingKey, CachedComputePipelineId)>,
     tile_lists: Option<tile_lists::TileLists>,
+    light_layers: Option<light_layers::LightLayersBuffer>,
     bindings: bindings::ViewLightingBindings,
 }
 
@@ -80,6 +83,7 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "surface.wgsl");
         load_shader_library!(app, "tile_lists.wgsl");
+        load_shader_library!(app, "light_layers.wgsl");
         embedded_asset!(app, "lighting.wgsl");
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -87,6 +91,8 @@ impl Plugin for LightingPlugin {
         };
         render_app
             .init_gpu_resource::<buffers::LightingBuffers>()
+            .init_resource::<light_layers::LightLayers>()
+            .add_systems(ExtractSchedule, light_layers::extract_light_layers)
             .add_systems(
                 RenderStartup,
                 pipeline::init_lighting_pipelines.after(MeshPipelineSystems),
@@ -95,7 +101,11 @@ impl Plugin for LightingPlugin {
                 Render,
                 (
                     buffers::write_lighting_buffers.in_set(RenderSystems::PrepareResources),
-                    bindings::prepare_lighting_bind_groups
+                    (
+                        light_layers::write_light_layers,
+                        bindings::prepare_lighting_bind_groups,
+                    )
+                        .chain()
                         .in_set(RenderSystems::PrepareBindGroups)
                         .after(prepare_mesh_view_bind_groups),
                 ),

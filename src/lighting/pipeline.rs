@@ -9,7 +9,9 @@ use bevy::{
         BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedComputePipelineId,
         ComputePipelineDescriptor, PipelineCache, SamplerBindingType, ShaderStages,
         StorageTextureAccess, TextureFormat, TextureSampleType,
-        binding_types::{sampler, texture_2d, texture_storage_2d, uniform_buffer},
+        binding_types::{
+            sampler, storage_buffer_read_only, texture_2d, texture_storage_2d, uniform_buffer,
+        },
     },
     shader::ShaderDefVal,
 };
@@ -17,6 +19,7 @@ use bevy::{
 use super::{
     buffers::LightingUniform,
     features::LightingKey,
+    light_layers::LightLayersTable,
     tile_lists::{filling_layout, reading_layout},
     variants::LightingVariant,
 };
@@ -39,6 +42,8 @@ pub(super) struct LightingLayouts {
     pub(super) view: BindGroupLayoutDescriptor,
     pub(super) arrays: BindGroupLayoutDescriptor,
     pub(super) targets: BindGroupLayoutDescriptor,
+    /// The optional targets in bind group 2.
+    pub(super) read_targets: GBufferTargets,
     /// Bind group 3, where there are special surfaces.
     lists: Option<BindGroupLayoutDescriptor>,
 }
@@ -46,6 +51,11 @@ pub(super) struct LightingLayouts {
 impl LightingLayouts {
     pub(super) fn has_occlusion(&self) -> bool {
         self.targets.entries.iter().any(|e| e.binding == 4)
+    }
+
+    pub(super) fn has_light_layers(&self) -> bool {
+        let mut bindings = self.targets.entries.iter();
+        bindings.any(|e| e.binding == LIGHT_LAYERS_BINDING)
     }
 
     pub(super) fn has_view_binding(&self, binding: u32) -> bool {
@@ -72,6 +82,9 @@ pub(super) fn init_lighting_pipelines(
         by_key: HashMap::default(),
     });
 }
+
+/// Where bind group 2 has the layers of lights.
+pub(super) const LIGHT_LAYERS_BINDING: u32 = 11;
 
 /// Where bind group 2 has an optional target.
 pub(super) fn target_binding(target: GBufferTargets) -> u32 {
@@ -101,6 +114,15 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
                     texture_2d(TextureSampleType::Float { filterable: false }),
                 ),
             ),
+        ));
+    }
+    if key.light_layers {
+        entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
+            ShaderStages::COMPUTE,
+            ((
+                LIGHT_LAYERS_BINDING,
+                storage_buffer_read_only::<LightLayersTable>(false),
+            ),),
         ));
     }
     for target in key.targets {
@@ -176,6 +198,7 @@ impl LightingPipelines {
             view,
             arrays,
             targets: targets_layout(key),
+            read_targets: key.targets,
             lists: if key.variant != LightingVariant::PLAIN {
                 Some(reading_layout())
             } else if !key.listed.is_empty() {
@@ -271,6 +294,7 @@ impl LightingPipelines {
         for target in key.targets {
             define(true, target.shader_def());
         }
+        define(key.light_layers, "LIGHT_LAYERS");
         define(key.depth_tells_geometry, "DEPTH_TELLS_GEOMETRY");
         define(key.debug_view.is_some(), "DEBUG_VIEW");
         if let Some(channel) = key.debug_view {

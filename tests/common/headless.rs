@@ -214,6 +214,20 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// The part inside of `rect`.
+    pub fn crop(&self, rect: URect) -> Self {
+        let rgba = (rect.min.y..rect.max.y)
+            .flat_map(|y| {
+                let row = y * self.size.x;
+                let [from, to] = [rect.min.x, rect.max.x].map(|x| (row + x) as usize * 4);
+                &self.rgba[from..to]
+            })
+            .copied()
+            .collect();
+        let size = rect.size();
+        Self { size, rgba }
+    }
+
     /// Writes a PNG; panics if that fails.
     pub fn save(&self, path: impl AsRef<std::path::Path>) {
         let path = path.as_ref();

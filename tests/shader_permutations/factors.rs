@@ -56,6 +56,11 @@ pub const LIGHTING: &[Factor] = &[
     optional!("DEPTH_TELLS_GEOMETRY"),
     &[
         &[],
+        &["LIGHT_LAYERS"],
+        &["LIGHT_LAYERS", "GBUFFER_VISIBILITY_MASK"],
+    ],
+    &[
+        &[],
         &["GBUFFER_EMISSIVE"],
         &["GBUFFER_SPECIALIZATION"],
         &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
@@ -76,6 +81,10 @@ const WHAT_IS_LIT: Factor = &[
     &["DEBUG_DEPTH"],
     &["DEBUG_EMISSIVE"],
     &["DEBUG_SHADING_MODEL"],
+    &["DEBUG_MOTION"],
+    &["DEBUG_MOTION", "GBUFFER_MOTION"],
+    &["DEBUG_VISIBILITY_MASK"],
+    &["DEBUG_VISIBILITY_MASK", "GBUFFER_VISIBILITY_MASK"],
     &["LISTED_VARIANTS=4"],
     &["LISTED_VARIANTS=15676"],
     &[
@@ -203,6 +212,8 @@ pub const GBUFFER: &[Factor] = &[
             "HAS_PREVIOUS_MORPH",
         ],
     ],
+    optional!("GBUFFER_MOTION"),
+    optional!("GBUFFER_VISIBILITY_MASK", "MESH_VISIBILITY_MASK=5"),
     PROJECTIONS,
     optional!("STANDARD_MATERIAL_NORMAL_MAP"),
     optional!("RELIEF_MAPPING"),
