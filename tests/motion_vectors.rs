@@ -603,7 +603,7 @@ fn pictures_of(camera: impl Bundle, lean: bool) -> Vec<Picture> {
 }
 
 /// Pictures in which pixels are fetched along motion vectors: lean beside lean with Bevy's motion vectors, and beside
-/// forward.
+/// forward. In the first frame that they move, forward draws the movers: the view gets its motion target one later.
 fn compare_pictures<B: Bundle>(name: &str, camera: impl Fn() -> B, least_psnr: f64) {
     let films = [
         pictures_of(camera(), false),
@@ -614,7 +614,7 @@ fn compare_pictures<B: Bundle>(name: &str, camera: impl Fn() -> B, least_psnr: f
     let judge_frame = |frame: usize| {
         let [forward, bevy, lean] = films.each_ref().map(|film| &film[frame]);
         [
-            judge(&format!("{name}_{frame}_motion"), bevy, lean, 55.0),
+            judge(&format!("{name}_{frame}_motion"), bevy, lean, 50.0),
             judge(&format!("{name}_{frame}"), forward, lean, least_psnr),
         ]
     };
