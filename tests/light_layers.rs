@@ -139,7 +139,6 @@ fn panel(x: f32, color: Color) -> (RectLight, Transform) {
         width: 2.0,
         height: 1.0,
         range: 20.0,
-        ..default()
     };
     let place = Transform::from_xyz(x, 1.5, 2.5).looking_at(Vec3::new(x, 0.0, 0.0), Vec3::Y);
     (light, place)

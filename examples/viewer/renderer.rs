@@ -113,6 +113,7 @@ pub fn apply_settings(
             camera.insert(LeanDeferred {
                 geometric_normal: settings.geometric_normal,
                 debug_view: settings.debug_view,
+                ..default()
             });
         }
     }
