@@ -3,7 +3,7 @@
 use core::fmt::Write;
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
-use bevy_lean_deferred::{gbuffer::layout::BASE_BYTES_PER_PIXEL, prelude::*};
+use bevy_lean_deferred::prelude::*;
 
 use crate::{
     gpu_times,
@@ -26,6 +26,7 @@ const KEYS: &str = "1 both  2 lean  3 forward  D channel  L sun  E environment  
 fn update_text(
     settings: Res<ExampleSettings>,
     diagnostics: Res<DiagnosticsStore>,
+    lean: Query<&GBufferUsage>,
     panel: Single<(&mut Text, &mut Visibility), With<TextPanel>>,
 ) {
     let (mut text, mut visibility) = panel.into_inner();
@@ -35,12 +36,14 @@ fn update_text(
     }
     *visibility = Visibility::Inherited;
     text.0 = describe(&settings);
-    if settings.shown != Shown::Forward {
+    if let Some(usage) = lean.iter().find(|usage| usage.is_active()) {
         let time = |span| gpu_times::text(&diagnostics, span);
-        let optional = GBufferTargets::all().bytes_per_pixel();
+        let targets: Vec<_> = usage.each().map(|(name, _)| name).collect();
         let _ = write!(
             text.0,
-            "\nG-buffer {BASE_BYTES_PER_PIXEL} + {optional} bytes a pixel beside depth\nGPU: G-buffer {}, lighting {}",
+            "\nG-buffer: {}: {} bytes a pixel beside depth\nGPU: G-buffer {}, lighting {}",
+            targets.join(", "),
+            usage.bytes_per_pixel(),
             time("lean_deferred/gbuffer"),
             time("lean_deferred/lighting"),
         );

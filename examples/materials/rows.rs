@@ -79,7 +79,7 @@ pub const ROWS: [Row; 13] = [
     ),
     Row::new(
         "anisotropy",
-        "strength 0.3, 0.6, 0.95 with rotation 0°, 45°, 90°",
+        "strength 0.3, 0.6, 0.95 with rotation 0, 45, 90 degrees",
         anisotropy,
     ),
     Row {

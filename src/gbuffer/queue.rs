@@ -13,9 +13,9 @@ use bevy::{
     },
     mesh::Mesh3d,
     pbr::{
-        DrawPrepass, MainPassOpaqueDrawFunction, MeshPipelineKey, MorphIndices, PreparedMaterial,
-        PrepassPipeline, RenderMaterialInstances, RenderMeshInstanceFlags, RenderMeshInstances,
-        RenderMeshQueueData, SpecializedMaterialPipelineCache, ViewKeyCache,
+        DrawPrepass, MainPassOpaqueDrawFunction, MeshPipeline, MeshPipelineKey, MorphIndices,
+        PreparedMaterial, PrepassPipeline, RenderMaterialInstances, RenderMeshInstanceFlags,
+        RenderMeshInstances, RenderMeshQueueData, SpecializedMaterialPipelineCache, ViewKeyCache,
         alpha_mode_pipeline_key,
     },
     platform::collections::HashSet,
@@ -69,6 +69,7 @@ pub(super) struct MeshLookup<'w> {
     moving_meshes: Res<'w, MovingMeshes>,
     morph_indices: Res<'w, MorphIndices>,
     visibility_ranges: Res<'w, RenderVisibilityRanges>,
+    mesh_pipeline: Res<'w, MeshPipeline>,
 }
 
 /// A mesh of which everything is loaded.
@@ -137,6 +138,7 @@ impl MeshLookup<'_> {
         entity: MainEntity,
         mesh: &MeshToQueue,
         view: &ActiveLeanView,
+        view_key: MeshPipelineKey,
     ) -> Option<(Demand, &Handle<Shader>)> {
         let opaque = matches!(
             mesh.material.properties.render_phase_type,
@@ -155,6 +157,14 @@ impl MeshLookup<'_> {
             return None;
         }
         let lightmapped = self.special_meshes.lightmap_key(entity).is_some();
+        // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward draws nothing
+        // there either; but lighting that is never compiled would keep all other special surfaces waiting.
+        if lightmapped
+            && view_key.contains(MeshPipelineKey::ENVIRONMENT_MAP)
+            && !self.mesh_pipeline.binding_arrays_are_usable
+        {
+            return None;
+        }
         let mut targets = needs.targets | self.special_meshes.targets(entity);
         if mesh.deforms() || self.moving_meshes.contains(entity) {
             targets |= GBufferTargets::MOTION;
@@ -403,7 +413,8 @@ pub(super) fn queue_gbuffer_meshes(
             };
             let phase_type =
                 BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), &gpu_preprocessing);
-            let Some((demand, shader)) = lookup.gbuffer_needs(entity, &mesh, active) else {
+            let Some((demand, shader)) = lookup.gbuffer_needs(entity, &mesh, active, *view_key)
+            else {
                 bevy_phases.add_deferred_as_forward(view, entity, &mesh, phase_type);
                 continue;
             };
