@@ -5,6 +5,8 @@ mod common;
 mod existence;
 #[path = "optional_targets/hard_cases.rs"]
 mod hard_cases;
+#[path = "optional_targets/overlaps.rs"]
+mod overlaps;
 
 use bevy::{
     core_pipeline::core_3d::{AlphaMask3d, Opaque3d},

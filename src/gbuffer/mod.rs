@@ -25,7 +25,10 @@ mod usage;
 
 pub(crate) use demand::{Demand, ViewDemands};
 pub use material::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin};
-pub use phase::{AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer};
+pub use phase::{
+    AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferBatchSetKey,
+    OpaqueGBuffer,
+};
 pub(crate) use resolve_motion::{MotionResolvePipelines, ViewMotionResolve};
 pub use targets::{GBufferNeeds, GBufferTargets, ShadingModel};
 pub use textures::GBufferTextures;

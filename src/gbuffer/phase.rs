@@ -14,7 +14,8 @@ use bevy::{
         mesh::allocator::MeshSlabs,
         render_phase::{
             BinnedPhaseItem, BinnedRenderPhaseType, CachedRenderPipelinePhaseItem, DrawFunctionId,
-            InputUniformIndex, PhaseItem, PhaseItemExtraIndex, ViewBinnedRenderPhases,
+            InputUniformIndex, PhaseItem, PhaseItemBatchSetKey, PhaseItemExtraIndex,
+            ViewBinnedRenderPhases,
         },
         render_resource::CachedRenderPipelineId,
         sync_world::MainEntity,
@@ -22,7 +23,24 @@ use bevy::{
     },
 };
 
+use super::targets::GBufferTargets;
 use crate::LeanDeferred;
+
+/// What meshes must have in common to be drawn by one multi-draw. Bevy draws them in the order of these keys: what
+/// writes fewer targets comes first.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct GBufferBatchSetKey {
+    /// The optional targets that they write.
+    pub targets: GBufferTargets,
+    /// As in Bevy's opaque phase.
+    pub mesh: Opaque3dBatchSetKey,
+}
+
+impl PhaseItemBatchSetKey for GBufferBatchSetKey {
+    fn indexed(&self) -> bool {
+        self.mesh.indexed()
+    }
+}
 
 /// Declares a binned phase item keyed like Bevy's opaque phase.
 macro_rules! gbuffer_phase {
@@ -30,7 +48,7 @@ macro_rules! gbuffer_phase {
         $(#[$doc])*
         pub struct $name {
             /// What must be equal to be drawn by one multi-draw.
-            pub batch_set_key: Opaque3dBatchSetKey,
+            pub batch_set_key: GBufferBatchSetKey,
             /// What must be equal to be drawn as instances.
             pub bin_key: Opaque3dBinKey,
             /// An entity that stands for the batch.
@@ -51,7 +69,7 @@ macro_rules! gbuffer_phase {
             }
 
             fn draw_function(&self) -> DrawFunctionId {
-                self.batch_set_key.draw_function
+                self.batch_set_key.mesh.draw_function
             }
 
             fn batch_range(&self) -> &Range<u32> {
@@ -74,7 +92,7 @@ macro_rules! gbuffer_phase {
         }
 
         impl BinnedPhaseItem for $name {
-            type BatchSetKey = Opaque3dBatchSetKey;
+            type BatchSetKey = GBufferBatchSetKey;
             type BinKey = Opaque3dBinKey;
 
             fn new(
@@ -96,7 +114,7 @@ macro_rules! gbuffer_phase {
 
         impl CachedRenderPipelinePhaseItem for $name {
             fn cached_pipeline(&self) -> CachedRenderPipelineId {
-                self.batch_set_key.pipeline
+                self.batch_set_key.mesh.pipeline
             }
         }
     };
@@ -196,6 +214,8 @@ impl GBufferPhases<'_> {
 
 /// What a phase must know to draw a mesh.
 pub(super) struct QueuedMesh {
+    /// The optional targets that it writes.
+    pub(super) targets: GBufferTargets,
     pub(super) pipeline: CachedRenderPipelineId,
     pub(super) draw_function: DrawFunctionId,
     pub(super) material_bind_group_index: Option<u32>,
@@ -210,17 +230,20 @@ pub(super) struct QueuedMesh {
 impl QueuedMesh {
     fn add_to<P>(self, phases: &mut ViewBinnedRenderPhases<P>, view: &RetainedViewEntity)
     where
-        P: BinnedPhaseItem<BatchSetKey = Opaque3dBatchSetKey, BinKey = Opaque3dBinKey>,
+        P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey, BinKey = Opaque3dBinKey>,
     {
         let Some(phase) = phases.get_mut(view) else {
             return;
         };
-        let key = Opaque3dBatchSetKey {
-            pipeline: self.pipeline,
-            draw_function: self.draw_function,
-            material_bind_group_index: self.material_bind_group_index,
-            slabs: self.slabs,
-            lightmap_slab: self.lightmap_slab.map(|index| *index),
+        let key = GBufferBatchSetKey {
+            targets: self.targets,
+            mesh: Opaque3dBatchSetKey {
+                pipeline: self.pipeline,
+                draw_function: self.draw_function,
+                material_bind_group_index: self.material_bind_group_index,
+                slabs: self.slabs,
+                lightmap_slab: self.lightmap_slab.map(|index| *index),
+            },
         };
         let bin = Opaque3dBinKey {
             asset_id: self.mesh.into(),

@@ -8,8 +8,7 @@ use bevy::{
     pbr::{MeshPipelineKey, PrepassPipeline, PrepassPipelineSpecializer},
     prelude::*,
     render::render_resource::{
-        ColorTargetState, ColorWrites, RenderPipelineDescriptor, SpecializedMeshPipeline,
-        SpecializedMeshPipelineError,
+        RenderPipelineDescriptor, SpecializedMeshPipeline, SpecializedMeshPipelineError,
     },
     shader::ShaderDefVal,
 };
@@ -32,6 +31,8 @@ pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct MeshOutput {
     /// The optional targets of the pass that it is drawn in.
+    pub(super) pass: GBufferTargets,
+    /// Those of them that it writes.
     pub(super) targets: GBufferTargets,
     /// Its motion, and not that it is at rest.
     pub(super) writes_motion: bool,
@@ -70,11 +71,7 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
             fragment.shader_defs.retain(needs_def);
             fragment.shader = self.fragment_shader.clone();
             fragment.entry_point = None;
-            fragment.targets = output.targets.attachments(|format| ColorTargetState {
-                format,
-                blend: None,
-                write_mask: ColorWrites::ALL,
-            });
+            fragment.targets = output.pass.color_targets(output.targets);
             let defs = output.targets.iter();
             let defs = defs.map(|target| target.shader_def().into());
             fragment.shader_defs.extend(defs);

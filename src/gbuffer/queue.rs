@@ -420,12 +420,21 @@ pub(super) fn queue_gbuffer_meshes(
             };
             view_demand.insert(entity, demand);
             let extended = !demand.targets.is_empty() || active.extends_all();
-            let targets = if extended {
-                active.targets
-            } else {
-                GBufferTargets::empty()
+            let alpha_masked = matches!(
+                mesh.material.properties.render_phase_type,
+                RenderPhaseType::AlphaMask
+            );
+            // Bevy draws what it can batch first, in the order of the keys; what comes then may lie before anything.
+            let is_in_order = !alpha_masked
+                && !matches!(phase_type, BinnedRenderPhaseType::UnbatchableMesh)
+                && !active.extends_all();
+            let (pass, targets) = match (extended, is_in_order) {
+                (false, _) => default(),
+                (true, true) => (active.targets, active.targets.up_to(demand.targets)),
+                (true, false) => (active.targets, active.targets),
             };
             let output = MeshOutput {
+                pass,
                 targets,
                 writes_motion: demand.targets.contains(GBufferTargets::MOTION),
                 visibility_mask: if targets.contains(GBufferTargets::VISIBILITY_MASK) {
@@ -450,15 +459,12 @@ pub(super) fn queue_gbuffer_meshes(
             }
             bevy_phases.remove(view, entity, active.keeps_prepass);
             phases.remove(&retained, entity);
-            let alpha_masked = matches!(
-                mesh.material.properties.render_phase_type,
-                RenderPhaseType::AlphaMask
-            );
             phases.add(
                 &retained,
                 alpha_masked,
                 extended,
                 QueuedMesh {
+                    targets,
                     pipeline,
                     draw_function: draw_functions.get(extended, alpha_masked),
                     material_bind_group_index: Some(mesh.material.binding.group.0),

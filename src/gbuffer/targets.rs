@@ -1,6 +1,9 @@
 //! The optional targets of the G-buffer, and what a material needs of it.
 
-use bevy::{prelude::*, render::render_resource::TextureFormat};
+use bevy::{
+    prelude::*,
+    render::render_resource::{ColorTargetState, ColorWrites, TextureFormat},
+};
 use bitflags::bitflags;
 
 use super::layout::{
@@ -32,17 +35,38 @@ impl GBufferTargets {
     /// Those that lighting reads.
     pub(crate) const LIT: Self = Self::all().difference(Self::MOTION);
 
-    /// What `make` makes of the formats of a pass with these targets: two of the base, one for each optional target up
-    /// to the last, in the order of the fragment shader's outputs.
-    pub(crate) fn attachments<T>(self, make: impl Fn(TextureFormat) -> T) -> Vec<Option<T>> {
-        let mut attachments = vec![Some(make(SURFACE_FORMAT)), Some(make(NORMAL_FORMAT))];
-        attachments.extend(
-            Self::all()
-                .iter()
-                .take_while(|target| target.bits() <= self.bits())
-                .map(|target| self.contains(target).then(|| make(target.format()))),
-        );
-        attachments
+    /// The colour targets of a pipeline that writes `written` of these, in a pass that has all of these: two of the
+    /// base, one for each optional target up to the last, in the order of the fragment shader's outputs.
+    pub(crate) fn color_targets(self, written: Self) -> Vec<Option<ColorTargetState>> {
+        let target = |format, write_mask| {
+            Some(ColorTargetState {
+                format,
+                blend: None,
+                write_mask,
+            })
+        };
+        let optional = Self::all()
+            .iter()
+            .take_while(|target| target.bits() <= self.bits())
+            .map(
+                |other| match (self.contains(other), written.contains(other)) {
+                    (false, _) => None,
+                    (true, false) => target(other.format(), ColorWrites::empty()),
+                    (true, true) => target(other.format(), ColorWrites::ALL),
+                },
+            );
+        [SURFACE_FORMAT, NORMAL_FORMAT]
+            .map(|format| target(format, ColorWrites::ALL))
+            .into_iter()
+            .chain(optional)
+            .collect()
+    }
+
+    /// These without all that come after the last of `needed`. What is drawn in the order of how many it writes, and
+    /// each of them that came before it, leaves no word of a surface behind it.
+    pub(crate) fn up_to(self, needed: Self) -> Self {
+        let first_after = needed.bits().checked_ilog2().map_or(0, |last| last + 1);
+        self & Self::from_bits_truncate(((1u16 << first_after) - 1) as u8)
     }
 
     /// The attachment of a single target.
