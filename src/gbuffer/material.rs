@@ -67,8 +67,8 @@ pub trait GBufferMaterial: Material {
 
 impl GBufferMaterial for StandardMaterial {
     /// Opaque and alpha-masked materials fit, except with what no target has bits for: an explicit
-    /// `OpaqueRendererMethod::Forward`, specular transmission, a coloured specular tint, clearcoat on a normal map or
-    /// with one of its own, two of clearcoat, anisotropy and diffuse transmission at once, a depth bias, and values
+    /// `OpaqueRendererMethod::Forward`, specular transmission, a coloured specular tint, clearcoat and anisotropy on a
+    /// normal map, clearcoat with one of its own, two of clearcoat, anisotropy and diffuse transmission at once, a depth bias, and values
     /// out of range.
     fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
         if self.opaque_render_method == OpaqueRendererMethod::Forward
@@ -149,8 +149,10 @@ impl SpecialShadingModel for StandardMaterial {
                     1.0,
                 ))
             .then_some(ShadingModel::Clearcoat),
-            // Without the feature `pbr_anisotropy_texture` forward shades in a way of its own.
+            // Without the feature `pbr_anisotropy_texture` forward shades in a way of its own. It stretches highlights
+            // along the mesh's surface, not along that of the normal map, which is what is stored.
             (false, true, false) => (self.field("anisotropy_texture").is_some()
+                && self.normal_map_texture.is_none()
                 && self.anisotropy_strength <= 1.0)
                 .then_some(ShadingModel::Anisotropy),
             (false, false, true) => (self.diffuse_transmission <= 1.0 && self.thickness >= 0.0)

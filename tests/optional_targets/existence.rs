@@ -1,6 +1,11 @@
 //! A target exists while a visible mesh writes it, and a little longer.
 
-use bevy::{light::NotShadowReceiver, material::OpaqueRendererMethod, pbr::Lightmap, prelude::*};
+use bevy::{
+    light::{EnvironmentMapLight, NotShadowReceiver},
+    material::OpaqueRendererMethod,
+    pbr::Lightmap,
+    prelude::*,
+};
 use bevy_lean_deferred::prelude::*;
 
 use super::{SIZE, forward_draws, usage};
@@ -87,7 +92,7 @@ fn materials_get_the_targets_that_they_need() {
 #[test]
 fn what_has_no_bits_goes_forward_without_targets() {
     type Change = fn(&mut StandardMaterial);
-    let cases: [(&str, Change); 9] = [
+    let cases: [(&str, Change); 11] = [
         ("method", |m| {
             m.opaque_render_method = OpaqueRendererMethod::Forward
         }),
@@ -102,6 +107,14 @@ fn what_has_no_bits_goes_forward_without_targets() {
         ("clearcoat and anisotropy", |m| {
             m.clearcoat = 0.5;
             m.anisotropy_strength = 0.5;
+        }),
+        ("clearcoat on a normal map", |m| {
+            m.clearcoat = 0.5;
+            m.normal_map_texture = Some(Handle::default());
+        }),
+        ("anisotropy on a normal map", |m| {
+            m.anisotropy_strength = 0.5;
+            m.normal_map_texture = Some(Handle::default());
         }),
         ("negative thickness", |m| {
             m.diffuse_transmission = 0.5;
@@ -146,6 +159,40 @@ fn meshes_get_the_targets_that_they_need() {
     headless.frames(4);
     assert_eq!(usage(&mut headless).targets, EMISSIVE.union(SPECIALIZATION));
     assert!(!forward_draws(&headless));
+}
+
+/// Bevy cannot compile lightmaps under an environment map without binding arrays, and draws nothing then.
+#[test]
+fn a_lightmap_that_cannot_be_lit_keeps_no_other_surface_waiting() {
+    let mut headless = build(SIZE, |s| {
+        let image = s.add(Image::default());
+        let lightmapped = s.mesh(
+            crate::common::scenes::materials::cube_with_second_uvs(),
+            clay(),
+            Transform::from_xyz(1.0, 0.0, 0.0),
+        );
+        let lightmap = Lightmap { image, ..default() };
+        s.world().entity_mut(lightmapped).insert(lightmap);
+        let clearcoat = StandardMaterial {
+            clearcoat: 1.0,
+            ..clay()
+        };
+        s.mesh(
+            Sphere::new(0.5),
+            clearcoat,
+            Transform::from_xyz(-1.0, 0.0, 0.0),
+        );
+        let map = s.cube_map();
+        s.default_camera(EnvironmentMapLight {
+            diffuse_map: map.clone(),
+            specular_map: map,
+            ..default()
+        });
+    });
+    set_lean(&mut headless, true);
+    headless.settle();
+    headless.frames(3);
+    assert!(usage(&mut headless).targets.contains(SPECIALIZATION));
 }
 
 /// Anisotropic highlights need tangents; without, forward has a look of its own.

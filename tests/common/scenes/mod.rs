@@ -6,6 +6,7 @@ mod forward_materials;
 mod lights;
 pub mod materials;
 pub mod meshes;
+mod special_materials;
 mod views;
 
 pub use build::SceneBuilder;
@@ -46,6 +47,7 @@ pub fn all() -> impl Iterator<Item = &'static Scene> {
         lights::SCENES,
         materials::SCENES,
         forward_materials::SCENES,
+        special_materials::SCENES,
         meshes::SCENES,
         views::SCENES,
     ]

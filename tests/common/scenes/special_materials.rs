@@ -1,0 +1,366 @@
+//! Surfaces with shading models of their own, emission and lightmaps, under all that lights them and with all textures
+//! that change them.
+
+use bevy::{
+    core_pipeline::Skybox,
+    light::{
+        AmbientLight, ClusteredDecal, EnvironmentMapLight, IrradianceVolume, LightProbe,
+        NotShadowReceiver, PointLight, RectLight, SpotLight, TransmittedShadowReceiver,
+    },
+    mesh::UvChannel,
+    pbr::{ContactShadows, DistanceFog, FogFalloff, Lightmap, ScreenSpaceAmbientOcclusion},
+    prelude::*,
+    render::render_resource::TextureFormat,
+};
+
+use super::{
+    Scene, SceneBuilder,
+    build::{ambient, indoor, material},
+};
+
+pub const SCENES: &[Scene] = &[
+    Scene::new("special_sun_and_ambient", |s| {
+        gallery(s);
+        s.sun(true);
+        s.default_camera(ambient());
+    }),
+    Scene::new("special_clustered_lights", |s| {
+        gallery(s);
+        for (x, shadow_maps_enabled) in [(-2.0, true), (2.0, false)] {
+            s.spawn((
+                PointLight {
+                    intensity: 30_000.0,
+                    range: 12.0,
+                    shadow_maps_enabled,
+                    ..default()
+                },
+                Transform::from_xyz(x, 2.0, 1.5),
+            ));
+            s.spawn((
+                SpotLight {
+                    intensity: 100_000.0,
+                    range: 15.0,
+                    shadow_maps_enabled,
+                    ..default()
+                },
+                Transform::from_xyz(x, 4.0, -2.0).looking_at(Vec3::ZERO, Vec3::Y),
+            ));
+        }
+        s.default_camera(indoor());
+    }),
+    Scene::new("special_rect_light", |s| {
+        gallery(s);
+        s.spawn((
+            RectLight {
+                intensity: 40_000.0,
+                width: 2.0,
+                height: 1.0,
+                ..default()
+            },
+            Transform::from_xyz(0.0, 2.5, 3.0).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+        s.default_camera(indoor());
+    }),
+    Scene::new("special_environment_map", |s| {
+        gallery(s);
+        let map = s.cube_map();
+        s.default_camera((environment_map(map.clone()), sky(map)));
+    }),
+    Scene::new("special_environment_map_and_sun", |s| {
+        gallery(s);
+        s.sun(true);
+        let map = s.cube_map();
+        s.default_camera(environment_map(map));
+    }),
+    Scene::new("special_reflection_probe", |s| {
+        gallery(s);
+        let map = s.cube_map();
+        s.spawn((
+            LightProbe::default(),
+            environment_map(map),
+            Transform::from_scale(Vec3::splat(9.0)),
+        ));
+        s.sun(false);
+        s.default_camera(());
+    }),
+    Scene::new("special_irradiance_volume", |s| {
+        gallery(s);
+        let voxels = s.irradiance_voxels();
+        s.spawn((
+            LightProbe::default(),
+            IrradianceVolume {
+                voxels,
+                intensity: 1500.0,
+                ..default()
+            },
+            Transform::from_scale(Vec3::splat(9.0)),
+        ));
+        s.default_camera(());
+    }),
+    Scene::new("special_bevy_ssao", |s| {
+        gallery(s);
+        s.default_camera((
+            ScreenSpaceAmbientOcclusion::default(),
+            AmbientLight {
+                brightness: 1200.0,
+                ..default()
+            },
+        ));
+    }),
+    Scene::new("special_contact_shadows", |s| {
+        gallery(s);
+        let sun = s.sun(true);
+        let mut sun = s.world().entity_mut(sun);
+        let mut sun = sun.get_mut::<DirectionalLight>().expect("it is one");
+        sun.contact_shadows_enabled = true;
+        s.default_camera(ContactShadows::default());
+    }),
+    Scene::new("special_fog", |s| {
+        gallery(s);
+        s.sun(true);
+        s.default_camera(DistanceFog {
+            color: Color::srgb(0.4, 0.5, 0.6),
+            falloff: FogFalloff::Exponential { density: 0.12 },
+            ..default()
+        });
+    }),
+    // A software renderer shows no decals.
+    Scene::new("special_decal", |s| {
+        gallery(s);
+        s.sun(true);
+        let checker = s.checker([240, 60, 40, 255], [40, 60, 240, 90]);
+        s.spawn((
+            ClusteredDecal {
+                base_color_texture: Some(checker),
+                ..default()
+            },
+            Transform::from_xyz(0.0, 0.5, 0.5)
+                .with_rotation(Quat::from_rotation_x(-1.2))
+                .with_scale(Vec3::new(6.0, 4.0, 3.0)),
+        ));
+        s.default_camera(());
+    }),
+    Scene::new("special_orthographic", |s| {
+        gallery(s);
+        s.sun(true);
+        let projection = Projection::Orthographic(OrthographicProjection {
+            scale: 0.016,
+            ..OrthographicProjection::default_3d()
+        });
+        s.default_camera((projection, ambient()));
+    }),
+    Scene::new("special_without_shadows", |s| {
+        for ball in gallery(s) {
+            s.world().entity_mut(ball).insert(NotShadowReceiver);
+        }
+        s.sun(true);
+        s.default_camera(ambient());
+    }),
+    Scene::new("special_normal_map", |s| {
+        let bumps = s.bumps();
+        gallery_of(s, |material| {
+            // Clearcoat and anisotropy over a normal map go forward.
+            material.normal_map_texture = Some(bumps.clone());
+        });
+        s.sun(true);
+        s.default_camera(ambient());
+    }),
+    Scene::new("special_textures", |s| {
+        let image = s.tiled_image(64, TextureFormat::Rgba8Unorm, |u, v| {
+            let wave = |x: f32| (127.5 + 127.5 * (x * 12.0).sin()) as u8;
+            [wave(u), wave(v), wave(u + v), wave(u - v)]
+        });
+        gallery_of(s, |material| {
+            let image = Some(image.clone());
+            material.base_color_texture = image.clone();
+            material.emissive_texture = image.clone();
+            material.specular_texture = image.clone();
+            material.clearcoat_texture = image.clone();
+            material.clearcoat_roughness_texture = image.clone();
+            material.anisotropy_texture = image.clone();
+            material.diffuse_transmission_texture = image.clone();
+            material.thickness_texture = image;
+        });
+        s.sun(true);
+        s.default_camera(ambient());
+    }),
+    Scene::new("special_second_uvs", |s| {
+        let checker = s.checker([255, 255, 255, 255], [60, 90, 30, 128]);
+        let balls = gallery_of(s, |material| {
+            material.emissive_texture = Some(checker.clone());
+            material.emissive_channel = UvChannel::Uv1;
+            material.clearcoat_texture = Some(checker.clone());
+            material.clearcoat_channel = UvChannel::Uv1;
+        });
+        with_second_uvs(s, &balls);
+        s.sun(true);
+        s.default_camera(ambient());
+    }),
+    Scene::new("special_exposed_emission", |s| {
+        gallery_of(s, |material| {
+            material.emissive = LinearRgba::rgb(300.0, 900.0, 200.0);
+            material.emissive_exposure_weight = 1.0;
+        });
+        s.sun(true);
+        s.default_camera(ambient());
+    }),
+    Scene::new("special_transmitted_shadows", |s| {
+        s.floor();
+        s.mesh(
+            Cuboid::new(6.0, 0.1, 0.4),
+            material((0.4, 0.4, 0.4), 0.0, 0.6),
+            Transform::from_xyz(0.0, 2.0, -1.4),
+        );
+        for (x, receives) in [(-1.2, true), (1.2, false)] {
+            let leaf = s.mesh(
+                Rectangle::new(1.6, 1.6),
+                StandardMaterial {
+                    diffuse_transmission: 0.8,
+                    thickness: 0.1,
+                    ..material((0.3, 0.7, 0.2), 0.0, 0.8)
+                },
+                Transform::from_xyz(x, 0.9, 0.0),
+            );
+            if receives {
+                s.world().entity_mut(leaf).insert(TransmittedShadowReceiver);
+            }
+        }
+        s.spawn((
+            DirectionalLight {
+                illuminance: 6_000.0,
+                shadow_maps_enabled: true,
+                ..default()
+            },
+            Transform::from_xyz(0.0, 3.0, -4.0).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+        s.default_camera(ambient());
+    }),
+    Scene::new("lightmapped_specials", |s| {
+        lightmapped(s, false);
+        s.sun(true);
+        s.default_camera(ambient());
+    }),
+    Scene::new("lightmapped_specials_bicubic", |s| {
+        lightmapped(s, true);
+        s.sun(false);
+        s.default_camera(ambient());
+    }),
+    // Bevy compiles neither forward nor deferred shaders for this without binding arrays: nothing is drawn there.
+    Scene::new("lightmapped_specials_environment_map", |s| {
+        lightmapped(s, false);
+        let map = s.cube_map();
+        s.default_camera(environment_map(map));
+    }),
+];
+
+/// One of each.
+fn kinds() -> [StandardMaterial; 8] {
+    let base = |metallic| material((0.75, 0.4, 0.25), metallic, 0.35);
+    [
+        StandardMaterial {
+            emissive: LinearRgba::rgb(0.05, 0.2, 0.05),
+            ..base(0.0)
+        },
+        StandardMaterial {
+            reflectance: 1.0,
+            ..base(0.0)
+        },
+        StandardMaterial {
+            clearcoat: 1.0,
+            clearcoat_perceptual_roughness: 0.1,
+            ..base(0.0)
+        },
+        StandardMaterial {
+            anisotropy_strength: 0.8,
+            anisotropy_rotation: 0.5,
+            ..base(1.0)
+        },
+        StandardMaterial {
+            diffuse_transmission: 0.7,
+            thickness: 0.2,
+            ..base(0.0)
+        },
+        StandardMaterial {
+            unlit: true,
+            ..base(0.0)
+        },
+        StandardMaterial {
+            fog_enabled: false,
+            ..base(0.3)
+        },
+        StandardMaterial {
+            emissive: LinearRgba::rgb(0.0, 0.05, 0.2),
+            anisotropy_strength: 0.5,
+            reflectance: 0.8,
+            ..base(0.5)
+        },
+    ]
+}
+
+fn gallery(s: &mut SceneBuilder) -> Vec<Entity> {
+    gallery_of(s, |_| {})
+}
+
+/// A ball of each kind, changed, in two rows on a floor.
+fn gallery_of(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) -> Vec<Entity> {
+    s.floor();
+    let ball = Sphere::new(0.5)
+        .mesh()
+        .uv(48, 24)
+        .with_generated_tangents()
+        .expect("a sphere has all that tangents need");
+    let mut place = |(i, mut material): (usize, StandardMaterial)| {
+        change(&mut material);
+        let (column, row) = ((i % 4) as f32, (i / 4) as f32);
+        let x = (column - 1.5) * 1.25 + row * 0.5;
+        s.mesh(
+            ball.clone(),
+            material,
+            Transform::from_xyz(x, 0.5, 1.0 - row * 1.6),
+        )
+    };
+    kinds().into_iter().enumerate().map(&mut place).collect()
+}
+
+/// The gallery, with a lightmap on each ball.
+fn lightmapped(s: &mut SceneBuilder, bicubic_sampling: bool) {
+    let balls = gallery_of(s, |material| material.lightmap_exposure = 1500.0);
+    with_second_uvs(s, &balls);
+    let image = s.image(16, TextureFormat::Rgba8UnormSrgb, |u, v| {
+        [(u * 255.0) as u8, (v * 255.0) as u8, 60, 255]
+    });
+    for ball in balls {
+        s.world().entity_mut(ball).insert(Lightmap {
+            image: image.clone(),
+            bicubic_sampling,
+            ..default()
+        });
+    }
+}
+
+fn with_second_uvs(s: &mut SceneBuilder, entities: &[Entity]) {
+    for &entity in entities {
+        let handle = s.world().get::<Mesh3d>(entity).expect("a mesh").0.clone();
+        let mut meshes = s.world().resource_mut::<Assets<Mesh>>();
+        let mut mesh = meshes.get_mut(&handle).expect("just added");
+        let uvs = mesh.attribute(Mesh::ATTRIBUTE_UV_0).cloned();
+        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs.expect("a ball has UVs"));
+    }
+}
+
+fn environment_map(map: Handle<Image>) -> EnvironmentMapLight {
+    EnvironmentMapLight {
+        diffuse_map: map.clone(),
+        specular_map: map,
+        intensity: 1500.0,
+        ..default()
+    }
+}
+
+fn sky(map: Handle<Image>) -> Skybox {
+    Skybox {
+        image: Some(map),
+        brightness: 1000.0,
+        ..default()
+    }
+}
