@@ -36,6 +36,7 @@ use crate::{
     },
     gpu_time::{Samples, Time, begin, end},
     scenes::BenchScene,
+    special,
 };
 
 /// A way to render the scene.
@@ -80,16 +81,20 @@ impl Contender {
 
     /// Bytes a pixel that the geometry stage must write, and that it and lighting must move in all: each target once
     /// written, once read, formats as declared (depth 4, HDR colour 8).
-    fn bytes_per_pixel(self, gbuffer: u32) -> (u32, u32) {
-        match self {
+    /// Motion vectors have 4.
+    fn bytes_per_pixel(self, gbuffer: u32, motion: bool) -> (u32, u32) {
+        let motion = if motion { 4 } else { 0 };
+        let (written, moved) = match self {
             Self::Forward => (8 + 4, 8 + 4),
             Self::DepthOnly => (4, 4 + 8),
             // G-buffer 16, lighting id 1, depth 4; copies of the id (1 read, 2 written) and of depth (4 + 4);
             // lighting reads 16 + 2 + 4 and writes 8.
             Self::BevyDeferred => (16 + 1 + 4, 21 + 3 + 8 + 22 + 8),
             // G-buffer, depth 4; lighting reads both and writes 8. Optional targets count as if all pixels wrote them.
-            Self::Lean(_) => (gbuffer + 4, 2 * (gbuffer + 4) + 8),
-        }
+            // The resolve of motion reads depth and normal, and in the place of lighting the target.
+            Self::Lean(_) => (gbuffer + 4, 2 * (gbuffer + 4) + 8 + 2 * motion),
+        };
+        (written + motion, moved + motion)
     }
 
     /// Names of the GPU spans of the geometry stage and of the lighting stage.
@@ -144,6 +149,7 @@ pub fn measure(
             app.insert_resource(DefaultOpaqueRendererMethod::deferred());
         }
         add_bench_spans(app);
+        app.add_systems(Update, special::move_boxes);
     });
     let transform = scene.spawn(&mut headless);
     let target = headless.render_target();
@@ -152,6 +158,7 @@ pub fn measure(
         .spawn((Camera3d::default(), Hdr, Msaa::Off, target, transform))
         .id();
     let mut camera = headless.app.world_mut().entity_mut(camera);
+    scene.special().prepare_camera(&mut camera);
     match contender {
         Contender::Forward => {}
         Contender::DepthOnly => {
@@ -184,7 +191,7 @@ pub fn measure(
         .clone();
     let (geometry, lighting) = contender.spans();
     let (bytes_written_by_geometry, bytes_in_all) =
-        contender.bytes_per_pixel(gbuffer_bytes(&mut headless));
+        contender.bytes_per_pixel(gbuffer_bytes(&mut headless), scene.special().wants_motion());
     let measurement = Measurement {
         adapter,
         scene: scene.name.clone(),

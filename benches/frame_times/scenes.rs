@@ -61,6 +61,14 @@ pub fn all(gltf: &str) -> Vec<BenchScene> {
 }
 
 impl BenchScene {
+    /// What is special about it.
+    pub fn special(&self) -> Special {
+        match self.kind {
+            Kind::SpecialBoxes(_, special, _) => special,
+            _ => Special::Nothing,
+        }
+    }
+
     /// Whether it shows what the optional targets cost, rather than how renderers compare.
     pub fn is_special(&self) -> bool {
         matches!(self.kind, Kind::SpecialBoxes(..))

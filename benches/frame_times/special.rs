@@ -1,6 +1,8 @@
 //! The boxes scene with materials that write the optional targets.
 
-use bevy::prelude::*;
+use bevy::{
+    camera::visibility::RenderLayers, core_pipeline::prepass::MotionVectorPrepass, prelude::*,
+};
 
 /// What some of the boxes have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,12 +14,33 @@ pub enum Special {
     Anisotropy,
     Backlight,
     Unlit,
-    /// One after the other.
+    /// All materials of the above, one after the other.
+    Materials,
+    /// Nothing moves, but something wants motion vectors.
+    Rest,
+    /// All boxes move.
+    Motion,
+    /// All boxes are on two layers, of which the sun has one.
+    Layers,
+    /// All materials, motion and layers.
     Everything,
 }
 
+/// A box that moves.
+#[derive(Component)]
+pub struct Moving;
+
+/// To and fro by half a millimetre: the picture stays what it is.
+pub fn move_boxes(mut boxes: Query<&mut Transform, With<Moving>>, mut back: Local<bool>) {
+    *back = !*back;
+    let shift = if *back { -0.0005 } else { 0.0005 };
+    for mut transform in &mut boxes {
+        transform.translation.x += shift;
+    }
+}
+
 /// The scenes: their names, what is special, and how many boxes there are for each that is.
-pub const SCENES: [(&str, Special, usize); 10] = [
+pub const SCENES: [(&str, Special, usize); 14] = [
     ("targets_none", Special::Nothing, 1),
     ("targets_emissive", Special::Emissive, 1),
     ("targets_emissive_few", Special::Emissive, 16),
@@ -26,14 +49,37 @@ pub const SCENES: [(&str, Special, usize); 10] = [
     ("targets_anisotropy", Special::Anisotropy, 1),
     ("targets_backlight", Special::Backlight, 1),
     ("targets_unlit", Special::Unlit, 1),
+    ("targets_materials", Special::Materials, 1),
+    ("targets_rest", Special::Rest, 1),
+    ("targets_motion", Special::Motion, 1),
+    ("targets_layers", Special::Layers, 1),
     ("targets_all", Special::Everything, 1),
     ("targets_all_few", Special::Everything, 16),
 ];
 
 impl Special {
+    /// Whether something wants motion vectors.
+    pub fn wants_motion(self) -> bool {
+        matches!(self, Self::Rest | Self::Motion | Self::Everything)
+    }
+
+    fn has_layers(self) -> bool {
+        matches!(self, Self::Layers | Self::Everything)
+    }
+
+    /// What the camera has for it.
+    pub fn prepare_camera(self, camera: &mut EntityWorldMut) {
+        if self.wants_motion() {
+            camera.insert(MotionVectorPrepass);
+        }
+        if self.has_layers() {
+            camera.insert(RenderLayers::from_layers(&[0, 1]));
+        }
+    }
+
     fn apply(self, index: usize, material: &mut StandardMaterial) {
         match self {
-            Self::Nothing => {}
+            Self::Nothing | Self::Rest | Self::Motion | Self::Layers => {}
             Self::Emissive => material.emissive = LinearRgba::rgb(0.1, 0.2, 0.4),
             Self::Reflectance => material.reflectance = 0.9,
             Self::Clearcoat => {
@@ -49,7 +95,7 @@ impl Special {
                 material.thickness = 0.2;
             }
             Self::Unlit => material.unlit = true,
-            Self::Everything => {
+            Self::Materials | Self::Everything => {
                 [
                     Self::Emissive,
                     Self::Reflectance,
@@ -71,17 +117,29 @@ pub fn make_special(world: &mut World, special: Special, every: usize) {
         mesh.generate_tangents()
             .expect("the meshes of the boxes have all that tangents need");
     }
-    let mut boxes = world.query::<(&MeshMaterial3d<StandardMaterial>, &Transform)>();
-    let materials: Vec<_> = boxes
+    let mut boxes = world.query::<(Entity, &MeshMaterial3d<StandardMaterial>, &Transform)>();
+    let boxes: Vec<_> = boxes
         .iter(world)
-        .filter(|(_, transform)| transform.translation.y > 0.0)
-        .map(|(material, _)| material.id())
+        .filter(|(_, _, transform)| transform.translation.y > 0.0)
+        .map(|(entity, material, _)| (entity, material.id()))
         .collect();
-    let mut assets = world.resource_mut::<Assets<StandardMaterial>>();
-    for (index, id) in materials.into_iter().step_by(every).enumerate() {
-        special.apply(
-            index,
-            assets.get_mut(id).expect("it was just made").into_inner(),
-        );
+    for (index, (entity, material)) in boxes.into_iter().step_by(every).enumerate() {
+        let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+        let material = materials.get_mut(material).expect("it was just made");
+        special.apply(index, material.into_inner());
+        let mut sample = world.entity_mut(entity);
+        if special.has_layers() {
+            sample.insert(RenderLayers::from_layers(&[0, 1]));
+        }
+        if matches!(special, Special::Motion | Special::Everything) {
+            sample.insert(Moving);
+        }
+    }
+    if special.has_layers() {
+        // It shines on all all the same.
+        let mut suns = world.query_filtered::<Entity, With<DirectionalLight>>();
+        for sun in suns.iter(world).collect::<Vec<_>>() {
+            world.entity_mut(sun).insert(RenderLayers::layer(0));
+        }
     }
 }
