@@ -164,7 +164,7 @@ fn rims_match_forward() {
         Surroundings::EnvironmentMap,
         RIMS,
         |base| base.emissive = LinearRgba::rgb(0.0, 0.1, 0.05),
-        GBufferTargets::all(),
+        GBufferTargets::EMISSIVE.union(GBufferTargets::SPECIALIZATION),
     )]);
 }
 
