@@ -30,10 +30,10 @@ pub enum Special {
 #[derive(Component)]
 pub struct Moving;
 
-/// To and fro by half a millimetre: the picture stays what it is.
+/// To and fro by a hundredth of a millimetre: the picture stays what it is.
 pub fn move_boxes(mut boxes: Query<&mut Transform, With<Moving>>, mut back: Local<bool>) {
     *back = !*back;
-    let shift = if *back { -0.0005 } else { 0.0005 };
+    let shift = if *back { -0.00001 } else { 0.00001 };
     for mut transform in &mut boxes {
         transform.translation.x += shift;
     }
