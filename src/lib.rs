@@ -15,11 +15,13 @@
 //! # The frame of a camera with [`LeanDeferred`]
 //!
 //! 1. **G-buffer** ([`gbuffer`]): opaque and alpha-masked meshes are rasterised once, into two 32-bit targets and the
-//!    view's depth: 8 bytes a pixel beside depth. Meshes that these bits cannot carry (emissive, clearcoat, lightmapped,
-//!    … : [`GBufferMaterial`](gbuffer::GBufferMaterial)) stay in Bevy's forward passes on the same camera.
+//!    view's depth: 8 bytes a pixel beside depth. Those that need more (emission, clearcoat, motion, … :
+//!    [`GBufferTargets`](gbuffer::GBufferTargets)) come after, in a pass with optional targets, which exist only while
+//!    something visible writes them. What no target has bits for
+//!    ([`GBufferMaterial`](gbuffer::GBufferMaterial)) stays in Bevy's forward passes on the same camera.
 //! 2. **Lighting** ([`lighting`]): one compute pass lights every pixel with Bevy's own lighting functions and writes the
-//!    view's HDR texture. What the view does not have (fog, probes, shadows, decals, …) is neither compiled in nor
-//!    bound.
+//!    view's HDR texture; special surfaces have dispatches of their own. What the view does not have (fog, probes, shadows,
+//!    decals, …) is neither compiled in nor bound.
 //! 3. Bevy goes on: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
 //!
 //! Any camera may have [`LeanAmbientOcclusion`]: in the lighting pass of lean ones, multiplied onto the picture of others. And any

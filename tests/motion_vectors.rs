@@ -202,9 +202,10 @@ const RMS: f64 = 0.0005;
 
 /// How far two renderers may be apart in a motion of some pixels: by a step of half floats, with a margin, and by what
 /// rounding makes of surfaces beside the former camera. Their position there is divided by a w near 0: the longer the
-/// motion, the smaller w, and the larger the part of it that is rounded off.
+/// motion, the smaller w, and the larger the part of it that is rounded off (most where a GPU interpolates positions, as
+/// Bevy has it do).
 fn inexactness(motion: f32) -> f32 {
-    0.001 * motion.max(1.0) + 2e-7 * motion * motion
+    0.001 * motion.max(1.0) + 1e-6 * motion * motion
 }
 
 impl<F: FnMut(&mut SceneBuilder)> Case<F> {

@@ -22,7 +22,8 @@ use bevy_lean_deferred::GBufferChannel;
 use common::headless::Headless;
 use covering::{Factor, covering_rows};
 use factors::{
-    EXPOSURE, GBUFFER, LIGHTING, OCCLUSION_GATHER, OCCLUSION_MERGE, implications, occurs,
+    EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_MERGE, implications,
+    occurs,
 };
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{Composer, NagaModuleDescriptor, ShaderDefValue};
@@ -195,6 +196,17 @@ fn gbuffer_permutations_validate() {
             ("MATERIAL_BIND_GROUP", 3),
             ("AVAILABLE_STORAGE_BUFFER_BINDINGS", 16),
         ],
+    );
+}
+
+#[test]
+fn motion_resolve_permutations_validate() {
+    check_permutations(
+        include_str!("../src/gbuffer/resolve_motion.wgsl"),
+        "src/gbuffer/resolve_motion.wgsl",
+        MOTION_RESOLVE,
+        &["PREPASS_PIPELINE"],
+        &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", 16)],
     );
 }
 

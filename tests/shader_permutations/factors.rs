@@ -289,6 +289,9 @@ const WHAT_IS_DRAWN: Factor = &[
     ],
 ];
 
+/// What `MotionResolvePipelines` makes of a view with motion vectors.
+pub const MOTION_RESOLVE: &[Factor] = &[optional!("LATE"), optional!("GBUFFER_MOTION")];
+
 /// What `ExposureKey::shader_defs` makes of the settings of auto exposure.
 pub const EXPOSURE: &[Factor] = &[
     optional!("LOG_AVERAGE"),
