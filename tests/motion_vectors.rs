@@ -200,12 +200,12 @@ struct Case<F> {
 const LARGEST: f32 = 0.005;
 const RMS: f64 = 0.0005;
 
-/// How far two renderers may be apart in a motion of some pixels: by a step of half floats, with a margin, and by what
-/// rounding makes of surfaces beside the former camera. Their position there is divided by a w near 0: the longer the
-/// motion, the smaller w, and the larger the part of it that is rounded off (most where a GPU interpolates positions, as
-/// Bevy has it do).
+/// How far two renderers may be apart where the camera has gone elsewhere: by a step of half floats; by what GPUs round off
+/// positions that they interpolate, as Bevy has them do, which cancels out only between cameras that are near each other;
+/// and for surfaces beside the former camera, whose position there is divided by a w near 0, by what rounding leaves of
+/// that: the longer the motion, the less.
 fn inexactness(motion: f32) -> f32 {
-    0.001 * motion.max(1.0) + 1e-6 * motion * motion
+    LARGEST.max(0.001 * motion) + 1e-6 * motion * motion
 }
 
 impl<F: FnMut(&mut SceneBuilder)> Case<F> {
