@@ -12,7 +12,7 @@ use bevy::{
     },
     prelude::*,
 };
-use bevy_lean_deferred::LeanDeferred;
+use bevy_lean_deferred::{GBufferChannel, LeanDeferred};
 use common::{
     headless::Picture,
     lean::{build, judge, report, set_lean, settled},
@@ -295,6 +295,31 @@ fn compare_without_layers(name: &str, lights: Lights, shows: Shows) {
         assert!(psnr < 30.0, "{name}: {psnr} dB");
     }
     report([judge(name, &forward, &without, LEAST_PSNR)]);
+}
+
+/// Grey where the mask is that of layer 0, else a colour for each set of layers.
+#[test]
+fn the_mask_can_be_shown() {
+    let settings = LeanDeferred {
+        debug_view: Some(GBufferChannel::VisibilityMask),
+        ..default()
+    };
+    let picture = picture(point_lights, None, Some(settings));
+    if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
+        picture.save(std::path::Path::new(&folder).join("mask_channel.png"));
+    }
+    let middle = UVec2::new(SIZE.x / COLUMNS.len() as u32, SIZE.y) / 2;
+    let colors: Vec<_> = (0..COLUMNS.len())
+        .map(|index| {
+            let rect = URect::from_corners(middle, middle + 1);
+            column(&picture, index).crop(rect).rgba
+        })
+        .collect();
+    let is_near = |channel: &u8| channel.abs_diff(colors[0][0]) <= 2;
+    assert!(colors[0][..3].iter().all(is_near), "{colors:?}");
+    for (index, color) in colors.iter().enumerate() {
+        assert!(!colors[..index].contains(color), "{colors:?}");
+    }
 }
 
 /// Tests of each kind of light; a process of its own for each spares graphics drivers that have few devices to give.

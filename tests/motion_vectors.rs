@@ -7,7 +7,10 @@ mod probe;
 use bevy::{
     anti_alias::taa::TemporalAntiAliasing,
     camera::{ScalingMode, Viewport},
-    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    core_pipeline::{
+        prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
+        tonemapping::Tonemapping,
+    },
     diagnostic::FrameCount,
     material::OpaqueRendererMethod,
     mesh::morph::MeshMorphWeights,
@@ -565,6 +568,33 @@ fn targets_come_and_go() {
     set_lean(&mut headless, false);
     assert!(run(&mut headless, 3).0.is_none());
     log_watch::assert_validation_layer_silent();
+}
+
+/// What moves is coloured, what rests black.
+#[test]
+fn the_motion_target_can_be_shown() {
+    let mut headless = build(SIZE, |s| {
+        still_and_moving(s, MotionVectorPrepass);
+    });
+    set_lean(&mut headless, true);
+    let world = headless.world();
+    let mut cameras = world.query::<(&mut LeanDeferred, &mut Tonemapping)>();
+    let (mut lean, mut tonemapping) = cameras.single_mut(world).expect("one camera");
+    lean.debug_view = Some(GBufferChannel::Motion);
+    *tonemapping = Tonemapping::None;
+    headless.settle();
+    let film = headless.film(6, |world, _| {
+        shift_movers(world, Vec3::new(0.06, 0.03, 0.0));
+    });
+    if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
+        film[5].save(std::path::Path::new(&folder).join("motion_channel.png"));
+    }
+    // To the right and up: red above the middle, green below it, blue in the middle.
+    let is_mover = |p: &[u8]| p[0] > 190 && p[1] < 185 && p[2].abs_diff(188) < 3;
+    let is_still = |p: &[u8]| p[..3] == [0; 3];
+    let count = |is: &dyn Fn(&[u8]) -> bool| film[5].rgba.chunks(4).filter(|p| is(p)).count();
+    assert!(count(&is_mover) > 200, "{}", count(&is_mover));
+    assert!(count(&is_still) > 10_000, "{}", count(&is_still));
 }
 
 /// How often a mesh was queued anew in `frames` frames, in which `moves` says whether the movers move.
