@@ -4,6 +4,7 @@
 //! - `targets.rs`: the optional targets.
 //! - `material.rs`: which materials and meshes it carries, and what they need.
 //! - `demand.rs`: what all visible meshes of a view need together.
+//! - `lookup.rs`: what a mesh needs.
 //! - `phase.rs`, `pipeline.rs`, `queue.rs`: the render phases, their pipelines, and how meshes get there.
 //! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them.
 //! - `usage.rs`: what a camera has of them, for users.
@@ -12,6 +13,7 @@
 
 mod demand;
 pub mod layout;
+mod lookup;
 mod material;
 mod moving;
 mod pass;
