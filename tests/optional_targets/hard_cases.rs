@@ -1,7 +1,10 @@
 //! Pictures beside forward's where surfaces change, overlap or emit what is hard to store.
 
 use bevy::{
-    core_pipeline::prepass::DepthPrepass, light::AmbientLight, prelude::*,
+    camera::{ClearColorConfig, Viewport},
+    core_pipeline::prepass::DepthPrepass,
+    light::AmbientLight,
+    prelude::*,
     render::occlusion_culling::OcclusionCulling,
 };
 use bevy_lean_deferred::prelude::*;
@@ -9,7 +12,7 @@ use bevy_lean_deferred::prelude::*;
 use super::{SIZE, forward_draws, usage};
 use crate::common::{
     headless::Headless,
-    lean::{build, judge, report, set_lean, settled},
+    lean::{active_lean_views, build, judge, report, set_lean, settled},
     metrics::difference,
     scenes::{LEAST_PSNR, SceneBuilder, build::material},
 };
@@ -317,5 +320,56 @@ fn a_material_of_another_kind_in_each_frame_matches_forward() {
             .zip(&lean)
             .enumerate()
             .map(|(i, (forward, lean))| judge(&format!("changing_{i}"), forward, lean, LEAST_PSNR)),
+    );
+}
+
+/// On one of two cameras, on both, on the other alone, and on none again.
+#[test]
+fn special_surfaces_on_two_cameras_match_forward() {
+    let mut cameras = Vec::new();
+    let mut headless = build(SIZE, |s| {
+        overlapping(s);
+        for order in 0..2 {
+            let left = SIZE.x / 2 * order;
+            cameras.push(s.default_camera((
+                ambient(),
+                Camera {
+                    order: order as isize,
+                    viewport: Some(Viewport {
+                        physical_position: UVec2::new(left, 0),
+                        physical_size: UVec2::new(SIZE.x / 2, SIZE.y),
+                        ..default()
+                    }),
+                    clear_color: if order == 0 {
+                        ClearColorConfig::Default
+                    } else {
+                        ClearColorConfig::None
+                    },
+                    ..default()
+                },
+            )));
+        }
+    });
+    let forward = settled(&mut headless);
+    report(
+        [[true, false], [true, true], [false, true], [false, false]].map(|lean| {
+            for (&camera, lean) in cameras.iter().zip(lean) {
+                let mut camera = headless.world().entity_mut(camera);
+                if lean {
+                    camera.insert(LeanDeferred::default());
+                } else {
+                    camera.remove::<LeanDeferred>();
+                }
+            }
+            let picture = settled(&mut headless);
+            let views = active_lean_views(&mut headless);
+            assert_eq!(views, lean.into_iter().filter(|lean| *lean).count());
+            let least = if views == 0 {
+                f64::INFINITY
+            } else {
+                LEAST_PSNR
+            };
+            judge(&format!("cameras_{lean:?}"), &forward, &picture, least)
+        }),
     );
 }
