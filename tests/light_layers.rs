@@ -6,10 +6,7 @@ mod existence;
 
 use bevy::{
     camera::{ScalingMode, visibility::RenderLayers},
-    light::{
-        ClusteredDecal, DirectionalLight, EnvironmentMapLight, IrradianceVolume, LightProbe,
-        PointLight, RectLight, SpotLight,
-    },
+    light::{ClusteredDecal, DirectionalLight, LightProbe, PointLight, RectLight, SpotLight},
     prelude::*,
 };
 use bevy_lean_deferred::{GBufferChannel, LeanDeferred};
@@ -190,37 +187,14 @@ fn rect_lights(s: &mut Stage) {
 }
 
 fn reflection_probe(s: &mut Stage) {
-    let map = s.scene.cube_map();
-    s.light(
-        Some(&[1, 2]),
-        (
-            LightProbe::default(),
-            EnvironmentMapLight {
-                diffuse_map: map.clone(),
-                specular_map: map,
-                intensity: 100.0,
-                ..default()
-            },
-            PROBED,
-        ),
-    );
+    let light = s.scene.environment_map(100.0);
+    s.light(Some(&[1, 2]), (LightProbe::default(), light, PROBED));
     s.light(None, sun(Vec3::new(0.0, 5.0, 3.0), false));
 }
 
 fn irradiance_volume(s: &mut Stage) {
-    let voxels = s.scene.irradiance_voxels();
-    s.light(
-        Some(&[0, 40]),
-        (
-            LightProbe::default(),
-            IrradianceVolume {
-                voxels,
-                intensity: 100.0,
-                ..default()
-            },
-            PROBED,
-        ),
-    );
+    let volume = s.scene.irradiance_volume(100.0);
+    s.light(Some(&[0, 40]), (LightProbe::default(), volume, PROBED));
     s.light(None, sun(Vec3::new(0.0, 5.0, 3.0), false));
 }
 

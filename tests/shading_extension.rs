@@ -2,11 +2,7 @@
 
 mod common;
 
-use bevy::{
-    light::{AmbientLight, EnvironmentMapLight, IrradianceVolume, LightProbe},
-    prelude::*,
-    render::RenderApp,
-};
+use bevy::{light::AmbientLight, prelude::*, render::RenderApp};
 use bevy_lean_deferred::{camera::ActiveLeanView, prelude::*};
 use common::{
     headless::{Headless, Picture},
@@ -92,25 +88,12 @@ fn scene(
     match surroundings {
         Surroundings::Ambient => {}
         Surroundings::EnvironmentMap => {
-            let map = s.cube_map();
-            s.world().entity_mut(camera).insert(EnvironmentMapLight {
-                diffuse_map: map.clone(),
-                specular_map: map,
-                intensity: 900.0,
-                ..default()
-            });
+            let light = s.environment_map(900.0);
+            s.world().entity_mut(camera).insert(light);
         }
         Surroundings::IrradianceVolume => {
-            let voxels = s.irradiance_voxels();
-            s.spawn((
-                LightProbe::default(),
-                IrradianceVolume {
-                    voxels,
-                    intensity: 1500.0,
-                    ..default()
-                },
-                Transform::from_scale(Vec3::splat(9.0)),
-            ));
+            let volume = s.irradiance_volume(1500.0);
+            s.probe(volume);
         }
     }
 }

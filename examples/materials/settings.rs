@@ -12,6 +12,7 @@ use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::PanOrbitCamera;
 
 use crate::{
+    choices,
     grid::{self, Sun},
     made_up_sky::made_up_sky,
 };
@@ -117,7 +118,10 @@ pub fn read_keys(
             KeyCode::Digit1 => settings.shown = Shown::Both,
             KeyCode::Digit2 => settings.shown = Shown::Lean,
             KeyCode::Digit3 => settings.shown = Shown::Forward,
-            KeyCode::KeyD => settings.debug_view = next_view(settings.debug_view),
+            KeyCode::KeyD => {
+                settings.debug_view =
+                    choices::next_or_none(&GBufferChannel::ALL, settings.debug_view)
+            }
             KeyCode::KeyL => settings.sun = !settings.sun,
             KeyCode::KeyE => settings.environment = !settings.environment,
             KeyCode::KeyH => settings.text = !settings.text,
@@ -127,15 +131,6 @@ pub fn read_keys(
             _ => {}
         }
     }
-}
-
-/// None, then each channel, then none again.
-fn next_view(current: Option<GBufferChannel>) -> Option<GBufferChannel> {
-    let Some(channel) = current else {
-        return GBufferChannel::ALL.first().copied();
-    };
-    let index = GBufferChannel::ALL.iter().position(|x| *x == channel);
-    index.and_then(|index| GBufferChannel::ALL.get(index + 1).copied())
 }
 
 pub fn apply(

@@ -32,3 +32,12 @@ pub fn next<T: Copy + PartialEq>(all: &[T], current: T) -> T {
     let index = all.iter().position(|x| *x == current).unwrap_or(0);
     all[(index + 1) % all.len()]
 }
+
+/// None, then each of `all`, then none again.
+pub fn next_or_none<T: Copy + PartialEq>(all: &[T], current: Option<T>) -> Option<T> {
+    let index = match current {
+        None => 0,
+        Some(current) => all.iter().position(|x| *x == current)? + 1,
+    };
+    all.get(index).copied()
+}

@@ -12,7 +12,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use crate::choices::next;
+use crate::choices::{next, next_or_none};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Renderer {
@@ -68,7 +68,9 @@ pub fn read_keys(
             KeyCode::Digit1 => settings.renderer = Renderer::Forward,
             KeyCode::Digit2 => settings.renderer = Renderer::BevyDeferred,
             KeyCode::Digit3 => settings.renderer = Renderer::Lean,
-            KeyCode::KeyD => settings.debug_view = next_view(settings.debug_view),
+            KeyCode::KeyD => {
+                settings.debug_view = next_or_none(&GBufferChannel::ALL, settings.debug_view)
+            }
             KeyCode::KeyN => {
                 settings.geometric_normal = next(&GeometricNormal::ALL, settings.geometric_normal);
             }
@@ -79,17 +81,6 @@ pub fn read_keys(
                 exit.write(AppExit::Success);
             }
             _ => {}
-        }
-    }
-}
-
-/// None, then each channel, then none again.
-fn next_view(current: Option<GBufferChannel>) -> Option<GBufferChannel> {
-    match current {
-        None => GBufferChannel::ALL.first().copied(),
-        Some(channel) => {
-            let index = GBufferChannel::ALL.iter().position(|x| *x == channel);
-            index.and_then(|index| GBufferChannel::ALL.get(index + 1).copied())
         }
     }
 }

@@ -3,7 +3,9 @@ use bevy::{
     camera::{Exposure, Hdr},
     core_pipeline::tonemapping::Tonemapping,
     image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor},
-    light::AmbientLight,
+    light::{
+        AmbientLight, ClusteredDecal, EnvironmentMapLight, IrradianceVolume, LightProbe, RectLight,
+    },
     prelude::*,
     render::render_resource::{
         Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
@@ -286,6 +288,62 @@ impl SceneBuilder<'_> {
             ..default()
         });
         self.add(image)
+    }
+
+    /// Light of [`cube_map`](Self::cube_map), for a camera or a probe.
+    pub fn environment_map(&mut self, intensity: f32) -> EnvironmentMapLight {
+        let map = self.cube_map();
+        EnvironmentMapLight {
+            diffuse_map: map.clone(),
+            specular_map: map,
+            intensity,
+            ..default()
+        }
+    }
+
+    /// Light of [`irradiance_voxels`](Self::irradiance_voxels), for a probe.
+    pub fn irradiance_volume(&mut self, intensity: f32) -> IrradianceVolume {
+        IrradianceVolume {
+            voxels: self.irradiance_voxels(),
+            intensity,
+            ..default()
+        }
+    }
+
+    /// Puts `light` over all of the scene.
+    pub fn probe(&mut self, light: impl Bundle) {
+        self.spawn((
+            LightProbe::default(),
+            light,
+            Transform::from_scale(Vec3::splat(9.0)),
+        ));
+    }
+
+    /// A rectangle that shines onto the middle of the scene from above in front.
+    pub fn rect_light(&mut self) {
+        self.spawn((
+            RectLight {
+                intensity: 40_000.0,
+                width: 2.0,
+                height: 1.0,
+                ..default()
+            },
+            Transform::from_xyz(0.0, 2.5, 3.0).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+    }
+
+    /// A checkerboard as a decal, slanted over the middle of the scene.
+    pub fn decal(&mut self, scale: Vec3) {
+        let checker = self.checker([240, 60, 40, 255], [40, 60, 240, 90]);
+        self.spawn((
+            ClusteredDecal {
+                base_color_texture: Some(checker),
+                ..default()
+            },
+            Transform::from_xyz(0.0, 0.5, 0.5)
+                .with_rotation(Quat::from_rotation_x(-1.2))
+                .with_scale(scale),
+        ));
     }
 
     /// A 2 × 2 × 2 irradiance volume, in the layout that Bevy reads (six faces stacked two by three).

@@ -3,8 +3,7 @@
 use bevy::{
     core_pipeline::Skybox,
     light::{
-        AmbientLight, CascadeShadowConfigBuilder, ClusteredDecal, DirectionalLightTexture,
-        EnvironmentMapLight, FogVolume, IrradianceVolume, LightProbe, PointLight, RectLight,
+        AmbientLight, CascadeShadowConfigBuilder, DirectionalLightTexture, FogVolume, PointLight,
         ShadowFilteringMethod, SpotLight, SpotLightTexture, VolumetricFog, VolumetricLight,
     },
     pbr::{ContactShadows, DistanceFog, FogFalloff, ScreenSpaceAmbientOcclusion},
@@ -57,15 +56,7 @@ pub const SCENES: &[Scene] = &[
     }),
     Scene::new("rect", |s| {
         s.solids();
-        s.spawn((
-            RectLight {
-                intensity: 40_000.0,
-                width: 2.0,
-                height: 1.0,
-                ..default()
-            },
-            Transform::from_xyz(0.0, 2.5, 3.0).looking_at(Vec3::ZERO, Vec3::Y),
-        ));
+        s.rect_light();
         s.default_camera(indoor());
     }),
     Scene::new("ambient", |s| {
@@ -78,42 +69,20 @@ pub const SCENES: &[Scene] = &[
     }),
     Scene::new("environment_map", |s| {
         s.solids();
-        let map = s.cube_map();
-        s.default_camera(EnvironmentMapLight {
-            diffuse_map: map.clone(),
-            specular_map: map,
-            intensity: 1500.0,
-            ..default()
-        });
+        let light = s.environment_map(1500.0);
+        s.default_camera(light);
     }),
     Scene::new("reflection_probe", |s| {
         s.solids();
-        let map = s.cube_map();
-        s.spawn((
-            LightProbe::default(),
-            EnvironmentMapLight {
-                diffuse_map: map.clone(),
-                specular_map: map,
-                intensity: 1500.0,
-                ..default()
-            },
-            Transform::from_scale(Vec3::splat(9.0)),
-        ));
+        let light = s.environment_map(1500.0);
+        s.probe(light);
         s.sun(false);
         s.default_camera(());
     }),
     Scene::new("irradiance_volume", |s| {
         s.solids();
-        let voxels = s.irradiance_voxels();
-        s.spawn((
-            LightProbe::default(),
-            IrradianceVolume {
-                voxels,
-                intensity: 1500.0,
-                ..default()
-            },
-            Transform::from_scale(Vec3::splat(9.0)),
-        ));
+        let volume = s.irradiance_volume(1500.0);
+        s.probe(volume);
         s.default_camera(());
     }),
     Scene::new("fog_linear", |s| {
@@ -184,16 +153,7 @@ pub const SCENES: &[Scene] = &[
     Scene::new("clustered_decal", |s| {
         s.solids();
         s.sun(true);
-        let checker = s.checker([240, 60, 40, 255], [40, 60, 240, 90]);
-        s.spawn((
-            ClusteredDecal {
-                base_color_texture: Some(checker),
-                ..default()
-            },
-            Transform::from_xyz(0.0, 0.5, 0.5)
-                .with_rotation(Quat::from_rotation_x(-1.2))
-                .with_scale(Vec3::new(4.0, 3.0, 3.0)),
-        ));
+        s.decal(Vec3::new(4.0, 3.0, 3.0));
         s.default_camera(());
     }),
     Scene::new("light_textures", |s| {

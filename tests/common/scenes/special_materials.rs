@@ -3,10 +3,7 @@
 
 use bevy::{
     core_pipeline::Skybox,
-    light::{
-        AmbientLight, ClusteredDecal, EnvironmentMapLight, IrradianceVolume, LightProbe,
-        NotShadowReceiver, PointLight, RectLight, SpotLight, TransmittedShadowReceiver,
-    },
+    light::{AmbientLight, NotShadowReceiver, PointLight, SpotLight, TransmittedShadowReceiver},
     mesh::UvChannel,
     pbr::{ContactShadows, DistanceFog, FogFalloff, Lightmap, ScreenSpaceAmbientOcclusion},
     prelude::*,
@@ -50,51 +47,36 @@ pub const SCENES: &[Scene] = &[
     }),
     Scene::new("special_rect_light", |s| {
         gallery(s);
-        s.spawn((
-            RectLight {
-                intensity: 40_000.0,
-                width: 2.0,
-                height: 1.0,
-                ..default()
-            },
-            Transform::from_xyz(0.0, 2.5, 3.0).looking_at(Vec3::ZERO, Vec3::Y),
-        ));
+        s.rect_light();
         s.default_camera(indoor());
     }),
     Scene::new("special_environment_map", |s| {
         gallery(s);
-        let map = s.cube_map();
-        s.default_camera((environment_map(map.clone()), sky(map)));
+        let light = s.environment_map(1500.0);
+        let sky = Skybox {
+            image: Some(light.specular_map.clone()),
+            brightness: 1000.0,
+            ..default()
+        };
+        s.default_camera((light, sky));
     }),
     Scene::new("special_environment_map_and_sun", |s| {
         gallery(s);
         s.sun(true);
-        let map = s.cube_map();
-        s.default_camera(environment_map(map));
+        let light = s.environment_map(1500.0);
+        s.default_camera(light);
     }),
     Scene::new("special_reflection_probe", |s| {
         gallery(s);
-        let map = s.cube_map();
-        s.spawn((
-            LightProbe::default(),
-            environment_map(map),
-            Transform::from_scale(Vec3::splat(9.0)),
-        ));
+        let light = s.environment_map(1500.0);
+        s.probe(light);
         s.sun(false);
         s.default_camera(());
     }),
     Scene::new("special_irradiance_volume", |s| {
         gallery(s);
-        let voxels = s.irradiance_voxels();
-        s.spawn((
-            LightProbe::default(),
-            IrradianceVolume {
-                voxels,
-                intensity: 1500.0,
-                ..default()
-            },
-            Transform::from_scale(Vec3::splat(9.0)),
-        ));
+        let volume = s.irradiance_volume(1500.0);
+        s.probe(volume);
         s.default_camera(());
     }),
     Scene::new("special_bevy_ssao", |s| {
@@ -128,16 +110,7 @@ pub const SCENES: &[Scene] = &[
     Scene::new("special_decal", |s| {
         gallery(s);
         s.sun(true);
-        let checker = s.checker([240, 60, 40, 255], [40, 60, 240, 90]);
-        s.spawn((
-            ClusteredDecal {
-                base_color_texture: Some(checker),
-                ..default()
-            },
-            Transform::from_xyz(0.0, 0.5, 0.5)
-                .with_rotation(Quat::from_rotation_x(-1.2))
-                .with_scale(Vec3::new(6.0, 4.0, 3.0)),
-        ));
+        s.decal(Vec3::new(6.0, 4.0, 3.0));
         s.default_camera(());
     }),
     Scene::new("special_orthographic", |s| {
@@ -248,8 +221,8 @@ pub const SCENES: &[Scene] = &[
     // Bevy compiles neither forward nor deferred shaders for this without binding arrays: nothing is drawn there.
     Scene::new("lightmapped_specials_environment_map", |s| {
         lightmapped(s, false);
-        let map = s.cube_map();
-        s.default_camera(environment_map(map));
+        let light = s.environment_map(1500.0);
+        s.default_camera(light);
     }),
 ];
 
@@ -345,22 +318,5 @@ fn with_second_uvs(s: &mut SceneBuilder, entities: &[Entity]) {
         let mut mesh = meshes.get_mut(&handle).expect("just added");
         let uvs = mesh.attribute(Mesh::ATTRIBUTE_UV_0).cloned();
         mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs.expect("a ball has UVs"));
-    }
-}
-
-fn environment_map(map: Handle<Image>) -> EnvironmentMapLight {
-    EnvironmentMapLight {
-        diffuse_map: map.clone(),
-        specular_map: map,
-        intensity: 1500.0,
-        ..default()
-    }
-}
-
-fn sky(map: Handle<Image>) -> Skybox {
-    Skybox {
-        image: Some(map),
-        brightness: 1000.0,
-        ..default()
     }
 }
