@@ -158,7 +158,7 @@ fn draw_order(
 /// Inserts or removes [`ActiveLeanView`], and [`ViewLighting`] on all views that can be lean. A view is active only
 /// while the lighting pipelines that it needs in this frame are compiled; until then forward draws it, so that neither
 /// switching over nor a new kind of light shows a dark frame. What its meshes newly ask for it gets once that is
-/// compiled; until then forward draws those. When that changes, all its meshes are queued anew.
+/// compiled; until then forward draws those.
 /// Cameras that are switched off lose both, and so what they hold on the GPU.
 pub(super) fn decide_active_views(
     mut commands: Commands,
@@ -189,7 +189,7 @@ pub(super) fn decide_active_views(
             (Has<OcclusionCulling>, Has<NoIndirectDrawing>),
         ),
         (&LeanDeferred, Option<&LeanAmbientOcclusion>),
-        Option<&mut ViewLighting>,
+        (Option<&mut ViewLighting>, Option<&ActiveLeanView>),
     )>,
     switched_off: Query<Entity, (With<ViewLighting>, Without<ExtractedCamera>)>,
 ) {
@@ -204,10 +204,12 @@ pub(super) fn decide_active_views(
     };
     let soft_shadows = scene.has_soft_shadows();
     let mut active_now = HashMap::default();
+    let mut candidates = HashSet::<RetainedViewEntity>::default();
 
-    for (entity, camera, prepasses, (settings, occlusion), lighting) in &mut views {
+    for (entity, camera, prepasses, (settings, occlusion), (lighting, current)) in &mut views {
         let (camera, view, msaa, camera_3d, layers) = camera;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
+        candidates.insert(view.retained_view_entity);
         if let Some(reason) = reason_against(camera, view, msaa, deferred, soft_shadows) {
             reported.report(view.retained_view_entity.main_entity, reason);
             commands
@@ -236,25 +238,24 @@ pub(super) fn decide_active_views(
             .get(&view.retained_view_entity)
             .map_or(Demand::default(), ActiveLeanView::demand);
         let wanted = demands.wanted(view.retained_view_entity);
-        let possible = |mut demand: Demand| {
-            if !order.resolves_motion {
-                demand.targets.remove(GBufferTargets::MOTION);
+        let compiled = [wanted, before].into_iter().find_map(|demand| {
+            let demand = demand.on(&order);
+            let key = scene.key(*view_key, settings, occlusion, &order, demand);
+            if lighting
+                .pipelines
+                .first()
+                .is_none_or(|(now, _)| *now != key)
+            {
+                lighting.pipelines = key
+                    .variants()
+                    .map(|key| (key, pipelines.specialize(&pipeline_cache, key)))
+                    .collect();
             }
-            if !order.has_light_layers {
-                demand.targets.remove(GBufferTargets::VISIBILITY_MASK);
-            }
-            demand
-        };
-        let compiled = [wanted, before].map(possible).into_iter().find(|demand| {
-            let key = scene.key(*view_key, settings, occlusion, &order, *demand);
-            lighting.pipelines = key
-                .variants()
-                .map(|key| (key, pipelines.specialize(&pipeline_cache, key)))
-                .collect();
             lighting
                 .pipelines
                 .iter()
                 .all(|(_, id)| pipeline_cache.get_compute_pipeline(*id).is_some())
+                .then_some(demand)
         });
         if let Some(Demand { targets, variants }) = compiled {
             let active = ActiveLeanView {
@@ -263,14 +264,18 @@ pub(super) fn decide_active_views(
                 ..order
             };
             active_now.insert(view.retained_view_entity, active);
-            commands.entity(entity).insert(active);
+            if current != Some(&active) {
+                commands.entity(entity).insert(active);
+            }
         } else {
             commands.entity(entity).remove::<ActiveLeanView>();
         }
     }
 
-    for view in active_before.keys().chain(active_now.keys()) {
-        if active_before.get(view) != active_now.get(view) {
+    // The meshes of those that are lean, or still could be, are sorted by `queue_gbuffer_meshes`. On others Bevy has to
+    // queue them again.
+    for view in active_before.keys() {
+        if !candidates.contains(view) {
             dirty_specializations.views.insert(*view);
         }
     }

@@ -10,7 +10,7 @@ use bevy::{
 };
 
 use super::targets::GBufferTargets;
-use crate::lighting::LightingVariants;
+use crate::{camera::ActiveLeanView, lighting::LightingVariants};
 
 /// Targets to write and ways to light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -29,6 +29,17 @@ impl Demand {
         self == Self::default()
     }
 
+    /// What is left of it on a view like this one, which may have no use for motion or for layers.
+    pub(crate) fn on(mut self, view: &ActiveLeanView) -> Self {
+        if !view.resolves_motion {
+            self.targets.remove(GBufferTargets::MOTION);
+        }
+        if !view.has_light_layers {
+            self.targets.remove(GBufferTargets::VISIBILITY_MASK);
+        }
+        self
+    }
+
     fn union(self, other: Self) -> Self {
         Self {
             targets: self.targets | other.targets,
@@ -41,7 +52,8 @@ impl Demand {
 /// finds textures and pipelines as they were.
 const LINGERING_FRAMES: u32 = 120;
 
-/// The demand of one view.
+/// The demand of one view. Of each mesh it is the largest that there can be, whether the view has a use for all of it
+/// or not: see [`Demand::on`].
 #[derive(Default)]
 pub(super) struct ViewDemand {
     by_mesh: MainEntityHashMap<Demand>,
@@ -52,8 +64,16 @@ pub(super) struct ViewDemand {
 }
 
 impl ViewDemand {
+    /// The meshes that need more than the base targets and plain lighting.
+    pub(super) fn each(&self) -> impl Iterator<Item = (MainEntity, Demand)> {
+        self.by_mesh.iter().map(|(mesh, demand)| (*mesh, *demand))
+    }
+
     /// Records what `mesh` needs, in place of what it needed before.
     pub(super) fn insert(&mut self, mesh: MainEntity, demand: Demand) {
+        if self.by_mesh.get(&mesh) == Some(&demand) {
+            return;
+        }
         self.remove(mesh);
         if !demand.is_empty() {
             self.by_mesh.insert(mesh, demand);
@@ -63,6 +83,9 @@ impl ViewDemand {
 
     /// Forgets a mesh.
     pub(super) fn remove(&mut self, mesh: MainEntity) {
+        if self.by_mesh.is_empty() {
+            return;
+        }
         let Some(demand) = self.by_mesh.remove(&mesh) else {
             return;
         };

@@ -23,12 +23,13 @@ use bevy::{
 
 use super::{
     demand::Demand,
-    layout::{DEFAULT_VISIBILITY_MASK, visibility_mask},
-    material::{GBufferMaterials, SpecialMeshes},
+    layout::DEFAULT_VISIBILITY_MASK,
+    material::GBufferMaterials,
     moving::MovingMeshes,
+    special::SpecialMeshes,
     targets::{GBufferTargets, ShadingModel},
 };
-use crate::{camera::ActiveLeanView, lighting::LightingVariant};
+use crate::lighting::LightingVariant;
 
 /// What is known of meshes and materials, to find out how one is drawn.
 #[derive(SystemParam)]
@@ -61,11 +62,6 @@ impl MeshToQueue<'_> {
         self.mesh.layout.0.contains(Mesh::ATTRIBUTE_JOINT_INDEX)
             || MeshPipelineKey::from_bits_retain(self.mesh.key_bits.bits())
                 .contains(MeshPipelineKey::MORPH_TARGETS)
-    }
-
-    pub(super) fn visibility_mask(&self) -> u32 {
-        let layers = self.instance.render_layers.as_ref();
-        layers.map_or(DEFAULT_VISIBILITY_MASK, visibility_mask)
     }
 }
 
@@ -106,12 +102,11 @@ impl MeshLookup<'_> {
         is_morphed && !flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH)
     }
 
-    /// What it needs, and the fragment shader to draw it into the G-buffer with, or `None` if forward must draw it.
+    /// What it may need, and the fragment shader to draw it into the G-buffer with, or `None` if forward must draw it.
     pub(super) fn gbuffer_needs(
         &self,
         entity: MainEntity,
         mesh: &MeshToQueue,
-        view: &ActiveLeanView,
         view_key: MeshPipelineKey,
     ) -> Option<(Demand, &Handle<Shader>)> {
         let opaque = matches!(
@@ -143,11 +138,7 @@ impl MeshLookup<'_> {
         if mesh.deforms() || self.moving_meshes.contains(entity) {
             targets |= GBufferTargets::MOTION;
         }
-        targets.set(
-            GBufferTargets::MOTION,
-            view.resolves_motion && targets.contains(GBufferTargets::MOTION),
-        );
-        if view.has_light_layers && mesh.visibility_mask() != DEFAULT_VISIBILITY_MASK {
+        if self.special_meshes.visibility_mask(entity) != DEFAULT_VISIBILITY_MASK {
             targets |= GBufferTargets::VISIBILITY_MASK;
         }
         let demand = Demand {

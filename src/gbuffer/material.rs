@@ -4,20 +4,12 @@ use core::{any::TypeId, marker::PhantomData};
 
 use bevy::{
     asset::{AssetId, AssetServer, UntypedAssetId, load_embedded_asset},
-    camera::visibility::RenderLayers,
-    light::NotShadowReceiver,
     material::OpaqueRendererMethod,
-    pbr::{
-        ExtendedMaterial, Lightmap, Material, MaterialExtension, MaterialPlugin, MeshPipelineKey,
-        StandardMaterial,
-    },
+    pbr::{ExtendedMaterial, Material, MaterialExtension, MaterialPlugin, StandardMaterial},
     platform::collections::HashMap,
     prelude::*,
     reflect::structs::Struct,
-    render::{
-        Extract, ExtractSchedule, RenderApp, RenderStartup,
-        sync_world::{MainEntity, MainEntityHashMap, MainEntityHashSet},
-    },
+    render::{Extract, ExtractSchedule, RenderApp, RenderStartup},
     shader::{ShaderDefVal, ShaderRef},
 };
 
@@ -304,81 +296,5 @@ fn update_needs<M: GBufferMaterial>(
         materials.needs.insert(id.untyped(), needs);
     } else {
         materials.needs.remove(&id.untyped());
-    }
-}
-
-/// In the render world: meshes of which the G-buffer must know more than their material says.
-#[derive(Resource, Default)]
-pub(crate) struct SpecialMeshes {
-    without_shadows: MainEntityHashSet,
-    /// With whether the lightmap is sampled bicubically.
-    lightmapped: MainEntityHashMap<bool>,
-}
-
-impl SpecialMeshes {
-    /// The targets that `mesh` needs, whatever its material.
-    pub(crate) fn targets(&self, mesh: MainEntity) -> GBufferTargets {
-        let mut targets = GBufferTargets::empty();
-        if self.without_shadows.contains(&mesh) {
-            targets |= GBufferTargets::SPECIALIZATION;
-        }
-        if self.lightmap_key(mesh).is_some() {
-            targets |= GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
-        }
-        targets
-    }
-
-    /// What the lightmap of `mesh`, if it has one, adds to the key of its pipelines.
-    pub(crate) fn lightmap_key(&self, mesh: MainEntity) -> Option<MeshPipelineKey> {
-        let bicubic = *self.lightmapped.get(&mesh)?;
-        let mut key = MeshPipelineKey::LIGHTMAPPED;
-        key.set(MeshPipelineKey::LIGHTMAP_BICUBIC_SAMPLING, bicubic);
-        Some(key)
-    }
-}
-
-pub(super) fn extract_special_meshes(
-    mut special: ResMut<SpecialMeshes>,
-    without_shadows: Extract<Query<Entity, (With<Mesh3d>, With<NotShadowReceiver>)>>,
-    lightmapped: Extract<Query<(Entity, &Lightmap), With<Mesh3d>>>,
-) {
-    special.without_shadows.clear();
-    special
-        .without_shadows
-        .extend(without_shadows.iter().map(MainEntity::from));
-    special.lightmapped.clear();
-    let lightmapped = lightmapped.iter();
-    special.lightmapped.extend(
-        lightmapped.map(|(mesh, lightmap)| (MainEntity::from(mesh), lightmap.bicubic_sampling)),
-    );
-}
-
-/// In the main world: has meshes queued anew whose components changed what they need.
-pub(super) fn requeue_changed_special_meshes(
-    changed: Query<
-        Entity,
-        (
-            With<Mesh3d>,
-            Or<(
-                Added<NotShadowReceiver>,
-                Added<Lightmap>,
-                Changed<RenderLayers>,
-            )>,
-        ),
-    >,
-    mut receivers: RemovedComponents<NotShadowReceiver>,
-    mut lightmaps: RemovedComponents<Lightmap>,
-    mut layers: RemovedComponents<RenderLayers>,
-    mut meshes: Query<&mut Mesh3d>,
-) {
-    for entity in changed
-        .iter()
-        .chain(receivers.read())
-        .chain(lightmaps.read())
-        .chain(layers.read())
-    {
-        if let Ok(mut mesh) = meshes.get_mut(entity) {
-            mesh.set_changed();
-        }
     }
 }

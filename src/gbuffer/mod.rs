@@ -3,14 +3,17 @@
 //! - `layout.{rs,wgsl}`, `layout/`: the bit tables; pack and unpack, twice.
 //! - `targets.rs`: the optional targets.
 //! - `material.rs`: which materials and meshes it carries, and what they need.
+//! - `special.rs`, `moving.rs`: which meshes need more than their material says.
 //! - `demand.rs`: what all visible meshes of a view need together.
 //! - `lookup.rs`: what a mesh needs.
-//! - `phase.rs`, `pipeline.rs`, `queue.rs`: the render phases, their pipelines, and how meshes get there.
+//! - `phase.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
+//! - `queue.rs`, `bevy_phases.rs`: how meshes get there, out of Bevy's phases and back.
 //! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them.
 //! - `usage.rs`: what a camera has of them, for users.
-//! - `moving.rs`, `resolve_motion.{rs,wgsl}`: which meshes move, and their motion vectors into Bevy's texture.
+//! - `resolve_motion.{rs,wgsl}`: motion vectors into Bevy's texture.
 //! - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
 
+mod bevy_phases;
 mod demand;
 pub mod layout;
 mod lookup;
@@ -21,6 +24,8 @@ mod phase;
 mod pipeline;
 mod queue;
 mod resolve_motion;
+mod special;
+mod specialize;
 mod targets;
 mod textures;
 mod usage;
@@ -39,7 +44,7 @@ pub use usage::GBufferUsage;
 use bevy::{
     asset::embedded_asset,
     core_pipeline::{
-        core_3d::prepare_core_3d_depth_textures,
+        core_3d::{extract_camera_prepass_phase, prepare_core_3d_depth_textures},
         mip_generation::experimental::depth::early_downsample_depth,
         prepass::node::{early_prepass, late_prepass},
         schedule::{Core3d, Core3dSystems},
@@ -92,8 +97,7 @@ impl Plugin for GBufferPlugin {
         ))
         .register_type::<GBufferTargets>()
         .register_type::<GBufferUsage>()
-        .add_observer(usage::remove_usage)
-        .add_systems(Update, material::requeue_changed_special_meshes);
+        .add_observer(usage::remove_usage);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -103,7 +107,8 @@ impl Plugin for GBufferPlugin {
             .init_resource::<DrawFunctions<AlphaMaskGBuffer>>()
             .init_resource::<DrawFunctions<ExtendedOpaqueGBuffer>>()
             .init_resource::<DrawFunctions<ExtendedAlphaMaskGBuffer>>()
-            .init_resource::<material::SpecialMeshes>()
+            .init_resource::<special::SpecialMeshes>()
+            .init_resource::<special::ChangedMeshes>()
             .init_resource::<moving::MovingMeshes>()
             .init_resource::<ViewDemands>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
@@ -118,8 +123,15 @@ impl Plugin for GBufferPlugin {
                 (
                     usage::report_usage,
                     phase::extract_gbuffer_phases,
-                    material::extract_special_meshes,
-                    moving::extract_moving_meshes.after(DirtySpecializationSystems::Clear),
+                    bevy_phases::extract_deferred_phases.after(extract_camera_prepass_phase),
+                    (
+                        special::clear_changed_meshes,
+                        special::extract_special_meshes,
+                        moving::extract_moving_meshes,
+                    )
+                        .chain(),
+                    special::extract_lightmapped_meshes
+                        .in_set(DirtySpecializationSystems::CheckForChanges),
                 ),
             )
             .add_systems(

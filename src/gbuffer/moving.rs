@@ -7,11 +7,11 @@ use bevy::{
     prelude::*,
     render::{
         Extract,
-        camera::DirtySpecializations,
         sync_world::{MainEntity, MainEntityHashMap},
     },
 };
 
+use super::special::ChangedMeshes;
 use crate::LeanDeferred;
 
 /// Frames that a mesh goes on writing its motion after it stopped: one that stops and goes, as by the steps of a
@@ -29,11 +29,11 @@ impl MovingMeshes {
     }
 }
 
-/// Has meshes queued anew, by Bevy too, in the frame in which they start to move and when they have stopped. Static
-/// meshes cost the look at a change tick.
+/// Has meshes sorted anew in the frame in which they start to move and when they have stopped. Static meshes cost the look
+/// at a change tick.
 pub(super) fn extract_moving_meshes(
     mut moving: ResMut<MovingMeshes>,
-    mut dirty: ResMut<DirtySpecializations>,
+    mut changed_meshes: ResMut<ChangedMeshes>,
     cameras: Extract<
         Query<
             &Camera,
@@ -57,13 +57,15 @@ pub(super) fn extract_moving_meshes(
     >,
 ) {
     if !cameras.iter().any(|camera| camera.is_active) {
-        moving.0.clear();
+        for (mesh, _) in moving.0.drain() {
+            changed_meshes.insert(mesh);
+        }
         return;
     }
     moving.0.retain(|mesh, frames| {
         *frames -= 1;
         if *frames == 0 {
-            dirty.changed_renderables.insert(*mesh);
+            changed_meshes.insert(*mesh);
         }
         *frames > 0
     });
@@ -71,7 +73,7 @@ pub(super) fn extract_moving_meshes(
         if visibility.get() && transform.affine() != previous.0 {
             let mesh = MainEntity::from(mesh);
             if moving.0.insert(mesh, LINGERING_FRAMES).is_none() {
-                dirty.changed_renderables.insert(mesh);
+                changed_meshes.insert(mesh);
             }
         }
     }

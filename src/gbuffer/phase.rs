@@ -13,9 +13,9 @@ use bevy::{
         batching::gpu_preprocessing::{GpuPreprocessingMode, GpuPreprocessingSupport},
         mesh::allocator::MeshSlabs,
         render_phase::{
-            BinnedPhaseItem, BinnedRenderPhaseType, CachedRenderPipelinePhaseItem, DrawFunctionId,
-            InputUniformIndex, PhaseItem, PhaseItemBatchSetKey, PhaseItemExtraIndex,
-            ViewBinnedRenderPhases,
+            BinnedPhaseItem, BinnedRenderPhase, BinnedRenderPhaseType,
+            CachedRenderPipelinePhaseItem, DrawFunctionId, InputUniformIndex, PhaseItem,
+            PhaseItemBatchSetKey, PhaseItemExtraIndex, ViewBinnedRenderPhases,
         },
         render_resource::CachedRenderPipelineId,
         sync_world::MainEntity,
@@ -23,7 +23,7 @@ use bevy::{
     },
 };
 
-use super::targets::GBufferTargets;
+use super::{bevy_phases::preprocessing_mode, targets::GBufferTargets};
 use crate::LeanDeferred;
 
 /// What meshes must have in common to be drawn by one multi-draw. Bevy draws them in the order of these keys: what
@@ -174,40 +174,41 @@ impl GBufferPhases<'_> {
             .retain(|view, _| live.contains(view));
     }
 
-    /// Whether `view` has phases in this frame.
-    pub(super) fn has_view(&self, view: &RetainedViewEntity) -> bool {
-        self.opaque.contains_key(view)
+    /// The phases of `view`, if it has any in this frame.
+    pub(super) fn of(&mut self, view: &RetainedViewEntity) -> Option<GBufferViewPhases<'_>> {
+        Some(GBufferViewPhases {
+            opaque: self.opaque.get_mut(view)?,
+            alpha_mask: self.alpha_mask.get_mut(view)?,
+            extended_opaque: self.extended_opaque.get_mut(view)?,
+            extended_alpha_mask: self.extended_alpha_mask.get_mut(view)?,
+        })
+    }
+}
+
+/// The phases of one view.
+pub(super) struct GBufferViewPhases<'a> {
+    opaque: &'a mut BinnedRenderPhase<OpaqueGBuffer>,
+    alpha_mask: &'a mut BinnedRenderPhase<AlphaMaskGBuffer>,
+    extended_opaque: &'a mut BinnedRenderPhase<ExtendedOpaqueGBuffer>,
+    extended_alpha_mask: &'a mut BinnedRenderPhase<ExtendedAlphaMaskGBuffer>,
+}
+
+impl GBufferViewPhases<'_> {
+    /// Takes `mesh` out of whichever phase it is in.
+    pub(super) fn remove(&mut self, mesh: MainEntity) {
+        self.opaque.remove(mesh);
+        self.alpha_mask.remove(mesh);
+        self.extended_opaque.remove(mesh);
+        self.extended_alpha_mask.remove(mesh);
     }
 
-    /// Takes all meshes out of the phases of `view`.
-    pub(super) fn remove_view(&mut self, view: &RetainedViewEntity) {
-        self.opaque.remove(view);
-        self.alpha_mask.remove(view);
-        self.extended_opaque.remove(view);
-        self.extended_alpha_mask.remove(view);
-    }
-
-    /// Takes `mesh` out of whichever phase of `view` it is in.
-    pub(super) fn remove(&mut self, view: &RetainedViewEntity, mesh: MainEntity) {
-        remove(&mut self.opaque, view, mesh);
-        remove(&mut self.alpha_mask, view, mesh);
-        remove(&mut self.extended_opaque, view, mesh);
-        remove(&mut self.extended_alpha_mask, view, mesh);
-    }
-
-    /// Puts a mesh into one of the phases of `view`.
-    pub(super) fn add(
-        &mut self,
-        view: &RetainedViewEntity,
-        alpha_masked: bool,
-        extended: bool,
-        item: QueuedMesh,
-    ) {
+    /// Puts a mesh that is in none of the phases into one of them.
+    pub(super) fn add(&mut self, alpha_masked: bool, extended: bool, item: QueuedMesh) {
         match (extended, alpha_masked) {
-            (false, false) => item.add_to(&mut self.opaque, view),
-            (false, true) => item.add_to(&mut self.alpha_mask, view),
-            (true, false) => item.add_to(&mut self.extended_opaque, view),
-            (true, true) => item.add_to(&mut self.extended_alpha_mask, view),
+            (false, false) => item.add_to(self.opaque),
+            (false, true) => item.add_to(self.alpha_mask),
+            (true, false) => item.add_to(self.extended_opaque),
+            (true, true) => item.add_to(self.extended_alpha_mask),
         }
     }
 }
@@ -228,13 +229,10 @@ pub(super) struct QueuedMesh {
 }
 
 impl QueuedMesh {
-    fn add_to<P>(self, phases: &mut ViewBinnedRenderPhases<P>, view: &RetainedViewEntity)
+    fn add_to<P>(self, phase: &mut BinnedRenderPhase<P>)
     where
         P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey, BinKey = Opaque3dBinKey>,
     {
-        let Some(phase) = phases.get_mut(view) else {
-            return;
-        };
         let key = GBufferBatchSetKey {
             targets: self.targets,
             mesh: Opaque3dBatchSetKey {
@@ -252,16 +250,6 @@ impl QueuedMesh {
     }
 }
 
-fn remove<P: BinnedPhaseItem>(
-    phases: &mut ViewBinnedRenderPhases<P>,
-    view: &RetainedViewEntity,
-    mesh: MainEntity,
-) {
-    if let Some(phase) = phases.get_mut(view) {
-        phase.remove(mesh);
-    }
-}
-
 /// Keeps a phase of each kind for every active camera with [`LeanDeferred`], and none for others.
 pub(super) fn extract_gbuffer_phases(
     mut phases: GBufferPhases,
@@ -276,11 +264,7 @@ pub(super) fn extract_gbuffer_phases(
         if !camera.is_active {
             continue;
         }
-        let mode = gpu_preprocessing_support.min(if no_indirect_drawing {
-            GpuPreprocessingMode::PreprocessingOnly
-        } else {
-            GpuPreprocessingMode::Culling
-        });
+        let mode = preprocessing_mode(&gpu_preprocessing_support, no_indirect_drawing);
         // A camera's own view is its subview 0.
         let view = RetainedViewEntity::new(camera_entity.into(), None, 0);
         phases.prepare_for_new_frame(view, mode);

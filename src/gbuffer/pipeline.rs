@@ -18,7 +18,7 @@ use super::{material::material_texture_defs, targets::GBufferTargets};
 /// Bevy's deferred prepass pipeline with the fragment shader and the targets swapped: vertex shader, bind groups,
 /// culling and depth stay Bevy's, so that positions agree bit for bit with its other passes.
 pub(super) struct GBufferPipelineSpecializer {
-    pub(super) pipeline: PrepassPipeline,
+    pub(super) pipeline: Arc<PrepassPipeline>,
     pub(super) properties: Arc<MaterialProperties>,
     pub(super) fragment_shader: Handle<Shader>,
 }
@@ -56,7 +56,7 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         layout: &MeshVertexBufferLayoutRef,
     ) -> Result<RenderPipelineDescriptor, SpecializedMeshPipelineError> {
         let prepass = PrepassPipelineSpecializer {
-            pipeline: self.pipeline.clone(),
+            pipeline: PrepassPipeline::clone(&self.pipeline),
             properties: self.properties.clone(),
         };
         let mut descriptor = prepass.specialize(key, layout)?;

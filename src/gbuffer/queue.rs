@@ -1,44 +1,39 @@
 //! Sorts the meshes of a lean view: into the G-buffer, out of Bevy's forward phases, or left to those.
+//!
+//! A mesh is looked at when Bevy queues it (it became visible or changed), when its components changed what it needs
+//! ([`ChangedMeshes`]), when it was not ready before, and when its view changed in a way that concerns it. In all other
+//! frames it stays where it is.
 
 use bevy::{
-    core_pipeline::{
-        core_3d::{AlphaMask3d, Opaque3d, Opaque3dBatchSetKey, Opaque3dBinKey},
-        prepass::{AlphaMask3dPrepass, Opaque3dPrepass},
-    },
     ecs::system::SystemParam,
-    material::{
-        OpaqueRendererMethod, RenderPhaseType,
-        key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey},
-    },
+    material::RenderPhaseType,
     mesh::Mesh3d,
-    pbr::{
-        DrawPrepass, MainPassOpaqueDrawFunction, MeshPipelineKey, PrepassPipeline,
-        RenderMeshInstanceFlags, SpecializedMaterialPipelineCache, ViewKeyCache,
-        alpha_mode_pipeline_key,
-    },
-    platform::collections::HashSet,
+    pbr::{DrawPrepass, MeshPipelineKey, ViewKeyCache},
+    platform::collections::{HashMap, HashSet},
     prelude::*,
     render::{
         batching::gpu_preprocessing::GpuPreprocessingSupport,
         camera::{DirtySpecializations, PendingQueues},
-        render_phase::{
-            BinnedRenderPhaseType, DrawFunctionId, DrawFunctions, ViewBinnedRenderPhases,
-        },
-        render_resource::{CachedRenderPipelineId, PipelineCache, SpecializedMeshPipelines},
+        render_phase::{BinnedRenderPhaseType, DrawFunctionId, DrawFunctions},
         sync_world::MainEntity,
-        view::{ExtractedView, RenderVisibleEntities, RetainedViewEntity},
+        view::{
+            ExtractedView, RenderVisibleEntities, RenderVisibleEntitiesClass, RetainedViewEntity,
+        },
     },
 };
 
 use super::{
-    demand::ViewDemands,
+    bevy_phases::{BevyPhases, BevyViewPhases},
+    demand::{Demand, ViewDemand, ViewDemands},
     layout::DEFAULT_VISIBILITY_MASK,
     lookup::{MeshLookup, MeshToQueue},
     phase::{
         AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferPhases,
-        OpaqueGBuffer, QueuedMesh,
+        GBufferViewPhases, OpaqueGBuffer, QueuedMesh,
     },
-    pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
+    pipeline::MeshOutput,
+    special::ChangedMeshes,
+    specialize::{GBufferPipeline, GBufferPipelines},
     targets::GBufferTargets,
 };
 use crate::{LeanDeferred, camera::ActiveLeanView};
@@ -46,150 +41,6 @@ use crate::{LeanDeferred, camera::ActiveLeanView};
 /// Meshes whose assets or pipelines were not ready; tried again each frame, drawn by forward until then.
 #[derive(Resource, Default)]
 pub(super) struct PendingGBufferQueues(PendingQueues);
-
-/// The pipelines of the G-buffer and what makes them.
-#[derive(SystemParam)]
-pub(super) struct GBufferPipelines<'w> {
-    cache: Res<'w, PipelineCache>,
-    prepass_pipeline: Res<'w, PrepassPipeline>,
-    specialized: ResMut<'w, SpecializedMeshPipelines<GBufferPipelineSpecializer>>,
-}
-
-impl GBufferPipelines<'_> {
-    fn specialize(
-        &mut self,
-        lookup: &MeshLookup,
-        entity: MainEntity,
-        mesh: &MeshToQueue,
-        view_key: MeshPipelineKey,
-        fragment_shader: &Handle<Shader>,
-        output: MeshOutput,
-    ) -> Option<CachedRenderPipelineId> {
-        let properties = &mesh.material.properties;
-        let mut mesh_key = (view_key & VIEW_KEY_BITS)
-            | MeshPipelineKey::from_msaa_samples(1)
-            | MeshPipelineKey::DEFERRED_PREPASS
-            | MeshPipelineKey::from_bits_retain(mesh.mesh.key_bits.bits())
-            | alpha_mode_pipeline_key(properties.alpha_mode, &Msaa::Off);
-        if lookup
-            .visibility_ranges
-            .entity_has_crossfading_visibility_ranges(entity)
-        {
-            mesh_key |= MeshPipelineKey::VISIBILITY_RANGE_DITHER;
-        }
-        if let Some(lightmap) = lookup.special_meshes.lightmap_key(entity) {
-            mesh_key |= lightmap;
-        }
-        if output.writes_motion {
-            let flags = mesh.instance.flags();
-            mesh_key.set(
-                MeshPipelineKey::HAS_PREVIOUS_SKIN,
-                flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_SKIN),
-            );
-            mesh_key.set(
-                MeshPipelineKey::HAS_PREVIOUS_MORPH,
-                flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH),
-            );
-        }
-        let key = ErasedMaterialPipelineKey {
-            type_id: mesh.material_id.type_id(),
-            mesh_key: ErasedMeshPipelineKey::new(mesh_key),
-            material_key: properties.material_key.clone(),
-        };
-        let specializer = GBufferPipelineSpecializer {
-            pipeline: self.prepass_pipeline.clone(),
-            properties: properties.clone(),
-            fragment_shader: fragment_shader.clone(),
-        };
-        self.specialized
-            .specialize(
-                &self.cache,
-                &specializer,
-                (key, fragment_shader.id(), output),
-                &mesh.mesh.layout,
-            )
-            .inspect_err(|error| error!("G-buffer pipeline: {error}"))
-            .ok()
-    }
-
-    fn is_ready(&self, pipeline: CachedRenderPipelineId) -> bool {
-        self.cache.get_render_pipeline(pipeline).is_some()
-    }
-}
-
-/// Bevy's phases that meshes of the G-buffer are taken out of.
-#[derive(SystemParam)]
-pub(super) struct BevyPhases<'w> {
-    opaque: ResMut<'w, ViewBinnedRenderPhases<Opaque3d>>,
-    alpha_mask: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
-    opaque_prepass: ResMut<'w, ViewBinnedRenderPhases<Opaque3dPrepass>>,
-    alpha_mask_prepass: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3dPrepass>>,
-    pipelines: Res<'w, SpecializedMaterialPipelineCache>,
-}
-
-impl BevyPhases<'_> {
-    fn remove(&mut self, view: &ExtractedView, entity: MainEntity, keeps_prepass: bool) {
-        let view = &view.retained_view_entity;
-        if let Some(phase) = self.opaque.get_mut(view) {
-            phase.remove(entity);
-        }
-        if let Some(phase) = self.alpha_mask.get_mut(view) {
-            phase.remove(entity);
-        }
-        if keeps_prepass {
-            return;
-        }
-        if let Some(phase) = self.opaque_prepass.get_mut(view) {
-            phase.remove(entity);
-        }
-        if let Some(phase) = self.alpha_mask_prepass.get_mut(view) {
-            phase.remove(entity);
-        }
-    }
-
-    /// Bevy leaves opaque meshes whose method is `Deferred` to its own deferred pass, which a lean view does not have.
-    /// Those that the G-buffer does not carry either are put into the forward phase here.
-    fn add_deferred_as_forward(
-        &mut self,
-        view: &ExtractedView,
-        entity: MainEntity,
-        mesh: &MeshToQueue,
-        phase_type: BinnedRenderPhaseType,
-    ) {
-        let properties = &mesh.material.properties;
-        if !matches!(properties.render_phase_type, RenderPhaseType::Opaque)
-            || properties.render_method != OpaqueRendererMethod::Deferred
-        {
-            return;
-        }
-        let view = &view.retained_view_entity;
-        let (Some(phase), Some(pipeline), Some(draw_function)) = (
-            self.opaque.get_mut(view),
-            self.pipelines
-                .get(view)
-                .and_then(|pipelines| pipelines.get(&entity)),
-            properties.get_draw_function(MainPassOpaqueDrawFunction),
-        ) else {
-            return;
-        };
-        phase.remove(entity);
-        phase.add(
-            Opaque3dBatchSetKey {
-                pipeline: *pipeline,
-                draw_function,
-                material_bind_group_index: Some(mesh.material.binding.group.0),
-                slabs: mesh.slabs,
-                lightmap_slab: mesh.instance.lightmap_slab_index().map(|index| *index),
-            },
-            Opaque3dBinKey {
-                asset_id: mesh.instance.mesh_asset_id().into(),
-            },
-            (Entity::PLACEHOLDER, entity),
-            mesh.instance.current_uniform_index,
-            phase_type,
-        );
-    }
-}
 
 /// How the meshes of each phase are drawn.
 #[derive(SystemParam)]
@@ -211,8 +62,16 @@ impl GBufferDrawFunctions<'_> {
     }
 }
 
-/// After Bevy's own queue systems: moves the meshes that the G-buffer carries into its phases. Looks only at meshes
-/// that became visible, changed, or were not ready before.
+/// Who had a mesh up to now.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Holder {
+    /// Bevy, which has queued it anew in this frame or is waiting for it.
+    Bevy,
+    /// Bevy or the G-buffer.
+    Either,
+}
+
+/// After Bevy's own queue systems: moves the meshes that the G-buffer carries into its phases.
 ///
 /// A mesh that needs more than its view has is left to forward, and its need recorded: the view has it from a later
 /// frame on, once lighting is compiled for it.
@@ -223,9 +82,10 @@ pub(super) fn queue_gbuffer_meshes(
     mut phases: GBufferPhases,
     (mut pending_queues, mut demands): (ResMut<PendingGBufferQueues>, ResMut<ViewDemands>),
     draw_functions: GBufferDrawFunctions,
-    (view_keys, dirty, gpu_preprocessing): (
+    (view_keys, dirty, changed, gpu_preprocessing): (
         Res<ViewKeyCache>,
         Res<DirtySpecializations>,
+        Res<ChangedMeshes>,
         Res<GpuPreprocessingSupport>,
     ),
     views: Query<
@@ -237,110 +97,295 @@ pub(super) fn queue_gbuffer_meshes(
         With<LeanDeferred>,
     >,
     mut live_views: Local<HashSet<RetainedViewEntity>>,
+    mut sorted: Local<HashMap<RetainedViewEntity, SortedView>>,
+    mut concerned: Local<Vec<MainEntity>>,
 ) {
     live_views.clear();
+    pipelines.start_frame();
 
     for (view, visible_entities, active) in &views {
         let retained = view.retained_view_entity;
-        let Some(active) = active else {
-            // Bevy has queued everything itself.
-            phases.remove_view(&retained);
-            continue;
-        };
-        live_views.insert(retained);
-        let (true, Some(view_key), Some(visible)) = (
-            phases.has_view(&retained),
+        let (Some(phases), Some(view_key), Some(visible)) = (
+            phases.of(&retained),
             view_keys.get(&retained),
             visible_entities.get::<Mesh3d>(),
         ) else {
             continue;
         };
+        live_views.insert(retained);
         let pending = pending_queues.0.prepare_for_new_frame(retained);
-        let view_demand = demands.of(retained);
-
+        let waiting = core::mem::take(&mut pending.prev_frame);
+        let sorted = sorted.entry(retained).or_default();
+        let former = core::mem::replace(&mut sorted.active, active.copied());
+        concerned.clear();
+        concerned.extend(changed.iter().chain(sorted.look_again.drain(..)));
+        let mut sorter = Sorter {
+            lookup: &lookup,
+            pipelines: &mut pipelines,
+            draw_functions: &draw_functions,
+            gpu_preprocessing: &gpu_preprocessing,
+            bevy: bevy_phases.of(&retained),
+            phases,
+            pending: &mut pending.current_frame,
+            look_again: &mut sorted.look_again,
+            demand: demands.of(retained),
+            view_key: *view_key,
+            active,
+        };
         for &entity in dirty.iter_to_dequeue(retained, visible) {
-            phases.remove(&retained, entity);
-            view_demand.remove(entity);
+            sorter.phases.remove(entity);
+            sorter.demand.remove(entity);
         }
 
-        for (render_entity, &entity) in dirty.iter_to_queue(retained, visible, &pending.prev_frame)
-        {
-            let mesh = match lookup.find(entity) {
-                Ok(mesh) => mesh,
-                Err(may_come) => {
-                    if may_come {
-                        pending.current_frame.insert((*render_entity, entity));
-                    }
-                    continue;
-                }
-            };
-            let phase_type =
-                BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), &gpu_preprocessing);
-            let Some((demand, shader)) = lookup.gbuffer_needs(entity, &mesh, active, *view_key)
-            else {
-                bevy_phases.add_deferred_as_forward(view, entity, &mesh, phase_type);
-                continue;
-            };
-            view_demand.insert(entity, demand);
-            let extended = !demand.targets.is_empty() || active.extends_all();
-            let alpha_masked = matches!(
-                mesh.material.properties.render_phase_type,
-                RenderPhaseType::AlphaMask
-            );
-            // Bevy draws what it can batch first, in the order of the keys; what comes then may lie before anything.
-            let is_in_order = !alpha_masked
-                && !matches!(phase_type, BinnedRenderPhaseType::UnbatchableMesh)
-                && !active.extends_all();
-            let (pass, targets) = match (extended, is_in_order) {
-                (false, _) => default(),
-                (true, true) => (active.targets, active.targets.up_to(demand.targets)),
-                (true, false) => (active.targets, active.targets),
-            };
-            let output = MeshOutput {
-                pass,
-                targets,
-                writes_motion: demand.targets.contains(GBufferTargets::MOTION),
-                visibility_mask: if targets.contains(GBufferTargets::VISIBILITY_MASK) {
-                    mesh.visibility_mask()
-                } else {
-                    DEFAULT_VISIBILITY_MASK
-                },
-            };
-            let pipeline = if active.demand().contains(demand) {
-                pipelines.specialize(&lookup, entity, &mesh, *view_key, shader, output)
-            } else {
-                None
-            };
-            let Some(pipeline) = pipeline.filter(|pipeline| pipelines.is_ready(*pipeline)) else {
-                bevy_phases.add_deferred_as_forward(view, entity, &mesh, phase_type);
-                pending.current_frame.insert((*render_entity, entity));
-                continue;
-            };
-
-            if output.writes_motion && lookup.awaits_previous_morph(entity, &mesh) {
-                pending.current_frame.insert((*render_entity, entity));
+        let change = ViewChange::between(former.as_ref(), active);
+        if change == ViewChange::All {
+            for pair in visible.iter_visible() {
+                sorter.sort(pair, Holder::Either);
             }
-            bevy_phases.remove(view, entity, active.keeps_prepass);
-            phases.remove(&retained, entity);
-            phases.add(
-                &retained,
-                alpha_masked,
-                extended,
-                QueuedMesh {
-                    targets,
-                    pipeline,
-                    draw_function: draw_functions.get(extended, alpha_masked),
-                    material_bind_group_index: Some(mesh.material.binding.group.0),
-                    slabs: mesh.slabs,
-                    lightmap_slab: mesh.instance.lightmap_slab_index(),
-                    mesh: mesh.instance.mesh_asset_id(),
-                    entities: (*render_entity, entity),
-                    uniform_index: mesh.instance.current_uniform_index,
-                    phase_type,
-                },
-            );
+            continue;
+        }
+        for pair in dirty.iter_to_queue(retained, visible, &HashSet::default()) {
+            sorter.sort(pair, Holder::Bevy);
+        }
+        for (render_entity, entity) in &waiting {
+            if visible.entity_pair_is_visible(*render_entity, *entity) {
+                sorter.phases.remove(*entity);
+                sorter.sort((render_entity, entity), Holder::Bevy);
+            }
+        }
+        if let (ViewChange::Demand, Some(former), Some(active)) = (change, &former, active) {
+            let demands = sorter.demand.each();
+            concerned.extend(demands.filter_map(|(mesh, demand)| {
+                (Placement::of(demand, former) != Placement::of(demand, active)).then_some(mesh)
+            }));
+        }
+        for &mesh in &concerned {
+            if let Some(pair) = visible_pair(visible, mesh) {
+                sorter.sort((&pair.0, &pair.1), Holder::Either);
+            }
         }
     }
     pending_queues.0.expire_stale_views(&live_views);
+    sorted.retain(|view, _| live_views.contains(view));
     demands.retain(|view| live_views.contains(view));
+}
+
+/// How the meshes of a view are sorted.
+#[derive(Default)]
+pub(super) struct SortedView {
+    /// What the view was then.
+    active: Option<ActiveLeanView>,
+    /// Meshes that need another pipeline in the next frame.
+    look_again: Vec<MainEntity>,
+}
+
+/// Which meshes a change of their view concerns.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum ViewChange {
+    None,
+    /// Those that need more than the base targets and plain lighting, where their [`Placement`] is another.
+    Demand,
+    All,
+}
+
+impl ViewChange {
+    fn between(former: Option<&ActiveLeanView>, now: Option<&ActiveLeanView>) -> Self {
+        match (former, now) {
+            (None, None) => Self::None,
+            (Some(former), Some(now)) => {
+                let same_passes = former.draws_in_prepass == now.draws_in_prepass
+                    && former.keeps_prepass == now.keeps_prepass
+                    && former.extends_all() == now.extends_all()
+                    // Where all meshes write all targets, more of them concern all.
+                    && (!now.extends_all() || former.targets == now.targets);
+                if former == now {
+                    Self::None
+                } else if same_passes {
+                    Self::Demand
+                } else {
+                    Self::All
+                }
+            }
+            _ => Self::All,
+        }
+    }
+}
+
+/// Where a mesh with some demand goes on a view.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Placement {
+    /// As far as the view has a use for it.
+    demand: Demand,
+    /// The view has all of it.
+    is_met: bool,
+    /// The optional targets of the pass that it is drawn in.
+    pass: GBufferTargets,
+}
+
+impl Placement {
+    fn of(demand: Demand, view: &ActiveLeanView) -> Self {
+        let demand = demand.on(view);
+        let is_extended = !demand.targets.is_empty() || view.extends_all();
+        Self {
+            demand,
+            is_met: view.demand().contains(demand),
+            pass: if is_extended {
+                view.targets
+            } else {
+                GBufferTargets::empty()
+            },
+        }
+    }
+
+    fn is_extended(self) -> bool {
+        !self.pass.is_empty()
+    }
+}
+
+/// The entities of a visible mesh; as Bevy's `DirtySpecializations` finds them.
+fn visible_pair(
+    visible: &RenderVisibleEntitiesClass,
+    mesh: MainEntity,
+) -> Option<(Entity, MainEntity)> {
+    let culled_on_cpu = &visible.entities_cpu_culling;
+    match culled_on_cpu.binary_search_by_key(&mesh, |(_, main_entity)| *main_entity) {
+        Ok(index) => Some(culled_on_cpu[index]),
+        Err(_) => {
+            let entity = visible.entities_gpu_culling.get(&mesh)?;
+            Some((*entity, mesh))
+        }
+    }
+}
+
+/// Sorts the meshes of one view.
+struct Sorter<'a, 'w, 's> {
+    lookup: &'a MeshLookup<'a>,
+    pipelines: &'a mut GBufferPipelines<'w, 's>,
+    draw_functions: &'a GBufferDrawFunctions<'a>,
+    gpu_preprocessing: &'a GpuPreprocessingSupport,
+    bevy: BevyViewPhases<'a>,
+    phases: GBufferViewPhases<'a>,
+    pending: &'a mut HashSet<(Entity, MainEntity)>,
+    look_again: &'a mut Vec<MainEntity>,
+    demand: &'a mut ViewDemand,
+    view_key: MeshPipelineKey,
+    active: Option<&'a ActiveLeanView>,
+}
+
+impl Sorter<'_, '_, '_> {
+    fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), holder: Holder) {
+        if holder == Holder::Either {
+            self.phases.remove(entity);
+        }
+        let lookup = self.lookup;
+        let mesh = match lookup.find(entity) {
+            Ok(mesh) => mesh,
+            Err(may_come) => {
+                self.bevy.forget_deferred(entity);
+                if may_come {
+                    self.pending.insert((render_entity, entity));
+                }
+                return;
+            }
+        };
+        let phase_type =
+            BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), self.gpu_preprocessing);
+        let needs = lookup.gbuffer_needs(entity, &mesh, self.view_key);
+        match &needs {
+            Some((demand, _)) => self.demand.insert(entity, *demand),
+            None => self.demand.remove(entity),
+        }
+        let (Some((demand, shader)), Some(active)) = (needs, self.active) else {
+            self.leave_to_forward(entity, &mesh, phase_type, holder);
+            return;
+        };
+
+        let placement = Placement::of(demand, active);
+        let alpha_masked = matches!(
+            mesh.material.properties.render_phase_type,
+            RenderPhaseType::AlphaMask
+        );
+        let output = self.output(entity, placement, alpha_masked, phase_type, active);
+        let pipeline = if placement.is_met {
+            self.pipelines
+                .get(lookup, entity, &mesh, self.view_key, shader, output)
+        } else {
+            GBufferPipeline::Pending
+        };
+        let GBufferPipeline::Ready(pipeline) = pipeline else {
+            self.leave_to_forward(entity, &mesh, phase_type, holder);
+            // What the view does not have yet is there when the view changes.
+            if pipeline == GBufferPipeline::Pending && placement.is_met {
+                self.pending.insert((render_entity, entity));
+            }
+            return;
+        };
+
+        if output.writes_motion && lookup.awaits_previous_morph(entity, &mesh) {
+            self.look_again.push(entity);
+        }
+        self.bevy
+            .take_out(entity, &mesh, phase_type, active.keeps_prepass);
+        self.phases.add(
+            alpha_masked,
+            placement.is_extended(),
+            QueuedMesh {
+                targets: output.targets,
+                pipeline,
+                draw_function: self
+                    .draw_functions
+                    .get(placement.is_extended(), alpha_masked),
+                material_bind_group_index: Some(mesh.material.binding.group.0),
+                slabs: mesh.slabs,
+                lightmap_slab: mesh.instance.lightmap_slab_index(),
+                mesh: mesh.instance.mesh_asset_id(),
+                entities: (render_entity, entity),
+                uniform_index: mesh.instance.current_uniform_index,
+                phase_type,
+            },
+        );
+    }
+
+    fn leave_to_forward(
+        &mut self,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        phase_type: BinnedRenderPhaseType,
+        holder: Holder,
+    ) {
+        match holder {
+            Holder::Bevy => self.bevy.leave_in(entity, mesh, phase_type),
+            Holder::Either => self.bevy.put_back(entity, mesh, phase_type),
+        }
+    }
+
+    /// What a mesh writes.
+    fn output(
+        &self,
+        entity: MainEntity,
+        placement: Placement,
+        alpha_masked: bool,
+        phase_type: BinnedRenderPhaseType,
+        active: &ActiveLeanView,
+    ) -> MeshOutput {
+        // Bevy draws what it can batch first, in the order of the keys; what comes then may lie before anything.
+        let is_in_order = !alpha_masked
+            && !matches!(phase_type, BinnedRenderPhaseType::UnbatchableMesh)
+            && !active.extends_all();
+        let targets = if is_in_order {
+            placement.pass.up_to(placement.demand.targets)
+        } else {
+            placement.pass
+        };
+        MeshOutput {
+            pass: placement.pass,
+            targets,
+            writes_motion: placement.demand.targets.contains(GBufferTargets::MOTION),
+            visibility_mask: if targets.contains(GBufferTargets::VISIBILITY_MASK) {
+                self.lookup.special_meshes.visibility_mask(entity)
+            } else {
+                DEFAULT_VISIBILITY_MASK
+            },
+        }
+    }
 }

@@ -1,0 +1,148 @@
+//! Meshes of which the G-buffer must know more than their material says: what their other components are.
+
+use bevy::{
+    camera::visibility::{RenderLayers, ViewVisibility},
+    light::NotShadowReceiver,
+    pbr::{Lightmap, MeshPipelineKey},
+    prelude::*,
+    render::{
+        Extract,
+        camera::DirtySpecializations,
+        sync_world::{MainEntity, MainEntityHashMap, MainEntityHashSet},
+    },
+};
+
+use super::{
+    layout::{DEFAULT_VISIBILITY_MASK, visibility_mask},
+    targets::GBufferTargets,
+};
+
+/// In the render world: meshes whose components changed what they need of the G-buffer, since the last frame. Lean views
+/// sort them anew; Bevy does not look at them again.
+#[derive(Resource, Default)]
+pub(crate) struct ChangedMeshes(MainEntityHashSet);
+
+impl ChangedMeshes {
+    pub(super) fn insert(&mut self, mesh: MainEntity) {
+        self.0.insert(mesh);
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = MainEntity> {
+        self.0.iter().copied()
+    }
+}
+
+pub(super) fn clear_changed_meshes(mut changed: ResMut<ChangedMeshes>) {
+    changed.0.clear();
+}
+
+/// In the render world: all such meshes.
+#[derive(Resource, Default)]
+pub(crate) struct SpecialMeshes {
+    without_shadows: MainEntityHashSet,
+    /// With whether the lightmap is sampled bicubically.
+    lightmapped: MainEntityHashMap<bool>,
+    /// Those on other layers than layer 0 alone.
+    visibility_masks: MainEntityHashMap<u32>,
+}
+
+impl SpecialMeshes {
+    /// The targets that `mesh` needs, whatever its material, on views that tell light by layers and on others.
+    pub(crate) fn targets(&self, mesh: MainEntity) -> GBufferTargets {
+        let mut targets = GBufferTargets::empty();
+        if self.without_shadows.contains(&mesh) {
+            targets |= GBufferTargets::SPECIALIZATION;
+        }
+        if self.lightmapped.contains_key(&mesh) {
+            targets |= GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
+        }
+        targets
+    }
+
+    /// What the lightmap of `mesh`, if it has one, adds to the key of its pipelines.
+    pub(crate) fn lightmap_key(&self, mesh: MainEntity) -> Option<MeshPipelineKey> {
+        let bicubic = *self.lightmapped.get(&mesh)?;
+        let mut key = MeshPipelineKey::LIGHTMAPPED;
+        key.set(MeshPipelineKey::LIGHTMAP_BICUBIC_SAMPLING, bicubic);
+        Some(key)
+    }
+
+    /// The layers that `mesh` is on.
+    pub(crate) fn visibility_mask(&self, mesh: MainEntity) -> u32 {
+        let mask = self.visibility_masks.get(&mesh);
+        mask.copied().unwrap_or(DEFAULT_VISIBILITY_MASK)
+    }
+}
+
+/// Follows the components in extraction, whenever the app changed them.
+pub(super) fn extract_special_meshes(
+    mut special: ResMut<SpecialMeshes>,
+    mut changed: ResMut<ChangedMeshes>,
+    receivers: Extract<Query<Entity, Added<NotShadowReceiver>>>,
+    mut removed_receivers: Extract<RemovedComponents<NotShadowReceiver>>,
+    layers: Extract<Query<(Entity, &RenderLayers), Changed<RenderLayers>>>,
+    mut removed_layers: Extract<RemovedComponents<RenderLayers>>,
+) {
+    for entity in removed_receivers.read() {
+        let mesh = MainEntity::from(entity);
+        if special.without_shadows.remove(&mesh) {
+            changed.insert(mesh);
+        }
+    }
+    // What was removed and inserted in one frame is there.
+    for entity in &receivers {
+        let mesh = MainEntity::from(entity);
+        if special.without_shadows.insert(mesh) {
+            changed.insert(mesh);
+        }
+    }
+
+    for entity in removed_layers.read() {
+        let mesh = MainEntity::from(entity);
+        if special.visibility_masks.remove(&mesh).is_some() {
+            changed.insert(mesh);
+        }
+    }
+    for (entity, layers) in &layers {
+        let mesh = MainEntity::from(entity);
+        let mask = visibility_mask(layers);
+        if special.visibility_mask(mesh) == mask {
+            continue;
+        }
+        if mask == DEFAULT_VISIBILITY_MASK {
+            special.visibility_masks.remove(&mesh);
+        } else {
+            special.visibility_masks.insert(mesh, mask);
+        }
+        changed.insert(mesh);
+    }
+}
+
+/// Keeps the same lightmapped meshes as Bevy's private `extract_lightmaps`, by its rules, because by that list Bevy picks
+/// the bind group of a mesh: a pipeline made for another one is an error. Bevy does not look at pipelines again when that
+/// changes, so it is asked to.
+pub(super) fn extract_lightmapped_meshes(
+    mut special: ResMut<SpecialMeshes>,
+    mut dirty: ResMut<DirtySpecializations>,
+    lightmaps: Extract<
+        Query<
+            (Entity, &ViewVisibility, &Lightmap),
+            Or<(Changed<ViewVisibility>, Changed<Lightmap>)>,
+        >,
+    >,
+    mut removed: Extract<RemovedComponents<Lightmap>>,
+) {
+    for (entity, visibility, lightmap) in &lightmaps {
+        let mesh = MainEntity::from(entity);
+        if visibility.get() && !special.lightmapped.contains_key(&mesh) {
+            special.lightmapped.insert(mesh, lightmap.bicubic_sampling);
+            dirty.changed_renderables.insert(mesh);
+        }
+    }
+    for entity in removed.read() {
+        let mesh = MainEntity::from(entity);
+        if !lightmaps.contains(entity) && special.lightmapped.remove(&mesh).is_some() {
+            dirty.changed_renderables.insert(mesh);
+        }
+    }
+}

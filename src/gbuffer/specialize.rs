@@ -1,0 +1,172 @@
+//! Finds the pipeline that draws a mesh into the G-buffer, or has it made.
+
+use alloc::sync::Arc;
+
+use bevy::{
+    ecs::system::SystemParam,
+    material::key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey},
+    mesh::MeshVertexBufferLayoutRef,
+    pbr::{MeshPipelineKey, PrepassPipeline, RenderMeshInstanceFlags, alpha_mode_pipeline_key},
+    platform::collections::{HashMap, HashSet},
+    prelude::*,
+    render::{
+        render_resource::{
+            CachedPipelineState, CachedRenderPipelineId, PipelineCache, SpecializedMeshPipelines,
+        },
+        sync_world::MainEntity,
+    },
+    shader::ShaderCacheError,
+};
+
+use super::{
+    lookup::{MeshLookup, MeshToQueue},
+    pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
+};
+
+/// The pipelines of the G-buffer and what makes them.
+#[derive(SystemParam)]
+pub(super) struct GBufferPipelines<'w, 's> {
+    cache: Res<'w, PipelineCache>,
+    prepass_pipeline: Res<'w, PrepassPipeline>,
+    specialized: ResMut<'w, SpecializedMeshPipelines<GBufferPipelineSpecializer>>,
+    /// Bevy's pipeline is a struct of many layouts: copied when it changes, not for each mesh.
+    shared_prepass_pipeline: Local<'s, Option<Arc<PrepassPipeline>>>,
+    /// What has been found in this frame: most meshes share their pipeline with many others.
+    found: Local<'s, HashMap<PipelineQuery, GBufferPipeline>>,
+    /// What has been reported, once each.
+    reported: Local<'s, HashSet<String>>,
+}
+
+/// All that the pipeline of a mesh follows from. A material is known by its address, which is good for one frame.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct PipelineQuery {
+    material: usize,
+    layout: MeshVertexBufferLayoutRef,
+    mesh_key: MeshPipelineKey,
+    fragment_shader: AssetId<Shader>,
+    output: MeshOutput,
+}
+
+/// Whether a mesh can be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum GBufferPipeline {
+    Ready(CachedRenderPipelineId),
+    /// It is being compiled.
+    Pending,
+    /// It never will be.
+    Failed,
+}
+
+impl GBufferPipelines<'_, '_> {
+    /// To be called once a frame, before all others.
+    pub(super) fn start_frame(&mut self) {
+        self.found.clear();
+        if self.prepass_pipeline.is_changed() || self.shared_prepass_pipeline.is_none() {
+            *self.shared_prepass_pipeline = Some(Arc::new(self.prepass_pipeline.clone()));
+        }
+    }
+
+    pub(super) fn get(
+        &mut self,
+        lookup: &MeshLookup,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        view_key: MeshPipelineKey,
+        fragment_shader: &Handle<Shader>,
+        output: MeshOutput,
+    ) -> GBufferPipeline {
+        let query = PipelineQuery {
+            material: Arc::as_ptr(&mesh.material.properties).addr(),
+            layout: mesh.mesh.layout.clone(),
+            mesh_key: mesh_key(lookup, entity, mesh, view_key, output),
+            fragment_shader: fragment_shader.id(),
+            output,
+        };
+        if let Some(found) = self.found.get(&query) {
+            return *found;
+        }
+        let pipeline = self.specialize(mesh, fragment_shader, &query);
+        self.found.insert(query, pipeline);
+        pipeline
+    }
+
+    fn specialize(
+        &mut self,
+        mesh: &MeshToQueue,
+        fragment_shader: &Handle<Shader>,
+        query: &PipelineQuery,
+    ) -> GBufferPipeline {
+        let Some(pipeline) = self.shared_prepass_pipeline.clone() else {
+            return GBufferPipeline::Pending;
+        };
+        let properties = &mesh.material.properties;
+        let key = ErasedMaterialPipelineKey {
+            type_id: mesh.material_id.type_id(),
+            mesh_key: ErasedMeshPipelineKey::new(query.mesh_key),
+            material_key: properties.material_key.clone(),
+        };
+        let specializer = GBufferPipelineSpecializer {
+            pipeline,
+            properties: properties.clone(),
+            fragment_shader: fragment_shader.clone(),
+        };
+        match self.specialized.specialize(
+            &self.cache,
+            &specializer,
+            (key, query.fragment_shader, query.output),
+            &query.layout,
+        ) {
+            Ok(id) => match self.cache.get_render_pipeline_state(id) {
+                CachedPipelineState::Ok(_) => GBufferPipeline::Ready(id),
+                // Bevy has reported it, and does not try again.
+                CachedPipelineState::Err(
+                    ShaderCacheError::ProcessShaderError(_)
+                    | ShaderCacheError::CreateShaderModule(_),
+                ) => GBufferPipeline::Failed,
+                _ => GBufferPipeline::Pending,
+            },
+            Err(error) => {
+                let message = error.to_string();
+                if self.reported.insert(message.clone()) {
+                    error!("Forward draws meshes whose G-buffer pipeline failed: {message}");
+                }
+                GBufferPipeline::Failed
+            }
+        }
+    }
+}
+
+fn mesh_key(
+    lookup: &MeshLookup,
+    entity: MainEntity,
+    mesh: &MeshToQueue,
+    view_key: MeshPipelineKey,
+    output: MeshOutput,
+) -> MeshPipelineKey {
+    let mut key = (view_key & VIEW_KEY_BITS)
+        | MeshPipelineKey::from_msaa_samples(1)
+        | MeshPipelineKey::DEFERRED_PREPASS
+        | MeshPipelineKey::from_bits_retain(mesh.mesh.key_bits.bits())
+        | alpha_mode_pipeline_key(mesh.material.properties.alpha_mode, &Msaa::Off);
+    if lookup
+        .visibility_ranges
+        .entity_has_crossfading_visibility_ranges(entity)
+    {
+        key |= MeshPipelineKey::VISIBILITY_RANGE_DITHER;
+    }
+    if let Some(lightmap) = lookup.special_meshes.lightmap_key(entity) {
+        key |= lightmap;
+    }
+    if output.writes_motion {
+        let flags = mesh.instance.flags();
+        key.set(
+            MeshPipelineKey::HAS_PREVIOUS_SKIN,
+            flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_SKIN),
+        );
+        key.set(
+            MeshPipelineKey::HAS_PREVIOUS_MORPH,
+            flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH),
+        );
+    }
+    key
+}

@@ -1,0 +1,193 @@
+//! An app that comes from Bevy's deferred renderer: all materials have the method `Deferred`, and `LeanDeferred` takes the
+//! place of `DeferredPrepass` on its cameras. Every mesh is there, as forward shows it, with any other prepass.
+
+mod common;
+
+use bevy::{
+    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    pbr::{DefaultOpaqueRendererMethod, DistanceFog, ScreenSpaceAmbientOcclusion},
+    prelude::*,
+    render::occlusion_culling::OcclusionCulling,
+};
+use common::{
+    headless::{Headless, log_watch},
+    lean::{active_lean_views, build, judge, report, set_lean, settled},
+    scenes::SceneBuilder,
+};
+
+const SIZE: UVec2 = UVec2::new(160, 120);
+
+/// What the G-buffer carries, alpha-masked too, and what forward has to draw.
+fn scene(s: &mut SceneBuilder) {
+    s.solids();
+    s.sun(true);
+    let front = |x| Transform::from_xyz(x, 0.5, 1.8);
+    s.mesh(
+        Sphere::new(0.4),
+        StandardMaterial {
+            base_color: Color::srgba(0.9, 0.8, 0.2, 0.7),
+            alpha_mode: AlphaMode::Mask(0.5),
+            ..default()
+        },
+        front(-1.2),
+    );
+    // Two shading models at once: forward draws it.
+    s.mesh(
+        Sphere::new(0.4),
+        StandardMaterial {
+            base_color: Color::srgb(0.2, 0.7, 0.9),
+            clearcoat: 1.0,
+            anisotropy_strength: 0.5,
+            ..default()
+        },
+        front(0.0),
+    );
+    s.mesh(
+        Sphere::new(0.4),
+        StandardMaterial {
+            base_color: Color::srgba(0.9, 0.2, 0.9, 0.5),
+            alpha_mode: AlphaMode::Blend,
+            ..default()
+        },
+        front(1.2),
+    );
+    // Masked, with two shading models.
+    s.mesh(
+        Sphere::new(0.3),
+        StandardMaterial {
+            base_color: Color::srgba(0.3, 0.9, 0.3, 0.9),
+            alpha_mode: AlphaMode::Mask(0.5),
+            clearcoat: 1.0,
+            anisotropy_strength: 0.5,
+            ..default()
+        },
+        front(2.2),
+    );
+}
+
+fn app(method: DefaultOpaqueRendererMethod, camera: fn(&mut EntityWorldMut)) -> Headless {
+    build(SIZE, |s| {
+        s.world().insert_resource(method);
+        scene(s);
+        let entity = s.default_camera(());
+        camera(&mut s.world().entity_mut(entity));
+    })
+}
+
+type Camera = (&'static str, fn(&mut EntityWorldMut));
+
+const CAMERAS: [Camera; 7] = [
+    ("no_prepass", |_| {}),
+    ("depth", |camera| {
+        camera.insert(DepthPrepass);
+    }),
+    ("normal", |camera| {
+        camera.insert(NormalPrepass);
+    }),
+    ("motion", |camera| {
+        camera.insert(MotionVectorPrepass);
+    }),
+    ("depth_and_motion", |camera| {
+        camera.insert((DepthPrepass, MotionVectorPrepass, OcclusionCulling));
+    }),
+    ("all", |camera| {
+        camera.insert((DepthPrepass, NormalPrepass, MotionVectorPrepass));
+    }),
+    ("ssao_and_fog", |camera| {
+        camera.insert((
+            ScreenSpaceAmbientOcclusion::default(),
+            DistanceFog {
+                color: Color::srgb(0.5, 0.55, 0.6),
+                falloff: FogFalloff::Linear {
+                    start: 3.0,
+                    end: 12.0,
+                },
+                ..default()
+            },
+        ));
+    }),
+];
+
+#[test]
+fn every_mesh_is_there() {
+    report(CAMERAS.map(|(name, camera)| {
+        let forward = settled(&mut app(DefaultOpaqueRendererMethod::forward(), camera));
+        let mut headless = app(DefaultOpaqueRendererMethod::deferred(), camera);
+        set_lean(&mut headless, true);
+        let lean = settled(&mut headless);
+        assert_eq!(active_lean_views(&mut headless), 1, "{name}");
+        judge(name, &forward, &lean, 44.0)
+    }));
+}
+
+/// A lean camera that cannot be rendered lean, as with MSAA, is rendered by forward, with the same meshes.
+#[test]
+fn every_mesh_is_there_without_the_gbuffer() {
+    report([CAMERAS[0], CAMERAS[1], CAMERAS[3]].map(|(name, camera)| {
+        let [forward, lean] = [
+            DefaultOpaqueRendererMethod::forward(),
+            DefaultOpaqueRendererMethod::deferred(),
+        ]
+        .map(|method| {
+            let mut headless = app(method, camera);
+            set_lean(&mut headless, true);
+            let world = headless.world();
+            let cameras: Vec<Entity> = world
+                .query_filtered::<Entity, With<Camera3d>>()
+                .iter(world)
+                .collect();
+            for camera in cameras {
+                headless.world().entity_mut(camera).insert(Msaa::Sample4);
+            }
+            let picture = settled(&mut headless);
+            assert_eq!(active_lean_views(&mut headless), 0, "{name}");
+            picture
+        });
+        judge(&format!("{name}_msaa"), &forward, &lean, 80.0)
+    }));
+}
+
+/// Prepasses that come and go while frames run.
+#[test]
+fn prepasses_come_and_go() {
+    let mut headless = app(DefaultOpaqueRendererMethod::deferred(), |_| {});
+    set_lean(&mut headless, true);
+    let plain = settled(&mut headless);
+    type Change = fn(&mut EntityWorldMut);
+    let changes: [Change; 4] = [
+        |camera| {
+            camera.insert((DepthPrepass, NormalPrepass));
+        },
+        |camera| {
+            camera.remove::<DepthPrepass>();
+        },
+        |camera| {
+            camera.insert(MotionVectorPrepass).remove::<NormalPrepass>();
+        },
+        |camera| {
+            camera.remove::<MotionVectorPrepass>();
+        },
+    ];
+    let mut results = Vec::new();
+    for (step, change) in changes.into_iter().enumerate() {
+        let world = headless.world();
+        let cameras: Vec<Entity> = world
+            .query_filtered::<Entity, With<Camera3d>>()
+            .iter(world)
+            .collect();
+        for camera in cameras {
+            change(&mut headless.world().entity_mut(camera));
+        }
+        for (frame, picture) in headless.film(3, |_, _| {}).iter().enumerate() {
+            results.push(judge(
+                &format!("step_{step}_{frame}"),
+                &plain,
+                picture,
+                44.0,
+            ));
+        }
+    }
+    report(results);
+    let errors = log_watch::messages_with("rror");
+    assert!(errors.is_empty(), "{errors:?}");
+}
