@@ -8,13 +8,14 @@
 //! - `lookup.rs`: what a mesh needs.
 //! - `phase.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
 //! - `queue.rs`, `bevy_phases.rs`: how meshes get there, out of Bevy's phases and back.
-//! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them.
+//! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them. `depth_copy.rs`: depth, for others.
 //! - `usage.rs`: what a camera has of them, for users.
 //! - `resolve_motion.{rs,wgsl}`: motion vectors into Bevy's texture.
 //! - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
 
 mod bevy_phases;
 mod demand;
+mod depth_copy;
 pub mod layout;
 mod lookup;
 mod material;
@@ -36,6 +37,7 @@ pub use phase::{
     AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferBatchSetKey,
     OpaqueGBuffer,
 };
+pub use queue::SortedMeshes;
 pub(crate) use resolve_motion::{MotionResolvePipelines, ViewMotionResolve};
 pub use targets::{GBufferNeeds, GBufferTargets, ShadingModel};
 pub use textures::GBufferTextures;
@@ -111,6 +113,8 @@ impl Plugin for GBufferPlugin {
             .init_resource::<special::ChangedMeshes>()
             .init_resource::<moving::MovingMeshes>()
             .init_resource::<ViewDemands>()
+            .init_resource::<SortedMeshes>()
+            .init_resource::<depth_copy::WithheldDepthCopy>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
             .add_render_command::<OpaqueGBuffer, DrawPrepass>()
@@ -151,13 +155,24 @@ impl Plugin for GBufferPlugin {
             .add_systems(
                 Core3d,
                 (
+                    depth_copy::withhold_depth_copy
+                        .in_set(Core3dSystems::Prepass)
+                        .before(early_prepass),
                     pass::early_gbuffer_pass
                         .in_set(Core3dSystems::Prepass)
                         .after(early_prepass)
                         .before(early_downsample_depth),
+                    depth_copy::allow_late_depth_copy
+                        .in_set(Core3dSystems::Prepass)
+                        .after(pass::early_gbuffer_pass)
+                        .before(late_prepass),
                     pass::late_gbuffer_pass
                         .in_set(Core3dSystems::Prepass)
                         .after(late_prepass)
+                        .before(main_build_indirect_parameters),
+                    depth_copy::copy_depth
+                        .in_set(Core3dSystems::Prepass)
+                        .after(pass::late_gbuffer_pass)
                         .before(main_build_indirect_parameters),
                     pass::main_gbuffer_pass
                         .after(main_build_indirect_parameters)

@@ -115,31 +115,38 @@ fn draw(
 
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
-    // Around the passes, not in them: clearing and copying are part of what they cost.
+    // Around the passes, not in them: clearing is part of what they cost.
     let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/gbuffer");
     let viewport =
         Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
-    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-        label: Some("lean_deferred/gbuffer"),
-        color_attachments: &textures.base_attachments(if is_first {
-            initial_load(active)
-        } else {
-            LoadOp::Load
-        }),
-        depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
-        ..default()
-    });
-    if let Some(viewport) = &viewport {
-        pass.set_camera_viewport(viewport);
-    }
-    render(opaque, &mut pass, world, view_entity);
-    render(alpha_mask, &mut pass, world, view_entity);
-    drop(pass);
+    let mut base_load = if is_first {
+        initial_load(active)
+    } else {
+        LoadOp::Load
+    };
+    let has_optional = !active.targets.is_empty();
+    let base_is_empty = opaque.is_empty() && alpha_mask.is_empty();
+    let extended_is_empty = extended_opaque.is_empty() && extended_alpha_mask.is_empty();
 
-    if !active.targets.is_empty() {
+    // Each target must be cleared once, by whichever pass is the first to have it.
+    if !base_is_empty || (is_first && !has_optional) {
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("lean_deferred/gbuffer"),
+            color_attachments: &textures.base_attachments(base_load),
+            depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+            ..default()
+        });
+        base_load = LoadOp::Load;
+        if let Some(viewport) = &viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        render(opaque, &mut pass, world, view_entity);
+        render(alpha_mask, &mut pass, world, view_entity);
+    }
+    if has_optional && (is_first || !extended_is_empty) {
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("lean_deferred/gbuffer/extended"),
-            color_attachments: &textures.all_attachments(is_first),
+            color_attachments: &textures.all_attachments(base_load, is_first),
             depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
             ..default()
         });
@@ -153,17 +160,6 @@ fn draw(
     if let (Some(resolve), Some(prepass)) = (resolve_motion, prepass_textures) {
         let cache = world.resource::<PipelineCache>();
         resolve.draw(!is_first, prepass, viewport.as_ref(), cache, ctx);
-    }
-
-    // Whoever asked for a depth prepass reads this copy.
-    if let Some(prepass) = prepass_textures
-        && let Some(prepass_depth) = &prepass.depth
-    {
-        ctx.command_encoder().copy_texture_to_texture(
-            depth.texture.as_image_copy(),
-            prepass_depth.texture.texture.as_image_copy(),
-            prepass.size,
-        );
     }
     span.end(ctx.command_encoder());
 }

@@ -42,6 +42,11 @@ use crate::{LeanDeferred, camera::ActiveLeanView};
 #[derive(Resource, Default)]
 pub(super) struct PendingGBufferQueues(PendingQueues);
 
+/// In the render world: how many meshes lean views sorted in this frame, into the G-buffer or out of it. 0 while nothing
+/// changes; a change of a view counts just the meshes that it concerns.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SortedMeshes(pub usize);
+
 /// How the meshes of each phase are drawn.
 #[derive(SystemParam)]
 pub(super) struct GBufferDrawFunctions<'w> {
@@ -80,7 +85,11 @@ pub(super) fn queue_gbuffer_meshes(
     mut pipelines: GBufferPipelines,
     mut bevy_phases: BevyPhases,
     mut phases: GBufferPhases,
-    (mut pending_queues, mut demands): (ResMut<PendingGBufferQueues>, ResMut<ViewDemands>),
+    (mut pending_queues, mut demands, mut count): (
+        ResMut<PendingGBufferQueues>,
+        ResMut<ViewDemands>,
+        ResMut<SortedMeshes>,
+    ),
     draw_functions: GBufferDrawFunctions,
     (view_keys, dirty, changed, gpu_preprocessing): (
         Res<ViewKeyCache>,
@@ -102,6 +111,7 @@ pub(super) fn queue_gbuffer_meshes(
 ) {
     live_views.clear();
     pipelines.start_frame();
+    count.0 = 0;
 
     for (view, visible_entities, active) in &views {
         let retained = view.retained_view_entity;
@@ -131,6 +141,7 @@ pub(super) fn queue_gbuffer_meshes(
             demand: demands.of(retained),
             view_key: *view_key,
             active,
+            count: &mut count.0,
         };
         for &entity in dirty.iter_to_dequeue(retained, visible) {
             sorter.phases.remove(entity);
@@ -270,10 +281,12 @@ struct Sorter<'a, 'w, 's> {
     demand: &'a mut ViewDemand,
     view_key: MeshPipelineKey,
     active: Option<&'a ActiveLeanView>,
+    count: &'a mut usize,
 }
 
 impl Sorter<'_, '_, '_> {
     fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), holder: Holder) {
+        *self.count += 1;
         if holder == Holder::Either {
             self.phases.remove(entity);
         }

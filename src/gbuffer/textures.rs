@@ -58,13 +58,14 @@ impl GBufferTextures {
         [&self.surface, &self.normal].map(|texture| Some(attachment(texture, load)))
     }
 
-    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs. It comes
-    /// after one that wrote the base targets; the optional ones are cleared if it `is_first` to write them.
+    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs. The optional
+    /// ones are cleared if it `is_first` to write them.
     pub(super) fn all_attachments(
         &self,
+        base_load: LoadOp<wgpu::Color>,
         is_first: bool,
     ) -> Vec<Option<RenderPassColorAttachment<'_>>> {
-        let mut attachments = self.base_attachments(LoadOp::Load).to_vec();
+        let mut attachments = self.base_attachments(base_load).to_vec();
         for (target, texture) in &self.optional {
             let clear = LoadOp::Clear(wgpu::Color {
                 r: f64::from(target.clear_value()),

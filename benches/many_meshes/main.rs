@@ -1,0 +1,93 @@
+//! CPU time of a frame with many meshes: Bevy forward, Bevy deferred, this crate.
+//!
+//! `cargo bench --profile dev --bench many_meshes -- --help`
+//!
+//! Prints Markdown tables; `--json FILE` writes the same figures. Two times are taken of each frame: of the whole frame,
+//! and of the render world alone, from the start of extraction to the end of its schedule. The GPU is waited for between
+//! frames, outside of both.
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+mod report;
+mod run;
+mod scene;
+
+use argh::FromArgs;
+use bevy::math::UVec2;
+use common::size::parse_size;
+use run::{Contender, Measurement};
+use scene::Motion;
+
+/// CPU time of a frame with many meshes: Bevy forward, Bevy deferred, this crate.
+#[derive(FromArgs)]
+struct Args {
+    /// numbers of meshes, comma-separated, default 1000,10000,100000
+    #[argh(option, default = "String::from(\"1000,10000,100000\")")]
+    meshes: String,
+
+    /// only contenders whose name contains this, beside forward, the reference of the pictures
+    #[argh(option, default = "String::new()")]
+    contender: String,
+
+    /// width x height of the picture, default 640x360
+    #[argh(option, default = "UVec2::new(640, 360)", from_str_fn(parse_size))]
+    size: UVec2,
+
+    /// frames that are measured, default 60
+    #[argh(option, default = "60")]
+    frames: usize,
+
+    /// how often each event is measured, default 3
+    #[argh(option, default = "3")]
+    events: usize,
+
+    /// write the figures to this file
+    #[argh(option)]
+    json: Option<String>,
+
+    /// write each picture into this folder
+    #[argh(option)]
+    pictures: Option<String>,
+
+    /// given by cargo
+    #[argh(switch)]
+    #[expect(dead_code, reason = "cargo bench passes it")]
+    bench: bool,
+}
+
+fn main() {
+    let args: Args = argh::from_env();
+    let numbers = args.meshes.split(',').map(|number| {
+        number.trim().parse().unwrap_or_else(|_| {
+            eprintln!("not a number of meshes: {number}");
+            std::process::exit(1)
+        })
+    });
+    let mut measurements: Vec<Measurement> = Vec::new();
+    for meshes in numbers {
+        let mut reference = None;
+        for contender in Contender::ALL {
+            if contender != Contender::Forward && !contender.name().contains(&args.contender) {
+                continue;
+            }
+            eprintln!("{meshes} meshes: {}", contender.name());
+            let (mut measurement, picture) =
+                run::measure(meshes, contender, args.size, args.frames, args.events);
+            if let Some(folder) = &args.pictures {
+                let file = format!("{meshes}_{}.png", contender.name().replace(' ', "_"));
+                picture.save(std::path::Path::new(folder).join(file));
+            }
+            measurement.compare(reference.get_or_insert(picture.clone()), &picture);
+            eprintln!("{}", report::row(&measurement, None));
+            measurements.push(measurement);
+        }
+    }
+    println!("{}", report::markdown(&measurements, args.size));
+    if let Some(path) = args.json {
+        let json = serde_json::to_string_pretty(&measurements).expect("plain figures serialise");
+        if let Err(error) = std::fs::write(&path, json) {
+            eprintln!("cannot write {path}: {error}");
+            std::process::exit(1);
+        }
+    }
+}
