@@ -212,13 +212,19 @@ fn motion_resolve_permutations_validate() {
 
 #[test]
 fn occlusion_permutations_validate() {
-    for (slices, steps, divisor) in [(1, 6, 1), (2, 8, 2), (16, 64, 1)] {
+    let values: [&[_]; 3] = [
+        &[("DIVISOR", 1), ("SLICES", 1), ("STEPS", 6)],
+        &[("DIVISOR", 2), ("SLICES", 2), ("STEPS", 8)],
+        // Read from the uniform.
+        &[("DIVISOR", 1)],
+    ];
+    for values in values {
         check_permutations(
             include_str!("../src/ambient_occlusion/gather.wgsl"),
             "src/ambient_occlusion/gather.wgsl",
             OCCLUSION_GATHER,
             &[],
-            &[("SLICES", slices), ("STEPS", steps), ("DIVISOR", divisor)],
+            values,
         );
     }
     check_permutations(

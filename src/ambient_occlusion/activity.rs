@@ -77,7 +77,7 @@ pub(super) fn decide_active_occlusion(
         let is_for_lighting = lean.is_some() && settings.is_for_lighting();
         let key = GatherKey {
             kernel: settings.kernel,
-            samples: settings.quality.samples(),
+            samples: (settings.quality.is_preset()).then(|| settings.quality.samples()),
             // After the opaque meshes, the G-buffer's are those of what forward has drawn over.
             shading_normals: is_for_lighting && settings.normals == OcclusionNormals::Shading,
             thin: settings.thickness < 1.0,

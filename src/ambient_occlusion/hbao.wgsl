@@ -71,6 +71,25 @@ fn geometric_normal(
     return select(n, -n, dot(n, to_viewer) < 0.0);
 }
 
+// The presets are compiled for their numbers, so that loops unroll.
+#ifdef SLICES
+fn slice_count() -> u32 {
+    return #{SLICES}u;
+}
+
+fn steps_on_each_side() -> u32 {
+    return #{STEPS}u;
+}
+#else
+fn slice_count() -> u32 {
+    return view.slices;
+}
+
+fn steps_on_each_side() -> u32 {
+    return view.steps;
+}
+#endif
+
 /// One side of a slice.
 struct March {
     pixel: vec2<i32>,
@@ -90,10 +109,11 @@ struct March {
 
 /// Cosine of the angle between the viewer and the highest sample; `base` if none is above the surface.
 fn horizon(march: March, base: f32) -> f32 {
+    let steps = steps_on_each_side();
     var highest = base;
-    for (var i = 0u; i < #{STEPS}u; i++) {
+    for (var i = 0u; i < steps; i++) {
         // Closer together near the pixel, and never the pixel itself nor the one before.
-        let t = (f32(i) + march.offset) / f32(#{STEPS}u);
+        let t = (f32(i) + march.offset) / f32(steps);
         let distance = max(march.reach * (0.5 * t + 0.5 * t * t), f32(i + 1u));
         let sample = march.pixel + vec2<i32>(round(march.direction * distance));
         if !march.is_inside && !is_in_view(sample) {
@@ -138,7 +158,7 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
     }
     // On the screen's rim directions are stretched, at most by the ratio of the ray's length to its depth.
     let to_viewer = direction_to_viewer(position);
-    let margin = i32(max(reach / max(to_viewer.z, 0.1), f32(#{STEPS}u))) + 2;
+    let margin = i32(max(reach / max(to_viewer.z, 0.1), f32(steps_on_each_side()))) + 2;
     let is_inside = is_in_view(pixel - margin) && is_in_view(pixel + margin);
 
     var march: March;
@@ -166,9 +186,10 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
     let block = quad.x + 2u * quad.y;
 
     let basis = tangents(to_viewer);
+    let slices = slice_count();
     var occlusion = 0.0;
-    for (var slice = 0u; slice < #{SLICES}u; slice++) {
-        let turn = (f32(slice) + 0.25 * (f32(phase) + view.turn)) / f32(#{SLICES}u);
+    for (var slice = 0u; slice < slices; slice++) {
+        let turn = (f32(slice) + 0.25 * (f32(phase) + view.turn)) / f32(slices);
         // Evenly about the view direction, not on the screen: so perspective is exact off its centre too.
         let tangent = basis * vec2(cos(PI * turn), sin(PI * turn));
 #ifdef PROJECTION_ORTHOGRAPHIC
@@ -193,5 +214,5 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
         occlusion += side_occlusion(lobe, bases.x, ahead, 1.0)
             + side_occlusion(lobe, bases.y, behind, -1.0);
     }
-    return occlusion / f32(#{SLICES}u);
+    return occlusion / f32(slices);
 }

@@ -32,8 +32,8 @@ use super::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct GatherKey {
     pub(super) kernel: OcclusionKernel,
-    /// Slices, and steps a side.
-    pub(super) samples: (u32, u32),
+    /// Slices, and steps a side; `None` if the shader reads them from its uniform.
+    pub(super) samples: Option<(u32, u32)>,
     pub(super) shading_normals: bool,
     /// Horizons sink behind thin parts.
     pub(super) thin: bool,
@@ -46,7 +46,7 @@ impl GatherKey {
     /// As the shaders see it: what a kernel does not read is not in its key.
     fn reduced(mut self) -> Self {
         if self.kernel == OcclusionKernel::Hdao {
-            self.samples = (1, 1);
+            self.samples = None;
             self.shading_normals = false;
             self.thin = false;
         }
@@ -58,12 +58,11 @@ impl GatherKey {
     }
 
     fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let (slices, steps) = self.samples;
-        let mut defs: Vec<ShaderDefVal> = vec![
-            ShaderDefVal::UInt("SLICES".into(), slices),
-            ShaderDefVal::UInt("STEPS".into(), steps),
-            ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
-        ];
+        let mut defs: Vec<ShaderDefVal> = vec![ShaderDefVal::UInt("DIVISOR".into(), self.divisor)];
+        if let Some((slices, steps)) = self.samples {
+            defs.push(ShaderDefVal::UInt("SLICES".into(), slices));
+            defs.push(ShaderDefVal::UInt("STEPS".into(), steps));
+        }
         let mut define = |condition: bool, name: &'static str| {
             if condition {
                 defs.push(name.into());

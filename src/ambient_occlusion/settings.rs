@@ -105,7 +105,8 @@ pub enum OcclusionQuality {
     High,
     /// 4 slices, 12 steps a side.
     Ultra,
-    /// Any number: slices 1 to 16, steps 1 to 64.
+    /// Any number: slices 1 to 16, steps 1 to 64. They may change from frame to frame: one shader runs them all. Those of
+    /// the presets are compiled for their numbers.
     Custom {
         /// Directions through the pixel, 1 to 16.
         slices: u32,
@@ -117,6 +118,11 @@ pub enum OcclusionQuality {
 impl OcclusionQuality {
     /// All presets, cheapest first.
     pub const PRESETS: [Self; 4] = [Self::Low, Self::Medium, Self::High, Self::Ultra];
+
+    /// Whether shaders are compiled for the numbers.
+    pub(super) fn is_preset(self) -> bool {
+        !matches!(self, Self::Custom { .. })
+    }
 
     /// Slices, and steps on each side of one.
     pub fn samples(self) -> (u32, u32) {

@@ -46,6 +46,8 @@ pub struct OcclusionView {
     pub direct_light_affect: f32,
     pub turn: f32,
     pub row_stride: u32,
+    pub slices: u32,
+    pub steps: u32,
 }
 
 impl OcclusionView {
@@ -72,6 +74,7 @@ impl OcclusionView {
         // In perspective depth / distance² is constant: a step of metres is one of 1/distance there.
         let m = &view_from_pixel;
         let step = EDGE * radius;
+        let (slices, steps) = settings.quality.samples();
         let edge = if projection_of(clip_from_view) == ProjectionKind::Orthographic {
             Vec4::new(0.0, 1.0, step / m.z_axis.z.abs(), 0.0)
         } else {
@@ -92,6 +95,8 @@ impl OcclusionView {
             thickness: settings.thickness.clamp(0.0, 1.0),
             direct_light_affect: settings.direct_light_affect.clamp(0.0, 1.0),
             row_stride: 1,
+            slices,
+            steps,
             ..default()
         }
     }

@@ -29,4 +29,7 @@ struct OcclusionView {
     /// Parts of the pattern's turn and step that change from frame to frame, 0 to 1; 0 without TAA.
     turn: f32,
     row_stride: u32,
+    /// Of `OcclusionQuality::Custom`; those of the presets are compiled in.
+    slices: u32,
+    steps: u32,
 }

@@ -7,8 +7,8 @@ use bevy::{
     render::render_resource::encase::UniformBuffer,
 };
 use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionResolution, OcclusionView,
-    ProjectionKind, projection_of,
+    LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionQuality, OcclusionResolution,
+    OcclusionView, ProjectionKind, projection_of,
 };
 use half::f16;
 use naga_oil::compose::{
@@ -656,15 +656,20 @@ fn gather_definitions(
     settings: &LeanAmbientOcclusion,
     clip_from_view: Mat4,
 ) -> HashMap<String, ShaderDefValue> {
-    let (slices, steps) = settings.quality.samples();
     let divisor = if settings.resolution == OcclusionResolution::Half {
         2
     } else {
         1
     };
-    let mut defs: HashMap<_, _> = [("SLICES", slices), ("STEPS", steps), ("DIVISOR", divisor)]
+    let (slices, steps) = settings.quality.samples();
+    let mut values = vec![("DIVISOR", divisor)];
+    if !matches!(settings.quality, OcclusionQuality::Custom { .. }) {
+        values.extend([("SLICES", slices), ("STEPS", steps)]);
+    }
+    let mut defs: HashMap<_, _> = values
+        .into_iter()
         .map(|(name, value)| (name.to_string(), ShaderDefValue::UInt(value)))
-        .into();
+        .collect();
     let flags = [
         (settings.kernel == OcclusionKernel::Hdao, "HDAO"),
         (settings.thickness < 1.0, "THIN"),
