@@ -89,6 +89,9 @@ pub struct LeanDeferredPlugin;
 
 impl Plugin for LeanDeferredPlugin {
     fn build(&self, app: &mut App) {
+        if !shared::can_build(app, "LeanDeferredPlugin", true) {
+            return;
+        }
         app.add_plugins((
             camera::LeanCameraPlugin,
             gbuffer::GBufferPlugin,

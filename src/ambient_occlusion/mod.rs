@@ -45,7 +45,10 @@ use bevy::{
 };
 
 use crate::{
-    camera::LeanViewSystems, gbuffer::GBufferPasses, lighting::LightingPasses, shared::SharedPlugin,
+    camera::LeanViewSystems,
+    gbuffer::GBufferPasses,
+    lighting::LightingPasses,
+    shared::{self, SharedPlugin},
 };
 
 /// Ambient occlusion, for cameras with [`LeanAmbientOcclusion`].
@@ -54,13 +57,14 @@ pub struct LeanAmbientOcclusionPlugin;
 
 impl Plugin for LeanAmbientOcclusionPlugin {
     fn build(&self, app: &mut App) {
+        if !shared::can_build(app, "LeanAmbientOcclusionPlugin", false) {
+            return;
+        }
         SharedPlugin::add_to(app);
-        load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "horizon.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "hbao.wgsl");
         load_shader_library!(app, "hdao.wgsl");
-        load_shader_library!(app, "filter.wgsl");
         embedded_asset!(app, "gather.wgsl");
         embedded_asset!(app, "merge.wgsl");
         app.register_type::<LeanAmbientOcclusion>()

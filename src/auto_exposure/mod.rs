@@ -45,12 +45,18 @@ use bevy::{
     shader::load_shader_library,
 };
 
+use crate::shared::{self, SharedPlugin};
+
 /// Auto exposure, for cameras with [`LeanAutoExposure`].
 #[derive(Default)]
 pub struct LeanAutoExposurePlugin;
 
 impl Plugin for LeanAutoExposurePlugin {
     fn build(&self, app: &mut App) {
+        if !shared::can_build(app, "LeanAutoExposurePlugin", false) {
+            return;
+        }
+        SharedPlugin::add_to(app);
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "luminance.wgsl");
         load_shader_library!(app, "pattern.wgsl");

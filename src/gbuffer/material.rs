@@ -14,6 +14,7 @@ use bevy::{
 };
 
 use super::{
+    GBufferPlugin,
     layout::specialization::{LARGEST_REFLECTANCE, LARGEST_UNLIT},
     targets::{GBufferNeeds, GBufferTargets, ShadingModel},
 };
@@ -217,7 +218,7 @@ impl<E: GBufferMaterialExtension> GBufferMaterial for ExtendedMaterial<StandardM
     }
 }
 
-/// Lets meshes with material `M` into the G-buffer. Add it beside `M`'s [`MaterialPlugin`].
+/// Lets meshes with material `M` into the G-buffer. Add it beside `M`'s [`MaterialPlugin`], in any order.
 pub struct GBufferMaterialPlugin<M: GBufferMaterial>(PhantomData<fn() -> M>);
 
 impl<M: GBufferMaterial> Default for GBufferMaterialPlugin<M> {
@@ -230,10 +231,27 @@ impl<M: GBufferMaterial> Plugin for GBufferMaterialPlugin<M>
 where
     MaterialPlugin<M>: Plugin,
 {
-    fn build(&self, app: &mut App) {
+    fn build(&self, _: &mut App) {}
+
+    /// Here, so that it does not matter in which order the plugins are added.
+    fn finish(&self, app: &mut App) {
+        let has_material = app.is_plugin_added::<MaterialPlugin<M>>();
+        let has_gbuffer = app.is_plugin_added::<GBufferPlugin>();
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        if !has_material || !has_gbuffer {
+            let missing = if has_material {
+                "LeanDeferredPlugin"
+            } else {
+                "MaterialPlugin for it"
+            };
+            error!(
+                "GBufferMaterialPlugin<{}> is off, forward draws that material: the app has no {missing}.",
+                M::short_type_path()
+            );
+            return;
+        }
         render_app
             .init_resource::<GBufferMaterials>()
             .add_systems(RenderStartup, load_fragment_shader::<M>)

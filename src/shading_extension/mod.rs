@@ -169,7 +169,8 @@ impl AsBindGroup for ShadingExtension {
 }
 
 /// Draws [`ExtendedStandardMaterial`]s, on cameras with and without `LeanDeferred`. Part of
-/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin).
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Adds their [`MaterialPlugin`] unless the app has: one with settings of
+/// your own must be added before.
 #[derive(Default)]
 pub struct ShadingExtensionPlugin;
 
@@ -179,10 +180,11 @@ impl Plugin for ShadingExtensionPlugin {
         load_shader_library!(app, "rim.wgsl");
         embedded_asset!(app, "forward.wgsl");
         embedded_asset!(app, "gbuffer.wgsl");
-        app.register_type::<ShadingExtension>().add_plugins((
-            MaterialPlugin::<ExtendedStandardMaterial>::default(),
-            GBufferMaterialPlugin::<ExtendedStandardMaterial>::default(),
-        ));
+        app.register_type::<ShadingExtension>();
+        if !app.is_plugin_added::<MaterialPlugin<ExtendedStandardMaterial>>() {
+            app.add_plugins(MaterialPlugin::<ExtendedStandardMaterial>::default());
+        }
+        app.add_plugins(GBufferMaterialPlugin::<ExtendedStandardMaterial>::default());
     }
 }
 

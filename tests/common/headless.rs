@@ -7,7 +7,7 @@ use std::{
 };
 
 use bevy::{
-    app::PluginsState,
+    app::{PluginGroupBuilder, PluginsState},
     asset::{RenderAssetUsages, UnapprovedPathMode},
     camera::RenderTarget,
     prelude::*,
@@ -47,33 +47,40 @@ impl Headless {
     /// As [`new`](Self::new); `configure` may add plugins.
     pub fn with(size: UVec2, configure: impl FnOnce(&mut App)) -> Self {
         let mut app = App::new();
-        app.add_plugins(
-            DefaultPlugins
-                .set(WindowPlugin {
-                    primary_window: None,
-                    exit_condition: ExitCondition::DontExit,
-                    ..default()
-                })
-                .set(RenderPlugin {
-                    synchronous_pipeline_compilation: true,
-                    ..default()
-                })
-                .set(AssetPlugin {
-                    file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
-                    // Benches may name a file anywhere.
-                    unapproved_path_mode: UnapprovedPathMode::Allow,
-                    ..default()
-                })
-                .set(bevy::log::LogPlugin {
-                    filter: "warn,wgpu_hal=error,bevy_render::renderer=error".into(),
-                    custom_layer: |_| Some(Box::new(LogWatch)),
-                    ..default()
-                })
-                .disable::<WinitPlugin>()
-                .disable::<bevy::render::pipelined_rendering::PipelinedRenderingPlugin>(),
-        )
-        .add_plugins(LeanDeferredPlugins)
-        .insert_resource(TimeUpdateStrategy::ManualDuration(FRAME_TIME));
+        app.add_plugins((Self::default_plugins(), LeanDeferredPlugins));
+        Self::from_app(size, app, configure)
+    }
+
+    /// Bevy's, as set up for apps of this kind.
+    pub fn default_plugins() -> PluginGroupBuilder {
+        DefaultPlugins
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin {
+                synchronous_pipeline_compilation: true,
+                ..default()
+            })
+            .set(AssetPlugin {
+                file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
+                // Benches may name a file anywhere.
+                unapproved_path_mode: UnapprovedPathMode::Allow,
+                ..default()
+            })
+            .set(bevy::log::LogPlugin {
+                filter: "warn,wgpu_hal=error,bevy_render::renderer=error".into(),
+                custom_layer: |_| Some(Box::new(LogWatch)),
+                ..default()
+            })
+            .disable::<WinitPlugin>()
+            .disable::<bevy::render::pipelined_rendering::PipelinedRenderingPlugin>()
+    }
+
+    /// An app that has its plugins but for those that `configure` adds.
+    pub fn from_app(size: UVec2, mut app: App, configure: impl FnOnce(&mut App)) -> Self {
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME_TIME));
         configure(&mut app);
 
         while app.plugins_state() == PluginsState::Adding {
