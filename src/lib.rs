@@ -40,6 +40,7 @@ pub mod ambient_occlusion;
 pub mod auto_exposure;
 mod bind_group_cache;
 pub mod camera;
+mod camera_overrides;
 pub mod gbuffer;
 pub mod lighting;
 pub mod shading_extension;

@@ -8,7 +8,7 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use crate::tiles::RowOrder;
+use crate::{camera_overrides, tiles::RowOrder};
 
 /// Added by each effect, once.
 pub(crate) struct SharedPlugin;
@@ -32,6 +32,8 @@ impl Plugin for SharedPlugin {
         load_shader_library!(app, "lighting/geometric_normal.wgsl");
         load_shader_library!(app, "ambient_occlusion/view.wgsl");
         load_shader_library!(app, "ambient_occlusion/filter.wgsl");
+
+        app.add_observer(camera_overrides::keep_ticks_young);
     }
 
     fn finish(&self, app: &mut App) {

@@ -46,6 +46,7 @@ use bevy::{
 
 use crate::{
     camera::LeanViewSystems,
+    camera_overrides,
     gbuffer::GBufferPasses,
     lighting::LightingPasses,
     shared::{self, SharedPlugin},
@@ -68,8 +69,8 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         embedded_asset!(app, "gather.wgsl");
         embedded_asset!(app, "merge.wgsl");
         app.register_type::<LeanAmbientOcclusion>()
-            .add_plugins(ExtractComponentPlugin::<LeanAmbientOcclusion>::default())
-            .add_observer(switch_msaa_off);
+            .add_plugins(ExtractComponentPlugin::<LeanAmbientOcclusion>::default());
+        camera_overrides::add_to::<LeanAmbientOcclusion>(app);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -119,13 +120,5 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         };
         let support = OcclusionSupport::from_world(render_app.world());
         render_app.insert_resource(support);
-    }
-}
-
-/// Cameras get 4× MSAA unless told otherwise: here it is switched off once. Who switches it on again gets no occlusion
-/// and a warning.
-fn switch_msaa_off(added: On<Add, LeanAmbientOcclusion>, mut cameras: Query<&mut Msaa>) {
-    if let Ok(mut msaa) = cameras.get_mut(added.entity) {
-        *msaa = Msaa::Off;
     }
 }

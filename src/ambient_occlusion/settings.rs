@@ -8,8 +8,8 @@ use super::{activity::ActiveOcclusion, textures::OcclusionTexture, uniforms::Vie
 /// Darkens what neighbouring surfaces hide from the light that comes from everywhere.
 ///
 /// Works on any `Camera3d`, with or without [`LeanDeferred`](crate::LeanDeferred): it reads the depth that the opaque
-/// meshes leave, and needs no prepass. No MSAA (switched off when the component is added). Adding or removing it at run
-/// time switches the effect and frees what it held.
+/// meshes leave, and needs no prepass. No MSAA (switched off when the component is added, given back when it is removed).
+/// Adding or removing it at run time switches the effect and frees what it held.
 ///
 /// Occlusion is stored as occlusion (0 = none) in one channel, so that rounding errs towards none and open surfaces
 /// stay exactly as they were.

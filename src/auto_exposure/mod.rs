@@ -45,7 +45,10 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use crate::shared::{self, SharedPlugin};
+use crate::{
+    camera_overrides,
+    shared::{self, SharedPlugin},
+};
 
 /// Auto exposure, for cameras with [`LeanAutoExposure`].
 #[derive(Default)]
@@ -76,6 +79,7 @@ impl Plugin for LeanAutoExposurePlugin {
             .add_observer(state::add_state)
             .add_observer(state::remove_state)
             .add_systems(Last, state::count_cuts);
+        camera_overrides::add_to::<LeanAutoExposure>(app);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

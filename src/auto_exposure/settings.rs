@@ -1,4 +1,4 @@
-use bevy::{camera::Hdr, prelude::*, render::extract_component::ExtractComponent};
+use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
 use super::{
     bindings::ExposureBindings, overlay::ExposureOverlay, pipelines::ViewExposurePipelines,
@@ -7,7 +7,7 @@ use super::{
 
 /// Measures the luminance of the picture and adapts the exposure to it over time.
 ///
-/// For HDR cameras (required), 3D or 2D, with or without [`LeanDeferred`](crate::LeanDeferred). Measured is the camera's own
+/// For HDR cameras (`Hdr` is added with the component, and removed with it unless something else needs it), 3D or 2D, with or without [`LeanDeferred`](crate::LeanDeferred). Measured is the camera's own
 /// viewport, after anti-aliasing and before bloom and other post-processing; applied is the exposure in tonemapping,
 /// where Bevy's `AutoExposure` applies it too: use one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`. The first frame starts adapted. What was measured is read
 /// back into [`MeteredExposure`].
@@ -17,7 +17,7 @@ use super::{
 /// numbers count as their defaults.
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(Hdr, MeteredExposure)]
+#[require(MeteredExposure)]
 #[extract_component_sync_target((Self, ViewExposure, ViewExposurePipelines, ExposureBindings, ExposureOverlay))]
 pub struct LeanAutoExposure {
     /// Which mean is taken. Default [`Metering::LogAverage`].

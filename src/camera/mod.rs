@@ -18,6 +18,8 @@ use bevy::{
     render::{Render, RenderApp, RenderSystems, extract_component::ExtractComponentPlugin},
 };
 
+use crate::camera_overrides;
+
 /// Registers [`LeanDeferred`], extracts it and decides each frame which cameras are rendered with it.
 pub(crate) struct LeanCameraPlugin;
 
@@ -26,8 +28,8 @@ impl Plugin for LeanCameraPlugin {
         app.register_type::<LeanDeferred>()
             .register_type::<GeometricNormal>()
             .register_type::<GBufferChannel>()
-            .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
-            .add_observer(switch_msaa_off);
+            .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default());
+        camera_overrides::add_to::<LeanDeferred>(app);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -58,13 +60,5 @@ impl Plugin for LeanCameraPlugin {
             );
         }
         render_app.insert_resource(support);
-    }
-}
-
-/// Cameras get 4× MSAA unless told otherwise, long before [`LeanDeferred`] may be added to them: here it is switched
-/// off once. Who switches it on again later gets Bevy's forward renderer and a warning.
-fn switch_msaa_off(added: On<Add, LeanDeferred>, mut cameras: Query<&mut Msaa>) {
-    if let Ok(mut msaa) = cameras.get_mut(added.entity) {
-        *msaa = Msaa::Off;
     }
 }

@@ -1,4 +1,4 @@
-use bevy::{camera::Hdr, prelude::*, render::extract_component::ExtractComponent};
+use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
 use crate::{
     camera::ActiveLeanView,
@@ -13,12 +13,13 @@ use crate::{
 /// Adding or removing the component at run time switches the camera over and frees what it held.
 /// What its targets cost is in [`GBufferUsage`].
 ///
-/// Needs HDR (required, added by itself) and no MSAA (switched off when the component is added). A camera that
+/// Needs HDR (`Hdr` is added with the component) and no MSAA (switched off then). Removing the component gives back what
+/// the camera had, unless another effect needs it or the app has set it since. A camera that
 /// breaks these later, that also has `DeferredPrepass`, or a device that lacks something, is rendered as Bevy has
 /// it, with one warning that names the reason.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(Hdr, GBufferUsage)]
+#[require(GBufferUsage)]
 #[extract_component_sync_target((
     Self,
     ActiveLeanView,
