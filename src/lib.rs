@@ -32,7 +32,7 @@
 //! `RenderDiagnosticsPlugin`.
 //!
 //! A camera without [`LeanDeferred`] renders as Bevy renders it. So does one that cannot be rendered lean (MSAA, no HDR, a
-//! device that lacks something), after one warning that says why.
+//! device that lacks something), after one warning that says why; [`LeanStatus`] says it too.
 
 extern crate alloc;
 
@@ -43,13 +43,15 @@ pub mod camera;
 mod camera_overrides;
 pub mod gbuffer;
 pub mod lighting;
+mod pipeline_watch;
 pub mod shading_extension;
 mod shared;
 mod tiles;
+mod warn_once;
 
 pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
-pub use camera::{GBufferChannel, GeometricNormal, LeanDeferred};
+pub use camera::{GBufferChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus};
 
 use bevy::{app::plugin_group, prelude::*};
 
@@ -58,7 +60,7 @@ pub mod prelude {
     pub use crate::{
         GBufferChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins,
+        LeanDeferredPlugins, LeanOffReason, LeanStatus,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
             OcclusionNormals, OcclusionQuality, OcclusionResolution,

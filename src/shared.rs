@@ -4,11 +4,15 @@ use bevy::{
     asset::io::embedded::EmbeddedAssetRegistry,
     pbr::PbrPlugin,
     prelude::*,
-    render::{RenderApp, RenderPlugin},
+    render::{GpuResourceAppExt, RenderApp, RenderPlugin},
     shader::load_shader_library,
 };
 
-use crate::{camera_overrides, tiles::RowOrder};
+use crate::{
+    camera_overrides,
+    pipeline_watch::{self, PipelineWatch},
+    tiles::RowOrder,
+};
 
 /// Added by each effect, once.
 pub(crate) struct SharedPlugin;
@@ -34,6 +38,12 @@ impl Plugin for SharedPlugin {
         load_shader_library!(app, "ambient_occlusion/filter.wgsl");
 
         app.add_observer(camera_overrides::keep_ticks_young);
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .init_gpu_resource::<PipelineWatch>()
+            .add_systems(ExtractSchedule, pipeline_watch::watch_pipelines);
     }
 
     fn finish(&self, app: &mut App) {

@@ -2,6 +2,8 @@
 
 mod common;
 
+#[path = "plugins/broken_shaders.rs"]
+mod broken_shaders;
 #[path = "plugins/order.rs"]
 mod order;
 

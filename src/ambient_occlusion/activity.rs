@@ -2,7 +2,6 @@
 
 use bevy::{
     pbr::DistanceFog,
-    platform::collections::HashSet,
     prelude::*,
     render::{
         render_resource::{CachedComputePipelineId, CachedRenderPipelineId, PipelineCache},
@@ -17,7 +16,7 @@ use super::{
     support::OcclusionSupport,
     uniforms::projection_of,
 };
-use crate::camera::ActiveLeanView;
+use crate::{camera::ActiveLeanView, warn_once::WarnOnce};
 
 /// On a view of the render world: this frame it has ambient occlusion.
 #[derive(Component, Clone, Copy, Debug)]
@@ -42,9 +41,15 @@ impl LeanAmbientOcclusion {
     }
 }
 
-/// Cameras that have been warned of.
-#[derive(Resource, Default)]
-pub(super) struct Reported(HashSet<MainEntity>);
+/// Why cameras are without.
+#[derive(Resource)]
+pub(super) struct Warnings(WarnOnce<&'static str>);
+
+impl Default for Warnings {
+    fn default() -> Self {
+        Self(WarnOnce::new("LeanAmbientOcclusion"))
+    }
+}
 
 /// Inserts or removes [`ActiveOcclusion`].
 pub(super) fn decide_active_occlusion(
@@ -52,7 +57,7 @@ pub(super) fn decide_active_occlusion(
     support: Option<Res<OcclusionSupport>>,
     pipelines: Option<ResMut<OcclusionPipelines>>,
     pipeline_cache: Res<PipelineCache>,
-    mut reported: ResMut<Reported>,
+    mut warnings: ResMut<Warnings>,
     views: Query<(
         Entity,
         &ExtractedView,
@@ -61,16 +66,16 @@ pub(super) fn decide_active_occlusion(
         Option<&ActiveLeanView>,
         Has<DistanceFog>,
     )>,
+    cameras: Query<&MainEntity, With<LeanAmbientOcclusion>>,
 ) {
+    warnings.0.keep_only(cameras.iter());
     let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
         return;
     };
     for (entity, view, msaa, settings, lean, has_fog) in &views {
-        if msaa.samples() > 1 {
-            let camera = view.retained_view_entity.main_entity;
-            if reported.0.insert(camera) {
-                warn!("LeanAmbientOcclusion on camera {camera:?} is off: its Msaa is not Off.");
-            }
+        let reason = (msaa.samples() > 1).then_some("its Msaa is not Off");
+        (warnings.0).tell(view.retained_view_entity.main_entity, reason);
+        if reason.is_some() {
             commands.entity(entity).remove::<ActiveOcclusion>();
             continue;
         }

@@ -76,7 +76,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
             return;
         };
         render_app
-            .init_resource::<activity::Reported>()
+            .init_resource::<activity::Warnings>()
             .init_gpu_resource::<OcclusionUniforms>()
             .add_systems(RenderStartup, pipelines::init_occlusion_pipelines)
             .add_systems(

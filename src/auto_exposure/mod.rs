@@ -86,7 +86,7 @@ impl Plugin for LeanAutoExposurePlugin {
         };
         render_app
             .init_gpu_resource::<uniforms::ExposureUniforms>()
-            .init_resource::<pipelines::Reported>()
+            .init_resource::<pipelines::Warnings>()
             .add_systems(
                 RenderStartup,
                 (

@@ -2,7 +2,7 @@
 
 use bevy::{
     asset::load_embedded_asset,
-    platform::collections::{HashMap, HashSet},
+    platform::collections::HashMap,
     prelude::*,
     render::{
         camera::ExtractedCamera,
@@ -24,6 +24,7 @@ use super::{
     support::ExposureSupport,
     uniforms::{ExposureState, ExposureView},
 };
+use crate::warn_once::WarnOnce;
 
 /// On a view with auto exposure: its pipelines, which may still be compiling.
 #[derive(Component, Clone, Copy)]
@@ -86,9 +87,15 @@ pub fn adapt_layout() -> BindGroupLayoutDescriptor {
     )
 }
 
-/// Cameras that have been warned of.
-#[derive(Resource, Default)]
-pub(super) struct Reported(HashSet<MainEntity>);
+/// Why cameras are without.
+#[derive(Resource)]
+pub(super) struct Warnings(WarnOnce<&'static str>);
+
+impl Default for Warnings {
+    fn default() -> Self {
+        Self(WarnOnce::new("LeanAutoExposure"))
+    }
+}
 
 /// Inserts or removes [`ViewExposurePipelines`]. A view keeps the pipelines that it has until those of new settings are
 /// compiled: without any, the picture would flash.
@@ -96,7 +103,7 @@ pub(super) fn queue_exposure_pipelines(
     mut commands: Commands,
     support: Res<ExposureSupport>,
     pipelines: Option<ResMut<ExposurePipelines>>,
-    mut reported: ResMut<Reported>,
+    mut warnings: ResMut<Warnings>,
     pipeline_cache: Res<PipelineCache>,
     images: Res<RenderAssets<GpuImage>>,
     views: Query<(
@@ -106,15 +113,16 @@ pub(super) fn queue_exposure_pipelines(
         &LeanAutoExposure,
         Option<&ViewExposurePipelines>,
     )>,
+    cameras: Query<&MainEntity, With<LeanAutoExposure>>,
 ) {
+    warnings.0.keep_only(cameras.iter());
     let Some(mut pipelines) = pipelines.filter(|_| support.missing.is_none()) else {
         return;
     };
     for (entity, camera, extracted, settings, current) in &views {
-        if !extracted.hdr {
-            if reported.0.insert(*camera) {
-                warn!("LeanAutoExposure on camera {camera:?} is off: it has no Hdr.");
-            }
+        let reason = (!extracted.hdr).then_some("it has no Hdr component");
+        warnings.0.tell(*camera, reason);
+        if reason.is_some() {
             commands.entity(entity).remove::<ViewExposurePipelines>();
             continue;
         }

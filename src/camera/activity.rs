@@ -2,22 +2,22 @@ use bevy::{
     camera::{Camera3dDepthLoadOp, CameraMainTextureUsages, visibility::RenderLayers},
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
     pbr::ViewKeyCache,
-    platform::collections::{HashMap, HashSet},
+    platform::collections::HashMap,
     prelude::*,
     render::{
         camera::{DirtySpecializations, ExtractedCamera},
         occlusion_culling::OcclusionCulling,
         render_resource::{PipelineCache, TextureFormat, TextureUsages},
-        sync_world::MainEntity,
         view::{ExtractedView, NoIndirectDrawing, RetainedViewEntity},
     },
 };
 
-use super::{LeanDeferred, LeanDeferredSupport};
+use super::{LeanDeferred, LeanDeferredSupport, LeanOffReason, status::LeanStatuses};
 use crate::{
     LeanAmbientOcclusion,
     gbuffer::{Demand, GBufferTargets, MotionResolvePipelines, ViewDemands},
     lighting::{LightingPipelines, LightingVariants, SceneFeatures, ViewLighting},
+    pipeline_watch::PipelineWatch,
 };
 
 /// The systems that decide which views are rendered lean; in `RenderSystems::PrepareAssets`.
@@ -64,65 +64,23 @@ impl ActiveLeanView {
     }
 }
 
-/// Why a camera with [`LeanDeferred`] is rendered by Bevy's forward passes instead.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Reason {
-    Msaa,
-    NotHdr,
-    Format(TextureFormat),
-    DeferredPrepass,
-    SoftShadows,
-}
-
-impl Reason {
-    fn message(self) -> String {
-        match self {
-            Self::Msaa => "its Msaa is not Off".into(),
-            Self::NotHdr => "it has no Hdr component".into(),
-            Self::Format(format) => {
-                format!("its main texture is {format:?}, and Rgba16Float is needed")
-            }
-            Self::DeferredPrepass => "it has DeferredPrepass (Bevy's own deferred renderer)".into(),
-            Self::SoftShadows => {
-                "a light has soft shadows (experimental_pbr_pcss), which only fragment shaders can filter"
-                    .into()
-            }
-        }
-    }
-}
-
-/// What has been warned of, so that each camera hears of each reason once.
-#[derive(Resource, Default)]
-pub(super) struct ReportedReasons(HashSet<(MainEntity, Reason)>);
-
-impl ReportedReasons {
-    fn report(&mut self, camera: MainEntity, reason: Reason) {
-        if self.0.insert((camera, reason)) {
-            warn!(
-                "LeanDeferred on camera {camera:?} is off, Bevy renders it: {}.",
-                reason.message()
-            );
-        }
-    }
-}
-
 fn reason_against(
     camera: &ExtractedCamera,
     view: &ExtractedView,
     msaa: &Msaa,
     deferred_prepass: bool,
     soft_shadows: bool,
-) -> Option<Reason> {
+) -> Option<LeanOffReason> {
     if msaa.samples() > 1 {
-        Some(Reason::Msaa)
+        Some(LeanOffReason::Msaa)
     } else if !camera.hdr {
-        Some(Reason::NotHdr)
+        Some(LeanOffReason::NotHdr)
     } else if view.target_format != TextureFormat::Rgba16Float {
-        Some(Reason::Format(view.target_format))
+        Some(LeanOffReason::Format(view.target_format))
     } else if deferred_prepass {
-        Some(Reason::DeferredPrepass)
+        Some(LeanOffReason::DeferredPrepass)
     } else if soft_shadows {
-        Some(Reason::SoftShadows)
+        Some(LeanOffReason::SoftShadows)
     } else {
         None
     }
@@ -164,12 +122,13 @@ pub(super) fn decide_active_views(
     mut commands: Commands,
     support: Option<Res<LeanDeferredSupport>>,
     (scene, view_keys): (SceneFeatures, Res<ViewKeyCache>),
-    (pipelines, mut motion_pipelines, pipeline_cache): (
+    (pipelines, mut motion_pipelines, pipeline_cache, pipeline_watch): (
         Option<ResMut<LightingPipelines>>,
         Option<ResMut<MotionResolvePipelines>>,
         Res<PipelineCache>,
+        Res<PipelineWatch>,
     ),
-    (mut reported, mut demands): (ResMut<ReportedReasons>, ResMut<ViewDemands>),
+    (mut statuses, mut demands): (ResMut<LeanStatuses>, ResMut<ViewDemands>),
     mut dirty_specializations: ResMut<DirtySpecializations>,
     mut active_before: Local<HashMap<RetainedViewEntity, ActiveLeanView>>,
     mut views: Query<(
@@ -198,10 +157,16 @@ pub(super) fn decide_active_views(
             .entity(entity)
             .remove::<(ActiveLeanView, ViewLighting)>();
     }
-    let (Some(mut pipelines), Some(LeanDeferredSupport::Full)) = (pipelines, support.as_deref())
-    else {
+    let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
         return;
     };
+    if let LeanDeferredSupport::Missing(missing) = &*support {
+        for (_, (_, view, ..), ..) in &views {
+            let camera = view.retained_view_entity.main_entity;
+            statuses.off(camera, LeanOffReason::Device(missing.clone()));
+        }
+        return;
+    }
     let soft_shadows = scene.has_soft_shadows();
     let mut active_now = HashMap::default();
     let mut candidates = HashSet::<RetainedViewEntity>::default();
@@ -211,7 +176,7 @@ pub(super) fn decide_active_views(
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
         if let Some(reason) = reason_against(camera, view, msaa, deferred, soft_shadows) {
-            reported.report(view.retained_view_entity.main_entity, reason);
+            statuses.off(view.retained_view_entity.main_entity, reason);
             commands
                 .entity(entity)
                 .remove::<(ActiveLeanView, ViewLighting)>();
@@ -221,6 +186,7 @@ pub(super) fn decide_active_views(
             (lighting, view_keys.get(&view.retained_view_entity))
         else {
             commands.entity(entity).insert(ViewLighting::default());
+            statuses.on(view.retained_view_entity.main_entity, false, None);
             continue;
         };
 
@@ -257,6 +223,12 @@ pub(super) fn decide_active_views(
                 .all(|(_, id)| pipeline_cache.get_compute_pipeline(*id).is_some())
                 .then_some(demand)
         });
+        let failure = lighting
+            .pipelines
+            .iter()
+            .find_map(|(_, id)| pipeline_watch.failure(*id));
+        let camera = view.retained_view_entity.main_entity;
+        statuses.on(camera, compiled.is_some(), failure);
         if let Some(Demand { targets, variants }) = compiled {
             let active = ActiveLeanView {
                 targets,

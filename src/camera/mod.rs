@@ -2,20 +2,26 @@
 //!
 //! - `settings.rs`: the component.
 //! - `support.rs`: what the device must offer, in one function.
+//! - `status.rs`: what the camera is doing, for the main world.
 //! - `activity.rs`: per camera and frame, the decision lean or Bevy's forward, with one warning per reason.
 
 mod activity;
 mod settings;
+mod status;
 mod support;
 
 pub use activity::{ActiveLeanView, LeanViewSystems};
 pub use settings::{GBufferChannel, GeometricNormal, LeanDeferred};
+pub use status::{LeanOffReason, LeanStatus};
 pub use support::{LeanDeferredSupport, missing_capabilities};
 
 use bevy::{
     pbr::check_views_need_specialization,
     prelude::*,
-    render::{Render, RenderApp, RenderSystems, extract_component::ExtractComponentPlugin},
+    render::{
+        ExtractSchedule, Render, RenderApp, RenderSystems,
+        extract_component::ExtractComponentPlugin,
+    },
 };
 
 use crate::camera_overrides;
@@ -28,14 +34,17 @@ impl Plugin for LeanCameraPlugin {
         app.register_type::<LeanDeferred>()
             .register_type::<GeometricNormal>()
             .register_type::<GBufferChannel>()
-            .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default());
+            .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
+            .register_type::<LeanStatus>()
+            .add_observer(status::remove_status);
         camera_overrides::add_to::<LeanDeferred>(app);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
         render_app
-            .init_resource::<activity::ReportedReasons>()
+            .init_resource::<status::LeanStatuses>()
+            .add_systems(ExtractSchedule, status::report_statuses)
             .add_systems(
                 Render,
                 (

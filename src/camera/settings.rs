@@ -1,7 +1,7 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
 use crate::{
-    camera::ActiveLeanView,
+    camera::{ActiveLeanView, LeanStatus},
     gbuffer::{GBufferTextures, GBufferUsage, ViewMotionResolve},
     lighting::ViewLighting,
 };
@@ -11,7 +11,7 @@ use crate::{
 /// The picture is that of Bevy's forward renderer. Opaque and alpha-masked meshes whose material the G-buffer can
 /// carry go through it; every other mesh is drawn by Bevy's forward passes on the same camera, against the same depth.
 /// Adding or removing the component at run time switches the camera over and frees what it held.
-/// What its targets cost is in [`GBufferUsage`].
+/// What the camera is doing is in [`LeanStatus`], what its targets cost in [`GBufferUsage`].
 ///
 /// Needs HDR (`Hdr` is added with the component) and no MSAA (switched off then). Removing the component gives back what
 /// the camera had, unless another effect needs it or the app has set it since. A camera that
@@ -19,7 +19,7 @@ use crate::{
 /// it, with one warning that names the reason.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(GBufferUsage)]
+#[require(GBufferUsage, LeanStatus)]
 #[extract_component_sync_target((
     Self,
     ActiveLeanView,
