@@ -29,6 +29,11 @@ var<workgroup> present: atomic<u32>;
 
 /// Puts the tile whose corner is `origin` on the list of each variant that one of its 64 invocations has.
 fn list_tile(origin: vec2<u32>, variant: u32, invocation: u32) {
+    // Whatever ran before has left something there.
+    if invocation == 0u {
+        atomicStore(&present, 0u);
+    }
+    workgroupBarrier();
     if variant != 0u {
         atomicOr(&present, 1u << variant);
     }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use bevy::tasks::block_on;
 use naga_oil::compose::{
-    ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor,
+    ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue,
 };
 
 /// Invocations of a workgroup, twin of `WORKGROUP` in [`entry_point`].
@@ -21,8 +21,8 @@ pub struct WgslModule {
 
 /// A device of its own, beside any that Bevy may have.
 pub struct Compute {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
 }
 
 /// A WGSL function from `INPUT` words to `OUTPUT` words, ready to run over many inputs.
@@ -52,6 +52,7 @@ impl Compute {
         let module = compose(
             modules,
             &format!("{source}\n{}", entry_point(INPUT, OUTPUT)),
+            &[],
         );
         let shader = self
             .device
@@ -175,7 +176,8 @@ fn main(
     )
 }
 
-fn compose(modules: &[WgslModule], source: &str) -> naga::Module {
+/// `source` with what it imports from `modules`, compiled with `defs`.
+pub fn compose(modules: &[WgslModule], source: &str, defs: &[(&str, u32)]) -> naga::Module {
     let mut composer = Composer::default();
     let report = |composer: &Composer, error: ComposerError| -> ! {
         panic!("{}", error.emit_to_string(composer))
@@ -192,6 +194,10 @@ fn compose(modules: &[WgslModule], source: &str) -> naga::Module {
     let composed = composer.make_naga_module(NagaModuleDescriptor {
         source,
         file_path: "kernel.wgsl",
+        shader_defs: defs
+            .iter()
+            .map(|(name, value)| (name.to_string(), ShaderDefValue::UInt(*value)))
+            .collect(),
         ..Default::default()
     });
     composed.unwrap_or_else(|error| report(&composer, error))
