@@ -25,7 +25,8 @@ struct LightLayersTable {
     rect_lights: array<u32, 8>,
     reflection_probes: array<u32, 8>,
     irradiance_volumes: array<u32, 8>,
-    /// x: of the point or spot light with this index; y: of the decal. All that come after these affect everything.
+    clustered_count: u32,
+    /// x: of the point or spot light with this index; y: of the decal. All from `clustered_count` on affect everything.
     clustered: array<vec2<u32>>,
 }
 #endif

@@ -37,7 +37,7 @@ fn affects_mesh(layers: u32) -> bool {
 
 /// The masks of the clustered light and of the decal with this index.
 fn clustered_layers(index: u32) -> vec2<u32> {
-    if index >= arrayLength(&light_layers.clustered) {
+    if index >= light_layers.clustered_count {
         return vec2(0xffffffffu);
     }
     return light_layers.clustered[index];

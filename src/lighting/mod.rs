@@ -3,7 +3,8 @@
 //! - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
 //! - `variants.rs`: the kinds of surfaces for which it is compiled apart.
 //! - `tile_lists.{rs,wgsl}`: where on the screen each kind is.
-//! - `light_layers.{rs,wgsl}`: which lights affect which meshes.
+//! - `light_layers.{rs,wgsl}`, `light_layer_table.rs`: which lights affect which meshes, and the table in which the
+//!   shader finds that.
 //! - `pipeline.rs`: layouts and pipelines.
 //! - `buffers.rs`, `bindings.rs`: the buffers and the bind groups, made anew only when what they bind changed.
 //! - `pass.rs`: the dispatches.
@@ -14,6 +15,7 @@ mod bindings;
 mod buffers;
 mod features;
 pub mod geometric_normal;
+mod light_layer_table;
 mod light_layers;
 mod pass;
 mod pipeline;
@@ -48,7 +50,7 @@ pub struct ViewLighting {
     /// The keys and pipelines of this frame, that for plain surfaces first.
     pub(crate) pipelines: Vec<(LightingKey, CachedComputePipelineId)>,
     tile_lists: Option<tile_lists::TileLists>,
-    light_layers: Option<light_layers::LightLayersBuffer>,
+    light_layers: Option<light_layer_table::LightLayersBuffer>,
     bindings: bindings::ViewLightingBindings,
 }
 
@@ -102,7 +104,7 @@ impl Plugin for LightingPlugin {
                 (
                     buffers::write_lighting_buffers.in_set(RenderSystems::PrepareResources),
                     (
-                        light_layers::write_light_layers,
+                        light_layer_table::write_light_layers,
                         bindings::prepare_lighting_bind_groups,
                     )
                         .chain()

@@ -19,7 +19,7 @@ use bevy::{
 use super::{
     buffers::LightingUniform,
     features::LightingKey,
-    light_layers::LightLayersTable,
+    light_layer_table::LightLayersTable,
     tile_lists::{filling_layout, reading_layout},
     variants::LightingVariant,
 };

@@ -1,11 +1,16 @@
 //! The visibility mask exists where lights tell the visible meshes apart, and only there.
 
-use bevy::{camera::visibility::RenderLayers, light::PointLight, prelude::*};
+use bevy::{
+    camera::visibility::RenderLayers,
+    light::{ClusteredDecal, PointLight, SpotLight},
+    prelude::*,
+};
 use bevy_lean_deferred::prelude::*;
 
 use crate::common::{
     headless::{Headless, Picture},
     lean::{build, judge, report, set_lean},
+    metrics::difference,
     scenes::{SceneBuilder, build::ambient},
 };
 
@@ -151,4 +156,133 @@ fn layers_change_at_run_time() {
     check("all lit", &mut headless, picture(start(None, on(&[2]))));
     assert_eq!(targets(&mut headless), NONE);
     report(results);
+}
+
+/// Six lights in a row, of which some are on layer 1 alone, before a wall of layer 0.
+fn row_of_lights(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity> {
+    s.solids();
+    let lights: Vec<_> = (0..6)
+        .map(|light| {
+            let color = Color::hsl(light as f32 * 60.0, 0.8, 0.6);
+            let light = PointLight {
+                color,
+                intensity: 600_000.0,
+                range: 4.0,
+                ..default()
+            };
+            s.spawn((light, Transform::default()))
+        })
+        .collect();
+    for (index, light) in lights.iter().enumerate() {
+        let place = Transform::from_xyz(index as f32 * 1.2 - 3.0, 1.5, 1.5);
+        let mut light = s.world().entity_mut(*light);
+        light.insert(place);
+        if on_another_layer.contains(&index) {
+            light.insert(RenderLayers::layer(1));
+        }
+    }
+    s.default_camera((ambient(), RenderLayers::from_layers(&[0, 1])));
+    lights
+}
+
+/// A scene that has `change` done to it while frames run, and its picture then.
+fn changed<L>(scene: impl FnOnce(&mut SceneBuilder) -> L, change: fn(&mut World, L)) -> Picture {
+    let mut lights = None;
+    let mut headless = build(SIZE, |s| lights = Some(scene(s)));
+    set_lean(&mut headless, true);
+    headless.settle();
+    headless.frames(3);
+    change(headless.world(), lights.expect("the scene was built"));
+    headless.settle();
+    headless.frames(3);
+    headless.capture()
+}
+
+#[test]
+fn lights_that_lose_their_layers_affect_all_again() {
+    let show = |layered: &[usize], change: fn(&mut World, Vec<Entity>)| {
+        changed(|s| row_of_lights(s, layered), change)
+    };
+    let before = show(&[1, 5], |_, _| {});
+    let after = show(&[1], |_, _| {});
+    let psnr = difference(&before, &after).psnr;
+    assert!(psnr < 40.0, "the last light shows: {psnr} dB");
+    let removed = show(&[1, 5], |world, lights| {
+        world.entity_mut(lights[5]).remove::<RenderLayers>();
+    });
+    // Another light takes the place of the first in Bevy's list, and one less is in it.
+    let despawned = show(&[1, 5], |world, lights| {
+        world.entity_mut(lights[5]).remove::<RenderLayers>();
+        world.despawn(lights[0]);
+    });
+    let without_first = show(&[1], |world, lights| {
+        world.despawn(lights[0]);
+    });
+    let replaced = show(&[1, 5], |world, lights| {
+        let mut last = world.entity_mut(lights[5]);
+        let light = last.take::<PointLight>().expect("a point light");
+        last.remove::<RenderLayers>().insert(SpotLight {
+            color: light.color,
+            intensity: light.intensity,
+            range: light.range,
+            ..default()
+        });
+    });
+    let spot = show(&[1], |world, lights| {
+        let mut last = world.entity_mut(lights[5]);
+        let light = last.take::<PointLight>().expect("a point light");
+        last.insert(SpotLight {
+            color: light.color,
+            intensity: light.intensity,
+            range: light.range,
+            ..default()
+        });
+    });
+    report([
+        judge("layers_removed", &after, &removed, 60.0),
+        judge("light_despawned", &without_first, &despawned, 60.0),
+        judge("light_replaced", &spot, &replaced, 60.0),
+    ]);
+}
+
+/// Decals side by side, of which some are on layer 1 alone.
+fn row_of_decals(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity> {
+    s.floor();
+    s.sun(false);
+    let image = s.checker([240, 60, 40, 255], [40, 60, 240, 255]);
+    let decals: Vec<_> = (0..4)
+        .map(|index| {
+            let decal = ClusteredDecal {
+                base_color_texture: Some(image.clone()),
+                ..default()
+            };
+            let place = Transform::from_xyz(index as f32 * 1.5 - 2.2, 0.0, 0.0)
+                .looking_to(Vec3::NEG_Y, Vec3::Z)
+                .with_scale(Vec3::splat(1.2));
+            let decal = s.spawn((decal, place));
+            if on_another_layer.contains(&index) {
+                s.world().entity_mut(decal).insert(RenderLayers::layer(1));
+            }
+            decal
+        })
+        .collect();
+    s.default_camera((ambient(), RenderLayers::from_layers(&[0, 1])));
+    decals
+}
+
+/// On devices that show decals at all: a software renderer may not.
+#[test]
+fn decals_that_lose_their_layers_affect_all_again() {
+    let show = |layered: &[usize], change: fn(&mut World, Vec<Entity>)| {
+        changed(|s| row_of_decals(s, layered), change)
+    };
+    let after = show(&[0], |_, _| {});
+    if after.rgba == show(&[0, 1, 2, 3], |_, _| {}).rgba {
+        println!("no decals on this device");
+        return;
+    }
+    let removed = show(&[0, 3], |world, decals| {
+        world.entity_mut(decals[3]).remove::<RenderLayers>();
+    });
+    report([judge("layers_removed", &after, &removed, 60.0)]);
 }

@@ -1,0 +1,195 @@
+//! The layers of lights as the lighting shader reads them: a table for each view, written when it has changed.
+
+use bevy::{
+    camera::visibility::RenderLayers,
+    ecs::system::SystemParam,
+    light::{EnvironmentMapLight, IrradianceVolume},
+    pbr::{
+        ExtractedDirectionalLight, ExtractedRectLight, GlobalClusterableObjectMeta,
+        MAX_DIRECTIONAL_LIGHTS, MAX_RECT_LIGHTS, MAX_VIEW_LIGHT_PROBES, RenderViewLightProbes,
+        decal::clustered::RenderClusteredDecals,
+    },
+    prelude::*,
+    render::{
+        render_resource::{ShaderType, StorageBuffer},
+        renderer::{RenderDevice, RenderQueue},
+        sync_world::MainEntity,
+    },
+};
+
+use super::{
+    ViewLighting,
+    features::ViewEnvironmentMaps,
+    light_layers::{ALL, LightLayers},
+};
+use crate::camera::ActiveLeanView;
+
+/// Twin of the struct of the same name in `bindings.wgsl`.
+#[derive(ShaderType, Clone, Debug, PartialEq)]
+pub(super) struct LightLayersTable {
+    directional_lights: [u32; MAX_DIRECTIONAL_LIGHTS],
+    rect_lights: [u32; MAX_RECT_LIGHTS],
+    reflection_probes: [u32; MAX_VIEW_LIGHT_PROBES],
+    irradiance_volumes: [u32; MAX_VIEW_LIGHT_PROBES],
+    /// The buffer may be longer: it does not shrink.
+    clustered_count: u32,
+    #[shader(size(runtime))]
+    clustered: Vec<UVec2>,
+}
+
+impl Default for LightLayersTable {
+    fn default() -> Self {
+        Self {
+            directional_lights: [ALL; MAX_DIRECTIONAL_LIGHTS],
+            rect_lights: [ALL; MAX_RECT_LIGHTS],
+            reflection_probes: [ALL; MAX_VIEW_LIGHT_PROBES],
+            irradiance_volumes: [ALL; MAX_VIEW_LIGHT_PROBES],
+            clustered_count: 0,
+            // A buffer holds one element at least.
+            clustered: vec![UVec2::splat(ALL)],
+        }
+    }
+}
+
+impl LightLayersTable {
+    fn clear(&mut self) {
+        let mut clustered = core::mem::take(&mut self.clustered);
+        clustered.clear();
+        clustered.push(UVec2::splat(ALL));
+        *self = Self {
+            clustered,
+            ..default()
+        };
+    }
+
+    /// The masks at `index` of the clustered lights and decals.
+    fn clustered_at(&mut self, index: usize) -> &mut UVec2 {
+        if self.clustered.len() <= index {
+            self.clustered.resize(index + 1, UVec2::splat(ALL));
+        }
+        self.clustered_count = self.clustered_count.max(index as u32 + 1);
+        &mut self.clustered[index]
+    }
+}
+
+/// The lights, decals and light probes of the render world, as far as their places in Bevy's buffers follow from it.
+#[derive(SystemParam)]
+pub(super) struct PlacedLights<'w, 's> {
+    layers: Res<'w, LightLayers>,
+    clustered: Res<'w, GlobalClusterableObjectMeta>,
+    decals: Option<Res<'w, RenderClusteredDecals>>,
+    directional_lights: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static MainEntity,
+            &'static ExtractedDirectionalLight,
+            &'static RenderLayers,
+        ),
+    >,
+    // What Bevy queries, so that it comes in Bevy's order.
+    rect_lights: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static MainEntity,
+            &'static ExtractedRectLight,
+            &'static RenderLayers,
+        ),
+    >,
+}
+
+impl PlacedLights<'_, '_> {
+    /// Fills in what is the same for all views.
+    fn fill_common(&self, table: &mut LightLayersTable) {
+        table.clear();
+        for (entity, mask, is_decal) in self.layers.masks() {
+            if let Some(index) = self.clustered.entity_to_index.get(&entity) {
+                table.clustered_at(*index).x = mask;
+            }
+            // The textures of lights are in this list too.
+            let decals = self.decals.as_ref().filter(|_| is_decal);
+            if let Some(index) = decals.and_then(|decals| decals.get(entity)) {
+                table.clustered_at(index).y = mask;
+            }
+        }
+        for (mask, (_, light, ..)) in table.rect_lights.iter_mut().zip(&self.rect_lights) {
+            *mask = self.layers.mask(light);
+        }
+    }
+
+    /// The masks of the directional lights that a view has, in the order of Bevy's `prepare_lights`.
+    fn directional_lights(&self, view_layers: &RenderLayers) -> [u32; MAX_DIRECTIONAL_LIGHTS] {
+        let mut lights: Vec<_> = self
+            .directional_lights
+            .iter()
+            .filter(|(_, _, _, layers)| layers.intersects(view_layers))
+            .map(|(entity, main_entity, light, _)| {
+                let place = (light.volumetric, light.shadow_maps_enabled, entity);
+                (place, main_entity)
+            })
+            .collect();
+        lights.sort_unstable_by_key(|(place, _)| *place);
+        let mut masks = [ALL; MAX_DIRECTIONAL_LIGHTS];
+        for (mask, (_, light)) in masks.iter_mut().zip(lights) {
+            *mask = self.layers.mask(light);
+        }
+        masks
+    }
+
+    /// The masks of the probes of a view of one kind.
+    fn probes<C: bevy::pbr::LightProbeComponent>(
+        &self,
+        probes: Option<&RenderViewLightProbes<C>>,
+    ) -> [u32; MAX_VIEW_LIGHT_PROBES] {
+        let mut masks = [ALL; MAX_VIEW_LIGHT_PROBES];
+        for (probe, index) in probes
+            .iter()
+            .flat_map(|probes| &probes.main_entity_to_render_light_probe_index)
+        {
+            if let Some(mask) = masks.get_mut(*index as usize) {
+                *mask = self.layers.mask(probe);
+            }
+        }
+        masks
+    }
+}
+
+/// Fills the tables of the views whose lighting is compiled for them.
+pub(super) fn write_light_layers(
+    lights: PlacedLights,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    mut views: Query<(
+        &mut ViewLighting,
+        Option<&ActiveLeanView>,
+        Option<&RenderLayers>,
+        Option<&ViewEnvironmentMaps>,
+        Option<&RenderViewLightProbes<IrradianceVolume>>,
+    )>,
+    mut table: Local<LightLayersTable>,
+) {
+    let mut has_common = false;
+    for (mut lighting, active, view_layers, environment_maps, volumes) in &mut views {
+        if !active.is_some_and(|active| active.has_light_layers) {
+            lighting.light_layers = None;
+            continue;
+        }
+        if !has_common {
+            lights.fill_common(&mut table);
+            has_common = true;
+        }
+        table.directional_lights = lights.directional_lights(view_layers.unwrap_or_default());
+        table.reflection_probes = lights.probes::<EnvironmentMapLight>(environment_maps);
+        table.irradiance_volumes = lights.probes(volumes);
+        let buffer = lighting.light_layers.get_or_insert_default();
+        if buffer.buffer().is_none() || *buffer.get() != *table {
+            buffer.set(table.clone());
+            buffer.write_buffer(&device, &queue);
+        }
+    }
+}
+
+/// The table of one view.
+pub(super) type LightLayersBuffer = StorageBuffer<LightLayersTable>;
