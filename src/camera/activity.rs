@@ -8,11 +8,16 @@ use bevy::{
         camera::{DirtySpecializations, ExtractedCamera},
         occlusion_culling::OcclusionCulling,
         render_resource::{PipelineCache, TextureFormat, TextureUsages},
-        view::{ExtractedView, NoIndirectDrawing, RetainedViewEntity},
+        view::{
+            ExtractedView, NoIndirectDrawing, RenderExtractedVisibleEntities, RetainedViewEntity,
+        },
     },
 };
 
-use super::{LeanDeferred, LeanDeferredSupport, LeanOffReason, status::LeanStatuses};
+use super::{
+    LeanDeferred, LeanDeferredSupport, LeanOffReason, foreign_depth::others_may_draw_depth,
+    status::LeanStatuses,
+};
 use crate::{
     LeanAmbientOcclusion,
     gbuffer::{Demand, GBufferTargets, MotionResolvePipelines, ViewDemands},
@@ -139,6 +144,7 @@ pub(super) fn decide_active_views(
             &Msaa,
             &Camera3d,
             Option<&RenderLayers>,
+            Option<&RenderExtractedVisibleEntities>,
         ),
         (
             Has<DepthPrepass>,
@@ -172,7 +178,7 @@ pub(super) fn decide_active_views(
     let mut candidates = HashSet::<RetainedViewEntity>::default();
 
     for (entity, camera, prepasses, (settings, occlusion), (lighting, current)) in &mut views {
-        let (camera, view, msaa, camera_3d, layers) = camera;
+        let (camera, view, msaa, camera_3d, layers, visible) = camera;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
         if let Some(reason) = reason_against(camera, view, msaa, deferred, soft_shadows) {
@@ -190,7 +196,7 @@ pub(super) fn decide_active_views(
             continue;
         };
 
-        let order = draw_order(
+        let mut order = draw_order(
             camera_3d,
             (depth, normal, motion),
             occlusion_culling && !no_indirect,
@@ -200,6 +206,7 @@ pub(super) fn decide_active_views(
                     .is_some_and(|pipelines| pipelines.are_ready(&pipeline_cache, in_two_phases))
             },
         );
+        order.depth_tells_geometry &= !others_may_draw_depth(visible);
         let before = active_before
             .get(&view.retained_view_entity)
             .map_or(Demand::default(), ActiveLeanView::demand);

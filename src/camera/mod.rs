@@ -3,9 +3,11 @@
 //! - `settings.rs`: the component.
 //! - `support.rs`: what the device must offer, in one function.
 //! - `status.rs`: what the camera is doing, for the main world.
+//! - `foreign_depth.rs`: whether other renderers than Bevy's for meshes draw depth.
 //! - `activity.rs`: per camera and frame, the decision lean or Bevy's forward, with one warning per reason.
 
 mod activity;
+mod foreign_depth;
 mod settings;
 mod status;
 mod support;
