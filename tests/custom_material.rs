@@ -46,9 +46,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 ";
 
 const GBUFFER_MAIN: &str = r"
-#import bevy_lean_deferred::gbuffer::pack::{
-    GBufferOutput, apply_discards, pack_pbr_input, with_motion,
-}
+#import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, apply_discards, pack_pbr_input}
 #import bevy_pbr::{
     pbr_fragment::pbr_input_from_standard_material,
     prepass_io::VertexOutput,
@@ -59,7 +57,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferO
     var pbr = pbr_input_from_standard_material(in, is_front);
     pbr.material.base_color = stripes(pbr.material.base_color, in.world_position.y);
     apply_discards(in, &pbr);
-    return with_motion(pack_pbr_input(pbr), in);
+    return pack_pbr_input(pbr, in);
 }
 ";
 

@@ -300,6 +300,48 @@ fn moving_meshes() {
     assert_eq!(targets, [4, 5, 6, 7]);
 }
 
+/// Materials of this crate and of others pack their motion as `StandardMaterial` does.
+#[test]
+fn moving_extended_materials() {
+    let rim = ShadingExtension::Rim {
+        color: Color::WHITE,
+        exponent: 4.0,
+    };
+    let subsurface = ShadingExtension::Subsurface {
+        color: Color::WHITE,
+        mean_free_path: 0.02,
+    };
+    let targets = Case::new(
+        "moving_extended_materials",
+        |s| {
+            scene(s, taa());
+            let mesh = s.add::<Mesh>(Sphere::new(0.4).mesh().uv(32, 16));
+            for (extension, x) in [
+                (rim, -0.9),
+                (subsurface, 0.0),
+                (ShadingExtension::None, 0.9),
+            ] {
+                let material = s.add::<ExtendedStandardMaterial>(ExtendedStandardMaterial {
+                    base: Color::srgb(0.9, 0.6, 0.2).into(),
+                    extension,
+                });
+                s.spawn((
+                    Mesh3d(mesh.clone()),
+                    MeshMaterial3d(material),
+                    Transform::from_xyz(x, 1.0, 1.0),
+                    Mover,
+                ));
+            }
+        },
+        |world, frame| {
+            turn_camera(world, frame as f32 * 0.005);
+            shift_movers(world, Vec3::new(0.05, 0.02, -0.03));
+        },
+    )
+    .compare();
+    assert_eq!(targets, [1, 2, 3, 4, 5, 6, 7]);
+}
+
 #[test]
 fn skinned_mesh() {
     let targets = Case::new(

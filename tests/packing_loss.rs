@@ -41,13 +41,16 @@ const SHADER: &str = r"
     pbr_fragment::pbr_input_from_standard_material,
     pbr_functions::{apply_pbr_lighting, main_pass_post_lighting_processing},
     pbr_types::STANDARD_MATERIAL_FLAGS_UNLIT_BIT,
+    prepass_io,
 }
 
 @fragment
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
     var pbr = pbr_input_from_standard_material(in, is_front);
     let is_unlit = (pbr.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u;
-    let words = pack_pbr_input(pbr);
+    // Nothing moves here.
+    var vertex: prepass_io::VertexOutput;
+    let words = pack_pbr_input(pbr, vertex);
     pbr.material.base_color = vec4(layout::unpack_albedo(words.surface), 1.0);
     pbr.material.metallic = layout::unpack_metallic(words.surface);
     pbr.material.perceptual_roughness = layout::unpack_roughness(words.normal);

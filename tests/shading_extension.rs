@@ -2,7 +2,17 @@
 
 mod common;
 
-use bevy::{light::AmbientLight, prelude::*, render::RenderApp};
+use bevy::{
+    core_pipeline::oit::OrderIndependentTransparencySettings,
+    light::AmbientLight,
+    pbr::PreparedMaterial,
+    platform::collections::HashSet,
+    prelude::*,
+    render::{
+        RenderApp, erased_render_asset::ErasedRenderAssets, render_resource::AsBindGroup,
+        renderer::RenderDevice,
+    },
+};
 use bevy_lean_deferred::{camera::ActiveLeanView, prelude::*};
 use common::{
     headless::{Headless, Picture},
@@ -210,4 +220,73 @@ fn other_bases_match_forward() {
             GBufferTargets::empty(),
         ),
     ]);
+}
+
+/// Cards of one material behind one another, the nearest first in the order of drawing.
+fn blended(s: &mut SceneBuilder, extended: bool) {
+    s.solids();
+    let card = s.add::<Mesh>(Rectangle::new(3.0, 1.6));
+    for (z, color) in [
+        (2.0, Color::srgba(0.9, 0.2, 0.1, 0.5)),
+        (1.0, Color::srgba(0.1, 0.8, 0.2, 0.5)),
+        (1.5, Color::srgba(0.1, 0.2, 0.9, 0.7)),
+    ] {
+        let base = StandardMaterial {
+            base_color: color,
+            alpha_mode: AlphaMode::Blend,
+            ..default()
+        };
+        let place = Transform::from_xyz(0.3 * z, 0.8, z);
+        if extended {
+            let extension = ShadingExtension::None;
+            let material =
+                s.add::<ExtendedStandardMaterial>(ExtendedStandardMaterial { base, extension });
+            s.spawn((Mesh3d(card.clone()), MeshMaterial3d(material), place));
+        } else {
+            let material = s.add::<StandardMaterial>(base);
+            s.spawn((Mesh3d(card.clone()), MeshMaterial3d(material), place));
+        }
+    }
+    s.sun(false);
+    s.default_camera(OrderIndependentTransparencySettings::default());
+}
+
+/// On cameras that sort what is transparent for each pixel, too.
+#[test]
+fn blended_materials_match_their_base() {
+    let [base, extended] = [false, true].map(|extended| {
+        let mut headless = build(SIZE, |s| blended(s, extended));
+        let forward = settled(&mut headless);
+        set_lean(&mut headless, true);
+        [forward, settled(&mut headless)]
+    });
+    report([
+        judge("blended_forward", &base[0], &extended[0], 60.0),
+        judge("blended_lean", &base[1], &extended[1], 60.0),
+        judge("blended", &extended[0], &extended[1], LEAST_PSNR),
+    ]);
+}
+
+/// Where `StandardMaterial`s share a bind group, those with an extension do.
+#[test]
+fn materials_share_a_bind_group() {
+    let mut headless = build(SIZE, |s| {
+        scene(s, Surroundings::Ambient, RIMS, |_| {});
+        balls(s, SUBSURFACES, |_| {});
+    });
+    headless.settle();
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    if !StandardMaterial::bindless_supported(world.resource::<RenderDevice>()) {
+        println!("this device has no binding arrays");
+        return;
+    }
+    let extended = core::any::TypeId::of::<ExtendedStandardMaterial>();
+    let materials = world.resource::<ErasedRenderAssets<PreparedMaterial>>();
+    let groups: Vec<_> = (materials.iter())
+        .filter(|(id, _)| id.type_id() == extended)
+        .map(|(_, material)| material.binding.group.0)
+        .collect();
+    assert_eq!(groups.len(), 6);
+    let distinct: HashSet<_> = groups.iter().copied().collect();
+    assert_eq!(distinct.len(), 1, "{groups:?}");
 }

@@ -1,7 +1,5 @@
 // Fragment shader that draws a `StandardMaterial` into the packed G-buffer.
-#import bevy_lean_deferred::gbuffer::pack::{
-    GBufferOutput, apply_discards, pack_pbr_input, with_motion,
-}
+#import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, apply_discards, pack_pbr_input}
 #import bevy_pbr::{
     pbr_fragment::pbr_input_from_standard_material,
     prepass_io::VertexOutput,
@@ -11,5 +9,5 @@
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferOutput {
     var pbr_input = pbr_input_from_standard_material(in, is_front);
     apply_discards(in, &pbr_input);
-    return with_motion(pack_pbr_input(pbr_input), in);
+    return pack_pbr_input(pbr_input, in);
 }

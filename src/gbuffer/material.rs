@@ -24,27 +24,24 @@ use super::{
 /// Implement it for your own material, add [`GBufferMaterialPlugin`] for it, and its meshes go through the G-buffer of
 /// every [`LeanDeferred`](crate::LeanDeferred) camera; without, Bevy's forward pass draws them there. The fragment
 /// shader runs in Bevy's prepass pipeline: it gets `bevy_pbr::prepass_io::VertexOutput`, the material's own bind
-/// group, and returns what `bevy_lean_deferred::gbuffer::pack::pack_pbr_input` makes of a `PbrInput`:
+/// group, and returns what `bevy_lean_deferred::gbuffer::pack::pack_pbr_input` makes of a `PbrInput` and that:
 ///
 /// ```wgsl
 /// #import bevy_pbr::{prepass_io::VertexOutput, pbr_fragment::pbr_input_from_standard_material}
-/// #import bevy_lean_deferred::gbuffer::pack::{
-///     GBufferOutput, apply_discards, pack_pbr_input, with_motion,
-/// }
+/// #import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, apply_discards, pack_pbr_input}
 ///
 /// @fragment
 /// fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferOutput {
 ///     var pbr_input = pbr_input_from_standard_material(in, is_front);
 ///     pbr_input.material.base_color.b = 1.0;
 ///     apply_discards(in, &pbr_input);
-///     return with_motion(pack_pbr_input(pbr_input), in);
+///     return pack_pbr_input(pbr_input, in);
 /// }
 /// ```
 ///
 /// The shader is compiled once without optional targets, and if the material needs some, with `GBUFFER_EMISSIVE`,
-/// `GBUFFER_SPECIALIZATION`, `GBUFFER_MOTION` and `GBUFFER_VISIBILITY_MASK` as far as the view has them. `pack_pbr_input` fills the first two from
-/// the same `PbrInput`, `with_motion` the last: without it motion vectors are those of a mesh at rest. For meshes that
-/// do not move `VertexOutput` has no previous position.
+/// `GBUFFER_SPECIALIZATION`, `GBUFFER_MOTION` and `GBUFFER_VISIBILITY_MASK` as far as the view has them. `pack_pbr_input`
+/// fills them all. For meshes that do not move `VertexOutput` has no previous position.
 ///
 /// Its vertex shader is the one of the material's deferred pass ([`Material::deferred_vertex_shader`]).
 pub trait GBufferMaterial: Material {

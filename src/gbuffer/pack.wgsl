@@ -62,29 +62,29 @@ fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
         alpha_discard((*pbr_input).material, (*pbr_input).material.base_color);
 }
 
-/// Packs what the targets of this pass carry of `in`: base colour, metallic, roughness, shading normal and occlusion,
+/// Packs what the targets of this pass carry of `pbr`: base colour, metallic, roughness, shading normal and occlusion,
 /// and where they are written, emitted light, what a `StandardMaterial` may have beyond these, and the layers of the
-/// mesh. The surface does not move, unless `with_motion` says otherwise.
-fn pack_pbr_input(in: PbrInput) -> GBufferOutput {
+/// mesh; and of `in`, how the surface moves.
+fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
     var out: GBufferOutput;
     let words = pack(Surface(
-        in.material.base_color.rgb,
-        in.material.metallic,
+        pbr.material.base_color.rgb,
+        pbr.material.metallic,
         // The occlusion texture has one channel; all three are equal here.
-        in.diffuse_occlusion.r,
-        in.N,
-        in.material.perceptual_roughness,
+        pbr.diffuse_occlusion.r,
+        pbr.N,
+        pbr.material.perceptual_roughness,
     ));
     out.surface = words.x;
     out.normal = words.y;
 #ifdef GBUFFER_EMISSIVE
-    out.emissive = pack_emissive(stored_light(in));
+    out.emissive = pack_emissive(stored_light(pbr));
 #endif
 #ifdef GBUFFER_SPECIALIZATION
-    out.specialization = specialization_word(in, words.y);
+    out.specialization = specialization_word(pbr, words.y);
 #endif
 #ifdef GBUFFER_MOTION
-    out.motion = INVALID_MOTION;
+    out.motion = motion_word(in);
 #endif
 #ifdef GBUFFER_VISIBILITY_MASK
     out.visibility_mask = #{MESH_VISIBILITY_MASK}u;
@@ -92,26 +92,31 @@ fn pack_pbr_input(in: PbrInput) -> GBufferOutput {
     return out;
 }
 
-/// Adds where the surface was in the last frame, if the mesh moves or deforms. The others' motion follows from depth.
-fn with_motion(out: GBufferOutput, in: VertexOutput) -> GBufferOutput {
-    var moved = out;
 #ifdef GBUFFER_MOTION
+/// Where the surface was in the last frame, if the mesh moves or deforms. The others' motion follows from depth.
+fn motion_word(in: VertexOutput) -> u32 {
 #ifdef MOTION_VECTOR_PREPASS
-    moved.motion = pack_motion(motion_between(
+    return pack_motion(motion_between(
         view.unjittered_clip_from_world * in.world_position,
         previous_view_uniforms.clip_from_world * in.previous_world_position,
     ));
+#else
+    return INVALID_MOTION;
 #endif
-#endif
-    return moved;
 }
+#endif
 
 #ifdef GBUFFER_SPECIALIZATION
 /// As `pack_pbr_input`, with a shading model that a `StandardMaterial` does not have, and its packed arguments.
-fn pack_shading_model(in: PbrInput, shading_model: u32, arguments: u32) -> GBufferOutput {
-    var out = pack_pbr_input(in);
-    let reflectance = in.material.reflectance.g;
-    let word = special::pack_specialization(reflectance, shading_model, flags(in));
+fn pack_shading_model(
+    pbr: PbrInput,
+    in: VertexOutput,
+    shading_model: u32,
+    arguments: u32,
+) -> GBufferOutput {
+    var out = pack_pbr_input(pbr, in);
+    let reflectance = pbr.material.reflectance.g;
+    let word = special::pack_specialization(reflectance, shading_model, flags(pbr));
     out.specialization = special::with_arguments(word, arguments);
     return out;
 }
@@ -119,20 +124,20 @@ fn pack_shading_model(in: PbrInput, shading_model: u32, arguments: u32) -> GBuff
 
 #ifdef GBUFFER_EMISSIVE
 /// Light as the camera is exposed to it.
-fn emitted_light(in: PbrInput) -> vec3<f32> {
-    return in.material.emissive.rgb * mix(1.0, view.exposure, in.material.emissive.a);
+fn emitted_light(pbr: PbrInput) -> vec3<f32> {
+    return pbr.material.emissive.rgb * mix(1.0, view.exposure, pbr.material.emissive.a);
 }
 
-fn stored_light(in: PbrInput) -> vec3<f32> {
-    let emitted = emitted_light(in);
+fn stored_light(pbr: PbrInput) -> vec3<f32> {
+    let emitted = emitted_light(pbr);
 #ifdef LIGHTMAP
-    let incident = in.lightmap_light * view.exposure;
-    if emits(in) {
+    let incident = pbr.lightmap_light * view.exposure;
+    if emits(pbr) {
         return emitted + incident * calculate_diffuse_color(
-            in.material.base_color.rgb,
-            in.material.metallic,
-            in.material.specular_transmission,
-            in.material.diffuse_transmission,
+            pbr.material.base_color.rgb,
+            pbr.material.metallic,
+            pbr.material.specular_transmission,
+            pbr.material.diffuse_transmission,
         );
     }
     return incident;
@@ -143,49 +148,49 @@ fn stored_light(in: PbrInput) -> vec3<f32> {
 #endif  // GBUFFER_EMISSIVE
 
 #ifdef LIGHTMAP
-fn emits(in: PbrInput) -> bool {
-    return any(in.material.emissive.rgb != vec3(0.0));
+fn emits(pbr: PbrInput) -> bool {
+    return any(pbr.material.emissive.rgb != vec3(0.0));
 }
 #endif
 
 #ifdef GBUFFER_SPECIALIZATION
-fn flags(in: PbrInput) -> u32 {
-    let has_fog = (in.material.flags & STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT) != 0u;
-    let has_shadows = (in.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
+fn flags(pbr: PbrInput) -> u32 {
+    let has_fog = (pbr.material.flags & STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT) != 0u;
+    let has_shadows = (pbr.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
     var flags = select(special::NO_FOG, 0u, has_fog);
     flags |= select(special::NO_SHADOWS, 0u, has_shadows);
 #ifdef LIGHTMAP
     // Kept apart where that is possible: decals change what a surface reflects of a lightmap.
-    flags |= select(special::LIGHTMAP_INCIDENT, special::LIGHTMAP_REFLECTED, emits(in));
+    flags |= select(special::LIGHTMAP_INCIDENT, special::LIGHTMAP_REFLECTED, emits(pbr));
 #endif
     return flags;
 }
 
-fn specialization_word(in: PbrInput, normal_word: u32) -> u32 {
-    let flags = flags(in);
-    if (in.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u {
+fn specialization_word(pbr: PbrInput, normal_word: u32) -> u32 {
+    let flags = flags(pbr);
+    if (pbr.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u {
         return special::pack_unlit(
-            in.material.base_color.rgb,
+            pbr.material.base_color.rgb,
             special::UNLIT,
             flags,
         );
     }
     // Only materials without a tint are here: the channels are equal.
-    let reflectance = in.material.reflectance.g;
+    let reflectance = pbr.material.reflectance.g;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     return special::with_arguments(
         special::pack_specialization(reflectance, special::CLEARCOAT, flags),
         special::pack_clearcoat(
-            in.material.clearcoat,
-            in.material.clearcoat_perceptual_roughness,
+            pbr.material.clearcoat,
+            pbr.material.clearcoat_perceptual_roughness,
         ),
     );
 #else ifdef STANDARD_MATERIAL_ANISOTROPY
     return special::with_arguments(
         special::pack_specialization(reflectance, special::ANISOTROPY, flags),
         special::pack_anisotropy(
-            in.anisotropy_strength,
-            in.anisotropy_T,
+            pbr.anisotropy_strength,
+            pbr.anisotropy_T,
             unpack_normal(normal_word),
         ),
     );
@@ -193,9 +198,9 @@ fn specialization_word(in: PbrInput, normal_word: u32) -> u32 {
     return special::with_arguments(
         special::pack_specialization(reflectance, special::BACKLIGHT, flags),
         special::pack_backlight(
-            in.material.diffuse_transmission,
-            in.material.thickness,
-            (in.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u,
+            pbr.material.diffuse_transmission,
+            pbr.material.thickness,
+            (pbr.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u,
         ),
     );
 #else

@@ -2,24 +2,32 @@
 #import bevy_lean_deferred::gbuffer::layout::specialization::{
     RIM, unpack_rim_color, unpack_rim_exponent,
 }
-#import bevy_lean_deferred::shading_extension::{extension::extension, rim::rim_light}
+#import bevy_lean_deferred::shading_extension::{extension::extension_of, rim::rim_light}
 #import bevy_pbr::{
     decal::clustered::apply_decals,
     forward_io::{FragmentOutput, VertexOutput},
     pbr_fragment::pbr_input_from_standard_material,
     pbr_functions::{alpha_discard, apply_pbr_lighting, main_pass_post_lighting_processing},
-    pbr_types::{PbrInput, STANDARD_MATERIAL_FLAGS_UNLIT_BIT},
+    pbr_types::{
+        PbrInput, STANDARD_MATERIAL_FLAGS_ALPHA_MODE_OPAQUE,
+        STANDARD_MATERIAL_FLAGS_ALPHA_MODE_RESERVED_BITS, STANDARD_MATERIAL_FLAGS_UNLIT_BIT,
+    },
 }
 
 #ifdef VISIBILITY_RANGE_DITHER
 #import bevy_pbr::pbr_functions::visibility_range_dither
 #endif
 
-fn light(pbr: PbrInput) -> vec4<f32> {
+#ifdef OIT_ENABLED
+#import bevy_core_pipeline::oit::oit_draw
+#endif
+
+fn light(pbr: PbrInput, instance_index: u32) -> vec4<f32> {
     if (pbr.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u {
         return pbr.material.base_color;
     }
     var color = apply_pbr_lighting(pbr);
+    let extension = extension_of(instance_index);
     if extension.shading_model == RIM {
         let rim_color = unpack_rim_color(extension.arguments);
         let rim = rim_light(pbr, rim_color, unpack_rim_exponent(extension.arguments));
@@ -37,6 +45,14 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     pbr.material.base_color = alpha_discard(pbr.material, pbr.material.base_color);
     apply_decals(&pbr);
     var out: FragmentOutput;
-    out.color = main_pass_post_lighting_processing(pbr, light(pbr));
+    out.color = main_pass_post_lighting_processing(pbr, light(pbr, in.instance_index));
+#ifdef OIT_ENABLED
+    // As in Bevy's `pbr.wgsl`: kept for the pass that sorts what is transparent.
+    let alpha_mode = pbr.material.flags & STANDARD_MATERIAL_FLAGS_ALPHA_MODE_RESERVED_BITS;
+    if alpha_mode != STANDARD_MATERIAL_FLAGS_ALPHA_MODE_OPAQUE {
+        oit_draw(in.position, out.color);
+        discard;
+    }
+#endif
     return out;
 }

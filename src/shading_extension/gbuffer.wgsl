@@ -7,7 +7,7 @@
 
 #ifdef GBUFFER_SPECIALIZATION
 #import bevy_lean_deferred::gbuffer::{layout::specialization::PLAIN, pack::pack_shading_model}
-#import bevy_lean_deferred::shading_extension::extension::extension
+#import bevy_lean_deferred::shading_extension::extension::extension_of
 #endif
 
 @fragment
@@ -15,9 +15,10 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferO
     var pbr_input = pbr_input_from_standard_material(in, is_front);
     apply_discards(in, &pbr_input);
 #ifdef GBUFFER_SPECIALIZATION
+    let extension = extension_of(in.instance_index);
     if extension.shading_model != PLAIN {
-        return pack_shading_model(pbr_input, extension.shading_model, extension.arguments);
+        return pack_shading_model(pbr_input, in, extension.shading_model, extension.arguments);
     }
 #endif
-    return pack_pbr_input(pbr_input);
+    return pack_pbr_input(pbr_input, in);
 }

@@ -12,7 +12,7 @@ use bevy::{
     render::{
         render_resource::{
             AsBindGroup, AsBindGroupError, BindGroupLayout, BindGroupLayoutEntry,
-            UnpreparedBindGroup,
+            BindlessDescriptor, BindlessSlabResourceLimit, ShaderType, UnpreparedBindGroup,
         },
         renderer::RenderDevice,
     },
@@ -115,23 +115,35 @@ fn embedded(file: &str) -> ShaderRef {
     ShaderRef::Path(AssetPath::from_path_buf(embedded_path!(file)).with_source("embedded"))
 }
 
-/// What the shaders read of the extension, in the bind group of the material.
-#[derive(AsBindGroup)]
-#[doc(hidden)]
-pub struct ExtensionBindings {
-    #[uniform(100)]
+/// Twin of `Extension` in `extension.wgsl`.
+#[derive(ShaderType)]
+struct ExtensionUniform {
     shading_model: u32,
-    #[uniform(100)]
     arguments: u32,
 }
 
-impl From<&ShadingExtension> for ExtensionBindings {
-    fn from(extension: &ShadingExtension) -> Self {
+impl From<&ExtensionBindings> for ExtensionUniform {
+    fn from(bindings: &ExtensionBindings) -> Self {
+        let extension = bindings.extension;
         Self {
             shading_model: extension.shading_model() as u32,
             arguments: extension.packed_arguments(),
         }
     }
+}
+
+/// What the shaders read of the extension, in the bind group of the material: numbers that no `StandardMaterial` uses.
+#[derive(AsBindGroup)]
+#[data(50, ExtensionUniform, binding_array(101))]
+#[bindless(index_table(range(50..51), binding(100)))]
+#[doc(hidden)]
+pub struct ExtensionBindings {
+    extension: ShadingExtension,
+}
+
+/// Whether the bind group cannot hold many materials: as that of the base, which has textures beside.
+fn has_no_bindless(render_device: &RenderDevice) -> bool {
+    !StandardMaterial::bindless_supported(render_device)
 }
 
 /// Not derived: Bevy derives it for structs only.
@@ -143,6 +155,18 @@ impl AsBindGroup for ShadingExtension {
         "lean_deferred/shading_extension"
     }
 
+    fn bindless_slot_count() -> Option<BindlessSlabResourceLimit> {
+        ExtensionBindings::bindless_slot_count()
+    }
+
+    fn bindless_supported(render_device: &RenderDevice) -> bool {
+        !has_no_bindless(render_device)
+    }
+
+    fn bindless_descriptor() -> Option<BindlessDescriptor> {
+        ExtensionBindings::bindless_descriptor()
+    }
+
     fn bind_group_data(&self) -> Self::Data {}
 
     fn unprepared_bind_group(
@@ -152,11 +176,11 @@ impl AsBindGroup for ShadingExtension {
         param: &mut SystemParamItem<'_, '_, Self::Param>,
         force_no_bindless: bool,
     ) -> Result<UnpreparedBindGroup, AsBindGroupError> {
-        ExtensionBindings::from(self).unprepared_bind_group(
+        ExtensionBindings { extension: *self }.unprepared_bind_group(
             layout,
             render_device,
             param,
-            force_no_bindless,
+            force_no_bindless || has_no_bindless(render_device),
         )
     }
 
@@ -164,7 +188,10 @@ impl AsBindGroup for ShadingExtension {
         render_device: &RenderDevice,
         force_no_bindless: bool,
     ) -> Vec<BindGroupLayoutEntry> {
-        ExtensionBindings::bind_group_layout_entries(render_device, force_no_bindless)
+        ExtensionBindings::bind_group_layout_entries(
+            render_device,
+            force_no_bindless || has_no_bindless(render_device),
+        )
     }
 }
 
