@@ -1,5 +1,7 @@
 //! Lights, decals and light probes with `RenderLayers` affect the meshes that share a layer with them, and no others.
 
+#[path = "light_layers/as_data.rs"]
+mod as_data;
 mod common;
 #[path = "light_layers/existence.rs"]
 mod existence;

@@ -8,6 +8,7 @@
 //! - `lookup.rs`: what a mesh needs.
 //! - `phase.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
 //! - `queue.rs`, `bevy_phases.rs`: how meshes get there, out of Bevy's phases and back.
+//! - `visibility_masks.rs`: the layers of meshes, as data for their draws.
 //! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them. `depth_copy.rs`: depth, for others.
 //! - `usage.rs`: what a camera has of them, for users.
 //! - `resolve_motion.{rs,wgsl}`: motion vectors into Bevy's texture.
@@ -30,6 +31,7 @@ mod specialize;
 mod targets;
 mod textures;
 mod usage;
+mod visibility_masks;
 
 pub(crate) use demand::{Demand, ViewDemands};
 pub use material::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin};
@@ -42,6 +44,7 @@ pub(crate) use resolve_motion::{MotionResolvePipelines, ViewMotionResolve};
 pub use targets::{GBufferNeeds, GBufferTargets, ShadingModel};
 pub use textures::GBufferTextures;
 pub use usage::GBufferUsage;
+use visibility_masks::DrawWithVisibilityMask;
 
 use bevy::{
     asset::embedded_asset,
@@ -121,7 +124,16 @@ impl Plugin for GBufferPlugin {
             .add_render_command::<AlphaMaskGBuffer, DrawPrepass>()
             .add_render_command::<ExtendedOpaqueGBuffer, DrawPrepass>()
             .add_render_command::<ExtendedAlphaMaskGBuffer, DrawPrepass>()
-            .add_systems(RenderStartup, resolve_motion::init_motion_resolve_pipelines)
+            .init_resource::<visibility_masks::VisibilityMasks>()
+            .add_render_command::<ExtendedOpaqueGBuffer, DrawWithVisibilityMask>()
+            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawWithVisibilityMask>()
+            .add_systems(
+                RenderStartup,
+                (
+                    resolve_motion::init_motion_resolve_pipelines,
+                    visibility_masks::forget_uploaded_visibility_masks,
+                ),
+            )
             .add_systems(
                 ExtractSchedule,
                 (
@@ -149,6 +161,8 @@ impl Plugin for GBufferPlugin {
                         .in_set(RenderSystems::PrepareResources)
                         .before(prepare_core_3d_depth_textures),
                     textures::prepare_gbuffer_textures.in_set(RenderSystems::PrepareResources),
+                    visibility_masks::upload_visibility_masks
+                        .in_set(RenderSystems::PrepareResources),
                     resolve_motion::prepare_motion_resolve.in_set(RenderSystems::PrepareBindGroups),
                 ),
             )

@@ -35,6 +35,11 @@
 #endif
 #endif
 
+#ifdef GBUFFER_VISIBILITY_MASK
+/// The layers of the meshes of this draw.
+@group(1) @binding(0) var<uniform> mesh_visibility_mask: u32;
+#endif
+
 /// The targets of the G-buffer: two of the base, and those that are optional.
 struct GBufferOutput {
     @location(0) surface: u32,
@@ -87,7 +92,7 @@ fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
     out.motion = motion_word(in);
 #endif
 #ifdef GBUFFER_VISIBILITY_MASK
-    out.visibility_mask = #{MESH_VISIBILITY_MASK}u;
+    out.visibility_mask = mesh_visibility_mask;
 #endif
     return out;
 }

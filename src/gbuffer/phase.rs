@@ -7,6 +7,7 @@ use bevy::{
     core_pipeline::core_3d::{Opaque3dBatchSetKey, Opaque3dBinKey},
     ecs::system::SystemParam,
     pbr::LightmapSlabIndex,
+    platform::collections::HashSet,
     prelude::*,
     render::{
         Extract,
@@ -23,7 +24,9 @@ use bevy::{
     },
 };
 
-use super::{bevy_phases::preprocessing_mode, targets::GBufferTargets};
+use super::{
+    bevy_phases::preprocessing_mode, targets::GBufferTargets, visibility_masks::MaskedItem,
+};
 use crate::LeanDeferred;
 
 /// What meshes must have in common to be drawn by one multi-draw. Bevy draws them in the order of these keys: what
@@ -34,6 +37,8 @@ pub struct GBufferBatchSetKey {
     pub targets: GBufferTargets,
     /// As in Bevy's opaque phase.
     pub mesh: Opaque3dBatchSetKey,
+    /// The visibility mask that they write, if they write any.
+    pub visibility_mask: Option<u32>,
 }
 
 impl PhaseItemBatchSetKey for GBufferBatchSetKey {
@@ -112,6 +117,12 @@ macro_rules! gbuffer_phase {
             }
         }
 
+        impl MaskedItem for $name {
+            fn visibility_mask(&self) -> Option<u32> {
+                self.batch_set_key.visibility_mask
+            }
+        }
+
         impl CachedRenderPipelinePhaseItem for $name {
             fn cached_pipeline(&self) -> CachedRenderPipelineId {
                 self.batch_set_key.mesh.pipeline
@@ -156,6 +167,28 @@ pub(super) struct DrawnGBufferPhases<'w> {
     pub(super) alpha_mask: Res<'w, ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
     pub(super) extended_opaque: Res<'w, ViewBinnedRenderPhases<ExtendedOpaqueGBuffer>>,
     pub(super) extended_alpha_mask: Res<'w, ViewBinnedRenderPhases<ExtendedAlphaMaskGBuffer>>,
+}
+
+impl DrawnGBufferPhases<'_> {
+    /// All that are written.
+    pub(super) fn visibility_masks(&self) -> HashSet<u32> {
+        fn of<P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey>>(
+            phases: &ViewBinnedRenderPhases<P>,
+        ) -> impl Iterator<Item = u32> {
+            phases
+                .values()
+                .flat_map(|phase| {
+                    let multidrawable = phase.multidrawable_meshes.keys();
+                    let batchable = phase.batchable_meshes.keys().map(|(key, _)| key);
+                    let unbatchable = phase.unbatchable_meshes.keys().map(|(key, _)| key);
+                    multidrawable.chain(batchable).chain(unbatchable)
+                })
+                .filter_map(|key| key.visibility_mask)
+        }
+        of(&self.extended_opaque)
+            .chain(of(&self.extended_alpha_mask))
+            .collect()
+    }
 }
 
 impl GBufferPhases<'_> {
@@ -217,6 +250,8 @@ impl GBufferViewPhases<'_> {
 pub(super) struct QueuedMesh {
     /// The optional targets that it writes.
     pub(super) targets: GBufferTargets,
+    /// With what it fills the target of that name, if it does.
+    pub(super) visibility_mask: Option<u32>,
     pub(super) pipeline: CachedRenderPipelineId,
     pub(super) draw_function: DrawFunctionId,
     pub(super) material_bind_group_index: Option<u32>,
@@ -242,6 +277,7 @@ impl QueuedMesh {
                 slabs: self.slabs,
                 lightmap_slab: self.lightmap_slab.map(|index| *index),
             },
+            visibility_mask: self.visibility_mask,
         };
         let bin = Opaque3dBinKey {
             asset_id: self.mesh.into(),

@@ -13,7 +13,11 @@ use bevy::{
     shader::ShaderDefVal,
 };
 
-use super::{material::material_texture_defs, targets::GBufferTargets};
+use super::{
+    material::material_texture_defs,
+    targets::GBufferTargets,
+    visibility_masks::{VISIBILITY_MASK_GROUP, visibility_mask_layout},
+};
 
 /// Bevy's deferred prepass pipeline with the fragment shader and the targets swapped: vertex shader, bind groups,
 /// culling and depth stay Bevy's, so that positions agree bit for bit with its other passes.
@@ -36,8 +40,6 @@ pub(super) struct MeshOutput {
     pub(super) targets: GBufferTargets,
     /// Its motion, and not that it is at rest.
     pub(super) writes_motion: bool,
-    /// The same for all meshes where `targets` has no visibility mask.
-    pub(super) visibility_mask: u32,
 }
 
 /// What Bevy's shaders need to know where a mesh was in the last frame.
@@ -61,6 +63,9 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         };
         let mut descriptor = prepass.specialize(key, layout)?;
         descriptor.label = Some("lean_deferred/gbuffer".into());
+        if output.targets.contains(GBufferTargets::VISIBILITY_MASK) {
+            descriptor.layout[VISIBILITY_MASK_GROUP] = visibility_mask_layout();
+        }
         // The layouts stay: on a view with motion vectors Bevy binds the groups that have previous positions.
         let needs_def = |def: &ShaderDefVal| {
             output.writes_motion
@@ -77,12 +82,6 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
             fragment.shader_defs.extend(defs);
             if output.targets.contains(GBufferTargets::SPECIALIZATION) {
                 fragment.shader_defs.extend(material_texture_defs());
-            }
-            if output.targets.contains(GBufferTargets::VISIBILITY_MASK) {
-                fragment.shader_defs.push(ShaderDefVal::UInt(
-                    "MESH_VISIBILITY_MASK".into(),
-                    output.visibility_mask,
-                ));
             }
         }
         Ok(descriptor)

@@ -25,7 +25,6 @@ use bevy::{
 use super::{
     bevy_phases::{BevyPhases, BevyViewPhases},
     demand::{Demand, ViewDemand, ViewDemands},
-    layout::DEFAULT_VISIBILITY_MASK,
     lookup::{MeshLookup, MeshToQueue},
     phase::{
         AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferPhases,
@@ -35,6 +34,7 @@ use super::{
     special::ChangedMeshes,
     specialize::{GBufferPipeline, GBufferPipelines},
     targets::GBufferTargets,
+    visibility_masks::{DrawWithVisibilityMask, VisibilityMasks},
 };
 use crate::{LeanDeferred, camera::ActiveLeanView};
 
@@ -54,10 +54,25 @@ pub(super) struct GBufferDrawFunctions<'w> {
     alpha_mask: Res<'w, DrawFunctions<AlphaMaskGBuffer>>,
     extended_opaque: Res<'w, DrawFunctions<ExtendedOpaqueGBuffer>>,
     extended_alpha_mask: Res<'w, DrawFunctions<ExtendedAlphaMaskGBuffer>>,
+    visibility_masks: ResMut<'w, VisibilityMasks>,
 }
 
 impl GBufferDrawFunctions<'_> {
-    fn get(&self, extended: bool, alpha_masked: bool) -> DrawFunctionId {
+    fn get(
+        &mut self,
+        extended: bool,
+        alpha_masked: bool,
+        visibility_mask: Option<u32>,
+    ) -> DrawFunctionId {
+        if let Some(mask) = visibility_mask {
+            self.visibility_masks.insert(mask);
+            return if alpha_masked {
+                let functions = self.extended_alpha_mask.read();
+                functions.id::<DrawWithVisibilityMask>()
+            } else {
+                self.extended_opaque.read().id::<DrawWithVisibilityMask>()
+            };
+        }
         match (extended, alpha_masked) {
             (false, false) => self.opaque.read().id::<DrawPrepass>(),
             (false, true) => self.alpha_mask.read().id::<DrawPrepass>(),
@@ -90,7 +105,7 @@ pub(super) fn queue_gbuffer_meshes(
         ResMut<ViewDemands>,
         ResMut<SortedMeshes>,
     ),
-    draw_functions: GBufferDrawFunctions,
+    mut draw_functions: GBufferDrawFunctions,
     (view_keys, dirty, changed, gpu_preprocessing): (
         Res<ViewKeyCache>,
         Res<DirtySpecializations>,
@@ -132,7 +147,7 @@ pub(super) fn queue_gbuffer_meshes(
         let mut sorter = Sorter {
             lookup: &lookup,
             pipelines: &mut pipelines,
-            draw_functions: &draw_functions,
+            draw_functions: &mut draw_functions,
             gpu_preprocessing: &gpu_preprocessing,
             bevy: bevy_phases.of(&retained),
             phases,
@@ -269,10 +284,10 @@ fn visible_pair(
 }
 
 /// Sorts the meshes of one view.
-struct Sorter<'a, 'w, 's> {
+struct Sorter<'a, 'w, 's, 'd> {
     lookup: &'a MeshLookup<'a>,
     pipelines: &'a mut GBufferPipelines<'w, 's>,
-    draw_functions: &'a GBufferDrawFunctions<'a>,
+    draw_functions: &'a mut GBufferDrawFunctions<'d>,
     gpu_preprocessing: &'a GpuPreprocessingSupport,
     bevy: BevyViewPhases<'a>,
     phases: GBufferViewPhases<'a>,
@@ -284,7 +299,7 @@ struct Sorter<'a, 'w, 's> {
     count: &'a mut usize,
 }
 
-impl Sorter<'_, '_, '_> {
+impl Sorter<'_, '_, '_, '_> {
     fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), holder: Holder) {
         *self.count += 1;
         if holder == Holder::Either {
@@ -318,7 +333,7 @@ impl Sorter<'_, '_, '_> {
             mesh.material.properties.render_phase_type,
             RenderPhaseType::AlphaMask
         );
-        let output = self.output(entity, placement, alpha_masked, phase_type, active);
+        let output = output(placement, alpha_masked, phase_type, active);
         let pipeline = if placement.is_met {
             self.pipelines
                 .get(lookup, entity, &mesh, self.view_key, shader, output)
@@ -339,15 +354,21 @@ impl Sorter<'_, '_, '_> {
         }
         self.bevy
             .take_out(entity, &mesh, phase_type, active.keeps_prepass);
+        let visibility_mask = output
+            .targets
+            .contains(GBufferTargets::VISIBILITY_MASK)
+            .then(|| lookup.special_meshes.visibility_mask(entity));
+        let draw_function =
+            self.draw_functions
+                .get(placement.is_extended(), alpha_masked, visibility_mask);
         self.phases.add(
             alpha_masked,
             placement.is_extended(),
             QueuedMesh {
                 targets: output.targets,
+                visibility_mask,
                 pipeline,
-                draw_function: self
-                    .draw_functions
-                    .get(placement.is_extended(), alpha_masked),
+                draw_function,
                 material_bind_group_index: Some(mesh.material.binding.group.0),
                 slabs: mesh.slabs,
                 lightmap_slab: mesh.instance.lightmap_slab_index(),
@@ -371,34 +392,27 @@ impl Sorter<'_, '_, '_> {
             Holder::Either => self.bevy.put_back(entity, mesh, phase_type),
         }
     }
+}
 
-    /// What a mesh writes.
-    fn output(
-        &self,
-        entity: MainEntity,
-        placement: Placement,
-        alpha_masked: bool,
-        phase_type: BinnedRenderPhaseType,
-        active: &ActiveLeanView,
-    ) -> MeshOutput {
-        // Bevy draws what it can batch first, in the order of the keys; what comes then may lie before anything.
-        let is_in_order = !alpha_masked
-            && !matches!(phase_type, BinnedRenderPhaseType::UnbatchableMesh)
-            && !active.extends_all();
-        let targets = if is_in_order {
-            placement.pass.up_to(placement.demand.targets)
-        } else {
-            placement.pass
-        };
-        MeshOutput {
-            pass: placement.pass,
-            targets,
-            writes_motion: placement.demand.targets.contains(GBufferTargets::MOTION),
-            visibility_mask: if targets.contains(GBufferTargets::VISIBILITY_MASK) {
-                self.lookup.special_meshes.visibility_mask(entity)
-            } else {
-                DEFAULT_VISIBILITY_MASK
-            },
-        }
+/// What a mesh writes.
+fn output(
+    placement: Placement,
+    alpha_masked: bool,
+    phase_type: BinnedRenderPhaseType,
+    active: &ActiveLeanView,
+) -> MeshOutput {
+    // Bevy draws what it can batch first, in the order of the keys; what comes then may lie before anything.
+    let is_in_order = !alpha_masked
+        && !matches!(phase_type, BinnedRenderPhaseType::UnbatchableMesh)
+        && !active.extends_all();
+    let targets = if is_in_order {
+        placement.pass.up_to(placement.demand.targets)
+    } else {
+        placement.pass
+    };
+    MeshOutput {
+        pass: placement.pass,
+        targets,
+        writes_motion: placement.demand.targets.contains(GBufferTargets::MOTION),
     }
 }

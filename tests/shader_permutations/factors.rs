@@ -213,7 +213,7 @@ pub const GBUFFER: &[Factor] = &[
         ],
     ],
     optional!("GBUFFER_MOTION"),
-    optional!("GBUFFER_VISIBILITY_MASK", "MESH_VISIBILITY_MASK=5"),
+    optional!("GBUFFER_VISIBILITY_MASK"),
     PROJECTIONS,
     optional!("STANDARD_MATERIAL_NORMAL_MAP"),
     optional!("RELIEF_MAPPING"),

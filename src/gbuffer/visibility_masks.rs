@@ -1,0 +1,144 @@
+//! The visibility masks of meshes, as the shaders of the G-buffer read them: a uniform for each set of layers, bound
+//! before each batch. Meshes on different layers are drawn by one pipeline, though not by one draw.
+
+use bevy::{
+    ecs::system::{SystemParamItem, lifetimeless::SRes},
+    pbr::{DrawMesh, SetMaterialBindGroup, SetMeshBindGroup, SetPrepassViewBindGroup},
+    platform::collections::{HashMap, HashSet},
+    prelude::*,
+    render::{
+        render_phase::{
+            PhaseItem, RenderCommand, RenderCommandResult, SetItemPipeline, TrackedRenderPass,
+        },
+        render_resource::{
+            BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
+            DynamicUniformBuffer, PipelineCache, ShaderStages, binding_types::uniform_buffer,
+        },
+        renderer::{RenderDevice, RenderQueue},
+    },
+};
+
+use super::phase::DrawnGBufferPhases;
+
+/// The bind group of the masks. Bevy's prepass pipelines have an empty one there.
+pub(super) const VISIBILITY_MASK_GROUP: usize = 1;
+
+/// Bevy's `DrawPrepass`, with the mask of the batch in place of the empty bind group.
+pub(super) type DrawWithVisibilityMask = (
+    SetItemPipeline,
+    SetPrepassViewBindGroup<0>,
+    SetVisibilityMask<VISIBILITY_MASK_GROUP>,
+    SetMeshBindGroup<2>,
+    SetMaterialBindGroup<3>,
+    DrawMesh,
+);
+
+/// A phase item whose meshes have one visibility mask.
+pub(super) trait MaskedItem: PhaseItem {
+    fn visibility_mask(&self) -> Option<u32>;
+}
+
+/// Binds the mask of the item.
+pub(super) struct SetVisibilityMask<const I: usize>;
+
+impl<P: MaskedItem, const I: usize> RenderCommand<P> for SetVisibilityMask<I> {
+    type Param = SRes<VisibilityMasks>;
+    type ViewQuery = ();
+    type ItemQuery = ();
+
+    fn render<'w>(
+        item: &P,
+        _: (),
+        _: Option<()>,
+        masks: SystemParamItem<'w, '_, Self::Param>,
+        pass: &mut TrackedRenderPass<'w>,
+    ) -> RenderCommandResult {
+        let masks = masks.into_inner();
+        let (Some(group), Some(offset)) = (
+            masks.bind_group.as_ref(),
+            item.visibility_mask()
+                .and_then(|mask| masks.offsets.get(&mask)),
+        ) else {
+            return RenderCommandResult::Failure("a visibility mask was not uploaded");
+        };
+        pass.set_bind_group(I, group, &[*offset]);
+        RenderCommandResult::Success
+    }
+}
+
+/// The masks of the meshes of all views that write any.
+#[derive(Resource, Default)]
+pub(super) struct VisibilityMasks {
+    offsets: HashMap<u32, u32>,
+    buffer: DynamicUniformBuffer<u32>,
+    bind_group: Option<BindGroup>,
+    is_uploaded: bool,
+    /// How many there may be before those of layers that no mesh is on any more are dropped.
+    limit: usize,
+}
+
+impl VisibilityMasks {
+    /// To be called for each mesh that writes a mask, before [`upload_visibility_masks`].
+    pub(super) fn insert(&mut self, mask: u32) {
+        let buffer = &mut self.buffer;
+        self.offsets.entry(mask).or_insert_with(|| {
+            self.is_uploaded = false;
+            buffer.push(&mask)
+        });
+    }
+
+    fn retain(&mut self, used: &HashSet<u32>) {
+        self.offsets.clear();
+        self.buffer.clear();
+        for mask in used {
+            self.insert(*mask);
+        }
+    }
+}
+
+/// What a pipeline that writes masks binds as [`VISIBILITY_MASK_GROUP`].
+pub(super) fn visibility_mask_layout() -> BindGroupLayoutDescriptor {
+    BindGroupLayoutDescriptor::new(
+        "lean_deferred/gbuffer/visibility_mask",
+        &BindGroupLayoutEntries::single(ShaderStages::FRAGMENT, uniform_buffer::<u32>(true)),
+    )
+}
+
+/// The fewest masks that are worth looking for those that are used.
+const SMALLEST_LIMIT: usize = 64;
+
+/// After meshes were queued, in frames in which one came with a new mask.
+pub(super) fn upload_visibility_masks(
+    mut masks: ResMut<VisibilityMasks>,
+    phases: DrawnGBufferPhases,
+    device: Res<RenderDevice>,
+    queue: Res<RenderQueue>,
+    pipeline_cache: Res<PipelineCache>,
+) {
+    if masks.is_uploaded || masks.offsets.is_empty() {
+        return;
+    }
+    if masks.offsets.len() > masks.limit.max(SMALLEST_LIMIT) {
+        let used = phases.visibility_masks();
+        masks.retain(&used);
+        masks.limit = 2 * used.len();
+    }
+    let masks = &mut *masks;
+    masks.buffer.write_buffer(&device, &queue);
+    masks.bind_group = masks.buffer.binding().map(|binding| {
+        device.create_bind_group(
+            "lean_deferred/gbuffer/visibility_mask",
+            &pipeline_cache.get_bind_group_layout(&visibility_mask_layout()),
+            &BindGroupEntries::single(binding),
+        )
+    });
+    masks.is_uploaded = true;
+}
+
+/// On each new device: the meshes that are queued keep their masks.
+pub(super) fn forget_uploaded_visibility_masks(mut masks: ResMut<VisibilityMasks>) {
+    let used = masks.offsets.keys().copied().collect();
+    masks.buffer = default();
+    masks.bind_group = None;
+    masks.retain(&used);
+}
