@@ -1,16 +1,40 @@
-//! A bind group that is made anew only when what it binds has changed.
+//! Bind groups that are made anew only when what they bind has changed. While nothing changes, a look at them costs
+//! neither an allocation nor a look-up.
 
 use core::num::NonZeroU64;
 
 use bevy::render::{
     render_resource::{
-        BindGroup, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BindingResource,
-        PipelineCache,
+        BindGroup, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutId,
+        BindingResource, PipelineCache,
     },
     renderer::RenderDevice,
 };
+use wgpu::BufferBinding;
 
-/// What stands at one binding, compared by identity.
+/// A layout that has been looked up once: Bevy's cache clones and hashes its description at each look-up. Belongs to
+/// one device.
+#[derive(Clone)]
+pub(crate) struct FoundLayout {
+    descriptor: BindGroupLayoutDescriptor,
+    layout: BindGroupLayout,
+}
+
+impl FoundLayout {
+    pub(crate) fn new(cache: &PipelineCache, descriptor: BindGroupLayoutDescriptor) -> Self {
+        Self {
+            layout: cache.get_bind_group_layout(&descriptor),
+            descriptor,
+        }
+    }
+
+    pub(crate) fn descriptor(&self) -> &BindGroupLayoutDescriptor {
+        &self.descriptor
+    }
+}
+
+/// What stands at one binding. Compared by identity; what is held here stays alive, so that no other can take its
+/// identity.
 #[derive(Clone, PartialEq)]
 enum Bound {
     Buffer(wgpu::Buffer, u64, Option<NonZeroU64>),
@@ -20,55 +44,151 @@ enum Bound {
 }
 
 impl Bound {
+    /// `None` for kinds that nothing here binds.
     fn new(resource: &BindingResource) -> Option<Self> {
         Some(match resource {
             BindingResource::Buffer(b) => Self::Buffer(b.buffer.clone(), b.offset, b.size),
             BindingResource::TextureView(view) => Self::Texture((*view).clone()),
-            BindingResource::TextureViewArray(views) => {
-                Self::Textures(views.iter().map(|view| (*view).clone()).collect())
-            }
             BindingResource::Sampler(sampler) => Self::Sampler((*sampler).clone()),
             _ => return None,
         })
+    }
+
+    fn is(&self, resource: &BindingResource) -> bool {
+        match (self, resource) {
+            (Self::Buffer(buffer, offset, size), BindingResource::Buffer(other)) => {
+                (buffer, *offset, *size) == (other.buffer, other.offset, other.size)
+            }
+            (Self::Texture(view), BindingResource::TextureView(other)) => view == *other,
+            (Self::Sampler(sampler), BindingResource::Sampler(other)) => sampler == *other,
+            _ => false,
+        }
     }
 }
 
 /// See the module's documentation.
 #[derive(Default)]
 pub(crate) struct CachedBindGroup {
-    current: Option<(BindGroupLayout, Vec<(u32, Bound)>, BindGroup)>,
+    bound: Vec<(u32, Bound)>,
+    layout: Option<BindGroupLayoutId>,
+    /// `None` as soon as it no longer is one of `bound` by `layout`.
+    group: Option<BindGroup>,
+}
+
+/// The entries of a bind group, while they are compared with those of the last frame.
+pub(crate) struct Entries<'a> {
+    cached: &'a mut CachedBindGroup,
+    count: usize,
+}
+
+impl Entries<'_> {
+    /// The next entry; `None` for kinds of resources that nothing here binds.
+    pub(crate) fn push(&mut self, binding: u32, resource: BindingResource) -> Option<()> {
+        let fits = |(other, bound): &(u32, Bound)| *other == binding && bound.is(&resource);
+        if !self.cached.bound.get(self.count).is_some_and(fits) {
+            self.replace(binding, Bound::new(&resource)?);
+        }
+        self.count += 1;
+        Some(())
+    }
+
+    /// The next entry: an array of `length` textures.
+    pub(crate) fn push_textures<'t>(
+        &mut self,
+        binding: u32,
+        length: usize,
+        texture: impl Fn(usize) -> &'t wgpu::TextureView,
+    ) {
+        let fits = |(other, bound): &(u32, Bound)| {
+            *other == binding
+                && matches!(bound, Bound::Textures(views) if views.len() == length
+                    && views.iter().enumerate().all(|(i, view)| view == texture(i)))
+        };
+        if !self.cached.bound.get(self.count).is_some_and(fits) {
+            let views = (0..length).map(|i| texture(i).clone()).collect();
+            self.replace(binding, Bound::Textures(views));
+        }
+        self.count += 1;
+    }
+
+    fn replace(&mut self, binding: u32, bound: Bound) {
+        self.cached.group = None;
+        self.cached.bound.truncate(self.count + 1);
+        match self.cached.bound.get_mut(self.count) {
+            Some(entry) => *entry = (binding, bound),
+            None => self.cached.bound.push((binding, bound)),
+        }
+    }
 }
 
 impl CachedBindGroup {
-    /// Makes the bind group if there is none, or if `layout` or `entries` are not those of the last call.
+    /// Makes the bind group if there is none, or if `layout` or the entries that `fill` pushes are not those of the last
+    /// call. Drops it if `fill` returns `None`: something is missing.
     pub(crate) fn update(
         &mut self,
         device: &RenderDevice,
-        pipeline_cache: &PipelineCache,
-        layout: &BindGroupLayoutDescriptor,
-        entries: &[BindGroupEntry],
-    ) {
-        let layout_label = layout.label.clone();
-        let layout = pipeline_cache.get_bind_group_layout(layout);
-        let bound: Option<Vec<_>> = entries
-            .iter()
-            .map(|entry| Some((entry.binding, Bound::new(&entry.resource)?)))
-            .collect();
-        if let (Some((old_layout, old_bound, _)), Some(bound)) = (&self.current, &bound)
-            && old_layout.id() == layout.id()
-            && old_bound == bound
-        {
-            return;
+        layout: &FoundLayout,
+        fill: impl FnOnce(&mut Entries) -> Option<()>,
+    ) -> Option<()> {
+        if self.layout != Some(layout.layout.id()) {
+            self.clear();
+            self.layout = Some(layout.layout.id());
         }
-        let bind_group = device.create_bind_group(&*layout_label, &layout, entries);
-        self.current = Some((layout, bound.unwrap_or_default(), bind_group));
+        let mut entries = Entries {
+            cached: self,
+            count: 0,
+        };
+        let is_complete = fill(&mut entries).is_some();
+        let count = entries.count;
+        if !is_complete {
+            self.clear();
+            return None;
+        }
+        if count < self.bound.len() {
+            self.bound.truncate(count);
+            self.group = None;
+        }
+        if self.group.is_none() {
+            self.group = Some(self.make(device, layout));
+        }
+        Some(())
+    }
+
+    fn make(&self, device: &RenderDevice, layout: &FoundLayout) -> BindGroup {
+        let arrays: Vec<Vec<&wgpu::TextureView>> = self
+            .bound
+            .iter()
+            .map(|(_, bound)| match bound {
+                Bound::Textures(views) => views.iter().collect(),
+                _ => Vec::new(),
+            })
+            .collect();
+        let entries: Vec<_> = self
+            .bound
+            .iter()
+            .zip(&arrays)
+            .map(|((binding, bound), array)| BindGroupEntry {
+                binding: *binding,
+                resource: match bound {
+                    Bound::Buffer(buffer, offset, size) => BindingResource::Buffer(BufferBinding {
+                        buffer,
+                        offset: *offset,
+                        size: *size,
+                    }),
+                    Bound::Texture(view) => BindingResource::TextureView(view),
+                    Bound::Textures(_) => BindingResource::TextureViewArray(array),
+                    Bound::Sampler(sampler) => BindingResource::Sampler(sampler),
+                },
+            })
+            .collect();
+        device.create_bind_group(&*layout.descriptor.label, &layout.layout, &entries)
     }
 
     pub(crate) fn get(&self) -> Option<&BindGroup> {
-        self.current.as_ref().map(|(_, _, bind_group)| bind_group)
+        self.group.as_ref()
     }
 
     pub(crate) fn clear(&mut self) {
-        self.current = None;
+        *self = Self::default();
     }
 }

@@ -44,6 +44,7 @@ mod camera_overrides;
 pub mod gbuffer;
 pub mod lighting;
 mod pipeline_watch;
+mod recovery;
 pub mod shading_extension;
 mod shared;
 mod tiles;

@@ -160,10 +160,11 @@ fn soft_shadows() {
     assert_eq!(active, 1);
 }
 
-/// A device that lacks something, as `finish` would have found it.
+/// A device that lacks something, as `RenderStartup` would have found it.
 #[test]
 fn missing_support() {
     let (mut headless, camera) = scene();
+    headless.frames(1);
     headless
         .app
         .sub_app_mut(RenderApp)

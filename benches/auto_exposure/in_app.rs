@@ -129,7 +129,7 @@ fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> Measured {
         Kind::Lean(_) => headless
             .world()
             .get::<MeteredExposure>(camera)
-            .expect("required")
+            .expect("it was spawned with one")
             .luminance
             .into(),
         // The exposure brings the metered luminance to 1.
@@ -201,7 +201,7 @@ fn spawn_camera(headless: &mut Headless, kind: &Kind) -> Entity {
         target,
     ));
     match kind {
-        Kind::Lean(settings) => camera.insert(settings.clone()),
+        Kind::Lean(settings) => camera.insert((settings.clone(), MeteredExposure::default())),
         Kind::Bevy(settings) => camera.insert(settings.clone()),
     };
     camera.id()

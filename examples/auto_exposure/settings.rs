@@ -234,7 +234,7 @@ pub fn apply(
         camera.remove::<LeanDeferred>();
     }
     if settings.mode != Mode::Lean {
-        camera.remove::<LeanAutoExposure>();
+        camera.remove::<(LeanAutoExposure, MeteredExposure)>();
     }
     if settings.mode != Mode::Bevy {
         camera.remove::<AutoExposure>();
@@ -242,7 +242,7 @@ pub fn apply(
     match settings.mode {
         Mode::Off => {}
         Mode::Lean => {
-            camera.insert(settings.lean(&mask.0));
+            camera.insert((settings.lean(&mask.0), MeteredExposure::default()));
         }
         Mode::Bevy => {
             camera.insert(settings.bevy(&mask.0, &mut curves));

@@ -11,20 +11,64 @@ use bevy::{
 };
 
 use super::{
-    LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals,
+    LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals, OcclusionTexture, ViewOcclusion,
+    bindings::OcclusionBindings,
     pipelines::{GatherKey, MergeKey, OcclusionPipelines},
     support::OcclusionSupport,
     uniforms::projection_of,
 };
-use crate::{camera::ActiveLeanView, warn_once::WarnOnce};
+use crate::{LeanDeferred, camera::ActiveLeanView, warn_once::WarnOnce};
 
 /// On a view of the render world: this frame it has ambient occlusion.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct ActiveOcclusion {
+    /// What the frame goes by: the camera's settings, or until those are compiled the last ones that were.
+    pub(super) settings: LeanAmbientOcclusion,
     pub(super) key: GatherKey,
-    pub(super) gather: GatherPipeline,
+    /// `None` while lighting applies occlusion, but nothing that could find it is compiled: there is none then.
+    pub(super) gather: Option<GatherPipeline>,
     /// The merge pass; `None` if lighting applies the occlusion.
-    pub(super) merge: Option<CachedRenderPipelineId>,
+    pub(super) merge: Option<(MergeKey, CachedRenderPipelineId)>,
+}
+
+/// All that a view has only while it has ambient occlusion.
+type OcclusionState = (
+    ActiveOcclusion,
+    OcclusionTexture,
+    ViewOcclusion,
+    OcclusionBindings,
+);
+
+impl ActiveOcclusion {
+    fn is_compiled(&self, cache: &PipelineCache) -> bool {
+        self.gather.is_some_and(|gather| gather.is_compiled(cache))
+            && self
+                .merge
+                .is_none_or(|(_, merge)| cache.get_render_pipeline(merge).is_some())
+    }
+
+    /// What else a view may go by in a frame in which `self` is not compiled: what it went by `last`, as far as that is
+    /// possible.
+    fn stand_ins(self, last: Option<Self>) -> impl Iterator<Item = Self> {
+        // The G-buffer's normals exist for lighting alone.
+        let last = last.filter(|last| {
+            last.key.projection == self.key.projection
+                && (self.merge.is_none() || !last.key.reads_normals())
+        });
+        // Lighting and merge are compiled for one resolution.
+        let gather = last
+            .filter(|last| last.key.divisor == self.key.divisor)
+            .map(|last| Self {
+                key: last.key,
+                gather: last.gather,
+                ..self
+            });
+        let all = last.filter(|last| match (last.merge, self.merge) {
+            (Some((last, _)), Some((own, _))) => last.target == own.target,
+            _ => false,
+        });
+        gather.into_iter().chain(all)
+    }
 }
 
 /// How occlusion is found.
@@ -32,6 +76,15 @@ pub struct ActiveOcclusion {
 pub(super) enum GatherPipeline {
     Compute(CachedComputePipelineId),
     Raster(CachedRenderPipelineId),
+}
+
+impl GatherPipeline {
+    fn is_compiled(self, cache: &PipelineCache) -> bool {
+        match self {
+            Self::Compute(pipeline) => cache.get_compute_pipeline(pipeline).is_some(),
+            Self::Raster(pipeline) => cache.get_render_pipeline(pipeline).is_some(),
+        }
+    }
 }
 
 impl LeanAmbientOcclusion {
@@ -51,35 +104,47 @@ impl Default for Warnings {
     }
 }
 
-/// Inserts or removes [`ActiveOcclusion`].
+/// Inserts or removes [`ActiveOcclusion`]. A view keeps its occlusion until that of new settings is compiled. Cameras
+/// that are switched off lose it, and so what they hold on the GPU.
 pub(super) fn decide_active_occlusion(
     mut commands: Commands,
     support: Option<Res<OcclusionSupport>>,
     pipelines: Option<ResMut<OcclusionPipelines>>,
     pipeline_cache: Res<PipelineCache>,
     mut warnings: ResMut<Warnings>,
-    views: Query<(
-        Entity,
-        &ExtractedView,
-        &Msaa,
-        &LeanAmbientOcclusion,
-        Option<&ActiveLeanView>,
-        Has<DistanceFog>,
-    )>,
+    mut views: Query<
+        (
+            Entity,
+            &ExtractedView,
+            &Msaa,
+            &LeanAmbientOcclusion,
+            (Option<&LeanDeferred>, Has<ActiveLeanView>),
+            Has<DistanceFog>,
+            Option<&mut ActiveOcclusion>,
+        ),
+        With<Camera3d>,
+    >,
     cameras: Query<&MainEntity, With<LeanAmbientOcclusion>>,
+    switched_off: Query<Entity, (With<ActiveOcclusion>, Without<ExtractedView>)>,
 ) {
     warnings.0.keep_only(cameras.iter());
+    for entity in &switched_off {
+        commands.entity(entity).remove::<OcclusionState>();
+    }
     let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
         return;
     };
-    for (entity, view, msaa, settings, lean, has_fog) in &views {
+    for (entity, view, msaa, settings, (lean, is_lean), has_fog, current) in &mut views {
         let reason = (msaa.samples() > 1).then_some("its Msaa is not Off");
         (warnings.0).tell(view.retained_view_entity.main_entity, reason);
-        if reason.is_some() {
-            commands.entity(entity).remove::<ActiveOcclusion>();
+        let is_for_lighting = is_lean && settings.is_for_lighting();
+        let shows_channel = lean.is_some_and(|lean| lean.debug_view.is_some());
+        if reason.is_some() || (is_for_lighting && shows_channel) {
+            if current.is_some() {
+                commands.entity(entity).remove::<OcclusionState>();
+            }
             continue;
         }
-        let is_for_lighting = lean.is_some() && settings.is_for_lighting();
         let key = GatherKey {
             kernel: settings.kernel,
             samples: (settings.quality.is_preset()).then(|| settings.quality.samples()),
@@ -91,20 +156,39 @@ pub(super) fn decide_active_occlusion(
             projection: projection_of(view.clip_from_view),
         };
         let merge = (!is_for_lighting).then(|| {
-            pipelines.merge(
-                &pipeline_cache,
-                MergeKey {
-                    target: view.target_format,
-                    filter: settings.into(),
-                    fog: has_fog,
-                    debug_view: settings.debug_view,
-                },
-            )
+            let key = MergeKey {
+                target: view.target_format,
+                filter: settings.into(),
+                fog: has_fog,
+                debug_view: settings.debug_view,
+            };
+            (key, pipelines.merge(&pipeline_cache, key))
         });
-        commands.entity(entity).insert(ActiveOcclusion {
+        let gather = pipelines.gather(&pipeline_cache, key, support.can_store(settings.format));
+        let wanted = ActiveOcclusion {
+            settings: *settings,
             key,
-            gather: pipelines.gather(&pipeline_cache, key, support.can_store(settings.format)),
+            gather: Some(gather),
             merge,
-        });
+        };
+        let active = core::iter::once(wanted)
+            .chain(wanted.stand_ins(current.as_deref().copied()))
+            .find(|active| active.is_compiled(&pipeline_cache))
+            .or_else(|| {
+                is_for_lighting.then_some(ActiveOcclusion {
+                    gather: None,
+                    ..wanted
+                })
+            });
+        match (active, current) {
+            (Some(active), Some(mut current)) => *current = active,
+            (Some(active), None) => {
+                commands.entity(entity).insert(active);
+            }
+            (None, Some(_)) => {
+                commands.entity(entity).remove::<OcclusionState>();
+            }
+            (None, None) => {}
+        }
     }
 }

@@ -3,7 +3,7 @@
 use bevy::{
     prelude::*,
     render::{
-        render_resource::{BindGroupEntry, IntoBinding, PipelineCache},
+        render_resource::{BindGroup, IntoBinding},
         renderer::RenderDevice,
         view::ViewDepthTexture,
     },
@@ -17,21 +17,30 @@ use crate::{bind_group_cache::CachedBindGroup, gbuffer::GBufferTextures};
 
 /// On a view with ambient occlusion: the bind groups of its passes.
 #[derive(Component, Default)]
-pub(super) struct OcclusionBindings {
+pub struct OcclusionBindings {
     pub(super) gather: CachedBindGroup,
     pub(super) merge: CachedBindGroup,
+}
+
+impl OcclusionBindings {
+    /// Those that stay from frame to frame as long as nothing changes.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        [&self.gather, &self.merge]
+            .into_iter()
+            .filter_map(CachedBindGroup::get)
+    }
 }
 
 /// Makes the bind groups of all active views.
 pub(super) fn prepare_occlusion_bind_groups(
     mut commands: Commands,
-    (device, pipeline_cache): (Res<RenderDevice>, Res<PipelineCache>),
+    device: Res<RenderDevice>,
     pipelines: Option<Res<OcclusionPipelines>>,
     uniforms: Res<OcclusionUniforms>,
     mut views: Query<(
         Entity,
         &ActiveOcclusion,
-        &OcclusionTexture,
+        Option<&OcclusionTexture>,
         &ViewDepthTexture,
         Option<&GBufferTextures>,
         Option<&mut OcclusionBindings>,
@@ -41,50 +50,47 @@ pub(super) fn prepare_occlusion_bind_groups(
         return;
     };
     for (entity, active, texture, depth, gbuffer, bindings) in &mut views {
-        let Some(mut bindings) = bindings else {
-            commands.entity(entity).insert(OcclusionBindings::default());
+        let mut new = None;
+        let bindings = match bindings {
+            Some(bindings) => bindings.into_inner(),
+            None => new.insert(OcclusionBindings::default()),
+        };
+        let (Some(texture), Some(gather)) = (texture, active.gather) else {
+            bindings.gather.clear();
+            bindings.merge.clear();
             continue;
         };
-        let common = [
-            (0, uniforms.clone()),
-            (1, depth.view().into_binding()),
-            (2, pipelines.nearest_sampler.into_binding()),
-        ];
         let occlusion = || texture.0.default_view.into_binding();
-        let entries = |own: Vec<(u32, _)>| -> Vec<BindGroupEntry> {
-            common
-                .iter()
-                .cloned()
-                .chain(own)
-                .map(|(binding, resource)| BindGroupEntry { binding, resource })
-                .collect()
-        };
 
-        let compute = matches!(active.gather, GatherPipeline::Compute(_));
-        let mut own = Vec::new();
-        if active.key.reads_normals() {
-            let Some(gbuffer) = gbuffer else {
-                bindings.gather.clear();
-                continue;
-            };
-            own.push((3, gbuffer.normal.default_view.into_binding()));
+        let computes = matches!(gather, GatherPipeline::Compute(_));
+        if let Some(layout) = pipelines.gather_layout(active.key, computes) {
+            bindings.gather.update(&device, layout, |entries| {
+                entries.push(0, uniforms.clone())?;
+                entries.push(1, depth.view().into_binding())?;
+                entries.push(2, pipelines.nearest_sampler.into_binding())?;
+                if active.key.reads_normals() {
+                    entries.push(3, gbuffer?.normal.default_view.into_binding())?;
+                }
+                if computes {
+                    entries.push(4, occlusion())?;
+                }
+                Some(())
+            });
         }
-        if compute {
-            own.push((4, occlusion()));
-        }
-        let layout = pipelines.gather_layout(active.key, compute);
-        bindings
-            .gather
-            .update(&device, &pipeline_cache, &layout, &entries(own));
-
         if active.merge.is_some() {
-            let own = vec![(3, occlusion())];
-            let layout = &pipelines.merge_layout;
             bindings
                 .merge
-                .update(&device, &pipeline_cache, layout, &entries(own));
+                .update(&device, &pipelines.merge_layout, |entries| {
+                    entries.push(0, uniforms.clone())?;
+                    entries.push(1, depth.view().into_binding())?;
+                    entries.push(2, pipelines.nearest_sampler.into_binding())?;
+                    entries.push(3, occlusion())
+                });
         } else {
             bindings.merge.clear();
+        }
+        if let Some(new) = new {
+            commands.entity(entity).insert(new);
         }
     }
 }

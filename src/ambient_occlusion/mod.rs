@@ -18,6 +18,7 @@ mod textures;
 mod uniforms;
 
 pub use activity::ActiveOcclusion;
+pub use bindings::OcclusionBindings;
 pub use settings::{
     LeanAmbientOcclusion, OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
     OcclusionNormals, OcclusionQuality, OcclusionResolution,
@@ -49,6 +50,7 @@ use crate::{
     camera_overrides,
     gbuffer::GBufferPasses,
     lighting::LightingPasses,
+    recovery,
     shared::{self, SharedPlugin},
 };
 
@@ -78,7 +80,14 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         render_app
             .init_resource::<activity::Warnings>()
             .init_gpu_resource::<OcclusionUniforms>()
-            .add_systems(RenderStartup, pipelines::init_occlusion_pipelines)
+            .init_gpu_resource::<OcclusionSupport>()
+            .add_systems(
+                RenderStartup,
+                (
+                    pipelines::init_occlusion_pipelines,
+                    recovery::forget::<LeanAmbientOcclusion>,
+                ),
+            )
             .add_systems(
                 Render,
                 (
@@ -112,13 +121,5 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                         .before(main_transparent_pass_3d),
                 ),
             );
-    }
-
-    fn finish(&self, app: &mut App) {
-        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-            return;
-        };
-        let support = OcclusionSupport::from_world(render_app.world());
-        render_app.insert_resource(support);
     }
 }

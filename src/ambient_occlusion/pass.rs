@@ -72,7 +72,7 @@ fn gather(
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     let label = Some("lean_deferred/occlusion/gather");
-    match active.gather {
+    match active.gather? {
         GatherPipeline::Compute(pipeline) => {
             let pipeline = pipeline_cache.get_compute_pipeline(pipeline)?;
             let span =
@@ -125,7 +125,7 @@ fn merge(
     pipeline_cache: &PipelineCache,
     ctx: &mut RenderContext,
 ) -> Option<()> {
-    let pipeline = pipeline_cache.get_render_pipeline(active.merge?)?;
+    let pipeline = pipeline_cache.get_render_pipeline(active.merge?.1)?;
     let group = bindings.merge.get()?;
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();

@@ -27,6 +27,7 @@ use super::{
     activity::GatherPipeline,
     uniforms::{OcclusionView, ProjectionKind},
 };
+use crate::bind_group_cache::FoundLayout;
 
 /// What the gather is compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -147,8 +148,9 @@ pub(crate) struct OcclusionPipelines {
     merge_shader: Handle<Shader>,
     fullscreen: FullscreenShader,
     pub(crate) nearest_sampler: Sampler,
-    pub(super) merge_layout: BindGroupLayoutDescriptor,
-    gathers: HashMap<(GatherKey, bool), GatherPipeline>,
+    pub(super) merge_layout: FoundLayout,
+    /// By key and whether they are compute pipelines.
+    gathers: HashMap<(GatherKey, bool), (GatherPipeline, FoundLayout)>,
     merges: HashMap<MergeKey, CachedRenderPipelineId>,
 }
 
@@ -157,6 +159,7 @@ pub(super) fn init_occlusion_pipelines(
     asset_server: Res<AssetServer>,
     render_device: Res<RenderDevice>,
     fullscreen: Res<FullscreenShader>,
+    pipeline_cache: Res<PipelineCache>,
 ) {
     commands.insert_resource(OcclusionPipelines {
         gather_shader: load_embedded_asset!(asset_server.as_ref(), "gather.wgsl"),
@@ -168,51 +171,60 @@ pub(super) fn init_occlusion_pipelines(
             min_filter: FilterMode::Nearest,
             ..default()
         }),
-        merge_layout: BindGroupLayoutDescriptor::new(
-            "lean_deferred/occlusion/merge",
-            &BindGroupLayoutEntries::sequential(
-                ShaderStages::FRAGMENT,
-                (
-                    uniform_buffer::<OcclusionView>(true),
-                    texture_depth_2d(),
-                    sampler(SamplerBindingType::NonFiltering),
-                    texture_2d(TextureSampleType::Float { filterable: false }),
-                ),
-            ),
-        ),
+        merge_layout: FoundLayout::new(&pipeline_cache, merge_layout()),
         gathers: HashMap::default(),
         merges: HashMap::default(),
     });
 }
 
+fn merge_layout() -> BindGroupLayoutDescriptor {
+    BindGroupLayoutDescriptor::new(
+        "lean_deferred/occlusion/merge",
+        &BindGroupLayoutEntries::sequential(
+            ShaderStages::FRAGMENT,
+            (
+                uniform_buffer::<OcclusionView>(true),
+                texture_depth_2d(),
+                sampler(SamplerBindingType::NonFiltering),
+                texture_2d(TextureSampleType::Float { filterable: false }),
+            ),
+        ),
+    )
+}
+
+fn gather_layout(key: GatherKey, compute: bool) -> BindGroupLayoutDescriptor {
+    let stages = if compute {
+        ShaderStages::COMPUTE
+    } else {
+        ShaderStages::FRAGMENT
+    };
+    let mut entries: Vec<(u32, BindGroupLayoutEntryBuilder)> = vec![
+        (0, uniform_buffer::<OcclusionView>(true)),
+        (1, texture_depth_2d()),
+        (2, sampler(SamplerBindingType::NonFiltering)),
+    ];
+    if key.reads_normals() {
+        entries.push((3, texture_2d(TextureSampleType::Uint)));
+    }
+    if compute {
+        let format = key.format.texture_format();
+        entries.push((
+            4,
+            texture_storage_2d(format, StorageTextureAccess::WriteOnly),
+        ));
+    }
+    let entries: Vec<_> = entries
+        .into_iter()
+        .map(|(binding, entry)| entry.build(binding, stages))
+        .collect();
+    BindGroupLayoutDescriptor::new("lean_deferred/occlusion/gather", &entries)
+}
+
 impl OcclusionPipelines {
-    /// The layout of the gather's only bind group.
-    pub(super) fn gather_layout(&self, key: GatherKey, compute: bool) -> BindGroupLayoutDescriptor {
-        let stages = if compute {
-            ShaderStages::COMPUTE
-        } else {
-            ShaderStages::FRAGMENT
-        };
-        let mut entries: Vec<(u32, BindGroupLayoutEntryBuilder)> = vec![
-            (0, uniform_buffer::<OcclusionView>(true)),
-            (1, texture_depth_2d()),
-            (2, sampler(SamplerBindingType::NonFiltering)),
-        ];
-        if key.reads_normals() {
-            entries.push((3, texture_2d(TextureSampleType::Uint)));
-        }
-        if compute {
-            let format = key.format.texture_format();
-            entries.push((
-                4,
-                texture_storage_2d(format, StorageTextureAccess::WriteOnly),
-            ));
-        }
-        let entries: Vec<_> = entries
-            .into_iter()
-            .map(|(binding, entry)| entry.build(binding, stages))
-            .collect();
-        BindGroupLayoutDescriptor::new("lean_deferred/occlusion/gather", &entries)
+    /// The layout of the gather's only bind group, if there is a pipeline for `key`.
+    pub(super) fn gather_layout(&self, key: GatherKey, compute: bool) -> Option<&FoundLayout> {
+        let (_, layout) = self.gathers.get(&(key.reduced(), compute))?;
+        Some(layout)
     }
 
     /// The pipeline that finds occlusion; it may still be compiling.
@@ -223,11 +235,12 @@ impl OcclusionPipelines {
         compute: bool,
     ) -> GatherPipeline {
         let key = key.reduced();
-        if let Some(pipeline) = self.gathers.get(&(key, compute)) {
+        if let Some((pipeline, _)) = self.gathers.get(&(key, compute)) {
             return *pipeline;
         }
         let label = Some("lean_deferred/occlusion/gather".into());
-        let layout = vec![self.gather_layout(key, compute)];
+        let found = FoundLayout::new(pipeline_cache, gather_layout(key, compute));
+        let layout = vec![found.descriptor().clone()];
         let mut shader_defs = key.shader_defs();
         let shader = self.gather_shader.clone();
         let pipeline = if compute {
@@ -258,7 +271,7 @@ impl OcclusionPipelines {
                 }),
             )
         };
-        self.gathers.insert((key, compute), pipeline);
+        self.gathers.insert((key, compute), (pipeline, found));
         pipeline
     }
 
@@ -280,7 +293,7 @@ impl OcclusionPipelines {
         }
         let pipeline = pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some("lean_deferred/occlusion/merge".into()),
-            layout: vec![self.merge_layout.clone()],
+            layout: vec![self.merge_layout.descriptor().clone()],
             vertex: self.fullscreen.to_vertex_state(),
             fragment: Some(FragmentState {
                 shader: self.merge_shader.clone(),

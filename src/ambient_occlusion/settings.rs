@@ -3,7 +3,10 @@ use bevy::{
     render::{extract_component::ExtractComponent, render_resource::TextureFormat},
 };
 
-use super::{activity::ActiveOcclusion, textures::OcclusionTexture, uniforms::ViewOcclusion};
+use super::{
+    activity::ActiveOcclusion, bindings::OcclusionBindings, textures::OcclusionTexture,
+    uniforms::ViewOcclusion,
+};
 
 /// Darkens what neighbouring surfaces hide from the light that comes from everywhere.
 ///
@@ -15,7 +18,7 @@ use super::{activity::ActiveOcclusion, textures::OcclusionTexture, uniforms::Vie
 /// stay exactly as they were.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[extract_component_sync_target((Self, ActiveOcclusion, OcclusionTexture, ViewOcclusion))]
+#[extract_component_sync_target((Self, ActiveOcclusion, OcclusionTexture, ViewOcclusion, OcclusionBindings))]
 pub struct LeanAmbientOcclusion {
     /// Distance past which nothing occludes, in metres. More than 0. On screen it is at most a quarter of the
     /// viewport's height; nearer to the camera it shrinks to that. Default 0.5.

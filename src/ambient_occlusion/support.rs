@@ -19,9 +19,9 @@ pub struct OcclusionSupport {
     pub stores_float16: bool,
 }
 
-impl OcclusionSupport {
+impl FromWorld for OcclusionSupport {
     /// Looks at the device and adapter of a render world. Without them nothing can be stored.
-    pub(super) fn from_world(world: &World) -> Self {
+    fn from_world(world: &mut World) -> Self {
         let (Some(device), Some(adapter)) = (
             world.get_resource::<RenderDevice>(),
             world.get_resource::<RenderAdapter>(),
@@ -53,7 +53,9 @@ impl OcclusionSupport {
             stores_float16: can_store(OcclusionFormat::Float16),
         }
     }
+}
 
+impl OcclusionSupport {
     pub(super) fn can_store(self, format: OcclusionFormat) -> bool {
         match format {
             OcclusionFormat::Unorm8 => self.stores_unorm8,

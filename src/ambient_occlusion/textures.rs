@@ -10,27 +10,34 @@ use bevy::{
     },
 };
 
-use super::{
-    LeanAmbientOcclusion, ViewOcclusion, activity::ActiveOcclusion, support::OcclusionSupport,
-};
+use super::{ActiveOcclusion, ViewOcclusion, activity::GatherPipeline};
 
 /// The occlusion of a view, as large as its viewport or half that. 0 is none.
 #[derive(Component, Clone)]
 pub struct OcclusionTexture(pub CachedTexture);
 
-/// Gives each view with ambient occlusion its texture.
+/// Gives each view that finds occlusion its texture.
 pub(super) fn prepare_occlusion_textures(
     mut commands: Commands,
     mut texture_cache: ResMut<TextureCache>,
     render_device: Res<RenderDevice>,
-    support: Res<OcclusionSupport>,
-    views: Query<(Entity, &LeanAmbientOcclusion, &ViewOcclusion)>,
+    mut views: Query<(
+        Entity,
+        &ActiveOcclusion,
+        &ViewOcclusion,
+        Option<&mut OcclusionTexture>,
+    )>,
 ) {
-    for (entity, settings, view) in &views {
-        let storage = if support.can_store(settings.format) {
-            TextureUsages::STORAGE_BINDING
-        } else {
-            TextureUsages::RENDER_ATTACHMENT
+    for (entity, active, view, current) in &mut views {
+        let usage = match active.gather {
+            Some(GatherPipeline::Compute(_)) => TextureUsages::STORAGE_BINDING,
+            Some(GatherPipeline::Raster(_)) => TextureUsages::RENDER_ATTACHMENT,
+            None => {
+                if current.is_some() {
+                    commands.entity(entity).remove::<OcclusionTexture>();
+                }
+                continue;
+            }
         };
         let texture = texture_cache.get(
             &render_device,
@@ -40,12 +47,17 @@ pub(super) fn prepare_occlusion_textures(
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: TextureDimension::D2,
-                format: settings.format.texture_format(),
-                usage: storage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+                format: active.key.format.texture_format(),
+                usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
                 view_formats: &[],
             },
         );
-        commands.entity(entity).insert(OcclusionTexture(texture));
+        match current {
+            Some(mut current) => current.0 = texture,
+            None => {
+                commands.entity(entity).insert(OcclusionTexture(texture));
+            }
+        }
     }
 }
 

@@ -15,7 +15,7 @@ use bevy::{
     },
 };
 
-use super::{LeanAmbientOcclusion, pass};
+use super::{ActiveOcclusion, LeanAmbientOcclusion, pass};
 use crate::tiles::RowOrder;
 
 /// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
@@ -184,27 +184,33 @@ pub(super) fn write_occlusion_uniforms(
     mut uniforms: ResMut<OcclusionUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     (row_order, frame): (Res<RowOrder>, Res<FrameCount>),
-    views: Query<(
+    mut views: Query<(
         Entity,
-        &LeanAmbientOcclusion,
+        &ActiveOcclusion,
         &ExtractedCamera,
         &ExtractedView,
         Option<&MainPassResolutionOverride>,
         Option<&DistanceFog>,
         Has<TemporalJitter>,
+        Option<&mut ViewOcclusion>,
     )>,
 ) {
     let Some(mut writer) = uniforms.0.get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
-    for (entity, settings, camera, view, resolution_override, fog, is_jittered) in &views {
+    for (entity, active, camera, view, resolution_override, fog, is_jittered, current) in &mut views
+    {
         let viewport =
             Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override)
                 .unwrap_or_else(|| Viewport {
                     physical_size: camera.physical_target_size.unwrap_or(UVec2::ONE),
                     ..default()
                 });
-        let mut uniform = OcclusionView::new(settings, view.clip_from_view, viewport.physical_size);
+        let mut uniform = OcclusionView::new(
+            &active.settings,
+            view.clip_from_view,
+            viewport.physical_size,
+        );
         uniform.view_from_world = view.world_from_view.to_matrix().inverse();
         uniform.fog = fog_parameters(fog);
         uniform.viewport_origin = viewport.physical_position;
@@ -213,10 +219,16 @@ pub(super) fn write_occlusion_uniforms(
             // The golden section spreads any number of frames.
             uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;
         }
-        commands.entity(entity).insert(ViewOcclusion {
+        let view = ViewOcclusion {
             offset: writer.write(&uniform),
             texture_size: uniform.texture_size,
             viewport,
-        });
+        };
+        match current {
+            Some(mut current) => *current = view,
+            None => {
+                commands.entity(entity).insert(view);
+            }
+        }
     }
 }

@@ -1,26 +1,23 @@
 //! The bind groups, made anew only when what they bind changed.
 
 use bevy::{
+    ecs::system::SystemParam,
     prelude::*,
     render::{
         render_asset::RenderAssets,
-        render_resource::{
-            BindGroup, BindGroupEntry, BindingResource, IntoBinding, PipelineCache, TextureViewId,
-        },
+        render_resource::{BindGroup, IntoBinding, TextureViewId},
         renderer::RenderDevice,
-        storage::GpuShaderBuffer,
-        texture::GpuImage,
+        texture::{FallbackImage, GpuImage},
         view::{ViewTarget, ViewUniforms},
     },
 };
 
 use super::{
-    LeanAutoExposure, MeteringPattern,
-    pipelines::{ViewExposurePipelines, adapt_layout, meter_layout},
-    state::ExposureBuffer,
+    pipelines::{ExposurePipelines, ViewExposurePipelines},
+    state::ExposureHistory,
     uniforms::{ExposureUniforms, ViewExposure},
 };
-use crate::bind_group_cache::CachedBindGroup;
+use crate::bind_group_cache::{CachedBindGroup, Entries};
 
 /// On a view with auto exposure: the bind groups of its passes.
 #[derive(Component, Default)]
@@ -41,81 +38,83 @@ impl ExposureBindings {
 /// Makes the bind groups of all views with auto exposure.
 pub(super) fn prepare_exposure_bind_groups(
     mut commands: Commands,
-    (device, cache): (Res<RenderDevice>, Res<PipelineCache>),
+    device: Res<RenderDevice>,
+    pipelines: Option<Res<ExposurePipelines>>,
     (uniforms, view_uniforms): (Res<ExposureUniforms>, Res<ViewUniforms>),
-    (buffers, images): (
-        Res<RenderAssets<GpuShaderBuffer>>,
-        Res<RenderAssets<GpuImage>>,
-    ),
+    masks: Masks,
     mut views: Query<(
         Entity,
-        &LeanAutoExposure,
         &ViewExposure,
         &ViewExposurePipelines,
-        &ExposureBuffer,
+        &ExposureHistory,
         &ViewTarget,
         Option<&mut ExposureBindings>,
     )>,
 ) {
-    let (Some(uniforms), Some(view_uniforms)) =
-        (uniforms.0.binding(), view_uniforms.uniforms.binding())
-    else {
+    let (Some(pipelines), Some(uniforms), Some(view_uniforms)) = (
+        pipelines,
+        uniforms.0.binding(),
+        view_uniforms.uniforms.binding(),
+    ) else {
         return;
     };
-    for (entity, settings, view, pipelines, state, target, bindings) in &mut views {
-        let Some(state) = buffers.get(&state.0) else {
-            continue;
-        };
+    for (entity, view, own_pipelines, history, target, bindings) in &mut views {
         let mut new = None;
         let bindings = match bindings {
             Some(bindings) => bindings.into_inner(),
             None => new.insert(ExposureBindings::default()),
         };
-        let key = pipelines.key;
-        let mask = match &settings.pattern {
-            MeteringPattern::Mask(mask) if key.has_mask() => images.get(mask),
-            _ => None,
-        };
-        // The pipelines for new settings are still compiling: the last groups go on.
-        if mask.is_some() != key.has_mask() {
-            continue;
-        }
-        let sums = || view.sums.as_entire_binding();
-
         let pictures = [target.main_texture_view(), target.main_texture_other_view()];
         if bindings.meter[0].0 == Some(pictures[1].id()) {
             bindings.meter.swap(0, 1);
         }
+        let Some(layout) = pipelines.meter_layout(own_pipelines.key) else {
+            continue;
+        };
         for (slot, picture) in bindings.meter.iter_mut().zip(pictures) {
-            let mut entries = vec![uniforms.clone(), picture.into_binding(), sums()];
-            if let Some(mask) = mask {
-                entries.push(mask.texture_view.into_binding());
-                entries.push(mask.sampler.into_binding());
-            }
             slot.0 = Some(picture.id());
-            slot.1
-                .update(&device, &cache, &meter_layout(key), &numbered(entries));
+            slot.1.update(&device, layout, |entries| {
+                entries.push(0, uniforms.clone())?;
+                entries.push(1, picture.into_binding())?;
+                entries.push(2, view.sums.as_entire_binding())?;
+                masks.push(3, own_pipelines, entries)
+            });
         }
-
-        let entries = vec![
-            uniforms.clone(),
-            view_uniforms.clone(),
-            sums(),
-            state.buffer.as_entire_binding(),
-        ];
         bindings
             .adapt
-            .update(&device, &cache, &adapt_layout(), &numbered(entries));
+            .update(&device, &pipelines.adapt_layout, |entries| {
+                entries.push(0, uniforms.clone())?;
+                entries.push(1, view_uniforms.clone())?;
+                entries.push(2, view.sums.as_entire_binding())?;
+                entries.push(3, history.state.as_entire_binding())
+            });
         if let Some(new) = new {
             commands.entity(entity).insert(new);
         }
     }
 }
 
-pub(super) fn numbered(resources: Vec<BindingResource>) -> Vec<BindGroupEntry> {
-    resources
-        .into_iter()
-        .zip(0..)
-        .map(|(resource, binding)| BindGroupEntry { binding, resource })
-        .collect()
+/// The images that cameras are metered by.
+#[derive(SystemParam)]
+pub(super) struct Masks<'w> {
+    images: Res<'w, RenderAssets<GpuImage>>,
+    fallback: Res<'w, FallbackImage>,
+}
+
+impl Masks<'_> {
+    /// The mask of `pipelines` and its sampler at `binding` and the next, if there is one. All pixels count if it has
+    /// been unloaded.
+    pub(super) fn push(
+        &self,
+        binding: u32,
+        pipelines: &ViewExposurePipelines,
+        entries: &mut Entries,
+    ) -> Option<()> {
+        let Some(mask) = &pipelines.mask else {
+            return Some(());
+        };
+        let image = self.images.get(mask).unwrap_or(&self.fallback.d2);
+        entries.push(binding, image.texture_view.into_binding())?;
+        entries.push(binding + 1, image.sampler.into_binding())
+    }
 }

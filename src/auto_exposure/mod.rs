@@ -1,7 +1,7 @@
 //! Auto exposure: the picture's luminance, reduced in two dispatches, and an exposure that follows it.
 //!
 //! - `settings.rs`: the components. `support.rs`: what the device can do.
-//! - `state.rs`: the exposure of a camera on the GPU, its way back, and cuts.
+//! - `state.rs`: the exposure of a camera on the GPU, and cuts. `readback.rs`: its way back, for cameras that ask.
 //! - `key.rs`: what the shaders are compiled by. `uniforms.rs`, `pipelines.rs`, `bindings.rs`, `pass.rs`: the passes.
 //! - `meter.wgsl`, `adapt.wgsl`: the shaders. `reduction.wgsl`: the sum of a workgroup. `view.wgsl`: what they share.
 //! - `overlay.{rs,wgsl}`: what is metered, shown over the picture. `pattern.wgsl`: how much a pixel counts.
@@ -14,6 +14,7 @@ pub mod luminance;
 mod overlay;
 mod pass;
 mod pipelines;
+mod readback;
 mod settings;
 mod state;
 mod support;
@@ -23,11 +24,12 @@ pub use bindings::ExposureBindings;
 pub use key::ExposureKey;
 pub use overlay::ExposureOverlay;
 pub use pipelines::{ViewExposurePipelines, adapt_layout, meter_layout};
+pub use readback::ExposureReadback;
 pub use settings::{
     ExposureCut, ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure, Metering,
     MeteringPattern, ReductionPath,
 };
-pub use state::{ExposureBuffer, ExposureCuts};
+pub use state::{ExposureCuts, ExposureHistory};
 pub use support::ExposureSupport;
 pub use uniforms::{ExposureState, ExposureView, ViewExposure};
 
@@ -39,14 +41,14 @@ use bevy::{
     },
     prelude::*,
     render::{
-        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
         extract_component::ExtractComponentPlugin,
     },
     shader::load_shader_library,
 };
 
 use crate::{
-    camera_overrides,
+    camera_overrides, recovery,
     shared::{self, SharedPlugin},
 };
 
@@ -73,10 +75,9 @@ impl Plugin for LeanAutoExposurePlugin {
             .register_type::<ExposureCut>()
             .add_plugins((
                 ExtractComponentPlugin::<LeanAutoExposure>::default(),
-                ExtractComponentPlugin::<ExposureBuffer>::default(),
+                ExtractComponentPlugin::<MeteredExposure>::default(),
                 ExtractComponentPlugin::<ExposureCuts>::default(),
             ))
-            .add_observer(state::add_state)
             .add_observer(state::remove_state)
             .add_systems(Last, state::count_cuts);
         camera_overrides::add_to::<LeanAutoExposure>(app);
@@ -90,15 +91,24 @@ impl Plugin for LeanAutoExposurePlugin {
             .add_systems(
                 RenderStartup,
                 (
+                    support::init_exposure_support,
                     pipelines::init_exposure_pipelines,
                     overlay::init_overlay_pipelines,
+                    recovery::forget::<LeanAutoExposure>,
                 ),
             )
+            .add_systems(ExtractSchedule, readback::report_metered)
             .add_systems(
                 Render,
                 (
                     pipelines::queue_exposure_pipelines.in_set(RenderSystems::Queue),
-                    uniforms::write_exposure_uniforms.in_set(RenderSystems::PrepareResources),
+                    (
+                        state::begin_histories,
+                        uniforms::write_exposure_uniforms,
+                        readback::prepare_readbacks,
+                    )
+                        .chain()
+                        .in_set(RenderSystems::PrepareResources),
                     overlay::queue_overlay_pipelines
                         .in_set(RenderSystems::Queue)
                         .after(pipelines::queue_exposure_pipelines),
@@ -107,6 +117,7 @@ impl Plugin for LeanAutoExposurePlugin {
                         overlay::prepare_overlay_bind_groups,
                     )
                         .in_set(RenderSystems::PrepareBindGroups),
+                    readback::map_readbacks.in_set(RenderSystems::Cleanup),
                 ),
             )
             .add_systems(
@@ -131,16 +142,5 @@ impl Plugin for LeanAutoExposurePlugin {
                         .after(tonemapping),
                 ),
             );
-    }
-
-    fn finish(&self, app: &mut App) {
-        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-            return;
-        };
-        let support = ExposureSupport::from_world(render_app.world());
-        if let Some(missing) = &support.missing {
-            warn!("LeanAutoExposure is off. The device lacks: {missing}");
-        }
-        render_app.insert_resource(support);
     }
 }

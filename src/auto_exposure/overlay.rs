@@ -8,34 +8,33 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
-        render_asset::RenderAssets,
         render_resource::{
             BindGroupLayoutDescriptor, BlendState, CachedRenderPipelineId, ColorTargetState,
-            ColorWrites, DynamicBindGroupLayoutEntries, FragmentState, IntoBinding, PipelineCache,
+            ColorWrites, DynamicBindGroupLayoutEntries, FragmentState, PipelineCache,
             RenderPassDescriptor, RenderPipelineDescriptor, SamplerBindingType, ShaderStages,
             ShaderType, TextureFormat, TextureSampleType,
             binding_types::{sampler, storage_buffer_read_only_sized, texture_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice, ViewQuery},
-        storage::GpuShaderBuffer,
-        texture::GpuImage,
         view::{ExtractedView, ViewTarget},
     },
 };
 
 use super::{
-    ExposureKey, LeanAutoExposure, MeteringPattern, ViewExposure, ViewExposurePipelines,
-    bindings::numbered,
-    state::ExposureBuffer,
+    ExposureKey, LeanAutoExposure, ViewExposure, ViewExposurePipelines,
+    bindings::Masks,
+    state::ExposureHistory,
     uniforms::{ExposureState, ExposureUniforms, ExposureView},
 };
-use crate::bind_group_cache::CachedBindGroup;
+use crate::bind_group_cache::{CachedBindGroup, FoundLayout};
 
 /// On a view with the overlay of auto exposure: its pipeline, which may still be compiling, and its bind group.
 #[derive(Component)]
 pub struct ExposureOverlay {
+    format: TextureFormat,
     key: ExposureKey,
     pipeline: CachedRenderPipelineId,
+    layout: FoundLayout,
     group: CachedBindGroup,
 }
 
@@ -44,7 +43,7 @@ pub struct ExposureOverlay {
 pub(super) struct OverlayPipelines {
     shader: Handle<Shader>,
     fullscreen: FullscreenShader,
-    by_key: HashMap<(TextureFormat, ExposureKey), CachedRenderPipelineId>,
+    by_key: HashMap<(TextureFormat, ExposureKey), (CachedRenderPipelineId, FoundLayout)>,
 }
 
 pub(super) fn init_overlay_pipelines(
@@ -85,11 +84,12 @@ impl OverlayPipelines {
         format: TextureFormat,
         key: ExposureKey,
         pipeline_cache: &PipelineCache,
-    ) -> CachedRenderPipelineId {
-        *self.by_key.entry((format, key)).or_insert_with(|| {
-            pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
+    ) -> (CachedRenderPipelineId, &FoundLayout) {
+        let (pipeline, layout) = self.by_key.entry((format, key)).or_insert_with(|| {
+            let layout = FoundLayout::new(pipeline_cache, layout(key));
+            let pipeline = pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
                 label: Some("lean_deferred/exposure/overlay".into()),
-                layout: vec![layout(key)],
+                layout: vec![layout.descriptor().clone()],
                 vertex: self.fullscreen.to_vertex_state(),
                 fragment: Some(FragmentState {
                     shader: self.shader.clone(),
@@ -102,8 +102,10 @@ impl OverlayPipelines {
                     })],
                 }),
                 ..default()
-            })
-        })
+            });
+            (pipeline, layout)
+        });
+        (*pipeline, layout)
     }
 }
 
@@ -112,18 +114,18 @@ pub(super) fn queue_overlay_pipelines(
     mut commands: Commands,
     pipelines: Option<ResMut<OverlayPipelines>>,
     pipeline_cache: Res<PipelineCache>,
-    mut views: Query<(
+    views: Query<(
         Entity,
         &ExtractedView,
         &LeanAutoExposure,
         Option<&ViewExposurePipelines>,
-        Option<&mut ExposureOverlay>,
+        Option<&ExposureOverlay>,
     )>,
 ) {
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, view, settings, metering, overlay) in &mut views {
+    for (entity, view, settings, metering, overlay) in &views {
         let Some(metering) = metering.filter(|_| settings.overlay) else {
             if overlay.is_some() {
                 commands.entity(entity).remove::<ExposureOverlay>();
@@ -131,55 +133,43 @@ pub(super) fn queue_overlay_pipelines(
             continue;
         };
         let key = metering.key.of_overlay();
-        let pipeline = pipelines.get(view.target_format, key, &pipeline_cache);
-        match overlay {
-            Some(mut overlay) => {
-                overlay.key = key;
-                overlay.pipeline = pipeline;
-            }
-            None => {
-                commands.entity(entity).insert(ExposureOverlay {
-                    key,
-                    pipeline,
-                    group: CachedBindGroup::default(),
-                });
-            }
+        if overlay
+            .as_ref()
+            .is_some_and(|overlay| (overlay.format, overlay.key) == (view.target_format, key))
+        {
+            continue;
         }
+        let (pipeline, layout) = pipelines.get(view.target_format, key, &pipeline_cache);
+        commands.entity(entity).insert(ExposureOverlay {
+            format: view.target_format,
+            key,
+            pipeline,
+            layout: layout.clone(),
+            group: CachedBindGroup::default(),
+        });
     }
 }
 
 pub(super) fn prepare_overlay_bind_groups(
-    (device, pipeline_cache): (Res<RenderDevice>, Res<PipelineCache>),
+    device: Res<RenderDevice>,
     uniforms: Res<ExposureUniforms>,
-    (buffers, images): (
-        Res<RenderAssets<GpuShaderBuffer>>,
-        Res<RenderAssets<GpuImage>>,
-    ),
-    mut views: Query<(&LeanAutoExposure, &ExposureBuffer, &mut ExposureOverlay)>,
+    masks: Masks,
+    mut views: Query<(
+        &ViewExposurePipelines,
+        &ExposureHistory,
+        &mut ExposureOverlay,
+    )>,
 ) {
     let Some(uniforms) = uniforms.0.binding() else {
         return;
     };
-    for (settings, state, mut overlay) in &mut views {
-        let mask = match &settings.pattern {
-            MeteringPattern::Mask(mask) if overlay.key.has_mask() => images.get(mask),
-            _ => None,
-        };
-        let Some(state) = buffers.get(&state.0) else {
-            continue;
-        };
-        if mask.is_some() != overlay.key.has_mask() {
-            continue;
-        }
-        let mut entries = vec![uniforms.clone(), state.buffer.as_entire_binding()];
-        if let Some(mask) = mask {
-            entries.push(mask.texture_view.into_binding());
-            entries.push(mask.sampler.into_binding());
-        }
-        let layout = layout(overlay.key);
-        overlay
-            .group
-            .update(&device, &pipeline_cache, &layout, &numbered(entries));
+    for (pipelines, history, mut overlay) in &mut views {
+        let ExposureOverlay { layout, group, .. } = &mut *overlay;
+        group.update(&device, layout, |entries| {
+            entries.push(0, uniforms.clone())?;
+            entries.push(1, history.state.as_entire_binding())?;
+            masks.push(2, pipelines, entries)
+        });
     }
 }
 

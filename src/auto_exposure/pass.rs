@@ -11,7 +11,10 @@ use bevy::{
     },
 };
 
-use super::{bindings::ExposureBindings, pipelines::ViewExposurePipelines, uniforms::ViewExposure};
+use super::{
+    bindings::ExposureBindings, pipelines::ViewExposurePipelines, readback::ExposureReadback,
+    state::ExposureHistory, uniforms::ViewExposure,
+};
 
 /// Between anti-aliasing and post-processing: measures the picture, and adapts the view's exposure.
 pub(super) fn auto_exposure(
@@ -19,17 +22,19 @@ pub(super) fn auto_exposure(
         &ViewExposure,
         &ViewExposurePipelines,
         &ExposureBindings,
+        &ExposureHistory,
+        Option<&ExposureReadback>,
         &ViewTarget,
         &ViewUniformOffset,
     )>,
     pipeline_cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
-    let (view, pipelines, bindings, target, view_offset) = view.into_inner();
+    let (view, pipelines, bindings, history, readback, target, view_offset) = view.into_inner();
     let picture = Some(target.main_texture_view().id());
     let (Some(meter), Some(adapt), Some(meter_group), Some(adapt_group)) = (
-        pipeline_cache.get_compute_pipeline(pipelines.meter),
-        pipeline_cache.get_compute_pipeline(pipelines.adapt),
+        pipeline_cache.get_compute_pipeline(pipelines.passes.meter),
+        pipeline_cache.get_compute_pipeline(pipelines.passes.adapt),
         bindings
             .meter
             .iter()
@@ -57,4 +62,7 @@ pub(super) fn auto_exposure(
     pass.dispatch_workgroups(1, 1, 1);
     drop(pass);
     span.end(ctx.command_encoder());
+    if let Some(readback) = readback {
+        readback.copy(&history.state, ctx.command_encoder());
+    }
 }

@@ -1,7 +1,11 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
 use super::{
-    bindings::ExposureBindings, overlay::ExposureOverlay, pipelines::ViewExposurePipelines,
+    bindings::ExposureBindings,
+    overlay::ExposureOverlay,
+    pipelines::ViewExposurePipelines,
+    readback::ExposureReadback,
+    state::{ExposureCuts, ExposureHistory},
     uniforms::ViewExposure,
 };
 
@@ -9,16 +13,24 @@ use super::{
 ///
 /// For HDR cameras (`Hdr` is added with the component, and removed with it unless something else needs it), 3D or 2D, with or without [`LeanDeferred`](crate::LeanDeferred). Measured is the camera's own
 /// viewport, after anti-aliasing and before bloom and other post-processing; applied is the exposure in tonemapping,
-/// where Bevy's `AutoExposure` applies it too: use one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`. The first frame starts adapted. What was measured is read
-/// back into [`MeteredExposure`].
+/// where Bevy's `AutoExposure` applies it too: use one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`. The first frame starts adapted. To read what was measured, add
+/// [`MeteredExposure`].
 ///
 /// Not a number counts as no pixel; negative luminance counts as 0, and everything above 65504 as that. A black view
 /// has the largest exposure; one that has nothing to be metered keeps the target that it had. Settings that are not
 /// numbers count as their defaults.
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(MeteredExposure)]
-#[extract_component_sync_target((Self, ViewExposure, ViewExposurePipelines, ExposureBindings, ExposureOverlay))]
+#[require(ExposureCuts)]
+#[extract_component_sync_target((
+    Self,
+    ViewExposure,
+    ViewExposurePipelines,
+    ExposureBindings,
+    ExposureOverlay,
+    ExposureHistory,
+    ExposureReadback
+))]
 pub struct LeanAutoExposure {
     /// Which mean is taken. Default [`Metering::LogAverage`].
     pub metering: Metering,
@@ -159,10 +171,30 @@ pub enum ReductionPath {
     SharedMemory,
 }
 
-/// What a camera's [`LeanAutoExposure`] has measured, a few frames ago: it comes from the GPU without waiting. Added and
-/// removed with it.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+/// What a camera's [`LeanAutoExposure`] has measured, a few frames ago: it comes from the GPU without waiting. Put it on
+/// cameras whose exposure you want to read; of others nothing is read back. All zero until the first frame has come back,
+/// and without [`LeanAutoExposure`].
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn spawn_camera(mut commands: Commands) {
+///     commands.spawn((
+///         Camera3d::default(),
+///         LeanAutoExposure::default(),
+///         MeteredExposure::default(),
+///     ));
+/// }
+///
+/// fn print_exposures(cameras: Query<(Entity, &MeteredExposure), Changed<MeteredExposure>>) {
+///     for (camera, metered) in &cameras {
+///         info!("{camera}: {:+.1} stops", metered.exposure);
+///     }
+/// }
+/// ```
+#[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[extract_component_sync_target((Self, ExposureReadback))]
 pub struct MeteredExposure {
     /// Mean luminance before the exposure, by the camera's metering.
     pub luminance: f32,

@@ -1,78 +1,60 @@
-//! The exposure of a camera: on the GPU, read back, and reset at cuts.
+//! What a camera keeps from frame to frame: its exposure, on the GPU, and how many cuts it had.
 
 use bevy::{
     prelude::*,
     render::{
         extract_component::ExtractComponent,
-        gpu_readback::{Readback, ReadbackComplete},
-        storage::ShaderBuffer,
+        render_resource::{Buffer, BufferDescriptor, BufferUsages, ShaderType},
+        renderer::RenderDevice,
     },
 };
 
 use super::{ExposureCut, LeanAutoExposure, MeteredExposure, uniforms::ExposureState};
 
-/// On a camera with auto exposure: the buffer that keeps its state.
-#[derive(Component, ExtractComponent, Clone, Debug)]
-pub struct ExposureBuffer(pub(super) Handle<ShaderBuffer>);
+/// On a view with auto exposure, also while it is off: its exposure.
+#[derive(Component)]
+pub struct ExposureHistory {
+    /// An [`ExposureState`].
+    pub(super) state: Buffer,
+    /// When the view was rendered last, in seconds: it may have paused.
+    pub(super) rendered: f64,
+}
+
+/// Gives views their histories.
+pub(super) fn begin_histories(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    views: Query<Entity, (With<LeanAutoExposure>, Without<ExposureHistory>)>,
+) {
+    for entity in &views {
+        commands.entity(entity).insert(ExposureHistory {
+            // Zeros: no frame has been seen yet.
+            state: device.create_buffer(&BufferDescriptor {
+                label: Some("lean_deferred/exposure/state"),
+                size: ExposureState::min_size().get(),
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            rendered: 0.0,
+        });
+    }
+}
 
 /// On a camera with auto exposure: how many cuts it had. The shader remembers how many it has seen, so that none is
 /// lost with a frame.
 #[derive(Component, ExtractComponent, Clone, Copy, Debug, Default)]
 pub struct ExposureCuts(pub(super) u32);
 
-/// What reads the state of `camera` back.
-#[derive(Component)]
-#[relationship(relationship_target = ExposureReaders)]
-pub(super) struct ExposureReader(Entity);
-
-/// Despawned with the camera, or with its auto exposure.
-#[derive(Component)]
-#[relationship_target(relationship = ExposureReader, linked_spawn)]
-pub(super) struct ExposureReaders(Vec<Entity>);
-
-pub(super) fn add_state(
-    added: On<Add, LeanAutoExposure>,
-    mut commands: Commands,
-    mut buffers: ResMut<Assets<ShaderBuffer>>,
-) {
-    let camera = added.entity;
-    let buffer = buffers.add(ShaderBuffer::from(ExposureState::default()));
-    commands
-        .entity(camera)
-        .insert((ExposureBuffer(buffer.clone()), ExposureCuts::default()));
-    commands
-        .spawn((Readback::buffer(buffer), ExposureReader(camera)))
-        .observe(keep_metered);
-}
-
+/// Without auto exposure nothing is metered.
 pub(super) fn remove_state(removed: On<Remove, LeanAutoExposure>, mut commands: Commands) {
     commands
         .entity(removed.entity)
         .queue_silenced(|mut camera: EntityWorldMut| {
-            camera.despawn_related::<ExposureReaders>();
-            camera.remove::<(ExposureBuffer, ExposureCuts, MeteredExposure)>();
+            camera.remove::<ExposureCuts>();
+            if let Some(mut metered) = camera.get_mut::<MeteredExposure>() {
+                metered.set_if_neq(MeteredExposure::default());
+            }
         });
-}
-
-fn keep_metered(
-    complete: On<ReadbackComplete>,
-    readers: Query<&ExposureReader>,
-    mut cameras: Query<&mut MeteredExposure>,
-) {
-    let Ok(reader) = readers.get(complete.entity) else {
-        return;
-    };
-    let state: ExposureState = complete.to_shader_type();
-    // Before its first frame it says nothing.
-    if let Ok(mut metered) = cameras.get_mut(reader.0)
-        && state.cuts_seen > 0
-    {
-        metered.set_if_neq(MeteredExposure {
-            luminance: state.luminance,
-            exposure: state.exposure,
-            target_exposure: state.target_exposure,
-        });
-    }
 }
 
 /// Counts the cuts of this frame.

@@ -23,7 +23,7 @@ pub struct ExposureSupport {
 }
 
 impl ExposureSupport {
-    pub(super) fn from_world(world: &World) -> Self {
+    fn from_world(world: &World) -> Self {
         let (Some(device), Some(adapter), Some(info)) = (
             world.get_resource::<RenderDevice>(),
             world.get_resource::<RenderAdapter>(),
@@ -75,4 +75,13 @@ impl ExposureSupport {
             ReductionPath::SharedMemory => false,
         }
     }
+}
+
+/// Looks at the device, each time there is a new one.
+pub(super) fn init_exposure_support(world: &mut World) {
+    let support = ExposureSupport::from_world(world);
+    if let Some(missing) = &support.missing {
+        warn!("LeanAutoExposure is off. The device lacks: {missing}");
+    }
+    world.insert_resource(support);
 }

@@ -8,12 +8,14 @@ use bevy::{
             Buffer, BufferDescriptor, BufferUsages, DynamicUniformBuffer, ShaderType,
         },
         renderer::{RenderDevice, RenderQueue},
+        view::ViewTarget,
     },
 };
 
 use super::{
-    ExposureKey, LeanAutoExposure, MeteringPattern, pipelines::ViewExposurePipelines,
-    state::ExposureCuts,
+    ExposureKey, LeanAutoExposure, MeteringPattern,
+    pipelines::ViewExposurePipelines,
+    state::{ExposureCuts, ExposureHistory},
 };
 
 /// Points of a compensation curve that count.
@@ -119,8 +121,6 @@ pub struct ViewExposure {
     /// What the first pass leaves for the second: partial sums, or the histogram.
     pub(super) sums: Buffer,
     is_histogram: bool,
-    /// When it was rendered last, in seconds: it may have paused.
-    rendered: f64,
 }
 
 impl ViewExposure {
@@ -135,7 +135,6 @@ impl ViewExposure {
                 mapped_at_creation: false,
             }),
             is_histogram: key.has_histogram(),
-            rendered: 0.0,
         }
     }
 
@@ -156,20 +155,23 @@ pub(super) fn write_exposure_uniforms(
         &ExtractedCamera,
         &ExposureCuts,
         &ViewExposurePipelines,
+        &ViewTarget,
+        &mut ExposureHistory,
         Option<&mut ViewExposure>,
     )>,
 ) {
     let Some(mut writer) = uniforms.0.get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
-    for (entity, settings, camera, cuts, pipelines, view) in &mut views {
+    for (entity, settings, camera, cuts, pipelines, target, mut history, view) in &mut views {
         let key = pipelines.key;
         let (origin, size) = match &camera.viewport {
             Some(viewport) => (viewport.physical_position, viewport.physical_size),
-            None => (
-                UVec2::ZERO,
-                camera.physical_target_size.unwrap_or(UVec2::ONE),
-            ),
+            None => {
+                // Not as the camera has it, which may lag behind a target that is resized or replaced.
+                let picture = target.main_texture();
+                (UVec2::ZERO, UVec2::new(picture.width(), picture.height()))
+            }
         };
         let mut new = None;
         let view = match view {
@@ -177,14 +179,11 @@ pub(super) fn write_exposure_uniforms(
             None => new.insert(ViewExposure::new(&device, key, size)),
         };
         if !view.fits(key, size) {
-            *view = ViewExposure {
-                rendered: view.rendered,
-                ..ViewExposure::new(&device, key, size)
-            };
+            *view = ViewExposure::new(&device, key, size);
         }
         let now = time.elapsed_secs_f64();
-        let seconds = (now - view.rendered) as f32;
-        view.rendered = now;
+        let seconds = (now - history.rendered) as f32;
+        history.rendered = now;
         view.offset = writer.write(&ExposureView::new(settings, origin, size, seconds, cuts.0));
         view.workgroups = key.workgroups(size);
         if let Some(new) = new {

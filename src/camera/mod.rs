@@ -21,12 +21,12 @@ use bevy::{
     pbr::check_views_need_specialization,
     prelude::*,
     render::{
-        ExtractSchedule, Render, RenderApp, RenderSystems,
+        ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems,
         extract_component::ExtractComponentPlugin,
     },
 };
 
-use crate::camera_overrides;
+use crate::{camera_overrides, recovery};
 
 /// Registers [`LeanDeferred`], extracts it and decides each frame which cameras are rendered with it.
 pub(crate) struct LeanCameraPlugin;
@@ -48,6 +48,13 @@ impl Plugin for LeanCameraPlugin {
             .init_resource::<status::LeanStatuses>()
             .add_systems(ExtractSchedule, status::report_statuses)
             .add_systems(
+                RenderStartup,
+                (
+                    support::init_lean_deferred_support,
+                    recovery::forget::<LeanDeferred>,
+                ),
+            )
+            .add_systems(
                 Render,
                 (
                     activity::decide_active_views,
@@ -58,18 +65,5 @@ impl Plugin for LeanCameraPlugin {
                     .in_set(RenderSystems::PrepareAssets)
                     .after(check_views_need_specialization),
             );
-    }
-
-    fn finish(&self, app: &mut App) {
-        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-            return;
-        };
-        let support = LeanDeferredSupport::from_world(render_app.world());
-        if let LeanDeferredSupport::Missing(missing) = &support {
-            warn!(
-                "LeanDeferred is off, cameras render as Bevy has them. The device lacks: {missing}"
-            );
-        }
-        render_app.insert_resource(support);
     }
 }

@@ -8,7 +8,8 @@ use bevy::{
 
 use crate::gbuffer::layout::{NORMAL_FORMAT, SURFACE_FORMAT};
 
-/// Whether this device can run [`LeanDeferred`](super::LeanDeferred). In the render world, from `finish` on.
+/// Whether this device can run [`LeanDeferred`](super::LeanDeferred). In the render world, from
+/// `RenderStartup` on.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub enum LeanDeferredSupport {
     /// It can.
@@ -19,7 +20,7 @@ pub enum LeanDeferredSupport {
 
 impl LeanDeferredSupport {
     /// Looks at the device and adapter of a render world. Without them everything is missing.
-    pub(super) fn from_world(world: &World) -> Self {
+    fn from_world(world: &World) -> Self {
         let (Some(device), Some(adapter)) = (
             world.get_resource::<RenderDevice>(),
             world.get_resource::<RenderAdapter>(),
@@ -33,6 +34,15 @@ impl LeanDeferredSupport {
             Self::Missing(missing.join(", "))
         }
     }
+}
+
+/// Looks at the device, each time there is a new one.
+pub(super) fn init_lean_deferred_support(world: &mut World) {
+    let support = LeanDeferredSupport::from_world(world);
+    if let LeanDeferredSupport::Missing(missing) = &support {
+        warn!("LeanDeferred is off, cameras render as Bevy has them. The device lacks: {missing}");
+    }
+    world.insert_resource(support);
 }
 
 /// The one list of what [`LeanDeferred`](super::LeanDeferred) needs; returns what `device` does not have of it.

@@ -26,10 +26,9 @@ use bevy::{
     prelude::*,
     render::{
         render_resource::{
-            BindGroupEntry, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
-            CachedRenderPipelineId, ColorTargetState, ColorWrites, FragmentState, IntoBinding,
-            PipelineCache, RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages,
-            TextureSampleType,
+            BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId,
+            ColorTargetState, ColorWrites, FragmentState, IntoBinding, PipelineCache,
+            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, TextureSampleType,
             binding_types::{texture_2d, texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice},
@@ -38,7 +37,10 @@ use bevy::{
 };
 
 use super::{targets::GBufferTargets, textures::GBufferTextures};
-use crate::{bind_group_cache::CachedBindGroup, camera::ActiveLeanView};
+use crate::{
+    bind_group_cache::{CachedBindGroup, FoundLayout},
+    camera::ActiveLeanView,
+};
 
 /// What the resolve is compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -81,7 +83,7 @@ impl ResolveKey {
 pub(crate) struct MotionResolvePipelines {
     shader: Handle<Shader>,
     fullscreen_shader: FullscreenShader,
-    by_key: HashMap<ResolveKey, CachedRenderPipelineId>,
+    by_key: HashMap<ResolveKey, (CachedRenderPipelineId, FoundLayout)>,
 }
 
 pub(super) fn init_motion_resolve_pipelines(
@@ -116,7 +118,8 @@ impl MotionResolvePipelines {
     }
 
     fn specialize(&mut self, cache: &PipelineCache, key: ResolveKey) -> CachedRenderPipelineId {
-        *self.by_key.entry(key).or_insert_with(|| {
+        let entry = self.by_key.entry(key).or_insert_with(|| {
+            let layout = FoundLayout::new(cache, key.layout());
             let mut shader_defs = Vec::new();
             if key.late {
                 shader_defs.push("LATE".into());
@@ -124,9 +127,9 @@ impl MotionResolvePipelines {
             if key.motion_target {
                 shader_defs.push(GBufferTargets::MOTION.shader_def().into());
             }
-            cache.queue_render_pipeline(RenderPipelineDescriptor {
+            let pipeline = cache.queue_render_pipeline(RenderPipelineDescriptor {
                 label: Some("lean_deferred/resolve_motion".into()),
-                layout: vec![key.layout()],
+                layout: vec![layout.descriptor().clone()],
                 vertex: self.fullscreen_shader.to_vertex_state(),
                 fragment: Some(FragmentState {
                     shader: self.shader.clone(),
@@ -139,8 +142,10 @@ impl MotionResolvePipelines {
                     ..default()
                 }),
                 ..default()
-            })
-        })
+            });
+            (pipeline, layout)
+        });
+        entry.0
     }
 }
 
@@ -155,7 +160,7 @@ pub struct ViewMotionResolve {
 pub(super) fn prepare_motion_resolve(
     mut commands: Commands,
     pipelines: Option<Res<MotionResolvePipelines>>,
-    (device, cache): (Res<RenderDevice>, Res<PipelineCache>),
+    device: Res<RenderDevice>,
     (view_uniforms, previous_uniforms): (Res<ViewUniforms>, Res<PreviousViewUniforms>),
     mut views: Query<(
         Entity,
@@ -200,19 +205,20 @@ pub(super) fn prepare_motion_resolve(
                 late,
                 motion_target: motion.is_some(),
             };
-            let mut resources = vec![
-                view_binding.clone(),
-                previous_binding.clone(),
-                depth.view().into_binding(),
-                drawn.default_view.into_binding(),
-            ];
-            resources.extend(motion.map(|texture| texture.default_view.into_binding()));
-            let entries: Vec<_> = (0..)
-                .zip(resources)
-                .map(|(binding, resource)| BindGroupEntry { binding, resource })
-                .collect();
-            resolve.groups[index].update(&device, &cache, &key.layout(), &entries);
-            resolve.pipelines[index] = pipelines.by_key.get(&key).copied();
+            let Some((pipeline, layout)) = pipelines.by_key.get(&key) else {
+                continue;
+            };
+            resolve.groups[index].update(&device, layout, |entries| {
+                entries.push(0, view_binding.clone())?;
+                entries.push(1, previous_binding.clone())?;
+                entries.push(2, depth.view().into_binding())?;
+                entries.push(3, drawn.default_view.into_binding())?;
+                match motion {
+                    Some(motion) => entries.push(4, motion.default_view.into_binding()),
+                    None => Some(()),
+                }
+            });
+            resolve.pipelines[index] = Some(*pipeline);
         }
         if !exists {
             commands.entity(entity).insert(made);

@@ -18,11 +18,11 @@ use bevy::{
         globals::GlobalsBuffer,
         render_asset::RenderAssets,
         render_resource::{
-            BindGroup, BindGroupEntry, BindGroupLayoutDescriptor, BindingResource, IntoBinding,
-            PipelineCache, TextureView, TextureViewId,
+            BindGroup, BindGroupLayoutEntry, BindingResource, IntoBinding, TextureView,
+            TextureViewId,
         },
         renderer::RenderDevice,
-        texture::{FallbackImage, GpuImage},
+        texture::{FallbackImage, FallbackImageZero, GpuImage},
         view::{ViewDepthTexture, ViewTarget, ViewUniformOffset, ViewUniforms},
     },
 };
@@ -35,11 +35,10 @@ use super::{
         AREA_LIGHT_LUTS_BINDING, BLUE_NOISE_BINDING, DFG_LUT_BINDING, LIGHT_LAYERS_BINDING,
         LightingLayouts, LightingPipelines, target_binding,
     },
-    tile_lists::{filling_layout, reading_layout},
 };
 use crate::{
     ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
-    bind_group_cache::CachedBindGroup,
+    bind_group_cache::{CachedBindGroup, Entries},
     camera::ActiveLeanView,
     gbuffer::GBufferTextures,
     tiles,
@@ -103,7 +102,8 @@ pub(super) struct LitView {
     shadows: &'static ViewShadowBindings,
     clusters: &'static ViewClusterBindings,
     ssao: Option<&'static ScreenSpaceAmbientOcclusionResources>,
-    occlusion: Option<(&'static OcclusionTexture, &'static ViewOcclusion)>,
+    occlusion: Option<&'static ViewOcclusion>,
+    occlusion_texture: Option<&'static OcclusionTexture>,
     atmosphere: Option<&'static AtmosphereTextures>,
     environment_maps: Option<&'static ViewEnvironmentMaps>,
     irradiance_volumes: Option<&'static RenderViewLightProbes<IrradianceVolume>>,
@@ -134,6 +134,7 @@ pub(super) struct LightingResources<'w> {
     decals: Res<'w, RenderClusteredDecals>,
     images: Res<'w, RenderAssets<GpuImage>>,
     fallback: Res<'w, FallbackImage>,
+    fallback_zero: Res<'w, FallbackImageZero>,
     occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
     occlusion_uniforms: Option<Res<'w, OcclusionUniforms>>,
 }
@@ -141,7 +142,6 @@ pub(super) struct LightingResources<'w> {
 /// Makes the bind groups of the active views, where something they bind has changed.
 pub(super) fn prepare_lighting_bind_groups(
     render_device: Res<RenderDevice>,
-    pipeline_cache: Res<PipelineCache>,
     pipelines: Res<LightingPipelines>,
     resources: LightingResources,
     mut views: Query<LitView, With<ActiveLeanView>>,
@@ -160,11 +160,10 @@ pub(super) fn prepare_lighting_bind_groups(
         let complete = update_bind_groups(
             &mut bindings,
             layouts,
+            &pipelines,
             &view,
             &resources,
             &render_device,
-            &pipeline_cache,
-            pipelines.binds_arrays(),
         );
         if complete.is_none() {
             bindings.clear();
@@ -177,43 +176,46 @@ pub(super) fn prepare_lighting_bind_groups(
 fn update_bind_groups(
     bindings: &mut ViewLightingBindings,
     layouts: &LightingLayouts,
+    pipelines: &LightingPipelines,
     view: &LitViewItem,
     resources: &LightingResources,
     device: &RenderDevice,
-    pipeline_cache: &PipelineCache,
-    binds_arrays: bool,
 ) -> Option<()> {
-    let (entries, offsets) = view_entries(layouts, view, resources)?;
-    bindings
-        .view
-        .update(device, pipeline_cache, &layouts.view, &entries);
-    bindings.view_offsets = offsets;
+    let offsets = &mut bindings.view_offsets;
+    offsets.clear();
+    bindings.view.update(device, &layouts.view, |entries| {
+        for layout_entry in &layouts.view.descriptor().entries {
+            let (resource, offset) = view_entry(layout_entry.binding, view, resources)?;
+            entries.push(layout_entry.binding, resource)?;
+            offsets.extend(offset);
+        }
+        Some(())
+    })?;
 
-    let arrays = ProbeAndDecalViews::new(&layouts.arrays, view, resources);
-    let entries = arrays.entries(&layouts.arrays, resources, binds_arrays)?;
-    bindings
-        .arrays
-        .update(device, pipeline_cache, &layouts.arrays, &entries);
+    bindings.arrays.update(device, &layouts.arrays, |entries| {
+        let binds_arrays = pipelines.binds_arrays();
+        for layout_entry in &layouts.arrays.descriptor().entries {
+            push_array_entry(entries, layout_entry, view, resources, binds_arrays)?;
+        }
+        Some(())
+    })?;
 
     if let Some(lists) = &view.lighting.tile_lists {
-        let entries = [
-            (0, lists.dispatches().as_entire_binding()),
-            (1, lists.lists().as_entire_binding()),
-        ];
-        let [filled, read] = [&entries[..], &[(0, entries[1].1.clone())]].map(group_entries);
-        let (fill, reading) = (filling_layout(), reading_layout());
-        bindings
-            .fill_lists
-            .update(device, pipeline_cache, &fill, &filled);
-        bindings
-            .read_lists
-            .update(device, pipeline_cache, &reading, &read);
+        let dispatches = || lists.dispatches().as_entire_binding();
+        let places = || lists.lists().as_entire_binding();
+        let filling = &pipelines.filling_lists;
+        bindings.fill_lists.update(device, filling, |entries| {
+            entries.push(0, dispatches())?;
+            entries.push(1, places())
+        })?;
+        let reading = &pipelines.reading_lists;
+        let read_lists = &mut bindings.read_lists;
+        read_lists.update(device, reading, |entries| entries.push(0, places()))?;
     } else {
         bindings.fill_lists.clear();
         bindings.read_lists.clear();
     }
 
-    let uniforms = resources.buffers.uniforms.binding()?;
     let outputs = [
         view.target.main_texture_view(),
         view.target.main_texture_other_view(),
@@ -224,278 +226,201 @@ fn update_bind_groups(
     {
         bindings.targets.swap(0, 1);
     }
-    let occlusion = occlusion_entries(layouts, view, resources)?;
-    bindings.occlusion_offset = view
-        .occlusion
-        .filter(|_| !occlusion.is_empty())
-        .map(|(_, view)| view.offset);
+    bindings.occlusion_offset = if layouts.has_occlusion() {
+        Some(view.occlusion?.offset)
+    } else {
+        None
+    };
     for (slot, output) in bindings.targets.iter_mut().zip(outputs) {
-        let mut entries = vec![
-            (0, view.gbuffer.surface.default_view.into_binding()),
-            (1, view.gbuffer.normal.default_view.into_binding()),
-            (2, output.into_binding()),
-            (3, uniforms.clone()),
-        ];
-        entries.extend_from_slice(&occlusion);
-        if layouts.has_light_layers() {
-            let table = view.lighting.light_layers.as_ref()?;
-            entries.push((LIGHT_LAYERS_BINDING, table.binding()?));
-        }
-        for target in layouts.read_targets {
-            if let Some(texture) = view.gbuffer.optional(target) {
-                let texture = texture.default_view.into_binding();
-                entries.push((target_binding(target), texture));
-            }
-        }
         slot.0 = Some(output.id());
-        slot.1.update(
-            device,
-            pipeline_cache,
-            &layouts.targets,
-            &group_entries(&entries),
-        );
+        slot.1.update(device, &layouts.targets, |entries| {
+            push_target_entries(entries, layouts, view, resources, output)
+        })?;
     }
     Some(())
 }
 
-fn group_entries<'a>(entries: &[(u32, BindingResource<'a>)]) -> Vec<BindGroupEntry<'a>> {
-    entries
-        .iter()
-        .map(|(binding, resource)| BindGroupEntry {
-            binding: *binding,
-            resource: resource.clone(),
-        })
-        .collect()
-}
-
-/// What bind group 2 has for ambient occlusion; empty if its layout asks for none.
-fn occlusion_entries<'a>(
+/// The entries of bind group 2.
+fn push_target_entries(
+    entries: &mut Entries,
     layouts: &LightingLayouts,
-    view: &'a LitViewItem,
-    resources: &'a LightingResources,
-) -> Option<Vec<(u32, BindingResource<'a>)>> {
-    if !layouts.has_occlusion() {
-        return Some(Vec::new());
+    view: &LitViewItem,
+    resources: &LightingResources,
+    output: &TextureView,
+) -> Option<()> {
+    entries.push(0, view.gbuffer.surface.default_view.into_binding())?;
+    entries.push(1, view.gbuffer.normal.default_view.into_binding())?;
+    entries.push(2, output.into_binding())?;
+    entries.push(3, resources.buffers.uniforms.binding()?)?;
+    if layouts.has_occlusion() {
+        let pipelines = resources.occlusion_pipelines.as_ref()?;
+        // Without the texture, nothing that could find occlusion is compiled: there is none.
+        let texture = match view.occlusion_texture {
+            Some(texture) => &texture.0.default_view,
+            None => &resources.fallback_zero.texture_view,
+        };
+        entries.push(4, resources.occlusion_uniforms.as_ref()?.0.binding()?)?;
+        entries.push(5, pipelines.nearest_sampler.into_binding())?;
+        entries.push(6, texture.into_binding())?;
     }
-    let (texture, _) = view.occlusion?;
-    Some(vec![
-        (4, resources.occlusion_uniforms.as_ref()?.0.binding()?),
-        (
-            5,
-            resources
-                .occlusion_pipelines
-                .as_ref()?
-                .nearest_sampler
-                .into_binding(),
-        ),
-        (6, texture.0.default_view.into_binding()),
-    ])
+    if layouts.has_light_layers() {
+        let table = view.lighting.light_layers.as_ref()?;
+        entries.push(LIGHT_LAYERS_BINDING, table.binding()?)?;
+    }
+    for target in layouts.read_targets {
+        if let Some(texture) = view.gbuffer.optional(target) {
+            entries.push(target_binding(target), texture.default_view.into_binding())?;
+        }
+    }
+    Some(())
 }
 
-/// The entries of bind group 0 in the order of its layout, and the dynamic offsets in the order of the entries.
-fn view_entries<'a>(
-    layouts: &LightingLayouts,
+/// What bind group 0 has at `binding`, and its dynamic offset if it has one.
+fn view_entry<'a>(
+    binding: u32,
     view: &'a LitViewItem,
     resources: &'a LightingResources,
-) -> Option<(Vec<BindGroupEntry<'a>>, Vec<u32>)> {
+) -> Option<(BindingResource<'a>, Option<u32>)> {
     let images = &resources.images;
     let fallback = &resources.fallback;
     let atmosphere = resources.buffers.atmosphere.as_ref();
-    let mut entries = Vec::with_capacity(layouts.view.entries.len());
-    let mut offsets = Vec::with_capacity(5);
-
-    for layout_entry in &layouts.view.entries {
-        let mut offset = None;
-        let resource = match layout_entry.binding {
-            0 => {
-                offset = Some(view.view_offset.offset);
-                resources.view_uniforms.uniforms.binding()?
-            }
-            1 => {
-                offset = Some(view.lights_offset.offset);
-                resources.lights.view_gpu_lights.binding()?
-            }
-            2 => view.shadows.point_light_depth_texture_view.into_binding(),
-            3 => resources
-                .shadow_samplers
-                .point_light_comparison_sampler
-                .into_binding(),
-            5 => view
-                .shadows
-                .directional_light_depth_texture_view
-                .into_binding(),
-            6 => resources
-                .shadow_samplers
-                .directional_light_comparison_sampler
-                .into_binding(),
-            8 => resources.clustered.gpu_clustered_lights.binding()?,
-            9 => view.clusters.clusterable_object_index_lists_binding()?,
-            10 => view.clusters.offsets_and_counts_binding()?,
-            11 => resources.globals.buffer.binding()?,
-            12 => {
-                offset = Some(**view.probes_offset);
-                resources.probes.binding()?
-            }
-            13 => {
-                offset = Some(view.fog_offset?.offset);
-                resources.fog.gpu_fogs.binding()?
-            }
-            16 => {
-                offset = Some(**view.contact_shadows_offset?);
-                resources.contact_shadows.0.binding()?
-            }
-            17 => view
-                .ssao?
-                .screen_space_ambient_occlusion_texture
-                .default_view
-                .into_binding(),
-            20 => view.depth.view().into_binding(),
-            31 => view
-                .atmosphere?
-                .transmittance_lut
-                .default_view
-                .into_binding(),
-            32 => (***resources.atmosphere_sampler.as_ref()?).into_binding(),
-            33 => atmosphere?.binding()?,
-            BLUE_NOISE_BINDING => images
-                .get(&resources.blue_noise.texture)?
-                .texture_view
-                .into_binding(),
-            AREA_LIGHT_LUTS_BINDING => match images.get(&resources.area_light_luts.image) {
-                Some(image) => image.texture_view.into_binding(),
-                None => fallback.d2_array.texture_view.into_binding(),
-            },
-            36 => match images.get(&resources.area_light_luts.image) {
-                Some(image) => image.sampler.into_binding(),
-                None => fallback.d2_array.sampler.into_binding(),
-            },
-            DFG_LUT_BINDING => match images.get(&resources.dfg_lut.texture) {
-                Some(image) => image.texture_view.into_binding(),
-                None => fallback.d2.texture_view.into_binding(),
-            },
-            38 => match images.get(&resources.dfg_lut.texture) {
-                Some(image) => image.sampler.into_binding(),
-                None => fallback.d2.sampler.into_binding(),
-            },
-            _ => return None,
-        };
-        entries.push(BindGroupEntry {
-            binding: layout_entry.binding,
-            resource,
-        });
-        offsets.extend(offset);
-    }
-    Some((entries, offsets))
-}
-
-/// The texture views that bind group 1 binds as arrays, gathered before the entries borrow them.
-struct ProbeAndDecalViews<'a> {
-    diffuse: Vec<&'a wgpu::TextureView>,
-    specular: Vec<&'a wgpu::TextureView>,
-    environment_sampler: &'a wgpu::Sampler,
-    irradiance: Vec<&'a wgpu::TextureView>,
-    irradiance_sampler: &'a wgpu::Sampler,
-    decals: Vec<&'a wgpu::TextureView>,
-    decal_sampler: &'a wgpu::Sampler,
-}
-
-impl<'a> ProbeAndDecalViews<'a> {
-    fn new(
-        layout: &BindGroupLayoutDescriptor,
-        view: &'a LitViewItem,
-        resources: &'a LightingResources,
-    ) -> Self {
-        let fallback = &*resources.fallback;
-        // Arrays are padded to the length that the layout declares.
-        let length = |binding: u32| {
-            layout
-                .entries
-                .iter()
-                .find(|entry| entry.binding == binding)
-                .and_then(|entry| entry.count)
-                .map_or(1, |count| count.get() as usize)
-        };
-        let gather = |ids: &mut dyn Iterator<Item = AssetId<Image>>,
-                      fallback: &'a GpuImage,
-                      length: usize| {
-            let mut views: Vec<&'a wgpu::TextureView> = Vec::with_capacity(length);
-            let mut sampler = None;
-            for id in ids.take(length) {
-                let image = resources.images.get(id);
-                sampler = sampler.or(image.map(|image| &*image.sampler));
-                views.push(&image.unwrap_or(fallback).texture_view);
-            }
-            views.resize(length, &*fallback.texture_view);
-            (views, sampler.unwrap_or(&*fallback.sampler))
-        };
-
-        let maps = view
-            .environment_maps
-            .map_or(&[][..], |maps| &maps.binding_index_to_textures[..]);
-        let (diffuse, environment_sampler) = gather(
-            &mut maps.iter().map(|map| map.diffuse),
-            &fallback.cube,
-            length(0),
-        );
-        let (specular, _) = gather(
-            &mut maps.iter().map(|map| map.specular),
-            &fallback.cube,
-            length(1),
-        );
-        let volumes = view
-            .irradiance_volumes
-            .map_or(&[][..], |volumes| &volumes.binding_index_to_textures[..]);
-        let (irradiance, irradiance_sampler) =
-            gather(&mut volumes.iter().copied(), &fallback.d3, length(3));
-        let (decals, decal_sampler) = gather(
-            &mut resources.decals.binding_index_to_textures.iter().copied(),
-            &fallback.d2,
-            length(6),
-        );
-        Self {
-            diffuse,
-            specular,
-            environment_sampler,
-            irradiance,
-            irradiance_sampler,
-            decals,
-            decal_sampler,
+    let mut offset = None;
+    let resource = match binding {
+        0 => {
+            offset = Some(view.view_offset.offset);
+            resources.view_uniforms.uniforms.binding()?
         }
-    }
+        1 => {
+            offset = Some(view.lights_offset.offset);
+            resources.lights.view_gpu_lights.binding()?
+        }
+        2 => view.shadows.point_light_depth_texture_view.into_binding(),
+        3 => resources
+            .shadow_samplers
+            .point_light_comparison_sampler
+            .into_binding(),
+        5 => view
+            .shadows
+            .directional_light_depth_texture_view
+            .into_binding(),
+        6 => resources
+            .shadow_samplers
+            .directional_light_comparison_sampler
+            .into_binding(),
+        8 => resources.clustered.gpu_clustered_lights.binding()?,
+        9 => view.clusters.clusterable_object_index_lists_binding()?,
+        10 => view.clusters.offsets_and_counts_binding()?,
+        11 => resources.globals.buffer.binding()?,
+        12 => {
+            offset = Some(**view.probes_offset);
+            resources.probes.binding()?
+        }
+        13 => {
+            offset = Some(view.fog_offset?.offset);
+            resources.fog.gpu_fogs.binding()?
+        }
+        16 => {
+            offset = Some(**view.contact_shadows_offset?);
+            resources.contact_shadows.0.binding()?
+        }
+        17 => view
+            .ssao?
+            .screen_space_ambient_occlusion_texture
+            .default_view
+            .into_binding(),
+        20 => view.depth.view().into_binding(),
+        31 => view
+            .atmosphere?
+            .transmittance_lut
+            .default_view
+            .into_binding(),
+        32 => (***resources.atmosphere_sampler.as_ref()?).into_binding(),
+        33 => atmosphere?.binding()?,
+        BLUE_NOISE_BINDING => images
+            .get(&resources.blue_noise.texture)?
+            .texture_view
+            .into_binding(),
+        AREA_LIGHT_LUTS_BINDING => match images.get(&resources.area_light_luts.image) {
+            Some(image) => image.texture_view.into_binding(),
+            None => fallback.d2_array.texture_view.into_binding(),
+        },
+        36 => match images.get(&resources.area_light_luts.image) {
+            Some(image) => image.sampler.into_binding(),
+            None => fallback.d2_array.sampler.into_binding(),
+        },
+        DFG_LUT_BINDING => match images.get(&resources.dfg_lut.texture) {
+            Some(image) => image.texture_view.into_binding(),
+            None => fallback.d2.texture_view.into_binding(),
+        },
+        38 => match images.get(&resources.dfg_lut.texture) {
+            Some(image) => image.sampler.into_binding(),
+            None => fallback.d2.sampler.into_binding(),
+        },
+        _ => return None,
+    };
+    Some((resource, offset))
+}
 
-    fn entries<'b>(
-        &'b self,
-        layout: &BindGroupLayoutDescriptor,
-        resources: &'b LightingResources,
-        binds_arrays: bool,
-    ) -> Option<Vec<BindGroupEntry<'b>>> {
-        let probe = |views: &'b Vec<&'a wgpu::TextureView>| {
-            if binds_arrays {
-                BindingResource::TextureViewArray(views)
-            } else {
-                BindingResource::TextureView(views[0])
-            }
-        };
-        layout
-            .entries
-            .iter()
-            .map(|entry| {
-                let resource = match entry.binding {
-                    0 => probe(&self.diffuse),
-                    1 => probe(&self.specular),
-                    2 => BindingResource::Sampler(self.environment_sampler),
-                    3 => probe(&self.irradiance),
-                    4 => BindingResource::Sampler(self.irradiance_sampler),
-                    5 => resources.decals_buffer.buffer()?.as_entire_binding(),
-                    6 => BindingResource::TextureViewArray(&self.decals),
-                    7 => BindingResource::Sampler(self.decal_sampler),
-                    _ => return None,
-                };
-                Some(BindGroupEntry {
-                    binding: entry.binding,
-                    resource,
-                })
-            })
-            .collect()
+/// The next entry of bind group 1: light probes and decals. Arrays are padded to the length that the layout declares.
+fn push_array_entry(
+    entries: &mut Entries,
+    layout: &BindGroupLayoutEntry,
+    view: &LitViewItem,
+    resources: &LightingResources,
+    binds_arrays: bool,
+) -> Option<()> {
+    let maps = view
+        .environment_maps
+        .map_or(&[][..], |maps| &maps.binding_index_to_textures[..]);
+    let volumes = view
+        .irradiance_volumes
+        .map_or(&[][..], |volumes| &volumes.binding_index_to_textures[..]);
+    let decals = &resources.decals.binding_index_to_textures[..];
+    let fallback = &resources.fallback;
+
+    let length = layout.count.map_or(1, |count| count.get() as usize);
+    let image = |id: Option<AssetId<Image>>| id.and_then(|id| resources.images.get(id));
+    let mut push_textures = |is_array, id: &dyn Fn(usize) -> Option<AssetId<Image>>, fallback| {
+        let texture = |i| &*image(id(i)).unwrap_or(fallback).texture_view;
+        if is_array {
+            entries.push_textures(layout.binding, length, texture);
+            Some(())
+        } else {
+            entries.push(layout.binding, BindingResource::TextureView(texture(0)))
+        }
+    };
+    // That of the first image that is loaded.
+    let sampler = |ids: &mut dyn Iterator<Item = AssetId<Image>>, fallback: &GpuImage| {
+        let image = ids.take(length).find_map(|id| image(Some(id)));
+        image.unwrap_or(fallback).sampler.clone()
+    };
+    match layout.binding {
+        0 => push_textures(
+            binds_arrays,
+            &|i| maps.get(i).map(|map| map.diffuse),
+            &fallback.cube,
+        ),
+        1 => push_textures(
+            binds_arrays,
+            &|i| maps.get(i).map(|map| map.specular),
+            &fallback.cube,
+        ),
+        2 => {
+            let mut ids = maps.iter().map(|map| map.diffuse);
+            let sampler = sampler(&mut ids, &fallback.cube);
+            entries.push(2, sampler.into_binding())
+        }
+        3 => push_textures(binds_arrays, &|i| volumes.get(i).copied(), &fallback.d3),
+        4 => {
+            let sampler = sampler(&mut volumes.iter().copied(), &fallback.d3);
+            entries.push(4, sampler.into_binding())
+        }
+        5 => entries.push(5, resources.decals_buffer.buffer()?.as_entire_binding()),
+        6 => push_textures(true, &|i| decals.get(i).copied(), &fallback.d2),
+        7 => {
+            let sampler = sampler(&mut decals.iter().copied(), &fallback.d2);
+            entries.push(7, sampler.into_binding())
+        }
+        _ => None,
     }
 }

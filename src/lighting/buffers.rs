@@ -8,6 +8,7 @@ use bevy::{
         camera::ExtractedCamera,
         render_resource::{DynamicUniformBuffer, ShaderType, StorageBuffer},
         renderer::{RenderDevice, RenderQueue},
+        view::ViewTarget,
     },
 };
 
@@ -47,6 +48,7 @@ pub(super) fn write_lighting_buffers(
         (
             &mut ViewLighting,
             &ExtractedCamera,
+            &ViewTarget,
             Option<&MainPassResolutionOverride>,
             Option<&GpuAtmosphere>,
         ),
@@ -75,8 +77,10 @@ pub(super) fn write_lighting_buffers(
     else {
         return;
     };
-    for (mut lighting, camera, resolution_override, _) in &mut views {
-        let target_size = camera.physical_target_size.unwrap_or(UVec2::ONE);
+    for (mut lighting, camera, target, resolution_override, _) in &mut views {
+        // Not as the camera has it, which may lag behind a target that is resized or replaced.
+        let texture = target.main_texture();
+        let target_size = UVec2::new(texture.width(), texture.height());
         let viewport =
             Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
         let (origin, size) = match &viewport {

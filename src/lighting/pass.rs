@@ -21,13 +21,11 @@ pub(super) fn lighting_pass(
 ) {
     let (lighting, target) = view.into_inner();
     let bindings = &lighting.bindings;
-    let pipelines: Option<Vec<_>> = lighting
-        .pipelines
-        .iter()
-        .map(|(key, id)| Some((key.variant, pipeline_cache.get_compute_pipeline(*id)?)))
-        .collect();
-    let (Some(pipelines), Some(view_group), Some(arrays_group), Some(targets_group)) = (
-        pipelines,
+    let is_compiled = |id| pipeline_cache.get_compute_pipeline(id).is_some();
+    if !lighting.pipelines.iter().all(|(_, id)| is_compiled(*id)) {
+        return;
+    }
+    let (Some(view_group), Some(arrays_group), Some(targets_group)) = (
         bindings.view.get(),
         bindings.arrays.get(),
         bindings.targets_for(target.main_texture_view()),
@@ -61,13 +59,18 @@ pub(super) fn lighting_pass(
             label: Some("lean_deferred/lighting"),
             timestamp_writes: None,
         });
-    let mut offsets = vec![bindings.uniform_offsets[usize::from(writes_background)]];
-    offsets.extend(bindings.occlusion_offset);
-    for (variant, pipeline) in pipelines {
+    let offset = bindings.uniform_offsets[usize::from(writes_background)];
+    let offsets = [offset, bindings.occlusion_offset.unwrap_or_default()];
+    let offsets = &offsets[..1 + usize::from(bindings.occlusion_offset.is_some())];
+    for (key, id) in &lighting.pipelines {
+        let Some(pipeline) = pipeline_cache.get_compute_pipeline(*id) else {
+            continue;
+        };
+        let variant = key.variant;
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, view_group, &bindings.view_offsets);
         pass.set_bind_group(1, arrays_group, &[]);
-        pass.set_bind_group(2, targets_group, &offsets);
+        pass.set_bind_group(2, targets_group, offsets);
         if variant == LightingVariant::PLAIN {
             if let Some(group) = bindings.fill_lists.get() {
                 pass.set_bind_group(3, group, &[]);

@@ -23,7 +23,10 @@ use super::{
     tile_lists::{filling_layout, reading_layout},
     variants::LightingVariant,
 };
-use crate::{GeometricNormal, ambient_occlusion::OcclusionView, gbuffer::GBufferTargets};
+use crate::{
+    GeometricNormal, ambient_occlusion::OcclusionView, bind_group_cache::FoundLayout,
+    gbuffer::GBufferTargets,
+};
 
 /// Bindings of Bevy's view layout that no lighting function reads: visibility ranges (14), screen-space reflections
 /// (15), tonemapping (18, 19), prepass textures other than depth (21 to 23), transmission (24, 25), order-independent
@@ -39,27 +42,35 @@ pub(super) const DECALS_BINDING: u32 = 5;
 /// these.
 #[derive(Clone)]
 pub(super) struct LightingLayouts {
-    pub(super) view: BindGroupLayoutDescriptor,
-    pub(super) arrays: BindGroupLayoutDescriptor,
-    pub(super) targets: BindGroupLayoutDescriptor,
+    pub(super) view: FoundLayout,
+    pub(super) arrays: FoundLayout,
+    pub(super) targets: FoundLayout,
     /// The optional targets in bind group 2.
     pub(super) read_targets: GBufferTargets,
     /// Bind group 3, where there are special surfaces.
-    lists: Option<BindGroupLayoutDescriptor>,
+    lists: Option<FoundLayout>,
 }
 
 impl LightingLayouts {
     pub(super) fn has_occlusion(&self) -> bool {
-        self.targets.entries.iter().any(|e| e.binding == 4)
+        self.targets
+            .descriptor()
+            .entries
+            .iter()
+            .any(|e| e.binding == 4)
     }
 
     pub(super) fn has_light_layers(&self) -> bool {
-        let mut bindings = self.targets.entries.iter();
+        let mut bindings = self.targets.descriptor().entries.iter();
         bindings.any(|e| e.binding == LIGHT_LAYERS_BINDING)
     }
 
     pub(super) fn has_view_binding(&self, binding: u32) -> bool {
-        self.view.entries.iter().any(|e| e.binding == binding)
+        self.view
+            .descriptor()
+            .entries
+            .iter()
+            .any(|e| e.binding == binding)
     }
 }
 
@@ -69,17 +80,22 @@ pub(crate) struct LightingPipelines {
     mesh_pipeline: MeshPipeline,
     shader: Handle<Shader>,
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
+    pub(super) filling_lists: FoundLayout,
+    pub(super) reading_lists: FoundLayout,
 }
 
 pub(super) fn init_lighting_pipelines(
     mut commands: Commands,
     mesh_pipeline: Res<MeshPipeline>,
     asset_server: Res<AssetServer>,
+    pipeline_cache: Res<PipelineCache>,
 ) {
     commands.insert_resource(LightingPipelines {
         mesh_pipeline: mesh_pipeline.clone(),
         shader: load_embedded_asset!(asset_server.as_ref(), "lighting.wgsl"),
         by_key: HashMap::default(),
+        filling_lists: FoundLayout::new(&pipeline_cache, filling_layout()),
+        reading_lists: FoundLayout::new(&pipeline_cache, reading_layout()),
     });
 }
 
@@ -145,13 +161,13 @@ impl LightingPipelines {
         if let Some((id, _)) = self.by_key.get(&key) {
             return *id;
         }
-        let layouts = self.layouts(key);
+        let layouts = self.layouts(pipeline_cache, key);
         let id = pipeline_cache.queue_compute_pipeline(ComputePipelineDescriptor {
             label: Some("lean_deferred/lighting".into()),
             layout: [&layouts.view, &layouts.arrays, &layouts.targets]
                 .into_iter()
                 .chain(&layouts.lists)
-                .cloned()
+                .map(|layout| layout.descriptor().clone())
                 .collect(),
             shader: self.shader.clone(),
             shader_defs: self.shader_defs(key, &layouts),
@@ -172,7 +188,7 @@ impl LightingPipelines {
     }
 
     /// Bevy's own view layouts, visible to compute, without what lighting does not read and the view does not have.
-    fn layouts(&self, key: LightingKey) -> LightingLayouts {
+    fn layouts(&self, pipeline_cache: &PipelineCache, key: LightingKey) -> LightingLayouts {
         let layout_key = MeshPipelineViewLayoutKey::from(key.view | MeshPipelineKey::DEPTH_PREPASS);
         let bevy_layout = self.mesh_pipeline.get_view_layout(layout_key);
 
@@ -195,14 +211,14 @@ impl LightingPipelines {
             entry.visibility = ShaderStages::COMPUTE;
         }
         LightingLayouts {
-            view,
-            arrays,
-            targets: targets_layout(key),
+            view: FoundLayout::new(pipeline_cache, view),
+            arrays: FoundLayout::new(pipeline_cache, arrays),
+            targets: FoundLayout::new(pipeline_cache, targets_layout(key)),
             read_targets: key.targets,
             lists: if key.variant != LightingVariant::PLAIN {
-                Some(reading_layout())
+                Some(self.reading_lists.clone())
             } else if !key.listed.is_empty() {
-                Some(filling_layout())
+                Some(self.filling_lists.clone())
             } else {
                 None
             },

@@ -49,6 +49,7 @@ fn camera_of(
             ),
             target,
             settings,
+            MeteredExposure::default(),
         ))
         .id()
 }
@@ -63,7 +64,7 @@ fn metered_now(headless: &mut Headless, camera: Entity) -> MeteredExposure {
     *headless
         .world()
         .get::<MeteredExposure>(camera)
-        .expect("required")
+        .expect("it was spawned with one")
 }
 
 /// What came back after some frames.

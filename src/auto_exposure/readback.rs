@@ -1,0 +1,182 @@
+//! The way of the exposure back to the cameras that have [`MeteredExposure`]: copied after it was found, and read when
+//! the GPU has got there, so that nobody waits.
+//!
+//! Not by Bevy's `Readback`, which panics where a device is lost.
+
+use std::sync::{Arc, Mutex};
+
+use bevy::{
+    prelude::*,
+    render::{
+        MainWorld,
+        render_resource::{
+            Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode, ShaderType,
+        },
+        renderer::RenderDevice,
+        sync_world::MainEntity,
+    },
+};
+
+use super::{
+    MeteredExposure,
+    state::ExposureHistory,
+    uniforms::{ExposureState, ViewExposure},
+};
+
+/// Frames that may be on their way at a time. While none of these is free, frames go unread.
+const SLOTS: usize = 4;
+
+/// On a view whose exposure is read back.
+#[derive(Component)]
+pub struct ExposureReadback {
+    slots: [Slot; SLOTS],
+    /// Frames that have been copied.
+    frames: Mutex<u64>,
+}
+
+struct Slot {
+    buffer: Buffer,
+    progress: Arc<Mutex<Progress>>,
+}
+
+/// How far a slot is; with the number of its frame.
+#[derive(Clone, Copy, Default)]
+enum Progress {
+    #[default]
+    Free,
+    Copied(u64),
+    /// Waiting for the GPU, or given up: its device was lost.
+    Mapping,
+    Read(u64, [f32; 3]),
+}
+
+impl Slot {
+    fn progress(&self) -> Progress {
+        *lock(&self.progress)
+    }
+
+    fn set(&self, progress: Progress) {
+        *lock(&self.progress) = progress;
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+impl ExposureReadback {
+    fn new(device: &RenderDevice) -> Self {
+        let slot = |_| Slot {
+            buffer: device.create_buffer(&BufferDescriptor {
+                label: Some("lean_deferred/exposure/readback"),
+                size: ExposureState::min_size().get(),
+                usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+                mapped_at_creation: false,
+            }),
+            progress: Arc::default(),
+        };
+        Self {
+            slots: core::array::from_fn(slot),
+            frames: Mutex::new(0),
+        }
+    }
+
+    /// Copies the `state` that has just been found.
+    pub(super) fn copy(&self, state: &Buffer, encoder: &mut CommandEncoder) {
+        let is_free = |slot: &&Slot| matches!(slot.progress(), Progress::Free);
+        let Some(slot) = self.slots.iter().find(is_free) else {
+            return;
+        };
+        encoder.copy_buffer_to_buffer(state, 0, &slot.buffer, 0, slot.buffer.size());
+        let mut frames = lock(&self.frames);
+        *frames += 1;
+        slot.set(Progress::Copied(*frames));
+    }
+
+    /// The latest state that has come back since the last call.
+    fn latest(&self) -> Option<[f32; 3]> {
+        let read = self.slots.iter().filter_map(|slot| match slot.progress() {
+            Progress::Read(frame, state) => {
+                slot.set(Progress::Free);
+                Some((frame, state))
+            }
+            _ => None,
+        });
+        let (_, state) = read.max_by_key(|(frame, _)| *frame)?;
+        Some(state)
+    }
+}
+
+/// Begins to read back what somebody asks for.
+pub(super) fn prepare_readbacks(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    new: Query<
+        Entity,
+        (
+            With<MeteredExposure>,
+            With<ViewExposure>,
+            Without<ExposureReadback>,
+        ),
+    >,
+) {
+    for entity in &new {
+        commands
+            .entity(entity)
+            .insert(ExposureReadback::new(&device));
+    }
+}
+
+/// After the frame was submitted: asks for what was copied in it.
+pub(super) fn map_readbacks(views: Query<&ExposureReadback>) {
+    for slot in views.iter().flat_map(|readback| &readback.slots) {
+        let Progress::Copied(frame) = slot.progress() else {
+            continue;
+        };
+        slot.set(Progress::Mapping);
+        let (buffer, progress) = (slot.buffer.clone(), slot.progress.clone());
+        slot.buffer
+            .slice(..)
+            .map_async(MapMode::Read, move |result| {
+                if result.is_err() {
+                    return;
+                }
+                let words: Vec<f32> = buffer
+                    .slice(..)
+                    .get_mapped_range()
+                    .as_chunks()
+                    .0
+                    .iter()
+                    .map(|bytes| f32::from_le_bytes(*bytes))
+                    .collect();
+                buffer.unmap();
+                *lock(&progress) = match words[..] {
+                    // Before its first frame it says nothing.
+                    [luminance, exposure, target, seen] if seen.to_bits() > 0 => {
+                        Progress::Read(frame, [luminance, exposure, target])
+                    }
+                    _ => Progress::Free,
+                };
+            });
+    }
+}
+
+/// Hands what has come back to the cameras in the main world.
+pub(super) fn report_metered(
+    mut main_world: ResMut<MainWorld>,
+    views: Query<(&MainEntity, &ExposureReadback), With<ExposureHistory>>,
+) {
+    for (camera, readback) in &views {
+        if let Some([luminance, exposure, target_exposure]) = readback.latest()
+            && let Some(mut metered) = main_world.get_mut::<MeteredExposure>(camera.id())
+        {
+            metered.set_if_neq(MeteredExposure {
+                luminance,
+                exposure,
+                target_exposure,
+            });
+        }
+    }
+}
