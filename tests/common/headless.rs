@@ -46,8 +46,23 @@ impl Headless {
 
     /// As [`new`](Self::new); `configure` may add plugins.
     pub fn with(size: UVec2, configure: impl FnOnce(&mut App)) -> Self {
+        Self::with_compilation(size, true, configure)
+    }
+
+    /// As [`with`](Self::with). Unless it is `synchronous`, compilation takes as many frames as it takes, as in apps.
+    pub fn with_compilation(
+        size: UVec2,
+        synchronous: bool,
+        configure: impl FnOnce(&mut App),
+    ) -> Self {
         let mut app = App::new();
-        app.add_plugins((Self::default_plugins(), LeanDeferredPlugins));
+        app.add_plugins((
+            Self::default_plugins().set(RenderPlugin {
+                synchronous_pipeline_compilation: synchronous,
+                ..default()
+            }),
+            LeanDeferredPlugins,
+        ));
         Self::from_app(size, app, configure)
     }
 
@@ -112,7 +127,7 @@ impl Headless {
     }
 
     /// One frame, and waits until the GPU has finished it: without a window nothing else would hold the CPU back.
-    fn frame(&mut self) {
+    pub fn frame(&mut self) {
         self.app.update();
         let device = self
             .app

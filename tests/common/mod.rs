@@ -6,6 +6,7 @@ pub mod compute;
 pub mod exposure_gpu;
 pub mod gpu;
 pub mod headless;
+pub mod held_back;
 pub mod lean;
 pub mod metrics;
 pub mod occlusion;

@@ -1,0 +1,37 @@
+//! Pipelines whose compilation takes as long as a test wants.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
+
+use bevy::tasks::AsyncComputeTaskPool;
+
+/// While it lives, no thread has time to compile a pipeline. For apps that do not compile synchronously.
+pub struct HeldBack(Arc<AtomicBool>);
+
+impl HeldBack {
+    pub fn new() -> Self {
+        let is_over = Arc::new(AtomicBool::new(false));
+        let pool = AsyncComputeTaskPool::get();
+        for _ in 0..pool.thread_num() {
+            let is_over = is_over.clone();
+            pool.spawn(async move {
+                while !is_over.load(Ordering::Relaxed) {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+            })
+            .detach();
+        }
+        Self(is_over)
+    }
+}
+
+impl Drop for HeldBack {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
