@@ -2,7 +2,7 @@ use bevy::{
     camera::{Camera3dDepthLoadOp, CameraMainTextureUsages, visibility::RenderLayers},
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
     pbr::ViewKeyCache,
-    platform::collections::HashMap,
+    platform::collections::{HashMap, HashSet},
     prelude::*,
     render::{
         camera::{DirtySpecializations, ExtractedCamera},
