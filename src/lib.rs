@@ -79,7 +79,7 @@ pub mod prelude {
 }
 
 plugin_group! {
-    /// All effects of this crate. Add it after `DefaultPlugins`.
+    /// All effects of this crate; each is a plugin that works without the others. Add it after `DefaultPlugins`.
     pub struct LeanDeferredPlugins {
         :LeanDeferredPlugin,
         :LeanAmbientOcclusionPlugin,

@@ -75,8 +75,11 @@ pub(super) fn watch_pipelines(
     if !watch.waiting.is_empty() || !watch.failures.is_empty() {
         let watch = &mut *watch;
         watch.waiting.retain(|id, _| {
-            pipeline(*id)
-                .is_some_and(|pipeline| !matches!(pipeline.state, CachedPipelineState::Ok(_)))
+            pipeline(*id).is_some_and(|pipeline| match &pipeline.state {
+                CachedPipelineState::Ok(_) => false,
+                CachedPipelineState::Err(error) => awaits_shader(error),
+                _ => true,
+            })
         });
         watch.failures.retain(|id, failure| {
             pipeline(*id).is_some_and(|pipeline| match &pipeline.state {

@@ -11,10 +11,11 @@ use super::{
 
 /// Measures the luminance of the picture and adapts the exposure to it over time.
 ///
-/// For HDR cameras (`Hdr` is added with the component, and removed with it unless something else needs it), 3D or 2D, with or without [`LeanDeferred`](crate::LeanDeferred). Measured is the camera's own
-/// viewport, after anti-aliasing and before bloom and other post-processing; applied is the exposure in tonemapping,
-/// where Bevy's `AutoExposure` applies it too: use one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`. The first frame starts adapted. To read what was measured, add
-/// [`MeteredExposure`].
+/// For HDR cameras, 3D or 2D, with or without [`LeanDeferred`](crate::LeanDeferred). `Hdr` is added with the component, and
+/// removed with it unless something else needs it. Measured is the camera's own viewport, after anti-aliasing and before
+/// bloom and other post-processing; applied is the exposure in tonemapping, where Bevy's `AutoExposure` applies it too: use
+/// one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`. The first frame
+/// starts adapted. To read what was measured, add [`MeteredExposure`].
 ///
 /// Not a number counts as no pixel; negative luminance counts as 0, and everything above 65504 as that. A black view
 /// has the largest exposure; one that has nothing to be metered keeps the target that it had. Settings that are not
