@@ -55,6 +55,16 @@ pub(crate) struct CameraOverrides {
 }
 
 impl CameraOverrides {
+    fn switch_msaa_off(&mut self, camera: &mut EntityWorldMut) {
+        if let Some(mut msaa) = camera.get_mut::<Msaa>()
+            && *msaa != Msaa::Off
+        {
+            let before = *msaa;
+            *msaa = Msaa::Off;
+            self.msaa = Some((before, msaa.last_changed()));
+        }
+    }
+
     fn keep_on(self, camera: &mut EntityWorldMut) {
         if self.msaa.is_some() || self.hdr.is_some() {
             camera.insert(self);
@@ -66,6 +76,20 @@ impl CameraOverrides {
 pub(crate) fn add_to<E: CameraEffect>(app: &mut App) {
     app.add_observer(override_camera::<E>)
         .add_observer(give_back::<E>);
+}
+
+/// For entities that have an effect before they are a camera.
+pub(crate) fn override_new_camera(added: On<Add, Msaa>, mut commands: Commands) {
+    let override_camera = |mut camera: EntityWorldMut| {
+        if is_needed(&camera, Need::WithoutMsaa) {
+            let mut overrides = camera.take::<CameraOverrides>().unwrap_or_default();
+            overrides.switch_msaa_off(&mut camera);
+            overrides.keep_on(&mut camera);
+        }
+    };
+    commands
+        .entity(added.entity)
+        .queue_silenced(override_camera);
 }
 
 /// Ticks are compared with those of components, which Bevy keeps from growing too old.
@@ -85,13 +109,8 @@ pub(crate) fn keep_ticks_young(
 fn override_camera<E: CameraEffect>(added: On<Add, E>, mut commands: Commands) {
     let override_camera = |mut camera: EntityWorldMut| {
         let mut overrides = camera.take::<CameraOverrides>().unwrap_or_default();
-        if E::NEEDS.contains(&Need::WithoutMsaa)
-            && let Some(mut msaa) = camera.get_mut::<Msaa>()
-            && *msaa != Msaa::Off
-        {
-            let before = *msaa;
-            *msaa = Msaa::Off;
-            overrides.msaa = Some((before, msaa.last_changed()));
+        if E::NEEDS.contains(&Need::WithoutMsaa) {
+            overrides.switch_msaa_off(&mut camera);
         }
         if E::NEEDS.contains(&Need::Hdr) && !camera.contains::<Hdr>() {
             camera.insert(Hdr);

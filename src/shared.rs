@@ -37,7 +37,8 @@ impl Plugin for SharedPlugin {
         load_shader_library!(app, "ambient_occlusion/view.wgsl");
         load_shader_library!(app, "ambient_occlusion/filter.wgsl");
 
-        app.add_observer(camera_overrides::keep_ticks_young);
+        app.add_observer(camera_overrides::override_new_camera)
+            .add_observer(camera_overrides::keep_ticks_young);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
