@@ -3,6 +3,7 @@
 use core::fmt::Write;
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+use bevy_lean_deferred::LeanStatus;
 
 use crate::{
     gpu_times,
@@ -38,6 +39,7 @@ fn spawn_text(mut commands: Commands) {
 fn update_text(
     settings: Res<ViewerSettings>,
     diagnostics: Res<DiagnosticsStore>,
+    status: Query<&LeanStatus>,
     mut text: Single<&mut Text, With<OverlayText>>,
 ) {
     text.0.clear();
@@ -50,7 +52,8 @@ fn update_text(
         Renderer::BevyDeferred => writeln!(out, "Bevy deferred"),
         Renderer::Lean => writeln!(
             out,
-            "lean, geometric normal {:?}{}",
+            "{}, geometric normal {:?}{}",
+            status.iter().next().cloned().unwrap_or_default(),
             settings.geometric_normal,
             settings
                 .debug_view
