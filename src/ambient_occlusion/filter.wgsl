@@ -37,9 +37,9 @@ fn depth_plane(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>, c
         flatter(depth_in_view(depth, view, pixel - vec2(0, 1)), center, depth_in_view(depth, view, pixel + vec2(0, 1))),
     );
     let nearness = view.edge.x * center + view.edge.y;
-    // The last digits of depth are no step.
+    // The last digits of depth are no step. Infinitely far away, at depth 0 in perspective, anything is one.
     let step = view.edge.z * nearness * nearness + 1e-6 * center;
-    return DepthPlane(center, slope, 1.0 / step);
+    return DepthPlane(center, slope, 1.0 / max(step, 1e-30));
 }
 
 /// Weight of a texel whose occlusion was found at `offset` pixels from the plane's centre: 1 on it, 0 a step away.

@@ -31,13 +31,13 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         occlusion = filtered_occlusion(
             occlusion_texture, nearest_sampler, depth_texture, view, pixel, depth,
         );
+#ifdef DISTANCE_FOG
+        occlusion *= fog_transmittance(pixel, depth);
+#endif
     }
 #ifdef DEBUG_VIEW
     return vec4(vec3(1.0 - occlusion), 1.0);
 #else
-#ifdef DISTANCE_FOG
-    occlusion *= fog_transmittance(pixel, depth);
-#endif
     if !(occlusion > 0.0) {
         discard;
     }

@@ -160,7 +160,9 @@ impl Plugin for GBufferPlugin {
                     textures::make_depth_readable
                         .in_set(RenderSystems::PrepareResources)
                         .before(prepare_core_3d_depth_textures),
-                    textures::prepare_gbuffer_textures.in_set(RenderSystems::PrepareResources),
+                    textures::prepare_gbuffer_textures
+                        .in_set(RenderSystems::PrepareResources)
+                        .after(prepare_core_3d_depth_textures),
                     visibility_masks::upload_visibility_masks
                         .in_set(RenderSystems::PrepareResources),
                     resolve_motion::prepare_motion_resolve.in_set(RenderSystems::PrepareBindGroups),

@@ -12,6 +12,7 @@ use bevy::{
         },
         renderer::RenderDevice,
         texture::{CachedTexture, TextureCache},
+        view::ViewDepthTexture,
     },
 };
 
@@ -109,11 +110,14 @@ pub(super) fn initial_load(view: &ActiveLeanView) -> LoadOp<wgpu::Color> {
 
 /// Gives each active view its targets and takes them from views that are no longer active. Cameras are drawn one after
 /// the other, so those of one size that need the same share them.
+///
+/// They are as large as the depth that they are drawn with. What the camera says may lag behind a target that was resized
+/// or replaced: then Bevy gives cameras of one target one depth, though they say different sizes.
 pub(super) fn prepare_gbuffer_textures(
     mut commands: Commands,
     mut texture_cache: ResMut<TextureCache>,
     render_device: Res<RenderDevice>,
-    views: Query<(Entity, &ExtractedCamera, &ActiveLeanView)>,
+    views: Query<(Entity, &ViewDepthTexture, &ActiveLeanView)>,
     stale: Query<
         Entity,
         (
@@ -126,10 +130,8 @@ pub(super) fn prepare_gbuffer_textures(
     for entity in &stale {
         commands.entity(entity).remove::<GBufferTextures>();
     }
-    for (entity, camera, active) in &views {
-        let Some(size) = camera.physical_target_size else {
-            continue;
-        };
+    for (entity, depth, active) in &views {
+        let size = UVec2::new(depth.texture.width(), depth.texture.height());
         let textures = by_size.entry((size, active.targets)).or_insert_with(|| {
             let mut texture = |label, format| {
                 texture_cache.get(

@@ -58,6 +58,10 @@
 #import bevy_pbr::decal::clustered::apply_decals
 #endif
 
+#ifdef OCCLUSION_OF_DIRECT_LIGHT
+#import bevy_lean_deferred::lighting::direct_light
+#endif
+
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
 #import bevy_pbr::mesh_view_bindings::screen_space_ambient_occlusion_texture
 #endif
@@ -216,7 +220,8 @@ fn light(pixel: Pixel) -> vec4<f32> {
     color = vec4(color.rgb + rim, color.a);
 #endif
 #ifdef OCCLUSION_OF_DIRECT_LIGHT
-    // With all indirect light occluded only direct light is left, and what the surface itself emits.
+    direct_light::leave_others_out();
+    // These occlude what irradiance volumes give. What the surface itself emits is no direct light either.
     pbr.diffuse_occlusion = vec3(0.0);
     pbr.specular_occlusion = 0.0;
     pbr.material.emissive = vec4(0.0);

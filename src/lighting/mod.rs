@@ -5,6 +5,7 @@
 //! - `tile_lists.{rs,wgsl}`: where on the screen each kind is.
 //! - `light_layers.{rs,wgsl}`, `light_layer_table.rs`: which lights affect which meshes, and the table in which the
 //!   shader finds that.
+//! - `direct_light.wgsl`: direct light alone, for ambient occlusion that darkens it too.
 //! - `pipeline.rs`: layouts and pipelines.
 //! - `buffers.rs`, `bindings.rs`: the buffers and the bind groups, made anew only when what they bind changed.
 //! - `pass.rs`: the dispatches.
@@ -86,6 +87,7 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "surface.wgsl");
         load_shader_library!(app, "tile_lists.wgsl");
         load_shader_library!(app, "light_layers.wgsl");
+        load_shader_library!(app, "direct_light.wgsl");
         embedded_asset!(app, "lighting.wgsl");
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

@@ -1,6 +1,9 @@
 //! What occlusion does to the pictures of lean cameras.
 
-use bevy::{light::GlobalAmbientLight, prelude::*};
+use bevy::{
+    light::{EnvironmentMapLight, GlobalAmbientLight},
+    prelude::*,
+};
 use bevy_lean_deferred::prelude::*;
 
 use crate::{
@@ -191,6 +194,103 @@ fn smooth_normals_show_no_facets() {
         let dark = occlusion.filter(|x| *x > 0.02).count();
         println!("lean {lean}: {dark} pixels above 0.02, mean {mean:.1e}");
         assert!(dark <= 12 && mean <= 2.2e-5);
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+/// Leaves before a wall, lit from behind by all that is indirect.
+fn leaves(scene: &mut SceneBuilder) {
+    chalk(scene);
+    scene.mesh(
+        Cuboid::new(1.0, 1.0, 0.05),
+        StandardMaterial {
+            base_color: Color::srgb(0.3, 0.8, 0.2),
+            perceptual_roughness: 1.0,
+            diffuse_transmission: 0.8,
+            thickness: 0.1,
+            ..Default::default()
+        },
+        Transform::from_xyz(0.6, 0.5, -0.7),
+    );
+}
+
+#[test]
+fn transmitted_indirect_light_is_no_direct_light() {
+    for has_map in [false, true] {
+        let mut map = Handle::default();
+        let mut stage = Stage::new(|scene| {
+            leaves(scene);
+            set_ambient(scene, if has_map { 0.0 } else { 2000.0 });
+            map = scene.cube_map();
+        });
+        stage.insert(LeanDeferred::default());
+        if has_map {
+            stage.insert(EnvironmentMapLight {
+                diffuse_map: map.clone(),
+                specular_map: map,
+                intensity: 2000.0,
+                ..Default::default()
+            });
+        }
+        let [without, with] = [0.0, 1.0].map(|direct_light_affect| {
+            stage.picture_with(LeanAmbientOcclusion {
+                direct_light_affect,
+                ..default()
+            })
+        });
+        let lit = without.count(|i| without.rgb(i).max_element() > 0.01);
+        let changed = with.different(&without);
+        println!("environment map: {has_map}: {changed} of {lit} pixels change");
+        assert!(lit > 10_000);
+        assert_eq!(changed, 0);
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+/// Of a wall so far away that its depth is 0, nothing is hidden, and it is lit all the same.
+#[test]
+fn infinitely_far_surfaces_are_open() {
+    let mut stage = Stage::new(|scene| {
+        chalk(scene);
+        scene.world().insert_resource(ClearColor(Color::BLACK));
+        let far = 1e37;
+        let wall = Plane3d::new(Vec3::Z, Vec2::splat(3.0 * far));
+        let wall = Mesh::from(wall).translated_by(Vec3::new(0.0, 0.0, -far));
+        let wall = scene.mesh(wall, StandardMaterial::default(), Transform::default());
+        scene
+            .world()
+            .entity_mut(wall)
+            .insert(bevy::camera::visibility::NoFrustumCulling);
+        set_ambient(scene, 2000.0);
+    });
+    stage.insert((
+        LeanDeferred::default(),
+        // So that geometry is known by the G-buffer, not by its depth.
+        bevy::core_pipeline::prepass::DepthPrepass,
+        Projection::from(PerspectiveProjection {
+            near: 1e-9,
+            ..Default::default()
+        }),
+        // Above the boxes, over which the far wall is seen.
+        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::new(0.0, 3.0, 0.0), Vec3::Y),
+    ));
+    let before = stage.picture();
+    for settings in [
+        default(),
+        LeanAmbientOcclusion {
+            resolution: OcclusionResolution::Half,
+            ..default()
+        },
+    ] {
+        let after = stage.picture_with(settings);
+        let row = |i: usize| i / after.size.x as usize;
+        let far = (0..after.len()).filter(|i| row(*i) < 20);
+        let lit = far.clone().filter(|i| before.rgb(*i).x > 0.01).count();
+        let changed = far.filter(|i| !after.same_pixel(&before, *i)).count();
+        println!("{changed} of {lit} far pixels change");
+        assert!(lit > 4000);
+        assert_eq!(changed, 0);
+        assert_eq!(after.count(|i| !after.rgb(i).is_finite()), 0);
     }
     log_watch::assert_validation_layer_silent();
 }
