@@ -6,9 +6,11 @@ mod common;
 use bevy::{
     camera::Hdr,
     prelude::*,
-    render::{RenderApp, renderer::RenderInstance},
+    render::{RenderApp, render_resource::BindGroup, renderer::RenderInstance},
 };
-use bevy_lean_deferred::{LeanAmbientOcclusion, LeanAutoExposure, LeanDeferred};
+use bevy_lean_deferred::{
+    LeanAmbientOcclusion, LeanAutoExposure, LeanDeferred, ambient_occlusion::OcclusionBindings,
+};
 use common::{
     headless::Headless,
     lean::{active_lean_views, build, set_lean},
@@ -181,5 +183,33 @@ fn removed_occlusion_is_given_back() {
         assert_eq!(with.texture_views, without.texture_views + 1);
         let groups = if lean { 1 } else { 2 };
         assert_eq!(with.bind_groups, without.bind_groups + groups);
+    }
+}
+
+/// While nothing changes, the bind groups of occlusion stay the same.
+#[test]
+fn nothing_of_occlusion_is_made_anew() {
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(UVec2::new(160, 120), |s| {
+        s.solids();
+        camera = s.default_camera(LeanAmbientOcclusion::default());
+    });
+    for lean in [false, true] {
+        set_lean(&mut headless, lean);
+        let _ = held(&mut headless);
+        let mut groups = || {
+            headless.frames(1);
+            let world = headless.app.sub_app_mut(RenderApp).world_mut();
+            let mut views = world.query::<&OcclusionBindings>();
+            let groups = views
+                .iter(world)
+                .flat_map(OcclusionBindings::lasting_bind_groups);
+            groups.map(BindGroup::id).collect::<Vec<_>>()
+        };
+        let first = groups();
+        assert_eq!(first.len(), if lean { 1 } else { 2 });
+        for _ in 0..8 {
+            assert_eq!(groups(), first);
+        }
     }
 }

@@ -46,7 +46,10 @@ pub(super) fn copy_depth(
 ) {
     let (mut textures, depth) = view.into_inner();
     give_back(&mut textures, &mut withheld);
-    if let Some(copy) = &textures.depth {
+    // Where cameras of one target say different sizes, Bevy's two textures may differ.
+    if let Some(copy) = &textures.depth
+        && copy.texture.texture.size() == depth.texture.size()
+    {
         ctx.command_encoder().copy_texture_to_texture(
             depth.texture.as_image_copy(),
             copy.texture.texture.as_image_copy(),
