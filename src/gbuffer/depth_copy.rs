@@ -46,14 +46,15 @@ pub(super) fn copy_depth(
 ) {
     let (mut textures, depth) = view.into_inner();
     give_back(&mut textures, &mut withheld);
-    // Where cameras of one target say different sizes, Bevy's two textures may differ.
+    // Where cameras of one target say different sizes, Bevy's two textures may differ, and from what the view says. Depth
+    // can only be copied whole.
     if let Some(copy) = &textures.depth
         && copy.texture.texture.size() == depth.texture.size()
     {
         ctx.command_encoder().copy_texture_to_texture(
             depth.texture.as_image_copy(),
             copy.texture.texture.as_image_copy(),
-            textures.size,
+            depth.texture.size(),
         );
     }
 }
