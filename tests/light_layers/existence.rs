@@ -210,6 +210,11 @@ fn lights_that_lose_their_layers_affect_all_again() {
     let removed = show(&[1, 5], |world, lights| {
         world.entity_mut(lights[5]).remove::<RenderLayers>();
     });
+    // Whichever of them comes last in Bevy's list.
+    let after_first = show(&[5], |_, _| {});
+    let removed_first = show(&[1, 5], |world, lights| {
+        world.entity_mut(lights[1]).remove::<RenderLayers>();
+    });
     // Another light takes the place of the first in Bevy's list, and one less is in it.
     let despawned = show(&[1, 5], |world, lights| {
         world.entity_mut(lights[5]).remove::<RenderLayers>();
@@ -240,6 +245,7 @@ fn lights_that_lose_their_layers_affect_all_again() {
     });
     report([
         judge("layers_removed", &after, &removed, 60.0),
+        judge("first_layers_removed", &after_first, &removed_first, 60.0),
         judge("light_despawned", &without_first, &despawned, 60.0),
         judge("light_replaced", &spot, &replaced, 60.0),
     ]);
@@ -276,13 +282,19 @@ fn decals_that_lose_their_layers_affect_all_again() {
     let show = |layered: &[usize], change: fn(&mut World, Vec<Entity>)| {
         changed(|s| row_of_decals(s, layered), change)
     };
-    let after = show(&[0], |_, _| {});
-    if after.rgba == show(&[0, 1, 2, 3], |_, _| {}).rgba {
+    let [first, last] = [0, 3].map(|layered| show(&[layered], |_, _| {}));
+    if first.rgba == show(&[0, 1, 2, 3], |_, _| {}).rgba {
         println!("no decals on this device");
         return;
     }
-    let removed = show(&[0, 3], |world, decals| {
+    let last_removed = show(&[0, 3], |world, decals| {
         world.entity_mut(decals[3]).remove::<RenderLayers>();
     });
-    report([judge("layers_removed", &after, &removed, 60.0)]);
+    let first_removed = show(&[0, 3], |world, decals| {
+        world.entity_mut(decals[0]).remove::<RenderLayers>();
+    });
+    report([
+        judge("last_layers_removed", &first, &last_removed, 60.0),
+        judge("first_layers_removed", &last, &first_removed, 60.0),
+    ]);
 }
