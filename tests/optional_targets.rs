@@ -7,6 +7,8 @@ mod existence;
 mod hard_cases;
 #[path = "optional_targets/overlaps.rs"]
 mod overlaps;
+#[path = "optional_targets/writes.rs"]
+mod writes;
 
 use bevy::{
     core_pipeline::core_3d::{AlphaMask3d, Opaque3d},

@@ -51,6 +51,10 @@ fn definitions(row: &[&[&'static str]], always: &[&'static str]) -> Definitions 
         .chain(always)
         .map(|name| definition(name))
         .collect();
+    // With the optional targets comes the one that says which of them are written.
+    if defs.keys().any(|name| name.starts_with("GBUFFER_")) {
+        defs.extend([definition("GBUFFER_WRITTEN")]);
+    }
     let names: HashSet<String> = defs.keys().cloned().collect();
     defs.retain(|name, _| occurs(name, |other| names.contains(other)));
     defs
@@ -309,7 +313,7 @@ fn every_definition_of_the_exposure_shaders_is_tried() {
 
 #[test]
 fn every_definition_of_the_lighting_shader_is_tried() {
-    let tried = tried(LIGHTING, &["DEPTH_PREPASS"]);
+    let tried = tried(LIGHTING, &["DEPTH_PREPASS", "GBUFFER_WRITTEN"]);
     let pipeline = include_str!("../src/lighting/pipeline.rs");
     assert_all_tried("pipeline.rs", pipeline, &tried);
     let variants = include_str!("../src/lighting/variants.rs");

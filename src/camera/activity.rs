@@ -62,8 +62,8 @@ impl ActiveLeanView {
         }
     }
 
-    /// Whether meshes that need no optional targets write them all the same: in the second phase of culling they may
-    /// come to lie in front of some that do.
+    /// Whether meshes that need no optional targets are drawn in the pass that has these all the same: in the second phase
+    /// of culling they may come to lie in front of some that do.
     pub(crate) fn extends_all(&self) -> bool {
         self.culls_in_two_phases && !self.targets.is_empty()
     }

@@ -96,7 +96,7 @@ pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> V
             8,
             "max_storage_buffers_per_shader_stage",
         ),
-        (limits.max_color_attachments, 6, "max_color_attachments"),
+        (limits.max_color_attachments, 7, "max_color_attachments"),
         (limits.max_bind_groups, 4, "max_bind_groups"),
         (
             limits.max_compute_invocations_per_workgroup,

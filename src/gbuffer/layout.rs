@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 8, B 7 (square roots), metallic 5, material occlusion 5 |
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
+//! | with any optional | [`WRITTEN_FORMAT`] | which of the optional targets hold a word of this surface: the bits of [`GBufferTargets`](super::GBufferTargets) |
 //! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](emissive) |
 //! | optional | [`SPECIALIZATION_FORMAT`] | [specular constant, shading model, flags](specialization) |
 //! | optional | [`MOTION_FORMAT`] | [motion vector](motion) |
@@ -34,6 +35,8 @@ use bevy::{
 pub const SURFACE_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the target that holds normal and roughness.
 pub const NORMAL_FORMAT: TextureFormat = TextureFormat::R32Uint;
+/// Format of the target that says which optional ones hold a word of the surface.
+pub const WRITTEN_FORMAT: TextureFormat = TextureFormat::R8Uint;
 /// Format of the optional target that holds emitted light.
 pub const EMISSIVE_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the optional target that holds what of a surface is not at its default.

@@ -22,6 +22,13 @@ const HALF_STEPS: f32 = 2047.0;
 /// Both words of a pixel that no mesh was drawn to.
 const NO_GEOMETRY: u32 = 0u;
 
+// What a pixel of the `written` target has for each optional target that holds a word of its surface. What others hold
+// there is of a surface behind it, or nothing.
+const EMISSIVE_WRITTEN: u32 = 1u;
+const SPECIALIZATION_WRITTEN: u32 = 2u;
+const MOTION_WRITTEN: u32 = 4u;
+const VISIBILITY_MASK_WRITTEN: u32 = 8u;
+
 struct Surface {
     /// Linear, 0 to 1.
     albedo: vec3<f32>,

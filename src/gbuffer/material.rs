@@ -40,8 +40,8 @@ use super::{
 /// ```
 ///
 /// The shader is compiled once without optional targets, and if the material needs some, with `GBUFFER_EMISSIVE`,
-/// `GBUFFER_SPECIALIZATION`, `GBUFFER_MOTION` and `GBUFFER_VISIBILITY_MASK` as far as the view has them. `pack_pbr_input`
-/// fills them all. For meshes that do not move `VertexOutput` has no previous position.
+/// `GBUFFER_SPECIALIZATION`, `GBUFFER_MOTION` and `GBUFFER_VISIBILITY_MASK` for those that its mesh needs and the view
+/// has. `pack_pbr_input` fills them all. For meshes that do not move `VertexOutput` has no previous position.
 ///
 /// Its vertex shader is the one of the material's deferred pass ([`Material::deferred_vertex_shader`]).
 pub trait GBufferMaterial: Material {

@@ -1,4 +1,5 @@
-//! The packed G-buffer: 64 bits a pixel beside depth, and 32 more for each optional target that a visible mesh needs.
+//! The packed G-buffer: 64 bits a pixel beside depth, and 32 more for each optional target that a visible mesh needs, with
+//! 8 that say which of these a surface has.
 //!
 //! - `layout.{rs,wgsl}`, `layout/`: the bit tables; pack and unpack, twice.
 //! - `targets.rs`: the optional targets.

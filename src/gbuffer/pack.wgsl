@@ -1,7 +1,10 @@
 // From a material to the packed G-buffer, for the fragment shaders of materials.
 #define_import_path bevy_lean_deferred::gbuffer::pack
 
-#import bevy_lean_deferred::gbuffer::layout::{Surface, pack, unpack_normal}
+#import bevy_lean_deferred::gbuffer::layout::{
+    EMISSIVE_WRITTEN, MOTION_WRITTEN, SPECIALIZATION_WRITTEN, Surface, VISIBILITY_MASK_WRITTEN,
+    pack, unpack_normal,
+}
 #import bevy_pbr::{
     mesh_view_bindings::view,
     pbr_functions::alpha_discard,
@@ -29,10 +32,8 @@
 #endif
 
 #ifdef GBUFFER_MOTION
-#import bevy_lean_deferred::gbuffer::layout::motion::{INVALID_MOTION, motion_between, pack_motion}
-#ifdef MOTION_VECTOR_PREPASS
+#import bevy_lean_deferred::gbuffer::layout::motion::{motion_between, pack_motion}
 #import bevy_pbr::prepass_bindings::previous_view_uniforms
-#endif
 #endif
 
 #ifdef GBUFFER_VISIBILITY_MASK
@@ -40,23 +41,46 @@
 @group(1) @binding(0) var<uniform> mesh_visibility_mask: u32;
 #endif
 
-/// The targets of the G-buffer: two of the base, and those that are optional.
+/// The targets of the G-buffer: two of the base, and in a pass with optional targets those that the mesh writes, and which
+/// these are.
 struct GBufferOutput {
     @location(0) surface: u32,
     @location(1) normal: u32,
+#ifdef GBUFFER_WRITTEN
+    @location(2) written: u32,
+#endif
 #ifdef GBUFFER_EMISSIVE
-    @location(2) emissive: u32,
+    @location(3) emissive: u32,
 #endif
 #ifdef GBUFFER_SPECIALIZATION
-    @location(3) specialization: u32,
+    @location(4) specialization: u32,
 #endif
 #ifdef GBUFFER_MOTION
-    @location(4) motion: u32,
+    @location(5) motion: u32,
 #endif
 #ifdef GBUFFER_VISIBILITY_MASK
-    @location(5) visibility_mask: u32,
+    @location(6) visibility_mask: u32,
 #endif
 }
+
+#ifdef GBUFFER_WRITTEN
+fn written_targets() -> u32 {
+    var written = 0u;
+#ifdef GBUFFER_EMISSIVE
+    written |= EMISSIVE_WRITTEN;
+#endif
+#ifdef GBUFFER_SPECIALIZATION
+    written |= SPECIALIZATION_WRITTEN;
+#endif
+#ifdef GBUFFER_MOTION
+    written |= MOTION_WRITTEN;
+#endif
+#ifdef GBUFFER_VISIBILITY_MASK
+    written |= VISIBILITY_MASK_WRITTEN;
+#endif
+    return written;
+}
+#endif
 
 /// Discards fragments that the alpha mask or a visibility range's crossfade leave out.
 fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
@@ -82,6 +106,9 @@ fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
     ));
     out.surface = words.x;
     out.normal = words.y;
+#ifdef GBUFFER_WRITTEN
+    out.written = written_targets();
+#endif
 #ifdef GBUFFER_EMISSIVE
     out.emissive = pack_emissive(stored_light(pbr));
 #endif
@@ -98,16 +125,12 @@ fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
 }
 
 #ifdef GBUFFER_MOTION
-/// Where the surface was in the last frame, if the mesh moves or deforms. The others' motion follows from depth.
+/// Where the surface was in the last frame. Only meshes that move or deform have this; that of others follows from depth.
 fn motion_word(in: VertexOutput) -> u32 {
-#ifdef MOTION_VECTOR_PREPASS
     return pack_motion(motion_between(
         view.unjittered_clip_from_world * in.world_position,
         previous_view_uniforms.clip_from_world * in.previous_world_position,
     ));
-#else
-    return INVALID_MOTION;
-#endif
 }
 #endif
 

@@ -1,7 +1,7 @@
 //! The raster passes: first the meshes that write the base targets alone, then, while the view has optional targets,
-//! those that write them. The second starts with what writes fewest of the view's optional targets, and each mesh writes
-//! all those that have been written up to then, so that what lies in front replaces all that what lies behind has left
-//! there. Where the passes stand in the frame depends on the view:
+//! those that write them. Each mesh writes the optional targets that it needs, and one more, which says which these are:
+//! a pixel's words of others were left by what lies behind, and are not read. Where the passes stand in the frame depends
+//! on the view:
 //!
 //! - No prepass: once, after Bevy has built the indirect draws for the main passes.
 //! - A depth prepass, which something else asked for: in its place, so that what reads depth between prepass and main

@@ -24,17 +24,12 @@ use bevy::{
     },
 };
 
-use super::{
-    bevy_phases::preprocessing_mode, targets::GBufferTargets, visibility_masks::MaskedItem,
-};
+use super::{bevy_phases::preprocessing_mode, visibility_masks::MaskedItem};
 use crate::LeanDeferred;
 
-/// What meshes must have in common to be drawn by one multi-draw. Bevy draws them in the order of these keys: what
-/// writes fewer targets comes first.
+/// What meshes must have in common to be drawn by one multi-draw.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct GBufferBatchSetKey {
-    /// The optional targets that they write.
-    pub targets: GBufferTargets,
     /// As in Bevy's opaque phase.
     pub mesh: Opaque3dBatchSetKey,
     /// The visibility mask that they write, if they write any.
@@ -248,8 +243,6 @@ impl GBufferViewPhases<'_> {
 
 /// What a phase must know to draw a mesh.
 pub(super) struct QueuedMesh {
-    /// The optional targets that it writes.
-    pub(super) targets: GBufferTargets,
     /// With what it fills the target of that name, if it does.
     pub(super) visibility_mask: Option<u32>,
     pub(super) pipeline: CachedRenderPipelineId,
@@ -269,7 +262,6 @@ impl QueuedMesh {
         P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey, BinKey = Opaque3dBinKey>,
     {
         let key = GBufferBatchSetKey {
-            targets: self.targets,
             mesh: Opaque3dBatchSetKey {
                 pipeline: self.pipeline,
                 draw_function: self.draw_function,

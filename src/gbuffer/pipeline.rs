@@ -38,8 +38,6 @@ pub(super) struct MeshOutput {
     pub(super) pass: GBufferTargets,
     /// Those of them that it writes.
     pub(super) targets: GBufferTargets,
-    /// Its motion, and not that it is at rest.
-    pub(super) writes_motion: bool,
 }
 
 /// What Bevy's shaders need to know where a mesh was in the last frame.
@@ -68,7 +66,7 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         }
         // The layouts stay: on a view with motion vectors Bevy binds the groups that have previous positions.
         let needs_def = |def: &ShaderDefVal| {
-            output.writes_motion
+            output.targets.contains(GBufferTargets::MOTION)
                 || !matches!(def, ShaderDefVal::Bool(name, _) if MOTION_DEFS.contains(&name.as_str()))
         };
         descriptor.vertex.shader_defs.retain(needs_def);
@@ -77,6 +75,9 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
             fragment.shader = self.fragment_shader.clone();
             fragment.entry_point = None;
             fragment.targets = output.pass.color_targets(output.targets);
+            if !output.pass.is_empty() {
+                fragment.shader_defs.push("GBUFFER_WRITTEN".into());
+            }
             let defs = output.targets.iter();
             let defs = defs.map(|target| target.shader_def().into());
             fragment.shader_defs.extend(defs);

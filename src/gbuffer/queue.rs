@@ -222,7 +222,7 @@ impl ViewChange {
                 let same_passes = former.draws_in_prepass == now.draws_in_prepass
                     && former.keeps_prepass == now.keeps_prepass
                     && former.extends_all() == now.extends_all()
-                    // Where all meshes write all targets, more of them concern all.
+                    // Where all meshes are in the pass of these targets, more of them concern all.
                     && (!now.extends_all() || former.targets == now.targets);
                 if former == now {
                     Self::None
@@ -333,7 +333,10 @@ impl Sorter<'_, '_, '_, '_> {
             mesh.material.properties.render_phase_type,
             RenderPhaseType::AlphaMask
         );
-        let output = output(placement, alpha_masked, phase_type, active);
+        let output = MeshOutput {
+            pass: placement.pass,
+            targets: placement.demand.targets,
+        };
         let pipeline = if placement.is_met {
             self.pipelines
                 .get(lookup, entity, &mesh, self.view_key, shader, output)
@@ -349,7 +352,9 @@ impl Sorter<'_, '_, '_, '_> {
             return;
         };
 
-        if output.writes_motion && lookup.awaits_previous_morph(entity, &mesh) {
+        if output.targets.contains(GBufferTargets::MOTION)
+            && lookup.awaits_previous_morph(entity, &mesh)
+        {
             self.look_again.push(entity);
         }
         self.bevy
@@ -365,7 +370,6 @@ impl Sorter<'_, '_, '_, '_> {
             alpha_masked,
             placement.is_extended(),
             QueuedMesh {
-                targets: output.targets,
                 visibility_mask,
                 pipeline,
                 draw_function,
@@ -391,28 +395,5 @@ impl Sorter<'_, '_, '_, '_> {
             Holder::Bevy => self.bevy.leave_in(entity, mesh, phase_type),
             Holder::Either => self.bevy.put_back(entity, mesh, phase_type),
         }
-    }
-}
-
-/// What a mesh writes.
-fn output(
-    placement: Placement,
-    alpha_masked: bool,
-    phase_type: BinnedRenderPhaseType,
-    active: &ActiveLeanView,
-) -> MeshOutput {
-    // Bevy draws what it can batch first, in the order of the keys; what comes then may lie before anything.
-    let is_in_order = !alpha_masked
-        && !matches!(phase_type, BinnedRenderPhaseType::UnbatchableMesh)
-        && !active.extends_all();
-    let targets = if is_in_order {
-        placement.pass.up_to(placement.demand.targets)
-    } else {
-        placement.pass
-    };
-    MeshOutput {
-        pass: placement.pass,
-        targets,
-        writes_motion: placement.demand.targets.contains(GBufferTargets::MOTION),
     }
 }

@@ -71,7 +71,10 @@ impl ResolveKey {
         if self.motion_target {
             entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
                 ShaderStages::FRAGMENT,
-                ((4, texture_2d(TextureSampleType::Uint)),),
+                (
+                    (4, texture_2d(TextureSampleType::Uint)),
+                    (5, texture_2d(TextureSampleType::Uint)),
+                ),
             ));
         }
         BindGroupLayoutDescriptor::new("lean_deferred/resolve_motion", &entries)
@@ -195,7 +198,7 @@ pub(super) fn prepare_motion_resolve(
         resolve.offsets = [offset.offset, previous_offset.offset];
         for (index, late) in [false, true].into_iter().enumerate() {
             resolve.pipelines[index] = None;
-            let motion = textures.optional(GBufferTargets::MOTION);
+            let motion = (textures.optional(GBufferTargets::MOTION)).zip(textures.written.as_ref());
             let drawn = match (late, &prepass.depth) {
                 (false, _) => &textures.normal,
                 (true, Some(earlier)) if active.culls_in_two_phases => &earlier.texture,
@@ -214,7 +217,10 @@ pub(super) fn prepare_motion_resolve(
                 entries.push(2, depth.view().into_binding())?;
                 entries.push(3, drawn.default_view.into_binding())?;
                 match motion {
-                    Some(motion) => entries.push(4, motion.default_view.into_binding()),
+                    Some((motion, written)) => {
+                        entries.push(4, motion.default_view.into_binding())?;
+                        entries.push(5, written.default_view.into_binding())
+                    }
                     None => Some(()),
                 }
             });

@@ -16,6 +16,7 @@
 #endif
 #ifdef GBUFFER_MOTION
 @group(0) @binding(4) var motion_texture: texture_2d<u32>;
+@group(0) @binding(5) var written_texture: texture_2d<u32>;
 #endif
 
 /// Through view space, not by `world_from_clip`: that matrix loses digits far from the origin. Never divided by w, so
@@ -43,9 +44,8 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec2<f32> {
         discard;
     }
 #ifdef GBUFFER_MOTION
-    let word = textureLoad(motion_texture, pixel, 0).r;
-    if word != motion::INVALID_MOTION {
-        return motion::unpack_motion(word);
+    if (textureLoad(written_texture, pixel, 0).r & layout::MOTION_WRITTEN) != 0u {
+        return motion::unpack_motion(textureLoad(motion_texture, pixel, 0).r);
     }
 #endif
     return motion_at_rest(position.xy, depth);

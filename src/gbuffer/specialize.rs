@@ -21,6 +21,7 @@ use bevy::{
 use super::{
     lookup::{MeshLookup, MeshToQueue},
     pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
+    targets::GBufferTargets,
 };
 
 /// The pipelines of the G-buffer and what makes them.
@@ -157,7 +158,7 @@ fn mesh_key(
     if let Some(lightmap) = lookup.special_meshes.lightmap_key(entity) {
         key |= lightmap;
     }
-    if output.writes_motion {
+    if output.targets.contains(GBufferTargets::MOTION) {
         let flags = mesh.instance.flags();
         key.set(
             MeshPipelineKey::HAS_PREVIOUS_SKIN,

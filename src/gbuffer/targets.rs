@@ -7,8 +7,8 @@ use bevy::{
 use bitflags::bitflags;
 
 use super::layout::{
-    DEFAULT_VISIBILITY_MASK, EMISSIVE_FORMAT, MOTION_FORMAT, NORMAL_FORMAT, SPECIALIZATION_FORMAT,
-    SURFACE_FORMAT, VISIBILITY_MASK_FORMAT, motion::INVALID_MOTION,
+    EMISSIVE_FORMAT, MOTION_FORMAT, NORMAL_FORMAT, SPECIALIZATION_FORMAT, SURFACE_FORMAT,
+    VISIBILITY_MASK_FORMAT, WRITTEN_FORMAT,
 };
 
 bitflags! {
@@ -36,7 +36,8 @@ impl GBufferTargets {
     pub(crate) const LIT: Self = Self::all().difference(Self::MOTION);
 
     /// The colour targets of a pipeline that writes `written` of these, in a pass that has all of these: two of the
-    /// base, one for each optional target up to the last, in the order of the fragment shader's outputs.
+    /// base, and in a pass with optional targets the one that says which are written, and one for each up to the last, in
+    /// the order of the fragment shader's outputs.
     pub(crate) fn color_targets(self, written: Self) -> Vec<Option<ColorTargetState>> {
         let target = |format, write_mask| {
             Some(ColorTargetState {
@@ -56,31 +57,16 @@ impl GBufferTargets {
                 },
             );
         [SURFACE_FORMAT, NORMAL_FORMAT]
-            .map(|format| target(format, ColorWrites::ALL))
             .into_iter()
+            .chain((!self.is_empty()).then_some(WRITTEN_FORMAT))
+            .map(|format| target(format, ColorWrites::ALL))
             .chain(optional)
             .collect()
     }
 
-    /// These without all that come after the last of `needed`. What is drawn in the order of how many it writes, and
-    /// each of them that came before it, leaves no word of a surface behind it.
-    pub(crate) fn up_to(self, needed: Self) -> Self {
-        let first_after = needed.bits().checked_ilog2().map_or(0, |last| last + 1);
-        self & Self::from_bits_truncate(((1u16 << first_after) - 1) as u8)
-    }
-
     /// The attachment of a single target.
     pub(crate) const fn slot(self) -> usize {
-        2 + self.bits().trailing_zeros() as usize
-    }
-
-    /// What a single target is cleared to.
-    pub(crate) const fn clear_value(self) -> u32 {
-        match self {
-            Self::MOTION => INVALID_MOTION,
-            Self::VISIBILITY_MASK => DEFAULT_VISIBILITY_MASK,
-            _ => 0,
-        }
+        3 + self.bits().trailing_zeros() as usize
     }
 
     /// The format of a single target.
@@ -123,10 +109,13 @@ impl GBufferTargets {
         }
     }
 
-    /// Bytes a pixel of these targets, the base targets not counted.
+    /// Bytes a pixel of these targets, and of the one that says which of them a surface has written; the base targets
+    /// not counted.
     pub fn bytes_per_pixel(self) -> u32 {
-        self.iter()
-            .filter_map(|target| target.format().block_copy_size(None))
+        let written = (!self.is_empty()).then_some(WRITTEN_FORMAT);
+        (self.iter().map(Self::format))
+            .chain(written)
+            .filter_map(|format| format.block_copy_size(None))
             .sum()
     }
 }

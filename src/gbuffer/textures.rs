@@ -17,7 +17,7 @@ use bevy::{
 };
 
 use super::{
-    layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT},
+    layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT},
     targets::GBufferTargets,
     usage::GBufferUsage,
 };
@@ -30,6 +30,8 @@ pub struct GBufferTextures {
     pub surface: CachedTexture,
     /// Normal, roughness; [`NO_GEOMETRY`] where no mesh was drawn.
     pub normal: CachedTexture,
+    /// Which of the optional targets hold a word of the surface, on a view that has some.
+    pub written: Option<CachedTexture>,
     /// The optional targets that the view has in this frame, in the order of their bits.
     optional: Vec<(GBufferTargets, CachedTexture)>,
 }
@@ -59,24 +61,27 @@ impl GBufferTextures {
         [&self.surface, &self.normal].map(|texture| Some(attachment(texture, load)))
     }
 
-    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs. The optional
-    /// ones are cleared if it `is_first` to write them.
+    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs. If it
+    /// `is_first` to write the optional ones, none is written yet.
     pub(super) fn all_attachments(
         &self,
         base_load: LoadOp<wgpu::Color>,
         is_first: bool,
     ) -> Vec<Option<RenderPassColorAttachment<'_>>> {
         let mut attachments = self.base_attachments(base_load).to_vec();
+        let [nothing_written, anything] = if is_first {
+            // SAFETY: no word is read where `written` does not say that a mesh has written it, and that is cleared.
+            let anything = LoadOp::DontCare(unsafe { wgpu::LoadOpDontCare::enabled() });
+            [LoadOp::Clear(wgpu::Color::BLACK), anything]
+        } else {
+            [LoadOp::Load; 2]
+        };
+        attachments.extend(
+            (self.written.iter()).map(|texture| Some(attachment(texture, nothing_written))),
+        );
         for (target, texture) in &self.optional {
-            let clear = LoadOp::Clear(wgpu::Color {
-                r: f64::from(target.clear_value()),
-                ..default()
-            });
             attachments.resize(target.slot(), None);
-            attachments.push(Some(attachment(
-                texture,
-                if is_first { clear } else { LoadOp::Load },
-            )));
+            attachments.push(Some(attachment(texture, anything)));
         }
         attachments
     }
@@ -151,6 +156,8 @@ pub(super) fn prepare_gbuffer_textures(
             GBufferTextures {
                 surface: texture("lean_deferred/gbuffer/surface", SURFACE_FORMAT),
                 normal: texture("lean_deferred/gbuffer/normal", NORMAL_FORMAT),
+                written: (!active.targets.is_empty())
+                    .then(|| texture("lean_deferred/gbuffer/written", WRITTEN_FORMAT)),
                 optional: active
                     .targets
                     .iter()

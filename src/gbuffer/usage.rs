@@ -2,10 +2,14 @@
 
 use bevy::{
     prelude::*,
-    render::{MainWorld, sync_world::MainEntity},
+    render::{MainWorld, render_resource::TextureFormat, sync_world::MainEntity},
 };
 
-use super::{layout::BASE_BYTES_PER_PIXEL, targets::GBufferTargets, textures::GBufferTextures};
+use super::{
+    layout::{BASE_BYTES_PER_PIXEL, WRITTEN_FORMAT},
+    targets::GBufferTargets,
+    textures::GBufferTextures,
+};
 use crate::LeanDeferred;
 
 /// On a camera with [`LeanDeferred`]: what its G-buffer was made of in the last frame that was rendered.
@@ -55,12 +59,16 @@ impl GBufferUsage {
         let base = self
             .is_active()
             .then_some(("base", u64::from(BASE_BYTES_PER_PIXEL)));
+        let bytes_of = |format: TextureFormat| u64::from(format.block_copy_size(None).unwrap_or(0));
+        let written =
+            (!self.targets.is_empty()).then_some(("written targets", bytes_of(WRITTEN_FORMAT)));
         let optional = self
             .targets
             .iter()
-            .map(|target| (target.name(), u64::from(target.bytes_per_pixel())));
+            .map(move |target| (target.name(), bytes_of(target.format())));
         let pixels = self.pixels();
         base.into_iter()
+            .chain(written)
             .chain(optional)
             .map(move |(name, bytes)| (name, bytes * pixels))
     }

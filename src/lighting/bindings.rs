@@ -33,7 +33,7 @@ use super::{
     features::ViewEnvironmentMaps,
     pipeline::{
         AREA_LIGHT_LUTS_BINDING, BLUE_NOISE_BINDING, DFG_LUT_BINDING, LIGHT_LAYERS_BINDING,
-        LightingLayouts, LightingPipelines, target_binding,
+        LightingLayouts, LightingPipelines, WRITTEN_BINDING, target_binding,
     },
 };
 use crate::{
@@ -266,6 +266,10 @@ fn push_target_entries(
     if layouts.has_light_layers() {
         let table = view.lighting.light_layers.as_ref()?;
         entries.push(LIGHT_LAYERS_BINDING, table.binding()?)?;
+    }
+    if !layouts.read_targets.is_empty() {
+        let written = view.gbuffer.written.as_ref()?;
+        entries.push(WRITTEN_BINDING, written.default_view.into_binding())?;
     }
     for target in layouts.read_targets {
         if let Some(texture) = view.gbuffer.optional(target) {

@@ -40,6 +40,9 @@ struct LightLayersTable {
 @group(2) @binding(5) var nearest_sampler: sampler;
 @group(2) @binding(6) var occlusion_texture: texture_2d<f32>;
 #endif
+#ifdef GBUFFER_WRITTEN
+@group(2) @binding(12) var written_texture: texture_2d<u32>;
+#endif
 #ifdef GBUFFER_EMISSIVE
 @group(2) @binding(7) var emissive_texture: texture_2d<u32>;
 #endif

@@ -3,6 +3,7 @@
 #define_import_path bevy_lean_deferred::lighting::light_layers
 
 #import bevy_lean_deferred::lighting::bindings::light_layers
+#import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_pbr::clustered_forward::get_clusterable_object_id
 #import bevy_pbr::light_probe
 #import bevy_pbr::light_probe::{LightProbeIterator, LightProbeQueryResult}
@@ -10,6 +11,7 @@
 #import bevy_pbr::lighting::LightingInput
 
 #ifdef GBUFFER_VISIBILITY_MASK
+#import bevy_lean_deferred::gbuffer::layout::VISIBILITY_MASK_WRITTEN
 #import bevy_lean_deferred::lighting::bindings::visibility_mask_texture
 #endif
 
@@ -25,9 +27,11 @@
 /// The layers of the mesh at this invocation's pixel: layer 0, unless a mesh wrote others.
 var<private> mesh_layers: u32 = 1u;
 
-fn enter_pixel(pixel: vec2<i32>) {
+fn enter_pixel(pixel: Pixel) {
 #ifdef GBUFFER_VISIBILITY_MASK
-    mesh_layers = textureLoad(visibility_mask_texture, pixel, 0).r;
+    if (pixel.written & VISIBILITY_MASK_WRITTEN) != 0u {
+        mesh_layers = textureLoad(visibility_mask_texture, pixel.position, 0).r;
+    }
 #endif
 }
 

@@ -16,6 +16,10 @@
 #import bevy_lean_deferred::gbuffer::layout::specialization
 #endif
 
+#ifdef GBUFFER_WRITTEN
+#import bevy_lean_deferred::lighting::bindings::written_texture
+#endif
+
 #ifdef GBUFFER_SPECIALIZATION
 #import bevy_lean_deferred::lighting::bindings::specialization_texture
 #import bevy_lean_deferred::lighting::surface::is_unlit
@@ -133,22 +137,24 @@ fn shading_model_color(word: u32) -> vec3<f32> {
 #endif
 
 #ifdef DEBUG_MOTION
-fn motion_color(pixel: vec2<i32>) -> vec3<f32> {
+fn motion_color(pixel: Pixel) -> vec3<f32> {
 #ifdef GBUFFER_MOTION
-    let word = textureLoad(motion_texture, pixel, 0).r;
-    if word != motion::INVALID_MOTION {
-        return vec3(saturate(0.5 + 5.0 * motion::unpack_motion(word)), 0.5);
+    if (pixel.written & layout::MOTION_WRITTEN) == 0u {
+        return vec3(0.0);
     }
-#endif
+    let word = textureLoad(motion_texture, pixel.position, 0).r;
+    return vec3(saturate(0.5 + 5.0 * motion::unpack_motion(word)), 0.5);
+#else
     return vec3(0.0);
+#endif
 }
 #endif
 
 #ifdef DEBUG_VISIBILITY_MASK
-fn visibility_mask_color(pixel: vec2<i32>) -> vec3<f32> {
+fn visibility_mask_color(pixel: Pixel) -> vec3<f32> {
 #ifdef GBUFFER_VISIBILITY_MASK
-    let mask = textureLoad(visibility_mask_texture, pixel, 0).r;
-    if mask != 1u {
+    if (pixel.written & layout::VISIBILITY_MASK_WRITTEN) != 0u {
+        let mask = textureLoad(visibility_mask_texture, pixel.position, 0).r;
         // Neighbouring masks get colours far apart (Knuth 1973, "The Art of Computer Programming" 3, 6.4).
         return unpack4x8unorm(mask * 2654435769u).gba;
     }
@@ -176,9 +182,9 @@ fn debug_color(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
 #else ifdef DEBUG_SHADING_MODEL
     return shading_model_color(pixel.specialization_word);
 #else ifdef DEBUG_MOTION
-    return motion_color(pixel.position);
+    return motion_color(pixel);
 #else ifdef DEBUG_VISIBILITY_MASK
-    return visibility_mask_color(pixel.position);
+    return visibility_mask_color(pixel);
 #else
     let z = (view.view_from_world * pbr.world_position).z;
     return vec3(1.0 / (1.0 + abs(z)));
@@ -192,7 +198,7 @@ fn light(pixel: Pixel) -> vec4<f32> {
     return vec4(debug_color(pbr, pixel), 1.0);
 #else
 #ifdef LIGHT_LAYERS
-    light_layers::enter_pixel(pixel.position);
+    light_layers::enter_pixel(pixel);
 #endif
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
     apply_ssao(&pbr, pixel.position);
@@ -250,9 +256,14 @@ fn read_pixel(place: vec2<u32>) -> Pixel {
 #ifndef DEPTH_TELLS_GEOMETRY
     pixel.has_geometry = pixel.normal_word != layout::NO_GEOMETRY;
 #endif
+#ifdef GBUFFER_WRITTEN
+    // Cleared in each frame.
+    pixel.written = textureLoad(written_texture, pixel.position, 0).r;
+#endif
 #ifdef GBUFFER_SPECIALIZATION
-    // Optional targets are always cleared.
-    pixel.specialization_word = textureLoad(specialization_texture, pixel.position, 0).r;
+    if (pixel.written & layout::SPECIALIZATION_WRITTEN) != 0u {
+        pixel.specialization_word = textureLoad(specialization_texture, pixel.position, 0).r;
+    }
 #endif
     return pixel;
 }

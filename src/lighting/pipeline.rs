@@ -102,6 +102,9 @@ pub(super) fn init_lighting_pipelines(
 /// Where bind group 2 has the layers of lights.
 pub(super) const LIGHT_LAYERS_BINDING: u32 = 11;
 
+/// Where bind group 2 has what says which optional targets are written.
+pub(super) const WRITTEN_BINDING: u32 = 12;
+
 /// Where bind group 2 has an optional target.
 pub(super) fn target_binding(target: GBufferTargets) -> u32 {
     7 + target.bits().trailing_zeros()
@@ -139,6 +142,12 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
                 LIGHT_LAYERS_BINDING,
                 storage_buffer_read_only::<LightLayersTable>(false),
             ),),
+        ));
+    }
+    if !key.targets.is_empty() {
+        entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
+            ShaderStages::COMPUTE,
+            ((WRITTEN_BINDING, texture_2d(TextureSampleType::Uint)),),
         ));
     }
     for target in key.targets {
@@ -307,6 +316,7 @@ impl LightingPipelines {
             "GEOMETRIC_NORMAL_FIVE_TAP",
         );
 
+        define(!key.targets.is_empty(), "GBUFFER_WRITTEN");
         for target in key.targets {
             define(true, target.shader_def());
         }

@@ -29,6 +29,8 @@ struct Pixel {
     has_geometry: bool,
     depth: f32,
     normal_word: u32,
+    /// Which optional targets hold a word of it.
+    written: u32,
     /// 0, a plain surface, where the view has no such target.
     specialization_word: u32,
 }
@@ -133,7 +135,10 @@ fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
     specialize(&pbr, pixel.specialization_word);
 #endif
 #ifdef GBUFFER_EMISSIVE
-    let light = unpack_emissive(textureLoad(emissive_texture, pixel.position, 0).r);
+    var light = vec3(0.0);
+    if (pixel.written & layout::EMISSIVE_WRITTEN) != 0u {
+        light = unpack_emissive(textureLoad(emissive_texture, pixel.position, 0).r);
+    }
 #ifdef LIGHTMAP
     // Bevy exposes the light of lightmaps.
     let lightmap = pixel.specialization_word & specialization::LIGHTMAP_BITS;

@@ -265,11 +265,12 @@ fn row_of_decals(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity
             let place = Transform::from_xyz(index as f32 * 1.5 - 2.2, 0.0, 0.0)
                 .looking_to(Vec3::NEG_Y, Vec3::Z)
                 .with_scale(Vec3::splat(1.2));
-            let decal = s.spawn((decal, place));
+            // Bevy lists first those of the kind of entity that was there first.
             if on_another_layer.contains(&index) {
-                s.world().entity_mut(decal).insert(RenderLayers::layer(1));
+                s.spawn((decal, place, RenderLayers::layer(1)))
+            } else {
+                s.spawn((decal, place))
             }
-            decal
         })
         .collect();
     s.default_camera((ambient(), RenderLayers::from_layers(&[0, 1])));

@@ -225,13 +225,14 @@ fn targets_go_a_while_after_what_needs_them() {
     let used = usage(&mut headless);
     assert_eq!(used.targets, EMISSIVE.union(SPECIALIZATION));
     assert_eq!(used.size, SIZE);
-    assert_eq!(used.bytes_per_pixel(), 16);
-    assert_eq!(used.bytes(), 320 * 240 * 16);
+    assert_eq!(used.bytes_per_pixel(), 17);
+    assert_eq!(used.bytes(), 320 * 240 * 17);
     let each: Vec<_> = used.each().collect();
     assert_eq!(
         each,
         [
             ("base", 320 * 240 * 8),
+            ("written targets", 320 * 240),
             ("emissive", 320 * 240 * 4),
             ("specialization", 320 * 240 * 4)
         ]

@@ -205,15 +205,17 @@ pub const GBUFFER: &[Factor] = &[
     ],
     &[
         &[],
-        &["MOTION_VECTOR_PREPASS"],
+        &["MOTION_VECTOR_PREPASS", "GBUFFER_MOTION"],
         &[
             "MOTION_VECTOR_PREPASS",
             "HAS_PREVIOUS_SKIN",
             "HAS_PREVIOUS_MORPH",
+            "GBUFFER_MOTION",
         ],
     ],
-    optional!("GBUFFER_MOTION"),
     optional!("GBUFFER_VISIBILITY_MASK"),
+    // In the second phase of culling, meshes without optional targets are in the pass that has some.
+    optional!("GBUFFER_WRITTEN"),
     PROJECTIONS,
     optional!("STANDARD_MATERIAL_NORMAL_MAP"),
     optional!("RELIEF_MAPPING"),

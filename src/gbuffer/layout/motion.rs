@@ -5,9 +5,6 @@
 
 use bevy::math::{Vec2, Vec4, Vec4Swizzles};
 
-/// No surface wrote its motion: two NaNs, which no motion packs to. As a float, which graphics APIs take for clear
-/// values, it is exact.
-pub const INVALID_MOTION: u32 = 0x7e00_7e00;
 /// Largest half float. Longer motions are clamped.
 pub const LARGEST_MOTION: f32 = 65504.0;
 
@@ -53,7 +50,7 @@ pub fn pack_motion(motion: Vec2) -> u32 {
     x | (y << 16)
 }
 
-/// The motion of a word other than [`INVALID_MOTION`].
+/// The motion of a word.
 pub fn unpack_motion(word: u32) -> Vec2 {
     Vec2::new(float_from(word & 0xffff), float_from(word >> 16))
 }

@@ -5,8 +5,6 @@
 
 #import bevy_lean_deferred::gbuffer::layout::is_nan
 
-/// No surface wrote its motion: two NaNs, which no motion packs to.
-const INVALID_MOTION: u32 = 0x7e007e00u;
 /// Largest half float. Longer motions are clamped.
 const LARGEST_MOTION: f32 = 65504.0;
 
@@ -21,7 +19,7 @@ fn pack_motion(motion: vec2<f32>) -> u32 {
     return pack2x16float(clamp(number, vec2(-LARGEST_MOTION), vec2(LARGEST_MOTION)));
 }
 
-/// The motion of a word other than `INVALID_MOTION`.
+/// The motion of a word.
 fn unpack_motion(word: u32) -> vec2<f32> {
     return unpack2x16float(word);
 }
