@@ -210,8 +210,14 @@ pub(super) fn decide_active_views(
         let before = active_before
             .get(&view.retained_view_entity)
             .map_or(Demand::default(), ActiveLeanView::demand);
-        let wanted = demands.wanted(view.retained_view_entity);
-        let compiled = [wanted, before].into_iter().find_map(|demand| {
+        // Lighting for what is not needed any more may never be compiled.
+        let [wanted, needed] = demands.wanted(view.retained_view_entity);
+        let choices = if before.contains(needed) {
+            [wanted, before, needed]
+        } else {
+            [wanted, needed, before]
+        };
+        let compiled = choices.into_iter().find_map(|demand| {
             let demand = demand.on(&order);
             let key = scene.key(*view_key, settings, occlusion, &order, demand);
             if lighting

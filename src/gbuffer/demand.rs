@@ -97,8 +97,8 @@ impl ViewDemand {
         }
     }
 
-    /// What is needed now, or was a little while ago. To be called once a frame.
-    fn wanted(&mut self) -> Demand {
+    /// What is needed now and what was a little while ago, and what is needed now. To be called once a frame.
+    fn wanted(&mut self) -> [Demand; 2] {
         self.lingering.retain(|_, frames| {
             *frames = frames.saturating_sub(1);
             *frames > 0
@@ -106,9 +106,13 @@ impl ViewDemand {
         for demand in self.counts.keys() {
             self.lingering.insert(*demand, LINGERING_FRAMES);
         }
-        self.lingering
-            .keys()
-            .fold(Demand::default(), |all, demand| all.union(*demand))
+        let all = |demands: &mut dyn Iterator<Item = &Demand>| {
+            demands.fold(Demand::default(), |all, demand| all.union(*demand))
+        };
+        [
+            all(&mut self.lingering.keys()),
+            all(&mut self.counts.keys()),
+        ]
     }
 }
 
@@ -126,10 +130,11 @@ impl ViewDemands {
         self.0.retain(|view, _| live(view));
     }
 
-    /// What `view` should have in this frame, by what its meshes needed up to the last one.
-    pub(crate) fn wanted(&mut self, view: RetainedViewEntity) -> Demand {
+    /// What `view` should have in this frame, by what its meshes needed up to the last one: with what they needed a little
+    /// while ago, and without.
+    pub(crate) fn wanted(&mut self, view: RetainedViewEntity) -> [Demand; 2] {
         self.0
             .get_mut(&view)
-            .map_or(Demand::default(), ViewDemand::wanted)
+            .map_or_else(Default::default, ViewDemand::wanted)
     }
 }

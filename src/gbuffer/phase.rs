@@ -224,10 +224,10 @@ pub(super) struct GBufferViewPhases<'a> {
 impl GBufferViewPhases<'_> {
     /// Takes `mesh` out of whichever phase it is in.
     pub(super) fn remove(&mut self, mesh: MainEntity) {
-        self.opaque.remove(mesh);
-        self.alpha_mask.remove(mesh);
-        self.extended_opaque.remove(mesh);
-        self.extended_alpha_mask.remove(mesh);
+        remove(self.opaque, mesh);
+        remove(self.alpha_mask, mesh);
+        remove(self.extended_opaque, mesh);
+        remove(self.extended_alpha_mask, mesh);
     }
 
     /// Puts a mesh that is in none of the phases into one of them.
@@ -238,6 +238,12 @@ impl GBufferViewPhases<'_> {
             (true, false) => item.add_to(self.extended_opaque),
             (true, true) => item.add_to(self.extended_alpha_mask),
         }
+    }
+}
+
+fn remove<P: BinnedPhaseItem>(phase: &mut BinnedRenderPhase<P>, mesh: MainEntity) {
+    if !phase.is_empty() {
+        phase.remove(mesh);
     }
 }
 

@@ -34,6 +34,8 @@ pub(super) struct GBufferPipelines<'w, 's> {
     shared_prepass_pipeline: Local<'s, Option<Arc<PrepassPipeline>>>,
     /// What has been found in this frame: most meshes share their pipeline with many others.
     found: Local<'s, HashMap<PipelineQuery, GBufferPipeline>>,
+    /// The last of these: meshes that follow one another are often alike.
+    last: Local<'s, Option<(PipelineQuery, GBufferPipeline)>>,
     /// What has been reported, once each.
     reported: Local<'s, HashSet<String>>,
 }
@@ -62,6 +64,7 @@ impl GBufferPipelines<'_, '_> {
     /// To be called once a frame, before all others.
     pub(super) fn start_frame(&mut self) {
         self.found.clear();
+        *self.last = None;
         if self.prepass_pipeline.is_changed() || self.shared_prepass_pipeline.is_none() {
             *self.shared_prepass_pipeline = Some(Arc::new(self.prepass_pipeline.clone()));
         }
@@ -83,11 +86,20 @@ impl GBufferPipelines<'_, '_> {
             fragment_shader: fragment_shader.id(),
             output,
         };
-        if let Some(found) = self.found.get(&query) {
-            return *found;
+        if let Some((last, pipeline)) = &*self.last
+            && *last == query
+        {
+            return *pipeline;
         }
-        let pipeline = self.specialize(mesh, fragment_shader, &query);
-        self.found.insert(query, pipeline);
+        let pipeline = match self.found.get(&query) {
+            Some(found) => *found,
+            None => {
+                let pipeline = self.specialize(mesh, fragment_shader, &query);
+                self.found.insert(query.clone(), pipeline);
+                pipeline
+            }
+        };
+        *self.last = Some((query, pipeline));
         pipeline
     }
 

@@ -28,7 +28,7 @@ enum Drawing {
     Usual,
     Unbatched,
     AlphaMasked,
-    WithoutIndirectDrawing,
+    Direct,
 }
 
 /// `sets` of layers in turns, or none at all.
@@ -69,7 +69,7 @@ fn scene(s: &mut SceneBuilder, sets: usize, drawing: Drawing) {
             RenderLayers::from_layers(&all),
         ),
     );
-    if drawing == Drawing::WithoutIndirectDrawing {
+    if drawing == Drawing::Direct {
         s.world().entity_mut(camera).insert(NoIndirectDrawing);
     }
 }
@@ -124,11 +124,7 @@ fn each_mesh_is_drawn_with_its_own_layers() {
     for (index, color) in expected.iter().enumerate() {
         assert!(!expected[..index].contains(color), "{expected:?}");
     }
-    for drawing in [
-        Drawing::Unbatched,
-        Drawing::AlphaMasked,
-        Drawing::WithoutIndirectDrawing,
-    ] {
+    for drawing in [Drawing::Unbatched, Drawing::AlphaMasked, Drawing::Direct] {
         let shown = colors(&show(BALLS, drawing).capture());
         assert_eq!(shown, expected, "{drawing:?}");
     }
