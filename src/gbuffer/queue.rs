@@ -173,6 +173,9 @@ pub(super) fn queue_gbuffer_meshes(
         for pair in dirty.iter_to_queue(retained, visible, &HashSet::default()) {
             sorter.sort(pair, Holder::Bevy);
         }
+        // In the order of the entities, as Bevy queues: it decides which is drawn first, and so what hides what.
+        let mut waiting: Vec<_> = waiting.into_iter().collect();
+        waiting.sort_unstable_by_key(|(_, entity)| *entity);
         for (render_entity, entity) in &waiting {
             if visible.entity_pair_is_visible(*render_entity, *entity) {
                 sorter.phases.remove(*entity);

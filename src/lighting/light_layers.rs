@@ -39,7 +39,8 @@ struct LayerSet {
 struct LayeredLight {
     set: LayerSet,
     mask: u32,
-    render_entity: Entity,
+    /// Irradiance volumes have none.
+    render_entity: Option<Entity>,
     is_decal: bool,
 }
 
@@ -57,10 +58,10 @@ impl LightLayers {
         self.by_light.get(light).map_or(ALL, |light| light.mask)
     }
 
-    /// The entity in the render world of each of them, the mask, and whether it is a decal.
+    /// The entity in the render world of each of them that has one, the mask, and whether it is a decal.
     pub(super) fn masks(&self) -> impl Iterator<Item = (Entity, u32, bool)> {
         let lights = self.by_light.values();
-        lights.map(|light| (light.render_entity, light.mask, light.is_decal))
+        lights.filter_map(|light| Some((light.render_entity?, light.mask, light.is_decal)))
     }
 
     fn insert(&mut self, light: MainEntity, layered: LayeredLight) {
@@ -107,7 +108,7 @@ type LightQuery<'w, 's, Filter> = Query<
     's,
     (
         Entity,
-        RenderEntity,
+        Option<RenderEntity>,
         &'static RenderLayers,
         (Has<PointLight>, Has<SpotLight>, Has<DirectionalLight>),
         Has<ClusteredDecal>,
