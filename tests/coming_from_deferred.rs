@@ -11,7 +11,7 @@ use bevy::{
 };
 use common::{
     headless::{Headless, log_watch},
-    lean::{active_lean_views, build, judge, report, set_lean, settled},
+    lean::{active_lean_views, build, change_cameras, judge, report, set_lean, settled},
     scenes::SceneBuilder,
 };
 
@@ -131,14 +131,9 @@ fn every_mesh_is_there_without_the_gbuffer() {
         .map(|method| {
             let mut headless = app(method, camera);
             set_lean(&mut headless, true);
-            let world = headless.world();
-            let cameras: Vec<Entity> = world
-                .query_filtered::<Entity, With<Camera3d>>()
-                .iter(world)
-                .collect();
-            for camera in cameras {
-                headless.world().entity_mut(camera).insert(Msaa::Sample4);
-            }
+            change_cameras(&mut headless, |camera| {
+                camera.insert(Msaa::Sample4);
+            });
             let picture = settled(&mut headless);
             assert_eq!(active_lean_views(&mut headless), 0, "{name}");
             picture
@@ -170,14 +165,7 @@ fn prepasses_come_and_go() {
     ];
     let mut results = Vec::new();
     for (step, change) in changes.into_iter().enumerate() {
-        let world = headless.world();
-        let cameras: Vec<Entity> = world
-            .query_filtered::<Entity, With<Camera3d>>()
-            .iter(world)
-            .collect();
-        for camera in cameras {
-            change(&mut headless.world().entity_mut(camera));
-        }
+        change_cameras(&mut headless, change);
         for (frame, picture) in headless.film(3, |_, _| {}).iter().enumerate() {
             results.push(judge(
                 &format!("step_{step}_{frame}"),
@@ -190,4 +178,58 @@ fn prepasses_come_and_go() {
     report(results);
     let errors = log_watch::messages_with("rror");
     assert!(errors.is_empty(), "{errors:?}");
+}
+
+/// Meshes whose materials are not loaded yet when their camera becomes lean. Bevy waits for them since before then.
+#[test]
+fn meshes_whose_materials_come_late_are_there() {
+    let picture = |method: &DefaultOpaqueRendererMethod, camera, late: bool| {
+        let mut headless = app(DefaultOpaqueRendererMethod::forward(), camera);
+        let world = headless.world();
+        world.insert_resource(method.clone());
+        let ball = Sphere::new(0.6).mesh().build();
+        let ball = world.resource_mut::<Assets<Mesh>>().add(ball);
+        let red = Color::srgb(0.8, 0.1, 0.1);
+        let materials: [StandardMaterial; 2] = [
+            red.into(),
+            StandardMaterial {
+                alpha_mode: AlphaMode::Blend,
+                ..red.with_alpha(0.5).into()
+            },
+        ];
+        let handles = [(); 2].map(|()| {
+            let materials = world.resource::<Assets<StandardMaterial>>();
+            materials.reserve_handle()
+        });
+        for (handle, x) in handles.iter().zip([-0.7, 0.7]) {
+            world.spawn((
+                Mesh3d(ball.clone()),
+                MeshMaterial3d(handle.clone()),
+                Transform::from_xyz(x, 1.2, 1.6),
+            ));
+        }
+        if late {
+            headless.settle();
+            headless.frames(3);
+            set_lean(&mut headless, true);
+            headless.frames(2);
+        }
+        let mut assets = headless.world().resource_mut::<Assets<StandardMaterial>>();
+        for (handle, material) in handles.iter().zip(materials) {
+            assets.insert(handle, material).unwrap();
+        }
+        set_lean(&mut headless, true);
+        let picture = settled(&mut headless);
+        assert_eq!(active_lean_views(&mut headless), 1);
+        picture
+    };
+    let forward = DefaultOpaqueRendererMethod::forward();
+    // Without a deferred prepass Bevy alone, before the camera is lean, panics where there is another.
+    let deferred = DefaultOpaqueRendererMethod::deferred();
+    let cases = [(&forward, 0), (&forward, 1), (&forward, 4), (&deferred, 0)];
+    report(cases.map(|(method, camera)| {
+        let (name, camera) = CAMERAS[camera];
+        let [at_once, late] = [false, true].map(|late| picture(method, camera, late));
+        judge(&format!("late_{name}"), &at_once, &late, 60.0)
+    }));
 }

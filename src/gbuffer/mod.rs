@@ -8,7 +8,8 @@
 //! - `demand.rs`: what all visible meshes of a view need together.
 //! - `lookup.rs`: what a mesh needs.
 //! - `phase.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
-//! - `queue.rs`, `bevy_phases.rs`: how meshes get there, out of Bevy's phases and back.
+//! - `queue.rs`, `placement.rs`: which meshes go there.
+//! - `offer.rs`, `bevy_phases.rs`: Bevy queues the others; how meshes get out of Bevy's phases and back.
 //! - `visibility_masks.rs`: the layers of meshes, as data for their draws.
 //! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them. `depth_copy.rs`: depth, for others.
 //! - `usage.rs`: what a camera has of them, for users.
@@ -22,9 +23,11 @@ pub mod layout;
 mod lookup;
 mod material;
 mod moving;
+mod offer;
 mod pass;
 mod phase;
 mod pipeline;
+mod placement;
 mod queue;
 mod resolve_motion;
 mod special;
@@ -50,7 +53,7 @@ use visibility_masks::DrawWithVisibilityMask;
 use bevy::{
     asset::embedded_asset,
     core_pipeline::{
-        core_3d::{extract_camera_prepass_phase, prepare_core_3d_depth_textures},
+        core_3d::prepare_core_3d_depth_textures,
         mip_generation::experimental::depth::early_downsample_depth,
         prepass::node::{early_prepass, late_prepass},
         schedule::{Core3d, Core3dSystems},
@@ -118,6 +121,7 @@ impl Plugin for GBufferPlugin {
             .init_resource::<moving::MovingMeshes>()
             .init_resource::<ViewDemands>()
             .init_resource::<SortedMeshes>()
+            .init_resource::<offer::Offers>()
             .init_resource::<depth_copy::WithheldDepthCopy>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
@@ -140,7 +144,6 @@ impl Plugin for GBufferPlugin {
                 (
                     usage::report_usage,
                     phase::extract_gbuffer_phases,
-                    bevy_phases::extract_deferred_phases.after(extract_camera_prepass_phase),
                     (
                         special::clear_changed_meshes,
                         special::extract_special_meshes,
@@ -155,6 +158,10 @@ impl Plugin for GBufferPlugin {
                 Render,
                 (
                     queue::queue_gbuffer_meshes
+                        .in_set(RenderSystems::QueueMeshes)
+                        .before(queue_material_meshes)
+                        .before(queue_prepass_material_meshes),
+                    offer::take_offers_back
                         .in_set(RenderSystems::QueueMeshes)
                         .after(queue_material_meshes)
                         .after(queue_prepass_material_meshes),

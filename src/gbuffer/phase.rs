@@ -24,7 +24,7 @@ use bevy::{
     },
 };
 
-use super::{bevy_phases::preprocessing_mode, visibility_masks::MaskedItem};
+use super::visibility_masks::MaskedItem;
 use crate::LeanDeferred;
 
 /// What meshes must have in common to be drawn by one multi-draw.
@@ -298,7 +298,11 @@ pub(super) fn extract_gbuffer_phases(
         if !camera.is_active {
             continue;
         }
-        let mode = preprocessing_mode(&gpu_preprocessing_support, no_indirect_drawing);
+        let mode = gpu_preprocessing_support.min(if no_indirect_drawing {
+            GpuPreprocessingMode::PreprocessingOnly
+        } else {
+            GpuPreprocessingMode::Culling
+        });
         // A camera's own view is its subview 0.
         let view = RetainedViewEntity::new(camera_entity.into(), None, 0);
         phases.prepare_for_new_frame(view, mode);

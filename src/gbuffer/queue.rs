@@ -1,4 +1,4 @@
-//! Sorts the meshes of a lean view: into the G-buffer, out of Bevy's forward phases, or left to those.
+//! Sorts the meshes of a lean view, before Bevy queues them: into the G-buffer, or left to Bevy's phases.
 //!
 //! A mesh is looked at when Bevy queues it (it became visible or changed), when its components changed what it needs
 //! ([`ChangedMeshes`]), when it was not ready before, and when its view changed in a way that concerns it. In all other
@@ -6,9 +6,12 @@
 
 use bevy::{
     ecs::system::SystemParam,
-    material::RenderPhaseType,
+    material::{OpaqueRendererMethod, RenderPhaseType},
     mesh::Mesh3d,
-    pbr::{DrawPrepass, MeshPipelineKey, ViewKeyCache},
+    pbr::{
+        DrawPrepass, MeshPipelineKey, PendingMeshMaterialQueues, PendingPrepassMeshMaterialQueues,
+        ViewKeyCache,
+    },
     platform::collections::{HashMap, HashSet},
     prelude::*,
     render::{
@@ -24,13 +27,15 @@ use bevy::{
 
 use super::{
     bevy_phases::{BevyPhases, BevyViewPhases},
-    demand::{Demand, ViewDemand, ViewDemands},
+    demand::{ViewDemand, ViewDemands},
     lookup::{MeshLookup, MeshToQueue},
+    offer::{BevyPipelines, Offer, Offers},
     phase::{
         AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferPhases,
         GBufferViewPhases, OpaqueGBuffer, QueuedMesh,
     },
     pipeline::MeshOutput,
+    placement::{Placement, ViewChange},
     special::ChangedMeshes,
     specialize::{GBufferPipeline, GBufferPipelines},
     targets::GBufferTargets,
@@ -85,20 +90,22 @@ impl GBufferDrawFunctions<'_> {
 /// Who had a mesh up to now.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Holder {
-    /// Bevy, which has queued it anew in this frame or is waiting for it.
+    /// Nobody: it has changed or become visible, and Bevy queues it in this frame, if it is offered it.
+    Nobody,
+    /// Bevy, which has it in its phases or waits for it.
     Bevy,
     /// Bevy or the G-buffer.
     Either,
 }
 
-/// After Bevy's own queue systems: moves the meshes that the G-buffer carries into its phases.
+/// Before Bevy's own queue systems: moves the meshes that the G-buffer carries into its phases, and offers Bevy the others.
 ///
 /// A mesh that needs more than its view has is left to forward, and its need recorded: the view has it from a later
 /// frame on, once lighting is compiled for it.
 pub(super) fn queue_gbuffer_meshes(
     lookup: MeshLookup,
     mut pipelines: GBufferPipelines,
-    mut bevy_phases: BevyPhases,
+    (mut bevy_phases, mut bevy_pipelines, mut offers): (BevyPhases, BevyPipelines, ResMut<Offers>),
     mut phases: GBufferPhases,
     (mut pending_queues, mut demands, mut count): (
         ResMut<PendingGBufferQueues>,
@@ -106,11 +113,13 @@ pub(super) fn queue_gbuffer_meshes(
         ResMut<SortedMeshes>,
     ),
     mut draw_functions: GBufferDrawFunctions,
-    (view_keys, dirty, changed, gpu_preprocessing): (
+    (view_keys, dirty, changed, gpu_preprocessing, bevy_pending, bevy_prepass_pending): (
         Res<ViewKeyCache>,
         Res<DirtySpecializations>,
         Res<ChangedMeshes>,
         Res<GpuPreprocessingSupport>,
+        Res<PendingMeshMaterialQueues>,
+        Res<PendingPrepassMeshMaterialQueues>,
     ),
     views: Query<
         (
@@ -139,7 +148,15 @@ pub(super) fn queue_gbuffer_meshes(
         };
         live_views.insert(retained);
         let pending = pending_queues.0.prepare_for_new_frame(retained);
-        let waiting = core::mem::take(&mut pending.prev_frame);
+        let mut waiting: Vec<_> = pending.prev_frame.drain().collect();
+        let is_new = !sorted.contains_key(&retained);
+        if is_new {
+            // What Bevy waits for since the camera was not lean.
+            for queues in [&bevy_pending.0, &bevy_prepass_pending.0] {
+                let former = queues.get(&retained).map(|queue| &queue.prev_frame);
+                waiting.extend(former.into_iter().flatten());
+            }
+        }
         let sorted = sorted.entry(retained).or_default();
         let former = core::mem::replace(&mut sorted.active, active.copied());
         concerned.clear();
@@ -149,7 +166,9 @@ pub(super) fn queue_gbuffer_meshes(
             pipelines: &mut pipelines,
             draw_functions: &mut draw_functions,
             gpu_preprocessing: &gpu_preprocessing,
+            draws_deferred: bevy_phases.draws_deferred(&retained),
             bevy: bevy_phases.of(&retained),
+            offer: offers.of(retained, &bevy_pipelines),
             phases,
             pending: &mut pending.current_frame,
             look_again: &mut sorted.look_again,
@@ -164,17 +183,22 @@ pub(super) fn queue_gbuffer_meshes(
         }
 
         let change = ViewChange::between(former.as_ref(), active);
-        if change == ViewChange::All {
+        let queues_all = dirty.must_wipe_specializations_for_view(retained);
+        if change == ViewChange::All || queues_all {
+            let holder = if queues_all {
+                Holder::Nobody
+            } else {
+                Holder::Either
+            };
             for pair in visible.iter_visible() {
-                sorter.sort(pair, Holder::Either);
+                sorter.sort(pair, holder);
             }
             continue;
         }
         for pair in dirty.iter_to_queue(retained, visible, &HashSet::default()) {
-            sorter.sort(pair, Holder::Bevy);
+            sorter.sort(pair, Holder::Nobody);
         }
         // In the order of the entities, as Bevy queues: it decides which is drawn first, and so what hides what.
-        let mut waiting: Vec<_> = waiting.into_iter().collect();
         waiting.sort_unstable_by_key(|(_, entity)| *entity);
         for (render_entity, entity) in &waiting {
             if visible.entity_pair_is_visible(*render_entity, *entity) {
@@ -188,12 +212,18 @@ pub(super) fn queue_gbuffer_meshes(
                 (Placement::of(demand, former) != Placement::of(demand, active)).then_some(mesh)
             }));
         }
+        let holder = match former {
+            Some(_) => Holder::Either,
+            None => Holder::Bevy,
+        };
         for &mesh in &concerned {
             if let Some(pair) = visible_pair(visible, mesh) {
-                sorter.sort((&pair.0, &pair.1), Holder::Either);
+                sorter.phases.remove(mesh);
+                sorter.sort((&pair.0, &pair.1), holder);
             }
         }
     }
+    offers.show(&live_views, &mut bevy_pipelines);
     pending_queues.0.expire_stale_views(&live_views);
     sorted.retain(|view, _| live_views.contains(view));
     demands.retain(|view| live_views.contains(view));
@@ -206,69 +236,6 @@ pub(super) struct SortedView {
     active: Option<ActiveLeanView>,
     /// Meshes that need another pipeline in the next frame.
     look_again: Vec<MainEntity>,
-}
-
-/// Which meshes a change of their view concerns.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum ViewChange {
-    None,
-    /// Those that need more than the base targets and plain lighting, where their [`Placement`] is another.
-    Demand,
-    All,
-}
-
-impl ViewChange {
-    fn between(former: Option<&ActiveLeanView>, now: Option<&ActiveLeanView>) -> Self {
-        match (former, now) {
-            (None, None) => Self::None,
-            (Some(former), Some(now)) => {
-                let same_passes = former.draws_in_prepass == now.draws_in_prepass
-                    && former.keeps_prepass == now.keeps_prepass
-                    && former.extends_all() == now.extends_all()
-                    // Where all meshes are in the pass of these targets, more of them concern all.
-                    && (!now.extends_all() || former.targets == now.targets);
-                if former == now {
-                    Self::None
-                } else if same_passes {
-                    Self::Demand
-                } else {
-                    Self::All
-                }
-            }
-            _ => Self::All,
-        }
-    }
-}
-
-/// Where a mesh with some demand goes on a view.
-#[derive(Clone, Copy, PartialEq, Eq)]
-struct Placement {
-    /// As far as the view has a use for it.
-    demand: Demand,
-    /// The view has all of it.
-    is_met: bool,
-    /// The optional targets of the pass that it is drawn in.
-    pass: GBufferTargets,
-}
-
-impl Placement {
-    fn of(demand: Demand, view: &ActiveLeanView) -> Self {
-        let demand = demand.on(view);
-        let is_extended = !demand.targets.is_empty() || view.extends_all();
-        Self {
-            demand,
-            is_met: view.demand().contains(demand),
-            pass: if is_extended {
-                view.targets
-            } else {
-                GBufferTargets::empty()
-            },
-        }
-    }
-
-    fn is_extended(self) -> bool {
-        !self.pass.is_empty()
-    }
 }
 
 /// The entities of a visible mesh; as Bevy's `DirtySpecializations` finds them.
@@ -292,7 +259,10 @@ struct Sorter<'a, 'w, 's, 'd> {
     pipelines: &'a mut GBufferPipelines<'w, 's>,
     draw_functions: &'a mut GBufferDrawFunctions<'d>,
     gpu_preprocessing: &'a GpuPreprocessingSupport,
+    /// Bevy's deferred pass draws into this view, which is not lean then.
+    draws_deferred: bool,
     bevy: BevyViewPhases<'a>,
+    offer: Offer<'a>,
     phases: GBufferViewPhases<'a>,
     pending: &'a mut HashSet<(Entity, MainEntity)>,
     look_again: &'a mut Vec<MainEntity>,
@@ -312,7 +282,7 @@ impl Sorter<'_, '_, '_, '_> {
         let mesh = match lookup.find(entity) {
             Ok(mesh) => mesh,
             Err(may_come) => {
-                self.bevy.forget_deferred(entity);
+                self.offer.add(entity);
                 if may_come {
                     self.pending.insert((render_entity, entity));
                 }
@@ -327,7 +297,7 @@ impl Sorter<'_, '_, '_, '_> {
             None => self.demand.remove(entity),
         }
         let (Some((demand, shader)), Some(active)) = (needs, self.active) else {
-            self.leave_to_forward(entity, &mesh, phase_type, holder);
+            self.leave_to_forward(entity, &mesh, holder);
             return;
         };
 
@@ -347,7 +317,7 @@ impl Sorter<'_, '_, '_, '_> {
             GBufferPipeline::Pending
         };
         let GBufferPipeline::Ready(pipeline) = pipeline else {
-            self.leave_to_forward(entity, &mesh, phase_type, holder);
+            self.leave_to_forward(entity, &mesh, holder);
             // What the view does not have yet is there when the view changes.
             if pipeline == GBufferPipeline::Pending && placement.is_met {
                 self.pending.insert((render_entity, entity));
@@ -360,8 +330,7 @@ impl Sorter<'_, '_, '_, '_> {
         {
             self.look_again.push(entity);
         }
-        self.bevy
-            .take_out(entity, &mesh, phase_type, active.keeps_prepass);
+        self.take_from_forward(entity, &mesh, active.keeps_prepass, holder);
         let visibility_mask = output
             .targets
             .contains(GBufferTargets::VISIBILITY_MASK)
@@ -387,16 +356,47 @@ impl Sorter<'_, '_, '_, '_> {
         );
     }
 
-    fn leave_to_forward(
+    /// The view has no deferred pass of Bevy's for a mesh whose method is `Deferred`: Bevy must not queue it.
+    fn is_strange_to_bevy(&self, mesh: &MeshToQueue) -> bool {
+        let properties = &mesh.material.properties;
+        properties.render_method == OpaqueRendererMethod::Deferred
+            && matches!(
+                properties.render_phase_type,
+                RenderPhaseType::Opaque | RenderPhaseType::AlphaMask
+            )
+            && !self.draws_deferred
+    }
+
+    fn leave_to_forward(&mut self, entity: MainEntity, mesh: &MeshToQueue, holder: Holder) {
+        let is_strange = self.is_strange_to_bevy(mesh);
+        if !is_strange {
+            self.offer.add(entity);
+        }
+        if is_strange || holder == Holder::Either {
+            self.offer.force(entity);
+        }
+    }
+
+    /// The mesh stays in Bevy's prepass if the G-buffer does not write all that the prepass does.
+    fn take_from_forward(
         &mut self,
         entity: MainEntity,
         mesh: &MeshToQueue,
-        phase_type: BinnedRenderPhaseType,
+        keeps_prepass: bool,
         holder: Holder,
     ) {
-        match holder {
-            Holder::Bevy => self.bevy.leave_in(entity, mesh, phase_type),
-            Holder::Either => self.bevy.put_back(entity, mesh, phase_type),
+        if holder != Holder::Nobody {
+            self.bevy.take_out(entity, keeps_prepass);
+        }
+        if !keeps_prepass {
+            return;
+        }
+        let is_strange = self.is_strange_to_bevy(mesh);
+        if !is_strange {
+            self.offer.add_to_prepass(entity);
+        }
+        if is_strange || holder == Holder::Either {
+            self.offer.force_into_prepass(entity);
         }
     }
 }

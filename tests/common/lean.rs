@@ -32,20 +32,27 @@ pub fn settled(headless: &mut Headless) -> Picture {
     headless.capture()
 }
 
-/// Switches all cameras over.
-pub fn set_lean(headless: &mut Headless, lean: bool) {
+/// Changes all cameras.
+pub fn change_cameras(headless: &mut Headless, change: impl Fn(&mut EntityWorldMut)) {
     let world = headless.world();
     let cameras: Vec<Entity> = world
         .query_filtered::<Entity, With<Camera3d>>()
         .iter(world)
         .collect();
     for camera in cameras {
-        if lean {
-            world.entity_mut(camera).insert(LeanDeferred::default());
-        } else {
-            world.entity_mut(camera).remove::<LeanDeferred>();
-        }
+        change(&mut world.entity_mut(camera));
     }
+}
+
+/// Switches all cameras over.
+pub fn set_lean(headless: &mut Headless, lean: bool) {
+    change_cameras(headless, |camera| {
+        if lean {
+            camera.insert(LeanDeferred::default());
+        } else {
+            camera.remove::<LeanDeferred>();
+        }
+    });
 }
 
 /// How many views were rendered lean in the last frame.

@@ -1,0 +1,146 @@
+//! What Bevy's queue systems get to see of a lean view: the meshes that Bevy draws.
+//!
+//! Bevy queues a mesh with the pipeline that it specialized for it, and passes over meshes that have none. While its queue
+//! systems run, each lean view has the pipelines of those meshes alone that are offered to Bevy; the others wait aside. So
+//! no mesh goes into a phase of Bevy's just to be taken out again.
+
+use bevy::{
+    ecs::system::SystemParam,
+    pbr::{
+        SpecializedMaterialPipelineCache, SpecializedMaterialViewPipelineCache,
+        SpecializedPrepassMaterialPipelineCache, SpecializedPrepassMaterialViewPipelineCache,
+    },
+    platform::collections::{HashMap, HashSet},
+    prelude::*,
+    render::{
+        batching::gpu_preprocessing::GpuPreprocessingSupport, render_phase::BinnedRenderPhaseType,
+        sync_world::MainEntity, view::RetainedViewEntity,
+    },
+};
+
+use super::{bevy_phases::BevyPhases, lookup::MeshLookup};
+
+/// The pipelines that Bevy specialized, for all views.
+#[derive(SystemParam)]
+pub(super) struct BevyPipelines<'w> {
+    main: ResMut<'w, SpecializedMaterialPipelineCache>,
+    prepass: ResMut<'w, SpecializedPrepassMaterialPipelineCache>,
+}
+
+/// What is offered to Bevy in this frame, of all lean views. While Bevy queues: what is withheld.
+#[derive(Resource, Default)]
+pub(super) struct Offers(HashMap<RetainedViewEntity, ViewOffer>);
+
+#[derive(Default)]
+struct ViewOffer {
+    main: SpecializedMaterialViewPipelineCache,
+    prepass: SpecializedPrepassMaterialViewPipelineCache,
+    /// Meshes that Bevy would not queue, to be put into its phases after it has queued its own.
+    into_main: Vec<MainEntity>,
+    into_prepass: Vec<MainEntity>,
+}
+
+impl ViewOffer {
+    /// Changes places with the pipelines that Bevy sees.
+    fn exchange(&mut self, view: &RetainedViewEntity, pipelines: &mut BevyPipelines) {
+        if let Some(main) = pipelines.main.get_mut(view) {
+            core::mem::swap(main, &mut self.main);
+        }
+        if let Some(prepass) = pipelines.prepass.get_mut(view) {
+            core::mem::swap(prepass, &mut self.prepass);
+        }
+    }
+}
+
+impl Offers {
+    /// Nothing is offered yet.
+    pub(super) fn of<'a>(
+        &'a mut self,
+        view: RetainedViewEntity,
+        pipelines: &'a BevyPipelines,
+    ) -> Offer<'a> {
+        Offer {
+            main: pipelines.main.get(&view),
+            prepass: pipelines.prepass.get(&view),
+            offer: self.0.entry(view).or_default(),
+        }
+    }
+
+    /// From here on Bevy sees what is offered. Views that are gone are forgotten.
+    pub(super) fn show(
+        &mut self,
+        views: &HashSet<RetainedViewEntity>,
+        pipelines: &mut BevyPipelines,
+    ) {
+        self.0.retain(|view, _| views.contains(view));
+        for (view, offer) in &mut self.0 {
+            offer.exchange(view, pipelines);
+        }
+    }
+}
+
+/// What is offered of one view.
+pub(super) struct Offer<'a> {
+    main: Option<&'a SpecializedMaterialViewPipelineCache>,
+    prepass: Option<&'a SpecializedPrepassMaterialViewPipelineCache>,
+    offer: &'a mut ViewOffer,
+}
+
+impl Offer<'_> {
+    /// Bevy may queue the mesh.
+    pub(super) fn add(&mut self, mesh: MainEntity) {
+        if let Some(&pipeline) = self.main.and_then(|pipelines| pipelines.get(&mesh)) {
+            self.offer.main.insert(mesh, pipeline);
+        }
+        self.add_to_prepass(mesh);
+    }
+
+    /// Bevy may queue the mesh, for its prepass alone.
+    pub(super) fn add_to_prepass(&mut self, mesh: MainEntity) {
+        if let Some(&pipeline) = self.prepass.and_then(|pipelines| pipelines.get(&mesh)) {
+            self.offer.prepass.insert(mesh, pipeline);
+        }
+    }
+
+    /// The mesh goes into Bevy's phases, although Bevy does not queue it.
+    pub(super) fn force(&mut self, mesh: MainEntity) {
+        self.offer.into_main.push(mesh);
+        self.offer.into_prepass.push(mesh);
+    }
+
+    /// The mesh goes into Bevy's prepass, although Bevy does not queue it.
+    pub(super) fn force_into_prepass(&mut self, mesh: MainEntity) {
+        self.offer.into_prepass.push(mesh);
+    }
+}
+
+/// After Bevy's queue systems: gives Bevy its pipelines back, and puts what it did not queue into its phases.
+pub(super) fn take_offers_back(
+    lookup: MeshLookup,
+    gpu_preprocessing: Res<GpuPreprocessingSupport>,
+    mut pipelines: BevyPipelines,
+    mut bevy_phases: BevyPhases,
+    mut offers: ResMut<Offers>,
+) {
+    for (view, offer) in &mut offers.0 {
+        offer.exchange(view, &mut pipelines);
+        offer.main.clear();
+        offer.prepass.clear();
+        let mut phases = bevy_phases.of(view);
+        let phase_type = |mesh: &super::lookup::MeshToQueue| {
+            BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), &gpu_preprocessing)
+        };
+        let main = pipelines.main.get(view);
+        for entity in offer.into_main.drain(..) {
+            if let (Ok(mesh), Some(main)) = (lookup.find(entity), main) {
+                phases.put_into_main(entity, &mesh, phase_type(&mesh), main);
+            }
+        }
+        let prepass = pipelines.prepass.get(view);
+        for entity in offer.into_prepass.drain(..) {
+            if let (Ok(mesh), Some(prepass)) = (lookup.find(entity), prepass) {
+                phases.put_into_prepass(entity, &mesh, phase_type(&mesh), prepass);
+            }
+        }
+    }
+}
