@@ -63,16 +63,18 @@ fn main() {
             std::process::exit(1)
         })
     });
+    let contenders: Vec<Contender> = Contender::ALL
+        .into_iter()
+        .filter(|contender| {
+            *contender == Contender::Forward || contender.name().contains(&args.contender)
+        })
+        .collect();
     let mut measurements: Vec<Measurement> = Vec::new();
     for meshes in numbers {
+        eprintln!("{meshes} meshes");
+        let measured = run::measure(meshes, &contenders, args.size, args.frames, args.events);
         let mut reference = None;
-        for contender in Contender::ALL {
-            if contender != Contender::Forward && !contender.name().contains(&args.contender) {
-                continue;
-            }
-            eprintln!("{meshes} meshes: {}", contender.name());
-            let (mut measurement, picture) =
-                run::measure(meshes, contender, args.size, args.frames, args.events);
+        for (contender, (mut measurement, picture)) in contenders.iter().zip(measured) {
             if let Some(folder) = &args.pictures {
                 let file = format!("{meshes}_{}.png", contender.name().replace(' ', "_"));
                 picture.save(std::path::Path::new(folder).join(file));

@@ -1,4 +1,4 @@
-//! One number of meshes through one renderer.
+//! One number of meshes through each renderer.
 
 use std::{
     sync::{Arc, Mutex},
@@ -141,6 +141,19 @@ impl Stage {
         event(self.headless.world());
         dearest(&self.frames(EVENT_FRAMES))
     }
+
+    /// Each event once: the lamp, its expiry, and turning around and back.
+    fn events(&mut self) -> (Times, Times, [Times; 2]) {
+        let emissive = self.event(|world| scene::show_lamp(world, true));
+        scene::show_lamp(self.headless.world(), false);
+        self.frames(4);
+        let expiry = dearest(&self.frames(EXPIRY_FRAMES));
+        let turn = [(); 2].map(|()| {
+            self.frames(2);
+            self.event(scene::turn_around)
+        });
+        (emissive, expiry, turn)
+    }
 }
 
 /// Long enough for new targets to be made and filled.
@@ -167,55 +180,93 @@ fn median(times: &[Times]) -> Times {
     }
 }
 
-/// Measures `frames` of each motion, and each event `events` times.
+/// Measures `frames` of each motion, and each event `events` times. The renderers take turns, so that what slows the
+/// machine down for a while slows all of them.
 pub fn measure(
     meshes: usize,
-    contender: Contender,
+    contenders: &[Contender],
     size: UVec2,
     frames: usize,
     events: usize,
-) -> (Measurement, Picture) {
-    let mut stage = Stage::new(meshes, contender, size);
-    stage.headless.settle();
-    let picture = stage.headless.capture();
+) -> Vec<(Measurement, Picture)> {
+    let mut stages: Vec<Stage> = contenders
+        .iter()
+        .map(|contender| Stage::new(meshes, *contender, size))
+        .collect();
+    let pictures: Vec<Picture> = stages
+        .iter_mut()
+        .map(|stage| {
+            stage.headless.settle();
+            stage.headless.capture()
+        })
+        .collect();
 
-    let steady = Motion::ALL.map(|motion| {
-        stage.headless.world().insert_resource(motion);
-        stage.frames(frames / 4 + 2);
-        median(&stage.frames(frames))
-    });
-    stage.headless.world().insert_resource(Motion::Nothing);
-    stage.frames(4);
+    let mut steady = vec![Vec::new(); stages.len()];
+    for motion in Motion::ALL {
+        let mut times = vec![Vec::new(); stages.len()];
+        for stage in &mut stages {
+            stage.headless.world().insert_resource(motion);
+            stage.frames(4);
+        }
+        for _ in 0..TURNS {
+            for (stage, times) in stages.iter_mut().zip(&mut times) {
+                stage.frames(2);
+                times.extend(stage.frames(frames.div_ceil(TURNS)));
+            }
+        }
+        for (steady, times) in steady.iter_mut().zip(&times) {
+            steady.push(median(times));
+        }
+    }
 
-    let (mut emissive, mut expiry, mut turn) = (Vec::new(), Vec::new(), Vec::new());
-    // The first of each compiles shaders and is not counted.
-    for _ in 0..=events {
-        emissive.push(stage.event(|world| scene::show_lamp(world, true)));
-        scene::show_lamp(stage.headless.world(), false);
+    let mut seen = vec![Events::default(); stages.len()];
+    for stage in &mut stages {
+        stage.headless.world().insert_resource(Motion::Nothing);
         stage.frames(4);
-        expiry.push(dearest(&stage.frames(EXPIRY_FRAMES)));
     }
-    for _ in 0..=events {
-        turn.push(stage.event(scene::turn_around));
-        stage.frames(2);
+    for time in 0..=events {
+        for (stage, seen) in stages.iter_mut().zip(&mut seen) {
+            let event = stage.events();
+            // The first of each compiles shaders and is not counted.
+            if time > 0 {
+                seen.emissive.push(event.0);
+                seen.expiry.push(event.1);
+                seen.turn.extend(event.2);
+            }
+        }
     }
-    let info = stage
-        .headless
-        .app
-        .sub_app(RenderApp)
-        .world()
-        .resource::<RenderAdapterInfo>();
-    let measurement = Measurement {
-        adapter: info.name.clone(),
-        cores: std::thread::available_parallelism().map_or(0, usize::from),
-        meshes,
-        contender: contender.name().into(),
-        steady: steady.to_vec(),
-        emissive: median(&emissive[1..]),
-        expiry: median(&expiry[1..]),
-        turn: median(&turn[1..]),
-        psnr: f64::NAN,
-        flip: f64::NAN,
-    };
-    (measurement, picture)
+
+    let cores = std::thread::available_parallelism().map_or(0, usize::from);
+    let measured = stages.into_iter().zip(contenders).zip(steady).zip(seen);
+    measured
+        .zip(pictures)
+        .map(|((((stage, contender), steady), seen), picture)| {
+            let render_app = stage.headless.app.sub_app(RenderApp);
+            let info = render_app.world().resource::<RenderAdapterInfo>();
+            let measurement = Measurement {
+                adapter: info.name.clone(),
+                cores,
+                meshes,
+                contender: contender.name().into(),
+                steady,
+                emissive: median(&seen.emissive),
+                expiry: median(&seen.expiry),
+                turn: median(&seen.turn),
+                psnr: f64::NAN,
+                flip: f64::NAN,
+            };
+            (measurement, picture)
+        })
+        .collect()
+}
+
+/// How often the renderers take turns.
+const TURNS: usize = 6;
+
+/// What the events have cost so far.
+#[derive(Clone, Default)]
+struct Events {
+    emissive: Vec<Times>,
+    expiry: Vec<Times>,
+    turn: Vec<Times>,
 }

@@ -21,9 +21,18 @@ pub fn messages_with(part: &str) -> Vec<String> {
         .collect()
 }
 
+/// What a validation layer says of a structure that newer drivers know and it does not: Debian's is of 2022, and wgpu passes
+/// `VkPhysicalDeviceRayTracingPositionFetchFeaturesKHR` to drivers that offer it.
+const UNKNOWN_STRUCTURE: [&str; 2] = [
+    "VUID-VkDeviceCreateInfo-pNext-pNext",
+    "unknown VkStructureType (1000481000)",
+];
+
 /// What the Vulkan validation layer has complained of. wgpu loads it in builds with debug assertions, if installed.
 pub fn validation_layer_complaints() -> Vec<String> {
-    messages_with("VUID")
+    let mut complaints = messages_with("VUID");
+    complaints.retain(|message| !UNKNOWN_STRUCTURE.iter().all(|part| message.contains(part)));
+    complaints
 }
 
 /// Panics if the Vulkan validation layer has complained. That it would be heard, `tests/validation_layer.rs` shows.
