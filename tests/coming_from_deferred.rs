@@ -9,6 +9,7 @@ use bevy::{
     prelude::*,
     render::occlusion_culling::OcclusionCulling,
 };
+use bevy_lean_deferred::LeanDeferred;
 use common::{
     headless::{Headless, log_watch},
     lean::{active_lean_views, build, change_cameras, judge, report, set_lean, settled},
@@ -183,7 +184,7 @@ fn prepasses_come_and_go() {
 /// Meshes whose materials are not loaded yet when their camera becomes lean. Bevy waits for them since before then.
 #[test]
 fn meshes_whose_materials_come_late_are_there() {
-    let picture = |method: &DefaultOpaqueRendererMethod, camera, late: bool| {
+    let picture = |method: &DefaultOpaqueRendererMethod, camera, msaa: Msaa, late: bool| {
         let mut headless = app(DefaultOpaqueRendererMethod::forward(), camera);
         let world = headless.world();
         world.insert_resource(method.clone());
@@ -208,28 +209,43 @@ fn meshes_whose_materials_come_late_are_there() {
                 Transform::from_xyz(x, 1.2, 1.6),
             ));
         }
+        let switch = |headless: &mut Headless| {
+            change_cameras(headless, |camera| {
+                camera.insert(LeanDeferred::default());
+                camera.insert(msaa);
+            });
+        };
         if late {
             headless.settle();
             headless.frames(3);
-            set_lean(&mut headless, true);
+            switch(&mut headless);
             headless.frames(2);
         }
         let mut assets = headless.world().resource_mut::<Assets<StandardMaterial>>();
         for (handle, material) in handles.iter().zip(materials) {
             assets.insert(handle, material).unwrap();
         }
-        set_lean(&mut headless, true);
+        switch(&mut headless);
         let picture = settled(&mut headless);
-        assert_eq!(active_lean_views(&mut headless), 1);
+        let is_lean = msaa == Msaa::Off;
+        assert_eq!(active_lean_views(&mut headless), usize::from(is_lean));
         picture
     };
     let forward = DefaultOpaqueRendererMethod::forward();
     // Without a deferred prepass Bevy alone, before the camera is lean, panics where there is another.
     let deferred = DefaultOpaqueRendererMethod::deferred();
-    let cases = [(&forward, 0), (&forward, 1), (&forward, 4), (&deferred, 0)];
-    report(cases.map(|(method, camera)| {
+    let cases = [
+        (&forward, 0, Msaa::Off),
+        (&forward, 4, Msaa::Off),
+        (&deferred, 0, Msaa::Off),
+        // All that goes on is left to Bevy.
+        (&forward, 0, Msaa::Sample4),
+        (&forward, 1, Msaa::Sample4),
+        (&deferred, 0, Msaa::Sample4),
+    ];
+    report(cases.map(|(method, camera, msaa)| {
         let (name, camera) = CAMERAS[camera];
-        let [at_once, late] = [false, true].map(|late| picture(method, camera, late));
-        judge(&format!("late_{name}"), &at_once, &late, 60.0)
+        let [at_once, late] = [false, true].map(|late| picture(method, camera, msaa, late));
+        judge(&format!("late_{name}_{msaa:?}"), &at_once, &late, 60.0)
     }));
 }
