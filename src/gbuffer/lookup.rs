@@ -1,5 +1,7 @@
 //! What a mesh needs of the G-buffer, and whether that can carry it.
 
+use core::{hash::BuildHasher, ops::Deref};
+
 use bevy::{
     asset::UntypedAssetId,
     ecs::system::SystemParam,
@@ -8,6 +10,7 @@ use bevy::{
         MeshPipeline, MeshPipelineKey, MorphIndices, PreparedMaterial, RenderMaterialInstances,
         RenderMeshInstanceFlags, RenderMeshInstances, RenderMeshQueueData,
     },
+    platform::hash::FixedHasher,
     prelude::*,
     render::{
         erased_render_asset::ErasedRenderAssets,
@@ -27,7 +30,7 @@ use super::{
     material::GBufferMaterials,
     moving::MovingMeshes,
     special::SpecialMeshes,
-    targets::{GBufferTargets, ShadingModel},
+    targets::{GBufferNeeds, GBufferTargets, ShadingModel},
 };
 use crate::lighting::LightingVariant;
 
@@ -47,45 +50,107 @@ pub(super) struct MeshLookup<'w> {
     mesh_pipeline: Res<'w, MeshPipeline>,
 }
 
-/// A mesh of which everything is loaded.
-pub(super) struct MeshToQueue<'a> {
-    pub(super) instance: RenderMeshQueueData<'a>,
+/// What meshes of one form and one material have in common.
+#[derive(Clone, Copy)]
+pub(super) struct MeshKind<'a> {
     pub(super) material: &'a PreparedMaterial,
     pub(super) material_id: UntypedAssetId,
     pub(super) mesh: &'a RenderMesh,
+    mesh_id: AssetId<Mesh>,
     pub(super) slabs: MeshSlabs,
+    /// What their material needs, and the fragment shader to draw them into the G-buffer with; `None` if forward must
+    /// draw them.
+    needs: Option<(GBufferNeeds, &'a Handle<Shader>)>,
+    /// Whether their vertices may move within them.
+    deforms: bool,
 }
 
-impl MeshToQueue<'_> {
-    /// Whether its vertices may move within it.
-    fn deforms(&self) -> bool {
-        self.mesh.layout.0.contains(Mesh::ATTRIBUTE_JOINT_INDEX)
-            || MeshPipelineKey::from_bits_retain(self.mesh.key_bits.bits())
-                .contains(MeshPipelineKey::MORPH_TARGETS)
+/// How many kinds of meshes are kept in mind while views are sorted.
+pub(super) const RECENT_KINDS: usize = 64;
+
+/// The kinds of meshes that were looked up last, at places that follow from the form.
+pub(super) struct RecentKinds<'a>([Option<MeshKind<'a>>; RECENT_KINDS]);
+
+impl Default for RecentKinds<'_> {
+    fn default() -> Self {
+        Self([None; RECENT_KINDS])
+    }
+}
+
+/// A mesh of which everything is loaded.
+pub(super) struct MeshToQueue<'a> {
+    pub(super) instance: RenderMeshQueueData<'a>,
+    kind: MeshKind<'a>,
+    /// Where its kind stands among the recent ones.
+    pub(super) place: usize,
+}
+
+impl<'a> Deref for MeshToQueue<'a> {
+    type Target = MeshKind<'a>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.kind
     }
 }
 
 impl MeshLookup<'_> {
     /// `Err(true)` if it may be there in a later frame, `Err(false)` if waiting is of no use. The conditions are those
     /// of Bevy's own queue systems, so that both wait for the same meshes.
-    pub(super) fn find(&self, entity: MainEntity) -> Result<MeshToQueue<'_>, bool> {
+    pub(super) fn find<'a>(
+        &'a self,
+        entity: MainEntity,
+        recent: &mut RecentKinds<'a>,
+    ) -> Result<MeshToQueue<'a>, bool> {
         let material_instance = self.material_instances.instances.get(&entity).ok_or(true)?;
         let instance = self
             .mesh_instances
             .render_mesh_queue_data(entity)
             .ok_or(true)?;
-        let material = self.materials.get(material_instance.asset_id).ok_or(true)?;
-        let mesh = self.meshes.get(instance.mesh_asset_id()).ok_or(false)?;
-        let slabs = self
-            .mesh_allocator
-            .mesh_slabs(&instance.mesh_asset_id())
-            .ok_or(false)?;
+        let (material_id, mesh_id) = (material_instance.asset_id, instance.mesh_asset_id());
+        let place = FixedHasher.hash_one(mesh_id) as usize % RECENT_KINDS;
+        let kind = match recent.0[place] {
+            Some(kind) if kind.material_id == material_id && kind.mesh_id == mesh_id => kind,
+            _ => *recent.0[place].insert(self.find_kind(material_id, mesh_id)?),
+        };
         Ok(MeshToQueue {
             instance,
+            kind,
+            place,
+        })
+    }
+
+    fn find_kind(
+        &self,
+        material_id: UntypedAssetId,
+        mesh_id: AssetId<Mesh>,
+    ) -> Result<MeshKind<'_>, bool> {
+        let material = self.materials.get(material_id).ok_or(true)?;
+        let mesh = self.meshes.get(mesh_id).ok_or(false)?;
+        let slabs = self.mesh_allocator.mesh_slabs(&mesh_id).ok_or(false)?;
+        let has = |attribute| mesh.layout.0.contains(attribute);
+        let opaque = matches!(
+            material.properties.render_phase_type,
+            RenderPhaseType::Opaque | RenderPhaseType::AlphaMask
+        );
+        let needs = self
+            .gbuffer_materials
+            .get(material_id)
+            // Without normals forward lights by what the vertex shader happens to leave there; it alone can match that.
+            .filter(|_| opaque && has(Mesh::ATTRIBUTE_NORMAL))
+            // The same without tangents.
+            .filter(|(needs, _)| {
+                needs.shading_model != ShadingModel::Anisotropy || has(Mesh::ATTRIBUTE_TANGENT)
+            });
+        let key = MeshPipelineKey::from_bits_retain(mesh.key_bits.bits());
+        Ok(MeshKind {
             material,
-            material_id: material_instance.asset_id,
+            material_id,
             mesh,
+            mesh_id,
             slabs,
+            needs,
+            deforms: has(Mesh::ATTRIBUTE_JOINT_INDEX)
+                || key.contains(MeshPipelineKey::MORPH_TARGETS),
         })
     }
 
@@ -103,28 +168,13 @@ impl MeshLookup<'_> {
     }
 
     /// What it may need, and the fragment shader to draw it into the G-buffer with, or `None` if forward must draw it.
-    pub(super) fn gbuffer_needs(
+    pub(super) fn gbuffer_needs<'a>(
         &self,
         entity: MainEntity,
-        mesh: &MeshToQueue,
+        mesh: &MeshToQueue<'a>,
         view_key: MeshPipelineKey,
-    ) -> Option<(Demand, &Handle<Shader>)> {
-        let opaque = matches!(
-            mesh.material.properties.render_phase_type,
-            RenderPhaseType::Opaque | RenderPhaseType::AlphaMask
-        );
-        // Without normals forward lights by what the vertex shader happens to leave there; it alone can match that.
-        let has_normals = mesh.mesh.layout.0.contains(Mesh::ATTRIBUTE_NORMAL);
-        if !opaque || !has_normals {
-            return None;
-        }
-        let (needs, shader) = self.gbuffer_materials.get(mesh.material_id)?;
-        // The same without tangents.
-        if needs.shading_model == ShadingModel::Anisotropy
-            && !mesh.mesh.layout.0.contains(Mesh::ATTRIBUTE_TANGENT)
-        {
-            return None;
-        }
+    ) -> Option<(Demand, &'a Handle<Shader>)> {
+        let (needs, shader) = mesh.needs?;
         let lightmapped = self.special_meshes.lightmap_key(entity).is_some();
         // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward draws nothing
         // there either; but lighting that is never compiled would keep all other special surfaces waiting.
@@ -135,7 +185,7 @@ impl MeshLookup<'_> {
             return None;
         }
         let mut targets = needs.targets | self.special_meshes.targets(entity);
-        if mesh.deforms() || self.moving_meshes.contains(entity) {
+        if mesh.deforms || self.moving_meshes.contains(entity) {
             targets |= GBufferTargets::MOTION;
         }
         if self.special_meshes.visibility_mask(entity) != DEFAULT_VISIBILITY_MASK {

@@ -18,7 +18,10 @@ use bevy::{
     },
 };
 
-use super::{bevy_phases::BevyPhases, lookup::MeshLookup};
+use super::{
+    bevy_phases::BevyPhases,
+    lookup::{MeshLookup, MeshToQueue, RecentKinds},
+};
 
 /// The pipelines that Bevy specialized, for all views.
 #[derive(SystemParam)]
@@ -122,23 +125,24 @@ pub(super) fn take_offers_back(
     mut bevy_phases: BevyPhases,
     mut offers: ResMut<Offers>,
 ) {
+    let mut kinds = RecentKinds::default();
     for (view, offer) in &mut offers.0 {
         offer.exchange(view, &mut pipelines);
         offer.main.clear();
         offer.prepass.clear();
         let mut phases = bevy_phases.of(view);
-        let phase_type = |mesh: &super::lookup::MeshToQueue| {
+        let phase_type = |mesh: &MeshToQueue| {
             BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), &gpu_preprocessing)
         };
         let main = pipelines.main.get(view);
         for entity in offer.into_main.drain(..) {
-            if let (Ok(mesh), Some(main)) = (lookup.find(entity), main) {
+            if let (Ok(mesh), Some(main)) = (lookup.find(entity, &mut kinds), main) {
                 phases.put_into_main(entity, &mesh, phase_type(&mesh), main);
             }
         }
         let prepass = pipelines.prepass.get(view);
         for entity in offer.into_prepass.drain(..) {
-            if let (Ok(mesh), Some(prepass)) = (lookup.find(entity), prepass) {
+            if let (Ok(mesh), Some(prepass)) = (lookup.find(entity, &mut kinds), prepass) {
                 phases.put_into_prepass(entity, &mesh, phase_type(&mesh), prepass);
             }
         }

@@ -174,6 +174,6 @@ fn render<'w, P: BinnedPhaseItem + CachedRenderPipelinePhaseItem>(
     if !phase.is_empty()
         && let Err(error) = phase.render(pass, world, view)
     {
-        error!("drawing {}: {error:?}", core::any::type_name::<P>());
+        error_once!("drawing {}: {error:?}", core::any::type_name::<P>());
     }
 }

@@ -28,7 +28,7 @@ use bevy::{
 use super::{
     bevy_phases::{BevyPhases, BevyViewPhases},
     demand::{ViewDemand, ViewDemands},
-    lookup::{MeshLookup, MeshToQueue},
+    lookup::{MeshLookup, MeshToQueue, RecentKinds},
     offer::{BevyPipelines, Offer, Offers},
     phase::{
         AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferPhases,
@@ -136,6 +136,7 @@ pub(super) fn queue_gbuffer_meshes(
     live_views.clear();
     pipelines.start_frame();
     count.0 = 0;
+    let mut recent_kinds = RecentKinds::default();
 
     for (view, visible_entities, active) in &views {
         let retained = view.retained_view_entity;
@@ -163,6 +164,7 @@ pub(super) fn queue_gbuffer_meshes(
         concerned.extend(changed.iter().chain(sorted.look_again.drain(..)));
         let mut sorter = Sorter {
             lookup: &lookup,
+            recent_kinds: &mut recent_kinds,
             pipelines: &mut pipelines,
             draw_functions: &mut draw_functions,
             gpu_preprocessing: &gpu_preprocessing,
@@ -254,8 +256,9 @@ fn visible_pair(
 }
 
 /// Sorts the meshes of one view.
-struct Sorter<'a, 'w, 's, 'd> {
-    lookup: &'a MeshLookup<'a>,
+struct Sorter<'a, 'l, 'w, 's, 'd> {
+    lookup: &'l MeshLookup<'l>,
+    recent_kinds: &'a mut RecentKinds<'l>,
     pipelines: &'a mut GBufferPipelines<'w, 's>,
     draw_functions: &'a mut GBufferDrawFunctions<'d>,
     gpu_preprocessing: &'a GpuPreprocessingSupport,
@@ -272,14 +275,14 @@ struct Sorter<'a, 'w, 's, 'd> {
     count: &'a mut usize,
 }
 
-impl Sorter<'_, '_, '_, '_> {
+impl Sorter<'_, '_, '_, '_, '_> {
     fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), holder: Holder) {
         *self.count += 1;
         if holder == Holder::Either {
             self.phases.remove(entity);
         }
         let lookup = self.lookup;
-        let mesh = match lookup.find(entity) {
+        let mesh = match lookup.find(entity, self.recent_kinds) {
             Ok(mesh) => mesh,
             Err(may_come) => {
                 self.offer.add(entity);

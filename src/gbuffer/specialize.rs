@@ -5,7 +5,6 @@ use alloc::sync::Arc;
 use bevy::{
     ecs::system::SystemParam,
     material::key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey},
-    mesh::MeshVertexBufferLayoutRef,
     pbr::{MeshPipelineKey, PrepassPipeline, RenderMeshInstanceFlags, alpha_mode_pipeline_key},
     platform::collections::{HashMap, HashSet},
     prelude::*,
@@ -19,7 +18,7 @@ use bevy::{
 };
 
 use super::{
-    lookup::{MeshLookup, MeshToQueue},
+    lookup::{MeshLookup, MeshToQueue, RECENT_KINDS},
     pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
     targets::GBufferTargets,
 };
@@ -34,17 +33,18 @@ pub(super) struct GBufferPipelines<'w, 's> {
     shared_prepass_pipeline: Local<'s, Option<Arc<PrepassPipeline>>>,
     /// What has been found in this frame: most meshes share their pipeline with many others.
     found: Local<'s, HashMap<PipelineQuery, GBufferPipeline>>,
-    /// The last of these: meshes that follow one another are often alike.
-    last: Local<'s, Option<(PipelineQuery, GBufferPipeline)>>,
+    /// The last of these for each of the recent kinds of meshes.
+    recent: Local<'s, Vec<Option<(PipelineQuery, GBufferPipeline)>>>,
     /// What has been reported, once each.
     reported: Local<'s, HashSet<String>>,
 }
 
-/// All that the pipeline of a mesh follows from. A material is known by its address, which is good for one frame.
-#[derive(Clone, PartialEq, Eq, Hash)]
+/// All that the pipeline of a mesh follows from. Material and layout are known by their addresses, which are good for one
+/// frame.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct PipelineQuery {
     material: usize,
-    layout: MeshVertexBufferLayoutRef,
+    layout: usize,
     mesh_key: MeshPipelineKey,
     fragment_shader: AssetId<Shader>,
     output: MeshOutput,
@@ -64,7 +64,8 @@ impl GBufferPipelines<'_, '_> {
     /// To be called once a frame, before all others.
     pub(super) fn start_frame(&mut self) {
         self.found.clear();
-        *self.last = None;
+        self.recent.clear();
+        self.recent.resize(RECENT_KINDS, None);
         if self.prepass_pipeline.is_changed() || self.shared_prepass_pipeline.is_none() {
             *self.shared_prepass_pipeline = Some(Arc::new(self.prepass_pipeline.clone()));
         }
@@ -81,25 +82,24 @@ impl GBufferPipelines<'_, '_> {
     ) -> GBufferPipeline {
         let query = PipelineQuery {
             material: Arc::as_ptr(&mesh.material.properties).addr(),
-            layout: mesh.mesh.layout.clone(),
+            layout: Arc::as_ptr(&mesh.mesh.layout.0).addr(),
             mesh_key: mesh_key(lookup, entity, mesh, view_key, output),
             fragment_shader: fragment_shader.id(),
             output,
         };
-        if let Some((last, pipeline)) = &*self.last
-            && *last == query
-        {
-            return *pipeline;
+        match self.recent[mesh.place] {
+            Some((recent, pipeline)) if recent == query => return pipeline,
+            _ => {}
         }
         let pipeline = match self.found.get(&query) {
             Some(found) => *found,
             None => {
                 let pipeline = self.specialize(mesh, fragment_shader, &query);
-                self.found.insert(query.clone(), pipeline);
+                self.found.insert(query, pipeline);
                 pipeline
             }
         };
-        *self.last = Some((query, pipeline));
+        self.recent[mesh.place] = Some((query, pipeline));
         pipeline
     }
 
@@ -127,7 +127,7 @@ impl GBufferPipelines<'_, '_> {
             &self.cache,
             &specializer,
             (key, query.fragment_shader, query.output),
-            &query.layout,
+            &mesh.mesh.layout,
         ) {
             Ok(id) => match self.cache.get_render_pipeline_state(id) {
                 CachedPipelineState::Ok(_) => GBufferPipeline::Ready(id),
