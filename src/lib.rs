@@ -38,23 +38,20 @@ extern crate alloc;
 
 pub mod ambient_occlusion;
 pub mod auto_exposure;
-mod bind_group_cache;
-pub mod camera;
-mod camera_overrides;
 pub mod gbuffer;
+mod gpu;
+pub mod lean;
 pub mod lighting;
-mod pipeline_watch;
-mod recovery;
+mod shader_library;
 pub mod shading_extension;
-mod shared;
-mod tiles;
-mod warn_once;
+pub mod view;
 
 pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
-pub use camera::{GBufferChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus};
+pub use lean::LeanDeferredPlugin;
+pub use view::{GBufferChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus};
 
-use bevy::{app::plugin_group, prelude::*};
+use bevy::app::plugin_group;
 
 /// What most programs need.
 pub mod prelude {
@@ -84,23 +81,5 @@ plugin_group! {
         :LeanDeferredPlugin,
         :LeanAmbientOcclusionPlugin,
         :LeanAutoExposurePlugin,
-    }
-}
-
-/// The packed G-buffer and compute lighting, for cameras with [`LeanDeferred`].
-#[derive(Default)]
-pub struct LeanDeferredPlugin;
-
-impl Plugin for LeanDeferredPlugin {
-    fn build(&self, app: &mut App) {
-        if !shared::can_build(app, "LeanDeferredPlugin", true) {
-            return;
-        }
-        app.add_plugins((
-            camera::LeanCameraPlugin,
-            gbuffer::GBufferPlugin,
-            lighting::LightingPlugin,
-            shading_extension::ShadingExtensionPlugin,
-        ));
     }
 }

@@ -9,7 +9,7 @@ use bevy::{
     prelude::*,
     render::{Render, RenderApp, RenderSystems},
 };
-use bevy_lean_deferred::{camera::LeanDeferredSupport, prelude::*};
+use bevy_lean_deferred::{lean::LeanDeferredSupport, prelude::*};
 use common::{
     headless::{Headless, Picture, log_watch},
     lean::{active_lean_views, build},

@@ -14,7 +14,7 @@ use bevy::{
         view::ViewDepthTexture,
     },
 };
-use bevy_lean_deferred::camera::ActiveLeanView;
+use bevy_lean_deferred::view::ActiveLeanView;
 use common::{
     headless::{Headless, Picture, log_watch},
     lean::{active_lean_views, set_lean},

@@ -15,8 +15,8 @@ use common::{
 };
 
 const MODULE: WgslModule = WgslModule {
-    path: "src/gbuffer/layout.wgsl",
-    source: include_str!("../src/gbuffer/layout.wgsl"),
+    path: "src/shader_library/layout.wgsl",
+    source: include_str!("../src/shader_library/layout.wgsl"),
 };
 
 /// Floats of a [`Surface`], as the kernels below pass them.

@@ -22,16 +22,16 @@ use forms::{FORMS, Form, VALUES};
 
 const MODULES: [WgslModule; 3] = [
     WgslModule {
-        path: "src/gbuffer/layout.wgsl",
-        source: include_str!("../src/gbuffer/layout.wgsl"),
+        path: "src/shader_library/layout.wgsl",
+        source: include_str!("../src/shader_library/layout.wgsl"),
     },
     WgslModule {
-        path: "src/gbuffer/layout/emissive.wgsl",
-        source: include_str!("../src/gbuffer/layout/emissive.wgsl"),
+        path: "src/shader_library/layout/emissive.wgsl",
+        source: include_str!("../src/shader_library/layout/emissive.wgsl"),
     },
     WgslModule {
-        path: "src/gbuffer/layout/specialization.wgsl",
-        source: include_str!("../src/gbuffer/layout/specialization.wgsl"),
+        path: "src/shader_library/layout/specialization.wgsl",
+        source: include_str!("../src/shader_library/layout/specialization.wgsl"),
     },
 ];
 

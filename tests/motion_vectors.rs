@@ -24,9 +24,9 @@ use bevy::{
     },
 };
 use bevy_lean_deferred::{
-    camera::ActiveLeanView,
     gbuffer::{GBufferTextures, SortedMeshes},
     prelude::*,
+    view::ActiveLeanView,
 };
 use common::{
     headless::{Headless, Picture, log_watch},

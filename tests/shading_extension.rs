@@ -13,7 +13,7 @@ use bevy::{
         renderer::RenderDevice,
     },
 };
-use bevy_lean_deferred::{camera::ActiveLeanView, prelude::*};
+use bevy_lean_deferred::{prelude::*, view::ActiveLeanView};
 use common::{
     headless::{Headless, Picture},
     lean::{build, judge, report, set_lean, settled},

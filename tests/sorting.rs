@@ -8,7 +8,7 @@ use bevy::{
     prelude::*,
     render::{Render, RenderApp, RenderSystems, camera::DirtySpecializations, view::ExtractedView},
 };
-use bevy_lean_deferred::{camera::ActiveLeanView, gbuffer::SortedMeshes};
+use bevy_lean_deferred::{gbuffer::SortedMeshes, view::ActiveLeanView};
 use common::{
     headless::{Headless, log_watch},
     lean::{active_lean_views, build, set_lean},

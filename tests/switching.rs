@@ -15,7 +15,7 @@ use bevy::{
         render_resource::{CachedPipeline, PipelineCache, PipelineDescriptor},
     },
 };
-use bevy_lean_deferred::{LeanDeferredPlugins, camera::LeanDeferredSupport, prelude::*};
+use bevy_lean_deferred::{LeanDeferredPlugins, lean::LeanDeferredSupport, prelude::*};
 use common::{
     headless::{Headless, log_watch},
     lean::active_lean_views,

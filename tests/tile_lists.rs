@@ -12,12 +12,12 @@ use wgpu::BufferUsages;
 
 const MODULES: [WgslModule; 4] = [
     WgslModule {
-        path: "src/gbuffer/layout.wgsl",
-        source: include_str!("../src/gbuffer/layout.wgsl"),
+        path: "src/shader_library/layout.wgsl",
+        source: include_str!("../src/shader_library/layout.wgsl"),
     },
     WgslModule {
-        path: "src/gbuffer/layout/specialization.wgsl",
-        source: include_str!("../src/gbuffer/layout/specialization.wgsl"),
+        path: "src/shader_library/layout/specialization.wgsl",
+        source: include_str!("../src/shader_library/layout/specialization.wgsl"),
     },
     // In the place of the lighting pass's uniform.
     WgslModule {

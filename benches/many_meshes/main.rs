@@ -11,6 +11,7 @@ mod common;
 mod report;
 mod run;
 mod scene;
+mod stages;
 
 use argh::FromArgs;
 use bevy::math::UVec2;

@@ -24,7 +24,7 @@ use crate::{
         headless::{Headless, Picture},
         metrics,
     },
-    scene,
+    scene, stages,
 };
 
 /// A way to render the scene.
@@ -113,7 +113,14 @@ impl Stage {
                 extract(main_world, render_world);
             });
         }
+        stages::record(headless.app.sub_app_mut(RenderApp));
         Self { headless, began }
+    }
+
+    /// Where the time of the last frame went.
+    fn stage_times(&self) -> Option<stages::StageTimes> {
+        let began = (*self.began.lock().unwrap())?;
+        Some(stages::times(self.headless.app.sub_app(RenderApp), began))
     }
 
     fn frame(&mut self) -> Times {
@@ -150,7 +157,12 @@ impl Stage {
         let expiry = dearest(&self.frames(EXPIRY_FRAMES));
         let turn = [(); 2].map(|()| {
             self.frames(2);
-            self.event(scene::turn_around)
+            scene::turn_around(self.headless.world());
+            let first = self.frame();
+            if let Some(stages) = self.stage_times() {
+                eprintln!("{}", stages::line(&stages));
+            }
+            dearest(&[&[first][..], &self.frames(EVENT_FRAMES - 1)].concat())
         });
         (emissive, expiry, turn)
     }

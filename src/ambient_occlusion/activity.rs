@@ -17,7 +17,7 @@ use super::{
     support::OcclusionSupport,
     uniforms::projection_of,
 };
-use crate::{LeanDeferred, camera::ActiveLeanView, warn_once::WarnOnce};
+use crate::view::{ActiveLeanView, LeanDeferred, warn_once::WarnOnce};
 
 /// On a view of the render world: this frame it has ambient occlusion.
 #[derive(Component, Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ pub struct ActiveOcclusion {
 }
 
 /// All that a view has only while it has ambient occlusion.
-type OcclusionState = (
+pub(super) type OcclusionState = (
     ActiveOcclusion,
     OcclusionTexture,
     ViewOcclusion,

@@ -13,7 +13,7 @@ use super::{
     ActiveOcclusion, OcclusionTexture, activity::GatherPipeline, pipelines::OcclusionPipelines,
     uniforms::OcclusionUniforms,
 };
-use crate::{bind_group_cache::CachedBindGroup, gbuffer::GBufferTextures};
+use crate::{gbuffer::GBufferTextures, gpu::bind_group_cache::CachedBindGroup};
 
 /// On a view with ambient occlusion: the bind groups of its passes.
 #[derive(Component, Default)]

@@ -46,13 +46,17 @@ use bevy::{
 };
 
 use crate::{
-    camera::LeanViewSystems,
-    camera_overrides,
-    gbuffer::GBufferPasses,
-    lighting::LightingPasses,
-    recovery,
-    shared::{self, SharedPlugin},
+    gpu::recovery,
+    view::{
+        GBufferPasses, LeanViewSystems, LightingPasses, SharedPlugin, can_build, overrides, removal,
+    },
 };
+
+/// What the lighting pass imports, whether there is occlusion or not: Bevy wants all modules that a shader names.
+pub(crate) fn load_shader_library(app: &mut App) {
+    load_shader_library!(app, "view.wgsl");
+    load_shader_library!(app, "filter.wgsl");
+}
 
 /// Ambient occlusion, for cameras with [`LeanAmbientOcclusion`].
 #[derive(Default)]
@@ -60,10 +64,11 @@ pub struct LeanAmbientOcclusionPlugin;
 
 impl Plugin for LeanAmbientOcclusionPlugin {
     fn build(&self, app: &mut App) {
-        if !shared::can_build(app, "LeanAmbientOcclusionPlugin", false) {
+        if !can_build(app, "LeanAmbientOcclusionPlugin", false) {
             return;
         }
         SharedPlugin::add_to(app);
+        load_shader_library(app);
         load_shader_library!(app, "horizon.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "hbao.wgsl");
@@ -72,11 +77,12 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         embedded_asset!(app, "merge.wgsl");
         app.register_type::<LeanAmbientOcclusion>()
             .add_plugins(ExtractComponentPlugin::<LeanAmbientOcclusion>::default());
-        camera_overrides::add_to::<LeanAmbientOcclusion>(app);
+        overrides::add_to::<LeanAmbientOcclusion>(app);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        removal::remove_with::<LeanAmbientOcclusion, activity::OcclusionState>(render_app);
         render_app
             .init_resource::<activity::Warnings>()
             .init_gpu_resource::<OcclusionUniforms>()

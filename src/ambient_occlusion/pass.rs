@@ -18,7 +18,7 @@ use super::{
     ActiveOcclusion, OcclusionTexture, ViewOcclusion, activity::GatherPipeline,
     bindings::OcclusionBindings,
 };
-use crate::tiles;
+use crate::gpu::tiles;
 
 pub(super) type OcclusionViewQuery = (
     &'static ActiveOcclusion,

@@ -27,7 +27,7 @@ use super::{
     activity::GatherPipeline,
     uniforms::{OcclusionView, ProjectionKind},
 };
-use crate::bind_group_cache::FoundLayout;
+use crate::gpu::bind_group_cache::FoundLayout;
 
 /// What the gather is compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -3,10 +3,7 @@ use bevy::{
     render::{extract_component::ExtractComponent, render_resource::TextureFormat},
 };
 
-use super::{
-    activity::ActiveOcclusion, bindings::OcclusionBindings, textures::OcclusionTexture,
-    uniforms::ViewOcclusion,
-};
+use crate::view::overrides::{CameraEffect, Need};
 
 /// Darkens what neighbouring surfaces hide from the light that comes from everywhere.
 ///
@@ -18,7 +15,6 @@ use super::{
 /// stay exactly as they were.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[extract_component_sync_target((Self, ActiveOcclusion, OcclusionTexture, ViewOcclusion, OcclusionBindings))]
 pub struct LeanAmbientOcclusion {
     /// Distance past which nothing occludes, in metres. More than 0. On screen it is at most a quarter of the
     /// viewport's height; nearer to the camera it shrinks to that. Default 0.5.
@@ -56,6 +52,10 @@ pub struct LeanAmbientOcclusion {
     /// Shows the filtered occlusion alone, white where there is none; with [`OcclusionApplication::Indirect`] on what the
     /// G-buffer holds. What is drawn later lies over it. Default false.
     pub debug_view: bool,
+}
+
+impl CameraEffect for LeanAmbientOcclusion {
+    const NEEDS: &'static [Need] = &[Need::WithoutMsaa];
 }
 
 impl Default for LeanAmbientOcclusion {

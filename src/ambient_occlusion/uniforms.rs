@@ -16,7 +16,7 @@ use bevy::{
 };
 
 use super::{ActiveOcclusion, LeanAmbientOcclusion, pass};
-use crate::tiles::RowOrder;
+use crate::gpu::tiles::RowOrder;
 
 /// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
 /// smooth picture, and too far apart in memory for a fast one.

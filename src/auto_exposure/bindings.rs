@@ -17,7 +17,7 @@ use super::{
     state::ExposureHistory,
     uniforms::{ExposureUniforms, ViewExposure},
 };
-use crate::bind_group_cache::{CachedBindGroup, Entries};
+use crate::gpu::bind_group_cache::{CachedBindGroup, Entries};
 
 /// On a view with auto exposure: the bind groups of its passes.
 #[derive(Component, Default)]

@@ -48,8 +48,8 @@ use bevy::{
 };
 
 use crate::{
-    camera_overrides, recovery,
-    shared::{self, SharedPlugin},
+    gpu::recovery,
+    view::{SharedPlugin, can_build, overrides, removal},
 };
 
 /// Auto exposure, for cameras with [`LeanAutoExposure`].
@@ -58,7 +58,7 @@ pub struct LeanAutoExposurePlugin;
 
 impl Plugin for LeanAutoExposurePlugin {
     fn build(&self, app: &mut App) {
-        if !shared::can_build(app, "LeanAutoExposurePlugin", false) {
+        if !can_build(app, "LeanAutoExposurePlugin", false) {
             return;
         }
         SharedPlugin::add_to(app);
@@ -80,11 +80,23 @@ impl Plugin for LeanAutoExposurePlugin {
             ))
             .add_observer(state::remove_state)
             .add_systems(Last, state::count_cuts);
-        camera_overrides::add_to::<LeanAutoExposure>(app);
+        overrides::add_to::<LeanAutoExposure>(app);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        removal::remove_with::<
+            LeanAutoExposure,
+            (
+                ViewExposure,
+                ViewExposurePipelines,
+                ExposureBindings,
+                ExposureOverlay,
+                ExposureHistory,
+                ExposureReadback,
+            ),
+        >(render_app);
+        removal::remove_with::<MeteredExposure, ExposureReadback>(render_app);
         render_app
             .init_gpu_resource::<uniforms::ExposureUniforms>()
             .init_resource::<pipelines::Warnings>()

@@ -26,7 +26,7 @@ use super::{
     state::ExposureHistory,
     uniforms::{ExposureState, ExposureUniforms, ExposureView},
 };
-use crate::bind_group_cache::{CachedBindGroup, FoundLayout};
+use crate::gpu::bind_group_cache::{CachedBindGroup, FoundLayout};
 
 /// On a view with the overlay of auto exposure: its pipeline, which may still be compiling, and its bind group.
 #[derive(Component)]

@@ -24,7 +24,7 @@ use super::{
     support::ExposureSupport,
     uniforms::{ExposureState, ExposureView, ViewExposure},
 };
-use crate::{bind_group_cache::FoundLayout, warn_once::WarnOnce};
+use crate::{gpu::bind_group_cache::FoundLayout, view::warn_once::WarnOnce};
 
 /// On a view with auto exposure: what it is metered with.
 #[derive(Component, Clone)]

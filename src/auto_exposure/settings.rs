@@ -1,13 +1,7 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use super::{
-    bindings::ExposureBindings,
-    overlay::ExposureOverlay,
-    pipelines::ViewExposurePipelines,
-    readback::ExposureReadback,
-    state::{ExposureCuts, ExposureHistory},
-    uniforms::ViewExposure,
-};
+use super::state::ExposureCuts;
+use crate::view::overrides::{CameraEffect, Need};
 
 /// Measures the luminance of the picture and adapts the exposure to it over time.
 ///
@@ -23,15 +17,6 @@ use super::{
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ExposureCuts)]
-#[extract_component_sync_target((
-    Self,
-    ViewExposure,
-    ViewExposurePipelines,
-    ExposureBindings,
-    ExposureOverlay,
-    ExposureHistory,
-    ExposureReadback
-))]
 pub struct LeanAutoExposure {
     /// Which mean is taken. Default [`Metering::LogAverage`].
     pub metering: Metering,
@@ -68,6 +53,10 @@ pub struct LeanAutoExposure {
     /// Shows over the tonemapped picture how much each pixel counts, and on a scale of stops the exposure (white) and where it
     /// is heading (green). Default false.
     pub overlay: bool,
+}
+
+impl CameraEffect for LeanAutoExposure {
+    const NEEDS: &'static [Need] = &[Need::Hdr];
 }
 
 impl Default for LeanAutoExposure {
@@ -195,7 +184,6 @@ pub enum ReductionPath {
 /// ```
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[extract_component_sync_target((Self, ExposureReadback))]
 pub struct MeteredExposure {
     /// Mean luminance before the exposure, by the camera's metering.
     pub luminance: f32,

@@ -9,44 +9,7 @@ use bevy::{
     },
 };
 
-use super::targets::GBufferTargets;
-use crate::{camera::ActiveLeanView, lighting::LightingVariants};
-
-/// Targets to write and ways to light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub(crate) struct Demand {
-    pub(crate) targets: GBufferTargets,
-    pub(crate) variants: LightingVariants,
-}
-
-impl Demand {
-    /// Whether all of `other` is in this.
-    pub(crate) fn contains(self, other: Self) -> bool {
-        self.targets.contains(other.targets) && self.variants.contains(other.variants)
-    }
-
-    pub(crate) fn is_empty(self) -> bool {
-        self == Self::default()
-    }
-
-    /// What is left of it on a view like this one, which may have no use for motion or for layers.
-    pub(crate) fn on(mut self, view: &ActiveLeanView) -> Self {
-        if !view.resolves_motion {
-            self.targets.remove(GBufferTargets::MOTION);
-        }
-        if !view.has_light_layers {
-            self.targets.remove(GBufferTargets::VISIBILITY_MASK);
-        }
-        self
-    }
-
-    fn union(self, other: Self) -> Self {
-        Self {
-            targets: self.targets | other.targets,
-            variants: self.variants | other.variants,
-        }
-    }
-}
+use crate::view::Demand;
 
 /// Frames that a view keeps what none of its visible meshes needs any more: what goes out of sight and comes back
 /// finds textures and pipelines as they were.

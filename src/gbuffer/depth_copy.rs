@@ -13,7 +13,7 @@ use bevy::{
     },
 };
 
-use crate::camera::ActiveLeanView;
+use crate::view::ActiveLeanView;
 
 /// The texture, while it is kept from Bevy's prepass. The views of a frame are drawn one after the other.
 #[derive(Resource, Default)]

@@ -25,14 +25,10 @@ use bevy::{
 };
 
 use super::{
-    demand::Demand,
-    layout::DEFAULT_VISIBILITY_MASK,
-    material::GBufferMaterials,
-    moving::MovingMeshes,
-    special::SpecialMeshes,
-    targets::{GBufferNeeds, GBufferTargets, ShadingModel},
+    layout::DEFAULT_VISIBILITY_MASK, material::GBufferMaterials, moving::MovingMeshes,
+    special::SpecialMeshes, targets::GBufferNeeds,
 };
-use crate::lighting::LightingVariant;
+use crate::view::{Demand, GBufferTargets, LightingVariant, ShadingModel};
 
 /// What is known of meshes and materials, to find out how one is drawn.
 #[derive(SystemParam)]

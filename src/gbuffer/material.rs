@@ -16,8 +16,9 @@ use bevy::{
 use super::{
     GBufferPlugin,
     layout::specialization::{LARGEST_REFLECTANCE, LARGEST_UNLIT},
-    targets::{GBufferNeeds, GBufferTargets, ShadingModel},
+    targets::GBufferNeeds,
 };
+use crate::view::{GBufferTargets, ShadingModel};
 
 /// A [`Material`] that can be drawn into the packed G-buffer.
 ///

@@ -1,7 +1,6 @@
 //! The packed G-buffer: 64 bits a pixel beside depth, and 32 more for each optional target that a visible mesh needs, with
 //! 8 that say which of these a surface has.
 //!
-//! - `layout.{rs,wgsl}`, `layout/`: the bit tables; pack and unpack, twice.
 //! - `targets.rs`: the optional targets.
 //! - `material.rs`: which materials and meshes it carries, and what they need.
 //! - `special.rs`, `moving.rs`: which meshes need more than their material says.
@@ -19,7 +18,6 @@
 mod bevy_phases;
 mod demand;
 mod depth_copy;
-pub mod layout;
 mod lookup;
 mod material;
 mod moving;
@@ -37,15 +35,20 @@ mod textures;
 mod usage;
 mod visibility_masks;
 
-pub(crate) use demand::{Demand, ViewDemands};
+pub use crate::{
+    shader_library::layout,
+    view::{GBufferPasses, GBufferTargets, ShadingModel},
+};
+pub(crate) use demand::ViewDemands;
 pub use material::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin};
 pub use phase::{
     AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferBatchSetKey,
     OpaqueGBuffer,
 };
 pub use queue::SortedMeshes;
-pub(crate) use resolve_motion::{MotionResolvePipelines, ViewMotionResolve};
-pub use targets::{GBufferNeeds, GBufferTargets, ShadingModel};
+pub(crate) use resolve_motion::MotionResolvePipelines;
+use resolve_motion::ViewMotionResolve;
+pub use targets::GBufferNeeds;
 pub use textures::GBufferTextures;
 pub use usage::GBufferUsage;
 use visibility_masks::DrawWithVisibilityMask;
@@ -73,11 +76,7 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use crate::shared::SharedPlugin;
-
-/// The passes that draw the G-buffer, in `Core3d`.
-#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
-pub struct GBufferPasses;
+use crate::view::{LeanDeferred, SharedPlugin, removal};
 
 /// Draws the meshes of lean cameras into the packed G-buffer.
 pub(crate) struct GBufferPlugin;
@@ -108,9 +107,13 @@ impl Plugin for GBufferPlugin {
         .register_type::<GBufferUsage>()
         .add_observer(usage::remove_usage);
 
+        // Refused if there are such cameras already: those go without.
+        let _ = app.try_register_required_components::<LeanDeferred, GBufferUsage>();
+
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        removal::remove_with::<LeanDeferred, (GBufferTextures, ViewMotionResolve)>(render_app);
         render_app
             .init_resource::<DrawFunctions<OpaqueGBuffer>>()
             .init_resource::<DrawFunctions<AlphaMaskGBuffer>>()

@@ -12,7 +12,7 @@ use bevy::{
 };
 
 use super::special::ChangedMeshes;
-use crate::LeanDeferred;
+use crate::view::LeanDeferred;
 
 /// Frames that a mesh goes on writing its motion after it stopped: one that stops and goes, as by the steps of a
 /// physics simulation slower than the display, is not queued anew each time.

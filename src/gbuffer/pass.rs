@@ -29,7 +29,7 @@ use super::{
     resolve_motion::ViewMotionResolve,
     textures::{GBufferTextures, initial_load},
 };
-use crate::camera::ActiveLeanView;
+use crate::view::ActiveLeanView;
 
 pub(super) type GBufferView = (
     &'static ExtractedCamera,

@@ -25,7 +25,7 @@ use bevy::{
 };
 
 use super::visibility_masks::MaskedItem;
-use crate::LeanDeferred;
+use crate::view::LeanDeferred;
 
 /// What meshes must have in common to be drawn by one multi-draw.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]

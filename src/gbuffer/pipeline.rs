@@ -15,9 +15,9 @@ use bevy::{
 
 use super::{
     material::material_texture_defs,
-    targets::GBufferTargets,
     visibility_masks::{VISIBILITY_MASK_GROUP, visibility_mask_layout},
 };
+use crate::view::GBufferTargets;
 
 /// Bevy's deferred prepass pipeline with the fragment shader and the targets swapped: vertex shader, bind groups,
 /// culling and depth stay Bevy's, so that positions agree bit for bit with its other passes.

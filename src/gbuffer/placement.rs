@@ -1,7 +1,6 @@
 //! Where a mesh goes on a view, and which meshes a change of the view concerns.
 
-use super::{demand::Demand, targets::GBufferTargets};
-use crate::camera::ActiveLeanView;
+use crate::view::{ActiveLeanView, Demand, GBufferTargets};
 
 /// Which meshes a change of their view concerns.
 #[derive(Clone, Copy, PartialEq, Eq)]

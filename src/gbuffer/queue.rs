@@ -38,10 +38,9 @@ use super::{
     placement::{Placement, ViewChange},
     special::ChangedMeshes,
     specialize::{GBufferPipeline, GBufferPipelines},
-    targets::GBufferTargets,
     visibility_masks::{DrawWithVisibilityMask, VisibilityMasks},
 };
-use crate::{LeanDeferred, camera::ActiveLeanView};
+use crate::view::{ActiveLeanView, GBufferTargets, LeanDeferred};
 
 /// Meshes whose assets or pipelines were not ready; tried again each frame, drawn by forward until then.
 #[derive(Resource, Default)]
@@ -54,15 +53,17 @@ pub struct SortedMeshes(pub usize);
 
 /// How the meshes of each phase are drawn.
 #[derive(SystemParam)]
-pub(super) struct GBufferDrawFunctions<'w> {
+pub(super) struct GBufferDrawFunctions<'w, 's> {
     opaque: Res<'w, DrawFunctions<OpaqueGBuffer>>,
     alpha_mask: Res<'w, DrawFunctions<AlphaMaskGBuffer>>,
     extended_opaque: Res<'w, DrawFunctions<ExtendedOpaqueGBuffer>>,
     extended_alpha_mask: Res<'w, DrawFunctions<ExtendedAlphaMaskGBuffer>>,
     visibility_masks: ResMut<'w, VisibilityMasks>,
+    /// Those of meshes that write no visibility mask, in the order of these phases.
+    plain: Local<'s, Option<[DrawFunctionId; 4]>>,
 }
 
-impl GBufferDrawFunctions<'_> {
+impl GBufferDrawFunctions<'_, '_> {
     fn get(
         &mut self,
         extended: bool,
@@ -78,12 +79,15 @@ impl GBufferDrawFunctions<'_> {
                 self.extended_opaque.read().id::<DrawWithVisibilityMask>()
             };
         }
-        match (extended, alpha_masked) {
-            (false, false) => self.opaque.read().id::<DrawPrepass>(),
-            (false, true) => self.alpha_mask.read().id::<DrawPrepass>(),
-            (true, false) => self.extended_opaque.read().id::<DrawPrepass>(),
-            (true, true) => self.extended_alpha_mask.read().id::<DrawPrepass>(),
-        }
+        let plain = self.plain.get_or_insert_with(|| {
+            [
+                self.opaque.read().id::<DrawPrepass>(),
+                self.alpha_mask.read().id::<DrawPrepass>(),
+                self.extended_opaque.read().id::<DrawPrepass>(),
+                self.extended_alpha_mask.read().id::<DrawPrepass>(),
+            ]
+        });
+        plain[2 * usize::from(extended) + usize::from(alpha_masked)]
     }
 }
 
@@ -256,11 +260,11 @@ fn visible_pair(
 }
 
 /// Sorts the meshes of one view.
-struct Sorter<'a, 'l, 'w, 's, 'd> {
+struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     lookup: &'l MeshLookup<'l>,
     recent_kinds: &'a mut RecentKinds<'l>,
     pipelines: &'a mut GBufferPipelines<'w, 's>,
-    draw_functions: &'a mut GBufferDrawFunctions<'d>,
+    draw_functions: &'a mut GBufferDrawFunctions<'dw, 'ds>,
     gpu_preprocessing: &'a GpuPreprocessingSupport,
     /// Bevy's deferred pass draws into this view, which is not lean then.
     draws_deferred: bool,
@@ -275,7 +279,7 @@ struct Sorter<'a, 'l, 'w, 's, 'd> {
     count: &'a mut usize,
 }
 
-impl Sorter<'_, '_, '_, '_, '_> {
+impl Sorter<'_, '_, '_, '_, '_, '_> {
     fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), holder: Holder) {
         *self.count += 1;
         if holder == Holder::Either {

@@ -36,10 +36,10 @@ use bevy::{
     },
 };
 
-use super::{targets::GBufferTargets, textures::GBufferTextures};
+use super::textures::GBufferTextures;
 use crate::{
-    bind_group_cache::{CachedBindGroup, FoundLayout},
-    camera::ActiveLeanView,
+    gpu::bind_group_cache::{CachedBindGroup, FoundLayout},
+    view::{ActiveLeanView, GBufferTargets},
 };
 
 /// What the resolve is compiled by.

@@ -12,10 +12,8 @@ use bevy::{
     },
 };
 
-use super::{
-    layout::{DEFAULT_VISIBILITY_MASK, visibility_mask},
-    targets::GBufferTargets,
-};
+use super::layout::{DEFAULT_VISIBILITY_MASK, visibility_mask};
+use crate::view::GBufferTargets;
 
 /// In the render world: meshes whose components changed what they need of the G-buffer, since the last frame. Lean views
 /// sort them anew; Bevy does not look at them again.

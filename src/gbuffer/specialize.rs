@@ -20,8 +20,8 @@ use bevy::{
 use super::{
     lookup::{MeshLookup, MeshToQueue, RECENT_KINDS},
     pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
-    targets::GBufferTargets,
 };
+use crate::view::GBufferTargets;
 
 /// The pipelines of the G-buffer and what makes them.
 #[derive(SystemParam)]

@@ -1,35 +1,48 @@
 //! The optional targets of the G-buffer, and what a material needs of it.
 
-use bevy::{
-    prelude::*,
-    render::render_resource::{ColorTargetState, ColorWrites, TextureFormat},
-};
-use bitflags::bitflags;
+use bevy::render::render_resource::{ColorTargetState, ColorWrites, TextureFormat};
 
-use super::layout::{
+use crate::shader_library::layout::{
     EMISSIVE_FORMAT, MOTION_FORMAT, NORMAL_FORMAT, SPECIALIZATION_FORMAT, SURFACE_FORMAT,
     VISIBILITY_MASK_FORMAT, WRITTEN_FORMAT,
 };
+use crate::view::{GBufferTargets, ShadingModel};
 
-bitflags! {
-    /// Targets beside the base ones. Each exists only while a visible mesh writes it (and a little longer, so that what
-    /// comes and goes does not make textures and pipelines anew).
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Reflect)]
-    #[reflect(opaque, Default, Clone, PartialEq, Hash)]
-    pub struct GBufferTargets: u8 {
-        /// Light that a surface emits, or that a lightmap holds for it.
-        const EMISSIVE = 1 << 0;
-        /// Specular constant, shading model with its arguments, and flags that are not at their defaults.
-        const SPECIALIZATION = 1 << 1;
-        /// Where a surface was in the last frame. Meshes that move, are skinned or have morph targets write it without
-        /// being told; a material whose vertex shader animates names it. Only on views with `MotionVectorPrepass`.
-        const MOTION = 1 << 2;
-        /// Which [`RenderLayers`](bevy::camera::visibility::RenderLayers) a mesh is on. Meshes on other layers than
-        /// layer 0 alone write it without being told, on views with a light, decal or light probe that its own layers
-        /// keep from some meshes.
-        const VISIBILITY_MASK = 1 << 3;
-    }
+/// What is known of one target.
+struct OptionalTarget {
+    format: TextureFormat,
+    name: &'static str,
+    label: &'static str,
+    shader_def: &'static str,
 }
+
+/// In the order of their bits, which is that of the fragment shader's outputs.
+const OPTIONAL_TARGETS: [OptionalTarget; GBufferTargets::all().bits().count_ones() as usize] = [
+    OptionalTarget {
+        format: EMISSIVE_FORMAT,
+        name: "emissive",
+        label: "lean_deferred/gbuffer/emissive",
+        shader_def: "GBUFFER_EMISSIVE",
+    },
+    OptionalTarget {
+        format: SPECIALIZATION_FORMAT,
+        name: "specialization",
+        label: "lean_deferred/gbuffer/specialization",
+        shader_def: "GBUFFER_SPECIALIZATION",
+    },
+    OptionalTarget {
+        format: MOTION_FORMAT,
+        name: "motion",
+        label: "lean_deferred/gbuffer/motion",
+        shader_def: "GBUFFER_MOTION",
+    },
+    OptionalTarget {
+        format: VISIBILITY_MASK_FORMAT,
+        name: "visibility mask",
+        label: "lean_deferred/gbuffer/visibility_mask",
+        shader_def: "GBUFFER_VISIBILITY_MASK",
+    },
+];
 
 impl GBufferTargets {
     /// Those that lighting reads.
@@ -69,44 +82,28 @@ impl GBufferTargets {
         3 + self.bits().trailing_zeros() as usize
     }
 
+    fn described(self) -> &'static OptionalTarget {
+        &OPTIONAL_TARGETS[self.bits().trailing_zeros() as usize]
+    }
+
     /// The format of a single target.
     pub(crate) fn format(self) -> TextureFormat {
-        match self {
-            Self::EMISSIVE => EMISSIVE_FORMAT,
-            Self::MOTION => MOTION_FORMAT,
-            Self::VISIBILITY_MASK => VISIBILITY_MASK_FORMAT,
-            _ => SPECIALIZATION_FORMAT,
-        }
+        self.described().format
     }
 
     /// The name of a single target.
     pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::EMISSIVE => "emissive",
-            Self::MOTION => "motion",
-            Self::VISIBILITY_MASK => "visibility mask",
-            _ => "specialization",
-        }
+        self.described().name
     }
 
     /// The name of a single target, in labels of the graphics API.
     pub(crate) fn label(self) -> &'static str {
-        match self {
-            Self::EMISSIVE => "lean_deferred/gbuffer/emissive",
-            Self::MOTION => "lean_deferred/gbuffer/motion",
-            Self::VISIBILITY_MASK => "lean_deferred/gbuffer/visibility_mask",
-            _ => "lean_deferred/gbuffer/specialization",
-        }
+        self.described().label
     }
 
     /// The shader definition that makes shaders write or read a single target.
     pub(crate) fn shader_def(self) -> &'static str {
-        match self {
-            Self::EMISSIVE => "GBUFFER_EMISSIVE",
-            Self::MOTION => "GBUFFER_MOTION",
-            Self::VISIBILITY_MASK => "GBUFFER_VISIBILITY_MASK",
-            _ => "GBUFFER_SPECIALIZATION",
-        }
+        self.described().shader_def
     }
 
     /// Bytes a pixel of these targets, and of the one that says which of them a surface has written; the base targets
@@ -118,28 +115,6 @@ impl GBufferTargets {
             .filter_map(|format| format.block_copy_size(None))
             .sum()
     }
-}
-
-/// How a surface reflects light. A pixel has one of these; a material that asks for two at once is drawn forward.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq, Hash)]
-#[repr(u8)]
-pub enum ShadingModel {
-    /// Base colour, metallic, roughness.
-    #[default]
-    Plain = 0,
-    /// Light that enters scatters and leaves elsewhere. Stored; lit as [`Plain`](Self::Plain).
-    Subsurface = 1,
-    /// Highlights stretched along a tangent.
-    Anisotropy = 2,
-    /// Light caught along the silhouette.
-    Rim = 3,
-    /// A second, clear layer.
-    Clearcoat = 4,
-    /// Light that falls on the back shines through.
-    Backlight = 5,
-    /// The base colour, whatever the light.
-    Unlit = 6,
 }
 
 /// What a material needs of the G-buffer beside the base targets.

@@ -18,10 +18,9 @@ use bevy::{
 
 use super::{
     layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT},
-    targets::GBufferTargets,
     usage::GBufferUsage,
 };
-use crate::camera::ActiveLeanView;
+use crate::view::{ActiveLeanView, GBufferTargets};
 
 /// The targets of one view, as large as its render target.
 #[derive(Component, Clone)]

@@ -7,10 +7,9 @@ use bevy::{
 
 use super::{
     layout::{BASE_BYTES_PER_PIXEL, WRITTEN_FORMAT},
-    targets::GBufferTargets,
     textures::GBufferTextures,
 };
-use crate::LeanDeferred;
+use crate::view::{GBufferTargets, LeanDeferred};
 
 /// On a camera with [`LeanDeferred`]: what its G-buffer was made of in the last frame that was rendered.
 ///

@@ -38,10 +38,12 @@ use super::{
 };
 use crate::{
     ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
-    bind_group_cache::{CachedBindGroup, Entries},
-    camera::ActiveLeanView,
     gbuffer::GBufferTextures,
-    tiles,
+    gpu::{
+        bind_group_cache::{CachedBindGroup, Entries},
+        tiles,
+    },
+    view::ActiveLeanView,
 };
 
 /// The bind groups of one view, and what the dispatch needs beside them.

@@ -14,8 +14,8 @@ use bevy::{
 
 use super::ViewLighting;
 use crate::{
-    camera::ActiveLeanView,
-    tiles::{self, RowOrder},
+    gpu::tiles::{self, RowOrder},
+    view::ActiveLeanView,
 };
 
 /// Twin of the struct of the same name in `lighting.wgsl`.

@@ -11,16 +11,13 @@ use bevy::{
     prelude::*,
 };
 
+use super::light_layers::LightLayers;
 use crate::{
-    GBufferChannel, GeometricNormal, LeanAmbientOcclusion, LeanDeferred,
-    ambient_occlusion::{FilterKey, OcclusionPipelines},
-    camera::ActiveLeanView,
-    gbuffer::{Demand, GBufferTargets},
-};
-
-use super::{
-    light_layers::LightLayers,
-    variants::{LightingVariant, LightingVariants},
+    ambient_occlusion::{FilterKey, LeanAmbientOcclusion, OcclusionPipelines},
+    view::{
+        ActiveLeanView, Demand, GBufferChannel, GBufferTargets, GeometricNormal, LeanDeferred,
+        LightingVariant, LightingVariants,
+    },
 };
 
 /// Which lighting pipeline a view needs. Everything in it is compiled in or out.

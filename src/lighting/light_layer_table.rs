@@ -22,7 +22,7 @@ use super::{
     features::ViewEnvironmentMaps,
     light_layers::{ALL, LightLayers},
 };
-use crate::camera::ActiveLeanView;
+use crate::view::ActiveLeanView;
 
 /// Twin of the struct of the same name in `bindings.wgsl`.
 #[derive(ShaderType, Clone, Debug, PartialEq)]

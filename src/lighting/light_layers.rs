@@ -16,7 +16,7 @@ use bevy::{
     },
 };
 
-use crate::gbuffer::layout::visibility_mask;
+use crate::shader_library::layout::visibility_mask;
 
 /// The mask of what affects all meshes.
 pub(super) const ALL: u32 = !0;

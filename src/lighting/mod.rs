@@ -10,12 +10,10 @@
 //! - `buffers.rs`, `bindings.rs`: the buffers and the bind groups, made anew only when what they bind changed.
 //! - `pass.rs`: the dispatches.
 //! - `lighting.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader.
-//! - `geometric_normal.{wgsl,rs}`: its binding-free maths, twice.
 
 mod bindings;
 mod buffers;
 mod features;
-pub mod geometric_normal;
 mod light_layer_table;
 mod light_layers;
 mod pass;
@@ -23,9 +21,9 @@ mod pipeline;
 mod tile_lists;
 mod variants;
 
+pub use crate::{shader_library::geometric_normal, view::LightingPasses};
 pub(crate) use features::{LightingKey, SceneFeatures};
 pub(crate) use pipeline::LightingPipelines;
-pub(crate) use variants::{LightingVariant, LightingVariants};
 
 use bevy::{
     asset::embedded_asset,
@@ -43,7 +41,10 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use crate::shared::SharedPlugin;
+use crate::{
+    ambient_occlusion,
+    view::{LeanDeferred, SharedPlugin, removal},
+};
 
 /// On a view: everything its lighting pass needs. Dropped with the effect.
 #[derive(Component, Default)]
@@ -54,10 +55,6 @@ pub struct ViewLighting {
     light_layers: Option<light_layer_table::LightLayersBuffer>,
     bindings: bindings::ViewLightingBindings,
 }
-
-/// The lighting pass, in `Core3d`.
-#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
-pub struct LightingPasses;
 
 impl ViewLighting {
     /// Makes the lists of tiles anew if they are not those that `key` needs.
@@ -83,6 +80,7 @@ pub(crate) struct LightingPlugin;
 impl Plugin for LightingPlugin {
     fn build(&self, app: &mut App) {
         SharedPlugin::add_to(app);
+        ambient_occlusion::load_shader_library(app);
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "surface.wgsl");
         load_shader_library!(app, "tile_lists.wgsl");
@@ -93,6 +91,7 @@ impl Plugin for LightingPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        removal::remove_with::<LeanDeferred, ViewLighting>(render_app);
         render_app
             .init_gpu_resource::<buffers::LightingBuffers>()
             .init_resource::<light_layers::LightLayers>()

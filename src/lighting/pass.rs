@@ -10,8 +10,11 @@ use bevy::{
     },
 };
 
-use super::{ViewLighting, variants::LightingVariant};
-use crate::{camera::ActiveLeanView, tiles};
+use super::ViewLighting;
+use crate::{
+    gpu::tiles,
+    view::{ActiveLeanView, LightingVariant},
+};
 
 /// Lights the G-buffer of a view into its main texture.
 pub(super) fn lighting_pass(

@@ -21,11 +21,11 @@ use super::{
     features::LightingKey,
     light_layer_table::LightLayersTable,
     tile_lists::{filling_layout, reading_layout},
-    variants::LightingVariant,
 };
 use crate::{
-    GeometricNormal, ambient_occlusion::OcclusionView, bind_group_cache::FoundLayout,
-    gbuffer::GBufferTargets,
+    ambient_occlusion::OcclusionView,
+    gpu::bind_group_cache::FoundLayout,
+    view::{GBufferTargets, GeometricNormal, LightingVariant},
 };
 
 /// Bindings of Bevy's view layout that no lighting function reads: visibility ranges (14), screen-space reflections

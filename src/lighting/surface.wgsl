@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::gbuffer::layout
 #import bevy_lean_deferred::lighting::bindings::{normal_texture, surface_texture, uniforms}
-#import bevy_lean_deferred::lighting::geometric_normal::{
+#import bevy_lean_deferred::geometric_normal::{
     nearer_side, normal_from_positions, straighter_side,
 }
 #import bevy_pbr::{

@@ -10,7 +10,7 @@ use bevy::render::{
     renderer::RenderDevice,
 };
 
-use super::variants::{LightingVariant, LightingVariants};
+use crate::view::{LightingVariant, LightingVariants};
 
 /// Variants that can be told apart.
 const VARIANTS: u64 = 16;

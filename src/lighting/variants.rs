@@ -1,61 +1,13 @@
 //! The ways in which lighting is compiled for the surfaces of one view.
 
 use bevy::shader::ShaderDefVal;
-use bitflags::bitflags;
 
-use crate::gbuffer::ShadingModel;
-
-/// How one kind of surface is lit: all that this kind needs, and nothing else, is compiled in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct LightingVariant {
-    shading_model: ShadingModel,
-    lightmapped: bool,
-}
-
-bitflags! {
-    /// A set of ways, by [`LightingVariant::index`]. The plain one is always there, and not in it.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-    pub(crate) struct LightingVariants: u16 {
-        const _ = !0;
-    }
-}
+use crate::view::{LightingVariant, LightingVariants, ShadingModel};
 
 impl LightingVariant {
-    /// Plain surfaces.
-    pub(crate) const PLAIN: Self = Self {
-        shading_model: ShadingModel::Plain,
-        lightmapped: false,
-    };
-
-    /// How surfaces with `shading_model` are lit.
-    pub(crate) fn new(shading_model: ShadingModel, lightmapped: bool) -> Self {
-        match shading_model {
-            // No light reaches it.
-            ShadingModel::Unlit => Self::PLAIN,
-            ShadingModel::Subsurface => Self {
-                shading_model: ShadingModel::Plain,
-                lightmapped,
-            },
-            _ => Self {
-                shading_model,
-                lightmapped,
-            },
-        }
-    }
-
-    /// The number by which shaders know it; that of the plain one is 0. Twin of `variant_of` in `tile_lists.wgsl`.
-    pub(super) fn index(self) -> u32 {
-        self.shading_model as u32 | (u32::from(self.lightmapped) << 3)
-    }
-
-    /// The set of just this one.
-    pub(crate) fn as_set(self) -> LightingVariants {
-        LightingVariants::from_bits_retain((1 << self.index()) & !1)
-    }
-
     /// The definitions that compile lighting for it, in a view with those `listed`.
     pub(super) fn shader_defs(self, listed: LightingVariants) -> Vec<ShaderDefVal> {
-        let mut defs: Vec<ShaderDefVal> = match self.shading_model {
+        let mut defs: Vec<ShaderDefVal> = match self.shading_model() {
             ShadingModel::Anisotropy => vec!["STANDARD_MATERIAL_ANISOTROPY".into()],
             ShadingModel::Clearcoat => vec!["STANDARD_MATERIAL_CLEARCOAT".into()],
             ShadingModel::Rim => vec!["SHADING_MODEL_RIM".into()],
@@ -65,7 +17,7 @@ impl LightingVariant {
             ],
             _ => Vec::new(),
         };
-        if self.lightmapped {
+        if self.is_lightmapped() {
             defs.push("LIGHTMAP".into());
         }
         if self != Self::PLAIN {
@@ -113,7 +65,7 @@ mod tests {
         LightingVariant, LightingVariants,
         compute::{Compute, WgslModule},
     };
-    use crate::gbuffer::{ShadingModel, layout::specialization as special};
+    use crate::{shader_library::layout::specialization as special, view::ShadingModel};
 
     const MODELS: [ShadingModel; 7] = [
         ShadingModel::Plain,
@@ -160,11 +112,11 @@ fn kernel(word: array<u32, 1>) -> array<u32, 1> {
         let modules = [
             WgslModule {
                 path: "layout.wgsl",
-                source: include_str!("../gbuffer/layout.wgsl"),
+                source: include_str!("../shader_library/layout.wgsl"),
             },
             WgslModule {
                 path: "specialization.wgsl",
-                source: include_str!("../gbuffer/layout/specialization.wgsl"),
+                source: include_str!("../shader_library/layout/specialization.wgsl"),
             },
             WgslModule {
                 path: "view.wgsl",

@@ -20,7 +20,10 @@ use super::gpu;
 
 /// The modules that the shaders import, in the order of their own imports.
 const MODULES: [(&str, &str); 7] = [
-    ("tiles.wgsl", include_str!("../../src/tiles.wgsl")),
+    (
+        "tiles.wgsl",
+        include_str!("../../src/shader_library/tiles.wgsl"),
+    ),
     (
         "view.wgsl",
         include_str!("../../src/auto_exposure/view.wgsl"),

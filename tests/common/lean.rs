@@ -1,7 +1,7 @@
 //! Showing a scene through lean cameras and through forward ones, and comparing the pictures.
 
 use bevy::{diagnostic::FrameCount, prelude::*, render::RenderApp};
-use bevy_lean_deferred::{LeanDeferred, camera::ActiveLeanView};
+use bevy_lean_deferred::{LeanDeferred, view::ActiveLeanView};
 
 use super::{
     headless::{Headless, Picture, log_watch},

@@ -19,11 +19,17 @@ use super::gpu;
 
 /// The modules that `gather.wgsl` and `merge.wgsl` import, in the order of their own imports.
 const MODULES: [(&str, &str); 9] = [
-    ("layout.wgsl", include_str!("../../src/gbuffer/layout.wgsl")),
-    ("tiles.wgsl", include_str!("../../src/tiles.wgsl")),
+    (
+        "layout.wgsl",
+        include_str!("../../src/shader_library/layout.wgsl"),
+    ),
+    (
+        "tiles.wgsl",
+        include_str!("../../src/shader_library/tiles.wgsl"),
+    ),
     (
         "geometric_normal.wgsl",
-        include_str!("../../src/lighting/geometric_normal.wgsl"),
+        include_str!("../../src/shader_library/geometric_normal.wgsl"),
     ),
     (
         "view.wgsl",

@@ -5,11 +5,12 @@
 
 use bevy::{
     camera::Hdr,
-    ecs::change_detection::{CheckChangeTicks, Tick},
+    ecs::{
+        change_detection::{CheckChangeTicks, Tick},
+        component::ComponentId,
+    },
     prelude::*,
 };
-
-use crate::{LeanAmbientOcclusion, LeanAutoExposure, LeanDeferred};
 
 /// What an effect needs of its camera.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -23,26 +24,14 @@ pub(crate) trait CameraEffect: Component {
     const NEEDS: &'static [Need];
 }
 
-impl CameraEffect for LeanDeferred {
-    const NEEDS: &'static [Need] = &[Need::WithoutMsaa, Need::Hdr];
-}
-
-impl CameraEffect for LeanAmbientOcclusion {
-    const NEEDS: &'static [Need] = &[Need::WithoutMsaa];
-}
-
-impl CameraEffect for LeanAutoExposure {
-    const NEEDS: &'static [Need] = &[Need::Hdr];
-}
+/// What each of the effects that were added needs.
+#[derive(Resource, Default)]
+pub(crate) struct CameraNeeds(Vec<(ComponentId, &'static [Need])>);
 
 /// Whether some effect of this crate on `camera` needs it.
 fn is_needed(camera: &EntityWorldMut, need: Need) -> bool {
-    fn needs<E: CameraEffect>(camera: &EntityWorldMut, need: Need) -> bool {
-        camera.contains::<E>() && E::NEEDS.contains(&need)
-    }
-    needs::<LeanDeferred>(camera, need)
-        || needs::<LeanAmbientOcclusion>(camera, need)
-        || needs::<LeanAutoExposure>(camera, need)
+    let effects = &camera.world().resource::<CameraNeeds>().0;
+    (effects.iter()).any(|(effect, needs)| camera.contains_id(*effect) && needs.contains(&need))
 }
 
 /// On a camera: what was changed about it, and when. What has changed again since is the app's own.
@@ -74,6 +63,9 @@ impl CameraOverrides {
 
 /// Makes cameras fit the effect `E` when they get it, once, and gives back what they had when they lose it.
 pub(crate) fn add_to<E: CameraEffect>(app: &mut App) {
+    let effect = app.world_mut().register_component::<E>();
+    let mut needs = app.world_mut().resource_mut::<CameraNeeds>();
+    needs.0.push((effect, E::NEEDS));
     app.add_observer(override_camera::<E>)
         .add_observer(give_back::<E>);
 }

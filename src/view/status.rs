@@ -2,21 +2,9 @@
 
 use core::fmt;
 
-use alloc::sync::Arc;
+use bevy::{prelude::*, render::render_resource::TextureFormat};
 
-use bevy::{
-    prelude::*,
-    render::{
-        MainWorld,
-        render_resource::TextureFormat,
-        sync_world::{MainEntity, MainEntityHashMap},
-    },
-};
-
-use super::LeanDeferred;
-use crate::warn_once::WarnOnce;
-
-/// On a camera with [`LeanDeferred`]: whether the last frame was rendered lean, or why it was not. Added and removed with
+/// On a camera with [`LeanDeferred`](super::LeanDeferred): whether the last frame was rendered lean, or why it was not. Added and removed with
 /// it.
 ///
 /// ```
@@ -57,7 +45,7 @@ impl fmt::Display for LeanStatus {
     }
 }
 
-/// Why a camera with [`LeanDeferred`] is not rendered lean. Shown, it completes the sentence "It is off: …".
+/// Why a camera with [`LeanDeferred`](super::LeanDeferred) is not rendered lean. Shown, it completes the sentence "It is off: …".
 #[derive(Reflect, Clone, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 #[non_exhaustive]
@@ -106,66 +94,7 @@ impl fmt::Display for LeanOffReason {
 
 impl LeanOffReason {
     /// Whether cameras are warned of it one by one. Of the others there is one message for all.
-    fn is_of_camera(&self) -> bool {
+    pub(crate) fn is_of_camera(&self) -> bool {
         !matches!(self, Self::NotRendered | Self::Device(_) | Self::Shader(_))
     }
-}
-
-/// In the render world: what was decided for each camera in this frame.
-#[derive(Resource)]
-pub(super) struct LeanStatuses {
-    statuses: MainEntityHashMap<LeanStatus>,
-    warnings: WarnOnce<LeanOffReason>,
-}
-
-impl Default for LeanStatuses {
-    fn default() -> Self {
-        Self {
-            statuses: default(),
-            warnings: WarnOnce::new("LeanDeferred"),
-        }
-    }
-}
-
-impl LeanStatuses {
-    pub(super) fn off(&mut self, camera: MainEntity, reason: LeanOffReason) {
-        let warning = reason.is_of_camera().then(|| reason.clone());
-        self.warnings.tell(camera, warning);
-        self.statuses.insert(camera, LeanStatus::Off(reason));
-    }
-
-    /// A camera that nothing speaks against; `failure` is the cause why a pipeline that it waits for does not compile.
-    pub(super) fn on(&mut self, camera: MainEntity, is_active: bool, failure: Option<Arc<str>>) {
-        self.warnings.tell(camera, None);
-        let status = match (is_active, failure) {
-            (true, _) => LeanStatus::Lean,
-            (false, None) => LeanStatus::Compiling,
-            (false, Some(cause)) => LeanStatus::Off(LeanOffReason::Shader(cause.to_string())),
-        };
-        self.statuses.insert(camera, status);
-    }
-}
-
-/// Hands what was decided for the last frame to the cameras in the main world.
-pub(super) fn report_statuses(
-    mut main_world: ResMut<MainWorld>,
-    mut statuses: ResMut<LeanStatuses>,
-    cameras: Query<&MainEntity, With<LeanDeferred>>,
-) {
-    for camera in &cameras {
-        let status = statuses.statuses.remove(camera).unwrap_or_default();
-        if let Some(mut reported) = main_world.get_mut::<LeanStatus>(camera.id()) {
-            reported.set_if_neq(status);
-        }
-    }
-    statuses.statuses.clear();
-    statuses.warnings.keep_only(cameras.iter());
-}
-
-pub(super) fn remove_status(removed: On<Remove, LeanDeferred>, mut commands: Commands) {
-    commands
-        .entity(removed.entity)
-        .queue_silenced(|mut camera: EntityWorldMut| {
-            camera.remove::<LeanStatus>();
-        });
 }

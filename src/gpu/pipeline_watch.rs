@@ -65,7 +65,7 @@ impl PipelineWatch {
 
 /// In `ExtractSchedule`, where both the pipelines of the last frame and the shaders of the main world can be seen.
 /// Looks only at pipelines that are not compiled.
-pub(super) fn watch_pipelines(
+pub(crate) fn watch_pipelines(
     mut watch: ResMut<PipelineWatch>,
     cache: Res<PipelineCache>,
     shaders: Extract<Res<Assets<Shader>>>,

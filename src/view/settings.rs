@@ -1,9 +1,11 @@
+//! What an app wants from a camera.
+
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::{
-    camera::{ActiveLeanView, LeanStatus},
-    gbuffer::{GBufferTextures, GBufferUsage, ViewMotionResolve},
-    lighting::ViewLighting,
+use super::{
+    active::ActiveLeanView,
+    overrides::{CameraEffect, Need},
+    status::LeanStatus,
 };
 
 /// Renders this `Camera3d` through a packed 64-bit G-buffer and one compute lighting pass.
@@ -11,7 +13,7 @@ use crate::{
 /// The picture is that of Bevy's forward renderer. Opaque and alpha-masked meshes whose material the G-buffer can
 /// carry go through it; every other mesh is drawn by Bevy's forward passes on the same camera, against the same depth.
 /// Adding or removing the component at run time switches the camera over and frees what it held.
-/// What the camera is doing is in [`LeanStatus`], what its targets cost in [`GBufferUsage`].
+/// What the camera is doing is in [`LeanStatus`], what its targets cost in [`GBufferUsage`](crate::gbuffer::GBufferUsage).
 ///
 /// Needs HDR (`Hdr` is added with the component) and no MSAA (switched off then). Removing the component gives back what
 /// the camera had, unless another effect needs it or the app has set it since. A camera that
@@ -19,14 +21,8 @@ use crate::{
 /// it, with one warning that names the reason.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(GBufferUsage, LeanStatus)]
-#[extract_component_sync_target((
-    Self,
-    ActiveLeanView,
-    GBufferTextures,
-    ViewLighting,
-    ViewMotionResolve
-))]
+#[require(LeanStatus)]
+#[extract_component_sync_target((Self, ActiveLeanView))]
 pub struct LeanDeferred {
     /// How the normal of the surface itself (not the shading normal) is found from depth. Shadow bias uses it.
     /// Only computed where a light casts shadows. Default: the most exact.
@@ -51,6 +47,10 @@ impl Default for LeanDeferred {
             debug_view: None,
         }
     }
+}
+
+impl CameraEffect for LeanDeferred {
+    const NEEDS: &'static [Need] = &[Need::WithoutMsaa, Need::Hdr];
 }
 
 /// Ways to reconstruct the geometric normal of a pixel from the depth buffer.

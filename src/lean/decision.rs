@@ -1,3 +1,5 @@
+//! Which views are lean, and what they are in this frame.
+
 use bevy::{
     camera::{Camera3dDepthLoadOp, CameraMainTextureUsages, visibility::RenderLayers},
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
@@ -15,59 +17,15 @@ use bevy::{
 };
 
 use super::{
-    LeanDeferred, LeanDeferredSupport, LeanOffReason, foreign_depth::others_may_draw_depth,
-    status::LeanStatuses,
+    foreign_depth::others_may_draw_depth, statuses::LeanStatuses, support::LeanDeferredSupport,
 };
 use crate::{
-    LeanAmbientOcclusion,
-    gbuffer::{Demand, GBufferTargets, MotionResolvePipelines, ViewDemands},
-    lighting::{LightingPipelines, LightingVariants, SceneFeatures, ViewLighting},
-    pipeline_watch::PipelineWatch,
+    ambient_occlusion::LeanAmbientOcclusion,
+    gbuffer::{MotionResolvePipelines, ViewDemands},
+    gpu::pipeline_watch::PipelineWatch,
+    lighting::{LightingPipelines, SceneFeatures, ViewLighting},
+    view::{ActiveLeanView, Demand, GBufferTargets, LeanDeferred, LeanOffReason, LightingVariants},
 };
-
-/// The systems that decide which views are rendered lean; in `RenderSystems::PrepareAssets`.
-#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
-pub struct LeanViewSystems;
-
-/// On a view of the render world: this frame it is rendered through the G-buffer.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ActiveLeanView {
-    /// The view has a depth prepass, so Bevy builds its indirect draws early and wants depth before the main pass:
-    /// the G-buffer is drawn in the prepass' place.
-    pub draws_in_prepass: bool,
-    /// Lean meshes stay in Bevy's prepass, because it writes what only it can write: normals, and then motion vectors
-    /// too.
-    pub keeps_prepass: bool,
-    /// The view has motion vectors, and those of lean meshes are made from the G-buffer.
-    pub resolves_motion: bool,
-    /// Some light, decal or light probe has layers that keep it from some meshes.
-    pub has_light_layers: bool,
-    /// The optional targets that the view has.
-    pub targets: GBufferTargets,
-    /// The kinds of special surfaces that lighting is compiled for.
-    pub(crate) variants: LightingVariants,
-    /// Meshes are drawn twice: those that were visible before, and those that the depth of these does not hide.
-    pub culls_in_two_phases: bool,
-    /// At the time of lighting, depth other than 0 means that a lean mesh was drawn there: nothing else writes depth
-    /// before, and it starts at 0. Then the G-buffer needs no clearing.
-    pub depth_tells_geometry: bool,
-}
-
-impl ActiveLeanView {
-    /// What meshes may need to be drawn into the G-buffer.
-    pub(crate) fn demand(&self) -> Demand {
-        Demand {
-            targets: self.targets,
-            variants: self.variants,
-        }
-    }
-
-    /// Whether meshes that need no optional targets are drawn in the pass that has these all the same: in the second phase
-    /// of culling they may come to lie in front of some that do.
-    pub(crate) fn extends_all(&self) -> bool {
-        self.culls_in_two_phases && !self.targets.is_empty()
-    }
-}
 
 fn reason_against(
     camera: &ExtractedCamera,

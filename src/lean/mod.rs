@@ -1,20 +1,16 @@
-//! The [`LeanDeferred`] component, and whether the camera that carries it can be rendered that way.
+//! The decision, in each frame, which cameras with [`LeanDeferred`] are rendered lean: put together from what the stages
+//! below offer.
 //!
-//! - `settings.rs`: the component.
+//! - `decision.rs`: per camera and frame, lean or Bevy's forward, with one warning per reason.
 //! - `support.rs`: what the device must offer, in one function.
-//! - `status.rs`: what the camera is doing, for the main world.
+//! - `statuses.rs`: what the camera is doing, for the main world.
 //! - `foreign_depth.rs`: whether other renderers than Bevy's for meshes draw depth.
-//! - `activity.rs`: per camera and frame, the decision lean or Bevy's forward, with one warning per reason.
 
-mod activity;
+mod decision;
 mod foreign_depth;
-mod settings;
-mod status;
+mod statuses;
 mod support;
 
-pub use activity::{ActiveLeanView, LeanViewSystems};
-pub use settings::{GBufferChannel, GeometricNormal, LeanDeferred};
-pub use status::{LeanOffReason, LeanStatus};
 pub use support::{LeanDeferredSupport, missing_capabilities};
 
 use bevy::{
@@ -26,27 +22,41 @@ use bevy::{
     },
 };
 
-use crate::{camera_overrides, recovery};
+use crate::{
+    gbuffer::GBufferPlugin,
+    gpu::recovery,
+    lighting::LightingPlugin,
+    shading_extension::ShadingExtensionPlugin,
+    view::{
+        GBufferChannel, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems, can_build,
+        overrides,
+    },
+};
 
-/// Registers [`LeanDeferred`], extracts it and decides each frame which cameras are rendered with it.
-pub(crate) struct LeanCameraPlugin;
+/// The packed G-buffer and compute lighting, for cameras with [`LeanDeferred`].
+#[derive(Default)]
+pub struct LeanDeferredPlugin;
 
-impl Plugin for LeanCameraPlugin {
+impl Plugin for LeanDeferredPlugin {
     fn build(&self, app: &mut App) {
+        if !can_build(app, "LeanDeferredPlugin", true) {
+            return;
+        }
+        app.add_plugins((GBufferPlugin, LightingPlugin, ShadingExtensionPlugin));
         app.register_type::<LeanDeferred>()
             .register_type::<GeometricNormal>()
             .register_type::<GBufferChannel>()
             .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
             .register_type::<LeanStatus>()
-            .add_observer(status::remove_status);
-        camera_overrides::add_to::<LeanDeferred>(app);
+            .add_observer(statuses::remove_status);
+        overrides::add_to::<LeanDeferred>(app);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
         render_app
-            .init_resource::<status::LeanStatuses>()
-            .add_systems(ExtractSchedule, status::report_statuses)
+            .init_resource::<statuses::LeanStatuses>()
+            .add_systems(ExtractSchedule, statuses::report_statuses)
             .add_systems(
                 RenderStartup,
                 (
@@ -57,8 +67,8 @@ impl Plugin for LeanCameraPlugin {
             .add_systems(
                 Render,
                 (
-                    activity::decide_active_views,
-                    activity::make_main_textures_writable,
+                    decision::decide_active_views,
+                    decision::make_main_textures_writable,
                 )
                     .chain()
                     .in_set(LeanViewSystems)

@@ -6,9 +6,9 @@ use bevy::{
     },
 };
 
-use crate::gbuffer::layout::{NORMAL_FORMAT, SURFACE_FORMAT};
+use crate::shader_library::layout::{NORMAL_FORMAT, SURFACE_FORMAT};
 
-/// Whether this device can run [`LeanDeferred`](super::LeanDeferred). In the render world, from
+/// Whether this device can run [`LeanDeferred`](crate::LeanDeferred). In the render world, from
 /// `RenderStartup` on.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub enum LeanDeferredSupport {
@@ -45,7 +45,7 @@ pub(super) fn init_lean_deferred_support(world: &mut World) {
     world.insert_resource(support);
 }
 
-/// The one list of what [`LeanDeferred`](super::LeanDeferred) needs; returns what `device` does not have of it.
+/// The one list of what [`LeanDeferred`](crate::LeanDeferred) needs; returns what `device` does not have of it.
 pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> Vec<String> {
     let mut missing = Vec::new();
 

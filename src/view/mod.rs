@@ -1,20 +1,44 @@
-//! What more than one effect needs, whichever of them are added.
+//! The ground floor: what a view is, as the app wants it and in this frame. All stages read it, and it reads none of them.
+//!
+//! - `settings.rs`, `status.rs`: [`LeanDeferred`] and [`LeanStatus`], the components of cameras.
+//! - `active.rs`: [`ActiveLeanView`], what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
+//! - `schedule.rs`: when stages run.
+//! - `overrides.rs`: what effects change about a camera, and give back. `removal.rs`: what goes with a component.
+//! - `warn_once.rs`: why an effect is off, once for each camera.
+
+mod active;
+pub(crate) mod overrides;
+pub(crate) mod removal;
+mod schedule;
+mod settings;
+mod status;
+mod surfaces;
+pub(crate) mod warn_once;
+
+pub use active::ActiveLeanView;
+pub(crate) use active::Demand;
+pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses};
+pub use settings::{GBufferChannel, GeometricNormal, LeanDeferred};
+pub use status::{LeanOffReason, LeanStatus};
+pub use surfaces::{GBufferTargets, ShadingModel};
+pub(crate) use surfaces::{LightingVariant, LightingVariants};
 
 use bevy::{
     asset::io::embedded::EmbeddedAssetRegistry,
     pbr::PbrPlugin,
     prelude::*,
     render::{GpuResourceAppExt, RenderApp, RenderPlugin},
-    shader::load_shader_library,
 };
 
 use crate::{
-    camera_overrides,
-    pipeline_watch::{self, PipelineWatch},
-    tiles::RowOrder,
+    gpu::{
+        pipeline_watch::{self, PipelineWatch},
+        tiles::RowOrder,
+    },
+    shader_library,
 };
 
-/// Added by each effect, once.
+/// What more than one effect needs, whichever of them are added. Added by each of them, once.
 pub(crate) struct SharedPlugin;
 
 impl SharedPlugin {
@@ -27,18 +51,10 @@ impl SharedPlugin {
 
 impl Plugin for SharedPlugin {
     fn build(&self, app: &mut App) {
-        // Bevy wants all modules that a shader imports, also where `#ifdef` leaves them out.
-        load_shader_library!(app, "tiles.wgsl");
-        load_shader_library!(app, "gbuffer/layout.wgsl");
-        load_shader_library!(app, "gbuffer/layout/emissive.wgsl");
-        load_shader_library!(app, "gbuffer/layout/motion.wgsl");
-        load_shader_library!(app, "gbuffer/layout/specialization.wgsl");
-        load_shader_library!(app, "lighting/geometric_normal.wgsl");
-        load_shader_library!(app, "ambient_occlusion/view.wgsl");
-        load_shader_library!(app, "ambient_occlusion/filter.wgsl");
-
-        app.add_observer(camera_overrides::override_new_camera)
-            .add_observer(camera_overrides::keep_ticks_young);
+        shader_library::load(app);
+        app.init_resource::<overrides::CameraNeeds>()
+            .add_observer(overrides::override_new_camera)
+            .add_observer(overrides::keep_ticks_young);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };

@@ -1,0 +1,68 @@
+//! Where the CPU time of the render world goes, stage by stage.
+
+use core::array;
+use std::time::Instant;
+
+use bevy::{
+    app::SubApp,
+    prelude::*,
+    render::{Render, RenderSystems},
+};
+
+/// The stages, each up to the end of its system set.
+const STAGES: [(&str, RenderSystems); 8] = [
+    ("extract and assets", RenderSystems::PrepareMeshes),
+    ("views", RenderSystems::CreateViews),
+    ("specialize", RenderSystems::Specialize),
+    ("queue views", RenderSystems::Queue),
+    ("queue meshes", RenderSystems::QueueMeshes),
+    ("sort", RenderSystems::PhaseSort),
+    ("prepare", RenderSystems::Prepare),
+    ("render", RenderSystems::Render),
+];
+
+/// Milliseconds of each stage; extraction is counted with the first.
+pub type StageTimes = [f64; STAGES.len()];
+
+/// When each stage ended in the last frame.
+#[derive(Resource, Default)]
+struct Marks([Option<Instant>; STAGES.len()]);
+
+/// Has the ends of the stages recorded.
+pub fn record(render_app: &mut SubApp) {
+    render_app.init_resource::<Marks>();
+    for (place, (_, stage)) in STAGES.iter().enumerate() {
+        let mark = move |mut marks: ResMut<Marks>| marks.0[place] = Some(Instant::now());
+        match STAGES.get(place + 1) {
+            Some((_, next)) => {
+                render_app.add_systems(Render, mark.after(stage.clone()).before(next.clone()));
+            }
+            None => {
+                render_app.add_systems(Render, mark.after(stage.clone()));
+            }
+        }
+    }
+}
+
+/// The times of the last frame, whose extraction began then.
+pub fn times(render_app: &SubApp, began: Instant) -> StageTimes {
+    let marks = render_app.world().resource::<Marks>().0;
+    let mut before = began;
+    array::from_fn(|place| {
+        let Some(end) = marks[place] else {
+            return f64::NAN;
+        };
+        let milliseconds = end.duration_since(before).as_secs_f64() * 1e3;
+        before = end;
+        milliseconds
+    })
+}
+
+/// A line of text.
+pub fn line(times: &StageTimes) -> String {
+    let names = STAGES.iter().map(|(name, _)| name);
+    let parts = names
+        .zip(times)
+        .map(|(name, time)| format!("{name} {time:.2}"));
+    parts.collect::<Vec<_>>().join(", ")
+}
