@@ -27,7 +27,7 @@
 //! Any camera may have [`LeanAmbientOcclusion`]: in the lighting pass of lean ones, multiplied onto the picture of others. And any
 //! HDR camera [`LeanAutoExposure`], between anti-aliasing and post-processing.
 //!
-//! Data flows one way: component → extract → the decision which views are lean ([`camera`]) → queue and prepare →
+//! Data flows one way: component ([`view`]) → extract → the decision which views are lean ([`lean`]) → queue and prepare →
 //! bind → pass. The GPU time of each pass is recorded under `lean_deferred/…`, visible with Bevy's
 //! `RenderDiagnosticsPlugin`.
 //!

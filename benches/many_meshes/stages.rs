@@ -10,12 +10,11 @@ use bevy::{
 };
 
 /// The stages, each up to the end of its system set.
-const STAGES: [(&str, RenderSystems); 8] = [
+const STAGES: [(&str, RenderSystems); 7] = [
     ("extract and assets", RenderSystems::PrepareMeshes),
     ("views", RenderSystems::CreateViews),
     ("specialize", RenderSystems::Specialize),
-    ("queue views", RenderSystems::Queue),
-    ("queue meshes", RenderSystems::QueueMeshes),
+    ("queue", RenderSystems::QueueMeshes),
     ("sort", RenderSystems::PhaseSort),
     ("prepare", RenderSystems::Prepare),
     ("render", RenderSystems::Render),

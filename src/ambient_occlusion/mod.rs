@@ -1,34 +1,35 @@
 //! Ambient occlusion in one channel, from depth.
 //!
-//! - `settings.rs`: the component. `support.rs`, `activity.rs`: what the device can do, and what a view gets.
-//! - `uniforms.rs`, `textures.rs`, `pipelines.rs`, `bindings.rs`: what the passes need.
+//! - `settings.rs`: the component. `support.rs`: what the device can do.
+//! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
+//! - `active.rs`: whether and how a view gets it in this frame. `prepare.rs`: what the passes need of the view.
 //! - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
 //! - `view.wgsl`, `bindings.wgsl`: what the shaders read. `horizon.{wgsl,rs}`: the closed form, twice.
 //! - `hbao.wgsl`, `hdao.wgsl`: the kernels. `gather.wgsl`: their entry points.
 //! - `filter.wgsl`: the 3×3 filter, for `merge.wgsl` and the lighting pass.
 
-mod activity;
-mod bindings;
+mod active;
 pub mod horizon;
+mod key;
 mod pass;
 mod pipelines;
+mod prepare;
 mod settings;
 mod support;
-mod textures;
 mod uniforms;
 
-pub use activity::ActiveOcclusion;
-pub use bindings::OcclusionBindings;
+pub use active::ActiveOcclusion;
+pub use prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion};
 pub use settings::{
     LeanAmbientOcclusion, OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
     OcclusionNormals, OcclusionQuality, OcclusionResolution,
 };
 pub use support::OcclusionSupport;
-pub use textures::OcclusionTexture;
-pub use uniforms::{OcclusionView, ProjectionKind, ViewOcclusion, projection_of};
+pub use uniforms::{OcclusionView, ProjectionKind, projection_of};
 
-pub(crate) use pipelines::{FilterKey, OcclusionPipelines};
-pub(crate) use uniforms::OcclusionUniforms;
+pub(crate) use key::FilterKey;
+pub(crate) use pipelines::OcclusionPipelines;
+pub(crate) use prepare::OcclusionUniforms;
 
 use bevy::{
     asset::embedded_asset,
@@ -82,9 +83,12 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        removal::remove_with::<LeanAmbientOcclusion, activity::OcclusionState>(render_app);
+        removal::remove_with::<LeanAmbientOcclusion, ActiveOcclusion>(render_app);
+        removal::remove_with::<ActiveOcclusion, (OcclusionTexture, ViewOcclusion, OcclusionBindings)>(
+            render_app,
+        );
         render_app
-            .init_resource::<activity::Warnings>()
+            .init_resource::<active::Warnings>()
             .init_gpu_resource::<OcclusionUniforms>()
             .init_gpu_resource::<OcclusionSupport>()
             .add_systems(
@@ -97,20 +101,19 @@ impl Plugin for LeanAmbientOcclusionPlugin {
             .add_systems(
                 Render,
                 (
-                    activity::decide_active_occlusion
+                    active::decide_active_occlusion
                         .in_set(RenderSystems::PrepareAssets)
                         .after(LeanViewSystems),
                     (
-                        uniforms::write_occlusion_uniforms,
-                        textures::prepare_occlusion_textures,
+                        prepare::write_occlusion_uniforms,
+                        prepare::prepare_occlusion_textures,
                     )
                         .chain()
                         .in_set(RenderSystems::PrepareResources),
-                    textures::make_depth_readable
+                    prepare::make_depth_readable
                         .in_set(RenderSystems::PrepareResources)
                         .before(prepare_core_3d_depth_textures),
-                    bindings::prepare_occlusion_bind_groups
-                        .in_set(RenderSystems::PrepareBindGroups),
+                    prepare::prepare_occlusion_bind_groups.in_set(RenderSystems::PrepareBindGroups),
                 ),
             )
             .add_systems(

@@ -15,10 +15,11 @@ use bevy::{
 };
 
 use super::{
-    ActiveOcclusion, OcclusionTexture, ViewOcclusion, activity::GatherPipeline,
-    bindings::OcclusionBindings,
+    active::ActiveOcclusion,
+    pipelines::GatherPipeline,
+    prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
+    uniforms::workgroups,
 };
-use crate::gpu::tiles;
 
 pub(super) type OcclusionViewQuery = (
     &'static ActiveOcclusion,
@@ -52,11 +53,6 @@ pub(super) fn occlusion_after_opaque(
     {
         merge(active, view, bindings, target, &pipeline_cache, &mut ctx);
     }
-}
-
-/// Of the gather: each finds four tiles of `texture_size` texels.
-pub(super) fn workgroups(texture_size: UVec2) -> UVec2 {
-    tiles::count(texture_size.map(|side| side.div_ceil(2)))
 }
 
 /// `None` while the pipeline is compiling.

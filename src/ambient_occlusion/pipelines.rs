@@ -8,10 +8,10 @@ use bevy::{
     render::{
         render_resource::{
             BindGroupLayoutDescriptor, BindGroupLayoutEntries, BindGroupLayoutEntryBuilder,
-            BlendComponent, BlendFactor, BlendOperation, BlendState, CachedRenderPipelineId,
-            ColorTargetState, ColorWrites, ComputePipelineDescriptor, FilterMode, FragmentState,
-            PipelineCache, RenderPipelineDescriptor, Sampler, SamplerBindingType,
-            SamplerDescriptor, ShaderStages, StorageTextureAccess, TextureFormat,
+            BlendComponent, BlendFactor, BlendOperation, BlendState, CachedComputePipelineId,
+            CachedRenderPipelineId, ColorTargetState, ColorWrites, ComputePipelineDescriptor,
+            FilterMode, FragmentState, PipelineCache, RenderPipelineDescriptor, Sampler,
+            SamplerBindingType, SamplerDescriptor, ShaderStages, StorageTextureAccess,
             TextureSampleType,
             binding_types::{
                 sampler, texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer,
@@ -23,109 +23,10 @@ use bevy::{
 };
 
 use super::{
-    LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionResolution,
-    activity::GatherPipeline,
-    uniforms::{OcclusionView, ProjectionKind},
+    key::{GatherKey, MergeKey},
+    uniforms::OcclusionView,
 };
 use crate::gpu::bind_group_cache::FoundLayout;
-
-/// What the gather is compiled by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct GatherKey {
-    pub(super) kernel: OcclusionKernel,
-    /// Slices, and steps a side; `None` if the shader reads them from its uniform.
-    pub(super) samples: Option<(u32, u32)>,
-    pub(super) shading_normals: bool,
-    /// Horizons sink behind thin parts.
-    pub(super) thin: bool,
-    pub(super) divisor: u32,
-    pub(super) format: OcclusionFormat,
-    pub(super) projection: ProjectionKind,
-}
-
-impl GatherKey {
-    /// As the shaders see it: what a kernel does not read is not in its key.
-    fn reduced(mut self) -> Self {
-        if self.kernel == OcclusionKernel::Hdao {
-            self.samples = None;
-            self.shading_normals = false;
-            self.thin = false;
-        }
-        self
-    }
-
-    pub(super) fn reads_normals(self) -> bool {
-        self.reduced().shading_normals
-    }
-
-    fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let mut defs: Vec<ShaderDefVal> = vec![ShaderDefVal::UInt("DIVISOR".into(), self.divisor)];
-        if let Some((slices, steps)) = self.samples {
-            defs.push(ShaderDefVal::UInt("SLICES".into(), slices));
-            defs.push(ShaderDefVal::UInt("STEPS".into(), steps));
-        }
-        let mut define = |condition: bool, name: &'static str| {
-            if condition {
-                defs.push(name.into());
-            }
-        };
-        define(self.kernel == OcclusionKernel::Hdao, "HDAO");
-        define(self.shading_normals, "SHADING_NORMALS");
-        define(self.thin, "THIN");
-        define(self.format == OcclusionFormat::Float16, "FLOAT16");
-        define(
-            self.projection == ProjectionKind::Perspective,
-            "PROJECTION_PERSPECTIVE",
-        );
-        define(
-            self.projection == ProjectionKind::Orthographic,
-            "PROJECTION_ORTHOGRAPHIC",
-        );
-        defs
-    }
-}
-
-/// What the filter is compiled by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct FilterKey {
-    flat: bool,
-    edge_aware: bool,
-    half: bool,
-}
-
-impl From<&LeanAmbientOcclusion> for FilterKey {
-    fn from(settings: &LeanAmbientOcclusion) -> Self {
-        let half = settings.resolution == OcclusionResolution::Half;
-        Self {
-            // From half resolution there is one set of weights.
-            flat: settings.filter.is_flat() && !half,
-            edge_aware: settings.filter.is_edge_aware(),
-            half,
-        }
-    }
-}
-
-impl FilterKey {
-    pub(crate) fn shader_defs(self) -> impl Iterator<Item = ShaderDefVal> {
-        [
-            (self.flat, "OCCLUSION_FLAT"),
-            (self.edge_aware, "OCCLUSION_EDGE_AWARE"),
-            (self.half, "OCCLUSION_HALF"),
-        ]
-        .into_iter()
-        .filter(|(condition, _)| *condition)
-        .map(|(_, name)| name.into())
-    }
-}
-
-/// What the merge is compiled by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct MergeKey {
-    pub(super) target: TextureFormat,
-    pub(super) filter: FilterKey,
-    pub(super) fog: bool,
-    pub(super) debug_view: bool,
-}
 
 /// `dst · (1 - occlusion)`, and alpha as it is.
 const MULTIPLICATIVE: BlendState = BlendState {
@@ -140,6 +41,22 @@ const MULTIPLICATIVE: BlendState = BlendState {
         operation: BlendOperation::Add,
     },
 };
+
+/// How occlusion is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum GatherPipeline {
+    Compute(CachedComputePipelineId),
+    Raster(CachedRenderPipelineId),
+}
+
+impl GatherPipeline {
+    pub(super) fn is_compiled(self, cache: &PipelineCache) -> bool {
+        match self {
+            Self::Compute(pipeline) => cache.get_compute_pipeline(pipeline).is_some(),
+            Self::Raster(pipeline) => cache.get_render_pipeline(pipeline).is_some(),
+        }
+    }
+}
 
 /// The pipelines by key. Made by `init_occlusion_pipelines`.
 #[derive(Resource)]

@@ -3,20 +3,13 @@
 use core::f32::consts::FRAC_PI_2;
 
 use bevy::{
-    camera::{MainPassResolutionOverride, Viewport},
-    diagnostic::FrameCount,
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
-    render::{
-        camera::{ExtractedCamera, TemporalJitter},
-        render_resource::{DynamicUniformBuffer, ShaderType},
-        renderer::{RenderDevice, RenderQueue},
-        view::ExtractedView,
-    },
+    render::render_resource::ShaderType,
 };
 
-use super::{ActiveOcclusion, LeanAmbientOcclusion, pass};
-use crate::gpu::tiles::RowOrder;
+use super::settings::LeanAmbientOcclusion;
+use crate::gpu::tiles;
 
 /// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
 /// smooth picture, and too far apart in memory for a fast one.
@@ -142,7 +135,7 @@ fn normalized(view_from_pixel: Mat4) -> Mat4 {
 }
 
 /// Texels of the occlusion texture.
-pub(super) fn texture_size(settings: &LeanAmbientOcclusion, viewport_size: UVec2) -> UVec2 {
+fn texture_size(settings: &LeanAmbientOcclusion, viewport_size: UVec2) -> UVec2 {
     let divisor = settings.resolution.divisor();
     UVec2::new(
         viewport_size.x.div_ceil(divisor),
@@ -150,8 +143,13 @@ pub(super) fn texture_size(settings: &LeanAmbientOcclusion, viewport_size: UVec2
     )
 }
 
+/// Of the gather: each finds four tiles of `texture_size` texels.
+pub(super) fn workgroups(texture_size: UVec2) -> UVec2 {
+    tiles::count(texture_size.map(|side| side.div_ceil(2)))
+}
+
 /// As `OcclusionView::fog`. What attenuates channels differently counts with their mean.
-fn fog_parameters(fog: Option<&DistanceFog>) -> Vec4 {
+pub(super) fn fog_parameters(fog: Option<&DistanceFog>) -> Vec4 {
     let Some(fog) = fog else {
         return Vec4::ZERO;
     };
@@ -162,73 +160,6 @@ fn fog_parameters(fog: Option<&DistanceFog>) -> Vec4 {
         FogFalloff::ExponentialSquared { density } => Vec4::new(*density, 0.0, alpha, 3.0),
         FogFalloff::Atmospheric { extinction, .. } => {
             Vec4::new(extinction.element_sum() / 3.0, 0.0, alpha, 2.0)
-        }
-    }
-}
-
-/// The uniforms of all views.
-#[derive(Resource, Default)]
-pub(crate) struct OcclusionUniforms(pub(crate) DynamicUniformBuffer<OcclusionView>);
-
-/// On a view with ambient occlusion: where in the buffer its uniform is.
-#[derive(Component)]
-pub struct ViewOcclusion {
-    pub(crate) offset: u32,
-    pub(super) viewport: Viewport,
-    pub(super) texture_size: UVec2,
-}
-
-/// Fills [`OcclusionUniforms`] and inserts [`ViewOcclusion`].
-pub(super) fn write_occlusion_uniforms(
-    mut commands: Commands,
-    mut uniforms: ResMut<OcclusionUniforms>,
-    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
-    (row_order, frame): (Res<RowOrder>, Res<FrameCount>),
-    mut views: Query<(
-        Entity,
-        &ActiveOcclusion,
-        &ExtractedCamera,
-        &ExtractedView,
-        Option<&MainPassResolutionOverride>,
-        Option<&DistanceFog>,
-        Has<TemporalJitter>,
-        Option<&mut ViewOcclusion>,
-    )>,
-) {
-    let Some(mut writer) = uniforms.0.get_writer(views.iter().len(), &device, &queue) else {
-        return;
-    };
-    for (entity, active, camera, view, resolution_override, fog, is_jittered, current) in &mut views
-    {
-        let viewport =
-            Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override)
-                .unwrap_or_else(|| Viewport {
-                    physical_size: camera.physical_target_size.unwrap_or(UVec2::ONE),
-                    ..default()
-                });
-        let mut uniform = OcclusionView::new(
-            &active.settings,
-            view.clip_from_view,
-            viewport.physical_size,
-        );
-        uniform.view_from_world = view.world_from_view.to_matrix().inverse();
-        uniform.fog = fog_parameters(fog);
-        uniform.viewport_origin = viewport.physical_position;
-        uniform.row_stride = row_order.stride(pass::workgroups(uniform.texture_size).y);
-        if is_jittered {
-            // The golden section spreads any number of frames.
-            uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;
-        }
-        let view = ViewOcclusion {
-            offset: writer.write(&uniform),
-            texture_size: uniform.texture_size,
-            viewport,
-        };
-        match current {
-            Some(mut current) => *current = view,
-            None => {
-                commands.entity(entity).insert(view);
-            }
         }
     }
 }

@@ -2,36 +2,40 @@
 //!
 //! - `settings.rs`: the components. `support.rs`: what the device can do.
 //! - `state.rs`: the exposure of a camera on the GPU, and cuts. `readback.rs`: its way back, for cameras that ask.
-//! - `key.rs`: what the shaders are compiled by. `uniforms.rs`, `pipelines.rs`, `bindings.rs`, `pass.rs`: the passes.
+//! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
+//! - `active.rs`: whether and how a view is metered in this frame. `prepare.rs`: what the passes need of the view.
+//! - `pass.rs`: the passes.
 //! - `meter.wgsl`, `adapt.wgsl`: the shaders. `reduction.wgsl`: the sum of a workgroup. `view.wgsl`: what they share.
 //! - `overlay.{rs,wgsl}`: what is metered, shown over the picture. `pattern.wgsl`: how much a pixel counts.
 //! - `luminance.{wgsl,rs}`, `adaptation.{wgsl,rs}`: binding-free maths, twice.
 
+mod active;
 pub mod adaptation;
-mod bindings;
 mod key;
 pub mod luminance;
 mod overlay;
 mod pass;
 mod pipelines;
+mod prepare;
 mod readback;
 mod settings;
 mod state;
 mod support;
 mod uniforms;
 
-pub use bindings::ExposureBindings;
+pub use active::ViewExposurePipelines;
 pub use key::ExposureKey;
 pub use overlay::ExposureOverlay;
-pub use pipelines::{ViewExposurePipelines, adapt_layout, meter_layout};
+pub use pipelines::{adapt_layout, meter_layout};
+pub use prepare::{ExposureBindings, ViewExposure};
 pub use readback::ExposureReadback;
 pub use settings::{
-    ExposureCut, ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure, Metering,
-    MeteringPattern, ReductionPath,
+    ExposureCut, ExposureCuts, ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure,
+    Metering, MeteringPattern, ReductionPath,
 };
-pub use state::{ExposureCuts, ExposureHistory};
+pub use state::ExposureHistory;
 pub use support::ExposureSupport;
-pub use uniforms::{ExposureState, ExposureView, ViewExposure};
+pub use uniforms::{ExposureState, ExposureView};
 
 use bevy::{
     asset::embedded_asset,
@@ -85,21 +89,19 @@ impl Plugin for LeanAutoExposurePlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        // The history outlasts pauses.
         removal::remove_with::<
             LeanAutoExposure,
-            (
-                ViewExposure,
-                ViewExposurePipelines,
-                ExposureBindings,
-                ExposureOverlay,
-                ExposureHistory,
-                ExposureReadback,
-            ),
+            (ViewExposurePipelines, ExposureHistory, ExposureReadback),
+        >(render_app);
+        removal::remove_with::<
+            ViewExposurePipelines,
+            (ViewExposure, ExposureBindings, ExposureOverlay),
         >(render_app);
         removal::remove_with::<MeteredExposure, ExposureReadback>(render_app);
         render_app
-            .init_gpu_resource::<uniforms::ExposureUniforms>()
-            .init_resource::<pipelines::Warnings>()
+            .init_gpu_resource::<prepare::ExposureUniforms>()
+            .init_resource::<active::Warnings>()
             .add_systems(
                 RenderStartup,
                 (
@@ -113,19 +115,19 @@ impl Plugin for LeanAutoExposurePlugin {
             .add_systems(
                 Render,
                 (
-                    pipelines::queue_exposure_pipelines.in_set(RenderSystems::Queue),
+                    active::queue_exposure_pipelines.in_set(RenderSystems::Queue),
                     (
                         state::begin_histories,
-                        uniforms::write_exposure_uniforms,
+                        prepare::write_exposure_uniforms,
                         readback::prepare_readbacks,
                     )
                         .chain()
                         .in_set(RenderSystems::PrepareResources),
                     overlay::queue_overlay_pipelines
                         .in_set(RenderSystems::Queue)
-                        .after(pipelines::queue_exposure_pipelines),
+                        .after(active::queue_exposure_pipelines),
                     (
-                        bindings::prepare_exposure_bind_groups,
+                        prepare::prepare_exposure_bind_groups,
                         overlay::prepare_overlay_bind_groups,
                     )
                         .in_set(RenderSystems::PrepareBindGroups),

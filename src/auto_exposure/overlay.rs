@@ -21,10 +21,12 @@ use bevy::{
 };
 
 use super::{
-    ExposureKey, LeanAutoExposure, ViewExposure, ViewExposurePipelines,
-    bindings::Masks,
+    active::ViewExposurePipelines,
+    key::ExposureKey,
+    prepare::{ExposureUniforms, Masks, ViewExposure},
+    settings::LeanAutoExposure,
     state::ExposureHistory,
-    uniforms::{ExposureState, ExposureUniforms, ExposureView},
+    uniforms::{ExposureState, ExposureView},
 };
 use crate::gpu::bind_group_cache::{CachedBindGroup, FoundLayout};
 

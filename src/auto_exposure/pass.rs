@@ -12,8 +12,10 @@ use bevy::{
 };
 
 use super::{
-    bindings::ExposureBindings, pipelines::ViewExposurePipelines, readback::ExposureReadback,
-    state::ExposureHistory, uniforms::ViewExposure,
+    active::ViewExposurePipelines,
+    prepare::{ExposureBindings, ViewExposure},
+    readback::ExposureReadback,
+    state::ExposureHistory,
 };
 
 /// Between anti-aliasing and post-processing: measures the picture, and adapts the view's exposure.

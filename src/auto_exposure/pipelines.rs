@@ -5,35 +5,21 @@ use bevy::{
     platform::collections::HashMap,
     prelude::*,
     render::{
-        camera::ExtractedCamera,
-        render_asset::RenderAssets,
         render_resource::{
             BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedComputePipelineId,
             ComputePipelineDescriptor, DynamicBindGroupLayoutEntries, PipelineCache,
             SamplerBindingType, ShaderStages, ShaderType, TextureSampleType,
             binding_types::{sampler, storage_buffer_sized, texture_2d, uniform_buffer},
         },
-        sync_world::MainEntity,
-        texture::GpuImage,
         view::ViewUniform,
     },
 };
 
 use super::{
-    ExposureBindings, ExposureKey, ExposureOverlay, LeanAutoExposure, MeteringPattern,
-    support::ExposureSupport,
-    uniforms::{ExposureState, ExposureView, ViewExposure},
+    key::ExposureKey,
+    uniforms::{ExposureState, ExposureView},
 };
-use crate::{gpu::bind_group_cache::FoundLayout, view::warn_once::WarnOnce};
-
-/// On a view with auto exposure: what it is metered with.
-#[derive(Component, Clone)]
-pub struct ViewExposurePipelines {
-    pub(super) key: ExposureKey,
-    /// `Some` if the key has one.
-    pub(super) mask: Option<Handle<Image>>,
-    pub(super) passes: PassPipelines,
-}
+use crate::gpu::bind_group_cache::FoundLayout;
 
 /// Those of the two passes.
 #[derive(Clone, Copy)]
@@ -43,7 +29,7 @@ pub(super) struct PassPipelines {
 }
 
 impl PassPipelines {
-    fn are_compiled(self, pipeline_cache: &PipelineCache) -> bool {
+    pub(super) fn are_compiled(self, pipeline_cache: &PipelineCache) -> bool {
         [self.meter, self.adapt]
             .into_iter()
             .all(|id| pipeline_cache.get_compute_pipeline(id).is_some())
@@ -109,89 +95,6 @@ pub fn adapt_layout() -> BindGroupLayoutDescriptor {
     )
 }
 
-/// Why cameras are without.
-#[derive(Resource)]
-pub(super) struct Warnings(WarnOnce<&'static str>);
-
-impl Default for Warnings {
-    fn default() -> Self {
-        Self(WarnOnce::new("LeanAutoExposure"))
-    }
-}
-
-/// All that a view has only while it is metered.
-type MeteringState = (
-    ViewExposurePipelines,
-    ViewExposure,
-    ExposureBindings,
-    ExposureOverlay,
-);
-
-/// Inserts or removes [`ViewExposurePipelines`]. A view keeps the pipelines that it has until those of new settings are
-/// compiled: without any, the picture would flash. Cameras that are switched off lose them, and so what they hold on the
-/// GPU, but for their history.
-pub(super) fn queue_exposure_pipelines(
-    mut commands: Commands,
-    support: Res<ExposureSupport>,
-    pipelines: Option<ResMut<ExposurePipelines>>,
-    mut warnings: ResMut<Warnings>,
-    pipeline_cache: Res<PipelineCache>,
-    images: Res<RenderAssets<GpuImage>>,
-    mut views: Query<(
-        Entity,
-        &MainEntity,
-        &ExtractedCamera,
-        &LeanAutoExposure,
-        Option<&mut ViewExposurePipelines>,
-    )>,
-    cameras: Query<&MainEntity, With<LeanAutoExposure>>,
-    switched_off: Query<Entity, (With<ViewExposurePipelines>, Without<ExtractedCamera>)>,
-) {
-    warnings.0.keep_only(cameras.iter());
-    for entity in &switched_off {
-        commands.entity(entity).remove::<MeteringState>();
-    }
-    let Some(mut pipelines) = pipelines.filter(|_| support.missing.is_none()) else {
-        return;
-    };
-    for (entity, camera, extracted, settings, current) in &mut views {
-        let reason = (!extracted.hdr).then_some("it has no Hdr component");
-        warnings.0.tell(*camera, reason);
-        if reason.is_some() {
-            if current.is_some() {
-                commands.entity(entity).remove::<MeteringState>();
-            }
-            continue;
-        }
-        let mask = match &settings.pattern {
-            MeteringPattern::Mask(mask) if images.get(mask).is_some() => Some(mask),
-            _ => None,
-        };
-        let subgroups = support.uses_subgroups(settings);
-        let key = ExposureKey::new(settings, subgroups, mask.is_some());
-        let passes = pipelines.get(key, &pipeline_cache);
-        match current {
-            Some(current) if current.key == key && current.mask.as_ref() == mask => {}
-            Some(mut current) => {
-                if passes.are_compiled(&pipeline_cache) {
-                    *current = ViewExposurePipelines {
-                        key,
-                        mask: mask.cloned(),
-                        passes,
-                    };
-                }
-            }
-            None => {
-                commands.entity(entity).insert(ViewExposurePipelines {
-                    key,
-                    mask: mask.cloned(),
-                    passes,
-                });
-            }
-        }
-    }
-}
-
 impl ExposurePipelines {
     /// The layout of the first pass, if there is a pipeline for `key`.
     pub(super) fn meter_layout(&self, key: ExposureKey) -> Option<&FoundLayout> {
@@ -199,7 +102,12 @@ impl ExposurePipelines {
         Some(layout)
     }
 
-    fn get(&mut self, key: ExposureKey, pipeline_cache: &PipelineCache) -> PassPipelines {
+    /// Those of both passes; they may still be compiling.
+    pub(super) fn get(
+        &mut self,
+        key: ExposureKey,
+        pipeline_cache: &PipelineCache,
+    ) -> PassPipelines {
         let Self {
             meter_shader,
             adapt_shader,

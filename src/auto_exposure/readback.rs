@@ -18,9 +18,7 @@ use bevy::{
 };
 
 use super::{
-    MeteredExposure,
-    state::ExposureHistory,
-    uniforms::{ExposureState, ViewExposure},
+    MeteredExposure, prepare::ViewExposure, state::ExposureHistory, uniforms::ExposureState,
 };
 
 /// Frames that may be on their way at a time. While none of these is free, frames go unread.

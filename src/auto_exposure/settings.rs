@@ -1,6 +1,5 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use super::state::ExposureCuts;
 use crate::view::overrides::{CameraEffect, Need};
 
 /// Measures the luminance of the picture and adapts the exposure to it over time.
@@ -197,3 +196,8 @@ pub struct MeteredExposure {
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct ExposureCut;
+
+/// On a camera with auto exposure: how many cuts it had. The shader remembers how many it has seen, so that none is
+/// lost with a frame.
+#[derive(Component, ExtractComponent, Clone, Copy, Debug, Default)]
+pub struct ExposureCuts(pub(super) u32);

@@ -3,13 +3,15 @@
 use bevy::{
     prelude::*,
     render::{
-        extract_component::ExtractComponent,
         render_resource::{Buffer, BufferDescriptor, BufferUsages, ShaderType},
         renderer::RenderDevice,
     },
 };
 
-use super::{ExposureCut, LeanAutoExposure, MeteredExposure, uniforms::ExposureState};
+use super::{
+    settings::{ExposureCut, ExposureCuts, LeanAutoExposure, MeteredExposure},
+    uniforms::ExposureState,
+};
 
 /// On a view with auto exposure, also while it is off: its exposure.
 #[derive(Component)]
@@ -39,11 +41,6 @@ pub(super) fn begin_histories(
         });
     }
 }
-
-/// On a camera with auto exposure: how many cuts it had. The shader remembers how many it has seen, so that none is
-/// lost with a frame.
-#[derive(Component, ExtractComponent, Clone, Copy, Debug, Default)]
-pub struct ExposureCuts(pub(super) u32);
 
 /// Without auto exposure nothing is metered.
 pub(super) fn remove_state(removed: On<Remove, LeanAutoExposure>, mut commands: Commands) {

@@ -1,22 +1,8 @@
 //! What the shaders know of a view, and the state that they keep.
 
-use bevy::{
-    prelude::*,
-    render::{
-        camera::ExtractedCamera,
-        render_resource::{
-            Buffer, BufferDescriptor, BufferUsages, DynamicUniformBuffer, ShaderType,
-        },
-        renderer::{RenderDevice, RenderQueue},
-        view::ViewTarget,
-    },
-};
+use bevy::{prelude::*, render::render_resource::ShaderType};
 
-use super::{
-    ExposureKey, LeanAutoExposure, MeteringPattern,
-    pipelines::ViewExposurePipelines,
-    state::{ExposureCuts, ExposureHistory},
-};
+use super::settings::{LeanAutoExposure, MeteringPattern};
 
 /// Points of a compensation curve that count.
 const CURVE_POINTS: usize = 16;
@@ -107,87 +93,4 @@ pub struct ExposureState {
     pub target_exposure: f32,
     /// Camera cuts seen, plus one; 0 before the first frame.
     pub cuts_seen: u32,
-}
-
-/// The uniforms of all views.
-#[derive(Resource, Default)]
-pub(super) struct ExposureUniforms(pub(super) DynamicUniformBuffer<ExposureView>);
-
-/// On a view with auto exposure: where its uniform is, and its buffers between the passes.
-#[derive(Component)]
-pub struct ViewExposure {
-    pub(super) offset: u32,
-    pub(super) workgroups: UVec2,
-    /// What the first pass leaves for the second: partial sums, or the histogram.
-    pub(super) sums: Buffer,
-    is_histogram: bool,
-}
-
-impl ViewExposure {
-    fn new(device: &RenderDevice, key: ExposureKey, viewport_size: UVec2) -> Self {
-        Self {
-            offset: 0,
-            workgroups: UVec2::ZERO,
-            sums: device.create_buffer(&BufferDescriptor {
-                label: Some("lean_deferred/exposure/sums"),
-                size: key.sums_size(viewport_size),
-                usage: BufferUsages::STORAGE,
-                mapped_at_creation: false,
-            }),
-            is_histogram: key.has_histogram(),
-        }
-    }
-
-    /// Whether the buffer is what the shaders of `key` expect.
-    fn fits(&self, key: ExposureKey, viewport_size: UVec2) -> bool {
-        self.sums.size() == key.sums_size(viewport_size) && self.is_histogram == key.has_histogram()
-    }
-}
-
-/// Fills [`ExposureUniforms`], and makes the buffers where there are none that fit.
-pub(super) fn write_exposure_uniforms(
-    mut commands: Commands,
-    mut uniforms: ResMut<ExposureUniforms>,
-    (device, queue, time): (Res<RenderDevice>, Res<RenderQueue>, Res<Time>),
-    mut views: Query<(
-        Entity,
-        &LeanAutoExposure,
-        &ExtractedCamera,
-        &ExposureCuts,
-        &ViewExposurePipelines,
-        &ViewTarget,
-        &mut ExposureHistory,
-        Option<&mut ViewExposure>,
-    )>,
-) {
-    let Some(mut writer) = uniforms.0.get_writer(views.iter().len(), &device, &queue) else {
-        return;
-    };
-    for (entity, settings, camera, cuts, pipelines, target, mut history, view) in &mut views {
-        let key = pipelines.key;
-        let (origin, size) = match &camera.viewport {
-            Some(viewport) => (viewport.physical_position, viewport.physical_size),
-            None => {
-                // Not as the camera has it, which may lag behind a target that is resized or replaced.
-                let picture = target.main_texture();
-                (UVec2::ZERO, UVec2::new(picture.width(), picture.height()))
-            }
-        };
-        let mut new = None;
-        let view = match view {
-            Some(view) => view.into_inner(),
-            None => new.insert(ViewExposure::new(&device, key, size)),
-        };
-        if !view.fits(key, size) {
-            *view = ViewExposure::new(&device, key, size);
-        }
-        let now = time.elapsed_secs_f64();
-        let seconds = (now - history.rendered) as f32;
-        history.rendered = now;
-        view.offset = writer.write(&ExposureView::new(settings, origin, size, seconds, cuts.0));
-        view.workgroups = key.workgroups(size);
-        if let Some(new) = new {
-            commands.entity(entity).insert(new);
-        }
-    }
 }

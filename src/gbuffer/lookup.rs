@@ -62,16 +62,11 @@ pub(super) struct MeshKind<'a> {
 }
 
 /// How many kinds of meshes are kept in mind while views are sorted.
-pub(super) const RECENT_KINDS: usize = 64;
+pub(super) const RECENT_KINDS: usize = 1024;
 
-/// The kinds of meshes that were looked up last, at places that follow from the form.
-pub(super) struct RecentKinds<'a>([Option<MeshKind<'a>>; RECENT_KINDS]);
-
-impl Default for RecentKinds<'_> {
-    fn default() -> Self {
-        Self([None; RECENT_KINDS])
-    }
-}
+/// The kinds of meshes that were looked up last, at places that follow from form and material.
+#[derive(Default)]
+pub(super) struct RecentKinds<'a>(Vec<Option<MeshKind<'a>>>);
 
 /// A mesh of which everything is loaded.
 pub(super) struct MeshToQueue<'a> {
@@ -103,7 +98,10 @@ impl MeshLookup<'_> {
             .render_mesh_queue_data(entity)
             .ok_or(true)?;
         let (material_id, mesh_id) = (material_instance.asset_id, instance.mesh_asset_id());
-        let place = FixedHasher.hash_one(mesh_id) as usize % RECENT_KINDS;
+        let place = FixedHasher.hash_one((material_id, mesh_id)) as usize % RECENT_KINDS;
+        if recent.0.is_empty() {
+            recent.0.resize(RECENT_KINDS, None);
+        }
         let kind = match recent.0[place] {
             Some(kind) if kind.material_id == material_id && kind.mesh_id == mesh_id => kind,
             _ => *recent.0[place].insert(self.find_kind(material_id, mesh_id)?),

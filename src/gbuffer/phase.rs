@@ -24,7 +24,6 @@ use bevy::{
     },
 };
 
-use super::visibility_masks::MaskedItem;
 use crate::view::LeanDeferred;
 
 /// What meshes must have in common to be drawn by one multi-draw.
@@ -40,6 +39,11 @@ impl PhaseItemBatchSetKey for GBufferBatchSetKey {
     fn indexed(&self) -> bool {
         self.mesh.indexed()
     }
+}
+
+/// A phase item whose meshes have one visibility mask.
+pub(super) trait MaskedItem: PhaseItem {
+    fn visibility_mask(&self) -> Option<u32>;
 }
 
 /// Declares a binned phase item keyed like Bevy's opaque phase.

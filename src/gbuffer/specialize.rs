@@ -65,7 +65,6 @@ impl GBufferPipelines<'_, '_> {
     pub(super) fn start_frame(&mut self) {
         self.found.clear();
         self.recent.clear();
-        self.recent.resize(RECENT_KINDS, None);
         if self.prepass_pipeline.is_changed() || self.shared_prepass_pipeline.is_none() {
             *self.shared_prepass_pipeline = Some(Arc::new(self.prepass_pipeline.clone()));
         }
@@ -87,6 +86,9 @@ impl GBufferPipelines<'_, '_> {
             fragment_shader: fragment_shader.id(),
             output,
         };
+        if self.recent.is_empty() {
+            self.recent.resize(RECENT_KINDS, None);
+        }
         match self.recent[mesh.place] {
             Some((recent, pipeline)) if recent == query => return pipeline,
             _ => {}

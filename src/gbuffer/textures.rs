@@ -16,10 +16,7 @@ use bevy::{
     },
 };
 
-use super::{
-    layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT},
-    usage::GBufferUsage,
-};
+use super::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT};
 use crate::view::{ActiveLeanView, GBufferTargets};
 
 /// The targets of one view, as large as its render target.
@@ -43,13 +40,9 @@ impl GBufferTextures {
             .find_map(|(other, texture)| (*other == target).then_some(texture))
     }
 
-    /// What these are and cost.
-    pub(super) fn usage(&self) -> GBufferUsage {
-        let texture = &self.surface.texture;
-        GBufferUsage {
-            size: UVec2::new(texture.width(), texture.height()),
-            targets: self.optional.iter().map(|(target, _)| *target).collect(),
-        }
+    /// The optional targets that there are.
+    pub(super) fn targets(&self) -> GBufferTargets {
+        self.optional.iter().map(|(target, _)| *target).collect()
     }
 
     /// The attachments of the pass that writes the base targets alone.

@@ -34,6 +34,15 @@ pub struct GBufferUsage {
 }
 
 impl GBufferUsage {
+    /// What `textures` are.
+    fn of(textures: &GBufferTextures) -> Self {
+        let surface = &textures.surface.texture;
+        Self {
+            size: UVec2::new(surface.width(), surface.height()),
+            targets: textures.targets(),
+        }
+    }
+
     /// Whether the camera was rendered through the G-buffer.
     pub fn is_active(&self) -> bool {
         self.size != UVec2::ZERO
@@ -83,7 +92,7 @@ pub(super) fn report_usage(
     views: Query<(&MainEntity, Option<&GBufferTextures>), With<LeanDeferred>>,
 ) {
     for (camera, textures) in &views {
-        let usage = textures.map_or(GBufferUsage::default(), GBufferTextures::usage);
+        let usage = textures.map_or(GBufferUsage::default(), GBufferUsage::of);
         if let Some(mut reported) = main_world.get_mut::<GBufferUsage>(camera.id()) {
             reported.set_if_neq(usage);
         }

@@ -7,9 +7,7 @@ use bevy::{
     platform::collections::{HashMap, HashSet},
     prelude::*,
     render::{
-        render_phase::{
-            PhaseItem, RenderCommand, RenderCommandResult, SetItemPipeline, TrackedRenderPass,
-        },
+        render_phase::{RenderCommand, RenderCommandResult, SetItemPipeline, TrackedRenderPass},
         render_resource::{
             BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
             DynamicUniformBuffer, PipelineCache, ShaderStages, binding_types::uniform_buffer,
@@ -18,7 +16,7 @@ use bevy::{
     },
 };
 
-use super::phase::DrawnGBufferPhases;
+use super::phase::{DrawnGBufferPhases, MaskedItem};
 
 /// The bind group of the masks. Bevy's prepass pipelines have an empty one there.
 pub(super) const VISIBILITY_MASK_GROUP: usize = 1;
@@ -32,11 +30,6 @@ pub(super) type DrawWithVisibilityMask = (
     SetMaterialBindGroup<3>,
     DrawMesh,
 );
-
-/// A phase item whose meshes have one visibility mask.
-pub(super) trait MaskedItem: PhaseItem {
-    fn visibility_mask(&self) -> Option<u32>;
-}
 
 /// Binds the mask of the item.
 pub(super) struct SetVisibilityMask<const I: usize>;

@@ -4,16 +4,16 @@ use bevy::{
     pbr::DistanceFog,
     prelude::*,
     render::{
-        render_resource::{CachedComputePipelineId, CachedRenderPipelineId, PipelineCache},
+        render_resource::{CachedRenderPipelineId, PipelineCache},
         sync_world::MainEntity,
         view::ExtractedView,
     },
 };
 
 use super::{
-    LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals, OcclusionTexture, ViewOcclusion,
-    bindings::OcclusionBindings,
-    pipelines::{GatherKey, MergeKey, OcclusionPipelines},
+    key::{GatherKey, MergeKey},
+    pipelines::{GatherPipeline, OcclusionPipelines},
+    settings::{LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals},
     support::OcclusionSupport,
     uniforms::projection_of,
 };
@@ -30,14 +30,6 @@ pub struct ActiveOcclusion {
     /// The merge pass; `None` if lighting applies the occlusion.
     pub(super) merge: Option<(MergeKey, CachedRenderPipelineId)>,
 }
-
-/// All that a view has only while it has ambient occlusion.
-pub(super) type OcclusionState = (
-    ActiveOcclusion,
-    OcclusionTexture,
-    ViewOcclusion,
-    OcclusionBindings,
-);
 
 impl ActiveOcclusion {
     fn is_compiled(&self, cache: &PipelineCache) -> bool {
@@ -68,22 +60,6 @@ impl ActiveOcclusion {
             _ => false,
         });
         gather.into_iter().chain(all)
-    }
-}
-
-/// How occlusion is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum GatherPipeline {
-    Compute(CachedComputePipelineId),
-    Raster(CachedRenderPipelineId),
-}
-
-impl GatherPipeline {
-    fn is_compiled(self, cache: &PipelineCache) -> bool {
-        match self {
-            Self::Compute(pipeline) => cache.get_compute_pipeline(pipeline).is_some(),
-            Self::Raster(pipeline) => cache.get_render_pipeline(pipeline).is_some(),
-        }
     }
 }
 
@@ -129,7 +105,7 @@ pub(super) fn decide_active_occlusion(
 ) {
     warnings.0.keep_only(cameras.iter());
     for entity in &switched_off {
-        commands.entity(entity).remove::<OcclusionState>();
+        commands.entity(entity).remove::<ActiveOcclusion>();
     }
     let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
         return;
@@ -141,7 +117,7 @@ pub(super) fn decide_active_occlusion(
         let shows_channel = lean.is_some_and(|lean| lean.debug_view.is_some());
         if reason.is_some() || (is_for_lighting && shows_channel) {
             if current.is_some() {
-                commands.entity(entity).remove::<OcclusionState>();
+                commands.entity(entity).remove::<ActiveOcclusion>();
             }
             continue;
         }
@@ -186,7 +162,7 @@ pub(super) fn decide_active_occlusion(
                 commands.entity(entity).insert(active);
             }
             (None, Some(_)) => {
-                commands.entity(entity).remove::<OcclusionState>();
+                commands.entity(entity).remove::<ActiveOcclusion>();
             }
             (None, None) => {}
         }

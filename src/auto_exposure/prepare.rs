@@ -1,23 +1,114 @@
-//! The bind groups, made anew only when what they bind changed.
+//! What the passes need of a view: its uniform, its buffers, and bind groups, which are made anew only when what they bind
+//! changed.
 
 use bevy::{
     ecs::system::SystemParam,
     prelude::*,
     render::{
+        camera::ExtractedCamera,
         render_asset::RenderAssets,
-        render_resource::{BindGroup, IntoBinding, TextureViewId},
-        renderer::RenderDevice,
+        render_resource::{
+            BindGroup, Buffer, BufferDescriptor, BufferUsages, DynamicUniformBuffer, IntoBinding,
+            TextureViewId,
+        },
+        renderer::{RenderDevice, RenderQueue},
         texture::{FallbackImage, GpuImage},
         view::{ViewTarget, ViewUniforms},
     },
 };
 
 use super::{
-    pipelines::{ExposurePipelines, ViewExposurePipelines},
+    active::ViewExposurePipelines,
+    key::ExposureKey,
+    pipelines::ExposurePipelines,
+    settings::{ExposureCuts, LeanAutoExposure},
     state::ExposureHistory,
-    uniforms::{ExposureUniforms, ViewExposure},
+    uniforms::ExposureView,
 };
 use crate::gpu::bind_group_cache::{CachedBindGroup, Entries};
+
+/// The uniforms of all views.
+#[derive(Resource, Default)]
+pub(super) struct ExposureUniforms(pub(super) DynamicUniformBuffer<ExposureView>);
+
+/// On a view with auto exposure: where its uniform is, and its buffers between the passes.
+#[derive(Component)]
+pub struct ViewExposure {
+    pub(super) offset: u32,
+    pub(super) workgroups: UVec2,
+    /// What the first pass leaves for the second: partial sums, or the histogram.
+    pub(super) sums: Buffer,
+    is_histogram: bool,
+}
+
+impl ViewExposure {
+    fn new(device: &RenderDevice, key: ExposureKey, viewport_size: UVec2) -> Self {
+        Self {
+            offset: 0,
+            workgroups: UVec2::ZERO,
+            sums: device.create_buffer(&BufferDescriptor {
+                label: Some("lean_deferred/exposure/sums"),
+                size: key.sums_size(viewport_size),
+                usage: BufferUsages::STORAGE,
+                mapped_at_creation: false,
+            }),
+            is_histogram: key.has_histogram(),
+        }
+    }
+
+    /// Whether the buffer is what the shaders of `key` expect.
+    fn fits(&self, key: ExposureKey, viewport_size: UVec2) -> bool {
+        self.sums.size() == key.sums_size(viewport_size) && self.is_histogram == key.has_histogram()
+    }
+}
+
+/// Fills [`ExposureUniforms`], and makes the buffers where there are none that fit.
+pub(super) fn write_exposure_uniforms(
+    mut commands: Commands,
+    mut uniforms: ResMut<ExposureUniforms>,
+    (device, queue, time): (Res<RenderDevice>, Res<RenderQueue>, Res<Time>),
+    mut views: Query<(
+        Entity,
+        &LeanAutoExposure,
+        &ExtractedCamera,
+        &ExposureCuts,
+        &ViewExposurePipelines,
+        &ViewTarget,
+        &mut ExposureHistory,
+        Option<&mut ViewExposure>,
+    )>,
+) {
+    let Some(mut writer) = uniforms.0.get_writer(views.iter().len(), &device, &queue) else {
+        return;
+    };
+    for (entity, settings, camera, cuts, pipelines, target, mut history, view) in &mut views {
+        let key = pipelines.key;
+        let (origin, size) = match &camera.viewport {
+            Some(viewport) => (viewport.physical_position, viewport.physical_size),
+            None => {
+                // Not as the camera has it, which may lag behind a target that is resized or replaced.
+                let picture = target.main_texture();
+                (UVec2::ZERO, UVec2::new(picture.width(), picture.height()))
+            }
+        };
+        let mut new = None;
+        let view = match view {
+            Some(view) => view.into_inner(),
+            None => new.insert(ViewExposure::new(&device, key, size)),
+        };
+        if !view.fits(key, size) {
+            *view = ViewExposure::new(&device, key, size);
+        }
+        let now = time.elapsed_secs_f64();
+        let seconds = (now - history.rendered) as f32;
+        history.rendered = now;
+        view.offset = writer.write(&ExposureView::new(settings, origin, size, seconds, cuts.0));
+        view.workgroups = key.workgroups(size);
+        if let Some(new) = new {
+            commands.entity(entity).insert(new);
+        }
+    }
+}
 
 /// On a view with auto exposure: the bind groups of its passes.
 #[derive(Component, Default)]

@@ -1,0 +1,106 @@
+//! What the shaders are compiled by.
+
+use bevy::{render::render_resource::TextureFormat, shader::ShaderDefVal};
+
+use super::{
+    settings::{LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionResolution},
+    uniforms::ProjectionKind,
+};
+
+/// What the gather is compiled by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct GatherKey {
+    pub(super) kernel: OcclusionKernel,
+    /// Slices, and steps a side; `None` if the shader reads them from its uniform.
+    pub(super) samples: Option<(u32, u32)>,
+    pub(super) shading_normals: bool,
+    /// Horizons sink behind thin parts.
+    pub(super) thin: bool,
+    pub(super) divisor: u32,
+    pub(super) format: OcclusionFormat,
+    pub(super) projection: ProjectionKind,
+}
+
+impl GatherKey {
+    /// As the shaders see it: what a kernel does not read is not in its key.
+    pub(super) fn reduced(mut self) -> Self {
+        if self.kernel == OcclusionKernel::Hdao {
+            self.samples = None;
+            self.shading_normals = false;
+            self.thin = false;
+        }
+        self
+    }
+
+    pub(super) fn reads_normals(self) -> bool {
+        self.reduced().shading_normals
+    }
+
+    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+        let mut defs: Vec<ShaderDefVal> = vec![ShaderDefVal::UInt("DIVISOR".into(), self.divisor)];
+        if let Some((slices, steps)) = self.samples {
+            defs.push(ShaderDefVal::UInt("SLICES".into(), slices));
+            defs.push(ShaderDefVal::UInt("STEPS".into(), steps));
+        }
+        let mut define = |condition: bool, name: &'static str| {
+            if condition {
+                defs.push(name.into());
+            }
+        };
+        define(self.kernel == OcclusionKernel::Hdao, "HDAO");
+        define(self.shading_normals, "SHADING_NORMALS");
+        define(self.thin, "THIN");
+        define(self.format == OcclusionFormat::Float16, "FLOAT16");
+        define(
+            self.projection == ProjectionKind::Perspective,
+            "PROJECTION_PERSPECTIVE",
+        );
+        define(
+            self.projection == ProjectionKind::Orthographic,
+            "PROJECTION_ORTHOGRAPHIC",
+        );
+        defs
+    }
+}
+
+/// What the filter is compiled by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct FilterKey {
+    flat: bool,
+    edge_aware: bool,
+    half: bool,
+}
+
+impl From<&LeanAmbientOcclusion> for FilterKey {
+    fn from(settings: &LeanAmbientOcclusion) -> Self {
+        let half = settings.resolution == OcclusionResolution::Half;
+        Self {
+            // From half resolution there is one set of weights.
+            flat: settings.filter.is_flat() && !half,
+            edge_aware: settings.filter.is_edge_aware(),
+            half,
+        }
+    }
+}
+
+impl FilterKey {
+    pub(crate) fn shader_defs(self) -> impl Iterator<Item = ShaderDefVal> {
+        [
+            (self.flat, "OCCLUSION_FLAT"),
+            (self.edge_aware, "OCCLUSION_EDGE_AWARE"),
+            (self.half, "OCCLUSION_HALF"),
+        ]
+        .into_iter()
+        .filter(|(condition, _)| *condition)
+        .map(|(_, name)| name.into())
+    }
+}
+
+/// What the merge is compiled by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct MergeKey {
+    pub(super) target: TextureFormat,
+    pub(super) filter: FilterKey,
+    pub(super) fog: bool,
+    pub(super) debug_view: bool,
+}

@@ -1,0 +1,235 @@
+//! What the passes need of a view: its uniform, its texture, and bind groups, which are made anew only when what they bind
+//! changed.
+
+use bevy::{
+    camera::{MainPassResolutionOverride, Viewport},
+    diagnostic::FrameCount,
+    image::ToExtents,
+    pbr::DistanceFog,
+    prelude::*,
+    render::{
+        camera::{ExtractedCamera, TemporalJitter},
+        render_resource::{
+            BindGroup, DynamicUniformBuffer, IntoBinding, TextureDescriptor, TextureDimension,
+            TextureUsages,
+        },
+        renderer::{RenderDevice, RenderQueue},
+        texture::{CachedTexture, TextureCache},
+        view::{ExtractedView, ViewDepthTexture},
+    },
+};
+
+use super::{
+    active::ActiveOcclusion,
+    pipelines::{GatherPipeline, OcclusionPipelines},
+    uniforms::{OcclusionView, fog_parameters, workgroups},
+};
+use crate::{
+    gbuffer::GBufferTextures,
+    gpu::{bind_group_cache::CachedBindGroup, tiles::RowOrder},
+};
+
+/// The uniforms of all views.
+#[derive(Resource, Default)]
+pub(crate) struct OcclusionUniforms(pub(crate) DynamicUniformBuffer<OcclusionView>);
+
+/// On a view with ambient occlusion: where in the buffer its uniform is.
+#[derive(Component)]
+pub struct ViewOcclusion {
+    pub(crate) offset: u32,
+    pub(super) viewport: Viewport,
+    pub(super) texture_size: UVec2,
+}
+
+/// Fills [`OcclusionUniforms`] and inserts [`ViewOcclusion`].
+pub(super) fn write_occlusion_uniforms(
+    mut commands: Commands,
+    mut uniforms: ResMut<OcclusionUniforms>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    (row_order, frame): (Res<RowOrder>, Res<FrameCount>),
+    mut views: Query<(
+        Entity,
+        &ActiveOcclusion,
+        &ExtractedCamera,
+        &ExtractedView,
+        Option<&MainPassResolutionOverride>,
+        Option<&DistanceFog>,
+        Has<TemporalJitter>,
+        Option<&mut ViewOcclusion>,
+    )>,
+) {
+    let Some(mut writer) = uniforms.0.get_writer(views.iter().len(), &device, &queue) else {
+        return;
+    };
+    for (entity, active, camera, view, resolution_override, fog, is_jittered, current) in &mut views
+    {
+        let viewport =
+            Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override)
+                .unwrap_or_else(|| Viewport {
+                    physical_size: camera.physical_target_size.unwrap_or(UVec2::ONE),
+                    ..default()
+                });
+        let mut uniform = OcclusionView::new(
+            &active.settings,
+            view.clip_from_view,
+            viewport.physical_size,
+        );
+        uniform.view_from_world = view.world_from_view.to_matrix().inverse();
+        uniform.fog = fog_parameters(fog);
+        uniform.viewport_origin = viewport.physical_position;
+        uniform.row_stride = row_order.stride(workgroups(uniform.texture_size).y);
+        if is_jittered {
+            // The golden section spreads any number of frames.
+            uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;
+        }
+        let view = ViewOcclusion {
+            offset: writer.write(&uniform),
+            texture_size: uniform.texture_size,
+            viewport,
+        };
+        match current {
+            Some(mut current) => *current = view,
+            None => {
+                commands.entity(entity).insert(view);
+            }
+        }
+    }
+}
+
+/// The occlusion of a view, as large as its viewport or half that. 0 is none.
+#[derive(Component, Clone)]
+pub struct OcclusionTexture(pub CachedTexture);
+
+/// Gives each view that finds occlusion its texture.
+pub(super) fn prepare_occlusion_textures(
+    mut commands: Commands,
+    mut texture_cache: ResMut<TextureCache>,
+    render_device: Res<RenderDevice>,
+    mut views: Query<(
+        Entity,
+        &ActiveOcclusion,
+        &ViewOcclusion,
+        Option<&mut OcclusionTexture>,
+    )>,
+) {
+    for (entity, active, view, current) in &mut views {
+        let usage = match active.gather {
+            Some(GatherPipeline::Compute(_)) => TextureUsages::STORAGE_BINDING,
+            Some(GatherPipeline::Raster(_)) => TextureUsages::RENDER_ATTACHMENT,
+            None => {
+                if current.is_some() {
+                    commands.entity(entity).remove::<OcclusionTexture>();
+                }
+                continue;
+            }
+        };
+        let texture = texture_cache.get(
+            &render_device,
+            TextureDescriptor {
+                label: Some("lean_deferred/occlusion"),
+                size: view.texture_size.to_extents(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: TextureDimension::D2,
+                format: active.key.format.texture_format(),
+                usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+                view_formats: &[],
+            },
+        );
+        match current {
+            Some(mut current) => current.0 = texture,
+            None => {
+                commands.entity(entity).insert(OcclusionTexture(texture));
+            }
+        }
+    }
+}
+
+/// Depth is read where it was drawn: no copy. Bevy creates the depth texture with the usages found here.
+pub(super) fn make_depth_readable(mut cameras: Query<&mut Camera3d, With<ActiveOcclusion>>) {
+    for mut camera in &mut cameras {
+        let usages =
+            TextureUsages::from(camera.depth_texture_usages) | TextureUsages::TEXTURE_BINDING;
+        camera.depth_texture_usages = usages.into();
+    }
+}
+
+/// On a view with ambient occlusion: the bind groups of its passes.
+#[derive(Component, Default)]
+pub struct OcclusionBindings {
+    pub(super) gather: CachedBindGroup,
+    pub(super) merge: CachedBindGroup,
+}
+
+impl OcclusionBindings {
+    /// Those that stay from frame to frame as long as nothing changes.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        [&self.gather, &self.merge]
+            .into_iter()
+            .filter_map(CachedBindGroup::get)
+    }
+}
+
+/// Makes the bind groups of all active views.
+pub(super) fn prepare_occlusion_bind_groups(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    pipelines: Option<Res<OcclusionPipelines>>,
+    uniforms: Res<OcclusionUniforms>,
+    mut views: Query<(
+        Entity,
+        &ActiveOcclusion,
+        Option<&OcclusionTexture>,
+        &ViewDepthTexture,
+        Option<&GBufferTextures>,
+        Option<&mut OcclusionBindings>,
+    )>,
+) {
+    let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
+        return;
+    };
+    for (entity, active, texture, depth, gbuffer, bindings) in &mut views {
+        let mut new = None;
+        let bindings = match bindings {
+            Some(bindings) => bindings.into_inner(),
+            None => new.insert(OcclusionBindings::default()),
+        };
+        let (Some(texture), Some(gather)) = (texture, active.gather) else {
+            bindings.gather.clear();
+            bindings.merge.clear();
+            continue;
+        };
+        let occlusion = || texture.0.default_view.into_binding();
+
+        let computes = matches!(gather, GatherPipeline::Compute(_));
+        if let Some(layout) = pipelines.gather_layout(active.key, computes) {
+            bindings.gather.update(&device, layout, |entries| {
+                entries.push(0, uniforms.clone())?;
+                entries.push(1, depth.view().into_binding())?;
+                entries.push(2, pipelines.nearest_sampler.into_binding())?;
+                if active.key.reads_normals() {
+                    entries.push(3, gbuffer?.normal.default_view.into_binding())?;
+                }
+                if computes {
+                    entries.push(4, occlusion())?;
+                }
+                Some(())
+            });
+        }
+        if active.merge.is_some() {
+            bindings
+                .merge
+                .update(&device, &pipelines.merge_layout, |entries| {
+                    entries.push(0, uniforms.clone())?;
+                    entries.push(1, depth.view().into_binding())?;
+                    entries.push(2, pipelines.nearest_sampler.into_binding())?;
+                    entries.push(3, occlusion())
+                });
+        } else {
+            bindings.merge.clear();
+        }
+        if let Some(new) = new {
+            commands.entity(entity).insert(new);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Per camera and frame: whether and how it is metered.
+
+use bevy::{
+    prelude::*,
+    render::{
+        camera::ExtractedCamera, render_asset::RenderAssets, render_resource::PipelineCache,
+        sync_world::MainEntity, texture::GpuImage,
+    },
+};
+
+use super::{
+    key::ExposureKey,
+    pipelines::{ExposurePipelines, PassPipelines},
+    settings::{LeanAutoExposure, MeteringPattern},
+    support::ExposureSupport,
+};
+use crate::view::warn_once::WarnOnce;
+
+/// On a view with auto exposure: what it is metered with.
+#[derive(Component, Clone)]
+pub struct ViewExposurePipelines {
+    pub(super) key: ExposureKey,
+    /// `Some` if the key has one.
+    pub(super) mask: Option<Handle<Image>>,
+    pub(super) passes: PassPipelines,
+}
+
+/// Why cameras are without.
+#[derive(Resource)]
+pub(super) struct Warnings(WarnOnce<&'static str>);
+
+impl Default for Warnings {
+    fn default() -> Self {
+        Self(WarnOnce::new("LeanAutoExposure"))
+    }
+}
+
+/// Inserts or removes [`ViewExposurePipelines`]. A view keeps the pipelines that it has until those of new settings are
+/// compiled: without any, the picture would flash. Cameras that are switched off lose them, and so what they hold on the
+/// GPU, but for their history.
+pub(super) fn queue_exposure_pipelines(
+    mut commands: Commands,
+    support: Res<ExposureSupport>,
+    pipelines: Option<ResMut<ExposurePipelines>>,
+    mut warnings: ResMut<Warnings>,
+    pipeline_cache: Res<PipelineCache>,
+    images: Res<RenderAssets<GpuImage>>,
+    mut views: Query<(
+        Entity,
+        &MainEntity,
+        &ExtractedCamera,
+        &LeanAutoExposure,
+        Option<&mut ViewExposurePipelines>,
+    )>,
+    cameras: Query<&MainEntity, With<LeanAutoExposure>>,
+    switched_off: Query<Entity, (With<ViewExposurePipelines>, Without<ExtractedCamera>)>,
+) {
+    warnings.0.keep_only(cameras.iter());
+    for entity in &switched_off {
+        commands.entity(entity).remove::<ViewExposurePipelines>();
+    }
+    let Some(mut pipelines) = pipelines.filter(|_| support.missing.is_none()) else {
+        return;
+    };
+    for (entity, camera, extracted, settings, current) in &mut views {
+        let reason = (!extracted.hdr).then_some("it has no Hdr component");
+        warnings.0.tell(*camera, reason);
+        if reason.is_some() {
+            if current.is_some() {
+                commands.entity(entity).remove::<ViewExposurePipelines>();
+            }
+            continue;
+        }
+        let mask = match &settings.pattern {
+            MeteringPattern::Mask(mask) if images.get(mask).is_some() => Some(mask),
+            _ => None,
+        };
+        let subgroups = support.uses_subgroups(settings);
+        let key = ExposureKey::new(settings, subgroups, mask.is_some());
+        let passes = pipelines.get(key, &pipeline_cache);
+        match current {
+            Some(current) if current.key == key && current.mask.as_ref() == mask => {}
+            Some(mut current) => {
+                if passes.are_compiled(&pipeline_cache) {
+                    *current = ViewExposurePipelines {
+                        key,
+                        mask: mask.cloned(),
+                        passes,
+                    };
+                }
+            }
+            None => {
+                commands.entity(entity).insert(ViewExposurePipelines {
+                    key,
+                    mask: mask.cloned(),
+                    passes,
+                });
+            }
+        }
+    }
+}
