@@ -82,6 +82,7 @@ fn main() {
             }
             measurement.compare(reference.get_or_insert(picture.clone()), &picture);
             eprintln!("{}", report::row(&measurement, None));
+            eprintln!("turning around: {:.2?}", measurement.turn_stages);
             measurements.push(measurement);
         }
     }

@@ -68,6 +68,8 @@ pub struct Measurement {
     pub emissive: Times,
     pub expiry: Times,
     pub turn: Times,
+    /// Of the frame in which the camera has turned: milliseconds of each stage, by its name.
+    pub turn_stages: Vec<(&'static str, f64)>,
     /// Against forward.
     pub psnr: f64,
     pub flip: f64,
@@ -149,22 +151,22 @@ impl Stage {
         dearest(&self.frames(EVENT_FRAMES))
     }
 
-    /// Each event once: the lamp, its expiry, and turning around and back.
-    fn events(&mut self) -> (Times, Times, [Times; 2]) {
+    /// The lamp appears, and its target expires.
+    fn show_lamp_for_a_while(&mut self) -> [Times; 2] {
         let emissive = self.event(|world| scene::show_lamp(world, true));
         scene::show_lamp(self.headless.world(), false);
         self.frames(4);
-        let expiry = dearest(&self.frames(EXPIRY_FRAMES));
-        let turn = [(); 2].map(|()| {
-            self.frames(2);
-            scene::turn_around(self.headless.world());
-            let first = self.frame();
-            if let Some(stages) = self.stage_times() {
-                eprintln!("{}", stages::line(&stages));
-            }
-            dearest(&[&[first][..], &self.frames(EVENT_FRAMES - 1)].concat())
-        });
-        (emissive, expiry, turn)
+        [emissive, dearest(&self.frames(EXPIRY_FRAMES))]
+    }
+
+    /// The camera turns around; with where the time of that frame went.
+    fn turn(&mut self) -> (Times, Option<stages::StageTimes>) {
+        self.frames(2);
+        scene::turn_around(self.headless.world());
+        let first = self.frame();
+        let stages = self.stage_times();
+        let rest = self.frames(EVENT_FRAMES - 1);
+        (dearest(&[&[first][..], &rest].concat()), stages)
     }
 }
 
@@ -236,14 +238,23 @@ pub fn measure(
         stage.headless.world().insert_resource(Motion::Nothing);
         stage.frames(4);
     }
+    // The first of each compiles shaders and is not counted.
     for time in 0..=events {
         for (stage, seen) in stages.iter_mut().zip(&mut seen) {
-            let event = stage.events();
-            // The first of each compiles shaders and is not counted.
+            let [emissive, expiry] = stage.show_lamp_for_a_while();
             if time > 0 {
-                seen.emissive.push(event.0);
-                seen.expiry.push(event.1);
-                seen.turn.extend(event.2);
+                seen.emissive.push(emissive);
+                seen.expiry.push(expiry);
+            }
+        }
+    }
+    // These take either of two times, one twice the other, by which core they come to: so there are more of them.
+    for time in 0..=events * TURNS_AN_EVENT {
+        for (stage, seen) in stages.iter_mut().zip(&mut seen) {
+            let (turn, stages) = stage.turn();
+            if time > 0 {
+                seen.turn.push(turn);
+                seen.stages.extend(stages);
             }
         }
     }
@@ -264,6 +275,7 @@ pub fn measure(
                 emissive: median(&seen.emissive),
                 expiry: median(&seen.expiry),
                 turn: median(&seen.turn),
+                turn_stages: stages::medians(&seen.stages),
                 psnr: f64::NAN,
                 flip: f64::NAN,
             };
@@ -272,6 +284,8 @@ pub fn measure(
         .collect()
 }
 
+/// How often the camera turns around, for each of the other events.
+const TURNS_AN_EVENT: usize = 6;
 /// How often the renderers take turns.
 const TURNS: usize = 6;
 
@@ -281,4 +295,5 @@ struct Events {
     emissive: Vec<Times>,
     expiry: Vec<Times>,
     turn: Vec<Times>,
+    stages: Vec<stages::StageTimes>,
 }

@@ -57,11 +57,13 @@ pub fn times(render_app: &SubApp, began: Instant) -> StageTimes {
     })
 }
 
-/// A line of text.
-pub fn line(times: &StageTimes) -> String {
-    let names = STAGES.iter().map(|(name, _)| name);
-    let parts = names
-        .zip(times)
-        .map(|(name, time)| format!("{name} {time:.2}"));
-    parts.collect::<Vec<_>>().join(", ")
+/// The median of each, with its name.
+pub fn medians(times: &[StageTimes]) -> Vec<(&'static str, f64)> {
+    let of = |stage: usize| {
+        let mut values: Vec<f64> = times.iter().map(|times| times[stage]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    let names = STAGES.iter().enumerate();
+    names.map(|(stage, (name, _))| (*name, of(stage))).collect()
 }
