@@ -20,7 +20,7 @@ use bevy::{
 
 use super::{
     bevy_phases::BevyPhases,
-    lookup::{MeshLookup, MeshToQueue, RecentKinds},
+    lookup::{MeshLookup, RecentKinds},
 };
 
 /// The pipelines that Bevy specialized, for all views.
@@ -39,8 +39,14 @@ struct ViewOffer {
     main: SpecializedMaterialViewPipelineCache,
     prepass: SpecializedPrepassMaterialViewPipelineCache,
     /// Meshes that Bevy would not queue, to be put into its phases after it has queued its own.
-    into_main: Vec<MainEntity>,
-    into_prepass: Vec<MainEntity>,
+    forced: Vec<Forced>,
+}
+
+/// A mesh that goes into Bevy's prepass, if the view has one, although Bevy does not queue it.
+struct Forced {
+    mesh: MainEntity,
+    /// Into the main phases too.
+    into_main: bool,
 }
 
 impl ViewOffer {
@@ -107,13 +113,18 @@ impl Offer<'_> {
 
     /// The mesh goes into Bevy's phases, although Bevy does not queue it.
     pub(super) fn force(&mut self, mesh: MainEntity) {
-        self.offer.into_main.push(mesh);
-        self.offer.into_prepass.push(mesh);
+        self.offer.forced.push(Forced {
+            mesh,
+            into_main: true,
+        });
     }
 
     /// The mesh goes into Bevy's prepass, although Bevy does not queue it.
     pub(super) fn force_into_prepass(&mut self, mesh: MainEntity) {
-        self.offer.into_prepass.push(mesh);
+        self.offer.forced.push(Forced {
+            mesh,
+            into_main: false,
+        });
     }
 }
 
@@ -131,19 +142,18 @@ pub(super) fn take_offers_back(
         offer.main.clear();
         offer.prepass.clear();
         let mut phases = bevy_phases.of(view);
-        let phase_type = |mesh: &MeshToQueue| {
-            BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), &gpu_preprocessing)
-        };
-        let main = pipelines.main.get(view);
-        for entity in offer.into_main.drain(..) {
-            if let (Ok(mesh), Some(main)) = (lookup.find(entity, &mut kinds), main) {
-                phases.put_into_main(entity, &mesh, phase_type(&mesh), main);
+        let (main, prepass) = (pipelines.main.get(view), pipelines.prepass.get(view));
+        for Forced { mesh, into_main } in offer.forced.drain(..) {
+            let Ok(found) = lookup.find(mesh, &mut kinds) else {
+                continue;
+            };
+            let phase_type =
+                BinnedRenderPhaseType::mesh(found.instance.should_batch(), &gpu_preprocessing);
+            if let Some(main) = main.filter(|_| into_main) {
+                phases.put_into_main(mesh, &found, phase_type, main);
             }
-        }
-        let prepass = pipelines.prepass.get(view);
-        for entity in offer.into_prepass.drain(..) {
-            if let (Ok(mesh), Some(prepass)) = (lookup.find(entity, &mut kinds), prepass) {
-                phases.put_into_prepass(entity, &mesh, phase_type(&mesh), prepass);
+            if let Some(prepass) = prepass {
+                phases.put_into_prepass(mesh, &found, phase_type, prepass);
             }
         }
     }

@@ -208,7 +208,6 @@ pub(super) fn queue_gbuffer_meshes(
         waiting.sort_unstable_by_key(|(_, entity)| *entity);
         for (render_entity, entity) in &waiting {
             if visible.entity_pair_is_visible(*render_entity, *entity) {
-                sorter.phases.remove(*entity);
                 sorter.sort((render_entity, entity), Holder::Bevy);
             }
         }
@@ -224,7 +223,6 @@ pub(super) fn queue_gbuffer_meshes(
         };
         for &mesh in &concerned {
             if let Some(pair) = visible_pair(visible, mesh) {
-                sorter.phases.remove(mesh);
                 sorter.sort((&pair.0, &pair.1), holder);
             }
         }
@@ -282,7 +280,7 @@ struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
 impl Sorter<'_, '_, '_, '_, '_, '_> {
     fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), holder: Holder) {
         *self.count += 1;
-        if holder == Holder::Either {
+        if holder != Holder::Nobody {
             self.phases.remove(entity);
         }
         let lookup = self.lookup;
