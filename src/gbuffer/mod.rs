@@ -6,7 +6,7 @@
 //! - `special.rs`, `moving.rs`: which meshes need more than their material says.
 //! - `demand.rs`: what all visible meshes of a view need together.
 //! - `lookup.rs`: what a mesh needs.
-//! - `phase.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
+//! - `phase.rs`, `phase_item.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
 //! - `queue.rs`, `placement.rs`: which meshes go there.
 //! - `offer.rs`, `bevy_phases.rs`: Bevy queues the others; how meshes get out of Bevy's phases and back.
 //! - `visibility_masks.rs`: the layers of meshes, as data for their draws.
@@ -24,6 +24,7 @@ mod moving;
 mod offer;
 mod pass;
 mod phase;
+mod phase_item;
 mod pipeline;
 mod placement;
 mod queue;
@@ -35,23 +36,22 @@ mod textures;
 mod usage;
 mod visibility_masks;
 
-pub use crate::{
-    shader_library::layout,
-    view::{GBufferPasses, GBufferTargets, ShadingModel},
-};
+pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 pub(crate) use demand::ViewDemands;
 pub use material::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin};
-pub use phase::{
+use phase_item::{
     AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferBatchSetKey,
     OpaqueGBuffer,
 };
-pub use queue::SortedMeshes;
 pub(crate) use resolve_motion::MotionResolvePipelines;
 use resolve_motion::ViewMotionResolve;
 pub use targets::GBufferNeeds;
 pub use textures::GBufferTextures;
 pub use usage::GBufferUsage;
+// For tests and benches.
 use visibility_masks::DrawWithVisibilityMask;
+#[doc(hidden)]
+pub use {crate::shader_library::layout, queue::SortedMeshes};
 
 use bevy::{
     asset::embedded_asset,
@@ -70,7 +70,10 @@ use bevy::{
         ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderDebugFlags, RenderStartup,
         RenderSystems,
         camera::DirtySpecializationSystems,
-        render_phase::{AddRenderCommand, BinnedRenderPhasePlugin, DrawFunctions},
+        render_phase::{
+            AddRenderCommand, BinnedPhaseItem, BinnedRenderPhasePlugin,
+            CachedRenderPipelinePhaseItem, DrawFunctions,
+        },
         render_resource::SpecializedMeshPipelines,
     },
     shader::load_shader_library,
@@ -88,24 +91,14 @@ impl Plugin for GBufferPlugin {
         embedded_asset!(app, "gbuffer.wgsl");
         embedded_asset!(app, "resolve_motion.wgsl");
 
-        app.add_plugins((
-            BinnedRenderPhasePlugin::<OpaqueGBuffer, MeshPipeline>::new(
-                RenderDebugFlags::default(),
-            ),
-            BinnedRenderPhasePlugin::<AlphaMaskGBuffer, MeshPipeline>::new(
-                RenderDebugFlags::default(),
-            ),
-            BinnedRenderPhasePlugin::<ExtendedOpaqueGBuffer, MeshPipeline>::new(
-                RenderDebugFlags::default(),
-            ),
-            BinnedRenderPhasePlugin::<ExtendedAlphaMaskGBuffer, MeshPipeline>::new(
-                RenderDebugFlags::default(),
-            ),
-            GBufferMaterialPlugin::<StandardMaterial>::default(),
-        ))
-        .register_type::<GBufferTargets>()
-        .register_type::<GBufferUsage>()
-        .add_observer(usage::remove_usage);
+        add_phase::<OpaqueGBuffer>(app);
+        add_phase::<AlphaMaskGBuffer>(app);
+        add_phase::<ExtendedOpaqueGBuffer>(app);
+        add_phase::<ExtendedAlphaMaskGBuffer>(app);
+        app.add_plugins(GBufferMaterialPlugin::<StandardMaterial>::default())
+            .register_type::<GBufferTargets>()
+            .register_type::<GBufferUsage>()
+            .add_observer(usage::remove_usage);
 
         // Refused if there are such cameras already: those go without.
         let _ = app.try_register_required_components::<LeanDeferred, GBufferUsage>();
@@ -115,10 +108,6 @@ impl Plugin for GBufferPlugin {
         };
         removal::remove_with::<LeanDeferred, (GBufferTextures, ViewMotionResolve)>(render_app);
         render_app
-            .init_resource::<DrawFunctions<OpaqueGBuffer>>()
-            .init_resource::<DrawFunctions<AlphaMaskGBuffer>>()
-            .init_resource::<DrawFunctions<ExtendedOpaqueGBuffer>>()
-            .init_resource::<DrawFunctions<ExtendedAlphaMaskGBuffer>>()
             .init_resource::<special::SpecialMeshes>()
             .init_resource::<special::ChangedMeshes>()
             .init_resource::<moving::MovingMeshes>()
@@ -128,10 +117,6 @@ impl Plugin for GBufferPlugin {
             .init_resource::<depth_copy::WithheldDepthCopy>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
-            .add_render_command::<OpaqueGBuffer, DrawPrepass>()
-            .add_render_command::<AlphaMaskGBuffer, DrawPrepass>()
-            .add_render_command::<ExtendedOpaqueGBuffer, DrawPrepass>()
-            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawPrepass>()
             .init_resource::<visibility_masks::VisibilityMasks>()
             .add_render_command::<ExtendedOpaqueGBuffer, DrawWithVisibilityMask>()
             .add_render_command::<ExtendedAlphaMaskGBuffer, DrawWithVisibilityMask>()
@@ -207,5 +192,20 @@ impl Plugin for GBufferPlugin {
                 )
                     .in_set(GBufferPasses),
             );
+    }
+}
+
+/// A phase for which meshes are batched and drawn as in Bevy's prepasses.
+fn add_phase<P>(app: &mut App)
+where
+    P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey> + CachedRenderPipelinePhaseItem,
+{
+    app.add_plugins(BinnedRenderPhasePlugin::<P, MeshPipeline>::new(
+        RenderDebugFlags::default(),
+    ));
+    if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+        render_app
+            .init_resource::<DrawFunctions<P>>()
+            .add_render_command::<P, DrawPrepass>();
     }
 }

@@ -15,9 +15,6 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
-        render_phase::{
-            BinnedPhaseItem, BinnedRenderPhase, CachedRenderPipelinePhaseItem, TrackedRenderPass,
-        },
         render_resource::{LoadOp, PipelineCache, RenderPassDescriptor, StoreOp},
         renderer::{RenderContext, ViewQuery},
         view::{ExtractedView, ViewDepthTexture},
@@ -104,14 +101,6 @@ fn draw(
         _ => return,
     };
     let retained = view.retained_view_entity;
-    let (Some(opaque), Some(alpha_mask), Some(extended_opaque), Some(extended_alpha_mask)) = (
-        phases.opaque.get(&retained),
-        phases.alpha_mask.get(&retained),
-        phases.extended_opaque.get(&retained),
-        phases.extended_alpha_mask.get(&retained),
-    ) else {
-        return;
-    };
 
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
@@ -125,11 +114,9 @@ fn draw(
         LoadOp::Load
     };
     let has_optional = !active.targets.is_empty();
-    let base_is_empty = opaque.is_empty() && alpha_mask.is_empty();
-    let extended_is_empty = extended_opaque.is_empty() && extended_alpha_mask.is_empty();
 
     // Each target must be cleared once, by whichever pass is the first to have it.
-    if !base_is_empty || (is_first && !has_optional) {
+    if !phases.base.is_empty(&retained) || (is_first && !has_optional) {
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("lean_deferred/gbuffer"),
             color_attachments: &textures.base_attachments(base_load),
@@ -140,10 +127,9 @@ fn draw(
         if let Some(viewport) = &viewport {
             pass.set_camera_viewport(viewport);
         }
-        render(opaque, &mut pass, world, view_entity);
-        render(alpha_mask, &mut pass, world, view_entity);
+        phases.base.render(&retained, &mut pass, world, view_entity);
     }
-    if has_optional && (is_first || !extended_is_empty) {
+    if has_optional && (is_first || !phases.extended.is_empty(&retained)) {
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("lean_deferred/gbuffer/extended"),
             color_attachments: &textures.all_attachments(base_load, is_first),
@@ -153,8 +139,9 @@ fn draw(
         if let Some(viewport) = &viewport {
             pass.set_camera_viewport(viewport);
         }
-        render(extended_opaque, &mut pass, world, view_entity);
-        render(extended_alpha_mask, &mut pass, world, view_entity);
+        phases
+            .extended
+            .render(&retained, &mut pass, world, view_entity);
     }
 
     if let (Some(resolve), Some(prepass)) = (resolve_motion, prepass_textures) {
@@ -162,18 +149,4 @@ fn draw(
         resolve.draw(!is_first, prepass, viewport.as_ref(), cache, ctx);
     }
     span.end(ctx.command_encoder());
-}
-
-/// Draws the meshes of one phase.
-fn render<'w, P: BinnedPhaseItem + CachedRenderPipelinePhaseItem>(
-    phase: &BinnedRenderPhase<P>,
-    pass: &mut TrackedRenderPass<'w>,
-    world: &'w World,
-    view: Entity,
-) {
-    if !phase.is_empty()
-        && let Err(error) = phase.render(pass, world, view)
-    {
-        error_once!("drawing {}: {error:?}", core::any::type_name::<P>());
-    }
 }

@@ -1,171 +1,164 @@
 //! The render phases of the G-buffer: opaque and alpha-masked meshes, each with and without optional targets.
 
-use core::ops::Range;
-
 use bevy::{
-    asset::AssetId,
-    core_pipeline::core_3d::{Opaque3dBatchSetKey, Opaque3dBinKey},
     ecs::system::SystemParam,
-    pbr::LightmapSlabIndex,
     platform::collections::HashSet,
     prelude::*,
     render::{
         Extract,
         batching::gpu_preprocessing::{GpuPreprocessingMode, GpuPreprocessingSupport},
-        mesh::allocator::MeshSlabs,
         render_phase::{
-            BinnedPhaseItem, BinnedRenderPhase, BinnedRenderPhaseType,
-            CachedRenderPipelinePhaseItem, DrawFunctionId, InputUniformIndex, PhaseItem,
-            PhaseItemBatchSetKey, PhaseItemExtraIndex, ViewBinnedRenderPhases,
+            BinnedPhaseItem, BinnedRenderPhase, CachedRenderPipelinePhaseItem, TrackedRenderPass,
+            ViewBinnedRenderPhases,
         },
-        render_resource::CachedRenderPipelineId,
         sync_world::MainEntity,
         view::{NoIndirectDrawing, RetainedViewEntity},
     },
 };
 
+use super::phase_item::{GBufferBatchSetKey, GBufferItem, QueuedMesh};
 use crate::view::LeanDeferred;
 
-/// What meshes must have in common to be drawn by one multi-draw.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct GBufferBatchSetKey {
-    /// As in Bevy's opaque phase.
-    pub mesh: Opaque3dBatchSetKey,
-    /// The visibility mask that they write, if they write any.
-    pub visibility_mask: Option<u32>,
+/// The opaque and the alpha-masked phases of all views, of meshes that write optional targets too or of those that do not.
+#[derive(SystemParam)]
+struct PhasePair<'w, const EXTENDED: bool> {
+    opaque: ResMut<'w, ViewBinnedRenderPhases<GBufferItem<false, EXTENDED>>>,
+    alpha_masked: ResMut<'w, ViewBinnedRenderPhases<GBufferItem<true, EXTENDED>>>,
 }
 
-impl PhaseItemBatchSetKey for GBufferBatchSetKey {
-    fn indexed(&self) -> bool {
-        self.mesh.indexed()
+impl<const EXTENDED: bool> PhasePair<'_, EXTENDED> {
+    fn prepare_for_new_frame(&mut self, view: RetainedViewEntity, mode: GpuPreprocessingMode) {
+        self.opaque.prepare_for_new_frame(view, mode);
+        self.alpha_masked.prepare_for_new_frame(view, mode);
     }
-}
 
-/// A phase item whose meshes have one visibility mask.
-pub(super) trait MaskedItem: PhaseItem {
-    fn visibility_mask(&self) -> Option<u32>;
-}
+    fn retain(&mut self, live: &[RetainedViewEntity]) {
+        self.opaque.retain(|view, _| live.contains(view));
+        self.alpha_masked.retain(|view, _| live.contains(view));
+    }
 
-/// Declares a binned phase item keyed like Bevy's opaque phase.
-macro_rules! gbuffer_phase {
-    ($(#[$doc:meta])* $name:ident) => {
-        $(#[$doc])*
-        pub struct $name {
-            /// What must be equal to be drawn by one multi-draw.
-            pub batch_set_key: GBufferBatchSetKey,
-            /// What must be equal to be drawn as instances.
-            pub bin_key: Opaque3dBinKey,
-            /// An entity that stands for the batch.
-            pub representative_entity: (Entity, MainEntity),
-            /// The instances.
-            pub batch_range: Range<u32>,
-            /// A dynamic offset, or an index into the indirect parameters.
-            pub extra_index: PhaseItemExtraIndex,
-        }
-
-        impl PhaseItem for $name {
-            fn entity(&self) -> Entity {
-                self.representative_entity.0
-            }
-
-            fn main_entity(&self) -> MainEntity {
-                self.representative_entity.1
-            }
-
-            fn draw_function(&self) -> DrawFunctionId {
-                self.batch_set_key.mesh.draw_function
-            }
-
-            fn batch_range(&self) -> &Range<u32> {
-                &self.batch_range
-            }
-
-            fn batch_range_mut(&mut self) -> &mut Range<u32> {
-                &mut self.batch_range
-            }
-
-            fn extra_index(&self) -> PhaseItemExtraIndex {
-                self.extra_index.clone()
-            }
-
-            fn batch_range_and_extra_index_mut(
-                &mut self,
-            ) -> (&mut Range<u32>, &mut PhaseItemExtraIndex) {
-                (&mut self.batch_range, &mut self.extra_index)
-            }
-        }
-
-        impl BinnedPhaseItem for $name {
-            type BatchSetKey = GBufferBatchSetKey;
-            type BinKey = Opaque3dBinKey;
-
-            fn new(
-                batch_set_key: Self::BatchSetKey,
-                bin_key: Self::BinKey,
-                representative_entity: (Entity, MainEntity),
-                batch_range: Range<u32>,
-                extra_index: PhaseItemExtraIndex,
-            ) -> Self {
-                Self {
-                    batch_set_key,
-                    bin_key,
-                    representative_entity,
-                    batch_range,
-                    extra_index,
-                }
-            }
-        }
-
-        impl MaskedItem for $name {
-            fn visibility_mask(&self) -> Option<u32> {
-                self.batch_set_key.visibility_mask
-            }
-        }
-
-        impl CachedRenderPipelinePhaseItem for $name {
-            fn cached_pipeline(&self) -> CachedRenderPipelineId {
-                self.batch_set_key.mesh.pipeline
-            }
-        }
-    };
-}
-
-gbuffer_phase! {
-    /// Opaque meshes that write the base targets alone.
-    OpaqueGBuffer
-}
-
-gbuffer_phase! {
-    /// Alpha-masked meshes that write the base targets alone.
-    AlphaMaskGBuffer
-}
-
-gbuffer_phase! {
-    /// Opaque meshes that write optional targets too.
-    ExtendedOpaqueGBuffer
-}
-
-gbuffer_phase! {
-    /// Alpha-masked meshes that write optional targets too.
-    ExtendedAlphaMaskGBuffer
+    fn of(&mut self, view: &RetainedViewEntity) -> Option<ViewPhasePair<'_, EXTENDED>> {
+        Some(ViewPhasePair {
+            opaque: self.opaque.get_mut(view)?,
+            alpha_masked: self.alpha_masked.get_mut(view)?,
+        })
+    }
 }
 
 /// The phases of all views.
 #[derive(SystemParam)]
 pub(super) struct GBufferPhases<'w> {
-    opaque: ResMut<'w, ViewBinnedRenderPhases<OpaqueGBuffer>>,
-    alpha_mask: ResMut<'w, ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
-    extended_opaque: ResMut<'w, ViewBinnedRenderPhases<ExtendedOpaqueGBuffer>>,
-    extended_alpha_mask: ResMut<'w, ViewBinnedRenderPhases<ExtendedAlphaMaskGBuffer>>,
+    base: PhasePair<'w, false>,
+    extended: PhasePair<'w, true>,
+}
+
+impl GBufferPhases<'_> {
+    /// The phases of `view`, if it has any in this frame.
+    pub(super) fn of(&mut self, view: &RetainedViewEntity) -> Option<GBufferViewPhases<'_>> {
+        Some(GBufferViewPhases {
+            base: self.base.of(view)?,
+            extended: self.extended.of(view)?,
+        })
+    }
+}
+
+struct ViewPhasePair<'a, const EXTENDED: bool> {
+    opaque: &'a mut BinnedRenderPhase<GBufferItem<false, EXTENDED>>,
+    alpha_masked: &'a mut BinnedRenderPhase<GBufferItem<true, EXTENDED>>,
+}
+
+impl<const EXTENDED: bool> ViewPhasePair<'_, EXTENDED> {
+    fn remove(&mut self, mesh: MainEntity) {
+        remove(self.opaque, mesh);
+        remove(self.alpha_masked, mesh);
+    }
+
+    fn add(&mut self, alpha_masked: bool, item: QueuedMesh) {
+        if alpha_masked {
+            item.add_to(self.alpha_masked);
+        } else {
+            item.add_to(self.opaque);
+        }
+    }
+}
+
+/// The phases of one view.
+pub(super) struct GBufferViewPhases<'a> {
+    base: ViewPhasePair<'a, false>,
+    extended: ViewPhasePair<'a, true>,
+}
+
+impl GBufferViewPhases<'_> {
+    /// Takes `mesh` out of whichever phase it is in.
+    pub(super) fn remove(&mut self, mesh: MainEntity) {
+        self.base.remove(mesh);
+        self.extended.remove(mesh);
+    }
+
+    /// Puts a mesh that is in none of the phases into one of them.
+    pub(super) fn add(&mut self, alpha_masked: bool, extended: bool, item: QueuedMesh) {
+        if extended {
+            self.extended.add(alpha_masked, item);
+        } else {
+            self.base.add(alpha_masked, item);
+        }
+    }
+}
+
+fn remove<P: BinnedPhaseItem>(phase: &mut BinnedRenderPhase<P>, mesh: MainEntity) {
+    if !phase.is_empty() {
+        phase.remove(mesh);
+    }
+}
+
+/// As [`PhasePair`], to be drawn.
+#[derive(SystemParam)]
+pub(super) struct DrawnPhasePair<'w, const EXTENDED: bool> {
+    opaque: Res<'w, ViewBinnedRenderPhases<GBufferItem<false, EXTENDED>>>,
+    alpha_masked: Res<'w, ViewBinnedRenderPhases<GBufferItem<true, EXTENDED>>>,
+}
+
+impl<const EXTENDED: bool> DrawnPhasePair<'_, EXTENDED> {
+    /// No such phase of `view` has a mesh.
+    pub(super) fn is_empty(&self, view: &RetainedViewEntity) -> bool {
+        self.opaque.get(view).is_none_or(|phase| phase.is_empty())
+            && self
+                .alpha_masked
+                .get(view)
+                .is_none_or(|phase| phase.is_empty())
+    }
+
+    /// Draws the meshes of `view`, opaque ones first.
+    pub(super) fn render<'w>(
+        &self,
+        view: &RetainedViewEntity,
+        pass: &mut TrackedRenderPass<'w>,
+        world: &'w World,
+        view_entity: Entity,
+    ) {
+        fn render<'w, P: BinnedPhaseItem + CachedRenderPipelinePhaseItem>(
+            phase: Option<&BinnedRenderPhase<P>>,
+            pass: &mut TrackedRenderPass<'w>,
+            world: &'w World,
+            view: Entity,
+        ) {
+            if let Some(phase) = phase
+                && !phase.is_empty()
+                && let Err(error) = phase.render(pass, world, view)
+            {
+                error_once!("drawing {}: {error:?}", core::any::type_name::<P>());
+            }
+        }
+        render(self.opaque.get(view), pass, world, view_entity);
+        render(self.alpha_masked.get(view), pass, world, view_entity);
+    }
 }
 
 /// The phases of all views, to be drawn.
 #[derive(SystemParam)]
 pub(super) struct DrawnGBufferPhases<'w> {
-    pub(super) opaque: Res<'w, ViewBinnedRenderPhases<OpaqueGBuffer>>,
-    pub(super) alpha_mask: Res<'w, ViewBinnedRenderPhases<AlphaMaskGBuffer>>,
-    pub(super) extended_opaque: Res<'w, ViewBinnedRenderPhases<ExtendedOpaqueGBuffer>>,
-    pub(super) extended_alpha_mask: Res<'w, ViewBinnedRenderPhases<ExtendedAlphaMaskGBuffer>>,
+    pub(super) base: DrawnPhasePair<'w, false>,
+    pub(super) extended: DrawnPhasePair<'w, true>,
 }
 
 impl DrawnGBufferPhases<'_> {
@@ -184,107 +177,9 @@ impl DrawnGBufferPhases<'_> {
                 })
                 .filter_map(|key| key.visibility_mask)
         }
-        of(&self.extended_opaque)
-            .chain(of(&self.extended_alpha_mask))
+        of(&self.extended.opaque)
+            .chain(of(&self.extended.alpha_masked))
             .collect()
-    }
-}
-
-impl GBufferPhases<'_> {
-    fn prepare_for_new_frame(&mut self, view: RetainedViewEntity, mode: GpuPreprocessingMode) {
-        self.opaque.prepare_for_new_frame(view, mode);
-        self.alpha_mask.prepare_for_new_frame(view, mode);
-        self.extended_opaque.prepare_for_new_frame(view, mode);
-        self.extended_alpha_mask.prepare_for_new_frame(view, mode);
-    }
-
-    fn retain(&mut self, live: &[RetainedViewEntity]) {
-        self.opaque.retain(|view, _| live.contains(view));
-        self.alpha_mask.retain(|view, _| live.contains(view));
-        self.extended_opaque.retain(|view, _| live.contains(view));
-        self.extended_alpha_mask
-            .retain(|view, _| live.contains(view));
-    }
-
-    /// The phases of `view`, if it has any in this frame.
-    pub(super) fn of(&mut self, view: &RetainedViewEntity) -> Option<GBufferViewPhases<'_>> {
-        Some(GBufferViewPhases {
-            opaque: self.opaque.get_mut(view)?,
-            alpha_mask: self.alpha_mask.get_mut(view)?,
-            extended_opaque: self.extended_opaque.get_mut(view)?,
-            extended_alpha_mask: self.extended_alpha_mask.get_mut(view)?,
-        })
-    }
-}
-
-/// The phases of one view.
-pub(super) struct GBufferViewPhases<'a> {
-    opaque: &'a mut BinnedRenderPhase<OpaqueGBuffer>,
-    alpha_mask: &'a mut BinnedRenderPhase<AlphaMaskGBuffer>,
-    extended_opaque: &'a mut BinnedRenderPhase<ExtendedOpaqueGBuffer>,
-    extended_alpha_mask: &'a mut BinnedRenderPhase<ExtendedAlphaMaskGBuffer>,
-}
-
-impl GBufferViewPhases<'_> {
-    /// Takes `mesh` out of whichever phase it is in.
-    pub(super) fn remove(&mut self, mesh: MainEntity) {
-        remove(self.opaque, mesh);
-        remove(self.alpha_mask, mesh);
-        remove(self.extended_opaque, mesh);
-        remove(self.extended_alpha_mask, mesh);
-    }
-
-    /// Puts a mesh that is in none of the phases into one of them.
-    pub(super) fn add(&mut self, alpha_masked: bool, extended: bool, item: QueuedMesh) {
-        match (extended, alpha_masked) {
-            (false, false) => item.add_to(self.opaque),
-            (false, true) => item.add_to(self.alpha_mask),
-            (true, false) => item.add_to(self.extended_opaque),
-            (true, true) => item.add_to(self.extended_alpha_mask),
-        }
-    }
-}
-
-fn remove<P: BinnedPhaseItem>(phase: &mut BinnedRenderPhase<P>, mesh: MainEntity) {
-    if !phase.is_empty() {
-        phase.remove(mesh);
-    }
-}
-
-/// What a phase must know to draw a mesh.
-pub(super) struct QueuedMesh {
-    /// With what it fills the target of that name, if it does.
-    pub(super) visibility_mask: Option<u32>,
-    pub(super) pipeline: CachedRenderPipelineId,
-    pub(super) draw_function: DrawFunctionId,
-    pub(super) material_bind_group_index: Option<u32>,
-    pub(super) slabs: MeshSlabs,
-    pub(super) lightmap_slab: Option<LightmapSlabIndex>,
-    pub(super) mesh: AssetId<Mesh>,
-    pub(super) entities: (Entity, MainEntity),
-    pub(super) uniform_index: InputUniformIndex,
-    pub(super) phase_type: BinnedRenderPhaseType,
-}
-
-impl QueuedMesh {
-    fn add_to<P>(self, phase: &mut BinnedRenderPhase<P>)
-    where
-        P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey, BinKey = Opaque3dBinKey>,
-    {
-        let key = GBufferBatchSetKey {
-            mesh: Opaque3dBatchSetKey {
-                pipeline: self.pipeline,
-                draw_function: self.draw_function,
-                material_bind_group_index: self.material_bind_group_index,
-                slabs: self.slabs,
-                lightmap_slab: self.lightmap_slab.map(|index| *index),
-            },
-            visibility_mask: self.visibility_mask,
-        };
-        let bin = Opaque3dBinKey {
-            asset_id: self.mesh.into(),
-        };
-        phase.add(key, bin, self.entities, self.uniform_index, self.phase_type);
     }
 }
 
@@ -309,8 +204,10 @@ pub(super) fn extract_gbuffer_phases(
         });
         // A camera's own view is its subview 0.
         let view = RetainedViewEntity::new(camera_entity.into(), None, 0);
-        phases.prepare_for_new_frame(view, mode);
+        phases.base.prepare_for_new_frame(view, mode);
+        phases.extended.prepare_for_new_frame(view, mode);
         live.push(view);
     }
-    phases.retain(&live);
+    phases.base.retain(&live);
+    phases.extended.retain(&live);
 }

@@ -30,9 +30,10 @@ use super::{
     demand::{ViewDemand, ViewDemands},
     lookup::{MeshLookup, MeshToQueue, RecentKinds},
     offer::{BevyPipelines, Offer, Offers},
-    phase::{
-        AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferPhases,
-        GBufferViewPhases, OpaqueGBuffer, QueuedMesh,
+    phase::{GBufferPhases, GBufferViewPhases},
+    phase_item::{
+        AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
+        QueuedMesh,
     },
     pipeline::MeshOutput,
     placement::{Placement, ViewChange},

@@ -16,7 +16,7 @@ use bevy::{
     },
 };
 
-use super::phase::{DrawnGBufferPhases, MaskedItem};
+use super::{phase::DrawnGBufferPhases, phase_item::GBufferItem};
 
 /// The bind group of the masks. Bevy's prepass pipelines have an empty one there.
 pub(super) const VISIBILITY_MASK_GROUP: usize = 1;
@@ -34,13 +34,15 @@ pub(super) type DrawWithVisibilityMask = (
 /// Binds the mask of the item.
 pub(super) struct SetVisibilityMask<const I: usize>;
 
-impl<P: MaskedItem, const I: usize> RenderCommand<P> for SetVisibilityMask<I> {
+impl<const ALPHA_MASKED: bool, const I: usize> RenderCommand<GBufferItem<ALPHA_MASKED, true>>
+    for SetVisibilityMask<I>
+{
     type Param = SRes<VisibilityMasks>;
     type ViewQuery = ();
     type ItemQuery = ();
 
     fn render<'w>(
-        item: &P,
+        item: &GBufferItem<ALPHA_MASKED, true>,
         _: (),
         _: Option<()>,
         masks: SystemParamItem<'w, '_, Self::Param>,
@@ -49,7 +51,8 @@ impl<P: MaskedItem, const I: usize> RenderCommand<P> for SetVisibilityMask<I> {
         let masks = masks.into_inner();
         let (Some(group), Some(offset)) = (
             masks.bind_group.as_ref(),
-            item.visibility_mask()
+            item.batch_set_key
+                .visibility_mask
                 .and_then(|mask| masks.offsets.get(&mask)),
         ) else {
             return RenderCommandResult::Failure("a visibility mask was not uploaded");
