@@ -42,7 +42,8 @@ pub mod gbuffer;
 mod gpu;
 pub mod lean;
 pub mod lighting;
-mod shader_library;
+#[doc(hidden)]
+pub mod shader_library;
 pub mod shading_extension;
 pub mod view;
 

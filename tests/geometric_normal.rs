@@ -18,12 +18,12 @@ use common::{
 use scenes::{HEIGHT, Lens, WIDTH};
 
 const MODULE: WgslModule = WgslModule {
-    path: "src/shader_library/geometric_normal.wgsl",
-    source: include_str!("../src/shader_library/geometric_normal.wgsl"),
+    path: "src/shader_library/reconstruction/normal.wgsl",
+    source: include_str!("../src/shader_library/reconstruction/normal.wgsl"),
 };
 
 const SIDES: &str = "
-#import bevy_lean_deferred::geometric_normal::{nearer_side, straighter_side}
+#import bevy_lean_deferred::reconstruction::normal::{nearer_side, straighter_side}
 fn kernel(bits: array<u32, 5>) -> array<u32, 2> {
     let center = bitcast<f32>(bits[0]);
     let near_a = bitcast<f32>(bits[1]);
@@ -37,7 +37,7 @@ fn kernel(bits: array<u32, 5>) -> array<u32, 2> {
 }";
 
 const NORMALS: &str = "
-#import bevy_lean_deferred::geometric_normal::normal_from_positions
+#import bevy_lean_deferred::reconstruction::normal::normal_from_positions
 fn kernel(bits: array<u32, 11>) -> array<u32, 3> {
     let n = bitcast<vec3<u32>>(normal_from_positions(
         bitcast<vec3<f32>>(vec3(bits[0], bits[1], bits[2])),

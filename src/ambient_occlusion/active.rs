@@ -15,9 +15,11 @@ use super::{
     pipelines::{GatherPipeline, OcclusionPipelines},
     settings::{LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals},
     support::OcclusionSupport,
-    uniforms::projection_of,
 };
-use crate::view::{ActiveLeanView, LeanDeferred, warn_once::WarnOnce};
+use crate::{
+    shader_library::reconstruction::position::projection_of,
+    view::{ActiveLeanView, LeanDeferred, warn_once::WarnOnce},
+};
 
 /// On a view of the render world: this frame it has ambient occlusion.
 #[derive(Component, Clone, Copy, Debug)]

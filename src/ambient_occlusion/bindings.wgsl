@@ -2,6 +2,7 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::bindings
 
 #import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+#import bevy_lean_deferred::reconstruction::position as reconstruction
 
 @group(0) @binding(0) var<uniform> view: OcclusionView;
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
@@ -20,18 +21,7 @@ fn depth_at(pixel: vec2<i32>) -> f32 {
 
 /// View-space position of the centre of `pixel`.
 fn view_position(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
-    let m = view.view_from_pixel;
-    let center = vec2<f32>(pixel) + 0.5;
-#ifdef PROJECTION_PERSPECTIVE
-    // What this and the next leave out is 0 in such matrices, or 1 where they divide.
-    let ray = vec3(center * vec2(m[0][0], m[1][1]) + m[3].xy, m[3].z);
-    return ray / (m[2].w * depth + m[3].w);
-#else ifdef PROJECTION_ORTHOGRAPHIC
-    return vec3(center, depth) * vec3(m[0][0], m[1][1], m[2][2]) + m[3].xyz;
-#else
-    let position = m * vec4(center, depth, 1.0);
-    return position.xyz / position.w;
-#endif
+    return reconstruction::view_position(view.view_from_pixel, vec3(vec2<f32>(pixel) + 0.5, depth));
 }
 
 /// Unit vector from `position` to the viewer.

@@ -7,7 +7,7 @@
 #import bevy_lean_deferred::ambient_occlusion::horizon::{
     PI, side_occlusion, slice_normal,
 }
-#import bevy_lean_deferred::geometric_normal::{normal_from_positions, straighter_side}
+#import bevy_lean_deferred::reconstruction::normal::{normal_from_positions, straighter_side}
 
 #ifdef SHADING_NORMALS
 #import bevy_lean_deferred::ambient_occlusion::bindings::normal_texture

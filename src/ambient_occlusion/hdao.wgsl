@@ -7,6 +7,10 @@
     depth_texture, is_in_view, largest_side, nearest_sampler, radius_at, view, view_position,
 }
 
+#ifdef PROJECTION_PERSPECTIVE
+#import bevy_lean_deferred::reconstruction::position::view_z
+#endif
+
 /// Corners of the 2×2 blocks on one side of the pixel, at a reach of 6; the others are opposite.
 const BLOCKS = array<vec2<i32>, 4>(vec2(1, 0), vec2(-1, 2), vec2(3, 3), vec2(4, -3));
 /// The pixels of a gather, in its order, from the corner.
@@ -24,8 +28,7 @@ fn block(corner: vec2<i32>) -> vec4<f32> {
 /// View-space z of a block.
 fn heights(corner: vec2<i32>, depths: vec4<f32>) -> vec4<f32> {
 #ifdef PROJECTION_PERSPECTIVE
-    let m = view.view_from_pixel;
-    return m[3].z / (m[2].w * depths + m[3].w);
+    return view_z(view.view_from_pixel, depths);
 #else
     return vec4(
         view_position(corner + vec2(0, 1), depths.x).z,

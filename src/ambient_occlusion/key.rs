@@ -2,10 +2,10 @@
 
 use bevy::{render::render_resource::TextureFormat, shader::ShaderDefVal};
 
-use super::{
-    settings::{LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionResolution},
-    uniforms::ProjectionKind,
+use super::settings::{
+    LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionResolution,
 };
+use crate::shader_library::reconstruction::position::ProjectionKind;
 
 /// What the gather is compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -51,14 +51,7 @@ impl GatherKey {
         define(self.shading_normals, "SHADING_NORMALS");
         define(self.thin, "THIN");
         define(self.format == OcclusionFormat::Float16, "FLOAT16");
-        define(
-            self.projection == ProjectionKind::Perspective,
-            "PROJECTION_PERSPECTIVE",
-        );
-        define(
-            self.projection == ProjectionKind::Orthographic,
-            "PROJECTION_ORTHOGRAPHIC",
-        );
+        defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
     }
 }

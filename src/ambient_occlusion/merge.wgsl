@@ -1,6 +1,7 @@
 // Filters occlusion and multiplies the picture by what it leaves: the blend is dst · (1 - occlusion).
 #import bevy_lean_deferred::ambient_occlusion::filter::filtered_occlusion
 #import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+#import bevy_lean_deferred::reconstruction::position::view_position
 
 @group(0) @binding(0) var<uniform> view: OcclusionView;
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
@@ -10,8 +11,8 @@
 #ifdef DISTANCE_FOG
 /// What distance fog leaves of the light of a surface, as Bevy's `fog.wgsl` counts it.
 fn fog_transmittance(pixel: vec2<i32>, depth: f32) -> f32 {
-    let position = view.view_from_pixel * vec4(vec2<f32>(pixel) + 0.5, depth, 1.0);
-    let distance = length(position.xyz / position.w);
+    let position = view_position(view.view_from_pixel, vec3(vec2<f32>(pixel) + 0.5, depth));
+    let distance = length(position);
     var extinction = 0.0;
     switch u32(view.fog.w) {
         case 1u: { extinction = 1.0 - saturate((view.fog.y - distance) / (view.fog.y - view.fog.x)); }

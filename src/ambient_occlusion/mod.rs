@@ -9,6 +9,7 @@
 //! - `filter.wgsl`: the 3×3 filter, for `merge.wgsl` and the lighting pass.
 
 mod active;
+#[doc(hidden)]
 pub mod horizon;
 mod key;
 mod pass;
@@ -18,14 +19,19 @@ mod settings;
 mod support;
 mod uniforms;
 
-pub use active::ActiveOcclusion;
-pub use prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion};
 pub use settings::{
     LeanAmbientOcclusion, OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
     OcclusionNormals, OcclusionQuality, OcclusionResolution,
 };
 pub use support::OcclusionSupport;
-pub use uniforms::{OcclusionView, ProjectionKind, projection_of};
+// For tests and benches.
+#[doc(hidden)]
+pub use {
+    crate::shader_library::reconstruction::position::{ProjectionKind, projection_of},
+    active::ActiveOcclusion,
+    prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
+    uniforms::OcclusionView,
+};
 
 pub(crate) use key::FilterKey;
 pub(crate) use pipelines::OcclusionPipelines;

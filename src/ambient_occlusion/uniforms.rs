@@ -9,7 +9,10 @@ use bevy::{
 };
 
 use super::settings::LeanAmbientOcclusion;
-use crate::gpu::tiles;
+use crate::{
+    gpu::tiles,
+    shader_library::reconstruction::position::{ProjectionKind, normalized, projection_of},
+};
 
 /// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
 /// smooth picture, and too far apart in memory for a fast one.
@@ -98,40 +101,6 @@ impl OcclusionView {
 /// `x` within 0 and `largest`; 0 for what is not a number.
 fn up_to(largest: f32, x: f32) -> f32 {
     if x > 0.0 { x.min(largest) } else { 0.0 }
-}
-
-/// The kinds of matrices for which positions are cheaper to compute.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ProjectionKind {
-    /// Any, also off centre or with a far plane.
-    Perspective,
-    /// Any, also off centre.
-    Orthographic,
-    /// Anything else, such as an oblique near plane.
-    Other,
-}
-
-/// The kind of `clip_from_view`.
-pub fn projection_of(clip_from_view: Mat4) -> ProjectionKind {
-    let [x, y, z, w] = clip_from_view.to_cols_array_2d();
-    let independent = x[1..] == [0.0; 3] && [y[0], y[2], y[3]] == [0.0; 3];
-    match [z[3], w[3]] {
-        [-1.0, 0.0] if independent && w[..2] == [0.0; 2] => ProjectionKind::Perspective,
-        [0.0, 1.0] if independent && z[..2] == [0.0; 2] => ProjectionKind::Orthographic,
-        _ => ProjectionKind::Other,
-    }
-}
-
-/// Scaled so that the shader's short cuts hold: rays end at z = -1 in perspective, w is 1 in orthographic views.
-fn normalized(view_from_pixel: Mat4) -> Mat4 {
-    let w = view_from_pixel.w_axis;
-    if view_from_pixel.z_axis.w == 0.0 && w.w != 0.0 {
-        view_from_pixel * (1.0 / w.w)
-    } else if w.z != 0.0 {
-        view_from_pixel * (1.0 / w.z.abs())
-    } else {
-        view_from_pixel
-    }
 }
 
 /// Texels of the occlusion texture.

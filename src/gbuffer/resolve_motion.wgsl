@@ -1,7 +1,11 @@
 // Writes the motion vectors of the pixels that lean meshes were drawn to: those in the motion target, and for all others
 // those of a surface at rest, from depth and the cameras of this frame and the last.
 #import bevy_lean_deferred::gbuffer::layout
-#import bevy_lean_deferred::gbuffer::layout::motion
+#import bevy_lean_deferred::gbuffer::layout::motion::unpack_motion
+#import bevy_lean_deferred::reconstruction::{
+    motion::motion_at_rest,
+    position::{homogeneous_position, ndc_of_fragment},
+}
 #import bevy_pbr::prepass_bindings::PreviousViewUniforms
 #import bevy_render::view::View
 
@@ -19,18 +23,6 @@
 @group(0) @binding(5) var written_texture: texture_2d<u32>;
 #endif
 
-/// Through view space, not by `world_from_clip`: that matrix loses digits far from the origin. Never divided by w, so
-/// that surfaces infinitely far away have a motion too.
-fn motion_at_rest(frag_coord: vec2<f32>, depth: f32) -> vec2<f32> {
-    let uv = (frag_coord - view.main_pass_viewport.xy) / view.main_pass_viewport.zw;
-    let ndc = vec3(uv * vec2(2.0, -2.0) + vec2(-1.0, 1.0), depth);
-    let world_position = view.world_from_view * (view.view_from_clip * vec4(ndc, 1.0));
-    return motion::motion_between(
-        view.unjittered_clip_from_world * world_position,
-        previous_view.clip_from_world * world_position,
-    );
-}
-
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec2<f32> {
     let pixel = vec2<i32>(position.xy);
@@ -45,8 +37,14 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec2<f32> {
     }
 #ifdef GBUFFER_MOTION
     if (textureLoad(written_texture, pixel, 0).r & layout::MOTION_WRITTEN) != 0u {
-        return motion::unpack_motion(textureLoad(motion_texture, pixel, 0).r);
+        return unpack_motion(textureLoad(motion_texture, pixel, 0).r);
     }
 #endif
-    return motion_at_rest(position.xy, depth);
+    let ndc = vec3(ndc_of_fragment(position.xy, view.main_pass_viewport), depth);
+    return motion_at_rest(
+        homogeneous_position(view.view_from_clip, ndc),
+        view.world_from_view,
+        view.unjittered_clip_from_world,
+        previous_view.clip_from_world,
+    );
 }

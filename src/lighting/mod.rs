@@ -21,7 +21,9 @@ mod pipeline;
 mod tile_lists;
 mod variants;
 
-pub use crate::{shader_library::geometric_normal, view::LightingPasses};
+#[doc(hidden)]
+pub use crate::shader_library::reconstruction::normal as geometric_normal;
+pub use crate::view::LightingPasses;
 pub(crate) use features::{LightingKey, SceneFeatures};
 pub(crate) use pipeline::LightingPipelines;
 
@@ -47,6 +49,7 @@ use crate::{
 };
 
 /// On a view: everything its lighting pass needs. Dropped with the effect.
+#[doc(hidden)]
 #[derive(Component, Default)]
 pub struct ViewLighting {
     /// The keys and pipelines of this frame, that for plain surfaces first.

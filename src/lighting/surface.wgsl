@@ -3,8 +3,9 @@
 
 #import bevy_lean_deferred::gbuffer::layout
 #import bevy_lean_deferred::lighting::bindings::{normal_texture, surface_texture, uniforms}
-#import bevy_lean_deferred::geometric_normal::{
-    nearer_side, normal_from_positions, straighter_side,
+#import bevy_lean_deferred::reconstruction::{
+    normal::{nearer_side, normal_from_positions, straighter_side},
+    position::{SMALLEST_DEPTH, ndc_of_fragment, view_position},
 }
 #import bevy_pbr::{
     mesh_types::{MESH_FLAGS_SHADOW_RECEIVER_BIT, MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT},
@@ -35,16 +36,10 @@ struct Pixel {
     specialization_word: u32,
 }
 
-/// Keeps positions finite for geometry so far away that its reversed depth is 0, and the squares of their differences
-/// within f32.
-const SMALLEST_DEPTH: f32 = 1e-14;
-
-fn view_position(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
-    let uv = (vec2<f32>(pixel) + 0.5 - view.main_pass_viewport.xy) / view.main_pass_viewport.zw;
-    let ndc = uv * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
-    // Through view space, not by `world_from_clip`: that matrix loses digits far from the origin.
-    let position = view.view_from_clip * vec4(ndc, max(depth, SMALLEST_DEPTH), 1.0);
-    return position.xyz / position.w;
+/// View-space position of the centre of `pixel`.
+fn position_at(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
+    let ndc = ndc_of_fragment(vec2<f32>(pixel) + 0.5, view.main_pass_viewport);
+    return view_position(view.view_from_clip, vec3(ndc, max(depth, SMALLEST_DEPTH)));
 }
 
 #ifdef GEOMETRIC_NORMAL
@@ -81,8 +76,8 @@ fn normal_from_taps(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f
     let v = select(-1, 1, is_in_viewport(pixel + y));
     return normal_from_positions(
         position,
-        view_position(pixel + h * x, depth_at(pixel + h * x)), f32(h),
-        view_position(pixel + v * y, depth_at(pixel + v * y)), f32(v),
+        position_at(pixel + h * x, depth_at(pixel + h * x)), f32(h),
+        position_at(pixel + v * y, depth_at(pixel + v * y)), f32(v),
     );
 #else
     let left = depth_at(pixel - x);
@@ -98,8 +93,8 @@ fn normal_from_taps(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f
 #endif
     return normal_from_positions(
         position,
-        view_position(pixel + i32(h) * x, select(left, right, h > 0.0)), h,
-        view_position(pixel + i32(v) * y, select(top, bottom, v > 0.0)), v,
+        position_at(pixel + i32(h) * x, select(left, right, h > 0.0)), h,
+        position_at(pixel + i32(v) * y, select(top, bottom, v > 0.0)), v,
     );
 #endif
 }
@@ -107,7 +102,7 @@ fn normal_from_taps(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f
 
 fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
     let surface_word = textureLoad(surface_texture, pixel.position, 0).r;
-    let position = view_position(pixel.position, pixel.depth);
+    let position = position_at(pixel.position, pixel.depth);
 
     var pbr = pbr_input_new();
     pbr.material.base_color = vec4(layout::unpack_albedo(surface_word), 1.0);

@@ -1,11 +1,11 @@
 //! WGSL without bindings that more than one stage imports, registered once, and its twins in Rust.
 //!
 //! - `layout.{rs,wgsl}`, `layout/`: the words of the G-buffer.
-//! - `geometric_normal.{rs,wgsl}`: the normal of the surface itself, from depth.
+//! - `reconstruction/`: from depth back to positions, normals and motion.
 //! - `tiles.wgsl`: the 8×8 tiles of compute passes; the Rust side is `gpu/tiles.rs`.
 
-pub mod geometric_normal;
 pub mod layout;
+pub mod reconstruction;
 
 use bevy::{prelude::*, shader::load_shader_library};
 
@@ -16,5 +16,7 @@ pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "layout/emissive.wgsl");
     load_shader_library!(app, "layout/motion.wgsl");
     load_shader_library!(app, "layout/specialization.wgsl");
-    load_shader_library!(app, "geometric_normal.wgsl");
+    load_shader_library!(app, "reconstruction/position.wgsl");
+    load_shader_library!(app, "reconstruction/normal.wgsl");
+    load_shader_library!(app, "reconstruction/motion.wgsl");
 }

@@ -18,7 +18,7 @@ use naga_oil::compose::{
 use super::gpu;
 
 /// The modules that `gather.wgsl` and `merge.wgsl` import, in the order of their own imports.
-const MODULES: [(&str, &str); 9] = [
+const MODULES: [(&str, &str); 10] = [
     (
         "layout.wgsl",
         include_str!("../../src/shader_library/layout.wgsl"),
@@ -28,8 +28,12 @@ const MODULES: [(&str, &str); 9] = [
         include_str!("../../src/shader_library/tiles.wgsl"),
     ),
     (
-        "geometric_normal.wgsl",
-        include_str!("../../src/shader_library/geometric_normal.wgsl"),
+        "position.wgsl",
+        include_str!("../../src/shader_library/reconstruction/position.wgsl"),
+    ),
+    (
+        "normal.wgsl",
+        include_str!("../../src/shader_library/reconstruction/normal.wgsl"),
     ),
     (
         "view.wgsl",

@@ -2,7 +2,7 @@
 //
 // Depth is affine in screen space on a plane, in perspective (reversed, infinite) as in orthographic projection: the
 // differences and extrapolations below are exact on planes without linearising first.
-#define_import_path bevy_lean_deferred::geometric_normal
+#define_import_path bevy_lean_deferred::reconstruction::normal
 
 /// Which of the two neighbours on an axis lies on the surface of the centre: -1 or 1.
 /// `near_*` are the depths one pixel away, the sides being `a` (towards -1) and `b` (towards +1).

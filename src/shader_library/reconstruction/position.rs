@@ -1,0 +1,82 @@
+//! From depth to positions: twin of `position.wgsl`, under the same names, and which projections have a cheaper form.
+
+use bevy::math::{Mat4, Vec2, Vec3, Vec3Swizzles, Vec4, Vec4Swizzles};
+
+/// Keeps positions finite for geometry so far away that its reversed depth is 0.
+pub const SMALLEST_DEPTH: f32 = 1e-14;
+
+/// Normalised device coordinates of a fragment, which counts from the corner of the target. `viewport` is a corner and a
+/// size in pixels.
+pub fn ndc_of_fragment(frag_coord: Vec2, viewport: Vec4) -> Vec2 {
+    let uv = (frag_coord - viewport.xy()) / viewport.zw();
+    uv * Vec2::new(2.0, -2.0) + Vec2::new(-1.0, 1.0)
+}
+
+/// View-space position of `p`, homogeneous: `view_from` leads there from the space of `p`, whose z is depth.
+pub fn homogeneous_position(view_from: Mat4, p: Vec3) -> Vec4 {
+    view_from * p.extend(1.0)
+}
+
+/// As [`homogeneous_position`], divided by w. `view_from` is [`normalized`] unless the projection is
+/// [`ProjectionKind::Other`].
+pub fn view_position(kind: ProjectionKind, view_from: Mat4, p: Vec3) -> Vec3 {
+    let [x, y, z, w] = view_from.to_cols_array_2d();
+    let scale = Vec2::new(x[0], y[1]);
+    match kind {
+        ProjectionKind::Perspective => {
+            let ray = p.xy() * scale + Vec2::new(w[0], w[1]);
+            ray.extend(w[2]) / (z[3] * p.z + w[3])
+        }
+        ProjectionKind::Orthographic => p * scale.extend(z[2]) + Vec3::new(w[0], w[1], w[2]),
+        ProjectionKind::Other => {
+            let position = homogeneous_position(view_from, p);
+            position.xyz() / position.w
+        }
+    }
+}
+
+/// The kinds of matrices for which positions are cheaper to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ProjectionKind {
+    /// Any, also off centre or with a far plane.
+    Perspective,
+    /// Any, also off centre.
+    Orthographic,
+    /// Anything else, such as an oblique near plane.
+    Other,
+}
+
+impl ProjectionKind {
+    /// What `position.wgsl` is compiled with.
+    pub(crate) fn shader_def(self) -> Option<&'static str> {
+        match self {
+            Self::Perspective => Some("PROJECTION_PERSPECTIVE"),
+            Self::Orthographic => Some("PROJECTION_ORTHOGRAPHIC"),
+            Self::Other => None,
+        }
+    }
+}
+
+/// The kind of `clip_from_view`.
+pub fn projection_of(clip_from_view: Mat4) -> ProjectionKind {
+    let [x, y, z, w] = clip_from_view.to_cols_array_2d();
+    let independent = x[1..] == [0.0; 3] && [y[0], y[2], y[3]] == [0.0; 3];
+    match [z[3], w[3]] {
+        [-1.0, 0.0] if independent && w[..2] == [0.0; 2] => ProjectionKind::Perspective,
+        [0.0, 1.0] if independent && z[..2] == [0.0; 2] => ProjectionKind::Orthographic,
+        _ => ProjectionKind::Other,
+    }
+}
+
+/// Scaled so that the short cuts of [`view_position`] hold: rays end at z = -1 in perspective, w is 1 in orthographic
+/// views.
+pub fn normalized(view_from: Mat4) -> Mat4 {
+    let w = view_from.w_axis;
+    if view_from.z_axis.w == 0.0 && w.w != 0.0 {
+        view_from * (1.0 / w.w)
+    } else if w.z != 0.0 {
+        view_from * (1.0 / w.z.abs())
+    } else {
+        view_from
+    }
+}
