@@ -10,8 +10,10 @@
 //! - `luminance.{wgsl,rs}`, `adaptation.{wgsl,rs}`: binding-free maths, twice.
 
 mod active;
+#[doc(hidden)]
 pub mod adaptation;
 mod key;
+#[doc(hidden)]
 pub mod luminance;
 mod overlay;
 mod pass;
@@ -23,19 +25,23 @@ mod state;
 mod support;
 mod uniforms;
 
-pub use active::ViewExposurePipelines;
-pub use key::ExposureKey;
 pub use overlay::ExposureOverlay;
-pub use pipelines::{adapt_layout, meter_layout};
-pub use prepare::{ExposureBindings, ViewExposure};
-pub use readback::ExposureReadback;
 pub use settings::{
     ExposureCut, ExposureCuts, ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure,
     Metering, MeteringPattern, ReductionPath,
 };
-pub use state::ExposureHistory;
 pub use support::ExposureSupport;
-pub use uniforms::{ExposureState, ExposureView};
+// For tests and benches.
+#[doc(hidden)]
+pub use {
+    active::ViewExposurePipelines,
+    key::ExposureKey,
+    pipelines::{adapt_layout, meter_layout},
+    prepare::{ExposureBindings, ViewExposure},
+    readback::ExposureReadback,
+    state::ExposureHistory,
+    uniforms::{ExposureState, ExposureView},
+};
 
 use bevy::{
     asset::embedded_asset,
