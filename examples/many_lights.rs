@@ -8,13 +8,6 @@
 //! | Up, Down | twice / half as many lights |
 //! | Esc | quit |
 
-#[path = "../tests/common/scenes/boxes.rs"]
-mod boxes;
-#[path = "shared/gpu_times.rs"]
-mod gpu_times;
-#[path = "shared/run.rs"]
-mod run;
-
 use argh::FromArgs;
 use bevy::{
     diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin},
@@ -23,8 +16,14 @@ use bevy::{
     render::diagnostic::RenderDiagnosticsPlugin,
 };
 use bevy_lean_deferred::prelude::*;
-use boxes::Boxes;
-use run::{SceneReady, headless::Headless};
+use kit::{
+    example::{
+        gpu_times,
+        run::{self, SceneReady},
+    },
+    headless::Headless,
+    scenes::boxes::{self, Boxes},
+};
 
 /// The scene of the benches, live.
 #[derive(FromArgs)]

@@ -6,11 +6,7 @@
 //! wall, whose occlusion is known in closed form. The error stands beside the time in one table. A peer is added by adding
 //! a [`Contender`].
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
 mod contender;
-#[path = "../common/gpu_time.rs"]
-mod gpu_time;
 mod naive;
 mod report;
 mod run;
@@ -19,8 +15,8 @@ mod show;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
-use common::size::parse_size;
 use contender::Contender;
+use kit::size::parse_size;
 
 /// GPU time, bytes and error of ambient occlusion.
 #[derive(FromArgs)]

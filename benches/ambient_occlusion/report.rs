@@ -2,7 +2,8 @@
 
 use core::fmt::Write;
 
-use crate::{gpu_time::Time, run::Measurement};
+use crate::run::Measurement;
+use kit::gpu_time::Time;
 
 /// One table for each size.
 pub fn markdown(measurements: &[Measurement], frames: usize) -> String {

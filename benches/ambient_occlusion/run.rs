@@ -23,16 +23,16 @@ use std::collections::HashMap;
 
 use crate::{
     Args,
-    common::{
-        headless::{Headless, Picture},
-        occlusion::errors::Errors,
-        scenes::boxes::Boxes,
-    },
     contender::{Bytes, Contender, Kind},
-    gpu_time::{Samples, Time, begin, end},
     naive,
     scene::{self, BenchScene},
     show,
+};
+use kit::{
+    gpu_time::{Samples, Time, begin, end},
+    headless::{Headless, Picture},
+    occlusion::errors::Errors,
+    scenes::boxes::Boxes,
 };
 
 #[derive(Serialize)]

@@ -7,7 +7,7 @@ use bevy::{
     prelude::*,
 };
 
-use crate::common::{
+use kit::{
     headless::Headless,
     occlusion::{
         camera::{Camera, Projection as TruthProjection},

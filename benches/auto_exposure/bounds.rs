@@ -2,14 +2,13 @@
 
 use crate::{
     Args,
-    common::exposure_gpu::ExposureGpu,
-    gpu_time::Time,
     kernel::{Kernel, bind, compile},
     picture::TEXEL,
     report::{Group, Measurement},
     ring::Ring,
     timing::time,
 };
+use kit::{exposure_gpu::ExposureGpu, gpu_time::Time};
 
 /// Times the bounds over `ring`.
 pub fn measure(gpu: &ExposureGpu, ring: &Ring, args: &Args) -> Vec<Measurement> {

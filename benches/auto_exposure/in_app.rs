@@ -23,10 +23,12 @@ use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
 
 use crate::{
     Args,
-    common::headless::{FRAME_TIME, Headless},
-    gpu_time::Samples,
     picture::{Picture, TEXEL, TRIM, Truth},
     report::{Group, Measured, Measurement},
+};
+use kit::{
+    gpu_time::Samples,
+    headless::{FRAME_TIME, Headless},
 };
 
 #[derive(Clone)]

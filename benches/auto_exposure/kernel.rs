@@ -1,6 +1,7 @@
 //! The bench's own shaders.
 
-use crate::{Args, common::exposure_gpu::ExposureGpu, gpu_time::Time, timing::time};
+use crate::{Args, timing::time};
+use kit::{exposure_gpu::ExposureGpu, gpu_time::Time};
 
 /// A dispatch.
 pub struct Kernel {

@@ -5,12 +5,12 @@ use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
 
 use crate::{
     Args,
-    common::exposure_gpu::{ExposureGpu, Meter},
     picture::{TRIM, mask},
     report::Measured,
     ring::Ring,
     timing::time,
 };
+use kit::exposure_gpu::{ExposureGpu, Meter};
 
 /// Settings, by name.
 pub fn contenders() -> Vec<(String, LeanAutoExposure)> {

@@ -12,27 +12,19 @@
 //! - In an app: a span of the command encoder around the pass, with its barriers. There the frame has just drawn the picture,
 //!   and caches may hold a part of it.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-
 mod bounds;
-#[path = "../common/gpu_time.rs"]
-mod gpu_time;
 mod in_app;
 mod kernel;
 mod lean;
 mod picture;
 mod pyramid;
-#[path = "../../tests/auto_exposure/reference.rs"]
-#[allow(dead_code, reason = "the bench has other pictures than the tests")]
-mod reference;
 mod report;
 mod ring;
 mod timing;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
-use common::{exposure_gpu::ExposureGpu, size::parse_size};
+use kit::{exposure_gpu::ExposureGpu, size::parse_size};
 use picture::{Picture, Truth};
 use report::{Group, Measurement, Table};
 use ring::Ring;

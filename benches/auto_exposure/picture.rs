@@ -15,9 +15,9 @@ use bevy_lean_deferred::{
 };
 use half::f16;
 
-use crate::{
-    common::random::Random,
-    reference::{self, Mask},
+use kit::{
+    exposure_reference::{self as reference, Mask},
+    random::Random,
 };
 
 /// Bytes of an Rgba16Float texel.

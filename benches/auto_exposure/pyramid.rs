@@ -2,11 +2,11 @@
 
 use crate::{
     Args,
-    common::exposure_gpu::ExposureGpu,
     kernel::{Kernel, bind, compile},
     report::Measured,
     ring::Ring,
 };
+use kit::exposure_gpu::ExposureGpu;
 use wgpu::BindingResource::TextureView;
 
 const PYRAMID: &str = include_str!("pyramid.wgsl");

@@ -5,7 +5,8 @@ use core::fmt::Write;
 use bevy::math::UVec2;
 use serde::Serialize;
 
-use crate::{Args, gpu_time::Time};
+use crate::Args;
+use kit::gpu_time::Time;
 
 #[derive(Serialize, Clone, Copy, PartialEq, Eq)]
 pub enum Group {

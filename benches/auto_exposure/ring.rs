@@ -2,10 +2,8 @@
 
 use bevy::math::UVec2;
 
-use crate::{
-    common::{exposure_gpu::ExposureGpu, gpu::texture},
-    picture::Picture,
-};
+use crate::picture::Picture;
+use kit::{exposure_gpu::ExposureGpu, gpu::texture};
 
 /// More textures than this only small pictures would need, which are there to try the bench out.
 const MOST: u64 = 16;

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use crate::{Args, common::exposure_gpu::ExposureGpu, gpu_time::Time};
+use crate::Args;
+use kit::{exposure_gpu::ExposureGpu, gpu_time::Time};
 
 /// What times a pass on its device.
 pub struct Timestamps<'a>(Option<&'a wgpu::QuerySet>);

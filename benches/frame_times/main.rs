@@ -5,10 +5,6 @@
 //! Prints a Markdown table; `--json FILE` writes the same figures. Times come from timestamp queries of the GPU; on a
 //! software renderer they are CPU times. A later effect adds a row by adding a [`Contender`] or a [`BenchScene`].
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-#[path = "../common/gpu_time.rs"]
-mod gpu_time;
 mod report;
 mod run;
 mod scenes;
@@ -16,7 +12,7 @@ mod special;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
-use common::size::parse_size;
+use kit::size::parse_size;
 use run::{Contender, Measurement};
 use scenes::BenchScene;
 

@@ -4,7 +4,8 @@ use core::fmt::Write;
 
 use bevy::math::UVec2;
 
-use crate::{gpu_time::Time, run::Measurement};
+use crate::run::Measurement;
+use kit::gpu_time::Time;
 
 /// One row for each measurement; ratios are to Bevy deferred on the same scene.
 pub fn markdown(measurements: &[Measurement], size: UVec2, frames: usize) -> String {

@@ -29,14 +29,11 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use serde::Serialize;
 
-use crate::{
-    common::{
-        headless::{Headless, Picture},
-        metrics,
-    },
+use crate::{scenes::BenchScene, special};
+use kit::{
     gpu_time::{Samples, Time, begin, end},
-    scenes::BenchScene,
-    special,
+    headless::{Headless, Picture},
+    metrics,
 };
 
 /// A way to render the scene.

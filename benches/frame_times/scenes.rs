@@ -5,11 +5,11 @@ use bevy::{
     light::cluster::GlobalClusterSettings, prelude::*, world_serialization::WorldAssetRoot,
 };
 
-use crate::common::{
+use crate::special::{self, Special};
+use kit::{
     headless::Headless,
     scenes::boxes::{self, Boxes},
 };
-use crate::special::{self, Special};
 
 /// A named scene; `spawn` makes everything but the camera.
 pub struct BenchScene {

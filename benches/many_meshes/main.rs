@@ -6,8 +6,6 @@
 //! and of the render world alone, from the start of extraction to the end of its schedule. The GPU is waited for between
 //! frames, outside of both.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
 mod report;
 mod run;
 mod scene;
@@ -15,7 +13,7 @@ mod stages;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
-use common::size::parse_size;
+use kit::size::parse_size;
 use run::{Contender, Measurement};
 use scene::Motion;
 

@@ -18,13 +18,10 @@ use bevy::{
 use bevy_lean_deferred::LeanDeferred;
 use serde::Serialize;
 
-use crate::{
-    Motion,
-    common::{
-        headless::{Headless, Picture},
-        metrics,
-    },
-    scene, stages,
+use crate::{Motion, scene, stages};
+use kit::{
+    headless::{Headless, Picture},
+    metrics,
 };
 
 /// A way to render the scene.

@@ -4,7 +4,7 @@ use core::f32::consts::PI;
 
 use bevy::{camera::Hdr, prelude::*};
 
-use crate::common::headless::Headless;
+use kit::headless::Headless;
 
 /// How many of the meshes move.
 #[derive(Resource, Clone, Copy, PartialEq, Eq)]

@@ -4,12 +4,14 @@ use argh::FromArgs;
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 
-use crate::{
-    choices,
-    model::Viewpoint,
-    numbers::{finite, not_negative, number_where, positive},
-    run::parse_size,
-    settings::{self, ExampleSettings, Mode},
+use crate::settings::{self, ExampleSettings, Mode};
+use kit::{
+    example::{
+        choices,
+        model::Viewpoint,
+        numbers::{finite, not_negative, number_where, positive},
+    },
+    size::parse_size,
 };
 
 /// A courtyard, or a glTF or GLB file, without ambient occlusion, with LeanAmbientOcclusion, or with Bevy's.

@@ -5,7 +5,7 @@ use core::f32::consts::TAU;
 use bevy::{light::Skybox, prelude::*};
 use bevy_panorbit_camera::PanOrbitCamera;
 
-use crate::{
+use kit::example::{
     builder::Builder,
     made_up_sky::made_up_sky,
     model::{self, Viewpoint},

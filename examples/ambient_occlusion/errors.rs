@@ -1,8 +1,8 @@
 //! How far each way of finding occlusion is from the truth, for the text on screen.
 //!
 //! The figures are root mean squares of (occlusion found − closed form) over the pixels within the radius of a tall
-//! wall on a floor, 0 being open and 1 closed. They were measured by this crate's accuracy tests (`tests/occlusion_*.rs`;
-//! the closed forms are in `tests/common/occlusion/closed_forms.rs`) with a radius of 0.5 m, the default falloff of
+//! wall on a floor, 0 being open and 1 closed. They were measured by this crate's accuracy tests
+//! (`tests/ambient_occlusion`; the closed forms are in `kit/src/occlusion/closed_forms.rs`) with a radius of 0.5 m, the default falloff of
 //! 0.1 and every other setting at its default, and are only repeated here.
 
 use bevy_lean_deferred::prelude::*;

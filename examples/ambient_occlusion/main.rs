@@ -22,32 +22,19 @@
 //! | Esc | quit |
 
 mod args;
-#[path = "../shared/builder.rs"]
-mod builder;
-#[path = "../shared/choices.rs"]
-mod choices;
 mod courtyard;
 mod errors;
-#[path = "../shared/gpu_times.rs"]
-mod gpu_times;
-#[path = "../shared/made_up_sky.rs"]
-mod made_up_sky;
-#[path = "../shared/model.rs"]
-mod model;
-#[path = "../shared/numbers.rs"]
-mod numbers;
 mod overlay;
-#[path = "../shared/run.rs"]
-mod run;
 mod settings;
-#[path = "../shared/text_panel.rs"]
-mod text_panel;
 
 use bevy::{
     camera::Hdr, prelude::*, render::diagnostic::RenderDiagnosticsPlugin, ui::IsDefaultUiCamera,
 };
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
-use run::headless::Headless;
+use kit::{
+    example::{model, run},
+    headless::Headless,
+};
 use settings::ExampleSettings;
 
 fn main() -> AppExit {

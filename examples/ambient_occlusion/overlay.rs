@@ -6,8 +6,11 @@ use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 use bevy_lean_deferred::prelude::*;
 
 use crate::{
-    errors, gpu_times,
+    errors,
     settings::{ExampleSettings, Mode},
+};
+use kit::example::{
+    gpu_times,
     text_panel::{TextPanel, spawn_text_panel},
 };
 

@@ -10,7 +10,8 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use crate::{choices::next, courtyard::Sun};
+use crate::courtyard::Sun;
+use kit::example::choices::next;
 
 /// Whose ambient occlusion the camera has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,11 +5,15 @@ use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 
 use crate::{
-    choices,
-    numbers::{finite, not_negative, positive},
-    run::parse_size,
     settings::{self, ExampleSettings, Mode, Pattern},
     walk::{self, Place},
+};
+use kit::{
+    example::{
+        choices,
+        numbers::{finite, not_negative, positive},
+    },
+    size::parse_size,
 };
 
 /// Frames after which an exposure has adapted that is adapted at once.

@@ -5,7 +5,7 @@ use bevy::{
     prelude::*,
 };
 
-use crate::{builder::Builder, made_up_sky::made_up_sky};
+use kit::example::{builder::Builder, made_up_sky::made_up_sky};
 
 type Material = Handle<StandardMaterial>;
 

@@ -4,7 +4,7 @@
 
 use bevy::{light::NotShadowCaster, prelude::*};
 
-use crate::builder::Builder;
+use kit::example::builder::Builder;
 
 /// Of the inner faces of the walls.
 const LOW: Vec3 = Vec3::new(-3.5, 0.0, -5.0);

@@ -40,26 +40,10 @@
 //! | Esc | quit |
 
 mod args;
-#[path = "../shared/builder.rs"]
-mod builder;
-#[path = "../shared/choices.rs"]
-mod choices;
 mod garden;
-#[path = "../shared/gpu_times.rs"]
-mod gpu_times;
 mod house;
-#[path = "../shared/made_up_sky.rs"]
-mod made_up_sky;
-#[path = "../shared/model.rs"]
-mod model;
-#[path = "../shared/numbers.rs"]
-mod numbers;
 mod overlay;
-#[path = "../shared/run.rs"]
-mod run;
 mod settings;
-#[path = "../shared/text_panel.rs"]
-mod text_panel;
 mod walk;
 
 use bevy::{
@@ -73,7 +57,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
-use run::headless::Headless;
+use kit::{example::run, headless::Headless};
 use settings::ExampleSettings;
 use walk::Place;
 

@@ -5,9 +5,9 @@ use core::fmt::Write;
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 use bevy_lean_deferred::prelude::*;
 
-use crate::{
+use crate::settings::{ExampleSettings, Mode, Pattern};
+use kit::example::{
     gpu_times,
-    settings::{ExampleSettings, Mode, Pattern},
     text_panel::{TextPanel, spawn_text_panel},
 };
 

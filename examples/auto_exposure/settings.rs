@@ -9,7 +9,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use crate::choices::next;
+use kit::example::choices::next;
 
 /// Whose auto exposure the camera has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

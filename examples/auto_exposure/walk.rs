@@ -5,7 +5,7 @@ use core::f32::consts::{PI, TAU};
 use bevy::prelude::*;
 use bevy_panorbit_camera::PanOrbitCamera;
 
-use crate::model::{self, Viewpoint};
+use kit::example::model::{self, Viewpoint};
 
 /// So near before the camera is the point that it turns about: it looks around and stays within the walls.
 const DISTANCE: f32 = 0.4;

@@ -4,7 +4,7 @@ use argh::FromArgs;
 use bevy::{camera::Viewport, prelude::*};
 use bevy_lean_deferred::prelude::*;
 
-use crate::{boxes::Boxes, choices, run::parse_size};
+use kit::{example::choices, scenes::boxes::Boxes, size::parse_size};
 
 /// Frame times of cameras with auto exposure.
 #[derive(FromArgs, Resource, Clone)]

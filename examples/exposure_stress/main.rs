@@ -13,20 +13,18 @@
 //! | Esc | quit |
 
 mod args;
-#[path = "../../tests/common/scenes/boxes.rs"]
-mod boxes;
-#[path = "../shared/choices.rs"]
-mod choices;
-#[path = "../shared/frame_times.rs"]
-mod frame_times;
-#[path = "../shared/gpu_times.rs"]
-mod gpu_times;
-#[path = "../shared/made_up_sky.rs"]
-mod made_up_sky;
-#[path = "../shared/run.rs"]
-mod run;
 
 use core::f32::consts::TAU;
+use kit::{
+    example::{
+        frame_times::{FrameReports, FrameTimes},
+        gpu_times,
+        made_up_sky::made_up_sky,
+        run::{self, SceneReady},
+    },
+    headless::Headless,
+    scenes::boxes,
+};
 use std::time::Instant;
 
 use args::{Args, Effect};
@@ -42,9 +40,6 @@ use bevy::{
     winit::WinitSettings,
 };
 use bevy_lean_deferred::prelude::*;
-use frame_times::{FrameReports, FrameTimes};
-use made_up_sky::made_up_sky;
-use run::{SceneReady, headless::Headless};
 
 /// Before the first that counts: pipelines compile, shadow maps are made.
 const WARM_UP_FRAMES: usize = 20;

@@ -4,11 +4,8 @@ use argh::FromArgs;
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 
-use crate::{
-    choices,
-    run::parse_size,
-    settings::{self, ExampleSettings, Shown},
-};
+use crate::settings::{self, ExampleSettings, Shown};
+use kit::{example::choices, size::parse_size};
 
 /// Balls of every shading model that the G-buffer carries: lean beside forward.
 #[derive(FromArgs)]

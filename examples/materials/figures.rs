@@ -2,14 +2,11 @@
 
 use bevy::prelude::*;
 
-use crate::{
-    args::Args,
-    grid,
+use crate::{args::Args, grid, rows::ROWS, settings::Side};
+use kit::{
+    example::run,
     headless::{Headless, Picture},
     metrics::{Difference, difference},
-    rows::ROWS,
-    run,
-    settings::Side,
 };
 
 /// Writes a PNG. If it has lean beside forward, prints their differences, of the whole and of each row.

@@ -17,27 +17,15 @@
 //! `--headless` writes a PNG and, of lean beside forward, prints how far the halves are apart.
 
 mod args;
-#[path = "../shared/choices.rs"]
-mod choices;
 mod figures;
-#[path = "../shared/gpu_times.rs"]
-mod gpu_times;
 mod grid;
-#[path = "../shared/made_up_sky.rs"]
-mod made_up_sky;
-#[path = "../../tests/common/metrics.rs"]
-mod metrics;
 mod overlay;
 mod rows;
-#[path = "../shared/run.rs"]
-mod run;
 mod settings;
-#[path = "../shared/text_panel.rs"]
-mod text_panel;
 
 use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin, window::WindowResized};
 use bevy_panorbit_camera::PanOrbitCameraPlugin;
-use run::headless::{self, Headless};
+use kit::{example::run, headless::Headless};
 use settings::ExampleSettings;
 
 fn main() -> AppExit {

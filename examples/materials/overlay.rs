@@ -6,9 +6,11 @@ use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 use bevy_lean_deferred::prelude::*;
 
 use crate::{
-    gpu_times,
     rows::ROWS,
     settings::{ExampleSettings, Shown},
+};
+use kit::example::{
+    gpu_times,
     text_panel::{TextPanel, spawn_text_panel},
 };
 

@@ -11,11 +11,8 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::PanOrbitCamera;
 
-use crate::{
-    choices,
-    grid::{self, Sun},
-    made_up_sky::made_up_sky,
-};
+use crate::grid::{self, Sun};
+use kit::example::{choices, made_up_sky::made_up_sky};
 
 /// Which cameras are on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::model::LoadingModel;
+use kit::example::model::LoadingModel;
 
 /// A row of balls from rough dielectric to smooth metal on a floor.
 pub fn spawn(

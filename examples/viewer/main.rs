@@ -14,26 +14,20 @@
 //! | Esc | quit |
 
 mod builtin;
-#[path = "../shared/choices.rs"]
-mod choices;
-#[path = "../shared/gpu_times.rs"]
-mod gpu_times;
-#[path = "../shared/made_up_sky.rs"]
-mod made_up_sky;
-#[path = "../shared/model.rs"]
-mod model;
 mod overlay;
 mod renderer;
-#[path = "../shared/run.rs"]
-mod run;
 mod sky;
 
 use argh::FromArgs;
 use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin};
 use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
+use kit::{
+    example::{choices, model, run},
+    headless::Headless,
+    size::parse_size,
+};
 use renderer::{Renderer, ViewerSettings};
-use run::{headless::Headless, parse_size};
 use sky::SkyFiles;
 
 /// Shows a glTF or GLB file, or a built-in scene, through Bevy forward, Bevy deferred, or bevy_lean_deferred.

@@ -5,10 +5,8 @@ use core::fmt::Write;
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 use bevy_lean_deferred::LeanStatus;
 
-use crate::{
-    gpu_times,
-    renderer::{Renderer, ViewerSettings},
-};
+use crate::renderer::{Renderer, ViewerSettings};
+use kit::example::gpu_times;
 
 pub struct OverlayPlugin;
 

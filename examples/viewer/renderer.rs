@@ -12,7 +12,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use crate::choices::{next, next_or_none};
+use kit::example::choices::{next, next_or_none};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Renderer {

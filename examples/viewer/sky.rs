@@ -5,7 +5,8 @@ use bevy::{
     prelude::*,
 };
 
-use crate::{made_up_sky::made_up_sky, model::check_readable, renderer::ViewerSettings};
+use crate::renderer::ViewerSettings;
+use kit::example::{made_up_sky::made_up_sky, model::check_readable};
 
 /// Prefiltered maps, or none for a sky made here and filtered by Bevy.
 #[derive(Resource, Clone)]

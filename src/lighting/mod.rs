@@ -21,8 +21,6 @@ mod pipeline;
 mod tile_lists;
 mod variants;
 
-#[doc(hidden)]
-pub use crate::shader_library::reconstruction::normal as geometric_normal;
 pub use crate::view::LightingPasses;
 pub(crate) use features::{LightingKey, SceneFeatures};
 pub(crate) use pipeline::LightingPipelines;

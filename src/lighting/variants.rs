@@ -54,17 +54,11 @@ impl LightingVariants {
 }
 
 #[cfg(test)]
-#[path = "../../tests/common/compute.rs"]
-mod compute;
-
-#[cfg(test)]
 mod tests {
     use bevy::{math::Vec3, shader::ShaderDefVal};
+    use kit::compute::{Compute, WgslModule};
 
-    use super::{
-        LightingVariant, LightingVariants,
-        compute::{Compute, WgslModule},
-    };
+    use super::{LightingVariant, LightingVariants};
     use crate::{shader_library::layout::specialization as special, view::ShadingModel};
 
     const MODELS: [ShadingModel; 7] = [

@@ -5,12 +5,12 @@ use bevy_lean_deferred::ambient_occlusion::{
     LeanAmbientOcclusion, OcclusionKernel, OcclusionQuality, OcclusionResolution,
 };
 
-use crate::{
-    common::{
-        occlusion::{camera::Projection, errors::Errors, solids::Hit},
-        occlusion_gpu::OcclusionGpu,
-    },
-    views::{RADIUS, Seen, View, corner, groove, pit, plane, run, sphere, stairs, trench, wall},
+use crate::views::{
+    RADIUS, Seen, View, corner, groove, pit, plane, run, sphere, stairs, trench, wall,
+};
+use kit::{
+    occlusion::{camera::Projection, errors::Errors, solids::Hit},
+    occlusion_gpu::OcclusionGpu,
 };
 
 const SMALL: UVec2 = UVec2::new(240, 135);

@@ -5,12 +5,10 @@ use bevy_lean_deferred::ambient_occlusion::{
     LeanAmbientOcclusion, OcclusionFilter, OcclusionResolution,
 };
 
-use crate::{
-    common::{
-        occlusion::{depth_buffer::pixels, errors::Errors, geometry::Geometry, solids::Hit},
-        occlusion_gpu::{DepthImage, OcclusionGpu},
-    },
-    views::{RADIUS, SIZE, Seen, View, corner, kinds, run},
+use crate::views::{RADIUS, SIZE, Seen, View, corner, kinds, run};
+use kit::{
+    occlusion::{depth_buffer::pixels, errors::Errors, geometry::Geometry, solids::Hit},
+    occlusion_gpu::{DepthImage, OcclusionGpu},
 };
 
 /// [`kinds`] with all filters.

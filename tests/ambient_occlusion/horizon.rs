@@ -7,7 +7,7 @@ use bevy_lean_deferred::ambient_occlusion::horizon::{
     SliceNormal, arc, fast_acos, side_occlusion, slice_normal,
 };
 
-use crate::common::{
+use kit::{
     compute::{Compute, WgslModule},
     random::Random,
 };

@@ -7,12 +7,10 @@ use bevy_lean_deferred::ambient_occlusion::{
     LeanAmbientOcclusion, OcclusionFormat, OcclusionQuality,
 };
 
-use crate::{
-    common::{
-        occlusion_gpu::{DepthImage, OcclusionGpu},
-        random::Random,
-    },
-    views::{ORTHOGRAPHIC, SIZE, corner, difference, kinds, run, wall},
+use crate::views::{ORTHOGRAPHIC, SIZE, corner, difference, kinds, run, wall};
+use kit::{
+    occlusion_gpu::{DepthImage, OcclusionGpu},
+    random::Random,
 };
 
 /// What no rasteriser leaves in a depth buffer. (Where drivers clamp what shaders write there, it is the clamped value

@@ -6,10 +6,8 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use crate::{
-    common::{headless::log_watch, scenes::SceneBuilder},
-    stage::{Colors, Stage},
-};
+use crate::stage::{Colors, Stage};
+use kit::{log_watch, scenes::SceneBuilder};
 
 fn default() -> LeanAmbientOcclusion {
     LeanAmbientOcclusion::default()

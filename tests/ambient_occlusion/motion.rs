@@ -7,12 +7,10 @@ use bevy_lean_deferred::ambient_occlusion::{
     LeanAmbientOcclusion, OcclusionQuality, OcclusionResolution,
 };
 
-use crate::{
-    common::{
-        occlusion::{errors::Errors, geometry::Geometry, solids::Hit},
-        occlusion_gpu::OcclusionGpu,
-    },
-    views::{RADIUS, SIZE, Seen, View, run, sphere, wall},
+use crate::views::{RADIUS, SIZE, Seen, View, run, sphere, wall};
+use kit::{
+    occlusion::{errors::Errors, geometry::Geometry, solids::Hit},
+    occlusion_gpu::OcclusionGpu,
 };
 
 struct Frame {

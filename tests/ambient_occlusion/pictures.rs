@@ -7,10 +7,8 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use crate::{
-    common::{headless::log_watch, scenes::SceneBuilder},
-    stage::{SIZE, Stage},
-};
+use crate::stage::{SIZE, Stage};
+use kit::{log_watch, scenes::SceneBuilder};
 
 fn solids(scene: &mut SceneBuilder) {
     scene.solids();

@@ -6,10 +6,8 @@ use bevy::{
 };
 use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, ProjectionKind, projection_of};
 
-use crate::{
-    common::occlusion_gpu::{DepthImage, OcclusionGpu},
-    views::{ORTHOGRAPHIC, SIZE, Seen, corner, crop, difference, groove, kinds, run, wall},
-};
+use crate::views::{ORTHOGRAPHIC, SIZE, Seen, corner, crop, difference, groove, kinds, run, wall};
+use kit::occlusion_gpu::{DepthImage, OcclusionGpu};
 
 #[test]
 fn orthographic_views_are_as_exact() {

@@ -5,12 +5,10 @@ use std::f64::consts::FRAC_PI_8;
 use bevy::math::DVec3;
 use bevy_lean_deferred::ambient_occlusion::LeanAmbientOcclusion;
 
-use crate::{
-    common::{
-        occlusion::{geometry::Geometry, solids::Hit},
-        occlusion_gpu::OcclusionGpu,
-    },
-    views::{RADIUS, SIZE, TALL, View, corner, kinds, run},
+use crate::views::{RADIUS, SIZE, TALL, View, corner, kinds, run};
+use kit::{
+    occlusion::{geometry::Geometry, solids::Hit},
+    occlusion_gpu::OcclusionGpu,
 };
 
 fn largest(occlusion: &[f32]) -> f32 {

@@ -3,12 +3,10 @@
 use bevy::math::UVec2;
 use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, OcclusionFilter};
 
-use crate::{
-    common::{
-        occlusion::{camera::Projection, depth_buffer::pixels, errors::Errors},
-        occlusion_gpu::{DepthImage, OcclusionGpu},
-    },
-    views::{ORTHOGRAPHIC, PERSPECTIVE, corner, crop, difference, kinds, plane, run, wall},
+use crate::views::{ORTHOGRAPHIC, PERSPECTIVE, corner, crop, difference, kinds, plane, run, wall};
+use kit::{
+    occlusion::{camera::Projection, depth_buffer::pixels, errors::Errors},
+    occlusion_gpu::{DepthImage, OcclusionGpu},
 };
 
 /// Pictures of the same middle, wider and taller.

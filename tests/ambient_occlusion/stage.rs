@@ -13,7 +13,7 @@ use bevy::{
 };
 use bevy_lean_deferred::LeanAmbientOcclusion;
 
-use crate::common::{headless::Headless, occlusion_gpu::half, scenes::SceneBuilder};
+use kit::{headless::Headless, occlusion_gpu::half, scenes::SceneBuilder};
 
 /// Rows of as many pixels are copied without padding.
 pub const SIZE: UVec2 = UVec2::new(256, 192);

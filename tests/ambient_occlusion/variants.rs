@@ -4,12 +4,12 @@ use bevy_lean_deferred::ambient_occlusion::{
     LeanAmbientOcclusion, OcclusionFilter, OcclusionFormat, OcclusionKernel, OcclusionResolution,
 };
 
-use crate::{
-    common::{
-        occlusion::geometry::Geometry,
-        occlusion_gpu::{OcclusionGpu, Path},
-    },
-    views::{SIZE, View, corner, difference, groove, run, run_by, sphere, stairs, trench, wall},
+use crate::views::{
+    SIZE, View, corner, difference, groove, run, run_by, sphere, stairs, trench, wall,
+};
+use kit::{
+    occlusion::geometry::Geometry,
+    occlusion_gpu::{OcclusionGpu, Path},
 };
 
 const DEFAULT: fn() -> LeanAmbientOcclusion = LeanAmbientOcclusion::default;

@@ -7,7 +7,7 @@ use bevy_lean_deferred::ambient_occlusion::{
     LeanAmbientOcclusion, OcclusionKernel, OcclusionResolution,
 };
 
-use crate::common::{
+use kit::{
     occlusion::{
         camera::{Camera, Projection},
         depth_buffer::DepthBuffer,

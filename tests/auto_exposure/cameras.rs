@@ -10,10 +10,8 @@ use bevy_lean_deferred::{
     prelude::*,
 };
 
-use crate::{
-    common::headless::{Headless, log_watch},
-    instant,
-};
+use crate::instant;
+use kit::{headless::Headless, log_watch};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 
@@ -216,7 +214,7 @@ fn nothing_flashes() {
                 .world()
                 .resource_mut::<Assets<Image>>()
                 .get_mut(&target)
-                .expect("it is there") = crate::common::headless::target_image(UVec2::new(91, 33));
+                .expect("it is there") = kit::headless::target_image(UVec2::new(91, 33));
         },
         |headless, camera| {
             let mut entity = headless.world().entity_mut(camera);

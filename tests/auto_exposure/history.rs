@@ -7,10 +7,10 @@ use bevy_lean_deferred::auto_exposure::{
 };
 
 use crate::{
-    common::exposure_gpu::{ExposureGpu, Meter},
     paths,
     pictures::{HOSTILE, picture},
 };
+use kit::exposure_gpu::{ExposureGpu, Meter};
 
 const SIZE: UVec2 = UVec2::new(19, 11);
 

@@ -7,14 +7,13 @@ use bevy::{
 use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
 
 use crate::{
-    METERINGS,
-    common::{
-        exposure_gpu::{ExposureGpu, Meter},
-        random::Random,
-    },
-    instant, paths,
+    METERINGS, instant, paths,
     pictures::{EASY, HOSTILE, picture},
-    reference::{self, Mask},
+};
+use kit::{
+    exposure_gpu::{ExposureGpu, Meter},
+    exposure_reference::{self as reference, Mask},
+    random::Random,
 };
 
 /// The largest relative error of luminance over viewports, means and paths.

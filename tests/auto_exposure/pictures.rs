@@ -2,7 +2,7 @@
 
 use bevy::math::{UVec2, Vec3};
 
-use crate::common::random::Random;
+use kit::random::Random;
 
 /// Makes the pixel `i` of `count`.
 pub type Texel = fn(i: usize, count: usize, random: &mut Random) -> Vec3;

@@ -6,11 +6,12 @@ use bevy::math::{UVec2, Vec3};
 use bevy_lean_deferred::auto_exposure::{ExposureState, LeanAutoExposure};
 
 use crate::{
-    METERINGS,
-    common::exposure_gpu::{ExposureGpu, Meter},
-    instant, paths,
+    METERINGS, instant, paths,
     pictures::{EASY, HOSTILE, picture},
-    reference,
+};
+use kit::{
+    exposure_gpu::{ExposureGpu, Meter},
+    exposure_reference as reference,
 };
 
 const SIZES: [UVec2; 10] = [

@@ -7,7 +7,7 @@ use bevy::{
 };
 use bevy_lean_deferred::auto_exposure::{ExposureBindings, LeanAutoExposure};
 
-use crate::common::headless::Headless;
+use kit::headless::Headless;
 
 fn headless(effects: impl Bundle) -> (Headless, Entity) {
     let mut headless = Headless::new(UVec2::new(300, 200));

@@ -1,0 +1,11 @@
+//! What examples share beside the rest: command lines, windows, models and what stands on the screen.
+
+pub mod builder;
+pub mod choices;
+pub mod frame_times;
+pub mod gpu_times;
+pub mod made_up_sky;
+pub mod model;
+pub mod numbers;
+pub mod run;
+pub mod text_panel;

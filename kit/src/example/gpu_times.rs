@@ -1,0 +1,30 @@
+//! GPU times as `RenderDiagnosticsPlugin` records them.
+
+use bevy::diagnostic::{Diagnostic, DiagnosticsStore};
+
+/// Spans and their mean times in milliseconds, longest first.
+pub fn all(diagnostics: &DiagnosticsStore) -> Vec<(&str, f64)> {
+    let mut times: Vec<(&str, f64)> = diagnostics
+        .iter()
+        .filter_map(|diagnostic| Some((span(diagnostic)?, diagnostic.average()?)))
+        .collect();
+    times.sort_by(|a, b| b.1.total_cmp(&a.1));
+    times
+}
+
+/// The mean time of one span, or a dash while there is none.
+pub fn text(diagnostics: &DiagnosticsStore, name: &str) -> String {
+    diagnostics
+        .iter()
+        .find(|diagnostic| span(diagnostic) == Some(name))
+        .and_then(|diagnostic| diagnostic.average())
+        .map_or("-".into(), |milliseconds| format!("{milliseconds:.3} ms"))
+}
+
+fn span(diagnostic: &Diagnostic) -> Option<&str> {
+    diagnostic
+        .path()
+        .as_str()
+        .strip_prefix("render/")?
+        .strip_suffix("/elapsed_gpu")
+}

@@ -1,0 +1,79 @@
+//! GPU times of spans, and systems that open and close them.
+
+use bevy::{
+    diagnostic::DiagnosticsStore,
+    platform::collections::HashMap,
+    prelude::*,
+    render::{diagnostic::RecordDiagnostics, renderer::RenderContext},
+};
+use serde::Serialize;
+
+/// Median and spread of a GPU time, in milliseconds.
+#[derive(Serialize, Clone, Copy, Default)]
+pub struct Time {
+    pub median: f64,
+    /// 10th and 90th percentile.
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Time {
+    /// Of times in milliseconds, at least one.
+    pub fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
+        Self {
+            median: at(0.5),
+            low: at(0.1),
+            high: at(0.9),
+        }
+    }
+
+    /// For a table.
+    pub fn text(time: Option<Self>) -> String {
+        time.map_or("–".into(), |t| {
+            format!("{:.3} ({:.3}–{:.3})", t.median, t.low, t.high)
+        })
+    }
+}
+
+/// GPU times by span name.
+#[derive(Default)]
+pub struct Samples(HashMap<String, Vec<f64>>);
+
+impl Samples {
+    /// Notes the newest value of each span.
+    pub fn take(&mut self, store: &DiagnosticsStore) {
+        for diagnostic in store.iter() {
+            let Some(name) = diagnostic.path().as_str().strip_suffix("/elapsed_gpu") else {
+                continue;
+            };
+            if let Some(value) = diagnostic.value() {
+                let name = name.trim_start_matches("render/");
+                let name = name.strip_prefix("bench/camera/").unwrap_or(name);
+                let name = name.strip_prefix("bench/prepass/").unwrap_or(name);
+                // It may have run within any stage of Bevy's that the bench has a span around.
+                let name = name.find("lean_deferred/").map_or(name, |at| &name[at..]);
+                self.0.entry(name.to_owned()).or_default().push(value);
+            }
+        }
+    }
+
+    pub fn time(&self, name: &str) -> Option<Time> {
+        Some(Time::of(self.0.get(name)?.clone()))
+    }
+}
+
+/// A system that opens a span.
+pub fn begin(mut ctx: RenderContext, name: &'static str) {
+    let recorder = ctx.diagnostic_recorder();
+    recorder
+        .as_deref()
+        .begin_time_span(ctx.command_encoder(), name.into());
+}
+
+/// A system that closes the innermost open span.
+pub fn end(mut ctx: RenderContext) {
+    let recorder = ctx.diagnostic_recorder();
+    recorder.as_deref().end_time_span(ctx.command_encoder());
+}

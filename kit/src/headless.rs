@@ -1,0 +1,279 @@
+//! Bevy without a window: frames are made by hand and read back.
+
+use std::{
+    sync::{Arc, Mutex},
+    time::Duration,
+};
+
+use crate::log_watch::LogWatch;
+use bevy::{
+    app::{PluginGroupBuilder, PluginsState},
+    asset::{RenderAssetUsages, UnapprovedPathMode},
+    camera::RenderTarget,
+    prelude::*,
+    render::{
+        RenderApp, RenderPlugin,
+        render_resource::{
+            Extent3d, PipelineCache, PollType, TextureDimension, TextureFormat, TextureUsages,
+        },
+        renderer::RenderDevice,
+        view::screenshot::{Screenshot, ScreenshotCaptured},
+    },
+    time::TimeUpdateStrategy,
+    window::ExitCondition,
+    winit::WinitPlugin,
+};
+use bevy_lean_deferred::LeanDeferredPlugins;
+
+/// Simulated time between two frames.
+pub const FRAME_TIME: Duration = Duration::from_micros(16_667);
+
+/// An app that renders into an image. Pipelines are compiled in the frame that asks for them.
+pub struct Headless {
+    pub app: App,
+    pub target: Handle<Image>,
+    pub size: UVec2,
+}
+
+impl Headless {
+    pub fn new(size: UVec2) -> Self {
+        Self::with(size, |_| {})
+    }
+
+    /// As [`new`](Self::new); `configure` may add plugins.
+    pub fn with(size: UVec2, configure: impl FnOnce(&mut App)) -> Self {
+        Self::with_compilation(size, true, configure)
+    }
+
+    /// As [`with`](Self::with). Unless it is `synchronous`, compilation takes as many frames as it takes, as in apps.
+    pub fn with_compilation(
+        size: UVec2,
+        synchronous: bool,
+        configure: impl FnOnce(&mut App),
+    ) -> Self {
+        let mut app = App::new();
+        app.add_plugins((
+            Self::default_plugins().set(RenderPlugin {
+                synchronous_pipeline_compilation: synchronous,
+                ..default()
+            }),
+            LeanDeferredPlugins,
+        ));
+        Self::from_app(size, app, configure)
+    }
+
+    /// Bevy's, as set up for apps of this kind.
+    pub fn default_plugins() -> PluginGroupBuilder {
+        DefaultPlugins
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin {
+                synchronous_pipeline_compilation: true,
+                ..default()
+            })
+            .set(AssetPlugin {
+                file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/../assets").into(),
+                // Benches may name a file anywhere.
+                unapproved_path_mode: UnapprovedPathMode::Allow,
+                ..default()
+            })
+            .set(bevy::log::LogPlugin {
+                filter: "warn,wgpu_hal=error,bevy_render::renderer=error".into(),
+                custom_layer: |_| Some(Box::new(LogWatch)),
+                ..default()
+            })
+            .disable::<WinitPlugin>()
+            .disable::<bevy::render::pipelined_rendering::PipelinedRenderingPlugin>()
+    }
+
+    /// An app that has its plugins but for those that `configure` adds.
+    pub fn from_app(size: UVec2, mut app: App, configure: impl FnOnce(&mut App)) -> Self {
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME_TIME));
+        configure(&mut app);
+
+        while app.plugins_state() == PluginsState::Adding {
+            bevy::tasks::tick_global_task_pools_on_main_thread();
+        }
+        app.finish();
+        app.cleanup();
+
+        let target = app
+            .world_mut()
+            .resource_mut::<Assets<Image>>()
+            .add(target_image(size));
+        Self { app, target, size }
+    }
+
+    pub fn world(&mut self) -> &mut World {
+        self.app.world_mut()
+    }
+
+    /// What a camera of this app renders to.
+    pub fn render_target(&self) -> RenderTarget {
+        self.target.clone().into()
+    }
+
+    pub fn frames(&mut self, count: usize) {
+        for _ in 0..count {
+            self.frame();
+        }
+    }
+
+    /// One frame, and waits until the GPU has finished it: without a window nothing else would hold the CPU back.
+    pub fn frame(&mut self) {
+        self.app.update();
+        let device = self
+            .app
+            .sub_app(RenderApp)
+            .world()
+            .resource::<RenderDevice>();
+        if let Err(error) = device.poll(PollType::wait_indefinitely()) {
+            warn!("waiting for the GPU: {error}");
+        }
+    }
+
+    /// Makes frames until no asset is loading and no pipeline compiling, and a few more.
+    pub fn settle(&mut self) {
+        let mut quiet = 0;
+        for _ in 0..2000 {
+            self.frame();
+            let render_world = self.app.sub_app(RenderApp).world();
+            let waiting = render_world
+                .resource::<PipelineCache>()
+                .waiting_pipelines()
+                .count();
+            quiet = if waiting == 0 { quiet + 1 } else { 0 };
+            if quiet > 4 {
+                return;
+            }
+        }
+        panic!("pipelines still waiting after 2000 frames");
+    }
+
+    /// The picture in the target, 8-bit sRGB, four bytes a pixel.
+    pub fn capture(&mut self) -> Picture {
+        let shot = self.request_picture();
+        self.await_picture(&shot)
+    }
+
+    /// The pictures of `count` frames in a row; `change` acts on the world before each.
+    pub fn film(
+        &mut self,
+        count: usize,
+        mut change: impl FnMut(&mut World, usize),
+    ) -> Vec<Picture> {
+        let shots: Vec<Shot> = (0..count)
+            .map(|frame| {
+                change(self.world(), frame);
+                let shot = self.request_picture();
+                self.frame();
+                shot
+            })
+            .collect();
+        shots.iter().map(|shot| self.await_picture(shot)).collect()
+    }
+
+    /// Of the next frame.
+    fn request_picture(&mut self) -> Shot {
+        let shot = Shot::default();
+        let sink = shot.clone();
+        let target = self.target.clone();
+        self.world().spawn(Screenshot::image(target)).observe(
+            move |event: On<ScreenshotCaptured>| {
+                *sink.lock().unwrap() = Some(event.image.clone());
+            },
+        );
+        shot
+    }
+
+    fn await_picture(&mut self, shot: &Shot) -> Picture {
+        for _ in 0..200 {
+            if let Some(image) = shot.lock().unwrap().take() {
+                return Picture {
+                    size: image.size(),
+                    rgba: image.data.expect("a captured image has data"),
+                };
+            }
+            self.frame();
+        }
+        panic!("no picture came back within 200 frames");
+    }
+}
+
+/// A picture that is on its way from the GPU.
+type Shot = Arc<Mutex<Option<Image>>>;
+
+/// An sRGB image that can be rendered to and read back.
+pub fn target_image(size: UVec2) -> Image {
+    let mut image = Image::new_fill(
+        Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        &[0; 4],
+        TextureFormat::Rgba8UnormSrgb,
+        RenderAssetUsages::default(),
+    );
+    image.texture_descriptor.usage =
+        TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC | TextureUsages::TEXTURE_BINDING;
+    image
+}
+
+/// An 8-bit sRGB picture.
+#[derive(Clone, PartialEq)]
+pub struct Picture {
+    pub size: UVec2,
+    pub rgba: Vec<u8>,
+}
+
+impl Picture {
+    /// The part inside of `rect`.
+    pub fn crop(&self, rect: URect) -> Self {
+        let rgba = (rect.min.y..rect.max.y)
+            .flat_map(|y| {
+                let row = y * self.size.x;
+                let [from, to] = [rect.min.x, rect.max.x].map(|x| (row + x) as usize * 4);
+                &self.rgba[from..to]
+            })
+            .copied()
+            .collect();
+        let size = rect.size();
+        Self { size, rgba }
+    }
+
+    /// Writes a PNG; panics if that fails.
+    pub fn save(&self, path: impl AsRef<std::path::Path>) {
+        let path = path.as_ref();
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).expect("the folder of a picture can be made");
+        }
+        self.try_save(path).expect("a PNG can be written");
+    }
+
+    /// Writes a PNG.
+    pub fn try_save(&self, path: impl AsRef<std::path::Path>) -> Result<(), String> {
+        let image = Image::new(
+            Extent3d {
+                width: self.size.x,
+                height: self.size.y,
+                depth_or_array_layers: 1,
+            },
+            TextureDimension::D2,
+            self.rgba.clone(),
+            TextureFormat::Rgba8UnormSrgb,
+            RenderAssetUsages::default(),
+        );
+        let image = image
+            .try_into_dynamic()
+            .map_err(|error| error.to_string())?;
+        image
+            .to_rgb8()
+            .save(path)
+            .map_err(|error| error.to_string())
+    }
+}

@@ -1,0 +1,90 @@
+//! Showing a scene through lean cameras and through forward ones, and comparing the pictures.
+
+use bevy::{diagnostic::FrameCount, prelude::*, render::RenderApp};
+use bevy_lean_deferred::{LeanDeferred, view::ActiveLeanView};
+
+use super::{
+    headless::{Headless, Picture},
+    log_watch,
+    metrics::difference,
+    scenes::SceneBuilder,
+};
+
+/// An app that shows `scene`.
+pub fn build(size: UVec2, scene: impl FnOnce(&mut SceneBuilder)) -> Headless {
+    let mut headless = Headless::new(size);
+    scene(&mut SceneBuilder {
+        headless: &mut headless,
+    });
+    headless
+}
+
+/// A picture once all is loaded. Always of the same phase of what changes from frame to frame (jitter, noise).
+pub fn settled(headless: &mut Headless) -> Picture {
+    headless.settle();
+    while !headless
+        .world()
+        .resource::<FrameCount>()
+        .0
+        .is_multiple_of(8)
+    {
+        headless.frames(1);
+    }
+    headless.capture()
+}
+
+/// Changes all cameras.
+pub fn change_cameras(headless: &mut Headless, change: impl Fn(&mut EntityWorldMut)) {
+    let world = headless.world();
+    let cameras: Vec<Entity> = world
+        .query_filtered::<Entity, With<Camera3d>>()
+        .iter(world)
+        .collect();
+    for camera in cameras {
+        change(&mut world.entity_mut(camera));
+    }
+}
+
+/// Switches all cameras over.
+pub fn set_lean(headless: &mut Headless, lean: bool) {
+    change_cameras(headless, |camera| {
+        if lean {
+            camera.insert(LeanDeferred::default());
+        } else {
+            camera.remove::<LeanDeferred>();
+        }
+    });
+}
+
+/// How many views were rendered lean in the last frame.
+pub fn active_lean_views(headless: &mut Headless) -> usize {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    world
+        .query_filtered::<(), With<ActiveLeanView>>()
+        .iter(world)
+        .count()
+}
+
+/// Prints how far `lean` is from `forward`; an error if that is too far. Writes both into the folder that
+/// `PARITY_PICTURES` names, if it does.
+pub fn judge(name: &str, forward: &Picture, lean: &Picture, least_psnr: f64) -> Result<(), String> {
+    if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
+        let folder = std::path::Path::new(&folder);
+        forward.save(folder.join(format!("{name}_forward.png")));
+        lean.save(folder.join(format!("{name}_lean.png")));
+    }
+    let difference = difference(forward, lean);
+    let line = format!("{name:32} {difference}");
+    println!("{line}");
+    if difference.psnr < least_psnr {
+        return Err(format!("{line}, less than {least_psnr} dB"));
+    }
+    Ok(())
+}
+
+/// Panics if a comparison failed, or the validation layer has complained.
+pub fn report(results: impl IntoIterator<Item = Result<(), String>>) {
+    let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();
+    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+    log_watch::assert_validation_layer_silent();
+}

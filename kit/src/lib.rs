@@ -1,0 +1,20 @@
+//! What the tests, benches and examples of `bevy_lean_deferred` share: rendering without a window, comparing pictures,
+//! scenes built in code, the shipped shaders on a device of their own, and ground truth.
+
+pub mod compute;
+pub mod example;
+pub mod exposure_gpu;
+pub mod exposure_reference;
+pub mod gpu;
+pub mod gpu_time;
+pub mod headless;
+pub mod held_back;
+pub mod lean;
+pub mod log_watch;
+pub mod metrics;
+pub mod occlusion;
+pub mod occlusion_gpu;
+pub mod own_process;
+pub mod random;
+pub mod scenes;
+pub mod size;

@@ -1,0 +1,67 @@
+//! What this process has logged, for tests that ask.
+
+use core::fmt::{Debug, Write};
+use std::sync::Mutex;
+
+use bevy::log::tracing_subscriber::{Layer, Registry, layer::Context};
+use tracing::{
+    Event, Level,
+    field::{Field, Visit},
+};
+
+static MESSAGES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// Warnings and errors so far that contain `part`.
+pub fn messages_with(part: &str) -> Vec<String> {
+    let messages = MESSAGES.lock().unwrap_or_else(|poison| poison.into_inner());
+    messages
+        .iter()
+        .filter(|message| message.contains(part))
+        .cloned()
+        .collect()
+}
+
+/// What a validation layer says of a structure that newer drivers know and it does not: Debian's is of 2022, and wgpu passes
+/// `VkPhysicalDeviceRayTracingPositionFetchFeaturesKHR` to drivers that offer it.
+const UNKNOWN_STRUCTURE: [&str; 2] = [
+    "VUID-VkDeviceCreateInfo-pNext-pNext",
+    "unknown VkStructureType (1000481000)",
+];
+
+/// What the Vulkan validation layer has complained of. wgpu loads it in builds with debug assertions, if installed.
+pub fn validation_layer_complaints() -> Vec<String> {
+    let mut complaints = messages_with("VUID");
+    complaints.retain(|message| !UNKNOWN_STRUCTURE.iter().all(|part| message.contains(part)));
+    complaints
+}
+
+/// Panics if the Vulkan validation layer has complained. That it would be heard, `tests/apps/validation_layer.rs` shows.
+pub fn assert_validation_layer_silent() {
+    let complaints = validation_layer_complaints();
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+/// Keeps warnings and errors.
+pub struct LogWatch;
+
+impl Layer<Registry> for LogWatch {
+    fn on_event(&self, event: &Event, _: Context<Registry>) {
+        if *event.metadata().level() > Level::WARN {
+            return;
+        }
+        let mut text = Text(String::new());
+        event.record(&mut text);
+        let mut messages = MESSAGES.lock().unwrap_or_else(|poison| poison.into_inner());
+        messages.push(text.0);
+    }
+}
+
+struct Text(String);
+
+impl Visit for Text {
+    fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
+        if field.name() == "message" {
+            let _ = write!(self.0, "{value:?}");
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Runs the shipped gather and merge shaders of ambient occlusion on the device, over depth buffers made on the CPU.
+
+mod draw;
+mod shaders;
+mod textures;
+
+use std::{collections::HashMap, sync::Mutex};
+
+use bevy::{
+    math::{Mat4, UVec2},
+    render::render_resource::encase::UniformBuffer,
+};
+use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, OcclusionView};
+use draw::Target;
+use naga_oil::compose::ShaderDefValue;
+use shaders::{GATHER, MERGE, filter_definitions, gather_definitions};
+pub use textures::half;
+
+use super::gpu;
+
+/// A depth buffer and how it was seen.
+pub struct DepthImage {
+    pub depth: Vec<f32>,
+    pub size: UVec2,
+    pub clip_from_view: Mat4,
+    /// Where the view lies in the buffer; all of it unless told otherwise.
+    pub viewport: (UVec2, UVec2),
+}
+
+impl DepthImage {
+    pub fn new(depth: Vec<f32>, size: UVec2, clip_from_view: Mat4) -> Self {
+        Self {
+            depth,
+            size,
+            clip_from_view,
+            viewport: (UVec2::ZERO, size),
+        }
+    }
+}
+
+/// Occlusion, row by row.
+pub struct Occlusion {
+    /// As stored: of the viewport, or half its size.
+    pub gathered: Vec<f32>,
+    /// After the filter and `intensity`: of the viewport.
+    pub filtered: Vec<f32>,
+}
+
+/// Which of the gather's two entry points runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    Compute,
+    Raster,
+}
+
+/// A device of its own.
+pub struct OcclusionGpu {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    nearest: wgpu::Sampler,
+    /// By source and definitions: composing takes longer than running.
+    shaders: Mutex<HashMap<(&'static str, Vec<String>), wgpu::ShaderModule>>,
+}
+
+impl OcclusionGpu {
+    pub fn new() -> Self {
+        let (_, device, queue) =
+            gpu::request(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
+        let nearest = device.create_sampler(&wgpu::SamplerDescriptor::default());
+        Self {
+            device,
+            queue,
+            nearest,
+            shaders: Mutex::default(),
+        }
+    }
+
+    pub fn run(&self, settings: &LeanAmbientOcclusion, image: &DepthImage) -> Occlusion {
+        self.run_by(Path::Compute, settings, image)
+    }
+
+    pub fn run_by(
+        &self,
+        path: Path,
+        settings: &LeanAmbientOcclusion,
+        image: &DepthImage,
+    ) -> Occlusion {
+        let depth = self.depth_texture(image);
+        let (origin, size) = image.viewport;
+        let mut view = OcclusionView::new(settings, image.clip_from_view, size);
+        view.viewport_origin = origin;
+        let mut bytes = UniformBuffer::new(Vec::new());
+        bytes.write(&view).expect("it fits");
+        let uniform = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: bytes.as_ref().len() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&uniform, 0, bytes.as_ref());
+
+        let format = settings.format.texture_format();
+        use wgpu::TextureUsages as Usage;
+        let own = match path {
+            Path::Compute => Usage::STORAGE_BINDING,
+            Path::Raster => Usage::RENDER_ATTACHMENT,
+        };
+        let stored = self.texture(
+            view.texture_size,
+            format,
+            own | Usage::TEXTURE_BINDING | Usage::COPY_SRC,
+        );
+        let stored_view = stored.create_view(&Default::default());
+        let depth_view = depth.create_view(&Default::default());
+
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let common = [
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: uniform.as_entire_binding(),
+            },
+            wgpu::BindGroupEntry {
+                binding: 1,
+                resource: wgpu::BindingResource::TextureView(&depth_view),
+            },
+            wgpu::BindGroupEntry {
+                binding: 2,
+                resource: wgpu::BindingResource::Sampler(&self.nearest),
+            },
+        ];
+        let mut defs = gather_definitions(settings, image.clip_from_view);
+        match path {
+            Path::Compute => {
+                defs.insert("COMPUTE".into(), ShaderDefValue::Bool(true));
+                let layout = self.layout(wgpu::ShaderStages::COMPUTE, Some(format), false);
+                let mut entries = common.to_vec();
+                entries.push(wgpu::BindGroupEntry {
+                    binding: 4,
+                    resource: wgpu::BindingResource::TextureView(&stored_view),
+                });
+                let group = self.group(&layout, &entries);
+                let pipeline =
+                    self.device
+                        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                            label: None,
+                            layout: Some(&self.pipeline_layout(&layout)),
+                            module: &self.shader(GATHER, defs),
+                            entry_point: Some("compute"),
+                            compilation_options: Default::default(),
+                            cache: None,
+                        });
+                let mut pass = encoder.begin_compute_pass(&Default::default());
+                pass.set_pipeline(&pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                let tiles = view.texture_size.map(|n| n.div_ceil(16));
+                pass.dispatch_workgroups(tiles.x, tiles.y, 1);
+            }
+            Path::Raster => {
+                let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, false);
+                let group = self.group(&layout, &common);
+                self.draw(
+                    &mut encoder,
+                    (&layout, &group),
+                    self.shader(GATHER, defs),
+                    Target::Color(&stored_view, format),
+                    None,
+                );
+            }
+        }
+
+        // The merge's debug view shows what is left of the light.
+        let shown = self.texture(
+            image.size,
+            wgpu::TextureFormat::R32Float,
+            Usage::RENDER_ATTACHMENT | Usage::COPY_SRC,
+        );
+        let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, true);
+        let mut entries = common.to_vec();
+        entries.push(wgpu::BindGroupEntry {
+            binding: 3,
+            resource: wgpu::BindingResource::TextureView(&stored_view),
+        });
+        let group = self.group(&layout, &entries);
+        self.draw(
+            &mut encoder,
+            (&layout, &group),
+            self.shader(MERGE, filter_definitions(settings)),
+            Target::Color(
+                &shown.create_view(&Default::default()),
+                wgpu::TextureFormat::R32Float,
+            ),
+            Some((origin, size)),
+        );
+        self.queue.submit([encoder.finish()]);
+
+        let shown = self.read(&shown);
+        let filtered = (0..size.y)
+            .flat_map(|y| (0..size.x).map(move |x| UVec2::new(x, y)))
+            .map(|p| 1.0 - shown[((origin.y + p.y) * image.size.x + origin.x + p.x) as usize])
+            .collect();
+        Occlusion {
+            gathered: self.read(&stored),
+            filtered,
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Textures, written and read.
+
+use std::collections::HashMap;
+
+use bevy::math::UVec2;
+use half::f16;
+
+use super::{
+    DepthImage, OcclusionGpu,
+    draw::{Target, float_texture, layout_entry},
+};
+use crate::gpu;
+
+/// Draws a depth buffer: copies into one are not allowed.
+const DEPTH_WRITER: &str = r"
+@group(0) @binding(0) var source: texture_2d<f32>;
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @builtin(frag_depth) f32 {
+    return textureLoad(source, vec2<i32>(position.xy), 0).r;
+}
+";
+const DEPTH_READER: &str = r"
+@group(0) @binding(0) var depth: texture_depth_2d;
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    return vec4(textureLoad(depth, vec2<i32>(position.xy), 0));
+}
+";
+
+impl OcclusionGpu {
+    /// What the shaders read of an image's depths: drivers clamp what is drawn to a depth buffer.
+    pub fn held_depth(&self, image: &DepthImage) -> Vec<f32> {
+        let depth = self.depth_texture(image).create_view(&Default::default());
+        let copy = self.texture(
+            image.size,
+            wgpu::TextureFormat::R32Float,
+            wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        );
+        let layout = self
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: None,
+                entries: &[layout_entry(
+                    0,
+                    wgpu::ShaderStages::FRAGMENT,
+                    wgpu::BindingType::Texture {
+                        sample_type: wgpu::TextureSampleType::Depth,
+                        view_dimension: wgpu::TextureViewDimension::D2,
+                        multisampled: false,
+                    },
+                )],
+            });
+        let group = self.group(
+            &layout,
+            &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&depth),
+            }],
+        );
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let target = Target::Color(
+            &copy.create_view(&Default::default()),
+            wgpu::TextureFormat::R32Float,
+        );
+        self.draw(
+            &mut encoder,
+            (&layout, &group),
+            self.shader(DEPTH_READER, HashMap::new()),
+            target,
+            None,
+        );
+        self.queue.submit([encoder.finish()]);
+        self.read(&copy)
+    }
+
+    pub(super) fn texture(
+        &self,
+        size: UVec2,
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        gpu::texture(&self.device, size, format, usage)
+    }
+
+    pub(super) fn depth_texture(&self, image: &DepthImage) -> wgpu::Texture {
+        use wgpu::TextureUsages as Usage;
+        let source = self.texture(
+            image.size,
+            wgpu::TextureFormat::R32Float,
+            Usage::TEXTURE_BINDING | Usage::COPY_DST,
+        );
+        let bytes: Vec<u8> = image.depth.iter().flat_map(|d| d.to_le_bytes()).collect();
+        self.queue.write_texture(
+            source.as_image_copy(),
+            &bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * image.size.x),
+                rows_per_image: None,
+            },
+            source.size(),
+        );
+        let depth = self.texture(
+            image.size,
+            wgpu::TextureFormat::Depth32Float,
+            Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING,
+        );
+        let layout = self
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: None,
+                entries: &[layout_entry(
+                    0,
+                    wgpu::ShaderStages::FRAGMENT,
+                    float_texture(),
+                )],
+            });
+        let group = self.group(
+            &layout,
+            &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(
+                    &source.create_view(&Default::default()),
+                ),
+            }],
+        );
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        self.draw(
+            &mut encoder,
+            (&layout, &group),
+            self.shader(DEPTH_WRITER, HashMap::new()),
+            Target::Depth(&depth.create_view(&Default::default())),
+            None,
+        );
+        self.queue.submit([encoder.finish()]);
+        depth
+    }
+
+    /// The red channel.
+    pub(super) fn read(&self, texture: &wgpu::Texture) -> Vec<f32> {
+        let size = texture.size();
+        let texel = texture.format().block_copy_size(None).expect("a colour");
+        let row = (size.width * texel).next_multiple_of(256);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(row * size.height),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(row),
+                    rows_per_image: None,
+                },
+            },
+            size,
+        );
+        self.queue.submit([encoder.finish()]);
+        buffer.map_async(wgpu::MapMode::Read, .., |mapped| {
+            mapped.unwrap_or_else(|error| panic!("the results cannot be read: {error}"));
+        });
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .unwrap_or_else(|error| panic!("the device did not finish: {error}"));
+        let bytes = buffer.get_mapped_range(..);
+        bytes
+            .chunks(row as usize)
+            .flat_map(|line| line[..(size.width * texel) as usize].chunks(texel as usize))
+            .map(|texel| match *texel {
+                [unorm] => f32::from(unorm) / 255.0,
+                [a, b] => half(u16::from_le_bytes([a, b])),
+                [a, b, c, d] => f32::from_le_bytes([a, b, c, d]),
+                _ => panic!("a texel of {} bytes", texel.len()),
+            })
+            .collect()
+    }
+}
+
+/// A half-precision number, finite and not negative, as occlusion is; any other is not a number.
+pub fn half(bits: u16) -> f32 {
+    let value = f16::from_bits(bits);
+    if value.is_finite() && value.is_sign_positive() {
+        value.to_f32()
+    } else {
+        f32::NAN
+    }
+}

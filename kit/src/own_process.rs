@@ -1,0 +1,34 @@
+//! Tests that share a process with no other.
+
+use std::process::Command;
+
+/// Set in such a process.
+const ALONE: &str = "LEAN_TEST_ALONE";
+
+/// Runs a test's body in a process of its own: what that has logged, numbered, or has its threads do is then this test's
+/// alone. To be called from the test itself, with a closure.
+pub fn in_own_process<F: FnOnce()>(body: F) {
+    let name = test_name::<F>();
+    if std::env::var_os(ALONE).is_some_and(|alone| alone == *name) {
+        return body();
+    }
+    let program = std::env::current_exe().expect("a test is a program");
+    let output = Command::new(program)
+        .args([name, "--exact", "--nocapture"])
+        .env(ALONE, name)
+        .output()
+        .expect("it runs again");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    print!("{text}");
+    eprint!("{errors}");
+    assert!(output.status.success(), "{name}: {}", output.status);
+    assert!(text.contains("1 passed"), "no test has the name {name}");
+}
+
+/// Of the function that has the closure `F`, as the test harness calls it: without the crate.
+fn test_name<F>() -> &'static str {
+    let closure = core::any::type_name::<F>();
+    let path = closure.split_once("::").map_or(closure, |(_, path)| path);
+    path.strip_suffix("::{{closure}}").unwrap_or(path)
+}

@@ -1,0 +1,426 @@
+//! Cameras whose settings change at any time, in any order, while pipelines take many frames to compile: nothing fails
+//! meanwhile, and afterwards the picture is what it was.
+//!
+//! Each in a process of its own: errors are looked for in what the whole process has logged, and compilation is held back
+//! in all of it.
+
+use bevy::{
+    camera::{Hdr, RenderTarget, Viewport},
+    prelude::*,
+    render::error_handler::{RenderErrorHandler, RenderErrorPolicy},
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    headless::{Headless, Picture, target_image},
+    held_back::HeldBack,
+    log_watch,
+    metrics::pixel_difference,
+    own_process::in_own_process,
+    random::Random,
+    scenes::{SceneBuilder, build::default_camera_transform},
+};
+
+const SIZE: UVec2 = UVec2::new(64, 48);
+const SIZES: [UVec2; 3] = [SIZE, UVec2::new(1, 1), UVec2::new(40, 64)];
+
+/// Cameras on two targets, of which two share one.
+struct Setting {
+    headless: Headless,
+    cameras: [Entity; 3],
+    images: [Handle<Image>; 2],
+    mask: Handle<Image>,
+    sizes: [UVec2; 2],
+}
+
+impl Setting {
+    fn new() -> Self {
+        let mut headless = Headless::with_compilation(SIZE, false, |_| {});
+        let mut s = SceneBuilder {
+            headless: &mut headless,
+        };
+        s.solids();
+        s.sun(false);
+        let mask = s.add::<Image>(target_image(UVec2::new(8, 8)));
+        let other = s.add::<Image>(target_image(SIZE));
+        let cameras = [0, 1, 2].map(|order| {
+            let camera = Camera { order, ..default() };
+            s.camera(default_camera_transform(), camera)
+        });
+        s.world()
+            .entity_mut(cameras[2])
+            .insert(RenderTarget::from(other.clone()));
+        let images = [headless.target.clone(), other];
+        Self {
+            headless,
+            cameras,
+            images,
+            mask,
+            sizes: [SIZE; 2],
+        }
+    }
+
+    /// As all begins and ends.
+    fn reset(&mut self) {
+        for image in 0..2 {
+            self.resize(image, SIZE);
+        }
+        for (order, camera) in self.cameras.into_iter().enumerate() {
+            let target = self.images[usize::from(order == 2)].clone();
+            let mut camera = self.headless.world().entity_mut(camera);
+            camera.insert((
+                Hdr,
+                Msaa::Off,
+                LeanDeferred::default(),
+                LeanAmbientOcclusion::default(),
+                LeanAutoExposure {
+                    instant: true,
+                    ..default()
+                },
+                RenderTarget::from(target),
+            ));
+            if let Some(mut camera) = camera.get_mut::<Camera>() {
+                camera.is_active = true;
+                camera.viewport = None;
+            }
+            // Bevy does not see a new target by itself.
+            if let Some(mut projection) = camera.get_mut::<Projection>() {
+                projection.set_changed();
+            }
+        }
+    }
+
+    fn resize(&mut self, image: usize, size: UVec2) {
+        if self.sizes[image] != size {
+            self.sizes[image] = size;
+            let handle = &self.images[image];
+            _ = (self.headless.world().resource_mut::<Assets<Image>>())
+                .insert(handle, target_image(size));
+        }
+    }
+
+    fn settled(&mut self) -> Picture {
+        self.reset();
+        self.headless.settle();
+        self.headless.frames(4);
+        self.headless.capture()
+    }
+
+    /// Makes one change to one camera, or to a target. Returns what it was.
+    fn change(&mut self, random: &mut Random) -> String {
+        let camera = self.cameras[random.below(3)];
+        let mask = self.mask.clone();
+        let mut entity = self.headless.world().entity_mut(camera);
+        let mut change = String::new();
+        match random.below(10) {
+            0..4 => {
+                if let Some(mut settings) = entity.get_mut::<LeanAmbientOcclusion>() {
+                    change_occlusion(&mut settings, random);
+                    change = format!("{:?}", *settings);
+                }
+            }
+            4..6 => {
+                if let Some(mut settings) = entity.get_mut::<LeanAutoExposure>() {
+                    change_exposure(&mut settings, &mask, random);
+                    change = format!("{:?}", *settings);
+                }
+            }
+            6 => {
+                if let Some(mut settings) = entity.get_mut::<LeanDeferred>() {
+                    change_lean(&mut settings, random);
+                    change = format!("{:?}", *settings);
+                }
+            }
+            7 => change = change_components(&mut entity, random),
+            8 => {
+                let mut camera = entity.get_mut::<Camera>().expect("it is one");
+                camera.is_active = random.below(2) == 0;
+                change = format!("active: {}", camera.is_active);
+            }
+            _ => {
+                let image = random.below(2);
+                let size = SIZES[random.below(3)];
+                self.resize(image, size);
+                change = format!("image {image} has {size}");
+                if random.below(3) == 0 {
+                    let mut entity = self.headless.world().entity_mut(camera);
+                    let mut camera = entity.get_mut::<Camera>().expect("it is one");
+                    camera.viewport = (random.below(2) == 0).then(|| Viewport {
+                        physical_size: UVec2::new(17, 9).min(size),
+                        ..default()
+                    });
+                    change = format!("{change}, viewport {:?}", camera.viewport);
+                }
+            }
+        }
+        format!("{camera}: {change}")
+    }
+}
+
+fn change_occlusion(settings: &mut LeanAmbientOcclusion, random: &mut Random) {
+    fn one_of<T: Copy>(random: &mut Random, values: &[T]) -> T {
+        values[random.below(values.len())]
+    }
+    match random.below(15) {
+        0 => settings.radius = random.range(0.0, 2.0),
+        1 => settings.intensity = random.range(0.0, 2.0),
+        2 => settings.bias = random.range(0.0, 0.5),
+        3 => settings.falloff = random.unit(),
+        4 => settings.thickness = one_of(random, &[1.0, 0.5]),
+        5 => settings.kernel = one_of(random, &[OcclusionKernel::Hbao, OcclusionKernel::Hdao]),
+        6 => settings.quality = one_of(random, &OcclusionQuality::PRESETS),
+        7 => {
+            settings.normals = one_of(
+                random,
+                &[OcclusionNormals::Shading, OcclusionNormals::Geometric],
+            );
+        }
+        8 => {
+            settings.resolution = one_of(
+                random,
+                &[OcclusionResolution::Full, OcclusionResolution::Half],
+            );
+        }
+        9 => settings.filter = one_of(random, &OcclusionFilter::ALL),
+        10 => {
+            settings.application = one_of(
+                random,
+                &[
+                    OcclusionApplication::Auto,
+                    OcclusionApplication::MultiplicativeBlend,
+                    OcclusionApplication::Indirect,
+                ],
+            );
+        }
+        11 => settings.multibounce ^= true,
+        12 => settings.direct_light_affect = one_of(random, &[0.0, 1.0]),
+        13 => settings.debug_view ^= true,
+        _ => {
+            settings.format = match settings.format {
+                OcclusionFormat::Unorm8 => OcclusionFormat::Float16,
+                OcclusionFormat::Float16 => OcclusionFormat::Unorm8,
+            }
+        }
+    }
+}
+
+fn change_exposure(settings: &mut LeanAutoExposure, mask: &Handle<Image>, random: &mut Random) {
+    match random.below(9) {
+        0 => {
+            settings.metering = match settings.metering {
+                Metering::LogAverage => Metering::LinearAverage,
+                Metering::LinearAverage => Metering::LogAverage,
+            }
+        }
+        1 => {
+            settings.pattern = match random.below(5) {
+                0 => MeteringPattern::Average,
+                1 => MeteringPattern::CenterWeighted,
+                2 => MeteringPattern::Spot { radius: 0.2 },
+                3 => MeteringPattern::Mask(mask.clone()),
+                _ => MeteringPattern::Mask(Handle::default()),
+            }
+        }
+        2 => {
+            settings.trim = (random.below(2) == 0).then_some(LuminanceTrim {
+                low: 0.1,
+                high: 0.1,
+            });
+        }
+        3 => {
+            settings.sampling = [
+                ExposureSampling::All,
+                ExposureSampling::Quarter,
+                ExposureSampling::Sixteenth,
+            ][random.below(3)];
+        }
+        4 => {
+            settings.reduction = [
+                ReductionPath::Auto,
+                ReductionPath::Subgroup,
+                ReductionPath::SharedMemory,
+            ][random.below(3)];
+        }
+        5 => settings.overlay ^= true,
+        6 => settings.instant ^= true,
+        7 => settings.compensation_curve = vec![Vec2::new(random.unit(), 1.0)],
+        _ => settings.compensation = random.range(-2.0, 2.0),
+    }
+}
+
+fn change_lean(settings: &mut LeanDeferred, random: &mut Random) {
+    match random.below(3) {
+        0 => settings.geometric_normal = GeometricNormal::ALL[random.below(3)],
+        1 => settings.light_layers ^= true,
+        _ => {
+            let channel = GBufferChannel::ALL[random.below(11)];
+            settings.debug_view = (random.below(2) == 0).then_some(channel);
+        }
+    }
+}
+
+fn change_components(camera: &mut EntityWorldMut, random: &mut Random) -> String {
+    fn toggle<C: Component + Default>(camera: &mut EntityWorldMut) -> String {
+        let had = camera.contains::<C>();
+        if had {
+            camera.remove::<C>();
+        } else {
+            camera.insert(C::default());
+        }
+        format!("{}: {}", core::any::type_name::<C>(), !had)
+    }
+    match random.below(6) {
+        0 => toggle::<LeanDeferred>(camera),
+        1 => toggle::<LeanAmbientOcclusion>(camera),
+        2 => toggle::<LeanAutoExposure>(camera),
+        3 => toggle::<MeteredExposure>(camera),
+        4 => toggle::<Hdr>(camera),
+        _ => {
+            let msaa = [Msaa::Off, Msaa::Sample4][random.below(2)];
+            camera.insert(msaa);
+            format!("{msaa:?}")
+        }
+    }
+}
+
+/// Frames with changes, and then the picture as at the beginning.
+fn check(seed: u64, frames: usize) {
+    let mut setting = Setting::new();
+    let before = setting.settled();
+    let mut random = Random::new(seed);
+    let mut changes = Vec::new();
+    let mut held_back: Option<(HeldBack, usize)> = None;
+    for frame in 0..frames {
+        match &mut held_back {
+            Some((_, frames)) if *frames > 0 => *frames -= 1,
+            Some(_) => held_back = None,
+            None if random.below(4) == 0 => held_back = Some((HeldBack::new(), 20)),
+            None => {}
+        }
+        for _ in 0..random.below(5) {
+            changes.push(format!("{frame}: {}", setting.change(&mut random)));
+        }
+        setting.headless.frame();
+        let errors = log_watch::messages_with("Caught rendering error");
+        let last = &changes[changes.len().saturating_sub(12)..];
+        assert!(
+            errors.is_empty(),
+            "seed {seed}, frame {frame}: {}\nafter {}",
+            errors.join("\n"),
+            last.join("\n")
+        );
+    }
+    drop(held_back);
+    let after = setting.settled();
+    let difference = pixel_difference(&before, &after);
+    println!("seed {seed}: {difference}");
+    assert_eq!(difference.largest, 0, "seed {seed}");
+    log_watch::assert_validation_layer_silent();
+}
+
+/// One change at a time while a camera is off, and others to it while it is on.
+#[test]
+fn settings_of_cameras_that_are_off_may_change() {
+    in_own_process(|| {
+        let mut headless = Headless::new(SIZE);
+        let mut s = SceneBuilder {
+            headless: &mut headless,
+        };
+        s.solids();
+        let cameras = [0, 1].map(|order| {
+            let camera = Camera { order, ..default() };
+            s.camera(
+                default_camera_transform(),
+                (camera, LeanAmbientOcclusion::default()),
+            )
+        });
+        headless.settle();
+        for change in [
+            |settings: &mut LeanAmbientOcclusion| settings.format = OcclusionFormat::Float16,
+            |settings: &mut LeanAmbientOcclusion| settings.resolution = OcclusionResolution::Half,
+            |settings: &mut LeanAmbientOcclusion| settings.kernel = OcclusionKernel::Hdao,
+        ] {
+            for is_active in [false, true] {
+                let world = headless.world();
+                for camera in cameras {
+                    let mut camera = world.entity_mut(camera);
+                    change(&mut camera.get_mut().expect("it has one"));
+                }
+                let mut camera = world.entity_mut(cameras[0]);
+                camera.get_mut::<Camera>().expect("it is one").is_active = is_active;
+                headless.frames(2);
+            }
+            let world = headless.world();
+            let mut camera = world.entity_mut(cameras[0]);
+            camera.insert(LeanAmbientOcclusion::default());
+            headless.frames(2);
+        }
+        let errors = log_watch::messages_with("Caught rendering error");
+        assert!(errors.is_empty(), "{}", errors.join("\n"));
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+#[test]
+fn any_setting_may_change_at_any_time() {
+    in_own_process(|| {
+        for seed in 0..2 {
+            check(seed, 60);
+        }
+    });
+}
+
+/// Cameras get other targets, and targets other sizes. Returns the errors that were logged.
+fn retarget(seed: u64, effects: impl Bundle + Clone) -> Vec<String> {
+    let before = log_watch::messages_with("Caught rendering error").len();
+    let mut setting = Setting::new();
+    setting
+        .headless
+        .world()
+        .insert_resource(RenderErrorHandler(|_, _, _| RenderErrorPolicy::Ignore));
+    for camera in setting.cameras {
+        let world = setting.headless.world();
+        world.entity_mut(camera).insert((Hdr, effects.clone()));
+    }
+    setting.headless.settle();
+    let mut random = Random::new(seed);
+    for _ in 0..60 {
+        match random.below(3) {
+            0 => setting.resize(random.below(2), SIZES[random.below(3)]),
+            1 => {
+                let camera = setting.cameras[random.below(3)];
+                let image = setting.images[random.below(2)].clone();
+                let world = setting.headless.world();
+                world.entity_mut(camera).insert(RenderTarget::from(image));
+            }
+            _ => {
+                let camera = setting.cameras[random.below(3)];
+                let mut camera = setting.headless.world().entity_mut(camera);
+                let mut camera = camera.get_mut::<Camera>().expect("it is one");
+                camera.is_active ^= true;
+            }
+        }
+        setting.headless.frame();
+    }
+    log_watch::messages_with("Caught rendering error").split_off(before)
+}
+
+/// Bevy sees the size of a camera's new target only when that target changes, so that cameras of one target may be of
+/// different sizes. What Bevy makes of that is Bevy's: with a depth prepass its own copy of depth fails there, and what
+/// follows from that on Bevy's buffers of clusters ends the app. So there is no prepass here.
+#[test]
+fn targets_may_be_replaced_and_resized() {
+    in_own_process(|| {
+        let all = (
+            LeanDeferred::default(),
+            LeanAmbientOcclusion::default(),
+            LeanAutoExposure::default(),
+        );
+        let [bevy, lean] = [retarget(1, ()), retarget(1, all)];
+        println!(
+            "Bevy alone logs {} errors, with all effects {}",
+            bevy.len(),
+            lean.len()
+        );
+        assert!(lean.len() <= bevy.len(), "{}", lean.join("\n"));
+    });
+}

@@ -1,0 +1,211 @@
+//! Cameras that cannot be rendered lean: one warning that names the reason, and Bevy's own picture. What counts warnings is
+//! in a process of its own.
+
+use bevy::{
+    camera::Hdr,
+    core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
+    pbr::{ExtractedDirectionalLight, ExtractedPointLight},
+    prelude::*,
+    render::{Render, RenderApp, RenderSystems},
+};
+use bevy_lean_deferred::{lean::LeanDeferredSupport, prelude::*};
+use kit::{
+    headless::{Headless, Picture},
+    lean::{active_lean_views, build},
+    log_watch,
+    own_process::in_own_process,
+};
+
+const SIZE: UVec2 = UVec2::new(160, 120);
+
+/// The solids, and the camera that sees them.
+fn scene() -> (Headless, Entity) {
+    let mut camera = Entity::PLACEHOLDER;
+    let headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        camera = s.default_camera(());
+    });
+    (headless, camera)
+}
+
+/// Renders the solids with a camera made by `spoil` from the usual one, without and with `LeanDeferred`.
+fn pictures(spoil: fn(&mut EntityWorldMut)) -> (Picture, Picture) {
+    let (mut headless, camera) = scene();
+    spoil(&mut headless.world().entity_mut(camera));
+    headless.settle();
+    let without = headless.capture();
+
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert(LeanDeferred::default());
+    // Adding the component makes the camera fit; what comes after does not.
+    spoil(&mut headless.world().entity_mut(camera));
+    headless.settle();
+    (without, headless.capture())
+}
+
+fn assert_falls_back(spoil: fn(&mut EntityWorldMut), reason: &str) {
+    let (without, with) = pictures(spoil);
+    assert!(without.rgba == with.rgba, "the picture is not Bevy's");
+    let warnings = log_watch::messages_with(reason);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+}
+
+#[test]
+fn msaa() {
+    in_own_process(|| {
+        assert_falls_back(
+            |camera| {
+                camera.insert(Msaa::Sample4);
+            },
+            "its Msaa is not Off",
+        );
+    });
+}
+
+#[test]
+fn no_hdr() {
+    in_own_process(|| {
+        assert_falls_back(
+            |camera| {
+                camera.remove::<Hdr>();
+            },
+            "it has no Hdr component",
+        );
+    });
+}
+
+#[test]
+fn deferred_prepass() {
+    in_own_process(|| {
+        assert_falls_back(
+            |camera| {
+                camera.insert((DepthPrepass, DeferredPrepass));
+            },
+            "it has DeferredPrepass",
+        );
+    });
+}
+
+/// Which lights ask for percentage-closer soft shadows. Their components have no field for that without Bevy's feature
+/// `experimental_pbr_pcss`, but in the render world it is there.
+#[derive(Resource, Clone, Copy, Default, PartialEq, Debug)]
+struct SoftShadows {
+    sun: bool,
+    lamp: bool,
+}
+
+fn soften_shadows(
+    soft: Res<SoftShadows>,
+    mut suns: Query<&mut ExtractedDirectionalLight>,
+    mut lamps: Query<&mut ExtractedPointLight>,
+) {
+    for mut sun in &mut suns {
+        sun.soft_shadow_size = soft.sun.then_some(10.0);
+    }
+    for mut lamp in &mut lamps {
+        lamp.soft_shadows_enabled = soft.lamp;
+    }
+}
+
+#[test]
+fn soft_shadows() {
+    in_own_process(|| {
+        let mut camera = Entity::PLACEHOLDER;
+        let mut headless = build(SIZE, |s| {
+            s.solids();
+            s.sun(true);
+            s.spawn((
+                PointLight {
+                    intensity: 900_000.0,
+                    radius: 0.2,
+                    shadow_maps_enabled: true,
+                    ..default()
+                },
+                Transform::from_xyz(-2.0, 2.5, 1.5),
+            ));
+            camera = s.default_camera(());
+        });
+        headless
+            .app
+            .sub_app_mut(RenderApp)
+            .init_resource::<SoftShadows>()
+            .add_systems(
+                Render,
+                soften_shadows
+                    .after(RenderSystems::ExtractCommands)
+                    .before(RenderSystems::PrepareAssets),
+            );
+        let mut pictures = |soft, lean| {
+            headless
+                .app
+                .sub_app_mut(RenderApp)
+                .insert_resource::<SoftShadows>(soft);
+            let mut camera = headless.world().entity_mut(camera);
+            if lean {
+                camera.insert(LeanDeferred::default());
+            } else {
+                camera.remove::<LeanDeferred>();
+            }
+            headless.settle();
+            (headless.capture(), active_lean_views(&mut headless))
+        };
+
+        for (sun, lamp) in [(true, false), (false, true), (true, true)] {
+            let soft = SoftShadows { sun, lamp };
+            let (without, _) = pictures(soft, false);
+            let (with, active) = pictures(soft, true);
+            assert_eq!(active, 0, "{soft:?}");
+            assert!(without.rgba == with.rgba, "{soft:?} is not Bevy's picture");
+        }
+        let warnings = log_watch::messages_with("a light has soft shadows");
+        assert_eq!(
+            warnings.len(),
+            3,
+            "once for each time that it was added: {warnings:?}"
+        );
+
+        // Once they are hard again, the camera is lean again.
+        let (_, active) = pictures(SoftShadows::default(), true);
+        assert_eq!(active, 1);
+    });
+}
+
+/// A device that lacks something, as `RenderStartup` would have found it.
+#[test]
+fn missing_support() {
+    let (mut headless, camera) = scene();
+    headless.frames(1);
+    headless
+        .app
+        .sub_app_mut(RenderApp)
+        .insert_resource(LeanDeferredSupport::Missing("a storage texture".into()));
+    headless.settle();
+    let without = headless.capture();
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert(LeanDeferred::default());
+    headless.settle();
+    assert!(without.rgba == headless.capture().rgba);
+}
+
+#[test]
+fn spawning_with_the_default_msaa_works() {
+    let mut headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        let target = s.headless.render_target();
+        s.spawn((
+            Camera3d::default(),
+            LeanDeferred::default(),
+            target,
+            Transform::from_xyz(-1.5, 2.8, 5.2).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+    });
+    headless.settle();
+    assert_eq!(active_lean_views(&mut headless), 1);
+    log_watch::assert_validation_layer_silent();
+}

@@ -1,0 +1,178 @@
+//! A device that is lost: Bevy can make another, on which the picture is the same. In processes of their own, because a
+//! lost device is logged as an error.
+
+use bevy::{
+    prelude::*,
+    render::{
+        RenderApp, RenderStartup,
+        error_handler::{RenderErrorHandler, RenderErrorPolicy},
+        render_resource::PollType,
+        renderer::RenderDevice,
+        settings::RenderCreation,
+    },
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    headless::{Headless, Picture},
+    lean::{active_lean_views, build},
+    metrics::pixel_difference,
+    own_process::in_own_process,
+    scenes::SceneBuilder,
+};
+
+const SIZE: UVec2 = UVec2::new(160, 120);
+
+fn scene(s: &mut SceneBuilder) {
+    s.solids();
+    s.sun(true);
+    s.mesh(
+        Sphere::new(0.4),
+        StandardMaterial {
+            clearcoat: 1.0,
+            emissive: LinearRgba::rgb(0.2, 0.1, 0.3),
+            ..default()
+        },
+        Transform::from_xyz(0.0, 0.4, 1.2),
+    );
+    s.spawn((
+        PointLight {
+            intensity: 300_000.0,
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        bevy::camera::visibility::RenderLayers::layer(1),
+        Transform::from_xyz(1.0, 2.0, 1.5),
+    ));
+}
+
+/// How many devices there have been.
+#[derive(Resource)]
+struct Devices(usize);
+
+/// Loses the device and makes frames until there is another.
+fn lose_device(headless: &mut Headless) {
+    headless
+        .world()
+        .insert_resource(RenderErrorHandler(|error, _, _| {
+            println!("recovering from {:?}", error.ty);
+            RenderErrorPolicy::Recover(RenderCreation::default())
+        }));
+    let render_app = headless.app.sub_app_mut(RenderApp);
+    if render_app.world().get_resource::<Devices>().is_none() {
+        render_app.add_systems(RenderStartup, |mut devices: ResMut<Devices>| devices.0 += 1);
+    }
+    render_app.insert_resource(Devices(0));
+    let device = render_app.world().resource::<RenderDevice>();
+    device.wgpu_device().destroy();
+    _ = device.poll(PollType::wait_indefinitely());
+    for _ in 0..20 {
+        headless.frame();
+        let render_world = headless.app.sub_app(RenderApp).world();
+        if render_world.resource::<Devices>().0 > 0 {
+            return;
+        }
+    }
+    panic!("no other device after 20 frames");
+}
+
+/// Whether a camera with `effects` shows the same before and after.
+fn survives(name: &str, effects: impl Bundle) -> Headless {
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(SIZE, |s| {
+        scene(s);
+        camera = s.default_camera(bevy::camera::visibility::RenderLayers::from_layers(&[0, 1]));
+    });
+    let images = images(&mut headless);
+    headless.world().entity_mut(camera).insert(effects);
+    let before = settled(&mut headless);
+    let lean_before = active_lean_views(&mut headless);
+    for loss in 1..3 {
+        lose_device(&mut headless);
+        restore(&images, &mut headless);
+        let after = settled(&mut headless);
+        let difference = pixel_difference(&before, &after);
+        println!("{name}, loss {loss}: {difference}");
+        assert_eq!(difference.largest, 0, "{name}");
+        assert_eq!(active_lean_views(&mut headless), lean_before, "{name}");
+    }
+    headless
+}
+
+type Images = Vec<(AssetId<Image>, Image)>;
+
+/// The images as they were before any was handed to the render world.
+fn images(headless: &mut Headless) -> Images {
+    let images = headless.world().resource::<Assets<Image>>();
+    images
+        .iter()
+        .map(|(id, image)| (id, image.clone()))
+        .collect()
+}
+
+/// Bevy forgets the pixels of images that only the render world has, such as its look-up tables of reflected light,
+/// without which all is black: on the next device they are empty.
+fn restore(images: &Images, headless: &mut Headless) {
+    let mut assets = headless.world().resource_mut::<Assets<Image>>();
+    for (id, image) in images {
+        _ = assets.insert(*id, image.clone());
+    }
+}
+
+fn settled(headless: &mut Headless) -> Picture {
+    headless.settle();
+    headless.frames(8);
+    headless.capture()
+}
+
+#[test]
+fn bevy_alone_survives() {
+    in_own_process(|| {
+        survives("forward", ());
+    });
+}
+
+#[test]
+fn lean_cameras_survive() {
+    in_own_process(|| {
+        survives("lean", LeanDeferred::default());
+    });
+}
+
+#[test]
+fn occlusion_survives() {
+    in_own_process(|| {
+        survives("occlusion", LeanAmbientOcclusion::default());
+        survives(
+            "lean with occlusion",
+            (LeanDeferred::default(), LeanAmbientOcclusion::default()),
+        );
+    });
+}
+
+#[test]
+fn exposure_survives() {
+    in_own_process(|| {
+        let settings = LeanAutoExposure {
+            instant: true,
+            overlay: true,
+            ..default()
+        };
+        let mut headless = survives(
+            "exposure",
+            (
+                LeanDeferred::default(),
+                settings,
+                MeteredExposure::default(),
+            ),
+        );
+        // It is still read back.
+        let world = headless.world();
+        let mut cameras = world.query::<&mut MeteredExposure>();
+        let mut metered = cameras.single_mut(world).expect("there is one");
+        let before = core::mem::take(&mut *metered);
+        headless.frames(4);
+        let world = headless.world();
+        let after = cameras.single(world).expect("there is one");
+        assert_eq!(before, *after);
+    });
+}

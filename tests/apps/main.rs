@@ -1,0 +1,12 @@
+//! Apps as a whole: plugins in any order, settings that come and go, what is warned of, what is held.
+
+mod changing_settings;
+mod fallback;
+mod lost_device;
+mod memory;
+mod plugins;
+mod steady_state;
+mod switching;
+#[cfg(target_os = "linux")]
+mod validation_layer;
+mod viewer_errors;

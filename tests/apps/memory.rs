@@ -1,0 +1,213 @@
+//! What cameras hold on the GPU for an effect they give back when its component is removed, the camera is switched off,
+//! or the effect no longer goes with it.
+
+use bevy::{
+    camera::Hdr,
+    prelude::*,
+    render::{RenderApp, render_resource::BindGroup, renderer::RenderInstance},
+};
+use bevy_lean_deferred::{
+    LeanAmbientOcclusion, LeanAutoExposure, LeanDeferred, ambient_occlusion::OcclusionBindings,
+};
+use kit::{
+    headless::Headless,
+    lean::{active_lean_views, build, set_lean},
+};
+
+/// Handles that are alive, Bevy's and this crate's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Held {
+    textures: usize,
+    texture_views: usize,
+    bind_groups: usize,
+}
+
+/// Once nothing changes any more.
+fn held(headless: &mut Headless) -> Held {
+    headless.settle();
+    // Bevy keeps textures that nobody asks for three frames longer.
+    headless.frames(8);
+    let render_world = headless.app.sub_app(RenderApp).world();
+    let report = render_world
+        .resource::<RenderInstance>()
+        .generate_report()
+        .expect("wgpu itself runs here, not a browser's WebGPU");
+    let hub = report.hub_report();
+    Held {
+        textures: hub.textures.num_kept_from_user,
+        texture_views: hub.texture_views.num_kept_from_user,
+        bind_groups: hub.bind_groups.num_kept_from_user,
+    }
+}
+
+#[test]
+fn what_is_held_is_given_back() {
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(UVec2::new(160, 120), |s| {
+        s.solids();
+        s.sun(true);
+        camera = s.default_camera(());
+    });
+    let mut held_by = |lean, is_active| {
+        set_lean(&mut headless, lean);
+        let mut camera = headless.world().entity_mut(camera);
+        camera.get_mut::<Camera>().expect("it is one").is_active = is_active;
+        let held = held(&mut headless);
+        println!("lean: {lean}, active: {is_active}, {held:?}");
+        held
+    };
+
+    let forward = held_by(false, true);
+    let forward_off = held_by(false, false);
+    let lean = held_by(true, true);
+    let forward_again = held_by(false, true);
+    let lean_again = held_by(true, true);
+    let lean_off = held_by(true, false);
+    held_by(true, true);
+    assert_eq!(active_lean_views(&mut headless), 1, "it is off for ever");
+
+    let textures = |held: Held| [held.textures, held.texture_views];
+    assert_eq!(
+        textures(lean),
+        textures(forward).map(|count| count + 2),
+        "the G-buffer has two"
+    );
+    assert_eq!(textures(forward_again), textures(forward));
+    assert_eq!(textures(lean_off), textures(forward_off));
+    // Bevy keeps a few bind groups for each kind of render phase that was ever used. They do not become more.
+    assert_eq!(lean_again, lean);
+}
+
+/// States in which a camera may be.
+#[derive(Clone, Copy, Debug)]
+enum State {
+    Usual,
+    SwitchedOff,
+    Multisampled,
+    NotHdr,
+}
+
+fn set_state(headless: &mut Headless, camera: Entity, state: State) {
+    let mut camera = headless.world().entity_mut(camera);
+    camera.get_mut::<Camera>().expect("it is one").is_active = !matches!(state, State::SwitchedOff);
+    camera.insert(match state {
+        State::Multisampled => Msaa::Sample4,
+        _ => Msaa::Off,
+    });
+    if matches!(state, State::NotHdr) {
+        camera.remove::<Hdr>();
+    } else {
+        camera.insert(Hdr);
+    }
+}
+
+/// In each of `states` the camera holds as much with the component as without, though it held more before.
+fn check_states<C: Component + Default>(states: &[State], compares_bind_groups: bool) {
+    let name = core::any::type_name::<C>();
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(UVec2::new(160, 120), |s| {
+        s.solids();
+        camera = s.default_camera(());
+    });
+    let mut held_in = |with: bool, state: State| {
+        if with {
+            headless.world().entity_mut(camera).insert(C::default());
+        } else {
+            headless.world().entity_mut(camera).remove::<C>();
+        }
+        set_state(&mut headless, camera, state);
+        let mut held = held(&mut headless);
+        println!("{name}: {with}, {state:?}, {held:?}");
+        if !compares_bind_groups {
+            held.bind_groups = 0;
+        }
+        held
+    };
+    // Bevy keeps some of what was ever used.
+    for state in [&[State::Usual], states].concat() {
+        held_in(true, state);
+    }
+    for state in states {
+        // Views that are switched off keep what Bevy had made for them.
+        held_in(false, State::Usual);
+        let without = held_in(false, *state);
+        let usual = held_in(true, State::Usual);
+        assert_eq!(held_in(true, *state), without, "{name}, {state:?}");
+        assert_eq!(held_in(true, State::Usual), usual, "{name}, {state:?}");
+    }
+}
+
+#[test]
+fn lean_cameras_that_cannot_be_lean_hold_nothing() {
+    check_states::<LeanDeferred>(
+        &[State::SwitchedOff, State::Multisampled, State::NotHdr],
+        // Bevy's own differ with what it was used for.
+        false,
+    );
+}
+
+#[test]
+fn cameras_without_occlusion_hold_nothing_of_it() {
+    check_states::<LeanAmbientOcclusion>(&[State::SwitchedOff, State::Multisampled], true);
+}
+
+#[test]
+fn cameras_that_are_not_metered_hold_nothing_for_it() {
+    check_states::<LeanAutoExposure>(&[State::SwitchedOff, State::NotHdr], true);
+}
+
+#[test]
+fn removed_occlusion_is_given_back() {
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(UVec2::new(160, 120), |s| {
+        s.solids();
+        camera = s.default_camera(());
+    });
+    for lean in [false, true] {
+        set_lean(&mut headless, lean);
+        let [with, without, again] = [true, false, true].map(|with| {
+            let mut camera = headless.world().entity_mut(camera);
+            if with {
+                camera.insert(LeanAmbientOcclusion::default());
+            } else {
+                camera.remove::<LeanAmbientOcclusion>();
+            }
+            let held = held(&mut headless);
+            println!("lean: {lean}, occlusion: {with}, {held:?}");
+            held
+        });
+        assert_eq!(with, again);
+        assert_eq!(with.textures, without.textures + 1);
+        assert_eq!(with.texture_views, without.texture_views + 1);
+        let groups = if lean { 1 } else { 2 };
+        assert_eq!(with.bind_groups, without.bind_groups + groups);
+    }
+}
+
+/// While nothing changes, the bind groups of occlusion stay the same.
+#[test]
+fn nothing_of_occlusion_is_made_anew() {
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(UVec2::new(160, 120), |s| {
+        s.solids();
+        camera = s.default_camera(LeanAmbientOcclusion::default());
+    });
+    for lean in [false, true] {
+        set_lean(&mut headless, lean);
+        let _ = held(&mut headless);
+        let mut groups = || {
+            headless.frames(1);
+            let world = headless.app.sub_app_mut(RenderApp).world_mut();
+            let mut views = world.query::<&OcclusionBindings>();
+            let groups = views
+                .iter(world)
+                .flat_map(OcclusionBindings::lasting_bind_groups);
+            groups.map(BindGroup::id).collect::<Vec<_>>()
+        };
+        let first = groups();
+        assert_eq!(first.len(), if lean { 1 } else { 2 });
+        for _ in 0..8 {
+            assert_eq!(groups(), first);
+        }
+    }
+}

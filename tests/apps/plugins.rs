@@ -1,0 +1,109 @@
+//! Each plugin alone and with others, in any order, and with parts of Bevy missing.
+
+mod broken_shaders;
+mod order;
+
+use bevy::prelude::*;
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    headless::{Headless, Picture},
+    lean::{active_lean_views, settled},
+    scenes::SceneBuilder,
+};
+
+const SIZE: UVec2 = UVec2::new(160, 120);
+
+/// Which effects an app has, or a camera.
+#[derive(Clone, Copy, Debug)]
+struct Effects {
+    deferred: bool,
+    occlusion: bool,
+    exposure: bool,
+}
+
+impl Effects {
+    const NONE: Self = Self::from_bits(0);
+    const ALL: Self = Self::from_bits(7);
+
+    const fn from_bits(bits: u32) -> Self {
+        Self {
+            deferred: bits & 1 != 0,
+            occlusion: bits & 2 != 0,
+            exposure: bits & 4 != 0,
+        }
+    }
+
+    /// An app with the plugins of these, one by one, that shows the solids.
+    fn app(self) -> (Headless, Entity) {
+        let mut app = App::new();
+        app.add_plugins(Headless::default_plugins());
+        if self.deferred {
+            app.add_plugins(LeanDeferredPlugin);
+        }
+        if self.occlusion {
+            app.add_plugins(LeanAmbientOcclusionPlugin);
+        }
+        if self.exposure {
+            app.add_plugins(LeanAutoExposurePlugin);
+        }
+        solids(Headless::from_app(SIZE, app, |_| {}))
+    }
+
+    fn put_on(self, camera: &mut EntityWorldMut) {
+        camera.remove::<(LeanDeferred, LeanAmbientOcclusion, LeanAutoExposure)>();
+        if self.deferred {
+            camera.insert(LeanDeferred::default());
+        }
+        if self.occlusion {
+            camera.insert(LeanAmbientOcclusion {
+                intensity: 3.0,
+                ..default()
+            });
+        }
+        if self.exposure {
+            camera.insert(LeanAutoExposure {
+                instant: true,
+                ..default()
+            });
+        }
+    }
+}
+
+/// The solids, and the camera that sees them.
+fn solids(mut headless: Headless) -> (Headless, Entity) {
+    let mut scene = SceneBuilder {
+        headless: &mut headless,
+    };
+    scene.solids();
+    scene.sun(true);
+    let camera = scene.default_camera(());
+    (headless, camera)
+}
+
+fn picture(headless: &mut Headless, camera: Entity, effects: Effects) -> (Picture, usize) {
+    effects.put_on(&mut headless.world().entity_mut(camera));
+    let picture = settled(headless);
+    (picture, active_lean_views(headless))
+}
+
+#[test]
+fn each_plugin_alone_and_each_pair_render_as_the_group() {
+    let (mut group, camera) = solids(Headless::new(SIZE));
+    let (plain, _) = picture(&mut group, camera, Effects::NONE);
+    for bits in 1..=7 {
+        let effects = Effects::from_bits(bits);
+        let (expected, lean_views) = picture(&mut group, camera, effects);
+        assert_eq!(lean_views, usize::from(effects.deferred), "{effects:?}");
+        assert!(expected != plain || bits == 1, "{effects:?} shows nothing");
+
+        let (mut app, camera) = effects.app();
+        // With the components of all, as an app may have that leaves a plugin out.
+        let (found, lean_views) = picture(&mut app, camera, Effects::ALL);
+        assert_eq!(lean_views, usize::from(effects.deferred), "{effects:?}");
+        assert!(
+            found == expected,
+            "{effects:?} alone: {:?}",
+            kit::metrics::difference(&expected, &found)
+        );
+    }
+}

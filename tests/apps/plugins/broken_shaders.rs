@@ -1,0 +1,109 @@
+//! Shaders that cannot be composed: reported once, with the cause, and Bevy's forward passes draw meanwhile.
+
+use core::time::Duration;
+use std::time::Instant;
+
+use bevy::{
+    asset::AssetId,
+    prelude::*,
+    shader::{Shader, ShaderImport},
+};
+use bevy_lean_deferred::prelude::*;
+
+use super::{SIZE, solids};
+use kit::{headless::Headless, lean::active_lean_views, log_watch, metrics::difference};
+
+/// A module that all lighting pipelines import.
+const MODULE: &str = "bevy_lean_deferred::lighting::surface";
+
+fn find_shader(world: &World, is_wanted: impl Fn(&Shader) -> bool) -> (AssetId<Shader>, Shader) {
+    let shaders = world.resource::<Assets<Shader>>();
+    let (id, shader) = shaders
+        .iter()
+        .find(|(_, shader)| is_wanted(shader))
+        .expect("the plugins have loaded it");
+    (id, shader.clone())
+}
+
+fn status(headless: &mut Headless, camera: Entity) -> LeanStatus {
+    headless.world().get::<LeanStatus>(camera).unwrap().clone()
+}
+
+/// Frames until the status is another one, for half a minute at most.
+fn await_other_status(headless: &mut Headless, camera: Entity, status_before: &LeanStatus) {
+    let start = Instant::now();
+    while status(headless, camera) == *status_before {
+        assert!(start.elapsed() < Duration::from_secs(30), "{status_before}");
+        headless.frames(1);
+    }
+}
+
+#[test]
+fn an_import_that_nothing_provides() {
+    let (mut headless, camera) = solids(Headless::new(SIZE));
+    headless.settle();
+    let forward = headless.capture();
+    let (id, module) = find_shader(headless.world(), |shader| {
+        shader.import_path == ShaderImport::Custom(MODULE.into())
+    });
+    headless.world().resource_mut::<Assets<Shader>>().remove(id);
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert(LeanDeferred::default());
+    headless.frames(3);
+    assert_eq!(status(&mut headless, camera), LeanStatus::Compiling);
+
+    await_other_status(&mut headless, camera, &LeanStatus::Compiling);
+    let cause = format!("nothing provides the shader {MODULE}");
+    assert_eq!(
+        status(&mut headless, camera),
+        LeanStatus::Off(LeanOffReason::Shader(cause.clone()))
+    );
+    headless.frames(20);
+    assert_eq!(log_watch::messages_with(&cause).len(), 1);
+    assert_eq!(active_lean_views(&mut headless), 0);
+    assert!(headless.capture() == forward, "a mesh is lost");
+
+    // It comes late, but it comes.
+    let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
+    shaders.insert(id, module).unwrap();
+    headless.settle();
+    headless.frames(1);
+    assert_eq!(status(&mut headless, camera), LeanStatus::Lean);
+    assert!(difference(&forward, &headless.capture()).psnr > 40.0);
+}
+
+#[test]
+fn a_shader_that_cannot_be_composed() {
+    let (mut headless, camera) = solids(Headless::new(SIZE));
+    headless.settle();
+    let forward = headless.capture();
+    let (id, shader) = find_shader(headless.world(), |shader| {
+        shader.path.ends_with("lighting/lighting.wgsl")
+    });
+    let broken = Shader::from_wgsl("fn broken() -> u32 { return missing_name; }", "broken.wgsl");
+    let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
+    shaders.insert(id, broken).unwrap();
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert(LeanDeferred::default());
+    headless.settle();
+    headless.frames(20);
+    let LeanStatus::Off(LeanOffReason::Shader(cause)) = status(&mut headless, camera) else {
+        panic!("{}", status(&mut headless, camera));
+    };
+    assert!(cause.contains("missing_name"), "{cause}");
+    let reports = log_watch::messages_with("lean_deferred/lighting cannot be compiled");
+    let reports = reports.iter().filter(|line| line.contains(&cause));
+    assert_eq!(reports.count(), 1);
+    assert_eq!(active_lean_views(&mut headless), 0);
+    assert!(headless.capture() == forward, "a mesh is lost");
+
+    let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
+    shaders.insert(id, shader).unwrap();
+    headless.settle();
+    headless.frames(1);
+    assert_eq!(status(&mut headless, camera), LeanStatus::Lean);
+}

@@ -1,0 +1,42 @@
+//! The validation layer, of which other tests demand silence, is there and is heard. In a process of its own, because
+//! it makes the layer complain.
+
+use bevy::{
+    prelude::*,
+    render::{RenderApp, renderer::RenderDevice},
+};
+use kit::{headless::Headless, log_watch, own_process::in_own_process};
+
+/// Does what Vulkan forbids and every driver bears: makes a pool for no descriptors.
+fn offend_vulkan(device: &wgpu::Device) {
+    // SAFETY: only the new pool is touched, and nothing uses it.
+    unsafe {
+        let device = device
+            .as_hal::<wgpu::hal::api::Vulkan>()
+            .expect("this device is not a Vulkan one: is there a Vulkan driver?");
+        let device = device.raw_device();
+        if let Ok(pool) = device.create_descriptor_pool(&Default::default(), None) {
+            device.destroy_descriptor_pool(pool, None);
+        }
+    }
+}
+
+#[test]
+fn complaints_of_the_validation_layer_are_heard() {
+    in_own_process(|| {
+        let mut headless = Headless::new(UVec2::ONE);
+        headless.frames(1);
+        log_watch::assert_validation_layer_silent();
+
+        let render_world = headless.app.sub_app(RenderApp).world();
+        offend_vulkan(render_world.resource::<RenderDevice>().wgpu_device());
+        let complaints = log_watch::validation_layer_complaints();
+        assert!(
+            complaints
+                .iter()
+                .any(|c| c.contains("VkDescriptorPoolCreateInfo")),
+            "the Vulkan validation layer is not heard: is it installed (tests/install-debian.sh does that), and is this a \
+         build with debug assertions? {complaints:?}"
+        );
+    });
+}

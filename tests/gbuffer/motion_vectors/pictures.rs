@@ -1,0 +1,63 @@
+//! Pictures of effects that fetch pixels along motion vectors.
+
+use bevy::{
+    core_pipeline::prepass::{DepthPrepass, NormalPrepass},
+    post_process::motion_blur::MotionBlur,
+    prelude::*,
+};
+use kit::{
+    headless::Picture,
+    lean::{build, judge, report, set_lean},
+    scenes::LEAST_PSNR,
+};
+
+use super::{SIZE, align, shift_movers, still_and_moving, taa, turn_camera};
+
+/// Films a scene in which camera and meshes move.
+fn pictures_of(camera: impl Bundle, lean: bool) -> Vec<Picture> {
+    let mut headless = build(SIZE, |s| still_and_moving(s, camera));
+    set_lean(&mut headless, lean);
+    align(&mut headless, 256);
+    headless.film(8, |world, frame| {
+        turn_camera(world, frame as f32 * 0.03);
+        shift_movers(world, Vec3::new(0.1, 0.04, -0.06));
+    })
+}
+
+/// Pictures in which pixels are fetched along motion vectors: lean beside lean with Bevy's motion vectors, and beside
+/// forward. In the first frame that they move, forward draws the movers: the view gets its motion target one later.
+fn compare_pictures<B: Bundle>(name: &str, camera: impl Fn() -> B, least_psnr: f64) {
+    let films = [
+        pictures_of(camera(), false),
+        pictures_of((camera(), NormalPrepass), true),
+        pictures_of(camera(), true),
+    ];
+    assert!(films[0][6].rgba != films[0][7].rgba, "nothing moves");
+    let judge_frame = |frame: usize| {
+        let [forward, bevy, lean] = films.each_ref().map(|film| &film[frame]);
+        [
+            judge(&format!("{name}_{frame}_motion"), bevy, lean, 50.0),
+            judge(&format!("{name}_{frame}"), forward, lean, least_psnr),
+        ]
+    };
+    report((0..8).flat_map(judge_frame));
+}
+
+#[test]
+fn temporal_anti_aliasing_pictures() {
+    compare_pictures("taa", taa, LEAST_PSNR);
+}
+
+#[test]
+fn motion_blur_pictures() {
+    let blur = || {
+        (
+            MotionBlur {
+                shutter_angle: 2.0,
+                samples: 4,
+            },
+            DepthPrepass,
+        )
+    };
+    compare_pictures("motion_blur", blur, LEAST_PSNR);
+}

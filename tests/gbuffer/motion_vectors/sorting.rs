@@ -1,0 +1,52 @@
+//! How often meshes that move are sorted anew.
+
+use bevy::{
+    prelude::*,
+    render::{RenderApp, camera::DirtySpecializations},
+};
+use bevy_lean_deferred::gbuffer::SortedMeshes;
+use kit::{
+    headless::Headless,
+    lean::{build, set_lean},
+};
+
+use super::{SIZE, shift_movers, still_and_moving, taa};
+
+/// How often a mesh was sorted anew in `frames` frames, in which `moves` says whether the movers move. Bevy is not to queue
+/// any again.
+fn resorts(headless: &mut Headless, frames: usize, moves: impl Fn(usize) -> bool) -> usize {
+    let mut count = 0;
+    for frame in 0..frames {
+        if moves(frame) {
+            // To and fro, within sight.
+            let side = if frame % 2 == 0 { 0.1 } else { -0.1 };
+            shift_movers(headless.world(), Vec3::X * side);
+        }
+        headless.frames(1);
+        let world = headless.app.sub_app(RenderApp).world();
+        let asked_of_bevy = &world.resource::<DirtySpecializations>().changed_renderables;
+        assert!(asked_of_bevy.is_empty(), "{asked_of_bevy:?}");
+        count += world.resource::<SortedMeshes>().0;
+    }
+    count
+}
+
+/// A mesh is sorted anew when it starts to move and when it has stopped, not while it moves or halts; and for the first
+/// time once more when the view has the target.
+#[test]
+fn moving_meshes_are_sorted_once() {
+    let mut headless = build(SIZE, |s| still_and_moving(s, taa()));
+    set_lean(&mut headless, true);
+    headless.settle();
+    assert_eq!(resorts(&mut headless, 4, |_| false), 0);
+    let first = resorts(&mut headless, 50, |_| true);
+    assert!(
+        (4..=12).contains(&first),
+        "two movers, sorted {first} times"
+    );
+    assert_eq!(resorts(&mut headless, 60, |frame| frame % 8 == 7), 0);
+    assert_eq!(resorts(&mut headless, 50, |_| false), 2);
+    assert_eq!(resorts(&mut headless, 50, |_| true), 2);
+    assert_eq!(resorts(&mut headless, 50, |_| false), 2);
+    assert_eq!(resorts(&mut headless, 50, |_| false), 0);
+}

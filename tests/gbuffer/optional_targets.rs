@@ -1,0 +1,34 @@
+//! Optional G-buffer targets: which there are, that every mesh is drawn with them, and hard cases.
+
+mod existence;
+mod hard_cases;
+mod overlaps;
+mod writes;
+
+use bevy::{
+    core_pipeline::core_3d::{AlphaMask3d, Opaque3d},
+    prelude::*,
+    render::{RenderApp, render_phase::ViewBinnedRenderPhases},
+};
+use bevy_lean_deferred::prelude::*;
+use kit::headless::Headless;
+
+const SIZE: UVec2 = UVec2::new(320, 240);
+
+/// What the only lean camera has.
+fn usage(headless: &mut Headless) -> GBufferUsage {
+    let world = headless.world();
+    *world
+        .query::<&GBufferUsage>()
+        .single(world)
+        .expect("there is one lean camera")
+}
+
+/// Whether forward draws an opaque mesh for some camera.
+fn forward_draws(headless: &Headless) -> bool {
+    let world = headless.app.sub_app(RenderApp).world();
+    let opaque = world.resource::<ViewBinnedRenderPhases<Opaque3d>>();
+    let alpha_mask = world.resource::<ViewBinnedRenderPhases<AlphaMask3d>>();
+    opaque.values().any(|phase| !phase.is_empty())
+        || alpha_mask.values().any(|phase| !phase.is_empty())
+}

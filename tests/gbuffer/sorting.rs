@@ -1,0 +1,208 @@
+//! Which meshes a change makes lean views look at: those that it concerns. Bevy is not made to look at any.
+
+use bevy::{
+    core_pipeline::prepass::MotionVectorPrepass,
+    light::NotShadowReceiver,
+    prelude::*,
+    render::{Render, RenderApp, RenderSystems, camera::DirtySpecializations, view::ExtractedView},
+};
+use bevy_lean_deferred::{gbuffer::SortedMeshes, view::ActiveLeanView};
+use kit::{
+    headless::Headless,
+    lean::{active_lean_views, build, set_lean},
+    log_watch,
+};
+
+const SIZE: UVec2 = UVec2::new(96, 64);
+/// Frames for which a view keeps what no mesh needs any more.
+const LINGERING: usize = 121;
+
+/// What Bevy was asked to queue anew in the last frame: whole lean views, and single meshes.
+#[derive(Resource, Default, Debug, PartialEq, Eq, Clone, Copy)]
+struct AskedOfBevy {
+    views: usize,
+    meshes: usize,
+}
+
+fn note(
+    dirty: Res<DirtySpecializations>,
+    lean: Query<&ExtractedView, With<ActiveLeanView>>,
+    mut asked: ResMut<AskedOfBevy>,
+) {
+    let is_dirty = |view: &&ExtractedView| dirty.views.contains(&view.retained_view_entity);
+    *asked = AskedOfBevy {
+        views: lean.iter().filter(is_dirty).count(),
+        meshes: dirty.changed_renderables.len(),
+    };
+}
+
+struct Stage {
+    headless: Headless,
+    camera: Entity,
+    cubes: Vec<Entity>,
+    lamp: Entity,
+}
+
+fn stage() -> Stage {
+    let (mut camera, mut lamp) = (Entity::PLACEHOLDER, Entity::PLACEHOLDER);
+    let mut cubes = Vec::new();
+    let mut headless = build(SIZE, |s| {
+        s.floor();
+        for x in -4..=4 {
+            for z in -3..=3 {
+                let place = Vec3::new(x as f32, 0.3, z as f32);
+                cubes.push(s.mesh(
+                    Cuboid::from_length(0.5),
+                    Color::srgb(0.5, 0.4, 0.3),
+                    Transform::from_translation(place),
+                ));
+            }
+        }
+        lamp = s.mesh(
+            Sphere::new(0.3),
+            StandardMaterial {
+                emissive: LinearRgba::rgb(1.0, 0.5, 0.2),
+                ..default()
+            },
+            Transform::from_xyz(0.5, 1.0, 0.5),
+        );
+        s.world().entity_mut(lamp).insert(Visibility::Hidden);
+        s.sun(false);
+        camera = s.default_camera(());
+    });
+    headless
+        .app
+        .sub_app_mut(RenderApp)
+        .init_resource::<AskedOfBevy>()
+        .add_systems(Render, note.in_set(RenderSystems::Cleanup));
+    set_lean(&mut headless, true);
+    headless.settle();
+    headless.frames(2);
+    assert_eq!(active_lean_views(&mut headless), 1);
+    Stage {
+        headless,
+        camera,
+        cubes,
+        lamp,
+    }
+}
+
+impl Stage {
+    fn entity(&mut self, entity: Entity) -> EntityWorldMut<'_> {
+        self.headless.app.world_mut().entity_mut(entity)
+    }
+
+    /// In each of the next `frames`: how many meshes lean views sorted, and what Bevy was asked.
+    fn watch(&mut self, frames: usize) -> Vec<(usize, AskedOfBevy)> {
+        (0..frames)
+            .map(|_| {
+                self.headless.frames(1);
+                let world = self.headless.app.sub_app(RenderApp).world();
+                (
+                    world.resource::<SortedMeshes>().0,
+                    *world.resource::<AskedOfBevy>(),
+                )
+            })
+            .collect()
+    }
+
+    /// Nothing was asked of Bevy, and no more than `most` meshes were sorted in all.
+    fn assert_sorts(&mut self, what: &str, frames: usize, most: usize) {
+        let watched = self.watch(frames);
+        let sorted: usize = watched.iter().map(|(sorted, _)| sorted).sum();
+        assert!(sorted <= most, "{what}: {watched:?}");
+        for (_, asked) in watched {
+            assert_eq!(asked, AskedOfBevy::default(), "{what}");
+        }
+    }
+}
+
+#[test]
+fn nothing_is_sorted_while_nothing_changes() {
+    let mut stage = stage();
+    stage.assert_sorts("at rest", 5, 0);
+}
+
+#[test]
+fn an_emissive_mesh_concerns_nobody_else() {
+    let mut stage = stage();
+    let lamp = stage.lamp;
+    stage.entity(lamp).insert(Visibility::Visible);
+    // In the frame in which it appears, in that in which its target is there, and while shaders are compiled.
+    stage.assert_sorts("appears", 8, 8);
+    stage.entity(lamp).insert(Visibility::Hidden);
+    stage.assert_sorts("goes, and its target expires", LINGERING + 4, 1);
+    stage.entity(lamp).insert(Visibility::Visible);
+    stage.assert_sorts("comes back", 8, 2);
+}
+
+#[test]
+fn lights_concern_no_mesh() {
+    let mut stage = stage();
+    let lamp = PointLight {
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    let place = Transform::from_xyz(0.0, 3.0, 0.0);
+    let world = stage.headless.world();
+    // Shaders for the first light with shadows are compiled: until they are, forward draws.
+    let light = world.spawn((lamp, place)).id();
+    stage.headless.settle();
+    stage.headless.world().despawn(light);
+    stage.headless.settle();
+    stage.headless.world().spawn((lamp, place));
+    stage.assert_sorts("the first light with shadows", 5, 0);
+}
+
+#[test]
+fn motion_concerns_what_moves() {
+    let mut stage = stage();
+    for _ in 0..2 {
+        for cube in stage.cubes.clone() {
+            stage
+                .entity(cube)
+                .get_mut::<Transform>()
+                .unwrap()
+                .translation
+                .y += 0.1;
+        }
+        stage.assert_sorts("without motion vectors", 1, 0);
+    }
+    let (camera, cube) = (stage.camera, stage.cubes[7]);
+    stage.entity(camera).insert(MotionVectorPrepass);
+    stage.headless.settle();
+    stage.headless.frames(40);
+    stage
+        .entity(cube)
+        .get_mut::<Transform>()
+        .unwrap()
+        .translation
+        .y += 0.1;
+    stage.assert_sorts("one starts to move, and stops", 40, 10);
+}
+
+#[test]
+fn shadow_receivers_concern_themselves() {
+    let mut stage = stage();
+    let cube = stage.cubes[3];
+    stage.entity(cube).insert(NotShadowReceiver);
+    stage.assert_sorts("no receiver", 8, 8);
+    stage.entity(cube).remove::<NotShadowReceiver>();
+    stage.assert_sorts("a receiver again", 8, 2);
+}
+
+#[test]
+fn a_camera_that_becomes_lean_does_not_trouble_bevy() {
+    let mut stage = stage();
+    let meshes = stage.cubes.len() + 1;
+    set_lean(&mut stage.headless, false);
+    stage.headless.settle();
+    set_lean(&mut stage.headless, true);
+    let watched = stage.watch(4);
+    let sorted: Vec<usize> = watched.iter().map(|(sorted, _)| *sorted).collect();
+    assert!(sorted.iter().sum::<usize>() <= 2 * meshes, "{sorted:?}");
+    for (_, asked) in watched {
+        assert_eq!(asked.views, 0);
+    }
+    log_watch::assert_validation_layer_silent();
+}

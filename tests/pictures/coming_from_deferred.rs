@@ -1,0 +1,250 @@
+//! An app that comes from Bevy's deferred renderer: all materials have the method `Deferred`, and `LeanDeferred` takes the
+//! place of `DeferredPrepass` on its cameras. Every mesh is there, as forward shows it, with any other prepass.
+
+use bevy::{
+    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    pbr::{DefaultOpaqueRendererMethod, DistanceFog, ScreenSpaceAmbientOcclusion},
+    prelude::*,
+    render::occlusion_culling::OcclusionCulling,
+};
+use bevy_lean_deferred::LeanDeferred;
+use kit::{
+    headless::Headless,
+    lean::{active_lean_views, build, change_cameras, judge, report, set_lean, settled},
+    log_watch,
+    scenes::SceneBuilder,
+};
+
+const SIZE: UVec2 = UVec2::new(160, 120);
+
+/// What the G-buffer carries, alpha-masked too, and what forward has to draw.
+fn scene(s: &mut SceneBuilder) {
+    s.solids();
+    s.sun(true);
+    let front = |x| Transform::from_xyz(x, 0.5, 1.8);
+    s.mesh(
+        Sphere::new(0.4),
+        StandardMaterial {
+            base_color: Color::srgba(0.9, 0.8, 0.2, 0.7),
+            alpha_mode: AlphaMode::Mask(0.5),
+            ..default()
+        },
+        front(-1.2),
+    );
+    // Two shading models at once: forward draws it.
+    s.mesh(
+        Sphere::new(0.4),
+        StandardMaterial {
+            base_color: Color::srgb(0.2, 0.7, 0.9),
+            clearcoat: 1.0,
+            anisotropy_strength: 0.5,
+            ..default()
+        },
+        front(0.0),
+    );
+    s.mesh(
+        Sphere::new(0.4),
+        StandardMaterial {
+            base_color: Color::srgba(0.9, 0.2, 0.9, 0.5),
+            alpha_mode: AlphaMode::Blend,
+            ..default()
+        },
+        front(1.2),
+    );
+    // Masked, with two shading models.
+    s.mesh(
+        Sphere::new(0.3),
+        StandardMaterial {
+            base_color: Color::srgba(0.3, 0.9, 0.3, 0.9),
+            alpha_mode: AlphaMode::Mask(0.5),
+            clearcoat: 1.0,
+            anisotropy_strength: 0.5,
+            ..default()
+        },
+        front(2.2),
+    );
+}
+
+fn app(method: DefaultOpaqueRendererMethod, camera: fn(&mut EntityWorldMut)) -> Headless {
+    build(SIZE, |s| {
+        s.world().insert_resource(method);
+        scene(s);
+        let entity = s.default_camera(());
+        camera(&mut s.world().entity_mut(entity));
+    })
+}
+
+type Camera = (&'static str, fn(&mut EntityWorldMut));
+
+const CAMERAS: [Camera; 7] = [
+    ("no_prepass", |_| {}),
+    ("depth", |camera| {
+        camera.insert(DepthPrepass);
+    }),
+    ("normal", |camera| {
+        camera.insert(NormalPrepass);
+    }),
+    ("motion", |camera| {
+        camera.insert(MotionVectorPrepass);
+    }),
+    ("depth_and_motion", |camera| {
+        camera.insert((DepthPrepass, MotionVectorPrepass, OcclusionCulling));
+    }),
+    ("all", |camera| {
+        camera.insert((DepthPrepass, NormalPrepass, MotionVectorPrepass));
+    }),
+    ("ssao_and_fog", |camera| {
+        camera.insert((
+            ScreenSpaceAmbientOcclusion::default(),
+            DistanceFog {
+                color: Color::srgb(0.5, 0.55, 0.6),
+                falloff: FogFalloff::Linear {
+                    start: 3.0,
+                    end: 12.0,
+                },
+                ..default()
+            },
+        ));
+    }),
+];
+
+#[test]
+fn every_mesh_is_there() {
+    report(CAMERAS.map(|(name, camera)| {
+        let forward = settled(&mut app(DefaultOpaqueRendererMethod::forward(), camera));
+        let mut headless = app(DefaultOpaqueRendererMethod::deferred(), camera);
+        set_lean(&mut headless, true);
+        let lean = settled(&mut headless);
+        assert_eq!(active_lean_views(&mut headless), 1, "{name}");
+        judge(name, &forward, &lean, 44.0)
+    }));
+}
+
+/// A lean camera that cannot be rendered lean, as with MSAA, is rendered by forward, with the same meshes.
+#[test]
+fn every_mesh_is_there_without_the_gbuffer() {
+    report([CAMERAS[0], CAMERAS[1], CAMERAS[3]].map(|(name, camera)| {
+        let [forward, lean] = [
+            DefaultOpaqueRendererMethod::forward(),
+            DefaultOpaqueRendererMethod::deferred(),
+        ]
+        .map(|method| {
+            let mut headless = app(method, camera);
+            set_lean(&mut headless, true);
+            change_cameras(&mut headless, |camera| {
+                camera.insert(Msaa::Sample4);
+            });
+            let picture = settled(&mut headless);
+            assert_eq!(active_lean_views(&mut headless), 0, "{name}");
+            picture
+        });
+        judge(&format!("{name}_msaa"), &forward, &lean, 80.0)
+    }));
+}
+
+/// Prepasses that come and go while frames run.
+#[test]
+fn prepasses_come_and_go() {
+    let mut headless = app(DefaultOpaqueRendererMethod::deferred(), |_| {});
+    set_lean(&mut headless, true);
+    let plain = settled(&mut headless);
+    type Change = fn(&mut EntityWorldMut);
+    let changes: [Change; 4] = [
+        |camera| {
+            camera.insert((DepthPrepass, NormalPrepass));
+        },
+        |camera| {
+            camera.remove::<DepthPrepass>();
+        },
+        |camera| {
+            camera.insert(MotionVectorPrepass).remove::<NormalPrepass>();
+        },
+        |camera| {
+            camera.remove::<MotionVectorPrepass>();
+        },
+    ];
+    let mut results = Vec::new();
+    for (step, change) in changes.into_iter().enumerate() {
+        change_cameras(&mut headless, change);
+        for (frame, picture) in headless.film(3, |_, _| {}).iter().enumerate() {
+            results.push(judge(
+                &format!("step_{step}_{frame}"),
+                &plain,
+                picture,
+                44.0,
+            ));
+        }
+    }
+    report(results);
+    let errors = log_watch::messages_with("rror");
+    assert!(errors.is_empty(), "{errors:?}");
+}
+
+/// Meshes whose materials are not loaded yet when their camera becomes lean. Bevy waits for them since before then.
+#[test]
+fn meshes_whose_materials_come_late_are_there() {
+    let picture = |method: &DefaultOpaqueRendererMethod, camera, msaa: Msaa, late: bool| {
+        let mut headless = app(DefaultOpaqueRendererMethod::forward(), camera);
+        let world = headless.world();
+        world.insert_resource(method.clone());
+        let ball = Sphere::new(0.6).mesh().build();
+        let ball = world.resource_mut::<Assets<Mesh>>().add(ball);
+        let red = Color::srgb(0.8, 0.1, 0.1);
+        let materials: [StandardMaterial; 2] = [
+            red.into(),
+            StandardMaterial {
+                alpha_mode: AlphaMode::Blend,
+                ..red.with_alpha(0.5).into()
+            },
+        ];
+        let handles = [(); 2].map(|()| {
+            let materials = world.resource::<Assets<StandardMaterial>>();
+            materials.reserve_handle()
+        });
+        for (handle, x) in handles.iter().zip([-0.7, 0.7]) {
+            world.spawn((
+                Mesh3d(ball.clone()),
+                MeshMaterial3d(handle.clone()),
+                Transform::from_xyz(x, 1.2, 1.6),
+            ));
+        }
+        let switch = |headless: &mut Headless| {
+            change_cameras(headless, |camera| {
+                camera.insert(LeanDeferred::default());
+                camera.insert(msaa);
+            });
+        };
+        if late {
+            headless.settle();
+            headless.frames(3);
+            switch(&mut headless);
+            headless.frames(2);
+        }
+        let mut assets = headless.world().resource_mut::<Assets<StandardMaterial>>();
+        for (handle, material) in handles.iter().zip(materials) {
+            assets.insert(handle, material).unwrap();
+        }
+        switch(&mut headless);
+        let picture = settled(&mut headless);
+        let is_lean = msaa == Msaa::Off;
+        assert_eq!(active_lean_views(&mut headless), usize::from(is_lean));
+        picture
+    };
+    let forward = DefaultOpaqueRendererMethod::forward();
+    // Without a deferred prepass Bevy alone, before the camera is lean, panics where there is another.
+    let deferred = DefaultOpaqueRendererMethod::deferred();
+    let cases = [
+        (&forward, 0, Msaa::Off),
+        (&forward, 4, Msaa::Off),
+        (&deferred, 0, Msaa::Off),
+        // All that goes on is left to Bevy.
+        (&forward, 0, Msaa::Sample4),
+        (&forward, 1, Msaa::Sample4),
+        (&deferred, 0, Msaa::Sample4),
+    ];
+    report(cases.map(|(method, camera, msaa)| {
+        let (name, camera) = CAMERAS[camera];
+        let [at_once, late] = [false, true].map(|late| picture(method, camera, msaa, late));
+        judge(&format!("late_{name}_{msaa:?}"), &at_once, &late, 60.0)
+    }));
+}

@@ -1,0 +1,231 @@
+//! Components of meshes that an app changes by commands in `Update`, while frames run: the frame of the change shows them
+//! already, as Bevy's forward renderer does, and nothing is drawn with what belonged to the frame before.
+
+use bevy::{
+    camera::visibility::RenderLayers, light::NotShadowReceiver, pbr::Lightmap, prelude::*,
+    render::render_resource::TextureFormat,
+};
+use bevy_lean_deferred::LeanDeferred;
+use kit::{
+    headless::{Headless, Picture},
+    lean::{active_lean_views, build, set_lean},
+    log_watch,
+    metrics::pixel_difference,
+    scenes::{SceneBuilder, build::default_camera_transform},
+};
+
+const SIZE: UVec2 = UVec2::new(160, 120);
+/// Frames before the change, and from it on.
+const BEFORE: usize = 3;
+const FRAMES: usize = 9;
+
+/// What the app does to a mesh.
+type Change = fn(&mut EntityCommands, &Lamps);
+
+#[derive(Resource, Clone)]
+struct Lamps {
+    lightmap: Handle<Image>,
+}
+
+#[derive(Resource)]
+struct Subject(Entity);
+
+/// What is to happen in this frame's `Update`.
+#[derive(Resource, Default)]
+struct Next(Option<Change>);
+
+fn act(mut commands: Commands, subject: Res<Subject>, lamps: Res<Lamps>, mut next: ResMut<Next>) {
+    if let Some(change) = next.0.take() {
+        change(&mut commands.entity(subject.0), &lamps);
+    }
+}
+
+/// A floor in the shadow of a wall, under a sun.
+fn scene(s: &mut SceneBuilder) {
+    let mut floor = Mesh::from(Plane3d::default().mesh().size(12.0, 12.0));
+    if let Some(uvs) = floor.attribute(Mesh::ATTRIBUTE_UV_0).cloned() {
+        floor.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs);
+    }
+    let subject = s.mesh(
+        floor,
+        StandardMaterial {
+            base_color: Color::srgb(0.6, 0.6, 0.55),
+            lightmap_exposure: 4000.0,
+            ..default()
+        },
+        Transform::default(),
+    );
+    s.mesh(
+        Cuboid::new(3.0, 2.0, 0.3),
+        Color::srgb(0.3, 0.4, 0.7),
+        Transform::from_xyz(0.0, 1.0, -0.5),
+    );
+    s.sun(true);
+    // Sees the lamp's layer, too.
+    s.camera(
+        default_camera_transform(),
+        RenderLayers::from_layers(&[0, 1]),
+    );
+    let lightmap = s.image(4, TextureFormat::Rgba8UnormSrgb, |_, _| [40, 220, 90, 255]);
+    s.world().insert_resource(Lamps { lightmap });
+    s.world().insert_resource(Subject(subject));
+    s.world().init_resource::<Next>();
+    s.headless.app.add_systems(Update, act);
+}
+
+/// A red lamp on layer 1.
+fn layered_lamp(s: &mut SceneBuilder) {
+    s.spawn((
+        PointLight {
+            intensity: 900_000.0,
+            color: Color::srgb(1.0, 0.1, 0.1),
+            ..default()
+        },
+        RenderLayers::layer(1),
+        Transform::from_xyz(1.5, 1.0, 1.5),
+    ));
+}
+
+type Extra = fn(&mut SceneBuilder);
+const NOTHING: Extra = |_| {};
+
+fn stage(extra: Extra, first: Change) -> Headless {
+    let mut headless = build(SIZE, |s| {
+        scene(s);
+        extra(s);
+    });
+    set_lean(&mut headless, true);
+    headless.world().insert_resource(Next(Some(first)));
+    headless.settle();
+    headless.frames(2);
+    assert_eq!(active_lean_views(&mut headless), 1);
+    headless
+}
+
+/// The picture of a mesh that has been like this from the start.
+fn at_rest(extra: Extra, state: Change) -> Picture {
+    stage(extra, state).capture()
+}
+
+/// Changes the mesh for the first time, and once more when all shaders have been compiled. The first time, forward draws
+/// it in between, which does not know of light layers: then `extra` has none.
+fn assert_fresh(name: &str, extra: Extra, from: Change, to: Change) {
+    let has_layers = core::ptr::fn_addr_eq(extra, layered_lamp as Extra);
+    let [before, after] = [from, to].map(|state| at_rest(extra, state));
+    let apart = pixel_difference(&before, &after);
+    assert!(apart.psnr < 38.0, "{name}: nothing to tell apart, {apart}");
+    let mut headless = stage(extra, from);
+    for time in ["first", "second"] {
+        let film = headless.film(FRAMES, |world, frame| {
+            if frame == BEFORE {
+                world.insert_resource(Next(Some(to)));
+            }
+        });
+        for (frame, picture) in film.iter().enumerate() {
+            if time == "first" && has_layers {
+                continue;
+            }
+            let expected = if frame < BEFORE { &before } else { &after };
+            let difference = pixel_difference(expected, picture);
+            let message = format!("{name}, {time} time, frame {frame}: {difference}");
+            assert!(difference.psnr > 45.0, "{message}");
+        }
+        headless.world().insert_resource(Next(Some(from)));
+        headless.settle();
+        headless.frames(2);
+    }
+    log_watch::assert_validation_layer_silent();
+    let errors = log_watch::messages_with("rror");
+    assert!(errors.is_empty(), "{errors:?}");
+}
+
+const AS_IT_IS: Change = |_, _| {};
+
+const LIGHTMAPPED: Change = |mesh, lamps| {
+    mesh.insert(Lightmap {
+        image: lamps.lightmap.clone(),
+        ..default()
+    });
+};
+const NOT_LIGHTMAPPED: Change = |mesh, _| {
+    mesh.remove::<Lightmap>();
+};
+
+#[test]
+fn lightmap_added() {
+    assert_fresh("lightmap added", NOTHING, NOT_LIGHTMAPPED, LIGHTMAPPED);
+}
+
+#[test]
+fn lightmap_removed() {
+    assert_fresh("lightmap removed", NOTHING, LIGHTMAPPED, NOT_LIGHTMAPPED);
+}
+
+#[test]
+fn shadow_receiver() {
+    const NONE: Change = |mesh, _| {
+        mesh.insert(NotShadowReceiver);
+    };
+    const AGAIN: Change = |mesh, _| {
+        mesh.remove::<NotShadowReceiver>();
+    };
+    assert_fresh("no shadows", NOTHING, AGAIN, NONE);
+    assert_fresh("shadows again", NOTHING, NONE, AGAIN);
+}
+
+#[test]
+fn render_layers() {
+    const LIT: Change = |mesh, _| {
+        mesh.insert(RenderLayers::from_layers(&[0, 1]));
+    };
+    const UNLIT: Change = |mesh, _| {
+        mesh.remove::<RenderLayers>();
+    };
+    const OTHER: Change = |mesh, _| {
+        mesh.insert(RenderLayers::layer(1));
+    };
+    assert_fresh("layers added", layered_lamp, UNLIT, LIT);
+    assert_fresh("layers changed", layered_lamp, OTHER, UNLIT);
+    assert_fresh("layers removed", layered_lamp, LIT, UNLIT);
+}
+
+/// A lightmap that comes and goes in each frame.
+#[test]
+fn changes_in_every_frame() {
+    let mut headless = stage(NOTHING, AS_IT_IS);
+    let changes = [LIGHTMAPPED, NOT_LIGHTMAPPED];
+    let [plain, lightmapped] = [AS_IT_IS, LIGHTMAPPED].map(|state| at_rest(NOTHING, state));
+    let film = headless.film(8, |world, frame| {
+        world.insert_resource(Next(Some(changes[frame % 2])));
+    });
+    for (frame, picture) in film.iter().enumerate() {
+        let expected = [&lightmapped, &plain][frame % 2];
+        let difference = pixel_difference(expected, picture);
+        assert!(difference.psnr > 45.0, "frame {frame}: {difference}");
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+/// The camera loses and gets the component by commands, too.
+#[test]
+fn cameras_switched_in_every_frame() {
+    let mut headless = stage(NOTHING, AS_IT_IS);
+    headless.app.add_systems(
+        Update,
+        |mut commands: Commands, cameras: Query<(Entity, Has<LeanDeferred>), With<Camera3d>>| {
+            for (camera, is_lean) in &cameras {
+                if is_lean {
+                    commands.entity(camera).remove::<LeanDeferred>();
+                } else {
+                    commands.entity(camera).insert(LeanDeferred::default());
+                }
+            }
+        },
+    );
+    let film = headless.film(8, |_, _| {});
+    for (frame, picture) in film.iter().enumerate().skip(1) {
+        let difference = pixel_difference(&film[0], picture);
+        assert!(difference.psnr > 45.0, "frame {frame}: {difference}");
+    }
+    log_watch::assert_validation_layer_silent();
+}

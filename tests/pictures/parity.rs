@@ -1,0 +1,178 @@
+//! Pictures of lean cameras beside Bevy forward's.
+
+mod changes;
+mod kinds;
+
+use bevy::{
+    camera::{ClearColorConfig, Viewport},
+    material::OpaqueRendererMethod,
+    prelude::*,
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    lean::{build, judge, report, set_lean, settled},
+    scenes::{self, LEAST_PSNR, Scene},
+};
+
+const SIZE: UVec2 = UVec2::new(320, 240);
+
+fn scene_named(name: &str) -> &'static Scene {
+    scenes::all()
+        .find(|scene| scene.name == name)
+        .expect("a scene of that name")
+}
+
+/// Renders a scene forward, then lean in the same app, and compares.
+fn compare(scene: &Scene, size: UVec2) -> Result<(), String> {
+    let mut headless = build(size, scene.build);
+    let forward = settled(&mut headless);
+    set_lean(&mut headless, true);
+    let lean = settled(&mut headless);
+    let name = if size == SIZE {
+        scene.name.into()
+    } else {
+        format!("{}_{}x{}", scene.name, size.x, size.y)
+    };
+    judge(&name, &forward, &lean, scene.least_psnr)
+}
+
+/// All scenes, or those whose name has one of the words of `PARITY_SCENE`, which commas separate.
+#[test]
+fn lean_pictures_match_forward() {
+    let only = std::env::var("PARITY_SCENE").unwrap_or_default();
+    report(
+        scenes::all()
+            .filter(|scene| only.split(',').any(|word| scene.name.contains(word)))
+            .map(|scene| compare(scene, SIZE)),
+    );
+}
+
+#[test]
+fn odd_sizes_match_forward() {
+    report(
+        [UVec2::new(1, 1), UVec2::new(3, 5), UVec2::new(317, 211)]
+            .map(|size| compare(scene_named("many_lights_of_all_kinds"), size)),
+    );
+}
+
+/// Bevy's forward does not draw materials with an explicit `Deferred` on a camera without `DeferredPrepass`. A lean
+/// camera draws all of them: as forward does those that leave the choice to it.
+#[test]
+fn explicitly_deferred_materials_look_as_others_do_forward() {
+    let glow = LinearRgba::rgb(0.1, 0.4, 0.1);
+    report(
+        [("deferred", LinearRgba::BLACK), ("deferred_emissive", glow)].map(|(name, emissive)| {
+            let mut headless = build(SIZE, |s| {
+                s.among_lean(StandardMaterial {
+                    base_color: Color::srgb(0.8, 0.2, 0.15),
+                    emissive,
+                    ..default()
+                });
+                s.sun(true);
+                s.default_camera(());
+            });
+            let forward = settled(&mut headless);
+            let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
+            for (_, material) in materials.iter_mut() {
+                material.opaque_render_method = OpaqueRendererMethod::Deferred;
+            }
+            set_lean(&mut headless, true);
+            let lean = settled(&mut headless);
+            judge(name, &forward, &lean, LEAST_PSNR)
+        }),
+    );
+}
+
+#[test]
+fn a_lean_camera_leaves_others_of_its_target_alone() {
+    let rects = [
+        URect::new(0, 0, 151, SIZE.y),
+        URect::new(151, 0, SIZE.x, SIZE.y),
+    ];
+    for lean in 0..2 {
+        let mut cameras = Vec::new();
+        let mut headless = build(SIZE, |s| {
+            s.solids();
+            s.sun(true);
+            for (order, rect) in rects.iter().enumerate() {
+                cameras.push(s.default_camera(Camera {
+                    order: order as isize,
+                    clear_color: ClearColorConfig::Custom(Color::srgb(0.2, 0.3, order as f32)),
+                    viewport: Some(Viewport {
+                        physical_position: rect.min,
+                        physical_size: rect.size(),
+                        ..default()
+                    }),
+                    ..default()
+                }));
+            }
+        });
+        let before = settled(&mut headless);
+        headless
+            .world()
+            .entity_mut(cameras[lean])
+            .insert(LeanDeferred::default());
+        let after = settled(&mut headless);
+        let changed = |rect: URect| before.crop(rect) != after.crop(rect);
+        assert!(changed(rects[lean]), "camera {lean} is not lean at all");
+        assert!(
+            !changed(rects[1 - lean]),
+            "lean camera {lean} changed the other one's picture"
+        );
+    }
+}
+
+/// A camera that draws over an earlier one's picture, one of both lean.
+#[test]
+fn a_lean_and_a_forward_camera_share_a_picture() {
+    report((0..2).map(|lean| {
+        let mut cameras = Vec::new();
+        let mut headless = build(SIZE, |s| {
+            s.solids();
+            s.sun(true);
+            cameras.push(s.default_camera(()));
+            cameras.push(s.camera(
+                Transform::from_xyz(3.0, 1.5, 3.0).looking_at(Vec3::Y * 0.5, Vec3::Y),
+                Camera {
+                    order: 1,
+                    clear_color: ClearColorConfig::None,
+                    ..default()
+                },
+            ));
+        });
+        let forward = settled(&mut headless);
+        headless
+            .world()
+            .entity_mut(cameras[lean])
+            .insert(LeanDeferred::default());
+        let mixed = settled(&mut headless);
+        judge(
+            &format!("over_another_lean_{lean}"),
+            &forward,
+            &mixed,
+            LEAST_PSNR,
+        )
+    }));
+}
+
+#[test]
+fn removing_the_component_gives_back_forward() {
+    for name in [
+        "many_lights_of_all_kinds",
+        "emissive",
+        "alpha_mask",
+        "bevy_ssao",
+        "all_prepasses",
+        "occlusion_culling",
+        "split_screen",
+    ] {
+        let mut headless = build(SIZE, scene_named(name).build);
+        let before = settled(&mut headless);
+        set_lean(&mut headless, true);
+        let lean = settled(&mut headless);
+        set_lean(&mut headless, false);
+        let after = settled(&mut headless);
+        assert!(lean.rgba != before.rgba, "{name} was never lean");
+        assert!(after.rgba == before.rgba, "{name} is not as before");
+    }
+}

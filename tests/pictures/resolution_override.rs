@@ -1,0 +1,160 @@
+//! Cameras whose main pass is smaller than their viewport, as upscalers such as DLSS want it, look as in forward.
+
+use bevy::{
+    camera::{MainPassResolutionOverride, Viewport},
+    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
+    light::AmbientLight,
+    prelude::*,
+    render::{
+        Render, RenderApp, RenderSystems,
+        camera::{ExtractedCamera, MipBias, TemporalJitter},
+        occlusion_culling::OcclusionCulling,
+    },
+};
+use kit::{
+    headless::Headless,
+    lean::{active_lean_views, build, judge, report, set_lean, settled},
+    metrics::pixel_difference,
+    scenes::LEAST_PSNR,
+};
+
+const SIZE: UVec2 = UVec2::new(320, 240);
+
+/// The size of the main pass, none for that of the viewport.
+#[derive(Resource, Clone, Copy, Default)]
+struct MainPassSize(Option<UVec2>);
+
+/// At the time at which Bevy's DLSS inserts it.
+fn override_resolution(
+    mut commands: Commands,
+    size: Res<MainPassSize>,
+    cameras: Query<Entity, With<ExtractedCamera>>,
+) {
+    for camera in &cameras {
+        let mut camera = commands.entity(camera);
+        match size.0 {
+            Some(size) => camera.insert(MainPassResolutionOverride(size)),
+            None => camera.remove::<MainPassResolutionOverride>(),
+        };
+    }
+}
+
+fn set_size(headless: &mut Headless, size: Option<UVec2>) {
+    headless
+        .app
+        .sub_app_mut(RenderApp)
+        .insert_resource(MainPassSize(size));
+}
+
+/// Solids, of which one is emissive: forward draws it over the lit ones.
+fn scene(camera: impl Bundle) -> Headless {
+    let mut headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        s.mesh(
+            Sphere::new(0.6),
+            StandardMaterial {
+                emissive: LinearRgba::rgb(0.3, 0.1, 0.3),
+                ..default()
+            },
+            Transform::from_xyz(-0.2, 0.6, 0.3),
+        );
+        for x in [-2.0, 2.0] {
+            s.spawn((
+                PointLight {
+                    intensity: 400_000.0,
+                    shadow_maps_enabled: x < 0.0,
+                    ..default()
+                },
+                Transform::from_xyz(x, 2.0, 1.0),
+            ));
+        }
+        s.default_camera((
+            AmbientLight {
+                brightness: 300.0,
+                ..default()
+            },
+            camera,
+        ));
+    });
+    headless
+        .app
+        .sub_app_mut(RenderApp)
+        .init_resource::<MainPassSize>()
+        .add_systems(
+            Render,
+            override_resolution.in_set(RenderSystems::PrepareViews),
+        );
+    headless
+}
+
+/// Forward and lean in turn: with the override, with another one, and without.
+fn compare(name: &str, camera: impl Bundle, sizes: [UVec2; 2]) {
+    let mut headless = scene(camera);
+    let mut results = Vec::new();
+    let full = settled(&mut headless);
+    for size in [Some(sizes[0]), Some(sizes[1]), None] {
+        set_size(&mut headless, size);
+        set_lean(&mut headless, false);
+        let forward = settled(&mut headless);
+        set_lean(&mut headless, true);
+        let lean = settled(&mut headless);
+        assert_eq!(active_lean_views(&mut headless), 1, "{name} is not lean");
+        match size {
+            Some(_) => assert!(
+                pixel_difference(&full, &forward).psnr < 30.0,
+                "{name}: the override changes nothing"
+            ),
+            None => assert!(forward.rgba == full.rgba, "{name}: the override stays"),
+        }
+        let size = size.map_or("full".into(), |size| format!("{}x{}", size.x, size.y));
+        results.push(judge(
+            &format!("override_{name}_{size}"),
+            &forward,
+            &lean,
+            LEAST_PSNR,
+        ));
+    }
+    report(results);
+}
+
+const SIZES: [UVec2; 2] = [UVec2::new(213, 160), UVec2::new(107, 201)];
+
+#[test]
+fn without_prepass() {
+    compare("plain", (), SIZES);
+}
+
+#[test]
+fn in_a_viewport() {
+    let camera = Camera {
+        viewport: Some(Viewport {
+            physical_position: UVec2::new(37, 21),
+            physical_size: UVec2::new(201, 155),
+            ..default()
+        }),
+        ..default()
+    };
+    let sizes = [UVec2::new(134, 103), UVec2::new(67, 155)];
+    compare("viewport", camera, sizes);
+}
+
+#[test]
+fn with_occlusion_culling() {
+    let camera = (DepthPrepass, OcclusionCulling);
+    compare("culling", camera, SIZES);
+}
+
+/// What Bevy's `Dlss` component brings with it.
+#[test]
+fn as_with_dlss() {
+    let camera = (
+        DepthPrepass,
+        MotionVectorPrepass,
+        MipBias(-0.6),
+        TemporalJitter {
+            offset: Vec2::new(0.3, -0.2),
+        },
+    );
+    compare("dlss", camera, SIZES);
+}

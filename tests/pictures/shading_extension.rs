@@ -1,0 +1,290 @@
+//! Rim light and subsurface scattering of `ShadingExtension` go through the G-buffer and look as in forward.
+
+use bevy::{
+    core_pipeline::oit::OrderIndependentTransparencySettings,
+    light::AmbientLight,
+    pbr::PreparedMaterial,
+    platform::collections::HashSet,
+    prelude::*,
+    render::{
+        RenderApp, erased_render_asset::ErasedRenderAssets, render_resource::AsBindGroup,
+        renderer::RenderDevice,
+    },
+};
+use bevy_lean_deferred::{prelude::*, view::ActiveLeanView};
+use kit::{
+    headless::{Headless, Picture},
+    lean::{build, judge, report, set_lean, settled},
+    metrics::difference,
+    scenes::{LEAST_PSNR, SceneBuilder},
+};
+
+const SIZE: UVec2 = UVec2::new(320, 240);
+
+/// Stricter than other scenes: a rim that is a fifth too dark still reaches 45 to 48 dB.
+const LEAST_RIM_PSNR: f64 = 50.0;
+
+/// What lights the balls from all around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Surroundings {
+    Ambient,
+    EnvironmentMap,
+    IrradianceVolume,
+}
+
+/// A saturated, a white and a wide rim.
+const RIMS: [ShadingExtension; 3] = [
+    rim(Color::srgb(1.0, 0.5, 0.2), 4.0),
+    rim(Color::WHITE, 2.0),
+    rim(Color::srgb(0.3, 0.8, 1.0), 1.0),
+];
+
+const SUBSURFACES: [ShadingExtension; 3] = [
+    subsurface(Color::srgb(0.9, 0.3, 0.2), 0.001),
+    subsurface(Color::srgb(0.9, 0.8, 0.7), 0.02),
+    subsurface(Color::WHITE, 1.0),
+];
+
+const fn rim(color: Color, exponent: f32) -> ShadingExtension {
+    ShadingExtension::Rim { color, exponent }
+}
+
+const fn subsurface(color: Color, mean_free_path: f32) -> ShadingExtension {
+    ShadingExtension::Subsurface {
+        color,
+        mean_free_path,
+    }
+}
+
+fn balls(
+    s: &mut SceneBuilder,
+    extensions: [ShadingExtension; 3],
+    change: fn(&mut StandardMaterial),
+) {
+    let mesh = s.add::<Mesh>(Sphere::new(0.8).mesh().uv(64, 32));
+    for (extension, x) in extensions.into_iter().zip([-1.9, 0.0, 1.9]) {
+        let mut base = StandardMaterial {
+            base_color: Color::srgb(0.3, 0.25, 0.2),
+            perceptual_roughness: 0.7,
+            ..default()
+        };
+        change(&mut base);
+        let material =
+            s.add::<ExtendedStandardMaterial>(ExtendedStandardMaterial { base, extension });
+        s.spawn((
+            Mesh3d(mesh.clone()),
+            MeshMaterial3d(material),
+            Transform::from_xyz(x, 0.8, 0.0),
+        ));
+    }
+}
+
+/// Three balls on a floor in the sun, and what surrounds them.
+fn scene(
+    s: &mut SceneBuilder,
+    surroundings: Surroundings,
+    extensions: [ShadingExtension; 3],
+    change: fn(&mut StandardMaterial),
+) {
+    s.floor();
+    s.sun(true);
+    balls(s, extensions, change);
+    let camera = s.default_camera(AmbientLight {
+        brightness: 700.0,
+        ..default()
+    });
+    match surroundings {
+        Surroundings::Ambient => {}
+        Surroundings::EnvironmentMap => {
+            let light = s.environment_map(900.0);
+            s.world().entity_mut(camera).insert(light);
+        }
+        Surroundings::IrradianceVolume => {
+            let volume = s.irradiance_volume(1500.0);
+            s.probe(volume);
+        }
+    }
+}
+
+/// The optional targets of the only lean view.
+fn targets(headless: &mut Headless) -> GBufferTargets {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query::<&ActiveLeanView>();
+    views.single(world).expect("one lean view").targets
+}
+
+fn forward(
+    surroundings: Surroundings,
+    extensions: [ShadingExtension; 3],
+    change: fn(&mut StandardMaterial),
+) -> (Headless, Picture) {
+    let mut headless = build(SIZE, |s| scene(s, surroundings, extensions, change));
+    let picture = settled(&mut headless);
+    (headless, picture)
+}
+
+fn compare(
+    name: &str,
+    surroundings: Surroundings,
+    extensions: [ShadingExtension; 3],
+    change: fn(&mut StandardMaterial),
+    expected: GBufferTargets,
+) -> Result<(), String> {
+    let (mut headless, forward) = forward(surroundings, extensions, change);
+    set_lean(&mut headless, true);
+    let lean = settled(&mut headless);
+    assert_eq!(targets(&mut headless), expected, "{name}");
+    let name = format!("{name}_{surroundings:?}").to_lowercase();
+    let has_rims = extensions == RIMS;
+    let least_psnr = if has_rims { LEAST_RIM_PSNR } else { LEAST_PSNR };
+    judge(&name, &forward, &lean, least_psnr)
+}
+
+const ALL: [Surroundings; 3] = [
+    Surroundings::Ambient,
+    Surroundings::EnvironmentMap,
+    Surroundings::IrradianceVolume,
+];
+
+#[test]
+fn rims_match_forward() {
+    let through = GBufferTargets::SPECIALIZATION;
+    report(ALL.map(|surroundings| compare("rim", surroundings, RIMS, |_| {}, through)));
+    report([compare(
+        "rim_emissive",
+        Surroundings::EnvironmentMap,
+        RIMS,
+        |base| base.emissive = LinearRgba::rgb(0.0, 0.1, 0.05),
+        GBufferTargets::EMISSIVE.union(GBufferTargets::SPECIALIZATION),
+    )]);
+}
+
+#[test]
+fn subsurface_matches_forward_and_the_plain_base() {
+    for surroundings in [Surroundings::Ambient, Surroundings::EnvironmentMap] {
+        let through = GBufferTargets::SPECIALIZATION;
+        report([compare(
+            "subsurface",
+            surroundings,
+            SUBSURFACES,
+            |_| {},
+            through,
+        )]);
+        let none = [ShadingExtension::None; 3];
+        let [(_, plain), (_, subsurface)] =
+            [none, SUBSURFACES].map(|extensions| forward(surroundings, extensions, |_| {}));
+        assert!(plain == subsurface, "forward shows the base");
+    }
+}
+
+/// So that a rim that neither renderer draws fails too.
+#[test]
+fn rims_show() {
+    for surroundings in ALL {
+        let [(_, plain), (_, rims)] = [[ShadingExtension::None; 3], RIMS]
+            .map(|extensions| forward(surroundings, extensions, |_| {}));
+        let psnr = difference(&plain, &rims).psnr;
+        println!("{surroundings:?}: {psnr:.1} dB without rims");
+        assert!(psnr < 35.0, "{surroundings:?}: {psnr:.1} dB");
+    }
+}
+
+/// Bases that are special themselves, and bases without an extension.
+#[test]
+fn other_bases_match_forward() {
+    let none = [ShadingExtension::None; 3];
+    let surroundings = Surroundings::EnvironmentMap;
+    report([
+        compare("none", surroundings, none, |_| {}, GBufferTargets::empty()),
+        compare(
+            "none_clearcoat",
+            surroundings,
+            none,
+            |base| base.clearcoat = 1.0,
+            GBufferTargets::SPECIALIZATION,
+        ),
+        compare(
+            "rim_clearcoat",
+            surroundings,
+            RIMS,
+            |base| base.clearcoat = 1.0,
+            GBufferTargets::empty(),
+        ),
+        compare(
+            "rim_unlit",
+            surroundings,
+            RIMS,
+            |base| base.unlit = true,
+            GBufferTargets::empty(),
+        ),
+    ]);
+}
+
+/// Cards of one material behind one another, the nearest first in the order of drawing.
+fn blended(s: &mut SceneBuilder, extended: bool) {
+    s.solids();
+    let card = s.add::<Mesh>(Rectangle::new(3.0, 1.6));
+    for (z, color) in [
+        (2.0, Color::srgba(0.9, 0.2, 0.1, 0.5)),
+        (1.0, Color::srgba(0.1, 0.8, 0.2, 0.5)),
+        (1.5, Color::srgba(0.1, 0.2, 0.9, 0.7)),
+    ] {
+        let base = StandardMaterial {
+            base_color: color,
+            alpha_mode: AlphaMode::Blend,
+            ..default()
+        };
+        let place = Transform::from_xyz(0.3 * z, 0.8, z);
+        if extended {
+            let extension = ShadingExtension::None;
+            let material =
+                s.add::<ExtendedStandardMaterial>(ExtendedStandardMaterial { base, extension });
+            s.spawn((Mesh3d(card.clone()), MeshMaterial3d(material), place));
+        } else {
+            let material = s.add::<StandardMaterial>(base);
+            s.spawn((Mesh3d(card.clone()), MeshMaterial3d(material), place));
+        }
+    }
+    s.sun(false);
+    s.default_camera(OrderIndependentTransparencySettings::default());
+}
+
+/// On cameras that sort what is transparent for each pixel, too.
+#[test]
+fn blended_materials_match_their_base() {
+    let [base, extended] = [false, true].map(|extended| {
+        let mut headless = build(SIZE, |s| blended(s, extended));
+        let forward = settled(&mut headless);
+        set_lean(&mut headless, true);
+        [forward, settled(&mut headless)]
+    });
+    report([
+        judge("blended_forward", &base[0], &extended[0], 60.0),
+        judge("blended_lean", &base[1], &extended[1], 60.0),
+        judge("blended", &extended[0], &extended[1], LEAST_PSNR),
+    ]);
+}
+
+/// Where `StandardMaterial`s share a bind group, those with an extension do.
+#[test]
+fn materials_share_a_bind_group() {
+    let mut headless = build(SIZE, |s| {
+        scene(s, Surroundings::Ambient, RIMS, |_| {});
+        balls(s, SUBSURFACES, |_| {});
+    });
+    headless.settle();
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    if !StandardMaterial::bindless_supported(world.resource::<RenderDevice>()) {
+        println!("this device has no binding arrays");
+        return;
+    }
+    let extended = core::any::TypeId::of::<ExtendedStandardMaterial>();
+    let materials = world.resource::<ErasedRenderAssets<PreparedMaterial>>();
+    let groups: Vec<_> = (materials.iter())
+        .filter(|(id, _)| id.type_id() == extended)
+        .map(|(_, material)| material.binding.group.0)
+        .collect();
+    assert_eq!(groups.len(), 6);
+    let distinct: HashSet<_> = groups.iter().copied().collect();
+    assert_eq!(distinct.len(), 1, "{groups:?}");
+}

@@ -1,0 +1,306 @@
+//! The bit table of the G-buffer: the shipped WGSL on the device beside its Rust twin, and what storing costs.
+
+mod accuracy;
+mod ties;
+
+use accuracy::angle;
+use bevy::math::Vec3;
+use bevy_lean_deferred::gbuffer::layout::{self, NO_GEOMETRY, NORMAL_STEPS, Surface};
+use kit::{
+    compute::{Compute, Kernel, WgslModule},
+    random::Random,
+};
+
+const MODULE: WgslModule = WgslModule {
+    path: "src/shader_library/layout.wgsl",
+    source: include_str!("../../src/shader_library/layout.wgsl"),
+};
+
+/// Floats of a [`Surface`], as the kernels below pass them.
+const FIELDS: usize = 9;
+/// Largest code of each field of a surface word, low bits first, with the field's shift.
+const SURFACE_FIELDS: [(u32, u32); 5] = [(127, 0), (255, 7), (127, 15), (31, 22), (31, 27)];
+/// Largest code of an octahedral axis; the least is 1.
+const NORMAL_CODE_MAX: u32 = NORMAL_STEPS as u32 + 1;
+/// Device and twin may differ by as much in a decoded value: their `pow` and `normalize` round differently.
+const DECODE_TOLERANCE: f32 = 5e-7;
+
+const UNPACK: &str = "
+#import bevy_lean_deferred::gbuffer::layout::{pack, unpack}
+fn kernel(words: array<u32, 2>) -> array<u32, 11> {
+    let s = unpack(vec2(words[0], words[1]));
+    let again = pack(s);
+    let a = bitcast<vec3<u32>>(s.albedo);
+    let n = bitcast<vec3<u32>>(s.normal);
+    let rest = bitcast<vec3<u32>>(vec3(s.metallic, s.occlusion, s.perceptual_roughness));
+    return array(a.x, a.y, a.z, rest.x, rest.y, n.x, n.y, n.z, rest.z, again.x, again.y);
+}";
+
+const PACK: &str = "
+#import bevy_lean_deferred::gbuffer::layout::{Surface, pack}
+fn kernel(bits: array<u32, 9>) -> array<u32, 2> {
+    let words = pack(Surface(
+        bitcast<vec3<f32>>(vec3(bits[0], bits[1], bits[2])),
+        bitcast<f32>(bits[3]),
+        bitcast<f32>(bits[4]),
+        bitcast<vec3<f32>>(vec3(bits[5], bits[6], bits[7])),
+        bitcast<f32>(bits[8]),
+    ));
+    return array(words.x, words.y);
+}";
+
+fn fields(s: &Surface) -> [f32; FIELDS] {
+    let (a, n) = (s.albedo, s.normal);
+    [
+        a.x,
+        a.y,
+        a.z,
+        s.metallic,
+        s.occlusion,
+        n.x,
+        n.y,
+        n.z,
+        s.perceptual_roughness,
+    ]
+}
+
+fn surface([ax, ay, az, metallic, occlusion, nx, ny, nz, roughness]: [f32; FIELDS]) -> Surface {
+    Surface {
+        albedo: Vec3::new(ax, ay, az),
+        metallic,
+        occlusion,
+        normal: Vec3::new(nx, ny, nz),
+        perceptual_roughness: roughness,
+    }
+}
+
+fn normal_word(x: u32, y: u32, roughness: u32) -> u32 {
+    x | (y << 12) | (roughness << 24)
+}
+
+fn normal_codes(word: u32) -> (u32, u32) {
+    (word & 0xfff, (word >> 12) & 0xfff)
+}
+
+/// On the outer border of the octahedral square two codes, at its corners four, stand for one direction.
+fn has_one_code(word: u32) -> bool {
+    let (x, y) = normal_codes(word);
+    let inside = 2..NORMAL_CODE_MAX;
+    inside.contains(&x) && inside.contains(&y)
+}
+
+/// Checks that device and twin decode `words` alike, and that both give the same words back.
+fn check_round_trip(kernel: &Kernel<2, 11>, words: &[[u32; 2]]) {
+    for (&word, device) in words.iter().zip(kernel.run(words)) {
+        let decoded = layout::unpack(word);
+        for (field, (twin, bits)) in fields(&decoded).into_iter().zip(device).enumerate() {
+            let difference = (twin - f32::from_bits(bits)).abs();
+            assert!(
+                difference <= DECODE_TOLERANCE,
+                "field {field} of {word:08x?}: {difference:e}"
+            );
+        }
+        for again in [layout::pack(&decoded), [device[FIELDS], device[FIELDS + 1]]] {
+            let direction_kept = || {
+                let angle = angle(layout::unpack_normal(again[1]), decoded.normal.as_dvec3());
+                again[1] >> 24 == word[1] >> 24 && angle < 1e-4
+            };
+            let same =
+                again == word || again[0] == word[0] && !has_one_code(word[1]) && direction_kept();
+            assert!(same, "{word:08x?} became {again:08x?}");
+        }
+    }
+}
+
+#[test]
+fn every_code_survives_unpacking_and_packing() {
+    let compute = Compute::new();
+    let kernel = compute.kernel(&[MODULE], UNPACK);
+    let mut random = Random::new(1);
+
+    let mut words = Vec::new();
+    for (max, shift) in SURFACE_FIELDS {
+        words.extend((0..=max).map(|code| [code << shift, normal_word(1, 1, 0)]));
+    }
+    words.extend((0..=255).map(|roughness| [0, normal_word(2048, 2048, roughness)]));
+    words.extend((0..500_000).map(|_| {
+        let mut code = || 1 + random.below(NORMAL_CODE_MAX as usize) as u32;
+        [
+            code() ^ (code() << 20) ^ (code() << 10),
+            normal_word(code(), code(), code() & 0xff),
+        ]
+    }));
+    check_round_trip(&kernel, &words);
+
+    let rows: Vec<u32> = (1..=NORMAL_CODE_MAX).collect();
+    for rows in rows.chunks(256) {
+        let words: Vec<_> = rows
+            .iter()
+            .flat_map(|&y| (1..=NORMAL_CODE_MAX).map(move |x| [0, normal_word(x, y, 0)]))
+            .collect();
+        check_round_trip(&kernel, &words);
+    }
+}
+
+/// Values that shaders get although they should not, and those at which a formula changes.
+const HOSTILE: [f32; 22] = [
+    f32::NAN,
+    -f32::NAN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::MAX,
+    f32::MIN,
+    1e30,
+    -1e30,
+    2.0,
+    -1.0,
+    1.0,
+    1.0 + f32::EPSILON,
+    1.0 - f32::EPSILON,
+    0.5,
+    0.003_130_8,
+    0.04045,
+    1e-30,
+    -1e-30,
+    1e-38,
+    1e-45,
+    0.0,
+    -0.0,
+];
+
+fn hostile_surfaces() -> Vec<[f32; FIELDS]> {
+    let mut surfaces = Vec::new();
+    for (i, a) in HOSTILE.into_iter().enumerate() {
+        for (j, b) in HOSTILE.into_iter().enumerate() {
+            for (k, c) in HOSTILE.into_iter().enumerate() {
+                let mixed = HOSTILE[(i + j + k) % HOSTILE.len()];
+                surfaces.push([a, b, c, mixed, a, a, b, c, mixed]);
+            }
+        }
+    }
+    surfaces
+}
+
+/// Ordinary surfaces, among their normals axes, seams between octants, and any length.
+fn random_surfaces(count: usize) -> Vec<[f32; FIELDS]> {
+    let mut random = Random::new(2);
+    let mut component = |kind: usize| match kind {
+        0 => 0.0,
+        1 => random.range(-1e-3, 1e-3),
+        2 => random.range(-1.0, 1.0).signum(),
+        _ => random.range(-1.0, 1.0),
+    };
+    let normals: Vec<_> = (0..count)
+        .map(|i| {
+            Vec3::new(
+                component(i % 7),
+                component(i / 7 % 5),
+                component(i / 35 % 5),
+            )
+        })
+        .collect();
+    normals
+        .into_iter()
+        .map(|normal| {
+            let n = normal * 10f32.powf(random.range(-30.0, 30.0));
+            let mut value = || random.range(-0.05, 1.05);
+            [
+                value(),
+                value(),
+                value(),
+                value(),
+                value(),
+                n.x,
+                n.y,
+                n.z,
+                value(),
+            ]
+        })
+        .collect()
+}
+
+/// Checks that `words` is a pixel that can be lit.
+fn check_decodes(words: [u32; 2], input: &Surface) {
+    let (x, y) = normal_codes(words[1]);
+    let codes = 1..=NORMAL_CODE_MAX;
+    assert_ne!(words[1], NO_GEOMETRY);
+    assert!(
+        codes.contains(&x) && codes.contains(&y),
+        "{input:?} became {words:08x?}"
+    );
+    let decoded = layout::unpack(words);
+    assert!(
+        (decoded.normal.length() - 1.0).abs() < 1e-6,
+        "{input:?} became {decoded:?}"
+    );
+    let in_range = fields(&Surface {
+        normal: Vec3::ZERO,
+        ..decoded
+    });
+    assert!(
+        in_range.iter().all(|x| (0.0..=1.0).contains(x)),
+        "{input:?} became {decoded:?}"
+    );
+}
+
+#[test]
+fn device_and_twin_pack_alike() {
+    let compute = Compute::new();
+    let kernel = compute.kernel(&[MODULE], PACK);
+    let inputs = [hostile_surfaces(), random_surfaces(1_000_000)].concat();
+    let bits: Vec<_> = inputs.iter().map(|input| input.map(f32::to_bits)).collect();
+
+    let (mut tie_count, mut found) = (0, Vec::new());
+    for (&input, device) in inputs.iter().zip(kernel.run(&bits)) {
+        let input = surface(input);
+        let twin = layout::pack(&input);
+        check_decodes(device, &input);
+        check_decodes(twin, &input);
+        if device != twin {
+            found.extend(ties::differences(&input, device, twin, &mut tie_count));
+        }
+    }
+    println!(
+        "{tie_count} fields of {} surfaces rounded otherwise, being ties",
+        inputs.len()
+    );
+    assert!(
+        found.is_empty(),
+        "{} differ:\n{}",
+        found.len(),
+        found[..found.len().min(10)].join("\n")
+    );
+    assert!(
+        tie_count < inputs.len() / 1000,
+        "{tie_count} ties are too many to be ties"
+    );
+}
+
+#[test]
+fn what_cannot_be_stored_is_replaced() {
+    let up = layout::pack_normal(Vec3::Y, 0.0);
+    for (x, stored) in [
+        (f32::NAN, 0.0),
+        (-1.0, 0.0),
+        (f32::NEG_INFINITY, 0.0),
+        (f32::INFINITY, 1.0),
+        (7.0, 1.0),
+    ] {
+        let decoded = layout::unpack(layout::pack(&surface([x; FIELDS])));
+        for value in fields(&Surface {
+            normal: Vec3::splat(stored),
+            ..decoded
+        }) {
+            assert_eq!(value, stored, "{x} is stored as {decoded:?}");
+        }
+    }
+    for none in [
+        Vec3::ZERO,
+        Vec3::NAN,
+        Vec3::INFINITY,
+        Vec3::new(1.0, f32::NAN, 0.0),
+        Vec3::splat(1e-40),
+    ] {
+        assert_eq!(layout::pack_normal(none, 0.0), up, "{none} is stored as up");
+    }
+}

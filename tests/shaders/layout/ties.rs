@@ -1,0 +1,66 @@
+//! Which differences between device and twin are only the rounding of values that lie between two codes.
+
+use bevy::math::{DVec2, DVec3, Vec3};
+use bevy_lean_deferred::gbuffer::layout::{NORMAL_STEPS, Surface};
+
+use super::{SURFACE_FIELDS, accuracy::direction_from_octahedral, normal_codes};
+
+/// Device and twin may round a value up and down that lies no further from the middle between two codes, in steps.
+const TIE: f64 = 1e-4;
+/// The same for normals, of whose codes the nearest is found with sums of squares in f32.
+const NORMAL_TIE: f64 = 2e-3;
+
+/// How far the place of `value` among the codes 0 to `max` lies from the middle between two, in steps.
+fn distance_to_tie(value: f64, max: u32) -> f64 {
+    ((value.clamp(0.0, 1.0) * f64::from(max)).fract() - 0.5).abs()
+}
+
+/// How much nearer to `normal` one word's direction is than the other's, in steps.
+fn distance_to_normal_tie(normal: Vec3, word: u32, other: u32) -> f64 {
+    let n = normal.as_dvec3().try_normalize().unwrap_or(DVec3::Y);
+    let distance = |word| {
+        let (x, y) = normal_codes(word);
+        let codes = DVec2::new(f64::from(x), f64::from(y)) - 1.0;
+        direction_from_octahedral(codes * (2.0 / f64::from(NORMAL_STEPS)) - 1.0).distance(n)
+    };
+    (distance(word) - distance(other)).abs() / (2.0 / f64::from(NORMAL_STEPS))
+}
+
+/// Fields of `device` and `twin`, both packed from `input`, that differ though `input` is no tie; `ties` counts the
+/// others.
+pub fn differences(
+    input: &Surface,
+    device: [u32; 2],
+    twin: [u32; 2],
+    ties: &mut usize,
+) -> Vec<String> {
+    let root = |x: f32| f64::from(x).clamp(0.0, 1.0).sqrt();
+    let values = [
+        root(input.albedo.x),
+        root(input.albedo.y),
+        root(input.albedo.z),
+        f64::from(input.metallic),
+        f64::from(input.occlusion),
+    ];
+    let mut found = Vec::new();
+    let mut compare = |name: String, device: u32, twin: u32, tie: f64, tolerance: f64| {
+        if device != twin && tie <= tolerance {
+            *ties += 1;
+        } else if device != twin {
+            found.push(format!(
+                "{name}: {device} != {twin}, {tie} steps from a tie, {input:?}"
+            ));
+        }
+    };
+    for (i, (max, shift)) in SURFACE_FIELDS.into_iter().enumerate() {
+        let code = |words: [u32; 2]| (words[0] >> shift) & max;
+        let tie = distance_to_tie(values[i], max);
+        compare(format!("field {i}"), code(device), code(twin), tie, TIE);
+    }
+    let code = |words: [u32; 2]| words[1] & 0xff_ffff;
+    let tie = distance_to_normal_tie(input.normal, device[1], twin[1]);
+    compare("normal".into(), code(device), code(twin), tie, NORMAL_TIE);
+    let tie = distance_to_tie(f64::from(input.perceptual_roughness), 255);
+    compare("roughness".into(), device[1] >> 24, twin[1] >> 24, tie, TIE);
+    found
+}

@@ -1,0 +1,8 @@
+//! The shipped WGSL: what it stores and computes beside its Rust twins, and that all of it composes.
+
+mod geometric_normal;
+mod layout;
+mod layout_optional;
+mod permutations;
+mod reconstruction;
+mod tile_lists;

@@ -1,0 +1,333 @@
+//! Every shader of the crate composes and validates under whatever definitions Bevy and the crate may ask for.
+//!
+//! The imported modules are taken out of a running app, so they are what Bevy ships. Nothing is compiled for the
+//! device.
+
+mod covering;
+mod factors;
+
+use std::{
+    collections::{HashMap, HashSet},
+    sync::OnceLock,
+};
+
+use bevy::{
+    prelude::*,
+    shader::{Shader, ShaderImport},
+};
+use bevy_lean_deferred::GBufferChannel;
+use covering::{Factor, covering_rows};
+use factors::{
+    EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_MERGE, implications,
+    occurs,
+};
+use kit::headless::Headless;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga_oil::compose::{Composer, NagaModuleDescriptor, ShaderDefValue};
+
+type Definitions = HashMap<String, ShaderDefValue>;
+
+/// The definition that `text` stands for: a name, or a name, `=` and a number.
+fn definition(text: &str) -> (String, ShaderDefValue) {
+    match text.split_once('=') {
+        Some((name, value)) => {
+            let value = value.parse().expect("the value is a number");
+            (name.to_string(), ShaderDefValue::UInt(value))
+        }
+        None => (text.to_string(), ShaderDefValue::Bool(true)),
+    }
+}
+
+/// The definitions of a row, with those that are `always` there.
+fn definitions(row: &[&[&'static str]], always: &[&'static str]) -> Definitions {
+    let mut defs: Definitions = row
+        .iter()
+        .copied()
+        .flatten()
+        .flat_map(|name| implications(name).iter().chain([name]))
+        .chain(always)
+        .map(|name| definition(name))
+        .collect();
+    // With the optional targets comes the one that says which of them are written.
+    if defs.keys().any(|name| name.starts_with("GBUFFER_")) {
+        defs.extend([definition("GBUFFER_WRITTEN")]);
+    }
+    let names: HashSet<String> = defs.keys().cloned().collect();
+    defs.retain(|name, _| occurs(name, |other| names.contains(other)));
+    defs
+}
+
+/// The shader modules of a running app, by their import name.
+fn shipped_shaders() -> &'static HashMap<String, Shader> {
+    static SHADERS: OnceLock<HashMap<String, Shader>> = OnceLock::new();
+    SHADERS.get_or_init(|| {
+        let mut headless = Headless::new(UVec2::splat(8));
+        headless.frames(3);
+        let shaders = headless.world().resource::<Assets<Shader>>();
+        let shaders = shaders.iter().map(|(_, shader)| shader);
+        shaders
+            .map(|shader| (shader.import_path.module_name().to_string(), shader.clone()))
+            .collect()
+    })
+}
+
+/// Puts shaders together as Bevy's `ShaderCache` does.
+struct Modules {
+    composer: Composer,
+    capabilities: Capabilities,
+}
+
+impl Modules {
+    fn new() -> Self {
+        // What binding arrays need, beside what every device has.
+        let capabilities = Capabilities::default()
+            | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY
+            | Capabilities::BUFFER_BINDING_ARRAY
+            | Capabilities::STORAGE_BUFFER_BINDING_ARRAY
+            | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY_NON_UNIFORM_INDEXING
+            | Capabilities::SHADER_FLOAT16_IN_FLOAT32
+            | Capabilities::SUBGROUP;
+        Self {
+            composer: Composer::default().with_capabilities(capabilities),
+            capabilities,
+        }
+    }
+
+    fn add(&mut self, imports: &[ShaderImport]) -> Result<(), String> {
+        for import in imports {
+            let name = import.module_name();
+            if self.composer.contains_module(&name) {
+                continue;
+            }
+            let shader = shipped_shaders()
+                .get(name.as_str())
+                .ok_or_else(|| format!("there is no module {name}"))?;
+            self.add(&shader.imports)?;
+            let added = self
+                .composer
+                .add_composable_module(shader.into())
+                .map(|_| ());
+            added.map_err(|error| error.emit_to_string(&self.composer))?;
+        }
+        Ok(())
+    }
+
+    fn check(&mut self, shader: &Shader, defs: Definitions) -> Result<(), String> {
+        self.add(&shader.imports)?;
+        let composed = self.composer.make_naga_module(NagaModuleDescriptor {
+            shader_defs: defs,
+            ..shader.into()
+        });
+        let module = composed.map_err(|error| error.emit_to_string(&self.composer))?;
+        Validator::new(ValidationFlags::all(), self.capabilities)
+            .validate(&module)
+            .map_err(|error| format!("{:?}", error.into_inner()))?;
+        Ok(())
+    }
+}
+
+/// Checks `source` under rows of `factors` in which any two choices meet, and random ones.
+fn check_permutations(
+    source: &'static str,
+    path: &str,
+    factors: &[Factor],
+    always: &[&'static str],
+    values: &[(&str, u32)],
+) {
+    let shader = Shader::from_wgsl(source, path);
+    let mut modules = Modules::new();
+    let mut permutations = Vec::new();
+    for row in covering_rows(factors) {
+        let mut defs = definitions(&row, always);
+        defs.extend(
+            values
+                .iter()
+                .map(|(name, value)| (name.to_string(), ShaderDefValue::UInt(*value))),
+        );
+        if !permutations.contains(&defs) {
+            permutations.push(defs);
+        }
+    }
+    println!("{path}: {} permutations", permutations.len());
+    for defs in permutations {
+        let mut names: Vec<_> = defs
+            .iter()
+            .map(|(name, value)| match value {
+                ShaderDefValue::UInt(value) => format!("{name}={value}"),
+                _ => name.clone(),
+            })
+            .collect();
+        names.sort();
+        if let Err(error) = modules.check(&shader, defs) {
+            panic!("{path} with {}:\n{error}", names.join(", "));
+        }
+    }
+}
+
+#[test]
+fn lighting_permutations_validate() {
+    // The least number of bindings that the crate asks a device for, and enough for everything.
+    for storage_buffers in [3, 16] {
+        check_permutations(
+            include_str!("../../src/lighting/lighting.wgsl"),
+            "src/lighting/lighting.wgsl",
+            LIGHTING,
+            &["DEPTH_PREPASS"],
+            &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", storage_buffers)],
+        );
+    }
+}
+
+#[test]
+fn gbuffer_permutations_validate() {
+    check_permutations(
+        include_str!("../../src/gbuffer/gbuffer.wgsl"),
+        "src/gbuffer/gbuffer.wgsl",
+        GBUFFER,
+        &[
+            "PREPASS_PIPELINE",
+            "PREPASS_FRAGMENT",
+            "VERTEX_OUTPUT_INSTANCE_INDEX",
+            "VERTEX_POSITIONS",
+            "NORMAL_PREPASS_OR_DEFERRED_PREPASS",
+            "MOTION_VECTOR_PREPASS_OR_DEFERRED_PREPASS",
+            "DEFERRED_PREPASS",
+        ],
+        &[
+            ("MATERIAL_BIND_GROUP", 3),
+            ("AVAILABLE_STORAGE_BUFFER_BINDINGS", 16),
+        ],
+    );
+}
+
+#[test]
+fn motion_resolve_permutations_validate() {
+    check_permutations(
+        include_str!("../../src/gbuffer/resolve_motion.wgsl"),
+        "src/gbuffer/resolve_motion.wgsl",
+        MOTION_RESOLVE,
+        &["PREPASS_PIPELINE"],
+        &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", 16)],
+    );
+}
+
+#[test]
+fn occlusion_permutations_validate() {
+    let values: [&[_]; 3] = [
+        &[("DIVISOR", 1), ("SLICES", 1), ("STEPS", 6)],
+        &[("DIVISOR", 2), ("SLICES", 2), ("STEPS", 8)],
+        // Read from the uniform.
+        &[("DIVISOR", 1)],
+    ];
+    for values in values {
+        check_permutations(
+            include_str!("../../src/ambient_occlusion/gather.wgsl"),
+            "src/ambient_occlusion/gather.wgsl",
+            OCCLUSION_GATHER,
+            &[],
+            values,
+        );
+    }
+    check_permutations(
+        include_str!("../../src/ambient_occlusion/merge.wgsl"),
+        "src/ambient_occlusion/merge.wgsl",
+        OCCLUSION_MERGE,
+        &[],
+        &[],
+    );
+}
+
+#[test]
+fn exposure_permutations_validate() {
+    for stride in [1, 2, 4] {
+        for (source, path) in [
+            (
+                include_str!("../../src/auto_exposure/meter.wgsl"),
+                "src/auto_exposure/meter.wgsl",
+            ),
+            (
+                include_str!("../../src/auto_exposure/adapt.wgsl"),
+                "src/auto_exposure/adapt.wgsl",
+            ),
+            (
+                include_str!("../../src/auto_exposure/overlay.wgsl"),
+                "src/auto_exposure/overlay.wgsl",
+            ),
+        ] {
+            check_permutations(source, path, EXPOSURE, &[], &[("STRIDE", stride)]);
+        }
+    }
+}
+
+/// The names in the factors and what comes with them.
+fn tried<'a>(factors: &[Factor], always: &[&'a str]) -> HashSet<&'a str> {
+    factors
+        .iter()
+        .copied()
+        .flatten()
+        .copied()
+        .flatten()
+        .flat_map(|name| implications(name).iter().chain([name]))
+        .map(|name| name.split_once('=').map_or(*name, |(name, _)| name))
+        .chain(always.iter().copied())
+        .collect()
+}
+
+/// Panics if `pipeline` names a definition that has not been tried.
+fn assert_all_tried(path: &str, pipeline: &str, tried: &HashSet<&str>) {
+    let is_definition = |text: &str| {
+        !text.is_empty()
+            && text
+                .chars()
+                .all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
+    };
+    // Text between quotes is every second part.
+    let unknown: Vec<&str> = pipeline
+        .split('"')
+        .skip(1)
+        .step_by(2)
+        .filter(|text| is_definition(text) && !tried.contains(text))
+        .collect();
+    assert!(
+        unknown.is_empty(),
+        "{path} defines {unknown:?}, which no permutation has"
+    );
+}
+
+#[test]
+fn every_definition_of_the_occlusion_shaders_is_tried() {
+    let values = ["SLICES", "STEPS", "DIVISOR"];
+    let tried = &tried(OCCLUSION_GATHER, &values) | &tried(OCCLUSION_MERGE, &[]);
+    let pipelines = include_str!("../../src/ambient_occlusion/pipelines.rs");
+    assert_all_tried("pipelines.rs", pipelines, &tried);
+}
+
+#[test]
+fn every_definition_of_the_exposure_shaders_is_tried() {
+    let key = include_str!("../../src/auto_exposure/key.rs");
+    assert_all_tried("key.rs", key, &tried(EXPOSURE, &["STRIDE"]));
+}
+
+#[test]
+fn every_definition_of_the_lighting_shader_is_tried() {
+    let tried = tried(LIGHTING, &["DEPTH_PREPASS", "GBUFFER_WRITTEN"]);
+    let pipeline = include_str!("../../src/lighting/pipeline.rs");
+    assert_all_tried("pipeline.rs", pipeline, &tried);
+    let variants = include_str!("../../src/lighting/variants.rs");
+    assert_all_tried("variants.rs", variants, &tried);
+    let targets = include_str!("../../src/gbuffer/targets.rs");
+    assert_all_tried("targets.rs", targets, &tried);
+    let channels = tried
+        .iter()
+        .filter(|name| name.starts_with("DEBUG_") && **name != "DEBUG_VIEW");
+    assert_eq!(channels.count(), GBufferChannel::ALL.len());
+}
+
+#[test]
+fn every_definition_of_the_gbuffer_shader_is_tried() {
+    let tried = tried(GBUFFER, &[]);
+    let material = include_str!("../../src/gbuffer/material.rs");
+    assert_all_tried("material.rs", material, &tried);
+    let targets = include_str!("../../src/gbuffer/targets.rs");
+    assert_all_tried("targets.rs", targets, &tried);
+}

@@ -1,0 +1,352 @@
+//! The definitions that Bevy and the crate compile shaders with. `NAME` is true, `NAME=1` an unsigned number.
+
+use super::covering::Factor;
+
+/// With or without the definitions.
+macro_rules! optional {
+    ($($name:literal),+) => {
+        &[&[], &[$($name),+]]
+    };
+}
+
+/// What `LightingPipelines::shader_defs` makes of a view. `implications` adds what never stands alone.
+pub const LIGHTING: &[Factor] = &[
+    optional!("ENVIRONMENT_MAP"),
+    optional!("IRRADIANCE_VOLUME", "IRRADIANCE_VOLUMES_ARE_USABLE"),
+    // Bevy's own ambient occlusion, and the crate's.
+    optional!("SCREEN_SPACE_AMBIENT_OCCLUSION"),
+    &[
+        &[],
+        &["LEAN_AMBIENT_OCCLUSION"],
+        &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_MULTIBOUNCE"],
+        &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_OF_DIRECT_LIGHT"],
+        &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_DEBUG_VIEW"],
+        &[
+            "LEAN_AMBIENT_OCCLUSION",
+            "OCCLUSION_MULTIBOUNCE",
+            "OCCLUSION_OF_DIRECT_LIGHT",
+        ],
+    ],
+    OCCLUSION_FILTERS,
+    optional!("CONTACT_SHADOWS"),
+    optional!("DISTANCE_FOG"),
+    optional!("ATMOSPHERE"),
+    optional!("TEMPORAL_JITTER"),
+    &[
+        &["SHADOW_FILTER_METHOD_HARDWARE_2X2"],
+        &["SHADOW_FILTER_METHOD_GAUSSIAN"],
+        &["SHADOW_FILTER_METHOD_TEMPORAL"],
+    ],
+    PROJECTIONS,
+    optional!("BLUE_NOISE_TEXTURE"),
+    optional!("DFG_LUT"),
+    optional!("AREA_LIGHT_LUTS"),
+    optional!("MULTIPLE_LIGHT_PROBES_IN_ARRAY"),
+    optional!(
+        "CLUSTERED_DECALS_ARE_USABLE",
+        "LIGHT_TEXTURES",
+        "VERTEX_TANGENTS"
+    ),
+    &[
+        &[],
+        &["GEOMETRIC_NORMAL_THREE_TAP", "SHADOW_MAPS"],
+        &["GEOMETRIC_NORMAL_FIVE_TAP", "SHADOW_MAPS"],
+        &["SHADOW_MAPS"],
+    ],
+    optional!("DEPTH_TELLS_GEOMETRY"),
+    &[
+        &[],
+        &["LIGHT_LAYERS"],
+        &["LIGHT_LAYERS", "GBUFFER_VISIBILITY_MASK"],
+    ],
+    &[
+        &[],
+        &["GBUFFER_EMISSIVE"],
+        &["GBUFFER_SPECIALIZATION"],
+        &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
+    ],
+    WHAT_IS_LIT,
+];
+
+/// Channels are shown for all surfaces alike; else a dispatch may list special surfaces, or light one kind of them
+/// (`LightingVariant::shader_defs`).
+const WHAT_IS_LIT: Factor = &[
+    &[],
+    &["DEBUG_ALBEDO"],
+    &["DEBUG_METALLIC"],
+    &["DEBUG_OCCLUSION"],
+    &["DEBUG_NORMAL"],
+    &["DEBUG_ROUGHNESS"],
+    &["DEBUG_GEOMETRIC_NORMAL"],
+    &["DEBUG_DEPTH"],
+    &["DEBUG_EMISSIVE"],
+    &["DEBUG_SHADING_MODEL"],
+    &["DEBUG_MOTION"],
+    &["DEBUG_MOTION", "GBUFFER_MOTION"],
+    &["DEBUG_VISIBILITY_MASK"],
+    &["DEBUG_VISIBILITY_MASK", "GBUFFER_VISIBILITY_MASK"],
+    &["LISTED_VARIANTS=4"],
+    &["LISTED_VARIANTS=15676"],
+    &[
+        "LIGHTING_VARIANT=2",
+        "LIST_RANK=0",
+        "STANDARD_MATERIAL_ANISOTROPY",
+    ],
+    &["LIGHTING_VARIANT=3", "LIST_RANK=1", "SHADING_MODEL_RIM"],
+    &[
+        "LIGHTING_VARIANT=4",
+        "LIST_RANK=2",
+        "STANDARD_MATERIAL_CLEARCOAT",
+    ],
+    &[
+        "LIGHTING_VARIANT=5",
+        "LIST_RANK=3",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+    ],
+    &["LIGHTING_VARIANT=8", "LIST_RANK=0", "LIGHTMAP"],
+    &[
+        "LIGHTING_VARIANT=10",
+        "LIST_RANK=5",
+        "LIGHTMAP",
+        "STANDARD_MATERIAL_ANISOTROPY",
+    ],
+    &[
+        "LIGHTING_VARIANT=11",
+        "LIST_RANK=6",
+        "LIGHTMAP",
+        "SHADING_MODEL_RIM",
+    ],
+    &[
+        "LIGHTING_VARIANT=12",
+        "LIST_RANK=7",
+        "LIGHTMAP",
+        "STANDARD_MATERIAL_CLEARCOAT",
+    ],
+    &[
+        "LIGHTING_VARIANT=13",
+        "LIST_RANK=8",
+        "LIGHTMAP",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+    ],
+];
+
+/// What `FilterKey::shader_defs` makes of the settings of ambient occlusion.
+const OCCLUSION_FILTERS: Factor = &[
+    &[],
+    &["OCCLUSION_FLAT"],
+    &["OCCLUSION_EDGE_AWARE"],
+    &["OCCLUSION_FLAT", "OCCLUSION_EDGE_AWARE"],
+    &["OCCLUSION_HALF"],
+    &["OCCLUSION_HALF", "OCCLUSION_EDGE_AWARE"],
+];
+
+/// What `GatherKey::shader_defs` makes of a view with ambient occlusion, for both kinds of pass.
+pub const OCCLUSION_GATHER: &[Factor] = &[
+    &[
+        &["SHADING_NORMALS"],
+        &["SHADING_NORMALS", "THIN"],
+        &[],
+        &["THIN"],
+        &["HDAO"],
+    ],
+    optional!("FLOAT16"),
+    optional!("COMPUTE"),
+    &[
+        &["PROJECTION_PERSPECTIVE"],
+        &["PROJECTION_ORTHOGRAPHIC"],
+        &[],
+    ],
+];
+
+/// What `OcclusionPipelines::merge` makes of them.
+pub const OCCLUSION_MERGE: &[Factor] = &[
+    &[&[], &["DISTANCE_FOG"], &["DEBUG_VIEW"]],
+    OCCLUSION_FILTERS,
+];
+
+const PROJECTIONS: Factor = &[
+    &["VIEW_PROJECTION_NONSTANDARD"],
+    &["VIEW_PROJECTION_PERSPECTIVE"],
+    &["VIEW_PROJECTION_ORTHOGRAPHIC"],
+];
+
+/// What Bevy's `PrepassPipeline` and `StandardMaterial` make of a mesh that the G-buffer carries. (A second UV set
+/// without a first is missing: Bevy's own `pbr_fragment.wgsl` does not compile with it.)
+pub const GBUFFER: &[Factor] = &[
+    &[
+        &[],
+        &["VERTEX_NORMALS"],
+        &["VERTEX_UVS_A"],
+        &["VERTEX_NORMALS", "VERTEX_UVS_A"],
+        &["VERTEX_NORMALS", "VERTEX_UVS_A", "VERTEX_UVS_B"],
+        &["VERTEX_NORMALS", "VERTEX_UVS_A", "VERTEX_TANGENTS"],
+        &[
+            "VERTEX_NORMALS",
+            "VERTEX_UVS_A",
+            "VERTEX_UVS_B",
+            "VERTEX_TANGENTS",
+        ],
+    ],
+    optional!("VERTEX_COLORS"),
+    &[
+        &[],
+        &["SKINNED"],
+        &["MORPH_TARGETS"],
+        &["SKINNED", "MORPH_TARGETS"],
+    ],
+    optional!("SKINS_USE_UNIFORM_BUFFERS"),
+    optional!("MAY_DISCARD"),
+    optional!("VISIBILITY_RANGE_DITHER"),
+    // Bevy has both where the device has binding arrays, but materials may opt out of `BINDLESS`.
+    &[
+        &[],
+        &["MULTIPLE_LIGHTMAPS_IN_ARRAY"],
+        &["MULTIPLE_LIGHTMAPS_IN_ARRAY", "BINDLESS"],
+    ],
+    &[
+        &[],
+        &["MOTION_VECTOR_PREPASS", "GBUFFER_MOTION"],
+        &[
+            "MOTION_VECTOR_PREPASS",
+            "HAS_PREVIOUS_SKIN",
+            "HAS_PREVIOUS_MORPH",
+            "GBUFFER_MOTION",
+        ],
+    ],
+    optional!("GBUFFER_VISIBILITY_MASK"),
+    // In the second phase of culling, meshes without optional targets are in the pass that has some.
+    optional!("GBUFFER_WRITTEN"),
+    PROJECTIONS,
+    optional!("STANDARD_MATERIAL_NORMAL_MAP"),
+    optional!("RELIEF_MAPPING"),
+    optional!(
+        "STANDARD_MATERIAL_BASE_COLOR_UV_B",
+        "STANDARD_MATERIAL_METALLIC_ROUGHNESS_UV_B",
+        "STANDARD_MATERIAL_OCCLUSION_UV_B",
+        "STANDARD_MATERIAL_NORMAL_MAP_UV_B"
+    ),
+    optional!(
+        "STANDARD_MATERIAL_EMISSIVE_UV_B",
+        "STANDARD_MATERIAL_SPECULAR_UV_B",
+        "STANDARD_MATERIAL_SPECULAR_TINT_UV_B",
+        "STANDARD_MATERIAL_CLEARCOAT_UV_B",
+        "STANDARD_MATERIAL_CLEARCOAT_ROUGHNESS_UV_B",
+        "STANDARD_MATERIAL_CLEARCOAT_NORMAL_UV_B",
+        "STANDARD_MATERIAL_ANISOTROPY_UV_B",
+        "STANDARD_MATERIAL_SPECULAR_TRANSMISSION_UV_B",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION_UV_B",
+        "STANDARD_MATERIAL_THICKNESS_UV_B"
+    ),
+    optional!("PBR_SPECULAR_TEXTURES_SUPPORTED"),
+    optional!("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED"),
+    optional!("PBR_ANISOTROPY_TEXTURE_SUPPORTED"),
+    optional!("PBR_TRANSMISSION_TEXTURES_SUPPORTED"),
+    WHAT_IS_DRAWN,
+];
+
+/// The optional targets, with the materials and meshes that only passes with these targets draw.
+const WHAT_IS_DRAWN: Factor = &[
+    &[],
+    &["GBUFFER_EMISSIVE"],
+    &["GBUFFER_SPECIALIZATION"],
+    &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
+    &["STANDARD_MATERIAL_CLEARCOAT"],
+    &["STANDARD_MATERIAL_CLEARCOAT", "GBUFFER_EMISSIVE"],
+    &["STANDARD_MATERIAL_ANISOTROPY"],
+    &["STANDARD_MATERIAL_ANISOTROPY", "GBUFFER_EMISSIVE"],
+    &["STANDARD_MATERIAL_DIFFUSE_TRANSMISSION"],
+    &["STANDARD_MATERIAL_DIFFUSE_TRANSMISSION", "GBUFFER_EMISSIVE"],
+    // Unlit materials may have all.
+    &[
+        "STANDARD_MATERIAL_CLEARCOAT",
+        "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP",
+        "STANDARD_MATERIAL_ANISOTROPY",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+    ],
+    &["LIGHTMAP", "VERTEX_UVS_A", "VERTEX_UVS_B"],
+    &[
+        "LIGHTMAP",
+        "LIGHTMAP_BICUBIC_SAMPLING",
+        "VERTEX_UVS_A",
+        "VERTEX_UVS_B",
+    ],
+    &[
+        "LIGHTMAP",
+        "VERTEX_UVS_A",
+        "VERTEX_UVS_B",
+        "STANDARD_MATERIAL_CLEARCOAT",
+    ],
+    &[
+        "LIGHTMAP",
+        "VERTEX_UVS_A",
+        "VERTEX_UVS_B",
+        "STANDARD_MATERIAL_ANISOTROPY",
+    ],
+    &[
+        "LIGHTMAP",
+        "LIGHTMAP_BICUBIC_SAMPLING",
+        "VERTEX_UVS_A",
+        "VERTEX_UVS_B",
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+    ],
+];
+
+/// What `MotionResolvePipelines` makes of a view with motion vectors.
+pub const MOTION_RESOLVE: &[Factor] = &[optional!("LATE"), optional!("GBUFFER_MOTION")];
+
+/// What `ExposureKey::shader_defs` makes of the settings of auto exposure.
+pub const EXPOSURE: &[Factor] = &[
+    optional!("LOG_AVERAGE"),
+    &[
+        &[],
+        &["WEIGHTED", "CENTER_WEIGHTED"],
+        &["WEIGHTED", "SPOT"],
+        &["WEIGHTED", "MASK"],
+    ],
+    optional!("HISTOGRAM"),
+    optional!("SUBGROUPS"),
+];
+
+/// Names that come with others.
+pub fn implications(name: &str) -> &'static [&'static str] {
+    match name {
+        "SCREEN_SPACE_AMBIENT_OCCLUSION" | "LEAN_AMBIENT_OCCLUSION" => &["APPLIES_VISIBILITY"],
+        "CONTACT_SHADOWS" => &["SHADOW_MAPS", "GEOMETRIC_NORMAL"],
+        "SHADOW_MAPS" => &["GEOMETRIC_NORMAL"],
+        "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "SHADOW_MAPS", "GEOMETRIC_NORMAL"],
+        // Decals are bound in arrays, on the devices on which light probes are too.
+        "CLUSTERED_DECALS_ARE_USABLE" => &["MULTIPLE_LIGHT_PROBES_IN_ARRAY"],
+        "VERTEX_UVS_A" | "VERTEX_UVS_B" => &["VERTEX_UVS"],
+        "LIGHTMAP" => &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION" => &[
+            "STANDARD_MATERIAL_DIFFUSE_OR_SPECULAR_TRANSMISSION",
+            "GBUFFER_SPECIALIZATION",
+        ],
+        "STANDARD_MATERIAL_CLEARCOAT" | "STANDARD_MATERIAL_ANISOTROPY" => {
+            &["GBUFFER_SPECIALIZATION"]
+        }
+        name if name.starts_with("LISTED_") || name.starts_with("LIGHTING_VARIANT") => {
+            &["GBUFFER_SPECIALIZATION"]
+        }
+        name if name.starts_with("DEBUG_") => &["DEBUG_VIEW"],
+        _ => &[],
+    }
+}
+
+/// Whether `name` occurs beside the definitions that the view, mesh or device `has`.
+pub fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
+    match name {
+        // What `material_texture_defs` adds.
+        "PBR_SPECULAR_TEXTURES_SUPPORTED"
+        | "PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED"
+        | "PBR_ANISOTROPY_TEXTURE_SUPPORTED"
+        | "PBR_TRANSMISSION_TEXTURES_SUPPORTED" => has("GBUFFER_SPECIALIZATION"),
+        // Else materials have no such texture.
+        "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP" => {
+            has("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED")
+        }
+        // Without arrays Bevy's own `environment_map.wgsl` does not compile for lightmaps.
+        "ENVIRONMENT_MAP" => !has("LIGHTMAP") || has("MULTIPLE_LIGHT_PROBES_IN_ARRAY"),
+        _ => true,
+    }
+}
