@@ -1,9 +1,6 @@
 //! Bevy without a window: frames are made by hand and read back.
 
-use std::{
-    sync::{Arc, Mutex},
-    time::Duration,
-};
+use std::time::Duration;
 
 use crate::log_watch::LogWatch;
 use bevy::{
@@ -13,11 +10,12 @@ use bevy::{
     prelude::*,
     render::{
         RenderApp, RenderPlugin,
+        render_asset::RenderAssets,
         render_resource::{
             Extent3d, PipelineCache, PollType, TextureDimension, TextureFormat, TextureUsages,
         },
-        renderer::RenderDevice,
-        view::screenshot::{Screenshot, ScreenshotCaptured},
+        renderer::{RenderDevice, RenderQueue},
+        texture::GpuImage,
     },
     time::TimeUpdateStrategy,
     window::ExitCondition,
@@ -27,6 +25,9 @@ use bevy_lean_deferred::LeanDeferredPlugins;
 
 /// Simulated time between two frames.
 pub const FRAME_TIME: Duration = Duration::from_micros(16_667);
+
+/// How many frames in a row must have asked for nothing.
+const QUIET_FRAMES: usize = 3;
 
 /// An app that renders into an image. Pipelines are compiled in the frame that asks for them.
 pub struct Headless {
@@ -135,28 +136,32 @@ impl Headless {
         }
     }
 
-    /// Makes frames until no asset is loading and no pipeline compiling, and a few more.
+    /// Makes frames until no pipeline is compiling, none has been asked for, and a few more: what the GPU reports, such as
+    /// how many lights its clusters have, Bevy acts on some frames later.
     pub fn settle(&mut self) {
         let mut quiet = 0;
+        let mut asked_for = self.pipelines().pipelines().count();
         for _ in 0..2000 {
             self.frame();
-            let render_world = self.app.sub_app(RenderApp).world();
-            let waiting = render_world
-                .resource::<PipelineCache>()
-                .waiting_pipelines()
-                .count();
-            quiet = if waiting == 0 { quiet + 1 } else { 0 };
-            if quiet > 4 {
+            let pipelines = self.pipelines();
+            let before = core::mem::replace(&mut asked_for, pipelines.pipelines().count());
+            let is_quiet = pipelines.waiting_pipelines().count() == 0 && asked_for == before;
+            quiet = if is_quiet { quiet + 1 } else { 0 };
+            if quiet >= QUIET_FRAMES {
                 return;
             }
         }
         panic!("pipelines still waiting after 2000 frames");
     }
 
-    /// The picture in the target, 8-bit sRGB, four bytes a pixel.
+    fn pipelines(&self) -> &PipelineCache {
+        self.app.sub_app(RenderApp).world().resource()
+    }
+
+    /// The picture of the next frame, 8-bit sRGB, four bytes a pixel.
     pub fn capture(&mut self) -> Picture {
-        let shot = self.request_picture();
-        self.await_picture(&shot)
+        self.frame();
+        self.picture()
     }
 
     /// The pictures of `count` frames in a row; `change` acts on the world before each.
@@ -165,46 +170,61 @@ impl Headless {
         count: usize,
         mut change: impl FnMut(&mut World, usize),
     ) -> Vec<Picture> {
-        let shots: Vec<Shot> = (0..count)
+        (0..count)
             .map(|frame| {
                 change(self.world(), frame);
-                let shot = self.request_picture();
-                self.frame();
-                shot
+                self.capture()
             })
-            .collect();
-        shots.iter().map(|shot| self.await_picture(shot)).collect()
+            .collect()
     }
 
-    /// Of the next frame.
-    fn request_picture(&mut self) -> Shot {
-        let shot = Shot::default();
-        let sink = shot.clone();
-        let target = self.target.clone();
-        self.world().spawn(Screenshot::image(target)).observe(
-            move |event: On<ScreenshotCaptured>| {
-                *sink.lock().unwrap() = Some(event.image.clone());
+    /// What the last frame has left in the target.
+    fn picture(&self) -> Picture {
+        let render_world = self.app.sub_app(RenderApp).world();
+        let images = render_world.resource::<RenderAssets<GpuImage>>();
+        let image = images.get(&self.target).expect("the target is there");
+        let device = render_world.resource::<RenderDevice>().wgpu_device();
+        let queue = render_world.resource::<RenderQueue>();
+        let size = image.texture.size();
+        let row = (4 * size.width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture"),
+            size: u64::from(row) * u64::from(size.height),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_buffer(
+            image.texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(row),
+                    rows_per_image: None,
+                },
             },
+            size,
         );
-        shot
-    }
-
-    fn await_picture(&mut self, shot: &Shot) -> Picture {
-        for _ in 0..200 {
-            if let Some(image) = shot.lock().unwrap().take() {
-                return Picture {
-                    size: image.size(),
-                    rgba: image.data.expect("a captured image has data"),
-                };
-            }
-            self.frame();
+        queue.submit([encoder.finish()]);
+        buffer.map_async(wgpu::MapMode::Read, .., |mapped| {
+            mapped.unwrap_or_else(|error| panic!("the picture cannot be read: {error}"));
+        });
+        device
+            .poll(PollType::wait_indefinitely())
+            .unwrap_or_else(|error| panic!("the device did not finish: {error}"));
+        let rgba = buffer
+            .get_mapped_range(..)
+            .chunks(row as usize)
+            .flat_map(|line| &line[..4 * size.width as usize])
+            .copied()
+            .collect();
+        Picture {
+            size: UVec2::new(size.width, size.height),
+            rgba,
         }
-        panic!("no picture came back within 200 frames");
     }
 }
-
-/// A picture that is on its way from the GPU.
-type Shot = Arc<Mutex<Option<Image>>>;
 
 /// An sRGB image that can be rendered to and read back.
 pub fn target_image(size: UVec2) -> Image {

@@ -1,6 +1,10 @@
 //! Showing a scene through lean cameras and through forward ones, and comparing the pictures.
 
-use bevy::{diagnostic::FrameCount, prelude::*, render::RenderApp};
+use bevy::{
+    diagnostic::FrameCount,
+    prelude::*,
+    render::{RenderApp, camera::TemporalJitter},
+};
 use bevy_lean_deferred::{LeanDeferred, view::ActiveLeanView};
 
 use super::{
@@ -19,18 +23,42 @@ pub fn build(size: UVec2, scene: impl FnOnce(&mut SceneBuilder)) -> Headless {
     headless
 }
 
+/// Shows `scene` in place of what the app has shown. Pipelines that both need are not compiled again.
+pub fn show(headless: &mut Headless, scene: impl FnOnce(&mut SceneBuilder)) {
+    let world = headless.world();
+    let mut shown = world.query_filtered::<Entity, With<Transform>>();
+    let shown: Vec<Entity> = shown.iter(world).collect();
+    for entity in shown {
+        // Not if it went with its parent.
+        if let Ok(entity) = world.get_entity_mut(entity) {
+            entity.despawn();
+        }
+    }
+    scene(&mut SceneBuilder { headless });
+}
+
 /// A picture once all is loaded. Always of the same phase of what changes from frame to frame (jitter, noise).
 pub fn settled(headless: &mut Headless) -> Picture {
     headless.settle();
-    while !headless
-        .world()
-        .resource::<FrameCount>()
-        .0
-        .is_multiple_of(8)
-    {
-        headless.frames(1);
+    let has_history = has_history(headless);
+    let made = headless.world().resource::<FrameCount>().0;
+    let phase = made.next_multiple_of(PHASES);
+    if has_history {
+        headless.frames((phase - made) as usize);
+    } else {
+        headless.world().resource_mut::<FrameCount>().0 = phase;
     }
     headless.capture()
+}
+
+/// After so many frames jitter and noise begin anew.
+const PHASES: u32 = 8;
+
+/// Whether pictures hold something of earlier frames, and so of each of their phases.
+fn has_history(headless: &mut Headless) -> bool {
+    let world = headless.world();
+    let mut cameras = world.query_filtered::<(), With<TemporalJitter>>();
+    cameras.iter(world).next().is_some()
 }
 
 /// Changes all cameras.

@@ -16,6 +16,8 @@ use bevy_lean_deferred::view::ActiveLeanView;
 use kit::{headless::Headless, scenes::SceneBuilder};
 
 const SIZE: UVec2 = UVec2::new(320, 240);
+/// Where no picture is looked at.
+const SMALL: UVec2 = UVec2::new(64, 48);
 
 /// What moves.
 #[derive(Component)]
@@ -106,14 +108,22 @@ fn move_all(world: &mut World, frame: usize) {
     shift_movers(world, Vec3::new(0.05, 0.02, -0.03));
 }
 
-/// Makes frames until all is loaded, and as many in each app: jitter and noise are then the same, and after enough of
-/// them what temporal anti-aliasing has gathered.
+/// Makes frames until all is loaded, and so many more without a past. They have the same numbers in each app: jitter, noise
+/// and what temporal anti-aliasing has gathered are then the same.
 fn align(headless: &mut Headless, frames: u32) {
     headless.settle();
-    let made = headless.world().resource::<FrameCount>().0;
-    let rest = frames.checked_sub(made).expect("loaded by then");
-    headless.frames(rest as usize);
+    let world = headless.world();
+    let made = &mut world.resource_mut::<FrameCount>().0;
+    *made = ALIGNED.checked_sub(frames).expect("not so many");
+    let mut gathering = world.query::<&mut TemporalAntiAliasing>();
+    for mut taa in gathering.iter_mut(world) {
+        taa.reset = true;
+    }
+    headless.frames(frames as usize);
 }
+
+/// How many frames apps seem to have made when they are aligned.
+const ALIGNED: u32 = 256;
 
 /// The view of the last frame, if it was lean.
 fn active_view(headless: &mut Headless) -> Option<ActiveLeanView> {

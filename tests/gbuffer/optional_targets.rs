@@ -14,6 +14,8 @@ use bevy_lean_deferred::prelude::*;
 use kit::headless::Headless;
 
 const SIZE: UVec2 = UVec2::new(320, 240);
+/// Where no picture is looked at.
+const SMALL: UVec2 = UVec2::new(64, 48);
 
 /// What the only lean camera has.
 fn usage(headless: &mut Headless) -> GBufferUsage {

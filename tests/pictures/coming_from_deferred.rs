@@ -10,7 +10,7 @@ use bevy::{
 use bevy_lean_deferred::LeanDeferred;
 use kit::{
     headless::Headless,
-    lean::{active_lean_views, build, change_cameras, judge, report, set_lean, settled},
+    lean::{active_lean_views, change_cameras, judge, report, set_lean, settled, show},
     log_watch,
     scenes::SceneBuilder,
 };
@@ -65,16 +65,23 @@ fn scene(s: &mut SceneBuilder) {
     );
 }
 
-fn app(method: DefaultOpaqueRendererMethod, camera: fn(&mut EntityWorldMut)) -> Headless {
-    build(SIZE, |s| {
-        s.world().insert_resource(method);
-        scene(s);
-        let entity = s.default_camera(());
-        camera(&mut s.world().entity_mut(entity));
+fn app(method: DefaultOpaqueRendererMethod) -> Headless {
+    Headless::with(SIZE, |app| {
+        app.insert_resource(method);
     })
 }
 
-type Camera = (&'static str, fn(&mut EntityWorldMut));
+type ChangeCamera = fn(&mut EntityWorldMut);
+type Camera = (&'static str, ChangeCamera);
+
+/// Shows the scene through a camera that is changed so, in place of what was shown before.
+fn show_through(headless: &mut Headless, camera: ChangeCamera) {
+    show(headless, |s| {
+        scene(s);
+        let entity = s.default_camera(());
+        camera(&mut s.world().entity_mut(entity));
+    });
+}
 
 const CAMERAS: [Camera; 7] = [
     ("no_prepass", |_| {}),
@@ -110,12 +117,15 @@ const CAMERAS: [Camera; 7] = [
 
 #[test]
 fn every_mesh_is_there() {
+    let mut all_forward = app(DefaultOpaqueRendererMethod::forward());
+    let mut all_deferred = app(DefaultOpaqueRendererMethod::deferred());
     report(CAMERAS.map(|(name, camera)| {
-        let forward = settled(&mut app(DefaultOpaqueRendererMethod::forward(), camera));
-        let mut headless = app(DefaultOpaqueRendererMethod::deferred(), camera);
-        set_lean(&mut headless, true);
-        let lean = settled(&mut headless);
-        assert_eq!(active_lean_views(&mut headless), 1, "{name}");
+        show_through(&mut all_forward, camera);
+        let forward = settled(&mut all_forward);
+        show_through(&mut all_deferred, camera);
+        set_lean(&mut all_deferred, true);
+        let lean = settled(&mut all_deferred);
+        assert_eq!(active_lean_views(&mut all_deferred), 1, "{name}");
         judge(name, &forward, &lean, 44.0)
     }));
 }
@@ -123,19 +133,20 @@ fn every_mesh_is_there() {
 /// A lean camera that cannot be rendered lean, as with MSAA, is rendered by forward, with the same meshes.
 #[test]
 fn every_mesh_is_there_without_the_gbuffer() {
+    let mut apps = [
+        DefaultOpaqueRendererMethod::forward(),
+        DefaultOpaqueRendererMethod::deferred(),
+    ]
+    .map(app);
     report([CAMERAS[0], CAMERAS[1], CAMERAS[3]].map(|(name, camera)| {
-        let [forward, lean] = [
-            DefaultOpaqueRendererMethod::forward(),
-            DefaultOpaqueRendererMethod::deferred(),
-        ]
-        .map(|method| {
-            let mut headless = app(method, camera);
-            set_lean(&mut headless, true);
-            change_cameras(&mut headless, |camera| {
+        let [forward, lean] = apps.each_mut().map(|headless| {
+            show_through(headless, camera);
+            set_lean(headless, true);
+            change_cameras(headless, |camera| {
                 camera.insert(Msaa::Sample4);
             });
-            let picture = settled(&mut headless);
-            assert_eq!(active_lean_views(&mut headless), 0, "{name}");
+            let picture = settled(headless);
+            assert_eq!(active_lean_views(headless), 0, "{name}");
             picture
         });
         judge(&format!("{name}_msaa"), &forward, &lean, 80.0)
@@ -145,7 +156,8 @@ fn every_mesh_is_there_without_the_gbuffer() {
 /// Prepasses that come and go while frames run.
 #[test]
 fn prepasses_come_and_go() {
-    let mut headless = app(DefaultOpaqueRendererMethod::deferred(), |_| {});
+    let mut headless = app(DefaultOpaqueRendererMethod::deferred());
+    show_through(&mut headless, |_| {});
     set_lean(&mut headless, true);
     let plain = settled(&mut headless);
     type Change = fn(&mut EntityWorldMut);
@@ -183,10 +195,9 @@ fn prepasses_come_and_go() {
 /// Meshes whose materials are not loaded yet when their camera becomes lean. Bevy waits for them since before then.
 #[test]
 fn meshes_whose_materials_come_late_are_there() {
-    let picture = |method: &DefaultOpaqueRendererMethod, camera, msaa: Msaa, late: bool| {
-        let mut headless = app(DefaultOpaqueRendererMethod::forward(), camera);
+    let picture = |headless: &mut Headless, camera, msaa: Msaa, late: bool| {
+        show_through(headless, camera);
         let world = headless.world();
-        world.insert_resource(method.clone());
         let ball = Sphere::new(0.6).mesh().build();
         let ball = world.resource_mut::<Assets<Mesh>>().add(ball);
         let red = Color::srgb(0.8, 0.1, 0.1);
@@ -217,34 +228,46 @@ fn meshes_whose_materials_come_late_are_there() {
         if late {
             headless.settle();
             headless.frames(3);
-            switch(&mut headless);
+            switch(headless);
             headless.frames(2);
         }
         let mut assets = headless.world().resource_mut::<Assets<StandardMaterial>>();
         for (handle, material) in handles.iter().zip(materials) {
             assets.insert(handle, material).unwrap();
         }
-        switch(&mut headless);
-        let picture = settled(&mut headless);
+        switch(headless);
+        let picture = settled(headless);
         let is_lean = msaa == Msaa::Off;
-        assert_eq!(active_lean_views(&mut headless), usize::from(is_lean));
+        assert_eq!(active_lean_views(headless), usize::from(is_lean));
         picture
     };
-    let forward = DefaultOpaqueRendererMethod::forward();
     // Without a deferred prepass Bevy alone, before the camera is lean, panics where there is another.
-    let deferred = DefaultOpaqueRendererMethod::deferred();
     let cases = [
-        (&forward, 0, Msaa::Off),
-        (&forward, 4, Msaa::Off),
-        (&deferred, 0, Msaa::Off),
-        // All that goes on is left to Bevy.
-        (&forward, 0, Msaa::Sample4),
-        (&forward, 1, Msaa::Sample4),
-        (&deferred, 0, Msaa::Sample4),
+        (
+            DefaultOpaqueRendererMethod::forward(),
+            // With multisampling, all that goes on is left to Bevy.
+            &[
+                (0, Msaa::Off),
+                (4, Msaa::Off),
+                (0, Msaa::Sample4),
+                (1, Msaa::Sample4),
+            ][..],
+        ),
+        (
+            DefaultOpaqueRendererMethod::deferred(),
+            &[(0, Msaa::Off), (0, Msaa::Sample4)],
+        ),
     ];
-    report(cases.map(|(method, camera, msaa)| {
-        let (name, camera) = CAMERAS[camera];
-        let [at_once, late] = [false, true].map(|late| picture(method, camera, msaa, late));
-        judge(&format!("late_{name}_{msaa:?}"), &at_once, &late, 60.0)
-    }));
+    let mut results = Vec::new();
+    for (method, cases) in cases {
+        let mut headless = app(method);
+        for &(camera, msaa) in cases {
+            let (name, camera) = CAMERAS[camera];
+            let [at_once, late] =
+                [false, true].map(|late| picture(&mut headless, camera, msaa, late));
+            let name = format!("late_{name}_{msaa:?}");
+            results.push(judge(&name, &at_once, &late, 60.0));
+        }
+    }
+    report(results);
 }

@@ -10,8 +10,8 @@ use bevy::{
 };
 use bevy_lean_deferred::{GBufferChannel, LeanDeferred};
 use kit::{
-    headless::Picture,
-    lean::{build, judge, report, set_lean, settled},
+    headless::{Headless, Picture},
+    lean::{judge, report, set_lean, settled, show},
     metrics::difference,
     scenes::{
         LEAST_PSNR, SceneBuilder,
@@ -218,8 +218,13 @@ fn decals(s: &mut Stage) {
     s.light(None, sun(Vec3::new(0.0, 2.0, 3.0), false));
 }
 
-fn picture(lights: Lights, only_for: Option<&[usize]>, lean: Option<LeanDeferred>) -> Picture {
-    let mut headless = build(SIZE, |scene| {
+fn picture(
+    headless: &mut Headless,
+    lights: Lights,
+    only_for: Option<&[usize]>,
+    lean: Option<LeanDeferred>,
+) -> Picture {
+    show(headless, |scene| {
         columns(scene);
         lights(&mut Stage {
             scene,
@@ -227,12 +232,12 @@ fn picture(lights: Lights, only_for: Option<&[usize]>, lean: Option<LeanDeferred
         });
     });
     if let Some(settings) = lean {
-        set_lean(&mut headless, true);
+        set_lean(headless, true);
         let world = headless.world();
         let mut cameras = world.query::<&mut LeanDeferred>();
         *cameras.single_mut(world).expect("there is one camera") = settings;
     }
-    settled(&mut headless)
+    settled(headless)
 }
 
 fn column(picture: &Picture, column: usize) -> Picture {
@@ -243,9 +248,10 @@ fn column(picture: &Picture, column: usize) -> Picture {
 
 /// Each column looks as in a scene that has only the lights of its layers.
 fn compare_columns(name: &str, lights: Lights) {
-    let lean = picture(lights, None, Some(LeanDeferred::default()));
+    let app = &mut Headless::new(SIZE);
+    let lean = picture(app, lights, None, Some(LeanDeferred::default()));
     report(COLUMNS.into_iter().enumerate().map(|(index, layers)| {
-        let forward = picture(lights, Some(layers), None);
+        let forward = picture(app, lights, Some(layers), None);
         let [forward, lean] = [&forward, &lean].map(|picture| column(picture, index));
         let name = format!("{name}_{index}");
         judge(&name, &forward, &lean, LEAST_PSNR)
@@ -254,15 +260,16 @@ fn compare_columns(name: &str, lights: Lights) {
 
 /// Switched off, all lights affect all meshes, as they do forward; and that picture is not that of the other test.
 fn compare_without_layers(name: &str, lights: Lights, shows: Shows) {
-    let forward = picture(lights, None, None);
+    let app = &mut Headless::new(SIZE);
+    let forward = picture(app, lights, None, None);
     let [with, without] = [true, false].map(|light_layers| {
         let settings = LeanDeferred {
             light_layers,
             ..default()
         };
-        picture(lights, None, Some(settings))
+        picture(app, lights, None, Some(settings))
     });
-    let is_shown = || forward.rgba != picture(lights, Some(&[1000]), None).rgba;
+    let mut is_shown = || forward.rgba != picture(app, lights, Some(&[1000]), None).rgba;
     if shows == Shows::Everywhere || is_shown() {
         let psnr = difference(&without, &with).psnr;
         assert!(psnr < 30.0, "{name}: {psnr} dB");
@@ -277,7 +284,8 @@ fn the_mask_can_be_shown() {
         debug_view: Some(GBufferChannel::VisibilityMask),
         ..default()
     };
-    let picture = picture(point_lights, None, Some(settings));
+    let app = &mut Headless::new(SIZE);
+    let picture = picture(app, point_lights, None, Some(settings));
     if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
         picture.save(std::path::Path::new(&folder).join("mask_channel.png"));
     }

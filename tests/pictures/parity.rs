@@ -10,24 +10,27 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    lean::{build, judge, report, set_lean, settled},
+    headless::Headless,
+    lean::{build, judge, report, set_lean, settled, show},
     scenes::{self, LEAST_PSNR, Scene},
 };
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 
 fn scene_named(name: &str) -> &'static Scene {
-    scenes::all()
+    let mut scenes = scenes::ALL.into_iter().flatten();
+    scenes
         .find(|scene| scene.name == name)
         .expect("a scene of that name")
 }
 
 /// Renders a scene forward, then lean in the same app, and compares.
-fn compare(scene: &Scene, size: UVec2) -> Result<(), String> {
-    let mut headless = build(size, scene.build);
-    let forward = settled(&mut headless);
-    set_lean(&mut headless, true);
-    let lean = settled(&mut headless);
+fn compare(headless: &mut Headless, scene: &Scene) -> Result<(), String> {
+    show(headless, scene.build);
+    let forward = settled(headless);
+    set_lean(headless, true);
+    let lean = settled(headless);
+    let size = headless.size;
     let name = if size == SIZE {
         scene.name.into()
     } else {
@@ -36,22 +39,54 @@ fn compare(scene: &Scene, size: UVec2) -> Result<(), String> {
     judge(&name, &forward, &lean, scene.least_psnr)
 }
 
-/// All scenes, or those whose name has one of the words of `PARITY_SCENE`, which commas separate.
-#[test]
-fn lean_pictures_match_forward() {
+/// All of `scenes`, or those whose name has one of the words of `PARITY_SCENE`, which commas separate.
+fn compare_all(scenes: &[Scene]) {
     let only = std::env::var("PARITY_SCENE").unwrap_or_default();
+    let mut headless = Headless::new(SIZE);
     report(
-        scenes::all()
+        scenes
+            .iter()
             .filter(|scene| only.split(',').any(|word| scene.name.contains(word)))
-            .map(|scene| compare(scene, SIZE)),
+            .map(|scene| compare(&mut headless, scene)),
     );
 }
 
 #[test]
+fn lights_match_forward() {
+    compare_all(scenes::LIGHTS);
+}
+
+#[test]
+fn materials_match_forward() {
+    compare_all(scenes::MATERIALS);
+}
+
+#[test]
+fn forward_materials_match_forward() {
+    compare_all(scenes::FORWARD_MATERIALS);
+}
+
+#[test]
+fn special_materials_match_forward() {
+    compare_all(scenes::SPECIAL_MATERIALS);
+}
+
+#[test]
+fn meshes_match_forward() {
+    compare_all(scenes::MESHES);
+}
+
+#[test]
+fn views_match_forward() {
+    compare_all(scenes::VIEWS);
+}
+
+#[test]
 fn odd_sizes_match_forward() {
+    let scene = scene_named("many_lights_of_all_kinds");
     report(
         [UVec2::new(1, 1), UVec2::new(3, 5), UVec2::new(317, 211)]
-            .map(|size| compare(scene_named("many_lights_of_all_kinds"), size)),
+            .map(|size| compare(&mut Headless::new(size), scene)),
     );
 }
 
@@ -157,6 +192,7 @@ fn a_lean_and_a_forward_camera_share_a_picture() {
 
 #[test]
 fn removing_the_component_gives_back_forward() {
+    let mut headless = Headless::new(SIZE);
     for name in [
         "many_lights_of_all_kinds",
         "emissive",
@@ -166,7 +202,7 @@ fn removing_the_component_gives_back_forward() {
         "occlusion_culling",
         "split_screen",
     ] {
-        let mut headless = build(SIZE, scene_named(name).build);
+        show(&mut headless, scene_named(name).build);
         let before = settled(&mut headless);
         set_lean(&mut headless, true);
         let lean = settled(&mut headless);

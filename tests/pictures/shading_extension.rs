@@ -14,7 +14,7 @@ use bevy::{
 use bevy_lean_deferred::{prelude::*, view::ActiveLeanView};
 use kit::{
     headless::{Headless, Picture},
-    lean::{build, judge, report, set_lean, settled},
+    lean::{build, judge, report, set_lean, settled, show},
     metrics::difference,
     scenes::{LEAST_PSNR, SceneBuilder},
 };
@@ -114,26 +114,27 @@ fn targets(headless: &mut Headless) -> GBufferTargets {
 }
 
 fn forward(
+    headless: &mut Headless,
     surroundings: Surroundings,
     extensions: [ShadingExtension; 3],
     change: fn(&mut StandardMaterial),
-) -> (Headless, Picture) {
-    let mut headless = build(SIZE, |s| scene(s, surroundings, extensions, change));
-    let picture = settled(&mut headless);
-    (headless, picture)
+) -> Picture {
+    show(headless, |s| scene(s, surroundings, extensions, change));
+    settled(headless)
 }
 
 fn compare(
+    headless: &mut Headless,
     name: &str,
     surroundings: Surroundings,
     extensions: [ShadingExtension; 3],
     change: fn(&mut StandardMaterial),
     expected: GBufferTargets,
 ) -> Result<(), String> {
-    let (mut headless, forward) = forward(surroundings, extensions, change);
-    set_lean(&mut headless, true);
-    let lean = settled(&mut headless);
-    assert_eq!(targets(&mut headless), expected, "{name}");
+    let forward = forward(headless, surroundings, extensions, change);
+    set_lean(headless, true);
+    let lean = settled(headless);
+    assert_eq!(targets(headless), expected, "{name}");
     let name = format!("{name}_{surroundings:?}").to_lowercase();
     let has_rims = extensions == RIMS;
     let least_psnr = if has_rims { LEAST_RIM_PSNR } else { LEAST_PSNR };
@@ -148,9 +149,11 @@ const ALL: [Surroundings; 3] = [
 
 #[test]
 fn rims_match_forward() {
+    let app = &mut Headless::new(SIZE);
     let through = GBufferTargets::SPECIALIZATION;
-    report(ALL.map(|surroundings| compare("rim", surroundings, RIMS, |_| {}, through)));
+    report(ALL.map(|surroundings| compare(app, "rim", surroundings, RIMS, |_| {}, through)));
     report([compare(
+        app,
         "rim_emissive",
         Surroundings::EnvironmentMap,
         RIMS,
@@ -161,9 +164,11 @@ fn rims_match_forward() {
 
 #[test]
 fn subsurface_matches_forward_and_the_plain_base() {
+    let app = &mut Headless::new(SIZE);
     for surroundings in [Surroundings::Ambient, Surroundings::EnvironmentMap] {
         let through = GBufferTargets::SPECIALIZATION;
         report([compare(
+            app,
             "subsurface",
             surroundings,
             SUBSURFACES,
@@ -171,8 +176,8 @@ fn subsurface_matches_forward_and_the_plain_base() {
             through,
         )]);
         let none = [ShadingExtension::None; 3];
-        let [(_, plain), (_, subsurface)] =
-            [none, SUBSURFACES].map(|extensions| forward(surroundings, extensions, |_| {}));
+        let [plain, subsurface] =
+            [none, SUBSURFACES].map(|extensions| forward(app, surroundings, extensions, |_| {}));
         assert!(plain == subsurface, "forward shows the base");
     }
 }
@@ -180,9 +185,10 @@ fn subsurface_matches_forward_and_the_plain_base() {
 /// So that a rim that neither renderer draws fails too.
 #[test]
 fn rims_show() {
+    let app = &mut Headless::new(SIZE);
     for surroundings in ALL {
-        let [(_, plain), (_, rims)] = [[ShadingExtension::None; 3], RIMS]
-            .map(|extensions| forward(surroundings, extensions, |_| {}));
+        let [plain, rims] = [[ShadingExtension::None; 3], RIMS]
+            .map(|extensions| forward(app, surroundings, extensions, |_| {}));
         let psnr = difference(&plain, &rims).psnr;
         println!("{surroundings:?}: {psnr:.1} dB without rims");
         assert!(psnr < 35.0, "{surroundings:?}: {psnr:.1} dB");
@@ -194,9 +200,18 @@ fn rims_show() {
 fn other_bases_match_forward() {
     let none = [ShadingExtension::None; 3];
     let surroundings = Surroundings::EnvironmentMap;
+    let app = &mut Headless::new(SIZE);
     report([
-        compare("none", surroundings, none, |_| {}, GBufferTargets::empty()),
         compare(
+            app,
+            "none",
+            surroundings,
+            none,
+            |_| {},
+            GBufferTargets::empty(),
+        ),
+        compare(
+            app,
             "none_clearcoat",
             surroundings,
             none,
@@ -204,6 +219,7 @@ fn other_bases_match_forward() {
             GBufferTargets::SPECIALIZATION,
         ),
         compare(
+            app,
             "rim_clearcoat",
             surroundings,
             RIMS,
@@ -211,6 +227,7 @@ fn other_bases_match_forward() {
             GBufferTargets::empty(),
         ),
         compare(
+            app,
             "rim_unlit",
             surroundings,
             RIMS,

@@ -41,16 +41,18 @@ impl Scene {
     }
 }
 
-/// All of them.
-pub fn all() -> impl Iterator<Item = &'static Scene> {
-    [
-        lights::SCENES,
-        materials::SCENES,
-        forward_materials::SCENES,
-        special_materials::SCENES,
-        meshes::SCENES,
-        views::SCENES,
-    ]
-    .into_iter()
-    .flatten()
-}
+/// All of them, by what they are about.
+pub const ALL: [&[Scene]; 6] = [
+    LIGHTS,
+    MATERIALS,
+    FORWARD_MATERIALS,
+    SPECIAL_MATERIALS,
+    MESHES,
+    VIEWS,
+];
+pub const LIGHTS: &[Scene] = lights::SCENES;
+pub const MATERIALS: &[Scene] = materials::SCENES;
+pub const FORWARD_MATERIALS: &[Scene] = forward_materials::SCENES;
+pub const SPECIAL_MATERIALS: &[Scene] = special_materials::SCENES;
+pub const MESHES: &[Scene] = meshes::SCENES;
+pub const VIEWS: &[Scene] = views::SCENES;

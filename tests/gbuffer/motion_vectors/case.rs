@@ -113,7 +113,7 @@ impl<F: FnMut(&mut SceneBuilder)> Case<F> {
             let mut headless = build(SIZE, &mut self.make);
             probe::install(&mut headless);
             set_lean(&mut headless, lean);
-            align(&mut headless, 64);
+            align(&mut headless, 4);
             film(&mut headless, self.frames, self.script)
         });
         assert!(forward.iter().all(|frame| frame.view.is_none()));

@@ -17,7 +17,7 @@ use super::{SIZE, align, shift_movers, still_and_moving, taa, turn_camera};
 fn pictures_of(camera: impl Bundle, lean: bool) -> Vec<Picture> {
     let mut headless = build(SIZE, |s| still_and_moving(s, camera));
     set_lean(&mut headless, lean);
-    align(&mut headless, 256);
+    align(&mut headless, 32);
     headless.film(8, |world, frame| {
         turn_camera(world, frame as f32 * 0.03);
         shift_movers(world, Vec3::new(0.1, 0.04, -0.06));

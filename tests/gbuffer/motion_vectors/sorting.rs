@@ -10,7 +10,7 @@ use kit::{
     lean::{build, set_lean},
 };
 
-use super::{SIZE, shift_movers, still_and_moving, taa};
+use super::{SMALL, shift_movers, still_and_moving, taa};
 
 /// How often a mesh was sorted anew in `frames` frames, in which `moves` says whether the movers move. Bevy is not to queue
 /// any again.
@@ -35,7 +35,7 @@ fn resorts(headless: &mut Headless, frames: usize, moves: impl Fn(usize) -> bool
 /// time once more when the view has the target.
 #[test]
 fn moving_meshes_are_sorted_once() {
-    let mut headless = build(SIZE, |s| still_and_moving(s, taa()));
+    let mut headless = build(SMALL, |s| still_and_moving(s, taa()));
     set_lean(&mut headless, true);
     headless.settle();
     assert_eq!(resorts(&mut headless, 4, |_| false), 0);

@@ -19,7 +19,7 @@ use kit::{
     log_watch,
 };
 
-use super::{SIZE, active_view, move_all, shift_movers, still_and_moving, taa};
+use super::{SIZE, SMALL, active_view, move_all, shift_movers, still_and_moving, taa};
 
 type Taa = (
     TemporalAntiAliasing,
@@ -45,7 +45,7 @@ fn run(headless: &mut Headless, frames: usize) -> (Option<ActiveLeanView>, bool)
 
 #[test]
 fn targets_come_and_go() {
-    let mut headless = build(SIZE, |s| still_and_moving(s, ()));
+    let mut headless = build(SMALL, |s| still_and_moving(s, ()));
     set_lean(&mut headless, true);
     headless.settle();
     let world = headless.world();

@@ -8,10 +8,10 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use super::{SIZE, forward_draws, usage};
+use super::{SIZE, SMALL, forward_draws, usage};
 use kit::{
     headless::Headless,
-    lean::{build, set_lean},
+    lean::{build, set_lean, show},
     scenes::build::material,
 };
 
@@ -26,10 +26,10 @@ fn clay() -> StandardMaterial {
     material((0.8, 0.3, 0.2), 0.0, 0.5)
 }
 
-/// Solids, and a ball of `material`, before a lean camera.
-fn with_ball(material: StandardMaterial, extra: impl Bundle) -> (Headless, Entity) {
+/// Shows solids, and a ball of `material`, through a lean camera. Returns the ball.
+fn show_ball(headless: &mut Headless, material: StandardMaterial, extra: impl Bundle) -> Entity {
     let mut ball = Entity::PLACEHOLDER;
-    let mut headless = build(SIZE, |s| {
+    show(headless, |s| {
         s.solids();
         let mesh = Sphere::new(0.5)
             .mesh()
@@ -41,9 +41,16 @@ fn with_ball(material: StandardMaterial, extra: impl Bundle) -> (Headless, Entit
         s.sun(true);
         s.default_camera(());
     });
-    set_lean(&mut headless, true);
+    set_lean(headless, true);
     headless.settle();
     headless.frames(2);
+    ball
+}
+
+/// As [`show_ball`], in an app of its own.
+fn with_ball(material: StandardMaterial, extra: impl Bundle) -> (Headless, Entity) {
+    let mut headless = Headless::new(SMALL);
+    let ball = show_ball(&mut headless, material, extra);
     (headless, ball)
 }
 
@@ -80,10 +87,11 @@ fn materials_get_the_targets_that_they_need() {
             m.alpha_mode = AlphaMode::Mask(0.5);
         }),
     ];
+    let mut headless = Headless::new(SMALL);
     for (name, targets, change) in cases {
         let mut material = clay();
         change(&mut material);
-        let (mut headless, _) = with_ball(material, ());
+        show_ball(&mut headless, material, ());
         assert_eq!(usage(&mut headless).targets, targets, "{name}");
         assert!(!forward_draws(&headless), "{name} goes forward");
     }
@@ -126,10 +134,11 @@ fn what_has_no_bits_goes_forward_without_targets() {
             m.base_color = Color::linear_rgb(1.0, -1.0, 0.0);
         }),
     ];
+    let mut headless = Headless::new(SMALL);
     for (name, change) in cases {
         let mut material = clay();
         change(&mut material);
-        let (mut headless, _) = with_ball(material, ());
+        show_ball(&mut headless, material, ());
         assert_eq!(usage(&mut headless).targets, NONE, "{name}");
         assert!(forward_draws(&headless), "{name} does not go forward");
     }
@@ -164,7 +173,7 @@ fn meshes_get_the_targets_that_they_need() {
 /// Bevy cannot compile lightmaps under an environment map without binding arrays, and draws nothing then.
 #[test]
 fn a_lightmap_that_cannot_be_lit_keeps_no_other_surface_waiting() {
-    let mut headless = build(SIZE, |s| {
+    let mut headless = build(SMALL, |s| {
         let image = s.add(Image::default());
         let lightmapped = s.mesh(
             kit::scenes::materials::cube_with_second_uvs(),
@@ -198,7 +207,7 @@ fn a_lightmap_that_cannot_be_lit_keeps_no_other_surface_waiting() {
 /// Anisotropic highlights need tangents; without, forward has a look of its own.
 #[test]
 fn anisotropy_without_tangents_goes_forward() {
-    let mut headless = build(SIZE, |s| {
+    let mut headless = build(SMALL, |s| {
         let anisotropic = StandardMaterial {
             anisotropy_strength: 0.5,
             ..clay()
@@ -221,7 +230,8 @@ fn targets_go_a_while_after_what_needs_them() {
         clearcoat: 1.0,
         ..clay()
     };
-    let (mut headless, ball) = with_ball(glow, ());
+    let mut headless = Headless::new(SIZE);
+    let ball = show_ball(&mut headless, glow, ());
     let used = usage(&mut headless);
     assert_eq!(used.targets, EMISSIVE.union(SPECIALIZATION));
     assert_eq!(used.size, SIZE);

@@ -10,7 +10,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use super::{SIZE, usage};
+use super::{SMALL, usage};
 use kit::{
     headless::Headless,
     lean::{build, set_lean},
@@ -40,7 +40,7 @@ fn written_targets(headless: &Headless) -> Vec<usize> {
 #[test]
 fn meshes_write_what_they_need() {
     let mut mover = Entity::PLACEHOLDER;
-    let mut headless = build(SIZE, |s| {
+    let mut headless = build(SMALL, |s| {
         s.solids();
         s.sun(false);
         let masked = |base: StandardMaterial| StandardMaterial {
