@@ -45,6 +45,8 @@ pub mod lighting;
 #[doc(hidden)]
 pub mod shader_library;
 pub mod shading_extension;
+#[doc(hidden)]
+pub mod shading_models;
 pub mod view;
 
 pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};

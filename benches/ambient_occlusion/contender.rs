@@ -171,10 +171,10 @@ impl Contender {
         match self.occlusion {
             None => &[],
             // Lighting merges.
-            Some(Kind::Lean(_)) if self.lean => &["lean_deferred/occlusion/gather"],
+            Some(Kind::Lean(_)) if self.lean => &["lean_deferred/ambient_occlusion/gather"],
             Some(Kind::Lean(_)) => &[
-                "lean_deferred/occlusion/gather",
-                "lean_deferred/occlusion/merge",
+                "lean_deferred/ambient_occlusion/gather",
+                "lean_deferred/ambient_occlusion/merge",
             ],
             Some(Kind::Bevy(_)) => &["ssao"],
             Some(Kind::Naive) => &["bench/naive/gather", "bench/naive/merge"],

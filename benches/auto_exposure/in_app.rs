@@ -124,7 +124,7 @@ fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> Measured {
         samples.take(headless.app.world().resource::<DiagnosticsStore>());
     }
     let span = match kind {
-        Kind::Lean(_) => "lean_deferred/exposure",
+        Kind::Lean(_) => "lean_deferred/auto_exposure",
         Kind::Bevy(_) => "auto_exposure",
     };
     let luminance = match kind {

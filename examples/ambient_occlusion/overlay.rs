@@ -82,14 +82,14 @@ fn describe(settings: &ExampleSettings) -> String {
 /// Of the passes that run now: the others keep the times of when they last ran.
 fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
     let time = |span| gpu_times::text(diagnostics, span);
-    let gather = "lean_deferred/occlusion/gather";
+    let gather = "lean_deferred/ambient_occlusion/gather";
     match settings.mode {
         Mode::Off => "-".into(),
         Mode::Bevy => format!("ssao {}", time("ssao")),
         Mode::Lean if is_merged(settings) => format!(
             "gather {}, merge {}",
             time(gather),
-            time("lean_deferred/occlusion/merge")
+            time("lean_deferred/ambient_occlusion/merge")
         ),
         Mode::Lean => format!("gather {}, merged by the lighting pass", time(gather)),
     }

@@ -108,6 +108,6 @@ fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
     match settings.mode {
         Mode::Off => "-".into(),
         Mode::Bevy => format!("auto_exposure {}", time("auto_exposure")),
-        Mode::Lean => time("lean_deferred/exposure"),
+        Mode::Lean => time("lean_deferred/auto_exposure"),
     }
 }

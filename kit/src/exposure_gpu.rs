@@ -9,7 +9,7 @@ use bevy::{
 };
 use bevy_lean_deferred::auto_exposure::{
     ExposureKey, ExposureState, ExposureView, LeanAutoExposure, MeteringPattern, adapt_layout,
-    meter_layout,
+    binding_numbers as numbers, meter_layout,
 };
 use half::f16;
 use naga_oil::compose::{
@@ -24,9 +24,10 @@ const MODULES: [(&str, &str); 7] = [
         "tiles.wgsl",
         include_str!("../../src/shader_library/tiles.wgsl"),
     ),
+    ("bevy_view.wgsl", BEVY_VIEW),
     (
-        "view.wgsl",
-        include_str!("../../src/auto_exposure/view.wgsl"),
+        "bindings.wgsl",
+        include_str!("../../src/auto_exposure/bindings.wgsl"),
     ),
     (
         "luminance.wgsl",
@@ -44,7 +45,6 @@ const MODULES: [(&str, &str); 7] = [
         "reduction.wgsl",
         include_str!("../../src/auto_exposure/reduction.wgsl"),
     ),
-    ("bevy_view.wgsl", BEVY_VIEW),
 ];
 /// In place of Bevy's, as far as the shaders know it.
 const BEVY_VIEW: &str = "
@@ -158,13 +158,12 @@ impl ExposureGpu {
     pub fn bind_group(
         &self,
         layout: &wgpu::BindGroupLayout,
-        resources: &[wgpu::BindingResource],
+        resources: &[(u32, wgpu::BindingResource)],
     ) -> wgpu::BindGroup {
         let entries: Vec<_> = resources
             .iter()
-            .zip(0..)
-            .map(|(resource, binding)| wgpu::BindGroupEntry {
-                binding,
+            .map(|(binding, resource)| wgpu::BindGroupEntry {
+                binding: *binding,
                 resource: resource.clone(),
             })
             .collect();
@@ -357,9 +356,9 @@ impl<'a> Meter<'a> {
 
         use wgpu::BindingResource::{Sampler, TextureView};
         let mut resources = vec![
-            uniform.as_entire_binding(),
-            TextureView(&picture),
-            sums.as_entire_binding(),
+            (numbers::VIEW, uniform.as_entire_binding()),
+            (numbers::PICTURE, TextureView(&picture)),
+            (numbers::PARTIALS, sums.as_entire_binding()),
         ];
         let mask = mask.map(|mask| mask.create_view(&Default::default()));
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -368,16 +367,19 @@ impl<'a> Meter<'a> {
             ..Default::default()
         });
         if let Some(mask) = &mask {
-            resources.extend([TextureView(mask), Sampler(&sampler)]);
+            resources.extend([
+                (numbers::MASK, TextureView(mask)),
+                (numbers::MASK_SAMPLER, Sampler(&sampler)),
+            ]);
         }
         let meter_group = gpu.bind_group(&meter.get_bind_group_layout(0), &resources);
         let adapt_group = gpu.bind_group(
             &adapt.get_bind_group_layout(0),
             &[
-                uniform.as_entire_binding(),
-                bevy_view.as_entire_binding(),
-                sums.as_entire_binding(),
-                state.as_entire_binding(),
+                (numbers::VIEW, uniform.as_entire_binding()),
+                (numbers::PARTIALS, sums.as_entire_binding()),
+                (numbers::STATE, state.as_entire_binding()),
+                (numbers::BEVY_VIEW, bevy_view.as_entire_binding()),
             ],
         );
         Self {

@@ -10,7 +10,9 @@ use bevy::{
     math::{Mat4, UVec2},
     render::render_resource::encase::UniformBuffer,
 };
-use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, OcclusionView};
+use bevy_lean_deferred::ambient_occlusion::{
+    LeanAmbientOcclusion, OcclusionView, binding_numbers as numbers,
+};
 use draw::Target;
 use naga_oil::compose::ShaderDefValue;
 use shaders::{GATHER, MERGE, filter_definitions, gather_definitions};
@@ -116,15 +118,15 @@ impl OcclusionGpu {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         let common = [
             wgpu::BindGroupEntry {
-                binding: 0,
+                binding: numbers::VIEW,
                 resource: uniform.as_entire_binding(),
             },
             wgpu::BindGroupEntry {
-                binding: 1,
+                binding: numbers::DEPTH_TEXTURE,
                 resource: wgpu::BindingResource::TextureView(&depth_view),
             },
             wgpu::BindGroupEntry {
-                binding: 2,
+                binding: numbers::NEAREST_SAMPLER,
                 resource: wgpu::BindingResource::Sampler(&self.nearest),
             },
         ];
@@ -135,7 +137,7 @@ impl OcclusionGpu {
                 let layout = self.layout(wgpu::ShaderStages::COMPUTE, Some(format), false);
                 let mut entries = common.to_vec();
                 entries.push(wgpu::BindGroupEntry {
-                    binding: 4,
+                    binding: numbers::OUTPUT_TEXTURE,
                     resource: wgpu::BindingResource::TextureView(&stored_view),
                 });
                 let group = self.group(&layout, &entries);
@@ -177,7 +179,7 @@ impl OcclusionGpu {
         let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, true);
         let mut entries = common.to_vec();
         entries.push(wgpu::BindGroupEntry {
-            binding: 3,
+            binding: numbers::OCCLUSION_TEXTURE,
             resource: wgpu::BindingResource::TextureView(&stored_view),
         });
         let group = self.group(&layout, &entries);

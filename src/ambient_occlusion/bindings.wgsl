@@ -1,4 +1,4 @@
-// What the kernels read.
+// What the passes bind: each imports what it uses.
 #define_import_path bevy_lean_deferred::ambient_occlusion::bindings
 
 #import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
@@ -10,6 +10,12 @@
 #ifdef SHADING_NORMALS
 @group(0) @binding(3) var normal_texture: texture_2d<u32>;
 #endif
+#ifdef FLOAT16
+@group(0) @binding(4) var output_texture: texture_storage_2d<r16float, write>;
+#else
+@group(0) @binding(4) var output_texture: texture_storage_2d<r8unorm, write>;
+#endif
+@group(0) @binding(5) var occlusion_texture: texture_2d<f32>;
 
 fn is_in_view(pixel: vec2<i32>) -> bool {
     return all(pixel >= vec2(0)) && all(pixel < vec2<i32>(view.viewport_size));

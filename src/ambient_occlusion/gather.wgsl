@@ -34,13 +34,8 @@ fn occlusion_at(texel: vec2<u32>, phase: u32) -> f32 {
 }
 
 #ifdef COMPUTE
+#import bevy_lean_deferred::ambient_occlusion::bindings::output_texture
 #import bevy_lean_deferred::tiles::pixel_in_view
-
-#ifdef FLOAT16
-@group(0) @binding(4) var output_texture: texture_storage_2d<r16float, write>;
-#else
-@group(0) @binding(4) var output_texture: texture_storage_2d<r8unorm, write>;
-#endif
 
 /// 64 invocations find 16×16 texels, one phase after the other: so all of a subgroup look in one direction at a time.
 @compute @workgroup_size(64, 1, 1)

@@ -1,17 +1,14 @@
 // Filters occlusion and multiplies the picture by what it leaves: the blend is dst · (1 - occlusion).
+#import bevy_lean_deferred::ambient_occlusion::bindings::{
+    depth_texture, nearest_sampler, occlusion_texture, view, view_position,
+}
 #import bevy_lean_deferred::ambient_occlusion::filter::filtered_occlusion
-#import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
-#import bevy_lean_deferred::reconstruction::position::view_position
 
-@group(0) @binding(0) var<uniform> view: OcclusionView;
-@group(0) @binding(1) var depth_texture: texture_depth_2d;
-@group(0) @binding(2) var nearest_sampler: sampler;
-@group(0) @binding(3) var occlusion_texture: texture_2d<f32>;
 
 #ifdef DISTANCE_FOG
 /// What distance fog leaves of the light of a surface, as Bevy's `fog.wgsl` counts it.
 fn fog_transmittance(pixel: vec2<i32>, depth: f32) -> f32 {
-    let position = view_position(view.view_from_pixel, vec3(vec2<f32>(pixel) + 0.5, depth));
+    let position = view_position(pixel, depth);
     let distance = length(position);
     var extinction = 0.0;
     switch u32(view.fog.w) {

@@ -67,12 +67,14 @@ fn gather(
     let group = bindings.gather.get()?;
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
-    let label = Some("lean_deferred/occlusion/gather");
+    let label = Some("lean_deferred/ambient_occlusion/gather");
     match active.gather? {
         GatherPipeline::Compute(pipeline) => {
             let pipeline = pipeline_cache.get_compute_pipeline(pipeline)?;
-            let span =
-                diagnostics.time_span(ctx.command_encoder(), "lean_deferred/occlusion/gather");
+            let span = diagnostics.time_span(
+                ctx.command_encoder(),
+                "lean_deferred/ambient_occlusion/gather",
+            );
             let mut pass = ctx
                 .command_encoder()
                 .begin_compute_pass(&ComputePassDescriptor {
@@ -88,8 +90,10 @@ fn gather(
         }
         GatherPipeline::Raster(pipeline) => {
             let pipeline = pipeline_cache.get_render_pipeline(pipeline)?;
-            let span =
-                diagnostics.time_span(ctx.command_encoder(), "lean_deferred/occlusion/gather");
+            let span = diagnostics.time_span(
+                ctx.command_encoder(),
+                "lean_deferred/ambient_occlusion/gather",
+            );
             let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
                 label,
                 color_attachments: &[Some(RenderPassColorAttachment {
@@ -125,9 +129,12 @@ fn merge(
     let group = bindings.merge.get()?;
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
-    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/occlusion/merge");
+    let span = diagnostics.time_span(
+        ctx.command_encoder(),
+        "lean_deferred/ambient_occlusion/merge",
+    );
     let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-        label: Some("lean_deferred/occlusion/merge"),
+        label: Some("lean_deferred/ambient_occlusion/merge"),
         color_attachments: &[Some(target.get_color_attachment())],
         ..default()
     });

@@ -7,12 +7,11 @@ use bevy::{
     prelude::*,
     render::{
         render_resource::{
-            BindGroupLayoutDescriptor, BindGroupLayoutEntries, BindGroupLayoutEntryBuilder,
-            BlendComponent, BlendFactor, BlendOperation, BlendState, CachedComputePipelineId,
-            CachedRenderPipelineId, ColorTargetState, ColorWrites, ComputePipelineDescriptor,
-            FilterMode, FragmentState, PipelineCache, RenderPipelineDescriptor, Sampler,
-            SamplerBindingType, SamplerDescriptor, ShaderStages, StorageTextureAccess,
-            TextureSampleType,
+            BindGroupLayoutDescriptor, BindGroupLayoutEntryBuilder, BlendComponent, BlendFactor,
+            BlendOperation, BlendState, CachedComputePipelineId, CachedRenderPipelineId,
+            ColorTargetState, ColorWrites, ComputePipelineDescriptor, FilterMode, FragmentState,
+            PipelineCache, RenderPipelineDescriptor, Sampler, SamplerBindingType,
+            SamplerDescriptor, ShaderStages, StorageTextureAccess, TextureSampleType,
             binding_types::{
                 sampler, texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer,
             },
@@ -23,10 +22,13 @@ use bevy::{
 };
 
 use super::{
+    binding_numbers::{
+        DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
+    },
     key::{GatherKey, MergeKey},
     uniforms::OcclusionView,
 };
-use crate::gpu::bind_group_cache::FoundLayout;
+use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
 
 /// `dst · (1 - occlusion)`, and alpha as it is.
 const MULTIPLICATIVE: BlendState = BlendState {
@@ -83,7 +85,7 @@ pub(super) fn init_occlusion_pipelines(
         merge_shader: load_embedded_asset!(asset_server.as_ref(), "merge.wgsl"),
         fullscreen: fullscreen.clone(),
         nearest_sampler: render_device.create_sampler(&SamplerDescriptor {
-            label: Some("lean_deferred/occlusion/nearest"),
+            label: Some("lean_deferred/ambient_occlusion/nearest"),
             mag_filter: FilterMode::Nearest,
             min_filter: FilterMode::Nearest,
             ..default()
@@ -95,17 +97,13 @@ pub(super) fn init_occlusion_pipelines(
 }
 
 fn merge_layout() -> BindGroupLayoutDescriptor {
-    BindGroupLayoutDescriptor::new(
-        "lean_deferred/occlusion/merge",
-        &BindGroupLayoutEntries::sequential(
-            ShaderStages::FRAGMENT,
-            (
-                uniform_buffer::<OcclusionView>(true),
-                texture_depth_2d(),
-                sampler(SamplerBindingType::NonFiltering),
-                texture_2d(TextureSampleType::Float { filterable: false }),
-            ),
-        ),
+    let occlusion = texture_2d(TextureSampleType::Float { filterable: false });
+    layout(
+        "lean_deferred/ambient_occlusion/merge",
+        ShaderStages::FRAGMENT,
+        common_entries()
+            .into_iter()
+            .chain([(OCCLUSION_TEXTURE, occlusion)]),
     )
 }
 
@@ -115,26 +113,29 @@ fn gather_layout(key: GatherKey, compute: bool) -> BindGroupLayoutDescriptor {
     } else {
         ShaderStages::FRAGMENT
     };
-    let mut entries: Vec<(u32, BindGroupLayoutEntryBuilder)> = vec![
-        (0, uniform_buffer::<OcclusionView>(true)),
-        (1, texture_depth_2d()),
-        (2, sampler(SamplerBindingType::NonFiltering)),
-    ];
-    if key.reads_normals() {
-        entries.push((3, texture_2d(TextureSampleType::Uint)));
-    }
-    if compute {
-        let format = key.format.texture_format();
-        entries.push((
-            4,
-            texture_storage_2d(format, StorageTextureAccess::WriteOnly),
-        ));
-    }
-    let entries: Vec<_> = entries
-        .into_iter()
-        .map(|(binding, entry)| entry.build(binding, stages))
-        .collect();
-    BindGroupLayoutDescriptor::new("lean_deferred/occlusion/gather", &entries)
+    let format = key.format.texture_format();
+    let normals = (NORMAL_TEXTURE, texture_2d(TextureSampleType::Uint));
+    let output = (
+        OUTPUT_TEXTURE,
+        texture_storage_2d(format, StorageTextureAccess::WriteOnly),
+    );
+    layout(
+        "lean_deferred/ambient_occlusion/gather",
+        stages,
+        common_entries()
+            .into_iter()
+            .chain(key.reads_normals().then_some(normals))
+            .chain(compute.then_some(output)),
+    )
+}
+
+/// What both passes bind.
+fn common_entries() -> [(u32, BindGroupLayoutEntryBuilder); 3] {
+    [
+        (VIEW, uniform_buffer::<OcclusionView>(true)),
+        (DEPTH_TEXTURE, texture_depth_2d()),
+        (NEAREST_SAMPLER, sampler(SamplerBindingType::NonFiltering)),
+    ]
 }
 
 impl OcclusionPipelines {
@@ -155,9 +156,9 @@ impl OcclusionPipelines {
         if let Some((pipeline, _)) = self.gathers.get(&(key, compute)) {
             return *pipeline;
         }
-        let label = Some("lean_deferred/occlusion/gather".into());
+        let label = Some("lean_deferred/ambient_occlusion/gather".into());
         let found = FoundLayout::new(pipeline_cache, gather_layout(key, compute));
-        let layout = vec![found.descriptor().clone()];
+        let layouts = vec![found.descriptor().clone()];
         let mut shader_defs = key.shader_defs();
         let shader = self.gather_shader.clone();
         let pipeline = if compute {
@@ -165,7 +166,7 @@ impl OcclusionPipelines {
             GatherPipeline::Compute(pipeline_cache.queue_compute_pipeline(
                 ComputePipelineDescriptor {
                     label,
-                    layout,
+                    layout: layouts,
                     shader,
                     shader_defs,
                     entry_point: Some("compute".into()),
@@ -176,7 +177,7 @@ impl OcclusionPipelines {
             GatherPipeline::Raster(
                 pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
                     label,
-                    layout,
+                    layout: layouts,
                     vertex: self.fullscreen.to_vertex_state(),
                     fragment: Some(FragmentState {
                         shader,
@@ -209,7 +210,7 @@ impl OcclusionPipelines {
             shader_defs.push("DEBUG_VIEW".into());
         }
         let pipeline = pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
-            label: Some("lean_deferred/occlusion/merge".into()),
+            label: Some("lean_deferred/ambient_occlusion/merge".into()),
             layout: vec![self.merge_layout.descriptor().clone()],
             vertex: self.fullscreen.to_vertex_state(),
             fragment: Some(FragmentState {

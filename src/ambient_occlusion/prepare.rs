@@ -21,6 +21,9 @@ use bevy::{
 
 use super::{
     active::ActiveOcclusion,
+    binding_numbers::{
+        DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
+    },
     pipelines::{GatherPipeline, OcclusionPipelines},
     uniforms::{OcclusionView, fog_parameters, workgroups},
 };
@@ -126,7 +129,7 @@ pub(super) fn prepare_occlusion_textures(
         let texture = texture_cache.get(
             &render_device,
             TextureDescriptor {
-                label: Some("lean_deferred/occlusion"),
+                label: Some("lean_deferred/ambient_occlusion"),
                 size: view.texture_size.to_extents(),
                 mip_level_count: 1,
                 sample_count: 1,
@@ -204,14 +207,14 @@ pub(super) fn prepare_occlusion_bind_groups(
         let computes = matches!(gather, GatherPipeline::Compute(_));
         if let Some(layout) = pipelines.gather_layout(active.key, computes) {
             bindings.gather.update(&device, layout, |entries| {
-                entries.push(0, uniforms.clone())?;
-                entries.push(1, depth.view().into_binding())?;
-                entries.push(2, pipelines.nearest_sampler.into_binding())?;
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
+                entries.push(NEAREST_SAMPLER, pipelines.nearest_sampler.into_binding())?;
                 if active.key.reads_normals() {
-                    entries.push(3, gbuffer?.normal.default_view.into_binding())?;
+                    entries.push(NORMAL_TEXTURE, gbuffer?.normal.default_view.into_binding())?;
                 }
                 if computes {
-                    entries.push(4, occlusion())?;
+                    entries.push(OUTPUT_TEXTURE, occlusion())?;
                 }
                 Some(())
             });
@@ -220,10 +223,10 @@ pub(super) fn prepare_occlusion_bind_groups(
             bindings
                 .merge
                 .update(&device, &pipelines.merge_layout, |entries| {
-                    entries.push(0, uniforms.clone())?;
-                    entries.push(1, depth.view().into_binding())?;
-                    entries.push(2, pipelines.nearest_sampler.into_binding())?;
-                    entries.push(3, occlusion())
+                    entries.push(VIEW, uniforms.clone())?;
+                    entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
+                    entries.push(NEAREST_SAMPLER, pipelines.nearest_sampler.into_binding())?;
+                    entries.push(OCCLUSION_TEXTURE, occlusion())
                 });
         } else {
             bindings.merge.clear();

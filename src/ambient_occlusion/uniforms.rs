@@ -22,8 +22,9 @@ const LARGEST_METRES: f32 = 1e9;
 /// Steps in depth of this share of the radius separate surfaces.
 const EDGE: f32 = 0.1;
 
-/// Twin of the struct of the same name in `view.wgsl`.
-#[derive(ShaderType, Clone, Copy, Debug, Default)]
+/// What the passes know of a view.
+#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(no_auto_register)]
 pub struct OcclusionView {
     pub view_from_pixel: Mat4,
     pub view_from_world: Mat4,

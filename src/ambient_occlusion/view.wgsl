@@ -1,7 +1,7 @@
 // What the passes of ambient occlusion know of a view.
 #define_import_path bevy_lean_deferred::ambient_occlusion::view
 
-/// Twin of the struct of the same name in `uniforms.rs`. Pixels count from the viewport's corner.
+/// Pixels count from the viewport's corner.
 struct OcclusionView {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,

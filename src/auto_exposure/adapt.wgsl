@@ -1,21 +1,17 @@
 // The second pass: one workgroup sums the partial sums, and adapts the exposure.
 #import bevy_lean_deferred::auto_exposure::adaptation::adapted
+#import bevy_lean_deferred::auto_exposure::bindings::{
+    BINS, BINS_PER_STOP, ExposureState, LOG_OF_FIRST_BIN, bevy_view, state, view,
+}
 #import bevy_lean_deferred::auto_exposure::luminance::log_luminance
 #import bevy_lean_deferred::auto_exposure::reduction::{Place, WORKGROUP, workgroup_sum}
-#import bevy_lean_deferred::auto_exposure::view::{
-    BINS, BINS_PER_STOP, ExposureState, ExposureView, LOG_OF_FIRST_BIN,
-}
-#import bevy_render::view::View
 
-@group(0) @binding(0) var<uniform> view: ExposureView;
-@group(0) @binding(1) var<storage, read_write> bevy_view: View;
 #ifdef HISTOGRAM
-@group(0) @binding(2) var<storage, read_write> histogram: array<u32, 256>;
+#import bevy_lean_deferred::auto_exposure::bindings::histogram
 var<workgroup> bins: array<f32, 256>;
 #else
-@group(0) @binding(2) var<storage, read_write> partials: array<vec2<f32>>;
+#import bevy_lean_deferred::auto_exposure::bindings::partials
 #endif
-@group(0) @binding(3) var<storage, read_write> state: ExposureState;
 
 #ifdef HISTOGRAM
 /// The counts of all bins up to the invocation's own, given that one's count.
@@ -37,9 +33,9 @@ fn prefix_sum(invocation: u32, own: f32) -> f32 {
 /// What the invocation's bin adds to the sum over the weight between the shares that are left out, and to the weight. Bins
 /// count with their centres.
 fn trimmed(invocation: u32) -> vec2<f32> {
-    let own = f32(histogram[invocation]);
+    let own = f32(atomicLoad(&histogram[invocation]));
     // Empty for the next frame.
-    histogram[invocation] = 0u;
+    atomicStore(&histogram[invocation], 0u);
     let above = prefix_sum(invocation, own);
     let all = bins[BINS - 1u];
     let weight = max(min(above, all * (1.0 - view.trim_high)) - max(above - own, all * view.trim_low), 0.0);

@@ -1,24 +1,21 @@
 // The first pass: reads each pixel of the viewport once, or one in some, and leaves one partial sum for each workgroup,
 // or what it adds to the histogram.
+#import bevy_lean_deferred::auto_exposure::bindings::{
+    BINS, BINS_PER_STOP, FULL_WEIGHT, LOG_OF_FIRST_BIN, TILE, picture, view,
+}
 #import bevy_lean_deferred::auto_exposure::luminance::{log_luminance, luminance}
 #import bevy_lean_deferred::auto_exposure::pattern::pattern_weight
 #import bevy_lean_deferred::auto_exposure::reduction::{Place, workgroup_sum}
-#import bevy_lean_deferred::auto_exposure::view::{
-    BINS, BINS_PER_STOP, ExposureView, FULL_WEIGHT, LOG_OF_FIRST_BIN, TILE,
-}
 #import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
 
-@group(0) @binding(0) var<uniform> view: ExposureView;
-@group(0) @binding(1) var picture: texture_2d<f32>;
 #ifdef HISTOGRAM
-@group(0) @binding(2) var<storage, read_write> histogram: array<atomic<u32>, 256>;
+#import bevy_lean_deferred::auto_exposure::bindings::histogram
 var<workgroup> bins: array<atomic<u32>, 256>;
 #else
-@group(0) @binding(2) var<storage, read_write> partials: array<vec2<f32>>;
+#import bevy_lean_deferred::auto_exposure::bindings::partials
 #endif
 #ifdef MASK
-@group(0) @binding(3) var mask: texture_2d<f32>;
-@group(0) @binding(4) var mask_sampler: sampler;
+#import bevy_lean_deferred::auto_exposure::bindings::{mask, mask_sampler}
 #endif
 
 /// How much a pixel of the viewport counts, 0 to 1.

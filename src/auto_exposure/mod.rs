@@ -5,13 +5,16 @@
 //! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 //! - `active.rs`: whether and how a view is metered in this frame. `prepare.rs`: what the passes need of the view.
 //! - `pass.rs`: the passes.
-//! - `meter.wgsl`, `adapt.wgsl`: the shaders. `reduction.wgsl`: the sum of a workgroup. `view.wgsl`: what they share.
+//! - `meter.wgsl`, `adapt.wgsl`: the shaders. `reduction.wgsl`: the sum of a workgroup. `bindings.wgsl`, `binding_numbers.rs`: what
+//!   they bind, and where.
 //! - `overlay.{rs,wgsl}`: what is metered, shown over the picture. `pattern.wgsl`: how much a pixel counts.
 //! - `luminance.{wgsl,rs}`, `adaptation.{wgsl,rs}`: binding-free maths, twice.
 
 mod active;
 #[doc(hidden)]
 pub mod adaptation;
+#[doc(hidden)]
+pub mod binding_numbers;
 mod key;
 #[doc(hidden)]
 pub mod luminance;
@@ -72,7 +75,7 @@ impl Plugin for LeanAutoExposurePlugin {
             return;
         }
         SharedPlugin::add_to(app);
-        load_shader_library!(app, "view.wgsl");
+        load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "luminance.wgsl");
         load_shader_library!(app, "pattern.wgsl");
         load_shader_library!(app, "adaptation.wgsl");

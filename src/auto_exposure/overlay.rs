@@ -10,10 +10,9 @@ use bevy::{
         diagnostic::RecordDiagnostics,
         render_resource::{
             BindGroupLayoutDescriptor, BlendState, CachedRenderPipelineId, ColorTargetState,
-            ColorWrites, DynamicBindGroupLayoutEntries, FragmentState, PipelineCache,
-            RenderPassDescriptor, RenderPipelineDescriptor, SamplerBindingType, ShaderStages,
-            ShaderType, TextureFormat, TextureSampleType,
-            binding_types::{sampler, storage_buffer_read_only_sized, texture_2d, uniform_buffer},
+            ColorWrites, FragmentState, PipelineCache, RenderPassDescriptor,
+            RenderPipelineDescriptor, ShaderStages, ShaderType, TextureFormat,
+            binding_types::{storage_buffer_read_only_sized, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice, ViewQuery},
         view::{ExtractedView, ViewTarget},
@@ -22,13 +21,18 @@ use bevy::{
 
 use super::{
     active::ViewExposurePipelines,
+    binding_numbers::{STATE, VIEW},
     key::ExposureKey,
+    pipelines::mask_entries,
     prepare::{ExposureUniforms, Masks, ViewExposure},
     settings::LeanAutoExposure,
     state::ExposureHistory,
     uniforms::{ExposureState, ExposureView},
 };
-use crate::gpu::bind_group_cache::{CachedBindGroup, FoundLayout};
+use crate::gpu::{
+    bind_group_cache::{CachedBindGroup, FoundLayout},
+    bindings::layout,
+};
 
 /// On a view with the overlay of auto exposure: its pipeline, which may still be compiling, and its bind group.
 #[derive(Component)]
@@ -61,23 +65,15 @@ pub(super) fn init_overlay_pipelines(
 }
 
 /// Settings and state; mask and its sampler.
-fn layout(key: ExposureKey) -> BindGroupLayoutDescriptor {
-    let entries = DynamicBindGroupLayoutEntries::sequential(
+fn overlay_layout(key: ExposureKey) -> BindGroupLayoutDescriptor {
+    let state = storage_buffer_read_only_sized(false, Some(ExposureState::min_size()));
+    layout(
+        "lean_deferred/auto_exposure/overlay",
         ShaderStages::FRAGMENT,
-        (
-            uniform_buffer::<ExposureView>(true),
-            storage_buffer_read_only_sized(false, Some(ExposureState::min_size())),
-        ),
-    );
-    let entries = if key.has_mask() {
-        entries.extend_sequential((
-            texture_2d(TextureSampleType::Float { filterable: true }),
-            sampler(SamplerBindingType::Filtering),
-        ))
-    } else {
-        entries
-    };
-    BindGroupLayoutDescriptor::new("lean_deferred/exposure/overlay", &entries)
+        [(VIEW, uniform_buffer::<ExposureView>(true)), (STATE, state)]
+            .into_iter()
+            .chain(mask_entries(key)),
+    )
 }
 
 impl OverlayPipelines {
@@ -88,14 +84,18 @@ impl OverlayPipelines {
         pipeline_cache: &PipelineCache,
     ) -> (CachedRenderPipelineId, &FoundLayout) {
         let (pipeline, layout) = self.by_key.entry((format, key)).or_insert_with(|| {
-            let layout = FoundLayout::new(pipeline_cache, layout(key));
+            let layout = FoundLayout::new(pipeline_cache, overlay_layout(key));
             let pipeline = pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
-                label: Some("lean_deferred/exposure/overlay".into()),
+                label: Some("lean_deferred/auto_exposure/overlay".into()),
                 layout: vec![layout.descriptor().clone()],
                 vertex: self.fullscreen.to_vertex_state(),
                 fragment: Some(FragmentState {
                     shader: self.shader.clone(),
-                    shader_defs: key.shader_defs(),
+                    shader_defs: key
+                        .shader_defs()
+                        .into_iter()
+                        .chain(["OVERLAY".into()])
+                        .collect(),
                     entry_point: Some("fragment".into()),
                     targets: vec![Some(ColorTargetState {
                         format,
@@ -168,9 +168,9 @@ pub(super) fn prepare_overlay_bind_groups(
     for (pipelines, history, mut overlay) in &mut views {
         let ExposureOverlay { layout, group, .. } = &mut *overlay;
         group.update(&device, layout, |entries| {
-            entries.push(0, uniforms.clone())?;
-            entries.push(1, history.state.as_entire_binding())?;
-            masks.push(2, pipelines, entries)
+            entries.push(VIEW, uniforms.clone())?;
+            entries.push(STATE, history.state.as_entire_binding())?;
+            masks.push(pipelines, entries)
         });
     }
 }
@@ -195,9 +195,9 @@ pub(super) fn exposure_overlay(
     };
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
-    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/exposure/overlay");
+    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/auto_exposure/overlay");
     let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-        label: Some("lean_deferred/exposure/overlay"),
+        label: Some("lean_deferred/auto_exposure/overlay"),
         color_attachments: &[Some(target.get_color_attachment())],
         ..default()
     });

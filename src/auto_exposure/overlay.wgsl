@@ -2,14 +2,11 @@
 //
 // The scale has a line at each stop, a long one at 0, a white mark at the exposure, and a green one where it is heading. Above
 // it stands the exposure in stops.
+#import bevy_lean_deferred::auto_exposure::bindings::{state, view}
 #import bevy_lean_deferred::auto_exposure::pattern::pattern_weight
-#import bevy_lean_deferred::auto_exposure::view::{ExposureState, ExposureView}
 
-@group(0) @binding(0) var<uniform> view: ExposureView;
-@group(0) @binding(1) var<storage, read> state: ExposureState;
 #ifdef MASK
-@group(0) @binding(2) var mask: texture_2d<f32>;
-@group(0) @binding(3) var mask_sampler: sampler;
+#import bevy_lean_deferred::auto_exposure::bindings::{mask, mask_sampler}
 #endif
 
 /// What is left of pixels that do not count.

@@ -1,4 +1,4 @@
-//! The two dispatches, in one pass. Their GPU time is that of the span `lean_deferred/exposure`: timestamps between them would
+//! The two dispatches, in one pass. Their GPU time is that of the span `lean_deferred/auto_exposure`: timestamps between them would
 //! cost as much as they do.
 
 use bevy::{
@@ -49,11 +49,11 @@ pub(super) fn auto_exposure(
 
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
-    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/exposure");
+    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/auto_exposure");
     let mut pass = ctx
         .command_encoder()
         .begin_compute_pass(&ComputePassDescriptor {
-            label: Some("lean_deferred/exposure"),
+            label: Some("lean_deferred/auto_exposure"),
             timestamp_writes: None,
         });
     pass.set_pipeline(meter);

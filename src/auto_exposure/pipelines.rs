@@ -6,9 +6,9 @@ use bevy::{
     prelude::*,
     render::{
         render_resource::{
-            BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedComputePipelineId,
-            ComputePipelineDescriptor, DynamicBindGroupLayoutEntries, PipelineCache,
-            SamplerBindingType, ShaderStages, ShaderType, TextureSampleType,
+            BindGroupLayoutDescriptor, BindGroupLayoutEntryBuilder, CachedComputePipelineId,
+            ComputePipelineDescriptor, PipelineCache, SamplerBindingType, ShaderStages, ShaderType,
+            TextureSampleType,
             binding_types::{sampler, storage_buffer_sized, texture_2d, uniform_buffer},
         },
         view::ViewUniform,
@@ -16,10 +16,11 @@ use bevy::{
 };
 
 use super::{
+    binding_numbers::{BEVY_VIEW, MASK, MASK_SAMPLER, PARTIALS, PICTURE, STATE, VIEW},
     key::ExposureKey,
     uniforms::{ExposureState, ExposureView},
 };
-use crate::gpu::bind_group_cache::FoundLayout;
+use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
 
 /// Those of the two passes.
 #[derive(Clone, Copy)]
@@ -60,39 +61,51 @@ pub(super) fn init_exposure_pipelines(
 
 /// The layout of the first pass: settings, picture, sums; mask and its sampler.
 pub fn meter_layout(key: ExposureKey) -> BindGroupLayoutDescriptor {
-    let entries = DynamicBindGroupLayoutEntries::sequential(
+    let picture = texture_2d(TextureSampleType::Float { filterable: false });
+    layout(
+        "lean_deferred/auto_exposure/meter",
         ShaderStages::COMPUTE,
-        (
-            uniform_buffer::<ExposureView>(true),
-            texture_2d(TextureSampleType::Float { filterable: false }),
-            storage_buffer_sized(false, None),
-        ),
-    );
-    let entries = if key.has_mask() {
-        entries.extend_sequential((
-            texture_2d(TextureSampleType::Float { filterable: true }),
-            sampler(SamplerBindingType::Filtering),
-        ))
-    } else {
-        entries
-    };
-    BindGroupLayoutDescriptor::new("lean_deferred/exposure/meter", &entries)
+        [
+            (VIEW, uniform_buffer::<ExposureView>(true)),
+            (PICTURE, picture),
+            (PARTIALS, storage_buffer_sized(false, None)),
+        ]
+        .into_iter()
+        .chain(mask_entries(key)),
+    )
 }
 
-/// The layout of the second pass: settings, Bevy's view, sums, state.
+/// The layout of the second pass: settings, sums, state, Bevy's view.
 pub fn adapt_layout() -> BindGroupLayoutDescriptor {
-    BindGroupLayoutDescriptor::new(
-        "lean_deferred/exposure/adapt",
-        &BindGroupLayoutEntries::sequential(
-            ShaderStages::COMPUTE,
+    layout(
+        "lean_deferred/auto_exposure/adapt",
+        ShaderStages::COMPUTE,
+        [
+            (VIEW, uniform_buffer::<ExposureView>(true)),
+            (PARTIALS, storage_buffer_sized(false, None)),
             (
-                uniform_buffer::<ExposureView>(true),
-                storage_buffer_sized(true, Some(ViewUniform::min_size())),
-                storage_buffer_sized(false, None),
+                STATE,
                 storage_buffer_sized(false, Some(ExposureState::min_size())),
             ),
-        ),
+            (
+                BEVY_VIEW,
+                storage_buffer_sized(true, Some(ViewUniform::min_size())),
+            ),
+        ],
     )
+}
+
+/// The mask and its sampler, if pixels are weighted by one.
+pub(super) fn mask_entries(
+    key: ExposureKey,
+) -> impl Iterator<Item = (u32, BindGroupLayoutEntryBuilder)> {
+    let mask = texture_2d(TextureSampleType::Float { filterable: true });
+    [
+        (MASK, mask),
+        (MASK_SAMPLER, sampler(SamplerBindingType::Filtering)),
+    ]
+    .into_iter()
+    .filter(move |_| key.has_mask())
 }
 
 impl ExposurePipelines {
@@ -115,12 +128,12 @@ impl ExposurePipelines {
             adapt_layout,
         } = self;
         let queue = |label: &'static str,
-                     layout: &FoundLayout,
+                     found: &FoundLayout,
                      shader: &Handle<Shader>,
                      entry: &'static str| {
             pipeline_cache.queue_compute_pipeline(ComputePipelineDescriptor {
                 label: Some(label.into()),
-                layout: vec![layout.descriptor().clone()],
+                layout: vec![found.descriptor().clone()],
                 shader: shader.clone(),
                 shader_defs: key.shader_defs(),
                 entry_point: Some(entry.into()),
@@ -128,20 +141,20 @@ impl ExposurePipelines {
             })
         };
         let (passes, _) = by_key.entry(key).or_insert_with(|| {
-            let layout = FoundLayout::new(pipeline_cache, meter_layout(key));
+            let found = FoundLayout::new(pipeline_cache, meter_layout(key));
             let meter = queue(
-                "lean_deferred/exposure/meter",
-                &layout,
+                "lean_deferred/auto_exposure/meter",
+                &found,
                 meter_shader,
                 "meter",
             );
             let adapt = queue(
-                "lean_deferred/exposure/adapt",
+                "lean_deferred/auto_exposure/adapt",
                 adapt_layout,
                 adapt_shader,
                 "sum_and_adapt",
             );
-            (PassPipelines { meter, adapt }, layout)
+            (PassPipelines { meter, adapt }, found)
         });
         *passes
     }

@@ -19,6 +19,7 @@ use bevy::{
 
 use super::{
     active::ViewExposurePipelines,
+    binding_numbers::{BEVY_VIEW, MASK, MASK_SAMPLER, PARTIALS, PICTURE, STATE, VIEW},
     key::ExposureKey,
     pipelines::ExposurePipelines,
     settings::{ExposureCuts, LeanAutoExposure},
@@ -47,7 +48,7 @@ impl ViewExposure {
             offset: 0,
             workgroups: UVec2::ZERO,
             sums: device.create_buffer(&BufferDescriptor {
-                label: Some("lean_deferred/exposure/sums"),
+                label: Some("lean_deferred/auto_exposure/sums"),
                 size: key.sums_size(viewport_size),
                 usage: BufferUsages::STORAGE,
                 mapped_at_creation: false,
@@ -165,19 +166,19 @@ pub(super) fn prepare_exposure_bind_groups(
         for (slot, picture) in bindings.meter.iter_mut().zip(pictures) {
             slot.0 = Some(picture.id());
             slot.1.update(&device, layout, |entries| {
-                entries.push(0, uniforms.clone())?;
-                entries.push(1, picture.into_binding())?;
-                entries.push(2, view.sums.as_entire_binding())?;
-                masks.push(3, own_pipelines, entries)
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(PICTURE, picture.into_binding())?;
+                entries.push(PARTIALS, view.sums.as_entire_binding())?;
+                masks.push(own_pipelines, entries)
             });
         }
         bindings
             .adapt
             .update(&device, &pipelines.adapt_layout, |entries| {
-                entries.push(0, uniforms.clone())?;
-                entries.push(1, view_uniforms.clone())?;
-                entries.push(2, view.sums.as_entire_binding())?;
-                entries.push(3, history.state.as_entire_binding())
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(PARTIALS, view.sums.as_entire_binding())?;
+                entries.push(STATE, history.state.as_entire_binding())?;
+                entries.push(BEVY_VIEW, view_uniforms.clone())
             });
         if let Some(new) = new {
             commands.entity(entity).insert(new);
@@ -193,11 +194,9 @@ pub(super) struct Masks<'w> {
 }
 
 impl Masks<'_> {
-    /// The mask of `pipelines` and its sampler at `binding` and the next, if there is one. All pixels count if it has
-    /// been unloaded.
+    /// The mask of `pipelines` and its sampler, if there is one. All pixels count if it has been unloaded.
     pub(super) fn push(
         &self,
-        binding: u32,
         pipelines: &ViewExposurePipelines,
         entries: &mut Entries,
     ) -> Option<()> {
@@ -205,7 +204,7 @@ impl Masks<'_> {
             return Some(());
         };
         let image = self.images.get(mask).unwrap_or(&self.fallback.d2);
-        entries.push(binding, image.texture_view.into_binding())?;
-        entries.push(binding + 1, image.sampler.into_binding())
+        entries.push(MASK, image.texture_view.into_binding())?;
+        entries.push(MASK_SAMPLER, image.sampler.into_binding())
     }
 }

@@ -11,6 +11,7 @@ use bevy::{
         MainWorld,
         render_resource::{
             Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode, ShaderType,
+            encase::StorageBuffer,
         },
         renderer::RenderDevice,
         sync_world::MainEntity,
@@ -45,7 +46,7 @@ enum Progress {
     Copied(u64),
     /// Waiting for the GPU, or given up: its device was lost.
     Mapping,
-    Read(u64, [f32; 3]),
+    Read(u64, ExposureState),
 }
 
 impl Slot {
@@ -68,7 +69,7 @@ impl ExposureReadback {
     fn new(device: &RenderDevice) -> Self {
         let slot = |_| Slot {
             buffer: device.create_buffer(&BufferDescriptor {
-                label: Some("lean_deferred/exposure/readback"),
+                label: Some("lean_deferred/auto_exposure/readback"),
                 size: ExposureState::min_size().get(),
                 usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
                 mapped_at_creation: false,
@@ -94,7 +95,7 @@ impl ExposureReadback {
     }
 
     /// The latest state that has come back since the last call.
-    fn latest(&self) -> Option<[f32; 3]> {
+    fn latest(&self) -> Option<ExposureState> {
         let read = self.slots.iter().filter_map(|slot| match slot.progress() {
             Progress::Read(frame, state) => {
                 slot.set(Progress::Free);
@@ -141,20 +142,11 @@ pub(super) fn map_readbacks(views: Query<&ExposureReadback>) {
                 if result.is_err() {
                     return;
                 }
-                let words: Vec<f32> = buffer
-                    .slice(..)
-                    .get_mapped_range()
-                    .as_chunks()
-                    .0
-                    .iter()
-                    .map(|bytes| f32::from_le_bytes(*bytes))
-                    .collect();
+                let bytes = StorageBuffer::new(buffer.slice(..).get_mapped_range().to_vec());
                 buffer.unmap();
-                *lock(&progress) = match words[..] {
+                *lock(&progress) = match bytes.create::<ExposureState>() {
                     // Before its first frame it says nothing.
-                    [luminance, exposure, target, seen] if seen.to_bits() > 0 => {
-                        Progress::Read(frame, [luminance, exposure, target])
-                    }
+                    Ok(state) if state.cuts_seen > 0 => Progress::Read(frame, state),
                     _ => Progress::Free,
                 };
             });
@@ -167,13 +159,13 @@ pub(super) fn report_metered(
     views: Query<(&MainEntity, &ExposureReadback), With<ExposureHistory>>,
 ) {
     for (camera, readback) in &views {
-        if let Some([luminance, exposure, target_exposure]) = readback.latest()
+        if let Some(state) = readback.latest()
             && let Some(mut metered) = main_world.get_mut::<MeteredExposure>(camera.id())
         {
             metered.set_if_neq(MeteredExposure {
-                luminance,
-                exposure,
-                target_exposure,
+                luminance: state.luminance,
+                exposure: state.exposure,
+                target_exposure: state.target_exposure,
             });
         }
     }

@@ -32,7 +32,7 @@ pub(super) fn begin_histories(
         commands.entity(entity).insert(ExposureHistory {
             // Zeros: no frame has been seen yet.
             state: device.create_buffer(&BufferDescriptor {
-                label: Some("lean_deferred/exposure/state"),
+                label: Some("lean_deferred/auto_exposure/state"),
                 size: ExposureState::min_size().get(),
                 usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
                 mapped_at_creation: false,

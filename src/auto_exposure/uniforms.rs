@@ -11,8 +11,9 @@ const LARGEST: f32 = 65504.0;
 /// The largest exposure and compensation, in stops.
 const LARGEST_STOPS: f32 = 64.0;
 
-/// Twin of the struct of the same name in `view.wgsl`.
-#[derive(ShaderType, Clone, Copy, Debug, Default)]
+/// Settings, and what the passes know of a view.
+#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(no_auto_register)]
 pub struct ExposureView {
     viewport_origin: UVec2,
     viewport_size: UVec2,
@@ -82,8 +83,9 @@ fn number(value: f32, default: f32) -> f32 {
     if value.is_nan() { default } else { value }
 }
 
-/// Kept from frame to frame, and read back. Twin of the struct of the same name in `view.wgsl`.
-#[derive(ShaderType, Clone, Copy, Debug, Default)]
+/// Kept from frame to frame, and read back.
+#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(no_auto_register)]
 pub struct ExposureState {
     /// As metered, before the exposure.
     pub luminance: f32,

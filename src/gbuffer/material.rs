@@ -13,12 +13,11 @@ use bevy::{
     shader::{ShaderDefVal, ShaderRef},
 };
 
-use super::{
-    GBufferPlugin,
-    layout::specialization::{LARGEST_REFLECTANCE, LARGEST_UNLIT},
-    targets::GBufferNeeds,
+use super::{GBufferPlugin, layout::specialization::LARGEST_REFLECTANCE, targets::GBufferNeeds};
+use crate::{
+    shading_models::unlit::LARGEST_UNLIT,
+    view::{GBufferTargets, ShadingModel},
 };
-use crate::view::{GBufferTargets, ShadingModel};
 
 /// A [`Material`] that can be drawn into the packed G-buffer.
 ///

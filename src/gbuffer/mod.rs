@@ -12,10 +12,12 @@
 //! - `visibility_masks.rs`: the layers of meshes, as data for their draws.
 //! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them. `depth_copy.rs`: depth, for others.
 //! - `usage.rs`: what a camera has of them, for users.
-//! - `resolve_motion.{rs,wgsl}`: motion vectors into Bevy's texture.
+//! - `resolve_motion.{rs,wgsl}`: motion vectors into Bevy's texture. `binding_numbers.rs`: where it has what it binds.
 //! - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
 
 mod bevy_phases;
+#[doc(hidden)]
+pub mod binding_numbers;
 mod demand;
 mod depth_copy;
 mod lookup;
@@ -79,7 +81,10 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use crate::view::{LeanDeferred, SharedPlugin, removal};
+use crate::{
+    shading_models,
+    view::{LeanDeferred, SharedPlugin, removal},
+};
 
 /// Draws the meshes of lean cameras into the packed G-buffer.
 pub(crate) struct GBufferPlugin;
@@ -87,6 +92,7 @@ pub(crate) struct GBufferPlugin;
 impl Plugin for GBufferPlugin {
     fn build(&self, app: &mut App) {
         SharedPlugin::add_to(app);
+        shading_models::load(app);
         load_shader_library!(app, "pack.wgsl");
         embedded_asset!(app, "gbuffer.wgsl");
         embedded_asset!(app, "resolve_motion.wgsl");

@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::gbuffer::layout::{
     EMISSIVE_WRITTEN, MOTION_WRITTEN, SPECIALIZATION_WRITTEN, Surface, VISIBILITY_MASK_WRITTEN,
-    pack, unpack_normal,
+    pack,
 }
 #import bevy_pbr::{
     mesh_view_bindings::view,
@@ -25,8 +25,16 @@
 
 #ifdef GBUFFER_SPECIALIZATION
 #import bevy_lean_deferred::gbuffer::layout::specialization as special
+#import bevy_lean_deferred::shading_models::unlit::pack_unlit
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+#import bevy_lean_deferred::shading_models::clearcoat
+#else ifdef STANDARD_MATERIAL_ANISOTROPY
+#import bevy_lean_deferred::shading_models::anisotropy
+#else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#import bevy_lean_deferred::shading_models::backlight
+#endif
 #import bevy_pbr::{
-    mesh_types::{MESH_FLAGS_SHADOW_RECEIVER_BIT, MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT},
+    mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
     pbr_types::{STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT, STANDARD_MATERIAL_FLAGS_UNLIT_BIT},
 }
 #endif
@@ -197,40 +205,19 @@ fn flags(pbr: PbrInput) -> u32 {
 fn specialization_word(pbr: PbrInput, normal_word: u32) -> u32 {
     let flags = flags(pbr);
     if (pbr.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u {
-        return special::pack_unlit(
-            pbr.material.base_color.rgb,
-            special::UNLIT,
-            flags,
-        );
+        return pack_unlit(pbr.material.base_color.rgb, flags);
     }
     // Only materials without a tint are here: the channels are equal.
     let reflectance = pbr.material.reflectance.g;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    return special::with_arguments(
-        special::pack_specialization(reflectance, special::CLEARCOAT, flags),
-        special::pack_clearcoat(
-            pbr.material.clearcoat,
-            pbr.material.clearcoat_perceptual_roughness,
-        ),
-    );
+    let word = special::pack_specialization(reflectance, clearcoat::SHADING_MODEL, flags);
+    return special::with_arguments(word, clearcoat::arguments_of(pbr, normal_word));
 #else ifdef STANDARD_MATERIAL_ANISOTROPY
-    return special::with_arguments(
-        special::pack_specialization(reflectance, special::ANISOTROPY, flags),
-        special::pack_anisotropy(
-            pbr.anisotropy_strength,
-            pbr.anisotropy_T,
-            unpack_normal(normal_word),
-        ),
-    );
+    let word = special::pack_specialization(reflectance, anisotropy::SHADING_MODEL, flags);
+    return special::with_arguments(word, anisotropy::arguments_of(pbr, normal_word));
 #else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    return special::with_arguments(
-        special::pack_specialization(reflectance, special::BACKLIGHT, flags),
-        special::pack_backlight(
-            pbr.material.diffuse_transmission,
-            pbr.material.thickness,
-            (pbr.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u,
-        ),
-    );
+    let word = special::pack_specialization(reflectance, backlight::SHADING_MODEL, flags);
+    return special::with_arguments(word, backlight::arguments_of(pbr, normal_word));
 #else
     return special::pack_specialization(reflectance, special::PLAIN, flags);
 #endif

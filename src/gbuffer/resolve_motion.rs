@@ -26,9 +26,9 @@ use bevy::{
     prelude::*,
     render::{
         render_resource::{
-            BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedRenderPipelineId,
-            ColorTargetState, ColorWrites, FragmentState, IntoBinding, PipelineCache,
-            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, TextureSampleType,
+            BindGroupLayoutDescriptor, CachedRenderPipelineId, ColorTargetState, ColorWrites,
+            FragmentState, IntoBinding, PipelineCache, RenderPassDescriptor,
+            RenderPipelineDescriptor, ShaderStages, TextureSampleType,
             binding_types::{texture_2d, texture_depth_2d, uniform_buffer},
         },
         renderer::{RenderContext, RenderDevice},
@@ -36,9 +36,18 @@ use bevy::{
     },
 };
 
-use super::textures::GBufferTextures;
+use super::{
+    binding_numbers::resolve_motion::{
+        DEPTH_TEXTURE, EARLIER_DEPTH_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, PREVIOUS_VIEW, VIEW,
+        WRITTEN_TEXTURE,
+    },
+    textures::GBufferTextures,
+};
 use crate::{
-    gpu::bind_group_cache::{CachedBindGroup, FoundLayout},
+    gpu::{
+        bind_group_cache::{CachedBindGroup, FoundLayout},
+        bindings::layout,
+    },
     view::{ActiveLeanView, GBufferTargets},
 };
 
@@ -53,31 +62,25 @@ pub(super) struct ResolveKey {
 
 impl ResolveKey {
     fn layout(self) -> BindGroupLayoutDescriptor {
+        let words = || texture_2d(TextureSampleType::Uint);
         let drawn = if self.late {
-            texture_depth_2d()
+            (EARLIER_DEPTH_TEXTURE, texture_depth_2d())
         } else {
-            texture_2d(TextureSampleType::Uint)
+            (NORMAL_TEXTURE, words())
         };
-        let mut entries = BindGroupLayoutEntries::sequential(
+        let motion = [(MOTION_TEXTURE, words()), (WRITTEN_TEXTURE, words())];
+        layout(
+            "lean_deferred/gbuffer/resolve_motion",
             ShaderStages::FRAGMENT,
-            (
-                uniform_buffer::<ViewUniform>(true),
-                uniform_buffer::<PreviousViewData>(true),
-                texture_depth_2d(),
+            [
+                (VIEW, uniform_buffer::<ViewUniform>(true)),
+                (PREVIOUS_VIEW, uniform_buffer::<PreviousViewData>(true)),
+                (DEPTH_TEXTURE, texture_depth_2d()),
                 drawn,
-            ),
+            ]
+            .into_iter()
+            .chain(motion.into_iter().filter(|_| self.motion_target)),
         )
-        .to_vec();
-        if self.motion_target {
-            entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
-                ShaderStages::FRAGMENT,
-                (
-                    (4, texture_2d(TextureSampleType::Uint)),
-                    (5, texture_2d(TextureSampleType::Uint)),
-                ),
-            ));
-        }
-        BindGroupLayoutDescriptor::new("lean_deferred/resolve_motion", &entries)
     }
 }
 
@@ -131,7 +134,7 @@ impl MotionResolvePipelines {
                 shader_defs.push(GBufferTargets::MOTION.shader_def().into());
             }
             let pipeline = cache.queue_render_pipeline(RenderPipelineDescriptor {
-                label: Some("lean_deferred/resolve_motion".into()),
+                label: Some("lean_deferred/gbuffer/resolve_motion".into()),
                 layout: vec![layout.descriptor().clone()],
                 vertex: self.fullscreen_shader.to_vertex_state(),
                 fragment: Some(FragmentState {
@@ -212,14 +215,15 @@ pub(super) fn prepare_motion_resolve(
                 continue;
             };
             resolve.groups[index].update(&device, layout, |entries| {
-                entries.push(0, view_binding.clone())?;
-                entries.push(1, previous_binding.clone())?;
-                entries.push(2, depth.view().into_binding())?;
-                entries.push(3, drawn.default_view.into_binding())?;
+                entries.push(VIEW, view_binding.clone())?;
+                entries.push(PREVIOUS_VIEW, previous_binding.clone())?;
+                entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
+                // Or the earlier depth, which has the same number.
+                entries.push(NORMAL_TEXTURE, drawn.default_view.into_binding())?;
                 match motion {
                     Some((motion, written)) => {
-                        entries.push(4, motion.default_view.into_binding())?;
-                        entries.push(5, written.default_view.into_binding())
+                        entries.push(MOTION_TEXTURE, motion.default_view.into_binding())?;
+                        entries.push(WRITTEN_TEXTURE, written.default_view.into_binding())
                     }
                     None => Some(()),
                 }
@@ -251,7 +255,7 @@ impl ViewMotionResolve {
             return;
         };
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some("lean_deferred/resolve_motion"),
+            label: Some("lean_deferred/gbuffer/resolve_motion"),
             color_attachments: &[Some(motion_vectors.get_attachment())],
             ..default()
         });

@@ -1,11 +1,13 @@
 //! What belongs to the device, whichever effect uses it.
 //!
+//! - `bindings.rs`: names for the bindings of bind groups, and layouts made of them.
 //! - `bind_group_cache.rs`: bind groups that are made anew only when what they bind changed.
 //! - `pipeline_watch.rs`: pipelines of this crate that cannot be compiled.
 //! - `recovery.rs`: what is left of a device that was lost.
 //! - `tiles.rs`: the tiles of compute passes, and the order in which they are walked over.
 
 pub(crate) mod bind_group_cache;
+pub(crate) mod bindings;
 pub(crate) mod pipeline_watch;
 pub(crate) mod recovery;
 pub(crate) mod tiles;

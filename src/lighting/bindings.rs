@@ -2,7 +2,6 @@
 
 use bevy::{
     ecs::{query::QueryData, system::SystemParam},
-    image::Image,
     light::IrradianceVolume,
     pbr::{
         AreaLightLuts, Bluenoise, DfgLut, FogMeta, GlobalClusterableObjectMeta, LightMeta,
@@ -17,10 +16,7 @@ use bevy::{
     render::{
         globals::GlobalsBuffer,
         render_asset::RenderAssets,
-        render_resource::{
-            BindGroup, BindGroupLayoutEntry, BindingResource, IntoBinding, TextureView,
-            TextureViewId,
-        },
+        render_resource::{BindGroup, IntoBinding, TextureView, TextureViewId},
         renderer::RenderDevice,
         texture::{FallbackImage, FallbackImageZero, GpuImage},
         view::{ViewDepthTexture, ViewTarget, ViewUniformOffset, ViewUniforms},
@@ -29,12 +25,11 @@ use bevy::{
 
 use super::{
     ViewLighting,
+    binding_numbers::{lists, targets},
     buffers::LightingBuffers,
     features::ViewEnvironmentMaps,
-    pipeline::{
-        AREA_LIGHT_LUTS_BINDING, BLUE_NOISE_BINDING, DFG_LUT_BINDING, LIGHT_LAYERS_BINDING,
-        LightingLayouts, LightingPipelines, WRITTEN_BINDING, target_binding,
-    },
+    pipeline::{LightingLayouts, LightingPipelines, target_binding},
+    view_entries::{push_array_entry, view_entry},
 };
 use crate::{
     ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
@@ -97,48 +92,48 @@ impl ViewLightingBindings {
 #[derive(QueryData)]
 #[query_data(mutable)]
 pub(super) struct LitView {
-    lighting: &'static mut ViewLighting,
-    gbuffer: &'static GBufferTextures,
-    depth: &'static ViewDepthTexture,
-    target: &'static ViewTarget,
-    shadows: &'static ViewShadowBindings,
-    clusters: &'static ViewClusterBindings,
-    ssao: Option<&'static ScreenSpaceAmbientOcclusionResources>,
-    occlusion: Option<&'static ViewOcclusion>,
-    occlusion_texture: Option<&'static OcclusionTexture>,
-    atmosphere: Option<&'static AtmosphereTextures>,
-    environment_maps: Option<&'static ViewEnvironmentMaps>,
-    irradiance_volumes: Option<&'static RenderViewLightProbes<IrradianceVolume>>,
-    view_offset: &'static ViewUniformOffset,
-    lights_offset: &'static ViewLightsUniformOffset,
-    probes_offset: &'static ViewLightProbesUniformOffset,
-    fog_offset: Option<&'static ViewFogUniformOffset>,
-    contact_shadows_offset: Option<&'static ViewContactShadowsUniformOffset>,
+    pub(super) lighting: &'static mut ViewLighting,
+    pub(super) gbuffer: &'static GBufferTextures,
+    pub(super) depth: &'static ViewDepthTexture,
+    pub(super) target: &'static ViewTarget,
+    pub(super) shadows: &'static ViewShadowBindings,
+    pub(super) clusters: &'static ViewClusterBindings,
+    pub(super) ssao: Option<&'static ScreenSpaceAmbientOcclusionResources>,
+    pub(super) occlusion: Option<&'static ViewOcclusion>,
+    pub(super) occlusion_texture: Option<&'static OcclusionTexture>,
+    pub(super) atmosphere: Option<&'static AtmosphereTextures>,
+    pub(super) environment_maps: Option<&'static ViewEnvironmentMaps>,
+    pub(super) irradiance_volumes: Option<&'static RenderViewLightProbes<IrradianceVolume>>,
+    pub(super) view_offset: &'static ViewUniformOffset,
+    pub(super) lights_offset: &'static ViewLightsUniformOffset,
+    pub(super) probes_offset: &'static ViewLightProbesUniformOffset,
+    pub(super) fog_offset: Option<&'static ViewFogUniformOffset>,
+    pub(super) contact_shadows_offset: Option<&'static ViewContactShadowsUniformOffset>,
 }
 
 /// What lighting reads of the scene.
 #[derive(SystemParam)]
 pub(super) struct LightingResources<'w> {
-    buffers: Res<'w, LightingBuffers>,
-    view_uniforms: Res<'w, ViewUniforms>,
-    lights: Res<'w, LightMeta>,
-    shadow_samplers: Res<'w, ShadowSamplers>,
-    clustered: Res<'w, GlobalClusterableObjectMeta>,
-    globals: Res<'w, GlobalsBuffer>,
-    probes: Res<'w, LightProbesBuffer>,
-    fog: Res<'w, FogMeta>,
-    contact_shadows: Res<'w, ContactShadowsBuffer>,
-    atmosphere_sampler: Option<Res<'w, AtmosphereSampler>>,
-    blue_noise: Res<'w, Bluenoise>,
-    area_light_luts: Res<'w, AreaLightLuts>,
-    dfg_lut: Res<'w, DfgLut>,
-    decals_buffer: Res<'w, DecalsBuffer>,
-    decals: Res<'w, RenderClusteredDecals>,
-    images: Res<'w, RenderAssets<GpuImage>>,
-    fallback: Res<'w, FallbackImage>,
-    fallback_zero: Res<'w, FallbackImageZero>,
-    occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
-    occlusion_uniforms: Option<Res<'w, OcclusionUniforms>>,
+    pub(super) buffers: Res<'w, LightingBuffers>,
+    pub(super) view_uniforms: Res<'w, ViewUniforms>,
+    pub(super) lights: Res<'w, LightMeta>,
+    pub(super) shadow_samplers: Res<'w, ShadowSamplers>,
+    pub(super) clustered: Res<'w, GlobalClusterableObjectMeta>,
+    pub(super) globals: Res<'w, GlobalsBuffer>,
+    pub(super) probes: Res<'w, LightProbesBuffer>,
+    pub(super) fog: Res<'w, FogMeta>,
+    pub(super) contact_shadows: Res<'w, ContactShadowsBuffer>,
+    pub(super) atmosphere_sampler: Option<Res<'w, AtmosphereSampler>>,
+    pub(super) blue_noise: Res<'w, Bluenoise>,
+    pub(super) area_light_luts: Res<'w, AreaLightLuts>,
+    pub(super) dfg_lut: Res<'w, DfgLut>,
+    pub(super) decals_buffer: Res<'w, DecalsBuffer>,
+    pub(super) decals: Res<'w, RenderClusteredDecals>,
+    pub(super) images: Res<'w, RenderAssets<GpuImage>>,
+    pub(super) fallback: Res<'w, FallbackImage>,
+    pub(super) fallback_zero: Res<'w, FallbackImageZero>,
+    pub(super) occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
+    pub(super) occlusion_uniforms: Option<Res<'w, OcclusionUniforms>>,
 }
 
 /// Makes the bind groups of the active views, where something they bind has changed.
@@ -202,17 +197,19 @@ fn update_bind_groups(
         Some(())
     })?;
 
-    if let Some(lists) = &view.lighting.tile_lists {
-        let dispatches = || lists.dispatches().as_entire_binding();
-        let places = || lists.lists().as_entire_binding();
+    if let Some(tile_lists) = &view.lighting.tile_lists {
+        let dispatches = || tile_lists.dispatches().as_entire_binding();
+        let places = || tile_lists.lists().as_entire_binding();
         let filling = &pipelines.filling_lists;
         bindings.fill_lists.update(device, filling, |entries| {
-            entries.push(0, dispatches())?;
-            entries.push(1, places())
+            entries.push(lists::DISPATCHES, dispatches())?;
+            entries.push(lists::LISTS, places())
         })?;
         let reading = &pipelines.reading_lists;
         let read_lists = &mut bindings.read_lists;
-        read_lists.update(device, reading, |entries| entries.push(0, places()))?;
+        read_lists.update(device, reading, |entries| {
+            entries.push(lists::LISTS, places())
+        })?;
     } else {
         bindings.fill_lists.clear();
         bindings.read_lists.clear();
@@ -250,10 +247,16 @@ fn push_target_entries(
     resources: &LightingResources,
     output: &TextureView,
 ) -> Option<()> {
-    entries.push(0, view.gbuffer.surface.default_view.into_binding())?;
-    entries.push(1, view.gbuffer.normal.default_view.into_binding())?;
-    entries.push(2, output.into_binding())?;
-    entries.push(3, resources.buffers.uniforms.binding()?)?;
+    entries.push(
+        targets::SURFACE_TEXTURE,
+        view.gbuffer.surface.default_view.into_binding(),
+    )?;
+    entries.push(
+        targets::NORMAL_TEXTURE,
+        view.gbuffer.normal.default_view.into_binding(),
+    )?;
+    entries.push(targets::OUTPUT_TEXTURE, output.into_binding())?;
+    entries.push(targets::UNIFORMS, resources.buffers.uniforms.binding()?)?;
     if layouts.has_occlusion() {
         let pipelines = resources.occlusion_pipelines.as_ref()?;
         // Without the texture, nothing that could find occlusion is compiled: there is none.
@@ -261,17 +264,26 @@ fn push_target_entries(
             Some(texture) => &texture.0.default_view,
             None => &resources.fallback_zero.texture_view,
         };
-        entries.push(4, resources.occlusion_uniforms.as_ref()?.0.binding()?)?;
-        entries.push(5, pipelines.nearest_sampler.into_binding())?;
-        entries.push(6, texture.into_binding())?;
+        entries.push(
+            targets::OCCLUSION_VIEW,
+            resources.occlusion_uniforms.as_ref()?.0.binding()?,
+        )?;
+        entries.push(
+            targets::NEAREST_SAMPLER,
+            pipelines.nearest_sampler.into_binding(),
+        )?;
+        entries.push(targets::OCCLUSION_TEXTURE, texture.into_binding())?;
     }
     if layouts.has_light_layers() {
         let table = view.lighting.light_layers.as_ref()?;
-        entries.push(LIGHT_LAYERS_BINDING, table.binding()?)?;
+        entries.push(targets::LIGHT_LAYERS, table.binding()?)?;
     }
     if !layouts.read_targets.is_empty() {
         let written = view.gbuffer.written.as_ref()?;
-        entries.push(WRITTEN_BINDING, written.default_view.into_binding())?;
+        entries.push(
+            targets::WRITTEN_TEXTURE,
+            written.default_view.into_binding(),
+        )?;
     }
     for target in layouts.read_targets {
         if let Some(texture) = view.gbuffer.optional(target) {
@@ -279,154 +291,4 @@ fn push_target_entries(
         }
     }
     Some(())
-}
-
-/// What bind group 0 has at `binding`, and its dynamic offset if it has one.
-fn view_entry<'a>(
-    binding: u32,
-    view: &'a LitViewItem,
-    resources: &'a LightingResources,
-) -> Option<(BindingResource<'a>, Option<u32>)> {
-    let images = &resources.images;
-    let fallback = &resources.fallback;
-    let atmosphere = resources.buffers.atmosphere.as_ref();
-    let mut offset = None;
-    let resource = match binding {
-        0 => {
-            offset = Some(view.view_offset.offset);
-            resources.view_uniforms.uniforms.binding()?
-        }
-        1 => {
-            offset = Some(view.lights_offset.offset);
-            resources.lights.view_gpu_lights.binding()?
-        }
-        2 => view.shadows.point_light_depth_texture_view.into_binding(),
-        3 => resources
-            .shadow_samplers
-            .point_light_comparison_sampler
-            .into_binding(),
-        5 => view
-            .shadows
-            .directional_light_depth_texture_view
-            .into_binding(),
-        6 => resources
-            .shadow_samplers
-            .directional_light_comparison_sampler
-            .into_binding(),
-        8 => resources.clustered.gpu_clustered_lights.binding()?,
-        9 => view.clusters.clusterable_object_index_lists_binding()?,
-        10 => view.clusters.offsets_and_counts_binding()?,
-        11 => resources.globals.buffer.binding()?,
-        12 => {
-            offset = Some(**view.probes_offset);
-            resources.probes.binding()?
-        }
-        13 => {
-            offset = Some(view.fog_offset?.offset);
-            resources.fog.gpu_fogs.binding()?
-        }
-        16 => {
-            offset = Some(**view.contact_shadows_offset?);
-            resources.contact_shadows.0.binding()?
-        }
-        17 => view
-            .ssao?
-            .screen_space_ambient_occlusion_texture
-            .default_view
-            .into_binding(),
-        20 => view.depth.view().into_binding(),
-        31 => view
-            .atmosphere?
-            .transmittance_lut
-            .default_view
-            .into_binding(),
-        32 => (***resources.atmosphere_sampler.as_ref()?).into_binding(),
-        33 => atmosphere?.binding()?,
-        BLUE_NOISE_BINDING => images
-            .get(&resources.blue_noise.texture)?
-            .texture_view
-            .into_binding(),
-        AREA_LIGHT_LUTS_BINDING => match images.get(&resources.area_light_luts.image) {
-            Some(image) => image.texture_view.into_binding(),
-            None => fallback.d2_array.texture_view.into_binding(),
-        },
-        36 => match images.get(&resources.area_light_luts.image) {
-            Some(image) => image.sampler.into_binding(),
-            None => fallback.d2_array.sampler.into_binding(),
-        },
-        DFG_LUT_BINDING => match images.get(&resources.dfg_lut.texture) {
-            Some(image) => image.texture_view.into_binding(),
-            None => fallback.d2.texture_view.into_binding(),
-        },
-        38 => match images.get(&resources.dfg_lut.texture) {
-            Some(image) => image.sampler.into_binding(),
-            None => fallback.d2.sampler.into_binding(),
-        },
-        _ => return None,
-    };
-    Some((resource, offset))
-}
-
-/// The next entry of bind group 1: light probes and decals. Arrays are padded to the length that the layout declares.
-fn push_array_entry(
-    entries: &mut Entries,
-    layout: &BindGroupLayoutEntry,
-    view: &LitViewItem,
-    resources: &LightingResources,
-    binds_arrays: bool,
-) -> Option<()> {
-    let maps = view
-        .environment_maps
-        .map_or(&[][..], |maps| &maps.binding_index_to_textures[..]);
-    let volumes = view
-        .irradiance_volumes
-        .map_or(&[][..], |volumes| &volumes.binding_index_to_textures[..]);
-    let decals = &resources.decals.binding_index_to_textures[..];
-    let fallback = &resources.fallback;
-
-    let length = layout.count.map_or(1, |count| count.get() as usize);
-    let image = |id: Option<AssetId<Image>>| id.and_then(|id| resources.images.get(id));
-    let mut push_textures = |is_array, id: &dyn Fn(usize) -> Option<AssetId<Image>>, fallback| {
-        let texture = |i| &*image(id(i)).unwrap_or(fallback).texture_view;
-        if is_array {
-            entries.push_textures(layout.binding, length, texture);
-            Some(())
-        } else {
-            entries.push(layout.binding, BindingResource::TextureView(texture(0)))
-        }
-    };
-    // That of the first image that is loaded.
-    let sampler = |ids: &mut dyn Iterator<Item = AssetId<Image>>, fallback: &GpuImage| {
-        let image = ids.take(length).find_map(|id| image(Some(id)));
-        image.unwrap_or(fallback).sampler.clone()
-    };
-    match layout.binding {
-        0 => push_textures(
-            binds_arrays,
-            &|i| maps.get(i).map(|map| map.diffuse),
-            &fallback.cube,
-        ),
-        1 => push_textures(
-            binds_arrays,
-            &|i| maps.get(i).map(|map| map.specular),
-            &fallback.cube,
-        ),
-        2 => {
-            let mut ids = maps.iter().map(|map| map.diffuse);
-            let sampler = sampler(&mut ids, &fallback.cube);
-            entries.push(2, sampler.into_binding())
-        }
-        3 => push_textures(binds_arrays, &|i| volumes.get(i).copied(), &fallback.d3),
-        4 => {
-            let sampler = sampler(&mut volumes.iter().copied(), &fallback.d3);
-            entries.push(4, sampler.into_binding())
-        }
-        5 => entries.push(5, resources.decals_buffer.buffer()?.as_entire_binding()),
-        6 => push_textures(true, &|i| decals.get(i).copied(), &fallback.d2),
-        7 => {
-            let sampler = sampler(&mut decals.iter().copied(), &fallback.d2);
-            entries.push(7, sampler.into_binding())
-        }
-        _ => None,
-    }
 }

@@ -18,9 +18,10 @@ use crate::{
     view::ActiveLeanView,
 };
 
-/// Twin of the struct of the same name in `lighting.wgsl`.
-#[derive(ShaderType, Clone, Copy, Debug, Default)]
-pub(super) struct LightingUniform {
+/// What the lighting shader knows of a view beside Bevy's uniforms.
+#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(no_auto_register)]
+pub struct LightingUniform {
     background: Vec4,
     viewport_origin: UVec2,
     viewport_size: UVec2,

@@ -24,9 +24,10 @@ use super::{
 };
 use crate::view::ActiveLeanView;
 
-/// Twin of the struct of the same name in `bindings.wgsl`.
-#[derive(ShaderType, Clone, Debug, PartialEq)]
-pub(super) struct LightLayersTable {
+/// The visibility masks of lights, light probes and decals, each by the index by which Bevy's shaders know it.
+#[derive(ShaderType, Reflect, Clone, Debug, PartialEq)]
+#[reflect(no_auto_register)]
+pub struct LightLayersTable {
     directional_lights: [u32; MAX_DIRECTIONAL_LIGHTS],
     rect_lights: [u32; MAX_RECT_LIGHTS],
     reflection_probes: [u32; MAX_VIEW_LIGHT_PROBES],

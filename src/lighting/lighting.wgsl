@@ -27,10 +27,8 @@
 #endif
 
 #ifdef SHADING_MODEL_RIM
-#import bevy_lean_deferred::gbuffer::layout::specialization::{
-    unpack_arguments, unpack_rim_color, unpack_rim_exponent,
-}
-#import bevy_lean_deferred::shading_extension::rim::rim_light
+#import bevy_lean_deferred::gbuffer::layout::specialization::unpack_arguments
+#import bevy_lean_deferred::shading_models::rim::rim_light
 #endif
 
 #ifdef LISTED_VARIANTS
@@ -221,8 +219,7 @@ fn light(pixel: Pixel) -> vec4<f32> {
 #endif
     var color = apply_pbr_lighting(pbr);
 #ifdef SHADING_MODEL_RIM
-    let arguments = unpack_arguments(pixel.specialization_word);
-    let rim = rim_light(pbr, unpack_rim_color(arguments), unpack_rim_exponent(arguments));
+    let rim = rim_light(pbr, unpack_arguments(pixel.specialization_word));
     color = vec4(color.rgb + rim, color.a);
 #endif
 #ifdef OCCLUSION_OF_DIRECT_LIGHT

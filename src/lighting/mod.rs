@@ -7,10 +7,13 @@
 //!   shader finds that.
 //! - `direct_light.wgsl`: direct light alone, for ambient occlusion that darkens it too.
 //! - `pipeline.rs`: layouts and pipelines.
-//! - `buffers.rs`, `bindings.rs`: the buffers and the bind groups, made anew only when what they bind changed.
+//! - `binding_numbers.rs`, `buffers.rs`, `bindings.rs`, `view_entries.rs`: what it binds and where; made anew only when
+//!   something of it changed.
 //! - `pass.rs`: the dispatches.
 //! - `lighting.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader.
 
+#[doc(hidden)]
+pub mod binding_numbers;
 mod bindings;
 mod buffers;
 mod features;
@@ -20,10 +23,14 @@ mod pass;
 mod pipeline;
 mod tile_lists;
 mod variants;
+mod view_entries;
 
 pub use crate::view::LightingPasses;
+// For tests and benches.
 pub(crate) use features::{LightingKey, SceneFeatures};
 pub(crate) use pipeline::LightingPipelines;
+#[doc(hidden)]
+pub use {buffers::LightingUniform, light_layer_table::LightLayersTable};
 
 use bevy::{
     asset::embedded_asset,

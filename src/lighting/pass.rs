@@ -47,7 +47,7 @@ pub(super) fn lighting_pass(
     let writes_background = must_clear && bindings.covers_target;
     if must_clear && !writes_background {
         drop(ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some("lean_deferred/clear"),
+            label: Some("lean_deferred/lighting/clear"),
             color_attachments: &[Some(attachment)],
             ..default()
         }));

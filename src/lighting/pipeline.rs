@@ -6,9 +6,9 @@ use bevy::{
     platform::collections::HashMap,
     prelude::*,
     render::render_resource::{
-        BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedComputePipelineId,
-        ComputePipelineDescriptor, PipelineCache, SamplerBindingType, ShaderStages,
-        StorageTextureAccess, TextureFormat, TextureSampleType,
+        BindGroupLayoutDescriptor, CachedComputePipelineId, ComputePipelineDescriptor,
+        PipelineCache, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
+        TextureSampleType,
         binding_types::{
             sampler, storage_buffer_read_only, texture_2d, texture_storage_2d, uniform_buffer,
         },
@@ -17,6 +17,7 @@ use bevy::{
 };
 
 use super::{
+    binding_numbers::{arrays, targets, view},
     buffers::LightingUniform,
     features::LightingKey,
     light_layer_table::LightLayersTable,
@@ -24,19 +25,9 @@ use super::{
 };
 use crate::{
     ambient_occlusion::OcclusionView,
-    gpu::bind_group_cache::FoundLayout,
+    gpu::{bind_group_cache::FoundLayout, bindings::layout},
     view::{GBufferTargets, GeometricNormal, LightingVariant},
 };
-
-/// Bindings of Bevy's view layout that no lighting function reads: visibility ranges (14), screen-space reflections
-/// (15), tonemapping (18, 19), prepass textures other than depth (21 to 23), transmission (24, 25), order-independent
-/// transparency (26 to 30), and the samplers of percentage-closer soft shadows (4, 7), which need derivatives.
-const UNUSED_VIEW_BINDINGS: [u32; 16] =
-    [4, 7, 14, 15, 18, 19, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30];
-pub(super) const BLUE_NOISE_BINDING: u32 = 34;
-pub(super) const AREA_LIGHT_LUTS_BINDING: u32 = 35;
-pub(super) const DFG_LUT_BINDING: u32 = 37;
-pub(super) const DECALS_BINDING: u32 = 5;
 
 /// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output). All variants of a view share
 /// these.
@@ -57,12 +48,12 @@ impl LightingLayouts {
             .descriptor()
             .entries
             .iter()
-            .any(|e| e.binding == 4)
+            .any(|e| e.binding == targets::OCCLUSION_VIEW)
     }
 
     pub(super) fn has_light_layers(&self) -> bool {
         let mut bindings = self.targets.descriptor().entries.iter();
-        bindings.any(|e| e.binding == LIGHT_LAYERS_BINDING)
+        bindings.any(|e| e.binding == targets::LIGHT_LAYERS)
     }
 
     pub(super) fn has_view_binding(&self, binding: u32) -> bool {
@@ -99,65 +90,52 @@ pub(super) fn init_lighting_pipelines(
     });
 }
 
-/// Where bind group 2 has the layers of lights.
-pub(super) const LIGHT_LAYERS_BINDING: u32 = 11;
-
-/// Where bind group 2 has what says which optional targets are written.
-pub(super) const WRITTEN_BINDING: u32 = 12;
-
 /// Where bind group 2 has an optional target.
 pub(super) fn target_binding(target: GBufferTargets) -> u32 {
-    7 + target.bits().trailing_zeros()
+    targets::EMISSIVE_TEXTURE + target.bits().trailing_zeros()
 }
 
 /// The G-buffer, the output, the crate's uniform, and occlusion if the view has that.
 fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
-    let mut entries = BindGroupLayoutEntries::sequential(
-        ShaderStages::COMPUTE,
-        (
-            texture_2d(TextureSampleType::Uint),
-            texture_2d(TextureSampleType::Uint),
-            texture_storage_2d(TextureFormat::Rgba16Float, StorageTextureAccess::WriteOnly),
-            uniform_buffer::<LightingUniform>(true),
-        ),
-    )
-    .to_vec();
+    let words = || texture_2d(TextureSampleType::Uint);
+    let output = texture_storage_2d(TextureFormat::Rgba16Float, StorageTextureAccess::WriteOnly);
+    let mut entries = vec![
+        (targets::SURFACE_TEXTURE, words()),
+        (targets::NORMAL_TEXTURE, words()),
+        (targets::OUTPUT_TEXTURE, output),
+        (targets::UNIFORMS, uniform_buffer::<LightingUniform>(true)),
+    ];
     if key.occlusion.is_some() {
-        entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
-            ShaderStages::COMPUTE,
+        let occlusion = texture_2d(TextureSampleType::Float { filterable: false });
+        entries.extend([
             (
-                (4, uniform_buffer::<OcclusionView>(true)),
-                (5, sampler(SamplerBindingType::NonFiltering)),
-                (
-                    6,
-                    texture_2d(TextureSampleType::Float { filterable: false }),
-                ),
+                targets::OCCLUSION_VIEW,
+                uniform_buffer::<OcclusionView>(true),
             ),
-        ));
+            (
+                targets::NEAREST_SAMPLER,
+                sampler(SamplerBindingType::NonFiltering),
+            ),
+            (targets::OCCLUSION_TEXTURE, occlusion),
+        ]);
     }
     if key.light_layers {
-        entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
-            ShaderStages::COMPUTE,
-            ((
-                LIGHT_LAYERS_BINDING,
-                storage_buffer_read_only::<LightLayersTable>(false),
-            ),),
-        ));
+        let table = storage_buffer_read_only::<LightLayersTable>(false);
+        entries.push((targets::LIGHT_LAYERS, table));
     }
     if !key.targets.is_empty() {
-        entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
-            ShaderStages::COMPUTE,
-            ((WRITTEN_BINDING, texture_2d(TextureSampleType::Uint)),),
-        ));
+        entries.push((targets::WRITTEN_TEXTURE, words()));
     }
-    for target in key.targets {
-        let texture = texture_2d(TextureSampleType::Uint);
-        entries.extend_from_slice(&BindGroupLayoutEntries::with_indices(
-            ShaderStages::COMPUTE,
-            ((target_binding(target), texture),),
-        ));
-    }
-    BindGroupLayoutDescriptor::new("lean_deferred/lighting/targets", &entries)
+    entries.extend(
+        key.targets
+            .into_iter()
+            .map(|target| (target_binding(target), words())),
+    );
+    layout(
+        "lean_deferred/lighting/targets",
+        ShaderStages::COMPUTE,
+        entries,
+    )
 }
 
 impl LightingPipelines {
@@ -201,27 +179,31 @@ impl LightingPipelines {
         let layout_key = MeshPipelineViewLayoutKey::from(key.view | MeshPipelineKey::DEPTH_PREPASS);
         let bevy_layout = self.mesh_pipeline.get_view_layout(layout_key);
 
-        let mut view = bevy_layout.main_layout;
-        view.label = "lean_deferred/lighting/view".into();
-        view.entries.retain(|entry| {
-            !UNUSED_VIEW_BINDINGS.contains(&entry.binding)
+        let mut view_layout = bevy_layout.main_layout;
+        view_layout.label = "lean_deferred/lighting/view".into();
+        view_layout.entries.retain(|entry| {
+            !view::UNUSED.contains(&entry.binding)
                 && (key.rect_lights
-                    || !(AREA_LIGHT_LUTS_BINDING..AREA_LIGHT_LUTS_BINDING + 2)
+                    || ![view::AREA_LIGHT_LUTS, view::AREA_LIGHT_LUTS_SAMPLER]
                         .contains(&entry.binding))
         });
 
-        let mut arrays = bevy_layout.binding_array_layout;
-        arrays.label = "lean_deferred/lighting/arrays".into();
-        arrays
+        let mut arrays_layout = bevy_layout.binding_array_layout;
+        arrays_layout.label = "lean_deferred/lighting/arrays".into();
+        arrays_layout
             .entries
-            .retain(|entry| key.decals || entry.binding < DECALS_BINDING);
+            .retain(|entry| key.decals || entry.binding < arrays::CLUSTERED_DECALS);
 
-        for entry in view.entries.iter_mut().chain(&mut arrays.entries) {
+        for entry in view_layout
+            .entries
+            .iter_mut()
+            .chain(&mut arrays_layout.entries)
+        {
             entry.visibility = ShaderStages::COMPUTE;
         }
         LightingLayouts {
-            view: FoundLayout::new(pipeline_cache, view),
-            arrays: FoundLayout::new(pipeline_cache, arrays),
+            view: FoundLayout::new(pipeline_cache, view_layout),
+            arrays: FoundLayout::new(pipeline_cache, arrays_layout),
             targets: FoundLayout::new(pipeline_cache, targets_layout(key)),
             read_targets: key.targets,
             lists: if key.variant != LightingVariant::PLAIN {
@@ -289,12 +271,12 @@ impl LightingPipelines {
 
         // Which look-up tables exist depends on features of Bevy that show only in its layout.
         define(
-            layouts.has_view_binding(BLUE_NOISE_BINDING),
+            layouts.has_view_binding(view::BLUE_NOISE_TEXTURE),
             "BLUE_NOISE_TEXTURE",
         );
-        define(layouts.has_view_binding(DFG_LUT_BINDING), "DFG_LUT");
+        define(layouts.has_view_binding(view::DFG_LUT), "DFG_LUT");
         define(
-            layouts.has_view_binding(AREA_LIGHT_LUTS_BINDING),
+            layouts.has_view_binding(view::AREA_LIGHT_LUTS),
             "AREA_LIGHT_LUTS",
         );
         define(self.binds_arrays(), "MULTIPLE_LIGHT_PROBES_IN_ARRAY");

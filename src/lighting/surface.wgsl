@@ -8,7 +8,7 @@
     position::{SMALLEST_DEPTH, ndc_of_fragment, view_position},
 }
 #import bevy_pbr::{
-    mesh_types::{MESH_FLAGS_SHADOW_RECEIVER_BIT, MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT},
+    mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
     mesh_view_bindings::{depth_prepass_texture as depth_texture, view},
     pbr_functions::calculate_view,
     pbr_types::{PbrInput, STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT, pbr_input_new},
@@ -21,6 +21,14 @@
 
 #ifdef GBUFFER_SPECIALIZATION
 #import bevy_lean_deferred::gbuffer::layout::specialization
+#import bevy_lean_deferred::shading_models::unlit::unpack_unlit
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+#import bevy_lean_deferred::shading_models::clearcoat
+#else ifdef STANDARD_MATERIAL_ANISOTROPY
+#import bevy_lean_deferred::shading_models::anisotropy
+#else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#import bevy_lean_deferred::shading_models::backlight
+#endif
 #endif
 
 /// A pixel of the G-buffer, as far as every invocation reads it.
@@ -159,7 +167,7 @@ fn specialize(pbr: ptr<function, PbrInput>, word: u32) {
         (*pbr).material.flags = 0u;
     }
     if is_unlit(word) {
-        (*pbr).material.base_color = vec4(specialization::unpack_unlit(word), 1.0);
+        (*pbr).material.base_color = vec4(unpack_unlit(word), 1.0);
         return;
     }
     (*pbr).material.reflectance = vec3(specialization::unpack_reflectance(word));
@@ -172,22 +180,11 @@ fn specialize(pbr: ptr<function, PbrInput>, word: u32) {
     // A variant of this pass is compiled for one shading model.
     let arguments = specialization::unpack_arguments(word);
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    (*pbr).material.clearcoat = specialization::unpack_clearcoat_strength(arguments);
-    (*pbr).material.clearcoat_perceptual_roughness =
-        specialization::unpack_clearcoat_roughness(arguments);
-    (*pbr).clearcoat_N = (*pbr).N;
-#endif
-#ifdef STANDARD_MATERIAL_ANISOTROPY
-    (*pbr).anisotropy_strength = specialization::unpack_anisotropy_strength(arguments);
-    (*pbr).anisotropy_T = specialization::unpack_anisotropy_tangent(arguments, (*pbr).N);
-    (*pbr).anisotropy_B = cross((*pbr).N, (*pbr).anisotropy_T);
-#endif
-#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    (*pbr).material.diffuse_transmission = specialization::unpack_backlight_transmission(arguments);
-    (*pbr).material.thickness = specialization::unpack_backlight_thickness(arguments);
-    if specialization::unpack_backlight_shadows(arguments) {
-        (*pbr).flags |= MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT;
-    }
+    clearcoat::specialize(pbr, arguments);
+#else ifdef STANDARD_MATERIAL_ANISOTROPY
+    anisotropy::specialize(pbr, arguments);
+#else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    backlight::specialize(pbr, arguments);
 #endif
 }
 #endif  // GBUFFER_SPECIALIZATION

@@ -3,14 +3,18 @@
 
 use bevy::render::{
     render_resource::{
-        BindGroupLayoutDescriptor, BindGroupLayoutEntries, Buffer, BufferDescriptor,
-        BufferInitDescriptor, BufferUsages, CommandEncoder, ShaderStages,
+        BindGroupLayoutDescriptor, Buffer, BufferDescriptor, BufferInitDescriptor, BufferUsages,
+        CommandEncoder, ShaderStages,
         binding_types::{storage_buffer_read_only_sized, storage_buffer_sized},
     },
     renderer::RenderDevice,
 };
 
-use crate::view::{LightingVariant, LightingVariants};
+use super::binding_numbers::lists;
+use crate::{
+    gpu::bindings::layout,
+    view::{LightingVariant, LightingVariants},
+};
 
 /// Variants that can be told apart.
 const VARIANTS: u64 = 16;
@@ -32,11 +36,7 @@ impl TileLists {
     pub(super) fn new(device: &RenderDevice, listed: LightingVariants, capacity: u32) -> Self {
         let dispatches = device.create_buffer_with_data(&BufferInitDescriptor {
             label: Some("lean_deferred/lighting/dispatches"),
-            contents: [0u32, 0, 1]
-                .map(u32::to_ne_bytes)
-                .as_flattened()
-                .repeat(VARIANTS as usize)
-                .as_slice(),
+            contents: bytemuck::cast_slice(&[[0u32, 0, 1]; VARIANTS as usize]),
             usage: BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_DST,
         });
         let lists = device.create_buffer(&BufferDescriptor {
@@ -83,25 +83,21 @@ impl TileLists {
 
 /// What the dispatch that fills the lists binds of them.
 pub(super) fn filling_layout() -> BindGroupLayoutDescriptor {
-    BindGroupLayoutDescriptor::new(
+    layout(
         "lean_deferred/lighting/fill_lists",
-        &BindGroupLayoutEntries::sequential(
-            ShaderStages::COMPUTE,
-            (
-                storage_buffer_sized(false, None),
-                storage_buffer_sized(false, None),
-            ),
-        ),
+        ShaderStages::COMPUTE,
+        [
+            (lists::DISPATCHES, storage_buffer_sized(false, None)),
+            (lists::LISTS, storage_buffer_sized(false, None)),
+        ],
     )
 }
 
 /// What a dispatch over a list binds of them.
 pub(super) fn reading_layout() -> BindGroupLayoutDescriptor {
-    BindGroupLayoutDescriptor::new(
+    layout(
         "lean_deferred/lighting/read_lists",
-        &BindGroupLayoutEntries::single(
-            ShaderStages::COMPUTE,
-            storage_buffer_read_only_sized(false, None),
-        ),
+        ShaderStages::COMPUTE,
+        [(lists::LISTS, storage_buffer_read_only_sized(false, None))],
     )
 }

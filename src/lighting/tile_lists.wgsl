@@ -60,7 +60,7 @@ fn rank_of(variant: u32) -> u32 {
 #endif
 
 #ifdef LIGHTING_VARIANT
-@group(3) @binding(0) var<storage, read> lists: array<u32>;
+@group(3) @binding(1) var<storage, read> lists: array<u32>;
 
 struct ListedTile {
     /// False for workgroups beyond the end of the list.

@@ -59,7 +59,10 @@ mod tests {
     use kit::compute::{Compute, WgslModule};
 
     use super::{LightingVariant, LightingVariants};
-    use crate::{shader_library::layout::specialization as special, view::ShadingModel};
+    use crate::{
+        shader_library::layout::specialization as special, shading_models::unlit,
+        view::ShadingModel,
+    };
 
     const MODELS: [ShadingModel; 7] = [
         ShadingModel::Plain,
@@ -98,7 +101,7 @@ fn kernel(word: array<u32, 1>) -> array<u32, 1> {
         }
         for brightness in [0.0, 0.3, 1.0, 70.0, 3e4] {
             let color = brightness * Vec3::new(1.0, 0.5, 0.9);
-            let word = special::pack_unlit(color, ShadingModel::Unlit as u32, special::NO_FOG);
+            let word = unlit::pack_unlit(color, special::NO_FOG);
             pixels.push((word, LightingVariant::PLAIN));
         }
 

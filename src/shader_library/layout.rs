@@ -89,14 +89,14 @@ pub struct Surface {
 }
 
 /// Rounds `x`, clamped to 0..1, to the nearest of `steps + 1` codes; NaN becomes 0.
-fn quantize(x: f32, steps: f32) -> u32 {
+pub(crate) fn quantize(x: f32, steps: f32) -> u32 {
     let valid = if x.is_nan() { 0.0 } else { x };
     (valid.clamp(0.0, 1.0) * steps + 0.5) as u32
 }
 
 /// Rounds the square roots of `color`, clamped to 0..1, to the nearest of `steps + 1` codes; with a NaN it becomes
 /// black.
-fn quantize_roots(color: Vec3, steps: Vec3) -> [u32; 3] {
+pub(crate) fn quantize_roots(color: Vec3, steps: Vec3) -> [u32; 3] {
     let valid = if (color.x + color.y + color.z).is_nan() {
         Vec3::ZERO
     } else {

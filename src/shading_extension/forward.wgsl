@@ -1,8 +1,8 @@
 // Fragment shader that draws a `StandardMaterial` with a `ShadingExtension` in Bevy's forward passes.
-#import bevy_lean_deferred::gbuffer::layout::specialization::{
-    RIM, unpack_rim_color, unpack_rim_exponent,
-}
-#import bevy_lean_deferred::shading_extension::{extension::extension_of, rim::rim_light}
+#define SHADING_MODEL_RIM
+#import bevy_lean_deferred::gbuffer::layout::specialization::RIM
+#import bevy_lean_deferred::shading_extension::extension::extension_of
+#import bevy_lean_deferred::shading_models::rim::rim_light
 #import bevy_pbr::{
     decal::clustered::apply_decals,
     forward_io::{FragmentOutput, VertexOutput},
@@ -29,9 +29,7 @@ fn light(pbr: PbrInput, instance_index: u32) -> vec4<f32> {
     var color = apply_pbr_lighting(pbr);
     let extension = extension_of(instance_index);
     if extension.shading_model == RIM {
-        let rim_color = unpack_rim_color(extension.arguments);
-        let rim = rim_light(pbr, rim_color, unpack_rim_exponent(extension.arguments));
-        color = vec4(color.rgb + rim, color.a);
+        color = vec4(color.rgb + rim_light(pbr, extension.arguments), color.a);
     }
     return color;
 }

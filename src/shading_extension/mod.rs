@@ -2,7 +2,6 @@
 //!
 //! - `extension.wgsl`: its bindings.
 //! - `forward.wgsl`, `gbuffer.wgsl`: the fragment shaders of cameras without and with `LeanDeferred`.
-//! - `rim.wgsl`: rim light, for the first of these and for the lighting pass.
 
 use bevy::{
     asset::{AssetPath, embedded_asset, embedded_path},
@@ -19,9 +18,9 @@ use bevy::{
     shader::{ShaderRef, load_shader_library},
 };
 
-use crate::gbuffer::{
-    GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds, ShadingModel,
-    layout::specialization::{pack_rim, pack_subsurface},
+use crate::{
+    gbuffer::{GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds, ShadingModel},
+    shading_models::{rim::pack_rim, subsurface::pack_subsurface},
 };
 
 /// A `StandardMaterial` with a [`ShadingExtension`].
@@ -115,9 +114,11 @@ fn embedded(file: &str) -> ShaderRef {
     ShaderRef::Path(AssetPath::from_path_buf(embedded_path!(file)).with_source("embedded"))
 }
 
-/// Twin of `Extension` in `extension.wgsl`.
-#[derive(ShaderType)]
-struct ExtensionUniform {
+/// What the shaders know of a material's extension.
+#[doc(hidden)]
+#[derive(ShaderType, Reflect)]
+#[reflect(no_auto_register)]
+pub struct ExtensionUniform {
     shading_model: u32,
     arguments: u32,
 }
@@ -204,7 +205,6 @@ pub struct ShadingExtensionPlugin;
 impl Plugin for ShadingExtensionPlugin {
     fn build(&self, app: &mut App) {
         load_shader_library!(app, "extension.wgsl");
-        load_shader_library!(app, "rim.wgsl");
         embedded_asset!(app, "forward.wgsl");
         embedded_asset!(app, "gbuffer.wgsl");
         app.register_type::<ShadingExtension>();

@@ -410,12 +410,12 @@ fn animated_quality_compiles_one_pipeline() {
     stage.insert(occlusion(OcclusionQuality::High));
     stage.headless.settle();
     let preset = stage.headless.capture();
-    let compiled = stage.pipelines("lean_deferred/occlusion/gather");
+    let compiled = stage.pipelines("lean_deferred/ambient_occlusion/gather");
     assert_eq!(compiled, 1);
     for steps in 1..=12 {
         stage.insert(occlusion(OcclusionQuality::Custom { slices: 2, steps }));
     }
-    let compiled = stage.pipelines("lean_deferred/occlusion/gather");
+    let compiled = stage.pipelines("lean_deferred/ambient_occlusion/gather");
     assert_eq!(compiled, 2);
 
     stage.insert(occlusion(OcclusionQuality::Custom {

@@ -14,7 +14,7 @@ use kit::{
     random::Random,
 };
 
-const MODULES: [WgslModule; 3] = [
+const MODULES: [WgslModule; 16] = [
     WgslModule {
         path: "src/shader_library/layout.wgsl",
         source: include_str!("../../src/shader_library/layout.wgsl"),
@@ -27,7 +27,46 @@ const MODULES: [WgslModule; 3] = [
         path: "src/shader_library/layout/specialization.wgsl",
         source: include_str!("../../src/shader_library/layout/specialization.wgsl"),
     },
+    stand_in("#define_import_path bevy_pbr::pbr_types"),
+    stand_in("#define_import_path bevy_pbr::mesh_types"),
+    stand_in("#define_import_path bevy_pbr::clustered_forward"),
+    stand_in("#define_import_path bevy_pbr::mesh_view_bindings"),
+    stand_in("#define_import_path bevy_pbr::environment_map"),
+    stand_in("#define_import_path bevy_pbr::lighting"),
+    stand_in("#define_import_path bevy_pbr::irradiance_volume"),
+    WgslModule {
+        path: "src/shading_models/anisotropy.wgsl",
+        source: include_str!("../../src/shading_models/anisotropy.wgsl"),
+    },
+    WgslModule {
+        path: "src/shading_models/clearcoat.wgsl",
+        source: include_str!("../../src/shading_models/clearcoat.wgsl"),
+    },
+    WgslModule {
+        path: "src/shading_models/backlight.wgsl",
+        source: include_str!("../../src/shading_models/backlight.wgsl"),
+    },
+    WgslModule {
+        path: "src/shading_models/rim.wgsl",
+        source: include_str!("../../src/shading_models/rim.wgsl"),
+    },
+    WgslModule {
+        path: "src/shading_models/subsurface.wgsl",
+        source: include_str!("../../src/shading_models/subsurface.wgsl"),
+    },
+    WgslModule {
+        path: "src/shading_models/unlit.wgsl",
+        source: include_str!("../../src/shading_models/unlit.wgsl"),
+    },
 ];
+
+/// For a module that only lighting imports.
+const fn stand_in(source: &'static str) -> WgslModule {
+    WgslModule {
+        path: "a stand-in",
+        source,
+    }
+}
 
 /// Inputs of one dispatch.
 const BATCH: usize = 1 << 20;

@@ -6,3 +6,4 @@ mod layout_optional;
 mod permutations;
 mod reconstruction;
 mod tile_lists;
+mod twins;

@@ -25,10 +25,10 @@ use kit::headless::Headless;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{Composer, NagaModuleDescriptor, ShaderDefValue};
 
-type Definitions = HashMap<String, ShaderDefValue>;
+pub type Definitions = HashMap<String, ShaderDefValue>;
 
 /// The definition that `text` stands for: a name, or a name, `=` and a number.
-fn definition(text: &str) -> (String, ShaderDefValue) {
+pub fn definition(text: &str) -> (String, ShaderDefValue) {
     match text.split_once('=') {
         Some((name, value)) => {
             let value = value.parse().expect("the value is a number");
@@ -72,13 +72,13 @@ fn shipped_shaders() -> &'static HashMap<String, Shader> {
 }
 
 /// Puts shaders together as Bevy's `ShaderCache` does.
-struct Modules {
+pub struct Modules {
     composer: Composer,
     capabilities: Capabilities,
 }
 
 impl Modules {
-    fn new() -> Self {
+    pub fn new() -> Self {
         // What binding arrays need, beside what every device has.
         let capabilities = Capabilities::default()
             | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY
@@ -112,13 +112,17 @@ impl Modules {
         Ok(())
     }
 
-    fn check(&mut self, shader: &Shader, defs: Definitions) -> Result<(), String> {
+    pub fn compose(&mut self, shader: &Shader, defs: Definitions) -> Result<naga::Module, String> {
         self.add(&shader.imports)?;
         let composed = self.composer.make_naga_module(NagaModuleDescriptor {
             shader_defs: defs,
             ..shader.into()
         });
-        let module = composed.map_err(|error| error.emit_to_string(&self.composer))?;
+        composed.map_err(|error| error.emit_to_string(&self.composer))
+    }
+
+    fn check(&mut self, shader: &Shader, defs: Definitions) -> Result<(), String> {
+        let module = self.compose(shader, defs)?;
         Validator::new(ValidationFlags::all(), self.capabilities)
             .validate(&module)
             .map_err(|error| format!("{:?}", error.into_inner()))?;

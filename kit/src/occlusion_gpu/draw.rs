@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use bevy::math::UVec2;
+use bevy_lean_deferred::ambient_occlusion::binding_numbers as numbers;
 
 use super::OcclusionGpu;
 
@@ -28,7 +29,7 @@ impl OcclusionGpu {
         use wgpu::BindingType as Type;
         let mut entries = vec![
             layout_entry(
-                0,
+                numbers::VIEW,
                 stage,
                 Type::Buffer {
                     ty: wgpu::BufferBindingType::Uniform,
@@ -37,7 +38,7 @@ impl OcclusionGpu {
                 },
             ),
             layout_entry(
-                1,
+                numbers::DEPTH_TEXTURE,
                 stage,
                 Type::Texture {
                     sample_type: wgpu::TextureSampleType::Depth,
@@ -46,17 +47,21 @@ impl OcclusionGpu {
                 },
             ),
             layout_entry(
-                2,
+                numbers::NEAREST_SAMPLER,
                 stage,
                 Type::Sampler(wgpu::SamplerBindingType::NonFiltering),
             ),
         ];
         if reads_occlusion {
-            entries.push(layout_entry(3, stage, float_texture()));
+            entries.push(layout_entry(
+                numbers::OCCLUSION_TEXTURE,
+                stage,
+                float_texture(),
+            ));
         }
         if let Some(format) = output {
             entries.push(layout_entry(
-                4,
+                numbers::OUTPUT_TEXTURE,
                 stage,
                 Type::StorageTexture {
                     access: wgpu::StorageTextureAccess::WriteOnly,

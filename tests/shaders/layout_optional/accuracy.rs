@@ -5,6 +5,9 @@ use bevy::{
     math::Vec3,
 };
 use bevy_lean_deferred::gbuffer::layout::{emissive, specialization as special};
+use bevy_lean_deferred::shading_models::{
+    anisotropy, backlight, clearcoat, rim, subsurface, unlit,
+};
 
 use kit::random::Random;
 
@@ -76,7 +79,7 @@ fn encoded(color: Vec3) -> Vec3 {
 
 #[test]
 fn unlit_colors_are_as_exact_as_documented() {
-    let store = |color| special::unpack_unlit(special::pack_unlit(color, 6, 0));
+    let store = |color| unlit::unpack_unlit(unlit::pack_unlit(color, 0));
     let mut random = Random::new(7);
     let (mut squares, mut largest) = (0.0f64, 0.0f64);
     const COUNT: u32 = 1_000_000;
@@ -124,18 +127,18 @@ fn arguments_are_as_exact_as_their_bits_allow() {
         (
             "clearcoat strength",
             8,
-            (|x| special::unpack_clearcoat_strength(special::pack_clearcoat(x, 0.3)))
+            (|x| clearcoat::unpack_clearcoat_strength(clearcoat::pack_clearcoat(x, 0.3)))
                 as fn(f32) -> f32,
         ),
         ("clearcoat roughness", 8, |x| {
-            special::unpack_clearcoat_roughness(special::pack_clearcoat(0.7, x))
+            clearcoat::unpack_clearcoat_roughness(clearcoat::pack_clearcoat(0.7, x))
         }),
         ("anisotropy strength", 7, |x| {
-            let arguments = special::pack_anisotropy(x, Vec3::X, Vec3::Z);
-            special::unpack_anisotropy_strength(arguments)
+            let arguments = anisotropy::pack_anisotropy(x, Vec3::X, Vec3::Z);
+            anisotropy::unpack_anisotropy_strength(arguments)
         }),
         ("diffuse transmission", 7, |x| {
-            special::unpack_backlight_transmission(special::pack_backlight(x, 1.0, true))
+            backlight::unpack_backlight_transmission(backlight::pack_backlight(x, 1.0, true))
         }),
     ] {
         let error = absolute_error(1.0, store);
@@ -144,17 +147,17 @@ fn arguments_are_as_exact_as_their_bits_allow() {
     }
 
     let thickness = relative_error(logarithmic(1e-6, 3700.0, 1_000_000), |x| {
-        special::unpack_backlight_thickness(special::pack_backlight(0.0, x, false))
+        backlight::unpack_backlight_thickness(backlight::pack_backlight(0.0, x, false))
     });
     println!("thickness, 1 µm to 3.7 km: {thickness:.4} of it");
     assert!(thickness < 0.0219 + 1e-4);
     let path = relative_error(logarithmic(1e-4, 1.0, 1_000_000), |x| {
-        special::unpack_subsurface_path(special::pack_subsurface(Vec3::ONE, x))
+        subsurface::unpack_subsurface_path(subsurface::pack_subsurface(Vec3::ONE, x))
     });
     println!("mean free path, 0.1 mm to 1 m: {path:.4} of it");
     assert!(path < 0.0759 + 2e-4);
     let rim = absolute_error(15.0, |x| {
-        special::unpack_rim_exponent(special::pack_rim(Vec3::ONE, x + 1.0)) - 1.0
+        rim::unpack_rim_exponent(rim::pack_rim(Vec3::ONE, x + 1.0)) - 1.0
     });
     println!("exponent of rim light: {rim:.3}");
     assert!(rim < 0.49);

@@ -3,7 +3,8 @@
 use core::f64::consts::PI;
 
 use bevy::math::{DVec3, IVec3, Vec3};
-use bevy_lean_deferred::gbuffer::layout::{self, specialization as special};
+use bevy_lean_deferred::gbuffer::layout;
+use bevy_lean_deferred::shading_models::anisotropy;
 
 use super::forms::{Field, Values};
 use kit::random::Random;
@@ -17,7 +18,7 @@ fn projected(values: &Values) -> [f64; 2] {
     let normal = direction(&values[4..]);
     // The frame is the twin's own: a quarter turn apart, at codes 0 and 512.
     let frame = [0, 512].map(|code| {
-        let tangent = special::unpack_anisotropy_tangent(code << 7, normal.as_vec3());
+        let tangent = anisotropy::unpack_anisotropy_tangent(code << 7, normal.as_vec3());
         tangent.as_dvec3()
     });
     frame.map(|axis| axis.dot(direction(&values[1..])))
@@ -87,8 +88,8 @@ fn tangents_are_as_exact_as_documented() {
             let normal = normal(&mut random, kind);
             let tangent = tangent_of(normal, &mut random);
             let stored = layout::unpack_normal(layout::pack_normal(normal.as_vec3(), 0.0));
-            let arguments = special::pack_anisotropy(1.0, tangent.as_vec3(), stored);
-            let decoded = special::unpack_anisotropy_tangent(arguments, stored).as_dvec3();
+            let arguments = anisotropy::pack_anisotropy(1.0, tangent.as_vec3(), stored);
+            let decoded = anisotropy::unpack_anisotropy_tangent(arguments, stored).as_dvec3();
             assert!(
                 (decoded.length() - 1.0).abs() < 1e-6
                     && decoded.dot(stored.as_dvec3()).abs() < 1e-6
@@ -126,7 +127,7 @@ fn tangents_do_not_hang_on_the_last_bits_of_common_normals() {
         let normal = layout::unpack_normal(layout::pack_normal(normal, 0.0));
         for moved in [-1e-6, 1e-6].map(|z| (normal + z * Vec3::Z).normalize()) {
             for angle in [0, 200, 700] {
-                let decoded = |n| special::unpack_anisotropy_tangent(angle << 7, n).as_dvec3();
+                let decoded = |n| anisotropy::unpack_anisotropy_tangent(angle << 7, n).as_dvec3();
                 let turned = angle_of_lines(decoded(normal), decoded(moved));
                 assert!(turned < 0.001, "{normal} turns {turned}°");
             }

@@ -7,6 +7,7 @@ use kit::compute::Compute;
 const CHECK: &str = "
 #import bevy_lean_deferred::gbuffer::layout::emissive as emissive
 #import bevy_lean_deferred::gbuffer::layout::specialization as special
+#import bevy_lean_deferred::shading_models::{unlit}
 fn emissive_survives(word: u32) -> bool {
     let light = emissive::unpack_emissive(word);
     let again = emissive::pack_emissive(light);
@@ -21,7 +22,7 @@ fn unlit_survives(bits: u32) -> bool {
     let codes = vec3(word & 0xffu, (word >> 15u) & 0xffu, (word >> 23u) & 0xffu);
     // No darker colour has this exponent: 181 is the least root above the half of 255 squared.
     let is_canonical = exponent == 0u || max(codes.r, max(codes.g, codes.b)) >= 181u;
-    let again = special::pack_unlit(special::unpack_unlit(word), special::UNLIT, word);
+    let again = unlit::pack_unlit(unlit::unpack_unlit(word), word);
     return again == word || !is_canonical;
 }
 fn kernel(input: array<u32, 2>) -> array<u32, 2> {

@@ -2,6 +2,9 @@
 
 use bevy::math::Vec3;
 use bevy_lean_deferred::gbuffer::layout::{emissive, specialization as special};
+use bevy_lean_deferred::shading_models::{
+    anisotropy, backlight, clearcoat, rim, subsurface, unlit,
+};
 
 use kit::random::Random;
 
@@ -70,6 +73,7 @@ impl Form {
             "
 #import bevy_lean_deferred::gbuffer::layout::emissive as emissive
 #import bevy_lean_deferred::gbuffer::layout::specialization as special
+#import bevy_lean_deferred::shading_models::{{anisotropy, backlight, clearcoat, rim, subsurface, unlit}}
 fn unpacked(word: u32, normal: vec3<f32>) -> vec4<f32> {{
     return {unpack_wgsl};
 }}
@@ -127,8 +131,8 @@ const fn unlit_field(shift: u32, value: usize) -> Field {
         value,
         place: |x, values| {
             let largest = values[..3].iter().copied().fold(0.0, f32::max);
-            let exponent = f64::from(largest.min(special::LARGEST_UNLIT)).log2().ceil();
-            (x.min(f64::from(special::LARGEST_UNLIT)) / exponent.max(0.0).exp2()).sqrt() * 255.0
+            let exponent = f64::from(largest.min(unlit::LARGEST_UNLIT)).log2().ceil();
+            (x.min(f64::from(unlit::LARGEST_UNLIT)) / exponent.max(0.0).exp2()).sqrt() * 255.0
         },
         tie: TIE,
         wraps: false,
@@ -219,13 +223,13 @@ pub const FORMS: &[Form] = &[
     },
     Form {
         name: "subsurface",
-        unpack_wgsl: "vec4(special::unpack_subsurface_color(word), special::unpack_subsurface_path(word))",
-        pack_wgsl: "special::pack_subsurface(color, x[3])",
+        unpack_wgsl: "vec4(subsurface::unpack_subsurface_color(word), subsurface::unpack_subsurface_path(word))",
+        pack_wgsl: "subsurface::pack_subsurface(color, x[3])",
         unpack: |word, _| {
-            let color = special::unpack_subsurface_color(word);
-            with(color, special::unpack_subsurface_path(word))
+            let color = subsurface::unpack_subsurface_color(word);
+            with(color, subsurface::unpack_subsurface_path(word))
         },
-        pack: |x| special::pack_subsurface(color(&x), x[3]),
+        pack: |x| subsurface::pack_subsurface(color(&x), x[3]),
         words: all_arguments,
         decode_tolerance: DECODE_TOLERANCE,
         decode_least: 0.0,
@@ -246,15 +250,15 @@ pub const FORMS: &[Form] = &[
     Form {
         name: "anisotropy",
         unpack_wgsl: "vec4(
-            special::unpack_anisotropy_strength(word),
-            special::unpack_anisotropy_tangent(word, normal),
+            anisotropy::unpack_anisotropy_strength(word),
+            anisotropy::unpack_anisotropy_tangent(word, normal),
         )",
-        pack_wgsl: "special::pack_anisotropy(x[0], vec3(x[1], x[2], x[3]), normal)",
+        pack_wgsl: "anisotropy::pack_anisotropy(x[0], vec3(x[1], x[2], x[3]), normal)",
         unpack: |word, normal| {
-            let t = special::unpack_anisotropy_tangent(word, normal);
-            [special::unpack_anisotropy_strength(word), t.x, t.y, t.z]
+            let t = anisotropy::unpack_anisotropy_tangent(word, normal);
+            [anisotropy::unpack_anisotropy_strength(word), t.x, t.y, t.z]
         },
-        pack: |x| special::pack_anisotropy(x[0], color(&x[1..]), color(&x[4..])),
+        pack: |x| anisotropy::pack_anisotropy(x[0], color(&x[1..]), color(&x[4..])),
         words: all_arguments,
         // Parts of a unit vector, by the device's sine and cosine.
         decode_tolerance: DECODE_TOLERANCE,
@@ -263,13 +267,13 @@ pub const FORMS: &[Form] = &[
     },
     Form {
         name: "rim",
-        unpack_wgsl: "vec4(special::unpack_rim_color(word), special::unpack_rim_exponent(word))",
-        pack_wgsl: "special::pack_rim(color, x[3])",
+        unpack_wgsl: "vec4(rim::unpack_rim_color(word), rim::unpack_rim_exponent(word))",
+        pack_wgsl: "rim::pack_rim(color, x[3])",
         unpack: |word, _| {
-            let exponent = special::unpack_rim_exponent(word);
-            with(special::unpack_rim_color(word), exponent)
+            let exponent = rim::unpack_rim_exponent(word);
+            with(rim::unpack_rim_color(word), exponent)
         },
-        pack: |x| special::pack_rim(color(&x), x[3]),
+        pack: |x| rim::pack_rim(color(&x), x[3]),
         words: all_arguments,
         decode_tolerance: DECODE_TOLERANCE,
         decode_least: 0.0,
@@ -290,22 +294,22 @@ pub const FORMS: &[Form] = &[
     Form {
         name: "clearcoat",
         unpack_wgsl: "vec4(
-            special::unpack_clearcoat_strength(word),
-            special::unpack_clearcoat_roughness(word),
+            clearcoat::unpack_clearcoat_strength(word),
+            clearcoat::unpack_clearcoat_roughness(word),
             0.0,
             0.0,
         )",
-        pack_wgsl: "special::pack_clearcoat(x[0], x[1])",
+        pack_wgsl: "clearcoat::pack_clearcoat(x[0], x[1])",
         unpack: |word, _| {
-            let strength = special::unpack_clearcoat_strength(word);
+            let strength = clearcoat::unpack_clearcoat_strength(word);
             [
                 strength,
-                special::unpack_clearcoat_roughness(word),
+                clearcoat::unpack_clearcoat_roughness(word),
                 0.0,
                 0.0,
             ]
         },
-        pack: |x| special::pack_clearcoat(x[0], x[1]),
+        pack: |x| clearcoat::pack_clearcoat(x[0], x[1]),
         words: |_| (0..1 << 16).collect(),
         decode_tolerance: DECODE_TOLERANCE,
         decode_least: 0.0,
@@ -314,19 +318,19 @@ pub const FORMS: &[Form] = &[
     Form {
         name: "backlight",
         unpack_wgsl: "vec4(
-            special::unpack_backlight_transmission(word),
-            special::unpack_backlight_thickness(word),
-            f32(special::unpack_backlight_shadows(word)),
+            backlight::unpack_backlight_transmission(word),
+            backlight::unpack_backlight_thickness(word),
+            f32(backlight::unpack_backlight_shadows(word)),
             0.0,
         )",
-        pack_wgsl: "special::pack_backlight(x[0], x[1], x[2] > 0.5)",
+        pack_wgsl: "backlight::pack_backlight(x[0], x[1], x[2] > 0.5)",
         unpack: |word, _| {
-            let shadows = special::unpack_backlight_shadows(word);
-            let thickness = special::unpack_backlight_thickness(word);
-            let transmission = special::unpack_backlight_transmission(word);
+            let shadows = backlight::unpack_backlight_shadows(word);
+            let thickness = backlight::unpack_backlight_thickness(word);
+            let transmission = backlight::unpack_backlight_transmission(word);
             [transmission, thickness, f32::from(u8::from(shadows)), 0.0]
         },
-        pack: |x| special::pack_backlight(x[0], x[1], x[2] > 0.5),
+        pack: |x| backlight::pack_backlight(x[0], x[1], x[2] > 0.5),
         words: all_arguments,
         decode_tolerance: DECODE_TOLERANCE,
         decode_least: 0.0,
@@ -344,11 +348,11 @@ pub const FORMS: &[Form] = &[
     },
     Form {
         name: "unlit",
-        unpack_wgsl: "vec4(special::unpack_unlit(word), f32(word & special::NO_FOG))",
-        pack_wgsl: "special::pack_unlit(color, special::UNLIT, u32(x[3]))",
-        unpack: |word, _| with(special::unpack_unlit(word), (word & special::NO_FOG) as f32),
+        unpack_wgsl: "vec4(unlit::unpack_unlit(word), f32(word & special::NO_FOG))",
+        pack_wgsl: "unlit::pack_unlit(color, u32(x[3]))",
+        unpack: |word, _| with(unlit::unpack_unlit(word), (word & special::NO_FOG) as f32),
         // Only the flag of the fog has a place.
-        pack: |x| special::pack_unlit(color(&x), UNLIT, x[3] as u32),
+        pack: |x| unlit::pack_unlit(color(&x), x[3] as u32),
         words: |random| {
             let mut words = Vec::new();
             for exponent in 0..16 {

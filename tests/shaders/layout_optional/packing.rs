@@ -2,6 +2,7 @@
 
 use bevy::math::Vec3;
 use bevy_lean_deferred::gbuffer::layout::{emissive, specialization as special};
+use bevy_lean_deferred::shading_models::{backlight, rim, subsurface, unlit};
 
 use super::{
     BATCH, MODULES,
@@ -258,9 +259,9 @@ fn what_cannot_be_stored_is_replaced() {
     );
     assert_eq!(light(0.0, 65504.0, 0.0), Vec3::new(0.0, brightest, 0.0));
 
-    let unlit = |r, g, b| special::unpack_unlit(special::pack_unlit(Vec3::new(r, g, b), 6, 0));
+    let unlit = |r, g, b| unlit::unpack_unlit(unlit::pack_unlit(Vec3::new(r, g, b), 0));
     assert_eq!(unlit(f32::NAN, 1.0, 1.0), Vec3::ZERO);
-    let brightest = special::LARGEST_UNLIT;
+    let brightest = unlit::LARGEST_UNLIT;
     assert_eq!(
         unlit(1e6, -1.0, f32::INFINITY),
         Vec3::new(brightest, 0.0, brightest)
@@ -271,19 +272,19 @@ fn what_cannot_be_stored_is_replaced() {
         assert_eq!(special::unpack_reflectance(word), stored);
     }
     for (thickness, stored) in [(f32::NAN, 0.0), (-1.0, 0.0), (0.0, 0.0), (1e-7, 0.0)] {
-        let arguments = special::pack_backlight(0.0, thickness, false);
-        assert_eq!(special::unpack_backlight_thickness(arguments), stored);
+        let arguments = backlight::pack_backlight(0.0, thickness, false);
+        assert_eq!(backlight::unpack_backlight_thickness(arguments), stored);
     }
     for far in [4e3, f32::INFINITY] {
-        let arguments = special::pack_backlight(0.0, far, false);
+        let arguments = backlight::pack_backlight(0.0, far, false);
         assert_eq!(
-            special::unpack_backlight_thickness(arguments),
+            backlight::unpack_backlight_thickness(arguments),
             2f32.powf(11.875)
         );
     }
     for (exponent, stored) in [(f32::NAN, 1.0), (-1.0, 1.0), (f32::INFINITY, 16.0)] {
-        let arguments = special::pack_rim(Vec3::ZERO, exponent);
-        assert_eq!(special::unpack_rim_exponent(arguments), stored);
+        let arguments = rim::pack_rim(Vec3::ZERO, exponent);
+        assert_eq!(rim::unpack_rim_exponent(arguments), stored);
     }
     for (path, stored) in [
         (f32::NAN, 1e-4),
@@ -291,8 +292,8 @@ fn what_cannot_be_stored_is_replaced() {
         (0.0, 1e-4),
         (f32::INFINITY, 1.0),
     ] {
-        let arguments = special::pack_subsurface(Vec3::ZERO, path);
-        let error = special::unpack_subsurface_path(arguments) / stored - 1.0;
+        let arguments = subsurface::pack_subsurface(Vec3::ZERO, path);
+        let error = subsurface::unpack_subsurface_path(arguments) / stored - 1.0;
         assert!(
             error.abs() < 1e-6,
             "{path} is stored with an error of {error}"

@@ -1,6 +1,32 @@
-// Light caught along the silhouette.
-#define_import_path bevy_lean_deferred::shading_extension::rim
+// Light caught along the silhouette. Twin of `rim.rs`, which has the bit table, under the same names.
+#define_import_path bevy_lean_deferred::shading_models::rim
 
+#import bevy_lean_deferred::gbuffer::layout::{quantize, quantize_roots}
+#import bevy_lean_deferred::gbuffer::layout::specialization::RIM
+
+const SHADING_MODEL: u32 = RIM;
+
+/// Packs the arguments of rim light: colour 0 to 1, exponent 1 to 16.
+fn pack_rim(color: vec3<f32>, exponent: f32) -> u32 {
+    let codes = quantize_roots(color, vec3(15.0));
+    let root = sqrt(max((exponent - 1.0) / 15.0, 0.0));
+    return codes.r | (codes.g << 4u) | (codes.b << 8u) | (quantize(root, 31.0) << 12u);
+}
+
+/// Colour of rim light, 0 to 1.
+fn unpack_rim_color(arguments: u32) -> vec3<f32> {
+    let codes = vec3(arguments & 0xfu, (arguments >> 4u) & 0xfu, (arguments >> 8u) & 0xfu);
+    let root = vec3<f32>(codes) / 15.0;
+    return root * root;
+}
+
+/// Exponent of rim light, 1 to 16.
+fn unpack_rim_exponent(arguments: u32) -> f32 {
+    let root = f32((arguments >> 12u) & 0x1fu) / 31.0;
+    return 1.0 + 15.0 * root * root;
+}
+
+#ifdef SHADING_MODEL_RIM
 #import bevy_pbr::{
     clustered_forward as clustering,
     mesh_view_bindings::{lights, view},
@@ -17,8 +43,11 @@
 
 /// The dedicated rim term of Mitchell, Francke and Eng 2007, "Illustrative Rendering in Team Fortress 2":
 /// `(n · u) (1 - n · v)^exponent color a(v)`, where `u` points up and `a(v)` is the light that comes along the eye's
-/// ray, from behind the surface. Negative products are 0. Exposed, as what `apply_pbr_lighting` returns.
-fn rim_light(in: PbrInput, color: vec3<f32>, exponent: f32) -> vec3<f32> {
+/// ray, from behind the surface. Negative products are 0. Colour and exponent
+/// come from packed `arguments`. Exposed, as what `apply_pbr_lighting` returns.
+fn rim_light(in: PbrInput, arguments: u32) -> vec3<f32> {
+    let color = unpack_rim_color(arguments);
+    let exponent = unpack_rim_exponent(arguments);
     // Shading normals may turn away from the viewer: no more than a whole rim there.
     let fresnel = pow(1.0 - saturate(dot(in.N, in.V)), exponent);
     let up = saturate(in.N.y);
@@ -54,3 +83,4 @@ fn light_from(direction: vec3<f32>, in: PbrInput) -> vec3<f32> {
 #endif
     return light;
 }
+#endif  // SHADING_MODEL_RIM

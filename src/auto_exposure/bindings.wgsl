@@ -1,10 +1,12 @@
-// What the passes of auto exposure know of a view, and what they leave for one another.
-#define_import_path bevy_lean_deferred::auto_exposure::view
+// What the passes bind: each imports what it uses.
+#define_import_path bevy_lean_deferred::auto_exposure::bindings
+
+#import bevy_render::view::View
 
 /// Pixels that a workgroup reads if it reads all; twin of `TILE` in `key.rs`.
 const TILE: vec2<u32> = vec2(64u, 128u);
 
-/// Twin of the struct of the same name in `uniforms.rs`.
+/// Settings, and what the passes know of a view.
 struct ExposureView {
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
@@ -30,7 +32,7 @@ struct ExposureView {
     curve: array<vec4<f32>, 16>,
 }
 
-/// Kept from frame to frame, and read back. Twin of the struct of the same name in `uniforms.rs`.
+/// Kept from frame to frame, and read back.
 struct ExposureState {
     luminance: f32,
     exposure: f32,
@@ -45,3 +47,21 @@ const LOG_OF_FIRST_BIN: f32 = -14.0;
 const BINS_PER_STOP: f32 = 8.5333333;
 /// A full weight, in the histogram's counts: 8192×8192 pixels do not overflow a bin.
 const FULL_WEIGHT: f32 = 63.0;
+
+@group(0) @binding(0) var<uniform> view: ExposureView;
+@group(0) @binding(1) var picture: texture_2d<f32>;
+#ifdef HISTOGRAM
+@group(0) @binding(2) var<storage, read_write> histogram: array<atomic<u32>, 256>;
+#else
+@group(0) @binding(2) var<storage, read_write> partials: array<vec2<f32>>;
+#endif
+#ifdef MASK
+@group(0) @binding(3) var mask: texture_2d<f32>;
+@group(0) @binding(4) var mask_sampler: sampler;
+#endif
+#ifdef OVERLAY
+@group(0) @binding(5) var<storage, read> state: ExposureState;
+#else
+@group(0) @binding(5) var<storage, read_write> state: ExposureState;
+#endif
+@group(0) @binding(6) var<storage, read_write> bevy_view: View;

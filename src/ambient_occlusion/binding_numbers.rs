@@ -1,0 +1,12 @@
+//! Where the shaders of ambient occlusion have what they bind; each pass binds a part. Names as in `bindings.wgsl`.
+
+use crate::gpu::bindings::binding_numbers;
+
+binding_numbers! {
+    VIEW = 0,
+    DEPTH_TEXTURE = 1,
+    NEAREST_SAMPLER = 2,
+    NORMAL_TEXTURE = 3,
+    OUTPUT_TEXTURE = 4,
+    OCCLUSION_TEXTURE = 5,
+}

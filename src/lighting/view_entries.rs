@@ -1,0 +1,177 @@
+//! What lighting binds of Bevy's: the view, light probes and decals.
+
+use bevy::{
+    image::Image,
+    prelude::*,
+    render::{
+        render_resource::{BindGroupLayoutEntry, BindingResource, IntoBinding},
+        texture::GpuImage,
+    },
+};
+
+use super::{
+    binding_numbers::{arrays, view},
+    bindings::{LightingResources, LitViewItem},
+};
+use crate::gpu::bind_group_cache::Entries;
+
+/// What bind group 0 has at `binding`, and its dynamic offset if it has one.
+pub(super) fn view_entry<'a>(
+    binding: u32,
+    lit: &'a LitViewItem,
+    resources: &'a LightingResources,
+) -> Option<(BindingResource<'a>, Option<u32>)> {
+    let images = &resources.images;
+    let fallback = &resources.fallback;
+    let atmosphere = resources.buffers.atmosphere.as_ref();
+    let mut offset = None;
+    let resource = match binding {
+        view::VIEW => {
+            offset = Some(lit.view_offset.offset);
+            resources.view_uniforms.uniforms.binding()?
+        }
+        view::LIGHTS => {
+            offset = Some(lit.lights_offset.offset);
+            resources.lights.view_gpu_lights.binding()?
+        }
+        view::POINT_SHADOW_TEXTURES => lit.shadows.point_light_depth_texture_view.into_binding(),
+        view::POINT_SHADOW_TEXTURES_COMPARISON_SAMPLER => resources
+            .shadow_samplers
+            .point_light_comparison_sampler
+            .into_binding(),
+        view::DIRECTIONAL_SHADOW_TEXTURES => lit
+            .shadows
+            .directional_light_depth_texture_view
+            .into_binding(),
+        view::DIRECTIONAL_SHADOW_TEXTURES_COMPARISON_SAMPLER => resources
+            .shadow_samplers
+            .directional_light_comparison_sampler
+            .into_binding(),
+        view::CLUSTERED_LIGHTS => resources.clustered.gpu_clustered_lights.binding()?,
+        view::CLUSTERABLE_OBJECT_INDEX_LISTS => {
+            lit.clusters.clusterable_object_index_lists_binding()?
+        }
+        view::CLUSTER_OFFSETS_AND_COUNTS => lit.clusters.offsets_and_counts_binding()?,
+        view::GLOBALS => resources.globals.buffer.binding()?,
+        view::LIGHT_PROBES => {
+            offset = Some(**lit.probes_offset);
+            resources.probes.binding()?
+        }
+        view::FOG => {
+            offset = Some(lit.fog_offset?.offset);
+            resources.fog.gpu_fogs.binding()?
+        }
+        view::CONTACT_SHADOWS_SETTINGS => {
+            offset = Some(**lit.contact_shadows_offset?);
+            resources.contact_shadows.0.binding()?
+        }
+        view::SCREEN_SPACE_AMBIENT_OCCLUSION_TEXTURE => lit
+            .ssao?
+            .screen_space_ambient_occlusion_texture
+            .default_view
+            .into_binding(),
+        view::DEPTH_PREPASS_TEXTURE => lit.depth.view().into_binding(),
+        view::ATMOSPHERE_TRANSMITTANCE_TEXTURE => lit
+            .atmosphere?
+            .transmittance_lut
+            .default_view
+            .into_binding(),
+        view::ATMOSPHERE_TRANSMITTANCE_SAMPLER => {
+            (***resources.atmosphere_sampler.as_ref()?).into_binding()
+        }
+        view::ATMOSPHERE => atmosphere?.binding()?,
+        view::BLUE_NOISE_TEXTURE => images
+            .get(&resources.blue_noise.texture)?
+            .texture_view
+            .into_binding(),
+        view::AREA_LIGHT_LUTS => match images.get(&resources.area_light_luts.image) {
+            Some(image) => image.texture_view.into_binding(),
+            None => fallback.d2_array.texture_view.into_binding(),
+        },
+        view::AREA_LIGHT_LUTS_SAMPLER => match images.get(&resources.area_light_luts.image) {
+            Some(image) => image.sampler.into_binding(),
+            None => fallback.d2_array.sampler.into_binding(),
+        },
+        view::DFG_LUT => match images.get(&resources.dfg_lut.texture) {
+            Some(image) => image.texture_view.into_binding(),
+            None => fallback.d2.texture_view.into_binding(),
+        },
+        view::DFG_LUT_SAMPLER => match images.get(&resources.dfg_lut.texture) {
+            Some(image) => image.sampler.into_binding(),
+            None => fallback.d2.sampler.into_binding(),
+        },
+        _ => return None,
+    };
+    Some((resource, offset))
+}
+
+/// The next entry of bind group 1: light probes and decals. Arrays are padded to the length that the layout declares.
+pub(super) fn push_array_entry(
+    entries: &mut Entries,
+    layout: &BindGroupLayoutEntry,
+    view: &LitViewItem,
+    resources: &LightingResources,
+    binds_arrays: bool,
+) -> Option<()> {
+    let maps = view
+        .environment_maps
+        .map_or(&[][..], |maps| &maps.binding_index_to_textures[..]);
+    let volumes = view
+        .irradiance_volumes
+        .map_or(&[][..], |volumes| &volumes.binding_index_to_textures[..]);
+    let decals = &resources.decals.binding_index_to_textures[..];
+    let fallback = &resources.fallback;
+
+    let length = layout.count.map_or(1, |count| count.get() as usize);
+    let image = |id: Option<AssetId<Image>>| id.and_then(|id| resources.images.get(id));
+    let mut push_textures = |is_array, id: &dyn Fn(usize) -> Option<AssetId<Image>>, fallback| {
+        let texture = |i| &*image(id(i)).unwrap_or(fallback).texture_view;
+        if is_array {
+            entries.push_textures(layout.binding, length, texture);
+            Some(())
+        } else {
+            entries.push(layout.binding, BindingResource::TextureView(texture(0)))
+        }
+    };
+    // That of the first image that is loaded.
+    let sampler = |ids: &mut dyn Iterator<Item = AssetId<Image>>, fallback: &GpuImage| {
+        let image = ids.take(length).find_map(|id| image(Some(id)));
+        image.unwrap_or(fallback).sampler.clone()
+    };
+    match layout.binding {
+        arrays::DIFFUSE_ENVIRONMENT_MAPS => push_textures(
+            binds_arrays,
+            &|i| maps.get(i).map(|map| map.diffuse),
+            &fallback.cube,
+        ),
+        arrays::SPECULAR_ENVIRONMENT_MAPS => push_textures(
+            binds_arrays,
+            &|i| maps.get(i).map(|map| map.specular),
+            &fallback.cube,
+        ),
+        arrays::ENVIRONMENT_MAP_SAMPLER => {
+            let mut ids = maps.iter().map(|map| map.diffuse);
+            let sampler = sampler(&mut ids, &fallback.cube);
+            entries.push(layout.binding, sampler.into_binding())
+        }
+        arrays::IRRADIANCE_VOLUMES => {
+            push_textures(binds_arrays, &|i| volumes.get(i).copied(), &fallback.d3)
+        }
+        arrays::IRRADIANCE_VOLUME_SAMPLER => {
+            let sampler = sampler(&mut volumes.iter().copied(), &fallback.d3);
+            entries.push(layout.binding, sampler.into_binding())
+        }
+        arrays::CLUSTERED_DECALS => entries.push(
+            layout.binding,
+            resources.decals_buffer.buffer()?.as_entire_binding(),
+        ),
+        arrays::CLUSTERED_DECAL_TEXTURES => {
+            push_textures(true, &|i| decals.get(i).copied(), &fallback.d2)
+        }
+        arrays::CLUSTERED_DECAL_SAMPLER => {
+            let sampler = sampler(&mut decals.iter().copied(), &fallback.d2);
+            entries.push(layout.binding, sampler.into_binding())
+        }
+        _ => None,
+    }
+}

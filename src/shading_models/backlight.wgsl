@@ -1,0 +1,59 @@
+// Light that falls on the back shines through. Twin of `backlight.rs`, which has the bit table, under the same names.
+#define_import_path bevy_lean_deferred::shading_models::backlight
+
+#import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize}
+#import bevy_lean_deferred::gbuffer::layout::specialization::BACKLIGHT
+
+const SHADING_MODEL: u32 = BACKLIGHT;
+
+const THICKNESS_STEPS: f32 = 16.0;
+const LEAST_THICKNESS_LOG: f32 = -20.0;
+
+/// Packs the arguments of backlight: transmission 0 to 1, thickness in metres.
+fn pack_backlight(transmission: f32, thickness: f32, receives_shadows: bool) -> u32 {
+    let valid = select(thickness, 0.0, is_nan(thickness));
+    let exponent = (log2(max(valid, 1e-30)) - LEAST_THICKNESS_LOG) * THICKNESS_STEPS + 1.5;
+    return quantize(transmission, 127.0)
+        | (u32(clamp(exponent, 0.0, 511.0)) << 7u)
+        | select(0u, 1u << 16u, receives_shadows);
+}
+
+/// The part of light that is transmitted, 0 to 1.
+fn unpack_backlight_transmission(arguments: u32) -> f32 {
+    return f32(arguments & 0x7fu) / 127.0;
+}
+
+/// Metres.
+fn unpack_backlight_thickness(arguments: u32) -> f32 {
+    let code = (arguments >> 7u) & 0x1ffu;
+    let thickness = exp2((f32(code) - 1.0) / THICKNESS_STEPS + LEAST_THICKNESS_LOG);
+    return select(thickness, 0.0, code == 0u);
+}
+
+/// Whether transmitted light is shadowed.
+fn unpack_backlight_shadows(arguments: u32) -> bool {
+    return (arguments >> 16u) != 0u;
+}
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#import bevy_pbr::{mesh_types::MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT, pbr_types::PbrInput}
+
+/// What the G-buffer stores of `pbr`.
+fn arguments_of(pbr: PbrInput, normal_word: u32) -> u32 {
+    let receives_shadows = (pbr.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u;
+    return pack_backlight(
+        pbr.material.diffuse_transmission,
+        pbr.material.thickness,
+        receives_shadows,
+    );
+}
+
+/// Puts `arguments` into what lighting takes.
+fn specialize(pbr: ptr<function, PbrInput>, arguments: u32) {
+    (*pbr).material.diffuse_transmission = unpack_backlight_transmission(arguments);
+    (*pbr).material.thickness = unpack_backlight_thickness(arguments);
+    if unpack_backlight_shadows(arguments) {
+        (*pbr).flags |= MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT;
+    }
+}
+#endif
