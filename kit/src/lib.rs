@@ -1,5 +1,9 @@
 //! What the tests, benches and examples of `bevy_lean_deferred` share: rendering without a window, comparing pictures,
 //! scenes built in code, the shipped shaders on a device of their own, and ground truth.
+#![allow(
+    clippy::new_without_default,
+    reason = "what opens a device is no default"
+)]
 
 pub mod compute;
 pub mod example;

@@ -1,4 +1,5 @@
-//! Tests that share a process with no other.
+//! Tests that share a process with no other: because of what is counted or looked for in all of it, or because they make
+//! many frames, of each of which Mesa's llvmpipe keeps some megabytes until the process ends.
 
 use std::process::Command;
 

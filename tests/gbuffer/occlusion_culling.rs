@@ -13,6 +13,7 @@ use kit::{
     headless::{Headless, Picture},
     lean::{active_lean_views, build, judge, report, set_lean},
     metrics::pixel_difference,
+    own_process::in_own_process,
     scenes::LEAST_PSNR,
 };
 
@@ -134,11 +135,15 @@ fn compare(name: &str, prepasses: impl Bundle) {
 
 #[test]
 fn what_comes_into_sight_is_shown() {
-    compare("uncovered", DepthPrepass);
+    in_own_process(|| {
+        compare("uncovered", DepthPrepass);
+    });
 }
 
 /// Then Bevy's prepass draws the meshes too, also in two phases.
 #[test]
 fn what_comes_into_sight_is_shown_with_motion_vectors() {
-    compare("uncovered_motion", (DepthPrepass, MotionVectorPrepass));
+    in_own_process(|| {
+        compare("uncovered_motion", (DepthPrepass, MotionVectorPrepass));
+    });
 }

@@ -11,6 +11,7 @@ use kit::{
     headless::Headless,
     lean::{active_lean_views, build, set_lean},
     log_watch,
+    own_process::in_own_process,
 };
 
 const SIZE: UVec2 = UVec2::new(96, 64);
@@ -119,90 +120,102 @@ impl Stage {
 
 #[test]
 fn nothing_is_sorted_while_nothing_changes() {
-    let mut stage = stage();
-    stage.assert_sorts("at rest", 5, 0);
+    in_own_process(|| {
+        let mut stage = stage();
+        stage.assert_sorts("at rest", 5, 0);
+    });
 }
 
 #[test]
 fn an_emissive_mesh_concerns_nobody_else() {
-    let mut stage = stage();
-    let lamp = stage.lamp;
-    stage.entity(lamp).insert(Visibility::Visible);
-    // In the frame in which it appears, in that in which its target is there, and while shaders are compiled.
-    stage.assert_sorts("appears", 8, 8);
-    stage.entity(lamp).insert(Visibility::Hidden);
-    stage.assert_sorts("goes, and its target expires", LINGERING + 4, 1);
-    stage.entity(lamp).insert(Visibility::Visible);
-    stage.assert_sorts("comes back", 8, 2);
+    in_own_process(|| {
+        let mut stage = stage();
+        let lamp = stage.lamp;
+        stage.entity(lamp).insert(Visibility::Visible);
+        // In the frame in which it appears, in that in which its target is there, and while shaders are compiled.
+        stage.assert_sorts("appears", 8, 8);
+        stage.entity(lamp).insert(Visibility::Hidden);
+        stage.assert_sorts("goes, and its target expires", LINGERING + 4, 1);
+        stage.entity(lamp).insert(Visibility::Visible);
+        stage.assert_sorts("comes back", 8, 2);
+    });
 }
 
 #[test]
 fn lights_concern_no_mesh() {
-    let mut stage = stage();
-    let lamp = PointLight {
-        shadow_maps_enabled: true,
-        ..default()
-    };
-    let place = Transform::from_xyz(0.0, 3.0, 0.0);
-    let world = stage.headless.world();
-    // Shaders for the first light with shadows are compiled: until they are, forward draws.
-    let light = world.spawn((lamp, place)).id();
-    stage.headless.settle();
-    stage.headless.world().despawn(light);
-    stage.headless.settle();
-    stage.headless.world().spawn((lamp, place));
-    stage.assert_sorts("the first light with shadows", 5, 0);
+    in_own_process(|| {
+        let mut stage = stage();
+        let lamp = PointLight {
+            shadow_maps_enabled: true,
+            ..default()
+        };
+        let place = Transform::from_xyz(0.0, 3.0, 0.0);
+        let world = stage.headless.world();
+        // Shaders for the first light with shadows are compiled: until they are, forward draws.
+        let light = world.spawn((lamp, place)).id();
+        stage.headless.settle();
+        stage.headless.world().despawn(light);
+        stage.headless.settle();
+        stage.headless.world().spawn((lamp, place));
+        stage.assert_sorts("the first light with shadows", 5, 0);
+    });
 }
 
 #[test]
 fn motion_concerns_what_moves() {
-    let mut stage = stage();
-    for _ in 0..2 {
-        for cube in stage.cubes.clone() {
-            stage
-                .entity(cube)
-                .get_mut::<Transform>()
-                .unwrap()
-                .translation
-                .y += 0.1;
+    in_own_process(|| {
+        let mut stage = stage();
+        for _ in 0..2 {
+            for cube in stage.cubes.clone() {
+                stage
+                    .entity(cube)
+                    .get_mut::<Transform>()
+                    .unwrap()
+                    .translation
+                    .y += 0.1;
+            }
+            stage.assert_sorts("without motion vectors", 1, 0);
         }
-        stage.assert_sorts("without motion vectors", 1, 0);
-    }
-    let (camera, cube) = (stage.camera, stage.cubes[7]);
-    stage.entity(camera).insert(MotionVectorPrepass);
-    stage.headless.settle();
-    stage.headless.frames(40);
-    stage
-        .entity(cube)
-        .get_mut::<Transform>()
-        .unwrap()
-        .translation
-        .y += 0.1;
-    stage.assert_sorts("one starts to move, and stops", 40, 10);
+        let (camera, cube) = (stage.camera, stage.cubes[7]);
+        stage.entity(camera).insert(MotionVectorPrepass);
+        stage.headless.settle();
+        stage.headless.frames(40);
+        stage
+            .entity(cube)
+            .get_mut::<Transform>()
+            .unwrap()
+            .translation
+            .y += 0.1;
+        stage.assert_sorts("one starts to move, and stops", 40, 10);
+    });
 }
 
 #[test]
 fn shadow_receivers_concern_themselves() {
-    let mut stage = stage();
-    let cube = stage.cubes[3];
-    stage.entity(cube).insert(NotShadowReceiver);
-    stage.assert_sorts("no receiver", 8, 8);
-    stage.entity(cube).remove::<NotShadowReceiver>();
-    stage.assert_sorts("a receiver again", 8, 2);
+    in_own_process(|| {
+        let mut stage = stage();
+        let cube = stage.cubes[3];
+        stage.entity(cube).insert(NotShadowReceiver);
+        stage.assert_sorts("no receiver", 8, 8);
+        stage.entity(cube).remove::<NotShadowReceiver>();
+        stage.assert_sorts("a receiver again", 8, 2);
+    });
 }
 
 #[test]
 fn a_camera_that_becomes_lean_does_not_trouble_bevy() {
-    let mut stage = stage();
-    let meshes = stage.cubes.len() + 1;
-    set_lean(&mut stage.headless, false);
-    stage.headless.settle();
-    set_lean(&mut stage.headless, true);
-    let watched = stage.watch(4);
-    let sorted: Vec<usize> = watched.iter().map(|(sorted, _)| *sorted).collect();
-    assert!(sorted.iter().sum::<usize>() <= 2 * meshes, "{sorted:?}");
-    for (_, asked) in watched {
-        assert_eq!(asked.views, 0);
-    }
-    log_watch::assert_validation_layer_silent();
+    in_own_process(|| {
+        let mut stage = stage();
+        let meshes = stage.cubes.len() + 1;
+        set_lean(&mut stage.headless, false);
+        stage.headless.settle();
+        set_lean(&mut stage.headless, true);
+        let watched = stage.watch(4);
+        let sorted: Vec<usize> = watched.iter().map(|(sorted, _)| *sorted).collect();
+        assert!(sorted.iter().sum::<usize>() <= 2 * meshes, "{sorted:?}");
+        for (_, asked) in watched {
+            assert_eq!(asked.views, 0);
+        }
+        log_watch::assert_validation_layer_silent();
+    });
 }

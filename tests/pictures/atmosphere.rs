@@ -12,6 +12,7 @@ use bevy::{
 use kit::{
     headless::Headless,
     lean::{judge, report, set_lean, settled},
+    own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder},
 };
 use wgpu::DeviceType;
@@ -53,12 +54,14 @@ fn build(elevation: f32) -> Option<Headless> {
 
 #[test]
 fn atmosphere_matches_forward() {
-    report([0.05, 0.8].into_iter().filter_map(|elevation| {
-        let mut headless = build(elevation)?;
-        let forward = settled(&mut headless);
-        set_lean(&mut headless, true);
-        let lean = settled(&mut headless);
-        let name = format!("atmosphere_{elevation}");
-        Some(judge(&name, &forward, &lean, LEAST_PSNR))
-    }));
+    in_own_process(|| {
+        report([0.05, 0.8].into_iter().filter_map(|elevation| {
+            let mut headless = build(elevation)?;
+            let forward = settled(&mut headless);
+            set_lean(&mut headless, true);
+            let lean = settled(&mut headless);
+            let name = format!("atmosphere_{elevation}");
+            Some(judge(&name, &forward, &lean, LEAST_PSNR))
+        }));
+    });
 }

@@ -12,6 +12,7 @@ use kit::{
     headless::Headless,
     lean::{active_lean_views, change_cameras, judge, report, set_lean, settled, show},
     log_watch,
+    own_process::in_own_process,
     scenes::SceneBuilder,
 };
 
@@ -65,10 +66,10 @@ fn scene(s: &mut SceneBuilder) {
     );
 }
 
-fn app(method: DefaultOpaqueRendererMethod) -> Headless {
-    Headless::with(SIZE, |app| {
-        app.insert_resource(method);
-    })
+fn app_with(method: DefaultOpaqueRendererMethod) -> Headless {
+    let mut headless = Headless::new(SIZE);
+    headless.world().insert_resource(method);
+    headless
 }
 
 type ChangeCamera = fn(&mut EntityWorldMut);
@@ -117,157 +118,165 @@ const CAMERAS: [Camera; 7] = [
 
 #[test]
 fn every_mesh_is_there() {
-    let mut all_forward = app(DefaultOpaqueRendererMethod::forward());
-    let mut all_deferred = app(DefaultOpaqueRendererMethod::deferred());
-    report(CAMERAS.map(|(name, camera)| {
-        show_through(&mut all_forward, camera);
-        let forward = settled(&mut all_forward);
-        show_through(&mut all_deferred, camera);
-        set_lean(&mut all_deferred, true);
-        let lean = settled(&mut all_deferred);
-        assert_eq!(active_lean_views(&mut all_deferred), 1, "{name}");
-        judge(name, &forward, &lean, 44.0)
-    }));
+    in_own_process(|| {
+        let mut all_forward = app_with(DefaultOpaqueRendererMethod::forward());
+        let mut all_deferred = app_with(DefaultOpaqueRendererMethod::deferred());
+        report(CAMERAS.map(|(name, camera)| {
+            show_through(&mut all_forward, camera);
+            let forward = settled(&mut all_forward);
+            show_through(&mut all_deferred, camera);
+            set_lean(&mut all_deferred, true);
+            let lean = settled(&mut all_deferred);
+            assert_eq!(active_lean_views(&mut all_deferred), 1, "{name}");
+            judge(name, &forward, &lean, 44.0)
+        }));
+    });
 }
 
 /// A lean camera that cannot be rendered lean, as with MSAA, is rendered by forward, with the same meshes.
 #[test]
 fn every_mesh_is_there_without_the_gbuffer() {
-    let mut apps = [
-        DefaultOpaqueRendererMethod::forward(),
-        DefaultOpaqueRendererMethod::deferred(),
-    ]
-    .map(app);
-    report([CAMERAS[0], CAMERAS[1], CAMERAS[3]].map(|(name, camera)| {
-        let [forward, lean] = apps.each_mut().map(|headless| {
-            show_through(headless, camera);
-            set_lean(headless, true);
-            change_cameras(headless, |camera| {
-                camera.insert(Msaa::Sample4);
+    in_own_process(|| {
+        let mut apps = [
+            DefaultOpaqueRendererMethod::forward(),
+            DefaultOpaqueRendererMethod::deferred(),
+        ]
+        .map(app_with);
+        report([CAMERAS[0], CAMERAS[1], CAMERAS[3]].map(|(name, camera)| {
+            let [forward, lean] = apps.each_mut().map(|headless| {
+                show_through(headless, camera);
+                set_lean(headless, true);
+                change_cameras(headless, |camera| {
+                    camera.insert(Msaa::Sample4);
+                });
+                let picture = settled(headless);
+                assert_eq!(active_lean_views(headless), 0, "{name}");
+                picture
             });
-            let picture = settled(headless);
-            assert_eq!(active_lean_views(headless), 0, "{name}");
-            picture
-        });
-        judge(&format!("{name}_msaa"), &forward, &lean, 80.0)
-    }));
+            judge(&format!("{name}_msaa"), &forward, &lean, 80.0)
+        }));
+    });
 }
 
 /// Prepasses that come and go while frames run.
 #[test]
 fn prepasses_come_and_go() {
-    let mut headless = app(DefaultOpaqueRendererMethod::deferred());
-    show_through(&mut headless, |_| {});
-    set_lean(&mut headless, true);
-    let plain = settled(&mut headless);
-    type Change = fn(&mut EntityWorldMut);
-    let changes: [Change; 4] = [
-        |camera| {
-            camera.insert((DepthPrepass, NormalPrepass));
-        },
-        |camera| {
-            camera.remove::<DepthPrepass>();
-        },
-        |camera| {
-            camera.insert(MotionVectorPrepass).remove::<NormalPrepass>();
-        },
-        |camera| {
-            camera.remove::<MotionVectorPrepass>();
-        },
-    ];
-    let mut results = Vec::new();
-    for (step, change) in changes.into_iter().enumerate() {
-        change_cameras(&mut headless, change);
-        for (frame, picture) in headless.film(3, |_, _| {}).iter().enumerate() {
-            results.push(judge(
-                &format!("step_{step}_{frame}"),
-                &plain,
-                picture,
-                44.0,
-            ));
+    in_own_process(|| {
+        let mut headless = app_with(DefaultOpaqueRendererMethod::deferred());
+        show_through(&mut headless, |_| {});
+        set_lean(&mut headless, true);
+        let plain = settled(&mut headless);
+        type Change = fn(&mut EntityWorldMut);
+        let changes: [Change; 4] = [
+            |camera| {
+                camera.insert((DepthPrepass, NormalPrepass));
+            },
+            |camera| {
+                camera.remove::<DepthPrepass>();
+            },
+            |camera| {
+                camera.insert(MotionVectorPrepass).remove::<NormalPrepass>();
+            },
+            |camera| {
+                camera.remove::<MotionVectorPrepass>();
+            },
+        ];
+        let mut results = Vec::new();
+        for (step, change) in changes.into_iter().enumerate() {
+            change_cameras(&mut headless, change);
+            for (frame, picture) in headless.film(3, |_, _| {}).iter().enumerate() {
+                results.push(judge(
+                    &format!("step_{step}_{frame}"),
+                    &plain,
+                    picture,
+                    44.0,
+                ));
+            }
         }
-    }
-    report(results);
-    let errors = log_watch::messages_with("rror");
-    assert!(errors.is_empty(), "{errors:?}");
+        report(results);
+        let errors = log_watch::messages_with("rror");
+        assert!(errors.is_empty(), "{errors:?}");
+    });
 }
 
 /// Meshes whose materials are not loaded yet when their camera becomes lean. Bevy waits for them since before then.
 #[test]
 fn meshes_whose_materials_come_late_are_there() {
-    let picture = |headless: &mut Headless, camera, msaa: Msaa, late: bool| {
-        show_through(headless, camera);
-        let world = headless.world();
-        let ball = Sphere::new(0.6).mesh().build();
-        let ball = world.resource_mut::<Assets<Mesh>>().add(ball);
-        let red = Color::srgb(0.8, 0.1, 0.1);
-        let materials: [StandardMaterial; 2] = [
-            red.into(),
-            StandardMaterial {
-                alpha_mode: AlphaMode::Blend,
-                ..red.with_alpha(0.5).into()
-            },
-        ];
-        let handles = [(); 2].map(|()| {
-            let materials = world.resource::<Assets<StandardMaterial>>();
-            materials.reserve_handle()
-        });
-        for (handle, x) in handles.iter().zip([-0.7, 0.7]) {
-            world.spawn((
-                Mesh3d(ball.clone()),
-                MeshMaterial3d(handle.clone()),
-                Transform::from_xyz(x, 1.2, 1.6),
-            ));
-        }
-        let switch = |headless: &mut Headless| {
-            change_cameras(headless, |camera| {
-                camera.insert(LeanDeferred::default());
-                camera.insert(msaa);
+    in_own_process(|| {
+        let picture = |headless: &mut Headless, camera, msaa: Msaa, late: bool| {
+            show_through(headless, camera);
+            let world = headless.world();
+            let ball = Sphere::new(0.6).mesh().build();
+            let ball = world.resource_mut::<Assets<Mesh>>().add(ball);
+            let red = Color::srgb(0.8, 0.1, 0.1);
+            let materials: [StandardMaterial; 2] = [
+                red.into(),
+                StandardMaterial {
+                    alpha_mode: AlphaMode::Blend,
+                    ..red.with_alpha(0.5).into()
+                },
+            ];
+            let handles = [(); 2].map(|()| {
+                let materials = world.resource::<Assets<StandardMaterial>>();
+                materials.reserve_handle()
             });
-        };
-        if late {
-            headless.settle();
-            headless.frames(3);
+            for (handle, x) in handles.iter().zip([-0.7, 0.7]) {
+                world.spawn((
+                    Mesh3d(ball.clone()),
+                    MeshMaterial3d(handle.clone()),
+                    Transform::from_xyz(x, 1.2, 1.6),
+                ));
+            }
+            let switch = |headless: &mut Headless| {
+                change_cameras(headless, |camera| {
+                    camera.insert(LeanDeferred::default());
+                    camera.insert(msaa);
+                });
+            };
+            if late {
+                headless.settle();
+                headless.frames(3);
+                switch(headless);
+                headless.frames(2);
+            }
+            let mut assets = headless.world().resource_mut::<Assets<StandardMaterial>>();
+            for (handle, material) in handles.iter().zip(materials) {
+                assets.insert(handle, material).unwrap();
+            }
             switch(headless);
-            headless.frames(2);
+            let picture = settled(headless);
+            let is_lean = msaa == Msaa::Off;
+            assert_eq!(active_lean_views(headless), usize::from(is_lean));
+            picture
+        };
+        // Without a deferred prepass Bevy alone, before the camera is lean, panics where there is another.
+        let cases = [
+            (
+                DefaultOpaqueRendererMethod::forward(),
+                // With multisampling, all that goes on is left to Bevy.
+                &[
+                    (0, Msaa::Off),
+                    (4, Msaa::Off),
+                    (0, Msaa::Sample4),
+                    (1, Msaa::Sample4),
+                ][..],
+            ),
+            (
+                DefaultOpaqueRendererMethod::deferred(),
+                &[(0, Msaa::Off), (0, Msaa::Sample4)],
+            ),
+        ];
+        let mut results = Vec::new();
+        for (method, cases) in cases {
+            let mut headless = app_with(method);
+            for &(camera, msaa) in cases {
+                let (name, camera) = CAMERAS[camera];
+                let [at_once, late] =
+                    [false, true].map(|late| picture(&mut headless, camera, msaa, late));
+                let name = format!("late_{name}_{msaa:?}");
+                results.push(judge(&name, &at_once, &late, 60.0));
+            }
         }
-        let mut assets = headless.world().resource_mut::<Assets<StandardMaterial>>();
-        for (handle, material) in handles.iter().zip(materials) {
-            assets.insert(handle, material).unwrap();
-        }
-        switch(headless);
-        let picture = settled(headless);
-        let is_lean = msaa == Msaa::Off;
-        assert_eq!(active_lean_views(headless), usize::from(is_lean));
-        picture
-    };
-    // Without a deferred prepass Bevy alone, before the camera is lean, panics where there is another.
-    let cases = [
-        (
-            DefaultOpaqueRendererMethod::forward(),
-            // With multisampling, all that goes on is left to Bevy.
-            &[
-                (0, Msaa::Off),
-                (4, Msaa::Off),
-                (0, Msaa::Sample4),
-                (1, Msaa::Sample4),
-            ][..],
-        ),
-        (
-            DefaultOpaqueRendererMethod::deferred(),
-            &[(0, Msaa::Off), (0, Msaa::Sample4)],
-        ),
-    ];
-    let mut results = Vec::new();
-    for (method, cases) in cases {
-        let mut headless = app(method);
-        for &(camera, msaa) in cases {
-            let (name, camera) = CAMERAS[camera];
-            let [at_once, late] =
-                [false, true].map(|late| picture(&mut headless, camera, msaa, late));
-            let name = format!("late_{name}_{msaa:?}");
-            results.push(judge(&name, &at_once, &late, 60.0));
-        }
-    }
-    report(results);
+        report(results);
+    });
 }

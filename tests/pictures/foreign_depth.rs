@@ -18,6 +18,7 @@ use kit::{
     lean::{active_lean_views, set_lean},
     log_watch,
     metrics::difference,
+    own_process::in_own_process,
     scenes::{SceneBuilder, build::ambient},
 };
 
@@ -127,31 +128,35 @@ fn pictures(lean: bool) -> [Picture; 3] {
 
 #[test]
 fn what_others_draw_into_depth_is_left_alone() {
-    let [forward, lean] = [false, true].map(pictures);
-    assert!(forward[0].rgba != forward[1].rgba, "the curtain hides");
-    for (moment, (forward, lean)) in ["before", "behind", "after"]
-        .iter()
-        .zip(forward.iter().zip(&lean))
-    {
-        let difference = difference(forward, lean);
-        println!("{moment}: {difference}");
-        assert!(difference.psnr >= 45.0, "{moment}: {difference}");
-    }
-    log_watch::assert_validation_layer_silent();
+    in_own_process(|| {
+        let [forward, lean] = [false, true].map(pictures);
+        assert!(forward[0].rgba != forward[1].rgba, "the curtain hides");
+        for (moment, (forward, lean)) in ["before", "behind", "after"]
+            .iter()
+            .zip(forward.iter().zip(&lean))
+        {
+            let difference = difference(forward, lean);
+            println!("{moment}: {difference}");
+            assert!(difference.psnr >= 45.0, "{moment}: {difference}");
+        }
+        log_watch::assert_validation_layer_silent();
+    });
 }
 
 /// Where only meshes and lights are seen, depth tells what is geometry: the G-buffer needs no clearing.
 #[test]
 fn meshes_and_lights_alone_need_no_clearing() {
-    let mut headless = kit::lean::build(SIZE, |s| {
-        s.solids();
-        s.sun(false);
-        s.spawn((PointLight::default(), Transform::from_xyz(0.0, 2.0, 0.0)));
-        s.default_camera(());
+    in_own_process(|| {
+        let mut headless = kit::lean::build(SIZE, |s| {
+            s.solids();
+            s.sun(false);
+            s.spawn((PointLight::default(), Transform::from_xyz(0.0, 2.0, 0.0)));
+            s.default_camera(());
+        });
+        set_lean(&mut headless, true);
+        headless.settle();
+        let world = headless.app.sub_app_mut(RenderApp).world_mut();
+        let mut views = world.query::<&ActiveLeanView>();
+        assert!(views.single(world).expect("lean").depth_tells_geometry);
     });
-    set_lean(&mut headless, true);
-    headless.settle();
-    let world = headless.app.sub_app_mut(RenderApp).world_mut();
-    let mut views = world.query::<&ActiveLeanView>();
-    assert!(views.single(world).expect("lean").depth_tells_geometry);
 }

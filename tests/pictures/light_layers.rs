@@ -13,6 +13,7 @@ use kit::{
     headless::{Headless, Picture},
     lean::{judge, report, set_lean, settled, show},
     metrics::difference,
+    own_process::in_own_process,
     scenes::{
         LEAST_PSNR, SceneBuilder,
         build::{indoor, material},
@@ -248,10 +249,10 @@ fn column(picture: &Picture, column: usize) -> Picture {
 
 /// Each column looks as in a scene that has only the lights of its layers.
 fn compare_columns(name: &str, lights: Lights) {
-    let app = &mut Headless::new(SIZE);
-    let lean = picture(app, lights, None, Some(LeanDeferred::default()));
+    let headless = &mut Headless::new(SIZE);
+    let lean = picture(headless, lights, None, Some(LeanDeferred::default()));
     report(COLUMNS.into_iter().enumerate().map(|(index, layers)| {
-        let forward = picture(app, lights, Some(layers), None);
+        let forward = picture(headless, lights, Some(layers), None);
         let [forward, lean] = [&forward, &lean].map(|picture| column(picture, index));
         let name = format!("{name}_{index}");
         judge(&name, &forward, &lean, LEAST_PSNR)
@@ -260,16 +261,16 @@ fn compare_columns(name: &str, lights: Lights) {
 
 /// Switched off, all lights affect all meshes, as they do forward; and that picture is not that of the other test.
 fn compare_without_layers(name: &str, lights: Lights, shows: Shows) {
-    let app = &mut Headless::new(SIZE);
-    let forward = picture(app, lights, None, None);
+    let headless = &mut Headless::new(SIZE);
+    let forward = picture(headless, lights, None, None);
     let [with, without] = [true, false].map(|light_layers| {
         let settings = LeanDeferred {
             light_layers,
             ..default()
         };
-        picture(app, lights, None, Some(settings))
+        picture(headless, lights, None, Some(settings))
     });
-    let mut is_shown = || forward.rgba != picture(app, lights, Some(&[1000]), None).rgba;
+    let mut is_shown = || forward.rgba != picture(headless, lights, Some(&[1000]), None).rgba;
     if shows == Shows::Everywhere || is_shown() {
         let psnr = difference(&without, &with).psnr;
         assert!(psnr < 30.0, "{name}: {psnr} dB");
@@ -280,45 +281,49 @@ fn compare_without_layers(name: &str, lights: Lights, shows: Shows) {
 /// Grey where the mask is that of layer 0, else a colour for each set of layers.
 #[test]
 fn the_mask_can_be_shown() {
-    let settings = LeanDeferred {
-        debug_view: Some(GBufferChannel::VisibilityMask),
-        ..default()
-    };
-    let app = &mut Headless::new(SIZE);
-    let picture = picture(app, point_lights, None, Some(settings));
-    if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
-        picture.save(std::path::Path::new(&folder).join("mask_channel.png"));
-    }
-    let middle = UVec2::new(SIZE.x / COLUMNS.len() as u32, SIZE.y) / 2;
-    let colors: Vec<_> = (0..COLUMNS.len())
-        .map(|index| {
-            let rect = URect::from_corners(middle, middle + 1);
-            column(&picture, index).crop(rect).rgba
-        })
-        .collect();
-    let is_near = |channel: &u8| channel.abs_diff(colors[0][0]) <= 2;
-    assert!(colors[0][..3].iter().all(is_near), "{colors:?}");
-    for (index, color) in colors.iter().enumerate() {
-        assert!(!colors[..index].contains(color), "{colors:?}");
-    }
+    in_own_process(|| {
+        let settings = LeanDeferred {
+            debug_view: Some(GBufferChannel::VisibilityMask),
+            ..default()
+        };
+        let headless = &mut Headless::new(SIZE);
+        let picture = picture(headless, point_lights, None, Some(settings));
+        if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
+            picture.save(std::path::Path::new(&folder).join("mask_channel.png"));
+        }
+        let middle = UVec2::new(SIZE.x / COLUMNS.len() as u32, SIZE.y) / 2;
+        let colors: Vec<_> = (0..COLUMNS.len())
+            .map(|index| {
+                let rect = URect::from_corners(middle, middle + 1);
+                column(&picture, index).crop(rect).rgba
+            })
+            .collect();
+        let is_near = |channel: &u8| channel.abs_diff(colors[0][0]) <= 2;
+        assert!(colors[0][..3].iter().all(is_near), "{colors:?}");
+        for (index, color) in colors.iter().enumerate() {
+            assert!(!colors[..index].contains(color), "{colors:?}");
+        }
+    });
 }
 
-/// Tests of each kind of light; a process of its own for each spares graphics drivers that have few devices to give.
+/// Tests of each kind of light.
 macro_rules! tests {
     ($($lights:ident, $shows:ident;)+) => {
         mod with_layers {
             $(#[test]
             fn $lights() {
-                super::compare_columns(stringify!($lights), super::$lights);
+                super::in_own_process(|| {
+                    super::compare_columns(stringify!($lights), super::$lights);
+                });
             })+
         }
 
         mod without_layers {
             $(#[test]
             fn $lights() {
-                super::compare_without_layers(
+                super::in_own_process(|| super::compare_without_layers(
                     stringify!($lights), super::$lights, super::Shows::$shows,
-                );
+                ));
             })+
         }
     };

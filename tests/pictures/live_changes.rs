@@ -1,5 +1,6 @@
 //! Components of meshes that an app changes by commands in `Update`, while frames run: the frame of the change shows them
-//! already, as Bevy's forward renderer does, and nothing is drawn with what belonged to the frame before.
+//! already, as Bevy's forward renderer does, and nothing is drawn with what belonged to the frame before. In
+//! processes of their own, because no error may be logged.
 
 use bevy::{
     camera::visibility::RenderLayers, light::NotShadowReceiver, pbr::Lightmap, prelude::*,
@@ -11,6 +12,7 @@ use kit::{
     lean::{active_lean_views, build, set_lean},
     log_watch,
     metrics::pixel_difference,
+    own_process::in_own_process,
     scenes::{SceneBuilder, build::default_camera_transform},
 };
 
@@ -153,79 +155,92 @@ const NOT_LIGHTMAPPED: Change = |mesh, _| {
 
 #[test]
 fn lightmap_added() {
-    assert_fresh("lightmap added", NOTHING, NOT_LIGHTMAPPED, LIGHTMAPPED);
+    in_own_process(|| {
+        assert_fresh("lightmap added", NOTHING, NOT_LIGHTMAPPED, LIGHTMAPPED);
+    });
 }
 
 #[test]
 fn lightmap_removed() {
-    assert_fresh("lightmap removed", NOTHING, LIGHTMAPPED, NOT_LIGHTMAPPED);
+    in_own_process(|| {
+        assert_fresh("lightmap removed", NOTHING, LIGHTMAPPED, NOT_LIGHTMAPPED);
+    });
 }
 
 #[test]
 fn shadow_receiver() {
-    const NONE: Change = |mesh, _| {
-        mesh.insert(NotShadowReceiver);
-    };
-    const AGAIN: Change = |mesh, _| {
-        mesh.remove::<NotShadowReceiver>();
-    };
-    assert_fresh("no shadows", NOTHING, AGAIN, NONE);
-    assert_fresh("shadows again", NOTHING, NONE, AGAIN);
+    in_own_process(|| {
+        const NONE: Change = |mesh, _| {
+            mesh.insert(NotShadowReceiver);
+        };
+        const AGAIN: Change = |mesh, _| {
+            mesh.remove::<NotShadowReceiver>();
+        };
+        assert_fresh("no shadows", NOTHING, AGAIN, NONE);
+        assert_fresh("shadows again", NOTHING, NONE, AGAIN);
+    });
 }
 
 #[test]
 fn render_layers() {
-    const LIT: Change = |mesh, _| {
-        mesh.insert(RenderLayers::from_layers(&[0, 1]));
-    };
-    const UNLIT: Change = |mesh, _| {
-        mesh.remove::<RenderLayers>();
-    };
-    const OTHER: Change = |mesh, _| {
-        mesh.insert(RenderLayers::layer(1));
-    };
-    assert_fresh("layers added", layered_lamp, UNLIT, LIT);
-    assert_fresh("layers changed", layered_lamp, OTHER, UNLIT);
-    assert_fresh("layers removed", layered_lamp, LIT, UNLIT);
+    in_own_process(|| {
+        const LIT: Change = |mesh, _| {
+            mesh.insert(RenderLayers::from_layers(&[0, 1]));
+        };
+        const UNLIT: Change = |mesh, _| {
+            mesh.remove::<RenderLayers>();
+        };
+        const OTHER: Change = |mesh, _| {
+            mesh.insert(RenderLayers::layer(1));
+        };
+        assert_fresh("layers added", layered_lamp, UNLIT, LIT);
+        assert_fresh("layers changed", layered_lamp, OTHER, UNLIT);
+        assert_fresh("layers removed", layered_lamp, LIT, UNLIT);
+    });
 }
 
 /// A lightmap that comes and goes in each frame.
 #[test]
 fn changes_in_every_frame() {
-    let mut headless = stage(NOTHING, AS_IT_IS);
-    let changes = [LIGHTMAPPED, NOT_LIGHTMAPPED];
-    let [plain, lightmapped] = [AS_IT_IS, LIGHTMAPPED].map(|state| at_rest(NOTHING, state));
-    let film = headless.film(8, |world, frame| {
-        world.insert_resource(Next(Some(changes[frame % 2])));
+    in_own_process(|| {
+        let mut headless = stage(NOTHING, AS_IT_IS);
+        let changes = [LIGHTMAPPED, NOT_LIGHTMAPPED];
+        let [plain, lightmapped] = [AS_IT_IS, LIGHTMAPPED].map(|state| at_rest(NOTHING, state));
+        let film = headless.film(8, |world, frame| {
+            world.insert_resource(Next(Some(changes[frame % 2])));
+        });
+        for (frame, picture) in film.iter().enumerate() {
+            let expected = [&lightmapped, &plain][frame % 2];
+            let difference = pixel_difference(expected, picture);
+            assert!(difference.psnr > 45.0, "frame {frame}: {difference}");
+        }
+        log_watch::assert_validation_layer_silent();
     });
-    for (frame, picture) in film.iter().enumerate() {
-        let expected = [&lightmapped, &plain][frame % 2];
-        let difference = pixel_difference(expected, picture);
-        assert!(difference.psnr > 45.0, "frame {frame}: {difference}");
-    }
-    log_watch::assert_validation_layer_silent();
 }
 
 /// The camera loses and gets the component by commands, too.
 #[test]
 fn cameras_switched_in_every_frame() {
-    let mut headless = stage(NOTHING, AS_IT_IS);
-    headless.app.add_systems(
-        Update,
-        |mut commands: Commands, cameras: Query<(Entity, Has<LeanDeferred>), With<Camera3d>>| {
-            for (camera, is_lean) in &cameras {
-                if is_lean {
-                    commands.entity(camera).remove::<LeanDeferred>();
-                } else {
-                    commands.entity(camera).insert(LeanDeferred::default());
+    in_own_process(|| {
+        let mut headless = stage(NOTHING, AS_IT_IS);
+        headless.app.add_systems(
+            Update,
+            |mut commands: Commands,
+             cameras: Query<(Entity, Has<LeanDeferred>), With<Camera3d>>| {
+                for (camera, is_lean) in &cameras {
+                    if is_lean {
+                        commands.entity(camera).remove::<LeanDeferred>();
+                    } else {
+                        commands.entity(camera).insert(LeanDeferred::default());
+                    }
                 }
-            }
-        },
-    );
-    let film = headless.film(8, |_, _| {});
-    for (frame, picture) in film.iter().enumerate().skip(1) {
-        let difference = pixel_difference(&film[0], picture);
-        assert!(difference.psnr > 45.0, "frame {frame}: {difference}");
-    }
-    log_watch::assert_validation_layer_silent();
+            },
+        );
+        let film = headless.film(8, |_, _| {});
+        for (frame, picture) in film.iter().enumerate().skip(1) {
+            let difference = pixel_difference(&film[0], picture);
+            assert!(difference.psnr > 45.0, "frame {frame}: {difference}");
+        }
+        log_watch::assert_validation_layer_silent();
+    });
 }

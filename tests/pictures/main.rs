@@ -1,4 +1,7 @@
 //! Pictures of lean cameras beside those of Bevy's forward renderer.
+//!
+//! Each test has a process of its own: together they would take more memory than many a machine has, see
+//! `kit/src/own_process.rs`.
 
 mod atmosphere;
 mod coming_from_deferred;

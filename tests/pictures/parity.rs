@@ -12,6 +12,7 @@ use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::Headless,
     lean::{build, judge, report, set_lean, settled, show},
+    own_process::in_own_process,
     scenes::{self, LEAST_PSNR, Scene},
 };
 
@@ -53,162 +54,186 @@ fn compare_all(scenes: &[Scene]) {
 
 #[test]
 fn lights_match_forward() {
-    compare_all(scenes::LIGHTS);
+    in_own_process(|| {
+        compare_all(scenes::LIGHTS);
+    });
 }
 
 #[test]
 fn materials_match_forward() {
-    compare_all(scenes::MATERIALS);
+    in_own_process(|| {
+        compare_all(scenes::MATERIALS);
+    });
 }
 
 #[test]
 fn forward_materials_match_forward() {
-    compare_all(scenes::FORWARD_MATERIALS);
+    in_own_process(|| {
+        compare_all(scenes::FORWARD_MATERIALS);
+    });
 }
 
 #[test]
 fn special_materials_match_forward() {
-    compare_all(scenes::SPECIAL_MATERIALS);
+    in_own_process(|| {
+        compare_all(scenes::SPECIAL_MATERIALS);
+    });
 }
 
 #[test]
 fn meshes_match_forward() {
-    compare_all(scenes::MESHES);
+    in_own_process(|| {
+        compare_all(scenes::MESHES);
+    });
 }
 
 #[test]
 fn views_match_forward() {
-    compare_all(scenes::VIEWS);
+    in_own_process(|| {
+        compare_all(scenes::VIEWS);
+    });
 }
 
 #[test]
 fn odd_sizes_match_forward() {
-    let scene = scene_named("many_lights_of_all_kinds");
-    report(
-        [UVec2::new(1, 1), UVec2::new(3, 5), UVec2::new(317, 211)]
-            .map(|size| compare(&mut Headless::new(size), scene)),
-    );
+    in_own_process(|| {
+        let scene = scene_named("many_lights_of_all_kinds");
+        report(
+            [UVec2::new(1, 1), UVec2::new(3, 5), UVec2::new(317, 211)]
+                .map(|size| compare(&mut Headless::new(size), scene)),
+        );
+    });
 }
 
 /// Bevy's forward does not draw materials with an explicit `Deferred` on a camera without `DeferredPrepass`. A lean
 /// camera draws all of them: as forward does those that leave the choice to it.
 #[test]
 fn explicitly_deferred_materials_look_as_others_do_forward() {
-    let glow = LinearRgba::rgb(0.1, 0.4, 0.1);
-    report(
-        [("deferred", LinearRgba::BLACK), ("deferred_emissive", glow)].map(|(name, emissive)| {
-            let mut headless = build(SIZE, |s| {
-                s.among_lean(StandardMaterial {
-                    base_color: Color::srgb(0.8, 0.2, 0.15),
-                    emissive,
-                    ..default()
-                });
-                s.sun(true);
-                s.default_camera(());
-            });
-            let forward = settled(&mut headless);
-            let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
-            for (_, material) in materials.iter_mut() {
-                material.opaque_render_method = OpaqueRendererMethod::Deferred;
-            }
-            set_lean(&mut headless, true);
-            let lean = settled(&mut headless);
-            judge(name, &forward, &lean, LEAST_PSNR)
-        }),
-    );
+    in_own_process(|| {
+        let glow = LinearRgba::rgb(0.1, 0.4, 0.1);
+        report(
+            [("deferred", LinearRgba::BLACK), ("deferred_emissive", glow)].map(
+                |(name, emissive)| {
+                    let mut headless = build(SIZE, |s| {
+                        s.among_lean(StandardMaterial {
+                            base_color: Color::srgb(0.8, 0.2, 0.15),
+                            emissive,
+                            ..default()
+                        });
+                        s.sun(true);
+                        s.default_camera(());
+                    });
+                    let forward = settled(&mut headless);
+                    let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
+                    for (_, material) in materials.iter_mut() {
+                        material.opaque_render_method = OpaqueRendererMethod::Deferred;
+                    }
+                    set_lean(&mut headless, true);
+                    let lean = settled(&mut headless);
+                    judge(name, &forward, &lean, LEAST_PSNR)
+                },
+            ),
+        );
+    });
 }
 
 #[test]
 fn a_lean_camera_leaves_others_of_its_target_alone() {
-    let rects = [
-        URect::new(0, 0, 151, SIZE.y),
-        URect::new(151, 0, SIZE.x, SIZE.y),
-    ];
-    for lean in 0..2 {
-        let mut cameras = Vec::new();
-        let mut headless = build(SIZE, |s| {
-            s.solids();
-            s.sun(true);
-            for (order, rect) in rects.iter().enumerate() {
-                cameras.push(s.default_camera(Camera {
-                    order: order as isize,
-                    clear_color: ClearColorConfig::Custom(Color::srgb(0.2, 0.3, order as f32)),
-                    viewport: Some(Viewport {
-                        physical_position: rect.min,
-                        physical_size: rect.size(),
+    in_own_process(|| {
+        let rects = [
+            URect::new(0, 0, 151, SIZE.y),
+            URect::new(151, 0, SIZE.x, SIZE.y),
+        ];
+        for lean in 0..2 {
+            let mut cameras = Vec::new();
+            let mut headless = build(SIZE, |s| {
+                s.solids();
+                s.sun(true);
+                for (order, rect) in rects.iter().enumerate() {
+                    cameras.push(s.default_camera(Camera {
+                        order: order as isize,
+                        clear_color: ClearColorConfig::Custom(Color::srgb(0.2, 0.3, order as f32)),
+                        viewport: Some(Viewport {
+                            physical_position: rect.min,
+                            physical_size: rect.size(),
+                            ..default()
+                        }),
                         ..default()
-                    }),
-                    ..default()
-                }));
-            }
-        });
-        let before = settled(&mut headless);
-        headless
-            .world()
-            .entity_mut(cameras[lean])
-            .insert(LeanDeferred::default());
-        let after = settled(&mut headless);
-        let changed = |rect: URect| before.crop(rect) != after.crop(rect);
-        assert!(changed(rects[lean]), "camera {lean} is not lean at all");
-        assert!(
-            !changed(rects[1 - lean]),
-            "lean camera {lean} changed the other one's picture"
-        );
-    }
+                    }));
+                }
+            });
+            let before = settled(&mut headless);
+            headless
+                .world()
+                .entity_mut(cameras[lean])
+                .insert(LeanDeferred::default());
+            let after = settled(&mut headless);
+            let changed = |rect: URect| before.crop(rect) != after.crop(rect);
+            assert!(changed(rects[lean]), "camera {lean} is not lean at all");
+            assert!(
+                !changed(rects[1 - lean]),
+                "lean camera {lean} changed the other one's picture"
+            );
+        }
+    });
 }
 
 /// A camera that draws over an earlier one's picture, one of both lean.
 #[test]
 fn a_lean_and_a_forward_camera_share_a_picture() {
-    report((0..2).map(|lean| {
-        let mut cameras = Vec::new();
-        let mut headless = build(SIZE, |s| {
-            s.solids();
-            s.sun(true);
-            cameras.push(s.default_camera(()));
-            cameras.push(s.camera(
-                Transform::from_xyz(3.0, 1.5, 3.0).looking_at(Vec3::Y * 0.5, Vec3::Y),
-                Camera {
-                    order: 1,
-                    clear_color: ClearColorConfig::None,
-                    ..default()
-                },
-            ));
-        });
-        let forward = settled(&mut headless);
-        headless
-            .world()
-            .entity_mut(cameras[lean])
-            .insert(LeanDeferred::default());
-        let mixed = settled(&mut headless);
-        judge(
-            &format!("over_another_lean_{lean}"),
-            &forward,
-            &mixed,
-            LEAST_PSNR,
-        )
-    }));
+    in_own_process(|| {
+        report((0..2).map(|lean| {
+            let mut cameras = Vec::new();
+            let mut headless = build(SIZE, |s| {
+                s.solids();
+                s.sun(true);
+                cameras.push(s.default_camera(()));
+                cameras.push(s.camera(
+                    Transform::from_xyz(3.0, 1.5, 3.0).looking_at(Vec3::Y * 0.5, Vec3::Y),
+                    Camera {
+                        order: 1,
+                        clear_color: ClearColorConfig::None,
+                        ..default()
+                    },
+                ));
+            });
+            let forward = settled(&mut headless);
+            headless
+                .world()
+                .entity_mut(cameras[lean])
+                .insert(LeanDeferred::default());
+            let mixed = settled(&mut headless);
+            judge(
+                &format!("over_another_lean_{lean}"),
+                &forward,
+                &mixed,
+                LEAST_PSNR,
+            )
+        }));
+    });
 }
 
 #[test]
 fn removing_the_component_gives_back_forward() {
-    let mut headless = Headless::new(SIZE);
-    for name in [
-        "many_lights_of_all_kinds",
-        "emissive",
-        "alpha_mask",
-        "bevy_ssao",
-        "all_prepasses",
-        "occlusion_culling",
-        "split_screen",
-    ] {
-        show(&mut headless, scene_named(name).build);
-        let before = settled(&mut headless);
-        set_lean(&mut headless, true);
-        let lean = settled(&mut headless);
-        set_lean(&mut headless, false);
-        let after = settled(&mut headless);
-        assert!(lean.rgba != before.rgba, "{name} was never lean");
-        assert!(after.rgba == before.rgba, "{name} is not as before");
-    }
+    in_own_process(|| {
+        let mut headless = Headless::new(SIZE);
+        for name in [
+            "many_lights_of_all_kinds",
+            "emissive",
+            "alpha_mask",
+            "bevy_ssao",
+            "all_prepasses",
+            "occlusion_culling",
+            "split_screen",
+        ] {
+            show(&mut headless, scene_named(name).build);
+            let before = settled(&mut headless);
+            set_lean(&mut headless, true);
+            let lean = settled(&mut headless);
+            set_lean(&mut headless, false);
+            let after = settled(&mut headless);
+            assert!(lean.rgba != before.rgba, "{name} was never lean");
+            assert!(after.rgba == before.rgba, "{name} is not as before");
+        }
+    });
 }

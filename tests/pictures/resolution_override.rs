@@ -15,6 +15,7 @@ use kit::{
     headless::Headless,
     lean::{active_lean_views, build, judge, report, set_lean, settled},
     metrics::pixel_difference,
+    own_process::in_own_process,
     scenes::LEAST_PSNR,
 };
 
@@ -122,39 +123,47 @@ const SIZES: [UVec2; 2] = [UVec2::new(213, 160), UVec2::new(107, 201)];
 
 #[test]
 fn without_prepass() {
-    compare("plain", (), SIZES);
+    in_own_process(|| {
+        compare("plain", (), SIZES);
+    });
 }
 
 #[test]
 fn in_a_viewport() {
-    let camera = Camera {
-        viewport: Some(Viewport {
-            physical_position: UVec2::new(37, 21),
-            physical_size: UVec2::new(201, 155),
+    in_own_process(|| {
+        let camera = Camera {
+            viewport: Some(Viewport {
+                physical_position: UVec2::new(37, 21),
+                physical_size: UVec2::new(201, 155),
+                ..default()
+            }),
             ..default()
-        }),
-        ..default()
-    };
-    let sizes = [UVec2::new(134, 103), UVec2::new(67, 155)];
-    compare("viewport", camera, sizes);
+        };
+        let sizes = [UVec2::new(134, 103), UVec2::new(67, 155)];
+        compare("viewport", camera, sizes);
+    });
 }
 
 #[test]
 fn with_occlusion_culling() {
-    let camera = (DepthPrepass, OcclusionCulling);
-    compare("culling", camera, SIZES);
+    in_own_process(|| {
+        let camera = (DepthPrepass, OcclusionCulling);
+        compare("culling", camera, SIZES);
+    });
 }
 
 /// What Bevy's `Dlss` component brings with it.
 #[test]
 fn as_with_dlss() {
-    let camera = (
-        DepthPrepass,
-        MotionVectorPrepass,
-        MipBias(-0.6),
-        TemporalJitter {
-            offset: Vec2::new(0.3, -0.2),
-        },
-    );
-    compare("dlss", camera, SIZES);
+    in_own_process(|| {
+        let camera = (
+            DepthPrepass,
+            MotionVectorPrepass,
+            MipBias(-0.6),
+            TemporalJitter {
+                offset: Vec2::new(0.3, -0.2),
+            },
+        );
+        compare("dlss", camera, SIZES);
+    });
 }

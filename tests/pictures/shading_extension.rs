@@ -16,6 +16,7 @@ use kit::{
     headless::{Headless, Picture},
     lean::{build, judge, report, set_lean, settled, show},
     metrics::difference,
+    own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder},
 };
 
@@ -149,92 +150,102 @@ const ALL: [Surroundings; 3] = [
 
 #[test]
 fn rims_match_forward() {
-    let app = &mut Headless::new(SIZE);
-    let through = GBufferTargets::SPECIALIZATION;
-    report(ALL.map(|surroundings| compare(app, "rim", surroundings, RIMS, |_| {}, through)));
-    report([compare(
-        app,
-        "rim_emissive",
-        Surroundings::EnvironmentMap,
-        RIMS,
-        |base| base.emissive = LinearRgba::rgb(0.0, 0.1, 0.05),
-        GBufferTargets::EMISSIVE.union(GBufferTargets::SPECIALIZATION),
-    )]);
+    in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
+        let through = GBufferTargets::SPECIALIZATION;
+        report(
+            ALL.map(|surroundings| compare(headless, "rim", surroundings, RIMS, |_| {}, through)),
+        );
+        report([compare(
+            headless,
+            "rim_emissive",
+            Surroundings::EnvironmentMap,
+            RIMS,
+            |base| base.emissive = LinearRgba::rgb(0.0, 0.1, 0.05),
+            GBufferTargets::EMISSIVE.union(GBufferTargets::SPECIALIZATION),
+        )]);
+    });
 }
 
 #[test]
 fn subsurface_matches_forward_and_the_plain_base() {
-    let app = &mut Headless::new(SIZE);
-    for surroundings in [Surroundings::Ambient, Surroundings::EnvironmentMap] {
-        let through = GBufferTargets::SPECIALIZATION;
-        report([compare(
-            app,
-            "subsurface",
-            surroundings,
-            SUBSURFACES,
-            |_| {},
-            through,
-        )]);
-        let none = [ShadingExtension::None; 3];
-        let [plain, subsurface] =
-            [none, SUBSURFACES].map(|extensions| forward(app, surroundings, extensions, |_| {}));
-        assert!(plain == subsurface, "forward shows the base");
-    }
+    in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
+        for surroundings in [Surroundings::Ambient, Surroundings::EnvironmentMap] {
+            let through = GBufferTargets::SPECIALIZATION;
+            report([compare(
+                headless,
+                "subsurface",
+                surroundings,
+                SUBSURFACES,
+                |_| {},
+                through,
+            )]);
+            let none = [ShadingExtension::None; 3];
+            let [plain, subsurface] = [none, SUBSURFACES]
+                .map(|extensions| forward(headless, surroundings, extensions, |_| {}));
+            assert!(plain == subsurface, "forward shows the base");
+        }
+    });
 }
 
 /// So that a rim that neither renderer draws fails too.
 #[test]
 fn rims_show() {
-    let app = &mut Headless::new(SIZE);
-    for surroundings in ALL {
-        let [plain, rims] = [[ShadingExtension::None; 3], RIMS]
-            .map(|extensions| forward(app, surroundings, extensions, |_| {}));
-        let psnr = difference(&plain, &rims).psnr;
-        println!("{surroundings:?}: {psnr:.1} dB without rims");
-        assert!(psnr < 35.0, "{surroundings:?}: {psnr:.1} dB");
-    }
+    in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
+        for surroundings in ALL {
+            let [plain, rims] = [[ShadingExtension::None; 3], RIMS]
+                .map(|extensions| forward(headless, surroundings, extensions, |_| {}));
+            let psnr = difference(&plain, &rims).psnr;
+            println!("{surroundings:?}: {psnr:.1} dB without rims");
+            assert!(psnr < 35.0, "{surroundings:?}: {psnr:.1} dB");
+        }
+    });
 }
 
 /// Bases that are special themselves, and bases without an extension.
 #[test]
 fn other_bases_match_forward() {
-    let none = [ShadingExtension::None; 3];
-    let surroundings = Surroundings::EnvironmentMap;
-    let app = &mut Headless::new(SIZE);
-    report([
-        compare(
-            app,
-            "none",
-            surroundings,
-            none,
-            |_| {},
-            GBufferTargets::empty(),
-        ),
-        compare(
-            app,
-            "none_clearcoat",
-            surroundings,
-            none,
-            |base| base.clearcoat = 1.0,
-            GBufferTargets::SPECIALIZATION,
-        ),
-        compare(
-            app,
-            "rim_clearcoat",
-            surroundings,
-            RIMS,
-            |base| base.clearcoat = 1.0,
-            GBufferTargets::empty(),
-        ),
-        compare(
-            app,
-            "rim_unlit",
-            surroundings,
-            RIMS,
-            |base| base.unlit = true,
-            GBufferTargets::empty(),
-        ),
-    ]);
+    in_own_process(|| {
+        let none = [ShadingExtension::None; 3];
+        let surroundings = Surroundings::EnvironmentMap;
+        let headless = &mut Headless::new(SIZE);
+        report([
+            compare(
+                headless,
+                "none",
+                surroundings,
+                none,
+                |_| {},
+                GBufferTargets::empty(),
+            ),
+            compare(
+                headless,
+                "none_clearcoat",
+                surroundings,
+                none,
+                |base| base.clearcoat = 1.0,
+                GBufferTargets::SPECIALIZATION,
+            ),
+            compare(
+                headless,
+                "rim_clearcoat",
+                surroundings,
+                RIMS,
+                |base| base.clearcoat = 1.0,
+                GBufferTargets::empty(),
+            ),
+            compare(
+                headless,
+                "rim_unlit",
+                surroundings,
+                RIMS,
+                |base| base.unlit = true,
+                GBufferTargets::empty(),
+            ),
+        ]);
+    });
 }
 
 /// Cards of one material behind one another, the nearest first in the order of drawing.
@@ -269,39 +280,43 @@ fn blended(s: &mut SceneBuilder, extended: bool) {
 /// On cameras that sort what is transparent for each pixel, too.
 #[test]
 fn blended_materials_match_their_base() {
-    let [base, extended] = [false, true].map(|extended| {
-        let mut headless = build(SIZE, |s| blended(s, extended));
-        let forward = settled(&mut headless);
-        set_lean(&mut headless, true);
-        [forward, settled(&mut headless)]
+    in_own_process(|| {
+        let [base, extended] = [false, true].map(|extended| {
+            let mut headless = build(SIZE, |s| blended(s, extended));
+            let forward = settled(&mut headless);
+            set_lean(&mut headless, true);
+            [forward, settled(&mut headless)]
+        });
+        report([
+            judge("blended_forward", &base[0], &extended[0], 60.0),
+            judge("blended_lean", &base[1], &extended[1], 60.0),
+            judge("blended", &extended[0], &extended[1], LEAST_PSNR),
+        ]);
     });
-    report([
-        judge("blended_forward", &base[0], &extended[0], 60.0),
-        judge("blended_lean", &base[1], &extended[1], 60.0),
-        judge("blended", &extended[0], &extended[1], LEAST_PSNR),
-    ]);
 }
 
 /// Where `StandardMaterial`s share a bind group, those with an extension do.
 #[test]
 fn materials_share_a_bind_group() {
-    let mut headless = build(SIZE, |s| {
-        scene(s, Surroundings::Ambient, RIMS, |_| {});
-        balls(s, SUBSURFACES, |_| {});
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            scene(s, Surroundings::Ambient, RIMS, |_| {});
+            balls(s, SUBSURFACES, |_| {});
+        });
+        headless.settle();
+        let world = headless.app.sub_app_mut(RenderApp).world_mut();
+        if !StandardMaterial::bindless_supported(world.resource::<RenderDevice>()) {
+            println!("this device has no binding arrays");
+            return;
+        }
+        let extended = core::any::TypeId::of::<ExtendedStandardMaterial>();
+        let materials = world.resource::<ErasedRenderAssets<PreparedMaterial>>();
+        let groups: Vec<_> = (materials.iter())
+            .filter(|(id, _)| id.type_id() == extended)
+            .map(|(_, material)| material.binding.group.0)
+            .collect();
+        assert_eq!(groups.len(), 6);
+        let distinct: HashSet<_> = groups.iter().copied().collect();
+        assert_eq!(distinct.len(), 1, "{groups:?}");
     });
-    headless.settle();
-    let world = headless.app.sub_app_mut(RenderApp).world_mut();
-    if !StandardMaterial::bindless_supported(world.resource::<RenderDevice>()) {
-        println!("this device has no binding arrays");
-        return;
-    }
-    let extended = core::any::TypeId::of::<ExtendedStandardMaterial>();
-    let materials = world.resource::<ErasedRenderAssets<PreparedMaterial>>();
-    let groups: Vec<_> = (materials.iter())
-        .filter(|(id, _)| id.type_id() == extended)
-        .map(|(_, material)| material.binding.group.0)
-        .collect();
-    assert_eq!(groups.len(), 6);
-    let distinct: HashSet<_> = groups.iter().copied().collect();
-    assert_eq!(distinct.len(), 1, "{groups:?}");
 }

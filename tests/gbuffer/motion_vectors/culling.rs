@@ -6,7 +6,7 @@ use bevy::{
     prelude::*,
     render::{occlusion_culling::OcclusionCulling, render_resource::TextureUsages},
 };
-use kit::scenes::SceneBuilder;
+use kit::{own_process::in_own_process, scenes::SceneBuilder};
 
 use super::{Mover, case::Case, move_all, still_and_moving, taa, turn_camera};
 
@@ -53,46 +53,50 @@ fn hidden_scene(s: &mut SceneBuilder, camera: impl Bundle) {
 
 #[test]
 fn occlusion_culling() {
-    let case = Case::new(
-        "occlusion_culling",
-        |s| hidden_scene(s, (taa(), OcclusionCulling)),
-        uncover,
-    );
-    let (errors, _) = Case { frames: 16, ..case }.measure();
-    assert!(errors.largest_share <= 1.0, "{errors:?}");
+    in_own_process(|| {
+        let case = Case::new(
+            "occlusion_culling",
+            |s| hidden_scene(s, (taa(), OcclusionCulling)),
+            uncover,
+        );
+        let (errors, _) = Case { frames: 16, ..case }.measure();
+        assert!(errors.largest_share <= 1.0, "{errors:?}");
+    });
 }
 
 /// Then Bevy's prepass draws all meshes.
 #[test]
 fn what_only_the_prepass_can_do_is_left_to_it() {
-    let case = Case::new(
-        "normal_prepass",
-        |s| still_and_moving(s, (MotionVectorPrepass, NormalPrepass)),
-        move_all,
-    );
-    let (errors, _) = Case {
-        resolves: false,
-        ..case
-    }
-    .measure();
-    assert_eq!(errors.unequal, 0, "{errors:?}");
-    // Without a copy of depth the second phase of culling cannot be told from the first.
-    let case = Case::new(
-        "culling_without_depth",
-        |s| {
-            hidden_scene(s, (MotionVectorPrepass, OcclusionCulling));
-            // Bevy's culling reads it, but asks for that only where there is a `DepthPrepass`.
-            let mut cameras = s.world().query::<&mut Camera3d>();
-            let mut camera = cameras.single_mut(s.world()).expect("one camera");
-            camera.depth_texture_usages =
-                (TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING).into();
-        },
-        uncover,
-    );
-    let (errors, _) = Case {
-        resolves: false,
-        ..case
-    }
-    .measure();
-    assert_eq!(errors.unequal, 0, "{errors:?}");
+    in_own_process(|| {
+        let case = Case::new(
+            "normal_prepass",
+            |s| still_and_moving(s, (MotionVectorPrepass, NormalPrepass)),
+            move_all,
+        );
+        let (errors, _) = Case {
+            resolves: false,
+            ..case
+        }
+        .measure();
+        assert_eq!(errors.unequal, 0, "{errors:?}");
+        // Without a copy of depth the second phase of culling cannot be told from the first.
+        let case = Case::new(
+            "culling_without_depth",
+            |s| {
+                hidden_scene(s, (MotionVectorPrepass, OcclusionCulling));
+                // Bevy's culling reads it, but asks for that only where there is a `DepthPrepass`.
+                let mut cameras = s.world().query::<&mut Camera3d>();
+                let mut camera = cameras.single_mut(s.world()).expect("one camera");
+                camera.depth_texture_usages =
+                    (TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING).into();
+            },
+            uncover,
+        );
+        let (errors, _) = Case {
+            resolves: false,
+            ..case
+        }
+        .measure();
+        assert_eq!(errors.unequal, 0, "{errors:?}");
+    });
 }

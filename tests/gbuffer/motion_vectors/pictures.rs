@@ -8,6 +8,7 @@ use bevy::{
 use kit::{
     headless::Picture,
     lean::{build, judge, report, set_lean},
+    own_process::in_own_process,
     scenes::LEAST_PSNR,
 };
 
@@ -45,19 +46,23 @@ fn compare_pictures<B: Bundle>(name: &str, camera: impl Fn() -> B, least_psnr: f
 
 #[test]
 fn temporal_anti_aliasing_pictures() {
-    compare_pictures("taa", taa, LEAST_PSNR);
+    in_own_process(|| {
+        compare_pictures("taa", taa, LEAST_PSNR);
+    });
 }
 
 #[test]
 fn motion_blur_pictures() {
-    let blur = || {
-        (
-            MotionBlur {
-                shutter_angle: 2.0,
-                samples: 4,
-            },
-            DepthPrepass,
-        )
-    };
-    compare_pictures("motion_blur", blur, LEAST_PSNR);
+    in_own_process(|| {
+        let blur = || {
+            (
+                MotionBlur {
+                    shutter_angle: 2.0,
+                    samples: 4,
+                },
+                DepthPrepass,
+            )
+        };
+        compare_pictures("motion_blur", blur, LEAST_PSNR);
+    });
 }

@@ -8,6 +8,7 @@ use bevy_lean_deferred::gbuffer::SortedMeshes;
 use kit::{
     headless::Headless,
     lean::{build, set_lean},
+    own_process::in_own_process,
 };
 
 use super::{SMALL, shift_movers, still_and_moving, taa};
@@ -35,18 +36,20 @@ fn resorts(headless: &mut Headless, frames: usize, moves: impl Fn(usize) -> bool
 /// time once more when the view has the target.
 #[test]
 fn moving_meshes_are_sorted_once() {
-    let mut headless = build(SMALL, |s| still_and_moving(s, taa()));
-    set_lean(&mut headless, true);
-    headless.settle();
-    assert_eq!(resorts(&mut headless, 4, |_| false), 0);
-    let first = resorts(&mut headless, 50, |_| true);
-    assert!(
-        (4..=12).contains(&first),
-        "two movers, sorted {first} times"
-    );
-    assert_eq!(resorts(&mut headless, 60, |frame| frame % 8 == 7), 0);
-    assert_eq!(resorts(&mut headless, 50, |_| false), 2);
-    assert_eq!(resorts(&mut headless, 50, |_| true), 2);
-    assert_eq!(resorts(&mut headless, 50, |_| false), 2);
-    assert_eq!(resorts(&mut headless, 50, |_| false), 0);
+    in_own_process(|| {
+        let mut headless = build(SMALL, |s| still_and_moving(s, taa()));
+        set_lean(&mut headless, true);
+        headless.settle();
+        assert_eq!(resorts(&mut headless, 4, |_| false), 0);
+        let first = resorts(&mut headless, 50, |_| true);
+        assert!(
+            (4..=12).contains(&first),
+            "two movers, sorted {first} times"
+        );
+        assert_eq!(resorts(&mut headless, 60, |frame| frame % 8 == 7), 0);
+        assert_eq!(resorts(&mut headless, 50, |_| false), 2);
+        assert_eq!(resorts(&mut headless, 50, |_| true), 2);
+        assert_eq!(resorts(&mut headless, 50, |_| false), 2);
+        assert_eq!(resorts(&mut headless, 50, |_| false), 0);
+    });
 }

@@ -17,6 +17,7 @@ use kit::{
     headless::Headless,
     lean::{build, set_lean},
     log_watch,
+    own_process::in_own_process,
 };
 
 use super::{SIZE, SMALL, active_view, move_all, shift_movers, still_and_moving, taa};
@@ -45,62 +46,66 @@ fn run(headless: &mut Headless, frames: usize) -> (Option<ActiveLeanView>, bool)
 
 #[test]
 fn targets_come_and_go() {
-    let mut headless = build(SMALL, |s| still_and_moving(s, ()));
-    set_lean(&mut headless, true);
-    headless.settle();
-    let world = headless.world();
-    let mut cameras = world.query_filtered::<Entity, With<Camera3d>>();
-    let camera = cameras.single(world).expect("one camera");
-    for _ in 0..2 {
-        let (view, has_texture) = run(&mut headless, 6);
-        let view = view.expect("lean");
-        assert!(!view.resolves_motion && !has_texture, "{view:?}");
-        assert!(view.targets == GBufferTargets::EMISSIVE, "{view:?}");
+    in_own_process(|| {
+        let mut headless = build(SMALL, |s| still_and_moving(s, ()));
+        set_lean(&mut headless, true);
+        headless.settle();
+        let world = headless.world();
+        let mut cameras = world.query_filtered::<Entity, With<Camera3d>>();
+        let camera = cameras.single(world).expect("one camera");
+        for _ in 0..2 {
+            let (view, has_texture) = run(&mut headless, 6);
+            let view = view.expect("lean");
+            assert!(!view.resolves_motion && !has_texture, "{view:?}");
+            assert!(view.targets == GBufferTargets::EMISSIVE, "{view:?}");
 
+            headless.world().entity_mut(camera).insert(taa());
+            let (view, has_texture) = run(&mut headless, 6);
+            assert!(view.expect("lean").resolves_motion && has_texture);
+
+            headless.world().entity_mut(camera).remove::<Taa>();
+        }
+
+        // What has stopped keeps its target for a while, not for ever.
         headless.world().entity_mut(camera).insert(taa());
-        let (view, has_texture) = run(&mut headless, 6);
-        assert!(view.expect("lean").resolves_motion && has_texture);
+        assert!(run(&mut headless, 6).1);
+        headless.frames(20);
+        assert!(run(&mut headless, 0).1);
+        headless.frames(180);
+        let (view, has_texture) = run(&mut headless, 0);
+        assert!(view.expect("lean").resolves_motion && !has_texture);
 
-        headless.world().entity_mut(camera).remove::<Taa>();
-    }
-
-    // What has stopped keeps its target for a while, not for ever.
-    headless.world().entity_mut(camera).insert(taa());
-    assert!(run(&mut headless, 6).1);
-    headless.frames(20);
-    assert!(run(&mut headless, 0).1);
-    headless.frames(180);
-    let (view, has_texture) = run(&mut headless, 0);
-    assert!(view.expect("lean").resolves_motion && !has_texture);
-
-    set_lean(&mut headless, false);
-    assert!(run(&mut headless, 3).0.is_none());
-    log_watch::assert_validation_layer_silent();
+        set_lean(&mut headless, false);
+        assert!(run(&mut headless, 3).0.is_none());
+        log_watch::assert_validation_layer_silent();
+    });
 }
 
 /// What moves is coloured, what rests black.
 #[test]
 fn the_motion_target_can_be_shown() {
-    let mut headless = build(SIZE, |s| {
-        still_and_moving(s, MotionVectorPrepass);
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            still_and_moving(s, MotionVectorPrepass);
+        });
+        set_lean(&mut headless, true);
+        let world = headless.world();
+        let mut cameras = world.query::<(&mut LeanDeferred, &mut Tonemapping)>();
+        let (mut lean, mut tonemapping) = cameras.single_mut(world).expect("one camera");
+        lean.debug_view = Some(GBufferChannel::Motion);
+        *tonemapping = Tonemapping::None;
+        headless.settle();
+        let film = headless.film(6, |world, _| {
+            shift_movers(world, Vec3::new(0.06, 0.03, 0.0));
+        });
+        if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
+            film[5].save(std::path::Path::new(&folder).join("motion_channel.png"));
+        }
+        // To the right and up: red above the middle, green below it, blue in the middle.
+        let is_mover = |p: &[u8]| p[0] > 190 && p[1] < 185 && p[2].abs_diff(188) < 3;
+        let is_still = |p: &[u8]| p[..3] == [0; 3];
+        let count = |is: &dyn Fn(&[u8]) -> bool| film[5].rgba.chunks(4).filter(|p| is(p)).count();
+        assert!(count(&is_mover) > 200, "{}", count(&is_mover));
+        assert!(count(&is_still) > 10_000, "{}", count(&is_still));
     });
-    set_lean(&mut headless, true);
-    let world = headless.world();
-    let mut cameras = world.query::<(&mut LeanDeferred, &mut Tonemapping)>();
-    let (mut lean, mut tonemapping) = cameras.single_mut(world).expect("one camera");
-    lean.debug_view = Some(GBufferChannel::Motion);
-    *tonemapping = Tonemapping::None;
-    headless.settle();
-    let film = headless.film(6, |world, _| {
-        shift_movers(world, Vec3::new(0.06, 0.03, 0.0));
-    });
-    if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
-        film[5].save(std::path::Path::new(&folder).join("motion_channel.png"));
-    }
-    // To the right and up: red above the middle, green below it, blue in the middle.
-    let is_mover = |p: &[u8]| p[0] > 190 && p[1] < 185 && p[2].abs_diff(188) < 3;
-    let is_still = |p: &[u8]| p[..3] == [0; 3];
-    let count = |is: &dyn Fn(&[u8]) -> bool| film[5].rgba.chunks(4).filter(|p| is(p)).count();
-    assert!(count(&is_mover) > 200, "{}", count(&is_mover));
-    assert!(count(&is_still) > 10_000, "{}", count(&is_still));
 }

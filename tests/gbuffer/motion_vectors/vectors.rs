@@ -10,6 +10,7 @@ use bevy_lean_deferred::prelude::*;
 use kit::{
     lean::{build, set_lean},
     log_watch,
+    own_process::in_own_process,
     scenes::meshes::{morphed, skinned},
 };
 
@@ -21,196 +22,216 @@ use super::{
 
 #[test]
 fn moving_camera() {
-    let targets = Case::new(
-        "moving_camera",
-        |s| scene(s, taa()),
-        |world, frame| turn_camera(world, frame as f32 * 0.01),
-    )
-    .compare();
-    assert_eq!(targets, [0usize; 0], "nothing else moves");
+    in_own_process(|| {
+        let targets = Case::new(
+            "moving_camera",
+            |s| scene(s, taa()),
+            |world, frame| turn_camera(world, frame as f32 * 0.01),
+        )
+        .compare();
+        assert_eq!(targets, [0usize; 0], "nothing else moves");
+    });
 }
 
 /// In the first frame Bevy's prepass draws the mesh that moves; from then on the view has a target.
 #[test]
 fn moving_meshes() {
-    let targets = Case::new(
-        "moving_meshes",
-        |s| still_and_moving(s, taa()),
-        |world, frame| {
-            turn_camera(world, frame as f32 * 0.005);
-            if frame >= 3 {
-                shift_movers(world, Vec3::new(0.05, 0.02, -0.03));
-            }
-        },
-    )
-    .compare();
-    assert_eq!(targets, [4, 5, 6, 7]);
+    in_own_process(|| {
+        let targets = Case::new(
+            "moving_meshes",
+            |s| still_and_moving(s, taa()),
+            |world, frame| {
+                turn_camera(world, frame as f32 * 0.005);
+                if frame >= 3 {
+                    shift_movers(world, Vec3::new(0.05, 0.02, -0.03));
+                }
+            },
+        )
+        .compare();
+        assert_eq!(targets, [4, 5, 6, 7]);
+    });
 }
 
 /// Materials of this crate and of others pack their motion as `StandardMaterial` does.
 #[test]
 fn moving_extended_materials() {
-    let rim = ShadingExtension::Rim {
-        color: Color::WHITE,
-        exponent: 4.0,
-    };
-    let subsurface = ShadingExtension::Subsurface {
-        color: Color::WHITE,
-        mean_free_path: 0.02,
-    };
-    let targets = Case::new(
-        "moving_extended_materials",
-        |s| {
-            scene(s, taa());
-            let mesh = s.add::<Mesh>(Sphere::new(0.4).mesh().uv(32, 16));
-            for (extension, x) in [
-                (rim, -0.9),
-                (subsurface, 0.0),
-                (ShadingExtension::None, 0.9),
-            ] {
-                let material = s.add::<ExtendedStandardMaterial>(ExtendedStandardMaterial {
-                    base: Color::srgb(0.9, 0.6, 0.2).into(),
-                    extension,
-                });
-                s.spawn((
-                    Mesh3d(mesh.clone()),
-                    MeshMaterial3d(material),
-                    Transform::from_xyz(x, 1.0, 1.0),
-                    Mover,
-                ));
-            }
-        },
-        |world, frame| {
-            turn_camera(world, frame as f32 * 0.005);
-            shift_movers(world, Vec3::new(0.05, 0.02, -0.03));
-        },
-    )
-    .compare();
-    assert_eq!(targets, [1, 2, 3, 4, 5, 6, 7]);
+    in_own_process(|| {
+        let rim = ShadingExtension::Rim {
+            color: Color::WHITE,
+            exponent: 4.0,
+        };
+        let subsurface = ShadingExtension::Subsurface {
+            color: Color::WHITE,
+            mean_free_path: 0.02,
+        };
+        let targets = Case::new(
+            "moving_extended_materials",
+            |s| {
+                scene(s, taa());
+                let mesh = s.add::<Mesh>(Sphere::new(0.4).mesh().uv(32, 16));
+                for (extension, x) in [
+                    (rim, -0.9),
+                    (subsurface, 0.0),
+                    (ShadingExtension::None, 0.9),
+                ] {
+                    let material = s.add::<ExtendedStandardMaterial>(ExtendedStandardMaterial {
+                        base: Color::srgb(0.9, 0.6, 0.2).into(),
+                        extension,
+                    });
+                    s.spawn((
+                        Mesh3d(mesh.clone()),
+                        MeshMaterial3d(material),
+                        Transform::from_xyz(x, 1.0, 1.0),
+                        Mover,
+                    ));
+                }
+            },
+            |world, frame| {
+                turn_camera(world, frame as f32 * 0.005);
+                shift_movers(world, Vec3::new(0.05, 0.02, -0.03));
+            },
+        )
+        .compare();
+        assert_eq!(targets, [1, 2, 3, 4, 5, 6, 7]);
+    });
 }
 
 #[test]
 fn skinned_mesh() {
-    let targets = Case::new(
-        "skinned_mesh",
-        |s| {
-            scene(s, taa());
-            let joint = skinned(s);
-            s.world().entity_mut(joint).insert(Mover);
-        },
-        |world, frame| {
-            turn_camera(world, frame as f32 * 0.005);
-            let mut joints = world.query_filtered::<&mut Transform, With<Mover>>();
-            for mut joint in joints.iter_mut(world) {
-                joint.rotate_local_z(0.05);
-            }
-        },
-    )
-    .compare();
-    assert_eq!(targets.len(), 8);
+    in_own_process(|| {
+        let targets = Case::new(
+            "skinned_mesh",
+            |s| {
+                scene(s, taa());
+                let joint = skinned(s);
+                s.world().entity_mut(joint).insert(Mover);
+            },
+            |world, frame| {
+                turn_camera(world, frame as f32 * 0.005);
+                let mut joints = world.query_filtered::<&mut Transform, With<Mover>>();
+                for mut joint in joints.iter_mut(world) {
+                    joint.rotate_local_z(0.05);
+                }
+            },
+        )
+        .compare();
+        assert_eq!(targets.len(), 8);
+    });
 }
 
 #[test]
 fn morphed_mesh() {
-    let targets = Case::new(
-        "morphed_mesh",
-        |s| {
-            scene(s, taa());
-            morphed(s);
-        },
-        |world, frame| {
-            turn_camera(world, frame as f32 * 0.005);
-            let mut weights = world.query::<&mut MeshMorphWeights>();
-            for mut weights in weights.iter_mut(world) {
-                *weights = MeshMorphWeights::Value {
-                    weights: vec![0.5 - frame as f32 * 0.04, 0.8 - frame as f32 * 0.05],
-                };
-            }
-        },
-    )
-    .compare();
-    assert_eq!(targets.len(), 8);
+    in_own_process(|| {
+        let targets = Case::new(
+            "morphed_mesh",
+            |s| {
+                scene(s, taa());
+                morphed(s);
+            },
+            |world, frame| {
+                turn_camera(world, frame as f32 * 0.005);
+                let mut weights = world.query::<&mut MeshMorphWeights>();
+                for mut weights in weights.iter_mut(world) {
+                    *weights = MeshMorphWeights::Value {
+                        weights: vec![0.5 - frame as f32 * 0.04, 0.8 - frame as f32 * 0.05],
+                    };
+                }
+            },
+        )
+        .compare();
+        assert_eq!(targets.len(), 8);
+    });
 }
 
 /// Surfaces beside the former camera were infinitely far out of its picture.
 #[test]
 fn teleporting_camera() {
-    let (errors, _) = Case::new(
-        "teleporting_camera",
-        |s| still_and_moving(s, taa()),
-        |world, frame| turn_camera(world, if frame == 4 { 2.5 } else { 0.0 }),
-    )
-    .measure();
-    assert!(errors.largest_share <= 1.0, "{errors:?}");
+    in_own_process(|| {
+        let (errors, _) = Case::new(
+            "teleporting_camera",
+            |s| still_and_moving(s, taa()),
+            |world, frame| turn_camera(world, if frame == 4 { 2.5 } else { 0.0 }),
+        )
+        .measure();
+        assert!(errors.largest_share <= 1.0, "{errors:?}");
+    });
 }
 
 #[test]
 fn teleporting_meshes() {
-    Case::new(
-        "teleporting_meshes",
-        |s| still_and_moving(s, taa()),
-        |world, frame| {
-            if frame == 4 {
-                shift_movers(world, Vec3::new(-1.5, 0.8, -2.0));
-            }
-        },
-    )
-    .compare();
+    in_own_process(|| {
+        Case::new(
+            "teleporting_meshes",
+            |s| still_and_moving(s, taa()),
+            |world, frame| {
+                if frame == 4 {
+                    shift_movers(world, Vec3::new(-1.5, 0.8, -2.0));
+                }
+            },
+        )
+        .compare();
+    });
 }
 
 #[test]
 fn viewport() {
-    let camera = || Camera {
-        viewport: Some(Viewport {
-            physical_position: UVec2::new(37, 21),
-            physical_size: UVec2::new(201, 155),
+    in_own_process(|| {
+        let camera = || Camera {
+            viewport: Some(Viewport {
+                physical_position: UVec2::new(37, 21),
+                physical_size: UVec2::new(201, 155),
+                ..default()
+            }),
             ..default()
-        }),
-        ..default()
-    };
-    Case::new(
-        "viewport",
-        |s| still_and_moving(s, (MotionVectorPrepass, camera())),
-        move_all,
-    )
-    .compare();
+        };
+        Case::new(
+            "viewport",
+            |s| still_and_moving(s, (MotionVectorPrepass, camera())),
+            move_all,
+        )
+        .compare();
+    });
 }
 
 #[test]
 fn orthographic() {
-    let projection = || {
-        Projection::Orthographic(OrthographicProjection {
-            scaling_mode: ScalingMode::FixedVertical {
-                viewport_height: 5.0,
-            },
-            ..OrthographicProjection::default_3d()
-        })
-    };
-    let (errors, _) = Case::new(
-        "orthographic",
-        |s| still_and_moving(s, (taa(), projection())),
-        move_all,
-    )
-    .measure();
-    // The background moves by hundreds of pixels there, in forward too.
-    assert!(errors.largest <= LARGEST && errors.rms <= RMS, "{errors:?}");
+    in_own_process(|| {
+        let projection = || {
+            Projection::Orthographic(OrthographicProjection {
+                scaling_mode: ScalingMode::FixedVertical {
+                    viewport_height: 5.0,
+                },
+                ..OrthographicProjection::default_3d()
+            })
+        };
+        let (errors, _) = Case::new(
+            "orthographic",
+            |s| still_and_moving(s, (taa(), projection())),
+            move_all,
+        )
+        .measure();
+        // The background moves by hundreds of pixels there, in forward too.
+        assert!(errors.largest <= LARGEST && errors.rms <= RMS, "{errors:?}");
+    });
 }
 
 /// From the first frame of the app on, while meshes load and nothing has a past.
 #[test]
 fn first_frames() {
-    let films = [false, true].map(|lean| {
-        let mut headless = build(SIZE, |s| still_and_moving(s, taa()));
-        probe::install(&mut headless);
-        set_lean(&mut headless, lean);
-        film(&mut headless, 10, move_all)
+    in_own_process(|| {
+        let films = [false, true].map(|lean| {
+            let mut headless = build(SIZE, |s| still_and_moving(s, taa()));
+            probe::install(&mut headless);
+            set_lean(&mut headless, lean);
+            film(&mut headless, 10, move_all)
+        });
+        let errors = errors(&films[0], &films[1]);
+        println!("first_frames {errors:?}");
+        assert!(films[1][9].has_motion_target(), "lean by then");
+        assert!(
+            errors.longest > 1.0 && errors.largest <= LARGEST,
+            "{errors:?}"
+        );
+        log_watch::assert_validation_layer_silent();
     });
-    let errors = errors(&films[0], &films[1]);
-    println!("first_frames {errors:?}");
-    assert!(films[1][9].has_motion_target(), "lean by then");
-    assert!(
-        errors.longest > 1.0 && errors.largest <= LARGEST,
-        "{errors:?}"
-    );
-    log_watch::assert_validation_layer_silent();
 }

@@ -8,10 +8,11 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use super::{SIZE, SMALL, forward_draws, usage};
+use super::{SMALL, forward_draws, usage};
 use kit::{
     headless::Headless,
     lean::{build, set_lean, show},
+    own_process::in_own_process,
     scenes::build::material,
 };
 
@@ -56,239 +57,255 @@ fn with_ball(material: StandardMaterial, extra: impl Bundle) -> (Headless, Entit
 
 #[test]
 fn materials_get_the_targets_that_they_need() {
-    type Change = fn(&mut StandardMaterial);
-    let cases: [(&str, GBufferTargets, Change); 12] = [
-        ("plain", NONE, |_| {}),
-        ("emissive", EMISSIVE, |m| {
-            m.emissive = LinearRgba::rgb(1.0, 0.0, 0.0)
-        }),
-        ("emissive NaN", EMISSIVE, |m| {
-            m.emissive = LinearRgba::rgb(f32::NAN, 0.0, 0.0)
-        }),
-        ("reflectance", SPECIALIZATION, |m| m.reflectance = 0.2),
-        ("grey specular tint", SPECIALIZATION, |m| {
-            m.specular_tint = Color::srgb(0.5, 0.5, 0.5)
-        }),
-        ("clearcoat", SPECIALIZATION, |m| m.clearcoat = 0.5),
-        ("anisotropy", SPECIALIZATION, |m| {
-            m.anisotropy_strength = 0.5
-        }),
-        ("diffuse transmission", SPECIALIZATION, |m| {
-            m.diffuse_transmission = 0.5
-        }),
-        ("unlit", SPECIALIZATION, |m| m.unlit = true),
-        ("no fog", SPECIALIZATION, |m| m.fog_enabled = false),
-        ("emissive clearcoat", EMISSIVE.union(SPECIALIZATION), |m| {
-            m.emissive = LinearRgba::rgb(1.0, 0.0, 0.0);
-            m.clearcoat = 0.5;
-        }),
-        ("masked emissive", EMISSIVE, |m| {
-            m.emissive = LinearRgba::rgb(1.0, 0.0, 0.0);
-            m.alpha_mode = AlphaMode::Mask(0.5);
-        }),
-    ];
-    let mut headless = Headless::new(SMALL);
-    for (name, targets, change) in cases {
-        let mut material = clay();
-        change(&mut material);
-        show_ball(&mut headless, material, ());
-        assert_eq!(usage(&mut headless).targets, targets, "{name}");
-        assert!(!forward_draws(&headless), "{name} goes forward");
-    }
+    in_own_process(|| {
+        type Change = fn(&mut StandardMaterial);
+        let cases: [(&str, GBufferTargets, Change); 12] = [
+            ("plain", NONE, |_| {}),
+            ("emissive", EMISSIVE, |m| {
+                m.emissive = LinearRgba::rgb(1.0, 0.0, 0.0)
+            }),
+            ("emissive NaN", EMISSIVE, |m| {
+                m.emissive = LinearRgba::rgb(f32::NAN, 0.0, 0.0)
+            }),
+            ("reflectance", SPECIALIZATION, |m| m.reflectance = 0.2),
+            ("grey specular tint", SPECIALIZATION, |m| {
+                m.specular_tint = Color::srgb(0.5, 0.5, 0.5)
+            }),
+            ("clearcoat", SPECIALIZATION, |m| m.clearcoat = 0.5),
+            ("anisotropy", SPECIALIZATION, |m| {
+                m.anisotropy_strength = 0.5
+            }),
+            ("diffuse transmission", SPECIALIZATION, |m| {
+                m.diffuse_transmission = 0.5
+            }),
+            ("unlit", SPECIALIZATION, |m| m.unlit = true),
+            ("no fog", SPECIALIZATION, |m| m.fog_enabled = false),
+            ("emissive clearcoat", EMISSIVE.union(SPECIALIZATION), |m| {
+                m.emissive = LinearRgba::rgb(1.0, 0.0, 0.0);
+                m.clearcoat = 0.5;
+            }),
+            ("masked emissive", EMISSIVE, |m| {
+                m.emissive = LinearRgba::rgb(1.0, 0.0, 0.0);
+                m.alpha_mode = AlphaMode::Mask(0.5);
+            }),
+        ];
+        let mut headless = Headless::new(SMALL);
+        for (name, targets, change) in cases {
+            let mut material = clay();
+            change(&mut material);
+            show_ball(&mut headless, material, ());
+            assert_eq!(usage(&mut headless).targets, targets, "{name}");
+            assert!(!forward_draws(&headless), "{name} goes forward");
+        }
+    });
 }
 
 #[test]
 fn what_has_no_bits_goes_forward_without_targets() {
-    type Change = fn(&mut StandardMaterial);
-    let cases: [(&str, Change); 11] = [
-        ("method", |m| {
-            m.opaque_render_method = OpaqueRendererMethod::Forward
-        }),
-        ("emissive below 0", |m| {
-            m.emissive = LinearRgba::rgb(1.0, -1.0, 0.0)
-        }),
-        ("coloured specular tint", |m| {
-            m.specular_tint = Color::srgb(1.0, 0.5, 0.5)
-        }),
-        ("reflectance NaN", |m| m.reflectance = f32::NAN),
-        ("reflectance above 2", |m| m.reflectance = 2.5),
-        ("clearcoat and anisotropy", |m| {
-            m.clearcoat = 0.5;
-            m.anisotropy_strength = 0.5;
-        }),
-        ("clearcoat on a normal map", |m| {
-            m.clearcoat = 0.5;
-            m.normal_map_texture = Some(Handle::default());
-        }),
-        ("anisotropy on a normal map", |m| {
-            m.anisotropy_strength = 0.5;
-            m.normal_map_texture = Some(Handle::default());
-        }),
-        ("negative thickness", |m| {
-            m.diffuse_transmission = 0.5;
-            m.thickness = -1.0;
-        }),
-        ("depth bias", |m| m.depth_bias = 100.0),
-        ("unlit below 0", |m| {
-            m.unlit = true;
-            m.base_color = Color::linear_rgb(1.0, -1.0, 0.0);
-        }),
-    ];
-    let mut headless = Headless::new(SMALL);
-    for (name, change) in cases {
-        let mut material = clay();
-        change(&mut material);
-        show_ball(&mut headless, material, ());
-        assert_eq!(usage(&mut headless).targets, NONE, "{name}");
-        assert!(forward_draws(&headless), "{name} does not go forward");
-    }
+    in_own_process(|| {
+        type Change = fn(&mut StandardMaterial);
+        let cases: [(&str, Change); 11] = [
+            ("method", |m| {
+                m.opaque_render_method = OpaqueRendererMethod::Forward
+            }),
+            ("emissive below 0", |m| {
+                m.emissive = LinearRgba::rgb(1.0, -1.0, 0.0)
+            }),
+            ("coloured specular tint", |m| {
+                m.specular_tint = Color::srgb(1.0, 0.5, 0.5)
+            }),
+            ("reflectance NaN", |m| m.reflectance = f32::NAN),
+            ("reflectance above 2", |m| m.reflectance = 2.5),
+            ("clearcoat and anisotropy", |m| {
+                m.clearcoat = 0.5;
+                m.anisotropy_strength = 0.5;
+            }),
+            ("clearcoat on a normal map", |m| {
+                m.clearcoat = 0.5;
+                m.normal_map_texture = Some(Handle::default());
+            }),
+            ("anisotropy on a normal map", |m| {
+                m.anisotropy_strength = 0.5;
+                m.normal_map_texture = Some(Handle::default());
+            }),
+            ("negative thickness", |m| {
+                m.diffuse_transmission = 0.5;
+                m.thickness = -1.0;
+            }),
+            ("depth bias", |m| m.depth_bias = 100.0),
+            ("unlit below 0", |m| {
+                m.unlit = true;
+                m.base_color = Color::linear_rgb(1.0, -1.0, 0.0);
+            }),
+        ];
+        let mut headless = Headless::new(SMALL);
+        for (name, change) in cases {
+            let mut material = clay();
+            change(&mut material);
+            show_ball(&mut headless, material, ());
+            assert_eq!(usage(&mut headless).targets, NONE, "{name}");
+            assert!(forward_draws(&headless), "{name} does not go forward");
+        }
+    });
 }
 
 #[test]
 fn meshes_get_the_targets_that_they_need() {
-    let (mut headless, _) = with_ball(clay(), NotShadowReceiver);
-    assert_eq!(usage(&mut headless).targets, SPECIALIZATION);
-    assert!(!forward_draws(&headless));
+    in_own_process(|| {
+        let (mut headless, _) = with_ball(clay(), NotShadowReceiver);
+        assert_eq!(usage(&mut headless).targets, SPECIALIZATION);
+        assert!(!forward_draws(&headless));
 
-    let (mut headless, ball) = with_ball(clay(), ());
-    assert_eq!(usage(&mut headless).targets, NONE);
-    headless.world().entity_mut(ball).insert(NotShadowReceiver);
-    headless.frames(4);
-    assert_eq!(usage(&mut headless).targets, SPECIALIZATION);
-    assert!(!forward_draws(&headless));
+        let (mut headless, ball) = with_ball(clay(), ());
+        assert_eq!(usage(&mut headless).targets, NONE);
+        headless.world().entity_mut(ball).insert(NotShadowReceiver);
+        headless.frames(4);
+        assert_eq!(usage(&mut headless).targets, SPECIALIZATION);
+        assert!(!forward_draws(&headless));
 
-    let cube = kit::scenes::materials::cube_with_second_uvs();
-    let world = headless.world();
-    let cube = world.resource_mut::<Assets<Mesh>>().add(cube);
-    let image = world.resource_mut::<Assets<Image>>().add(Image::default());
-    world
-        .entity_mut(ball)
-        .insert((Mesh3d(cube), Lightmap { image, ..default() }));
-    headless.settle();
-    headless.frames(4);
-    assert_eq!(usage(&mut headless).targets, EMISSIVE.union(SPECIALIZATION));
-    assert!(!forward_draws(&headless));
+        let cube = kit::scenes::materials::cube_with_second_uvs();
+        let world = headless.world();
+        let cube = world.resource_mut::<Assets<Mesh>>().add(cube);
+        let image = world.resource_mut::<Assets<Image>>().add(Image::default());
+        world
+            .entity_mut(ball)
+            .insert((Mesh3d(cube), Lightmap { image, ..default() }));
+        headless.settle();
+        headless.frames(4);
+        assert_eq!(usage(&mut headless).targets, EMISSIVE.union(SPECIALIZATION));
+        assert!(!forward_draws(&headless));
+    });
 }
 
 /// Bevy cannot compile lightmaps under an environment map without binding arrays, and draws nothing then.
 #[test]
 fn a_lightmap_that_cannot_be_lit_keeps_no_other_surface_waiting() {
-    let mut headless = build(SMALL, |s| {
-        let image = s.add(Image::default());
-        let lightmapped = s.mesh(
-            kit::scenes::materials::cube_with_second_uvs(),
-            clay(),
-            Transform::from_xyz(1.0, 0.0, 0.0),
-        );
-        let lightmap = Lightmap { image, ..default() };
-        s.world().entity_mut(lightmapped).insert(lightmap);
-        let clearcoat = StandardMaterial {
-            clearcoat: 1.0,
-            ..clay()
-        };
-        s.mesh(
-            Sphere::new(0.5),
-            clearcoat,
-            Transform::from_xyz(-1.0, 0.0, 0.0),
-        );
-        let map = s.cube_map();
-        s.default_camera(EnvironmentMapLight {
-            diffuse_map: map.clone(),
-            specular_map: map,
-            ..default()
+    in_own_process(|| {
+        let mut headless = build(SMALL, |s| {
+            let image = s.add(Image::default());
+            let lightmapped = s.mesh(
+                kit::scenes::materials::cube_with_second_uvs(),
+                clay(),
+                Transform::from_xyz(1.0, 0.0, 0.0),
+            );
+            let lightmap = Lightmap { image, ..default() };
+            s.world().entity_mut(lightmapped).insert(lightmap);
+            let clearcoat = StandardMaterial {
+                clearcoat: 1.0,
+                ..clay()
+            };
+            s.mesh(
+                Sphere::new(0.5),
+                clearcoat,
+                Transform::from_xyz(-1.0, 0.0, 0.0),
+            );
+            let map = s.cube_map();
+            s.default_camera(EnvironmentMapLight {
+                diffuse_map: map.clone(),
+                specular_map: map,
+                ..default()
+            });
         });
+        set_lean(&mut headless, true);
+        headless.settle();
+        headless.frames(3);
+        assert!(usage(&mut headless).targets.contains(SPECIALIZATION));
     });
-    set_lean(&mut headless, true);
-    headless.settle();
-    headless.frames(3);
-    assert!(usage(&mut headless).targets.contains(SPECIALIZATION));
 }
 
 /// Anisotropic highlights need tangents; without, forward has a look of its own.
 #[test]
 fn anisotropy_without_tangents_goes_forward() {
-    let mut headless = build(SMALL, |s| {
-        let anisotropic = StandardMaterial {
-            anisotropy_strength: 0.5,
-            ..clay()
-        };
-        s.mesh(Sphere::new(0.5), anisotropic, Transform::default());
-        s.sun(false);
-        s.default_camera(());
+    in_own_process(|| {
+        let mut headless = build(SMALL, |s| {
+            let anisotropic = StandardMaterial {
+                anisotropy_strength: 0.5,
+                ..clay()
+            };
+            s.mesh(Sphere::new(0.5), anisotropic, Transform::default());
+            s.sun(false);
+            s.default_camera(());
+        });
+        set_lean(&mut headless, true);
+        headless.settle();
+        headless.frames(2);
+        assert_eq!(usage(&mut headless).targets, NONE);
+        assert!(forward_draws(&headless));
     });
-    set_lean(&mut headless, true);
-    headless.settle();
-    headless.frames(2);
-    assert_eq!(usage(&mut headless).targets, NONE);
-    assert!(forward_draws(&headless));
 }
 
 #[test]
 fn targets_go_a_while_after_what_needs_them() {
-    let glow = StandardMaterial {
-        emissive: LinearRgba::rgb(1.0, 0.5, 0.0),
-        clearcoat: 1.0,
-        ..clay()
-    };
-    let mut headless = Headless::new(SIZE);
-    let ball = show_ball(&mut headless, glow, ());
-    let used = usage(&mut headless);
-    assert_eq!(used.targets, EMISSIVE.union(SPECIALIZATION));
-    assert_eq!(used.size, SIZE);
-    assert_eq!(used.bytes_per_pixel(), 17);
-    assert_eq!(used.bytes(), 320 * 240 * 17);
-    let each: Vec<_> = used.each().collect();
-    assert_eq!(
-        each,
-        [
-            ("base", 320 * 240 * 8),
-            ("written targets", 320 * 240),
-            ("emissive", 320 * 240 * 4),
-            ("specialization", 320 * 240 * 4)
-        ]
-    );
-
-    let mut hide = |hidden: bool, frames: usize| {
-        let visibility = if hidden {
-            Visibility::Hidden
-        } else {
-            Visibility::Inherited
+    in_own_process(|| {
+        let glow = StandardMaterial {
+            emissive: LinearRgba::rgb(1.0, 0.5, 0.0),
+            clearcoat: 1.0,
+            ..clay()
         };
-        headless.world().entity_mut(ball).insert(visibility);
-        headless.frames(frames);
-        usage(&mut headless).targets
-    };
-    assert_eq!(hide(true, LINGERING - 10), used.targets, "it went too soon");
-    assert_eq!(hide(false, 1), used.targets);
-    assert_eq!(hide(true, LINGERING - 10), used.targets, "not counted anew");
-    assert_eq!(hide(true, 20), NONE, "it stays for ever");
-    assert_eq!(hide(false, 5), used.targets, "it does not come back");
+        let mut headless = Headless::new(SMALL);
+        let ball = show_ball(&mut headless, glow, ());
+        let used = usage(&mut headless);
+        assert_eq!(used.targets, EMISSIVE.union(SPECIALIZATION));
+        assert_eq!(used.size, SMALL);
+        assert_eq!(used.bytes_per_pixel(), 17);
+        assert_eq!(used.bytes(), 64 * 48 * 17);
+        let each: Vec<_> = used.each().collect();
+        assert_eq!(
+            each,
+            [
+                ("base", 64 * 48 * 8),
+                ("written targets", 64 * 48),
+                ("emissive", 64 * 48 * 4),
+                ("specialization", 64 * 48 * 4)
+            ]
+        );
+
+        let mut hide = |hidden: bool, frames: usize| {
+            let visibility = if hidden {
+                Visibility::Hidden
+            } else {
+                Visibility::Inherited
+            };
+            headless.world().entity_mut(ball).insert(visibility);
+            headless.frames(frames);
+            usage(&mut headless).targets
+        };
+        assert_eq!(hide(true, LINGERING - 10), used.targets, "it went too soon");
+        assert_eq!(hide(false, 1), used.targets);
+        assert_eq!(hide(true, LINGERING - 10), used.targets, "not counted anew");
+        assert_eq!(hide(true, 20), NONE, "it stays for ever");
+        assert_eq!(hide(false, 5), used.targets, "it does not come back");
+    });
 }
 
 #[test]
 fn usage_ends_with_the_component() {
-    let (mut headless, _) = with_ball(clay(), ());
-    assert!(usage(&mut headless).is_active());
-    set_lean(&mut headless, false);
-    headless.frames(2);
-    let world = headless.world();
-    assert_eq!(world.query::<&GBufferUsage>().iter(world).count(), 0);
+    in_own_process(|| {
+        let (mut headless, _) = with_ball(clay(), ());
+        assert!(usage(&mut headless).is_active());
+        set_lean(&mut headless, false);
+        headless.frames(2);
+        let world = headless.world();
+        assert_eq!(world.query::<&GBufferUsage>().iter(world).count(), 0);
+    });
 }
 
 #[test]
 fn usage_is_nothing_while_the_camera_is_off_or_forward() {
-    let (mut headless, _) = with_ball(clay(), ());
-    let world = headless.world();
-    let mut cameras = world.query::<&mut Camera>();
-    cameras.single_mut(world).expect("one").is_active = false;
-    headless.frames(3);
-    assert_eq!(usage(&mut headless), GBufferUsage::default());
+    in_own_process(|| {
+        let (mut headless, _) = with_ball(clay(), ());
+        let world = headless.world();
+        let mut cameras = world.query::<&mut Camera>();
+        cameras.single_mut(world).expect("one").is_active = false;
+        headless.frames(3);
+        assert_eq!(usage(&mut headless), GBufferUsage::default());
 
-    let world = headless.world();
-    let mut cameras = world.query::<(&mut Camera, &mut Msaa)>();
-    let (mut camera, mut msaa) = cameras.single_mut(world).expect("one");
-    camera.is_active = true;
-    *msaa = Msaa::Sample4;
-    headless.frames(3);
-    assert_eq!(usage(&mut headless).bytes(), 0);
+        let world = headless.world();
+        let mut cameras = world.query::<(&mut Camera, &mut Msaa)>();
+        let (mut camera, mut msaa) = cameras.single_mut(world).expect("one");
+        camera.is_active = true;
+        *msaa = Msaa::Sample4;
+        headless.frames(3);
+        assert_eq!(usage(&mut headless).bytes(), 0);
+    });
 }

@@ -14,6 +14,7 @@ use kit::{
     headless::Headless,
     lean::{active_lean_views, build, judge, report, set_lean, settled},
     metrics::difference,
+    own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder, build::material},
 };
 
@@ -110,266 +111,284 @@ fn overlapping(s: &mut SceneBuilder) {
 
 #[test]
 fn overlapping_kinds_match_forward() {
-    report([compare("overlapping_kinds", |s| {
-        overlapping(s);
-        s.default_camera(ambient());
-    })
-    .map(|_| ())]);
+    in_own_process(|| {
+        report([compare("overlapping_kinds", |s| {
+            overlapping(s);
+            s.default_camera(ambient());
+        })
+        .map(|_| ())]);
+    });
 }
 
 /// In the second phase of culling, plain meshes come to lie in front of special ones that are already drawn.
 #[test]
 fn culling_in_two_phases_matches_forward() {
-    let mut headless = build(SIZE, |s| {
-        overlapping(s);
-        s.default_camera((ambient(), DepthPrepass, OcclusionCulling));
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            overlapping(s);
+            s.default_camera((ambient(), DepthPrepass, OcclusionCulling));
+        });
+        // Back and forth, so that what was hidden in one frame is in front in the next.
+        let around = |world: &mut World, frame: usize| {
+            let angle = if frame.is_multiple_of(2) { 0.4 } else { -2.0 };
+            let mut cameras = world.query_filtered::<&mut Transform, With<Camera3d>>();
+            let mut transform = cameras.single_mut(world).expect("one camera");
+            *transform = Transform::from_xyz(6.0 * f32::sin(angle), 2.0, 6.0 * f32::cos(angle))
+                .looking_at(Vec3::Y * 0.4, Vec3::Y);
+        };
+        headless.settle();
+        let forward = headless.film(6, around);
+        set_lean(&mut headless, true);
+        headless.settle();
+        let lean = headless.film(6, around);
+        report(
+            forward
+                .iter()
+                .zip(&lean)
+                .enumerate()
+                .map(|(i, (forward, lean))| {
+                    judge(&format!("two_phases_{i}"), forward, lean, LEAST_PSNR)
+                }),
+        );
     });
-    // Back and forth, so that what was hidden in one frame is in front in the next.
-    let around = |world: &mut World, frame: usize| {
-        let angle = if frame.is_multiple_of(2) { 0.4 } else { -2.0 };
-        let mut cameras = world.query_filtered::<&mut Transform, With<Camera3d>>();
-        let mut transform = cameras.single_mut(world).expect("one camera");
-        *transform = Transform::from_xyz(6.0 * f32::sin(angle), 2.0, 6.0 * f32::cos(angle))
-            .looking_at(Vec3::Y * 0.4, Vec3::Y);
-    };
-    headless.settle();
-    let forward = headless.film(6, around);
-    set_lean(&mut headless, true);
-    headless.settle();
-    let lean = headless.film(6, around);
-    report(
-        forward
-            .iter()
-            .zip(&lean)
-            .enumerate()
-            .map(|(i, (forward, lean))| {
-                judge(&format!("two_phases_{i}"), forward, lean, LEAST_PSNR)
-            }),
-    );
 }
 
 #[test]
 fn bright_and_broken_emission_matches_forward() {
-    let emissive = [
-        LinearRgba::rgb(1e6, 1e6, 1e6),
-        LinearRgba::rgb(1e6, 0.0, 0.0),
-        LinearRgba::rgb(-2.0, 0.3, 0.3),
-        LinearRgba::rgb(1e-6, 1e-6, 1e-6),
-    ];
-    report([compare("bright_emission", |s| {
-        s.floor();
-        for (i, emissive) in emissive.into_iter().enumerate() {
-            let x = i as f32 - 1.5;
-            s.mesh(
-                ball(),
-                StandardMaterial {
-                    base_color: Color::BLACK,
-                    emissive,
-                    ..default()
-                },
-                Transform::from_xyz(x, 0.5, 0.0),
-            );
-            s.mesh(
-                Cuboid::from_length(0.5),
-                material((0.0, 0.0, 0.0), 0.0, 1.0),
-                Transform::from_xyz(x + 0.5, 0.25, 0.5),
-            );
-        }
-        s.sun(false);
-        s.default_camera(ambient());
-    })
-    .map(|_| ())]);
+    in_own_process(|| {
+        let emissive = [
+            LinearRgba::rgb(1e6, 1e6, 1e6),
+            LinearRgba::rgb(1e6, 0.0, 0.0),
+            LinearRgba::rgb(-2.0, 0.3, 0.3),
+            LinearRgba::rgb(1e-6, 1e-6, 1e-6),
+        ];
+        report([compare("bright_emission", |s| {
+            s.floor();
+            for (i, emissive) in emissive.into_iter().enumerate() {
+                let x = i as f32 - 1.5;
+                s.mesh(
+                    ball(),
+                    StandardMaterial {
+                        base_color: Color::BLACK,
+                        emissive,
+                        ..default()
+                    },
+                    Transform::from_xyz(x, 0.5, 0.0),
+                );
+                s.mesh(
+                    Cuboid::from_length(0.5),
+                    material((0.0, 0.0, 0.0), 0.0, 1.0),
+                    Transform::from_xyz(x + 0.5, 0.25, 0.5),
+                );
+            }
+            s.sun(false);
+            s.default_camera(ambient());
+        })
+        .map(|_| ())]);
+    });
 }
 
 /// Where forward's picture is not a number, the lean one is of a surface that does not emit, or emits as much as can be
 /// stored.
 #[test]
 fn emission_that_is_not_a_number_is_black_and_infinite_emission_bright() {
-    let picture = |emissive: f32| {
-        let mut headless = build(SIZE, |s| {
-            s.floor();
-            let glow = StandardMaterial {
-                emissive: LinearRgba::rgb(emissive, 0.5, 0.5),
-                ..material((0.6, 0.5, 0.4), 0.0, 0.5)
-            };
-            s.mesh(ball(), glow, Transform::from_xyz(0.0, 0.5, 0.0));
-            s.sun(true);
-            s.default_camera(ambient());
-        });
-        set_lean(&mut headless, true);
-        let picture = settled(&mut headless);
-        assert!(!forward_draws(&headless));
-        picture
-    };
-    let dark = {
-        let mut headless = build(SIZE, |s| {
-            s.floor();
-            let clay = material((0.6, 0.5, 0.4), 0.0, 0.5);
-            s.mesh(ball(), clay, Transform::from_xyz(0.0, 0.5, 0.0));
-            s.sun(true);
-            s.default_camera(ambient());
-        });
-        set_lean(&mut headless, true);
-        settled(&mut headless)
-    };
-    let difference = difference(&dark, &picture(f32::NAN));
-    assert!(difference.psnr > 60.0, "{difference}");
+    in_own_process(|| {
+        let picture = |emissive: f32| {
+            let mut headless = build(SIZE, |s| {
+                s.floor();
+                let glow = StandardMaterial {
+                    emissive: LinearRgba::rgb(emissive, 0.5, 0.5),
+                    ..material((0.6, 0.5, 0.4), 0.0, 0.5)
+                };
+                s.mesh(ball(), glow, Transform::from_xyz(0.0, 0.5, 0.0));
+                s.sun(true);
+                s.default_camera(ambient());
+            });
+            set_lean(&mut headless, true);
+            let picture = settled(&mut headless);
+            assert!(!forward_draws(&headless));
+            picture
+        };
+        let dark = {
+            let mut headless = build(SIZE, |s| {
+                s.floor();
+                let clay = material((0.6, 0.5, 0.4), 0.0, 0.5);
+                s.mesh(ball(), clay, Transform::from_xyz(0.0, 0.5, 0.0));
+                s.sun(true);
+                s.default_camera(ambient());
+            });
+            set_lean(&mut headless, true);
+            settled(&mut headless)
+        };
+        let difference = difference(&dark, &picture(f32::NAN));
+        assert!(difference.psnr > 60.0, "{difference}");
 
-    let bright = picture(f32::INFINITY);
-    let center = (bright.size.y / 2 * bright.size.x + bright.size.x / 2) as usize * 4;
-    assert!(
-        bright.rgba[center] > 250,
-        "{:?}",
-        &bright.rgba[center..center + 4]
-    );
+        let bright = picture(f32::INFINITY);
+        let center = (bright.size.y / 2 * bright.size.x + bright.size.x / 2) as usize * 4;
+        assert!(
+            bright.rgba[center] > 250,
+            "{:?}",
+            &bright.rgba[center..center + 4]
+        );
+    });
 }
 
 #[test]
 fn unlit_colours_match_forward() {
-    report([compare("unlit_colours", |s| {
-        let gradient = s.image(
-            256,
-            bevy::render::render_resource::TextureFormat::Rgba8UnormSrgb,
-            |u, v| {
-                [
-                    (u * 255.0) as u8,
-                    (v * 255.0) as u8,
-                    (u * v * 60.0) as u8,
-                    255,
-                ]
-            },
-        );
-        for (i, brightness) in [0.02, 1.0, 30.0].into_iter().enumerate() {
-            s.mesh(
-                Rectangle::new(1.8, 3.0),
-                StandardMaterial {
-                    base_color: Color::linear_rgb(brightness, brightness, brightness),
-                    base_color_texture: Some(gradient.clone()),
-                    unlit: true,
-                    ..default()
+    in_own_process(|| {
+        report([compare("unlit_colours", |s| {
+            let gradient = s.image(
+                256,
+                bevy::render::render_resource::TextureFormat::Rgba8UnormSrgb,
+                |u, v| {
+                    [
+                        (u * 255.0) as u8,
+                        (v * 255.0) as u8,
+                        (u * v * 60.0) as u8,
+                        255,
+                    ]
                 },
-                Transform::from_xyz(i as f32 * 1.9 - 1.9, 0.8, 0.0),
             );
-        }
-        s.default_camera(());
-    })
-    .map(|_| ())]);
+            for (i, brightness) in [0.02, 1.0, 30.0].into_iter().enumerate() {
+                s.mesh(
+                    Rectangle::new(1.8, 3.0),
+                    StandardMaterial {
+                        base_color: Color::linear_rgb(brightness, brightness, brightness),
+                        base_color_texture: Some(gradient.clone()),
+                        unlit: true,
+                        ..default()
+                    },
+                    Transform::from_xyz(i as f32 * 1.9 - 1.9, 0.8, 0.0),
+                );
+            }
+            s.default_camera(());
+        })
+        .map(|_| ())]);
+    });
 }
 
 #[test]
 fn a_thousand_materials_match_forward() {
-    let result = compare("a_thousand_materials", |s| {
-        let mesh = s.add::<Mesh>(
-            Sphere::new(0.12)
-                .mesh()
-                .uv(12, 6)
-                .with_generated_tangents()
-                .expect("a sphere has all that tangents need"),
-        );
-        s.floor();
-        for i in 0..1000 {
-            let mut material = special(i % 8);
-            material.base_color = Color::hsl(i as f32 * 0.36, 0.6, 0.5);
-            let material = s.add::<StandardMaterial>(material);
-            let (x, z) = ((i % 40) as f32, (i / 40) as f32);
-            s.spawn((
-                Mesh3d(mesh.clone()),
-                MeshMaterial3d(material),
-                Transform::from_xyz(x * 0.2 - 4.0, 0.12, 2.5 - z * 0.25),
-            ));
-        }
-        // Without shadows: a software renderer takes long enough for a thousand draws.
-        s.sun(false);
-        s.default_camera(ambient());
+    in_own_process(|| {
+        let result = compare("a_thousand_materials", |s| {
+            let mesh = s.add::<Mesh>(
+                Sphere::new(0.12)
+                    .mesh()
+                    .uv(12, 6)
+                    .with_generated_tangents()
+                    .expect("a sphere has all that tangents need"),
+            );
+            s.floor();
+            for i in 0..1000 {
+                let mut material = special(i % 8);
+                material.base_color = Color::hsl(i as f32 * 0.36, 0.6, 0.5);
+                let material = s.add::<StandardMaterial>(material);
+                let (x, z) = ((i % 40) as f32, (i / 40) as f32);
+                s.spawn((
+                    Mesh3d(mesh.clone()),
+                    MeshMaterial3d(material),
+                    Transform::from_xyz(x * 0.2 - 4.0, 0.12, 2.5 - z * 0.25),
+                ));
+            }
+            // Without shadows: a software renderer takes long enough for a thousand draws.
+            s.sun(false);
+            s.default_camera(ambient());
+        });
+        report([result.map(|mut headless| {
+            assert!(!forward_draws(&headless));
+            let all = GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
+            assert_eq!(usage(&mut headless).targets, all);
+        })]);
     });
-    report([result.map(|mut headless| {
-        assert!(!forward_draws(&headless));
-        let all = GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
-        assert_eq!(usage(&mut headless).targets, all);
-    })]);
 }
 
 /// No frame is without the mesh, or with its old look, however its material changes.
 #[test]
 fn a_material_of_another_kind_in_each_frame_matches_forward() {
-    let mut handle = Handle::default();
-    let mut headless = build(SIZE, |s| {
-        s.floor();
-        handle = s.add::<StandardMaterial>(special(6));
-        let mesh = s.add::<Mesh>(ball());
-        s.spawn((
-            Mesh3d(mesh),
-            MeshMaterial3d(handle.clone()),
-            Transform::from_xyz(0.0, 0.8, 0.5).with_scale(Vec3::splat(2.0)),
-        ));
-        s.sun(true);
-        s.default_camera(ambient());
+    in_own_process(|| {
+        let mut handle = Handle::default();
+        let mut headless = build(SIZE, |s| {
+            s.floor();
+            handle = s.add::<StandardMaterial>(special(6));
+            let mesh = s.add::<Mesh>(ball());
+            s.spawn((
+                Mesh3d(mesh),
+                MeshMaterial3d(handle.clone()),
+                Transform::from_xyz(0.0, 0.8, 0.5).with_scale(Vec3::splat(2.0)),
+            ));
+            s.sun(true);
+            s.default_camera(ambient());
+        });
+        let change = |world: &mut World, frame: usize| {
+            let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+            *materials.get_mut(&handle).expect("it is there") = special(frame);
+        };
+        headless.settle();
+        let forward = headless.film(27, change);
+        set_lean(&mut headless, true);
+        // The first round meets targets and pipelines that are yet to be made, the others find them.
+        let lean = headless.film(27, change);
+        report(
+            forward
+                .iter()
+                .zip(&lean)
+                .enumerate()
+                .map(|(i, (forward, lean))| {
+                    judge(&format!("changing_{i}"), forward, lean, LEAST_PSNR)
+                }),
+        );
     });
-    let change = |world: &mut World, frame: usize| {
-        let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-        *materials.get_mut(&handle).expect("it is there") = special(frame);
-    };
-    headless.settle();
-    let forward = headless.film(27, change);
-    set_lean(&mut headless, true);
-    // The first round meets targets and pipelines that are yet to be made, the others find them.
-    let lean = headless.film(27, change);
-    report(
-        forward
-            .iter()
-            .zip(&lean)
-            .enumerate()
-            .map(|(i, (forward, lean))| judge(&format!("changing_{i}"), forward, lean, LEAST_PSNR)),
-    );
 }
 
 /// On one of two cameras, on both, on the other alone, and on none again.
 #[test]
 fn special_surfaces_on_two_cameras_match_forward() {
-    let mut cameras = Vec::new();
-    let mut headless = build(SIZE, |s| {
-        overlapping(s);
-        for order in 0..2 {
-            let left = SIZE.x / 2 * order;
-            cameras.push(s.default_camera((
-                ambient(),
-                Camera {
-                    order: order as isize,
-                    viewport: Some(Viewport {
-                        physical_position: UVec2::new(left, 0),
-                        physical_size: UVec2::new(SIZE.x / 2, SIZE.y),
+    in_own_process(|| {
+        let mut cameras = Vec::new();
+        let mut headless = build(SIZE, |s| {
+            overlapping(s);
+            for order in 0..2 {
+                let left = SIZE.x / 2 * order;
+                cameras.push(s.default_camera((
+                    ambient(),
+                    Camera {
+                        order: order as isize,
+                        viewport: Some(Viewport {
+                            physical_position: UVec2::new(left, 0),
+                            physical_size: UVec2::new(SIZE.x / 2, SIZE.y),
+                            ..default()
+                        }),
+                        clear_color: if order == 0 {
+                            ClearColorConfig::Default
+                        } else {
+                            ClearColorConfig::None
+                        },
                         ..default()
-                    }),
-                    clear_color: if order == 0 {
-                        ClearColorConfig::Default
-                    } else {
-                        ClearColorConfig::None
                     },
-                    ..default()
-                },
-            )));
-        }
-    });
-    let forward = settled(&mut headless);
-    report(
-        [[true, false], [true, true], [false, true], [false, false]].map(|lean| {
-            for (&camera, lean) in cameras.iter().zip(lean) {
-                let mut camera = headless.world().entity_mut(camera);
-                if lean {
-                    camera.insert(LeanDeferred::default());
-                } else {
-                    camera.remove::<LeanDeferred>();
-                }
+                )));
             }
-            let picture = settled(&mut headless);
-            let views = active_lean_views(&mut headless);
-            assert_eq!(views, lean.into_iter().filter(|lean| *lean).count());
-            let least = if views == 0 {
-                f64::INFINITY
-            } else {
-                LEAST_PSNR
-            };
-            judge(&format!("cameras_{lean:?}"), &forward, &picture, least)
-        }),
-    );
+        });
+        let forward = settled(&mut headless);
+        report(
+            [[true, false], [true, true], [false, true], [false, false]].map(|lean| {
+                for (&camera, lean) in cameras.iter().zip(lean) {
+                    let mut camera = headless.world().entity_mut(camera);
+                    if lean {
+                        camera.insert(LeanDeferred::default());
+                    } else {
+                        camera.remove::<LeanDeferred>();
+                    }
+                }
+                let picture = settled(&mut headless);
+                let views = active_lean_views(&mut headless);
+                assert_eq!(views, lean.into_iter().filter(|lean| *lean).count());
+                let least = if views == 0 {
+                    f64::INFINITY
+                } else {
+                    LEAST_PSNR
+                };
+                judge(&format!("cameras_{lean:?}"), &forward, &picture, least)
+            }),
+        );
+    });
 }

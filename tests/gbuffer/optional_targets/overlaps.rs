@@ -8,6 +8,7 @@ use bevy::{
 use kit::{
     headless::Headless,
     lean::{build, judge, report, set_lean, settled},
+    own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder, build::material},
 };
 
@@ -135,19 +136,23 @@ fn compare(headless: &mut Headless) {
 
 #[test]
 fn what_lies_in_front_replaces_all_words() {
-    let mut headless = build(CELL * KINDS.len() as u32, |s| {
-        pairs(s);
-        camera(s, ());
+    in_own_process(|| {
+        let mut headless = build(CELL * KINDS.len() as u32, |s| {
+            pairs(s);
+            camera(s, ());
+        });
+        compare(&mut headless);
     });
-    compare(&mut headless);
 }
 
 /// Nothing is multi-drawn there.
 #[test]
 fn without_indirect_drawing() {
-    let mut headless = build(CELL * KINDS.len() as u32, |s| {
-        pairs(s);
-        camera(s, bevy::render::view::NoIndirectDrawing);
+    in_own_process(|| {
+        let mut headless = build(CELL * KINDS.len() as u32, |s| {
+            pairs(s);
+            camera(s, bevy::render::view::NoIndirectDrawing);
+        });
+        compare(&mut headless);
     });
-    compare(&mut headless);
 }

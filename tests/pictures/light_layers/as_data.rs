@@ -15,6 +15,7 @@ use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture},
     lean::{build, set_lean},
+    own_process::in_own_process,
     scenes::{SceneBuilder, build::material},
 };
 
@@ -113,44 +114,50 @@ fn colors(picture: &Picture) -> Vec<[u8; 3]> {
 
 #[test]
 fn sets_of_layers_share_pipelines() {
-    let [one, all] = [1, BALLS].map(|sets| gbuffer_pipelines(&show(sets, Drawing::Usual)));
-    assert!(one > 0);
-    assert_eq!(one, all);
+    in_own_process(|| {
+        let [one, all] = [1, BALLS].map(|sets| gbuffer_pipelines(&show(sets, Drawing::Usual)));
+        assert!(one > 0);
+        assert_eq!(one, all);
+    });
 }
 
 #[test]
 fn each_mesh_is_drawn_with_its_own_layers() {
-    let expected = colors(&show(BALLS, Drawing::Usual).capture());
-    for (index, color) in expected.iter().enumerate() {
-        assert!(!expected[..index].contains(color), "{expected:?}");
-    }
-    for drawing in [Drawing::Unbatched, Drawing::AlphaMasked, Drawing::Direct] {
-        let shown = colors(&show(BALLS, drawing).capture());
-        assert_eq!(shown, expected, "{drawing:?}");
-    }
+    in_own_process(|| {
+        let expected = colors(&show(BALLS, Drawing::Usual).capture());
+        for (index, color) in expected.iter().enumerate() {
+            assert!(!expected[..index].contains(color), "{expected:?}");
+        }
+        for drawing in [Drawing::Unbatched, Drawing::AlphaMasked, Drawing::Direct] {
+            let shown = colors(&show(BALLS, drawing).capture());
+            assert_eq!(shown, expected, "{drawing:?}");
+        }
+    });
 }
 
 /// Layers that come and go do not fill memory: sets that no mesh is on any more are dropped.
 #[test]
 fn layers_may_change_in_each_frame() {
-    let mut headless = show(BALLS, Drawing::Usual);
-    let expected = colors(&headless.capture());
-    for frame in 0..300usize {
+    in_own_process(|| {
+        let mut headless = show(BALLS, Drawing::Usual);
+        let expected = colors(&headless.capture());
+        for frame in 0..300usize {
+            let world = headless.world();
+            let mut meshes = world.query_filtered::<&mut RenderLayers, With<Mesh3d>>();
+            for (index, mut layers) in meshes.iter_mut(world).enumerate() {
+                let bits = (frame * BALLS + index).to_le_bytes()[..2].to_vec();
+                let set = (0..16).filter(|bit| bits[bit / 8] & (1 << (bit % 8)) != 0);
+                *layers = RenderLayers::from_layers(&set.map(|bit| bit + 9).collect::<Vec<_>>())
+                    .with(1 + index);
+            }
+            headless.frames(1);
+        }
         let world = headless.world();
         let mut meshes = world.query_filtered::<&mut RenderLayers, With<Mesh3d>>();
         for (index, mut layers) in meshes.iter_mut(world).enumerate() {
-            let bits = (frame * BALLS + index).to_le_bytes()[..2].to_vec();
-            let set = (0..16).filter(|bit| bits[bit / 8] & (1 << (bit % 8)) != 0);
-            *layers = RenderLayers::from_layers(&set.map(|bit| bit + 9).collect::<Vec<_>>())
-                .with(1 + index);
+            *layers = RenderLayers::layer(1 + index);
         }
-        headless.frames(1);
-    }
-    let world = headless.world();
-    let mut meshes = world.query_filtered::<&mut RenderLayers, With<Mesh3d>>();
-    for (index, mut layers) in meshes.iter_mut(world).enumerate() {
-        *layers = RenderLayers::layer(1 + index);
-    }
-    headless.settle();
-    assert_eq!(colors(&headless.capture()), expected);
+        headless.settle();
+        assert_eq!(colors(&headless.capture()), expected);
+    });
 }

@@ -11,6 +11,7 @@ use kit::{
     headless::{Headless, Picture},
     lean::{build, judge, report, set_lean},
     metrics::difference,
+    own_process::in_own_process,
     scenes::{SceneBuilder, build::ambient},
 };
 
@@ -75,87 +76,91 @@ fn targets(headless: &mut Headless) -> GBufferTargets {
 
 #[test]
 fn the_mask_exists_where_lights_tell_meshes_apart() {
-    let cases = [
-        ("nothing has layers", None, None, None, NONE),
-        ("no light has", on(&[0, 1]), None, on(&[1]), NONE),
-        (
-            "the light is on all",
-            on(&[0, 1]),
-            on(&[0, 1]),
-            on(&[1]),
-            NONE,
-        ),
-        (
-            "the light is on more than all",
-            on(&[0, 1]),
-            on(&[0, 1, 2]),
-            on(&[1]),
-            NONE,
-        ),
-        ("one layer is seen", None, on(&[0, 1]), on(&[0, 1]), NONE),
-        ("the light is not seen", None, on(&[1]), on(&[0, 1]), NONE),
-        ("no mesh has", on(&[0, 1]), on(&[1]), None, NONE),
-        ("mesh and light have", on(&[0, 1]), on(&[1]), on(&[1]), MASK),
-        ("high layers", on(&[0, 500]), on(&[500]), on(&[500]), MASK),
-    ];
-    for (name, camera, light, ball, expected) in cases {
-        let (mut headless, _) = show(Layers {
-            camera,
-            light,
-            ball,
-        });
-        assert_eq!(targets(&mut headless), expected, "{name}");
-    }
+    in_own_process(|| {
+        let cases = [
+            ("nothing has layers", None, None, None, NONE),
+            ("no light has", on(&[0, 1]), None, on(&[1]), NONE),
+            (
+                "the light is on all",
+                on(&[0, 1]),
+                on(&[0, 1]),
+                on(&[1]),
+                NONE,
+            ),
+            (
+                "the light is on more than all",
+                on(&[0, 1]),
+                on(&[0, 1, 2]),
+                on(&[1]),
+                NONE,
+            ),
+            ("one layer is seen", None, on(&[0, 1]), on(&[0, 1]), NONE),
+            ("the light is not seen", None, on(&[1]), on(&[0, 1]), NONE),
+            ("no mesh has", on(&[0, 1]), on(&[1]), None, NONE),
+            ("mesh and light have", on(&[0, 1]), on(&[1]), on(&[1]), MASK),
+            ("high layers", on(&[0, 500]), on(&[500]), on(&[500]), MASK),
+        ];
+        for (name, camera, light, ball, expected) in cases {
+            let (mut headless, _) = show(Layers {
+                camera,
+                light,
+                ball,
+            });
+            assert_eq!(targets(&mut headless), expected, "{name}");
+        }
+    });
 }
 
 /// Layers that change at run time give the picture of a scene that had them from the start.
 #[test]
 fn layers_change_at_run_time() {
-    let start = |light: Option<RenderLayers>, ball: Option<RenderLayers>| Layers {
-        camera: on(&[0, 1, 2]),
-        light,
-        ball,
-    };
-    let picture = |layers: Layers| show(layers).0.capture();
-    let (mut headless, [light, ball]) = show(start(None, None));
-    let mut results = Vec::new();
-    let mut check = |name: &str, headless: &mut Headless, expected: Picture| {
-        headless.settle();
-        headless.frames(3);
-        results.push(judge(name, &expected, &headless.capture(), 60.0));
-    };
+    in_own_process(|| {
+        let start = |light: Option<RenderLayers>, ball: Option<RenderLayers>| Layers {
+            camera: on(&[0, 1, 2]),
+            light,
+            ball,
+        };
+        let picture = |layers: Layers| show(layers).0.capture();
+        let (mut headless, [light, ball]) = show(start(None, None));
+        let mut results = Vec::new();
+        let mut check = |name: &str, headless: &mut Headless, expected: Picture| {
+            headless.settle();
+            headless.frames(3);
+            results.push(judge(name, &expected, &headless.capture(), 60.0));
+        };
 
-    headless
-        .world()
-        .entity_mut(light)
-        .insert(RenderLayers::layer(1));
-    check("light", &mut headless, picture(start(on(&[1]), None)));
-    headless
-        .world()
-        .entity_mut(ball)
-        .insert(RenderLayers::layer(1));
-    check("ball", &mut headless, picture(start(on(&[1]), on(&[1]))));
-    assert_eq!(targets(&mut headless), MASK);
-    headless
-        .world()
-        .entity_mut(ball)
-        .insert(RenderLayers::layer(2));
-    check(
-        "other layer",
-        &mut headless,
-        picture(start(on(&[1]), on(&[2]))),
-    );
-    headless.world().entity_mut(ball).remove::<RenderLayers>();
-    check("without", &mut headless, picture(start(on(&[1]), None)));
-    headless
-        .world()
-        .entity_mut(ball)
-        .insert(RenderLayers::layer(2));
-    check("again", &mut headless, picture(start(on(&[1]), on(&[2]))));
-    headless.world().entity_mut(light).remove::<RenderLayers>();
-    check("all lit", &mut headless, picture(start(None, on(&[2]))));
-    assert_eq!(targets(&mut headless), NONE);
-    report(results);
+        headless
+            .world()
+            .entity_mut(light)
+            .insert(RenderLayers::layer(1));
+        check("light", &mut headless, picture(start(on(&[1]), None)));
+        headless
+            .world()
+            .entity_mut(ball)
+            .insert(RenderLayers::layer(1));
+        check("ball", &mut headless, picture(start(on(&[1]), on(&[1]))));
+        assert_eq!(targets(&mut headless), MASK);
+        headless
+            .world()
+            .entity_mut(ball)
+            .insert(RenderLayers::layer(2));
+        check(
+            "other layer",
+            &mut headless,
+            picture(start(on(&[1]), on(&[2]))),
+        );
+        headless.world().entity_mut(ball).remove::<RenderLayers>();
+        check("without", &mut headless, picture(start(on(&[1]), None)));
+        headless
+            .world()
+            .entity_mut(ball)
+            .insert(RenderLayers::layer(2));
+        check("again", &mut headless, picture(start(on(&[1]), on(&[2]))));
+        headless.world().entity_mut(light).remove::<RenderLayers>();
+        check("all lit", &mut headless, picture(start(None, on(&[2]))));
+        assert_eq!(targets(&mut headless), NONE);
+        report(results);
+    });
 }
 
 /// Six lights in a row, of which some are on layer 1 alone, before a wall of layer 0.
@@ -200,55 +205,57 @@ fn changed<L>(scene: impl FnOnce(&mut SceneBuilder) -> L, change: fn(&mut World,
 
 #[test]
 fn lights_that_lose_their_layers_affect_all_again() {
-    let show = |layered: &[usize], change: fn(&mut World, Vec<Entity>)| {
-        changed(|s| row_of_lights(s, layered), change)
-    };
-    let before = show(&[1, 5], |_, _| {});
-    let after = show(&[1], |_, _| {});
-    let psnr = difference(&before, &after).psnr;
-    assert!(psnr < 40.0, "the last light shows: {psnr} dB");
-    let removed = show(&[1, 5], |world, lights| {
-        world.entity_mut(lights[5]).remove::<RenderLayers>();
-    });
-    // Whichever of them comes last in Bevy's list.
-    let after_first = show(&[5], |_, _| {});
-    let removed_first = show(&[1, 5], |world, lights| {
-        world.entity_mut(lights[1]).remove::<RenderLayers>();
-    });
-    // Another light takes the place of the first in Bevy's list, and one less is in it.
-    let despawned = show(&[1, 5], |world, lights| {
-        world.entity_mut(lights[5]).remove::<RenderLayers>();
-        world.despawn(lights[0]);
-    });
-    let without_first = show(&[1], |world, lights| {
-        world.despawn(lights[0]);
-    });
-    let replaced = show(&[1, 5], |world, lights| {
-        let mut last = world.entity_mut(lights[5]);
-        let light = last.take::<PointLight>().expect("a point light");
-        last.remove::<RenderLayers>().insert(SpotLight {
-            color: light.color,
-            intensity: light.intensity,
-            range: light.range,
-            ..default()
+    in_own_process(|| {
+        let show = |layered: &[usize], change: fn(&mut World, Vec<Entity>)| {
+            changed(|s| row_of_lights(s, layered), change)
+        };
+        let before = show(&[1, 5], |_, _| {});
+        let after = show(&[1], |_, _| {});
+        let psnr = difference(&before, &after).psnr;
+        assert!(psnr < 40.0, "the last light shows: {psnr} dB");
+        let removed = show(&[1, 5], |world, lights| {
+            world.entity_mut(lights[5]).remove::<RenderLayers>();
         });
-    });
-    let spot = show(&[1], |world, lights| {
-        let mut last = world.entity_mut(lights[5]);
-        let light = last.take::<PointLight>().expect("a point light");
-        last.insert(SpotLight {
-            color: light.color,
-            intensity: light.intensity,
-            range: light.range,
-            ..default()
+        // Whichever of them comes last in Bevy's list.
+        let after_first = show(&[5], |_, _| {});
+        let removed_first = show(&[1, 5], |world, lights| {
+            world.entity_mut(lights[1]).remove::<RenderLayers>();
         });
+        // Another light takes the place of the first in Bevy's list, and one less is in it.
+        let despawned = show(&[1, 5], |world, lights| {
+            world.entity_mut(lights[5]).remove::<RenderLayers>();
+            world.despawn(lights[0]);
+        });
+        let without_first = show(&[1], |world, lights| {
+            world.despawn(lights[0]);
+        });
+        let replaced = show(&[1, 5], |world, lights| {
+            let mut last = world.entity_mut(lights[5]);
+            let light = last.take::<PointLight>().expect("a point light");
+            last.remove::<RenderLayers>().insert(SpotLight {
+                color: light.color,
+                intensity: light.intensity,
+                range: light.range,
+                ..default()
+            });
+        });
+        let spot = show(&[1], |world, lights| {
+            let mut last = world.entity_mut(lights[5]);
+            let light = last.take::<PointLight>().expect("a point light");
+            last.insert(SpotLight {
+                color: light.color,
+                intensity: light.intensity,
+                range: light.range,
+                ..default()
+            });
+        });
+        report([
+            judge("layers_removed", &after, &removed, 60.0),
+            judge("first_layers_removed", &after_first, &removed_first, 60.0),
+            judge("light_despawned", &without_first, &despawned, 60.0),
+            judge("light_replaced", &spot, &replaced, 60.0),
+        ]);
     });
-    report([
-        judge("layers_removed", &after, &removed, 60.0),
-        judge("first_layers_removed", &after_first, &removed_first, 60.0),
-        judge("light_despawned", &without_first, &despawned, 60.0),
-        judge("light_replaced", &spot, &replaced, 60.0),
-    ]);
 }
 
 /// Decals side by side, of which some are on layer 1 alone.
@@ -280,22 +287,24 @@ fn row_of_decals(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity
 /// On devices that show decals at all: a software renderer may not.
 #[test]
 fn decals_that_lose_their_layers_affect_all_again() {
-    let show = |layered: &[usize], change: fn(&mut World, Vec<Entity>)| {
-        changed(|s| row_of_decals(s, layered), change)
-    };
-    let [first, last] = [0, 3].map(|layered| show(&[layered], |_, _| {}));
-    if first.rgba == show(&[0, 1, 2, 3], |_, _| {}).rgba {
-        println!("no decals on this device");
-        return;
-    }
-    let last_removed = show(&[0, 3], |world, decals| {
-        world.entity_mut(decals[3]).remove::<RenderLayers>();
+    in_own_process(|| {
+        let show = |layered: &[usize], change: fn(&mut World, Vec<Entity>)| {
+            changed(|s| row_of_decals(s, layered), change)
+        };
+        let [first, last] = [0, 3].map(|layered| show(&[layered], |_, _| {}));
+        if first.rgba == show(&[0, 1, 2, 3], |_, _| {}).rgba {
+            println!("no decals on this device");
+            return;
+        }
+        let last_removed = show(&[0, 3], |world, decals| {
+            world.entity_mut(decals[3]).remove::<RenderLayers>();
+        });
+        let first_removed = show(&[0, 3], |world, decals| {
+            world.entity_mut(decals[0]).remove::<RenderLayers>();
+        });
+        report([
+            judge("last_layers_removed", &first, &last_removed, 60.0),
+            judge("first_layers_removed", &last, &first_removed, 60.0),
+        ]);
     });
-    let first_removed = show(&[0, 3], |world, decals| {
-        world.entity_mut(decals[0]).remove::<RenderLayers>();
-    });
-    report([
-        judge("last_layers_removed", &first, &last_removed, 60.0),
-        judge("first_layers_removed", &last, &first_removed, 60.0),
-    ]);
 }

@@ -8,6 +8,7 @@ use bevy::{
 use kit::{
     headless::Headless,
     lean::{build, judge, report, set_lean, settled},
+    own_process::in_own_process,
     scenes::LEAST_PSNR,
 };
 
@@ -233,37 +234,39 @@ fn scenes_material(base_color: Color) -> StandardMaterial {
 /// Each change is seen by a lean camera within a few frames, without switching it over.
 #[test]
 fn changes_at_run_time_match_forward() {
-    let (mut headless, subject) = scene_to_change();
-    let unchanged = settled(&mut headless);
-    let mut results = Vec::new();
-    for (name, change, undo) in CHANGES {
-        let few_frames_later = |headless: &mut Headless| {
-            headless.frames(8);
-            headless.capture()
-        };
-        set_lean(&mut headless, true);
-        settled(&mut headless);
+    in_own_process(|| {
+        let (mut headless, subject) = scene_to_change();
+        let unchanged = settled(&mut headless);
+        let mut results = Vec::new();
+        for (name, change, undo) in CHANGES {
+            let few_frames_later = |headless: &mut Headless| {
+                headless.frames(8);
+                headless.capture()
+            };
+            set_lean(&mut headless, true);
+            settled(&mut headless);
 
-        change(headless.world(), &subject);
-        let lean = few_frames_later(&mut headless);
-        set_lean(&mut headless, false);
-        let forward = settled(&mut headless);
-        assert!(forward.rgba != unchanged.rgba, "{name} changes nothing");
-        results.push(judge(&format!("to_{name}"), &forward, &lean, LEAST_PSNR));
+            change(headless.world(), &subject);
+            let lean = few_frames_later(&mut headless);
+            set_lean(&mut headless, false);
+            let forward = settled(&mut headless);
+            assert!(forward.rgba != unchanged.rgba, "{name} changes nothing");
+            results.push(judge(&format!("to_{name}"), &forward, &lean, LEAST_PSNR));
 
-        set_lean(&mut headless, true);
-        settled(&mut headless);
-        undo(headless.world(), &subject);
-        let lean = few_frames_later(&mut headless);
-        results.push(judge(
-            &format!("from_{name}"),
-            &unchanged,
-            &lean,
-            LEAST_PSNR,
-        ));
-        set_lean(&mut headless, false);
-        let forward = settled(&mut headless);
-        assert!(forward.rgba == unchanged.rgba, "{name} cannot be undone");
-    }
-    report(results);
+            set_lean(&mut headless, true);
+            settled(&mut headless);
+            undo(headless.world(), &subject);
+            let lean = few_frames_later(&mut headless);
+            results.push(judge(
+                &format!("from_{name}"),
+                &unchanged,
+                &lean,
+                LEAST_PSNR,
+            ));
+            set_lean(&mut headless, false);
+            let forward = settled(&mut headless);
+            assert!(forward.rgba == unchanged.rgba, "{name} cannot be undone");
+        }
+        report(results);
+    });
 }
