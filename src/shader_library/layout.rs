@@ -10,7 +10,7 @@
 //! | optional | [`MOTION_FORMAT`] | [motion vector](motion) |
 //! | optional | [`VISIBILITY_MASK_FORMAT`] | one bit for each render layer; see [`visibility_mask`] |
 //!
-//! Choices, with what they cost (`tests/layout.rs` measures and bounds each figure):
+//! Choices, with what they cost (`tests/shaders/layout.rs` measures and bounds each figure):
 //!
 //! - **Square roots for albedo** (gamma 2). Over inputs uniform in sRGB, RMS error of 7 bits in 1/255 of sRGB: square
 //!   root 0.60, sRGB's own curve 0.58, gamma 2.2 0.60, linear 2.25; largest: 1.43, 1.00, 1.21, 12.75. The little that

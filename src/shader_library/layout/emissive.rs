@@ -3,7 +3,7 @@
 //! The format is that of the graphics APIs' RGB9E5 (Segal, Akeley 2010, "OpenGL 3.3", `EXT_texture_shared_exponent`,
 //! after Ward 1991, "Real Pixels"): mantissas R 9, G 9, B 9, exponent 5, low to high. From 1.6e-5 to 65504 the error is
 //! at most 1/513 of the brightest channel, and of the others 1/511 of the brightest; below, at most 3.0e-8
-//! (`tests/layout_optional.rs` measures and bounds these).
+//! (`tests/shaders/layout_optional.rs` measures and bounds these).
 
 use bevy::math::Vec3;
 
