@@ -120,7 +120,7 @@ fn restore(images: &Images, headless: &mut Headless) {
 
 fn settled(headless: &mut Headless) -> Picture {
     headless.settle();
-    headless.frames(8);
+    headless.frames(3);
     headless.capture()
 }
 

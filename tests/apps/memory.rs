@@ -26,7 +26,7 @@ struct Held {
 fn held(headless: &mut Headless) -> Held {
     headless.settle();
     // Bevy keeps textures that nobody asks for three frames longer.
-    headless.frames(8);
+    headless.frames(5);
     let render_world = headless.app.sub_app(RenderApp).world();
     let report = render_world
         .resource::<RenderInstance>()
