@@ -43,6 +43,8 @@ mod gpu;
 pub mod lean;
 pub mod lighting;
 #[doc(hidden)]
+pub mod screen_space;
+#[doc(hidden)]
 pub mod shader_library;
 pub mod shading_extension;
 #[doc(hidden)]
@@ -52,23 +54,25 @@ pub mod view;
 pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::LeanDeferredPlugin;
-pub use view::{GBufferChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus};
+pub use view::{
+    CameraCut, GBufferChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus,
+};
 
 use bevy::app::plugin_group;
 
 /// What most programs need.
 pub mod prelude {
     pub use crate::{
-        GBufferChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
-        LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins, LeanOffReason, LeanStatus,
+        CameraCut, GBufferChannel, GeometricNormal, LeanAmbientOcclusion,
+        LeanAmbientOcclusionPlugin, LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred,
+        LeanDeferredPlugin, LeanDeferredPlugins, LeanOffReason, LeanStatus,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
             OcclusionNormals, OcclusionQuality, OcclusionResolution,
         },
         auto_exposure::{
-            ExposureCut, ExposureSampling, LuminanceTrim, MeteredExposure, Metering,
-            MeteringPattern, ReductionPath,
+            ExposureSampling, LuminanceTrim, MeteredExposure, Metering, MeteringPattern,
+            ReductionPath,
         },
         gbuffer::{
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,

@@ -146,7 +146,7 @@ pub fn read_keys(
                 continue;
             }
             KeyCode::KeyX if settings.mode == Mode::Lean => {
-                commands.entity(*camera).insert(ExposureCut);
+                commands.entity(*camera).insert(CameraCut);
                 continue;
             }
             _ => {}

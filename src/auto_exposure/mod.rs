@@ -30,8 +30,8 @@ mod uniforms;
 
 pub use overlay::ExposureOverlay;
 pub use settings::{
-    ExposureCut, ExposureCuts, ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure,
-    Metering, MeteringPattern, ReductionPath,
+    ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure, Metering, MeteringPattern,
+    ReductionPath,
 };
 pub use support::ExposureSupport;
 // For tests and benches.
@@ -85,14 +85,11 @@ impl Plugin for LeanAutoExposurePlugin {
         embedded_asset!(app, "overlay.wgsl");
         app.register_type::<LeanAutoExposure>()
             .register_type::<MeteredExposure>()
-            .register_type::<ExposureCut>()
             .add_plugins((
                 ExtractComponentPlugin::<LeanAutoExposure>::default(),
                 ExtractComponentPlugin::<MeteredExposure>::default(),
-                ExtractComponentPlugin::<ExposureCuts>::default(),
             ))
-            .add_observer(state::remove_state)
-            .add_systems(Last, state::count_cuts);
+            .add_observer(state::remove_state);
         overrides::add_to::<LeanAutoExposure>(app);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

@@ -22,11 +22,14 @@ use super::{
     binding_numbers::{BEVY_VIEW, MASK, MASK_SAMPLER, PARTIALS, PICTURE, STATE, VIEW},
     key::ExposureKey,
     pipelines::ExposurePipelines,
-    settings::{ExposureCuts, LeanAutoExposure},
+    settings::LeanAutoExposure,
     state::ExposureHistory,
     uniforms::ExposureView,
 };
-use crate::gpu::bind_group_cache::{CachedBindGroup, Entries};
+use crate::{
+    gpu::bind_group_cache::{CachedBindGroup, Entries},
+    view::CameraCuts,
+};
 
 /// The uniforms of all views.
 #[derive(Resource, Default)]
@@ -72,7 +75,7 @@ pub(super) fn write_exposure_uniforms(
         Entity,
         &LeanAutoExposure,
         &ExtractedCamera,
-        &ExposureCuts,
+        &CameraCuts,
         &ViewExposurePipelines,
         &ViewTarget,
         &mut ExposureHistory,

@@ -1,6 +1,9 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::view::overrides::{CameraEffect, Need};
+use crate::view::{
+    CameraCuts,
+    overrides::{CameraEffect, Need},
+};
 
 /// Measures the luminance of the picture and adapts the exposure to it over time.
 ///
@@ -15,7 +18,7 @@ use crate::view::overrides::{CameraEffect, Need};
 /// numbers count as their defaults.
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(ExposureCuts)]
+#[require(CameraCuts)]
 pub struct LeanAutoExposure {
     /// Which mean is taken. Default [`Metering::LogAverage`].
     pub metering: Metering,
@@ -191,13 +194,3 @@ pub struct MeteredExposure {
     /// Where it is heading, in stops.
     pub target_exposure: f32,
 }
-
-/// Put on a camera at a cut: the next frame starts adapted. Removed at the end of the frame.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
-#[reflect(Component, Default, Clone)]
-pub struct ExposureCut;
-
-/// On a camera with auto exposure: how many cuts it had. The shader remembers how many it has seen, so that none is
-/// lost with a frame.
-#[derive(Component, ExtractComponent, Clone, Copy, Debug, Default)]
-pub struct ExposureCuts(pub(super) u32);

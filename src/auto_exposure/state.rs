@@ -9,7 +9,7 @@ use bevy::{
 };
 
 use super::{
-    settings::{ExposureCut, ExposureCuts, LeanAutoExposure, MeteredExposure},
+    settings::{LeanAutoExposure, MeteredExposure},
     uniforms::ExposureState,
 };
 
@@ -47,22 +47,8 @@ pub(super) fn remove_state(removed: On<Remove, LeanAutoExposure>, mut commands: 
     commands
         .entity(removed.entity)
         .queue_silenced(|mut camera: EntityWorldMut| {
-            camera.remove::<ExposureCuts>();
             if let Some(mut metered) = camera.get_mut::<MeteredExposure>() {
                 metered.set_if_neq(MeteredExposure::default());
             }
         });
-}
-
-/// Counts the cuts of this frame.
-pub(super) fn count_cuts(
-    mut commands: Commands,
-    mut cameras: Query<(Entity, Option<&mut ExposureCuts>), With<ExposureCut>>,
-) {
-    for (camera, cuts) in &mut cameras {
-        if let Some(mut cuts) = cuts {
-            cuts.0 = cuts.0.wrapping_add(1) & 0x7fff_ffff;
-        }
-        commands.entity(camera).remove::<ExposureCut>();
-    }
 }

@@ -4,6 +4,7 @@
 //! - `bind_group_cache.rs`: bind groups that are made anew only when what they bind changed.
 //! - `pipeline_watch.rs`: pipelines of this crate that cannot be compiled.
 //! - `recovery.rs`: what is left of a device that was lost.
+//! - `timed.rs`: passes whose time is recorded.
 //! - `tiles.rs`: the tiles of compute passes, and the order in which they are walked over.
 
 pub(crate) mod bind_group_cache;
@@ -11,3 +12,4 @@ pub(crate) mod bindings;
 pub(crate) mod pipeline_watch;
 pub(crate) mod recovery;
 pub(crate) mod tiles;
+pub(crate) mod timed;

@@ -26,6 +26,7 @@ use crate::{
     gbuffer::GBufferPlugin,
     gpu::recovery,
     lighting::LightingPlugin,
+    screen_space::HistoryPlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
         GBufferChannel, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems, can_build,
@@ -42,7 +43,12 @@ impl Plugin for LeanDeferredPlugin {
         if !can_build(app, "LeanDeferredPlugin", true) {
             return;
         }
-        app.add_plugins((GBufferPlugin, LightingPlugin, ShadingExtensionPlugin));
+        app.add_plugins((
+            GBufferPlugin,
+            LightingPlugin,
+            ShadingExtensionPlugin,
+            HistoryPlugin,
+        ));
         app.register_type::<LeanDeferred>()
             .register_type::<GeometricNormal>()
             .register_type::<GBufferChannel>()

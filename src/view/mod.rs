@@ -2,11 +2,14 @@
 //!
 //! - `settings.rs`, `status.rs`: [`LeanDeferred`] and [`LeanStatus`], the components of cameras.
 //! - `active.rs`: [`ActiveLeanView`], what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
-//! - `schedule.rs`: when stages run.
+//! - `schedule.rs`: when stages run. `cut.rs`: when the last frame says nothing of this one.
+//! - `depth_usage.rs`: what depth textures are made for.
 //! - `overrides.rs`: what effects change about a camera, and give back. `removal.rs`: what goes with a component.
 //! - `warn_once.rs`: why an effect is off, once for each camera.
 
 mod active;
+mod cut;
+pub(crate) mod depth_usage;
 pub(crate) mod overrides;
 pub(crate) mod removal;
 mod schedule;
@@ -17,6 +20,7 @@ pub(crate) mod warn_once;
 
 pub use active::ActiveLeanView;
 pub(crate) use active::Demand;
+pub use cut::{CameraCut, CameraCuts};
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses};
 pub use settings::{GBufferChannel, GeometricNormal, LeanDeferred};
 pub use status::{LeanOffReason, LeanStatus};
@@ -27,7 +31,9 @@ use bevy::{
     asset::io::embedded::EmbeddedAssetRegistry,
     pbr::PbrPlugin,
     prelude::*,
-    render::{GpuResourceAppExt, RenderApp, RenderPlugin},
+    render::{
+        GpuResourceAppExt, RenderApp, RenderPlugin, extract_component::ExtractComponentPlugin,
+    },
 };
 
 use crate::{
@@ -53,6 +59,9 @@ impl Plugin for SharedPlugin {
     fn build(&self, app: &mut App) {
         shader_library::load(app);
         app.init_resource::<overrides::CameraNeeds>()
+            .register_type::<CameraCut>()
+            .add_plugins(ExtractComponentPlugin::<CameraCuts>::default())
+            .add_systems(Last, cut::count_cuts)
             .add_observer(overrides::override_new_camera)
             .add_observer(overrides::keep_ticks_young);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

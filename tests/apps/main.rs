@@ -2,6 +2,7 @@
 
 mod changing_settings;
 mod fallback;
+mod history;
 mod lost_device;
 mod memory;
 mod plugins;

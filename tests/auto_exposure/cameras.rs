@@ -6,7 +6,8 @@ use bevy::{
     prelude::*,
 };
 use bevy_lean_deferred::{
-    auto_exposure::{ExposureCut, LeanAutoExposure, MeteredExposure},
+    CameraCut,
+    auto_exposure::{LeanAutoExposure, MeteredExposure},
     prelude::*,
 };
 
@@ -235,10 +236,10 @@ fn nothing_flashes() {
         }
     }
 
-    headless.world().entity_mut(camera).insert(ExposureCut);
+    headless.world().entity_mut(camera).insert(CameraCut);
     let after = metered(&mut headless, camera);
     assert_eq!(after.exposure, after.target_exposure);
-    assert!(headless.world().get::<ExposureCut>(camera).is_none());
+    assert!(headless.world().get::<CameraCut>(camera).is_none());
 
     set_background(&mut headless, camera, 0.18);
     headless
@@ -379,7 +380,7 @@ fn the_overlay_shows_what_is_metered() {
     headless
         .world()
         .entity_mut(camera)
-        .insert((settings, ExposureCut));
+        .insert((settings, CameraCut));
     metered(&mut headless, camera);
     assert!(headless.capture() == without);
     log_watch::assert_validation_layer_silent();

@@ -1,0 +1,248 @@
+//! The last frame of a view, its light and its depth, as they were before post-processing: for effects that find in it what
+//! this frame cannot know yet.
+//!
+//! An effect inserts [`ReadsHistory`] on its views, and finds [`ViewHistory`] there. It is valid while each frame follows the
+//! one before: not after a cut, a pause, a change of size or format, or of the kind of projection.
+
+use core::sync::atomic::{AtomicU64, Ordering};
+
+use bevy::{
+    core_pipeline::{
+        core_3d::prepare_core_3d_depth_textures,
+        schedule::{Core3d, Core3dSystems},
+    },
+    prelude::*,
+    render::{
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        render_resource::{
+            Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
+            TextureView, TextureViewDescriptor,
+        },
+        renderer::{RenderContext, RenderDevice, ViewQuery},
+        view::{ExtractedView, ViewDepthTexture, ViewTarget},
+    },
+};
+
+use crate::{
+    gpu::timed::timed,
+    shader_library::reconstruction::position::{ProjectionKind, projection_of},
+    view::{CameraCuts, depth_usage::extend_depth_usage, removal},
+};
+
+/// On a view of the render world: something reads its last frame. To be inserted before `RenderSystems::PrepareResources`,
+/// and removed when nothing does any more.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct ReadsHistory;
+
+/// What the last frame was seen with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastFrame {
+    /// With the jitter that it had.
+    pub clip_from_view: Mat4,
+    /// Where the camera was.
+    pub world_from_view: Mat4,
+    /// The viewport: its corner and size in pixels.
+    pub viewport: URect,
+}
+
+/// On a view of the render world with [`ReadsHistory`]: its last frame. Both textures are as large as the view's target.
+#[derive(Component)]
+pub struct ViewHistory {
+    color: Kept,
+    depth: Kept,
+    last: Option<LastFrame>,
+    current: LastFrame,
+    projection: ProjectionKind,
+    cuts: u32,
+    /// The frame that the textures hold, by [`FrameNumber`].
+    held: AtomicU64,
+}
+
+impl ViewHistory {
+    /// What the last frame was seen with; `None` if what the textures hold says nothing of this frame.
+    pub fn last(&self) -> Option<&LastFrame> {
+        self.last.as_ref()
+    }
+
+    /// The lit picture, linear, exposed as the last frame was, in the format of the view's main texture.
+    pub fn color(&self) -> &TextureView {
+        &self.color.view
+    }
+
+    /// `Depth32Float`, reversed, as the opaque meshes left it.
+    pub fn depth(&self) -> &TextureView {
+        &self.depth.view
+    }
+
+    /// What [`color`](Self::color) and [`depth`](Self::depth) show.
+    pub fn textures(&self) -> [&Texture; 2] {
+        [&self.color.texture, &self.depth.texture]
+    }
+}
+
+/// A texture that outlasts frames.
+struct Kept {
+    texture: Texture,
+    view: TextureView,
+}
+
+impl Kept {
+    fn like(device: &RenderDevice, label: &'static str, source: &Texture) -> Self {
+        let texture = device.create_texture(&TextureDescriptor {
+            label: Some(label),
+            size: source.size(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: source.format(),
+            usage: TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_DST
+                | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&TextureViewDescriptor::default());
+        Self { texture, view }
+    }
+
+    fn is_like(&self, source: &Texture) -> bool {
+        form(&self.texture) == form(source)
+    }
+}
+
+fn form(texture: &Texture) -> (Extent3d, TextureFormat) {
+    (texture.size(), texture.format())
+}
+
+/// Counts frames.
+#[derive(Resource, Default)]
+struct FrameNumber(u64);
+
+/// The passes that keep the frame of a view, after its main passes.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct HistoryPasses;
+
+/// Keeps the last frame of views that somebody reads.
+pub(crate) struct HistoryPlugin;
+
+impl Plugin for HistoryPlugin {
+    fn build(&self, app: &mut App) {
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        removal::remove_with::<ReadsHistory, ViewHistory>(render_app);
+        render_app
+            .init_gpu_resource::<FrameNumber>()
+            .add_systems(RenderStartup, forget_histories)
+            .add_systems(
+                Render,
+                (
+                    extend_depth_usage::<ReadsHistory>(TextureUsages::COPY_SRC)
+                        .before(prepare_core_3d_depth_textures),
+                    prepare_histories.after(prepare_core_3d_depth_textures),
+                )
+                    .in_set(RenderSystems::PrepareResources),
+            )
+            .add_systems(
+                Core3d,
+                keep_frame
+                    .in_set(HistoryPasses)
+                    .after(Core3dSystems::MainPass)
+                    .before(Core3dSystems::EarlyPostProcess),
+            );
+    }
+}
+
+/// On each new device.
+fn forget_histories(mut commands: Commands, views: Query<Entity, With<ViewHistory>>) {
+    for view in &views {
+        commands.entity(view).remove::<ViewHistory>();
+    }
+}
+
+/// Makes the textures of views that have none, and says whether those of others are valid.
+fn prepare_histories(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    mut number: ResMut<FrameNumber>,
+    mut views: Query<
+        (
+            Entity,
+            &ExtractedView,
+            &ViewTarget,
+            &ViewDepthTexture,
+            Option<&CameraCuts>,
+            Option<&mut ViewHistory>,
+        ),
+        With<ReadsHistory>,
+    >,
+) {
+    let former = number.0;
+    number.0 += 1;
+    for (entity, view, target, depth, cuts, history) in &mut views {
+        let (color, depth) = (target.main_texture(), &depth.texture);
+        // Depth cannot be resolved.
+        let can_be_kept = color.usage().contains(TextureUsages::COPY_SRC)
+            && depth.usage().contains(TextureUsages::COPY_SRC)
+            && depth.sample_count() == 1;
+        if !can_be_kept {
+            commands.entity(entity).remove::<ViewHistory>();
+            continue;
+        }
+        let viewport = view.viewport;
+        let current = LastFrame {
+            clip_from_view: view.clip_from_view,
+            world_from_view: view.world_from_view.to_matrix(),
+            viewport: URect::from_corners(viewport.xy(), viewport.xy() + viewport.zw()),
+        };
+        let projection = projection_of(view.clip_from_view);
+        let cuts = cuts.copied().unwrap_or_default().0;
+        match history {
+            Some(mut history) if history.color.is_like(color) && history.depth.is_like(depth) => {
+                let follows = *history.held.get_mut() == former
+                    && (history.projection, history.cuts) == (projection, cuts)
+                    && history.current.viewport == current.viewport;
+                history.last = follows.then_some(history.current);
+                history.current = current;
+                history.projection = projection;
+                history.cuts = cuts;
+            }
+            _ => {
+                commands.entity(entity).insert(ViewHistory {
+                    color: Kept::like(&device, "lean_deferred/screen_space/color", color),
+                    depth: Kept::like(&device, "lean_deferred/screen_space/depth", depth),
+                    last: None,
+                    current,
+                    projection,
+                    cuts,
+                    held: AtomicU64::new(0),
+                });
+            }
+        }
+    }
+}
+
+/// Copies what the main passes have left.
+fn keep_frame(
+    view: ViewQuery<(&ViewHistory, &ViewTarget, &ViewDepthTexture)>,
+    number: Res<FrameNumber>,
+    mut ctx: RenderContext,
+) {
+    let (history, target, depth) = view.into_inner();
+    let pairs = [
+        (target.main_texture(), &history.color),
+        (&depth.texture, &history.depth),
+    ];
+    if !pairs.iter().all(|(source, kept)| kept.is_like(source)) {
+        return;
+    }
+    timed(&mut ctx, "lean_deferred/screen_space/history", |ctx| {
+        for (source, kept) in pairs {
+            ctx.command_encoder().copy_texture_to_texture(
+                source.as_image_copy(),
+                kept.texture.as_image_copy(),
+                source.size(),
+            );
+        }
+    });
+    history.held.store(number.0, Ordering::Relaxed);
+}

@@ -1,0 +1,32 @@
+//! Camera cuts: what jumps, so that the last frame says nothing of this one.
+
+use bevy::{prelude::*, render::extract_component::ExtractComponent};
+
+/// Put on a camera at a cut, when it jumps to another place or scene: nothing of its last frame counts in the next one.
+/// Exposure starts adapted, and effects that read the last frame do without. Removed at the end of the frame.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+pub struct CameraCut;
+
+/// On a camera that had a cut, or whose effects ask for it: how many it had. Those that remember how many they have seen
+/// lose none with a frame.
+#[doc(hidden)]
+#[derive(Component, ExtractComponent, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CameraCuts(pub(crate) u32);
+
+/// Counts the cuts of this frame.
+pub(super) fn count_cuts(
+    mut commands: Commands,
+    mut cameras: Query<(Entity, Option<&mut CameraCuts>), With<CameraCut>>,
+) {
+    for (camera, cuts) in &mut cameras {
+        let mut camera = commands.entity(camera);
+        camera.remove::<CameraCut>();
+        match cuts {
+            Some(mut cuts) => cuts.0 = cuts.0.wrapping_add(1) & 0x7fff_ffff,
+            None => {
+                camera.insert(CameraCuts(1));
+            }
+        }
+    }
+}
