@@ -49,7 +49,7 @@ use bevy::{
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
-        extract_component::ExtractComponentPlugin,
+        extract_component::ExtractComponentPlugin, render_resource::TextureUsages,
     },
     shader::load_shader_library,
 };
@@ -57,7 +57,8 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        GBufferPasses, LeanViewSystems, LightingPasses, SharedPlugin, can_build, overrides, removal,
+        GBufferPasses, LeanViewSystems, LightingPasses, SharedPlugin, can_build,
+        depth_usage::extend_depth_usage, overrides, removal,
     },
 };
 
@@ -118,7 +119,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                     )
                         .chain()
                         .in_set(RenderSystems::PrepareResources),
-                    prepare::make_depth_readable
+                    extend_depth_usage::<ActiveOcclusion>(TextureUsages::TEXTURE_BINDING)
                         .in_set(RenderSystems::PrepareResources)
                         .before(prepare_core_3d_depth_textures),
                     prepare::prepare_occlusion_bind_groups.in_set(RenderSystems::PrepareBindGroups),

@@ -4,7 +4,6 @@
 use bevy::{
     prelude::*,
     render::{
-        diagnostic::RecordDiagnostics,
         render_resource::{
             ComputePassDescriptor, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
             RenderPassDescriptor, StoreOp,
@@ -20,6 +19,10 @@ use super::{
     prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
     uniforms::workgroups,
 };
+use crate::gpu::timed::timed;
+
+const GATHER: &str = "lean_deferred/ambient_occlusion/gather";
+const MERGE: &str = "lean_deferred/ambient_occlusion/merge";
 
 pub(super) type OcclusionViewQuery = (
     &'static ActiveOcclusion,
@@ -65,53 +68,42 @@ fn gather(
     ctx: &mut RenderContext,
 ) -> Option<()> {
     let group = bindings.gather.get()?;
-    let diagnostics = ctx.diagnostic_recorder();
-    let diagnostics = diagnostics.as_deref();
-    let label = Some("lean_deferred/ambient_occlusion/gather");
     match active.gather? {
         GatherPipeline::Compute(pipeline) => {
             let pipeline = pipeline_cache.get_compute_pipeline(pipeline)?;
-            let span = diagnostics.time_span(
-                ctx.command_encoder(),
-                "lean_deferred/ambient_occlusion/gather",
-            );
-            let mut pass = ctx
-                .command_encoder()
-                .begin_compute_pass(&ComputePassDescriptor {
-                    label,
-                    timestamp_writes: None,
-                });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[view.offset]);
-            let count = workgroups(view.texture_size);
-            pass.dispatch_workgroups(count.x, count.y, 1);
-            drop(pass);
-            span.end(ctx.command_encoder());
+            timed(ctx, GATHER, |ctx| {
+                let mut pass = ctx
+                    .command_encoder()
+                    .begin_compute_pass(&ComputePassDescriptor {
+                        label: Some(GATHER),
+                        timestamp_writes: None,
+                    });
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, group, &[view.offset]);
+                let count = workgroups(view.texture_size);
+                pass.dispatch_workgroups(count.x, count.y, 1);
+            });
         }
         GatherPipeline::Raster(pipeline) => {
             let pipeline = pipeline_cache.get_render_pipeline(pipeline)?;
-            let span = diagnostics.time_span(
-                ctx.command_encoder(),
-                "lean_deferred/ambient_occlusion/gather",
-            );
-            let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-                label,
-                color_attachments: &[Some(RenderPassColorAttachment {
-                    view: &texture.0.default_view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: Operations {
-                        load: LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                        store: StoreOp::Store,
-                    },
-                })],
-                ..default()
+            timed(ctx, GATHER, |ctx| {
+                let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+                    label: Some(GATHER),
+                    color_attachments: &[Some(RenderPassColorAttachment {
+                        view: &texture.0.default_view,
+                        depth_slice: None,
+                        resolve_target: None,
+                        ops: Operations {
+                            load: LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                            store: StoreOp::Store,
+                        },
+                    })],
+                    ..default()
+                });
+                pass.set_render_pipeline(pipeline);
+                pass.set_bind_group(0, group, &[view.offset]);
+                pass.draw(0..3, 0..1);
             });
-            pass.set_render_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[view.offset]);
-            pass.draw(0..3, 0..1);
-            drop(pass);
-            span.end(ctx.command_encoder());
         }
     }
     Some(())
@@ -127,22 +119,16 @@ fn merge(
 ) -> Option<()> {
     let pipeline = pipeline_cache.get_render_pipeline(active.merge?.1)?;
     let group = bindings.merge.get()?;
-    let diagnostics = ctx.diagnostic_recorder();
-    let diagnostics = diagnostics.as_deref();
-    let span = diagnostics.time_span(
-        ctx.command_encoder(),
-        "lean_deferred/ambient_occlusion/merge",
-    );
-    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-        label: Some("lean_deferred/ambient_occlusion/merge"),
-        color_attachments: &[Some(target.get_color_attachment())],
-        ..default()
+    timed(ctx, MERGE, |ctx| {
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some(MERGE),
+            color_attachments: &[Some(target.get_color_attachment())],
+            ..default()
+        });
+        pass.set_camera_viewport(&view.viewport);
+        pass.set_render_pipeline(pipeline);
+        pass.set_bind_group(0, group, &[view.offset]);
+        pass.draw(0..3, 0..1);
     });
-    pass.set_camera_viewport(&view.viewport);
-    pass.set_render_pipeline(pipeline);
-    pass.set_bind_group(0, group, &[view.offset]);
-    pass.draw(0..3, 0..1);
-    drop(pass);
-    span.end(ctx.command_encoder());
     Some(())
 }

@@ -148,15 +148,6 @@ pub(super) fn prepare_occlusion_textures(
     }
 }
 
-/// Depth is read where it was drawn: no copy. Bevy creates the depth texture with the usages found here.
-pub(super) fn make_depth_readable(mut cameras: Query<&mut Camera3d, With<ActiveOcclusion>>) {
-    for mut camera in &mut cameras {
-        let usages =
-            TextureUsages::from(camera.depth_texture_usages) | TextureUsages::TEXTURE_BINDING;
-        camera.depth_texture_usages = usages.into();
-    }
-}
-
 /// On a view with ambient occlusion: the bind groups of its passes.
 #[derive(Component, Default)]
 pub struct OcclusionBindings {

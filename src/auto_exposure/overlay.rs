@@ -7,7 +7,6 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        diagnostic::RecordDiagnostics,
         render_resource::{
             BindGroupLayoutDescriptor, BlendState, CachedRenderPipelineId, ColorTargetState,
             ColorWrites, FragmentState, PipelineCache, RenderPassDescriptor,
@@ -32,6 +31,7 @@ use super::{
 use crate::gpu::{
     bind_group_cache::{CachedBindGroup, FoundLayout},
     bindings::layout,
+    timed::timed,
 };
 
 /// On a view with the overlay of auto exposure: its pipeline, which may still be compiling, and its bind group.
@@ -193,20 +193,17 @@ pub(super) fn exposure_overlay(
     ) else {
         return;
     };
-    let diagnostics = ctx.diagnostic_recorder();
-    let diagnostics = diagnostics.as_deref();
-    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/auto_exposure/overlay");
-    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-        label: Some("lean_deferred/auto_exposure/overlay"),
-        color_attachments: &[Some(target.get_color_attachment())],
-        ..default()
+    timed(&mut ctx, "lean_deferred/auto_exposure/overlay", |ctx| {
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("lean_deferred/auto_exposure/overlay"),
+            color_attachments: &[Some(target.get_color_attachment())],
+            ..default()
+        });
+        if let Some(viewport) = &camera.viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        pass.set_render_pipeline(pipeline);
+        pass.set_bind_group(0, group, &[view.offset]);
+        pass.draw(0..3, 0..1);
     });
-    if let Some(viewport) = &camera.viewport {
-        pass.set_camera_viewport(viewport);
-    }
-    pass.set_render_pipeline(pipeline);
-    pass.set_bind_group(0, group, &[view.offset]);
-    pass.draw(0..3, 0..1);
-    drop(pass);
-    span.end(ctx.command_encoder());
 }

@@ -4,7 +4,6 @@
 use bevy::{
     prelude::*,
     render::{
-        diagnostic::RecordDiagnostics,
         render_resource::{ComputePassDescriptor, PipelineCache},
         renderer::{RenderContext, ViewQuery},
         view::{ViewTarget, ViewUniformOffset},
@@ -17,6 +16,7 @@ use super::{
     readback::ExposureReadback,
     state::ExposureHistory,
 };
+use crate::gpu::timed::timed;
 
 /// Between anti-aliasing and post-processing: measures the picture, and adapts the view's exposure.
 pub(super) fn auto_exposure(
@@ -47,23 +47,20 @@ pub(super) fn auto_exposure(
         return;
     };
 
-    let diagnostics = ctx.diagnostic_recorder();
-    let diagnostics = diagnostics.as_deref();
-    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/auto_exposure");
-    let mut pass = ctx
-        .command_encoder()
-        .begin_compute_pass(&ComputePassDescriptor {
-            label: Some("lean_deferred/auto_exposure"),
-            timestamp_writes: None,
-        });
-    pass.set_pipeline(meter);
-    pass.set_bind_group(0, meter_group, &[view.offset]);
-    pass.dispatch_workgroups(view.workgroups.x, view.workgroups.y, 1);
-    pass.set_pipeline(adapt);
-    pass.set_bind_group(0, adapt_group, &[view.offset, view_offset.offset]);
-    pass.dispatch_workgroups(1, 1, 1);
-    drop(pass);
-    span.end(ctx.command_encoder());
+    timed(&mut ctx, "lean_deferred/auto_exposure", |ctx| {
+        let mut pass = ctx
+            .command_encoder()
+            .begin_compute_pass(&ComputePassDescriptor {
+                label: Some("lean_deferred/auto_exposure"),
+                timestamp_writes: None,
+            });
+        pass.set_pipeline(meter);
+        pass.set_bind_group(0, meter_group, &[view.offset]);
+        pass.dispatch_workgroups(view.workgroups.x, view.workgroups.y, 1);
+        pass.set_pipeline(adapt);
+        pass.set_bind_group(0, adapt_group, &[view.offset, view_offset.offset]);
+        pass.dispatch_workgroups(1, 1, 1);
+    });
     if let Some(readback) = readback {
         readback.copy(&history.state, ctx.command_encoder());
     }

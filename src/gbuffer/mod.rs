@@ -76,14 +76,14 @@ use bevy::{
             AddRenderCommand, BinnedPhaseItem, BinnedRenderPhasePlugin,
             CachedRenderPipelinePhaseItem, DrawFunctions,
         },
-        render_resource::SpecializedMeshPipelines,
+        render_resource::{SpecializedMeshPipelines, TextureUsages},
     },
     shader::load_shader_library,
 };
 
 use crate::{
     shading_models,
-    view::{LeanDeferred, SharedPlugin, removal},
+    view::{ActiveLeanView, LeanDeferred, SharedPlugin, depth_usage::extend_depth_usage, removal},
 };
 
 /// Draws the meshes of lean cameras into the packed G-buffer.
@@ -159,7 +159,7 @@ impl Plugin for GBufferPlugin {
                         .in_set(RenderSystems::QueueMeshes)
                         .after(queue_material_meshes)
                         .after(queue_prepass_material_meshes),
-                    textures::make_depth_readable
+                    extend_depth_usage::<ActiveLeanView>(TextureUsages::TEXTURE_BINDING)
                         .in_set(RenderSystems::PrepareResources)
                         .before(prepare_core_3d_depth_textures),
                     textures::prepare_gbuffer_textures

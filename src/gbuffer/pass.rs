@@ -14,7 +14,6 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        diagnostic::RecordDiagnostics,
         render_resource::{LoadOp, PipelineCache, RenderPassDescriptor, StoreOp},
         renderer::{RenderContext, ViewQuery},
         view::{ExtractedView, ViewDepthTexture},
@@ -26,7 +25,7 @@ use super::{
     resolve_motion::ViewMotionResolve,
     textures::{GBufferTextures, initial_load},
 };
-use crate::view::ActiveLeanView;
+use crate::{gpu::timed::timed, view::ActiveLeanView};
 
 pub(super) type GBufferView = (
     &'static ExtractedCamera,
@@ -102,10 +101,6 @@ fn draw(
     };
     let retained = view.retained_view_entity;
 
-    let diagnostics = ctx.diagnostic_recorder();
-    let diagnostics = diagnostics.as_deref();
-    // Around the passes, not in them: clearing is part of what they cost.
-    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/gbuffer");
     let viewport =
         Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
     let mut base_load = if is_first {
@@ -115,38 +110,40 @@ fn draw(
     };
     let has_optional = !active.targets.is_empty();
 
-    // Each target must be cleared once, by whichever pass is the first to have it.
-    if !phases.base.is_empty(&retained) || (is_first && !has_optional) {
-        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some("lean_deferred/gbuffer"),
-            color_attachments: &textures.base_attachments(base_load),
-            depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
-            ..default()
-        });
-        base_load = LoadOp::Load;
-        if let Some(viewport) = &viewport {
-            pass.set_camera_viewport(viewport);
+    // Around the passes, not in them: clearing is part of what they cost.
+    timed(ctx, "lean_deferred/gbuffer", |ctx| {
+        // Each target must be cleared once, by whichever pass is the first to have it.
+        if !phases.base.is_empty(&retained) || (is_first && !has_optional) {
+            let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+                label: Some("lean_deferred/gbuffer"),
+                color_attachments: &textures.base_attachments(base_load),
+                depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+                ..default()
+            });
+            base_load = LoadOp::Load;
+            if let Some(viewport) = &viewport {
+                pass.set_camera_viewport(viewport);
+            }
+            phases.base.render(&retained, &mut pass, world, view_entity);
         }
-        phases.base.render(&retained, &mut pass, world, view_entity);
-    }
-    if has_optional && (is_first || !phases.extended.is_empty(&retained)) {
-        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some("lean_deferred/gbuffer/extended"),
-            color_attachments: &textures.all_attachments(base_load, is_first),
-            depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
-            ..default()
-        });
-        if let Some(viewport) = &viewport {
-            pass.set_camera_viewport(viewport);
+        if has_optional && (is_first || !phases.extended.is_empty(&retained)) {
+            let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+                label: Some("lean_deferred/gbuffer/extended"),
+                color_attachments: &textures.all_attachments(base_load, is_first),
+                depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+                ..default()
+            });
+            if let Some(viewport) = &viewport {
+                pass.set_camera_viewport(viewport);
+            }
+            phases
+                .extended
+                .render(&retained, &mut pass, world, view_entity);
         }
-        phases
-            .extended
-            .render(&retained, &mut pass, world, view_entity);
-    }
 
-    if let (Some(resolve), Some(prepass)) = (resolve_motion, prepass_textures) {
-        let cache = world.resource::<PipelineCache>();
-        resolve.draw(!is_first, prepass, viewport.as_ref(), cache, ctx);
-    }
-    span.end(ctx.command_encoder());
+        if let (Some(resolve), Some(prepass)) = (resolve_motion, prepass_textures) {
+            let cache = world.resource::<PipelineCache>();
+            resolve.draw(!is_first, prepass, viewport.as_ref(), cache, ctx);
+        }
+    });
 }

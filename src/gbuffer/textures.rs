@@ -161,13 +161,3 @@ pub(super) fn prepare_gbuffer_textures(
     }
     by_size.clear();
 }
-
-/// The lighting pass reads depth where it was drawn: no copy. Bevy creates the depth texture with the usages found
-/// here.
-pub(super) fn make_depth_readable(mut cameras: Query<&mut Camera3d, With<ActiveLeanView>>) {
-    for mut camera in &mut cameras {
-        let usages =
-            TextureUsages::from(camera.depth_texture_usages) | TextureUsages::TEXTURE_BINDING;
-        camera.depth_texture_usages = usages.into();
-    }
-}

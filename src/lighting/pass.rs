@@ -3,7 +3,6 @@
 use bevy::{
     prelude::*,
     render::{
-        diagnostic::RecordDiagnostics,
         render_resource::{ComputePassDescriptor, LoadOp, PipelineCache, RenderPassDescriptor},
         renderer::{RenderContext, ViewQuery},
         view::ViewTarget,
@@ -12,7 +11,7 @@ use bevy::{
 
 use super::ViewLighting;
 use crate::{
-    gpu::tiles,
+    gpu::{tiles, timed::timed},
     view::{ActiveLeanView, LightingVariant},
 };
 
@@ -36,57 +35,54 @@ pub(super) fn lighting_pass(
         return;
     };
 
-    let diagnostics = ctx.diagnostic_recorder();
-    let diagnostics = diagnostics.as_deref();
-
     // Asking for the attachment marks the texture as cleared for this frame: without it, the next render pass would
     // wipe what is written here. If it was about to be cleared, this pass does that too where it reaches every pixel.
     let attachment = target.get_color_attachment();
-    let span = diagnostics.time_span(ctx.command_encoder(), "lean_deferred/lighting");
     let must_clear = matches!(attachment.ops.load, LoadOp::Clear(_));
     let writes_background = must_clear && bindings.covers_target;
-    if must_clear && !writes_background {
-        drop(ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some("lean_deferred/lighting/clear"),
-            color_attachments: &[Some(attachment)],
-            ..default()
-        }));
-    }
-
-    if let Some(lists) = &lighting.tile_lists {
-        lists.clear(ctx.command_encoder());
-    }
-    let mut pass = ctx
-        .command_encoder()
-        .begin_compute_pass(&ComputePassDescriptor {
-            label: Some("lean_deferred/lighting"),
-            timestamp_writes: None,
-        });
-    let offset = bindings.uniform_offsets[usize::from(writes_background)];
-    let offsets = [offset, bindings.occlusion_offset.unwrap_or_default()];
-    let offsets = &offsets[..1 + usize::from(bindings.occlusion_offset.is_some())];
-    for (key, id) in &lighting.pipelines {
-        let Some(pipeline) = pipeline_cache.get_compute_pipeline(*id) else {
-            continue;
-        };
-        let variant = key.variant;
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, view_group, &bindings.view_offsets);
-        pass.set_bind_group(1, arrays_group, &[]);
-        pass.set_bind_group(2, targets_group, offsets);
-        if variant == LightingVariant::PLAIN {
-            if let Some(group) = bindings.fill_lists.get() {
-                pass.set_bind_group(3, group, &[]);
-            }
-            let count = tiles::count(bindings.viewport_size);
-            pass.dispatch_workgroups(count.x, count.y, 1);
-        } else if let (Some(lists), Some(group)) = (&lighting.tile_lists, bindings.read_lists.get())
-        {
-            pass.set_bind_group(3, group, &[]);
-            let offset = lists.dispatch_offset(variant);
-            pass.dispatch_workgroups_indirect(lists.dispatches(), offset);
+    timed(&mut ctx, "lean_deferred/lighting", |ctx| {
+        if must_clear && !writes_background {
+            drop(ctx.begin_tracked_render_pass(RenderPassDescriptor {
+                label: Some("lean_deferred/lighting/clear"),
+                color_attachments: &[Some(attachment)],
+                ..default()
+            }));
         }
-    }
-    drop(pass);
-    span.end(ctx.command_encoder());
+
+        if let Some(lists) = &lighting.tile_lists {
+            lists.clear(ctx.command_encoder());
+        }
+        let mut pass = ctx
+            .command_encoder()
+            .begin_compute_pass(&ComputePassDescriptor {
+                label: Some("lean_deferred/lighting"),
+                timestamp_writes: None,
+            });
+        let offset = bindings.uniform_offsets[usize::from(writes_background)];
+        let offsets = [offset, bindings.occlusion_offset.unwrap_or_default()];
+        let offsets = &offsets[..1 + usize::from(bindings.occlusion_offset.is_some())];
+        for (key, id) in &lighting.pipelines {
+            let Some(pipeline) = pipeline_cache.get_compute_pipeline(*id) else {
+                continue;
+            };
+            let variant = key.variant;
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, view_group, &bindings.view_offsets);
+            pass.set_bind_group(1, arrays_group, &[]);
+            pass.set_bind_group(2, targets_group, offsets);
+            if variant == LightingVariant::PLAIN {
+                if let Some(group) = bindings.fill_lists.get() {
+                    pass.set_bind_group(3, group, &[]);
+                }
+                let count = tiles::count(bindings.viewport_size);
+                pass.dispatch_workgroups(count.x, count.y, 1);
+            } else if let (Some(lists), Some(group)) =
+                (&lighting.tile_lists, bindings.read_lists.get())
+            {
+                pass.set_bind_group(3, group, &[]);
+                let offset = lists.dispatch_offset(variant);
+                pass.dispatch_workgroups_indirect(lists.dispatches(), offset);
+            }
+        }
+    });
 }
