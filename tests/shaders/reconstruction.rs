@@ -1,7 +1,7 @@
 //! From depth back to positions and motion: the shipped WGSL on the device beside its Rust twin, and both beside the same
 //! in f64.
 
-use bevy::math::{DMat4, DVec3, DVec4, Mat4, Quat, Vec2, Vec3, Vec4, Vec4Swizzles};
+use bevy::math::{DVec3, DVec4, Mat4, Quat, Vec2, Vec3, Vec4, Vec4Swizzles};
 use bevy_lean_deferred::shader_library::reconstruction::{
     motion::motion_at_rest,
     position::{
@@ -285,7 +285,7 @@ impl Cameras {
 
     /// Of these very matrices, and how far f32 may be off: the digits that positions lose far from the origin.
     fn truth(&self, ndc: Vec3) -> ([f64; 2], f64) {
-        let exact = |matrix: Mat4, p: DVec4| -> DVec4 { DMat4::from(matrix.as_dmat4()) * p };
+        let exact = |matrix: Mat4, p: DVec4| -> DVec4 { matrix.as_dmat4() * p };
         let view = exact(self.view_from_clip, ndc.as_dvec3().extend(1.0));
         let world = exact(self.world_from_view, view);
         let now = exact(self.clip_from_world, world);
