@@ -22,8 +22,9 @@ use bevy::{
     shader::ShaderDefVal,
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::{OcclusionView, ProjectionKind, projection_of},
+    ambient_occlusion::OcclusionView,
     prelude::*,
+    shader_library::reconstruction::position::{ProjectionKind, projection_of},
 };
 use binding_types::{sampler, texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer};
 

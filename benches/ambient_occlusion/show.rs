@@ -106,41 +106,9 @@ pub fn read_main_texture(app: &mut App) -> Vec<f32> {
         .expect("one camera")
         .main_texture()
         .clone();
-    let (device, queue) = (
-        world.resource::<RenderDevice>(),
-        world.resource::<RenderQueue>(),
-    );
-    let size = texture.size();
-    let row = (size.width * 8).next_multiple_of(256);
-    let buffer = device.create_buffer(&BufferDescriptor {
-        label: None,
-        size: u64::from(row * size.height),
-        usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout: TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(row),
-                rows_per_image: None,
-            },
-        },
-        size,
-    );
-    queue.submit([encoder.finish()]);
-    let slice = buffer.slice(..);
-    slice.map_async(MapMode::Read, |mapped| mapped.expect("it can be read"));
-    device
-        .poll(PollType::wait_indefinitely())
-        .expect("the device finishes");
-    let bytes = slice.get_mapped_range();
-    bytes
-        .chunks(row as usize)
-        .flat_map(|line| line[..(size.width * 8) as usize].chunks(8))
+    let device = world.resource::<RenderDevice>().wgpu_device();
+    kit::gpu::read_texture(device, world.resource::<RenderQueue>(), &texture)
+        .chunks(8)
         .map(|texel| f16::from_le_bytes([texel[0], texel[1]]).to_f32())
         .collect()
 }

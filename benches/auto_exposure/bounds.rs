@@ -2,7 +2,7 @@
 
 use crate::{
     Args,
-    kernel::{Kernel, bind, compile},
+    kernel::{Kernel, compile},
     picture::TEXEL,
     report::{Group, Measurement},
     ring::Ring,
@@ -71,7 +71,7 @@ fn by_shader(gpu: &ExposureGpu, ring: &Ring, args: &Args) -> Vec<Time> {
         let groups = [size.width.div_ceil(16), size.height.div_ceil(16)];
         vec![Kernel {
             pipeline: pipeline.clone(),
-            group: bind(gpu, &pipeline, &resources),
+            group: gpu.bind_group(&pipeline.get_bind_group_layout(0), &resources),
             groups,
         }]
     });
@@ -110,7 +110,7 @@ fn of_buffer(gpu: &ExposureGpu, ring: &Ring, args: &Args, entry_point: &str) -> 
         }
         vec![Kernel {
             pipeline: pipeline.clone(),
-            group: bind(gpu, &pipeline, &resources),
+            group: gpu.bind_group(&pipeline.get_bind_group_layout(0), &resources),
             groups,
         }]
     });

@@ -59,23 +59,3 @@ pub fn compile(gpu: &ExposureGpu, source: &str, entry_point: &str) -> wgpu::Comp
             cache: None,
         })
 }
-
-/// What a pipeline reads and writes, by binding.
-pub fn bind(
-    gpu: &ExposureGpu,
-    pipeline: &wgpu::ComputePipeline,
-    resources: &[(u32, wgpu::BindingResource)],
-) -> wgpu::BindGroup {
-    let entries: Vec<_> = resources
-        .iter()
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding: *binding,
-            resource: resource.clone(),
-        })
-        .collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &entries,
-    })
-}

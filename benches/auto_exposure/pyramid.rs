@@ -2,7 +2,7 @@
 
 use crate::{
     Args,
-    kernel::{Kernel, bind, compile},
+    kernel::{Kernel, compile},
     report::Measured,
     ring::Ring,
 };
@@ -48,7 +48,8 @@ pub fn measure(gpu: &ExposureGpu, ring: &Ring, subgroups: bool, args: &Args) -> 
                     };
                     Kernel {
                         pipeline: pipelines[i].clone(),
-                        group: bind(gpu, &pipelines[i], &[source, result]),
+                        group: gpu
+                            .bind_group(&pipelines[i].get_bind_group_layout(0), &[source, result]),
                         groups,
                     }
                 })

@@ -39,3 +39,47 @@ pub fn texture(
         view_formats: &[],
     })
 }
+
+/// The texels of `texture`, row by row without gaps.
+pub fn read_texture(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+) -> Vec<u8> {
+    let size = texture.size();
+    let texel = texture.format().block_copy_size(None).expect("one plane");
+    let used = size.width * texel;
+    let row = used.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row) * u64::from(size.height),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(row),
+                rows_per_image: None,
+            },
+        },
+        size,
+    );
+    queue.submit([encoder.finish()]);
+    buffer.map_async(wgpu::MapMode::Read, .., |mapped| {
+        mapped.unwrap_or_else(|error| panic!("the texture cannot be read: {error}"));
+    });
+    device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .unwrap_or_else(|error| panic!("the device did not finish: {error}"));
+    buffer
+        .get_mapped_range(..)
+        .chunks(row as usize)
+        .flat_map(|line| &line[..used as usize])
+        .copied()
+        .collect()
+}

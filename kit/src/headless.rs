@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::log_watch::LogWatch;
+use crate::{gpu::read_texture, log_watch::LogWatch};
 use bevy::{
     app::{PluginGroupBuilder, PluginsState},
     asset::{RenderAssetUsages, UnapprovedPathMode},
@@ -12,7 +12,8 @@ use bevy::{
         RenderApp, RenderPlugin,
         render_asset::RenderAssets,
         render_resource::{
-            Extent3d, PipelineCache, PollType, TextureDimension, TextureFormat, TextureUsages,
+            Extent3d, PipelineCache, PollType, Texture, TextureDimension, TextureFormat,
+            TextureUsages,
         },
         renderer::{RenderDevice, RenderQueue},
         texture::GpuImage,
@@ -183,51 +184,29 @@ impl Headless {
         let render_world = self.app.sub_app(RenderApp).world();
         let images = render_world.resource::<RenderAssets<GpuImage>>();
         let image = images.get(&self.target).expect("the target is there");
-        let device = render_world.resource::<RenderDevice>().wgpu_device();
-        let queue = render_world.resource::<RenderQueue>();
         let size = image.texture.size();
-        let row = (4 * size.width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("picture"),
-            size: u64::from(row) * u64::from(size.height),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_texture_to_buffer(
-            image.texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(row),
-                    rows_per_image: None,
-                },
-            },
-            size,
-        );
-        queue.submit([encoder.finish()]);
-        buffer.map_async(wgpu::MapMode::Read, .., |mapped| {
-            mapped.unwrap_or_else(|error| panic!("the picture cannot be read: {error}"));
-        });
-        device
-            .poll(PollType::wait_indefinitely())
-            .unwrap_or_else(|error| panic!("the device did not finish: {error}"));
-        let rgba = buffer
-            .get_mapped_range(..)
-            .chunks(row as usize)
-            .flat_map(|line| &line[..4 * size.width as usize])
-            .copied()
-            .collect();
         Picture {
             size: UVec2::new(size.width, size.height),
-            rgba,
+            rgba: self.read(&image.texture),
         }
+    }
+
+    /// The texels of a texture of the render world, row by row.
+    pub fn read(&self, texture: &Texture) -> Vec<u8> {
+        let render_world = self.app.sub_app(RenderApp).world();
+        let device = render_world.resource::<RenderDevice>().wgpu_device();
+        read_texture(device, render_world.resource::<RenderQueue>(), texture)
     }
 }
 
 /// An sRGB image that can be rendered to and read back.
 pub fn target_image(size: UVec2) -> Image {
+    target_image_of(size, TextureFormat::Rgba8UnormSrgb)
+}
+
+/// As [`target_image`], of any format.
+pub fn target_image_of(size: UVec2, format: TextureFormat) -> Image {
+    let texel = format.block_copy_size(None).expect("one plane");
     let mut image = Image::new_fill(
         Extent3d {
             width: size.x,
@@ -235,8 +214,8 @@ pub fn target_image(size: UVec2) -> Image {
             depth_or_array_layers: 1,
         },
         TextureDimension::D2,
-        &[0; 4],
-        TextureFormat::Rgba8UnormSrgb,
+        &vec![0; texel as usize],
+        format,
         RenderAssetUsages::default(),
     );
     image.texture_descriptor.usage =

@@ -110,6 +110,22 @@ pub fn judge(name: &str, forward: &Picture, lean: &Picture, least_psnr: f64) -> 
     Ok(())
 }
 
+/// As [`judge`], of each frame of two films.
+pub fn judge_film(
+    name: &str,
+    forward: &[Picture],
+    lean: &[Picture],
+    least_psnr: f64,
+) -> Vec<Result<(), String>> {
+    assert_eq!(forward.len(), lean.len(), "both films are as long");
+    let pairs = forward.iter().zip(lean).enumerate();
+    pairs
+        .map(|(frame, (forward, lean))| {
+            judge(&format!("{name}_{frame:02}"), forward, lean, least_psnr)
+        })
+        .collect()
+}
+
 /// Panics if a comparison failed, or the validation layer has complained.
 pub fn report(results: impl IntoIterator<Item = Result<(), String>>) {
     let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();

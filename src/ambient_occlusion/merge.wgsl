@@ -4,12 +4,10 @@
 }
 #import bevy_lean_deferred::ambient_occlusion::filter::filtered_occlusion
 
-
 #ifdef DISTANCE_FOG
 /// What distance fog leaves of the light of a surface, as Bevy's `fog.wgsl` counts it.
 fn fog_transmittance(pixel: vec2<i32>, depth: f32) -> f32 {
-    let position = view_position(pixel, depth);
-    let distance = length(position);
+    let distance = length(view_position(pixel, depth));
     var extinction = 0.0;
     switch u32(view.fog.w) {
         case 1u: { extinction = 1.0 - saturate((view.fog.y - distance) / (view.fog.y - view.fog.x)); }

@@ -4,7 +4,8 @@
 //! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 //! - `active.rs`: whether and how a view gets it in this frame. `prepare.rs`: what the passes need of the view.
 //! - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
-//! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `horizon.{wgsl,rs}`: the closed form, twice.
+//! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
+//! - `horizon.{wgsl,rs}`: the closed form, twice.
 //! - `hbao.wgsl`, `hdao.wgsl`: the kernels. `gather.wgsl`: their entry points.
 //! - `filter.wgsl`: the 3×3 filter, for `merge.wgsl` and the lighting pass.
 
@@ -29,7 +30,6 @@ pub use support::OcclusionSupport;
 // For tests and benches.
 #[doc(hidden)]
 pub use {
-    crate::shader_library::reconstruction::position::{ProjectionKind, projection_of},
     active::ActiveOcclusion,
     prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
     uniforms::OcclusionView,

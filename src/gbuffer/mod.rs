@@ -50,8 +50,9 @@ use resolve_motion::ViewMotionResolve;
 pub use targets::GBufferNeeds;
 pub use textures::GBufferTextures;
 pub use usage::GBufferUsage;
-// For tests and benches.
 use visibility_masks::DrawWithVisibilityMask;
+
+// For tests and benches.
 #[doc(hidden)]
 pub use {crate::shader_library::layout, queue::SortedMeshes};
 

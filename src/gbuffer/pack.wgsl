@@ -210,13 +210,13 @@ fn specialization_word(pbr: PbrInput, normal_word: u32) -> u32 {
     // Only materials without a tint are here: the channels are equal.
     let reflectance = pbr.material.reflectance.g;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    let word = special::pack_specialization(reflectance, clearcoat::SHADING_MODEL, flags);
+    let word = special::pack_specialization(reflectance, special::CLEARCOAT, flags);
     return special::with_arguments(word, clearcoat::arguments_of(pbr, normal_word));
 #else ifdef STANDARD_MATERIAL_ANISOTROPY
-    let word = special::pack_specialization(reflectance, anisotropy::SHADING_MODEL, flags);
+    let word = special::pack_specialization(reflectance, special::ANISOTROPY, flags);
     return special::with_arguments(word, anisotropy::arguments_of(pbr, normal_word));
 #else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    let word = special::pack_specialization(reflectance, backlight::SHADING_MODEL, flags);
+    let word = special::pack_specialization(reflectance, special::BACKLIGHT, flags);
     return special::with_arguments(word, backlight::arguments_of(pbr, normal_word));
 #else
     return special::pack_specialization(reflectance, special::PLAIN, flags);

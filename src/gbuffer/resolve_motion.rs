@@ -202,9 +202,11 @@ pub(super) fn prepare_motion_resolve(
         for (index, late) in [false, true].into_iter().enumerate() {
             resolve.pipelines[index] = None;
             let motion = (textures.optional(GBufferTargets::MOTION)).zip(textures.written.as_ref());
-            let drawn = match (late, &prepass.depth) {
-                (false, _) => &textures.normal,
-                (true, Some(earlier)) if active.culls_in_two_phases => &earlier.texture,
+            let (drawn_binding, drawn) = match (late, &prepass.depth) {
+                (false, _) => (NORMAL_TEXTURE, &textures.normal),
+                (true, Some(earlier)) if active.culls_in_two_phases => {
+                    (EARLIER_DEPTH_TEXTURE, &earlier.texture)
+                }
                 _ => continue,
             };
             let key = ResolveKey {
@@ -218,8 +220,7 @@ pub(super) fn prepare_motion_resolve(
                 entries.push(VIEW, view_binding.clone())?;
                 entries.push(PREVIOUS_VIEW, previous_binding.clone())?;
                 entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
-                // Or the earlier depth, which has the same number.
-                entries.push(NORMAL_TEXTURE, drawn.default_view.into_binding())?;
+                entries.push(drawn_binding, drawn.default_view.into_binding())?;
                 match motion {
                     Some((motion, written)) => {
                         entries.push(MOTION_TEXTURE, motion.default_view.into_binding())?;

@@ -25,7 +25,7 @@ use bevy::{
 
 use crate::{
     gpu::timed::timed,
-    shader_library::reconstruction::position::{ProjectionKind, projection_of},
+    shader_library::reconstruction::position::projection_of,
     view::{CameraCuts, depth_usage::extend_depth_usage, removal},
 };
 
@@ -45,6 +45,14 @@ pub struct LastFrame {
     pub viewport: URect,
 }
 
+impl LastFrame {
+    /// Whether `other` shows as much in the same way.
+    fn is_like(&self, other: &Self) -> bool {
+        self.viewport == other.viewport
+            && projection_of(self.clip_from_view) == projection_of(other.clip_from_view)
+    }
+}
+
 /// On a view of the render world with [`ReadsHistory`]: its last frame. Both textures are as large as the view's target.
 #[derive(Component)]
 pub struct ViewHistory {
@@ -52,7 +60,6 @@ pub struct ViewHistory {
     depth: Kept,
     last: Option<LastFrame>,
     current: LastFrame,
-    projection: ProjectionKind,
     cuts: u32,
     /// The frame that the textures hold, by [`FrameNumber`].
     held: AtomicU64,
@@ -117,10 +124,6 @@ fn form(texture: &Texture) -> (Extent3d, TextureFormat) {
 #[derive(Resource, Default)]
 struct FrameNumber(u64);
 
-/// The passes that keep the frame of a view, after its main passes.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct HistoryPasses;
-
 /// Keeps the last frame of views that somebody reads.
 pub(crate) struct HistoryPlugin;
 
@@ -145,7 +148,6 @@ impl Plugin for HistoryPlugin {
             .add_systems(
                 Core3d,
                 keep_frame
-                    .in_set(HistoryPasses)
                     .after(Core3dSystems::MainPass)
                     .before(Core3dSystems::EarlyPostProcess),
             );
@@ -194,16 +196,14 @@ fn prepare_histories(
             world_from_view: view.world_from_view.to_matrix(),
             viewport: URect::from_corners(viewport.xy(), viewport.xy() + viewport.zw()),
         };
-        let projection = projection_of(view.clip_from_view);
         let cuts = cuts.copied().unwrap_or_default().0;
         match history {
             Some(mut history) if history.color.is_like(color) && history.depth.is_like(depth) => {
                 let follows = *history.held.get_mut() == former
-                    && (history.projection, history.cuts) == (projection, cuts)
-                    && history.current.viewport == current.viewport;
+                    && history.cuts == cuts
+                    && history.current.is_like(&current);
                 history.last = follows.then_some(history.current);
                 history.current = current;
-                history.projection = projection;
                 history.cuts = cuts;
             }
             _ => {
@@ -212,7 +212,6 @@ fn prepare_histories(
                     depth: Kept::like(&device, "lean_deferred/screen_space/depth", depth),
                     last: None,
                     current,
-                    projection,
                     cuts,
                     held: AtomicU64::new(0),
                 });

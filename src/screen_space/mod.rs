@@ -7,4 +7,4 @@ mod history;
 // Effects of the next kind will ask; until then tests do.
 pub(crate) use history::HistoryPlugin;
 #[doc(hidden)]
-pub use history::{HistoryPasses, LastFrame, ReadsHistory, ViewHistory};
+pub use history::{LastFrame, ReadsHistory, ViewHistory};

@@ -2,9 +2,6 @@
 #define_import_path bevy_lean_deferred::shading_models::anisotropy
 
 #import bevy_lean_deferred::gbuffer::layout::{is_finite, quantize}
-#import bevy_lean_deferred::gbuffer::layout::specialization::ANISOTROPY
-
-const SHADING_MODEL: u32 = ANISOTROPY;
 
 const PI: f32 = 3.14159265;
 

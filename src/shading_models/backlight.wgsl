@@ -2,9 +2,6 @@
 #define_import_path bevy_lean_deferred::shading_models::backlight
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize}
-#import bevy_lean_deferred::gbuffer::layout::specialization::BACKLIGHT
-
-const SHADING_MODEL: u32 = BACKLIGHT;
 
 const THICKNESS_STEPS: f32 = 16.0;
 const LEAST_THICKNESS_LOG: f32 = -20.0;

@@ -2,9 +2,6 @@
 #define_import_path bevy_lean_deferred::shading_models::clearcoat
 
 #import bevy_lean_deferred::gbuffer::layout::quantize
-#import bevy_lean_deferred::gbuffer::layout::specialization::CLEARCOAT
-
-const SHADING_MODEL: u32 = CLEARCOAT;
 
 /// Packs the arguments of clearcoat, both 0 to 1.
 fn pack_clearcoat(strength: f32, perceptual_roughness: f32) -> u32 {

@@ -2,9 +2,6 @@
 #define_import_path bevy_lean_deferred::shading_models::rim
 
 #import bevy_lean_deferred::gbuffer::layout::{quantize, quantize_roots}
-#import bevy_lean_deferred::gbuffer::layout::specialization::RIM
-
-const SHADING_MODEL: u32 = RIM;
 
 /// Packs the arguments of rim light: colour 0 to 1, exponent 1 to 16.
 fn pack_rim(color: vec3<f32>, exponent: f32) -> u32 {

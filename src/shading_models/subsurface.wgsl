@@ -2,9 +2,6 @@
 #define_import_path bevy_lean_deferred::shading_models::subsurface
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize, quantize_roots}
-#import bevy_lean_deferred::gbuffer::layout::specialization::SUBSURFACE
-
-const SHADING_MODEL: u32 = SUBSURFACE;
 
 const LEAST_PATH_LOG: f32 = -13.287713;
 

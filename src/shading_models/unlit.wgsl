@@ -4,8 +4,6 @@
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize_roots}
 #import bevy_lean_deferred::gbuffer::layout::specialization::{NO_FOG, UNLIT}
 
-const SHADING_MODEL: u32 = UNLIT;
-
 /// The brightest channel of an unlit colour that is stored.
 const LARGEST_UNLIT: f32 = 32768.0;
 
@@ -20,7 +18,7 @@ fn pack_unlit(color: vec3<f32>, flags: u32) -> u32 {
     let exponent = max(above, 127u) - 127u;
     let scale = bitcast<f32>((127u - exponent) << 23u);
     let codes = quantize_roots(valid * scale, vec3(255.0));
-    return codes.r | (SHADING_MODEL << 8u) | (flags & NO_FOG) | ((exponent & 7u) << 12u)
+    return codes.r | (UNLIT << 8u) | (flags & NO_FOG) | ((exponent & 7u) << 12u)
         | (codes.g << 15u) | (codes.b << 23u) | ((exponent >> 3u) << 31u);
 }
 

@@ -4,7 +4,10 @@ use bevy::{
     camera::{CameraProjection, PerspectiveProjection},
     math::{DMat4, DVec3, Mat4, UVec2, Vec3, Vec4},
 };
-use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, ProjectionKind, projection_of};
+use bevy_lean_deferred::{
+    ambient_occlusion::LeanAmbientOcclusion,
+    shader_library::reconstruction::position::{ProjectionKind, projection_of},
+};
 
 use crate::views::{ORTHOGRAPHIC, SIZE, Seen, corner, crop, difference, groove, kinds, run, wall};
 use kit::occlusion_gpu::{DepthImage, OcclusionGpu};

@@ -3,17 +3,20 @@
 use std::sync::{Arc, Mutex};
 
 use bevy::{
-    asset::RenderAssetUsages,
     core_pipeline::tonemapping::{DebandDither, Tonemapping},
     prelude::*,
     render::{
         gpu_readback::{Readback, ReadbackComplete},
-        render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages},
+        render_resource::TextureFormat,
     },
 };
 use bevy_lean_deferred::LeanAmbientOcclusion;
 
-use kit::{headless::Headless, occlusion_gpu::half, scenes::SceneBuilder};
+use kit::{
+    headless::{Headless, target_image_of},
+    occlusion_gpu::half,
+    scenes::SceneBuilder,
+};
 
 /// Rows of as many pixels are copied without padding.
 pub const SIZE: UVec2 = UVec2::new(256, 192);
@@ -31,7 +34,7 @@ impl Stage {
 
     pub fn with_size(size: UVec2, build: impl FnOnce(&mut SceneBuilder)) -> Self {
         let mut headless = Headless::new(size);
-        let target = half_float_image(size);
+        let target = target_image_of(size, TextureFormat::Rgba16Float);
         headless.target = headless.world().resource_mut::<Assets<Image>>().add(target);
         let mut scene = SceneBuilder {
             headless: &mut headless,
@@ -84,7 +87,7 @@ impl Stage {
         self.headless.size = size;
         let target = self.headless.target.id();
         let mut images = self.headless.world().resource_mut::<Assets<Image>>();
-        _ = images.insert(target, half_float_image(size));
+        _ = images.insert(target, target_image_of(size, TextureFormat::Rgba16Float));
         self
     }
 
@@ -111,23 +114,6 @@ impl Stage {
         }
         panic!("no picture came back within 100 frames");
     }
-}
-
-fn half_float_image(size: UVec2) -> Image {
-    let mut image = Image::new_fill(
-        Extent3d {
-            width: size.x,
-            height: size.y,
-            depth_or_array_layers: 1,
-        },
-        TextureDimension::D2,
-        &[0; 8],
-        TextureFormat::Rgba16Float,
-        RenderAssetUsages::default(),
-    );
-    image.texture_descriptor.usage =
-        TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC | TextureUsages::TEXTURE_BINDING;
-    image
 }
 
 /// A picture of half-precision numbers.

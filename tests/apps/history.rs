@@ -4,12 +4,7 @@ use bevy::{
     camera::{Hdr, RenderTarget, Viewport},
     core_pipeline::tonemapping::Tonemapping,
     prelude::*,
-    render::{
-        Render, RenderApp, RenderSystems,
-        camera::ExtractedCamera,
-        render_resource::{Buffer, BufferDescriptor, BufferUsages, MapMode, PollType, Texture},
-        renderer::{RenderDevice, RenderQueue},
-    },
+    render::{Render, RenderApp, RenderSystems, camera::ExtractedCamera},
 };
 use bevy_lean_deferred::{
     prelude::*,
@@ -168,48 +163,6 @@ fn nothing_is_kept_for_nobody() {
     assert_eq!(stage.frame(), None, "a multisampled view");
 }
 
-/// The bytes of `texture`, row by row.
-fn read(headless: &Headless, texture: &Texture, bytes_per_pixel: u32) -> Vec<u8> {
-    let world = headless.app.sub_app(RenderApp).world();
-    let (device, queue) = (
-        world.resource::<RenderDevice>(),
-        world.resource::<RenderQueue>(),
-    );
-    let row = (texture.width() * bytes_per_pixel).next_multiple_of(256);
-    let buffer: Buffer = device.create_buffer(&BufferDescriptor {
-        label: None,
-        size: u64::from(row * texture.height()),
-        usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = device.create_command_encoder(&default());
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(row),
-                rows_per_image: None,
-            },
-        },
-        texture.size(),
-    );
-    queue.submit([encoder.finish()]);
-    let slice = buffer.slice(..);
-    slice.map_async(MapMode::Read, |result| result.expect("it can be read"));
-    device
-        .poll(PollType::wait_indefinitely())
-        .expect("the GPU finishes");
-    let used = (texture.width() * bytes_per_pixel) as usize;
-    let bytes = slice.get_mapped_range();
-    bytes
-        .chunks(row as usize)
-        .flat_map(|row| &row[..used])
-        .copied()
-        .collect()
-}
-
 #[test]
 fn it_holds_what_the_frame_showed() {
     let mut stage = Stage::new();
@@ -227,7 +180,9 @@ fn it_holds_what_the_frame_showed() {
     let history = histories.iter(world).next().expect("somebody asks");
     let [color, depth] = history.textures().map(Clone::clone);
 
-    let light: Vec<f32> = read(&stage.headless, &color, 8)
+    let light: Vec<f32> = stage
+        .headless
+        .read(&color)
         .as_chunks::<2>()
         .0
         .iter()
@@ -242,7 +197,9 @@ fn it_holds_what_the_frame_showed() {
         }
     }
 
-    let depth: Vec<f32> = read(&stage.headless, &depth, 4)
+    let depth: Vec<f32> = stage
+        .headless
+        .read(&depth)
         .as_chunks::<4>()
         .0
         .iter()

@@ -11,7 +11,7 @@ use bevy::{
 };
 use kit::{
     headless::{Headless, Picture},
-    lean::{active_lean_views, build, judge, report, set_lean},
+    lean::{active_lean_views, build, judge_film, report, set_lean},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::LEAST_PSNR,
@@ -122,15 +122,7 @@ fn compare(name: &str, prepasses: impl Bundle) {
     let hidden = pixel_difference(&forward[3], &forward[4]).psnr;
     assert!(hidden < 30.0, "the wall hides nothing");
 
-    report(
-        forward
-            .iter()
-            .zip(&lean)
-            .enumerate()
-            .map(|(frame, (forward, lean))| {
-                judge(&format!("{name}_{frame:02}"), forward, lean, LEAST_PSNR)
-            }),
-    );
+    report(judge_film(name, &forward, &lean, LEAST_PSNR));
 }
 
 #[test]

@@ -14,26 +14,24 @@ use kit::{
     random::Random,
 };
 
-const MODULES: fn() -> [WgslModule; 4] = || {
-    [
-        WgslModule {
-            path: "layout.wgsl",
-            source: include_str!("../../src/shader_library/layout.wgsl"),
-        },
-        WgslModule {
-            path: "layout/motion.wgsl",
-            source: include_str!("../../src/shader_library/layout/motion.wgsl"),
-        },
-        WgslModule {
-            path: "reconstruction/position.wgsl",
-            source: include_str!("../../src/shader_library/reconstruction/position.wgsl"),
-        },
-        WgslModule {
-            path: "reconstruction/motion.wgsl",
-            source: include_str!("../../src/shader_library/reconstruction/motion.wgsl"),
-        },
-    ]
-};
+const MODULES: [WgslModule; 4] = [
+    WgslModule {
+        path: "layout.wgsl",
+        source: include_str!("../../src/shader_library/layout.wgsl"),
+    },
+    WgslModule {
+        path: "layout/motion.wgsl",
+        source: include_str!("../../src/shader_library/layout/motion.wgsl"),
+    },
+    WgslModule {
+        path: "reconstruction/position.wgsl",
+        source: include_str!("../../src/shader_library/reconstruction/position.wgsl"),
+    },
+    WgslModule {
+        path: "reconstruction/motion.wgsl",
+        source: include_str!("../../src/shader_library/reconstruction/motion.wgsl"),
+    },
+];
 
 const READ: &str = "
 fn number(bits: u32) -> f32 {
@@ -90,11 +88,9 @@ fn positions_are_those_of_the_full_matrix() {
     let mut random = Random::new(11);
     for (name, clip_from_view) in projections() {
         let kind = projection_of(clip_from_view);
-        let define = match kind {
-            ProjectionKind::Perspective => "#define PROJECTION_PERSPECTIVE",
-            ProjectionKind::Orthographic => "#define PROJECTION_ORTHOGRAPHIC",
-            ProjectionKind::Other => "",
-        };
+        let define = kind
+            .shader_def()
+            .map_or(String::new(), |name| format!("#define {name}"));
         let z = match kind {
             ProjectionKind::Perspective => "reconstruction::view_z(m, vec4(p.z)).w",
             _ => "reconstruction::view_position(m, p).z",
@@ -114,7 +110,7 @@ fn kernel(bits: array<u32, 19>) -> array<u32, 4> {{
     return array(position.x, position.y, position.z, bitcast<u32>({z}));
 }}"
         );
-        let kernel = compute.kernel::<19, 4>(&MODULES(), &source);
+        let kernel = compute.kernel::<19, 4>(&MODULES, &source);
         let matrix = view_from_pixel(clip_from_view);
         let points: Vec<Vec3> = (0..100_000)
             .map(|_| {
@@ -170,7 +166,7 @@ fn kernel(bits: array<u32, 17>) -> array<u32, 3> {{
     return array(position.x, position.y, position.z);
 }}"
     );
-    let kernel = compute.kernel::<17, 3>(&MODULES(), &source);
+    let kernel = compute.kernel::<17, 3>(&MODULES, &source);
     for (name, clip_from_view) in projections() {
         let view_from_clip = clip_from_view.inverse();
         for depth in [0.0, -0.0, f32::MIN_POSITIVE, 1e-30, -1.0, 1.0] {
@@ -206,7 +202,7 @@ fn kernel(bits: array<u32, 6>) -> array<u32, 2> {{
     return array(ndc.x, ndc.y);
 }}"
     );
-    let kernel = compute.kernel::<6, 2>(&MODULES(), &source);
+    let kernel = compute.kernel::<6, 2>(&MODULES, &source);
     let mut random = Random::new(12);
     let cases: Vec<(Vec2, Vec4)> = (0..100_000)
         .map(|_| {
@@ -320,7 +316,7 @@ fn kernel(bits: array<u32, 67>) -> array<u32, 2> {{
     return array(bitcast<u32>(motion.x), bitcast<u32>(motion.y));
 }}"
     );
-    let kernel = compute.kernel::<67, 2>(&MODULES(), &source);
+    let kernel = compute.kernel::<67, 2>(&MODULES, &source);
     let mut random = Random::new(13);
     for farthest in [0.0, 10.0, 1e4] {
         let cases: Vec<(Cameras, Vec3)> = (0..20_000)

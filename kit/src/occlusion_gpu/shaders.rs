@@ -5,8 +5,8 @@ use std::{borrow::Cow, collections::HashMap};
 use bevy::math::Mat4;
 use bevy_lean_deferred::ambient_occlusion::{
     LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionQuality, OcclusionResolution,
-    ProjectionKind, projection_of,
 };
+use bevy_lean_deferred::shader_library::reconstruction::position::projection_of;
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
 };
@@ -129,16 +129,10 @@ pub(super) fn gather_definitions(
         (settings.kernel == OcclusionKernel::Hdao, "HDAO"),
         (settings.thickness < 1.0, "THIN"),
         (settings.format == OcclusionFormat::Float16, "FLOAT16"),
-        (
-            projection_of(clip_from_view) == ProjectionKind::Perspective,
-            "PROJECTION_PERSPECTIVE",
-        ),
-        (
-            projection_of(clip_from_view) == ProjectionKind::Orthographic,
-            "PROJECTION_ORTHOGRAPHIC",
-        ),
     ];
     insert_flags(&mut defs, &flags);
+    let projection = projection_of(clip_from_view).shader_def();
+    defs.extend(projection.map(|name| (name.into(), ShaderDefValue::Bool(true))));
     defs
 }
 

@@ -140,39 +140,9 @@ impl OcclusionGpu {
 
     /// The red channel.
     pub(super) fn read(&self, texture: &wgpu::Texture) -> Vec<f32> {
-        let size = texture.size();
         let texel = texture.format().block_copy_size(None).expect("a colour");
-        let row = (size.width * texel).next_multiple_of(256);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(row * size.height),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.device.create_command_encoder(&Default::default());
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(row),
-                    rows_per_image: None,
-                },
-            },
-            size,
-        );
-        self.queue.submit([encoder.finish()]);
-        buffer.map_async(wgpu::MapMode::Read, .., |mapped| {
-            mapped.unwrap_or_else(|error| panic!("the results cannot be read: {error}"));
-        });
-        self.device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .unwrap_or_else(|error| panic!("the device did not finish: {error}"));
-        let bytes = buffer.get_mapped_range(..);
-        bytes
-            .chunks(row as usize)
-            .flat_map(|line| line[..(size.width * texel) as usize].chunks(texel as usize))
+        gpu::read_texture(&self.device, &self.queue, texture)
+            .chunks(texel as usize)
             .map(|texel| match *texel {
                 [unorm] => f32::from(unorm) / 255.0,
                 [a, b] => half(u16::from_le_bytes([a, b])),

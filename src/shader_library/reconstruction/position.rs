@@ -48,7 +48,7 @@ pub enum ProjectionKind {
 
 impl ProjectionKind {
     /// What `position.wgsl` is compiled with.
-    pub(crate) fn shader_def(self) -> Option<&'static str> {
+    pub fn shader_def(self) -> Option<&'static str> {
         match self {
             Self::Perspective => Some("PROJECTION_PERSPECTIVE"),
             Self::Orthographic => Some("PROJECTION_ORTHOGRAPHIC"),

@@ -12,7 +12,7 @@ use bevy_lean_deferred::prelude::*;
 use super::{SIZE, forward_draws, usage};
 use kit::{
     headless::Headless,
-    lean::{active_lean_views, build, judge, report, set_lean, settled},
+    lean::{active_lean_views, build, judge, judge_film, report, set_lean, settled},
     metrics::difference,
     own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder, build::material},
@@ -141,15 +141,7 @@ fn culling_in_two_phases_matches_forward() {
         set_lean(&mut headless, true);
         headless.settle();
         let lean = headless.film(6, around);
-        report(
-            forward
-                .iter()
-                .zip(&lean)
-                .enumerate()
-                .map(|(i, (forward, lean))| {
-                    judge(&format!("two_phases_{i}"), forward, lean, LEAST_PSNR)
-                }),
-        );
+        report(judge_film("two_phases", &forward, &lean, LEAST_PSNR));
     });
 }
 
@@ -328,15 +320,7 @@ fn a_material_of_another_kind_in_each_frame_matches_forward() {
         set_lean(&mut headless, true);
         // The first round meets targets and pipelines that are yet to be made, the others find them.
         let lean = headless.film(27, change);
-        report(
-            forward
-                .iter()
-                .zip(&lean)
-                .enumerate()
-                .map(|(i, (forward, lean))| {
-                    judge(&format!("changing_{i}"), forward, lean, LEAST_PSNR)
-                }),
-        );
+        report(judge_film("changing", &forward, &lean, LEAST_PSNR));
     });
 }
 
