@@ -12,7 +12,7 @@ use kit::{
     scenes::LEAST_PSNR,
 };
 
-use super::SIZE;
+const SIZE: UVec2 = UVec2::new(160, 120);
 
 /// What the run-time changes act on.
 struct Subject {
@@ -237,35 +237,39 @@ fn changes_at_run_time_match_forward() {
     in_own_process(|| {
         let (mut headless, subject) = scene_to_change();
         let unchanged = settled(&mut headless);
-        let mut results = Vec::new();
-        for (name, change, undo) in CHANGES {
-            let few_frames_later = |headless: &mut Headless| {
-                headless.frames(8);
-                headless.capture()
-            };
-            set_lean(&mut headless, true);
-            settled(&mut headless);
 
+        set_lean(&mut headless, true);
+        settled(&mut headless);
+        let few_frames_after = |headless: &mut Headless, change: Change| {
             change(headless.world(), &subject);
-            let lean = few_frames_later(&mut headless);
-            set_lean(&mut headless, false);
+            headless.frames(8);
+            headless.capture()
+        };
+        let lean: Vec<_> = CHANGES
+            .iter()
+            .map(|(_, change, undo)| {
+                [change, undo].map(|change| few_frames_after(&mut headless, *change))
+            })
+            .collect();
+
+        set_lean(&mut headless, false);
+        settled(&mut headless);
+        let mut results = Vec::new();
+        for ((name, change, undo), [to, from]) in CHANGES.iter().zip(lean) {
+            change(headless.world(), &subject);
             let forward = settled(&mut headless);
             assert!(forward.rgba != unchanged.rgba, "{name} changes nothing");
-            results.push(judge(&format!("to_{name}"), &forward, &lean, LEAST_PSNR));
+            results.push(judge(&format!("to_{name}"), &forward, &to, LEAST_PSNR));
 
-            set_lean(&mut headless, true);
-            settled(&mut headless);
             undo(headless.world(), &subject);
-            let lean = few_frames_later(&mut headless);
+            let forward = settled(&mut headless);
+            assert!(forward.rgba == unchanged.rgba, "{name} cannot be undone");
             results.push(judge(
                 &format!("from_{name}"),
                 &unchanged,
-                &lean,
+                &from,
                 LEAST_PSNR,
             ));
-            set_lean(&mut headless, false);
-            let forward = settled(&mut headless);
-            assert!(forward.rgba == unchanged.rgba, "{name} cannot be undone");
         }
         report(results);
     });
