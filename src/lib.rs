@@ -19,8 +19,9 @@
 //!    [`GBufferTargets`](gbuffer::GBufferTargets)) come after, in a pass with optional targets, which exist only while
 //!    something visible writes them. What no target has bits for
 //!    ([`GBufferMaterial`](gbuffer::GBufferMaterial)) stays in Bevy's forward passes on the same camera.
-//! 2. **Lighting** ([`lighting`]): one compute pass lights every pixel with Bevy's own lighting functions and writes the
-//!    view's HDR texture; special surfaces have dispatches of their own. What the view does not have (fog, probes, shadows,
+//! 2. **Lighting** ([`lighting`]): one compute pass lights every pixel as Bevy's forward pass does and writes the view's HDR
+//!    texture. The lights that can reach a tile are chosen by its invocations together; tiles with special surfaces have a
+//!    dispatch of their own. What the view does not have (fog, probes, shadows,
 //!    decals, …) is neither compiled in nor bound.
 //! 3. Bevy goes on: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
 //!
@@ -56,6 +57,7 @@ pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::LeanDeferredPlugin;
 pub use view::{
     CameraCut, GBufferChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus,
+    LightCulling,
 };
 
 use bevy::app::plugin_group;
@@ -65,7 +67,7 @@ pub mod prelude {
     pub use crate::{
         CameraCut, GBufferChannel, GeometricNormal, LeanAmbientOcclusion,
         LeanAmbientOcclusionPlugin, LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred,
-        LeanDeferredPlugin, LeanDeferredPlugins, LeanOffReason, LeanStatus,
+        LeanDeferredPlugin, LeanDeferredPlugins, LeanOffReason, LeanStatus, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
             OcclusionNormals, OcclusionQuality, OcclusionResolution,

@@ -19,13 +19,13 @@ use scenes::BenchScene;
 /// GPU time, bytes and error of a frame: Bevy forward, Bevy deferred, this crate.
 #[derive(FromArgs)]
 struct Args {
-    /// only scenes whose name contains this
+    /// only scenes whose name contains one of these words, comma-separated
     #[argh(option, default = "String::new()")]
     scene: String,
 
-    /// only contenders whose name contains this, beside forward, the reference
-    #[argh(option, default = "String::new()")]
-    contender: String,
+    /// only the contenders with these names, comma-separated, beside forward, the reference
+    #[argh(option)]
+    contender: Option<String>,
 
     /// width x height of the picture, default 3840x2160
     #[argh(option, default = "UVec2::new(3840, 2160)", from_str_fn(parse_size))]
@@ -51,6 +51,10 @@ struct Args {
     #[argh(option, default = "String::new()")]
     gltf: String,
 
+    /// glTF or GLB file of which a crowd is measured, with 64 and with 512 lights
+    #[argh(option)]
+    crowd: Option<String>,
+
     /// leave out FLIP, which takes seconds a picture at 4K
     #[argh(switch)]
     no_flip: bool,
@@ -63,13 +67,20 @@ struct Args {
 
 fn main() {
     let args: Args = argh::from_env();
-    let scenes: Vec<BenchScene> = scenes::all(&args.gltf)
+    let scenes: Vec<BenchScene> = scenes::all(&args.gltf, args.crowd.as_deref())
         .into_iter()
-        .filter(|scene| scene.name.contains(&args.scene))
+        .filter(|scene| {
+            let mut words = args.scene.split(',');
+            words.any(|word| scene.name.contains(word))
+        })
         .collect();
     let contenders: Vec<Contender> = Contender::ALL
         .into_iter()
-        .filter(|c| *c == Contender::Forward || c.name().contains(&args.contender))
+        .filter(|c| {
+            let names = args.contender.as_ref();
+            *c == Contender::Forward
+                || names.is_none_or(|names| names.split(',').any(|name| name == c.name()))
+        })
         .collect();
 
     let is_measured =

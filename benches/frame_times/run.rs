@@ -44,17 +44,20 @@ pub enum Contender {
     /// Forward with a depth prepass, of which the geometry column has the prepass alone: no G-buffer can be cheaper.
     DepthOnly,
     Lean(GeometricNormal),
+    /// Lean, with lights chosen without subgroups.
+    LeanSharedMemory,
 }
 
 impl Contender {
     /// Forward first: it is the reference of the others.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Forward,
         Self::DepthOnly,
         Self::BevyDeferred,
         Self::Lean(GeometricNormal::NineTap),
         Self::Lean(GeometricNormal::FiveTap),
         Self::Lean(GeometricNormal::ThreeTap),
+        Self::LeanSharedMemory,
     ];
 
     pub fn name(self) -> &'static str {
@@ -65,6 +68,7 @@ impl Contender {
             Self::Lean(GeometricNormal::NineTap) => "lean",
             Self::Lean(GeometricNormal::FiveTap) => "lean 5-tap normal",
             Self::Lean(GeometricNormal::ThreeTap) => "lean 3-tap normal",
+            Self::LeanSharedMemory => "lean without subgroups",
         }
     }
 
@@ -89,7 +93,9 @@ impl Contender {
             Self::BevyDeferred => (16 + 1 + 4, 21 + 3 + 8 + 22 + 8),
             // G-buffer, depth 4; lighting reads both and writes 8. Optional targets count as if all pixels wrote them.
             // The resolve of motion reads depth and normal, and in the place of lighting the target.
-            Self::Lean(_) => (gbuffer + 4, 2 * (gbuffer + 4) + 8 + 2 * motion),
+            Self::Lean(_) | Self::LeanSharedMemory => {
+                (gbuffer + 4, 2 * (gbuffer + 4) + 8 + 2 * motion)
+            }
         };
         (written + motion, moved + motion)
     }
@@ -100,7 +106,9 @@ impl Contender {
             Self::Forward => ("bench/opaque", None),
             Self::DepthOnly => ("bench/prepass", None),
             Self::BevyDeferred => ("bench/prepass", Some("bench/deferred_lighting")),
-            Self::Lean(_) => ("lean_deferred/gbuffer", Some("lean_deferred/lighting")),
+            Self::Lean(_) | Self::LeanSharedMemory => {
+                ("lean_deferred/gbuffer", Some("lean_deferred/lighting"))
+            }
         }
     }
 }
@@ -167,6 +175,12 @@ pub fn measure(
         Contender::Lean(geometric_normal) => {
             camera.insert(LeanDeferred {
                 geometric_normal,
+                ..default()
+            });
+        }
+        Contender::LeanSharedMemory => {
+            camera.insert(LeanDeferred {
+                light_culling: LightCulling::SharedMemory,
                 ..default()
             });
         }

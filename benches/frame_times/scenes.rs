@@ -24,11 +24,17 @@ enum Kind {
     Gltf {
         path: String,
     },
+    /// Many of one model, and lights.
+    Crowd {
+        path: String,
+        point_lights: u32,
+    },
 }
 
-/// The built-in scenes, and one for each of the comma-separated glTF files.
-pub fn all(gltf: &str) -> Vec<BenchScene> {
+/// The built-in scenes, one for each of the comma-separated glTF files, and those with a crowd of a model.
+pub fn all(gltf: &str, crowd: Option<&str>) -> Vec<BenchScene> {
     let boxes = [
+        ("boxes_1", Boxes::full(0)),
         ("boxes_64", Boxes::full(64)),
         ("boxes_512", Boxes::full(512)),
         ("small_boxes_32", Boxes::small(32)),
@@ -48,6 +54,15 @@ pub fn all(gltf: &str) -> Vec<BenchScene> {
         name: name.into(),
         kind: Kind::SpecialBoxes(Boxes::full(64), special, every),
     });
+    let crowds = crowd.into_iter().flat_map(|path| {
+        [64, 512].map(|point_lights| BenchScene {
+            name: format!("crowd_{point_lights}"),
+            kind: Kind::Crowd {
+                path: path.into(),
+                point_lights,
+            },
+        })
+    });
     let small = BenchScene {
         name: "small_targets_all".into(),
         kind: Kind::SpecialBoxes(Boxes::small(32), Special::Everything, 1),
@@ -57,6 +72,7 @@ pub fn all(gltf: &str) -> Vec<BenchScene> {
         .chain(special)
         .chain([small])
         .chain(models)
+        .chain(crowds)
         .collect()
 }
 
@@ -87,8 +103,40 @@ impl BenchScene {
                 boxes::camera_transform(*boxes)
             }
             Kind::Gltf { path } => spawn_gltf(headless, path),
+            Kind::Crowd { path, point_lights } => spawn_crowd(headless, path, *point_lights),
         }
     }
+}
+
+/// 12 × 12 of the model at 2.5 times its size, 1.6 m apart.
+fn spawn_crowd(headless: &mut Headless, path: &str, point_lights: u32) -> Transform {
+    let world = headless.world();
+    boxes::reserve_clusters(&mut world.resource_mut::<GlobalClusterSettings>());
+    world
+        .run_system_once(
+            move |mut commands: Commands,
+                  mut meshes: ResMut<Assets<Mesh>>,
+                  mut materials: ResMut<Assets<StandardMaterial>>| {
+                commands.spawn((
+                    Mesh3d(meshes.add(Plane3d::default().mesh().size(60.0, 60.0))),
+                    MeshMaterial3d(materials.add(StandardMaterial {
+                        base_color: Color::srgb(0.6, 0.6, 0.6),
+                        perceptual_roughness: 0.6,
+                        ..default()
+                    })),
+                ));
+                boxes::spawn_lights_over(&mut commands, point_lights, Vec2::new(20.0, 8.0));
+            },
+        )
+        .expect("the crowd needs only asset stores");
+    let places = (0..12).flat_map(|i| {
+        (0..12).map(move |j| {
+            let [x, z] = [i, j].map(|n| 1.6 * (n as f32 - 5.5));
+            Transform::from_xyz(x, 0.0, z).with_scale(Vec3::splat(2.5))
+        })
+    });
+    spawn_models(headless, path, places);
+    Transform::from_xyz(3.0, 2.6, 7.0).looking_at(Vec3::new(0.0, 0.6, 0.0), Vec3::Y)
 }
 
 fn spawn_boxes(world: &mut World, boxes: Boxes) {
@@ -104,13 +152,18 @@ fn spawn_boxes(world: &mut World, boxes: Boxes) {
         .expect("the boxes need only asset stores");
 }
 
-fn spawn_gltf(headless: &mut Headless, path: &str) -> Transform {
+/// Spawns a glTF scene at each place and a sun, and waits until all is there.
+fn spawn_models(headless: &mut Headless, path: &str, places: impl IntoIterator<Item = Transform>) {
     let path = std::path::absolute(path).expect("a path has an absolute form");
     let scene = headless
         .world()
         .resource::<AssetServer>()
         .load(GltfAssetLabel::Scene(0).from_asset(path));
-    headless.world().spawn(WorldAssetRoot(scene.clone()));
+    for place in places {
+        headless
+            .world()
+            .spawn((WorldAssetRoot(scene.clone()), place));
+    }
     headless.world().spawn((
         DirectionalLight {
             illuminance: 8_000.0,
@@ -131,6 +184,10 @@ fn spawn_gltf(headless: &mut Headless, path: &str) -> Transform {
         }
     }
     headless.frames(5);
+}
+
+fn spawn_gltf(headless: &mut Headless, path: &str) -> Transform {
+    spawn_models(headless, path, [Transform::default()]);
     let mut bounds: Option<(Vec3, Vec3)> = None;
     let world = headless.world();
     let mut query = world.query::<(&Aabb, &GlobalTransform)>();

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::{gpu::read_texture, log_watch::LogWatch};
+use crate::{gpu::read_texture, log_watch::LogWatch, shader_files::read_shader_files};
 use bevy::{
     app::{PluginGroupBuilder, PluginsState},
     asset::{RenderAssetUsages, UnapprovedPathMode},
@@ -94,6 +94,7 @@ impl Headless {
     /// An app that has its plugins but for those that `configure` adds.
     pub fn from_app(size: UVec2, mut app: App, configure: impl FnOnce(&mut App)) -> Self {
         app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME_TIME));
+        read_shader_files(&mut app);
         configure(&mut app);
 
         while app.plugins_state() == PluginsState::Adding {

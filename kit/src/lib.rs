@@ -21,4 +21,5 @@ pub mod occlusion_gpu;
 pub mod own_process;
 pub mod random;
 pub mod scenes;
+pub mod shader_files;
 pub mod size;

@@ -9,17 +9,14 @@ use bevy::{
 };
 
 use super::{LeanAutoExposure, ReductionPath};
-
-/// Below this a subgroup saves no step of the tree.
-const SMALLEST_SUBGROUP: u32 = 4;
+use crate::gpu::subgroups::Subgroups;
 
 /// Whether and how this device can meter.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExposureSupport {
     /// What is missing; then the effect is off.
     pub missing: Option<String>,
-    /// Smallest size of a subgroup; 0 if the device has no subgroup arithmetic.
-    pub subgroup_size: u32,
+    pub(crate) subgroups: Subgroups,
 }
 
 impl ExposureSupport {
@@ -53,14 +50,9 @@ impl ExposureSupport {
         } else {
             None
         };
-        let has_subgroups = device.features().contains(wgpu::Features::SUBGROUP);
         Self {
             missing,
-            subgroup_size: if has_subgroups {
-                info.subgroup_min_size
-            } else {
-                0
-            },
+            subgroups: Subgroups::of(device, info),
         }
     }
 
@@ -68,10 +60,8 @@ impl ExposureSupport {
     pub(super) fn uses_subgroups(&self, settings: &LeanAutoExposure) -> bool {
         match settings.reduction {
             // The histogram is faster without: see the bench.
-            ReductionPath::Auto => {
-                self.subgroup_size >= SMALLEST_SUBGROUP && settings.trim.is_none()
-            }
-            ReductionPath::Subgroup => self.subgroup_size > 0,
+            ReductionPath::Auto => self.subgroups.are_useful() && settings.trim.is_none(),
+            ReductionPath::Subgroup => self.subgroups.exist(),
             ReductionPath::SharedMemory => false,
         }
     }

@@ -4,6 +4,7 @@
 //! - `bind_group_cache.rs`: bind groups that are made anew only when what they bind changed.
 //! - `pipeline_watch.rs`: pipelines of this crate that cannot be compiled.
 //! - `recovery.rs`: what is left of a device that was lost.
+//! - `subgroups.rs`: whether the device has them, and how small they get.
 //! - `timed.rs`: passes whose time is recorded.
 //! - `tiles.rs`: the tiles of compute passes, and the order in which they are walked over.
 
@@ -11,5 +12,6 @@ pub(crate) mod bind_group_cache;
 pub(crate) mod bindings;
 pub(crate) mod pipeline_watch;
 pub(crate) mod recovery;
+pub(crate) mod subgroups;
 pub(crate) mod tiles;
 pub(crate) mod timed;

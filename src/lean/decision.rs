@@ -177,14 +177,21 @@ pub(super) fn decide_active_views(
         };
         let compiled = choices.into_iter().find_map(|demand| {
             let demand = demand.on(&order);
-            let key = scene.key(*view_key, settings, occlusion, &order, demand);
+            let key = scene.key(
+                *view_key,
+                view.clip_from_view,
+                settings,
+                occlusion,
+                &order,
+                demand,
+            );
             if lighting
                 .pipelines
                 .first()
                 .is_none_or(|(now, _)| *now != key)
             {
                 lighting.pipelines = key
-                    .variants()
+                    .dispatches()
                     .map(|key| (key, pipelines.specialize(&pipeline_cache, key)))
                     .collect();
             }

@@ -101,10 +101,10 @@ pub mod targets {
     }
 }
 
-/// Bind group 3, where there are special surfaces: as in `tile_lists.wgsl`.
-pub mod lists {
+/// Bind group 3, where there are special surfaces: as in `tile_list.wgsl`.
+pub mod list {
     super::binding_numbers! {
-        DISPATCHES = 0,
-        LISTS = 1,
+        DISPATCH = 0,
+        LIST = 1,
     }
 }

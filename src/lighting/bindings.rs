@@ -25,7 +25,7 @@ use bevy::{
 
 use super::{
     ViewLighting,
-    binding_numbers::{lists, targets},
+    binding_numbers::{list, targets},
     buffers::LightingBuffers,
     features::ViewEnvironmentMaps,
     pipeline::{LightingLayouts, LightingPipelines, target_binding},
@@ -49,9 +49,9 @@ pub(super) struct ViewLightingBindings {
     pub(super) arrays: CachedBindGroup,
     /// Post-processing swaps the two main textures, also between cameras of one target: there is a group for each.
     targets: [(Option<TextureViewId>, CachedBindGroup); 2],
-    /// The lists of tiles, to be filled and to be read. Empty where there are no special surfaces.
-    pub(super) fill_lists: CachedBindGroup,
-    pub(super) read_lists: CachedBindGroup,
+    /// The list of tiles, to be filled and to be read. Empty where there are no special surfaces.
+    pub(super) fill_list: CachedBindGroup,
+    pub(super) read_list: CachedBindGroup,
     /// Offsets of the uniform without and with `writes_background`.
     pub(super) uniform_offsets: [u32; 2],
     /// Offset of the view's uniform of ambient occlusion, if lighting applies that.
@@ -73,7 +73,7 @@ impl ViewLightingBindings {
     /// All but that of the view.
     pub(super) fn lasting(&self) -> impl Iterator<Item = &BindGroup> {
         let targets = self.targets.iter().map(|(_, group)| group);
-        [&self.arrays, &self.fill_lists, &self.read_lists]
+        [&self.arrays, &self.fill_list, &self.read_list]
             .into_iter()
             .chain(targets)
             .filter_map(CachedBindGroup::get)
@@ -83,8 +83,8 @@ impl ViewLightingBindings {
         self.view.clear();
         self.arrays.clear();
         self.targets = default();
-        self.fill_lists.clear();
-        self.read_lists.clear();
+        self.fill_list.clear();
+        self.read_list.clear();
     }
 }
 
@@ -151,7 +151,7 @@ pub(super) fn prepare_lighting_bind_groups(
             continue;
         };
         let tiles = tiles::count(view.lighting.bindings.viewport_size).element_product();
-        view.lighting.update_tile_lists(&render_device, key, tiles);
+        view.lighting.update_tile_list(&render_device, key, tiles);
         // Out of the view while its other parts are borrowed for the entries.
         let mut bindings = core::mem::take(&mut view.lighting.bindings);
         let complete = update_bind_groups(
@@ -197,22 +197,21 @@ fn update_bind_groups(
         Some(())
     })?;
 
-    if let Some(tile_lists) = &view.lighting.tile_lists {
-        let dispatches = || tile_lists.dispatches().as_entire_binding();
-        let places = || tile_lists.lists().as_entire_binding();
-        let filling = &pipelines.filling_lists;
-        bindings.fill_lists.update(device, filling, |entries| {
-            entries.push(lists::DISPATCHES, dispatches())?;
-            entries.push(lists::LISTS, places())
+    if let Some(tile_list) = &view.lighting.tile_list {
+        let dispatch = || tile_list.dispatch().as_entire_binding();
+        let tiles = || tile_list.list().as_entire_binding();
+        let filling = &pipelines.filling_list;
+        bindings.fill_list.update(device, filling, |entries| {
+            entries.push(list::DISPATCH, dispatch())?;
+            entries.push(list::LIST, tiles())
         })?;
-        let reading = &pipelines.reading_lists;
-        let read_lists = &mut bindings.read_lists;
-        read_lists.update(device, reading, |entries| {
-            entries.push(lists::LISTS, places())
-        })?;
+        let reading = &pipelines.reading_list;
+        bindings
+            .read_list
+            .update(device, reading, |entries| entries.push(list::LIST, tiles()))?;
     } else {
-        bindings.fill_lists.clear();
-        bindings.read_lists.clear();
+        bindings.fill_list.clear();
+        bindings.read_list.clear();
     }
 
     let outputs = [

@@ -14,8 +14,6 @@ struct LightingUniform {
     /// 1 if pixels without geometry are to be set to `background`.
     writes_background: u32,
     row_stride: u32,
-    /// Tiles that each list has room for.
-    list_capacity: u32,
 }
 
 #ifdef LIGHT_LAYERS

@@ -27,7 +27,6 @@ pub struct LightingUniform {
     viewport_size: UVec2,
     writes_background: u32,
     row_stride: u32,
-    list_capacity: u32,
 }
 
 /// The crate's own buffers, one for all views.
@@ -94,7 +93,6 @@ pub(super) fn write_lighting_buffers(
             viewport_size: size,
             writes_background: 0,
             row_stride: row_order.stride(tiles::count(size).y),
-            list_capacity: tiles::count(size).element_product(),
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
             writer.write(&LightingUniform {

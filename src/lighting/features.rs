@@ -11,12 +11,16 @@ use bevy::{
     prelude::*,
 };
 
+use bitflags::bitflags;
+
 use super::light_layers::LightLayers;
 use crate::{
     ambient_occlusion::{FilterKey, LeanAmbientOcclusion, OcclusionPipelines},
+    gpu::subgroups::Subgroups,
+    shader_library::reconstruction::position::{ProjectionKind, projection_of},
     view::{
         ActiveLeanView, Demand, GBufferChannel, GBufferTargets, GeometricNormal, LeanDeferred,
-        LightingVariant, LightingVariants,
+        LightCulling, LightingVariants,
     },
 };
 
@@ -25,8 +29,13 @@ use crate::{
 pub(crate) struct LightingKey {
     /// The bits of Bevy's view key that matter to lighting.
     pub(super) view: MeshPipelineKey,
-    /// Some light casts shadows with a shadow map; then this finds the geometric normal.
-    pub(super) shadow_maps: Option<GeometricNormal>,
+    /// The kinds of lights of which some cast shadows with a shadow map.
+    pub(super) shadow_maps: ShadowMaps,
+    /// How the normal of the surface itself is found, if something asks for that.
+    pub(super) geometric_normal: Option<GeometricNormal>,
+    pub(super) projection: ProjectionKind,
+    /// Subgroups choose lights; else the workgroup does.
+    pub(super) subgroups: bool,
     pub(super) rect_lights: bool,
     /// Decals, or lights with textures: they share a table.
     pub(super) decals: bool,
@@ -40,16 +49,28 @@ pub(crate) struct LightingKey {
     pub(super) targets: GBufferTargets,
     /// The kinds of special surfaces that the view has: the plain variant lists their tiles.
     pub(super) listed: LightingVariants,
-    /// The kind of surface that is lit.
-    pub(super) variant: LightingVariant,
+    /// The kinds of special surfaces that this dispatch lights, in the tiles that have some. Empty: the one that goes over
+    /// all tiles.
+    pub(super) visited: LightingVariants,
+}
+
+bitflags! {
+    /// Kinds of lights.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub(crate) struct ShadowMaps: u8 {
+        const DIRECTIONAL = 1 << 0;
+        const POINT = 1 << 1;
+        const SPOT = 1 << 2;
+    }
 }
 
 impl LightingKey {
-    /// The keys of all dispatches, the plain one first.
-    pub(crate) fn variants(self) -> impl Iterator<Item = Self> {
-        core::iter::once(LightingVariant::PLAIN)
-            .chain(self.listed.each())
-            .map(move |variant| Self { variant, ..self })
+    /// The keys of all dispatches, that over all tiles first.
+    pub(crate) fn dispatches(self) -> impl Iterator<Item = Self> {
+        let special = (!self.listed.is_empty()).then_some(self.listed);
+        core::iter::once(LightingVariants::empty())
+            .chain(special)
+            .map(move |visited| Self { visited, ..self })
     }
 }
 
@@ -96,6 +117,7 @@ pub(crate) struct SceneFeatures<'w, 's> {
     mesh_pipeline: Option<Res<'w, MeshPipeline>>,
     occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
     light_layers: Res<'w, LightLayers>,
+    subgroups: Res<'w, Subgroups>,
 }
 
 impl SceneFeatures<'_, '_> {
@@ -120,21 +142,40 @@ impl SceneFeatures<'_, '_> {
         settings.light_layers && self.light_layers.matter_to(view_layers.unwrap_or_default())
     }
 
-    /// The key for a view with Bevy's `view_key`.
+    fn shadow_maps(&self) -> ShadowMaps {
+        let point_lights = self.point_lights.iter().filter(|l| l.shadow_maps_enabled);
+        let mut kinds: ShadowMaps = point_lights
+            .map(|light| match light.spot_light_angles {
+                Some(_) => ShadowMaps::SPOT,
+                None => ShadowMaps::POINT,
+            })
+            .collect();
+        let mut directional_lights = self.directional_lights.iter();
+        if directional_lights.any(|light| light.shadow_maps_enabled) {
+            kinds |= ShadowMaps::DIRECTIONAL;
+        }
+        kinds
+    }
+
+    fn uses_subgroups(&self, settings: &LeanDeferred) -> bool {
+        match settings.light_culling {
+            LightCulling::Auto => self.subgroups.are_useful(),
+            LightCulling::Subgroup => self.subgroups.exist(),
+            LightCulling::SharedMemory => false,
+        }
+    }
+
+    /// The key for a view with Bevy's `view_key` and this projection.
     pub(crate) fn key(
         &self,
         view_key: MeshPipelineKey,
+        clip_from_view: Mat4,
         settings: &LeanDeferred,
         occlusion: Option<&LeanAmbientOcclusion>,
         order: &ActiveLeanView,
         demand: Demand,
     ) -> LightingKey {
-        let shadow_maps = self.point_lights.iter().any(|l| l.shadow_maps_enabled)
-            || self
-                .directional_lights
-                .iter()
-                .any(|l| l.shadow_maps_enabled);
-        let contact_shadows = view_key.contains(MeshPipelineKey::CONTACT_SHADOWS);
+        let shadow_maps = self.shadow_maps();
         let decals_usable = self
             .mesh_pipeline
             .as_ref()
@@ -146,8 +187,11 @@ impl SceneFeatures<'_, '_> {
         }
         LightingKey {
             view: view_key & VIEW_BITS,
-            shadow_maps: (shadow_maps || contact_shadows || shows_normal)
+            shadow_maps,
+            geometric_normal: (!shadow_maps.is_empty() || shows_normal)
                 .then_some(settings.geometric_normal),
+            projection: projection_of(clip_from_view),
+            subgroups: self.uses_subgroups(settings),
             rect_lights: !self.rect_lights.is_empty(),
             decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
             debug_view: settings.debug_view,
@@ -163,7 +207,7 @@ impl SceneFeatures<'_, '_> {
             } else {
                 demand.variants
             },
-            variant: LightingVariant::PLAIN,
+            visited: LightingVariants::empty(),
         }
     }
 }

@@ -1,5 +1,5 @@
-// Keeps lights, light probes and decals from pixels whose mesh is on none of their layers. Bevy's functions for a single
-// light are overridden, so that its own loops over lights pass by those.
+// Keeps lights, light probes and decals from pixels whose mesh is on none of their layers. Bevy's iterators over probes and
+// decals are overridden, so that they pass by those.
 #define_import_path bevy_lean_deferred::lighting::light_layers
 
 #import bevy_lean_deferred::lighting::bindings::light_layers
@@ -7,8 +7,6 @@
 #import bevy_pbr::clustered_forward::get_clusterable_object_id
 #import bevy_pbr::light_probe
 #import bevy_pbr::light_probe::{LightProbeIterator, LightProbeQueryResult}
-#import bevy_pbr::lighting
-#import bevy_pbr::lighting::LightingInput
 
 #ifdef GBUFFER_VISIBILITY_MASK
 #import bevy_lean_deferred::gbuffer::layout::VISIBILITY_MASK_WRITTEN
@@ -18,10 +16,6 @@
 #ifdef CLUSTERED_DECALS_ARE_USABLE
 #import bevy_pbr::decal::clustered
 #import bevy_pbr::decal::clustered::ClusteredDecalIterator
-#endif
-
-#ifdef SHADOW_MAPS
-#import bevy_pbr::shadows
 #endif
 
 /// The layers of the mesh at this invocation's pixel: layer 0, unless a mesh wrote others.
@@ -47,96 +41,17 @@ fn clustered_layers(index: u32) -> vec2<u32> {
     return light_layers.clustered[index];
 }
 
-override fn lighting::point_light(
-    light_id: u32,
-    input: ptr<function, LightingInput>,
-    enable_diffuse: bool,
-    enable_texture: bool,
-) -> vec3<f32> {
-    if !affects_mesh(clustered_layers(light_id).x) {
-        return vec3(0.0);
-    }
-    return lighting::point_light(light_id, input, enable_diffuse, enable_texture);
+fn clustered_light_affects_mesh(id: u32) -> bool {
+    return affects_mesh(clustered_layers(id).x);
 }
 
-override fn lighting::spot_light(
-    light_id: u32,
-    input: ptr<function, LightingInput>,
-    enable_diffuse: bool,
-) -> vec3<f32> {
-    if !affects_mesh(clustered_layers(light_id).x) {
-        return vec3(0.0);
-    }
-    return lighting::spot_light(light_id, input, enable_diffuse);
+fn directional_light_affects_mesh(id: u32) -> bool {
+    return affects_mesh(light_layers.directional_lights[id]);
 }
 
-override fn lighting::directional_light(
-    light_id: u32,
-    input: ptr<function, LightingInput>,
-    enable_diffuse: bool,
-) -> vec3<f32> {
-    if !affects_mesh(light_layers.directional_lights[light_id]) {
-        return vec3(0.0);
-    }
-    return lighting::directional_light(light_id, input, enable_diffuse);
+fn rect_light_affects_mesh(id: u32) -> bool {
+    return affects_mesh(light_layers.rect_lights[id]);
 }
-
-#ifdef AREA_LIGHT_LUTS
-override fn lighting::rect_light(
-    light_id: u32,
-    input: ptr<function, LightingInput>,
-    enable_diffuse: bool,
-) -> vec3<f32> {
-    if !affects_mesh(light_layers.rect_lights[light_id]) {
-        return vec3(0.0);
-    }
-    return lighting::rect_light(light_id, input, enable_diffuse);
-}
-#endif
-
-#ifdef SHADOW_MAPS
-override fn shadows::fetch_point_shadow(
-    light_id: u32,
-    frag_position: vec4<f32>,
-    surface_normal: vec3<f32>,
-    frag_coord_xy: vec2<f32>,
-) -> f32 {
-    if !affects_mesh(clustered_layers(light_id).x) {
-        return 0.0;
-    }
-    return shadows::fetch_point_shadow(light_id, frag_position, surface_normal, frag_coord_xy);
-}
-
-override fn shadows::fetch_spot_shadow(
-    light_id: u32,
-    frag_position: vec4<f32>,
-    surface_normal: vec3<f32>,
-    near_z: f32,
-    frag_coord_xy: vec2<f32>,
-) -> f32 {
-    if !affects_mesh(clustered_layers(light_id).x) {
-        return 0.0;
-    }
-    return shadows::fetch_spot_shadow(
-        light_id, frag_position, surface_normal, near_z, frag_coord_xy,
-    );
-}
-
-override fn shadows::fetch_directional_shadow(
-    light_id: u32,
-    frag_position: vec4<f32>,
-    surface_normal: vec3<f32>,
-    view_z: f32,
-    frag_coord_xy: vec2<f32>,
-) -> f32 {
-    if !affects_mesh(light_layers.directional_lights[light_id]) {
-        return 0.0;
-    }
-    return shadows::fetch_directional_shadow(
-        light_id, frag_position, surface_normal, view_z, frag_coord_xy,
-    );
-}
-#endif  // SHADOW_MAPS
 
 /// The layers of the probe that the iterator has just returned.
 fn probe_layers(iterator: ptr<function, LightProbeIterator>) -> u32 {

@@ -1,16 +1,18 @@
-//! The lighting pass: one compute dispatch over the packed G-buffer, with Bevy's own lighting functions.
+//! The lighting pass: one compute dispatch over the packed G-buffer, and a second one over the tiles that have special surfaces.
 //!
 //! - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
-//! - `variants.rs`: the kinds of surfaces for which it is compiled apart.
-//! - `tile_lists.{rs,wgsl}`: where on the screen each kind is.
+//! - `variants.rs`: what it is compiled with for special surfaces.
+//! - `tile_list.{rs,wgsl}`: where on the screen these are.
 //! - `light_layers.{rs,wgsl}`, `light_layer_table.rs`: which lights affect which meshes, and the table in which the
 //!   shader finds that.
-//! - `direct_light.wgsl`: direct light alone, for ambient occlusion that darkens it too.
 //! - `pipeline.rs`: layouts and pipelines.
 //! - `binding_numbers.rs`, `buffers.rs`, `bindings.rs`, `view_entries.rs`: what it binds and where; made anew only when
 //!   something of it changed.
 //! - `pass.rs`: the dispatches.
-//! - `lighting.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader.
+//! - `lighting.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader. `visibility.wgsl`: ambient occlusion in it.
+//!   `debug_view.wgsl`: channels of the G-buffer in place of light.
+//! - `lights/`: light from each kind of source, diffuse and specular apart. `lit.wgsl`, `shading_point.wgsl`, `brdf.wgsl`: what
+//!   they share. `reach.wgsl`, `clustered_lights.wgsl`: the lights that can reach a tile, and the loop over them.
 
 #[doc(hidden)]
 pub mod binding_numbers;
@@ -21,7 +23,7 @@ mod light_layer_table;
 mod light_layers;
 mod pass;
 mod pipeline;
-mod tile_lists;
+mod tile_list;
 mod variants;
 mod view_entries;
 
@@ -59,18 +61,18 @@ use crate::{
 pub struct ViewLighting {
     /// The keys and pipelines of this frame, that for plain surfaces first.
     pub(crate) pipelines: Vec<(LightingKey, CachedComputePipelineId)>,
-    tile_lists: Option<tile_lists::TileLists>,
+    tile_list: Option<tile_list::TileList>,
     light_layers: Option<light_layer_table::LightLayersBuffer>,
     bindings: bindings::ViewLightingBindings,
 }
 
 impl ViewLighting {
-    /// Makes the lists of tiles anew if they are not those that `key` needs.
-    fn update_tile_lists(&mut self, device: &RenderDevice, key: LightingKey, capacity: u32) {
+    /// Makes the list of tiles anew if it is not the one that `key` needs.
+    fn update_tile_list(&mut self, device: &RenderDevice, key: LightingKey, capacity: u32) {
         if key.listed.is_empty() {
-            self.tile_lists = None;
-        } else if !(self.tile_lists.as_ref()).is_some_and(|lists| lists.fit(key.listed, capacity)) {
-            self.tile_lists = Some(tile_lists::TileLists::new(device, key.listed, capacity));
+            self.tile_list = None;
+        } else if !(self.tile_list.as_ref()).is_some_and(|list| list.fits(capacity)) {
+            self.tile_list = Some(tile_list::TileList::new(device, capacity));
         }
     }
 
@@ -91,9 +93,21 @@ impl Plugin for LightingPlugin {
         ambient_occlusion::load_shader_library(app);
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "surface.wgsl");
-        load_shader_library!(app, "tile_lists.wgsl");
+        load_shader_library!(app, "tile_list.wgsl");
         load_shader_library!(app, "light_layers.wgsl");
-        load_shader_library!(app, "direct_light.wgsl");
+        load_shader_library!(app, "visibility.wgsl");
+        load_shader_library!(app, "debug_view.wgsl");
+        load_shader_library!(app, "lights/lit.wgsl");
+        load_shader_library!(app, "lights/shading_point.wgsl");
+        load_shader_library!(app, "lights/brdf.wgsl");
+        load_shader_library!(app, "lights/shadow_maps.wgsl");
+        load_shader_library!(app, "lights/contact_shadow.wgsl");
+        load_shader_library!(app, "lights/directional_light.wgsl");
+        load_shader_library!(app, "lights/rect_light.wgsl");
+        load_shader_library!(app, "lights/clustered_light.wgsl");
+        load_shader_library!(app, "lights/reach.wgsl");
+        load_shader_library!(app, "lights/clustered_lights.wgsl");
+        load_shader_library!(app, "lights/indirect_light.wgsl");
         embedded_asset!(app, "lighting.wgsl");
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

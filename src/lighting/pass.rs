@@ -12,7 +12,7 @@ use bevy::{
 use super::ViewLighting;
 use crate::{
     gpu::{tiles, timed::timed},
-    view::{ActiveLeanView, LightingVariant},
+    view::ActiveLeanView,
 };
 
 /// Lights the G-buffer of a view into its main texture.
@@ -49,8 +49,8 @@ pub(super) fn lighting_pass(
             }));
         }
 
-        if let Some(lists) = &lighting.tile_lists {
-            lists.clear(ctx.command_encoder());
+        if let Some(list) = &lighting.tile_list {
+            list.clear(ctx.command_encoder());
         }
         let mut pass = ctx
             .command_encoder()
@@ -65,23 +65,21 @@ pub(super) fn lighting_pass(
             let Some(pipeline) = pipeline_cache.get_compute_pipeline(*id) else {
                 continue;
             };
-            let variant = key.variant;
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, view_group, &bindings.view_offsets);
             pass.set_bind_group(1, arrays_group, &[]);
             pass.set_bind_group(2, targets_group, offsets);
-            if variant == LightingVariant::PLAIN {
-                if let Some(group) = bindings.fill_lists.get() {
+            if key.visited.is_empty() {
+                if let Some(group) = bindings.fill_list.get() {
                     pass.set_bind_group(3, group, &[]);
                 }
                 let count = tiles::count(bindings.viewport_size);
                 pass.dispatch_workgroups(count.x, count.y, 1);
-            } else if let (Some(lists), Some(group)) =
-                (&lighting.tile_lists, bindings.read_lists.get())
+            } else if let (Some(list), Some(group)) =
+                (&lighting.tile_list, bindings.read_list.get())
             {
                 pass.set_bind_group(3, group, &[]);
-                let offset = lists.dispatch_offset(variant);
-                pass.dispatch_workgroups_indirect(lists.dispatches(), offset);
+                pass.dispatch_workgroups_indirect(list.dispatch(), 0);
             }
         }
     });

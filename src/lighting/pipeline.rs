@@ -19,14 +19,15 @@ use bevy::{
 use super::{
     binding_numbers::{arrays, targets, view},
     buffers::LightingUniform,
-    features::LightingKey,
+    features::{LightingKey, ShadowMaps},
     light_layer_table::LightLayersTable,
-    tile_lists::{filling_layout, reading_layout},
+    tile_list::{filling_layout, reading_layout},
+    variants,
 };
 use crate::{
     ambient_occlusion::OcclusionView,
     gpu::{bind_group_cache::FoundLayout, bindings::layout},
-    view::{GBufferTargets, GeometricNormal, LightingVariant},
+    view::{GBufferTargets, GeometricNormal},
 };
 
 /// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output). All variants of a view share
@@ -39,7 +40,7 @@ pub(super) struct LightingLayouts {
     /// The optional targets in bind group 2.
     pub(super) read_targets: GBufferTargets,
     /// Bind group 3, where there are special surfaces.
-    lists: Option<FoundLayout>,
+    list: Option<FoundLayout>,
 }
 
 impl LightingLayouts {
@@ -71,8 +72,8 @@ pub(crate) struct LightingPipelines {
     mesh_pipeline: MeshPipeline,
     shader: Handle<Shader>,
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
-    pub(super) filling_lists: FoundLayout,
-    pub(super) reading_lists: FoundLayout,
+    pub(super) filling_list: FoundLayout,
+    pub(super) reading_list: FoundLayout,
 }
 
 pub(super) fn init_lighting_pipelines(
@@ -85,8 +86,8 @@ pub(super) fn init_lighting_pipelines(
         mesh_pipeline: mesh_pipeline.clone(),
         shader: load_embedded_asset!(asset_server.as_ref(), "lighting.wgsl"),
         by_key: HashMap::default(),
-        filling_lists: FoundLayout::new(&pipeline_cache, filling_layout()),
-        reading_lists: FoundLayout::new(&pipeline_cache, reading_layout()),
+        filling_list: FoundLayout::new(&pipeline_cache, filling_layout()),
+        reading_list: FoundLayout::new(&pipeline_cache, reading_layout()),
     });
 }
 
@@ -153,7 +154,7 @@ impl LightingPipelines {
             label: Some("lean_deferred/lighting".into()),
             layout: [&layouts.view, &layouts.arrays, &layouts.targets]
                 .into_iter()
-                .chain(&layouts.lists)
+                .chain(&layouts.list)
                 .map(|layout| layout.descriptor().clone())
                 .collect(),
             shader: self.shader.clone(),
@@ -206,10 +207,10 @@ impl LightingPipelines {
             arrays: FoundLayout::new(pipeline_cache, arrays_layout),
             targets: FoundLayout::new(pipeline_cache, targets_layout(key)),
             read_targets: key.targets,
-            lists: if key.variant != LightingVariant::PLAIN {
-                Some(self.reading_lists.clone())
+            list: if !key.visited.is_empty() {
+                Some(self.reading_list.clone())
             } else if !key.listed.is_empty() {
-                Some(self.filling_lists.clone())
+                Some(self.filling_list.clone())
             } else {
                 None
             },
@@ -287,16 +288,31 @@ impl LightingPipelines {
         // had them, and meshes under such decals mostly do.
         define(key.decals, "VERTEX_TANGENTS");
 
-        define(key.shadow_maps.is_some(), "SHADOW_MAPS");
-        define(key.shadow_maps.is_some(), "GEOMETRIC_NORMAL");
         define(
-            key.shadow_maps == Some(GeometricNormal::ThreeTap),
+            !key.shadow_maps.is_empty() || has(MeshPipelineKey::CONTACT_SHADOWS),
+            "SHADOWS",
+        );
+        let casts = |kinds| key.shadow_maps.intersects(kinds);
+        define(casts(ShadowMaps::DIRECTIONAL), "DIRECTIONAL_SHADOW_MAPS");
+        define(casts(ShadowMaps::POINT), "POINT_SHADOW_MAPS");
+        define(casts(ShadowMaps::SPOT), "SPOT_SHADOW_MAPS");
+        define(
+            casts(ShadowMaps::POINT | ShadowMaps::SPOT),
+            "CLUSTERED_SHADOW_MAPS",
+        );
+        define(key.geometric_normal.is_some(), "GEOMETRIC_NORMAL");
+        define(
+            key.geometric_normal == Some(GeometricNormal::ThreeTap),
             "GEOMETRIC_NORMAL_THREE_TAP",
         );
         define(
-            key.shadow_maps == Some(GeometricNormal::FiveTap),
+            key.geometric_normal == Some(GeometricNormal::FiveTap),
             "GEOMETRIC_NORMAL_FIVE_TAP",
         );
+        if let Some(projection) = key.projection.shader_def() {
+            define(true, projection);
+        }
+        define(key.subgroups, "SUBGROUPS");
 
         define(!key.targets.is_empty(), "GBUFFER_WRITTEN");
         for target in key.targets {
@@ -304,6 +320,8 @@ impl LightingPipelines {
         }
         define(key.light_layers, "LIGHT_LAYERS");
         define(key.depth_tells_geometry, "DEPTH_TELLS_GEOMETRY");
+        let shows_occlusion = key.occlusion.is_some_and(|occlusion| occlusion.debug_view);
+        define(key.debug_view.is_none() && !shows_occlusion, "SHOWS_LIGHT");
         define(key.debug_view.is_some(), "DEBUG_VIEW");
         if let Some(channel) = key.debug_view {
             define(true, channel.shader_def());
@@ -320,7 +338,7 @@ impl LightingPipelines {
             define(occlusion.debug_view, "OCCLUSION_DEBUG_VIEW");
             defs.extend(occlusion.filter.shader_defs());
         }
-        defs.extend(key.variant.shader_defs(key.listed));
+        defs.extend(variants::shader_defs(key.listed, key.visited));
         defs
     }
 }

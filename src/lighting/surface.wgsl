@@ -24,9 +24,11 @@
 #import bevy_lean_deferred::shading_models::unlit::unpack_unlit
 #ifdef STANDARD_MATERIAL_CLEARCOAT
 #import bevy_lean_deferred::shading_models::clearcoat
-#else ifdef STANDARD_MATERIAL_ANISOTROPY
+#endif
+#ifdef STANDARD_MATERIAL_ANISOTROPY
 #import bevy_lean_deferred::shading_models::anisotropy
-#else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #import bevy_lean_deferred::shading_models::backlight
 #endif
 #endif
@@ -73,6 +75,12 @@ fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f
     // A mirrored projection turns the order of the taps, and the normal, around.
     let to_viewer = select(-position, vec3(0.0, 0.0, 1.0), view.clip_from_view[3].w == 1.0);
     return select(n, -n, dot(n, to_viewer) < 0.0);
+}
+
+/// As `geometric_normal`, in world space.
+fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
+    let normal = geometric_normal(pixel, depth, position_at(pixel, depth));
+    return (view.world_from_view * vec4(normal, 0.0)).xyz;
 }
 
 fn normal_from_taps(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f32> {
@@ -125,13 +133,9 @@ fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
     pbr.is_orthographic = view.clip_from_view[3].w == 1.0;
     pbr.V = calculate_view(pbr.world_position, pbr.is_orthographic);
     pbr.N = layout::unpack_normal(pixel.normal_word);
-#ifdef GEOMETRIC_NORMAL
-    let geometric = geometric_normal(pixel.position, pixel.depth, position);
-    pbr.world_normal = (view.world_from_view * vec4(geometric, 0.0)).xyz;
-#else
+    // Who needs the geometric one asks for it.
     pbr.world_normal = pbr.N;
-#endif
-#ifdef SHADOW_MAPS
+#ifdef SHADOWS
     pbr.flags = MESH_FLAGS_SHADOW_RECEIVER_BIT;
 #endif
 #ifdef GBUFFER_SPECIALIZATION
@@ -171,20 +175,24 @@ fn specialize(pbr: ptr<function, PbrInput>, word: u32) {
         return;
     }
     (*pbr).material.reflectance = vec3(specialization::unpack_reflectance(word));
-#ifdef SHADOW_MAPS
+#ifdef SHADOWS
     if (word & specialization::NO_SHADOWS) != 0u {
         (*pbr).flags = 0u;
     }
 #endif
 
-    // A variant of this pass is compiled for one shading model.
     let arguments = specialization::unpack_arguments(word);
+    switch specialization::unpack_shading_model(word) {
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    clearcoat::specialize(pbr, arguments);
-#else ifdef STANDARD_MATERIAL_ANISOTROPY
-    anisotropy::specialize(pbr, arguments);
-#else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    backlight::specialize(pbr, arguments);
+        case specialization::CLEARCOAT: { clearcoat::specialize(pbr, arguments); }
 #endif
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+        case specialization::ANISOTROPY: { anisotropy::specialize(pbr, arguments); }
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+        case specialization::BACKLIGHT: { backlight::specialize(pbr, arguments); }
+#endif
+        default: {}
+    }
 }
 #endif  // GBUFFER_SPECIALIZATION

@@ -1,46 +1,52 @@
-//! The ways in which lighting is compiled for the surfaces of one view.
+//! What lighting is compiled with for the special surfaces of a view.
 
 use bevy::shader::ShaderDefVal;
 
 use crate::view::{LightingVariant, LightingVariants, ShadingModel};
 
-impl LightingVariant {
-    /// The definitions that compile lighting for it, in a view with those `listed`.
-    pub(super) fn shader_defs(self, listed: LightingVariants) -> Vec<ShaderDefVal> {
-        let mut defs: Vec<ShaderDefVal> = match self.shading_model() {
-            ShadingModel::Anisotropy => vec!["STANDARD_MATERIAL_ANISOTROPY".into()],
-            ShadingModel::Clearcoat => vec!["STANDARD_MATERIAL_CLEARCOAT".into()],
-            ShadingModel::Rim => vec!["SHADING_MODEL_RIM".into()],
-            ShadingModel::Backlight => vec![
-                "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION".into(),
-                "STANDARD_MATERIAL_DIFFUSE_OR_SPECULAR_TRANSMISSION".into(),
-            ],
-            _ => Vec::new(),
+/// The definitions for the dispatch that lights the tiles with special surfaces of the kinds `visited`, or, if there are
+/// none in it, for the one that goes over all tiles and lists those with kinds in `listed`.
+pub(super) fn shader_defs(
+    listed: LightingVariants,
+    visited: LightingVariants,
+) -> Vec<ShaderDefVal> {
+    if visited.is_empty() {
+        return match listed.is_empty() {
+            true => Vec::new(),
+            false => vec!["LISTED_VARIANTS".into()],
         };
-        if self.is_lightmapped() {
-            defs.push("LIGHTMAP".into());
-        }
-        if self != Self::PLAIN {
-            let smaller = LightingVariants::from_bits_retain((1 << self.index()) - 1);
-            let rank = (listed & smaller).count();
-            defs.push(ShaderDefVal::UInt("LIGHTING_VARIANT".into(), self.index()));
-            defs.push(ShaderDefVal::UInt("LIST_RANK".into(), rank));
-        } else if !listed.is_empty() {
-            let bits = u32::from(listed.bits());
-            defs.push(ShaderDefVal::UInt("LISTED_VARIANTS".into(), bits));
-        }
-        defs
     }
+    let has = |model| {
+        visited
+            .each()
+            .any(|variant| variant.shading_model() == model)
+    };
+    let mut defs: Vec<ShaderDefVal> = vec!["VISITED_VARIANTS".into()];
+    let mut define = |condition: bool, name: &'static str| {
+        if condition {
+            defs.push(name.into());
+        }
+    };
+    define(
+        has(ShadingModel::Anisotropy),
+        "STANDARD_MATERIAL_ANISOTROPY",
+    );
+    define(has(ShadingModel::Clearcoat), "STANDARD_MATERIAL_CLEARCOAT");
+    define(has(ShadingModel::Rim), "SHADING_MODEL_RIM");
+    define(
+        has(ShadingModel::Backlight),
+        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+    );
+    define(
+        visited.each().any(|variant| variant.is_lightmapped()),
+        "LIGHTMAP",
+    );
+    defs
 }
 
 impl LightingVariants {
-    /// The number of variants.
-    pub(super) fn count(self) -> u32 {
-        self.bits().count_ones()
-    }
-
     /// Each variant in the set, in the order of their numbers.
-    pub(super) fn each(self) -> impl Iterator<Item = LightingVariant> {
+    fn each(self) -> impl Iterator<Item = LightingVariant> {
         use ShadingModel::{Anisotropy, Backlight, Clearcoat, Plain, Rim};
         [false, true].into_iter().flat_map(move |lightmapped| {
             [Plain, Anisotropy, Rim, Clearcoat, Backlight]
@@ -55,10 +61,10 @@ impl LightingVariants {
 
 #[cfg(test)]
 mod tests {
-    use bevy::{math::Vec3, shader::ShaderDefVal};
+    use bevy::math::Vec3;
     use kit::compute::{Compute, WgslModule};
 
-    use super::{LightingVariant, LightingVariants};
+    use super::LightingVariant;
     use crate::{
         shader_library::layout::specialization as special, shading_models::unlit,
         view::ShadingModel,
@@ -75,7 +81,7 @@ mod tests {
     ];
 
     const KERNEL: &str = "
-#import bevy_lean_deferred::lighting::tile_lists::variant_of
+#import bevy_lean_deferred::lighting::tile_list::variant_of
 fn kernel(word: array<u32, 1>) -> array<u32, 1> {
     return array(variant_of(word[0]));
 }";
@@ -124,31 +130,14 @@ fn kernel(word: array<u32, 1>) -> array<u32, 1> {
                 source: include_str!("bindings.wgsl"),
             },
             WgslModule {
-                path: "tile_lists.wgsl",
-                source: include_str!("tile_lists.wgsl"),
+                path: "tile_list.wgsl",
+                source: include_str!("tile_list.wgsl"),
             },
         ];
         let kernel = compute.kernel::<1, 1>(&modules, KERNEL);
         let words: Vec<_> = pixels.iter().map(|(word, _)| [*word]).collect();
         for ((word, variant), [device]) in pixels.into_iter().zip(kernel.run(&words)) {
             assert_eq!(device, variant.index(), "{word:08x}, {variant:?}");
-        }
-    }
-
-    #[test]
-    fn lists_follow_in_the_order_of_the_numbers() {
-        for bits in 0..=u16::MAX {
-            let listed = LightingVariants::from_bits_retain(bits);
-            // Of those that there are.
-            let listed = listed
-                .each()
-                .fold(LightingVariants::empty(), |set, variant| {
-                    set | variant.as_set()
-                });
-            for (place, variant) in listed.each().enumerate() {
-                let rank = ShaderDefVal::UInt("LIST_RANK".into(), place as u32);
-                assert!(variant.shader_defs(listed).contains(&rank), "{variant:?}");
-            }
         }
     }
 }

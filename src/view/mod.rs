@@ -22,7 +22,7 @@ pub use active::ActiveLeanView;
 pub(crate) use active::Demand;
 pub use cut::{CameraCut, CameraCuts};
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses};
-pub use settings::{GBufferChannel, GeometricNormal, LeanDeferred};
+pub use settings::{GBufferChannel, GeometricNormal, LeanDeferred, LightCulling};
 pub use status::{LeanOffReason, LeanStatus};
 pub use surfaces::{GBufferTargets, ShadingModel};
 pub(crate) use surfaces::{LightingVariant, LightingVariants};
@@ -39,6 +39,7 @@ use bevy::{
 use crate::{
     gpu::{
         pipeline_watch::{self, PipelineWatch},
+        subgroups::Subgroups,
         tiles::RowOrder,
     },
     shader_library,
@@ -77,7 +78,8 @@ impl Plugin for SharedPlugin {
             return;
         };
         let order = RowOrder::from_world(render_app.world());
-        render_app.insert_resource(order);
+        let subgroups = Subgroups::from_world(render_app.world());
+        render_app.insert_resource(order).insert_resource(subgroups);
     }
 }
 

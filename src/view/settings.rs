@@ -35,6 +35,8 @@ pub struct LeanDeferred {
     /// Lights without the component affect all meshes. Layers from 31 on count as one. Meshes that Bevy's forward pass
     /// draws, such as transparent ones, are lit as Bevy has it.
     pub light_layers: bool,
+    /// How the lights of a tile are chosen. Default: [`LightCulling::Auto`].
+    pub light_culling: LightCulling,
     /// Shows one channel of the G-buffer in place of the lit image. Default: none.
     pub debug_view: Option<GBufferChannel>,
 }
@@ -44,6 +46,7 @@ impl Default for LeanDeferred {
         Self {
             geometric_normal: GeometricNormal::default(),
             light_layers: true,
+            light_culling: LightCulling::default(),
             debug_view: None,
         }
     }
@@ -74,6 +77,19 @@ pub enum GeometricNormal {
 impl GeometricNormal {
     /// All of them, cheapest first.
     pub const ALL: [Self; 3] = [Self::ThreeTap, Self::FiveTap, Self::NineTap];
+}
+
+/// How the invocations of a tile choose the point and spot lights that can reach it. The picture is the same.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum LightCulling {
+    /// By subgroups where the device has them, of at least 4 invocations; else in shared memory.
+    #[default]
+    Auto,
+    /// Each subgroup for itself by ballots, if the device has them.
+    Subgroup,
+    /// A workgroup together in shared memory.
+    SharedMemory,
 }
 
 /// One channel of the G-buffer, for [`LeanDeferred::debug_view`].

@@ -83,7 +83,7 @@ impl LightingVariant {
         }
     }
 
-    /// The number by which shaders know it; that of the plain one is 0. Twin of `variant_of` in `tile_lists.wgsl`.
+    /// The number by which shaders know it; that of the plain one is 0. Twin of `variant_of` in `tile_list.wgsl`.
     pub(crate) fn index(self) -> u32 {
         self.shading_model as u32 | (u32::from(self.lightmapped) << 3)
     }

@@ -5,5 +5,5 @@ mod layout;
 mod layout_optional;
 mod permutations;
 mod reconstruction;
-mod tile_lists;
+mod tile_list;
 mod twins;

@@ -173,7 +173,7 @@ fn check_lighting(storage_buffers: u32) {
         include_str!("../../src/lighting/lighting.wgsl"),
         "src/lighting/lighting.wgsl",
         LIGHTING,
-        &["DEPTH_PREPASS"],
+        &["DEPTH_PREPASS", "SHOWS_LIGHT"],
         &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", storage_buffers)],
     );
 }

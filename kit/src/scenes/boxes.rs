@@ -102,9 +102,13 @@ pub fn spawn(
 
 /// The point lights, without shadows.
 pub fn spawn_point_lights(commands: &mut Commands, boxes: Boxes) {
+    spawn_lights_over(commands, boxes.point_lights, Vec2::splat(boxes.side as f32));
+}
+
+/// Point lights without shadows, of 20,000 lm and a range of 5 m, over so many metres of ground at 0.5 to 3.5 m.
+pub fn spawn_lights_over(commands: &mut Commands, count: u32, spread: Vec2) {
     // A low-discrepancy sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
-    let spread = boxes.side as f32;
-    for n in 0..boxes.point_lights {
+    for n in 0..count {
         let r = |a: f32| (0.5 + a * n as f32).fract();
         let (u, v, w) = (r(0.819_172_5), r(0.671_043_6), r(0.549_700_5));
         commands.spawn((
@@ -114,7 +118,7 @@ pub fn spawn_point_lights(commands: &mut Commands, boxes: Boxes) {
                 range: 5.0,
                 ..default()
             },
-            Transform::from_xyz(spread * (u - 0.5), 0.5 + 3.0 * w, spread * (v - 0.5)),
+            Transform::from_xyz(spread.x * (u - 0.5), 0.5 + 3.0 * w, spread.y * (v - 0.5)),
         ));
     }
 }

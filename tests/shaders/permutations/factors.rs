@@ -49,10 +49,19 @@ pub const LIGHTING: &[Factor] = &[
     ),
     &[
         &[],
-        &["GEOMETRIC_NORMAL_THREE_TAP", "SHADOW_MAPS"],
-        &["GEOMETRIC_NORMAL_FIVE_TAP", "SHADOW_MAPS"],
-        &["SHADOW_MAPS"],
+        &["GEOMETRIC_NORMAL_THREE_TAP", "DIRECTIONAL_SHADOW_MAPS"],
+        &["GEOMETRIC_NORMAL_FIVE_TAP", "DIRECTIONAL_SHADOW_MAPS"],
+        &["DIRECTIONAL_SHADOW_MAPS"],
+        &["POINT_SHADOW_MAPS"],
+        &["SPOT_SHADOW_MAPS"],
+        &["POINT_SHADOW_MAPS", "SPOT_SHADOW_MAPS"],
     ],
+    &[
+        &[],
+        &["PROJECTION_PERSPECTIVE"],
+        &["PROJECTION_ORTHOGRAPHIC"],
+    ],
+    optional!("SUBGROUPS"),
     optional!("DEPTH_TELLS_GEOMETRY"),
     &[
         &[],
@@ -68,8 +77,8 @@ pub const LIGHTING: &[Factor] = &[
     WHAT_IS_LIT,
 ];
 
-/// Channels are shown for all surfaces alike; else a dispatch may list special surfaces, or light one kind of them
-/// (`LightingVariant::shader_defs`).
+/// Channels are shown for all surfaces alike; else a dispatch may list special surfaces, or light them
+/// (`variants::shader_defs`).
 const WHAT_IS_LIT: Factor = &[
     &[],
     &["DEBUG_ALBEDO"],
@@ -85,47 +94,24 @@ const WHAT_IS_LIT: Factor = &[
     &["DEBUG_MOTION", "GBUFFER_MOTION"],
     &["DEBUG_VISIBILITY_MASK"],
     &["DEBUG_VISIBILITY_MASK", "GBUFFER_VISIBILITY_MASK"],
-    &["LISTED_VARIANTS=4"],
-    &["LISTED_VARIANTS=15676"],
+    &["LISTED_VARIANTS"],
+    &["VISITED_VARIANTS", "STANDARD_MATERIAL_ANISOTROPY"],
+    &["VISITED_VARIANTS", "SHADING_MODEL_RIM"],
+    &["VISITED_VARIANTS", "STANDARD_MATERIAL_CLEARCOAT"],
+    &["VISITED_VARIANTS", "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION"],
+    &["VISITED_VARIANTS", "LIGHTMAP"],
     &[
-        "LIGHTING_VARIANT=2",
-        "LIST_RANK=0",
-        "STANDARD_MATERIAL_ANISOTROPY",
-    ],
-    &["LIGHTING_VARIANT=3", "LIST_RANK=1", "SHADING_MODEL_RIM"],
-    &[
-        "LIGHTING_VARIANT=4",
-        "LIST_RANK=2",
-        "STANDARD_MATERIAL_CLEARCOAT",
-    ],
-    &[
-        "LIGHTING_VARIANT=5",
-        "LIST_RANK=3",
-        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
-    ],
-    &["LIGHTING_VARIANT=8", "LIST_RANK=0", "LIGHTMAP"],
-    &[
-        "LIGHTING_VARIANT=10",
-        "LIST_RANK=5",
+        "VISITED_VARIANTS",
         "LIGHTMAP",
         "STANDARD_MATERIAL_ANISOTROPY",
-    ],
-    &[
-        "LIGHTING_VARIANT=11",
-        "LIST_RANK=6",
-        "LIGHTMAP",
         "SHADING_MODEL_RIM",
     ],
     &[
-        "LIGHTING_VARIANT=12",
-        "LIST_RANK=7",
+        "VISITED_VARIANTS",
         "LIGHTMAP",
+        "STANDARD_MATERIAL_ANISOTROPY",
+        "SHADING_MODEL_RIM",
         "STANDARD_MATERIAL_CLEARCOAT",
-    ],
-    &[
-        "LIGHTING_VARIANT=13",
-        "LIST_RANK=8",
-        "LIGHTMAP",
         "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
     ],
 ];
@@ -311,9 +297,12 @@ pub const EXPOSURE: &[Factor] = &[
 pub fn implications(name: &str) -> &'static [&'static str] {
     match name {
         "SCREEN_SPACE_AMBIENT_OCCLUSION" | "LEAN_AMBIENT_OCCLUSION" => &["APPLIES_VISIBILITY"],
-        "CONTACT_SHADOWS" => &["SHADOW_MAPS", "GEOMETRIC_NORMAL"],
-        "SHADOW_MAPS" => &["GEOMETRIC_NORMAL"],
-        "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "SHADOW_MAPS", "GEOMETRIC_NORMAL"],
+        "CONTACT_SHADOWS" => &["SHADOWS"],
+        "DIRECTIONAL_SHADOW_MAPS" => &["SHADOWS", "GEOMETRIC_NORMAL"],
+        "POINT_SHADOW_MAPS" | "SPOT_SHADOW_MAPS" => {
+            &["SHADOWS", "CLUSTERED_SHADOW_MAPS", "GEOMETRIC_NORMAL"]
+        }
+        "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "GEOMETRIC_NORMAL"],
         // Decals are bound in arrays, on the devices on which light probes are too.
         "CLUSTERED_DECALS_ARE_USABLE" => &["MULTIPLE_LIGHT_PROBES_IN_ARRAY"],
         "VERTEX_UVS_A" | "VERTEX_UVS_B" => &["VERTEX_UVS"],
@@ -322,10 +311,8 @@ pub fn implications(name: &str) -> &'static [&'static str] {
             "STANDARD_MATERIAL_DIFFUSE_OR_SPECULAR_TRANSMISSION",
             "GBUFFER_SPECIALIZATION",
         ],
+        "LISTED_VARIANTS" | "VISITED_VARIANTS" => &["GBUFFER_SPECIALIZATION"],
         "STANDARD_MATERIAL_CLEARCOAT" | "STANDARD_MATERIAL_ANISOTROPY" => {
-            &["GBUFFER_SPECIALIZATION"]
-        }
-        name if name.starts_with("LISTED_") || name.starts_with("LIGHTING_VARIANT") => {
             &["GBUFFER_SPECIALIZATION"]
         }
         name if name.starts_with("DEBUG_") => &["DEBUG_VIEW"],
@@ -345,6 +332,7 @@ pub fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
         "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP" => {
             has("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED")
         }
+        "SHOWS_LIGHT" => !has("DEBUG_VIEW") && !has("OCCLUSION_DEBUG_VIEW"),
         // Without arrays Bevy's own `environment_map.wgsl` does not compile for lightmaps.
         "ENVIRONMENT_MAP" => !has("LIGHTMAP") || has("MULTIPLE_LIGHT_PROBES_IN_ARRAY"),
         _ => true,

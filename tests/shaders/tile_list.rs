@@ -1,4 +1,4 @@
-//! Tiles are listed for the kinds of surfaces that they have, and for no others.
+//! The tiles that have special surfaces are listed, and no others.
 
 use std::{borrow::Cow, collections::BTreeSet};
 
@@ -8,7 +8,7 @@ use kit::{
 };
 use wgpu::BufferUsages;
 
-const MODULES: [WgslModule; 4] = [
+const MODULES: [WgslModule; 3] = [
     WgslModule {
         path: "src/shader_library/layout.wgsl",
         source: include_str!("../../src/shader_library/layout.wgsl"),
@@ -17,52 +17,41 @@ const MODULES: [WgslModule; 4] = [
         path: "src/shader_library/layout/specialization.wgsl",
         source: include_str!("../../src/shader_library/layout/specialization.wgsl"),
     },
-    // In the place of the lighting pass's uniform.
     WgslModule {
-        path: "bindings.wgsl",
-        source: "
-#define_import_path bevy_lean_deferred::lighting::bindings
-
-struct Uniforms {
-    list_capacity: u32,
-}
-
-const uniforms: Uniforms = Uniforms(512u);
-",
-    },
-    WgslModule {
-        path: "src/lighting/tile_lists.wgsl",
-        source: include_str!("../../src/lighting/tile_lists.wgsl"),
+        path: "src/lighting/tile_list.wgsl",
+        source: include_str!("../../src/lighting/tile_list.wgsl"),
     },
 ];
 
-/// Twins of constants of `tile_lists.wgsl`.
-const VARIANTS: usize = 16;
 const TILE: usize = 64;
-/// Tiles that are looked at, and that a list has room for.
+/// Tiles that are looked at, and that the list has room for.
 const TILES: usize = 512;
-/// Clearcoat, backlight, and rim with a lightmap, beside plain surfaces.
+/// Clearcoat, backlight, and rim with a lightmap, after plain surfaces.
 const KINDS: [u32; 4] = [0, 4, 5, 3 + 8];
-const LISTED: u32 = 1 << 4 | 1 << 5 | 1 << 11;
 
 const LIST_TILES: &str = "
-#import bevy_lean_deferred::lighting::tile_lists::list_tile
+#import bevy_lean_deferred::lighting::tile_list::list_tile
 
 @group(0) @binding(0) var<storage, read> kinds: array<u32>;
+@group(0) @binding(1) var<storage, read_write> answers: array<atomic<u32>>;
 
 @compute @workgroup_size(64, 1, 1)
 fn main(
     @builtin(workgroup_id) tile: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    list_tile(vec2(8u * tile.x, 0u), kinds[64u * tile.x + invocation], invocation);
+    let is_listed = list_tile(vec2(8u * tile.x, 0u), kinds[64u * tile.x + invocation], invocation);
+    // Each invocation says so.
+    if is_listed {
+        atomicAdd(&answers[tile.x], 1u);
+    }
 }";
 
 /// Leaves ones in all the memory that workgroups share.
 const MAKE_DIRTY: &str = "
 @group(0) @binding(0) var<storage, read> kinds: array<u32>;
-@group(3) @binding(0) var<storage, read_write> dispatches: array<atomic<u32>>;
-@group(3) @binding(1) var<storage, read_write> lists: array<atomic<u32>>;
+@group(3) @binding(0) var<storage, read_write> dispatch: array<atomic<u32>>;
+@group(3) @binding(1) var<storage, read_write> list: array<atomic<u32>>;
 
 var<workgroup> memory: array<atomic<u32>, 4096>;
 
@@ -74,7 +63,7 @@ fn main(@builtin(local_invocation_index) invocation: u32) {
     workgroupBarrier();
     // Never so; but without a use of it compilers would drop the memory.
     if atomicLoad(&memory[4095u - invocation]) == kinds[0] + 12345u {
-        atomicStore(&lists[0], atomicLoad(&dispatches[0]));
+        atomicStore(&list[0], atomicLoad(&dispatch[0]));
     }
 }";
 
@@ -84,7 +73,7 @@ fn pipeline(
     layout: &wgpu::PipelineLayout,
     source: &str,
 ) -> wgpu::ComputePipeline {
-    let module = compose(&MODULES, source, &[("LISTED_VARIANTS", LISTED)]);
+    let module = compose(&MODULES, source, &[("LISTED_VARIANTS", 1)]);
     let shader = (compute.device).create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
         source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
@@ -150,7 +139,7 @@ fn buffer(device: &wgpu::Device, words: usize, usage: BufferUsages) -> wgpu::Buf
     })
 }
 
-/// The kind of each pixel: few tiles have more than one or two.
+/// The kind of each pixel: most tiles have one or two.
 fn random_kinds() -> Vec<u32> {
     let mut random = Random::new(5);
     (0..TILES)
@@ -166,11 +155,11 @@ fn random_kinds() -> Vec<u32> {
 }
 
 #[test]
-fn tiles_are_listed_for_the_kinds_that_they_have() {
+fn tiles_with_special_surfaces_are_listed() {
     let compute = Compute::new();
     let Compute { device, queue } = &compute;
     let [read, empty, written] =
-        [&[true][..], &[], &[false, false]].map(|bindings| storage_layout(device, bindings));
+        [&[true, false][..], &[], &[false, false]].map(|bindings| storage_layout(device, bindings));
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
         bind_group_layouts: &[Some(&read), Some(&empty), Some(&empty), Some(&written)],
@@ -180,31 +169,22 @@ fn tiles_are_listed_for_the_kinds_that_they_have() {
         [MAKE_DIRTY, LIST_TILES].map(|source| pipeline(&compute, &layout, source));
 
     let kinds = random_kinds();
-    let bytes: Vec<u8> = kinds.iter().flat_map(|kind| kind.to_le_bytes()).collect();
     let input = buffer(
         device,
         kinds.len(),
         BufferUsages::STORAGE | BufferUsages::COPY_DST,
     );
-    queue.write_buffer(&input, 0, &bytes);
-    let list_words = VARIANTS + LISTED.count_ones() as usize * TILES;
-    let lists = buffer(
-        device,
-        list_words,
-        BufferUsages::STORAGE | BufferUsages::COPY_SRC,
-    );
-    let dispatches = buffer(device, 3 * VARIANTS, BufferUsages::STORAGE);
-    let readback = buffer(
-        device,
-        list_words,
-        BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-    );
+    queue.write_buffer(&input, 0, bytemuck::cast_slice(&kinds));
+    let read_back = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+    let answers = buffer(device, TILES, read_back);
+    let list = buffer(device, 1 + TILES, read_back);
+    let dispatch = buffer(device, 3, read_back);
 
     let groups = [
-        storage_group(device, &read, &[&input]),
+        storage_group(device, &read, &[&input, &answers]),
         storage_group(device, &empty, &[]),
         storage_group(device, &empty, &[]),
-        storage_group(device, &written, &[&dispatches, &lists]),
+        storage_group(device, &written, &[&dispatch, &list]),
     ];
     let mut encoder = device.create_command_encoder(&Default::default());
     for pipeline in [&make_dirty, &list_tiles] {
@@ -215,34 +195,45 @@ fn tiles_are_listed_for_the_kinds_that_they_have() {
         }
         pass.dispatch_workgroups(TILES as u32, 1, 1);
     }
-    encoder.copy_buffer_to_buffer(&lists, 0, &readback, 0, lists.size());
+    queue.submit([encoder.finish()]);
+    let words = |buffer| read_buffer(&compute, buffer);
+    let (answers, list, dispatch) = (words(&answers), words(&list), words(&dispatch));
+
+    let expected: BTreeSet<u32> = (0..TILES)
+        .filter(|tile| kinds[TILE * tile..][..TILE].iter().any(|kind| *kind != 0))
+        .map(|tile| 8 * tile as u32)
+        .collect();
+    let count = list[0] as usize;
+    let listed: BTreeSet<u32> = list[1..][..count].iter().copied().collect();
+    assert_eq!(listed.len(), count, "a tile is listed twice");
+    assert_eq!(listed, expected);
+    assert_eq!(dispatch[..2], [count as u32, 1]);
+    for (tile, answer) in (0u32..).zip(answers) {
+        let expected = if listed.contains(&(8 * tile)) {
+            TILE
+        } else {
+            0
+        };
+        assert_eq!(answer, expected as u32, "invocations of tile {tile}");
+    }
+}
+
+fn read_buffer(compute: &Compute, source: &wgpu::Buffer) -> Vec<u32> {
+    let Compute { device, queue } = compute;
+    let words = source.size() as usize / 4;
+    let readback = buffer(
+        device,
+        words,
+        BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+    );
+    let mut encoder = device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(source, 0, &readback, 0, source.size());
     queue.submit([encoder.finish()]);
     readback.map_async(wgpu::MapMode::Read, .., |mapped| {
-        mapped.unwrap_or_else(|error| panic!("the lists cannot be read: {error}"));
+        mapped.unwrap_or_else(|error| panic!("a buffer cannot be read: {error}"));
     });
     device
         .poll(wgpu::PollType::wait_indefinitely())
         .unwrap_or_else(|error| panic!("the device did not finish: {error}"));
-    let words: Vec<u32> = (readback.get_mapped_range(..).as_chunks().0.iter())
-        .map(|bytes| u32::from_le_bytes(*bytes))
-        .collect();
-
-    for (rank, kind) in KINDS[1..].iter().enumerate() {
-        let expected: BTreeSet<u32> = (0..TILES)
-            .filter(|tile| kinds[TILE * tile..][..TILE].contains(kind))
-            .map(|tile| 8 * tile as u32)
-            .collect();
-        let count = words[*kind as usize] as usize;
-        let start = VARIANTS + rank * TILES;
-        let listed: BTreeSet<u32> = words[start..][..count].iter().copied().collect();
-        assert_eq!(listed.len(), count, "kind {kind}: a tile is listed twice");
-        let extra = listed.difference(&expected).count();
-        let missing = expected.difference(&listed).count();
-        assert_eq!(
-            (extra, missing),
-            (0, 0),
-            "kind {kind}: {extra} tiles too many and {missing} too few of {}",
-            expected.len()
-        );
-    }
+    bytemuck::cast_slice(&readback.get_mapped_range(..)).to_vec()
 }

@@ -1,0 +1,212 @@
+// Light from one point or spot light, as Bevy's `point_light` and `spot_light`.
+#define_import_path bevy_lean_deferred::lighting::lights::clustered_light
+
+#import bevy_lean_deferred::lighting::lights::brdf::{reflected, reflected_sphere}
+#import bevy_lean_deferred::lighting::lights::lit::Lit
+#import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
+#import bevy_pbr::{
+    lighting::getDistanceAttenuation,
+    mesh_view_bindings::clustered_lights,
+    mesh_view_types,
+}
+
+#ifdef LIGHT_LAYERS
+#import bevy_lean_deferred::lighting::light_layers::clustered_light_affects_mesh
+#endif
+
+#ifdef LIGHT_TEXTURES
+#import bevy_pbr::lighting::cubemap_uv
+#import bevy_pbr::mesh_view_bindings as view_bindings
+#endif
+
+#ifdef CLUSTERED_SHADOW_MAPS
+#import bevy_lean_deferred::lighting::lights::shading_point::geometric_normal
+#import bevy_lean_deferred::lighting::lights::shadow_maps::clustered_shadow
+#endif
+
+#ifdef CONTACT_SHADOWS
+#import bevy_lean_deferred::lighting::lights::contact_shadow::contact_shadow
+#endif
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#import bevy_lean_deferred::lighting::lights::brdf::transmitted
+#import bevy_lean_deferred::lighting::lights::shading_point::transmits
+#endif
+
+/// Where a spot light points.
+fn spot_direction(custom_data: vec2<f32>, flags: u32) -> vec3<f32> {
+    let y = sqrt(max(0.0, 1.0 - dot(custom_data, custom_data)));
+    let is_down = (flags & mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE) != 0u;
+    return vec3(custom_data.x, select(y, -y, is_down), custom_data.y);
+}
+
+/// What reaches a point `to_light` away from the light in direction `L`: 0 outside of its cone.
+fn cone_falloff(id: u32, flags: u32, L: vec3<f32>) -> f32 {
+    let data = clustered_lights.data[id].light_custom_data;
+    let falloff = saturate(dot(-spot_direction(data.xy, flags), L) * data.z + data.w);
+    return falloff * falloff;
+}
+
+#ifdef LIGHT_TEXTURES
+/// What the light's texture lets through to `position`.
+fn texture_of(id: u32, is_spot: bool, position: vec3<f32>) -> f32 {
+    let light = &clustered_lights.data[id];
+    let index = (*light).decal_index;
+    if index == 0xffffffffu {
+        return 1.0;
+    }
+    let decal = &view_bindings::clustered_decals.decals[index];
+    let local = ((*decal).local_from_world * vec4(position, 1.0)).xyz;
+    var uv: vec2<f32>;
+    if is_spot {
+        if local.z >= 0.0 {
+            return 1.0;
+        }
+        uv = local.xy / (local.z * (*light).spot_light_tan_angle) * vec2(-0.5, 0.5) + 0.5;
+    } else {
+        uv = cubemap_uv(local, (*decal).tag);
+    }
+    return textureSampleLevel(
+        view_bindings::clustered_decal_textures[(*decal).base_color_texture_index],
+        view_bindings::clustered_decal_sampler,
+        uv,
+        0.0,
+    ).r;
+}
+#endif
+
+/// Adds what the light with this index gives to `lit`. What it cannot reach is found out first: most of the lights near a
+/// tile do not reach each of its pixels.
+fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, lit: ptr<function, Lit>) {
+    let light = &clustered_lights.data[id];
+    let position_radius = (*light).position_radius;
+    let color_range = (*light).color_inverse_square_range;
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    if transmits(point) {
+        add_transmitted(point, id, lit);
+    }
+#endif
+    let to_light = position_radius.xyz - (*point).position;
+    let distance_square = dot(to_light, to_light);
+    let height = dot((*point).N, to_light);
+    // Also if one of these is not a number.
+    if !(distance_square * color_range.w < 1.0 && height + position_radius.w > 0.0) {
+        return;
+    }
+    let L = to_light * inverseSqrt(distance_square);
+    let flags = (*light).flags;
+    var strength = getDistanceAttenuation(distance_square, color_range.w);
+    let is_spot = (flags & mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_BIT) != 0u;
+    if is_spot {
+        strength *= cone_falloff(id, flags, L);
+        if strength == 0.0 {
+            return;
+        }
+    }
+#ifdef LIGHT_LAYERS
+    if !clustered_light_affects_mesh(id) {
+        return;
+    }
+#endif
+#ifdef SHADOWS
+    if (*point).receives_shadows {
+        strength *= shadow_of(point, id, flags, is_spot, L);
+        if strength == 0.0 {
+            return;
+        }
+    }
+#endif
+#ifdef LIGHT_TEXTURES
+    strength *= texture_of(id, is_spot, (*point).position);
+#endif
+
+    var reflection: Lit;
+    if position_radius.w > 0.0 {
+        let distance = sqrt(distance_square);
+        reflection = reflected_sphere(point, to_light, distance, position_radius.w);
+    } else {
+        reflection = reflected(point, L);
+    }
+    let color = color_range.rgb * strength;
+#ifdef LIGHTMAP
+    let adds_diffuse =
+        (flags & mesh_view_types::POINT_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
+    if (*point).is_lightmapped && !adds_diffuse {
+        reflection.diffuse = vec3(0.0);
+    }
+#endif
+    (*lit).diffuse += reflection.diffuse * color;
+    (*lit).specular += reflection.specular * color;
+}
+
+#ifdef SHADOWS
+/// 0 where the light is hidden.
+fn shadow_of(
+    point: ptr<function, ShadingPoint>,
+    id: u32,
+    flags: u32,
+    is_spot: bool,
+    L: vec3<f32>,
+) -> f32 {
+    var shadow = 1.0;
+#ifdef CLUSTERED_SHADOW_MAPS
+    if (flags & mesh_view_types::POINT_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u {
+        shadow = clustered_shadow(id, is_spot, (*point).position, geometric_normal(point), (*point).pixel);
+    }
+#endif
+#ifdef CONTACT_SHADOWS
+    let has_contact_shadows =
+        (flags & mesh_view_types::POINT_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
+    if has_contact_shadows && shadow > 0.0 {
+        shadow *= contact_shadow(point, L);
+    }
+#endif
+    return shadow;
+}
+#endif
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+/// As `add_clustered_light`, of light that shines on the back.
+fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, lit: ptr<function, Lit>) {
+    let light = &clustered_lights.data[id];
+    let color_range = (*light).color_inverse_square_range;
+    let to_light = (*light).position_radius.xyz - (*point).back_position;
+    let distance_square = dot(to_light, to_light);
+    if !(distance_square * color_range.w < 1.0 && dot((*point).N, to_light) < 0.0) {
+        return;
+    }
+    let L = to_light * inverseSqrt(distance_square);
+    let flags = (*light).flags;
+    var strength = getDistanceAttenuation(distance_square, color_range.w);
+    let is_spot = (flags & mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_BIT) != 0u;
+    if is_spot {
+        strength *= cone_falloff(id, flags, L);
+        if strength == 0.0 {
+            return;
+        }
+    }
+#ifdef LIGHT_LAYERS
+    if !clustered_light_affects_mesh(id) {
+        return;
+    }
+#endif
+#ifdef LIGHTMAP
+    let adds_diffuse =
+        (flags & mesh_view_types::POINT_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
+    if (*point).is_lightmapped && !adds_diffuse {
+        return;
+    }
+#endif
+#ifdef CLUSTERED_SHADOW_MAPS
+    let has_shadows = (flags & mesh_view_types::POINT_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u;
+    if has_shadows && (*point).back_receives_shadows {
+        let normal = -geometric_normal(point);
+        strength *= clustered_shadow(id, is_spot, (*point).back_position, normal, (*point).pixel);
+    }
+#endif
+#ifdef LIGHT_TEXTURES
+    strength *= texture_of(id, is_spot, (*point).back_position);
+#endif
+    (*lit).diffuse += transmitted(point, L) * color_range.rgb * strength;
+}
+#endif

@@ -1,0 +1,153 @@
+// Light from the point and spot lights of a tile: those in the clusters of its pixels that can reach them are found by
+// its invocations together, and walked by all in Bevy's order.
+//
+// A set of lights is a mask of those that the invocations have looked at, one each, so that no list of any length is
+// stored. With SUBGROUPS each subgroup finds its own, without barriers.
+#define_import_path bevy_lean_deferred::lighting::lights::clustered_lights
+
+#import bevy_lean_deferred::lighting::lights::clustered_light::add_clustered_light
+#import bevy_lean_deferred::lighting::lights::lit::Lit
+#import bevy_lean_deferred::lighting::lights::reach::{box_of_tile, may_reach}
+#import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
+#import bevy_pbr::clustered_forward::{
+    get_clusterable_object_id, unpack_clusterable_object_index_ranges,
+}
+
+/// Of pixels that are not lit.
+const NO_CLUSTER: u32 = 0xffffffffu;
+
+#ifdef SUBGROUPS
+/// Ones below bit `lane` of a ballot.
+fn ones_below(ballot: vec2<u32>, lane: u32) -> u32 {
+    let low = countOneBits(ballot.x & select((1u << (lane & 31u)) - 1u, 0xffffffffu, lane >= 32u));
+    let high = countOneBits(ballot.y & ((1u << (lane & 31u)) - 1u));
+    return low + select(0u, high, lane >= 32u);
+}
+
+/// To be called by all invocations of the workgroup, also where `cluster` is `NO_CLUSTER`. `corner` is the tile's first pixel.
+///
+/// Nothing is wrong where a subgroup has come apart: each part looks at all lights by itself.
+fn add_clustered_lights(
+    point: ptr<function, ShadingPoint>,
+    corner: vec2<u32>,
+    cluster: u32,
+    lane: u32,
+    lit: ptr<function, Lit>,
+) {
+    var left = cluster;
+    loop {
+        let current = subgroupMin(left);
+        if current == NO_CLUSTER {
+            break;
+        }
+        let is_here = left == current;
+        left = select(left, NO_CLUSTER, is_here);
+        let ranges = unpack_clusterable_object_index_ranges(current);
+        let end = ranges.first_reflection_probe_index_offset;
+        var first = ranges.first_point_light_index_offset;
+        if first == end {
+            continue;
+        }
+        let least = subgroupMin(select(1e30, (*point).depth, is_here));
+        let most = subgroupMax(select(-1e30, (*point).depth, is_here));
+        let bounds = box_of_tile(corner, vec2(least, most));
+        while first < end {
+            let present = subgroupBallot(true).xy;
+            let index = first + ones_below(present, lane);
+            var reaches = false;
+            if index < end {
+                reaches = may_reach(bounds, get_clusterable_object_id(index));
+            }
+            let ballot = subgroupBallot(reaches).xy;
+            if is_here {
+                for (var word = 0u; word < 2u; word++) {
+                    var mask = select(ballot.x, ballot.y, word == 1u);
+                    while mask != 0u {
+                        let bit = 32u * word + firstTrailingBit(mask);
+                        mask &= mask - 1u;
+                        let id = get_clusterable_object_id(first + ones_below(present, bit));
+                        add_clustered_light(point, id, lit);
+                    }
+                }
+            }
+            first += countOneBits(present.x) + countOneBits(present.y);
+        }
+    }
+}
+#else
+/// Of the pixels that are left, the cluster that comes next; its least and its largest depth, as bits.
+var<workgroup> next_cluster: atomic<u32>;
+var<workgroup> least_depth: atomic<u32>;
+var<workgroup> most_depth: atomic<u32>;
+/// A bit for each invocation: the light that it looks at may reach the tile.
+var<workgroup> reaching: array<atomic<u32>, 2>;
+
+/// To be called by all 64 invocations of the workgroup, also where `cluster` is `NO_CLUSTER`. `corner` is the tile's first
+/// pixel.
+fn add_clustered_lights(
+    point: ptr<function, ShadingPoint>,
+    corner: vec2<u32>,
+    cluster: u32,
+    invocation: u32,
+    lit: ptr<function, Lit>,
+) {
+    var left = cluster;
+    loop {
+        workgroupBarrier();
+        if invocation == 0u {
+            atomicStore(&next_cluster, NO_CLUSTER);
+            atomicStore(&least_depth, 0xffffffffu);
+            atomicStore(&most_depth, 0u);
+            atomicStore(&reaching[0], 0u);
+            atomicStore(&reaching[1], 0u);
+        }
+        workgroupBarrier();
+        if left != NO_CLUSTER {
+            atomicMin(&next_cluster, left);
+        }
+        workgroupBarrier();
+        let current = atomicLoad(&next_cluster);
+        if current == NO_CLUSTER {
+            break;
+        }
+        let is_here = left == current;
+        if is_here {
+            // Depths are not negative: their bits are in the same order.
+            let bits = bitcast<u32>((*point).depth);
+            atomicMin(&least_depth, bits);
+            atomicMax(&most_depth, bits);
+            left = NO_CLUSTER;
+        }
+        workgroupBarrier();
+        let depths = vec2(atomicLoad(&least_depth), atomicLoad(&most_depth));
+        let bounds = box_of_tile(corner, bitcast<vec2<f32>>(depths));
+        let ranges = unpack_clusterable_object_index_ranges(current);
+        let end = ranges.first_reflection_probe_index_offset;
+        for (var first = ranges.first_point_light_index_offset; first < end; first += 64u) {
+            let index = first + invocation;
+            if index < end {
+                if may_reach(bounds, get_clusterable_object_id(index)) {
+                    atomicOr(&reaching[invocation >> 5u], 1u << (invocation & 31u));
+                }
+            }
+            workgroupBarrier();
+            let found = vec2(atomicLoad(&reaching[0]), atomicLoad(&reaching[1]));
+            workgroupBarrier();
+            if invocation < 2u {
+                atomicStore(&reaching[invocation], 0u);
+            }
+            workgroupBarrier();
+            if is_here {
+                for (var word = 0u; word < 2u; word++) {
+                    var mask = select(found.x, found.y, word == 1u);
+                    while mask != 0u {
+                        let bit = 32u * word + firstTrailingBit(mask);
+                        mask &= mask - 1u;
+                        add_clustered_light(point, get_clusterable_object_id(first + bit), lit);
+                    }
+                }
+            }
+        }
+    }
+}
+#endif

@@ -1,0 +1,152 @@
+// Light from all directional lights, as Bevy's `directional_light`.
+#define_import_path bevy_lean_deferred::lighting::lights::directional_light
+
+#import bevy_lean_deferred::lighting::lights::brdf::reflected
+#import bevy_lean_deferred::lighting::lights::lit::Lit
+#import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
+#import bevy_pbr::mesh_view_bindings as view_bindings
+#import bevy_pbr::mesh_view_types
+
+#ifdef ATMOSPHERE
+#import bevy_pbr::atmosphere::functions::{calculate_visible_sun_ratio, clamp_to_surface}
+#import bevy_pbr::lighting::sample_transmittance_lut
+#endif
+
+#ifdef LIGHT_LAYERS
+#import bevy_lean_deferred::lighting::light_layers::directional_light_affects_mesh
+#endif
+
+#ifdef DIRECTIONAL_SHADOW_MAPS
+#import bevy_lean_deferred::lighting::lights::shading_point::geometric_normal
+#import bevy_lean_deferred::lighting::lights::shadow_maps::directional_shadow
+#endif
+
+#ifdef CONTACT_SHADOWS
+#import bevy_lean_deferred::lighting::lights::contact_shadow::contact_shadow
+#endif
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#import bevy_lean_deferred::lighting::lights::brdf::transmitted
+#import bevy_lean_deferred::lighting::lights::shading_point::transmits
+#endif
+
+/// The light's colour at `position`: behind its texture, and behind air.
+fn color_at(id: u32, position: vec3<f32>) -> vec3<f32> {
+    let light = &view_bindings::lights.directional_lights[id];
+    var color = (*light).color.rgb;
+#ifdef LIGHT_TEXTURES
+    if (*light).decal_index != 0xffffffffu {
+        let decal = &view_bindings::clustered_decals.decals[(*light).decal_index];
+        let local = ((*decal).local_from_world * vec4(position, 1.0)).xyz;
+        let uv = local.xy * vec2(-0.5, 0.5) + 0.5;
+        let is_tiled = (*decal).tag != 0u;
+        if !is_tiled && any(saturate(uv) != uv) {
+            return vec3(0.0);
+        }
+        color *= textureSampleLevel(
+            view_bindings::clustered_decal_textures[(*decal).base_color_texture_index],
+            view_bindings::clustered_decal_sampler,
+            uv - floor(uv),
+            0.0,
+        ).r;
+    }
+#endif
+#ifdef ATMOSPHERE
+    let atmosphere = view_bindings::atmosphere;
+    let place = clamp_to_surface(atmosphere, (atmosphere.world_to_atmosphere * vec4(position, 1.0)).xyz);
+    let r = length(place);
+    let mu = dot((*light).direction_to_light, normalize(place));
+    color *= sample_transmittance_lut(r, mu)
+        * calculate_visible_sun_ratio(atmosphere, r, mu, (*light).sun_disk_angular_size);
+#endif
+    return color;
+}
+
+#ifdef DIRECTIONAL_SHADOW_MAPS
+fn has_shadow_map(id: u32) -> bool {
+    let flags = view_bindings::lights.directional_lights[id].flags;
+    return (flags & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u;
+}
+#endif
+
+fn add_directional_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) {
+    let count = view_bindings::lights.n_directional_lights;
+    for (var id = 0u; id < count; id++) {
+#ifdef LIGHT_LAYERS
+        if !directional_light_affects_mesh(id) {
+            continue;
+        }
+#endif
+#ifdef LIGHTMAP
+        let adds_diffuse = !(*point).is_lightmapped || (view_bindings::lights.directional_lights[id].flags
+            & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
+#else
+        let adds_diffuse = true;
+#endif
+        let L = view_bindings::lights.directional_lights[id].direction_to_light;
+        if dot((*point).N, L) > 0.0 {
+            add_directional_light(point, id, L, adds_diffuse, lit);
+        }
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+        if adds_diffuse && transmits(point) && dot((*point).N, L) < 0.0 {
+            add_transmitted_directional_light(point, id, L, lit);
+        }
+#endif
+    }
+}
+
+fn add_directional_light(
+    point: ptr<function, ShadingPoint>,
+    id: u32,
+    L: vec3<f32>,
+    adds_diffuse: bool,
+    lit: ptr<function, Lit>,
+) {
+    var shadow = 1.0;
+#ifdef SHADOWS
+    if (*point).receives_shadows {
+#ifdef DIRECTIONAL_SHADOW_MAPS
+        if has_shadow_map(id) {
+            let normal = geometric_normal(point);
+            shadow = directional_shadow(id, (*point).position, normal, (*point).view_z, (*point).pixel);
+        }
+#endif
+#ifdef CONTACT_SHADOWS
+        let has_contact_shadows = (view_bindings::lights.directional_lights[id].flags
+            & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
+        if has_contact_shadows && shadow > 0.0 {
+            shadow *= contact_shadow(point, L);
+        }
+#endif
+    }
+    if shadow == 0.0 {
+        return;
+    }
+#endif
+    let color = color_at(id, (*point).position) * shadow;
+    let reflection = reflected(point, L);
+    if adds_diffuse {
+        (*lit).diffuse += reflection.diffuse * color;
+    }
+    (*lit).specular += reflection.specular * color;
+}
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+/// As `add_directional_light`, of light that shines on the back.
+fn add_transmitted_directional_light(
+    point: ptr<function, ShadingPoint>,
+    id: u32,
+    L: vec3<f32>,
+    lit: ptr<function, Lit>,
+) {
+    var shadow = 1.0;
+#ifdef DIRECTIONAL_SHADOW_MAPS
+    if (*point).back_receives_shadows && has_shadow_map(id) {
+        let normal = -geometric_normal(point);
+        shadow = directional_shadow(id, (*point).back_position, normal, (*point).view_z, (*point).pixel);
+    }
+#endif
+    let color = color_at(id, (*point).back_position);
+    (*lit).diffuse += transmitted(point, L) * color * shadow;
+}
+#endif

@@ -1,0 +1,79 @@
+// Which lights can reach some of the pixels of a tile.
+#define_import_path bevy_lean_deferred::lighting::lights::reach
+
+#import bevy_lean_deferred::lighting::lights::clustered_light::spot_direction
+#import bevy_lean_deferred::reconstruction::position::{SMALLEST_DEPTH, ndc_of_fragment, view_position}
+#import bevy_lean_deferred::tiles::SIDE
+#import bevy_pbr::{
+    mesh_view_bindings::{clustered_lights, view},
+    mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_BIT,
+}
+
+/// A box in view space around surfaces.
+struct Box {
+    least: vec3<f32>,
+    most: vec3<f32>,
+    /// What positions may be off by.
+    slack: f32,
+}
+
+/// Around all points of the tile, whose first pixel is `corner`, with depths between these.
+fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>) -> Box {
+    let viewport = view.main_pass_viewport;
+    let first = ndc_of_fragment(vec2<f32>(corner) + 0.5, viewport);
+    let last = ndc_of_fragment(vec2<f32>(corner + SIDE) - 0.5, viewport);
+    let d = max(depths, vec2(SMALLEST_DEPTH));
+    let a = view_position(view.view_from_clip, vec3(first, d.x));
+    let b = view_position(view.view_from_clip, vec3(first, d.y));
+    let c = view_position(view.view_from_clip, vec3(last, d.x));
+    let e = view_position(view.view_from_clip, vec3(last, d.y));
+    var least = min(min(a, b), min(c, e));
+    var most = max(max(a, b), max(c, e));
+#ifndef PROJECTION_PERSPECTIVE
+#ifndef PROJECTION_ORTHOGRAPHIC
+    // Each coordinate may depend on all others.
+    for (var i = 0u; i < 4u; i++) {
+        let ndc = select(vec2(first.x, last.y), vec2(last.x, first.y), (i & 1u) != 0u);
+        let p = view_position(view.view_from_clip, vec3(ndc, select(d.x, d.y, i < 2u)));
+        least = min(least, p);
+        most = max(most, p);
+    }
+#endif
+#endif
+    // World positions lose digits far from the origin; distances do with both.
+    let origin = abs(view.world_position);
+    let farthest = max(max(origin.x, origin.y), max(origin.z, max(abs(least.z), abs(most.z))));
+    return Box(least, most, 2e-6 * farthest);
+}
+
+/// False if the light with this index gives nothing to any surface in the box.
+fn may_reach(bounds: Box, id: u32) -> bool {
+    let light = &clustered_lights.data[id];
+    let center = (view.view_from_world * vec4((*light).position_radius.xyz, 1.0)).xyz;
+    let away = max(max(bounds.least - center, center - bounds.most) - bounds.slack, vec3(0.0));
+    let inverse_square_range = (*light).color_inverse_square_range.w;
+    // Not if one of these is not a number, either.
+    let is_near = dot(away, away) * inverse_square_range < 1.0001;
+    if !is_near || ((*light).flags & POINT_LIGHT_FLAGS_SPOT_LIGHT_BIT) == 0u {
+        return is_near;
+    }
+    return cone_meets(bounds, id, center);
+}
+
+/// Whether the cone of a spot light meets the sphere around the box (Wronski 2017, "Cull that cone!").
+fn cone_meets(bounds: Box, id: u32, apex: vec3<f32>) -> bool {
+    let light = &clustered_lights.data[id];
+    let data = (*light).light_custom_data;
+    // Where `data.z cosine + data.w` is 0.
+    let cosine = -data.w / data.z;
+    let world = spot_direction(data.xy, (*light).flags);
+    let direction = (view.view_from_world * vec4(world, 0.0)).xyz;
+    let to_sphere = 0.5 * (bounds.least + bounds.most) - apex;
+    let radius = 0.5 * length(bounds.most - bounds.least) + bounds.slack;
+    let along = dot(to_sphere, direction);
+    let across = sqrt(max(dot(to_sphere, to_sphere) - along * along, 0.0));
+    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    // From the sphere's centre to the cone's side, positive outside.
+    let outside = across * cosine - along * sine;
+    return !(outside > radius * 1.0001 + 1e-5 * length(to_sphere));
+}

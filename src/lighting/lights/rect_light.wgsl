@@ -1,0 +1,124 @@
+// Light from all rectangular lights, as Bevy's `rect_light`: linearly transformed cosines (Heitz et al. 2016, "Real-Time
+// Polygonal-Light Shading with Linearly Transformed Cosines").
+#define_import_path bevy_lean_deferred::lighting::lights::rect_light
+
+#import bevy_lean_deferred::lighting::lights::lit::Lit
+#import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
+#import bevy_pbr::lighting::{getRangeFalloff, ltc_integrate_quad}
+#import bevy_pbr::mesh_view_bindings::{area_light_luts, area_light_luts_sampler, lights}
+
+#ifdef LIGHT_LAYERS
+#import bevy_lean_deferred::lighting::light_layers::rect_light_affects_mesh
+#endif
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#import bevy_lean_deferred::lighting::lights::shading_point::transmits
+#endif
+
+/// What the tables hold of a roughness, seen at an angle.
+struct Lobe {
+    /// From the lobe to a cosine.
+    inverse: mat3x3<f32>,
+    /// How much it reflects, by the reflectance at normal incidence and by the rest.
+    magnitude: vec2<f32>,
+}
+
+fn lobe(perceptual_roughness: f32, NdotV: f32) -> Lobe {
+    let uv = vec2(perceptual_roughness, sqrt(1.0 - NdotV)) * (63.0 / 64.0) + 0.5 / 64.0;
+    let m = textureSampleLevel(area_light_luts, area_light_luts_sampler, uv, 0, 0.0);
+    let magnitude = textureSampleLevel(area_light_luts, area_light_luts_sampler, uv, 1, 0.0).xy;
+    return Lobe(
+        mat3x3(vec3(m.x, 0.0, m.y), vec3(0.0, 1.0, 0.0), vec3(m.z, 0.0, m.w)),
+        magnitude,
+    );
+}
+
+const COSINE: mat3x3<f32> = mat3x3(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+
+fn corners_of(id: u32) -> array<vec3<f32>, 4> {
+    let light = &lights.rect_lights[id];
+    let right = (*light).right * (*light).width * 0.5;
+    let up = (*light).up * (*light).height * 0.5;
+    return array(
+        (*light).position + right - up,
+        (*light).position - right - up,
+        (*light).position - right + up,
+        (*light).position + right + up,
+    );
+}
+
+/// How much of the light's colour comes as far as `position`: 0 behind it.
+fn falloff_at(id: u32, position: vec3<f32>, corner: vec3<f32>) -> f32 {
+    let light = &lights.rect_lights[id];
+    if dot(cross((*light).up, (*light).right), position - corner) <= 0.0 {
+        return 0.0;
+    }
+    let to_light = (*light).position - position;
+    let range_square = max((*light).range * (*light).range, 0.0001);
+    return getRangeFalloff(dot(to_light, to_light), 1.0 / range_square);
+}
+
+fn add_rect_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) {
+    let count = lights.n_rect_lights;
+    if count == 0u {
+        return;
+    }
+    let N = (*point).N;
+    let V = (*point).V;
+    let base = lobe((*point).perceptual_roughness, (*point).NdotV);
+    let tint = (*point).F_normal * base.magnitude.x + (1.0 - (*point).F_normal) * base.magnitude.y;
+    for (var id = 0u; id < count; id++) {
+#ifdef LIGHT_LAYERS
+        if !rect_light_affects_mesh(id) {
+            continue;
+        }
+#endif
+        let corners = corners_of(id);
+        let color = lights.rect_lights[id].color.rgb;
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+        if transmits(point) {
+            (*lit).diffuse += color * transmitted_rect_light(point, id, corners);
+        }
+#endif
+        let falloff = falloff_at(id, (*point).position, corners[0]);
+        if falloff == 0.0 {
+            continue;
+        }
+        var diffuse = (*point).diffuse_color * ltc_integrate_quad(N, V, (*point).position, COSINE, corners);
+        var specular = tint * ltc_integrate_quad(N, V, (*point).position, base.inverse, corners);
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+        if (*point).clearcoat > 0.0 {
+            let coat = lobe((*point).clearcoat_perceptual_roughness, (*point).NdotV);
+            let magnitude = 0.04 * coat.magnitude.x + 0.96 * coat.magnitude.y;
+            let passed = 1.0 - (*point).clearcoat * magnitude;
+            let reflected = ltc_integrate_quad(N, V, (*point).position, coat.inverse, corners);
+            diffuse *= passed;
+            specular = specular * (passed * passed) + magnitude * reflected * (*point).clearcoat;
+        }
+#endif
+        (*lit).diffuse += diffuse * color * falloff;
+        (*lit).specular += specular * color * falloff;
+    }
+}
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+/// Per colour of the light. Bevy takes the back for a surface of roughness 1 without reflectance, seen from straight
+/// behind, and adds what that reflects specularly.
+fn transmitted_rect_light(
+    point: ptr<function, ShadingPoint>,
+    id: u32,
+    corners: array<vec3<f32>, 4>,
+) -> vec3<f32> {
+    let position = (*point).back_position;
+    let falloff = falloff_at(id, position, corners[0]);
+    if falloff == 0.0 {
+        return vec3(0.0);
+    }
+    let N = -(*point).N;
+    let V = -(*point).V;
+    let back = lobe(1.0, 1.0);
+    let diffuse = (*point).transmitted_color * ltc_integrate_quad(N, V, position, COSINE, corners);
+    let specular = back.magnitude.y * ltc_integrate_quad(N, V, position, back.inverse, corners);
+    return (diffuse + specular) * falloff;
+}
+#endif

@@ -1,0 +1,170 @@
+// A point on a surface, and what all lights that reach it have in common.
+#define_import_path bevy_lean_deferred::lighting::lights::shading_point
+
+#import bevy_lean_deferred::lighting::surface::Pixel
+#import bevy_pbr::{
+    lighting::{F_AB, perceptualRoughnessToRoughness},
+    mesh_types::{MESH_FLAGS_SHADOW_RECEIVER_BIT, MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT},
+    pbr_functions::{calculate_F0, calculate_F0_dielectric, calculate_diffuse_color},
+    pbr_types::PbrInput,
+}
+
+#ifdef GEOMETRIC_NORMAL
+#import bevy_lean_deferred::lighting::surface::world_geometric_normal
+#endif
+
+#ifdef GBUFFER_SPECIALIZATION
+#import bevy_lean_deferred::gbuffer::layout::specialization
+#endif
+
+/// Directions are of unit length and in world space.
+struct ShadingPoint {
+    pixel: vec2<i32>,
+    depth: f32,
+    position: vec3<f32>,
+    view_z: f32,
+    N: vec3<f32>,
+    /// To the viewer.
+    V: vec3<f32>,
+    /// At least 0.0001.
+    NdotV: f32,
+    /// Where the viewer sees a mirror image from.
+    R: vec3<f32>,
+    perceptual_roughness: f32,
+    /// Its square, as Bevy clamps it.
+    roughness: f32,
+    diffuse_color: vec3<f32>,
+    metallic: f32,
+    F0_dielectric: vec3<f32>,
+    F0_metallic: vec3<f32>,
+    F_normal: vec3<f32>,
+    F_grazing: f32,
+    F_ab: vec2<f32>,
+    /// What light that is scattered more than once adds to specular reflection: a factor.
+    multiscatter: vec3<f32>,
+    /// (1 - N·V)⁵
+    view_fresnel: f32,
+    /// `smith` of the view.
+    view_smith: f32,
+    receives_shadows: bool,
+#ifdef GEOMETRIC_NORMAL
+    knows_geometric_normal: bool,
+    /// Once it is known.
+    geometric_normal: vec3<f32>,
+#endif
+#ifdef LIGHTMAP
+    is_lightmapped: bool,
+#endif
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    /// 0 without a coat, whose normal is N.
+    clearcoat: f32,
+    clearcoat_perceptual_roughness: f32,
+    clearcoat_roughness: f32,
+#endif
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+    is_anisotropic: bool,
+    anisotropy: f32,
+    tangent: vec3<f32>,
+    bitangent: vec3<f32>,
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    /// 0 where no light shines through.
+    transmitted_color: vec3<f32>,
+    /// Where light from behind enters.
+    back_position: vec3<f32>,
+    back_receives_shadows: bool,
+#endif
+}
+
+fn fifth_power(x: f32) -> f32 {
+    let square = x * x;
+    return square * square * x;
+}
+
+/// A direction's part of the visibility of microfacets (Heitz 2014, "Understanding the Masking-Shadowing Function in
+/// Microfacet-Based BRDFs"), from its cosine.
+fn smith(roughness: f32, cosine: f32) -> f32 {
+    let square = roughness * roughness;
+    return sqrt((cosine - square * cosine) * cosine + square);
+}
+
+fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
+    let material = pbr.material;
+    var point: ShadingPoint;
+    point.pixel = pixel.position;
+    point.depth = pixel.depth;
+    point.position = pbr.world_position.xyz;
+    point.view_z = view_z;
+    point.N = pbr.N;
+    point.V = pbr.V;
+    point.NdotV = max(dot(pbr.N, pbr.V), 0.0001);
+    point.R = reflect(-pbr.V, pbr.N);
+    point.perceptual_roughness = material.perceptual_roughness;
+    point.roughness = perceptualRoughnessToRoughness(material.perceptual_roughness);
+    point.diffuse_color = calculate_diffuse_color(
+        material.base_color.rgb,
+        material.metallic,
+        0.0,
+        material.diffuse_transmission,
+    );
+    point.metallic = material.metallic;
+    point.F0_dielectric = calculate_F0_dielectric(material.reflectance);
+    point.F0_metallic = material.base_color.rgb;
+    point.F_normal = calculate_F0(material.base_color.rgb, material.metallic, material.reflectance);
+    // Less than any surface reflects: taken as a wish for less at grazing angles too.
+    point.F_grazing = saturate(dot(point.F_normal, vec3(50.0 * 0.33)));
+    point.F_ab = F_AB(material.perceptual_roughness, point.NdotV);
+    point.multiscatter = 1.0 + point.F_normal * (1.0 / (point.F_ab.x + point.F_ab.y) - 1.0);
+    point.view_fresnel = fifth_power(1.0 - point.NdotV);
+    point.view_smith = smith(point.roughness, point.NdotV);
+    point.receives_shadows = (pbr.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
+#ifdef LIGHTMAP
+    let lightmap = pixel.specialization_word & specialization::LIGHTMAP_BITS;
+    point.is_lightmapped = lightmap != specialization::LIGHTMAP_NONE;
+#endif
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    point.clearcoat = material.clearcoat;
+    point.clearcoat_perceptual_roughness = material.clearcoat_perceptual_roughness;
+    point.clearcoat_roughness = perceptualRoughnessToRoughness(material.clearcoat_perceptual_roughness);
+#endif
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+    let model = specialization::unpack_shading_model(pixel.specialization_word);
+    point.is_anisotropic = model == specialization::ANISOTROPY;
+    point.anisotropy = pbr.anisotropy_strength;
+    point.tangent = pbr.anisotropy_T;
+    point.bitangent = pbr.anisotropy_B;
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    point.transmitted_color =
+        material.base_color.rgb * (1.0 - material.metallic) * material.diffuse_transmission;
+    point.back_position = point.position;
+    if transmits(&point) {
+        point.back_position -= geometric_normal(&point) * material.thickness;
+    }
+    point.back_receives_shadows = point.receives_shadows
+        && (pbr.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u;
+#endif
+    return point;
+}
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+fn transmits(point: ptr<function, ShadingPoint>) -> bool {
+    return any((*point).transmitted_color != vec3(0.0));
+}
+#endif
+
+#ifdef GEOMETRIC_NORMAL
+/// Found when it is first asked for: in many a pixel no light that casts shadows shines on the surface.
+fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
+    if !(*point).knows_geometric_normal {
+        (*point).geometric_normal = world_geometric_normal((*point).pixel, (*point).depth);
+        (*point).knows_geometric_normal = true;
+    }
+    return (*point).geometric_normal;
+}
+#else
+/// The shading normal, where nothing casts shadows.
+fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
+    return (*point).N;
+}
+#endif

@@ -1,0 +1,51 @@
+// How much of a light that casts shadows reaches a point: Bevy's shadow maps.
+#define_import_path bevy_lean_deferred::lighting::lights::shadow_maps
+
+#import bevy_pbr::mesh_view_bindings::clustered_lights
+#import bevy_pbr::shadow_sampling
+#import bevy_pbr::shadows::{fetch_directional_shadow, fetch_point_shadow, fetch_spot_shadow}
+
+// Where a light asks for percentage-closer soft shadows, cameras are not lean. What finds these is left out.
+
+override fn shadow_sampling::sample_shadow_map_pcss(
+    light_local: vec2<f32>,
+    depth: f32,
+    array_index: i32,
+    frag_coord_xy: vec2<f32>,
+    texel_size: f32,
+    light_size: f32,
+) -> f32 {
+    return 1.0;
+}
+
+override fn shadow_sampling::sample_shadow_cubemap_pcss(
+    light_local: vec3<f32>,
+    distance_to_light: f32,
+    depth: f32,
+    light_id: u32,
+    light_size: f32,
+    frag_coord_xy: vec2<f32>,
+) -> f32 {
+    return 1.0;
+}
+
+/// Of the directional light with this index.
+fn directional_shadow(id: u32, position: vec3<f32>, normal: vec3<f32>, view_z: f32, pixel: vec2<i32>) -> f32 {
+    return fetch_directional_shadow(id, vec4(position, 1.0), normal, view_z, vec2<f32>(pixel) + 0.5);
+}
+
+/// Of the point or spot light with this index.
+fn clustered_shadow(id: u32, is_spot: bool, position: vec3<f32>, normal: vec3<f32>, pixel: vec2<i32>) -> f32 {
+    let coordinates = vec2<f32>(pixel) + 0.5;
+    if is_spot {
+#ifdef SPOT_SHADOW_MAPS
+        let near = clustered_lights.data[id].shadow_map_near_z;
+        return fetch_spot_shadow(id, vec4(position, 1.0), normal, near, coordinates);
+#endif
+    } else {
+#ifdef POINT_SHADOW_MAPS
+        return fetch_point_shadow(id, vec4(position, 1.0), normal, coordinates);
+#endif
+    }
+    return 1.0;
+}
