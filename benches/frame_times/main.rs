@@ -23,7 +23,7 @@ struct Args {
     #[argh(option, default = "String::new()")]
     scene: String,
 
-    /// only the contenders with these names, comma-separated, beside forward, the reference
+    /// only the contenders with these names, comma-separated; forward, the first, is the reference of the others
     #[argh(option)]
     contender: Option<String>,
 
@@ -78,8 +78,7 @@ fn main() {
         .into_iter()
         .filter(|c| {
             let names = args.contender.as_ref();
-            *c == Contender::Forward
-                || names.is_none_or(|names| names.split(',').any(|name| name == c.name()))
+            names.is_none_or(|names| names.split(',').any(|name| name == c.name()))
         })
         .collect();
 
@@ -111,7 +110,8 @@ fn main() {
                 picture.save(std::path::Path::new(folder).join(file));
             }
             match &reference {
-                None => reference = Some(picture),
+                None if *contender == Contender::Forward => reference = Some(picture),
+                None => {}
                 Some(reference) => {
                     measurement.compare(reference, &picture, !args.no_flip);
                 }

@@ -44,20 +44,21 @@ pub enum Contender {
     /// Forward with a depth prepass, of which the geometry column has the prepass alone: no G-buffer can be cheaper.
     DepthOnly,
     Lean(GeometricNormal),
-    /// Lean, with lights chosen without subgroups.
-    LeanSharedMemory,
+    /// Lean, with lights that do not reach a tile left out.
+    LeanCulling(LightCulling),
 }
 
 impl Contender {
     /// Forward first: it is the reference of the others.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Forward,
         Self::DepthOnly,
         Self::BevyDeferred,
         Self::Lean(GeometricNormal::NineTap),
         Self::Lean(GeometricNormal::FiveTap),
         Self::Lean(GeometricNormal::ThreeTap),
-        Self::LeanSharedMemory,
+        Self::LeanCulling(LightCulling::Subgroup),
+        Self::LeanCulling(LightCulling::SharedMemory),
     ];
 
     pub fn name(self) -> &'static str {
@@ -68,7 +69,8 @@ impl Contender {
             Self::Lean(GeometricNormal::NineTap) => "lean",
             Self::Lean(GeometricNormal::FiveTap) => "lean 5-tap normal",
             Self::Lean(GeometricNormal::ThreeTap) => "lean 3-tap normal",
-            Self::LeanSharedMemory => "lean without subgroups",
+            Self::LeanCulling(LightCulling::Subgroup) => "lean culling by subgroups",
+            Self::LeanCulling(_) => "lean culling in shared memory",
         }
     }
 
@@ -93,7 +95,7 @@ impl Contender {
             Self::BevyDeferred => (16 + 1 + 4, 21 + 3 + 8 + 22 + 8),
             // G-buffer, depth 4; lighting reads both and writes 8. Optional targets count as if all pixels wrote them.
             // The resolve of motion reads depth and normal, and in the place of lighting the target.
-            Self::Lean(_) | Self::LeanSharedMemory => {
+            Self::Lean(_) | Self::LeanCulling(_) => {
                 (gbuffer + 4, 2 * (gbuffer + 4) + 8 + 2 * motion)
             }
         };
@@ -106,7 +108,7 @@ impl Contender {
             Self::Forward => ("bench/opaque", None),
             Self::DepthOnly => ("bench/prepass", None),
             Self::BevyDeferred => ("bench/prepass", Some("bench/deferred_lighting")),
-            Self::Lean(_) | Self::LeanSharedMemory => {
+            Self::Lean(_) | Self::LeanCulling(_) => {
                 ("lean_deferred/gbuffer", Some("lean_deferred/lighting"))
             }
         }
@@ -178,9 +180,9 @@ pub fn measure(
                 ..default()
             });
         }
-        Contender::LeanSharedMemory => {
+        Contender::LeanCulling(light_culling) => {
             camera.insert(LeanDeferred {
-                light_culling: LightCulling::SharedMemory,
+                light_culling,
                 ..default()
             });
         }

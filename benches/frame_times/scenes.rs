@@ -37,6 +37,7 @@ pub fn all(gltf: &str, crowd: Option<&str>) -> Vec<BenchScene> {
         ("boxes_1", Boxes::full(0)),
         ("boxes_64", Boxes::full(64)),
         ("boxes_512", Boxes::full(512)),
+        ("boxes_4096_short", short(4096)),
         ("small_boxes_32", Boxes::small(32)),
     ]
     .map(|(name, boxes)| BenchScene {
@@ -125,7 +126,7 @@ fn spawn_crowd(headless: &mut Headless, path: &str, point_lights: u32) -> Transf
                         ..default()
                     })),
                 ));
-                boxes::spawn_lights_over(&mut commands, point_lights, Vec2::new(20.0, 8.0));
+                boxes::spawn_lights_over(&mut commands, point_lights, Vec2::new(20.0, 8.0), 5.0);
             },
         )
         .expect("the crowd needs only asset stores");
@@ -137,6 +138,14 @@ fn spawn_crowd(headless: &mut Headless, path: &str, point_lights: u32) -> Transf
     });
     spawn_models(headless, path, places);
     Transform::from_xyz(3.0, 2.6, 7.0).looking_at(Vec3::new(0.0, 0.6, 0.0), Vec3::Y)
+}
+
+/// So many lights that reach a quarter as far.
+fn short(point_lights: u32) -> Boxes {
+    Boxes {
+        range: 1.25,
+        ..Boxes::full(point_lights)
+    }
 }
 
 fn spawn_boxes(world: &mut World, boxes: Boxes) {

@@ -29,13 +29,15 @@ use crate::{
 pub(crate) struct LightingKey {
     /// The bits of Bevy's view key that matter to lighting.
     pub(super) view: MeshPipelineKey,
+    /// What lights in clusters there are.
+    pub(super) clustered_lights: ClusteredLights,
     /// The kinds of lights of which some cast shadows with a shadow map.
     pub(super) shadow_maps: ShadowMaps,
     /// How the normal of the surface itself is found, if something asks for that.
     pub(super) geometric_normal: Option<GeometricNormal>,
     pub(super) projection: ProjectionKind,
-    /// Subgroups choose lights; else the workgroup does.
-    pub(super) subgroups: bool,
+    /// Never `Auto`.
+    pub(super) light_culling: LightCulling,
     pub(super) rect_lights: bool,
     /// Decals, or lights with textures: they share a table.
     pub(super) decals: bool,
@@ -55,6 +57,15 @@ pub(crate) struct LightingKey {
 }
 
 bitflags! {
+    /// Kinds of point and spot lights.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub(crate) struct ClusteredLights: u8 {
+        const ANY = 1 << 0;
+        const SPOT = 1 << 1;
+        /// With a radius.
+        const SPHERE = 1 << 2;
+    }
+
     /// Kinds of lights.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub(crate) struct ShadowMaps: u8 {
@@ -142,6 +153,20 @@ impl SceneFeatures<'_, '_> {
         settings.light_layers && self.light_layers.matter_to(view_layers.unwrap_or_default())
     }
 
+    fn clustered_lights(&self) -> ClusteredLights {
+        let mut kinds = ClusteredLights::empty();
+        for light in &self.point_lights {
+            kinds |= ClusteredLights::ANY;
+            if light.spot_light_angles.is_some() {
+                kinds |= ClusteredLights::SPOT;
+            }
+            if light.radius != 0.0 {
+                kinds |= ClusteredLights::SPHERE;
+            }
+        }
+        kinds
+    }
+
     fn shadow_maps(&self) -> ShadowMaps {
         let point_lights = self.point_lights.iter().filter(|l| l.shadow_maps_enabled);
         let mut kinds: ShadowMaps = point_lights
@@ -157,11 +182,11 @@ impl SceneFeatures<'_, '_> {
         kinds
     }
 
-    fn uses_subgroups(&self, settings: &LeanDeferred) -> bool {
+    fn light_culling(&self, settings: &LeanDeferred) -> LightCulling {
         match settings.light_culling {
-            LightCulling::Auto => self.subgroups.are_useful(),
-            LightCulling::Subgroup => self.subgroups.exist(),
-            LightCulling::SharedMemory => false,
+            LightCulling::Auto => LightCulling::PerPixel,
+            LightCulling::Subgroup if !self.subgroups.exist() => LightCulling::SharedMemory,
+            culling => culling,
         }
     }
 
@@ -187,11 +212,12 @@ impl SceneFeatures<'_, '_> {
         }
         LightingKey {
             view: view_key & VIEW_BITS,
+            clustered_lights: self.clustered_lights(),
             shadow_maps,
             geometric_normal: (!shadow_maps.is_empty() || shows_normal)
                 .then_some(settings.geometric_normal),
             projection: projection_of(clip_from_view),
-            subgroups: self.uses_subgroups(settings),
+            light_culling: self.light_culling(settings),
             rect_lights: !self.rect_lights.is_empty(),
             decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
             debug_view: settings.debug_view,

@@ -4,8 +4,9 @@
 // have plain surfaces only, and lists the others; the second, compiled for the kinds of special surfaces that the view
 // has (VISITED_VARIANTS), goes over that list.
 #import bevy_lean_deferred::gbuffer::layout
-#import bevy_lean_deferred::lighting::bindings::{normal_texture, output_texture, uniforms}
-#import bevy_lean_deferred::lighting::lights::clustered_lights::NO_CLUSTER
+#import bevy_lean_deferred::lighting::bindings::{
+    normal_texture, output_texture, surface_texture, uniforms,
+}
 #import bevy_lean_deferred::lighting::surface::{Pixel, pbr_input_from_gbuffer}
 #import bevy_lean_deferred::tiles::{pixel_in_view, place_in_tile}
 #import bevy_pbr::{
@@ -21,13 +22,18 @@
 
 #ifdef SHOWS_LIGHT
 #import bevy_lean_deferred::lighting::lights::{
-    clustered_lights::add_clustered_lights,
+    brdf::{Gathered, lit_of},
     directional_light::add_directional_lights,
     indirect_light::add_indirect_light,
-    lit::{Lit, tinted},
-    shading_point::{ShadingPoint, shading_point},
+    lit::Lit,
+    shading_point::{NO_CLUSTER, ShadingPoint, shading_point},
 }
 #endif
+
+#ifdef CLUSTERED_LIGHTS
+#import bevy_lean_deferred::lighting::lights::clustered_lights::add_clustered_lights
+#endif
+
 
 #ifdef AREA_LIGHT_LUTS
 #import bevy_lean_deferred::lighting::lights::rect_light::add_rect_lights
@@ -83,7 +89,11 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> vec4<f32> {
     var pbr: PbrInput;
     var point: ShadingPoint;
     var cluster = NO_CLUSTER;
-    var direct: Lit;
+    // Exposed.
+    var color: vec3<f32>;
+    var gathered: Gathered;
+    // What occlusion leaves of direct light.
+    var direct_visibility = 1.0;
     if pixel.has_geometry {
         pbr = pbr_input_from_gbuffer(pixel);
 #ifdef LIGHT_LAYERS
@@ -92,52 +102,48 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> vec4<f32> {
 #ifdef CLUSTERED_DECALS_ARE_USABLE
         apply_decals(&pbr);
 #endif
+        color = pbr.material.base_color.rgb;
 #ifdef GBUFFER_SPECIALIZATION
         let has_light = !is_unlit(pixel.specialization_word);
 #else
         let has_light = true;
 #endif
         if has_light {
+#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
+            apply_ssao(&pbr, pixel.position);
+#endif
+#ifdef LEAN_AMBIENT_OCCLUSION
+            let visibility = apply_occlusion(&pbr, pixel.position, pixel.depth);
+#ifdef OCCLUSION_OF_DIRECT_LIGHT
+            direct_visibility = 1.0 - occlusion_view.direct_light_affect * (1.0 - visibility);
+#endif
+#endif
             let view_z = (view.view_from_world * pbr.world_position).z;
             cluster = view_fragment_cluster_index(pbr.frag_coord.xy, view_z, pbr.is_orthographic);
             point = shading_point(pbr, pixel, view_z);
-            add_directional_lights(&point, &direct);
+            // What needs more of the surface than lights do comes first: less is carried through their loops.
+            var lit: Lit;
+            add_indirect_light(&point, pbr, cluster, &lit);
+            color = view.exposure * (lit.diffuse + lit.specular) + emitted(pbr, pixel);
 #ifdef AREA_LIGHT_LUTS
-            add_rect_lights(&point, &direct);
+            lit = Lit();
+            add_rect_lights(&point, &lit);
+            color += view.exposure * direct_visibility * (lit.diffuse + lit.specular);
 #endif
+            add_directional_lights(&point, &gathered);
         }
     }
-    add_clustered_lights(&point, corner, cluster, member, &direct);
+#ifdef CLUSTERED_LIGHTS
+    add_clustered_lights(&point, corner, cluster, member, &gathered);
+#endif
     if !pixel.has_geometry {
         return vec4(0.0);
     }
-    var color = pbr.material.base_color;
     if cluster != NO_CLUSTER {
-        color = vec4(exposed_light(&pbr, &point, pixel, cluster, direct), color.a);
+        let lit = lit_of(&point, gathered);
+        color += view.exposure * direct_visibility * (lit.diffuse + lit.specular);
     }
-    return main_pass_post_lighting_processing(pbr, color);
-}
-
-/// All light from a surface, exposed: `direct` is what lights give.
-fn exposed_light(
-    pbr: ptr<function, PbrInput>,
-    point: ptr<function, ShadingPoint>,
-    pixel: Pixel,
-    cluster: u32,
-    direct: Lit,
-) -> vec3<f32> {
-    var lit = direct;
-#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
-    apply_ssao(pbr, pixel.position);
-#endif
-#ifdef LEAN_AMBIENT_OCCLUSION
-    let visibility = apply_occlusion(pbr, pixel.position, pixel.depth);
-#ifdef OCCLUSION_OF_DIRECT_LIGHT
-    lit = tinted(lit, vec3(1.0 - occlusion_view.direct_light_affect * (1.0 - visibility)));
-#endif
-#endif
-    add_indirect_light(point, *pbr, cluster, &lit);
-    return view.exposure * (lit.diffuse + lit.specular) + emitted(*pbr, pixel);
+    return main_pass_post_lighting_processing(pbr, vec4(color, 1.0));
 }
 
 /// What a surface emits, and catches along its rim; exposed.
@@ -183,6 +189,7 @@ fn read_pixel(place: vec2<u32>) -> Pixel {
     }
 #endif
     pixel.normal_word = textureLoad(normal_texture, pixel.position, 0).r;
+    pixel.surface_word = textureLoad(surface_texture, pixel.position, 0).r;
 #ifdef DEPTH_TELLS_GEOMETRY
     pixel.has_geometry = true;
 #else
@@ -205,7 +212,7 @@ fn read_pixel(place: vec2<u32>) -> Pixel {
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
-#ifdef SUBGROUPS
+#ifdef LIGHT_CULLING_BY_SUBGROUPS
     @builtin(subgroup_invocation_id) member: u32,
 #endif
 ) {
@@ -213,11 +220,12 @@ fn main(
     if !tile.is_listed {
         return;
     }
-#ifndef SUBGROUPS
+#ifndef LIGHT_CULLING_BY_SUBGROUPS
     let member = invocation;
 #endif
     let place = tile.origin + place_in_tile(invocation);
-    light_tile(read_pixel(place), place, tile.origin, member);
+    let pixel = read_pixel(place);
+    light_tile(pixel, place, tile.origin, member);
 }
 #else   // VISITED_VARIANTS
 @compute @workgroup_size(64, 1, 1)
@@ -225,11 +233,11 @@ fn main(
     @builtin(workgroup_id) tile: vec3<u32>,
     @builtin(num_workgroups) tiles: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
-#ifdef SUBGROUPS
+#ifdef LIGHT_CULLING_BY_SUBGROUPS
     @builtin(subgroup_invocation_id) member: u32,
 #endif
 ) {
-#ifndef SUBGROUPS
+#ifndef LIGHT_CULLING_BY_SUBGROUPS
     let member = invocation;
 #endif
     let place = pixel_in_view(tile.xy, tiles.xy, uniforms.row_stride, invocation);

@@ -7,19 +7,20 @@ use bevy::{
     prelude::*,
     render::render_resource::{
         BindGroupLayoutDescriptor, CachedComputePipelineId, ComputePipelineDescriptor,
-        PipelineCache, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
-        TextureSampleType,
+        PipelineCache, Sampler, SamplerBindingType, SamplerDescriptor, ShaderStages,
+        StorageTextureAccess, TextureFormat, TextureSampleType,
         binding_types::{
             sampler, storage_buffer_read_only, texture_2d, texture_storage_2d, uniform_buffer,
         },
     },
+    render::renderer::RenderDevice,
     shader::ShaderDefVal,
 };
 
 use super::{
     binding_numbers::{arrays, targets, view},
     buffers::LightingUniform,
-    features::{LightingKey, ShadowMaps},
+    features::{ClusteredLights, LightingKey, ShadowMaps},
     light_layer_table::LightLayersTable,
     tile_list::{filling_layout, reading_layout},
     variants,
@@ -27,7 +28,7 @@ use super::{
 use crate::{
     ambient_occlusion::OcclusionView,
     gpu::{bind_group_cache::FoundLayout, bindings::layout},
-    view::{GBufferTargets, GeometricNormal},
+    view::{GBufferTargets, GeometricNormal, LightCulling},
 };
 
 /// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output). All variants of a view share
@@ -45,16 +46,20 @@ pub(super) struct LightingLayouts {
 
 impl LightingLayouts {
     pub(super) fn has_occlusion(&self) -> bool {
-        self.targets
-            .descriptor()
-            .entries
-            .iter()
-            .any(|e| e.binding == targets::OCCLUSION_VIEW)
+        self.has_target_binding(targets::OCCLUSION_VIEW)
     }
 
     pub(super) fn has_light_layers(&self) -> bool {
+        self.has_target_binding(targets::LIGHT_LAYERS)
+    }
+
+    pub(super) fn has_nearest_sampler(&self) -> bool {
+        self.has_target_binding(targets::NEAREST_SAMPLER)
+    }
+
+    fn has_target_binding(&self, binding: u32) -> bool {
         let mut bindings = self.targets.descriptor().entries.iter();
-        bindings.any(|e| e.binding == targets::LIGHT_LAYERS)
+        bindings.any(|entry| entry.binding == binding)
     }
 
     pub(super) fn has_view_binding(&self, binding: u32) -> bool {
@@ -74,6 +79,7 @@ pub(crate) struct LightingPipelines {
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
     pub(super) filling_list: FoundLayout,
     pub(super) reading_list: FoundLayout,
+    pub(super) nearest_sampler: Sampler,
 }
 
 pub(super) fn init_lighting_pipelines(
@@ -81,6 +87,7 @@ pub(super) fn init_lighting_pipelines(
     mesh_pipeline: Res<MeshPipeline>,
     asset_server: Res<AssetServer>,
     pipeline_cache: Res<PipelineCache>,
+    render_device: Res<RenderDevice>,
 ) {
     commands.insert_resource(LightingPipelines {
         mesh_pipeline: mesh_pipeline.clone(),
@@ -88,6 +95,10 @@ pub(super) fn init_lighting_pipelines(
         by_key: HashMap::default(),
         filling_list: FoundLayout::new(&pipeline_cache, filling_layout()),
         reading_list: FoundLayout::new(&pipeline_cache, reading_layout()),
+        nearest_sampler: render_device.create_sampler(&SamplerDescriptor {
+            label: Some("lean_deferred/lighting/nearest"),
+            ..default()
+        }),
     });
 }
 
@@ -113,12 +124,14 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
                 targets::OCCLUSION_VIEW,
                 uniform_buffer::<OcclusionView>(true),
             ),
-            (
-                targets::NEAREST_SAMPLER,
-                sampler(SamplerBindingType::NonFiltering),
-            ),
             (targets::OCCLUSION_TEXTURE, occlusion),
         ]);
+    }
+    if key.occlusion.is_some() || key.geometric_normal.is_some() {
+        entries.push((
+            targets::NEAREST_SAMPLER,
+            sampler(SamplerBindingType::NonFiltering),
+        ));
     }
     if key.light_layers {
         let table = storage_buffer_read_only::<LightLayersTable>(false);
@@ -292,6 +305,10 @@ impl LightingPipelines {
             !key.shadow_maps.is_empty() || has(MeshPipelineKey::CONTACT_SHADOWS),
             "SHADOWS",
         );
+        let lights = |kinds| key.clustered_lights.contains(kinds);
+        define(lights(ClusteredLights::ANY), "CLUSTERED_LIGHTS");
+        define(lights(ClusteredLights::SPOT), "SPOT_LIGHTS");
+        define(lights(ClusteredLights::SPHERE), "SPHERE_LIGHTS");
         let casts = |kinds| key.shadow_maps.intersects(kinds);
         define(casts(ShadowMaps::DIRECTIONAL), "DIRECTIONAL_SHADOW_MAPS");
         define(casts(ShadowMaps::POINT), "POINT_SHADOW_MAPS");
@@ -311,8 +328,13 @@ impl LightingPipelines {
         );
         if let Some(projection) = key.projection.shader_def() {
             define(true, projection);
+            define(true, "PROJECTION_IS_AFFINE");
         }
-        define(key.subgroups, "SUBGROUPS");
+        define(key.light_culling != LightCulling::PerPixel, "LIGHT_CULLING");
+        define(
+            key.light_culling == LightCulling::Subgroup,
+            "LIGHT_CULLING_BY_SUBGROUPS",
+        );
 
         define(!key.targets.is_empty(), "GBUFFER_WRITTEN");
         for target in key.targets {

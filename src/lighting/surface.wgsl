@@ -2,9 +2,9 @@
 #define_import_path bevy_lean_deferred::lighting::surface
 
 #import bevy_lean_deferred::gbuffer::layout
-#import bevy_lean_deferred::lighting::bindings::{normal_texture, surface_texture, uniforms}
+#import bevy_lean_deferred::lighting::bindings::uniforms
 #import bevy_lean_deferred::reconstruction::{
-    normal::{nearer_side, normal_from_positions, straighter_side},
+    normal::{nearer_side, normal_from_positions, normal_from_slope, straighter_side},
     position::{SMALLEST_DEPTH, ndc_of_fragment, view_position},
 }
 #import bevy_pbr::{
@@ -13,6 +13,10 @@
     pbr_functions::calculate_view,
     pbr_types::{PbrInput, STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT, pbr_input_new},
 }
+
+#ifdef GEOMETRIC_NORMAL
+#import bevy_lean_deferred::lighting::bindings::nearest_sampler
+#endif
 
 #ifdef GBUFFER_EMISSIVE
 #import bevy_lean_deferred::gbuffer::layout::emissive::unpack_emissive
@@ -39,6 +43,7 @@ struct Pixel {
     position: vec2<i32>,
     has_geometry: bool,
     depth: f32,
+    surface_word: u32,
     normal_word: u32,
     /// Which optional targets hold a word of it.
     written: u32,
@@ -56,68 +61,68 @@ fn position_at(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
 /// Further from any surface than the other side of an axis can be, so that that is chosen.
 const OUTSIDE: f32 = 1e9;
 
-fn is_in_viewport(pixel: vec2<i32>) -> bool {
-    let p = pixel - vec2<i32>(uniforms.viewport_origin);
-    return all(p >= vec2(0)) && all(p < vec2<i32>(uniforms.viewport_size));
+/// World-space normal of the surface at `pixel`, unit length, facing the viewer. `depth` is the pixel's.
+fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
+    return (view.world_from_view * vec4(view_geometric_normal(pixel, depth), 0.0)).xyz;
 }
 
-/// Depth at `pixel`, `OUTSIDE` beyond the viewport.
-fn depth_at(pixel: vec2<i32>) -> f32 {
-    if !is_in_viewport(pixel) {
-        return OUTSIDE;
-    }
-    return textureLoad(depth_texture, pixel, 0);
+/// Depths of the 2×2 pixels from `first` on: those at (0, 1), (1, 1), (1, 0), (0, 0) from there.
+fn gather_depths(first: vec2<i32>) -> vec4<f32> {
+    let size = vec2<f32>(textureDimensions(depth_texture));
+    return textureGather(depth_texture, nearest_sampler, vec2<f32>(first + 1) / size);
 }
 
-/// View-space normal of the surface at `pixel`, unit length, facing the viewer.
-fn geometric_normal(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f32> {
-    let n = normal_from_taps(pixel, depth, position);
+fn view_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
+    let x = vec2(1, 0);
+    let y = vec2(0, 1);
+    // How many pixels of the viewport there are on each side.
+    let before = pixel - vec2<i32>(uniforms.viewport_origin);
+    let after = vec2<i32>(uniforms.viewport_size) - 1 - before;
+    // The nearer one first.
+    let left = select(vec2(OUTSIDE), gather_depths(pixel - 2 * x).zw, before.xx >= vec2(1, 2));
+    let right = select(vec2(OUTSIDE), gather_depths(pixel + x).wz, after.xx >= vec2(1, 2));
+    let top = select(vec2(OUTSIDE), gather_depths(pixel - 2 * y).xw, before.yy >= vec2(1, 2));
+    let bottom = select(vec2(OUTSIDE), gather_depths(pixel + y).wx, after.yy >= vec2(1, 2));
+#ifdef GEOMETRIC_NORMAL_THREE_TAP
+    // Right and below, but inwards in the last column and row.
+    let h = select(-1.0, 1.0, after.x >= 1);
+    let v = select(-1.0, 1.0, after.y >= 1);
+#else ifdef GEOMETRIC_NORMAL_FIVE_TAP
+    let h = nearer_side(depth, left.x, right.x);
+    let v = nearer_side(depth, top.x, bottom.x);
+#else
+    let h = straighter_side(depth, left.x, left.y, right.x, right.y);
+    let v = straighter_side(depth, top.x, top.y, bottom.x, bottom.y);
+#endif
+    let beside = select(left.x, right.x, h > 0.0);
+    let below = select(top.x, bottom.x, v > 0.0);
+#ifdef PROJECTION_IS_AFFINE
+    let slope = vec2(depth_slope(depth, beside, h), depth_slope(depth, below, v));
+    let viewport = view.main_pass_viewport;
+    let ndc = ndc_of_fragment(vec2<f32>(pixel) + 0.5, viewport);
+    let per_ndc = slope * viewport.zw * vec2(0.5, -0.5);
+    return normal_from_slope(view.view_from_clip, vec3(ndc, depth), per_ndc);
+#else
+    let position = position_at(pixel, depth);
+    let n = normal_from_positions(
+        position,
+        position_at(pixel + i32(h) * x, beside), h,
+        position_at(pixel + i32(v) * y, below), v,
+    );
     // A mirrored projection turns the order of the taps, and the normal, around.
     let to_viewer = select(-position, vec3(0.0, 0.0, 1.0), view.clip_from_view[3].w == 1.0);
     return select(n, -n, dot(n, to_viewer) < 0.0);
+#endif
 }
 
-/// As `geometric_normal`, in world space.
-fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
-    let normal = geometric_normal(pixel, depth, position_at(pixel, depth));
-    return (view.world_from_view * vec4(normal, 0.0)).xyz;
-}
-
-fn normal_from_taps(pixel: vec2<i32>, depth: f32, position: vec3<f32>) -> vec3<f32> {
-    let x = vec2(1, 0);
-    let y = vec2(0, 1);
-#ifdef GEOMETRIC_NORMAL_THREE_TAP
-    // Right and below, but inwards in the last column and row.
-    let h = select(-1, 1, is_in_viewport(pixel + x));
-    let v = select(-1, 1, is_in_viewport(pixel + y));
-    return normal_from_positions(
-        position,
-        position_at(pixel + h * x, depth_at(pixel + h * x)), f32(h),
-        position_at(pixel + v * y, depth_at(pixel + v * y)), f32(v),
-    );
-#else
-    let left = depth_at(pixel - x);
-    let right = depth_at(pixel + x);
-    let top = depth_at(pixel - y);
-    let bottom = depth_at(pixel + y);
-#ifdef GEOMETRIC_NORMAL_FIVE_TAP
-    let h = nearer_side(depth, left, right);
-    let v = nearer_side(depth, top, bottom);
-#else
-    let h = straighter_side(depth, left, depth_at(pixel - 2 * x), right, depth_at(pixel + 2 * x));
-    let v = straighter_side(depth, top, depth_at(pixel - 2 * y), bottom, depth_at(pixel + 2 * y));
-#endif
-    return normal_from_positions(
-        position,
-        position_at(pixel + i32(h) * x, select(left, right, h > 0.0)), h,
-        position_at(pixel + i32(v) * y, select(top, bottom, v > 0.0)), v,
-    );
-#endif
+/// Towards larger coordinates, per pixel. Where the viewport is a pixel wide there is no other.
+fn depth_slope(depth: f32, other: f32, side: f32) -> f32 {
+    return select((other - depth) * side, 0.0, other == OUTSIDE);
 }
 #endif  // GEOMETRIC_NORMAL
 
 fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
-    let surface_word = textureLoad(surface_texture, pixel.position, 0).r;
+    let surface_word = pixel.surface_word;
     let position = position_at(pixel.position, pixel.depth);
 
     var pbr = pbr_input_new();

@@ -35,7 +35,7 @@ pub struct LeanDeferred {
     /// Lights without the component affect all meshes. Layers from 31 on count as one. Meshes that Bevy's forward pass
     /// draws, such as transparent ones, are lit as Bevy has it.
     pub light_layers: bool,
-    /// How the lights of a tile are chosen. Default: [`LightCulling::Auto`].
+    /// How lights that do not reach a pixel are passed by. Default: [`LightCulling::Auto`].
     pub light_culling: LightCulling,
     /// Shows one channel of the G-buffer in place of the lit image. Default: none.
     pub debug_view: Option<GBufferChannel>,
@@ -79,16 +79,19 @@ impl GeometricNormal {
     pub const ALL: [Self; 3] = [Self::ThreeTap, Self::FiveTap, Self::NineTap];
 }
 
-/// How the invocations of a tile choose the point and spot lights that can reach it. The picture is the same.
+/// How point and spot lights that do not reach a pixel are passed by. The picture is the same.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum LightCulling {
-    /// By subgroups where the device has them, of at least 4 invocations; else in shared memory.
+    /// The fastest: [`PerPixel`](Self::PerPixel), on all devices measured so far.
     #[default]
     Auto,
-    /// Each subgroup for itself by ballots, if the device has them.
+    /// Each pixel looks at all lights of its cluster.
+    PerPixel,
+    /// The subgroups of an 8×8 tile first find those that reach it, by ballots. Where the device has no subgroups:
+    /// [`SharedMemory`](Self::SharedMemory).
     Subgroup,
-    /// A workgroup together in shared memory.
+    /// The workgroup of an 8×8 tile first finds those that reach it, in shared memory.
     SharedMemory,
 }
 

@@ -94,7 +94,7 @@ fn structs_are_laid_out_alike() {
 
 /// The lighting shader with what lights everything, and `more`.
 fn lighting(more: &[&str]) -> Module {
-    const MOST: [&str; 25] = [
+    const MOST: [&str; 28] = [
         "DEPTH_PREPASS",
         "AVAILABLE_STORAGE_BUFFER_BINDINGS=16",
         "GBUFFER_WRITTEN",
@@ -106,6 +106,9 @@ fn lighting(more: &[&str]) -> Module {
         "DISTANCE_FOG",
         "ATMOSPHERE",
         "SHADOWS",
+        "CLUSTERED_LIGHTS",
+        "SPOT_LIGHTS",
+        "SPHERE_LIGHTS",
         "DIRECTIONAL_SHADOW_MAPS",
         "CLUSTERED_SHADOW_MAPS",
         "POINT_SHADOW_MAPS",

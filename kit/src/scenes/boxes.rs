@@ -10,6 +10,8 @@ pub struct Boxes {
     /// Of the icospheres; 4 makes 5120 triangles.
     pub subdivisions: u32,
     pub point_lights: u32,
+    /// How far each of them reaches, in metres.
+    pub range: f32,
 }
 
 impl Boxes {
@@ -19,6 +21,7 @@ impl Boxes {
             side: 40,
             subdivisions: 4,
             point_lights,
+            range: 5.0,
         }
     }
 
@@ -28,6 +31,7 @@ impl Boxes {
             side: 10,
             subdivisions: 2,
             point_lights,
+            range: 5.0,
         }
     }
 }
@@ -102,11 +106,16 @@ pub fn spawn(
 
 /// The point lights, without shadows.
 pub fn spawn_point_lights(commands: &mut Commands, boxes: Boxes) {
-    spawn_lights_over(commands, boxes.point_lights, Vec2::splat(boxes.side as f32));
+    spawn_lights_over(
+        commands,
+        boxes.point_lights,
+        Vec2::splat(boxes.side as f32),
+        boxes.range,
+    );
 }
 
-/// Point lights without shadows, of 20,000 lm and a range of 5 m, over so many metres of ground at 0.5 to 3.5 m.
-pub fn spawn_lights_over(commands: &mut Commands, count: u32, spread: Vec2) {
+/// Point lights without shadows, of 20,000 lm and this range, over so many metres of ground at 0.5 to 3.5 m.
+pub fn spawn_lights_over(commands: &mut Commands, count: u32, spread: Vec2, range: f32) {
     // A low-discrepancy sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
     for n in 0..count {
         let r = |a: f32| (0.5 + a * n as f32).fract();
@@ -115,7 +124,7 @@ pub fn spawn_lights_over(commands: &mut Commands, count: u32, spread: Vec2) {
             PointLight {
                 color: Color::hsl(360.0 * w, 0.7, 0.7),
                 intensity: 20_000.0,
-                range: 5.0,
+                range,
                 ..default()
             },
             Transform::from_xyz(spread.x * (u - 0.5), 0.5 + 3.0 * w, spread.y * (v - 0.5)),

@@ -1,16 +1,72 @@
-// How a surface reflects light from one direction: Bevy's `lighting` for one light, diffuse and specular apart, with what
-// all lights share found once. `D_GGX` and others there say where each term is from.
+// How a surface reflects light from one direction: Bevy's `lighting` for one light, with what all lights share found once,
+// and without the colours of the surface, which come in at the end. `D_GGX` and others there say where each term is from.
 #define_import_path bevy_lean_deferred::lighting::lights::brdf
 
 #import bevy_lean_deferred::lighting::lights::lit::Lit
 #import bevy_lean_deferred::lighting::lights::shading_point::{ShadingPoint, fifth_power, smith}
+
+#ifdef SPHERE_LIGHTS
 #import bevy_pbr::lighting::specular_fix_remap
+#endif
 
 #ifdef STANDARD_MATERIAL_ANISOTROPY
 #import bevy_pbr::lighting::{D_GGX_anisotropic, V_GGX_anisotropic}
 #endif
 
 const INVERSE_PI: f32 = 0.31830987;
+
+/// What one light's direction makes of the surface: factors of the light's colour, with N·L in each.
+struct Response {
+    /// Diffuse reflection, times π.
+    diffuse: f32,
+    /// Specular reflection of a perfect mirror's boundary.
+    specular: f32,
+    /// The same times `(1 - L·H)⁵`, for the Fresnel term.
+    fresnel: f32,
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    coat: f32,
+#endif
+}
+
+/// The sum of the responses to all lights, in their colours.
+struct Gathered {
+    diffuse: vec3<f32>,
+    specular: vec3<f32>,
+    fresnel: vec3<f32>,
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    coat: vec3<f32>,
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    /// From behind, times π.
+    transmitted: vec3<f32>,
+#endif
+}
+
+fn gather(gathered: ptr<function, Gathered>, response: Response, color: vec3<f32>) {
+    (*gathered).diffuse += response.diffuse * color;
+    (*gathered).specular += response.specular * color;
+    (*gathered).fresnel += response.fresnel * color;
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    (*gathered).coat += response.coat * color;
+#endif
+}
+
+/// What leaves the surface of all that it gathered.
+fn lit_of(point: ptr<function, ShadingPoint>, gathered: Gathered) -> Lit {
+    let normal = (*point).F_normal;
+    // (1 - cos)⁵ leads from the reflectance at normal incidence to that at grazing angles (Schlick 1994).
+    let boundary = normal * gathered.specular + ((*point).F_grazing - normal) * gathered.fresnel;
+    var lit: Lit;
+    lit.diffuse = (*point).diffuse_color * gathered.diffuse * INVERSE_PI;
+    lit.specular = (*point).multiscatter * boundary;
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    lit.specular += gathered.coat;
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    lit.diffuse += (*point).transmitted_color * gathered.transmitted * INVERSE_PI;
+#endif
+    return lit;
+}
 
 /// The normal and the directions of light and view beside the one halfway between these two.
 struct Halfway {
@@ -22,9 +78,26 @@ struct Halfway {
 }
 
 fn halfway(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Halfway {
-    let H = normalize(L + (*point).V);
+    let between = L + (*point).V;
+    let H = between * inverseSqrt(dot(between, between));
     let N = (*point).N;
     return Halfway(H, saturate(dot(N, L)), saturate(dot(N, H)), saturate(dot(L, H)));
+}
+
+/// As `halfway`, for any `L` of unit length: all cosines follow from those between normal, light and view.
+fn halfway_to(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Halfway {
+    let NdotL = dot((*point).N, L);
+    // The square of |L + V|.
+    let square = 2.0 + 2.0 * dot(L, (*point).V);
+    let inverse = inverseSqrt(square);
+    var h: Halfway;
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+    h.H = (L + (*point).V) * inverse;
+#endif
+    h.NdotL = saturate(NdotL);
+    h.NdotH = saturate((NdotL + (*point).signed_NdotV) * inverse);
+    h.LdotH = saturate(0.5 * square * inverse);
+    return h;
 }
 
 /// The distribution of microfacets, 1/sr (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces").
@@ -34,7 +107,7 @@ fn distribution(roughness: f32, NdotH: f32) -> f32 {
     return k * k * INVERSE_PI;
 }
 
-/// Diffuse reflection per colour, times π (Burley 2012, "Physically-Based Shading at Disney"), and times N·L.
+/// Times π and N·L (Burley 2012, "Physically-Based Shading at Disney").
 fn diffuse_reflection(point: ptr<function, ShadingPoint>, h: Halfway) -> f32 {
     let beyond = 2.0 * (*point).roughness * h.LdotH * h.LdotH - 0.5;
     let light_scatter = 1.0 + beyond * fifth_power(1.0 - h.NdotL);
@@ -42,16 +115,14 @@ fn diffuse_reflection(point: ptr<function, ShadingPoint>, h: Halfway) -> f32 {
     return light_scatter * view_scatter * h.NdotL;
 }
 
-/// Specular reflection times N·L. `view_smith` is that of `roughness`. `L` is the direction of the light's centre.
+/// Without the Fresnel term, times N·L. `view_smith` is that of `roughness`, `L` the direction of the light's centre.
 fn specular_reflection(
     point: ptr<function, ShadingPoint>,
     L: vec3<f32>,
     h: Halfway,
     roughness: f32,
     view_smith: f32,
-) -> vec3<f32> {
-    let fresnel = (*point).F_normal + ((*point).F_grazing - (*point).F_normal) * fifth_power(1.0 - h.LdotH);
-    let tint = fresnel * (*point).multiscatter;
+) -> f32 {
 #ifdef STANDARD_MATERIAL_ANISOTROPY
     if (*point).is_anisotropic {
         let T = (*point).tangent;
@@ -63,54 +134,59 @@ fn specular_reflection(
         let visibility = V_GGX_anisotropic(
             along, across, h.NdotL, (*point).NdotV, dot(B, V), dot(T, V), dot(T, L), dot(B, L),
         );
-        return tint * (distribution * visibility * h.NdotL);
+        return distribution * visibility * h.NdotL;
     }
 #endif
+    // The distribution and the visibility with one division.
+    let square = roughness * roughness;
+    let k = 1.0 - h.NdotH * h.NdotH * (1.0 - square);
     let lambdas = h.NdotL * view_smith + (*point).NdotV * smith(roughness, h.NdotL);
-    return tint * (distribution(roughness, h.NdotH) * 0.5 * h.NdotL / lambdas);
+    return (0.5 * INVERSE_PI) * square * h.NdotL / (k * k * lambdas);
 }
 
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-/// What a clear coat reflects, times N·L, and what it lets through either way.
-struct Coat {
-    reflected: f32,
-    passed: f32,
-}
-
-fn coat(point: ptr<function, ShadingPoint>, h: Halfway, roughness: f32) -> Coat {
-    let fresnel = (0.04 + 0.96 * fifth_power(1.0 - h.LdotH)) * (*point).clearcoat;
-    let visibility = 0.25 / (h.LdotH * h.LdotH);
-    let reflected = distribution(roughness, h.NdotH) * visibility * fresnel * h.NdotL;
-    return Coat(reflected, 1.0 - fresnel);
-}
-#endif
-
-/// Of light from the one direction `L`.
-fn reflected(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Lit {
-    let h = halfway(point, L);
-    var lit: Lit;
-    lit.diffuse = (*point).diffuse_color * (diffuse_reflection(point, h) * INVERSE_PI);
-    lit.specular = specular_reflection(point, L, h, (*point).roughness, (*point).view_smith);
-#ifdef STANDARD_MATERIAL_CLEARCOAT
-    if (*point).clearcoat > 0.0 {
-        let coat = coat(point, h, (*point).clearcoat_roughness);
-        lit.diffuse *= coat.passed;
-        lit.specular = lit.specular * (coat.passed * coat.passed) + coat.reflected;
-    }
-#endif
-    return lit;
-}
-
-/// Of light from a sphere whose centre is `to_light`, as far as `distance`, away: as if its point nearest to the mirrored
-/// ray shone, on a rougher surface (Karis 2013, "Real Shading in Unreal Engine 4"), as Bevy amends it.
-fn reflected_sphere(
+/// Puts the coat on top: it reflects a part, `dimming` of it, and dims what passes it.
+fn cover(
     point: ptr<function, ShadingPoint>,
-    to_light: vec3<f32>,
-    distance: f32,
-    radius: f32,
-) -> Lit {
+    response: ptr<function, Response>,
+    h: Halfway,
+    roughness: f32,
+    dimming: f32,
+) {
+    if (*point).clearcoat == 0.0 {
+        return;
+    }
+    let fresnel = (0.04 + 0.96 * fifth_power(1.0 - h.LdotH)) * (*point).clearcoat;
+    // Kelemen and Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model".
+    let visibility = 0.25 / (h.LdotH * h.LdotH);
+    let passed = 1.0 - fresnel;
+    (*response).diffuse *= passed;
+    (*response).specular *= passed * passed;
+    (*response).fresnel *= passed * passed;
+    (*response).coat = distribution(roughness, h.NdotH) * visibility * fresnel * h.NdotL * dimming;
+}
+#endif
+
+/// To light from the one direction `L`.
+fn response(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Response {
+    let h = halfway_to(point, L);
+    var response: Response;
+    response.diffuse = diffuse_reflection(point, h);
+    response.specular = specular_reflection(point, L, h, (*point).roughness, (*point).view_smith);
+    response.fresnel = response.specular * fifth_power(1.0 - h.LdotH);
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    cover(point, &response, h, (*point).clearcoat_roughness, 1.0);
+#endif
+    return response;
+}
+
+#ifdef SPHERE_LIGHTS
+/// To light from a sphere whose centre is `to_light` away: as if its point nearest to the mirrored ray shone, on a rougher
+/// surface (Karis 2013, "Real Shading in Unreal Engine 4"), as Bevy amends it.
+fn response_to_sphere(point: ptr<function, ShadingPoint>, to_light: vec3<f32>, radius: f32) -> Response {
+    let distance = length(to_light);
     let L = to_light / distance;
-    let R = (*point).R;
+    let R = reflect(-(*point).V, (*point).N);
     let to_ray = max(0.0001, dot(to_light, R)) * R - to_light;
     let nearest = to_light + to_ray * saturate(radius * inverseSqrt(dot(to_ray, to_ray)));
     let h = halfway(point, nearest * inverseSqrt(dot(nearest, nearest)));
@@ -120,21 +196,16 @@ fn reflected_sphere(
 
     let widening = radius / (2.0 * distance);
     let wide = widened((*point).roughness, widening);
-    var lit: Lit;
-    lit.diffuse = (*point).diffuse_color * (diffuse_reflection(point, halfway(point, L)) * INVERSE_PI);
     let view_smith = smith(wide.roughness, (*point).NdotV);
-    lit.specular = specular_reflection(point, L, h, wide.roughness, view_smith) * (wide.dimming * above);
+    var response: Response;
+    response.diffuse = diffuse_reflection(point, halfway(point, L));
+    response.specular = specular_reflection(point, L, h, wide.roughness, view_smith) * wide.dimming * above;
+    response.fresnel = response.specular * fifth_power(1.0 - h.LdotH);
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    if (*point).clearcoat > 0.0 {
-        let wide_coat = widened((*point).clearcoat_roughness, widening);
-        let coat = coat(point, h, wide_coat.roughness);
-        // Bevy dims what the coat reflects, but not what it takes away.
-        lit.diffuse *= coat.passed;
-        lit.specular = lit.specular * (coat.passed * coat.passed)
-            + coat.reflected * (wide_coat.dimming * above);
-    }
+    let wide_coat = widened((*point).clearcoat_roughness, widening);
+    cover(point, &response, h, wide_coat.roughness, wide_coat.dimming * above);
 #endif
-    return lit;
+    return response;
 }
 
 struct Widened {
@@ -147,14 +218,15 @@ fn widened(roughness: f32, widening: f32) -> Widened {
     let ratio = roughness / wide;
     return Widened(mix(roughness, wide, specular_fix_remap(roughness)), ratio * ratio);
 }
+#endif  // SPHERE_LIGHTS
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-/// Light from behind, in direction `L`, that shines through: diffuse, of roughness 1.
-fn transmitted(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> vec3<f32> {
+/// Diffuse response, of roughness 1 and times π, to light from behind in direction `L`.
+fn response_from_behind(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> f32 {
     let H = normalize(L - (*point).V);
     let NdotL = saturate(-dot((*point).N, L));
     let LdotH = saturate(dot(L, H));
     let light_scatter = 1.0 + (2.0 * LdotH * LdotH - 0.5) * fifth_power(1.0 - NdotL);
-    return (*point).transmitted_color * (light_scatter * NdotL * INVERSE_PI);
+    return light_scatter * NdotL;
 }
 #endif

@@ -1,14 +1,17 @@
 // Light from one point or spot light, as Bevy's `point_light` and `spot_light`.
 #define_import_path bevy_lean_deferred::lighting::lights::clustered_light
 
-#import bevy_lean_deferred::lighting::lights::brdf::{reflected, reflected_sphere}
-#import bevy_lean_deferred::lighting::lights::lit::Lit
+#import bevy_lean_deferred::lighting::lights::brdf::{Gathered, Response, gather, response}
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
 #import bevy_pbr::{
-    lighting::getDistanceAttenuation,
+    lighting::getRangeFalloff,
     mesh_view_bindings::clustered_lights,
     mesh_view_types,
 }
+
+#ifdef SPHERE_LIGHTS
+#import bevy_lean_deferred::lighting::lights::brdf::response_to_sphere
+#endif
 
 #ifdef LIGHT_LAYERS
 #import bevy_lean_deferred::lighting::light_layers::clustered_light_affects_mesh
@@ -29,9 +32,23 @@
 #endif
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-#import bevy_lean_deferred::lighting::lights::brdf::transmitted
+#import bevy_lean_deferred::lighting::lights::brdf::response_from_behind
 #import bevy_lean_deferred::lighting::lights::shading_point::transmits
 #endif
+
+fn is_spot_light(flags: u32) -> bool {
+#ifdef SPOT_LIGHTS
+    return (flags & mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_BIT) != 0u;
+#else
+    return false;
+#endif
+}
+
+/// With the square of the distance, as Bevy has it: no more than at a centimetre, and down to 0 at the light's range.
+fn attenuation(distance_square: f32, inverse_distance: f32, inverse_square_range: f32) -> f32 {
+    let inverse_square = min(inverse_distance * inverse_distance, 1e4);
+    return getRangeFalloff(distance_square, inverse_square_range) * inverse_square;
+}
 
 /// Where a spot light points.
 fn spot_direction(custom_data: vec2<f32>, flags: u32) -> vec3<f32> {
@@ -75,15 +92,15 @@ fn texture_of(id: u32, is_spot: bool, position: vec3<f32>) -> f32 {
 }
 #endif
 
-/// Adds what the light with this index gives to `lit`. What it cannot reach is found out first: most of the lights near a
+/// Adds what the light with this index gives to what the surface gathers. What it cannot reach is found out first: most of the lights near a
 /// tile do not reach each of its pixels.
-fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, lit: ptr<function, Lit>) {
+fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<function, Gathered>) {
     let light = &clustered_lights.data[id];
     let position_radius = (*light).position_radius;
     let color_range = (*light).color_inverse_square_range;
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     if transmits(point) {
-        add_transmitted(point, id, lit);
+        add_transmitted(point, id, gathered);
     }
 #endif
     let to_light = position_radius.xyz - (*point).position;
@@ -93,10 +110,11 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, lit: ptr<fun
     if !(distance_square * color_range.w < 1.0 && height + position_radius.w > 0.0) {
         return;
     }
-    let L = to_light * inverseSqrt(distance_square);
+    let inverse_distance = inverseSqrt(distance_square);
+    let L = to_light * inverse_distance;
     let flags = (*light).flags;
-    var strength = getDistanceAttenuation(distance_square, color_range.w);
-    let is_spot = (flags & mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_BIT) != 0u;
+    var strength = attenuation(distance_square, inverse_distance, color_range.w);
+    let is_spot = is_spot_light(flags);
     if is_spot {
         strength *= cone_falloff(id, flags, L);
         if strength == 0.0 {
@@ -120,23 +138,24 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, lit: ptr<fun
     strength *= texture_of(id, is_spot, (*point).position);
 #endif
 
-    var reflection: Lit;
+#ifdef SPHERE_LIGHTS
+    var reflection: Response;
     if position_radius.w > 0.0 {
-        let distance = sqrt(distance_square);
-        reflection = reflected_sphere(point, to_light, distance, position_radius.w);
+        reflection = response_to_sphere(point, to_light, position_radius.w);
     } else {
-        reflection = reflected(point, L);
+        reflection = response(point, L);
     }
-    let color = color_range.rgb * strength;
+#else
+    var reflection = response(point, L);
+#endif
 #ifdef LIGHTMAP
     let adds_diffuse =
         (flags & mesh_view_types::POINT_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
     if (*point).is_lightmapped && !adds_diffuse {
-        reflection.diffuse = vec3(0.0);
+        reflection.diffuse = 0.0;
     }
 #endif
-    (*lit).diffuse += reflection.diffuse * color;
-    (*lit).specular += reflection.specular * color;
+    gather(gathered, reflection, color_range.rgb * strength);
 }
 
 #ifdef SHADOWS
@@ -167,7 +186,7 @@ fn shadow_of(
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 /// As `add_clustered_light`, of light that shines on the back.
-fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, lit: ptr<function, Lit>) {
+fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<function, Gathered>) {
     let light = &clustered_lights.data[id];
     let color_range = (*light).color_inverse_square_range;
     let to_light = (*light).position_radius.xyz - (*point).back_position;
@@ -175,10 +194,11 @@ fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, lit: ptr<functio
     if !(distance_square * color_range.w < 1.0 && dot((*point).N, to_light) < 0.0) {
         return;
     }
-    let L = to_light * inverseSqrt(distance_square);
+    let inverse_distance = inverseSqrt(distance_square);
+    let L = to_light * inverse_distance;
     let flags = (*light).flags;
-    var strength = getDistanceAttenuation(distance_square, color_range.w);
-    let is_spot = (flags & mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_BIT) != 0u;
+    var strength = attenuation(distance_square, inverse_distance, color_range.w);
+    let is_spot = is_spot_light(flags);
     if is_spot {
         strength *= cone_falloff(id, flags, L);
         if strength == 0.0 {
@@ -207,6 +227,6 @@ fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, lit: ptr<functio
 #ifdef LIGHT_TEXTURES
     strength *= texture_of(id, is_spot, (*point).back_position);
 #endif
-    (*lit).diffuse += transmitted(point, L) * color_range.rgb * strength;
+    (*gathered).transmitted += response_from_behind(point, L) * strength * color_range.rgb;
 }
 #endif

@@ -1,22 +1,39 @@
-// Light from the point and spot lights of a tile: those in the clusters of its pixels that can reach them are found by
-// its invocations together, and walked by all in Bevy's order.
+// Light from the point and spot lights of a pixel's cluster, in Bevy's order.
 //
-// A set of lights is a mask of those that the invocations have looked at, one each, so that no list of any length is
-// stored. With SUBGROUPS each subgroup finds its own, without barriers.
+// Each pixel may look at all of them; most do not reach it, which costs a dozen instructions. Or the invocations of a tile
+// find those that reach it together (LIGHT_CULLING), and all walk these: a set of lights is a mask of those that the
+// invocations have looked at, one each, so that no list of any length is stored.
 #define_import_path bevy_lean_deferred::lighting::lights::clustered_lights
 
 #import bevy_lean_deferred::lighting::lights::clustered_light::add_clustered_light
-#import bevy_lean_deferred::lighting::lights::lit::Lit
-#import bevy_lean_deferred::lighting::lights::reach::{box_of_tile, may_reach}
-#import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
+#import bevy_lean_deferred::lighting::lights::brdf::Gathered
+#import bevy_lean_deferred::lighting::lights::shading_point::{NO_CLUSTER, ShadingPoint}
 #import bevy_pbr::clustered_forward::{
     get_clusterable_object_id, unpack_clusterable_object_index_ranges,
 }
 
-/// Of pixels that are not lit.
-const NO_CLUSTER: u32 = 0xffffffffu;
+#ifdef LIGHT_CULLING
+#import bevy_lean_deferred::lighting::lights::reach::{box_of_tile, may_reach}
+#endif
 
-#ifdef SUBGROUPS
+#ifndef LIGHT_CULLING
+fn add_clustered_lights(
+    point: ptr<function, ShadingPoint>,
+    corner: vec2<u32>,
+    cluster: u32,
+    member: u32,
+    gathered: ptr<function, Gathered>,
+) {
+    if cluster == NO_CLUSTER {
+        return;
+    }
+    let ranges = unpack_clusterable_object_index_ranges(cluster);
+    let end = ranges.first_reflection_probe_index_offset;
+    for (var i = ranges.first_point_light_index_offset; i < end; i++) {
+        add_clustered_light(point, get_clusterable_object_id(i), gathered);
+    }
+}
+#else ifdef LIGHT_CULLING_BY_SUBGROUPS
 /// Ones below bit `lane` of a ballot.
 fn ones_below(ballot: vec2<u32>, lane: u32) -> u32 {
     let low = countOneBits(ballot.x & select((1u << (lane & 31u)) - 1u, 0xffffffffu, lane >= 32u));
@@ -32,7 +49,7 @@ fn add_clustered_lights(
     corner: vec2<u32>,
     cluster: u32,
     lane: u32,
-    lit: ptr<function, Lit>,
+    gathered: ptr<function, Gathered>,
 ) {
     var left = cluster;
     loop {
@@ -66,7 +83,7 @@ fn add_clustered_lights(
                         let bit = 32u * word + firstTrailingBit(mask);
                         mask &= mask - 1u;
                         let id = get_clusterable_object_id(first + ones_below(present, bit));
-                        add_clustered_light(point, id, lit);
+                        add_clustered_light(point, id, gathered);
                     }
                 }
             }
@@ -75,12 +92,14 @@ fn add_clustered_lights(
     }
 }
 #else
-/// Of the pixels that are left, the cluster that comes next; its least and its largest depth, as bits.
-var<workgroup> next_cluster: atomic<u32>;
+/// Of the pixels that are left: the clusters with the smallest and the largest number, and the depths, as bits.
+var<workgroup> least_cluster: atomic<u32>;
+var<workgroup> most_cluster: atomic<u32>;
 var<workgroup> least_depth: atomic<u32>;
 var<workgroup> most_depth: atomic<u32>;
-/// A bit for each invocation: the light that it looks at may reach the tile.
-var<workgroup> reaching: array<atomic<u32>, 2>;
+/// A bit for each invocation: the light that it looks at may reach the tile. There are three, so that one is cleared while
+/// another is filled and the third may still be read.
+var<workgroup> reaching: array<array<atomic<u32>, 2>, 3>;
 
 /// To be called by all 64 invocations of the workgroup, also where `cluster` is `NO_CLUSTER`. `corner` is the tile's first
 /// pixel.
@@ -89,65 +108,69 @@ fn add_clustered_lights(
     corner: vec2<u32>,
     cluster: u32,
     invocation: u32,
-    lit: ptr<function, Lit>,
+    gathered: ptr<function, Gathered>,
 ) {
     var left = cluster;
     loop {
-        workgroupBarrier();
         if invocation == 0u {
-            atomicStore(&next_cluster, NO_CLUSTER);
+            atomicStore(&least_cluster, NO_CLUSTER);
+            atomicStore(&most_cluster, 0u);
             atomicStore(&least_depth, 0xffffffffu);
             atomicStore(&most_depth, 0u);
-            atomicStore(&reaching[0], 0u);
-            atomicStore(&reaching[1], 0u);
+            atomicStore(&reaching[0][0], 0u);
+            atomicStore(&reaching[0][1], 0u);
         }
         workgroupBarrier();
         if left != NO_CLUSTER {
-            atomicMin(&next_cluster, left);
-        }
-        workgroupBarrier();
-        let current = atomicLoad(&next_cluster);
-        if current == NO_CLUSTER {
-            break;
-        }
-        let is_here = left == current;
-        if is_here {
+            atomicMin(&least_cluster, left);
+            atomicMax(&most_cluster, left);
             // Depths are not negative: their bits are in the same order.
             let bits = bitcast<u32>((*point).depth);
             atomicMin(&least_depth, bits);
             atomicMax(&most_depth, bits);
-            left = NO_CLUSTER;
         }
         workgroupBarrier();
+        let current = atomicLoad(&least_cluster);
+        if current == NO_CLUSTER {
+            break;
+        }
+        let is_last = current == atomicLoad(&most_cluster);
         let depths = vec2(atomicLoad(&least_depth), atomicLoad(&most_depth));
         let bounds = box_of_tile(corner, bitcast<vec2<f32>>(depths));
+        let is_here = left == current;
+        left = select(left, NO_CLUSTER, is_here);
+
         let ranges = unpack_clusterable_object_index_ranges(current);
         let end = ranges.first_reflection_probe_index_offset;
+        var buffer = 0u;
         for (var first = ranges.first_point_light_index_offset; first < end; first += 64u) {
             let index = first + invocation;
             if index < end {
                 if may_reach(bounds, get_clusterable_object_id(index)) {
-                    atomicOr(&reaching[invocation >> 5u], 1u << (invocation & 31u));
+                    atomicOr(&reaching[buffer][invocation >> 5u], 1u << (invocation & 31u));
                 }
             }
-            workgroupBarrier();
-            let found = vec2(atomicLoad(&reaching[0]), atomicLoad(&reaching[1]));
-            workgroupBarrier();
+            let next = select(buffer + 1u, 0u, buffer == 2u);
             if invocation < 2u {
-                atomicStore(&reaching[invocation], 0u);
+                atomicStore(&reaching[next][invocation], 0u);
             }
             workgroupBarrier();
-            if is_here {
-                for (var word = 0u; word < 2u; word++) {
-                    var mask = select(found.x, found.y, word == 1u);
-                    while mask != 0u {
-                        let bit = 32u * word + firstTrailingBit(mask);
-                        mask &= mask - 1u;
-                        add_clustered_light(point, get_clusterable_object_id(first + bit), lit);
-                    }
+            for (var word = 0u; word < 2u; word++) {
+                var mask = atomicLoad(&reaching[buffer][word]);
+                mask = select(0u, mask, is_here);
+                while mask != 0u {
+                    let bit = 32u * word + firstTrailingBit(mask);
+                    mask &= mask - 1u;
+                    add_clustered_light(point, get_clusterable_object_id(first + bit), gathered);
                 }
             }
+            buffer = next;
         }
+        if is_last {
+            break;
+        }
+        // What all have read may be set anew.
+        workgroupBarrier();
     }
 }
 #endif

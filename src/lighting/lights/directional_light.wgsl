@@ -1,8 +1,7 @@
 // Light from all directional lights, as Bevy's `directional_light`.
 #define_import_path bevy_lean_deferred::lighting::lights::directional_light
 
-#import bevy_lean_deferred::lighting::lights::brdf::reflected
-#import bevy_lean_deferred::lighting::lights::lit::Lit
+#import bevy_lean_deferred::lighting::lights::brdf::{Gathered, gather, response}
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
 #import bevy_pbr::mesh_view_bindings as view_bindings
 #import bevy_pbr::mesh_view_types
@@ -26,7 +25,7 @@
 #endif
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-#import bevy_lean_deferred::lighting::lights::brdf::transmitted
+#import bevy_lean_deferred::lighting::lights::brdf::response_from_behind
 #import bevy_lean_deferred::lighting::lights::shading_point::transmits
 #endif
 
@@ -69,7 +68,7 @@ fn has_shadow_map(id: u32) -> bool {
 }
 #endif
 
-fn add_directional_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) {
+fn add_directional_lights(point: ptr<function, ShadingPoint>, gathered: ptr<function, Gathered>) {
     let count = view_bindings::lights.n_directional_lights;
     for (var id = 0u; id < count; id++) {
 #ifdef LIGHT_LAYERS
@@ -85,11 +84,11 @@ fn add_directional_lights(point: ptr<function, ShadingPoint>, lit: ptr<function,
 #endif
         let L = view_bindings::lights.directional_lights[id].direction_to_light;
         if dot((*point).N, L) > 0.0 {
-            add_directional_light(point, id, L, adds_diffuse, lit);
+            add_directional_light(point, id, L, adds_diffuse, gathered);
         }
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
         if adds_diffuse && transmits(point) && dot((*point).N, L) < 0.0 {
-            add_transmitted_directional_light(point, id, L, lit);
+            add_transmitted_directional_light(point, id, L, gathered);
         }
 #endif
     }
@@ -100,7 +99,7 @@ fn add_directional_light(
     id: u32,
     L: vec3<f32>,
     adds_diffuse: bool,
-    lit: ptr<function, Lit>,
+    gathered: ptr<function, Gathered>,
 ) {
     var shadow = 1.0;
 #ifdef SHADOWS
@@ -124,11 +123,11 @@ fn add_directional_light(
     }
 #endif
     let color = color_at(id, (*point).position) * shadow;
-    let reflection = reflected(point, L);
-    if adds_diffuse {
-        (*lit).diffuse += reflection.diffuse * color;
+    var reflection = response(point, L);
+    if !adds_diffuse {
+        reflection.diffuse = 0.0;
     }
-    (*lit).specular += reflection.specular * color;
+    gather(gathered, reflection, color);
 }
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
@@ -137,7 +136,7 @@ fn add_transmitted_directional_light(
     point: ptr<function, ShadingPoint>,
     id: u32,
     L: vec3<f32>,
-    lit: ptr<function, Lit>,
+    gathered: ptr<function, Gathered>,
 ) {
     var shadow = 1.0;
 #ifdef DIRECTIONAL_SHADOW_MAPS
@@ -147,6 +146,6 @@ fn add_transmitted_directional_light(
     }
 #endif
     let color = color_at(id, (*point).back_position);
-    (*lit).diffuse += transmitted(point, L) * color * shadow;
+    (*gathered).transmitted += response_from_behind(point, L) * shadow * color;
 }
 #endif

@@ -85,8 +85,9 @@ fn add_environment(
     found_diffuse: bool,
     lit: ptr<function, Lit>,
 ) {
+    let mirrored = reflect(-(*point).V, (*point).N);
     var layer = LayerLightingInput(
-        (*point).N, (*point).R, (*point).NdotV, (*point).perceptual_roughness, (*point).roughness,
+        (*point).N, mirrored, (*point).NdotV, (*point).perceptual_roughness, (*point).roughness,
     );
 #ifdef STANDARD_MATERIAL_ANISOTROPY
     if (*point).is_anisotropic {
@@ -110,7 +111,7 @@ fn add_environment(
     if (*point).clearcoat > 0.0 {
         let fresnel = (0.04 + 0.96 * (*point).view_fresnel) * (*point).clearcoat;
         layer.N = (*point).N;
-        layer.R = (*point).R;
+        layer.R = mirrored;
         layer.perceptual_roughness = (*point).clearcoat_perceptual_roughness;
         layer.roughness = (*point).clearcoat_roughness;
         let coat = compute_radiances(layer, ranges, (*point).position, true).radiance;

@@ -8,11 +8,3 @@ struct Lit {
     /// What its boundary reflects, that of a clear coat too.
     specular: vec3<f32>,
 }
-
-fn sum(a: Lit, b: Lit) -> Lit {
-    return Lit(a.diffuse + b.diffuse, a.specular + b.specular);
-}
-
-fn tinted(lit: Lit, color: vec3<f32>) -> Lit {
-    return Lit(lit.diffuse * color, lit.specular * color);
-}

@@ -1,13 +1,10 @@
 // Which lights can reach some of the pixels of a tile.
 #define_import_path bevy_lean_deferred::lighting::lights::reach
 
-#import bevy_lean_deferred::lighting::lights::clustered_light::spot_direction
+#import bevy_lean_deferred::lighting::lights::clustered_light::{is_spot_light, spot_direction}
 #import bevy_lean_deferred::reconstruction::position::{SMALLEST_DEPTH, ndc_of_fragment, view_position}
 #import bevy_lean_deferred::tiles::SIDE
-#import bevy_pbr::{
-    mesh_view_bindings::{clustered_lights, view},
-    mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_BIT,
-}
+#import bevy_pbr::mesh_view_bindings::{clustered_lights, view}
 
 /// A box in view space around surfaces.
 struct Box {
@@ -54,7 +51,7 @@ fn may_reach(bounds: Box, id: u32) -> bool {
     let inverse_square_range = (*light).color_inverse_square_range.w;
     // Not if one of these is not a number, either.
     let is_near = dot(away, away) * inverse_square_range < 1.0001;
-    if !is_near || ((*light).flags & POINT_LIGHT_FLAGS_SPOT_LIGHT_BIT) == 0u {
+    if !is_near || !is_spot_light((*light).flags) {
         return is_near;
     }
     return cone_meets(bounds, id, center);

@@ -17,6 +17,9 @@
 #import bevy_lean_deferred::gbuffer::layout::specialization
 #endif
 
+/// Of pixels that no light reaches.
+const NO_CLUSTER: u32 = 0xffffffffu;
+
 /// Directions are of unit length and in world space.
 struct ShadingPoint {
     pixel: vec2<i32>,
@@ -28,8 +31,6 @@ struct ShadingPoint {
     V: vec3<f32>,
     /// At least 0.0001.
     NdotV: f32,
-    /// Where the viewer sees a mirror image from.
-    R: vec3<f32>,
     perceptual_roughness: f32,
     /// Its square, as Bevy clamps it.
     roughness: f32,
@@ -46,6 +47,8 @@ struct ShadingPoint {
     view_fresnel: f32,
     /// `smith` of the view.
     view_smith: f32,
+    /// N·V as it is, which may be negative.
+    signed_NdotV: f32,
     receives_shadows: bool,
 #ifdef GEOMETRIC_NORMAL
     knows_geometric_normal: bool,
@@ -97,8 +100,8 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.view_z = view_z;
     point.N = pbr.N;
     point.V = pbr.V;
-    point.NdotV = max(dot(pbr.N, pbr.V), 0.0001);
-    point.R = reflect(-pbr.V, pbr.N);
+    point.signed_NdotV = dot(pbr.N, pbr.V);
+    point.NdotV = max(point.signed_NdotV, 0.0001);
     point.perceptual_roughness = material.perceptual_roughness;
     point.roughness = perceptualRoughnessToRoughness(material.perceptual_roughness);
     point.diffuse_color = calculate_diffuse_color(

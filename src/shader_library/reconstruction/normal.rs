@@ -1,7 +1,9 @@
 //! The normal of the surface itself, from depth: twin of `normal.wgsl`, under the same names. It is here for
 //! tests and measurements; only the device's is used to render.
 
-use bevy::math::Vec3;
+use bevy::math::{Mat4, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
+
+use super::position::ProjectionKind;
 
 /// Which of the two neighbours on an axis lies on the surface of the centre: -1 or 1.
 /// `near_*` are the depths one pixel away, the sides being `a` (towards -1) and `b` (towards +1).
@@ -34,6 +36,28 @@ pub fn normal_from_positions(
     let to_right = (horizontal - center) * horizontal_side;
     let to_bottom = (vertical - center) * vertical_side;
     let n = to_bottom.cross(to_right);
+    let largest = n.abs().max_element();
+    if !(largest > 0.0 && largest < 1e30) {
+        return Vec3::Z;
+    }
+    (n / largest).normalize()
+}
+
+/// The unit normal that faces the viewer, from the slope of depth along the axes of normalised device coordinates: at
+/// `p`, whose z is depth. For the kinds of projection for which `view_position` is cheaper, with the same matrix; all but
+/// [`ProjectionKind::Perspective`] is taken for orthographic. Falls back to facing the viewer where the slope is not
+/// finite.
+pub fn normal_from_slope(view_from: Mat4, kind: ProjectionKind, p: Vec3, slope: Vec2) -> Vec3 {
+    let m = view_from;
+    let scale = Vec2::new(m.x_axis.x, m.y_axis.y);
+    let n = if kind == ProjectionKind::Perspective {
+        let ray = p.xy() * scale + m.w_axis.xy();
+        let q = m.z_axis.w * p.z + m.w_axis.w;
+        let across = m.z_axis.w * slope / scale;
+        -across.extend((q - across.dot(ray)) / m.w_axis.z)
+    } else {
+        (-m.z_axis.z * slope / scale).extend(1.0)
+    };
     let largest = n.abs().max_element();
     if !(largest > 0.0 && largest < 1e30) {
         return Vec3::Z;

@@ -41,3 +41,26 @@ fn normal_from_positions(
     }
     return normalize(n / largest);
 }
+
+/// The unit normal that faces the viewer, from the slope of depth along the axes of normalised device coordinates: at
+/// `p`, whose z is depth. For the kinds of projection for which `view_position` is cheaper, with the same matrix; on a
+/// plane the slope is the same everywhere. Falls back to facing the viewer where the slope is not finite.
+fn normal_from_slope(view_from: mat4x4<f32>, p: vec3<f32>, slope: vec2<f32>) -> vec3<f32> {
+    let m = view_from;
+#ifdef PROJECTION_PERSPECTIVE
+    // Points are rays divided by q, which is affine on screen: n · ray = q on a plane whose n · point is 1, and so n is
+    // what the slope of q makes it. It faces away from the viewer.
+    let ray = p.xy * vec2(m[0][0], m[1][1]) + m[3].xy;
+    let q = m[2].w * p.z + m[3].w;
+    let across = m[2].w * slope / vec2(m[0][0], m[1][1]);
+    let n = -vec3(across, (q - dot(across, ray)) / m[3].z);
+#else
+    let n = vec3(-m[2][2] * slope / vec2(m[0][0], m[1][1]), 1.0);
+#endif
+    // Scaled first: far away depth has no square in f32.
+    let largest = max(abs(n.x), max(abs(n.y), abs(n.z)));
+    if !(largest > 0.0 && largest < 1e30) {
+        return vec3(0.0, 0.0, 1.0);
+    }
+    return normalize(n / largest);
+}

@@ -61,7 +61,18 @@ pub const LIGHTING: &[Factor] = &[
         &["PROJECTION_PERSPECTIVE"],
         &["PROJECTION_ORTHOGRAPHIC"],
     ],
-    optional!("SUBGROUPS"),
+    &[
+        &[],
+        &["LIGHT_CULLING"],
+        &["LIGHT_CULLING", "LIGHT_CULLING_BY_SUBGROUPS"],
+    ],
+    &[
+        &[],
+        &["CLUSTERED_LIGHTS"],
+        &["SPOT_LIGHTS"],
+        &["SPHERE_LIGHTS"],
+        &["SPOT_LIGHTS", "SPHERE_LIGHTS"],
+    ],
     optional!("DEPTH_TELLS_GEOMETRY"),
     &[
         &[],
@@ -297,6 +308,8 @@ pub const EXPOSURE: &[Factor] = &[
 pub fn implications(name: &str) -> &'static [&'static str] {
     match name {
         "SCREEN_SPACE_AMBIENT_OCCLUSION" | "LEAN_AMBIENT_OCCLUSION" => &["APPLIES_VISIBILITY"],
+        "SPOT_LIGHTS" | "SPHERE_LIGHTS" => &["CLUSTERED_LIGHTS"],
+        "PROJECTION_PERSPECTIVE" | "PROJECTION_ORTHOGRAPHIC" => &["PROJECTION_IS_AFFINE"],
         "CONTACT_SHADOWS" => &["SHADOWS"],
         "DIRECTIONAL_SHADOW_MAPS" => &["SHADOWS", "GEOMETRIC_NORMAL"],
         "POINT_SHADOW_MAPS" | "SPOT_SHADOW_MAPS" => {
