@@ -49,10 +49,20 @@ impl Compute {
         modules: &[WgslModule],
         source: &str,
     ) -> Kernel<'_, INPUT, OUTPUT> {
+        self.kernel_with(modules, source, &[])
+    }
+
+    /// As [`kernel`](Self::kernel), with shader definitions.
+    pub fn kernel_with<const INPUT: usize, const OUTPUT: usize>(
+        &self,
+        modules: &[WgslModule],
+        source: &str,
+        definitions: &[(&str, u32)],
+    ) -> Kernel<'_, INPUT, OUTPUT> {
         let module = compose(
             modules,
             &format!("{source}\n{}", entry_point(INPUT, OUTPUT)),
-            &[],
+            definitions,
         );
         let shader = self
             .device

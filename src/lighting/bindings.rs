@@ -32,7 +32,7 @@ use super::{
     view_entries::{push_array_entry, view_entry},
 };
 use crate::{
-    ambient_occlusion::{OcclusionTexture, OcclusionUniforms, ViewOcclusion},
+    ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
     gbuffer::GBufferTextures,
     gpu::{
         bind_group_cache::{CachedBindGroup, Entries},
@@ -132,6 +132,7 @@ pub(super) struct LightingResources<'w> {
     pub(super) images: Res<'w, RenderAssets<GpuImage>>,
     pub(super) fallback: Res<'w, FallbackImage>,
     pub(super) fallback_zero: Res<'w, FallbackImageZero>,
+    pub(super) occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
     pub(super) occlusion_uniforms: Option<Res<'w, OcclusionUniforms>>,
 }
 
@@ -231,7 +232,7 @@ fn update_bind_groups(
     for (slot, output) in bindings.targets.iter_mut().zip(outputs) {
         slot.0 = Some(output.id());
         slot.1.update(device, &layouts.targets, |entries| {
-            push_target_entries(entries, layouts, pipelines, view, resources, output)
+            push_target_entries(entries, layouts, view, resources, output)
         })?;
     }
     Some(())
@@ -241,7 +242,6 @@ fn update_bind_groups(
 fn push_target_entries(
     entries: &mut Entries,
     layouts: &LightingLayouts,
-    pipelines: &LightingPipelines,
     view: &LitViewItem,
     resources: &LightingResources,
     output: &TextureView,
@@ -257,6 +257,7 @@ fn push_target_entries(
     entries.push(targets::OUTPUT_TEXTURE, output.into_binding())?;
     entries.push(targets::UNIFORMS, resources.buffers.uniforms.binding()?)?;
     if layouts.has_occlusion() {
+        let pipelines = resources.occlusion_pipelines.as_ref()?;
         // Without the texture, nothing that could find occlusion is compiled: there is none.
         let texture = match view.occlusion_texture {
             Some(texture) => &texture.0.default_view,
@@ -266,11 +267,11 @@ fn push_target_entries(
             targets::OCCLUSION_VIEW,
             resources.occlusion_uniforms.as_ref()?.0.binding()?,
         )?;
+        entries.push(
+            targets::NEAREST_SAMPLER,
+            pipelines.nearest_sampler.into_binding(),
+        )?;
         entries.push(targets::OCCLUSION_TEXTURE, texture.into_binding())?;
-    }
-    if layouts.has_nearest_sampler() {
-        let sampler = pipelines.nearest_sampler.into_binding();
-        entries.push(targets::NEAREST_SAMPLER, sampler)?;
     }
     if layouts.has_light_layers() {
         let table = view.lighting.light_layers.as_ref()?;

@@ -56,6 +56,9 @@ pub(crate) struct LightingKey {
     pub(super) visited: LightingVariants,
 }
 
+/// From here on, leaving out what does not reach a tile is worth its while. README has the figures.
+const MANY_LIGHTS: usize = 1024;
+
 bitflags! {
     /// Kinds of point and spot lights.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -184,6 +187,9 @@ impl SceneFeatures<'_, '_> {
 
     fn light_culling(&self, settings: &LeanDeferred) -> LightCulling {
         match settings.light_culling {
+            LightCulling::Auto if self.point_lights.iter().len() >= MANY_LIGHTS => {
+                LightCulling::SharedMemory
+            }
             LightCulling::Auto => LightCulling::PerPixel,
             LightCulling::Subgroup if !self.subgroups.exist() => LightCulling::SharedMemory,
             culling => culling,

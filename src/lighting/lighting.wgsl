@@ -23,11 +23,16 @@
 #ifdef SHOWS_LIGHT
 #import bevy_lean_deferred::lighting::lights::{
     brdf::{Gathered, lit_of},
-    directional_light::add_directional_lights,
+    directional_light::{DirectionalShadows, add_directional_lights},
     indirect_light::add_indirect_light,
     lit::Lit,
     shading_point::{NO_CLUSTER, ShadingPoint, shading_point},
 }
+#endif
+
+#ifdef DIRECTIONAL_SHADOW_MAPS
+#import bevy_lean_deferred::lighting::lights::directional_light::find_directional_shadows
+#import bevy_lean_deferred::lighting::surface::receives_shadows
 #endif
 
 #ifdef CLUSTERED_LIGHTS
@@ -95,6 +100,12 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> vec4<f32> {
     // What occlusion leaves of direct light.
     var direct_visibility = 1.0;
     if pixel.has_geometry {
+        var shadows: DirectionalShadows;
+#ifdef DIRECTIONAL_SHADOW_MAPS
+        if receives_shadows(pixel) {
+            find_directional_shadows(pixel, &shadows);
+        }
+#endif
         pbr = pbr_input_from_gbuffer(pixel);
 #ifdef LIGHT_LAYERS
         light_layers::enter_pixel(pixel);
@@ -130,7 +141,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> vec4<f32> {
             add_rect_lights(&point, &lit);
             color += view.exposure * direct_visibility * (lit.diffuse + lit.specular);
 #endif
-            add_directional_lights(&point, &gathered);
+            add_directional_lights(&point, &shadows, &gathered);
         }
     }
 #ifdef CLUSTERED_LIGHTS

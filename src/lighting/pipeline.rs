@@ -7,13 +7,12 @@ use bevy::{
     prelude::*,
     render::render_resource::{
         BindGroupLayoutDescriptor, CachedComputePipelineId, ComputePipelineDescriptor,
-        PipelineCache, Sampler, SamplerBindingType, SamplerDescriptor, ShaderStages,
-        StorageTextureAccess, TextureFormat, TextureSampleType,
+        PipelineCache, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
+        TextureSampleType,
         binding_types::{
             sampler, storage_buffer_read_only, texture_2d, texture_storage_2d, uniform_buffer,
         },
     },
-    render::renderer::RenderDevice,
     shader::ShaderDefVal,
 };
 
@@ -53,10 +52,6 @@ impl LightingLayouts {
         self.has_target_binding(targets::LIGHT_LAYERS)
     }
 
-    pub(super) fn has_nearest_sampler(&self) -> bool {
-        self.has_target_binding(targets::NEAREST_SAMPLER)
-    }
-
     fn has_target_binding(&self, binding: u32) -> bool {
         let mut bindings = self.targets.descriptor().entries.iter();
         bindings.any(|entry| entry.binding == binding)
@@ -79,7 +74,6 @@ pub(crate) struct LightingPipelines {
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
     pub(super) filling_list: FoundLayout,
     pub(super) reading_list: FoundLayout,
-    pub(super) nearest_sampler: Sampler,
 }
 
 pub(super) fn init_lighting_pipelines(
@@ -87,7 +81,6 @@ pub(super) fn init_lighting_pipelines(
     mesh_pipeline: Res<MeshPipeline>,
     asset_server: Res<AssetServer>,
     pipeline_cache: Res<PipelineCache>,
-    render_device: Res<RenderDevice>,
 ) {
     commands.insert_resource(LightingPipelines {
         mesh_pipeline: mesh_pipeline.clone(),
@@ -95,10 +88,6 @@ pub(super) fn init_lighting_pipelines(
         by_key: HashMap::default(),
         filling_list: FoundLayout::new(&pipeline_cache, filling_layout()),
         reading_list: FoundLayout::new(&pipeline_cache, reading_layout()),
-        nearest_sampler: render_device.create_sampler(&SamplerDescriptor {
-            label: Some("lean_deferred/lighting/nearest"),
-            ..default()
-        }),
     });
 }
 
@@ -124,14 +113,12 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
                 targets::OCCLUSION_VIEW,
                 uniform_buffer::<OcclusionView>(true),
             ),
+            (
+                targets::NEAREST_SAMPLER,
+                sampler(SamplerBindingType::NonFiltering),
+            ),
             (targets::OCCLUSION_TEXTURE, occlusion),
         ]);
-    }
-    if key.occlusion.is_some() || key.geometric_normal.is_some() {
-        entries.push((
-            targets::NEAREST_SAMPLER,
-            sampler(SamplerBindingType::NonFiltering),
-        ));
     }
     if key.light_layers {
         let table = storage_buffer_read_only::<LightLayersTable>(false);

@@ -14,10 +14,6 @@
     pbr_types::{PbrInput, STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT, pbr_input_new},
 }
 
-#ifdef GEOMETRIC_NORMAL
-#import bevy_lean_deferred::lighting::bindings::nearest_sampler
-#endif
-
 #ifdef GBUFFER_EMISSIVE
 #import bevy_lean_deferred::gbuffer::layout::emissive::unpack_emissive
 #import bevy_lean_deferred::lighting::bindings::emissive_texture
@@ -66,36 +62,35 @@ fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     return (view.world_from_view * vec4(view_geometric_normal(pixel, depth), 0.0)).xyz;
 }
 
-/// Depths of the 2×2 pixels from `first` on: those at (0, 1), (1, 1), (1, 0), (0, 0) from there.
-fn gather_depths(first: vec2<i32>) -> vec4<f32> {
-    let size = vec2<f32>(textureDimensions(depth_texture));
-    return textureGather(depth_texture, nearest_sampler, vec2<f32>(first + 1) / size);
+/// Depth at `pixel`, `OUTSIDE` beyond the viewport.
+fn depth_at(pixel: vec2<i32>) -> f32 {
+    let p = pixel - vec2<i32>(uniforms.viewport_origin);
+    if any(p < vec2(0)) || any(p >= vec2<i32>(uniforms.viewport_size)) {
+        return OUTSIDE;
+    }
+    return textureLoad(depth_texture, pixel, 0);
 }
 
 fn view_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     let x = vec2(1, 0);
     let y = vec2(0, 1);
-    // How many pixels of the viewport there are on each side.
-    let before = pixel - vec2<i32>(uniforms.viewport_origin);
-    let after = vec2<i32>(uniforms.viewport_size) - 1 - before;
-    // The nearer one first.
-    let left = select(vec2(OUTSIDE), gather_depths(pixel - 2 * x).zw, before.xx >= vec2(1, 2));
-    let right = select(vec2(OUTSIDE), gather_depths(pixel + x).wz, after.xx >= vec2(1, 2));
-    let top = select(vec2(OUTSIDE), gather_depths(pixel - 2 * y).xw, before.yy >= vec2(1, 2));
-    let bottom = select(vec2(OUTSIDE), gather_depths(pixel + y).wx, after.yy >= vec2(1, 2));
+    let left = depth_at(pixel - x);
+    let right = depth_at(pixel + x);
+    let top = depth_at(pixel - y);
+    let bottom = depth_at(pixel + y);
 #ifdef GEOMETRIC_NORMAL_THREE_TAP
     // Right and below, but inwards in the last column and row.
-    let h = select(-1.0, 1.0, after.x >= 1);
-    let v = select(-1.0, 1.0, after.y >= 1);
+    let h = select(1.0, -1.0, right == OUTSIDE);
+    let v = select(1.0, -1.0, bottom == OUTSIDE);
 #else ifdef GEOMETRIC_NORMAL_FIVE_TAP
-    let h = nearer_side(depth, left.x, right.x);
-    let v = nearer_side(depth, top.x, bottom.x);
+    let h = nearer_side(depth, left, right);
+    let v = nearer_side(depth, top, bottom);
 #else
-    let h = straighter_side(depth, left.x, left.y, right.x, right.y);
-    let v = straighter_side(depth, top.x, top.y, bottom.x, bottom.y);
+    let h = straighter_side(depth, left, depth_at(pixel - 2 * x), right, depth_at(pixel + 2 * x));
+    let v = straighter_side(depth, top, depth_at(pixel - 2 * y), bottom, depth_at(pixel + 2 * y));
 #endif
-    let beside = select(left.x, right.x, h > 0.0);
-    let below = select(top.x, bottom.x, v > 0.0);
+    let beside = select(left, right, h > 0.0);
+    let below = select(top, bottom, v > 0.0);
 #ifdef PROJECTION_IS_AFFINE
     let slope = vec2(depth_slope(depth, beside, h), depth_slope(depth, below, v));
     let viewport = view.main_pass_viewport;
@@ -120,6 +115,16 @@ fn depth_slope(depth: f32, other: f32, side: f32) -> f32 {
     return select((other - depth) * side, 0.0, other == OUTSIDE);
 }
 #endif  // GEOMETRIC_NORMAL
+
+/// Whether the surface is lit, and may be in shadow.
+fn receives_shadows(pixel: Pixel) -> bool {
+#ifdef GBUFFER_SPECIALIZATION
+    let word = pixel.specialization_word;
+    return !is_unlit(word) && (word & specialization::NO_SHADOWS) == 0u;
+#else
+    return true;
+#endif
+}
 
 fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
     let surface_word = pixel.surface_word;

@@ -7,6 +7,7 @@ mod atmosphere;
 mod coming_from_deferred;
 mod custom_material;
 mod foreign_depth;
+mod light_culling;
 mod light_layers;
 mod live_changes;
 mod packing_loss;

@@ -4,9 +4,10 @@
 mod accuracy;
 mod scenes;
 
-use bevy::math::{DVec3, IVec2, Vec3};
-use bevy_lean_deferred::shader_library::reconstruction::normal::{
-    nearer_side, normal_from_positions, straighter_side,
+use bevy::math::{DMat4, DVec2, DVec3, IVec2, Mat4, Vec2, Vec3};
+use bevy_lean_deferred::shader_library::reconstruction::{
+    normal::{nearer_side, normal_from_positions, normal_from_slope, straighter_side},
+    position::{ProjectionKind, projection_of},
 };
 use kit::{
     compute::{Compute, WgslModule},
@@ -42,6 +43,23 @@ fn kernel(bits: array<u32, 11>) -> array<u32, 3> {
         bitcast<f32>(bits[6]),
         bitcast<vec3<f32>>(vec3(bits[7], bits[8], bits[9])),
         bitcast<f32>(bits[10]),
+    ));
+    return array(n.x, n.y, n.z);
+}";
+
+const NORMALS_FROM_SLOPES: &str = "
+#import bevy_lean_deferred::reconstruction::normal::normal_from_slope
+fn kernel(bits: array<u32, 21>) -> array<u32, 3> {
+    var b: array<f32, 21>;
+    for (var i = 0; i < 21; i++) {
+        b[i] = bitcast<f32>(bits[i]);
+    }
+    let view_from = mat4x4(
+        vec4(b[0], b[1], b[2], b[3]), vec4(b[4], b[5], b[6], b[7]),
+        vec4(b[8], b[9], b[10], b[11]), vec4(b[12], b[13], b[14], b[15]),
+    );
+    let n = bitcast<vec3<u32>>(normal_from_slope(
+        view_from, vec3(b[16], b[17], b[18]), vec2(b[19], b[20]),
     ));
     return array(n.x, n.y, n.z);
 }";
@@ -241,5 +259,127 @@ fn any_depths_give_unit_normals() {
             failures.len(),
             inputs.len()
         );
+    }
+}
+
+/// Planes seen through a lens: where, and how depth changes there; with the true normal, which faces the viewer.
+fn random_planes(clip_from_view: DMat4, count: usize) -> Vec<([f32; 5], DVec3)> {
+    let view_from_clip = clip_from_view.inverse();
+    let mut random = Random::new(7);
+    let mut planes = Vec::new();
+    while planes.len() < count {
+        let mut next = |low, high| f64::from(random.range(low, high));
+        let ndc = DVec2::new(next(-1.0, 1.0), next(-1.0, 1.0));
+        let distance = 10f64.powf(next(-0.9, 3.0));
+        let depth = clip_from_view
+            .project_point3(DVec3::new(0.0, 0.0, -distance))
+            .z;
+        let center = view_from_clip.project_point3(ndc.extend(depth));
+        let normal = DVec3::new(next(-1.0, 1.0), next(-1.0, 1.0), next(-1.0, 1.0)).normalize();
+        let to_viewer = view_from_clip.project_point3(ndc.extend(1.0)) - center;
+        let cosine = normal.dot(to_viewer.normalize());
+        if cosine.abs() < 0.02 {
+            continue;
+        }
+        let normal = normal * cosine.signum();
+        // Depth of the plane a little further along each axis.
+        let depth_at = |ndc: DVec2| {
+            let a = view_from_clip.project_point3(ndc.extend(depth));
+            let b = view_from_clip.project_point3(ndc.extend(0.5 * depth));
+            let along = (b - a) / normal.dot(b - a);
+            clip_from_view
+                .project_point3(a + along * normal.dot(center - a))
+                .z
+        };
+        let step = 1e-4;
+        let slope = DVec2::new(
+            depth_at(ndc + DVec2::X * step) - depth,
+            depth_at(ndc + DVec2::Y * step) - depth,
+        ) / step;
+        let input = [ndc.x, ndc.y, depth, slope.x, slope.y].map(|x| x as f32);
+        planes.push((input, normal));
+    }
+    planes
+}
+
+#[test]
+fn slopes_of_depth_give_the_normals_of_planes() {
+    let mut off_center = DMat4::perspective_infinite_reverse_rh(1.0, 1.6, 0.1);
+    off_center.z_axis.x = 0.2;
+    off_center.z_axis.y = -0.1;
+    let lenses = [
+        (off_center, Some("PROJECTION_PERSPECTIVE")),
+        (
+            DMat4::perspective_rh(0.7, 1.0, 1e4, 0.1),
+            Some("PROJECTION_PERSPECTIVE"),
+        ),
+        (DMat4::orthographic_rh(-4.0, 5.0, -3.0, 3.0, 2e3, 0.1), None),
+    ];
+    let compute = Compute::new();
+    for (clip_from_view, definition) in lenses {
+        let kind = projection_of(clip_from_view.as_mat4());
+        assert_eq!(kind == ProjectionKind::Perspective, definition.is_some());
+        let definitions: Vec<_> = definition.map(|name| (name, 1)).into_iter().collect();
+        let kernel = compute.kernel_with::<21, 3>(&[MODULE], NORMALS_FROM_SLOPES, &definitions);
+        let view_from_clip = clip_from_view.inverse().as_mat4();
+        let planes = random_planes(clip_from_view, 100_000);
+        let inputs: Vec<[u32; 21]> = planes
+            .iter()
+            .map(|(input, _)| {
+                let mut words = [0; 21];
+                for (word, x) in words
+                    .iter_mut()
+                    .zip(view_from_clip.to_cols_array().iter().chain(input))
+                {
+                    *word = x.to_bits();
+                }
+                words
+            })
+            .collect();
+        let mut worst = 0f64;
+        for ((input, truth), device) in planes.iter().zip(kernel.run(&inputs)) {
+            let [x, y, depth, slope_x, slope_y] = *input;
+            let p = Vec3::new(x, y, depth);
+            let twin = normal_from_slope(view_from_clip, kind, p, Vec2::new(slope_x, slope_y));
+            let device = Vec3::from_array(device.map(f32::from_bits));
+            for n in [device, twin] {
+                worst = worst.max(n.as_dvec3().distance(*truth));
+            }
+        }
+        println!("{kind:?}: off by {worst:.1e} at most");
+        assert!(worst < 1e-6, "{kind:?}: off by {worst}");
+    }
+}
+
+#[test]
+fn hostile_slopes_give_unit_normals() {
+    const HOSTILE: [f32; 7] = [0.0, 1e-30, -1e-7, 0.5, 1e30, f32::INFINITY, f32::NAN];
+    let compute = Compute::new();
+    let view_from_clip = Mat4::perspective_infinite_reverse_rh(1.0, 1.6, 0.1).inverse();
+    for definition in [Some("PROJECTION_PERSPECTIVE"), None] {
+        let definitions: Vec<_> = definition.map(|name| (name, 1)).into_iter().collect();
+        let kernel = compute.kernel_with::<21, 3>(&[MODULE], NORMALS_FROM_SLOPES, &definitions);
+        let inputs: Vec<[u32; 21]> = (0..343)
+            .map(|i| {
+                let hostile = [1, 7, 49].map(|place| HOSTILE[i / place % 7]);
+                let p = [0.3, -0.4].into_iter().chain(hostile);
+                let mut words = [0; 21];
+                for (word, x) in words
+                    .iter_mut()
+                    .zip(view_from_clip.to_cols_array().into_iter().chain(p))
+                {
+                    *word = x.to_bits();
+                }
+                words
+            })
+            .collect();
+        for (input, device) in inputs.iter().zip(kernel.run(&inputs)) {
+            let n = Vec3::from_array(device.map(f32::from_bits));
+            assert!(
+                (n.length() - 1.0).abs() < 1e-5,
+                "{:?} gives {n}",
+                &input[16..]
+            );
+        }
     }
 }

@@ -322,7 +322,10 @@ fn every_definition_of_the_exposure_shaders_is_tried() {
 
 #[test]
 fn every_definition_of_the_lighting_shader_is_tried() {
-    let tried = tried(LIGHTING, &["DEPTH_PREPASS", "GBUFFER_WRITTEN"]);
+    let tried = tried(
+        LIGHTING,
+        &["DEPTH_PREPASS", "GBUFFER_WRITTEN", "SHOWS_LIGHT"],
+    );
     let pipeline = include_str!("../../src/lighting/pipeline.rs");
     assert_all_tried("pipeline.rs", pipeline, &tried);
     let variants = include_str!("../../src/lighting/variants.rs");

@@ -16,8 +16,9 @@
 #endif
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
-#import bevy_lean_deferred::lighting::lights::shading_point::geometric_normal
+#import bevy_lean_deferred::gbuffer::layout::unpack_normal
 #import bevy_lean_deferred::lighting::lights::shadow_maps::directional_shadow
+#import bevy_lean_deferred::lighting::surface::{Pixel, position_at, world_geometric_normal}
 #endif
 
 #ifdef CONTACT_SHADOWS
@@ -26,7 +27,7 @@
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #import bevy_lean_deferred::lighting::lights::brdf::response_from_behind
-#import bevy_lean_deferred::lighting::lights::shading_point::transmits
+#import bevy_lean_deferred::lighting::lights::shading_point::{geometric_normal, transmits}
 #endif
 
 /// The light's colour at `position`: behind its texture, and behind air.
@@ -68,7 +69,47 @@ fn has_shadow_map(id: u32) -> bool {
 }
 #endif
 
-fn add_directional_lights(point: ptr<function, ShadingPoint>, gathered: ptr<function, Gathered>) {
+/// How much of each directional light its shadow map leaves, by the light's index.
+struct DirectionalShadows {
+    visibility: array<f32, #{MAX_DIRECTIONAL_LIGHTS}>,
+}
+
+#ifdef DIRECTIONAL_SHADOW_MAPS
+/// To be called before anything else of the surface is known: sampling takes many registers, and so little else has to be
+/// kept meanwhile.
+fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShadows>) {
+    let in_view = position_at(pixel.position, pixel.depth);
+    let position = (view_bindings::view.world_from_view * vec4(in_view, 1.0)).xyz;
+    let N = unpack_normal(pixel.normal_word);
+    var normal: vec3<f32>;
+    var knows_normal = false;
+    let count = view_bindings::lights.n_directional_lights;
+    for (var id = 0u; id < count; id++) {
+        (*shadows).visibility[id] = 1.0;
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+        // Decals may yet turn the normal.
+        let is_before = true;
+#else
+        let L = view_bindings::lights.directional_lights[id].direction_to_light;
+        let is_before = dot(N, L) > 0.0;
+#endif
+        if !is_before || !has_shadow_map(id) {
+            continue;
+        }
+        if !knows_normal {
+            normal = world_geometric_normal(pixel.position, pixel.depth);
+            knows_normal = true;
+        }
+        (*shadows).visibility[id] = directional_shadow(id, position, normal, in_view.z, pixel.position);
+    }
+}
+#endif
+
+fn add_directional_lights(
+    point: ptr<function, ShadingPoint>,
+    shadows: ptr<function, DirectionalShadows>,
+    gathered: ptr<function, Gathered>,
+) {
     let count = view_bindings::lights.n_directional_lights;
     for (var id = 0u; id < count; id++) {
 #ifdef LIGHT_LAYERS
@@ -84,7 +125,7 @@ fn add_directional_lights(point: ptr<function, ShadingPoint>, gathered: ptr<func
 #endif
         let L = view_bindings::lights.directional_lights[id].direction_to_light;
         if dot((*point).N, L) > 0.0 {
-            add_directional_light(point, id, L, adds_diffuse, gathered);
+            add_directional_light(point, id, L, adds_diffuse, shadows, gathered);
         }
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
         if adds_diffuse && transmits(point) && dot((*point).N, L) < 0.0 {
@@ -99,16 +140,14 @@ fn add_directional_light(
     id: u32,
     L: vec3<f32>,
     adds_diffuse: bool,
+    shadows: ptr<function, DirectionalShadows>,
     gathered: ptr<function, Gathered>,
 ) {
     var shadow = 1.0;
 #ifdef SHADOWS
     if (*point).receives_shadows {
 #ifdef DIRECTIONAL_SHADOW_MAPS
-        if has_shadow_map(id) {
-            let normal = geometric_normal(point);
-            shadow = directional_shadow(id, (*point).position, normal, (*point).view_z, (*point).pixel);
-        }
+        shadow = (*shadows).visibility[id];
 #endif
 #ifdef CONTACT_SHADOWS
         let has_contact_shadows = (view_bindings::lights.directional_lights[id].flags

@@ -58,9 +58,9 @@ pub fn normal_from_slope(view_from: Mat4, kind: ProjectionKind, p: Vec3, slope: 
     } else {
         (-m.z_axis.z * slope / scale).extend(1.0)
     };
-    let largest = n.abs().max_element();
-    if !(largest > 0.0 && largest < 1e30) {
+    let size = n.abs().element_sum();
+    if !(size > 0.0 && size < 1e30) {
         return Vec3::Z;
     }
-    (n / largest).normalize()
+    (n / size).normalize()
 }

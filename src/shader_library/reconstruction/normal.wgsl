@@ -58,9 +58,9 @@ fn normal_from_slope(view_from: mat4x4<f32>, p: vec3<f32>, slope: vec2<f32>) -> 
     let n = vec3(-m[2][2] * slope / vec2(m[0][0], m[1][1]), 1.0);
 #endif
     // Scaled first: far away depth has no square in f32.
-    let largest = max(abs(n.x), max(abs(n.y), abs(n.z)));
-    if !(largest > 0.0 && largest < 1e30) {
+    let size = abs(n.x) + abs(n.y) + abs(n.z);
+    if !(size > 0.0 && size < 1e30) {
         return vec3(0.0, 0.0, 1.0);
     }
-    return normalize(n / largest);
+    return normalize(n / size);
 }

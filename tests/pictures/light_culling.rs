@@ -1,0 +1,252 @@
+//! However lights that do not reach a pixel are passed by, the picture is the same, and no light is lost.
+
+use bevy::{
+    camera::{ScalingMode, Viewport, visibility::RenderLayers},
+    prelude::*,
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    headless::{Headless, Picture},
+    lean::{active_lean_views, build, change_cameras, judge, report, settled},
+    metrics::difference,
+    own_process::in_own_process,
+    random::Random,
+    scenes::{LEAST_PSNR, SceneBuilder},
+};
+
+const SIZE: UVec2 = UVec2::new(200, 150);
+
+const CULLING: [LightCulling; 3] = [
+    LightCulling::PerPixel,
+    LightCulling::Subgroup,
+    LightCulling::SharedMemory,
+];
+
+fn lean(headless: &mut Headless, light_culling: LightCulling) -> Picture {
+    change_cameras(headless, |camera| {
+        camera.insert(LeanDeferred {
+            light_culling,
+            ..default()
+        });
+    });
+    settled(headless)
+}
+
+/// Shows the scene in each way, and compares these with one another and, if `like_forward`, with forward.
+fn compare(
+    name: &str,
+    size: UVec2,
+    like_forward: bool,
+    scene: impl FnOnce(&mut SceneBuilder),
+) -> Vec<Result<(), String>> {
+    let mut headless = build(size, scene);
+    let forward = settled(&mut headless);
+    let pictures = CULLING.map(|culling| lean(&mut headless, culling));
+    assert!(active_lean_views(&mut headless) > 0, "{name} is not lean");
+    let mut results = Vec::new();
+    for (culling, picture) in CULLING.iter().zip(&pictures).skip(1) {
+        let difference = difference(&pictures[0], picture);
+        println!("{name:24} {culling:?}: {difference}");
+        if difference.largest > 1 {
+            results.push(Err(format!("{name}, {culling:?}: {difference}")));
+        }
+    }
+    if like_forward {
+        results.push(judge(name, &forward, &pictures[0], LEAST_PSNR));
+    }
+    results
+}
+
+/// Lights of all kinds, so that the spheres of many end in a tile.
+fn lights(scene: &mut SceneBuilder, count: usize, seed: u64) {
+    let mut random = Random::new(seed);
+    for i in 0..count {
+        let position = Vec3::new(
+            random.range(-5.0, 5.0),
+            random.range(0.2, 2.5),
+            random.range(-5.0, 5.0),
+        );
+        let color = Color::hsl(random.range(0.0, 360.0), 0.8, 0.6);
+        let range = random.range(0.5, 3.0);
+        let radius = if i % 4 == 0 { 0.1 } else { 0.0 };
+        if i % 3 == 0 {
+            let target =
+                position + Vec3::new(random.range(-1.0, 1.0), -1.0, random.range(-1.0, 1.0));
+            scene.spawn((
+                SpotLight {
+                    color,
+                    range,
+                    radius,
+                    intensity: 30_000.0,
+                    outer_angle: random.range(0.1, 1.5),
+                    inner_angle: 0.05,
+                    ..default()
+                },
+                Transform::from_translation(position).looking_at(target, Vec3::X),
+            ));
+        } else {
+            scene.spawn((
+                PointLight {
+                    color,
+                    range,
+                    radius,
+                    intensity: 10_000.0,
+                    ..default()
+                },
+                Transform::from_translation(position),
+            ));
+        }
+    }
+}
+
+fn point_light(scene: &mut SceneBuilder, range: f32, intensity: f32, position: Vec3) {
+    scene.spawn((
+        PointLight {
+            range,
+            intensity,
+            ..default()
+        },
+        Transform::from_translation(position),
+    ));
+}
+
+#[test]
+fn many_lights() {
+    in_own_process(|| {
+        report(compare("many", SIZE, true, |s| {
+            s.solids();
+            lights(s, 120, 1);
+            s.default_camera(());
+        }));
+    });
+}
+
+/// More in a cluster than invocations in a workgroup.
+#[test]
+fn hundreds_of_lights_on_a_pixel() {
+    in_own_process(|| {
+        report(compare("on_a_pixel", SIZE, true, |s| {
+            s.solids();
+            for i in 0..200 {
+                let angle = i as f32 * 0.37;
+                let position = Vec3::new(angle.cos(), 1.0 + 0.005 * i as f32, angle.sin());
+                point_light(s, 20.0, 300.0, position);
+            }
+            s.default_camera(());
+        }));
+    });
+}
+
+#[test]
+fn lights_with_layers() {
+    in_own_process(|| {
+        report(compare("layers", SIZE, false, |s| {
+            s.solids();
+            lights(s, 60, 2);
+            let world = s.world();
+            let mut all = world.query_filtered::<Entity, With<PointLight>>();
+            let all: Vec<Entity> = all.iter(world).collect();
+            for (i, light) in all.into_iter().enumerate() {
+                let layer = RenderLayers::layer(i % 2);
+                world.entity_mut(light).insert(layer);
+            }
+            s.default_camera(RenderLayers::from_layers(&[0, 1]));
+        }));
+    });
+}
+
+#[test]
+fn from_close_to_far() {
+    in_own_process(|| {
+        report(compare("close_to_far", SIZE, true, |s| {
+            s.mesh(
+                Plane3d::default().mesh().size(2e4, 2e4),
+                StandardMaterial::default(),
+                Transform::default(),
+            );
+            // Edges of it lie right in front of what is kilometres away.
+            s.mesh(
+                Torus::new(0.004, 0.012),
+                StandardMaterial::default(),
+                Transform::from_xyz(0.0, 1.0, -0.03).with_rotation(Quat::from_rotation_x(1.2)),
+            );
+            lights(s, 60, 3);
+            point_light(s, 0.1, 20.0, Vec3::new(0.01, 1.02, 0.0));
+            point_light(s, 5e3, 1e12, Vec3::new(0.0, 500.0, -5e3));
+            // The camera is inside of it.
+            point_light(s, 4.0, 2_000.0, Vec3::Y);
+            s.camera(
+                Transform::from_translation(Vec3::Y),
+                Projection::Perspective(PerspectiveProjection {
+                    near: 0.005,
+                    ..default()
+                }),
+            );
+        }));
+    });
+}
+
+#[test]
+fn hostile_ranges() {
+    in_own_process(|| {
+        let with = |range: f32| {
+            move |s: &mut SceneBuilder| {
+                s.solids();
+                lights(s, 20, 4);
+                point_light(s, range, 50_000.0, Vec3::new(0.0, 2.0, 0.0));
+                s.default_camera(());
+            }
+        };
+        report(
+            [
+                ("range_0", 0.0, true),
+                ("range_infinite", f32::INFINITY, false),
+                ("range_nan", f32::NAN, false),
+            ]
+            .into_iter()
+            .flat_map(|(name, range, like_forward)| compare(name, SIZE, like_forward, with(range))),
+        );
+    });
+}
+
+#[test]
+fn other_views() {
+    in_own_process(|| {
+        let orthographic = |s: &mut SceneBuilder| {
+            s.solids();
+            lights(s, 60, 5);
+            s.default_camera(Projection::Orthographic(OrthographicProjection {
+                scaling_mode: ScalingMode::FixedVertical {
+                    viewport_height: 6.0,
+                },
+                ..OrthographicProjection::default_3d()
+            }));
+        };
+        let viewports = |s: &mut SceneBuilder| {
+            s.solids();
+            lights(s, 60, 6);
+            for (order, x) in [0, 93].into_iter().enumerate() {
+                s.default_camera(Camera {
+                    order: order as isize,
+                    viewport: Some(Viewport {
+                        physical_position: UVec2::new(x, 11),
+                        physical_size: UVec2::new(93, 130),
+                        ..default()
+                    }),
+                    ..default()
+                });
+            }
+        };
+        let usual = |s: &mut SceneBuilder| {
+            s.solids();
+            lights(s, 60, 7);
+            s.default_camera(());
+        };
+        report(
+            compare("orthographic", SIZE, true, orthographic)
+                .into_iter()
+                .chain(compare("viewports", SIZE, true, viewports))
+                .chain(compare("a_pixel", UVec2::ONE, false, usual)),
+        );
+    });
+}
