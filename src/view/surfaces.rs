@@ -45,7 +45,7 @@ pub enum ShadingModel {
     Unlit = 6,
 }
 
-/// How one kind of surface is lit: all that this kind needs, and nothing else, is compiled in.
+/// One kind of surface, as lighting tells them apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct LightingVariant {
     shading_model: ShadingModel,
@@ -53,7 +53,8 @@ pub(crate) struct LightingVariant {
 }
 
 bitflags! {
-    /// A set of ways, by [`LightingVariant::index`]. The plain one is always there, and not in it.
+    /// A set of kinds, by [`LightingVariant::index`]: lighting is compiled for these, and nothing else. The plain one is always
+    /// there, and not in it.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub(crate) struct LightingVariants: u16 {
         const _ = !0;
