@@ -39,7 +39,6 @@
 #import bevy_lean_deferred::lighting::lights::clustered_lights::add_clustered_lights
 #endif
 
-
 #ifdef AREA_LIGHT_LUTS
 #import bevy_lean_deferred::lighting::lights::rect_light::add_rect_lights
 #endif

@@ -7,6 +7,7 @@
 use core::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
+    camera::MainPassResolutionOverride,
     core_pipeline::{
         core_3d::prepare_core_3d_depth_textures,
         schedule::{Core3d, Core3dSystems},
@@ -41,7 +42,7 @@ pub struct LastFrame {
     pub clip_from_view: Mat4,
     /// Where the camera was.
     pub world_from_view: Mat4,
-    /// The viewport: its corner and size in pixels.
+    /// The part of the target that was drawn: its corner and size in pixels.
     pub viewport: URect,
 }
 
@@ -172,6 +173,7 @@ fn prepare_histories(
             &ExtractedView,
             &ViewTarget,
             &ViewDepthTexture,
+            Option<&MainPassResolutionOverride>,
             Option<&CameraCuts>,
             Option<&mut ViewHistory>,
         ),
@@ -180,7 +182,7 @@ fn prepare_histories(
 ) {
     let former = number.0;
     number.0 += 1;
-    for (entity, view, target, depth, cuts, history) in &mut views {
+    for (entity, view, target, depth, resolution, cuts, history) in &mut views {
         let (color, depth) = (target.main_texture(), &depth.texture);
         // Depth cannot be resolved.
         let can_be_kept = color.usage().contains(TextureUsages::COPY_SRC)
@@ -191,10 +193,11 @@ fn prepare_histories(
             continue;
         }
         let viewport = view.viewport;
+        let size = resolution.map_or(viewport.zw(), |resolution| resolution.0);
         let current = LastFrame {
             clip_from_view: view.clip_from_view,
             world_from_view: view.world_from_view.to_matrix(),
-            viewport: URect::from_corners(viewport.xy(), viewport.xy() + viewport.zw()),
+            viewport: URect::from_corners(viewport.xy(), viewport.xy() + size),
         };
         let cuts = cuts.copied().unwrap_or_default().0;
         match history {

@@ -1,7 +1,7 @@
 //! The last frame of a view, for effects that read it.
 
 use bevy::{
-    camera::{Hdr, RenderTarget, Viewport},
+    camera::{Hdr, MainPassResolutionOverride, RenderTarget, Viewport},
     core_pipeline::tonemapping::Tonemapping,
     prelude::*,
     render::{Render, RenderApp, RenderSystems, camera::ExtractedCamera},
@@ -100,6 +100,9 @@ fn the_last_frame_is_valid_while_one_follows_the_other() {
             ..default()
         });
     });
+    stage.check_reset("another resolution", |camera| {
+        camera.insert(MainPassResolutionOverride(UVec2::splat(24)));
+    });
     stage.check_reset("another projection", |camera| {
         camera.insert(Projection::Orthographic(OrthographicProjection {
             scale: 0.1,
@@ -114,6 +117,7 @@ fn the_last_frame_is_valid_while_one_follows_the_other() {
         .add(larger);
     stage.check_reset("another target", |camera| {
         camera.get_mut::<Camera>().unwrap().viewport = None;
+        camera.remove::<MainPassResolutionOverride>();
         camera.insert(RenderTarget::from(larger));
     });
     stage.check_reset("another format", |camera| {
