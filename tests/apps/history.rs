@@ -100,9 +100,21 @@ fn the_last_frame_is_valid_while_one_follows_the_other() {
             ..default()
         });
     });
-    stage.check_reset("another resolution", |camera| {
-        camera.insert(MainPassResolutionOverride(UVec2::splat(24)));
-    });
+    // Upscalers ask for one in the render world.
+    assert_eq!(stage.frame(), Some(true));
+    let world = stage.headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query_filtered::<Entity, With<ExtractedCamera>>();
+    let view = views.single(world).expect("one camera");
+    world
+        .entity_mut(view)
+        .insert(MainPassResolutionOverride(UVec2::splat(24)));
+    assert_eq!(stage.frame(), Some(false), "at another resolution");
+    assert_eq!(stage.frame(), Some(true), "after another resolution");
+    let world = stage.headless.app.sub_app_mut(RenderApp).world_mut();
+    world
+        .entity_mut(view)
+        .remove::<MainPassResolutionOverride>();
+    assert_eq!(stage.frame(), Some(false), "at the former resolution");
     stage.check_reset("another projection", |camera| {
         camera.insert(Projection::Orthographic(OrthographicProjection {
             scale: 0.1,
@@ -117,7 +129,6 @@ fn the_last_frame_is_valid_while_one_follows_the_other() {
         .add(larger);
     stage.check_reset("another target", |camera| {
         camera.get_mut::<Camera>().unwrap().viewport = None;
-        camera.remove::<MainPassResolutionOverride>();
         camera.insert(RenderTarget::from(larger));
     });
     stage.check_reset("another format", |camera| {
