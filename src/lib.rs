@@ -20,9 +20,9 @@
 //!    something visible writes them. What no target has bits for
 //!    ([`GBufferMaterial`](gbuffer::GBufferMaterial)) stays in Bevy's forward passes on the same camera.
 //! 2. **Lighting** ([`lighting`]): one compute pass lights every pixel as Bevy's forward pass does and writes the view's HDR
-//!    texture. The lights that can reach a tile are chosen by its invocations together; tiles with special surfaces have a
-//!    dispatch of their own. What the view does not have (fog, probes, shadows,
-//!    decals, …) is neither compiled in nor bound.
+//!    texture. Tiles with special surfaces have a dispatch of their own. Where there are many lights, those that cannot reach a
+//!    tile are left out for all of it ([`LightCulling`]). What the view does not have (fog, probes, shadows, decals, …) is
+//!    neither compiled in nor bound.
 //! 3. Bevy goes on: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
 //!
 //! Any camera may have [`LeanAmbientOcclusion`]: in the lighting pass of lean ones, multiplied onto the picture of others. And any
