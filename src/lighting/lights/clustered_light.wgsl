@@ -57,11 +57,21 @@ fn spot_direction(custom_data: vec2<f32>, flags: u32) -> vec3<f32> {
     return vec3(custom_data.x, select(y, -y, is_down), custom_data.y);
 }
 
-/// What reaches a point `to_light` away from the light in direction `L`: 0 outside of its cone.
-fn cone_falloff(id: u32, flags: u32, L: vec3<f32>) -> f32 {
-    let data = clustered_lights.data[id].light_custom_data;
-    let falloff = saturate(dot(-spot_direction(data.xy, flags), L) * data.z + data.w);
-    return falloff * falloff;
+/// How much of the light with this index goes to a surface from which it lies in direction `L`: 0 outside of a spot light's
+/// cone, and if its layers keep it from the mesh.
+fn directed_strength(id: u32, flags: u32, is_spot: bool, L: vec3<f32>) -> f32 {
+    var strength = 1.0;
+    if is_spot {
+        let data = clustered_lights.data[id].light_custom_data;
+        let falloff = saturate(dot(-spot_direction(data.xy, flags), L) * data.z + data.w);
+        strength = falloff * falloff;
+    }
+#ifdef LIGHT_LAYERS
+    if !clustered_light_affects_mesh(id) {
+        strength = 0.0;
+    }
+#endif
+    return strength;
 }
 
 #ifdef LIGHT_TEXTURES
@@ -92,8 +102,8 @@ fn texture_of(id: u32, is_spot: bool, position: vec3<f32>) -> f32 {
 }
 #endif
 
-/// Adds what the light with this index gives to what the surface gathers. What it cannot reach is found out first: most of the lights near a
-/// tile do not reach each of its pixels.
+/// Adds what the light with this index gives to what the surface gathers. What it cannot reach is found out first: most of
+/// the lights near a tile do not reach each of its pixels.
 fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<function, Gathered>) {
     let light = &clustered_lights.data[id];
     let position_radius = (*light).position_radius;
@@ -113,19 +123,12 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: pt
     let inverse_distance = inverseSqrt(distance_square);
     let L = to_light * inverse_distance;
     let flags = (*light).flags;
-    var strength = attenuation(distance_square, inverse_distance, color_range.w);
     let is_spot = is_spot_light(flags);
-    if is_spot {
-        strength *= cone_falloff(id, flags, L);
-        if strength == 0.0 {
-            return;
-        }
-    }
-#ifdef LIGHT_LAYERS
-    if !clustered_light_affects_mesh(id) {
+    var strength = attenuation(distance_square, inverse_distance, color_range.w)
+        * directed_strength(id, flags, is_spot, L);
+    if strength == 0.0 {
         return;
     }
-#endif
 #ifdef SHADOWS
     if (*point).receives_shadows {
         strength *= shadow_of(point, id, flags, is_spot, L);
@@ -197,19 +200,12 @@ fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<fu
     let inverse_distance = inverseSqrt(distance_square);
     let L = to_light * inverse_distance;
     let flags = (*light).flags;
-    var strength = attenuation(distance_square, inverse_distance, color_range.w);
     let is_spot = is_spot_light(flags);
-    if is_spot {
-        strength *= cone_falloff(id, flags, L);
-        if strength == 0.0 {
-            return;
-        }
-    }
-#ifdef LIGHT_LAYERS
-    if !clustered_light_affects_mesh(id) {
+    var strength = attenuation(distance_square, inverse_distance, color_range.w)
+        * directed_strength(id, flags, is_spot, L);
+    if strength == 0.0 {
         return;
     }
-#endif
 #ifdef LIGHTMAP
     let adds_diffuse =
         (flags & mesh_view_types::POINT_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
