@@ -8,7 +8,10 @@ use bevy::{
 use crate::special::{self, Special};
 use kit::{
     headless::Headless,
-    scenes::boxes::{self, Boxes},
+    scenes::{
+        SceneBuilder,
+        boxes::{self, Boxes},
+    },
 };
 
 /// A named scene; `spawn` makes everything but the camera.
@@ -111,25 +114,19 @@ impl BenchScene {
 
 /// 12 × 12 of the model at 2.5 times its size, 1.6 m apart.
 fn spawn_crowd(headless: &mut Headless, path: &str, point_lights: u32) -> Transform {
-    let world = headless.world();
-    boxes::reserve_clusters(&mut world.resource_mut::<GlobalClusterSettings>());
-    world
-        .run_system_once(
-            move |mut commands: Commands,
-                  mut meshes: ResMut<Assets<Mesh>>,
-                  mut materials: ResMut<Assets<StandardMaterial>>| {
-                commands.spawn((
-                    Mesh3d(meshes.add(Plane3d::default().mesh().size(60.0, 60.0))),
-                    MeshMaterial3d(materials.add(StandardMaterial {
-                        base_color: Color::srgb(0.6, 0.6, 0.6),
-                        perceptual_roughness: 0.6,
-                        ..default()
-                    })),
-                ));
-                boxes::spawn_lights_over(&mut commands, point_lights, Vec2::new(20.0, 8.0), 5.0);
-            },
-        )
-        .expect("the crowd needs only asset stores");
+    let mut scene = SceneBuilder { headless };
+    boxes::reserve_clusters(&mut scene.world().resource_mut::<GlobalClusterSettings>());
+    scene.mesh(
+        Plane3d::default().mesh().size(60.0, 60.0),
+        StandardMaterial {
+            base_color: Color::srgb(0.6, 0.6, 0.6),
+            perceptual_roughness: 0.6,
+            ..default()
+        },
+        Transform::default(),
+    );
+    let spread = Vec2::new(20.0, 8.0);
+    boxes::spawn_lights_over(&mut scene.world().commands(), point_lights, spread, 5.0);
     let places = (0..12).flat_map(|i| {
         (0..12).map(move |j| {
             let [x, z] = [i, j].map(|n| 1.6 * (n as f32 - 5.5));

@@ -1,6 +1,6 @@
 //! Shaders from files in place of those that are compiled in: what is edited in WGSL is seen without building anything.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use bevy::{prelude::*, shader::Shader};
 
@@ -37,7 +37,7 @@ fn replace_shaders(
         let Some((_, name)) = path.split_once(CRATE) else {
             continue;
         };
-        let file = Path::new(&files.0).join(name);
+        let file = files.0.join(name);
         match std::fs::read_to_string(&file) {
             Ok(source) => {
                 if let Err(error) = shaders.insert(*id, Shader::from_wgsl(source, path.clone())) {

@@ -132,6 +132,7 @@ pub(super) fn decide_active_views(
         return;
     }
     let soft_shadows = scene.has_soft_shadows();
+    let lights = scene.lights();
     let mut active_now = HashMap::default();
     let mut candidates = HashSet::<RetainedViewEntity>::default();
 
@@ -178,6 +179,7 @@ pub(super) fn decide_active_views(
         let compiled = choices.into_iter().find_map(|demand| {
             let demand = demand.on(&order);
             let key = scene.key(
+                lights,
                 *view_key,
                 view.clip_from_view,
                 settings,

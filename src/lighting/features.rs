@@ -61,7 +61,7 @@ const MANY_LIGHTS: usize = 1024;
 
 bitflags! {
     /// Kinds of point and spot lights.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub(crate) struct ClusteredLights: u8 {
         const ANY = 1 << 0;
         const SPOT = 1 << 1;
@@ -70,12 +70,19 @@ bitflags! {
     }
 
     /// Kinds of lights.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub(crate) struct ShadowMaps: u8 {
         const DIRECTIONAL = 1 << 0;
         const POINT = 1 << 1;
         const SPOT = 1 << 2;
     }
+}
+
+/// The kinds of lights that the scene has.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SceneLights {
+    clustered: ClusteredLights,
+    shadow_maps: ShadowMaps,
 }
 
 impl LightingKey {
@@ -156,33 +163,28 @@ impl SceneFeatures<'_, '_> {
         settings.light_layers && self.light_layers.matter_to(view_layers.unwrap_or_default())
     }
 
-    fn clustered_lights(&self) -> ClusteredLights {
-        let mut kinds = ClusteredLights::empty();
+    /// What lights there are. Looks at each of them: to be asked for once a frame.
+    pub(crate) fn lights(&self) -> SceneLights {
+        let mut lights = SceneLights::default();
         for light in &self.point_lights {
-            kinds |= ClusteredLights::ANY;
+            lights.clustered |= ClusteredLights::ANY;
+            let mut shadow_maps = ShadowMaps::POINT;
             if light.spot_light_angles.is_some() {
-                kinds |= ClusteredLights::SPOT;
+                lights.clustered |= ClusteredLights::SPOT;
+                shadow_maps = ShadowMaps::SPOT;
             }
             if light.radius != 0.0 {
-                kinds |= ClusteredLights::SPHERE;
+                lights.clustered |= ClusteredLights::SPHERE;
+            }
+            if light.shadow_maps_enabled {
+                lights.shadow_maps |= shadow_maps;
             }
         }
-        kinds
-    }
-
-    fn shadow_maps(&self) -> ShadowMaps {
-        let point_lights = self.point_lights.iter().filter(|l| l.shadow_maps_enabled);
-        let mut kinds: ShadowMaps = point_lights
-            .map(|light| match light.spot_light_angles {
-                Some(_) => ShadowMaps::SPOT,
-                None => ShadowMaps::POINT,
-            })
-            .collect();
         let mut directional_lights = self.directional_lights.iter();
         if directional_lights.any(|light| light.shadow_maps_enabled) {
-            kinds |= ShadowMaps::DIRECTIONAL;
+            lights.shadow_maps |= ShadowMaps::DIRECTIONAL;
         }
-        kinds
+        lights
     }
 
     fn light_culling(&self, settings: &LeanDeferred) -> LightCulling {
@@ -196,9 +198,10 @@ impl SceneFeatures<'_, '_> {
         }
     }
 
-    /// The key for a view with Bevy's `view_key` and this projection.
+    /// The key for a view with Bevy's `view_key` and this projection, in a scene with these `lights`.
     pub(crate) fn key(
         &self,
+        lights: SceneLights,
         view_key: MeshPipelineKey,
         clip_from_view: Mat4,
         settings: &LeanDeferred,
@@ -206,7 +209,7 @@ impl SceneFeatures<'_, '_> {
         order: &ActiveLeanView,
         demand: Demand,
     ) -> LightingKey {
-        let shadow_maps = self.shadow_maps();
+        let shadow_maps = lights.shadow_maps;
         let decals_usable = self
             .mesh_pipeline
             .as_ref()
@@ -218,7 +221,7 @@ impl SceneFeatures<'_, '_> {
         }
         LightingKey {
             view: view_key & VIEW_BITS,
-            clustered_lights: self.clustered_lights(),
+            clustered_lights: lights.clustered,
             shadow_maps,
             geometric_normal: (!shadow_maps.is_empty() || shows_normal)
                 .then_some(settings.geometric_normal),
