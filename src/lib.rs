@@ -56,8 +56,7 @@ pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::LeanDeferredPlugin;
 pub use view::{
-    CameraCut, GBufferChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus,
-    LightCulling,
+    CameraCut, DebugChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus, LightCulling,
 };
 
 use bevy::app::plugin_group;
@@ -65,9 +64,9 @@ use bevy::app::plugin_group;
 /// What most programs need.
 pub mod prelude {
     pub use crate::{
-        CameraCut, GBufferChannel, GeometricNormal, LeanAmbientOcclusion,
-        LeanAmbientOcclusionPlugin, LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred,
-        LeanDeferredPlugin, LeanDeferredPlugins, LeanOffReason, LeanStatus, LightCulling,
+        CameraCut, DebugChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
+        LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
+        LeanDeferredPlugins, LeanOffReason, LeanStatus, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
             OcclusionNormals, OcclusionQuality, OcclusionResolution,

@@ -26,12 +26,16 @@ use bevy::{
         renderer::{RenderAdapterInfo, RenderContext},
     },
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{
+    prelude::*,
+    view::{IndirectDiffuse, IndirectSpecular, LightExchange, ReadsDiffuseLight},
+};
 use serde::Serialize;
 
 use crate::{scenes::BenchScene, special};
 use kit::{
     gpu_time::{Samples, Time, begin, end},
+    hdr::{change_views, even_texture},
     headless::{Headless, Picture},
     metrics,
 };
@@ -46,11 +50,13 @@ pub enum Contender {
     Lean(GeometricNormal),
     /// Lean, with lights that do not reach a tile left out.
     LeanCulling(LightCulling),
+    /// Lean, with what effects take from lighting or give to it.
+    LeanExchange(LightExchange),
 }
 
 impl Contender {
     /// Forward first: it is the reference of the others.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Forward,
         Self::DepthOnly,
         Self::BevyDeferred,
@@ -59,6 +65,8 @@ impl Contender {
         Self::Lean(GeometricNormal::ThreeTap),
         Self::LeanCulling(LightCulling::Subgroup),
         Self::LeanCulling(LightCulling::SharedMemory),
+        Self::LeanExchange(LightExchange::DIFFUSE_LIGHT),
+        Self::LeanExchange(LightExchange::INDIRECT),
     ];
 
     pub fn name(self) -> &'static str {
@@ -71,6 +79,8 @@ impl Contender {
             Self::Lean(GeometricNormal::ThreeTap) => "lean 3-tap normal",
             Self::LeanCulling(LightCulling::Subgroup) => "lean culling by subgroups",
             Self::LeanCulling(_) => "lean culling in shared memory",
+            Self::LeanExchange(LightExchange::DIFFUSE_LIGHT) => "lean writing diffuse light",
+            Self::LeanExchange(_) => "lean taking indirect light",
         }
     }
 
@@ -95,11 +105,21 @@ impl Contender {
             Self::BevyDeferred => (16 + 1 + 4, 21 + 3 + 8 + 22 + 8),
             // G-buffer, depth 4; lighting reads both and writes 8. Optional targets count as if all pixels wrote them.
             // The resolve of motion reads depth and normal, and in the place of lighting the target.
-            Self::Lean(_) | Self::LeanCulling(_) => {
-                (gbuffer + 4, 2 * (gbuffer + 4) + 8 + 2 * motion)
-            }
+            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => (
+                gbuffer + 4,
+                2 * (gbuffer + 4) + 8 + self.exchanged_bytes() + 2 * motion,
+            ),
         };
         (written + motion, moved + motion)
+    }
+
+    /// A word of diffuse light; two times four half floats.
+    fn exchanged_bytes(self) -> u32 {
+        match self {
+            Self::LeanExchange(LightExchange::DIFFUSE_LIGHT) => 4,
+            Self::LeanExchange(_) => 16,
+            _ => 0,
+        }
     }
 
     /// Names of the GPU spans of the geometry stage and of the lighting stage.
@@ -108,7 +128,7 @@ impl Contender {
             Self::Forward => ("bench/opaque", None),
             Self::DepthOnly => ("bench/prepass", None),
             Self::BevyDeferred => ("bench/prepass", Some("bench/deferred_lighting")),
-            Self::Lean(_) | Self::LeanCulling(_) => {
+            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => {
                 ("lean_deferred/gbuffer", Some("lean_deferred/lighting"))
             }
         }
@@ -180,6 +200,9 @@ pub fn measure(
                 ..default()
             });
         }
+        Contender::LeanExchange(_) => {
+            camera.insert(LeanDeferred::default());
+        }
         Contender::LeanCulling(light_culling) => {
             camera.insert(LeanDeferred {
                 light_culling,
@@ -189,6 +212,10 @@ pub fn measure(
     }
 
     headless.settle();
+    if let Contender::LeanExchange(exchange) = contender {
+        exchange_light(&mut headless, exchange);
+        headless.settle();
+    }
     headless.frames(warm_up);
     let mut samples = Samples::default();
     for _ in 0..frames {
@@ -219,6 +246,21 @@ pub fn measure(
         off_by_8: None,
     };
     (measurement, headless.capture())
+}
+
+/// Has lighting write its diffuse light, or take light that an effect has found: some of it everywhere.
+fn exchange_light(headless: &mut Headless, exchange: LightExchange) {
+    let found = (exchange == LightExchange::INDIRECT)
+        .then(|| even_texture(headless, headless.size, [0.1, 0.1, 0.1, 0.5]));
+    change_views(headless, |view| match &found {
+        Some(found) => {
+            view.insert(IndirectSpecular(Some(found.clone())));
+            view.insert(IndirectDiffuse(Some(found.clone())));
+        }
+        None => {
+            view.insert(ReadsDiffuseLight);
+        }
+    });
 }
 
 /// Bytes a pixel of the lean camera's G-buffer, if there is one.

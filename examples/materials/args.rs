@@ -16,7 +16,7 @@ pub struct Args {
 
     /// channel of the G-buffer to show for the lit picture, such as shading-model
     #[argh(option, from_str_fn(channel))]
-    pub debug_view: Option<GBufferChannel>,
+    pub debug_view: Option<DebugChannel>,
 
     /// leave the sun out
     #[argh(switch)]
@@ -65,6 +65,6 @@ fn shown(text: &str) -> Result<Shown, String> {
     choices::parse(&settings::SHOWN, text)
 }
 
-fn channel(text: &str) -> Result<GBufferChannel, String> {
-    choices::parse(&GBufferChannel::ALL, text)
+fn channel(text: &str) -> Result<DebugChannel, String> {
+    choices::parse(&DebugChannel::ALL, text)
 }

@@ -27,7 +27,7 @@ pub const SHOWN: [Shown; 3] = [Shown::Both, Shown::Lean, Shown::Forward];
 #[derive(Resource, Clone)]
 pub struct ExampleSettings {
     pub shown: Shown,
-    pub debug_view: Option<GBufferChannel>,
+    pub debug_view: Option<DebugChannel>,
     pub sun: bool,
     pub environment: bool,
     pub text: bool,
@@ -116,8 +116,7 @@ pub fn read_keys(
             KeyCode::Digit2 => settings.shown = Shown::Lean,
             KeyCode::Digit3 => settings.shown = Shown::Forward,
             KeyCode::KeyD => {
-                settings.debug_view =
-                    choices::next_or_none(&GBufferChannel::ALL, settings.debug_view)
+                settings.debug_view = choices::next_or_none(&DebugChannel::ALL, settings.debug_view)
             }
             KeyCode::KeyL => settings.sun = !settings.sun,
             KeyCode::KeyE => settings.environment = !settings.environment,

@@ -43,7 +43,7 @@ struct Args {
 
     /// channel of the G-buffer to show: albedo, metallic, occlusion, normal, roughness, geometric-normal, depth
     #[argh(option, from_str_fn(parse_channel))]
-    debug_view: Option<GBufferChannel>,
+    debug_view: Option<DebugChannel>,
 
     /// render without a window, write this PNG and quit
     #[argh(option)]
@@ -74,8 +74,8 @@ struct Args {
     pitch: f32,
 }
 
-fn parse_channel(text: &str) -> Result<GBufferChannel, String> {
-    choices::parse(&GBufferChannel::ALL, text)
+fn parse_channel(text: &str) -> Result<DebugChannel, String> {
+    choices::parse(&DebugChannel::ALL, text)
 }
 
 fn main() -> AppExit {

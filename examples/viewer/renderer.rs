@@ -38,7 +38,7 @@ impl FromStr for Renderer {
 #[derive(Resource, Clone)]
 pub struct ViewerSettings {
     pub renderer: Renderer,
-    pub debug_view: Option<GBufferChannel>,
+    pub debug_view: Option<DebugChannel>,
     pub geometric_normal: GeometricNormal,
     pub sun: bool,
     pub environment: bool,
@@ -69,7 +69,7 @@ pub fn read_keys(
             KeyCode::Digit2 => settings.renderer = Renderer::BevyDeferred,
             KeyCode::Digit3 => settings.renderer = Renderer::Lean,
             KeyCode::KeyD => {
-                settings.debug_view = next_or_none(&GBufferChannel::ALL, settings.debug_view)
+                settings.debug_view = next_or_none(&DebugChannel::ALL, settings.debug_view)
             }
             KeyCode::KeyN => {
                 settings.geometric_normal = next(&GeometricNormal::ALL, settings.geometric_normal);

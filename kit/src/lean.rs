@@ -40,19 +40,26 @@ pub fn show(headless: &mut Headless, scene: impl FnOnce(&mut SceneBuilder)) {
 /// A picture once all is loaded. Always of the same phase of what changes from frame to frame (jitter, noise).
 pub fn settled(headless: &mut Headless) -> Picture {
     headless.settle();
-    let has_history = has_history(headless);
-    let made = headless.world().resource::<FrameCount>().0;
-    let phase = made.next_multiple_of(PHASES);
-    if has_history {
-        headless.frames((phase - made) as usize);
-    } else {
-        headless.world().resource_mut::<FrameCount>().0 = phase;
-    }
+    begin_phase(headless);
     headless.capture()
 }
 
-/// After so many frames jitter and noise begin anew.
-const PHASES: u32 = 8;
+/// Has jitter and noise begin anew in the next frame.
+pub fn begin_phase(headless: &mut Headless) {
+    let has_history = has_history(headless);
+    let made = headless.world().resource::<FrameCount>().0;
+    if has_history {
+        headless.frames((made.next_multiple_of(JITTER_PHASES) - made) as usize);
+    } else {
+        headless.world().resource_mut::<FrameCount>().0 = made.next_multiple_of(NOISE_PHASES);
+    }
+}
+
+/// After so many frames jitter begins anew.
+const JITTER_PHASES: u32 = 8;
+
+/// After so many frames noise begins anew.
+const NOISE_PHASES: u32 = 64;
 
 /// Whether pictures hold something of earlier frames, and so of each of their phases.
 fn has_history(headless: &mut Headless) -> bool {

@@ -11,6 +11,7 @@ pub mod exposure_gpu;
 pub mod exposure_reference;
 pub mod gpu;
 pub mod gpu_time;
+pub mod hdr;
 pub mod headless;
 pub mod held_back;
 pub mod lean;

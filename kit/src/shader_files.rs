@@ -1,8 +1,9 @@
-//! Shaders from files in place of those that are compiled in: what is edited in WGSL is seen without building anything.
+//! Shaders in place of those that are compiled in: from a folder, so that what is edited in WGSL is seen without building
+//! anything, or made by a test.
 
 use std::path::PathBuf;
 
-use bevy::{prelude::*, shader::Shader};
+use bevy::{platform::collections::HashMap, prelude::*, shader::Shader};
 
 /// Names the folder, `src` of the crate or a copy of it.
 const VARIABLE: &str = "LEAN_SHADERS";
@@ -10,20 +11,36 @@ const VARIABLE: &str = "LEAN_SHADERS";
 /// How the paths of embedded shaders begin.
 const CRATE: &str = "bevy_lean_deferred/";
 
-/// Where shaders are read from.
-#[derive(Resource)]
-struct ShaderFiles(PathBuf);
+/// Where shaders are from.
+#[derive(Resource, Default)]
+struct ReplacedShaders {
+    folder: Option<PathBuf>,
+    /// By their paths in `src`.
+    sources: HashMap<&'static str, String>,
+}
 
 /// Reads the crate's shaders from the folder that `LEAN_SHADERS` names, if it does.
 pub fn read_shader_files(app: &mut App) {
     if let Some(folder) = std::env::var_os(VARIABLE) {
-        app.insert_resource(ShaderFiles(folder.into()))
-            .add_systems(PreUpdate, replace_shaders);
+        replacements(app).folder = Some(folder.into());
     }
 }
 
+/// Has the shader at `path` in `src` replaced by `source`. To be called before the app's first frame.
+pub fn replace_shader(app: &mut App, path: &'static str, source: String) {
+    replacements(app).sources.insert(path, source);
+}
+
+fn replacements(app: &mut App) -> Mut<'_, ReplacedShaders> {
+    if !app.world().contains_resource::<ReplacedShaders>() {
+        app.init_resource::<ReplacedShaders>()
+            .add_systems(PreUpdate, replace_shaders);
+    }
+    app.world_mut().resource_mut()
+}
+
 fn replace_shaders(
-    files: Res<ShaderFiles>,
+    replaced: Res<ReplacedShaders>,
     mut loaded: MessageReader<AssetEvent<Shader>>,
     mut shaders: ResMut<Assets<Shader>>,
 ) {
@@ -37,14 +54,19 @@ fn replace_shaders(
         let Some((_, name)) = path.split_once(CRATE) else {
             continue;
         };
-        let file = files.0.join(name);
-        match std::fs::read_to_string(&file) {
-            Ok(source) => {
-                if let Err(error) = shaders.insert(*id, Shader::from_wgsl(source, path.clone())) {
-                    warn!("{name} is not replaced: {error}");
+        let source = match (replaced.sources.get(name), &replaced.folder) {
+            (Some(source), _) => source.clone(),
+            (None, None) => continue,
+            (None, Some(folder)) => match std::fs::read_to_string(folder.join(name)) {
+                Ok(source) => source,
+                Err(error) => {
+                    warn!("{name}: {error}");
+                    continue;
                 }
-            }
-            Err(error) => warn!("{}: {error}", file.display()),
+            },
+        };
+        if let Err(error) = shaders.insert(*id, Shader::from_wgsl(source, path.clone())) {
+            warn!("{name} is not replaced: {error}");
         }
     }
 }

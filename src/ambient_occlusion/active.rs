@@ -116,7 +116,7 @@ pub(super) fn decide_active_occlusion(
         let reason = (msaa.samples() > 1).then_some("its Msaa is not Off");
         (warnings.0).tell(view.retained_view_entity.main_entity, reason);
         let is_for_lighting = is_lean && settings.is_for_lighting();
-        let shows_channel = lean.is_some_and(|lean| lean.debug_view.is_some());
+        let shows_channel = lean.is_some_and(LeanDeferred::shows_channel);
         if reason.is_some() || (is_for_lighting && shows_channel) {
             if current.is_some() {
                 commands.entity(entity).remove::<ActiveOcclusion>();

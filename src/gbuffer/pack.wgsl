@@ -17,7 +17,7 @@
 #endif
 
 #ifdef GBUFFER_EMISSIVE
-#import bevy_lean_deferred::gbuffer::layout::emissive::pack_emissive
+#import bevy_lean_deferred::gbuffer::layout::light::pack_light
 #ifdef LIGHTMAP
 #import bevy_pbr::pbr_functions::calculate_diffuse_color
 #endif
@@ -118,7 +118,7 @@ fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
     out.written = written_targets();
 #endif
 #ifdef GBUFFER_EMISSIVE
-    out.emissive = pack_emissive(stored_light(pbr));
+    out.emissive = pack_light(stored_light(pbr));
 #endif
 #ifdef GBUFFER_SPECIALIZATION
     out.specialization = specialization_word(pbr, words.y);

@@ -24,7 +24,10 @@ use crate::{
     gbuffer::{MotionResolvePipelines, ViewDemands},
     gpu::pipeline_watch::PipelineWatch,
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
-    view::{ActiveLeanView, Demand, GBufferTargets, LeanDeferred, LeanOffReason, LightingVariants},
+    view::{
+        ActiveLeanView, Demand, ExchangeQuery, GBufferTargets, LeanDeferred, LeanOffReason,
+        LightExchange, LightingVariants,
+    },
 };
 
 fn reason_against(
@@ -71,6 +74,7 @@ fn draw_order(
         has_light_layers,
         targets: GBufferTargets::empty(),
         variants: LightingVariants::empty(),
+        exchange: LightExchange::empty(),
         culls_in_two_phases,
         depth_tells_geometry: !draws_in_prepass && starts_at_zero,
     }
@@ -111,7 +115,7 @@ pub(super) fn decide_active_views(
             Has<DeferredPrepass>,
             (Has<OcclusionCulling>, Has<NoIndirectDrawing>),
         ),
-        (&LeanDeferred, Option<&LeanAmbientOcclusion>),
+        (&LeanDeferred, Option<&LeanAmbientOcclusion>, ExchangeQuery),
         (Option<&mut ViewLighting>, Option<&ActiveLeanView>),
     )>,
     switched_off: Query<Entity, (With<ViewLighting>, Without<ExtractedCamera>)>,
@@ -136,7 +140,9 @@ pub(super) fn decide_active_views(
     let mut active_now = HashMap::default();
     let mut candidates = HashSet::<RetainedViewEntity>::default();
 
-    for (entity, camera, prepasses, (settings, occlusion), (lighting, current)) in &mut views {
+    for (entity, camera, prepasses, (settings, occlusion, exchange), (lighting, current)) in
+        &mut views
+    {
         let (camera, view, msaa, camera_3d, layers, visible) = camera;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
@@ -166,9 +172,14 @@ pub(super) fn decide_active_views(
             },
         );
         order.depth_tells_geometry &= !others_may_draw_depth(visible);
-        let before = active_before
-            .get(&view.retained_view_entity)
-            .map_or(Demand::default(), ActiveLeanView::demand);
+        let last = active_before.get(&view.retained_view_entity);
+        let exchange = if settings.shows_channel() {
+            LightExchange::empty()
+        } else {
+            exchange.asked()
+        };
+        let before = last.map_or(Demand::default(), ActiveLeanView::demand);
+        let exchanges = [exchange, last.map_or(exchange, |last| last.exchange)];
         // Lighting for what is not needed any more may never be compiled.
         let [wanted, needed] = demands.wanted(view.retained_view_entity);
         let choices = if before.contains(needed) {
@@ -176,8 +187,18 @@ pub(super) fn decide_active_views(
         } else {
             [wanted, needed, before]
         };
-        let compiled = choices.into_iter().find_map(|demand| {
+        let choices = choices
+            .into_iter()
+            .flat_map(|demand| exchanges.map(|exchange| (demand, exchange)));
+        let compiled = choices.into_iter().find_map(|(demand, exchange)| {
             let demand = demand.on(&order);
+            let Demand { targets, variants } = demand;
+            let order = ActiveLeanView {
+                targets,
+                variants,
+                exchange,
+                ..order
+            };
             let key = scene.key(
                 lights,
                 *view_key,
@@ -201,7 +222,7 @@ pub(super) fn decide_active_views(
                 .pipelines
                 .iter()
                 .all(|(_, id)| pipeline_cache.get_compute_pipeline(*id).is_some())
-                .then_some(demand)
+                .then_some(order)
         });
         let failure = lighting
             .pipelines
@@ -209,12 +230,7 @@ pub(super) fn decide_active_views(
             .find_map(|(_, id)| pipeline_watch.failure(*id));
         let camera = view.retained_view_entity.main_entity;
         statuses.on(camera, compiled.is_some(), failure);
-        if let Some(Demand { targets, variants }) = compiled {
-            let active = ActiveLeanView {
-                targets,
-                variants,
-                ..order
-            };
+        if let Some(active) = compiled {
             active_now.insert(view.retained_view_entity, active);
             if current != Some(&active) {
                 commands.entity(entity).insert(active);

@@ -29,7 +29,7 @@ use crate::{
     screen_space::HistoryPlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
-        GBufferChannel, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems, can_build,
+        DebugChannel, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems, can_build,
         overrides,
     },
 };
@@ -51,7 +51,7 @@ impl Plugin for LeanDeferredPlugin {
         ));
         app.register_type::<LeanDeferred>()
             .register_type::<GeometricNormal>()
-            .register_type::<GBufferChannel>()
+            .register_type::<DebugChannel>()
             .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
             .register_type::<LeanStatus>()
             .add_observer(statuses::remove_status);

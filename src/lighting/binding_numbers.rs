@@ -98,6 +98,9 @@ pub mod targets {
         VISIBILITY_MASK_TEXTURE = 10,
         LIGHT_LAYERS = 11,
         WRITTEN_TEXTURE = 12,
+        DIFFUSE_LIGHT_TEXTURE = 13,
+        INDIRECT_SPECULAR_TEXTURE = 14,
+        INDIRECT_DIFFUSE_TEXTURE = 15,
     }
 }
 

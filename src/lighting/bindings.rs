@@ -28,7 +28,7 @@ use super::{
     binding_numbers::{list, targets},
     buffers::LightingBuffers,
     features::ViewEnvironmentMaps,
-    pipeline::{LightingLayouts, LightingPipelines, target_binding},
+    pipeline::{INDIRECT_LIGHT, LightingLayouts, LightingPipelines, target_binding},
     view_entries::{push_array_entry, view_entry},
 };
 use crate::{
@@ -38,7 +38,7 @@ use crate::{
         bind_group_cache::{CachedBindGroup, Entries},
         tiles,
     },
-    view::ActiveLeanView,
+    view::{ActiveLeanView, DiffuseLight, IndirectDiffuse, IndirectSpecular, LightExchange},
 };
 
 /// The bind groups of one view, and what the dispatch needs beside them.
@@ -101,6 +101,9 @@ pub(super) struct LitView {
     pub(super) ssao: Option<&'static ScreenSpaceAmbientOcclusionResources>,
     pub(super) occlusion: Option<&'static ViewOcclusion>,
     pub(super) occlusion_texture: Option<&'static OcclusionTexture>,
+    pub(super) diffuse_light: Option<&'static DiffuseLight>,
+    pub(super) indirect_specular: Option<&'static IndirectSpecular>,
+    pub(super) indirect_diffuse: Option<&'static IndirectDiffuse>,
     pub(super) atmosphere: Option<&'static AtmosphereTextures>,
     pub(super) environment_maps: Option<&'static ViewEnvironmentMaps>,
     pub(super) irradiance_volumes: Option<&'static RenderViewLightProbes<IrradianceVolume>>,
@@ -109,6 +112,16 @@ pub(super) struct LitView {
     pub(super) probes_offset: &'static ViewLightProbesUniformOffset,
     pub(super) fog_offset: Option<&'static ViewFogUniformOffset>,
     pub(super) contact_shadows_offset: Option<&'static ViewContactShadowsUniformOffset>,
+}
+
+impl LitViewItem<'_, '_> {
+    /// The texture of one kind of light that an effect has found.
+    fn found_light(&self, kind: LightExchange) -> Option<&TextureView> {
+        match kind {
+            LightExchange::INDIRECT_SPECULAR => self.indirect_specular?.0.as_ref(),
+            _ => self.indirect_diffuse?.0.as_ref(),
+        }
+    }
 }
 
 /// What lighting reads of the scene.
@@ -283,6 +296,18 @@ fn push_target_entries(
             targets::WRITTEN_TEXTURE,
             written.default_view.into_binding(),
         )?;
+    }
+    if layouts.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
+        let texture = &view.diffuse_light?.0.default_view;
+        entries.push(targets::DIFFUSE_LIGHT_TEXTURE, texture.into_binding())?;
+    }
+    for (found, binding) in INDIRECT_LIGHT {
+        if layouts.exchange.contains(found) {
+            let light = view.found_light(found);
+            // Of zeros: nothing is found, nothing is hidden.
+            let light = light.unwrap_or(&resources.fallback_zero.texture_view);
+            entries.push(binding, light.into_binding())?;
+        }
     }
     for target in layouts.read_targets {
         if let Some(texture) = view.gbuffer.optional(target) {

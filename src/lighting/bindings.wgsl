@@ -41,6 +41,15 @@ struct LightLayersTable {
 #ifdef GBUFFER_WRITTEN
 @group(2) @binding(12) var written_texture: texture_2d<u32>;
 #endif
+#ifdef DIFFUSE_LIGHT
+@group(2) @binding(13) var diffuse_light_texture: texture_storage_2d<r32uint, write>;
+#endif
+#ifdef INDIRECT_SPECULAR
+@group(2) @binding(14) var indirect_specular_texture: texture_2d<f32>;
+#endif
+#ifdef INDIRECT_DIFFUSE
+@group(2) @binding(15) var indirect_diffuse_texture: texture_2d<f32>;
+#endif
 #ifdef GBUFFER_EMISSIVE
 @group(2) @binding(7) var emissive_texture: texture_2d<u32>;
 #endif

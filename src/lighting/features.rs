@@ -19,8 +19,8 @@ use crate::{
     gpu::subgroups::Subgroups,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
     view::{
-        ActiveLeanView, Demand, GBufferChannel, GBufferTargets, GeometricNormal, LeanDeferred,
-        LightCulling, LightingVariants,
+        ActiveLeanView, DebugChannel, Demand, GBufferTargets, GeometricNormal, LeanDeferred,
+        LightCulling, LightExchange, LightingVariants,
     },
 };
 
@@ -41,10 +41,11 @@ pub(crate) struct LightingKey {
     pub(super) rect_lights: bool,
     /// Decals, or lights with textures: they share a table.
     pub(super) decals: bool,
-    pub(super) debug_view: Option<GBufferChannel>,
+    pub(super) debug_view: Option<DebugChannel>,
     /// Pixels without geometry are known by their depth, not by the cleared G-buffer.
     pub(super) depth_tells_geometry: bool,
     pub(super) occlusion: Option<OcclusionKey>,
+    pub(super) exchange: LightExchange,
     /// Some light, decal or light probe has layers that keep it from some meshes.
     pub(super) light_layers: bool,
     /// The optional targets that the view has, as far as they are read.
@@ -214,9 +215,10 @@ impl SceneFeatures<'_, '_> {
             .mesh_pipeline
             .as_ref()
             .is_some_and(|pipeline| pipeline.clustered_decals_are_usable);
-        let shows_normal = settings.debug_view == Some(GBufferChannel::GeometricNormal);
+        let shows_light = !settings.shows_channel();
+        let shows_normal = settings.debug_view == Some(DebugChannel::GeometricNormal);
         let mut read_targets = GBufferTargets::LIT;
-        if settings.debug_view == Some(GBufferChannel::Motion) {
+        if settings.debug_view == Some(DebugChannel::Motion) {
             read_targets |= GBufferTargets::MOTION;
         }
         LightingKey {
@@ -232,15 +234,16 @@ impl SceneFeatures<'_, '_> {
             debug_view: settings.debug_view,
             depth_tells_geometry: order.depth_tells_geometry,
             occlusion: occlusion
-                .filter(|_| self.occlusion_pipelines.is_some() && settings.debug_view.is_none())
+                .filter(|_| self.occlusion_pipelines.is_some() && shows_light)
                 .and_then(OcclusionKey::new),
-            light_layers: order.has_light_layers && settings.debug_view.is_none(),
+            exchange: order.exchange,
+            light_layers: order.has_light_layers && shows_light,
             targets: demand.targets & read_targets,
             // Channels are shown for all surfaces alike.
-            listed: if settings.debug_view.is_some() {
-                LightingVariants::empty()
-            } else {
+            listed: if shows_light {
                 demand.variants
+            } else {
+                LightingVariants::empty()
             },
             visited: LightingVariants::empty(),
         }

@@ -8,16 +8,18 @@
 //! - `pipeline.rs`: layouts and pipelines.
 //! - `binding_numbers.rs`, `buffers.rs`, `bindings.rs`, `view_entries.rs`: what it binds and where; made anew only when
 //!   something of it changed.
+//! - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
 //! - `pass.rs`: the dispatches.
-//! - `lighting.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader. `visibility.wgsl`: ambient occlusion in it.
+//! - `lighting.wgsl`, `shade.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader. `visibility.wgsl`: ambient occlusion in it.
 //!   `debug_view.wgsl`: channels of the G-buffer in place of light.
 //! - `lights/`: light from each kind of source, diffuse and specular apart. `lit.wgsl`, `shading_point.wgsl`, `brdf.wgsl`: what
-//!   they share. `reach.wgsl`, `clustered_lights.wgsl`: the lights that can reach a tile, and the loop over them.
+//!   they share. `found_light.wgsl`: what other effects have found. `reach.wgsl`, `clustered_lights.wgsl`: the lights that can reach a tile, and the loop over them.
 
 #[doc(hidden)]
 pub mod binding_numbers;
 mod bindings;
 mod buffers;
+mod diffuse_light;
 mod features;
 mod light_layer_table;
 mod light_layers;
@@ -96,6 +98,7 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "tile_list.wgsl");
         load_shader_library!(app, "light_layers.wgsl");
         load_shader_library!(app, "visibility.wgsl");
+        load_shader_library!(app, "shade.wgsl");
         load_shader_library!(app, "debug_view.wgsl");
         load_shader_library!(app, "lights/lit.wgsl");
         load_shader_library!(app, "lights/shading_point.wgsl");
@@ -108,6 +111,7 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "lights/reach.wgsl");
         load_shader_library!(app, "lights/clustered_lights.wgsl");
         load_shader_library!(app, "lights/indirect_light.wgsl");
+        load_shader_library!(app, "lights/found_light.wgsl");
         embedded_asset!(app, "lighting.wgsl");
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -125,7 +129,11 @@ impl Plugin for LightingPlugin {
             .add_systems(
                 Render,
                 (
-                    buffers::write_lighting_buffers.in_set(RenderSystems::PrepareResources),
+                    (
+                        buffers::write_lighting_buffers,
+                        diffuse_light::prepare_diffuse_light,
+                    )
+                        .in_set(RenderSystems::PrepareResources),
                     (
                         light_layer_table::write_light_layers,
                         bindings::prepare_lighting_bind_groups,

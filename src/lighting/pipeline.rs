@@ -19,6 +19,7 @@ use bevy::{
 use super::{
     binding_numbers::{arrays, targets, view},
     buffers::LightingUniform,
+    diffuse_light::DIFFUSE_LIGHT_FORMAT,
     features::{ClusteredLights, LightingKey, ShadowMaps},
     light_layer_table::LightLayersTable,
     tile_list::{filling_layout, reading_layout},
@@ -27,7 +28,7 @@ use super::{
 use crate::{
     ambient_occlusion::OcclusionView,
     gpu::{bind_group_cache::FoundLayout, bindings::layout},
-    view::{GBufferTargets, GeometricNormal, LightCulling},
+    view::{GBufferTargets, GeometricNormal, LightCulling, LightExchange},
 };
 
 /// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output). All variants of a view share
@@ -39,6 +40,8 @@ pub(super) struct LightingLayouts {
     pub(super) targets: FoundLayout,
     /// The optional targets in bind group 2.
     pub(super) read_targets: GBufferTargets,
+    /// What else is in bind group 2.
+    pub(super) exchange: LightExchange,
     /// Bind group 3, where there are special surfaces.
     list: Option<FoundLayout>,
 }
@@ -91,6 +94,18 @@ pub(super) fn init_lighting_pipelines(
     });
 }
 
+/// Where bind group 2 has the light that other effects have found.
+pub(super) const INDIRECT_LIGHT: [(LightExchange, u32); 2] = [
+    (
+        LightExchange::INDIRECT_SPECULAR,
+        targets::INDIRECT_SPECULAR_TEXTURE,
+    ),
+    (
+        LightExchange::INDIRECT_DIFFUSE,
+        targets::INDIRECT_DIFFUSE_TEXTURE,
+    ),
+];
+
 /// Where bind group 2 has an optional target.
 pub(super) fn target_binding(target: GBufferTargets) -> u32 {
     targets::EMISSIVE_TEXTURE + target.bits().trailing_zeros()
@@ -126,6 +141,16 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
     }
     if !key.targets.is_empty() {
         entries.push((targets::WRITTEN_TEXTURE, words()));
+    }
+    if key.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
+        let output = texture_storage_2d(DIFFUSE_LIGHT_FORMAT, StorageTextureAccess::WriteOnly);
+        entries.push((targets::DIFFUSE_LIGHT_TEXTURE, output));
+    }
+    for (found, binding) in INDIRECT_LIGHT {
+        if key.exchange.contains(found) {
+            let light = texture_2d(TextureSampleType::Float { filterable: false });
+            entries.push((binding, light));
+        }
     }
     entries.extend(
         key.targets
@@ -207,6 +232,7 @@ impl LightingPipelines {
             arrays: FoundLayout::new(pipeline_cache, arrays_layout),
             targets: FoundLayout::new(pipeline_cache, targets_layout(key)),
             read_targets: key.targets,
+            exchange: key.exchange,
             list: if !key.visited.is_empty() {
                 Some(self.reading_list.clone())
             } else if !key.listed.is_empty() {
@@ -330,14 +356,36 @@ impl LightingPipelines {
         define(key.light_layers, "LIGHT_LAYERS");
         define(key.depth_tells_geometry, "DEPTH_TELLS_GEOMETRY");
         let shows_occlusion = key.occlusion.is_some_and(|occlusion| occlusion.debug_view);
-        define(key.debug_view.is_none() && !shows_occlusion, "SHOWS_LIGHT");
-        define(key.debug_view.is_some(), "DEBUG_VIEW");
+        let shows_channel = key.debug_view.is_some_and(|channel| !channel.is_light());
+        define(!shows_channel && !shows_occlusion, "SHOWS_LIGHT");
+        define(shows_channel, "DEBUG_VIEW");
+        define(
+            key.debug_view.is_some() && !shows_channel,
+            "SHOWS_PART_OF_LIGHT",
+        );
         if let Some(channel) = key.debug_view {
             define(true, channel.shader_def());
         }
 
+        let exchanges = |what| key.exchange.contains(what);
+        define(exchanges(LightExchange::DIFFUSE_LIGHT), "DIFFUSE_LIGHT");
         define(
-            key.occlusion.is_some() || has(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION),
+            exchanges(LightExchange::INDIRECT_SPECULAR),
+            "INDIRECT_SPECULAR",
+        );
+        define(
+            exchanges(LightExchange::INDIRECT_DIFFUSE),
+            "INDIRECT_DIFFUSE",
+        );
+        define(
+            key.exchange.intersects(LightExchange::INDIRECT),
+            "INDIRECT_LIGHT",
+        );
+
+        define(
+            key.occlusion.is_some()
+                || has(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION)
+                || exchanges(LightExchange::INDIRECT_DIFFUSE),
             "APPLIES_VISIBILITY",
         );
         if let Some(occlusion) = key.occlusion {

@@ -15,7 +15,7 @@
 }
 
 #ifdef GBUFFER_EMISSIVE
-#import bevy_lean_deferred::gbuffer::layout::emissive::unpack_emissive
+#import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::lighting::bindings::emissive_texture
 #endif
 
@@ -154,7 +154,7 @@ fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
 #ifdef GBUFFER_EMISSIVE
     var light = vec3(0.0);
     if (pixel.written & layout::EMISSIVE_WRITTEN) != 0u {
-        light = unpack_emissive(textureLoad(emissive_texture, pixel.position, 0).r);
+        light = unpack_light(textureLoad(emissive_texture, pixel.position, 0).r);
     }
 #ifdef LIGHTMAP
     // Bevy exposes the light of lightmaps.

@@ -5,7 +5,7 @@
 //! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 8, B 7 (square roots), metallic 5, material occlusion 5 |
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
 //! | with any optional | [`WRITTEN_FORMAT`] | which of the optional targets hold a word of this surface: the bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets) |
-//! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](emissive) |
+//! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](light) |
 //! | optional | [`SPECIALIZATION_FORMAT`] | [specular constant, shading model, flags](specialization) |
 //! | optional | [`MOTION_FORMAT`] | [motion vector](motion) |
 //! | optional | [`VISIBILITY_MASK_FORMAT`] | one bit for each render layer; see [`visibility_mask`] |
@@ -21,7 +21,7 @@
 //!   rounding each axis on its own.
 //! - Values that cannot be stored are clamped; NaN becomes 0, a normal without a direction becomes +Y.
 
-pub mod emissive;
+pub mod light;
 pub mod motion;
 pub mod specialization;
 

@@ -13,7 +13,7 @@ use bevy::{prelude::*, shader::load_shader_library};
 pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "tiles.wgsl");
     load_shader_library!(app, "layout.wgsl");
-    load_shader_library!(app, "layout/emissive.wgsl");
+    load_shader_library!(app, "layout/light.wgsl");
     load_shader_library!(app, "layout/motion.wgsl");
     load_shader_library!(app, "layout/specialization.wgsl");
     load_shader_library!(app, "reconstruction/position.wgsl");

@@ -2,7 +2,10 @@
 
 use bevy::prelude::*;
 
-use super::surfaces::{GBufferTargets, LightingVariants};
+use super::{
+    exchange::LightExchange,
+    surfaces::{GBufferTargets, LightingVariants},
+};
 
 /// On a view of the render world: this frame it is rendered through the G-buffer.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +24,8 @@ pub struct ActiveLeanView {
     pub targets: GBufferTargets,
     /// The kinds of special surfaces that lighting is compiled for.
     pub(crate) variants: LightingVariants,
+    /// What lighting takes from other effects, and gives to them.
+    pub exchange: LightExchange,
     /// Meshes are drawn twice: those that were visible before, and those that the depth of these does not hide.
     pub culls_in_two_phases: bool,
     /// At the time of lighting, depth other than 0 means that a lean mesh was drawn there: nothing else writes depth

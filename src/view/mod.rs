@@ -3,13 +3,14 @@
 //! - `settings.rs`, `status.rs`: [`LeanDeferred`] and [`LeanStatus`], the components of cameras.
 //! - `active.rs`: [`ActiveLeanView`], what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
 //! - `schedule.rs`: when stages run. `cut.rs`: when the last frame says nothing of this one.
-//! - `depth_usage.rs`: what depth textures are made for.
+//! - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
 //! - `overrides.rs`: what effects change about a camera, and give back. `removal.rs`: what goes with a component.
 //! - `warn_once.rs`: why an effect is off, once for each camera.
 
 mod active;
 mod cut;
 pub(crate) mod depth_usage;
+mod exchange;
 pub(crate) mod overrides;
 pub(crate) mod removal;
 mod schedule;
@@ -21,8 +22,13 @@ pub(crate) mod warn_once;
 pub use active::ActiveLeanView;
 pub(crate) use active::Demand;
 pub use cut::{CameraCut, CameraCuts};
+pub(crate) use exchange::ExchangeQuery;
+#[doc(hidden)]
+pub use exchange::{
+    DiffuseLight, IndirectDiffuse, IndirectSpecular, LightExchange, ReadsDiffuseLight,
+};
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses};
-pub use settings::{GBufferChannel, GeometricNormal, LeanDeferred, LightCulling};
+pub use settings::{DebugChannel, GeometricNormal, LeanDeferred, LightCulling};
 pub use status::{LeanOffReason, LeanStatus};
 pub use surfaces::{GBufferTargets, ShadingModel};
 pub(crate) use surfaces::{LightingVariant, LightingVariants};

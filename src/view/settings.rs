@@ -37,8 +37,8 @@ pub struct LeanDeferred {
     pub light_layers: bool,
     /// How lights that do not reach a pixel are passed by. Default: [`LightCulling::Auto`].
     pub light_culling: LightCulling,
-    /// Shows one channel of the G-buffer in place of the lit image. Default: none.
-    pub debug_view: Option<GBufferChannel>,
+    /// Shows one channel of the G-buffer, or one part of the light, in place of the picture. Default: none.
+    pub debug_view: Option<DebugChannel>,
 }
 
 impl Default for LeanDeferred {
@@ -49,6 +49,13 @@ impl Default for LeanDeferred {
             light_culling: LightCulling::default(),
             debug_view: None,
         }
+    }
+}
+
+impl LeanDeferred {
+    /// Whether surfaces are not lit.
+    pub(crate) fn shows_channel(&self) -> bool {
+        self.debug_view.is_some_and(|channel| !channel.is_light())
     }
 }
 
@@ -96,10 +103,10 @@ pub enum LightCulling {
     SharedMemory,
 }
 
-/// One channel of the G-buffer, for [`LeanDeferred::debug_view`].
+/// One channel of the G-buffer, or one part of the light, for [`LeanDeferred::debug_view`].
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Clone, PartialEq)]
-pub enum GBufferChannel {
+pub enum DebugChannel {
     /// Linear albedo.
     Albedo,
     /// Metallic, grey.
@@ -124,11 +131,15 @@ pub enum GBufferChannel {
     Motion,
     /// Render layers: a colour for each set, grey for layer 0 alone. All grey while no light's layers tell meshes apart.
     VisibilityMask,
+    /// Light that surfaces reflect diffusely or transmit, exposed; without fog and without what they emit.
+    DiffuseLight,
+    /// Light that the boundaries of surfaces reflect, exposed; without fog and without what they emit.
+    SpecularLight,
 }
 
-impl GBufferChannel {
-    /// All channels, in the order of the bit table.
-    pub const ALL: [Self; 11] = [
+impl DebugChannel {
+    /// All channels, in the order of the bit table, and the parts of the light.
+    pub const ALL: [Self; 13] = [
         Self::Albedo,
         Self::Metallic,
         Self::Occlusion,
@@ -140,7 +151,14 @@ impl GBufferChannel {
         Self::ShadingModel,
         Self::Motion,
         Self::VisibilityMask,
+        Self::DiffuseLight,
+        Self::SpecularLight,
     ];
+
+    /// Whether it shows light, for which surfaces are lit.
+    pub(crate) fn is_light(self) -> bool {
+        matches!(self, Self::DiffuseLight | Self::SpecularLight)
+    }
 
     /// The name of the shader definition that selects it.
     pub(crate) fn shader_def(self) -> &'static str {
@@ -156,6 +174,8 @@ impl GBufferChannel {
             Self::ShadingModel => "DEBUG_SHADING_MODEL",
             Self::Motion => "DEBUG_MOTION",
             Self::VisibilityMask => "DEBUG_VISIBILITY_MASK",
+            Self::DiffuseLight => "DEBUG_DIFFUSE_LIGHT",
+            Self::SpecularLight => "DEBUG_SPECULAR_LIGHT",
         }
     }
 }

@@ -252,7 +252,7 @@ fn change_lean(settings: &mut LeanDeferred, random: &mut Random) {
         0 => settings.geometric_normal = GeometricNormal::ALL[random.below(3)],
         1 => settings.light_layers ^= true,
         _ => {
-            let channel = GBufferChannel::ALL[random.below(11)];
+            let channel = DebugChannel::ALL[random.below(DebugChannel::ALL.len())];
             settings.debug_view = (random.below(2) == 0).then_some(channel);
         }
     }

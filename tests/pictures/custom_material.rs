@@ -120,7 +120,7 @@ fn picture_pair(registers: bool) -> (f64, f64) {
 
     // What the G-buffer holds shows through a debug view; what forward draws is lit over it.
     headless.world().entity_mut(camera).insert(LeanDeferred {
-        debug_view: Some(GBufferChannel::Roughness),
+        debug_view: Some(DebugChannel::Roughness),
         ..default()
     });
     headless.settle();

@@ -8,7 +8,7 @@ use bevy::{
     light::{ClusteredDecal, DirectionalLight, LightProbe, PointLight, RectLight, SpotLight},
     prelude::*,
 };
-use bevy_lean_deferred::{GBufferChannel, LeanDeferred};
+use bevy_lean_deferred::{DebugChannel, LeanDeferred};
 use kit::{
     headless::{Headless, Picture},
     lean::{judge, report, set_lean, settled, show},
@@ -283,7 +283,7 @@ fn compare_without_layers(name: &str, lights: Lights, shows: Shows) {
 fn the_mask_can_be_shown() {
     in_own_process(|| {
         let settings = LeanDeferred {
-            debug_view: Some(GBufferChannel::VisibilityMask),
+            debug_view: Some(DebugChannel::VisibilityMask),
             ..default()
         };
         let headless = &mut Headless::new(SIZE);

@@ -33,7 +33,7 @@ const ROUNDED: Handle<Shader> = uuid_handle!("7c0d6a0e-34c1-4f7e-8d55-1b0f6a2f6b
 
 const SHADER: &str = r"
 #import bevy_lean_deferred::gbuffer::layout
-#import bevy_lean_deferred::gbuffer::layout::emissive::unpack_emissive
+#import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::gbuffer::pack::pack_pbr_input
 #import bevy_lean_deferred::lighting::surface::specialize
 #import bevy_pbr::{
@@ -56,7 +56,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     pbr.material.perceptual_roughness = layout::unpack_roughness(words.normal);
     pbr.diffuse_occlusion = vec3(layout::unpack_occlusion(words.surface));
     pbr.N = layout::unpack_normal(words.normal);
-    pbr.material.emissive = vec4(unpack_emissive(words.emissive), 0.0);
+    pbr.material.emissive = vec4(unpack_light(words.emissive), 0.0);
     specialize(&pbr, words.specialization);
     if is_unlit {
         return FragmentOutput(main_pass_post_lighting_processing(pbr, pbr.material.base_color));

@@ -7,7 +7,7 @@ mod forms;
 mod packing;
 
 use bevy::math::Vec3;
-use bevy_lean_deferred::gbuffer::layout::{self, emissive, specialization};
+use bevy_lean_deferred::gbuffer::layout::{self, light, specialization};
 use forms::{FORMS, Form, VALUES};
 use kit::{
     compute::{Compute, Kernel, WgslModule},
@@ -20,8 +20,8 @@ const MODULES: [WgslModule; 16] = [
         source: include_str!("../../src/shader_library/layout.wgsl"),
     },
     WgslModule {
-        path: "src/shader_library/layout/emissive.wgsl",
-        source: include_str!("../../src/shader_library/layout/emissive.wgsl"),
+        path: "src/shader_library/layout/light.wgsl",
+        source: include_str!("../../src/shader_library/layout/light.wgsl"),
     },
     WgslModule {
         path: "src/shader_library/layout/specialization.wgsl",
@@ -140,8 +140,8 @@ fn every_code_survives_unpacking_and_packing() {
 #[test]
 fn words_of_0_are_defaults() {
     use specialization as special;
-    assert_eq!(emissive::unpack_emissive(0), Vec3::ZERO);
-    assert_eq!(emissive::pack_emissive(Vec3::ZERO), 0);
+    assert_eq!(light::unpack_light(0), Vec3::ZERO);
+    assert_eq!(light::pack_light(Vec3::ZERO), 0);
     assert_eq!(special::unpack_reflectance(0), 0.5);
     assert_eq!(special::unpack_shading_model(0), 0);
     assert_eq!(special::unpack_arguments(0), 0);

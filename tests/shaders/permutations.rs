@@ -15,7 +15,7 @@ use bevy::{
     prelude::*,
     shader::{Shader, ShaderImport},
 };
-use bevy_lean_deferred::GBufferChannel;
+use bevy_lean_deferred::DebugChannel;
 use covering::{Factor, covering_rows};
 use factors::{
     EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_MERGE, implications,
@@ -335,7 +335,7 @@ fn every_definition_of_the_lighting_shader_is_tried() {
     let channels = tried
         .iter()
         .filter(|name| name.starts_with("DEBUG_") && **name != "DEBUG_VIEW");
-    assert_eq!(channels.count(), GBufferChannel::ALL.len());
+    assert_eq!(channels.count(), DebugChannel::ALL.len());
 }
 
 #[test]

@@ -1,7 +1,9 @@
 // Light from everywhere: lightmaps, irradiance volumes, environment maps with reflection probes, ambient light; in Bevy's
-// order, in which the first that gives diffuse light is the last but for ambient light.
+// order, in which the first that gives diffuse light is the last but for ambient light. Where other effects have found what
+// the surface mirrors, or what shines on it, their light takes the place of that.
 #define_import_path bevy_lean_deferred::lighting::lights::indirect_light
 
+#import bevy_lean_deferred::lighting::lights::found_light::FoundLight
 #import bevy_lean_deferred::lighting::lights::lit::Lit
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
 #import bevy_pbr::{
@@ -13,7 +15,7 @@
 
 #ifdef ENVIRONMENT_MAP
 #import bevy_pbr::{
-    environment_map::{compute_multiscatter, compute_radiances},
+    environment_map::compute_radiances,
     lighting::LayerLightingInput,
 }
 #endif
@@ -26,11 +28,12 @@
 #import bevy_lean_deferred::lighting::lights::shading_point::transmits
 #endif
 
-/// Occluded as `pbr` says. `cluster` is the pixel's.
+/// Occluded as `pbr` says; what other effects have `found` is occluded by the material alone. `cluster` is the pixel's.
 fn add_indirect_light(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
     cluster: u32,
+    found: FoundLight,
     lit: ptr<function, Lit>,
 ) {
     var found_diffuse = false;
@@ -51,15 +54,23 @@ fn add_indirect_light(
     }
 #endif
 #ifdef ENVIRONMENT_MAP
-    add_environment(point, pbr, &ranges, found_diffuse, lit);
+    add_environment(point, pbr, &ranges, found_diffuse, found.confidence, lit);
 #endif
     if !is_lightmapped || lights.ambient_light_affects_lightmapped_meshes != 0u {
-        add_ambient_light(point, pbr.diffuse_occlusion, lit);
+        add_ambient_light(point, pbr.diffuse_occlusion, found.confidence, lit);
     }
+#ifdef INDIRECT_LIGHT
+    add_found_light(point, found, is_lightmapped, lit);
+#endif
 }
 
 /// As Bevy's `ambient_light`.
-fn add_ambient_light(point: ptr<function, ShadingPoint>, occlusion: vec3<f32>, lit: ptr<function, Lit>) {
+fn add_ambient_light(
+    point: ptr<function, ShadingPoint>,
+    occlusion: vec3<f32>,
+    confidence: f32,
+    lit: ptr<function, Lit>,
+) {
     let color = lights.ambient_color.rgb;
     // Of all pixels: ambient light is off.
     if all(color == vec3(0.0)) {
@@ -68,7 +79,7 @@ fn add_ambient_light(point: ptr<function, ShadingPoint>, occlusion: vec3<f32>, l
     let diffuse = EnvBRDFApprox((*point).diffuse_color, F_AB(1.0, (*point).NdotV));
     let specular = EnvBRDFApprox((*point).F_normal, (*point).F_ab) * (*point).F_grazing;
     (*lit).diffuse += diffuse * color * occlusion;
-    (*lit).specular += specular * color * occlusion;
+    (*lit).specular += specular * color * occlusion * (1.0 - confidence);
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     if transmits(point) {
         (*lit).diffuse += EnvBRDFApprox((*point).transmitted_color, F_AB(1.0, 1.0)) * color;
@@ -76,13 +87,81 @@ fn add_ambient_light(point: ptr<function, ShadingPoint>, occlusion: vec3<f32>, l
 #endif
 }
 
+/// What the surface makes of light from everywhere: factors of it.
+struct EnvironmentResponse {
+    /// Of the mean radiance.
+    diffuse: vec3<f32>,
+    /// Of the radiance from the mirrored direction.
+    specular: vec3<f32>,
+}
+
+/// As in Bevy's `environment_map_light` (Fdez-Agüera 2019, "A Multiple-Scattering Microfacet Model for Real-Time
+/// Image-Based Lighting").
+fn environment_response(point: ptr<function, ShadingPoint>) -> EnvironmentResponse {
+    let dielectric = scattered(point, (*point).F0_dielectric);
+    let metallic = scattered(point, (*point).F0_metallic);
+    let transmitted = 1.0 - (dielectric.once + dielectric.again);
+    return EnvironmentResponse(
+        mix(dielectric.again, metallic.again, (*point).metallic) + (*point).diffuse_color * transmitted,
+        mix(dielectric.once, metallic.once, (*point).metallic),
+    );
+}
+
+/// What microfacets with one reflectance send back, scattered once and more often.
+struct Scattered {
+    once: vec3<f32>,
+    again: vec3<f32>,
+}
+
+fn scattered(point: ptr<function, ShadingPoint>, F0: vec3<f32>) -> Scattered {
+    let F_ab = (*point).F_ab;
+    let missing = 1.0 - (F_ab.x + F_ab.y);
+    let once = (F0 * F_ab.x + F_ab.y) * (*point).F_grazing;
+    let mean = F0 + (1.0 - F0) / 21.0;
+    return Scattered(once, once * mean / (1.0 - missing * mean) * missing);
+}
+
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+/// What the coat reflects of what is mirrored.
+fn coat_fresnel(point: ptr<function, ShadingPoint>) -> f32 {
+    return (0.04 + 0.96 * (*point).view_fresnel) * (*point).clearcoat;
+}
+#endif
+
+#ifdef INDIRECT_LIGHT
+/// What other effects have found. Lightmaps have the diffuse part.
+fn add_found_light(
+    point: ptr<function, ShadingPoint>,
+    found: FoundLight,
+    is_lightmapped: bool,
+    lit: ptr<function, Lit>,
+) {
+    let response = environment_response(point);
+    var diffuse = response.diffuse * found.irradiance * found.material_visibility;
+    var specular = response.specular;
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    // It is the coat that mirrors it.
+    if (*point).clearcoat > 0.0 {
+        let fresnel = coat_fresnel(point);
+        diffuse *= 1.0 - fresnel;
+        specular = vec3(fresnel);
+    }
+#endif
+    if !is_lightmapped {
+        (*lit).diffuse += diffuse;
+    }
+    (*lit).specular += specular * found.radiance * found.confidence;
+}
+#endif
+
 #ifdef ENVIRONMENT_MAP
-/// As Bevy's `environment_map_light`.
+/// As Bevy's `environment_map_light`. `confidence` is that with which something else is mirrored.
 fn add_environment(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
     ranges: ptr<function, ClusterableObjectIndexRanges>,
     found_diffuse: bool,
+    confidence: f32,
     lit: ptr<function, Lit>,
 ) {
     let mirrored = reflect(-(*point).V, (*point).N);
@@ -99,17 +178,13 @@ fn add_environment(
     if found_diffuse {
         irradiance = vec3(0.0);
     }
-    let F_ab = (*point).F_ab;
-    let scattered_again = 1.0 - (F_ab.x + F_ab.y);
-    let dielectric = compute_multiscatter((*point).F0_dielectric, F_ab, scattered_again, (*point).F_grazing);
-    let metallic = compute_multiscatter((*point).F0_metallic, F_ab, scattered_again, (*point).F_grazing);
-    let once = mix(dielectric.FssEss, metallic.FssEss, (*point).metallic);
-    let again = mix(dielectric.FmsEms, metallic.FmsEms, (*point).metallic);
-    var diffuse = (again + (*point).diffuse_color * dielectric.Edss) * irradiance;
-    var specular = once * radiances.radiance;
+    let response = environment_response(point);
+    var diffuse = response.diffuse * irradiance;
+    var specular = response.specular * radiances.radiance;
+    let unfound = 1.0 - confidence;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     if (*point).clearcoat > 0.0 {
-        let fresnel = (0.04 + 0.96 * (*point).view_fresnel) * (*point).clearcoat;
+        let fresnel = coat_fresnel(point);
         layer.N = (*point).N;
         layer.R = mirrored;
         layer.perceptual_roughness = (*point).clearcoat_perceptual_roughness;
@@ -117,18 +192,22 @@ fn add_environment(
         let coat = compute_radiances(layer, ranges, (*point).position, true).radiance;
         let passed = 1.0 - fresnel;
         diffuse *= passed;
-        specular = specular * (passed * passed) + coat * fresnel;
+        specular = specular * (passed * passed) + coat * (fresnel * unfound);
+    } else {
+        specular *= unfound;
     }
+#else
+    specular *= unfound;
 #endif
     (*lit).diffuse += diffuse * pbr.diffuse_occlusion;
     (*lit).specular += specular * pbr.specular_occlusion;
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     if transmits(point) {
-        // Bevy takes the back for a surface that reflects everything, of a look-up value of 0.1: this remains of that.
+        // What Bevy does not take for reflected there, with a look-up value of 0.1.
+        let transmitted = 1.0 - (0.1 + 0.1);
         let back = LayerLightingInput(-(*point).N, -(*point).N, 1.0, 1.0, 1.0);
-        let behind = compute_multiscatter(vec3(1.0), vec2(0.1), 1.0 - (0.1 + 0.1), 1.0);
         let light = compute_radiances(back, ranges, (*point).position, false).irradiance;
-        (*lit).diffuse += (behind.FmsEms + behind.Edss) * light * (*point).transmitted_color;
+        (*lit).diffuse += transmitted * light * (*point).transmitted_color;
     }
 #endif
 }

@@ -36,7 +36,7 @@ fn goes_through_the_gbuffer<M: Material>(headless: &mut Headless, material: M) -
     let transform = Transform::from_xyz(0.0, 0.4, 0.0);
     scene.spawn((Mesh3d(mesh), MeshMaterial3d(material), transform));
     scene.default_camera(LeanDeferred {
-        debug_view: Some(GBufferChannel::Roughness),
+        debug_view: Some(DebugChannel::Roughness),
         ..default()
     });
     headless.settle();

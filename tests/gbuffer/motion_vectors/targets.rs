@@ -92,7 +92,7 @@ fn the_motion_target_can_be_shown() {
         let world = headless.world();
         let mut cameras = world.query::<(&mut LeanDeferred, &mut Tonemapping)>();
         let (mut lean, mut tonemapping) = cameras.single_mut(world).expect("one camera");
-        lean.debug_view = Some(GBufferChannel::Motion);
+        lean.debug_view = Some(DebugChannel::Motion);
         *tonemapping = Tonemapping::None;
         headless.settle();
         let film = headless.film(6, |world, _| {

@@ -81,7 +81,7 @@ fn show(sets: usize, drawing: Drawing) -> Headless {
     let world = headless.world();
     let mut cameras = world.query::<&mut LeanDeferred>();
     let mut settings = cameras.single_mut(world).expect("there is one camera");
-    settings.debug_view = Some(GBufferChannel::VisibilityMask);
+    settings.debug_view = Some(DebugChannel::VisibilityMask);
     headless.settle();
     headless.frames(3);
     headless

@@ -4,7 +4,7 @@ use bevy::{
     color::{ColorToComponents, LinearRgba, Srgba},
     math::Vec3,
 };
-use bevy_lean_deferred::gbuffer::layout::{emissive, specialization as special};
+use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
 use bevy_lean_deferred::shading_models::{
     anisotropy, backlight, clearcoat, rim, subsurface, unlit,
 };
@@ -45,7 +45,7 @@ fn color_of(brightest: f64, random: &mut Random) -> (Vec3, usize) {
 
 #[test]
 fn light_is_as_exact_as_documented() {
-    let store = |color| emissive::unpack_emissive(emissive::pack_emissive(color));
+    let store = |color| light::unpack_light(light::pack_light(color));
     let mut random = Random::new(6);
     let least_normal = 2f64.powi(-16);
     for decade in -6..5 {
@@ -57,7 +57,7 @@ fn light_is_as_exact_as_documented() {
             let brightest = f64::from(color[channel]);
             if brightest >= least_normal {
                 relative = relative.max(error[channel] / brightest);
-                if brightest <= f64::from(emissive::LARGEST_EMISSIVE) {
+                if brightest <= f64::from(light::LARGEST_LIGHT) {
                     dim = dim.max(error.max_element() / brightest);
                 }
             } else {

@@ -5,15 +5,15 @@ use kit::compute::Compute;
 
 /// Checks 2^12 words that differ in their lowest bits: how many do not survive, and one of them.
 const CHECK: &str = "
-#import bevy_lean_deferred::gbuffer::layout::emissive as emissive
+#import bevy_lean_deferred::gbuffer::layout::light
 #import bevy_lean_deferred::gbuffer::layout::specialization as special
 #import bevy_lean_deferred::shading_models::{unlit}
 fn emissive_survives(word: u32) -> bool {
-    let light = emissive::unpack_emissive(word);
-    let again = emissive::pack_emissive(light);
+    let light = light::unpack_light(word);
+    let again = light::pack_light(light);
     // The smallest exponent, or a mantissa that fills its bits.
     let is_canonical = word < (1u << 27u) || (word & 0x4020100u) != 0u;
-    let same_light = all(emissive::unpack_emissive(again) == light);
+    let same_light = all(light::unpack_light(again) == light);
     return select(same_light, again == word, is_canonical);
 }
 fn unlit_survives(bits: u32) -> bool {

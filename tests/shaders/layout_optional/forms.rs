@@ -1,7 +1,7 @@
 //! The forms of the words of the optional targets, device and twin side by side.
 
 use bevy::math::Vec3;
-use bevy_lean_deferred::gbuffer::layout::{emissive, specialization as special};
+use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
 use bevy_lean_deferred::shading_models::{
     anisotropy, backlight, clearcoat, rim, subsurface, unlit,
 };
@@ -71,7 +71,7 @@ impl Form {
         } = self;
         format!(
             "
-#import bevy_lean_deferred::gbuffer::layout::emissive as emissive
+#import bevy_lean_deferred::gbuffer::layout::light
 #import bevy_lean_deferred::gbuffer::layout::specialization as special
 #import bevy_lean_deferred::shading_models::{{anisotropy, backlight, clearcoat, rim, subsurface, unlit}}
 fn unpacked(word: u32, normal: vec3<f32>) -> vec4<f32> {{
@@ -154,10 +154,10 @@ fn with(color: Vec3, fourth: f32) -> [f32; VALUES] {
 pub const FORMS: &[Form] = &[
     Form {
         name: "emissive",
-        unpack_wgsl: "vec4(emissive::unpack_emissive(word), 0.0)",
-        pack_wgsl: "emissive::pack_emissive(color)",
-        unpack: |word, _| with(emissive::unpack_emissive(word), 0.0),
-        pack: |x| emissive::pack_emissive(color(&x)),
+        unpack_wgsl: "vec4(light::unpack_light(word), 0.0)",
+        pack_wgsl: "light::pack_light(color)",
+        unpack: |word, _| with(light::unpack_light(word), 0.0),
+        pack: |x| light::pack_light(color(&x)),
         words: |random| {
             // Each code of each channel beside each one of a brighter channel; the third channel is any.
             let mut words = Vec::new();

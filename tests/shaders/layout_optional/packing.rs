@@ -1,7 +1,7 @@
 //! Device and twin pack the same words, whatever they are given.
 
 use bevy::math::Vec3;
-use bevy_lean_deferred::gbuffer::layout::{emissive, specialization as special};
+use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
 use bevy_lean_deferred::shading_models::{backlight, rim, subsurface, unlit};
 
 use super::{
@@ -248,11 +248,11 @@ fn device_and_twin_pack_alike() {
 
 #[test]
 fn what_cannot_be_stored_is_replaced() {
-    let light = |r, g, b| emissive::unpack_emissive(emissive::pack_emissive(Vec3::new(r, g, b)));
+    let light = |r, g, b| light::unpack_light(light::pack_light(Vec3::new(r, g, b)));
     assert_eq!(light(1.0, f32::NAN, 2.0), Vec3::ZERO);
     assert_eq!(light(f32::INFINITY, f32::NEG_INFINITY, 0.0), Vec3::ZERO);
     assert_eq!(light(-1.0, 4.0, -f32::MAX), Vec3::new(0.0, 4.0, 0.0));
-    let brightest = emissive::LARGEST_EMISSIVE;
+    let brightest = light::LARGEST_LIGHT;
     assert_eq!(
         light(1e6, 0.0, f32::INFINITY),
         Vec3::new(brightest, 0.0, brightest)

@@ -76,6 +76,13 @@ pub const LIGHTING: &[Factor] = &[
     optional!("DEPTH_TELLS_GEOMETRY"),
     &[
         &[],
+        &["DIFFUSE_LIGHT"],
+        &["INDIRECT_SPECULAR"],
+        &["INDIRECT_DIFFUSE"],
+        &["DIFFUSE_LIGHT", "INDIRECT_SPECULAR", "INDIRECT_DIFFUSE"],
+    ],
+    &[
+        &[],
         &["LIGHT_LAYERS"],
         &["LIGHT_LAYERS", "GBUFFER_VISIBILITY_MASK"],
     ],
@@ -105,6 +112,8 @@ const WHAT_IS_LIT: Factor = &[
     &["DEBUG_MOTION", "GBUFFER_MOTION"],
     &["DEBUG_VISIBILITY_MASK"],
     &["DEBUG_VISIBILITY_MASK", "GBUFFER_VISIBILITY_MASK"],
+    &["DEBUG_DIFFUSE_LIGHT"],
+    &["DEBUG_SPECULAR_LIGHT"],
     &["LISTED_VARIANTS"],
     &["VISITED_VARIANTS", "STANDARD_MATERIAL_ANISOTROPY"],
     &["VISITED_VARIANTS", "SHADING_MODEL_RIM"],
@@ -328,6 +337,9 @@ pub fn implications(name: &str) -> &'static [&'static str] {
         "STANDARD_MATERIAL_CLEARCOAT" | "STANDARD_MATERIAL_ANISOTROPY" => {
             &["GBUFFER_SPECIALIZATION"]
         }
+        "DEBUG_DIFFUSE_LIGHT" | "DEBUG_SPECULAR_LIGHT" => &["SHOWS_PART_OF_LIGHT"],
+        "INDIRECT_SPECULAR" => &["INDIRECT_LIGHT"],
+        "INDIRECT_DIFFUSE" => &["INDIRECT_LIGHT", "APPLIES_VISIBILITY"],
         name if name.starts_with("DEBUG_") => &["DEBUG_VIEW"],
         _ => &[],
     }

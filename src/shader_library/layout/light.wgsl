@@ -1,12 +1,12 @@
-// Light with a shared exponent; twin of `emissive.rs`, under the same names.
+// Light with a shared exponent; twin of `light.rs`, under the same names.
 //
 // Mantissas R 9, G 9, B 9, exponent 5, low to high, as in the graphics APIs' RGB9E5.
-#define_import_path bevy_lean_deferred::gbuffer::layout::emissive
+#define_import_path bevy_lean_deferred::gbuffer::layout::light
 
 #import bevy_lean_deferred::gbuffer::layout::is_nan
 
 /// Largest value of a channel. Brighter ones are clamped.
-const LARGEST_EMISSIVE: f32 = 65408.0;
+const LARGEST_LIGHT: f32 = 65408.0;
 
 /// 2 to the power of `n`, exactly, for -126 to 127.
 fn power_of_two(n: i32) -> f32 {
@@ -14,9 +14,9 @@ fn power_of_two(n: i32) -> f32 {
 }
 
 /// Packs linear, exposed light. Negative values become 0, and so does a colour with a NaN.
-fn pack_emissive(color: vec3<f32>) -> u32 {
+fn pack_light(color: vec3<f32>) -> u32 {
     let number = select(color, vec3(0.0), is_nan(color.r + color.g + color.b));
-    let valid = clamp(number, vec3(0.0), vec3(LARGEST_EMISSIVE));
+    let valid = clamp(number, vec3(0.0), vec3(LARGEST_LIGHT));
     let largest = max(valid.r, max(valid.g, valid.b));
     // The logarithm's integer part stands in the bits of a float.
     var exponent = max(i32(bitcast<u32>(largest) >> 23u) - 127, -16) + 16;
@@ -29,7 +29,7 @@ fn pack_emissive(color: vec3<f32>) -> u32 {
 }
 
 /// The light of a word of the emissive target.
-fn unpack_emissive(word: u32) -> vec3<f32> {
+fn unpack_light(word: u32) -> vec3<f32> {
     let mantissas = vec3(word & 0x1ffu, (word >> 9u) & 0x1ffu, (word >> 18u) & 0x1ffu);
     return vec3<f32>(mantissas) * power_of_two(i32(word >> 27u) - 24);
 }

@@ -1,4 +1,4 @@
-//! Light with a shared exponent; twin of `emissive.wgsl`.
+//! Light with a shared exponent; twin of `light.wgsl`.
 //!
 //! The format is that of the graphics APIs' RGB9E5 (Segal, Akeley 2010, "OpenGL 3.3", `EXT_texture_shared_exponent`,
 //! after Ward 1991, "Real Pixels"): mantissas R 9, G 9, B 9, exponent 5, low to high. From 1.6e-5 to 65504 the error is
@@ -8,7 +8,7 @@
 use bevy::math::Vec3;
 
 /// Largest value of a channel. Brighter ones are clamped.
-pub const LARGEST_EMISSIVE: f32 = 65408.0;
+pub const LARGEST_LIGHT: f32 = 65408.0;
 
 /// 2 to the power of `n`, exactly, for -126 to 127.
 fn power_of_two(n: i32) -> f32 {
@@ -16,11 +16,11 @@ fn power_of_two(n: i32) -> f32 {
 }
 
 /// Packs linear, exposed light. Negative values become 0, and so does a colour with a NaN.
-pub fn pack_emissive(color: Vec3) -> u32 {
+pub fn pack_light(color: Vec3) -> u32 {
     let valid = if (color.x + color.y + color.z).is_nan() {
         Vec3::ZERO
     } else {
-        color.clamp(Vec3::ZERO, Vec3::splat(LARGEST_EMISSIVE))
+        color.clamp(Vec3::ZERO, Vec3::splat(LARGEST_LIGHT))
     };
     let largest = valid.max_element();
     // The logarithm's integer part stands in the bits of a float.
@@ -37,7 +37,7 @@ pub fn pack_emissive(color: Vec3) -> u32 {
 }
 
 /// The light of a word of the emissive target.
-pub fn unpack_emissive(word: u32) -> Vec3 {
+pub fn unpack_light(word: u32) -> Vec3 {
     let mantissas = Vec3::new(
         (word & 0x1ff) as f32,
         ((word >> 9) & 0x1ff) as f32,

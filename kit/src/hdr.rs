@@ -1,0 +1,97 @@
+//! The light of a picture before post-processing, as half floats.
+
+use bevy::{
+    prelude::*,
+    render::{
+        RenderApp,
+        render_resource::{
+            Extent3d, Texture, TextureDataOrder, TextureDescriptor, TextureDimension,
+            TextureFormat, TextureUsages, TextureView,
+        },
+        renderer::{RenderDevice, RenderQueue},
+        view::ExtractedView,
+    },
+};
+use bevy_lean_deferred::screen_space::{ReadsHistory, ViewHistory};
+use half::f16;
+
+use crate::{headless::Headless, lean::begin_phase};
+
+/// Linear, exposed light; four channels a pixel.
+#[derive(Clone, PartialEq)]
+pub struct Light {
+    pub size: UVec2,
+    pub texels: Vec<[f32; 4]>,
+}
+
+/// The texels of an `Rgba16Float` texture.
+pub fn read_light(headless: &Headless, texture: &Texture) -> Light {
+    let bytes = headless.read(texture);
+    let channels = bytes.as_chunks::<2>().0;
+    let channels = channels.iter().map(|c| f16::from_le_bytes(*c).to_f32());
+    let channels: Vec<f32> = channels.collect();
+    Light {
+        size: UVec2::new(texture.width(), texture.height()),
+        texels: channels.as_chunks::<4>().0.to_vec(),
+    }
+}
+
+/// Changes all views of 3D cameras in the render world. A camera has one from its first frame on.
+pub fn change_views(headless: &mut Headless, change: impl Fn(&mut EntityWorldMut)) {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query_filtered::<Entity, (With<ExtractedView>, With<Camera3d>)>();
+    let views: Vec<Entity> = views.iter(world).collect();
+    for view in views {
+        change(&mut world.entity_mut(view));
+    }
+}
+
+/// What the one camera shows before post-processing, once all is loaded; always of the same phase of jitter and noise.
+pub fn settled_light(headless: &mut Headless) -> Light {
+    headless.settle();
+    begin_phase(headless);
+    light(headless)
+}
+
+/// What the one camera shows in the next frame, before post-processing.
+pub fn light(headless: &mut Headless) -> Light {
+    change_views(headless, |view| {
+        view.insert(ReadsHistory);
+    });
+    // In the first frame the textures are made.
+    headless.frames(2);
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut histories = world.query::<&ViewHistory>();
+    let [color, _] = histories
+        .single(world)
+        .expect("one camera has a history")
+        .textures()
+        .map(Clone::clone);
+    read_light(headless, &color)
+}
+
+/// An `Rgba16Float` texture whose texels are all alike.
+pub fn even_texture(headless: &Headless, size: UVec2, texel: [f32; 4]) -> TextureView {
+    let world = headless.app.sub_app(RenderApp).world();
+    let bytes = texel.map(|x| f16::from_f32(x).to_le_bytes()).concat();
+    let texture = world.resource::<RenderDevice>().create_texture_with_data(
+        world.resource::<RenderQueue>(),
+        &TextureDescriptor {
+            label: Some("kit/even"),
+            size: Extent3d {
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::Rgba16Float,
+            usage: TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        TextureDataOrder::default(),
+        &bytes.repeat(size.element_product() as usize),
+    );
+    texture.create_view(&default())
+}

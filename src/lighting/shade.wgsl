@@ -1,0 +1,214 @@
+// What a pixel shows: the light of all kinds of sources, with what the surface emits, seen through fog.
+#define_import_path bevy_lean_deferred::lighting::shade
+
+#import bevy_lean_deferred::lighting::surface::{Pixel, pbr_input_from_gbuffer}
+#import bevy_pbr::{
+    clustered_forward::view_fragment_cluster_index,
+    mesh_view_bindings::view,
+    pbr_functions::main_pass_post_lighting_processing,
+    pbr_types::PbrInput,
+}
+
+#ifdef DEBUG_VIEW
+#import bevy_lean_deferred::lighting::debug_view::debug_color
+#endif
+
+#ifdef SHOWS_LIGHT
+#import bevy_lean_deferred::lighting::lights::{
+    brdf::{Gathered, lit_of},
+    directional_light::{DirectionalShadows, add_directional_lights},
+    found_light::{FoundLight, found_light},
+    indirect_light::add_indirect_light,
+    lit::Lit,
+    shading_point::{NO_CLUSTER, ShadingPoint, shading_point},
+}
+#endif
+
+#ifdef DIRECTIONAL_SHADOW_MAPS
+#import bevy_lean_deferred::lighting::lights::directional_light::find_directional_shadows
+#import bevy_lean_deferred::lighting::surface::receives_shadows
+#endif
+
+#ifdef CLUSTERED_LIGHTS
+#import bevy_lean_deferred::lighting::lights::clustered_lights::add_clustered_lights
+#endif
+
+#ifdef AREA_LIGHT_LUTS
+#import bevy_lean_deferred::lighting::lights::rect_light::add_rect_lights
+#endif
+
+#ifdef GBUFFER_SPECIALIZATION
+#import bevy_lean_deferred::lighting::surface::is_unlit
+#endif
+
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+#import bevy_pbr::lighting::F_Schlick
+#endif
+
+#ifdef SHADING_MODEL_RIM
+#import bevy_lean_deferred::gbuffer::layout::specialization::{RIM, unpack_arguments, unpack_shading_model}
+#import bevy_lean_deferred::shading_models::rim::rim_light
+#endif
+
+#ifdef LIGHT_LAYERS
+#import bevy_lean_deferred::lighting::light_layers
+#endif
+
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+#import bevy_pbr::decal::clustered::apply_decals
+#endif
+
+#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
+#import bevy_lean_deferred::lighting::visibility::apply_ssao
+#endif
+
+#ifdef INDIRECT_DIFFUSE
+#import bevy_lean_deferred::lighting::visibility::apply_visibility
+#endif
+
+#ifdef LEAN_AMBIENT_OCCLUSION
+#import bevy_lean_deferred::lighting::bindings::occlusion_view
+#import bevy_lean_deferred::lighting::visibility::apply_occlusion
+#endif
+
+/// What the pixel shows.
+struct Shaded {
+    /// Exposed.
+    color: vec4<f32>,
+#ifdef DIFFUSE_LIGHT
+    /// What of it is diffuse light, but for fog.
+    diffuse: vec3<f32>,
+#endif
+}
+
+#ifdef SHOWS_LIGHT
+/// Exposes `lit`, of which `direct_visibility` is visible.
+fn show(shaded: ptr<function, Shaded>, lit: Lit, direct_visibility: f32) {
+    let exposure = view.exposure * direct_visibility;
+#ifdef DIFFUSE_LIGHT
+    (*shaded).diffuse += exposure * lit.diffuse;
+#endif
+#ifdef DEBUG_DIFFUSE_LIGHT
+    let light = lit.diffuse;
+#else ifdef DEBUG_SPECULAR_LIGHT
+    let light = lit.specular;
+#else
+    let light = lit.diffuse + lit.specular;
+#endif
+    (*shaded).color += vec4(exposure * light, 0.0);
+}
+
+/// What the pixel shows. Lights find the surface together: to be called by all invocations of a tile, whose first pixel is
+/// `corner`, also by those whose pixel has no geometry. `member` counts them, in the subgroup or else in the workgroup.
+fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
+    var pbr: PbrInput;
+    var point: ShadingPoint;
+    var cluster = NO_CLUSTER;
+    var shaded: Shaded;
+    var gathered: Gathered;
+    // What occlusion leaves of direct light.
+    var direct_visibility = 1.0;
+    if pixel.has_geometry {
+        var shadows: DirectionalShadows;
+#ifdef DIRECTIONAL_SHADOW_MAPS
+        if receives_shadows(pixel) {
+            find_directional_shadows(pixel, &shadows);
+        }
+#endif
+        pbr = pbr_input_from_gbuffer(pixel);
+#ifdef LIGHT_LAYERS
+        light_layers::enter_pixel(pixel);
+#endif
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+        apply_decals(&pbr);
+#endif
+#ifdef GBUFFER_SPECIALIZATION
+        let has_light = !is_unlit(pixel.specialization_word);
+#else
+        let has_light = true;
+#endif
+        if !has_light {
+            shaded.color = emitted(pbr.material.base_color.rgb);
+        } else {
+            let found = found_light(pixel.position, pbr.diffuse_occlusion);
+#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
+            apply_ssao(&pbr, pixel.position);
+#endif
+#ifdef LEAN_AMBIENT_OCCLUSION
+            let visibility = apply_occlusion(&pbr, pixel.position, pixel.depth);
+#ifdef OCCLUSION_OF_DIRECT_LIGHT
+            direct_visibility = 1.0 - occlusion_view.direct_light_affect * (1.0 - visibility);
+#endif
+#endif
+#ifdef INDIRECT_DIFFUSE
+            apply_visibility(&pbr, found.visibility, vec3(found.visibility));
+#endif
+            let view_z = (view.view_from_world * pbr.world_position).z;
+            cluster = view_fragment_cluster_index(pbr.frag_coord.xy, view_z, pbr.is_orthographic);
+            point = shading_point(pbr, pixel, view_z);
+            // What needs more of the surface than lights do comes first: less is carried through their loops.
+            var lit: Lit;
+            shaded.color = emitted(emission(pbr, pixel));
+            add_indirect_light(&point, pbr, cluster, found, &lit);
+            show(&shaded, lit, 1.0);
+#ifdef AREA_LIGHT_LUTS
+            lit = Lit();
+            add_rect_lights(&point, &lit);
+            show(&shaded, lit, direct_visibility);
+#endif
+            add_directional_lights(&point, &shadows, &gathered);
+        }
+    }
+#ifdef CLUSTERED_LIGHTS
+    add_clustered_lights(&point, corner, cluster, member, &gathered);
+#endif
+    if !pixel.has_geometry {
+        return shaded;
+    }
+    if cluster != NO_CLUSTER {
+        show(&shaded, lit_of(&point, gathered), direct_visibility);
+    }
+#ifndef SHOWS_PART_OF_LIGHT
+    shaded.color = main_pass_post_lighting_processing(pbr, shaded.color);
+#endif
+    return shaded;
+}
+
+/// An opaque pixel that shows `light` so far, and nothing where only some of the light is shown.
+fn emitted(light: vec3<f32>) -> vec4<f32> {
+#ifdef SHOWS_PART_OF_LIGHT
+    return vec4(0.0, 0.0, 0.0, 1.0);
+#else
+    return vec4(light, 1.0);
+#endif
+}
+
+/// What a surface emits, and catches along its rim; exposed.
+fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
+    let emissive = pbr.material.emissive;
+    var light = emissive.rgb * pbr.material.base_color.a * mix(1.0, view.exposure, emissive.a);
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    // The coat is on top.
+    let NdotV = max(dot(pbr.N, pbr.V), 0.0001);
+    light *= 1.0 - pbr.material.clearcoat * F_Schlick(0.04, 1.0, NdotV);
+#endif
+#ifdef SHADING_MODEL_RIM
+    if unpack_shading_model(pixel.specialization_word) == RIM {
+        light += rim_light(pbr, unpack_arguments(pixel.specialization_word));
+    }
+#endif
+    return light;
+}
+#else   // SHOWS_LIGHT
+/// What the pixel shows in place of light.
+fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
+    var pbr = pbr_input_from_gbuffer(pixel);
+    var shaded: Shaded;
+#ifdef OCCLUSION_DEBUG_VIEW
+    shaded.color = vec4(vec3(apply_occlusion(&pbr, pixel.position, pixel.depth)), 1.0);
+#else
+    shaded.color = vec4(debug_color(pbr, pixel), 1.0);
+#endif
+    return shaded;
+}
+#endif  // SHOWS_LIGHT

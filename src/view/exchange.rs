@@ -1,0 +1,79 @@
+//! What other effects take from lighting, and give to it.
+//!
+//! An effect inserts these components on its views in the render world before [`LeanViewSystems`](super::LeanViewSystems),
+//! and removes them when it is done. [`ActiveLeanView`](super::ActiveLeanView) says what lighting does in this frame: while
+//! it is compiling for what is new, it does what it did before.
+
+use bevy::{
+    ecs::query::QueryData,
+    prelude::*,
+    render::{render_resource::TextureView, texture::CachedTexture},
+};
+use bitflags::bitflags;
+
+bitflags! {
+    /// What lighting takes and gives.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub struct LightExchange: u8 {
+        /// It writes the [`DiffuseLight`].
+        const DIFFUSE_LIGHT = 1 << 0;
+        /// It adds the [`IndirectSpecular`].
+        const INDIRECT_SPECULAR = 1 << 1;
+        /// It adds the [`IndirectDiffuse`].
+        const INDIRECT_DIFFUSE = 1 << 2;
+        /// Either.
+        const INDIRECT = Self::INDIRECT_SPECULAR.bits() | Self::INDIRECT_DIFFUSE.bits();
+    }
+}
+
+/// Something reads the [`DiffuseLight`] of this view.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct ReadsDiffuseLight;
+
+/// On a view with [`ReadsDiffuseLight`], for as long as it is lean: what of the picture is light that surfaces reflect
+/// diffusely or transmit, without what they emit. The picture has it too.
+///
+/// `R32Uint`, as large as the view's target, each word with a shared exponent (`layout/light.wgsl`: off by at most 1/511 of
+/// the brightest channel). Exposed, before fog; 0 where no lean mesh is.
+#[derive(Component, Clone)]
+pub struct DiffuseLight(pub CachedTexture);
+
+/// An effect finds what surfaces of this view mirror. Lighting mixes it with the environment maps, reflection probes and
+/// ambient light that it finds itself, with the same Fresnel and roughness terms.
+///
+/// In the texture, of a format with floats and as large as the view's target: radiance from about the mirrored direction, as
+/// rough as the surface is (its coat, if it has one), exposed as this frame is; and, in alpha, the confidence, 0 to 1, with
+/// which it takes the place of the others. What is there was seen, so that ambient occlusion does not darken it. Without a
+/// texture nothing is found.
+#[derive(Component, Clone, Debug, Default)]
+pub struct IndirectSpecular(pub Option<TextureView>);
+
+/// An effect finds light that falls onto surfaces of this view from others. Lighting adds it to the irradiance volumes,
+/// environment maps and ambient light that it finds itself, but on lightmapped surfaces, whose lightmap has it.
+///
+/// In the texture, of a format with floats and as large as the view's target: irradiance over π (the mean radiance), exposed
+/// as this frame is; and, in alpha, what part of the light from everywhere else is hidden, 0 to 1: applied as ambient
+/// occlusion is. Without a texture nothing is found or hidden.
+#[derive(Component, Clone, Debug, Default)]
+pub struct IndirectDiffuse(pub Option<TextureView>);
+
+/// What effects ask of a view.
+#[derive(QueryData)]
+pub(crate) struct ExchangeQuery {
+    diffuse_light: Has<ReadsDiffuseLight>,
+    specular: Has<IndirectSpecular>,
+    diffuse: Has<IndirectDiffuse>,
+}
+
+impl ExchangeQueryItem<'_, '_> {
+    pub(crate) fn asked(&self) -> LightExchange {
+        [
+            (self.diffuse_light, LightExchange::DIFFUSE_LIGHT),
+            (self.specular, LightExchange::INDIRECT_SPECULAR),
+            (self.diffuse, LightExchange::INDIRECT_DIFFUSE),
+        ]
+        .into_iter()
+        .filter_map(|(is_asked, what)| is_asked.then_some(what))
+        .collect()
+    }
+}

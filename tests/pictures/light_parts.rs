@@ -1,0 +1,155 @@
+//! Diffuse and specular light apart: what effects read of it, and what the debug views show of it.
+
+use bevy::{camera::ClearColorConfig, prelude::*, render::RenderApp};
+use bevy_lean_deferred::{
+    gbuffer::layout::light::unpack_light,
+    prelude::*,
+    view::{DiffuseLight, ReadsDiffuseLight},
+};
+use kit::{
+    hdr::{Light, change_views, light, settled_light},
+    headless::Headless,
+    lean::{change_cameras, show},
+    own_process::in_own_process,
+    scenes::{self, Scene},
+};
+
+const SIZE: UVec2 = UVec2::new(96, 72);
+
+/// What is rounded to a half float is off by so much of itself, or by so much.
+const HALF_ROUNDING: f32 = 1.0 / 2048.0;
+const LEAST_HALF: f32 = 6e-8;
+
+/// In these there is more to see than the light of surfaces: fog, emission, and what is unlit.
+const MORE_THAN_LIGHT: [&str; 7] = [
+    "fog_linear",
+    "fog_exponential",
+    "fog_atmospheric",
+    "skybox",
+    "volumetric_fog",
+    "special_",
+    "lightmapped_",
+];
+
+/// In this one, forward draws some meshes over others.
+const DRAWN_OVER: &str = "special_normal_map";
+
+fn set_debug_view(headless: &mut Headless, debug_view: Option<DebugChannel>) {
+    change_cameras(headless, |camera| {
+        if let Some(mut camera) = camera.get_mut::<Camera>() {
+            camera.clear_color = ClearColorConfig::Custom(Color::BLACK);
+        }
+        camera.insert(LeanDeferred {
+            debug_view,
+            ..default()
+        });
+    });
+}
+
+/// The words of the diffuse light of the one camera.
+fn diffuse_light(headless: &mut Headless) -> Vec<Vec3> {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut textures = world.query::<&DiffuseLight>();
+    let texture = textures.single(world).expect("it is asked for");
+    let texture = texture.0.texture.clone();
+    let words = headless.read(&texture);
+    let words = words.as_chunks::<4>().0.iter();
+    words
+        .map(|word| unpack_light(u32::from_le_bytes(*word)))
+        .collect()
+}
+
+/// Panics if the picture is another one while its diffuse light is read: more than what drivers make of other shaders.
+fn assert_same_picture(name: &str, before: &Light, now: &Light) {
+    let pairs = before.texels.iter().zip(&now.texels);
+    let other = pairs.filter(|(before, now)| {
+        let pairs = before.iter().zip(*now);
+        let mut apart =
+            pairs.map(|(before, now)| (before - now).abs() - 4.0 * HALF_ROUNDING * before.abs());
+        apart.any(|apart| apart > LEAST_HALF)
+    });
+    let other = other.count();
+    assert!(
+        other <= before.texels.len() / 1000,
+        "{name}: {other} pixels"
+    );
+}
+
+fn check_scene(headless: &mut Headless, scene: &Scene) {
+    show(headless, scene.build);
+    set_debug_view(headless, None);
+    let whole = settled_light(headless);
+    change_views(headless, |view| {
+        view.insert(ReadsDiffuseLight);
+    });
+    assert_same_picture(scene.name, &whole, &settled_light(headless));
+    let read = diffuse_light(headless);
+    let [diffuse, specular] =
+        [DebugChannel::DiffuseLight, DebugChannel::SpecularLight].map(|view| {
+            set_debug_view(headless, Some(view));
+            settled_light(headless)
+        });
+    let is_all = !MORE_THAN_LIGHT
+        .iter()
+        .any(|name| scene.name.starts_with(name));
+    let parts = diffuse.texels.iter().zip(&specular.texels);
+    for (i, ((whole, (diffuse, specular)), read)) in
+        whole.texels.iter().zip(parts).zip(read).enumerate()
+    {
+        let at = || {
+            format!(
+                "{}, pixel {}, {}",
+                scene.name,
+                i as u32 % SIZE.x,
+                i as u32 / SIZE.x
+            )
+        };
+        // 0 where no lean mesh is.
+        if read != Vec3::ZERO && scene.name != DRAWN_OVER {
+            let brightest = diffuse[..3].iter().copied().fold(0.0, f32::max);
+            let allowed = brightest * (1.0 / 510.0 + HALF_ROUNDING) + 2.0 * LEAST_HALF;
+            for channel in 0..3 {
+                let off = (read[channel] - diffuse[channel]).abs();
+                assert!(
+                    off <= allowed,
+                    "{}: {read} is read, {diffuse:?} is shown",
+                    at()
+                );
+            }
+        }
+        for channel in 0..3 {
+            let sum = diffuse[channel] + specular[channel];
+            let allowed = HALF_ROUNDING * (2.0 * sum + whole[channel]) + LEAST_HALF;
+            let off = sum - whole[channel];
+            assert!(
+                !is_all || off.abs() <= allowed,
+                "{}: {diffuse:?} and {specular:?} make {whole:?}",
+                at()
+            );
+        }
+    }
+    change_views(headless, |view| {
+        view.remove::<ReadsDiffuseLight>();
+    });
+    light(headless);
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut textures = world.query::<&DiffuseLight>();
+    assert_eq!(textures.iter(world).count(), 0, "nothing reads it any more");
+}
+
+fn check_scenes(scenes: &[Scene]) {
+    let mut headless = Headless::new(SIZE);
+    for scene in scenes {
+        check_scene(&mut headless, scene);
+    }
+}
+
+#[test]
+fn parts_of_lights_make_the_whole() {
+    in_own_process(|| check_scenes(scenes::LIGHTS));
+}
+
+#[test]
+fn parts_of_special_materials_make_the_whole() {
+    in_own_process(|| check_scenes(scenes::SPECIAL_MATERIALS));
+}

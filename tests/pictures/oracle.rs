@@ -1,0 +1,153 @@
+//! The crate's light loop beside Bevy's `apply_pbr_lighting`, on the same surfaces, before anything is rounded.
+//!
+//! Scenes of the parity suite are lit twice in one shader, which writes how far the two are apart.
+
+use bevy::prelude::*;
+use bevy_lean_deferred::LeanDeferred;
+use kit::{
+    hdr::settled_light,
+    headless::{Headless, Picture},
+    lean::{change_cameras, report, show},
+    own_process::in_own_process,
+    scenes::{self, Scene, SceneBuilder},
+    shader_files::replace_shader,
+};
+
+const SIZE: UVec2 = UVec2::new(160, 120);
+
+/// The part of the pixels of a scene that must be within 1e-4 of what is expected, or 1e-5 of white.
+const LEAST_SHARE: f64 = 0.999;
+
+/// The lighting shader that compares in place of showing light.
+fn comparing_shader() -> String {
+    let shader = include_str!("../../src/lighting/lighting.wgsl");
+    let shown = "textureStore(output_texture, pixel.position, shaded.color);";
+    assert_eq!(shader.matches(shown).count(), 1, "what lighting writes");
+    let comparing = "textureStore(output_texture, pixel.position, compared(shaded.color, pixel));";
+    let shader = shader.replace(shown, comparing);
+    let (imports, functions) = include_str!("oracle.wgsl")
+        .split_once("/// What Bevy makes")
+        .expect("imports, then functions");
+    format!("{imports}{shader}/// What Bevy makes{functions}")
+}
+
+fn app() -> Headless {
+    Headless::with(SIZE, |app| {
+        replace_shader(app, "lighting/lighting.wgsl", comparing_shader());
+    })
+}
+
+/// Whether lighting has written the pixel, and could compare it.
+fn is_compared(texel: &[f32; 4]) -> bool {
+    texel[1..] == [0.25, 0.125, 1.0]
+}
+
+/// Into the folder that `ORACLE_PICTURES` names, if it does: errors red, white where they are too large; the rest blue.
+fn save_errors(name: &str, pixels: &[[f32; 4]]) {
+    let Some(folder) = std::env::var_os("ORACLE_PICTURES") else {
+        return;
+    };
+    let color = |texel: &[f32; 4]| match texel[0] {
+        _ if !is_compared(texel) => [0, 0, 255, 255],
+        error if error > 1.0 => [255; 4],
+        error => [(error * 255.0) as u8, 0, 0, 255],
+    };
+    let picture = Picture {
+        size: SIZE,
+        rgba: pixels.iter().flat_map(color).collect(),
+    };
+    picture.save(std::path::Path::new(&folder).join(format!("{name}.png")));
+}
+
+/// Prints how many pixels could be compared, and how many of them are as expected.
+fn compare(
+    headless: &mut Headless,
+    name: &str,
+    build: impl FnOnce(&mut SceneBuilder),
+) -> Result<(), String> {
+    show(headless, build);
+    change_cameras(headless, |camera| {
+        camera.insert(LeanDeferred::default());
+    });
+    let pixels = settled_light(headless).texels;
+    save_errors(name, &pixels);
+    let compared: Vec<f32> = pixels
+        .iter()
+        .filter(|texel| is_compared(texel))
+        .map(|texel| texel[0])
+        .collect();
+    let good = compared.iter().filter(|error| **error <= 1.0).count();
+    let share = good as f64 / compared.len().max(1) as f64;
+    let worst = compared.iter().copied().fold(0.0, f32::max);
+    let line = format!(
+        "{name:32} {:6} pixels, {:.3}% as expected, worst {worst:.2}",
+        compared.len(),
+        100.0 * share
+    );
+    println!("{line}");
+    if share < LEAST_SHARE {
+        Err(line)
+    } else {
+        Ok(())
+    }
+}
+
+fn compare_all(scenes: impl IntoIterator<Item = &'static Scene>) {
+    let mut headless = app();
+    report((scenes.into_iter()).map(|scene| compare(&mut headless, scene.name, scene.build)));
+}
+
+#[test]
+fn lights_are_as_bevy_has_them() {
+    in_own_process(|| compare_all(scenes::LIGHTS));
+}
+
+#[test]
+fn materials_are_lit_as_bevy_has_it() {
+    in_own_process(|| compare_all(scenes::MATERIALS.iter().chain(scenes::FORWARD_MATERIALS)));
+}
+
+/// Scenes with special materials, of which `keep` leaves those that are to be compared: Bevy's functions, compiled for
+/// several kinds at once, light some wrongly.
+fn compare_special(keep: fn(&mut StandardMaterial)) {
+    let mut headless = app();
+    report(scenes::SPECIAL_MATERIALS.iter().map(|scene| {
+        compare(&mut headless, scene.name, |s| {
+            (scene.build)(s);
+            let mut materials = s.world().resource_mut::<Assets<StandardMaterial>>();
+            for (_, material) in materials.iter_mut() {
+                keep(material);
+            }
+        })
+    }));
+}
+
+#[test]
+fn anisotropic_materials_are_lit_as_bevy_has_it() {
+    in_own_process(|| {
+        compare_special(|material| {
+            material.clearcoat = 0.0;
+            material.diffuse_transmission = 0.0;
+        });
+    });
+}
+
+#[test]
+fn clear_coats_are_lit_as_bevy_has_it() {
+    in_own_process(|| {
+        compare_special(|material| {
+            material.anisotropy_strength = 0.0;
+            material.diffuse_transmission = 0.0;
+        });
+    });
+}
+
+#[test]
+fn light_shines_through_as_bevy_has_it() {
+    in_own_process(|| {
+        compare_special(|material| {
+            material.anisotropy_strength = 0.0;
+            material.clearcoat = 0.0;
+        });
+    });
+}

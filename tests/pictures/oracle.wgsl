@@ -1,0 +1,98 @@
+// Compares what lighting makes of each pixel with what Bevy's `apply_pbr_lighting` makes of the same surface, in full
+// floats. Appended to `lighting.wgsl`.
+#import bevy_lean_deferred::lighting::surface::pbr_input_from_gbuffer
+#import bevy_pbr::{
+    lighting::F_AB,
+    mesh_view_bindings::{lights, view},
+    pbr_functions::{apply_pbr_lighting, main_pass_post_lighting_processing},
+}
+
+#ifdef GEOMETRIC_NORMAL
+#import bevy_lean_deferred::lighting::surface::world_geometric_normal
+#endif
+
+#ifdef GBUFFER_SPECIALIZATION
+#import bevy_lean_deferred::gbuffer::layout::specialization as oracle_words
+#import bevy_lean_deferred::lighting::surface::is_unlit
+#endif
+
+#ifdef SHADING_MODEL_RIM
+#import bevy_lean_deferred::shading_models::rim::rim_light
+#endif
+
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+#import bevy_pbr::decal::clustered::apply_decals
+#endif
+
+#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
+#import bevy_lean_deferred::lighting::visibility::apply_ssao
+#endif
+
+/// What Bevy makes of the pixel; alpha is 0 where Bevy's functions, compiled for all kinds of surfaces in view at once,
+/// cannot tell.
+fn expected(pixel: Pixel) -> vec4<f32> {
+    var pbr = pbr_input_from_gbuffer(pixel);
+#ifdef GEOMETRIC_NORMAL
+    pbr.world_normal = world_geometric_normal(pixel.position, pixel.depth);
+#endif
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+    apply_decals(&pbr);
+#endif
+#ifdef GBUFFER_SPECIALIZATION
+    let word = pixel.specialization_word;
+    if is_unlit(word) {
+        return main_pass_post_lighting_processing(pbr, pbr.material.base_color);
+    }
+#endif
+#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
+    apply_ssao(&pbr, pixel.position);
+#endif
+    var is_known = true;
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+    // Bevy's anisotropic highlight of strength 0 is not the isotropic one.
+    is_known = oracle_words::unpack_shading_model(word) == oracle_words::ANISOTROPY;
+#endif
+#ifdef LIGHTMAP
+    // Bevy takes all surfaces for lightmapped ones.
+    if (word & oracle_words::LIGHTMAP_BITS) == oracle_words::LIGHTMAP_NONE {
+#ifdef ENVIRONMENT_MAP
+        is_known = false;
+#endif
+#ifdef IRRADIANCE_VOLUME
+        is_known = false;
+#endif
+        is_known = is_known && lights.ambient_light_affects_lightmapped_meshes != 0u;
+    }
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#ifdef ENVIRONMENT_MAP
+    // Bevy has another definition for the part of this that an environment map sends; lighting has no use for it.
+    is_known = is_known && pbr.material.diffuse_transmission == 0.0;
+#endif
+#endif
+    var color = apply_pbr_lighting(pbr);
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    if pbr.material.diffuse_transmission == 0.0 {
+        // Bevy adds this much ambient light even where nothing shines through.
+        let added = F_AB(1.0, 1.0).y * view.exposure * lights.ambient_color.rgb;
+        color = vec4(color.rgb - added, color.a);
+    }
+#endif
+#ifdef SHADING_MODEL_RIM
+    if oracle_words::unpack_shading_model(word) == oracle_words::RIM {
+        let rim = rim_light(pbr, oracle_words::unpack_arguments(word));
+        color = vec4(color.rgb + rim, color.a);
+    }
+#endif
+    color = main_pass_post_lighting_processing(pbr, color);
+    return vec4(color.rgb, select(0.0, 1.0, is_known));
+}
+
+/// The error of `color` in units of what is allowed, beside numbers by which such pixels are told from others.
+fn compared(color: vec4<f32>, pixel: Pixel) -> vec4<f32> {
+    let expected = expected(pixel);
+    let allowed = max(1e-4 * abs(expected.rgb), vec3(1e-5));
+    let errors = abs(color.rgb - expected.rgb) / allowed;
+    let error = max(errors.r, max(errors.g, errors.b));
+    return vec4(min(error, 60000.0), 0.25, 0.125, expected.a);
+}
