@@ -2,29 +2,11 @@
 
 use bevy::{
     camera::Hdr,
-    core_pipeline::{
-        core_3d::{main_opaque_pass_3d, main_transparent_pass_3d},
-        mip_generation::experimental::depth::early_downsample_depth,
-        prepass::{
-            DeferredPrepass, DepthPrepass,
-            node::{early_prepass, late_prepass},
-        },
-        schedule::{Core3d, Core3dSystems},
-        upscaling::upscaling,
-    },
+    core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
     diagnostic::DiagnosticsStore,
-    ecs::schedule::SingleThreadedExecutor,
-    pbr::{
-        DefaultOpaqueRendererMethod, EARLY_SHADOW_PASS, clear_indirect_parameters_metadata,
-        deferred::deferred_lighting, early_prepass_build_indirect_parameters, per_view_shadow_pass,
-        shared_shadow_pass,
-    },
+    pbr::DefaultOpaqueRendererMethod,
     prelude::*,
-    render::{
-        RenderApp,
-        diagnostic::RenderDiagnosticsPlugin,
-        renderer::{RenderAdapterInfo, RenderContext},
-    },
+    render::{RenderApp, diagnostic::RenderDiagnosticsPlugin, renderer::RenderAdapterInfo},
 };
 use bevy_lean_deferred::{
     prelude::*,
@@ -34,7 +16,8 @@ use serde::Serialize;
 
 use crate::{scenes::BenchScene, special};
 use kit::{
-    gpu_time::{Samples, Time, begin, end},
+    bench_spans::{self, add_bench_spans},
+    gpu_time::{Samples, Time},
     hdr::{change_views, even_texture},
     headless::{Headless, Picture},
     metrics,
@@ -125,9 +108,9 @@ impl Contender {
     /// Names of the GPU spans of the geometry stage and of the lighting stage.
     fn spans(self) -> (&'static str, Option<&'static str>) {
         match self {
-            Self::Forward => ("bench/opaque", None),
-            Self::DepthOnly => ("bench/prepass", None),
-            Self::BevyDeferred => ("bench/prepass", Some("bench/deferred_lighting")),
+            Self::Forward => (bench_spans::OPAQUE, None),
+            Self::DepthOnly => (bench_spans::PREPASS, None),
+            Self::BevyDeferred => (bench_spans::PREPASS, Some(bench_spans::DEFERRED_LIGHTING)),
             Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => {
                 ("lean_deferred/gbuffer", Some("lean_deferred/lighting"))
             }
@@ -238,7 +221,7 @@ pub fn measure(
         contender: contender.name().into(),
         geometry: samples.time(geometry),
         lighting: lighting.and_then(|name| samples.time(name)),
-        camera: samples.time("bench/camera"),
+        camera: samples.time(bench_spans::CAMERA),
         bytes_written_by_geometry,
         bytes_in_all,
         psnr: None,
@@ -268,54 +251,4 @@ fn gbuffer_bytes(headless: &mut Headless) -> u32 {
     let world = headless.world();
     let mut cameras = world.query::<&GBufferUsage>();
     cameras.iter(world).map(GBufferUsage::bytes_per_pixel).sum()
-}
-
-/// Spans around whole stages of Bevy's renderers, with their clears and copies, as this crate's own spans have them:
-/// Bevy's spans lie inside its passes, and its deferred lighting has none. Spans of one thread nest, so the schedule
-/// runs on one.
-fn add_bench_spans(app: &mut App) {
-    let render_app = app.sub_app_mut(RenderApp);
-    render_app
-        .edit_schedule(Core3d, |schedule| {
-            schedule.set_executor(SingleThreadedExecutor::new());
-        })
-        .add_systems(
-            Core3d,
-            (
-                (|ctx: RenderContext| begin(ctx, "bench/camera"))
-                    .before(clear_indirect_parameters_metadata)
-                    .before(Core3dSystems::Prepass),
-                end.after(upscaling),
-                (|ctx: RenderContext| begin(ctx, "bench/deferred_lighting"))
-                    .in_set(Core3dSystems::MainPass)
-                    .before(deferred_lighting),
-                end.in_set(Core3dSystems::MainPass)
-                    .after(deferred_lighting)
-                    .before(main_opaque_pass_3d)
-                    .before(begin_opaque),
-                begin_opaque
-                    .in_set(Core3dSystems::MainPass)
-                    .after(deferred_lighting)
-                    .before(main_opaque_pass_3d),
-                end.in_set(Core3dSystems::MainPass)
-                    .after(main_opaque_pass_3d)
-                    .before(main_transparent_pass_3d),
-                begin_prepass
-                    .after(early_prepass_build_indirect_parameters)
-                    .after(per_view_shadow_pass::<EARLY_SHADOW_PASS>)
-                    .after(shared_shadow_pass::<EARLY_SHADOW_PASS>)
-                    .before(early_prepass),
-                end.after(early_downsample_depth)
-                    .before(late_prepass)
-                    .in_set(Core3dSystems::Prepass),
-            ),
-        );
-}
-
-fn begin_opaque(ctx: RenderContext) {
-    begin(ctx, "bench/opaque");
-}
-
-fn begin_prepass(ctx: RenderContext) {
-    begin(ctx, "bench/prepass");
 }

@@ -10,7 +10,7 @@ use kit::{
     headless::Headless,
     scenes::{
         SceneBuilder,
-        boxes::{self, Boxes},
+        boxes::{self, Boxes, LightField},
     },
 };
 
@@ -125,8 +125,12 @@ fn spawn_crowd(headless: &mut Headless, path: &str, point_lights: u32) -> Transf
         },
         Transform::default(),
     );
-    let spread = Vec2::new(20.0, 8.0);
-    boxes::spawn_lights_over(&mut scene.world().commands(), point_lights, spread, 5.0);
+    let lights = LightField {
+        count: point_lights,
+        spread: Vec2::new(20.0, 8.0),
+        ..default()
+    };
+    lights.spawn(&mut scene.world().commands());
     let places = (0..12).flat_map(|i| {
         (0..12).map(move |j| {
             let [x, z] = [i, j].map(|n| 1.6 * (n as f32 - 5.5));

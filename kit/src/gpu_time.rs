@@ -6,10 +6,10 @@ use bevy::{
     prelude::*,
     render::{diagnostic::RecordDiagnostics, renderer::RenderContext},
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Median and spread of a GPU time, in milliseconds.
-#[derive(Serialize, Clone, Copy, Default)]
+#[derive(Serialize, Deserialize, Clone, Copy, Default)]
 pub struct Time {
     pub median: f64,
     /// 10th and 90th percentile.

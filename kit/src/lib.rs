@@ -5,6 +5,7 @@
     reason = "what opens a device is no default"
 )]
 
+pub mod bench_spans;
 pub mod compute;
 pub mod example;
 pub mod exposure_gpu;

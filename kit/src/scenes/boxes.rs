@@ -106,29 +106,58 @@ pub fn spawn(
 
 /// The point lights, without shadows.
 pub fn spawn_point_lights(commands: &mut Commands, boxes: Boxes) {
-    spawn_lights_over(
-        commands,
-        boxes.point_lights,
-        Vec2::splat(boxes.side as f32),
-        boxes.range,
-    );
+    LightField {
+        count: boxes.point_lights,
+        spread: Vec2::splat(boxes.side as f32),
+        range: boxes.range,
+        ..default()
+    }
+    .spawn(commands);
 }
 
-/// Point lights without shadows, of 20,000 lm and this range, over so many metres of ground at 0.5 to 3.5 m.
-pub fn spawn_lights_over(commands: &mut Commands, count: u32, spread: Vec2, range: f32) {
-    // A low-discrepancy sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
-    for n in 0..count {
-        let r = |a: f32| (0.5 + a * n as f32).fract();
-        let (u, v, w) = (r(0.819_172_5), r(0.671_043_6), r(0.549_700_5));
-        commands.spawn((
-            PointLight {
-                color: Color::hsl(360.0 * w, 0.7, 0.7),
-                intensity: 20_000.0,
-                range,
-                ..default()
-            },
-            Transform::from_xyz(spread.x * (u - 0.5), 0.5 + 3.0 * w, spread.y * (v - 0.5)),
-        ));
+/// Point lights without shadows over a rectangle of ground, at 0.5 to 3.5 m.
+#[derive(Clone, Copy)]
+pub struct LightField {
+    pub count: u32,
+    /// X and Z of the rectangle's middle, in metres.
+    pub center: Vec2,
+    /// Its sides along X and Z, in metres.
+    pub spread: Vec2,
+    /// How far each light reaches, in metres.
+    pub range: f32,
+    /// Of each light, in lumens.
+    pub intensity: f32,
+}
+
+impl Default for LightField {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            center: Vec2::ZERO,
+            spread: Vec2::ZERO,
+            range: 5.0,
+            intensity: 20_000.0,
+        }
+    }
+}
+
+impl LightField {
+    pub fn spawn(self, commands: &mut Commands) {
+        // A low-discrepancy sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
+        for n in 0..self.count {
+            let r = |a: f32| (0.5 + a * n as f32).fract();
+            let (u, v, w) = (r(0.819_172_5), r(0.671_043_6), r(0.549_700_5));
+            let ground = self.center + self.spread * (Vec2::new(u, v) - 0.5);
+            commands.spawn((
+                PointLight {
+                    color: Color::hsl(360.0 * w, 0.7, 0.7),
+                    intensity: self.intensity,
+                    range: self.range,
+                    ..default()
+                },
+                Transform::from_xyz(ground.x, 0.5 + 3.0 * w, ground.y),
+            ));
+        }
     }
 }
 

@@ -1,0 +1,162 @@
+//! How the cost of lighting grows with the number of lights: Bevy forward, Bevy deferred, this crate.
+//!
+//! `cargo bench --profile dev --bench light_scaling -- --help`
+//!
+//! Prints a Markdown table; `--json FILE` writes the same figures, `--plot FILE.svg` draws them. Times come from timestamp
+//! queries of the GPU. With `--from FILE` nothing is measured: table and plot are those of figures written before.
+
+mod contender;
+mod plot;
+mod report;
+mod run;
+mod scene;
+
+use argh::FromArgs;
+use contender::Contender;
+use kit::size::parse_size;
+use report::Report;
+use run::{Plan, References};
+
+/// How the cost of lighting grows with the number of lights: Bevy forward, Bevy deferred, this crate.
+#[derive(FromArgs)]
+struct Args {
+    /// numbers of lights, comma-separated, default 16,64,256,1024,4096,16384
+    #[argh(option, default = "String::from(\"16,64,256,1024,4096,16384\")")]
+    lights: String,
+
+    /// sizes of the picture, comma-separated, default 1920x1080,3840x2160
+    #[argh(option, default = "String::from(\"1920x1080,3840x2160\")")]
+    sizes: String,
+
+    /// the contenders with these names, comma-separated, default Bevy forward, Bevy deferred and lean; others are lean per
+    /// pixel, lean culling by subgroups and lean culling in shared memory
+    #[argh(option)]
+    contender: Option<String>,
+
+    /// most frames that are measured, default 16; slow ones are fewer, at least 4; always even
+    #[argh(option, default = "16")]
+    frames: usize,
+
+    /// frames before measuring starts, default 8; slow ones are fewer, at least 4
+    #[argh(option, default = "8")]
+    warm_up: usize,
+
+    /// once the median of a stage takes more milliseconds than this, larger numbers of lights are left out, default 400
+    #[argh(option, default = "400.0")]
+    limit_ms: f64,
+
+    /// a quarter of the scene each way, for software renderers
+    #[argh(switch)]
+    small: bool,
+
+    /// keep Bevy's grid of clusters as it is, however many lights are listed in it
+    #[argh(switch)]
+    fixed_grid: bool,
+
+    /// bandwidth of the GPU's memory in TB/s, for the line of the bytes' limit, default 4.3
+    #[argh(option, default = "4.3")]
+    bandwidth: f64,
+
+    /// write the figures to this file
+    #[argh(option)]
+    json: Option<String>,
+
+    /// draw the figures into this SVG file
+    #[argh(option)]
+    plot: Option<String>,
+
+    /// write each picture into this folder
+    #[argh(option)]
+    pictures: Option<String>,
+
+    /// measure nothing, read the figures of these files instead, comma-separated
+    #[argh(option)]
+    from: Option<String>,
+
+    /// given by cargo
+    #[argh(switch)]
+    #[expect(dead_code, reason = "cargo bench passes it")]
+    bench: bool,
+}
+
+fn main() {
+    let args: Args = argh::from_env();
+    let report = match &args.from {
+        Some(files) => read(files),
+        None => measure(&args),
+    };
+    println!("{}", report.markdown());
+    if let Some(path) = &args.plot {
+        let drawn = plot::draw(&report, path, args.bandwidth);
+        or_exit(drawn.map_err(|error| format!("cannot draw {path}: {error}")));
+    }
+}
+
+fn measure(args: &Args) -> Report {
+    let sizes = or_exit(list(&args.sizes, parse_size));
+    let mut lights = or_exit(list(&args.lights, |text| {
+        let number = text.parse::<u32>().ok().filter(|number| *number > 0);
+        number.ok_or(format!("not a number of lights: {text}"))
+    }));
+    lights.sort_unstable();
+    let mut contenders = match &args.contender {
+        None => Contender::ALL[..Contender::BY_DEFAULT].to_vec(),
+        Some(names) => or_exit(list(names, |name| {
+            Contender::named(name).ok_or(format!("no contender has the name {name}"))
+        })),
+    };
+    contenders.sort_by_key(|c| c.index());
+    let plan = Plan {
+        lights,
+        frames: args.frames,
+        warm_up: args.warm_up,
+        limit: args.limit_ms,
+        small: args.small,
+        fixed_grid: args.fixed_grid,
+        pictures: args.pictures.clone(),
+    };
+
+    let mut report = Report::default();
+    for size in sizes {
+        let mut references = References::default();
+        for contender in &contenders {
+            run::measure(*contender, size, &plan, &mut references, &mut report);
+            // After each of them, so that an interrupted run leaves what it has.
+            if let Some(path) = &args.json {
+                write(&report, path);
+            }
+        }
+    }
+    report
+}
+
+/// What stands between commas.
+fn list<T>(text: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, String> {
+    text.split(',').map(|part| parse(part.trim())).collect()
+}
+
+/// The figures of all these files together.
+fn read(files: &str) -> Report {
+    let reports = or_exit(list(files, |file| {
+        let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
+        serde_json::from_str::<Report>(&text).map_err(|error| format!("{file}: {error}"))
+    }));
+    let join = |mut all: Report, one: Report| {
+        all.points.extend(one.points);
+        all
+    };
+    reports.into_iter().reduce(join).unwrap_or_default()
+}
+
+fn write(report: &Report, path: &str) {
+    let json = serde_json::to_string_pretty(report).expect("plain figures serialise");
+    let written = std::fs::write(path, json);
+    or_exit(written.map_err(|error| format!("cannot write {path}: {error}")));
+}
+
+fn or_exit<T>(result: Result<T, String>) -> T {
+    result.unwrap_or_else(|error| {
+        eprintln!("{error}");
+        std::process::exit(1)
+    })
+}

@@ -1,0 +1,180 @@
+//! One renderer at one size, through all arrangements and numbers of lights.
+
+use std::time::{Duration, Instant};
+
+use bevy::{
+    diagnostic::DiagnosticsStore,
+    light::cluster::Clusters,
+    platform::collections::HashMap,
+    prelude::*,
+    render::{RenderApp, diagnostic::RenderDiagnosticsPlugin, renderer::RenderAdapterInfo},
+};
+use kit::{
+    bench_spans::{self, add_bench_spans},
+    gpu_time::{Samples, Time},
+    headless::{Headless, Picture},
+    log_watch::messages_with,
+    metrics,
+};
+
+use crate::{
+    contender::Contender,
+    report::{Point, Report},
+    scene::{self, Arrangement},
+};
+
+/// What is measured, and for how long.
+pub struct Plan {
+    /// Ascending.
+    pub lights: Vec<u32>,
+    pub frames: usize,
+    pub warm_up: usize,
+    /// Beyond this median of a stage, in milliseconds, larger numbers of lights are left out.
+    pub limit: f64,
+    /// Whether the scene is a quarter of the whole one each way.
+    pub small: bool,
+    /// Whether Bevy's clusters stay as they are, however many lights are listed in them.
+    pub fixed_grid: bool,
+    pub pictures: Option<String>,
+}
+
+/// Forward's pictures of one size.
+pub type References = HashMap<(Arrangement, u32), Picture>;
+
+/// At least so many frames are measured, and go before them: GPU times arrive a frame late.
+const LEAST_FRAMES: usize = 4;
+/// Once frames have taken so long, no more are measured, nor warmed up with.
+const LONGEST: Duration = Duration::from_secs(3);
+/// Points whose stage is expected to take longer than this, in milliseconds, are not tried: drivers end what takes seconds.
+const NOT_TRIED: f64 = 2000.0;
+
+struct Stage {
+    headless: Headless,
+    camera: Entity,
+}
+
+/// Adds a point to `report` for each arrangement and number of lights.
+pub fn measure(
+    contender: Contender,
+    size: UVec2,
+    plan: &Plan,
+    references: &mut References,
+    report: &mut Report,
+) {
+    let mut headless = Headless::with(size, |app| {
+        app.add_plugins(RenderDiagnosticsPlugin);
+        contender.prepare_app(app);
+        add_bench_spans(app);
+    });
+    let camera = scene::spawn(&mut headless, contender, plan);
+    let mut stage = Stage { headless, camera };
+    let first = plan.lights.first().copied().unwrap_or_default();
+    scene::replace_lights(stage.headless.world(), Arrangement::Spread, first, plan);
+    stage.headless.settle();
+    report.adapter = stage.adapter();
+
+    for arrangement in Arrangement::ALL {
+        let mut last: Option<(u32, f64)> = None;
+        for &lights in &plan.lights {
+            let mut point = Point::new(contender, size, arrangement, lights);
+            point.left_out = last.and_then(|last| reason_to_leave_out(last, lights, plan.limit));
+            if point.left_out.is_none() {
+                let picture = stage.measure(&mut point, contender, arrangement, lights, plan);
+                if let Some(time) = point.stage {
+                    last = Some((lights, time.median));
+                }
+                if let Some(folder) = &plan.pictures {
+                    let file = point.label().replace(' ', "_") + ".png";
+                    picture.save(std::path::Path::new(folder).join(file));
+                }
+                if contender == Contender::Forward {
+                    references.insert((arrangement, lights), picture);
+                } else if let Some(reference) = references.get(&(arrangement, lights)) {
+                    point.psnr = Some(metrics::pixel_difference(reference, &picture).psnr);
+                }
+            }
+            eprintln!("{}", point.progress());
+            report.points.push(point);
+        }
+    }
+}
+
+/// Why a point with so many lights is not measured, after one whose stage took so many milliseconds.
+fn reason_to_leave_out((lights, median): (u32, f64), next: u32, limit: f64) -> Option<String> {
+    let expected = median * f64::from(next) / f64::from(lights);
+    if median > limit {
+        Some(format!("{lights} lights took {median:.0} ms"))
+    } else if expected > NOT_TRIED {
+        Some(format!("{expected:.0} ms are to be expected"))
+    } else {
+        None
+    }
+}
+
+impl Stage {
+    fn measure(
+        &mut self,
+        point: &mut Point,
+        contender: Contender,
+        arrangement: Arrangement,
+        lights: u32,
+        plan: &Plan,
+    ) -> Picture {
+        scene::replace_lights(self.headless.world(), arrangement, lights, plan);
+        let began = Instant::now();
+        let mut warm = 0;
+        while warm < LEAST_FRAMES || (warm < plan.warm_up && began.elapsed() < LONGEST) {
+            self.headless.frame();
+            warm += 1;
+        }
+
+        let grown = list_growths();
+        let mut samples = Samples::default();
+        let mut frame_times = Vec::new();
+        let began = Instant::now();
+        // An even number of them. With many lights Bevy's grid of clusters changes from frame to frame, mostly between two
+        // sizes (`dynamic_resizing` acts on how long the lists of the last frame were, whatever its grid was): so the
+        // median is always that of the dearer one.
+        while frame_times.len() < LEAST_FRAMES
+            || frame_times.len() % 2 == 1
+            || (frame_times.len() < plan.frames && began.elapsed() < LONGEST)
+        {
+            let start = Instant::now();
+            self.headless.frame();
+            frame_times.push(start.elapsed().as_secs_f64() * 1e3);
+            samples.take(self.headless.app.world().resource::<DiagnosticsStore>());
+            self.note_clusters(point);
+        }
+        let picture = self.headless.capture();
+
+        point.frames = frame_times.len();
+        point.stage = samples.time(contender.span());
+        point.camera = samples.time(bench_spans::CAMERA);
+        point.frame = Some(Time::of(frame_times));
+        point.lists_grew = list_growths() > grown;
+        picture
+    }
+
+    /// What Bevy's clusters of this frame were.
+    fn note_clusters(&self, point: &mut Point) {
+        let Some(clusters) = self.headless.app.world().get::<Clusters>(self.camera) else {
+            return;
+        };
+        let grid = clusters.dimensions.to_array();
+        if !point.grids.contains(&grid) {
+            point.grids.push(grid);
+        }
+        let indices = clusters.last_frame_total_cluster_index_count.unwrap_or(0);
+        point.longest_list = point.longest_list.max(indices);
+    }
+
+    fn adapter(&self) -> String {
+        let render_world = self.headless.app.sub_app(RenderApp).world();
+        render_world.resource::<RenderAdapterInfo>().name.clone()
+    }
+}
+
+/// How often Bevy has found its lists of lights too short so far.
+fn list_growths() -> usize {
+    messages_with("Resizing the view clustering").len()
+}

@@ -1,0 +1,122 @@
+//! The boxes under as many lights as wanted.
+
+use bevy::{
+    camera::Hdr,
+    ecs::system::RunSystemOnce,
+    light::cluster::{ClusterConfig, GlobalClusterSettings},
+    prelude::*,
+};
+use kit::{
+    headless::Headless,
+    scenes::boxes::{self, Boxes, LightField},
+};
+
+use crate::{contender::Contender, run::Plan};
+
+/// Where the lights are.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Arrangement {
+    /// Over the whole field.
+    Spread,
+    /// On 8 × 8 m.
+    Heaped,
+}
+
+impl Arrangement {
+    pub const ALL: [Self; 2] = [Self::Spread, Self::Heaped];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Spread => "spread",
+            Self::Heaped => "heaped",
+        }
+    }
+
+    /// Middle and sides of the ground with lights, in the whole scene.
+    fn ground(self) -> (Vec2, Vec2) {
+        match self {
+            Self::Spread => (Vec2::ZERO, Vec2::splat(SIDE)),
+            // The camera is at z = 22 and looks along −z. With the 5 m that each light reaches, this is the lower left
+            // quarter of the picture, and the view frustum meets the sphere of each light: none is left out by the CPU.
+            Self::Heaped => (Vec2::new(-9.0, 8.0), Vec2::splat(8.0)),
+        }
+    }
+}
+
+/// Up to so many lights shine with 20,000 lm each. More of them share as much light as these have together: else the
+/// picture would be white, and all renderers would agree.
+const BRIGHT_LIGHTS: u32 = 64;
+
+/// Metres of the whole scene's field of lights, each way.
+const SIDE: f32 = 40.0;
+
+fn boxes_of(plan: &Plan) -> Boxes {
+    if plan.small {
+        Boxes::small(0)
+    } else {
+        Boxes::full(0)
+    }
+}
+
+/// Puts lights where those of the last point were.
+pub fn replace_lights(world: &mut World, arrangement: Arrangement, count: u32, plan: &Plan) {
+    let mut lights = world.query_filtered::<Entity, With<PointLight>>();
+    let old: Vec<Entity> = lights.iter(world).collect();
+    for light in old {
+        world.despawn(light);
+    }
+    let (center, spread) = arrangement.ground();
+    let scale = boxes_of(plan).side as f32 / SIDE;
+    let field = LightField::default();
+    LightField {
+        count,
+        center: center * scale,
+        spread: spread * scale,
+        intensity: field.intensity * (BRIGHT_LIGHTS as f32 / count as f32).min(1.0),
+        ..field
+    }
+    .spawn(&mut world.commands());
+    world.flush();
+}
+
+/// Everything but the point lights; returns the camera.
+pub fn spawn(headless: &mut Headless, contender: Contender, plan: &Plan) -> Entity {
+    let boxes = boxes_of(plan);
+    let target = headless.render_target();
+    let world = headless.world();
+    reserve_clusters(&mut world.resource_mut::<GlobalClusterSettings>(), plan);
+    world
+        .run_system_once(
+            move |mut commands: Commands,
+                  mut meshes: ResMut<Assets<Mesh>>,
+                  mut materials: ResMut<Assets<StandardMaterial>>| {
+                boxes::spawn(&mut commands, &mut meshes, &mut materials, boxes);
+            },
+        )
+        .expect("the boxes need only asset stores");
+    let transform = boxes::camera_transform(boxes);
+    let mut camera = world.spawn((Camera3d::default(), Hdr, Msaa::Off, target, transform));
+    if plan.fixed_grid {
+        let mut grid = ClusterConfig::default();
+        if let ClusterConfig::FixedZ {
+            dynamic_resizing, ..
+        } = &mut grid
+        {
+            *dynamic_resizing = false;
+        }
+        camera.insert(grid);
+    }
+    contender.prepare_camera(&mut camera);
+    camera.id()
+}
+
+/// Room for 16,384 heaped lights: they need 195,256 slices of depth, and 643,811 indices, in a grid that keeps its size
+/// 5.5 million. When Bevy grows these lists at run time, they are garbage for some frames. It uploads the indices in every
+/// frame, before its first pass.
+fn reserve_clusters(settings: &mut GlobalClusterSettings, plan: &Plan) {
+    if let Some(gpu) = &mut settings.gpu_clustering {
+        gpu.initial_z_slice_list_capacity = 1 << 18;
+        // Between two points the grid is that of the fewer lights, and lists are longer for a frame.
+        gpu.initial_index_list_capacity = if plan.fixed_grid { 1 << 23 } else { 1 << 22 };
+    }
+}
