@@ -57,7 +57,7 @@ struct Args {
     #[argh(option, default = "4.3")]
     bandwidth: f64,
 
-    /// write the figures to this file
+    /// write the figures, measured or read, to this file
     #[argh(option)]
     json: Option<String>,
 
@@ -82,7 +82,13 @@ struct Args {
 fn main() {
     let args: Args = argh::from_env();
     let report = match &args.from {
-        Some(files) => read(files),
+        Some(files) => {
+            let report = read(files);
+            if let Some(path) = &args.json {
+                write(&report, path);
+            }
+            report
+        }
         None => measure(&args),
     };
     println!("{}", report.markdown());

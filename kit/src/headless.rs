@@ -7,6 +7,7 @@ use bevy::{
     app::{PluginGroupBuilder, PluginsState},
     asset::{RenderAssetUsages, UnapprovedPathMode},
     camera::RenderTarget,
+    light::{DirectionalLightShadowMap, PointLightShadowMap},
     prelude::*,
     render::{
         RenderApp, RenderPlugin,
@@ -38,8 +39,9 @@ pub struct Headless {
 }
 
 impl Headless {
+    /// With [`small_shadow_maps`].
     pub fn new(size: UVec2) -> Self {
-        Self::with(size, |_| {})
+        Self::with(size, small_shadow_maps)
     }
 
     /// As [`new`](Self::new); `configure` may add plugins.
@@ -198,6 +200,12 @@ impl Headless {
         let device = render_world.resource::<RenderDevice>().wgpu_device();
         read_texture(device, render_world.resource::<RenderQueue>(), texture)
     }
+}
+
+/// Half of Bevy's, on which a software renderer would spend a quarter of its time.
+pub fn small_shadow_maps(app: &mut App) {
+    app.insert_resource(DirectionalLightShadowMap { size: 1024 })
+        .insert_resource(PointLightShadowMap { size: 512 });
 }
 
 /// An sRGB image that can be rendered to and read back.

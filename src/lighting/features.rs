@@ -58,7 +58,7 @@ pub(crate) struct LightingKey {
 }
 
 /// From here on, leaving out what does not reach a tile is worth its while. README has the figures.
-const MANY_LIGHTS: usize = 1024;
+const MANY_LIGHTS: usize = 2048;
 
 bitflags! {
     /// Kinds of point and spot lights.

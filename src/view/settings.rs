@@ -90,7 +90,7 @@ impl GeometricNormal {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum LightCulling {
-    /// The faster one, as measured so far: [`PerPixel`](Self::PerPixel), and from 1,024 point and spot lights on
+    /// The faster one, as measured so far: [`PerPixel`](Self::PerPixel), and from 2,048 point and spot lights on
     /// [`SharedMemory`](Self::SharedMemory).
     #[default]
     Auto,

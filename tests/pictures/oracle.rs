@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_lean_deferred::LeanDeferred;
 use kit::{
     hdr::settled_light,
-    headless::{Headless, Picture},
+    headless::{Headless, Picture, small_shadow_maps},
     lean::{change_cameras, report, show},
     own_process::in_own_process,
     scenes::{self, Scene, SceneBuilder},
@@ -33,6 +33,7 @@ fn comparing_shader() -> String {
 
 fn app() -> Headless {
     Headless::with(SIZE, |app| {
+        small_shadow_maps(app);
         replace_shader(app, "lighting/lighting.wgsl", comparing_shader());
     })
 }

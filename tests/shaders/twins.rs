@@ -94,8 +94,12 @@ fn structs_are_laid_out_alike() {
 
 /// The lighting shader with what lights everything, and `more`.
 fn lighting(more: &[&str]) -> Module {
-    const MOST: [&str; 28] = [
+    const MOST: [&str; 32] = [
         "DEPTH_PREPASS",
+        "DIFFUSE_LIGHT",
+        "INDIRECT_SPECULAR",
+        "INDIRECT_DIFFUSE",
+        "INDIRECT_LIGHT",
         "AVAILABLE_STORAGE_BUFFER_BINDINGS=16",
         "GBUFFER_WRITTEN",
         "ENVIRONMENT_MAP",
