@@ -6,7 +6,7 @@ mod order;
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    headless::{Headless, Picture},
+    headless::{Headless, Picture, small_shadow_maps},
     lean::{active_lean_views, settled},
     scenes::SceneBuilder,
 };
@@ -46,7 +46,7 @@ impl Effects {
         if self.exposure {
             app.add_plugins(LeanAutoExposurePlugin);
         }
-        solids(Headless::from_app(SIZE, app, |_| {}))
+        solids(Headless::from_app(SIZE, app, small_shadow_maps))
     }
 
     fn put_on(self, camera: &mut EntityWorldMut) {

@@ -214,8 +214,8 @@ fn what_is_not_there_or_not_a_number_changes_nothing() {
         find_specular(&mut headless, [0.5, 0.2, 0.1, 0.7]);
         find_diffuse(&mut headless, [0.2, 0.3, 0.1, 0.4]);
         let full = settled_light(&mut headless);
-        let specular = even_texture(&mut headless, UVec2::ONE, [0.5, 0.2, 0.1, 0.7]);
-        let diffuse = even_texture(&mut headless, UVec2::ONE, [0.2, 0.3, 0.1, 0.4]);
+        let specular = even_texture(&headless, UVec2::ONE, [0.5, 0.2, 0.1, 0.7]);
+        let diffuse = even_texture(&headless, UVec2::ONE, [0.2, 0.3, 0.1, 0.4]);
         change_views(&mut headless, |view| {
             view.insert(IndirectSpecular(Some(specular.clone())));
             view.insert(IndirectDiffuse(Some(diffuse.clone())));
@@ -242,7 +242,7 @@ fn the_picture_stays_while_lighting_compiles() {
             SPECIAL,
         );
         let without = settled_light(&mut headless);
-        let texture = even_texture(&mut headless, SIZE, [0.5, 0.2, 0.1, 0.7]);
+        let texture = even_texture(&headless, SIZE, [0.5, 0.2, 0.1, 0.7]);
         let mut states = vec![without];
         for frame in 0..40 {
             change_views(&mut headless, |view| {
