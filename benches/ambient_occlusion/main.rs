@@ -16,7 +16,7 @@ mod show;
 use argh::FromArgs;
 use bevy::math::UVec2;
 use contender::Contender;
-use kit::size::parse_size;
+use kit::{figures::write_json, size::parse_size};
 
 /// GPU time, bytes and error of ambient occlusion.
 #[derive(FromArgs)]
@@ -99,10 +99,6 @@ fn main() {
     }
     println!("{}", report::markdown(&measurements, args.frames));
     if let Some(path) = args.json {
-        let json = serde_json::to_string_pretty(&measurements).expect("plain figures serialise");
-        if let Err(error) = std::fs::write(&path, json) {
-            eprintln!("cannot write {path}: {error}");
-            std::process::exit(1);
-        }
+        write_json(&path, &measurements);
     }
 }

@@ -6,17 +6,10 @@ use bevy::{
         prepass::node::{early_prepass, late_prepass},
         schedule::{Core3d, Core3dSystems},
         tonemapping::{DebandDither, Tonemapping},
-        upscaling::upscaling,
     },
     diagnostic::DiagnosticsStore,
-    ecs::schedule::SingleThreadedExecutor,
-    pbr::clear_indirect_parameters_metadata,
     prelude::*,
-    render::{
-        RenderApp,
-        diagnostic::RenderDiagnosticsPlugin,
-        renderer::{RenderAdapterInfo, RenderContext},
-    },
+    render::{RenderApp, diagnostic::RenderDiagnosticsPlugin, renderer::RenderContext},
 };
 use serde::Serialize;
 use std::collections::HashMap;
@@ -29,6 +22,7 @@ use crate::{
     show,
 };
 use kit::{
+    bench_spans::{CAMERA, PREPASS, add_camera_span},
     gpu_time::{Samples, Time, begin, end},
     headless::{Headless, Picture},
     occlusion::errors::Errors,
@@ -80,13 +74,7 @@ pub fn measure(
         headless.frames(1);
         samples.take(headless.app.world().resource::<DiagnosticsStore>());
     }
-    let adapter = headless
-        .app
-        .sub_app(RenderApp)
-        .world()
-        .resource::<RenderAdapterInfo>()
-        .name
-        .clone();
+    let adapter = headless.adapter();
     drop(headless);
 
     let shown = |scene: BenchScene| -> Option<Vec<f32>> {
@@ -94,7 +82,7 @@ pub fn measure(
         let mut headless = app(contender, scene, size, true);
         headless.settle();
         headless.frames(3);
-        let occlusion: Vec<f32> = show::read_main_texture(&mut headless.app)
+        let occlusion: Vec<f32> = show::read_main_texture(&mut headless)
             .into_iter()
             .map(|visibility| 1.0 - visibility)
             .collect();
@@ -127,8 +115,8 @@ pub fn measure(
             .filter_map(|name| samples.time(name))
             .collect(),
         lighting: samples.time("lean_deferred/lighting"),
-        prepass: samples.time("bench/prepass"),
-        camera: samples.time("bench/camera"),
+        prepass: samples.time(PREPASS),
+        camera: samples.time(CAMERA),
         bytes: contender.bytes(occluded),
         occluded,
         wall: errors(BenchScene::Wall).map(|e| (e.rmse, e.bias)),
@@ -174,26 +162,18 @@ fn picture(occlusion: &[f32], size: UVec2) -> Picture {
     }
 }
 
-/// Spans of one thread nest, so the schedule runs on one.
+/// The camera's span, and one around Bevy's prepass.
 fn add_spans(app: &mut App) {
-    let render_app = app.sub_app_mut(RenderApp);
-    render_app
-        .edit_schedule(Core3d, |schedule| {
-            schedule.set_executor(SingleThreadedExecutor::new());
-        })
-        .add_systems(
-            Core3d,
-            (
-                (|ctx: RenderContext| begin(ctx, "bench/camera"))
-                    .before(clear_indirect_parameters_metadata)
-                    .before(Core3dSystems::Prepass),
-                end.after(upscaling),
-                (|ctx: RenderContext| begin(ctx, "bench/prepass"))
-                    .in_set(Core3dSystems::Prepass)
-                    .before(early_prepass),
-                end.in_set(Core3dSystems::Prepass)
-                    .after(early_prepass)
-                    .before(late_prepass),
-            ),
-        );
+    add_camera_span(app);
+    app.sub_app_mut(RenderApp).add_systems(
+        Core3d,
+        (
+            (|ctx: RenderContext| begin(ctx, PREPASS))
+                .in_set(Core3dSystems::Prepass)
+                .before(early_prepass),
+            end.in_set(Core3dSystems::Prepass)
+                .after(early_prepass)
+                .before(late_prepass),
+        ),
+    );
 }

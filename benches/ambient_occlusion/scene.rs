@@ -1,11 +1,6 @@
 //! The scenes: one to time, two whose occlusion is known.
 
-use bevy::{
-    ecs::system::RunSystemOnce,
-    light::{AmbientLight, cluster::GlobalClusterSettings},
-    math::DVec3,
-    prelude::*,
-};
+use bevy::{light::AmbientLight, math::DVec3, prelude::*};
 
 use kit::{
     headless::Headless,
@@ -64,7 +59,8 @@ impl BenchScene {
     /// Spawns all but the camera and returns where that stands.
     pub fn spawn(self, headless: &mut Headless) -> Transform {
         if let Self::Boxes(boxes) = self {
-            return spawn_boxes(headless.world(), boxes);
+            boxes::spawn_into(headless.world(), boxes);
+            return boxes::camera_transform(boxes);
         }
         let (geometry, eye, target) = self.geometry().expect("all but the boxes have one");
         let world = headless.world();
@@ -109,18 +105,4 @@ pub fn ambient() -> AmbientLight {
         brightness: 500.0,
         ..default()
     }
-}
-
-fn spawn_boxes(world: &mut World, boxes: Boxes) -> Transform {
-    boxes::reserve_clusters(&mut world.resource_mut::<GlobalClusterSettings>());
-    world
-        .run_system_once(
-            move |mut commands: Commands,
-                  mut meshes: ResMut<Assets<Mesh>>,
-                  mut materials: ResMut<Assets<StandardMaterial>>| {
-                boxes::spawn(&mut commands, &mut meshes, &mut materials, boxes);
-            },
-        )
-        .expect("the boxes need only asset stores");
-    boxes::camera_transform(boxes)
 }

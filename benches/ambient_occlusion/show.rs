@@ -12,11 +12,11 @@ use bevy::{
     render::{
         RenderApp, RenderStartup,
         render_resource::{binding_types::texture_2d, *},
-        renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
+        renderer::{RenderContext, ViewQuery},
         view::ViewTarget,
     },
 };
-use half::f16;
+use kit::{hdr::read_light, headless::Headless};
 
 const SHADER: Handle<Shader> = uuid_handle!("6c1f2a52-3d0c-4a5e-8a55-0f3a1f6d7b02");
 
@@ -98,17 +98,11 @@ fn show(
 }
 
 /// The red channel of the only camera's main texture, as the last frame left it.
-pub fn read_main_texture(app: &mut App) -> Vec<f32> {
-    let world = app.sub_app_mut(RenderApp).world_mut();
-    let texture = world
-        .query::<&ViewTarget>()
-        .single(world)
-        .expect("one camera")
-        .main_texture()
-        .clone();
-    let device = world.resource::<RenderDevice>().wgpu_device();
-    kit::gpu::read_texture(device, world.resource::<RenderQueue>(), &texture)
-        .chunks(8)
-        .map(|texel| f16::from_le_bytes([texel[0], texel[1]]).to_f32())
-        .collect()
+pub fn read_main_texture(headless: &mut Headless) -> Vec<f32> {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut targets = world.query::<&ViewTarget>();
+    let target = targets.single(world).expect("one camera");
+    let texture = target.main_texture().clone();
+    let texels = read_light(headless, &texture).texels;
+    texels.into_iter().map(|[red, ..]| red).collect()
 }

@@ -24,7 +24,7 @@ mod timing;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
-use kit::{exposure_gpu::ExposureGpu, size::parse_size};
+use kit::{exposure_gpu::ExposureGpu, figures::write_json, size::parse_size};
 use picture::{Picture, Truth};
 use report::{Group, Measurement, Table};
 use ring::Ring;
@@ -93,10 +93,7 @@ fn main() {
         tables.push(table);
     }
     if let Some(path) = args.json {
-        let json = serde_json::to_string_pretty(&tables).expect("plain figures serialise");
-        if let Err(error) = std::fs::write(&path, json) {
-            fail(format!("cannot write {path}: {error}"));
-        }
+        write_json(&path, &tables);
     }
 }
 

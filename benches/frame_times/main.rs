@@ -12,7 +12,7 @@ mod special;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
-use kit::size::parse_size;
+use kit::{figures::write_json, size::parse_size};
 use run::{Contender, Measurement};
 use scenes::BenchScene;
 
@@ -126,10 +126,6 @@ fn main() {
         report::markdown(&measurements, args.size, args.frames)
     );
     if let Some(path) = args.json {
-        let json = serde_json::to_string_pretty(&measurements).expect("plain figures serialise");
-        if let Err(error) = std::fs::write(&path, json) {
-            eprintln!("cannot write {path}: {error}");
-            std::process::exit(1);
-        }
+        write_json(&path, &measurements);
     }
 }

@@ -5,7 +5,7 @@ use core::fmt::Write;
 use bevy::math::UVec2;
 
 use crate::run::Measurement;
-use kit::gpu_time::Time;
+use kit::{figures::figure, gpu_time::Time};
 
 /// One row for each measurement; ratios are to Bevy deferred on the same scene.
 pub fn markdown(measurements: &[Measurement], size: UVec2, frames: usize) -> String {
@@ -59,8 +59,4 @@ fn ratio(time: Option<Time>, peer: Option<Time>) -> String {
         }
         _ => "–".into(),
     }
-}
-
-fn figure(value: Option<f64>, digits: usize) -> String {
-    value.map_or("–".into(), |value| format!("{value:.digits$}"))
 }

@@ -6,7 +6,7 @@ use bevy::{
     diagnostic::DiagnosticsStore,
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
-    render::{RenderApp, diagnostic::RenderDiagnosticsPlugin, renderer::RenderAdapterInfo},
+    render::diagnostic::RenderDiagnosticsPlugin,
 };
 use bevy_lean_deferred::{
     prelude::*,
@@ -205,18 +205,11 @@ pub fn measure(
         headless.frames(1);
         samples.take(headless.app.world().resource::<DiagnosticsStore>());
     }
-    let adapter = headless
-        .app
-        .sub_app(RenderApp)
-        .world()
-        .resource::<RenderAdapterInfo>()
-        .name
-        .clone();
     let (geometry, lighting) = contender.spans();
     let (bytes_written_by_geometry, bytes_in_all) =
         contender.bytes_per_pixel(gbuffer_bytes(&mut headless), scene.special().wants_motion());
     let measurement = Measurement {
-        adapter,
+        adapter: headless.adapter(),
         scene: scene.name.clone(),
         contender: contender.name().into(),
         geometry: samples.time(geometry),

@@ -1,8 +1,8 @@
 //! The scenes of the bench.
 
 use bevy::{
-    camera::primitives::Aabb, ecs::system::RunSystemOnce, gltf::GltfAssetLabel,
-    light::cluster::GlobalClusterSettings, prelude::*, world_serialization::WorldAssetRoot,
+    camera::primitives::Aabb, gltf::GltfAssetLabel, light::cluster::GlobalClusterSettings,
+    prelude::*, world_serialization::WorldAssetRoot,
 };
 
 use crate::special::{self, Special};
@@ -98,11 +98,11 @@ impl BenchScene {
     pub fn spawn(&self, headless: &mut Headless) -> Transform {
         match &self.kind {
             Kind::Boxes(boxes) => {
-                spawn_boxes(headless.world(), *boxes);
+                boxes::spawn_into(headless.world(), *boxes);
                 boxes::camera_transform(*boxes)
             }
             Kind::SpecialBoxes(boxes, special, every) => {
-                spawn_boxes(headless.world(), *boxes);
+                boxes::spawn_into(headless.world(), *boxes);
                 special::make_special(headless.world(), *special, *every);
                 boxes::camera_transform(*boxes)
             }
@@ -147,19 +147,6 @@ fn short(point_lights: u32) -> Boxes {
         range: 1.25,
         ..Boxes::full(point_lights)
     }
-}
-
-fn spawn_boxes(world: &mut World, boxes: Boxes) {
-    boxes::reserve_clusters(&mut world.resource_mut::<GlobalClusterSettings>());
-    world
-        .run_system_once(
-            move |mut commands: Commands,
-                  mut meshes: ResMut<Assets<Mesh>>,
-                  mut materials: ResMut<Assets<StandardMaterial>>| {
-                boxes::spawn(&mut commands, &mut meshes, &mut materials, boxes);
-            },
-        )
-        .expect("the boxes need only asset stores");
 }
 
 /// Spawns a glTF scene at each place and a sun, and waits until all is there.

@@ -13,7 +13,7 @@ mod scene;
 
 use argh::FromArgs;
 use contender::Contender;
-use kit::size::parse_size;
+use kit::{figures::write_json, size::parse_size};
 use report::Report;
 use run::{Plan, References};
 
@@ -85,7 +85,7 @@ fn main() {
         Some(files) => {
             let report = read(files);
             if let Some(path) = &args.json {
-                write(&report, path);
+                write_json(path, &report);
             }
             report
         }
@@ -129,7 +129,7 @@ fn measure(args: &Args) -> Report {
             run::measure(*contender, size, &plan, &mut references, &mut report);
             // After each of them, so that an interrupted run leaves what it has.
             if let Some(path) = &args.json {
-                write(&report, path);
+                write_json(path, &report);
             }
         }
     }
@@ -152,12 +152,6 @@ fn read(files: &str) -> Report {
         all
     };
     reports.into_iter().reduce(join).unwrap_or_default()
-}
-
-fn write(report: &Report, path: &str) {
-    let json = serde_json::to_string_pretty(report).expect("plain figures serialise");
-    let written = std::fs::write(path, json);
-    or_exit(written.map_err(|error| format!("cannot write {path}: {error}")));
 }
 
 fn or_exit<T>(result: Result<T, String>) -> T {

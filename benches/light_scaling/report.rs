@@ -3,7 +3,7 @@
 use core::fmt::Write;
 
 use bevy::math::UVec2;
-use kit::gpu_time::Time;
+use kit::{figures::figure, gpu_time::Time};
 use serde::{Deserialize, Serialize};
 
 use crate::{contender::Contender, scene::Arrangement};
@@ -194,8 +194,4 @@ impl Report {
         }
         notes
     }
-}
-
-fn figure(value: Option<f64>, digits: usize) -> String {
-    value.map_or("–".into(), |value| format!("{value:.digits$}"))
 }

@@ -3,11 +3,8 @@
 use std::time::{Duration, Instant};
 
 use bevy::{
-    diagnostic::DiagnosticsStore,
-    light::cluster::Clusters,
-    platform::collections::HashMap,
-    prelude::*,
-    render::{RenderApp, diagnostic::RenderDiagnosticsPlugin, renderer::RenderAdapterInfo},
+    diagnostic::DiagnosticsStore, light::cluster::Clusters, platform::collections::HashMap,
+    prelude::*, render::diagnostic::RenderDiagnosticsPlugin,
 };
 use kit::{
     bench_spans::{self, add_bench_spans},
@@ -71,7 +68,7 @@ pub fn measure(
     let first = plan.lights.first().copied().unwrap_or_default();
     scene::replace_lights(stage.headless.world(), Arrangement::Spread, first, plan);
     stage.headless.settle();
-    report.adapter = stage.adapter();
+    report.adapter = stage.headless.adapter();
 
     for arrangement in Arrangement::ALL {
         let mut last: Option<(u32, f64)> = None;
@@ -166,11 +163,6 @@ impl Stage {
         }
         let indices = clusters.last_frame_total_cluster_index_count.unwrap_or(0);
         point.longest_list = point.longest_list.max(indices);
-    }
-
-    fn adapter(&self) -> String {
-        let render_world = self.headless.app.sub_app(RenderApp).world();
-        render_world.resource::<RenderAdapterInfo>().name.clone()
     }
 }
 

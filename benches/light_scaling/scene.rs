@@ -2,7 +2,6 @@
 
 use bevy::{
     camera::Hdr,
-    ecs::system::RunSystemOnce,
     light::cluster::{ClusterConfig, GlobalClusterSettings},
     prelude::*,
 };
@@ -84,16 +83,13 @@ pub fn spawn(headless: &mut Headless, contender: Contender, plan: &Plan) -> Enti
     let boxes = boxes_of(plan);
     let target = headless.render_target();
     let world = headless.world();
-    reserve_clusters(&mut world.resource_mut::<GlobalClusterSettings>(), plan);
-    world
-        .run_system_once(
-            move |mut commands: Commands,
-                  mut meshes: ResMut<Assets<Mesh>>,
-                  mut materials: ResMut<Assets<StandardMaterial>>| {
-                boxes::spawn(&mut commands, &mut meshes, &mut materials, boxes);
-            },
-        )
-        .expect("the boxes need only asset stores");
+    // 16,384 heaped lights need 195,256 slices of depth, and 643,811 indices, in a grid that keeps its size 5.5 million.
+    // Between two points the grid is that of the fewer lights, and lists are longer for a frame.
+    // It uploads the indices in every frame, before its first pass.
+    let indices = if plan.fixed_grid { 1 << 23 } else { 1 << 22 };
+    boxes::spawn_into(world, boxes);
+    let mut settings = world.resource_mut::<GlobalClusterSettings>();
+    boxes::reserve_cluster_lists(&mut settings, 1 << 18, indices);
     let transform = boxes::camera_transform(boxes);
     let mut camera = world.spawn((Camera3d::default(), Hdr, Msaa::Off, target, transform));
     if plan.fixed_grid {
@@ -108,15 +104,4 @@ pub fn spawn(headless: &mut Headless, contender: Contender, plan: &Plan) -> Enti
     }
     contender.prepare_camera(&mut camera);
     camera.id()
-}
-
-/// Room for 16,384 heaped lights: they need 195,256 slices of depth, and 643,811 indices, in a grid that keeps its size
-/// 5.5 million. When Bevy grows these lists at run time, they are garbage for some frames. It uploads the indices in every
-/// frame, before its first pass.
-fn reserve_clusters(settings: &mut GlobalClusterSettings, plan: &Plan) {
-    if let Some(gpu) = &mut settings.gpu_clustering {
-        gpu.initial_z_slice_list_capacity = 1 << 18;
-        // Between two points the grid is that of the fewer lights, and lists are longer for a frame.
-        gpu.initial_index_list_capacity = if plan.fixed_grid { 1 << 23 } else { 1 << 22 };
-    }
 }

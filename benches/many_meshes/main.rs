@@ -13,7 +13,7 @@ mod stages;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
-use kit::size::parse_size;
+use kit::{figures::write_json, size::parse_size};
 use run::{Contender, Measurement};
 use scene::Motion;
 
@@ -86,10 +86,6 @@ fn main() {
     }
     println!("{}", report::markdown(&measurements, args.size));
     if let Some(path) = args.json {
-        let json = serde_json::to_string_pretty(&measurements).expect("plain figures serialise");
-        if let Err(error) = std::fs::write(&path, json) {
-            eprintln!("cannot write {path}: {error}");
-            std::process::exit(1);
-        }
+        write_json(&path, &measurements);
     }
 }

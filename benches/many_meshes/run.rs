@@ -9,11 +9,7 @@ use bevy::{
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
-    render::{
-        RenderApp,
-        render_resource::PollType,
-        renderer::{RenderAdapterInfo, RenderDevice},
-    },
+    render::{RenderApp, render_resource::PollType, renderer::RenderDevice},
 };
 use bevy_lean_deferred::LeanDeferred;
 use serde::Serialize;
@@ -261,10 +257,8 @@ pub fn measure(
     measured
         .zip(pictures)
         .map(|((((stage, contender), steady), seen), picture)| {
-            let render_app = stage.headless.app.sub_app(RenderApp);
-            let info = render_app.world().resource::<RenderAdapterInfo>();
             let measurement = Measurement {
-                adapter: info.name.clone(),
+                adapter: stage.headless.adapter(),
                 cores,
                 meshes,
                 contender: contender.name().into(),

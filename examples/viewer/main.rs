@@ -41,7 +41,7 @@ struct Args {
     #[argh(option, default = "Renderer::Lean")]
     renderer: Renderer,
 
-    /// channel of the G-buffer to show: albedo, metallic, occlusion, normal, roughness, geometric-normal, depth
+    /// channel to show in place of the picture, such as albedo, normal, depth, diffuse-light or specular-light
     #[argh(option, from_str_fn(parse_channel))]
     debug_view: Option<DebugChannel>,
 

@@ -28,12 +28,9 @@ pub const DEFERRED_LIGHTING: &str = "bench/deferred_lighting";
 /// Bevy's forward pass over opaque meshes, which rasterises and lights.
 pub const OPAQUE: &str = "bench/opaque";
 
-/// Spans around whole stages of Bevy's renderers, with their clears and copies, as this crate's own spans have them:
-/// Bevy's spans lie inside its passes, and its deferred lighting has none. Spans of one thread nest, so the schedule
-/// runs on one.
-pub fn add_bench_spans(app: &mut App) {
-    let render_app = app.sub_app_mut(RenderApp);
-    render_app
+/// [`CAMERA`]. Spans of one thread nest, so the schedule runs on one.
+pub fn add_camera_span(app: &mut App) {
+    app.sub_app_mut(RenderApp)
         .edit_schedule(Core3d, |schedule| {
             schedule.set_executor(SingleThreadedExecutor::new());
         })
@@ -44,30 +41,41 @@ pub fn add_bench_spans(app: &mut App) {
                     .before(clear_indirect_parameters_metadata)
                     .before(Core3dSystems::Prepass),
                 end.after(upscaling),
-                (|ctx: RenderContext| begin(ctx, DEFERRED_LIGHTING))
-                    .in_set(Core3dSystems::MainPass)
-                    .before(deferred_lighting),
-                end.in_set(Core3dSystems::MainPass)
-                    .after(deferred_lighting)
-                    .before(main_opaque_pass_3d)
-                    .before(begin_opaque),
-                begin_opaque
-                    .in_set(Core3dSystems::MainPass)
-                    .after(deferred_lighting)
-                    .before(main_opaque_pass_3d),
-                end.in_set(Core3dSystems::MainPass)
-                    .after(main_opaque_pass_3d)
-                    .before(main_transparent_pass_3d),
-                begin_prepass
-                    .after(early_prepass_build_indirect_parameters)
-                    .after(per_view_shadow_pass::<EARLY_SHADOW_PASS>)
-                    .after(shared_shadow_pass::<EARLY_SHADOW_PASS>)
-                    .before(early_prepass),
-                end.after(early_downsample_depth)
-                    .before(late_prepass)
-                    .in_set(Core3dSystems::Prepass),
             ),
         );
+}
+
+/// [`CAMERA`], and spans around whole stages of Bevy's renderers, with their clears and copies, as this crate's own spans
+/// have them: Bevy's spans lie inside its passes, and its deferred lighting has none.
+pub fn add_bench_spans(app: &mut App) {
+    add_camera_span(app);
+    app.sub_app_mut(RenderApp).add_systems(
+        Core3d,
+        (
+            (|ctx: RenderContext| begin(ctx, DEFERRED_LIGHTING))
+                .in_set(Core3dSystems::MainPass)
+                .before(deferred_lighting),
+            end.in_set(Core3dSystems::MainPass)
+                .after(deferred_lighting)
+                .before(main_opaque_pass_3d)
+                .before(begin_opaque),
+            begin_opaque
+                .in_set(Core3dSystems::MainPass)
+                .after(deferred_lighting)
+                .before(main_opaque_pass_3d),
+            end.in_set(Core3dSystems::MainPass)
+                .after(main_opaque_pass_3d)
+                .before(main_transparent_pass_3d),
+            begin_prepass
+                .after(early_prepass_build_indirect_parameters)
+                .after(per_view_shadow_pass::<EARLY_SHADOW_PASS>)
+                .after(shared_shadow_pass::<EARLY_SHADOW_PASS>)
+                .before(early_prepass),
+            end.after(early_downsample_depth)
+                .before(late_prepass)
+                .in_set(Core3dSystems::Prepass),
+        ),
+    );
 }
 
 fn begin_opaque(ctx: RenderContext) {

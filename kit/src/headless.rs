@@ -16,7 +16,7 @@ use bevy::{
             Extent3d, PipelineCache, PollType, Texture, TextureDimension, TextureFormat,
             TextureUsages,
         },
-        renderer::{RenderDevice, RenderQueue},
+        renderer::{RenderAdapterInfo, RenderDevice, RenderQueue},
         texture::GpuImage,
     },
     time::TimeUpdateStrategy,
@@ -156,6 +156,12 @@ impl Headless {
             }
         }
         panic!("pipelines still waiting after 2000 frames");
+    }
+
+    /// The name of the GPU that renders.
+    pub fn adapter(&self) -> String {
+        let render_world = self.app.sub_app(RenderApp).world();
+        render_world.resource::<RenderAdapterInfo>().name.clone()
     }
 
     fn pipelines(&self) -> &PipelineCache {

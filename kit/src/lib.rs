@@ -10,6 +10,7 @@ pub mod compute;
 pub mod example;
 pub mod exposure_gpu;
 pub mod exposure_reference;
+pub mod figures;
 pub mod gpu;
 pub mod gpu_time;
 pub mod hdr;

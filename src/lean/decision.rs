@@ -1,5 +1,7 @@
 //! Which views are lean, and what they are in this frame.
 
+use core::iter::once;
+
 use bevy::{
     camera::{Camera3dDepthLoadOp, CameraMainTextureUsages, visibility::RenderLayers},
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
@@ -179,7 +181,8 @@ pub(super) fn decide_active_views(
             exchange.asked()
         };
         let before = last.map_or(Demand::default(), ActiveLeanView::demand);
-        let exchanges = [exchange, last.map_or(exchange, |last| last.exchange)];
+        let held = last.map(|last| last.exchange);
+        let held = held.filter(|held| *held != exchange);
         // Lighting for what is not needed any more may never be compiled.
         let [wanted, needed] = demands.wanted(view.retained_view_entity);
         let choices = if before.contains(needed) {
@@ -187,9 +190,11 @@ pub(super) fn decide_active_views(
         } else {
             [wanted, needed, before]
         };
-        let choices = choices
-            .into_iter()
-            .flat_map(|demand| exchanges.map(|exchange| (demand, exchange)));
+        let choices = choices.into_iter().flat_map(|demand| {
+            once(exchange)
+                .chain(held)
+                .map(move |exchange| (demand, exchange))
+        });
         let compiled = choices.into_iter().find_map(|(demand, exchange)| {
             let demand = demand.on(&order);
             let Demand { targets, variants } = demand;
@@ -206,7 +211,6 @@ pub(super) fn decide_active_views(
                 settings,
                 occlusion,
                 &order,
-                demand,
             );
             if lighting
                 .pipelines

@@ -16,24 +16,16 @@ use crate::view::{ActiveLeanView, DiffuseLight, LightExchange};
 /// Words with a shared exponent.
 pub(super) const DIFFUSE_LIGHT_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
-/// Gives each view whose lighting writes it its texture, and takes it from others.
+/// Gives each view whose lighting writes it its texture, and takes it from other lean views. With [`ActiveLeanView`] it
+/// goes too.
 pub(super) fn prepare_diffuse_light(
     mut commands: Commands,
     mut texture_cache: ResMut<TextureCache>,
     device: Res<RenderDevice>,
-    views: Query<(
-        Entity,
-        &ViewTarget,
-        Option<&ActiveLeanView>,
-        Has<DiffuseLight>,
-    )>,
-    switched_off: Query<Entity, (With<DiffuseLight>, Without<ViewTarget>)>,
+    views: Query<(Entity, &ViewTarget, &ActiveLeanView, Has<DiffuseLight>)>,
 ) {
-    for entity in &switched_off {
-        commands.entity(entity).remove::<DiffuseLight>();
-    }
     for (entity, target, active, has_texture) in &views {
-        if active.is_some_and(|view| view.exchange.contains(LightExchange::DIFFUSE_LIGHT)) {
+        if active.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
             // The cache counts textures as used in the frames in which they are asked for.
             let target = target.main_texture();
             let texture = texture_cache.get(

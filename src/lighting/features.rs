@@ -19,8 +19,8 @@ use crate::{
     gpu::subgroups::Subgroups,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
     view::{
-        ActiveLeanView, DebugChannel, Demand, GBufferTargets, GeometricNormal, LeanDeferred,
-        LightCulling, LightExchange, LightingVariants,
+        ActiveLeanView, DebugChannel, GBufferTargets, GeometricNormal, LeanDeferred, LightCulling,
+        LightExchange, LightingVariants,
     },
 };
 
@@ -208,7 +208,6 @@ impl SceneFeatures<'_, '_> {
         settings: &LeanDeferred,
         occlusion: Option<&LeanAmbientOcclusion>,
         order: &ActiveLeanView,
-        demand: Demand,
     ) -> LightingKey {
         let shadow_maps = lights.shadow_maps;
         let decals_usable = self
@@ -238,10 +237,10 @@ impl SceneFeatures<'_, '_> {
                 .and_then(OcclusionKey::new),
             exchange: order.exchange,
             light_layers: order.has_light_layers && shows_light,
-            targets: demand.targets & read_targets,
+            targets: order.targets & read_targets,
             // Channels are shown for all surfaces alike.
             listed: if shows_light {
-                demand.variants
+                order.variants
             } else {
                 LightingVariants::empty()
             },

@@ -13,7 +13,8 @@
 //! - `lighting.wgsl`, `shade.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader. `visibility.wgsl`: ambient occlusion in it.
 //!   `debug_view.wgsl`: channels of the G-buffer in place of light.
 //! - `lights/`: light from each kind of source, diffuse and specular apart. `lit.wgsl`, `shading_point.wgsl`, `brdf.wgsl`: what
-//!   they share. `found_light.wgsl`: what other effects have found. `reach.wgsl`, `clustered_lights.wgsl`: the lights that can reach a tile, and the loop over them.
+//!   they share. `found_light.wgsl`: what other effects have found. `reach.wgsl`, `clustered_lights.wgsl`: the lights that can
+//!   reach a tile, and the loop over them.
 
 #[doc(hidden)]
 pub mod binding_numbers;
@@ -54,7 +55,7 @@ use bevy::{
 
 use crate::{
     ambient_occlusion,
-    view::{LeanDeferred, SharedPlugin, removal},
+    view::{ActiveLeanView, DiffuseLight, LeanDeferred, SharedPlugin, removal},
 };
 
 /// On a view: everything its lighting pass needs. Dropped with the effect.
@@ -118,6 +119,7 @@ impl Plugin for LightingPlugin {
             return;
         };
         removal::remove_with::<LeanDeferred, ViewLighting>(render_app);
+        removal::remove_with::<ActiveLeanView, DiffuseLight>(render_app);
         render_app
             .init_gpu_resource::<buffers::LightingBuffers>()
             .init_resource::<light_layers::LightLayers>()

@@ -10,8 +10,8 @@ use bevy_lean_deferred::{
     prelude::*,
     screen_space::{ReadsHistory, ViewHistory},
 };
-use half::f16;
 use kit::{
+    hdr::read_light,
     headless::{Headless, target_image},
     lean::build,
 };
@@ -195,15 +195,8 @@ fn it_holds_what_the_frame_showed() {
     let history = histories.iter(world).next().expect("somebody asks");
     let [color, depth] = history.textures().map(Clone::clone);
 
-    let light: Vec<f32> = stage
-        .headless
-        .read(&color)
-        .as_chunks::<2>()
-        .0
-        .iter()
-        .map(|bytes| f16::from_le_bytes(*bytes).to_f32())
-        .collect();
-    for (i, (light, shown)) in light.chunks(4).zip(picture.rgba.chunks(4)).enumerate() {
+    let light = read_light(&stage.headless, &color).texels;
+    for (i, (light, shown)) in light.iter().zip(picture.rgba.chunks(4)).enumerate() {
         let [red, green, blue] = [light[0], light[1], light[2]].map(|part| part.clamp(0.0, 1.0));
         let srgb = Srgba::from(LinearRgba::rgb(red, green, blue));
         for (kept, shown) in [srgb.red, srgb.green, srgb.blue].into_iter().zip(shown) {

@@ -1,6 +1,6 @@
 //! The boxes scene of the benches: 1600 meshes on a plane, many point lights, one shadow-casting sun.
 
-use bevy::{light::cluster::GlobalClusterSettings, prelude::*};
+use bevy::{ecs::system::RunSystemOnce, light::cluster::GlobalClusterSettings, prelude::*};
 
 /// How much of it there is.
 #[derive(Clone, Copy)]
@@ -36,13 +36,32 @@ impl Boxes {
     }
 }
 
-/// Makes room for hundreds of lights in Bevy's cluster lists from the first frame on: when Bevy grows them at run time,
-/// they are garbage for some frames.
+/// Makes room for hundreds of lights in Bevy's cluster lists from the first frame on.
 pub fn reserve_clusters(settings: &mut GlobalClusterSettings) {
+    reserve_cluster_lists(settings, 1 << 16, 1 << 20);
+}
+
+/// Makes room in Bevy's cluster lists from the first frame on, for so many slices of depth and so many indices of lights:
+/// when Bevy grows them at run time, they are garbage for some frames.
+pub fn reserve_cluster_lists(settings: &mut GlobalClusterSettings, slices: usize, indices: usize) {
     if let Some(gpu) = &mut settings.gpu_clustering {
-        gpu.initial_z_slice_list_capacity = 1 << 16;
-        gpu.initial_index_list_capacity = 1 << 20;
+        gpu.initial_z_slice_list_capacity = slices;
+        gpu.initial_index_list_capacity = indices;
     }
+}
+
+/// Spawns everything but the camera, at once, with room in the cluster lists.
+pub fn spawn_into(world: &mut World, boxes: Boxes) {
+    reserve_clusters(&mut world.resource_mut::<GlobalClusterSettings>());
+    world
+        .run_system_once(
+            move |mut commands: Commands,
+                  mut meshes: ResMut<Assets<Mesh>>,
+                  mut materials: ResMut<Assets<StandardMaterial>>| {
+                spawn(&mut commands, &mut meshes, &mut materials, boxes);
+            },
+        )
+        .expect("the boxes need only asset stores");
 }
 
 /// Spawns everything but the camera.
