@@ -26,7 +26,8 @@
 //! 3. Bevy goes on: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
 //!
 //! Any camera may have [`LeanAmbientOcclusion`]: in the lighting pass of lean ones, multiplied onto the picture of others. And any
-//! HDR camera [`LeanAutoExposure`], between anti-aliasing and post-processing.
+//! HDR camera [`LeanAutoExposure`], between anti-aliasing and post-processing. Lean ones may have [`LeanScreenSpaceGi`]: light
+//! that surfaces send to one another, found between G-buffer and lighting.
 //!
 //! Data flows one way: component ([`view`]) → extract → the decision which views are lean ([`lean`]) → queue and prepare →
 //! bind → pass. The GPU time of each pass is recorded under `lean_deferred/…`, visible with Bevy's
@@ -43,7 +44,6 @@ pub mod gbuffer;
 mod gpu;
 pub mod lean;
 pub mod lighting;
-#[doc(hidden)]
 pub mod screen_space;
 #[doc(hidden)]
 pub mod shader_library;
@@ -55,6 +55,7 @@ pub mod view;
 pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::LeanDeferredPlugin;
+pub use screen_space::{LeanScreenSpaceGi, LeanScreenSpaceGiPlugin};
 pub use view::{
     CameraCut, DebugChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus, LightCulling,
 };
@@ -66,7 +67,8 @@ pub mod prelude {
     pub use crate::{
         CameraCut, DebugChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins, LeanOffReason, LeanStatus, LightCulling,
+        LeanDeferredPlugins, LeanOffReason, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanStatus,
+        LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
             OcclusionNormals, OcclusionQuality, OcclusionResolution,
@@ -79,6 +81,7 @@ pub mod prelude {
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
             GBufferTargets, GBufferUsage, ShadingModel,
         },
+        screen_space::{ScreenSpaceGiQuality, ScreenSpaceGiResolution},
         shading_extension::{ExtendedStandardMaterial, ShadingExtension},
     };
 }
@@ -89,5 +92,6 @@ plugin_group! {
         :LeanDeferredPlugin,
         :LeanAmbientOcclusionPlugin,
         :LeanAutoExposurePlugin,
+        :LeanScreenSpaceGiPlugin,
     }
 }

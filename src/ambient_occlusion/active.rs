@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     shader_library::reconstruction::position::projection_of,
-    view::{ActiveLeanView, LeanDeferred, warn_once::WarnOnce},
+    view::{ActiveLeanView, LeanDeferred, LightExchange, warn_once::WarnOnce},
 };
 
 /// On a view of the render world: this frame it has ambient occlusion.
@@ -96,7 +96,7 @@ pub(super) fn decide_active_occlusion(
             &ExtractedView,
             &Msaa,
             &LeanAmbientOcclusion,
-            (Option<&LeanDeferred>, Has<ActiveLeanView>),
+            (Option<&LeanDeferred>, Option<&ActiveLeanView>),
             Has<DistanceFog>,
             Option<&mut ActiveOcclusion>,
         ),
@@ -112,12 +112,15 @@ pub(super) fn decide_active_occlusion(
     let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
         return;
     };
-    for (entity, view, msaa, settings, (lean, is_lean), has_fog, current) in &mut views {
+    for (entity, view, msaa, settings, (lean, active_lean), has_fog, current) in &mut views {
         let reason = (msaa.samples() > 1).then_some("its Msaa is not Off");
         (warnings.0).tell(view.retained_view_entity.main_entity, reason);
-        let is_for_lighting = is_lean && settings.is_for_lighting();
+        let is_for_lighting = active_lean.is_some() && settings.is_for_lighting();
+        // Whoever finds the light of surfaces finds what they hide too.
+        let is_found =
+            active_lean.is_some_and(|lean| lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE));
         let shows_channel = lean.is_some_and(LeanDeferred::shows_channel);
-        if reason.is_some() || (is_for_lighting && shows_channel) {
+        if reason.is_some() || is_found || (is_for_lighting && shows_channel) {
             if current.is_some() {
                 commands.entity(entity).remove::<ActiveOcclusion>();
             }

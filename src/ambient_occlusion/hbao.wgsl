@@ -2,74 +2,15 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::hbao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
-    depth_at, direction_to_viewer, is_in_view, largest_side, radius_at, view, view_position,
+    depth_at, depth_texture, direction_to_viewer, is_in_view, largest_side, radius_at, view, view_position,
 }
-#import bevy_lean_deferred::ambient_occlusion::horizon::{
-    PI, side_occlusion, slice_normal,
-}
-#import bevy_lean_deferred::reconstruction::normal::{normal_from_positions, straighter_side}
+#import bevy_lean_deferred::horizon::{PI, side_occlusion, slice_normal, tangents}
+#import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, geometric_normal}
 
 #ifdef SHADING_NORMALS
 #import bevy_lean_deferred::ambient_occlusion::bindings::normal_texture
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
 #endif
-
-/// Further from any surface than the other side of an axis can be, so that that is chosen.
-const OUTSIDE: f32 = 1e9;
-
-fn depth_or_outside(pixel: vec2<i32>, is_inside: bool) -> f32 {
-    if !is_inside && !is_in_view(pixel) {
-        return OUTSIDE;
-    }
-    let depth = depth_at(pixel);
-    // Nor is the sky a neighbour, though its depth of 0 may be the nearer one at a horizon.
-    return select(OUTSIDE, depth, depth > 0.0);
-}
-
-/// Depth of the neighbour's neighbour; the neighbour's where there is none, which leaves nearness alone to choose by.
-fn second_depth(pixel: vec2<i32>, first: f32, is_inside: bool) -> f32 {
-    let second = depth_or_outside(pixel, is_inside);
-    return select(second, first, second == OUTSIDE);
-}
-
-/// Depth of the neighbour on the chosen side. What stands before both sides, or has none, is a ridge or too thin to have
-/// a neighbour of its own surface: it faces the viewer.
-fn depth_on_side(center: f32, before: f32, after: f32, side: f32) -> f32 {
-    let faces_viewer = max(before, after) < center || min(before, after) == OUTSIDE;
-    return select(select(before, after, side > 0.0), center, faces_viewer);
-}
-
-/// The unit normal of the surface that depth shows, towards the viewer. Nine taps: see `straighter_side`.
-fn geometric_normal(
-    pixel: vec2<i32>,
-    depth: f32,
-    position: vec3<f32>,
-    to_viewer: vec3<f32>,
-    is_inside: bool,
-) -> vec3<f32> {
-    let x = vec2(1, 0);
-    let y = vec2(0, 1);
-    let left = depth_or_outside(pixel - x, is_inside);
-    let right = depth_or_outside(pixel + x, is_inside);
-    let top = depth_or_outside(pixel - y, is_inside);
-    let bottom = depth_or_outside(pixel + y, is_inside);
-    let h = straighter_side(
-        depth,
-        left, second_depth(pixel - 2 * x, left, is_inside),
-        right, second_depth(pixel + 2 * x, right, is_inside),
-    );
-    let v = straighter_side(
-        depth,
-        top, second_depth(pixel - 2 * y, top, is_inside),
-        bottom, second_depth(pixel + 2 * y, bottom, is_inside),
-    );
-    let n = normal_from_positions(
-        position,
-        view_position(pixel + i32(h) * x, depth_on_side(depth, left, right, h)), h,
-        view_position(pixel + i32(v) * y, depth_on_side(depth, top, bottom, v)), v,
-    );
-    return select(n, -n, dot(n, to_viewer) < 0.0);
-}
 
 // The presets are compiled for their numbers, so that loops unroll.
 #ifdef SLICES
@@ -139,14 +80,6 @@ fn horizon(march: March, base: f32) -> f32 {
     return highest;
 }
 
-/// Two unit vectors across `n`, which faces +Z at least a little, and across each other (Duff et al. 2017, "Building an
-/// Orthonormal Basis, Revisited").
-fn tangents(n: vec3<f32>) -> mat2x3<f32> {
-    let a = 1.0 / (1.0 + n.z);
-    let b = -n.x * n.y * a;
-    return mat2x3(vec3(1.0 - n.x * n.x * a, b, -n.x), vec3(b, 1.0 - n.y * n.y * a, -n.y));
-}
-
 /// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the 2×2 pattern: those of `phase` 0 to 3.
 fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
@@ -165,7 +98,10 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
     march.pixel = pixel;
     march.position = position;
     march.to_viewer = to_viewer;
-    march.geometric = geometric_normal(pixel, depth, position, to_viewer, is_inside);
+    let in_depth = DepthView(
+        view.view_from_pixel, vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size),
+    );
+    march.geometric = geometric_normal(depth_texture, in_depth, pixel, position, to_viewer, depth, is_inside);
     march.inverse_radius_squared = 1.0 / (radius.metres * radius.metres);
     march.is_inside = is_inside;
 

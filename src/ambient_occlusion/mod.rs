@@ -5,15 +5,12 @@
 //! - `active.rs`: whether and how a view gets it in this frame. `prepare.rs`: what the passes need of the view.
 //! - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
 //! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
-//! - `horizon.{wgsl,rs}`: the closed form, twice.
 //! - `hbao.wgsl`, `hdao.wgsl`: the kernels. `gather.wgsl`: their entry points.
 //! - `filter.wgsl`: the 3×3 filter, for `merge.wgsl` and the lighting pass.
 
 mod active;
 #[doc(hidden)]
 pub mod binding_numbers;
-#[doc(hidden)]
-pub mod horizon;
 mod key;
 mod pass;
 mod pipelines;
@@ -79,7 +76,6 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         }
         SharedPlugin::add_to(app);
         load_shader_library(app);
-        load_shader_library!(app, "horizon.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "hbao.wgsl");
         load_shader_library!(app, "hdao.wgsl");

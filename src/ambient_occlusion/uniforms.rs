@@ -11,7 +11,9 @@ use bevy::{
 use super::settings::LeanAmbientOcclusion;
 use crate::{
     gpu::tiles,
-    shader_library::reconstruction::position::{ProjectionKind, normalized, projection_of},
+    shader_library::reconstruction::position::{
+        ProjectionKind, pixels_per_metre, projection_of, view_from_pixel,
+    },
 };
 
 /// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
@@ -54,17 +56,7 @@ impl OcclusionView {
         clip_from_view: Mat4,
         viewport_size: UVec2,
     ) -> Self {
-        let size = viewport_size.as_vec2();
-        let ndc_from_pixel = Mat4::from_translation(Vec3::new(-1.0, 1.0, 0.0))
-            * Mat4::from_scale(Vec3::new(2.0 / size.x, -2.0 / size.y, 1.0));
-        let view_from_pixel = normalized(clip_from_view.inverse() * ndc_from_pixel);
-        // Of a homogeneous matrix: any multiple of it is the same projection.
-        let w = if clip_from_view.z_axis.w == 0.0 {
-            clip_from_view.w_axis.w
-        } else {
-            -clip_from_view.z_axis.w
-        };
-        let scale = Vec2::new(clip_from_view.x_axis.x, clip_from_view.y_axis.y) / w;
+        let view_from_pixel = view_from_pixel(clip_from_view, viewport_size);
         // So that its size in pixels is finite.
         let radius = up_to(LARGEST_METRES, settings.radius);
 
@@ -80,11 +72,11 @@ impl OcclusionView {
         Self {
             view_from_pixel,
             edge,
-            pixels_per_metre: scale * size / 2.0,
+            pixels_per_metre: pixels_per_metre(clip_from_view, viewport_size),
             viewport_size,
             texture_size: texture_size(settings, viewport_size),
             radius,
-            largest_radius_in_pixels: (LARGEST_RADIUS * size.y).max(1.0),
+            largest_radius_in_pixels: (LARGEST_RADIUS * viewport_size.y as f32).max(1.0),
             intensity: up_to(f32::MAX, settings.intensity),
             sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
             // So that 0 is a hard edge, but no division by it.

@@ -11,6 +11,8 @@ struct LightingUniform {
     /// Pixels of the render target.
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
+    /// The step in depth that separates surfaces a pixel apart is `edge.x * depth + edge.y`.
+    edge: vec2<f32>,
     /// 1 if pixels without geometry are to be set to `background`.
     writes_background: u32,
     row_stride: u32,

@@ -8,13 +8,14 @@ use bevy::{
         camera::ExtractedCamera,
         render_resource::{DynamicUniformBuffer, ShaderType, StorageBuffer},
         renderer::{RenderDevice, RenderQueue},
-        view::ViewTarget,
+        view::{ExtractedView, ViewTarget},
     },
 };
 
 use super::ViewLighting;
 use crate::{
     gpu::tiles::{self, RowOrder},
+    shader_library::reconstruction::position::edge_of,
     view::ActiveLeanView,
 };
 
@@ -25,6 +26,7 @@ pub struct LightingUniform {
     background: Vec4,
     viewport_origin: UVec2,
     viewport_size: UVec2,
+    edge: Vec2,
     writes_background: u32,
     row_stride: u32,
 }
@@ -47,7 +49,7 @@ pub(super) fn write_lighting_buffers(
     mut views: Query<
         (
             &mut ViewLighting,
-            &ExtractedCamera,
+            (&ExtractedCamera, &ExtractedView),
             &ViewTarget,
             Option<&MainPassResolutionOverride>,
             Option<&GpuAtmosphere>,
@@ -77,7 +79,7 @@ pub(super) fn write_lighting_buffers(
     else {
         return;
     };
-    for (mut lighting, camera, target, resolution_override, _) in &mut views {
+    for (mut lighting, (camera, view), target, resolution_override, _) in &mut views {
         // Not as the camera has it, which may lag behind a target that is resized or replaced.
         let texture = target.main_texture();
         let target_size = UVec2::new(texture.width(), texture.height());
@@ -91,6 +93,7 @@ pub(super) fn write_lighting_buffers(
             background: background(camera, &clear_color),
             viewport_origin: origin,
             viewport_size: size,
+            edge: edge_of(view.clip_from_view, size),
             writes_background: 0,
             row_stride: row_order.stride(tiles::count(size).y),
         };

@@ -1,12 +1,15 @@
-//! The texture of the light that surfaces reflect diffusely, for those that read it.
+//! The texture of the light that surfaces send out in all directions alike, for those that read it.
 
 use bevy::{
     image::ToExtents,
     prelude::*,
     render::{
-        render_resource::{TextureDescriptor, TextureDimension, TextureFormat, TextureUsages},
+        render_resource::{
+            TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
+            TextureViewDescriptor,
+        },
         renderer::RenderDevice,
-        texture::TextureCache,
+        texture::CachedTexture,
         view::ViewTarget,
     },
 };
@@ -17,35 +20,41 @@ use crate::view::{ActiveLeanView, DiffuseLight, LightExchange};
 pub(super) const DIFFUSE_LIGHT_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
 /// Gives each view whose lighting writes it its texture, and takes it from other lean views. With [`ActiveLeanView`] it
-/// goes too.
+/// goes too. It outlasts frames: the next one reads it before it is written again.
 pub(super) fn prepare_diffuse_light(
     mut commands: Commands,
-    mut texture_cache: ResMut<TextureCache>,
     device: Res<RenderDevice>,
-    views: Query<(Entity, &ViewTarget, &ActiveLeanView, Has<DiffuseLight>)>,
+    views: Query<(Entity, &ViewTarget, &ActiveLeanView, Option<&DiffuseLight>)>,
 ) {
-    for (entity, target, active, has_texture) in &views {
-        if active.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
-            // The cache counts textures as used in the frames in which they are asked for.
-            let target = target.main_texture();
-            let texture = texture_cache.get(
-                &device,
-                TextureDescriptor {
-                    label: Some("lean_deferred/lighting/diffuse"),
-                    size: UVec2::new(target.width(), target.height()).to_extents(),
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: TextureDimension::D2,
-                    format: DIFFUSE_LIGHT_FORMAT,
-                    usage: TextureUsages::STORAGE_BINDING
-                        | TextureUsages::TEXTURE_BINDING
-                        | TextureUsages::COPY_SRC,
-                    view_formats: &[],
-                },
-            );
-            commands.entity(entity).insert(DiffuseLight(texture));
-        } else if has_texture {
-            commands.entity(entity).remove::<DiffuseLight>();
+    for (entity, target, active, current) in &views {
+        if !active.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
+            if current.is_some() {
+                commands.entity(entity).remove::<DiffuseLight>();
+            }
+            continue;
         }
+        let target = target.main_texture();
+        let size = UVec2::new(target.width(), target.height()).to_extents();
+        if current.is_some_and(|current| current.0.texture.size() == size) {
+            continue;
+        }
+        let texture = device.create_texture(&TextureDescriptor {
+            label: Some("lean_deferred/lighting/diffuse"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: DIFFUSE_LIGHT_FORMAT,
+            usage: TextureUsages::STORAGE_BINDING
+                | TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let default_view = texture.create_view(&TextureViewDescriptor::default());
+        let texture = CachedTexture {
+            texture,
+            default_view,
+        };
+        commands.entity(entity).insert(DiffuseLight(texture));
     }
 }

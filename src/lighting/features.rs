@@ -234,6 +234,8 @@ impl SceneFeatures<'_, '_> {
             depth_tells_geometry: order.depth_tells_geometry,
             occlusion: occlusion
                 .filter(|_| self.occlusion_pipelines.is_some() && shows_light)
+                // Who finds what shines on surfaces finds what is hidden by it too.
+                .filter(|_| !order.exchange.contains(LightExchange::INDIRECT_DIFFUSE))
                 .and_then(OcclusionKey::new),
             exchange: order.exchange,
             light_layers: order.has_light_layers && shows_light,

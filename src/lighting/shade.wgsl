@@ -76,7 +76,7 @@ struct Shaded {
     /// Exposed.
     color: vec4<f32>,
 #ifdef DIFFUSE_LIGHT
-    /// What of it is diffuse light, but for fog.
+    /// What of it is sent out in all directions alike, but for fog.
     diffuse: vec3<f32>,
 #endif
 }
@@ -128,9 +128,9 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         let has_light = true;
 #endif
         if !has_light {
-            shaded.color = emitted(pbr.material.base_color.rgb);
+            emit(&shaded, pbr.material.base_color.rgb);
         } else {
-            let found = found_light(pixel.position, pbr.diffuse_occlusion);
+            let found = found_light(pixel, pbr.diffuse_occlusion);
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
             apply_ssao(&pbr, pixel.position);
 #endif
@@ -148,7 +148,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
             point = shading_point(pbr, pixel, view_z);
             // What needs more of the surface than lights do comes first: less is carried through their loops.
             var lit: Lit;
-            shaded.color = emitted(emission(pbr, pixel));
+            emit(&shaded, emission(pbr, pixel));
             add_indirect_light(&point, pbr, cluster, found, &lit);
             show(&shaded, lit, 1.0);
 #ifdef AREA_LIGHT_LUTS
@@ -174,12 +174,15 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     return shaded;
 }
 
-/// An opaque pixel that shows `light` so far, and nothing where only some of the light is shown.
-fn emitted(light: vec3<f32>) -> vec4<f32> {
+/// Starts with an opaque pixel that sends out `light`; and shows nothing where only some of the light is shown.
+fn emit(shaded: ptr<function, Shaded>, light: vec3<f32>) {
+#ifdef DIFFUSE_LIGHT
+    (*shaded).diffuse = light;
+#endif
 #ifdef SHOWS_PART_OF_LIGHT
-    return vec4(0.0, 0.0, 0.0, 1.0);
+    (*shaded).color = vec4(0.0, 0.0, 0.0, 1.0);
 #else
-    return vec4(light, 1.0);
+    (*shaded).color = vec4(light, 1.0);
 #endif
 }
 

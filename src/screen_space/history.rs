@@ -4,8 +4,6 @@
 //! An effect inserts [`ReadsHistory`] on its views, and finds [`ViewHistory`] there. It is valid while each frame follows the
 //! one before: not after a cut, a pause, a change of size or format, or of the kind of projection.
 
-use core::sync::atomic::{AtomicU64, Ordering};
-
 use bevy::{
     camera::MainPassResolutionOverride,
     core_pipeline::{
@@ -14,7 +12,8 @@ use bevy::{
     },
     prelude::*,
     render::{
-        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        Render, RenderApp, RenderStartup, RenderSystems,
+        camera::ExtractedCamera,
         render_resource::{
             Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
             TextureView, TextureViewDescriptor,
@@ -24,9 +23,9 @@ use bevy::{
     },
 };
 
+use super::succession::{FrameNumber, LastFrame, Succession, SuccessionPlugin};
 use crate::{
     gpu::timed::timed,
-    shader_library::reconstruction::position::projection_of,
     view::{CameraCuts, depth_usage::extend_depth_usage, removal},
 };
 
@@ -35,41 +34,18 @@ use crate::{
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ReadsHistory;
 
-/// What the last frame was seen with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LastFrame {
-    /// With the jitter that it had.
-    pub clip_from_view: Mat4,
-    /// Where the camera was.
-    pub world_from_view: Mat4,
-    /// The part of the target that was drawn: its corner and size in pixels.
-    pub viewport: URect,
-}
-
-impl LastFrame {
-    /// Whether `other` shows as much in the same way.
-    fn is_like(&self, other: &Self) -> bool {
-        self.viewport == other.viewport
-            && projection_of(self.clip_from_view) == projection_of(other.clip_from_view)
-    }
-}
-
 /// On a view of the render world with [`ReadsHistory`]: its last frame. Both textures are as large as the view's target.
 #[derive(Component)]
 pub struct ViewHistory {
     color: Kept,
     depth: Kept,
-    last: Option<LastFrame>,
-    current: LastFrame,
-    cuts: u32,
-    /// The frame that the textures hold, by [`FrameNumber`].
-    held: AtomicU64,
+    frames: Succession,
 }
 
 impl ViewHistory {
     /// What the last frame was seen with; `None` if what the textures hold says nothing of this frame.
     pub fn last(&self) -> Option<&LastFrame> {
-        self.last.as_ref()
+        self.frames.last()
     }
 
     /// The lit picture, linear, exposed as the last frame was, in the format of the view's main texture.
@@ -121,21 +97,17 @@ fn form(texture: &Texture) -> (Extent3d, TextureFormat) {
     (texture.size(), texture.format())
 }
 
-/// Counts frames.
-#[derive(Resource, Default)]
-struct FrameNumber(u64);
-
 /// Keeps the last frame of views that somebody reads.
 pub(crate) struct HistoryPlugin;
 
 impl Plugin for HistoryPlugin {
     fn build(&self, app: &mut App) {
+        SuccessionPlugin::add_to(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
         removal::remove_with::<ReadsHistory, ViewHistory>(render_app);
         render_app
-            .init_gpu_resource::<FrameNumber>()
             .add_systems(RenderStartup, forget_histories)
             .add_systems(
                 Render,
@@ -166,11 +138,11 @@ fn forget_histories(mut commands: Commands, views: Query<Entity, With<ViewHistor
 fn prepare_histories(
     mut commands: Commands,
     device: Res<RenderDevice>,
-    mut number: ResMut<FrameNumber>,
+    number: Res<FrameNumber>,
     mut views: Query<
         (
             Entity,
-            &ExtractedView,
+            (&ExtractedView, &ExtractedCamera),
             &ViewTarget,
             &ViewDepthTexture,
             Option<&MainPassResolutionOverride>,
@@ -180,9 +152,7 @@ fn prepare_histories(
         With<ReadsHistory>,
     >,
 ) {
-    let former = number.0;
-    number.0 += 1;
-    for (entity, view, target, depth, resolution, cuts, history) in &mut views {
+    for (entity, (view, camera), target, depth, resolution, cuts, history) in &mut views {
         let (color, depth) = (target.main_texture(), &depth.texture);
         // Depth cannot be resolved.
         let can_be_kept = color.usage().contains(TextureUsages::COPY_SRC)
@@ -192,31 +162,16 @@ fn prepare_histories(
             commands.entity(entity).remove::<ViewHistory>();
             continue;
         }
-        let viewport = view.viewport;
-        let size = resolution.map_or(viewport.zw(), |resolution| resolution.0);
-        let current = LastFrame {
-            clip_from_view: view.clip_from_view,
-            world_from_view: view.world_from_view.to_matrix(),
-            viewport: URect::from_corners(viewport.xy(), viewport.xy() + size),
-        };
-        let cuts = cuts.copied().unwrap_or_default().0;
+        let current = LastFrame::of(view, resolution, camera.exposure);
         match history {
             Some(mut history) if history.color.is_like(color) && history.depth.is_like(depth) => {
-                let follows = *history.held.get_mut() == former
-                    && history.cuts == cuts
-                    && history.current.is_like(&current);
-                history.last = follows.then_some(history.current);
-                history.current = current;
-                history.cuts = cuts;
+                history.frames.advance(current, cuts, &number);
             }
             _ => {
                 commands.entity(entity).insert(ViewHistory {
                     color: Kept::like(&device, "lean_deferred/screen_space/color", color),
                     depth: Kept::like(&device, "lean_deferred/screen_space/depth", depth),
-                    last: None,
-                    current,
-                    cuts,
-                    held: AtomicU64::new(0),
+                    frames: Succession::new(current, cuts),
                 });
             }
         }
@@ -246,5 +201,5 @@ fn keep_frame(
             );
         }
     });
-    history.held.store(number.0, Ordering::Relaxed);
+    history.frames.hold(&number);
 }

@@ -2,8 +2,10 @@
 //!
 //! - `layout.{rs,wgsl}`, `layout/`: the words of the G-buffer.
 //! - `reconstruction/`: from depth back to positions, normals and motion.
+//! - `horizon.{rs,wgsl}`: what a pair of horizons hides.
 //! - `tiles.wgsl`: the 8×8 tiles of compute passes; the Rust side is `gpu/tiles.rs`.
 
+pub mod horizon;
 pub mod layout;
 pub mod reconstruction;
 
@@ -12,6 +14,7 @@ use bevy::{prelude::*, shader::load_shader_library};
 /// Bevy wants all modules that a shader imports, also where `#ifdef` leaves them out.
 pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "tiles.wgsl");
+    load_shader_library!(app, "horizon.wgsl");
     load_shader_library!(app, "layout.wgsl");
     load_shader_library!(app, "layout/light.wgsl");
     load_shader_library!(app, "layout/motion.wgsl");
@@ -19,4 +22,5 @@ pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "reconstruction/position.wgsl");
     load_shader_library!(app, "reconstruction/normal.wgsl");
     load_shader_library!(app, "reconstruction/motion.wgsl");
+    load_shader_library!(app, "reconstruction/normal_from_depth.wgsl");
 }

@@ -30,18 +30,19 @@ bitflags! {
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ReadsDiffuseLight;
 
-/// On a view with [`ReadsDiffuseLight`], for as long as it is lean: what of the picture is light that surfaces reflect
-/// diffusely or transmit, without what they emit. The picture has it too.
+/// On a view with [`ReadsDiffuseLight`], for as long as it is lean: what of the picture is light that surfaces send out in all
+/// directions alike, because they reflect it diffusely, transmit or emit it. The picture has it too.
 ///
 /// `R32Uint`, as large as the view's target, each word with a shared exponent (`layout/light.wgsl`: off by at most 1/511 of
-/// the brightest channel). Exposed, before fog; 0 where no lean mesh is.
+/// the brightest channel). Exposed, before fog; 0 where no lean mesh is. Until lighting writes it, it holds what the last
+/// frame has sent out, or zeros.
 #[derive(Component, Clone)]
 pub struct DiffuseLight(pub CachedTexture);
 
 /// An effect finds what surfaces of this view mirror. Lighting mixes it with the environment maps, reflection probes and
 /// ambient light that it finds itself, with the same Fresnel and roughness terms.
 ///
-/// In the texture, of a format with floats and as large as the view's target: radiance from about the mirrored direction, as
+/// In the texture, of a format with floats and as large as the viewport: radiance from about the mirrored direction, as
 /// rough as the surface is (its coat, if it has one), exposed as this frame is; and, in alpha, the confidence, 0 to 1, with
 /// which it takes the place of the others. What is there was seen, so that ambient occlusion does not darken it. Without a
 /// texture nothing is found.
@@ -51,9 +52,11 @@ pub struct IndirectSpecular(pub Option<TextureView>);
 /// An effect finds light that falls onto surfaces of this view from others. Lighting adds it to the irradiance volumes,
 /// environment maps and ambient light that it finds itself, but on lightmapped surfaces, whose lightmap has it.
 ///
-/// In the texture, of a format with floats and as large as the view's target: irradiance over π (the mean radiance), exposed
-/// as this frame is; and, in alpha, what part of the light from everywhere else is hidden, 0 to 1: applied as ambient
-/// occlusion is. Without a texture nothing is found or hidden.
+/// In the texture, of a format with floats and as large as the viewport: irradiance over π (the mean radiance), exposed
+/// as this frame is; and, in alpha, what part of the light from everywhere else is hidden, 0 to 1: applied in the place of
+/// ambient occlusion. Without a texture nothing is found or hidden. It may also be half as large each way, rounded up: then
+/// each texel is about the middle of the 2×2 pixels that it stands for, and lighting scales up along the edges that depth
+/// shows.
 #[derive(Component, Clone, Debug, Default)]
 pub struct IndirectDiffuse(pub Option<TextureView>);
 

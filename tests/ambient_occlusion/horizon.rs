@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use bevy::math::{DVec3, Vec3};
-use bevy_lean_deferred::ambient_occlusion::horizon::{
+use bevy_lean_deferred::shader_library::horizon::{
     SliceNormal, arc, fast_acos, side_occlusion, slice_normal,
 };
 
@@ -13,18 +13,18 @@ use kit::{
 };
 
 const MODULE: WgslModule = WgslModule {
-    path: "src/ambient_occlusion/horizon.wgsl",
-    source: include_str!("../../src/ambient_occlusion/horizon.wgsl"),
+    path: "src/shader_library/horizon.wgsl",
+    source: include_str!("../../src/shader_library/horizon.wgsl"),
 };
 
 const FAST_ACOS: &str = "
-#import bevy_lean_deferred::ambient_occlusion::horizon::fast_acos
+#import bevy_lean_deferred::horizon::fast_acos
 fn kernel(bits: array<u32, 1>) -> array<u32, 1> {
     return array(bitcast<u32>(fast_acos(bitcast<f32>(bits[0]))));
 }";
 
 const SLICE_NORMAL: &str = "
-#import bevy_lean_deferred::ambient_occlusion::horizon::slice_normal
+#import bevy_lean_deferred::horizon::slice_normal
 fn kernel(bits: array<u32, 9>) -> array<u32, 3> {
     let s = slice_normal(
         bitcast<vec3<f32>>(vec3(bits[0], bits[1], bits[2])),
@@ -36,7 +36,7 @@ fn kernel(bits: array<u32, 9>) -> array<u32, 3> {
 
 /// `arc` to the horizon, and `side_occlusion` between it and the surface.
 const SIDE: &str = "
-#import bevy_lean_deferred::ambient_occlusion::horizon::{SliceNormal, arc, side_occlusion}
+#import bevy_lean_deferred::horizon::{SliceNormal, arc, side_occlusion}
 fn kernel(bits: array<u32, 6>) -> array<u32, 2> {
     let normal = SliceNormal(bitcast<f32>(bits[0]), bitcast<f32>(bits[1]), bitcast<f32>(bits[2]));
     let c = bitcast<f32>(bits[4]);

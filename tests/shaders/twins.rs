@@ -13,6 +13,7 @@ use bevy_lean_deferred::{
     auto_exposure::{self, ExposureState, ExposureView},
     gbuffer,
     lighting::{LightLayersTable, LightingUniform, binding_numbers as lighting_numbers},
+    screen_space::diffuse_gi::{self, GiView},
     shading_extension::ExtensionUniform,
 };
 use naga::{Module, TypeInner};
@@ -88,6 +89,13 @@ fn structs_are_laid_out_alike() {
     let adapt = shader!("auto_exposure/adapt.wgsl",);
     check_struct::<ExposureView, _>(&adapt, "ExposureView");
     check_struct::<ExposureState, _>(&adapt, "ExposureState");
+    let gather = shader!(
+        "screen_space/diffuse_gi/gather.wgsl",
+        "DIVISOR=2",
+        "SLICES=1",
+        "STEPS=1"
+    );
+    check_struct::<GiView, _>(&gather, "GiView");
     let extension = shader!("shading_extension/extension.wgsl", "MATERIAL_BIND_GROUP=3");
     check_struct::<ExtensionUniform, _>(&extension, "Extension");
 }
@@ -245,6 +253,19 @@ fn bindings_have_the_numbers_of_their_names() {
     ];
     let numbers = auto_exposure::binding_numbers::ALL;
     check_numbers(numbers, &bindings(&exposure, 0), "auto exposure");
+
+    let gi = [
+        shader!("screen_space/diffuse_gi/levels.wgsl", "DIVISOR=2", "MOTION"),
+        shader!(
+            "screen_space/diffuse_gi/gather.wgsl",
+            "DIVISOR=1",
+            "SLICES=1",
+            "STEPS=1"
+        ),
+        shader!("screen_space/diffuse_gi/filter.wgsl", "DIVISOR=1"),
+    ];
+    let numbers = diffuse_gi::binding_numbers::ALL;
+    check_numbers(numbers, &bindings(&gi, 0), "diffuse GI");
 
     let resolve = [
         shader!("gbuffer/resolve_motion.wgsl", "GBUFFER_MOTION"),

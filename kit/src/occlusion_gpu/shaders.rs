@@ -14,7 +14,7 @@ use naga_oil::compose::{
 use super::OcclusionGpu;
 
 /// The modules that `gather.wgsl` and `merge.wgsl` import, in the order of their own imports.
-const MODULES: [(&str, &str); 10] = [
+const MODULES: [(&str, &str); 11] = [
     (
         "layout.wgsl",
         include_str!("../../../src/shader_library/layout.wgsl"),
@@ -37,7 +37,11 @@ const MODULES: [(&str, &str); 10] = [
     ),
     (
         "horizon.wgsl",
-        include_str!("../../../src/ambient_occlusion/horizon.wgsl"),
+        include_str!("../../../src/shader_library/horizon.wgsl"),
+    ),
+    (
+        "normal_from_depth.wgsl",
+        include_str!("../../../src/shader_library/reconstruction/normal_from_depth.wgsl"),
     ),
     (
         "bindings.wgsl",

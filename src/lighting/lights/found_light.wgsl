@@ -2,6 +2,8 @@
 #define_import_path bevy_lean_deferred::lighting::lights::found_light
 
 #import bevy_lean_deferred::gbuffer::layout::is_nan
+#import bevy_lean_deferred::lighting::bindings::uniforms
+#import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_pbr::mesh_view_bindings::view
 
 #ifdef INDIRECT_SPECULAR
@@ -10,6 +12,7 @@
 
 #ifdef INDIRECT_DIFFUSE
 #import bevy_lean_deferred::lighting::bindings::indirect_diffuse_texture
+#import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
 
 const LARGEST_HALF: f32 = 65504.0;
@@ -28,19 +31,20 @@ struct FoundLight {
     material_visibility: vec3<f32>,
 }
 
-fn found_light(pixel: vec2<i32>, material_visibility: vec3<f32>) -> FoundLight {
+fn found_light(pixel: Pixel, material_visibility: vec3<f32>) -> FoundLight {
     var found: FoundLight;
     found.visibility = 1.0;
     found.material_visibility = material_visibility;
+#ifdef INDIRECT_LIGHT
+    let place = pixel.position - vec2<i32>(uniforms.viewport_origin);
+#endif
 #ifdef INDIRECT_SPECULAR
-    let specular_size = textureDimensions(indirect_specular_texture);
-    let specular = finite(textureLoad(indirect_specular_texture, inside(pixel, specular_size), 0));
+    let specular = finite(textureLoad(indirect_specular_texture, inside(place, indirect_specular_texture), 0));
     found.radiance = specular.rgb / view.exposure;
     found.confidence = saturate(specular.a);
 #endif
 #ifdef INDIRECT_DIFFUSE
-    let diffuse_size = textureDimensions(indirect_diffuse_texture);
-    let diffuse = finite(textureLoad(indirect_diffuse_texture, inside(pixel, diffuse_size), 0));
+    let diffuse = indirect_diffuse(place, pixel.depth);
     found.irradiance = diffuse.rgb / view.exposure;
     found.visibility = 1.0 - saturate(diffuse.a);
 #endif
@@ -48,8 +52,8 @@ fn found_light(pixel: vec2<i32>, material_visibility: vec3<f32>) -> FoundLight {
 }
 
 /// The pixel itself, but where the texture is one of a single texel, or of another frame.
-fn inside(pixel: vec2<i32>, size: vec2<u32>) -> vec2<i32> {
-    return min(pixel, vec2<i32>(size) - 1);
+fn inside(place: vec2<i32>, texture: texture_2d<f32>) -> vec2<i32> {
+    return clamp(place, vec2(0), vec2<i32>(textureDimensions(texture)) - 1);
 }
 
 /// `texel` with finite light; 0 where it has a NaN.
@@ -57,3 +61,55 @@ fn finite(texel: vec4<f32>) -> vec4<f32> {
     let number = select(texel, vec4(0.0), is_nan(texel.r + texel.g + texel.b + texel.a));
     return clamp(number, vec4(0.0), vec4(LARGEST_HALF));
 }
+
+#ifdef INDIRECT_DIFFUSE
+fn indirect_diffuse(place: vec2<i32>, depth: f32) -> vec4<f32> {
+    let size = textureDimensions(indirect_diffuse_texture);
+    if all(size >= uniforms.viewport_size) || any(size != (uniforms.viewport_size + 1u) / 2u) {
+        return finite(textureLoad(indirect_diffuse_texture, inside(place, indirect_diffuse_texture), 0));
+    }
+    return scaled_up(place, depth);
+}
+
+/// Depth at a pixel of the viewport, or at the nearest one.
+fn depth_in_view(place: vec2<i32>) -> f32 {
+    let nearest = clamp(place, vec2(0), vec2<i32>(uniforms.viewport_size) - 1);
+    return textureLoad(depth_texture, vec2<i32>(uniforms.viewport_origin) + nearest, 0);
+}
+
+/// The slope on the flatter side.
+fn flatter(before: f32, center: f32, after: f32) -> f32 {
+    let a = center - before;
+    let b = after - center;
+    return select(select(b, a, abs(a) < abs(b)), 0.0, a > 0.0 && b < 0.0);
+}
+
+/// Between the four texels around the pixel, but those that show another surface: the depth that a texel has is that of
+/// the first of its pixels.
+fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
+    let slope = vec2(
+        flatter(depth_in_view(place - vec2(1, 0)), depth, depth_in_view(place + vec2(1, 0))),
+        flatter(depth_in_view(place - vec2(0, 1)), depth, depth_in_view(place + vec2(0, 1))),
+    );
+    let inverse_step = 1.0 / max(2.0 * (uniforms.edge.x * depth + uniforms.edge.y), 1e-30);
+    // Texels are about the middle of their pixels: between the second and the first of the next.
+    let first = (place + 1) / 2 - 1;
+    let is_near = (place & vec2(1)) == vec2(0);
+    var sum = vec4(0.0);
+    var weights = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let corner = vec2(i & 1, i >> 1u);
+        let texel = first + corner;
+        let near = select(vec2(0.25), vec2(0.75), (corner == vec2(1)) == is_near);
+        let pixel = 2 * texel;
+        let expected = depth + dot(slope, vec2<f32>(pixel - place));
+        let other = depth_in_view(pixel);
+        let alike = saturate(2.0 - abs(other - expected) * inverse_step);
+        // Something counts, whatever it shows.
+        let weight = near.x * near.y * select(alike, 0.0, other == 0.0) + 1e-4;
+        sum += weight * finite(textureLoad(indirect_diffuse_texture, inside(texel, indirect_diffuse_texture), 0));
+        weights += weight;
+    }
+    return sum / weights;
+}
+#endif

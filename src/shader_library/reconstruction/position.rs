@@ -1,6 +1,6 @@
 //! From depth to positions: twin of `position.wgsl`, under the same names, and which projections have a cheaper form.
 
-use bevy::math::{Mat4, Vec2, Vec3, Vec3Swizzles, Vec4, Vec4Swizzles};
+use bevy::math::{Mat4, UVec2, Vec2, Vec3, Vec3Swizzles, Vec4, Vec4Swizzles};
 
 /// Keeps positions finite for geometry so far away that its reversed depth is 0.
 pub const SMALLEST_DEPTH: f32 = 1e-14;
@@ -78,5 +78,42 @@ pub fn normalized(view_from: Mat4) -> Mat4 {
         view_from * (1.0 / w.z.abs())
     } else {
         view_from
+    }
+}
+
+/// From pixels of a viewport of this size and depth to view space, homogeneous and [`normalized`].
+pub fn view_from_pixel(clip_from_view: Mat4, viewport_size: UVec2) -> Mat4 {
+    let size = viewport_size.as_vec2();
+    let ndc_from_pixel = Mat4::from_translation(Vec3::new(-1.0, 1.0, 0.0))
+        * Mat4::from_scale(Vec3::new(2.0 / size.x, -2.0 / size.y, 1.0));
+    normalized(clip_from_view.inverse() * ndc_from_pixel)
+}
+
+/// Pixels that a metre takes at a distance of one metre; in orthographic views anywhere. Negative along axes that the
+/// projection mirrors.
+pub fn pixels_per_metre(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {
+    // Of a homogeneous matrix: any multiple of it is the same projection.
+    let w = if clip_from_view.z_axis.w == 0.0 {
+        clip_from_view.w_axis.w
+    } else {
+        -clip_from_view.z_axis.w
+    };
+    let scale = Vec2::new(clip_from_view.x_axis.x, clip_from_view.y_axis.y) / w;
+    scale * viewport_size.as_vec2() / 2.0
+}
+
+/// How steep a surface may be, in pixels of depth for each pixel across: 83 degrees away from facing the viewer.
+const STEEPEST: f32 = 8.0;
+
+/// x and y so that `x * depth + y` is the step in depth that separates surfaces a pixel apart: a steeper one than
+/// [`STEEPEST`].
+pub fn edge_of(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {
+    let step = STEEPEST / pixels_per_metre(clip_from_view, viewport_size).y.abs();
+    if projection_of(clip_from_view) == ProjectionKind::Orthographic {
+        Vec2::new(0.0, step * clip_from_view.z_axis.z.abs())
+    } else {
+        // Depth less this constant is inverse to the distance, and a pixel is as many metres as the distance is long.
+        let constant = -clip_from_view.z_axis.z;
+        Vec2::new(step, -step * constant)
     }
 }

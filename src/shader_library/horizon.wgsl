@@ -1,5 +1,5 @@
 // What a pair of horizons hides of the hemisphere, weighted by the cosine. Without bindings; twin of `horizon.rs`.
-#define_import_path bevy_lean_deferred::ambient_occlusion::horizon
+#define_import_path bevy_lean_deferred::horizon
 
 const HALF_PI: f32 = 1.57079633;
 const PI: f32 = 3.14159265;
@@ -48,4 +48,12 @@ fn side_occlusion(normal: SliceNormal, base: f32, c: f32, side: f32) -> f32 {
         return 0.0;
     }
     return normal.length * max(arc(normal, lowest, side) - arc(normal, c, side), 0.0);
+}
+
+/// Two unit vectors across `n`, which faces +Z at least a little, and across each other (Duff et al. 2017, "Building an
+/// Orthonormal Basis, Revisited").
+fn tangents(n: vec3<f32>) -> mat2x3<f32> {
+    let a = 1.0 / (1.0 + n.z);
+    let b = -n.x * n.y * a;
+    return mat2x3(vec3(1.0 - n.x * n.x * a, b, -n.x), vec3(b, 1.0 - n.y * n.y * a, -n.y));
 }

@@ -1,0 +1,80 @@
+//! GPU time, bytes and error of effects that find light on the screen.
+//!
+//! `cargo bench --profile dev --bench screen_space -- --help`
+//!
+//! Times are of the boxes of `frame_times`; errors of scenes whose light is known in closed form. Both stand in one table.
+
+mod contender;
+mod report;
+mod run;
+
+use argh::FromArgs;
+use bevy::math::UVec2;
+use contender::Contender;
+use kit::{figures::write_json, size::parse_size};
+
+/// GPU time, bytes and error of effects that find light on the screen.
+#[derive(FromArgs)]
+struct Args {
+    /// only contenders whose name contains one of these, which semicolons separate, beside the one without effects
+    #[argh(option, default = "String::new()")]
+    contender: String,
+
+    /// sizes of the picture, comma-separated, default 1920x1080,3840x2160
+    #[argh(option, default = "String::from(\"1920x1080,3840x2160\")")]
+    size: String,
+
+    /// frames that are measured, default 40
+    #[argh(option, default = "40")]
+    frames: usize,
+
+    /// frames before measuring starts, default 15
+    #[argh(option, default = "15")]
+    warm_up: usize,
+
+    /// write the figures to this file
+    #[argh(option)]
+    json: Option<String>,
+
+    /// write each picture of the boxes into this folder
+    #[argh(option)]
+    pictures: Option<String>,
+
+    /// time a scene of few meshes, for software renderers
+    #[argh(switch)]
+    small: bool,
+
+    /// do not measure errors
+    #[argh(switch)]
+    no_errors: bool,
+
+    /// given by cargo
+    #[argh(switch)]
+    #[expect(dead_code, reason = "cargo bench passes it")]
+    bench: bool,
+}
+
+fn main() {
+    let args: Args = argh::from_env();
+    let sizes: Result<Vec<UVec2>, String> = args.size.split(',').map(parse_size).collect();
+    let sizes = sizes.unwrap_or_else(|error| {
+        eprintln!("--size {}: {error}", args.size);
+        std::process::exit(1);
+    });
+    let words: Vec<&str> = args.contender.split(';').collect();
+    let contenders = Contender::all()
+        .into_iter()
+        .filter(|c| c.is_plain() || words.iter().any(|word| c.name().contains(word)));
+    let mut measurements = Vec::new();
+    for contender in contenders {
+        let errors = (!args.no_errors).then(|| run::errors(contender)).flatten();
+        for size in sizes.iter().copied() {
+            eprintln!("{}×{}: {}", size.x, size.y, contender.name());
+            measurements.push(run::measure(contender, size, &args, errors));
+        }
+    }
+    println!("{}", report::markdown(&measurements, args.frames));
+    if let Some(path) = args.json {
+        write_json(&path, &measurements);
+    }
+}

@@ -1,0 +1,204 @@
+//! Scenes whose light is known, what a camera shows of them, and how far that is off.
+
+use bevy::{camera::Exposure, light::AmbientLight, prelude::*};
+use bevy_lean_deferred::prelude::*;
+
+use crate::{
+    hdr::{Light, light},
+    headless::Headless,
+    lean::build,
+    scenes::SceneBuilder,
+};
+
+/// After so many frames all bounces of light are there, but for less than a thousandth.
+pub const CONVERGED: usize = 24;
+
+/// Albedo and emission that surfaces have; they reflect nothing like a mirror.
+pub fn surface(albedo: f32, glow: f32) -> StandardMaterial {
+    StandardMaterial {
+        base_color: Color::linear_rgb(albedo, albedo, albedo),
+        emissive: LinearRgba::rgb(glow, glow, glow),
+        reflectance: 0.0,
+        perceptual_roughness: 1.0,
+        ..default()
+    }
+}
+
+/// A camera in a sky that shows `sky` everywhere, exposed.
+pub fn camera(s: &mut SceneBuilder, transform: Transform, sky: f32, extra: impl Bundle) -> Entity {
+    let dark = AmbientLight {
+        brightness: 0.0,
+        ..default()
+    };
+    let camera = s.camera(transform, (LeanDeferred::default(), dark, extra));
+    if sky > 0.0 {
+        let mut images = s.world().resource_mut::<Assets<Image>>();
+        let mut light = EnvironmentMapLight::solid_color(&mut images, Color::WHITE);
+        light.intensity = sky / Exposure::default().exposure();
+        s.world().entity_mut(camera).insert(light);
+    }
+    camera
+}
+
+/// A picture of light, and where its pixels look.
+pub struct Seen {
+    pub light: Light,
+    rays: Vec<Ray3d>,
+}
+
+impl Seen {
+    /// The brightness of each pixel that shows the plane through `point`, and where on it.
+    pub fn on_plane(&self, point: Vec3, normal: Vec3) -> impl Iterator<Item = (UVec2, Vec3, f32)> {
+        let width = self.light.size.x;
+        (0..).zip(&self.rays).filter_map(move |(i, ray)| {
+            let plane = InfinitePlane3d::new(normal);
+            let distance = ray.intersect_plane(point, plane)?;
+            let pixel = UVec2::new(i % width, i / width);
+            Some((pixel, ray.get_point(distance), self.at(pixel)))
+        })
+    }
+
+    pub fn at(&self, pixel: UVec2) -> f32 {
+        self.light.texels[(pixel.y * self.light.size.x + pixel.x) as usize][1]
+    }
+}
+
+/// What the one camera shows after so many frames.
+pub fn see(headless: &mut Headless, frames: usize) -> Seen {
+    headless.settle();
+    headless.frames(frames);
+    let light = light(headless);
+    let world = headless.world();
+    let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
+    let (camera, transform) = cameras.single(world).expect("one camera");
+    let rays = (0..light.size.element_product())
+        .map(|i| {
+            let pixel = UVec2::new(i % light.size.x, i / light.size.x);
+            let center = pixel.as_vec2() + 0.5;
+            camera
+                .viewport_to_world(transform, center)
+                .expect("the camera has a viewport")
+        })
+        .collect();
+    Seen { light, rays }
+}
+
+/// Builds a scene, and shows it after so many frames.
+pub fn show(size: UVec2, frames: usize, scene: impl FnOnce(&mut SceneBuilder)) -> (Headless, Seen) {
+    let mut headless = build(size, scene);
+    let seen = see(&mut headless, frames);
+    (headless, seen)
+}
+
+/// Root of the mean square, and mean, of differences.
+pub fn errors(differences: impl IntoIterator<Item = f32>) -> (f32, f32) {
+    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0);
+    for difference in differences {
+        sum += f64::from(difference);
+        squares += f64::from(difference) * f64::from(difference);
+        count += 1;
+    }
+    let count = f64::from(count.max(1));
+    ((squares / count).sqrt() as f32, (sum / count) as f32)
+}
+
+/// What effects find, over what is true, less 1; or less that, where it is a share of the light of a source.
+#[derive(Clone, Copy, Debug)]
+pub struct Errors {
+    pub rmse: f32,
+    pub bias: f32,
+}
+
+impl Errors {
+    fn of(differences: impl IntoIterator<Item = f32>) -> Self {
+        let (rmse, bias) = errors(differences);
+        Self { rmse, bias }
+    }
+}
+
+/// Two faces of this albedo that meet at the bottom, 90° apart, under a sky of 1, seen from above. Relative errors near the
+/// bottom, beside how far the faces are in the picture: with all bounces ρL(1 − F) / (1 − ρF), where F = ½.
+pub fn groove(size: UVec2, albedo: f32, effect: impl Bundle) -> Errors {
+    let (_, seen) = show(size, CONVERGED, |s| {
+        let face = Plane3d::default().mesh().size(40.0, 20.0);
+        for side in [-1.0_f32, 1.0] {
+            let turned = Quat::from_rotation_x(side * core::f32::consts::FRAC_PI_4);
+            let transform = Transform::from_rotation(turned)
+                .with_translation(turned * Vec3::new(0.0, 0.0, -10.0 * side));
+            s.mesh(face, surface(albedo, 0.0), transform);
+        }
+        let above = Transform::from_xyz(0.0, 8.0, 0.0).looking_at(Vec3::ZERO, Vec3::NEG_Z);
+        camera(s, above, 1.0, effect);
+    });
+    let truth = albedo * 0.5 / (1.0 - albedo * 0.5);
+    let (middle, near) = (size.y / 2, size.y * 3 / 256..=size.y * 6 / 256);
+    let pixels = (0..size.y)
+        .filter(|y| near.contains(&y.abs_diff(middle)))
+        .flat_map(|y| (size.x / 4..3 * size.x / 4).map(move |x| UVec2::new(x, y)));
+    Errors::of(pixels.map(|pixel| seen.at(pixel) / truth - 1.0))
+}
+
+/// What a floor of albedo 0.5 sends out beside what glows with 1, less what is expected where something is: shares of πL.
+fn beside(
+    size: UVec2,
+    scene: impl FnOnce(&mut SceneBuilder),
+    expected: impl Fn(Vec3) -> Option<f32>,
+) -> Errors {
+    let (_, seen) = show(size, 4, scene);
+    let floor = seen.on_plane(Vec3::ZERO, Vec3::Y);
+    Errors::of(floor.filter_map(|(_, place, found)| Some(found / 0.5 - expected(place)?)))
+}
+
+/// A floor beside a glowing wall: E = πL · ½(1 − x / √(x² + h²)).
+pub fn wall(size: UVec2, effect: impl Bundle) -> Errors {
+    let height = 0.3;
+    let scene = |s: &mut SceneBuilder| {
+        s.mesh(
+            Plane3d::default().mesh().size(60.0, 30.0),
+            surface(0.5, 0.0),
+            Transform::default(),
+        );
+        s.mesh(
+            Cuboid::new(60.0, height, 1.0),
+            surface(0.0, 1.0),
+            Transform::from_xyz(0.0, height / 2.0, -0.5),
+        );
+        let from = Transform::from_xyz(0.0, 2.0, 3.5);
+        let from = from.looking_at(Vec3::new(0.0, 0.0, 0.2), Vec3::Y);
+        camera(s, from, 0.0, effect);
+    };
+    beside(size, scene, |place| {
+        let x = place.z;
+        // The wall is as wide as the picture alone.
+        let is_floor = (0.03..0.75).contains(&x) && place.x.abs() < 0.5;
+        is_floor.then(|| 0.5 * (1.0 - x / x.hypot(height)))
+    })
+}
+
+/// A floor beside a glowing sphere: E = πL · c r² / D³.
+pub fn sphere(size: UVec2, effect: impl Bundle) -> Errors {
+    let (radius, height) = (0.5_f32, 0.6_f32);
+    let scene = |s: &mut SceneBuilder| {
+        s.mesh(
+            Plane3d::default().mesh().size(60.0, 60.0),
+            surface(0.5, 0.0),
+            Transform::default(),
+        );
+        let ball = Sphere::new(radius).mesh().ico(6).expect("few subdivisions");
+        s.mesh(
+            ball,
+            surface(0.0, 1.0),
+            Transform::from_xyz(0.0, height, 0.0),
+        );
+        let from = Transform::from_xyz(0.0, 3.0, 4.0);
+        let from = from.looking_at(Vec3::new(0.0, 0.3, 0.0), Vec3::Y);
+        camera(s, from, 0.0, effect);
+    };
+    beside(size, scene, |place| {
+        let squared = place.x * place.x + place.z * place.z;
+        let distance = (squared + height * height).sqrt();
+        // Neither what the ball hides from the camera nor what is beneath it.
+        let is_seen = place.z > 0.0 && (radius..2.0).contains(&squared.sqrt());
+        is_seen.then(|| height * radius * radius / distance.powi(3))
+    })
+}

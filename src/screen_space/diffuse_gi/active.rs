@@ -1,0 +1,100 @@
+//! Per camera and frame: whether light is found, and by which shaders.
+
+use bevy::{
+    core_pipeline::prepass::MotionVectorPrepass,
+    prelude::*,
+    render::{
+        camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity,
+        view::ExtractedView,
+    },
+};
+
+use super::{
+    key::GiKey,
+    pipelines::{GiPasses, GiPipelines},
+    settings::LeanScreenSpaceGi,
+};
+use crate::{
+    shader_library::reconstruction::position::projection_of,
+    view::{IndirectDiffuse, LeanDeferred, ReadsDiffuseLight, warn_once::WarnOnce},
+};
+
+/// On a view of the render world: its shaders are compiled, and lighting is asked to take in what they find.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct ActiveGi {
+    pub(super) settings: LeanScreenSpaceGi,
+    pub(super) key: GiKey,
+    pub(super) passes: GiPasses,
+}
+
+/// Why cameras are without.
+#[derive(Resource)]
+pub(super) struct Warnings(WarnOnce<&'static str>);
+
+impl Default for Warnings {
+    fn default() -> Self {
+        Self(WarnOnce::new("LeanScreenSpaceGi"))
+    }
+}
+
+/// Inserts or removes [`ActiveGi`], and what it asks of lighting. While the shaders of new settings compile, a view keeps
+/// those that it had. Cameras that are switched off lose it, and so what they hold on the GPU.
+pub(super) fn decide_active_gi(
+    mut commands: Commands,
+    pipelines: Option<ResMut<GiPipelines>>,
+    cache: Res<PipelineCache>,
+    mut warnings: ResMut<Warnings>,
+    views: Query<
+        (
+            Entity,
+            &ExtractedView,
+            &LeanScreenSpaceGi,
+            Has<LeanDeferred>,
+            Has<MotionVectorPrepass>,
+            Option<&ActiveGi>,
+        ),
+        (With<Camera3d>, With<ExtractedCamera>),
+    >,
+    cameras: Query<&MainEntity, With<LeanScreenSpaceGi>>,
+    switched_off: Query<Entity, (With<ActiveGi>, Without<ExtractedCamera>)>,
+) {
+    warnings.0.keep_only(cameras.iter());
+    for entity in &switched_off {
+        commands.entity(entity).remove::<ActiveGi>();
+    }
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    for (entity, view, settings, is_lean, motion, current) in &views {
+        let reason = (!is_lean).then_some("it has no LeanDeferred");
+        (warnings.0).tell(view.retained_view_entity.main_entity, reason);
+        let key = GiKey {
+            samples: settings.quality.samples(),
+            divisor: settings.resolution.divisor(),
+            motion,
+            projection: projection_of(view.clip_from_view),
+        };
+        let wanted = ActiveGi {
+            settings: *settings,
+            key,
+            passes: pipelines.specialize(&cache, key),
+        };
+        let stand_in = current
+            .filter(|last| (last.key.motion, last.key.projection) == (motion, key.projection));
+        let active = [Some(wanted), stand_in.copied()]
+            .into_iter()
+            .flatten()
+            .find(|active| is_lean && active.passes.are_compiled(&cache));
+        match active {
+            Some(active) => {
+                let mut view = commands.entity(entity);
+                view.insert((active, ReadsDiffuseLight));
+                view.insert_if_new(IndirectDiffuse::default());
+            }
+            None if current.is_some() => {
+                commands.entity(entity).remove::<ActiveGi>();
+            }
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Where the shaders of diffuse GI have what they bind; each pass binds a part. Names as in `bindings.wgsl`.
+
+use crate::gpu::bindings::binding_numbers;
+
+binding_numbers! {
+    VIEW = 0,
+    DEPTH_TEXTURE = 1,
+    NORMAL_TEXTURE = 2,
+    DIFFUSE_LIGHT_TEXTURE = 3,
+    MOTION_TEXTURE = 4,
+    LAST_LEVELS = 5,
+    LEVELS = 6,
+    LEVEL_0 = 7,
+    LEVEL_1 = 8,
+    LEVEL_2 = 9,
+    LEVEL_3 = 10,
+    GATHERED_TEXTURE = 11,
+    OUTPUT_TEXTURE = 12,
+}

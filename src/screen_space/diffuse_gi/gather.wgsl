@@ -1,0 +1,166 @@
+// Finds the light that falls onto each texel from other surfaces, and what part of the hemisphere these take: along slices
+// of the picture each surface that is higher than all before it covers an arc of the hemisphere, and fills it with its
+// light (Mayaux 2018, "Horizon-based indirect lighting"). Weighted by the cosine in closed form, as ambient occlusion is.
+#import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, is_finite, unpack_normal}
+#import bevy_lean_deferred::horizon::{PI, SliceNormal, side_occlusion, slice_normal, tangents}
+#import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, geometric_normal}
+#import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
+    Entry, depth_texture, levels, normal_texture, output_texture, unpack_entry, view, view_position,
+}
+#import bevy_lean_deferred::tiles::pixel_in_view
+
+/// Pixels a side of a texel.
+const DIVISOR: i32 = #{DIVISOR};
+const SLICES: u32 = #{SLICES}u;
+const STEPS: u32 = #{STEPS}u;
+/// The last level.
+const LAST_LEVEL: i32 = 3;
+
+/// The receiver.
+struct Receiver {
+    texel: vec2<i32>,
+    position: vec3<f32>,
+    to_viewer: vec3<f32>,
+    geometric: vec3<f32>,
+    inverse_radius_squared: f32,
+}
+
+/// What is found: light, and in w the part of the hemisphere that it comes from.
+fn march(
+    receiver: Receiver,
+    lobe: SliceNormal,
+    base: f32,
+    side: f32,
+    direction: vec2<f32>,
+    reach: f32,
+    offset: f32,
+) -> vec4<f32> {
+    var found = vec4(0.0);
+    var highest = base;
+    var before = 0.0;
+    for (var i = 0u; i < STEPS; i++) {
+        // Closer together near the texel, and never the texel itself nor the one before.
+        let t = (f32(i) + offset) / f32(STEPS);
+        let distance = max(reach * t * t, f32(i + 1u));
+        // As coarse as a quarter of the way to the next.
+        let gap = reach * (2.0 * t + 1.0 / f32(STEPS)) / f32(STEPS);
+        let level = clamp(i32(log2(max(gap, 1.0))) - 1, 0, LAST_LEVEL);
+        let texel = receiver.texel + vec2<i32>(round(direction * distance));
+        if any(texel < vec2(0)) || any(texel >= vec2<i32>(view.texture_size)) {
+            break;
+        }
+        let coarse = texel >> vec2(u32(level));
+        let entry = unpack_entry(textureLoad(levels, coarse, level).rg);
+        let side_length = f32(1u << u32(level));
+        let at = f32(DIVISOR) * (vec2<f32>(coarse) * side_length + 0.5 * (side_length - 1.0)) + 0.5;
+        let delta = view_position(at, entry.depth) - receiver.position;
+        let distance_squared = dot(delta, delta);
+        let inverse_distance = inverseSqrt(distance_squared);
+        let nearness = 1.0 - distance_squared * receiver.inverse_radius_squared;
+        let weight = saturate(nearness * view.inverse_falloff);
+        let elevation = dot(delta, receiver.geometric) * inverse_distance;
+        let cosine = dot(delta, receiver.to_viewer) * inverse_distance;
+        let counts = elevation > view.sin_bias && weight > 0.0 && entry.depth > 0.0;
+        let height = select(base, mix(base, cosine, weight), counts);
+        if height > highest {
+            highest = height;
+            let covered = side_occlusion(lobe, base, height, side);
+            let more = max(covered - before, 0.0);
+            found += vec4(entry.light, 1.0) * more;
+            before = max(covered, before);
+        }
+    }
+    return found;
+}
+
+/// Which of the 4×4 texels of the pattern looks in which of its sixteen directions: neighbours in rather different ones
+/// (Bayer 1973, "An optimum method for two-level rendition of continuous-tone pictures").
+fn turn_of(place: vec2<u32>) -> u32 {
+    let x = place.x ^ place.y;
+    return ((x & 1u) << 3u) | ((place.y & 1u) << 2u) | (x & 2u) | ((place.y & 2u) >> 1u);
+}
+
+fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
+    let depth = bitcast<f32>(textureLoad(levels, texel, 0).r);
+    if !(depth > 0.0) {
+        return vec4(0.0);
+    }
+    let pixel = texel * DIVISOR;
+    var receiver: Receiver;
+    receiver.texel = texel;
+    receiver.position = view_position(vec2<f32>(pixel) + 0.5, depth);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    receiver.to_viewer = vec3(0.0, 0.0, 1.0);
+    var pixels = view.radius * view.pixels_per_metre;
+#else
+    receiver.to_viewer = normalize(-receiver.position);
+    var pixels = view.radius * view.pixels_per_metre / max(-receiver.position.z, 1e-6);
+#endif
+    let shrink = min(view.largest_radius_in_pixels / max(abs(pixels.x), abs(pixels.y)), 1.0);
+    pixels *= shrink;
+    let metres = view.radius * shrink;
+    // Also true of what is not a number.
+    if !(max(abs(pixels.x), abs(pixels.y)) > f32(DIVISOR)) {
+        return vec4(0.0);
+    }
+    receiver.inverse_radius_squared = 1.0 / (metres * metres);
+
+    let in_depth = DepthView(
+        view.view_from_pixel, vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size),
+    );
+    receiver.geometric = geometric_normal(
+        depth_texture, in_depth, pixel, receiver.position, receiver.to_viewer, depth, false,
+    );
+    var normal = receiver.geometric;
+    let word = textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
+    if word != NO_GEOMETRY {
+        normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
+        // On outlines depth may tell of another surface; no shading normal leans that far off its own.
+        if dot(normal, receiver.geometric) < 0.5 {
+            receiver.geometric = normal;
+        }
+    }
+
+    let basis = tangents(receiver.to_viewer);
+    let turn_index = turn_of(place);
+    var found = vec4(0.0);
+    for (var slice = 0u; slice < SLICES; slice++) {
+        let turn = (f32(slice) + (f32(turn_index) + view.turn) / 16.0) / f32(SLICES);
+        // Evenly about the view direction, not on the screen: so perspective is exact off its centre too.
+        let tangent = basis * vec2(cos(PI * turn), sin(PI * turn));
+#ifdef PROJECTION_ORTHOGRAPHIC
+        let direction = tangent.xy;
+#else
+        let direction = tangent.xy - tangent.z * receiver.position.xy / receiver.position.z;
+#endif
+        let lobe = slice_normal(normal, receiver.to_viewer, tangent);
+        let surface = slice_normal(receiver.geometric, receiver.to_viewer, tangent);
+        let on_screen = pixels * vec2(direction.x, -direction.y) / f32(DIVISOR);
+        let reach = max(abs(on_screen.x), abs(on_screen.y));
+        let step = on_screen / reach;
+        // Steps are spread too, in another order than directions.
+        let offset = fract((f32((turn_index * 7u) & 15u) + 0.5) / 16.0 + 0.618 * f32(slice) + view.turn);
+        found += march(receiver, lobe, -surface.sine, 1.0, step, reach, offset);
+        found += march(receiver, lobe, surface.sine, -1.0, -step, reach, fract(offset + 0.5));
+    }
+    found /= f32(SLICES);
+    let is_number = is_finite(found.r + found.g + found.b + found.a);
+    return select(vec4(0.0), vec4(found.rgb * view.intensity, saturate(found.a)), is_number);
+}
+
+/// Each workgroup finds the texels of 32×32 that look in one direction: the invocations of a subgroup walk side by side.
+@compute @workgroup_size(64, 1, 1)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let phase = workgroup.x & 15u;
+    let place = vec2(phase & 3u, phase >> 2u);
+    let tile = vec2(workgroup.x >> 4u, workgroup.y);
+    let tiles = vec2(workgroups.x >> 4u, workgroups.y);
+    let texel = 4u * pixel_in_view(tile, tiles, view.row_stride, invocation) + place;
+    if all(texel < view.texture_size) {
+        textureStore(output_texture, texel, light_at(vec2<i32>(texel), place));
+    }
+}

@@ -1,0 +1,158 @@
+//! Layouts and pipelines.
+
+use bevy::{
+    asset::load_embedded_asset,
+    platform::collections::HashMap,
+    prelude::*,
+    render::render_resource::{
+        CachedComputePipelineId, ComputePipelineDescriptor, PipelineCache, ShaderStages,
+        StorageTextureAccess, TextureFormat, TextureSampleType,
+        binding_types::{texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer},
+    },
+};
+
+use super::{
+    binding_numbers::{
+        DEPTH_TEXTURE, DIFFUSE_LIGHT_TEXTURE, GATHERED_TEXTURE, LAST_LEVELS, LEVEL_0, LEVELS,
+        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, VIEW,
+    },
+    key::GiKey,
+    uniforms::GiView,
+};
+use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
+
+/// Of the depth and light of texels: two words each.
+pub(super) const LEVELS_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
+/// Of light and what it hides.
+pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
+/// How many levels there are. Compute shaders can store to at least four textures on any device.
+pub(super) const LEVEL_COUNT: u32 = 4;
+
+/// The pipelines of one key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct GiPasses {
+    pub(super) levels: CachedComputePipelineId,
+    pub(super) gather: CachedComputePipelineId,
+    pub(super) filter: CachedComputePipelineId,
+}
+
+impl GiPasses {
+    pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
+        [self.levels, self.gather, self.filter]
+            .into_iter()
+            .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
+    }
+}
+
+/// The pipelines by key. Made by `init_gi_pipelines`.
+#[derive(Resource)]
+pub(super) struct GiPipelines {
+    shaders: [Handle<Shader>; 3],
+    /// Without and with motion.
+    levels_layouts: [FoundLayout; 2],
+    pub(super) gather_layout: FoundLayout,
+    pub(super) filter_layout: FoundLayout,
+    by_key: HashMap<GiKey, GiPasses>,
+}
+
+pub(super) fn init_gi_pipelines(
+    mut commands: Commands,
+    asset_server: Res<AssetServer>,
+    cache: Res<PipelineCache>,
+) {
+    let words = || texture_2d(TextureSampleType::Uint);
+    let floats = || texture_2d(TextureSampleType::Float { filterable: false });
+    let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
+    let view = || (VIEW, uniform_buffer::<GiView>(true));
+    let levels_layout = |motion: bool| {
+        let entries = [
+            view(),
+            (DEPTH_TEXTURE, texture_depth_2d()),
+            (DIFFUSE_LIGHT_TEXTURE, words()),
+            (LAST_LEVELS, words()),
+        ]
+        .into_iter()
+        .chain((0..LEVEL_COUNT).map(|level| (LEVEL_0 + level, stored(LEVELS_FORMAT))))
+        .chain(motion.then(|| (MOTION_TEXTURE, floats())));
+        layout(
+            "lean_deferred/diffuse_gi/levels",
+            ShaderStages::COMPUTE,
+            entries,
+        )
+    };
+    let gather_layout = layout(
+        "lean_deferred/diffuse_gi/gather",
+        ShaderStages::COMPUTE,
+        [
+            view(),
+            (DEPTH_TEXTURE, texture_depth_2d()),
+            (NORMAL_TEXTURE, words()),
+            (LEVELS, words()),
+            (OUTPUT_TEXTURE, stored(LIGHT_FORMAT)),
+        ],
+    );
+    let filter_layout = layout(
+        "lean_deferred/diffuse_gi/filter",
+        ShaderStages::COMPUTE,
+        [
+            view(),
+            (LEVELS, words()),
+            (GATHERED_TEXTURE, floats()),
+            (OUTPUT_TEXTURE, stored(LIGHT_FORMAT)),
+        ],
+    );
+    commands.insert_resource(GiPipelines {
+        shaders: [
+            load_embedded_asset!(asset_server.as_ref(), "levels.wgsl"),
+            load_embedded_asset!(asset_server.as_ref(), "gather.wgsl"),
+            load_embedded_asset!(asset_server.as_ref(), "filter.wgsl"),
+        ],
+        levels_layouts: [false, true].map(|motion| FoundLayout::new(&cache, levels_layout(motion))),
+        gather_layout: FoundLayout::new(&cache, gather_layout),
+        filter_layout: FoundLayout::new(&cache, filter_layout),
+        by_key: HashMap::default(),
+    });
+}
+
+impl GiPipelines {
+    pub(super) fn levels_layout(&self, key: GiKey) -> &FoundLayout {
+        &self.levels_layouts[usize::from(key.motion)]
+    }
+
+    /// The pipelines for `key`; they may still be compiling.
+    pub(super) fn specialize(&mut self, cache: &PipelineCache, key: GiKey) -> GiPasses {
+        if let Some(passes) = self.by_key.get(&key) {
+            return *passes;
+        }
+        let queue = |label: &'static str, shader: &Handle<Shader>, layout: &FoundLayout| {
+            cache.queue_compute_pipeline(ComputePipelineDescriptor {
+                label: Some(label.into()),
+                layout: vec![layout.descriptor().clone()],
+                shader: shader.clone(),
+                shader_defs: key.shader_defs(),
+                entry_point: Some("main".into()),
+                ..default()
+            })
+        };
+        let [levels, gather, filter] = &self.shaders;
+        let passes = GiPasses {
+            levels: queue(
+                "lean_deferred/diffuse_gi/levels",
+                levels,
+                self.levels_layout(key),
+            ),
+            gather: queue(
+                "lean_deferred/diffuse_gi/gather",
+                gather,
+                &self.gather_layout,
+            ),
+            filter: queue(
+                "lean_deferred/diffuse_gi/filter",
+                filter,
+                &self.filter_layout,
+            ),
+        };
+        self.by_key.insert(key, passes);
+        passes
+    }
+}

@@ -1,0 +1,288 @@
+//! What the passes need of a view: its uniform, its textures, and bind groups, which are made anew only when what they bind
+//! changed.
+
+use bevy::{
+    camera::MainPassResolutionOverride,
+    core_pipeline::prepass::ViewPrepassTextures,
+    diagnostic::FrameCount,
+    image::ToExtents,
+    prelude::*,
+    render::{
+        camera::{ExtractedCamera, TemporalJitter},
+        render_resource::{
+            BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureDescriptor,
+            TextureDimension, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
+        },
+        renderer::{RenderDevice, RenderQueue},
+        view::{ExtractedView, ViewDepthTexture},
+    },
+};
+
+use super::{
+    active::ActiveGi,
+    binding_numbers::{
+        DEPTH_TEXTURE, DIFFUSE_LIGHT_TEXTURE, GATHERED_TEXTURE, LAST_LEVELS, LEVEL_0, LEVELS,
+        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, VIEW,
+    },
+    pipelines::{GiPipelines, LEVEL_COUNT, LEVELS_FORMAT, LIGHT_FORMAT},
+    uniforms::GiView,
+};
+use crate::{
+    gbuffer::GBufferTextures,
+    gpu::{
+        bind_group_cache::CachedBindGroup,
+        tiles::{self, RowOrder},
+    },
+    screen_space::{
+        LastFrame,
+        succession::{FrameNumber, Succession},
+    },
+    view::{ActiveLeanView, CameraCuts, DiffuseLight, IndirectDiffuse, LightExchange},
+};
+
+/// Texels a side that a workgroup of the first pass makes, and that the workgroups of the second share.
+const LEVELS_SIDE: u32 = 16;
+const GATHER_SIDE: u32 = 32;
+/// Workgroups that share these.
+const PHASES: u32 = 16;
+
+/// The uniforms of all views.
+#[derive(Resource, Default)]
+pub(super) struct GiUniforms(DynamicUniformBuffer<GiView>);
+
+/// The levels of a frame.
+struct Levels {
+    texture: Texture,
+    all: TextureView,
+    each: [TextureView; LEVEL_COUNT as usize],
+}
+
+/// On a view whose light is found: what is kept from frame to frame, and what the passes write.
+#[derive(Component)]
+pub struct ViewGi {
+    /// Of this frame and the last one, in turns.
+    levels: [Levels; 2],
+    current: usize,
+    gathered: (Texture, TextureView),
+    output: (Texture, TextureView),
+    texture_size: UVec2,
+    pub(super) frames: Succession,
+    pub(super) offset: u32,
+}
+
+impl ViewGi {
+    fn new(device: &RenderDevice, texture_size: UVec2, frames: Succession) -> Self {
+        let light = |label| {
+            let texture = texture(device, label, texture_size, LIGHT_FORMAT, 1);
+            let view = texture.create_view(&TextureViewDescriptor::default());
+            (texture, view)
+        };
+        Self {
+            levels: [(); 2].map(|()| Levels::new(device, texture_size)),
+            current: 0,
+            gathered: light("lean_deferred/diffuse_gi/gathered"),
+            output: light("lean_deferred/diffuse_gi/output"),
+            texture_size,
+            frames,
+            offset: 0,
+        }
+    }
+
+    /// Workgroups of the three passes.
+    pub(super) fn workgroups(&self) -> [UVec2; 3] {
+        let of = |side: u32| self.texture_size.map(|length| length.div_ceil(side));
+        [
+            of(LEVELS_SIDE),
+            of(GATHER_SIDE) * UVec2::new(PHASES, 1),
+            tiles::count(self.texture_size),
+        ]
+    }
+
+    /// All that it holds on the GPU.
+    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let levels = self.levels.iter().map(|levels| &levels.texture);
+        levels.chain([&self.gathered.0, &self.output.0])
+    }
+}
+
+impl Levels {
+    fn new(device: &RenderDevice, size: UVec2) -> Self {
+        // As large as the last level needs.
+        let size = size.max(UVec2::splat(1 << (LEVEL_COUNT - 1)));
+        let label = "lean_deferred/diffuse_gi/levels";
+        let texture = texture(device, label, size, LEVELS_FORMAT, LEVEL_COUNT);
+        let each = core::array::from_fn(|level| {
+            texture.create_view(&TextureViewDescriptor {
+                base_mip_level: level as u32,
+                mip_level_count: Some(1),
+                ..default()
+            })
+        });
+        Self {
+            all: texture.create_view(&TextureViewDescriptor::default()),
+            each,
+            texture,
+        }
+    }
+}
+
+fn texture(
+    device: &RenderDevice,
+    label: &'static str,
+    size: UVec2,
+    format: TextureFormat,
+    mip_level_count: u32,
+) -> Texture {
+    device.create_texture(&TextureDescriptor {
+        label: Some(label),
+        size: size.to_extents(),
+        mip_level_count,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage: TextureUsages::STORAGE_BINDING
+            | TextureUsages::TEXTURE_BINDING
+            | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+/// Makes the textures of views that have none, says where what they find is, and writes [`GiUniforms`].
+pub(super) fn prepare_gi(
+    mut commands: Commands,
+    mut uniforms: ResMut<GiUniforms>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    (row_order, frame, number): (Res<RowOrder>, Res<FrameCount>, Res<FrameNumber>),
+    mut views: Query<(
+        Entity,
+        (&ActiveGi, &ActiveLeanView),
+        (&ExtractedCamera, &ExtractedView),
+        Option<&MainPassResolutionOverride>,
+        Option<&CameraCuts>,
+        Has<TemporalJitter>,
+        (Option<&mut ViewGi>, &mut IndirectDiffuse),
+    )>,
+) {
+    let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
+        return;
+    };
+    for (entity, (active, lean), (camera, view), resolution, cuts, jitters, (gi, mut found)) in
+        &mut views
+    {
+        if !lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE) {
+            continue;
+        }
+        let now = LastFrame::of(view, resolution, camera.exposure);
+        let mut made = None;
+        let size = GiView::new(&active.settings, &now, None).texture_size;
+        let gi = match gi {
+            Some(gi) if gi.texture_size == size => {
+                let gi = gi.into_inner();
+                gi.frames.advance(now, cuts, &number);
+                gi.current = 1 - gi.current;
+                gi
+            }
+            _ => made.insert(ViewGi::new(&device, size, Succession::new(now, cuts))),
+        };
+        let mut uniform = GiView::new(&active.settings, &now, gi.frames.last());
+        uniform.row_stride = row_order.stride(size.y.div_ceil(GATHER_SIDE));
+        if jitters {
+            // The golden section spreads any number of frames.
+            uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;
+        }
+        gi.offset = writer.write(&uniform);
+        found.0 = Some(gi.output.1.clone());
+        if let Some(made) = made {
+            commands.entity(entity).insert(made);
+        }
+    }
+}
+
+/// On a view whose light is found: the bind groups of its passes.
+#[derive(Component, Default)]
+pub struct GiBindings {
+    /// By which of the two levels is this frame's.
+    pub(super) groups: [GiGroups; 2],
+    pub(super) current: usize,
+}
+
+#[derive(Default)]
+pub(super) struct GiGroups {
+    pub(super) levels: CachedBindGroup,
+    pub(super) gather: CachedBindGroup,
+    pub(super) filter: CachedBindGroup,
+}
+
+impl GiBindings {
+    /// Those that stay from frame to frame as long as nothing changes.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        self.groups
+            .iter()
+            .flat_map(|groups| [&groups.levels, &groups.gather, &groups.filter])
+            .filter_map(CachedBindGroup::get)
+    }
+}
+
+/// Makes the bind groups of all active views.
+pub(super) fn prepare_gi_bind_groups(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    pipelines: Option<Res<GiPipelines>>,
+    uniforms: Res<GiUniforms>,
+    mut views: Query<(
+        Entity,
+        (&ActiveGi, &ViewGi),
+        (&GBufferTextures, &ViewDepthTexture, &DiffuseLight),
+        Option<&ViewPrepassTextures>,
+        Option<&mut GiBindings>,
+    )>,
+) {
+    let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
+        return;
+    };
+    for (entity, (active, gi), (gbuffer, depth, light), prepass, bindings) in &mut views {
+        let mut made = None;
+        let bindings = match bindings {
+            Some(bindings) => bindings.into_inner(),
+            None => made.insert(GiBindings::default()),
+        };
+        bindings.current = gi.current;
+        let groups = &mut bindings.groups[gi.current];
+        let (levels, last) = (&gi.levels[gi.current], &gi.levels[1 - gi.current]);
+        let layout = pipelines.levels_layout(active.key);
+        groups.levels.update(&device, layout, |entries| {
+            entries.push(VIEW, uniforms.clone())?;
+            entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
+            entries.push(DIFFUSE_LIGHT_TEXTURE, light.0.default_view.into_binding())?;
+            entries.push(LAST_LEVELS, last.all.into_binding())?;
+            for (level, view) in (LEVEL_0..).zip(&levels.each) {
+                entries.push(level, view.into_binding())?;
+            }
+            if active.key.motion {
+                let motion = prepass?.motion_vectors.as_ref()?;
+                entries.push(MOTION_TEXTURE, motion.texture.default_view.into_binding())?;
+            }
+            Some(())
+        });
+        groups
+            .gather
+            .update(&device, &pipelines.gather_layout, |entries| {
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
+                entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
+                entries.push(LEVELS, levels.all.into_binding())?;
+                entries.push(OUTPUT_TEXTURE, gi.gathered.1.into_binding())
+            });
+        groups
+            .filter
+            .update(&device, &pipelines.filter_layout, |entries| {
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(LEVELS, levels.all.into_binding())?;
+                entries.push(GATHERED_TEXTURE, gi.gathered.1.into_binding())?;
+                entries.push(OUTPUT_TEXTURE, gi.output.1.into_binding())
+            });
+        if let Some(made) = made {
+            commands.entity(entity).insert(made);
+        }
+    }
+}

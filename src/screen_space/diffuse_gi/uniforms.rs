@@ -1,0 +1,102 @@
+//! What the shaders know of a view.
+
+use core::f32::consts::FRAC_PI_2;
+
+use bevy::{
+    math::{DMat4, DVec3},
+    prelude::*,
+    render::render_resource::ShaderType,
+};
+
+use super::settings::LeanScreenSpaceGi;
+use crate::{
+    screen_space::LastFrame,
+    shader_library::reconstruction::position::{edge_of, pixels_per_metre, view_from_pixel},
+};
+
+/// The largest radius on screen, as a share of the viewport's height.
+const LARGEST_RADIUS: f32 = 0.5;
+/// Larger than any screen.
+const LARGEST_METRES: f32 = 1e9;
+
+/// What the passes know of a view.
+#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(no_auto_register)]
+pub struct GiView {
+    pub view_from_pixel: Mat4,
+    pub view_from_world: Mat4,
+    pub last_pixel_from_view: Mat4,
+    pub pixels_per_metre: Vec2,
+    pub edge: Vec2,
+    pub viewport_origin: UVec2,
+    pub viewport_size: UVec2,
+    pub texture_size: UVec2,
+    pub radius: f32,
+    pub largest_radius_in_pixels: f32,
+    pub inverse_falloff: f32,
+    pub sin_bias: f32,
+    pub intensity: f32,
+    pub exposure_ratio: f32,
+    pub turn: f32,
+    pub row_stride: u32,
+}
+
+impl GiView {
+    /// What `settings` make of a frame after the `last` one.
+    pub fn new(settings: &LeanScreenSpaceGi, now: &LastFrame, last: Option<&LastFrame>) -> Self {
+        let clip_from_view = now.clip_from_view;
+        let size = now.viewport.size();
+        let exposure_ratio = last.map_or(0.0, |last| now.exposure / last.exposure);
+        Self {
+            view_from_pixel: view_from_pixel(clip_from_view, size),
+            view_from_world: now.world_from_view.inverse(),
+            last_pixel_from_view: last
+                .map_or(Mat4::IDENTITY, |last| last_pixel_from_view(now, last)),
+            pixels_per_metre: pixels_per_metre(clip_from_view, size),
+            edge: edge_of(clip_from_view, size),
+            viewport_origin: now.viewport.min,
+            viewport_size: size,
+            texture_size: texture_size(settings, size),
+            radius: up_to(LARGEST_METRES, settings.radius),
+            largest_radius_in_pixels: (LARGEST_RADIUS * size.y as f32).max(1.0),
+            // So that 0 is a hard edge, but no division by it.
+            inverse_falloff: 1.0 / settings.falloff.clamp(1e-4, 1.0),
+            sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
+            intensity: up_to(1.0, settings.intensity),
+            exposure_ratio: if exposure_ratio.is_finite() {
+                exposure_ratio
+            } else {
+                0.0
+            },
+            turn: 0.0,
+            row_stride: 1,
+        }
+    }
+}
+
+/// From the view space of a frame to pixels and depth of the `last` one. With double precision: both cameras may be far from
+/// the world's origin.
+fn last_pixel_from_view(now: &LastFrame, last: &LastFrame) -> Mat4 {
+    let half = last.viewport.size().as_dvec2() / 2.0;
+    let pixel_from_ndc = DMat4::from_scale_rotation_translation(
+        DVec3::new(half.x, -half.y, 1.0),
+        default(),
+        half.extend(0.0),
+    );
+    let last_view_from_world = last.world_from_view.as_dmat4().inverse();
+    let view_to_view = last_view_from_world * now.world_from_view.as_dmat4();
+    (pixel_from_ndc * last.clip_from_view.as_dmat4() * view_to_view).as_mat4()
+}
+
+/// `x` within 0 and `largest`; 0 for what is not a number.
+fn up_to(largest: f32, x: f32) -> f32 {
+    if x > 0.0 { x.min(largest) } else { 0.0 }
+}
+
+/// Texels of the viewport.
+fn texture_size(settings: &LeanScreenSpaceGi, viewport_size: UVec2) -> UVec2 {
+    let divisor = settings.resolution.divisor();
+    viewport_size
+        .map(|side| side.div_ceil(divisor))
+        .max(UVec2::ONE)
+}

@@ -1,0 +1,175 @@
+//! Diffuse GI beside what light does between simple shapes.
+
+use bevy::prelude::*;
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    known_light::{CONVERGED, Seen, camera, errors, groove, see, show, sphere, surface, wall},
+    own_process::in_own_process,
+};
+
+const SIZE: UVec2 = UVec2::new(256, 256);
+/// Of pictures in which it matters how many pixels something is high.
+const LARGE: UVec2 = UVec2::new(512, 512);
+
+/// Further than anything in these scenes: what bounds the march is the picture.
+fn gi() -> LeanScreenSpaceGi {
+    LeanScreenSpaceGi {
+        radius: 100.0,
+        falloff: 0.1,
+        ..default()
+    }
+}
+
+#[test]
+fn a_groove_is_as_bright_as_its_bounces_make_it() {
+    in_own_process(|| {
+        let occlusion = LeanAmbientOcclusion {
+            radius: 100.0,
+            multibounce: false,
+            ..default()
+        };
+        for albedo in [0.5, 0.8, 1.0] {
+            let found = groove(SIZE, albedo, gi());
+            let dark = groove(SIZE, albedo, occlusion).bias;
+            println!("albedo {albedo}: {found:.3?}, occlusion alone {dark:+.3}");
+            assert!(found.bias.abs() < 0.05 && found.rmse < 0.06);
+            assert!(dark < -0.2, "occlusion alone is too dark");
+        }
+    });
+}
+
+#[test]
+fn a_wall_shines_on_the_floor() {
+    in_own_process(|| {
+        let found = wall(LARGE, gi());
+        println!("wall: {found:.4?} of πL");
+        assert!(found.rmse < 0.04);
+    });
+}
+
+#[test]
+fn a_sphere_shines_on_the_floor() {
+    in_own_process(|| {
+        let found = sphere(LARGE, gi());
+        println!("sphere: {found:.4?} of πL");
+        assert!(found.rmse < 0.04);
+    });
+}
+
+/// White surfaces in a white sky cannot be seen.
+#[test]
+fn a_white_world_is_white() {
+    in_own_process(|| {
+        let world = |effect: bool| {
+            let (_, seen) = show(SIZE, 60, |s| {
+                s.mesh(
+                    Plane3d::default().mesh().size(20.0, 20.0),
+                    surface(1.0, 0.0),
+                    Transform::default(),
+                );
+                s.mesh(
+                    Cuboid::new(1.0, 2.0, 1.0),
+                    surface(1.0, 0.0),
+                    Transform::from_xyz(-0.8, 1.0, 0.0).with_rotation(Quat::from_rotation_y(0.5)),
+                );
+                let ball = Sphere::new(0.6).mesh().ico(6).expect("few subdivisions");
+                s.mesh(ball, surface(1.0, 0.0), Transform::from_xyz(0.7, 0.6, 0.4));
+                let from = Transform::from_xyz(0.5, 2.5, 4.0);
+                let entity = camera(
+                    s,
+                    from.looking_at(Vec3::new(0.0, 0.6, 0.0), Vec3::Y),
+                    1.0,
+                    (),
+                );
+                if effect {
+                    s.world().entity_mut(entity).insert(gi());
+                }
+            });
+            seen
+        };
+        let [off, on] = [false, true].map(world);
+        let brightness = |seen: &Seen| seen.light.texels.iter().map(|t| t[1]).collect::<Vec<_>>();
+        let (off, on) = (brightness(&off), brightness(&on));
+        let ground: Vec<(f32, f32)> = off
+            .into_iter()
+            .zip(on)
+            .filter(|(off, _)| *off > 0.5)
+            .collect();
+        assert!(ground.len() > 30_000);
+        let (rmse, bias) = errors(ground.iter().map(|(off, on)| on / off - 1.0));
+        let most = ground.iter().map(|(off, on)| on / off).fold(0.0, f32::max);
+        println!("white world: bias {bias:+.4}, RMSE {rmse:.4}, at most {most:.4}");
+        assert!(most < 1.01, "light is never made: {most}");
+        assert!(bias.abs() < 0.01, "{bias}");
+    });
+}
+
+/// A convex body sees nothing but the sky.
+#[test]
+fn a_ball_alone_is_as_it_was() {
+    in_own_process(|| {
+        let ball = |effect: bool| {
+            let (_, seen) = show(SIZE, 8, |s| {
+                let ball = Sphere::new(1.0).mesh().ico(20).expect("few subdivisions");
+                s.mesh(ball, surface(0.8, 0.0), Transform::default());
+                let from = Transform::from_xyz(0.0, 1.0, 3.0);
+                let entity = camera(s, from.looking_at(Vec3::ZERO, Vec3::Y), 1.0, ());
+                if effect {
+                    s.world().entity_mut(entity).insert(gi());
+                }
+            });
+            seen.light.texels
+        };
+        let (off, on) = (ball(false), ball(true));
+        let other = off.iter().zip(&on).filter(|(off, on)| off != on).count();
+        assert_eq!(other, 0, "pixels are other ones");
+    });
+}
+
+/// What bounces between two faces is gone soon after the light.
+#[test]
+fn light_goes_when_its_source_does() {
+    in_own_process(|| {
+        let (mut headless, before) = show(SIZE, CONVERGED, |s| {
+            s.mesh(
+                Plane3d::default().mesh().size(20.0, 20.0),
+                surface(0.9, 0.0),
+                Transform::default(),
+            );
+            let wall = Cuboid::new(20.0, 3.0, 1.0);
+            s.mesh(wall, surface(0.9, 0.0), Transform::from_xyz(0.0, 1.5, -0.5));
+            let lamp = Sphere::new(0.3).mesh().ico(6).expect("few subdivisions");
+            let lamp = s.mesh(lamp, surface(0.0, 8.0), Transform::from_xyz(0.0, 0.8, 0.8));
+            s.world().entity_mut(lamp).insert(Name::new("lamp"));
+            let from = Transform::from_xyz(0.0, 3.0, 5.0);
+            camera(
+                s,
+                from.looking_at(Vec3::new(0.0, 0.5, 0.0), Vec3::Y),
+                0.0,
+                gi(),
+            );
+        });
+        let floor = |seen: &Seen| {
+            let places = seen.on_plane(Vec3::ZERO, Vec3::Y);
+            let all: Vec<f32> = places
+                .filter(|(_, place, _)| (0.1..2.0).contains(&place.z) && place.x.abs() < 1.5)
+                .map(|(_, _, light)| light)
+                .collect();
+            errors(all).1
+        };
+        let lit = floor(&before);
+        let world = headless.world();
+        let mut names = world.query_filtered::<Entity, With<Name>>();
+        let lamp = names.single(world).expect("one lamp");
+        world.despawn(lamp);
+        let mut left = Vec::new();
+        for _ in 0..8 {
+            // Two frames are made to read one.
+            left.push(floor(&see(&mut headless, 0)) / lit);
+        }
+        println!("after the lamp went: {left:.4?}");
+        assert!(lit > 0.05, "the lamp shines: {lit}");
+        assert!(left[0] < 0.5);
+        assert!(left[7] < 1e-3, "{left:?}");
+    });
+}

@@ -1,0 +1,4 @@
+//! Effects that find light on the screen, beside closed forms.
+
+mod diffuse_gi;
+mod settings;

@@ -1,0 +1,148 @@
+//! Cameras that get and lose effects, and change them, while they are rendered.
+
+use bevy::{
+    camera::{ScalingMode, Viewport},
+    prelude::*,
+    render::RenderApp,
+};
+use bevy_lean_deferred::{prelude::*, screen_space::diffuse_gi::ViewGi};
+use kit::{
+    headless::Headless,
+    lean::{build, change_cameras},
+    log_watch,
+    own_process::in_own_process,
+    scenes::SceneBuilder,
+};
+
+const SIZE: UVec2 = UVec2::new(96, 72);
+
+fn stage(s: &mut SceneBuilder) {
+    s.solids();
+    s.sun(false);
+    s.default_camera((LeanDeferred::default(), LeanScreenSpaceGi::default()));
+}
+
+fn holds_anything(headless: &mut Headless) -> bool {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    world.query::<&ViewGi>().iter(world).next().is_some()
+}
+
+fn is_finite(headless: &mut Headless) -> bool {
+    let light = kit::hdr::light(headless);
+    light
+        .texels
+        .iter()
+        .flatten()
+        .all(|x| x.is_finite() && *x < 1e4)
+}
+
+#[test]
+fn it_comes_and_goes() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, stage);
+        headless.settle();
+        assert!(holds_anything(&mut headless));
+        for frame in 0..12 {
+            change_cameras(&mut headless, |camera| {
+                if frame % 2 == 0 {
+                    camera.remove::<LeanScreenSpaceGi>();
+                } else {
+                    camera.insert(LeanScreenSpaceGi::default());
+                }
+            });
+            headless.frames(1);
+            assert_eq!(
+                holds_anything(&mut headless),
+                frame % 2 == 1,
+                "frame {frame}"
+            );
+        }
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+#[test]
+fn it_says_that_it_needs_a_lean_camera() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            s.solids();
+            s.default_camera(LeanScreenSpaceGi::default());
+        });
+        headless.settle();
+        assert!(!holds_anything(&mut headless));
+        assert_eq!(log_watch::messages_with("it has no LeanDeferred").len(), 1);
+    });
+}
+
+/// All settings, orders of magnitude beyond what makes sense too.
+#[test]
+fn settings_may_be_anything() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, stage);
+        headless.settle();
+        for quality in ScreenSpaceGiQuality::ALL {
+            for resolution in [ScreenSpaceGiResolution::Full, ScreenSpaceGiResolution::Half] {
+                change_cameras(&mut headless, |camera| {
+                    camera.insert(LeanScreenSpaceGi {
+                        quality,
+                        resolution,
+                        ..default()
+                    });
+                });
+                headless.settle();
+                assert!(is_finite(&mut headless), "{quality:?}, {resolution:?}");
+            }
+        }
+        for number in [0.0, -1.0, 1e-30, 1e30, f32::INFINITY, f32::NAN] {
+            change_cameras(&mut headless, |camera| {
+                camera.insert(LeanScreenSpaceGi {
+                    radius: number,
+                    intensity: number,
+                    bias: number,
+                    falloff: number,
+                    ..default()
+                });
+            });
+            assert!(is_finite(&mut headless), "{number}");
+        }
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// What cameras may be, one after the other, without a cut between them.
+#[test]
+fn views_may_be_anything() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, stage);
+        headless.settle();
+        let orthographic = Projection::Orthographic(OrthographicProjection {
+            scaling_mode: ScalingMode::FixedVertical {
+                viewport_height: 5.0,
+            },
+            ..OrthographicProjection::default_3d()
+        });
+        let viewports = [
+            (0, 0, 96, 72),
+            (13, 7, 41, 33),
+            (95, 71, 1, 1),
+            (2, 3, 5, 3),
+        ];
+        for projection in [Projection::default(), orthographic] {
+            for (x, y, width, height) in viewports {
+                change_cameras(&mut headless, |camera| {
+                    camera.insert(projection.clone());
+                    if let Some(mut camera) = camera.get_mut::<Camera>() {
+                        camera.viewport = Some(Viewport {
+                            physical_position: UVec2::new(x, y),
+                            physical_size: UVec2::new(width, height),
+                            ..default()
+                        });
+                    }
+                });
+                headless.settle();
+                assert!(is_finite(&mut headless), "{width}×{height}");
+            }
+        }
+        log_watch::assert_validation_layer_silent();
+    });
+}
