@@ -5,7 +5,7 @@ use bevy_lean_deferred::prelude::*;
 
 use crate::{
     hdr::{Light, light},
-    headless::Headless,
+    headless::{Headless, Picture},
     lean::build,
     scenes::SceneBuilder,
 };
@@ -56,6 +56,20 @@ impl Seen {
             let pixel = UVec2::new(i % width, i / width);
             Some((pixel, ray.get_point(distance), self.at(pixel)))
         })
+    }
+
+    /// Into the folder that `LIGHT_PICTURES` names, if it does: light times `scale`, gray.
+    pub fn save(&self, name: &str, scale: f32) {
+        let Some(folder) = std::env::var_os("LIGHT_PICTURES") else {
+            return;
+        };
+        let gray = |texel: &[f32; 4]| (texel[1] * scale * 255.0).clamp(0.0, 255.0) as u8;
+        let texels = self.light.texels.iter().map(gray);
+        let picture = Picture {
+            size: self.light.size,
+            rgba: texels.flat_map(|gray| [gray, gray, gray, 255]).collect(),
+        };
+        picture.save(std::path::Path::new(&folder).join(format!("{name}.png")));
     }
 
     pub fn at(&self, pixel: UVec2) -> f32 {
@@ -131,7 +145,8 @@ pub fn groove(size: UVec2, albedo: f32, effect: impl Bundle) -> Errors {
         camera(s, above, 1.0, effect);
     });
     let truth = albedo * 0.5 / (1.0 - albedo * 0.5);
-    let (middle, near) = (size.y / 2, size.y * 3 / 256..=size.y * 6 / 256);
+    seen.save("groove", 0.5 / truth);
+    let (middle, near) = (size.y / 2, 3..=6);
     let pixels = (0..size.y)
         .filter(|y| near.contains(&y.abs_diff(middle)))
         .flat_map(|y| (size.x / 4..3 * size.x / 4).map(move |x| UVec2::new(x, y)));
@@ -140,11 +155,13 @@ pub fn groove(size: UVec2, albedo: f32, effect: impl Bundle) -> Errors {
 
 /// What a floor of albedo 0.5 sends out beside what glows with 1, less what is expected where something is: shares of πL.
 fn beside(
+    name: &str,
     size: UVec2,
     scene: impl FnOnce(&mut SceneBuilder),
     expected: impl Fn(Vec3) -> Option<f32>,
 ) -> Errors {
     let (_, seen) = show(size, 4, scene);
+    seen.save(name, 2.0);
     let floor = seen.on_plane(Vec3::ZERO, Vec3::Y);
     Errors::of(floor.filter_map(|(_, place, found)| Some(found / 0.5 - expected(place)?)))
 }
@@ -167,7 +184,7 @@ pub fn wall(size: UVec2, effect: impl Bundle) -> Errors {
         let from = from.looking_at(Vec3::new(0.0, 0.0, 0.2), Vec3::Y);
         camera(s, from, 0.0, effect);
     };
-    beside(size, scene, |place| {
+    beside("wall", size, scene, |place| {
         let x = place.z;
         // The wall is as wide as the picture alone.
         let is_floor = (0.03..0.75).contains(&x) && place.x.abs() < 0.5;
@@ -194,7 +211,7 @@ pub fn sphere(size: UVec2, effect: impl Bundle) -> Errors {
         let from = from.looking_at(Vec3::new(0.0, 0.3, 0.0), Vec3::Y);
         camera(s, from, 0.0, effect);
     };
-    beside(size, scene, |place| {
+    beside("sphere", size, scene, |place| {
         let squared = place.x * place.x + place.z * place.z;
         let distance = (squared + height * height).sqrt();
         // Neither what the ball hides from the camera nor what is beneath it.

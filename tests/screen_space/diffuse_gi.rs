@@ -29,8 +29,8 @@ fn a_groove_is_as_bright_as_its_bounces_make_it() {
             ..default()
         };
         for albedo in [0.5, 0.8, 1.0] {
-            let found = groove(SIZE, albedo, gi());
-            let dark = groove(SIZE, albedo, occlusion).bias;
+            let found = groove(LARGE, albedo, gi());
+            let dark = groove(LARGE, albedo, occlusion).bias;
             println!("albedo {albedo}: {found:.3?}, occlusion alone {dark:+.3}");
             assert!(found.bias.abs() < 0.05 && found.rmse < 0.06);
             assert!(dark < -0.2, "occlusion alone is too dark");
@@ -88,6 +88,8 @@ fn a_white_world_is_white() {
             seen
         };
         let [off, on] = [false, true].map(world);
+        off.save("white_off", 0.5);
+        on.save("white_on", 0.5);
         let brightness = |seen: &Seen| seen.light.texels.iter().map(|t| t[1]).collect::<Vec<_>>();
         let (off, on) = (brightness(&off), brightness(&on));
         let ground: Vec<(f32, f32)> = off
@@ -118,13 +120,26 @@ fn a_ball_alone_is_as_it_was() {
                     s.world().entity_mut(entity).insert(gi());
                 }
             });
-            seen.light.texels
+            seen
         };
-        let (off, on) = (ball(false), ball(true));
-        let other = off.iter().zip(&on).filter(|(off, on)| off != on).count();
+        let [off, on] = [false, true].map(|effect| {
+            let seen = ball(effect);
+            seen.save(if effect { "ball_on" } else { "ball_off" }, 1.0);
+            seen.light.texels
+        });
+        let body = || off.iter().zip(&on).filter(|(off, _)| off[1] > 0.5);
+        let (rmse, bias) = errors(body().map(|(off, on)| on[1] / off[1] - 1.0));
+        let other = body().filter(|(off, on)| off != on).count();
+        let most = body().map(|(off, on)| on[1] / off[1] - 1.0).fold(0.0, f32::max);
+        let least = body().map(|(off, on)| on[1] / off[1] - 1.0).fold(0.0, f32::min);
+        println!("ball: {other} pixels of {}, {least:+.4} to {most:+.4}, bias {bias:+.6}, RMSE {rmse:.6}", body().count());
         assert_eq!(other, 0, "pixels are other ones");
     });
 }
+
+/// What shines.
+#[derive(Resource, Clone, Copy)]
+struct Lamp(Entity);
 
 /// What bounces between two faces is gone soon after the light.
 #[test]
@@ -140,7 +155,7 @@ fn light_goes_when_its_source_does() {
             s.mesh(wall, surface(0.9, 0.0), Transform::from_xyz(0.0, 1.5, -0.5));
             let lamp = Sphere::new(0.3).mesh().ico(6).expect("few subdivisions");
             let lamp = s.mesh(lamp, surface(0.0, 8.0), Transform::from_xyz(0.0, 0.8, 0.8));
-            s.world().entity_mut(lamp).insert(Name::new("lamp"));
+            s.world().insert_resource(Lamp(lamp));
             let from = Transform::from_xyz(0.0, 3.0, 5.0);
             camera(
                 s,
@@ -158,10 +173,8 @@ fn light_goes_when_its_source_does() {
             errors(all).1
         };
         let lit = floor(&before);
-        let world = headless.world();
-        let mut names = world.query_filtered::<Entity, With<Name>>();
-        let lamp = names.single(world).expect("one lamp");
-        world.despawn(lamp);
+        let Lamp(lamp) = *headless.world().resource::<Lamp>();
+        headless.world().despawn(lamp);
         let mut left = Vec::new();
         for _ in 0..8 {
             // Two frames are made to read one.

@@ -60,5 +60,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
             }
         }
     }
-    textureStore(output_texture, texel, sum / max(weights, 1e-6));
+    let mean = sum / max(weights, 1e-6);
+    // No more than the whole hemisphere.
+    textureStore(output_texture, texel, mean / max(mean.a, 1.0));
 }

@@ -5,7 +5,7 @@
 #import bevy_lean_deferred::horizon::{PI, SliceNormal, side_occlusion, slice_normal, tangents}
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, geometric_normal}
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
-    Entry, depth_texture, levels, normal_texture, output_texture, unpack_entry, view, view_position,
+    Entry, depth_texture, edge_step, levels, normal_texture, output_texture, unpack_entry, view, view_position,
 }
 #import bevy_lean_deferred::tiles::pixel_in_view
 
@@ -25,6 +25,47 @@ struct Receiver {
     inverse_radius_squared: f32,
 }
 
+/// Where a texel's depth was taken, in pixels.
+fn place_of(texel: vec2<i32>) -> vec2<f32> {
+    return vec2<f32>(texel * DIVISOR) + 0.5;
+}
+
+/// Height of the horizon that a surface at `delta` from the receiver makes: a cosine; `base` if it is none.
+fn height_of(receiver: Receiver, base: f32, delta: vec3<f32>) -> f32 {
+    let distance_squared = dot(delta, delta);
+    let inverse_distance = inverseSqrt(distance_squared);
+    let nearness = 1.0 - distance_squared * receiver.inverse_radius_squared;
+    let weight = saturate(nearness * view.inverse_falloff);
+    let elevation = dot(delta, receiver.geometric) * inverse_distance;
+    let cosine = dot(delta, receiver.to_viewer) * inverse_distance;
+    let counts = elevation > view.sin_bias && weight > 0.0;
+    return select(base, mix(base, cosine, weight), counts);
+}
+
+/// The surface at `texel`, half of the `gap` to the next sample further out: it ends somewhere between the two. As depth
+/// is affine on screen, two depths tell of a plane.
+fn further_out(receiver: Receiver, texel: vec2<i32>, depth: f32, direction: vec2<f32>, gap: f32) -> vec3<f32> {
+    let step = vec2<i32>(round(direction));
+    let inside = clamp(texel + step, vec2(0), vec2<i32>(view.texture_size) - 1);
+    let beside = bitcast<f32>(textureLoad(levels, inside, 0).r);
+    let slope = beside - depth;
+    let is_surface = beside > 0.0 && abs(slope) < edge_step(depth, f32(DIVISOR));
+    let way = select(0.0, 0.5 * gap, is_surface);
+    let at = place_of(texel) + vec2<f32>(step * DIVISOR) * way;
+    return view_position(at, max(depth + slope * way, 0.5 * depth)) - receiver.position;
+}
+
+/// The light of a surface, from about as many texels as there are to the next sample.
+fn light_of(texel: vec2<i32>, entry: Entry, gap: f32) -> vec3<f32> {
+    let level = clamp(i32(log2(max(gap, 1.0))) - 1, 0, LAST_LEVEL);
+    if level == 0 {
+        return entry.light;
+    }
+    let coarse = unpack_entry(textureLoad(levels, texel >> vec2(u32(level)), level).rg);
+    let is_surface = abs(coarse.depth - entry.depth) < edge_step(entry.depth, f32(DIVISOR << u32(level)));
+    return select(entry.light, coarse.light, is_surface);
+}
+
 /// What is found: light, and in w the part of the hemisphere that it comes from.
 fn march(
     receiver: Receiver,
@@ -42,31 +83,25 @@ fn march(
         // Closer together near the texel, and never the texel itself nor the one before.
         let t = (f32(i) + offset) / f32(STEPS);
         let distance = max(reach * t * t, f32(i + 1u));
-        // As coarse as a quarter of the way to the next.
-        let gap = reach * (2.0 * t + 1.0 / f32(STEPS)) / f32(STEPS);
-        let level = clamp(i32(log2(max(gap, 1.0))) - 1, 0, LAST_LEVEL);
+        let gap = max(reach * (2.0 * t + 1.0 / f32(STEPS)) / f32(STEPS), 1.0);
         let texel = receiver.texel + vec2<i32>(round(direction * distance));
         if any(texel < vec2(0)) || any(texel >= vec2<i32>(view.texture_size)) {
             break;
         }
-        let coarse = texel >> vec2(u32(level));
-        let entry = unpack_entry(textureLoad(levels, coarse, level).rg);
-        let side_length = f32(1u << u32(level));
-        let at = f32(DIVISOR) * (vec2<f32>(coarse) * side_length + 0.5 * (side_length - 1.0)) + 0.5;
-        let delta = view_position(at, entry.depth) - receiver.position;
-        let distance_squared = dot(delta, delta);
-        let inverse_distance = inverseSqrt(distance_squared);
-        let nearness = 1.0 - distance_squared * receiver.inverse_radius_squared;
-        let weight = saturate(nearness * view.inverse_falloff);
-        let elevation = dot(delta, receiver.geometric) * inverse_distance;
-        let cosine = dot(delta, receiver.to_viewer) * inverse_distance;
-        let counts = elevation > view.sin_bias && weight > 0.0 && entry.depth > 0.0;
-        let height = select(base, mix(base, cosine, weight), counts);
+        let entry = unpack_entry(textureLoad(levels, texel, 0).rg);
+        // The sky is no surface.
+        if !(entry.depth > 0.0) {
+            continue;
+        }
+        let delta = view_position(place_of(texel), entry.depth) - receiver.position;
+        var height = height_of(receiver, base, delta);
         if height > highest {
+            let end = further_out(receiver, texel, entry.depth, direction, gap);
+            height = max(height, height_of(receiver, base, end));
             highest = height;
             let covered = side_occlusion(lobe, base, height, side);
             let more = max(covered - before, 0.0);
-            found += vec4(entry.light, 1.0) * more;
+            found += vec4(light_of(texel, entry, gap), 1.0) * more;
             before = max(covered, before);
         }
     }
@@ -144,8 +179,9 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
         found += march(receiver, lobe, surface.sine, -1.0, -step, reach, fract(offset + 0.5));
     }
     found /= f32(SLICES);
+    // A slice alone may have more than its part of the hemisphere, and another one less.
     let is_number = is_finite(found.r + found.g + found.b + found.a);
-    return select(vec4(0.0), vec4(found.rgb * view.intensity, saturate(found.a)), is_number);
+    return select(vec4(0.0), vec4(found.rgb * view.intensity, found.a), is_number);
 }
 
 /// Each workgroup finds the texels of 32×32 that look in one direction: the invocations of a subgroup walk side by side.
