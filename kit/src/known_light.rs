@@ -81,6 +81,11 @@ impl Seen {
 pub fn see(headless: &mut Headless, frames: usize) -> Seen {
     headless.settle();
     headless.frames(frames);
+    look(headless)
+}
+
+/// What the one camera shows in the frame after the next.
+pub fn look(headless: &mut Headless) -> Seen {
     let light = light(headless);
     let world = headless.world();
     let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
