@@ -55,12 +55,12 @@ impl Default for LeanScreenSpaceGi {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceGiQuality {
-    /// 1 slice, 4 steps a side.
-    Low,
     /// 1 slice, 8 steps a side.
+    Low,
+    /// 2 slices, 10 steps a side.
     #[default]
     Medium,
-    /// 2 slices, 10 steps a side.
+    /// 3 slices, 12 steps a side.
     High,
     /// 4 slices, 16 steps a side.
     Ultra,
@@ -73,9 +73,9 @@ impl ScreenSpaceGiQuality {
     /// Slices, and steps on each side of one.
     pub fn samples(self) -> (u32, u32) {
         match self {
-            Self::Low => (1, 4),
-            Self::Medium => (1, 8),
-            Self::High => (2, 10),
+            Self::Low => (1, 8),
+            Self::Medium => (2, 10),
+            Self::High => (3, 12),
             Self::Ultra => (4, 16),
         }
     }

@@ -1,0 +1,107 @@
+//! The command line.
+
+use argh::FromArgs;
+use bevy::prelude::*;
+use bevy_lean_deferred::prelude::*;
+
+use crate::settings::{self, Effect, ExampleSettings};
+use kit::{
+    example::{
+        choices,
+        model::Viewpoint,
+        numbers::{finite, positive},
+    },
+    size::parse_size,
+};
+
+/// A room with coloured walls, or a glTF or GLB file, whose surfaces shine on one another.
+#[derive(FromArgs)]
+pub struct Args {
+    /// the file to show; a room when left out
+    #[argh(positional)]
+    pub file: Option<String>,
+
+    /// none, occlusion or gi (the default)
+    #[argh(option, default = "Effect::Gi", from_str_fn(effect))]
+    effect: Effect,
+
+    /// low, medium (the default), high or ultra
+    #[argh(option, default = "default()", from_str_fn(quality))]
+    quality: ScreenSpaceGiQuality,
+
+    /// full or half (the default)
+    #[argh(option, default = "default()", from_str_fn(resolution))]
+    resolution: ScreenSpaceGiResolution,
+
+    /// metres, default 4
+    #[argh(option, default = "4.0", from_str_fn(positive))]
+    radius: f32,
+
+    /// leave lamp and sun out
+    #[argh(switch)]
+    dark: bool,
+
+    /// render without a window, write this PNG and quit
+    #[argh(option)]
+    pub headless: Option<String>,
+
+    /// width x height of the picture or window, default 1280x720
+    #[argh(option, default = "UVec2::new(1280, 720)", from_str_fn(parse_size))]
+    pub size: UVec2,
+
+    /// frames before the picture is taken, default 16: light bounces once in each
+    #[argh(option, default = "16")]
+    pub frames: usize,
+
+    /// show the text in the picture of --headless too
+    #[argh(switch)]
+    pub text: bool,
+
+    /// direction of the camera in degrees, default 0
+    #[argh(option, default = "0.0", from_str_fn(finite))]
+    yaw: f32,
+
+    /// height of the camera in degrees, default 5
+    #[argh(option, default = "5.0", from_str_fn(finite))]
+    pitch: f32,
+
+    /// how many times nearer the camera stands, default 1
+    #[argh(option, default = "1.0", from_str_fn(positive))]
+    zoom: f32,
+}
+
+impl Args {
+    pub fn settings(&self) -> ExampleSettings {
+        ExampleSettings {
+            effect: self.effect,
+            gi: LeanScreenSpaceGi {
+                quality: self.quality,
+                resolution: self.resolution,
+                radius: self.radius,
+                ..default()
+            },
+            lights: !self.dark,
+            text: true,
+        }
+    }
+
+    pub fn viewpoint(&self) -> Viewpoint {
+        Viewpoint {
+            yaw: self.yaw.to_radians(),
+            pitch: self.pitch.to_radians(),
+            zoom: self.zoom,
+        }
+    }
+}
+
+fn effect(text: &str) -> Result<Effect, String> {
+    choices::parse(&settings::EFFECTS, text)
+}
+
+fn quality(text: &str) -> Result<ScreenSpaceGiQuality, String> {
+    choices::parse(&ScreenSpaceGiQuality::ALL, text)
+}
+
+fn resolution(text: &str) -> Result<ScreenSpaceGiResolution, String> {
+    choices::parse(&settings::RESOLUTIONS, text)
+}
