@@ -120,7 +120,7 @@ fn check_scene(headless: &mut Headless, scene: &Scene) {
                 (false, false) => (read.max(diffuse), read),
             };
             let allowed = expected.max_element() / 510.0
-                + HALF_ROUNDING * rounded.max_element()
+                + 4.0 * HALF_ROUNDING * rounded.max_element()
                 + 2.0 * LEAST_HALF;
             let off = (read - expected).abs().max_element();
             assert!(
