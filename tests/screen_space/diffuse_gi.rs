@@ -141,7 +141,7 @@ fn a_ball_alone_is_as_it_was() {
             body().count()
         );
         // Some of its facets are a pixel or two: too small to tell how they lie.
-        assert!(most == 0.0 && least > -0.003 && bias > -1e-4);
+        assert!(most == 0.0 && least > -0.01 && bias > -1e-4);
     });
 }
 
