@@ -105,8 +105,8 @@ pub fn pixels_per_metre(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {
 /// How steep a surface may be, in pixels of depth for each pixel across: 83 degrees away from facing the viewer.
 const STEEPEST: f32 = 8.0;
 
-/// x and y so that `x * depth + y` is the step in depth that separates surfaces a pixel apart: a steeper one than
-/// [`STEEPEST`].
+/// x and y so that `x * depth + y` is the step in depth that separates surfaces a pixel apart: steeper than
+/// 83 degrees away from facing the viewer.
 pub fn edge_of(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {
     let step = STEEPEST / pixels_per_metre(clip_from_view, viewport_size).y.abs();
     if projection_of(clip_from_view) == ProjectionKind::Orthographic {
