@@ -55,7 +55,10 @@ pub mod view;
 pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::LeanDeferredPlugin;
-pub use screen_space::{LeanScreenSpaceGi, LeanScreenSpaceGiPlugin};
+pub use screen_space::{
+    LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
+    LeanScreenSpaceReflectionsPlugin,
+};
 pub use view::{
     CameraCut, DebugChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus, LightCulling,
 };
@@ -67,8 +70,8 @@ pub mod prelude {
     pub use crate::{
         CameraCut, DebugChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins, LeanOffReason, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanStatus,
-        LightCulling,
+        LeanDeferredPlugins, LeanOffReason, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
+        LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
             OcclusionNormals, OcclusionQuality, OcclusionResolution,
@@ -81,7 +84,9 @@ pub mod prelude {
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
             GBufferTargets, GBufferUsage, ShadingModel,
         },
-        screen_space::{ScreenSpaceGiQuality, ScreenSpaceGiResolution},
+        screen_space::{
+            ScreenSpaceGiQuality, ScreenSpaceReflectionsQuality, ScreenSpaceResolution,
+        },
         shading_extension::{ExtendedStandardMaterial, ShadingExtension},
     };
 }
@@ -93,5 +98,6 @@ plugin_group! {
         :LeanAmbientOcclusionPlugin,
         :LeanAutoExposurePlugin,
         :LeanScreenSpaceGiPlugin,
+        :LeanScreenSpaceReflectionsPlugin,
     }
 }

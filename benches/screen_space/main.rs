@@ -67,10 +67,14 @@ fn main() {
         .filter(|c| c.is_plain() || words.iter().any(|word| c.name().contains(word)));
     let mut measurements = Vec::new();
     for contender in contenders {
-        let errors = (!args.no_errors).then(|| run::errors(contender)).flatten();
+        let errors = if args.no_errors {
+            Vec::new()
+        } else {
+            run::errors(contender)
+        };
         for size in sizes.iter().copied() {
             eprintln!("{}×{}: {}", size.x, size.y, contender.name());
-            measurements.push(run::measure(contender, size, &args, errors));
+            measurements.push(run::measure(contender, size, &args, errors.clone()));
         }
     }
     println!("{}", report::markdown(&measurements, args.frames));

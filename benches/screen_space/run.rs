@@ -10,11 +10,15 @@ use kit::{
     gpu_time::{Samples, Time},
     headless::Headless,
     known_light::{self, Errors},
+    known_mirrors,
     scenes::boxes::{self, Boxes},
 };
 use serde::Serialize;
 
-use crate::{Args, contender::Contender};
+use crate::{
+    Args,
+    contender::{Contender, Kind},
+};
 
 #[derive(Serialize)]
 pub struct Measurement {
@@ -26,43 +30,74 @@ pub struct Measurement {
     pub lighting: Option<Time>,
     pub camera: Option<Time>,
     pub bytes: f64,
-    pub errors: Option<KnownErrors>,
+    #[serde(skip)]
+    pub kind: Option<Kind>,
+    pub errors: Vec<KnownError>,
 }
 
-/// Root of the mean square, and mean, against closed forms.
-#[derive(Serialize, Clone, Copy)]
-pub struct KnownErrors {
-    pub groove: [f32; 2],
-    pub wall: [f32; 2],
-    pub sphere: [f32; 2],
+/// Root of the mean square, and mean, of what a scene shows against what is known of it.
+#[derive(Serialize, Clone)]
+pub struct KnownError {
+    pub scene: &'static str,
+    pub rmse: f32,
+    pub bias: f32,
 }
 
-/// Of effects that find diffuse light.
-pub fn errors(contender: Contender) -> Option<KnownErrors> {
-    let Contender::Gi(quality, resolution) = contender else {
-        return None;
-    };
-    let effect = LeanScreenSpaceGi {
-        radius: 100.0,
-        falloff: 0.1,
-        quality,
-        resolution,
-        ..default()
-    };
-    let pair = |errors: Errors| [errors.rmse, errors.bias];
-    let size = UVec2::splat(512);
-    Some(KnownErrors {
-        groove: pair(known_light::groove(size, 0.5, effect)),
-        wall: pair(known_light::wall(size, effect)),
-        sphere: pair(known_light::sphere(size, effect)),
-    })
+impl KnownError {
+    fn new(scene: &'static str, errors: Errors) -> Self {
+        Self {
+            scene,
+            rmse: errors.rmse,
+            bias: errors.bias,
+        }
+    }
+}
+
+/// Of effects whose light is known.
+pub fn errors(contender: Contender) -> Vec<KnownError> {
+    match contender {
+        Contender::Gi(quality, resolution) => {
+            let effect = LeanScreenSpaceGi {
+                radius: 100.0,
+                falloff: 0.1,
+                quality,
+                resolution,
+                ..default()
+            };
+            let size = UVec2::splat(512);
+            [
+                ("groove", known_light::groove(size, 0.5, effect)),
+                ("wall", known_light::wall(size, effect)),
+                ("sphere", known_light::sphere(size, effect)),
+            ]
+            .map(|(scene, errors)| KnownError::new(scene, errors))
+            .into()
+        }
+        Contender::Reflections(..) | Contender::BevysReflections => {
+            let size = UVec2::new(480, 360);
+            let mirror = known_mirrors::mirror(size, |camera| contender.dress(camera));
+            let rough = [("0.1", 0.1), ("0.3", 0.3), ("0.5", 0.5)].map(|(scene, roughness)| {
+                let dress = |camera: &mut EntityWorldMut| contender.dress(camera);
+                let (_, errors) = known_mirrors::rough_floor(size, roughness, dress);
+                KnownError::new(scene, errors)
+            });
+            [
+                KnownError::new("mirror", mirror.everywhere),
+                KnownError::new("inside", mirror.inside),
+            ]
+            .into_iter()
+            .chain(rough)
+            .collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 pub fn measure(
     contender: Contender,
     size: UVec2,
     args: &Args,
-    errors: Option<KnownErrors>,
+    errors: Vec<KnownError>,
 ) -> Measurement {
     let boxes = if args.small {
         Boxes::small(32)
@@ -112,6 +147,7 @@ pub fn measure(
         lighting: samples.time("lean_deferred/lighting"),
         camera: samples.time(CAMERA),
         bytes: contender.bytes(),
+        kind: contender.kind(),
         errors,
     }
 }

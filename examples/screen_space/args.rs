@@ -31,7 +31,7 @@ pub struct Args {
 
     /// full or half (the default)
     #[argh(option, default = "default()", from_str_fn(resolution))]
-    resolution: ScreenSpaceGiResolution,
+    resolution: ScreenSpaceResolution,
 
     /// metres, default 4
     #[argh(option, default = "4.0", from_str_fn(positive))]
@@ -102,6 +102,6 @@ fn quality(text: &str) -> Result<ScreenSpaceGiQuality, String> {
     choices::parse(&ScreenSpaceGiQuality::ALL, text)
 }
 
-fn resolution(text: &str) -> Result<ScreenSpaceGiResolution, String> {
+fn resolution(text: &str) -> Result<ScreenSpaceResolution, String> {
     choices::parse(&settings::RESOLUTIONS, text)
 }

@@ -15,8 +15,8 @@ pub enum Effect {
 }
 
 pub const EFFECTS: [Effect; 3] = [Effect::None, Effect::Occlusion, Effect::Gi];
-pub const RESOLUTIONS: [ScreenSpaceGiResolution; 2] =
-    [ScreenSpaceGiResolution::Full, ScreenSpaceGiResolution::Half];
+pub const RESOLUTIONS: [ScreenSpaceResolution; 2] =
+    [ScreenSpaceResolution::Full, ScreenSpaceResolution::Half];
 
 /// From one radius to the next larger one.
 const RADIUS_STEP: f32 = 1.25;

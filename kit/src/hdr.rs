@@ -1,6 +1,7 @@
 //! The light of a picture before post-processing, as half floats.
 
 use bevy::{
+    core_pipeline::schedule::{Core3d, Core3dSystems},
     prelude::*,
     render::{
         RenderApp,
@@ -8,11 +9,10 @@ use bevy::{
             Extent3d, Texture, TextureDataOrder, TextureDescriptor, TextureDimension,
             TextureFormat, TextureUsages, TextureView,
         },
-        renderer::{RenderDevice, RenderQueue},
-        view::ExtractedView,
+        renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
+        view::{ExtractedView, ViewTarget},
     },
 };
-use bevy_lean_deferred::screen_space::{ReadsHistory, ViewHistory};
 use half::f16;
 
 use crate::{headless::Headless, lean::begin_phase};
@@ -53,21 +53,63 @@ pub fn settled_light(headless: &mut Headless) -> Light {
     light(headless)
 }
 
-/// What the one camera shows in the next frame, before post-processing.
+/// On a view of the render world: a copy of what it shows before post-processing.
+#[derive(Component)]
+struct Kept(Texture);
+
+/// In the render world: copies are made.
+#[derive(Resource)]
+struct KeepsLight;
+
+fn keep_light(
+    view: ViewQuery<(Entity, &ViewTarget, Option<&Kept>)>,
+    device: Res<RenderDevice>,
+    mut commands: Commands,
+    mut ctx: RenderContext,
+) {
+    let (entity, target, kept) = view.into_inner();
+    let source = target.main_texture();
+    let copy = match kept {
+        Some(kept) if kept.0.size() == source.size() => kept.0.clone(),
+        _ => device.create_texture(&TextureDescriptor {
+            label: Some("kit/light"),
+            size: source.size(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: source.format(),
+            usage: TextureUsages::COPY_DST | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        }),
+    };
+    ctx.command_encoder().copy_texture_to_texture(
+        source.as_image_copy(),
+        copy.as_image_copy(),
+        source.size(),
+    );
+    commands.entity(entity).insert(Kept(copy));
+}
+
+/// What the one camera shows in the frame after the next, before post-processing.
 pub fn light(headless: &mut Headless) -> Light {
-    change_views(headless, |view| {
-        view.insert(ReadsHistory);
-    });
-    // In the first frame the textures are made.
+    let render_app = headless.app.sub_app_mut(RenderApp);
+    if !render_app.world().contains_resource::<KeepsLight>() {
+        render_app.insert_resource(KeepsLight).add_systems(
+            Core3d,
+            keep_light
+                .after(Core3dSystems::MainPass)
+                .before(Core3dSystems::EarlyPostProcess),
+        );
+    }
     headless.frames(2);
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
-    let mut histories = world.query::<&ViewHistory>();
-    let [color, _] = histories
+    let mut copies = world.query::<&Kept>();
+    let copy = copies
         .single(world)
-        .expect("one camera has a history")
-        .textures()
-        .map(Clone::clone);
-    read_light(headless, &color)
+        .expect("one camera shows light")
+        .0
+        .clone();
+    read_light(headless, &copy)
 }
 
 /// An `Rgba16Float` texture whose texels are all alike.

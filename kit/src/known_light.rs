@@ -47,6 +47,11 @@ pub struct Seen {
 }
 
 impl Seen {
+    /// Where each pixel looks, row by row.
+    pub fn rays(&self) -> &[Ray3d] {
+        &self.rays
+    }
+
     /// The brightness of each pixel that shows the plane through `point`, and where on it.
     pub fn on_plane(&self, point: Vec3, normal: Vec3) -> impl Iterator<Item = (UVec2, Vec3, f32)> {
         let width = self.light.size.x;
@@ -56,6 +61,17 @@ impl Seen {
             let pixel = UVec2::new(i % width, i / width);
             Some((pixel, ray.get_point(distance), self.at(pixel)))
         })
+    }
+
+    /// The same view with other texels.
+    pub fn like(&self, texels: Vec<[f32; 4]>) -> Self {
+        Self {
+            light: Light {
+                size: self.light.size,
+                texels,
+            },
+            rays: self.rays.clone(),
+        }
     }
 
     /// Into the folder that `LIGHT_PICTURES` names, if it does: light times `scale`, gray.
@@ -129,7 +145,7 @@ pub struct Errors {
 }
 
 impl Errors {
-    fn of(differences: impl IntoIterator<Item = f32>) -> Self {
+    pub fn of(differences: impl IntoIterator<Item = f32>) -> Self {
         let (rmse, bias) = errors(differences);
         Self { rmse, bias }
     }

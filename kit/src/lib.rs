@@ -17,6 +17,7 @@ pub mod hdr;
 pub mod headless;
 pub mod held_back;
 pub mod known_light;
+pub mod known_mirrors;
 pub mod lean;
 pub mod log_watch;
 pub mod metrics;

@@ -26,7 +26,6 @@ use crate::{
     gbuffer::GBufferPlugin,
     gpu::recovery,
     lighting::LightingPlugin,
-    screen_space::HistoryPlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
         DebugChannel, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems, can_build,
@@ -43,12 +42,7 @@ impl Plugin for LeanDeferredPlugin {
         if !can_build(app, "LeanDeferredPlugin", true) {
             return;
         }
-        app.add_plugins((
-            GBufferPlugin,
-            LightingPlugin,
-            ShadingExtensionPlugin,
-            HistoryPlugin,
-        ));
+        app.add_plugins((GBufferPlugin, LightingPlugin, ShadingExtensionPlugin));
         app.register_type::<LeanDeferred>()
             .register_type::<GeometricNormal>()
             .register_type::<DebugChannel>()

@@ -1,20 +1,24 @@
 //! What effects find on the screen: in the surfaces of this frame, and in the light of the last one.
 //!
-//! - `succession.rs`: which frames of a view follow one another. `history.rs`: the last frame of a view, for those that ask
-//!   for it.
-//! - `diffuse_gi/`: light that surfaces send to one another.
+//! - `succession.rs`: which frames of a view follow one another. `reprojection.rs`: where the last one had what this one shows.
+//! - `history/`: the last frame of a view, for those that ask for it.
+//! - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
+//! - `resolution.rs`: how many pixels share what effects find.
 
 pub mod diffuse_gi;
-mod history;
+#[doc(hidden)]
+pub mod history;
+pub mod reflections;
+mod reprojection;
+mod resolution;
 mod succession;
 
-pub use diffuse_gi::{
-    LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, ScreenSpaceGiQuality, ScreenSpaceGiResolution,
-};
-pub(crate) use history::HistoryPlugin;
-// Effects of the next kind will ask; until then tests do.
+pub use diffuse_gi::{LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, ScreenSpaceGiQuality};
 #[doc(hidden)]
-pub use {
-    history::{ReadsHistory, ViewHistory},
-    succession::LastFrame,
+pub use history::{ReadsHistory, ViewHistory};
+pub use reflections::{
+    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, ScreenSpaceReflectionsQuality,
 };
+pub use resolution::ScreenSpaceResolution;
+#[doc(hidden)]
+pub use succession::LastFrame;

@@ -2,9 +2,10 @@
 //!
 //! - `layout.{rs,wgsl}`, `layout/`: the words of the G-buffer.
 //! - `reconstruction/`: from depth back to positions, normals and motion.
-//! - `horizon.{rs,wgsl}`: what a pair of horizons hides.
-//! - `tiles.wgsl`: the 8×8 tiles of compute passes; the Rust side is `gpu/tiles.rs`.
+//! - `horizon.{rs,wgsl}`: what a pair of horizons hides. `ggx.{rs,wgsl}`: the lobe of a rough mirror.
+//! - `pattern.wgsl`: which texels of a picture look where. `tiles.wgsl`: the 8×8 tiles of compute passes; the Rust side is `gpu/tiles.rs`.
 
+pub mod ggx;
 pub mod horizon;
 pub mod layout;
 pub mod reconstruction;
@@ -14,6 +15,8 @@ use bevy::{prelude::*, shader::load_shader_library};
 /// Bevy wants all modules that a shader imports, also where `#ifdef` leaves them out.
 pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "tiles.wgsl");
+    load_shader_library!(app, "pattern.wgsl");
+    load_shader_library!(app, "ggx.wgsl");
     load_shader_library!(app, "horizon.wgsl");
     load_shader_library!(app, "layout.wgsl");
     load_shader_library!(app, "layout/light.wgsl");

@@ -1,4 +1,5 @@
 //! Effects that find light on the screen, beside closed forms.
 
 mod diffuse_gi;
+mod reflections;
 mod settings;

@@ -81,7 +81,7 @@ fn settings_may_be_anything() {
         let mut headless = build(SIZE, stage);
         headless.settle();
         for quality in ScreenSpaceGiQuality::ALL {
-            for resolution in [ScreenSpaceGiResolution::Full, ScreenSpaceGiResolution::Half] {
+            for resolution in [ScreenSpaceResolution::Full, ScreenSpaceResolution::Half] {
                 change_cameras(&mut headless, |camera| {
                     camera.insert(LeanScreenSpaceGi {
                         quality,

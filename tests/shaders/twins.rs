@@ -13,7 +13,11 @@ use bevy_lean_deferred::{
     auto_exposure::{self, ExposureState, ExposureView},
     gbuffer,
     lighting::{LightLayersTable, LightingUniform, binding_numbers as lighting_numbers},
-    screen_space::diffuse_gi::{self, GiView},
+    screen_space::{
+        diffuse_gi::{self, GiView},
+        history::{self, HistoryView},
+        reflections::{self, ReflectionView},
+    },
     shading_extension::ExtensionUniform,
 };
 use naga::{Module, TypeInner};
@@ -96,6 +100,14 @@ fn structs_are_laid_out_alike() {
         "STEPS=1"
     );
     check_struct::<GiView, _>(&gather, "GiView");
+    let levels = shader!("screen_space/history/levels.wgsl",);
+    check_struct::<HistoryView, _>(&levels, "HistoryView");
+    let trace = shader!(
+        "screen_space/reflections/trace.wgsl",
+        "DIVISOR=2",
+        "STEPS=1"
+    );
+    check_struct::<ReflectionView, _>(&trace, "ReflectionView");
     let extension = shader!("shading_extension/extension.wgsl", "MATERIAL_BIND_GROUP=3");
     check_struct::<ExtensionUniform, _>(&extension, "Extension");
 }
@@ -266,6 +278,31 @@ fn bindings_have_the_numbers_of_their_names() {
     ];
     let numbers = diffuse_gi::binding_numbers::ALL;
     check_numbers(numbers, &bindings(&gi, 0), "diffuse GI");
+
+    let history = [
+        shader!("screen_space/history/levels.wgsl",),
+        shader!("screen_space/history/levels.wgsl", "OF_LEVEL"),
+    ];
+    let numbers = history::binding_numbers::ALL;
+    check_numbers(numbers, &bindings(&history, 0), "the history");
+
+    let reflections = [
+        shader!("screen_space/reflections/cells.wgsl", "DIVISOR=1"),
+        shader!(
+            "screen_space/reflections/trace.wgsl",
+            "DIVISOR=2",
+            "STEPS=1",
+            "MOTION",
+            "SPECIALIZATION"
+        ),
+        shader!(
+            "screen_space/reflections/resolve.wgsl",
+            "DIVISOR=2",
+            "SIDE_SQUARED=49"
+        ),
+    ];
+    let numbers = reflections::binding_numbers::ALL;
+    check_numbers(numbers, &bindings(&reflections, 0), "reflections");
 
     let resolve = [
         shader!("gbuffer/resolve_motion.wgsl", "GBUFFER_MOTION"),

@@ -3,6 +3,7 @@
 // light (Mayaux 2018, "Horizon-based indirect lighting"). Weighted by the cosine in closed form, as ambient occlusion is.
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, is_finite, unpack_normal}
 #import bevy_lean_deferred::horizon::{PI, SliceNormal, side_occlusion, slice_normal, tangents}
+#import bevy_lean_deferred::pattern::turn_of
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, geometric_normal}
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
     Entry, depth_texture, edge_step, levels, normal_texture, output_texture, unpack_entry, view, view_position,
@@ -106,13 +107,6 @@ fn march(
         }
     }
     return found;
-}
-
-/// Which of the 4×4 texels of the pattern looks in which of its sixteen directions: neighbours in rather different ones
-/// (Bayer 1973, "An optimum method for two-level rendition of continuous-tone pictures").
-fn turn_of(place: vec2<u32>) -> u32 {
-    let x = place.x ^ place.y;
-    return ((x & 1u) << 3u) | ((place.y & 1u) << 2u) | (x & 2u) | ((place.y & 2u) >> 1u);
 }
 
 fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {

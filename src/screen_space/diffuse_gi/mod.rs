@@ -17,7 +17,7 @@ mod prepare;
 mod settings;
 mod uniforms;
 
-pub use settings::{LeanScreenSpaceGi, ScreenSpaceGiQuality, ScreenSpaceGiResolution};
+pub use settings::{LeanScreenSpaceGi, ScreenSpaceGiQuality};
 // For tests and benches.
 #[doc(hidden)]
 pub use {

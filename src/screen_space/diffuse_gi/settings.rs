@@ -1,6 +1,9 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::view::overrides::{CameraEffect, Need};
+use crate::{
+    screen_space::ScreenSpaceResolution,
+    view::overrides::{CameraEffect, Need},
+};
 
 /// Light that surfaces send to one another: what the picture shows of it, from the last frame.
 ///
@@ -30,8 +33,8 @@ pub struct LeanScreenSpaceGi {
     pub falloff: f32,
     /// How many samples are taken. Default [`ScreenSpaceGiQuality::Medium`].
     pub quality: ScreenSpaceGiQuality,
-    /// Default [`ScreenSpaceGiResolution::Half`].
-    pub resolution: ScreenSpaceGiResolution,
+    /// Default [`ScreenSpaceResolution::Half`].
+    pub resolution: ScreenSpaceResolution,
 }
 
 impl CameraEffect for LeanScreenSpaceGi {
@@ -77,27 +80,6 @@ impl ScreenSpaceGiQuality {
             Self::Medium => (2, 10),
             Self::High => (3, 12),
             Self::Ultra => (4, 16),
-        }
-    }
-}
-
-/// How many pixels share a texel, in which light is found.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq)]
-pub enum ScreenSpaceGiResolution {
-    /// One texel a pixel.
-    Full,
-    /// One for each 2×2; lighting scales up along the edges that depth shows.
-    #[default]
-    Half,
-}
-
-impl ScreenSpaceGiResolution {
-    /// Pixels a side that share a texel.
-    pub(super) fn divisor(self) -> u32 {
-        match self {
-            Self::Full => 1,
-            Self::Half => 2,
         }
     }
 }

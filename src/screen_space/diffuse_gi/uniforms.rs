@@ -2,15 +2,14 @@
 
 use core::f32::consts::FRAC_PI_2;
 
-use bevy::{
-    math::{DMat4, DVec3},
-    prelude::*,
-    render::render_resource::ShaderType,
-};
+use bevy::{prelude::*, render::render_resource::ShaderType};
 
 use super::settings::LeanScreenSpaceGi;
 use crate::{
-    screen_space::LastFrame,
+    screen_space::{
+        LastFrame,
+        reprojection::{exposure_ratio, last_pixel_from_view, up_to},
+    },
     shader_library::reconstruction::position::{edge_of, pixels_per_metre, view_from_pixel},
 };
 
@@ -46,7 +45,6 @@ impl GiView {
     pub fn new(settings: &LeanScreenSpaceGi, now: &LastFrame, last: Option<&LastFrame>) -> Self {
         let clip_from_view = now.clip_from_view;
         let size = now.viewport.size();
-        let exposure_ratio = last.map_or(0.0, |last| now.exposure / last.exposure);
         Self {
             view_from_pixel: view_from_pixel(clip_from_view, size),
             view_from_world: now.world_from_view.inverse(),
@@ -56,47 +54,16 @@ impl GiView {
             edge: edge_of(clip_from_view, size),
             viewport_origin: now.viewport.min,
             viewport_size: size,
-            texture_size: texture_size(settings, size),
+            texture_size: settings.resolution.texels(size),
             radius: up_to(LARGEST_METRES, settings.radius),
             largest_radius_in_pixels: (LARGEST_RADIUS * size.y as f32).max(1.0),
             // So that 0 is a hard edge, but no division by it.
             inverse_falloff: 1.0 / settings.falloff.clamp(1e-4, 1.0),
             sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
             intensity: up_to(1.0, settings.intensity),
-            exposure_ratio: if exposure_ratio.is_finite() {
-                exposure_ratio
-            } else {
-                0.0
-            },
+            exposure_ratio: exposure_ratio(now, last),
             turn: 0.0,
             row_stride: 1,
         }
     }
-}
-
-/// From the view space of a frame to pixels and depth of the `last` one. With double precision: both cameras may be far from
-/// the world's origin.
-fn last_pixel_from_view(now: &LastFrame, last: &LastFrame) -> Mat4 {
-    let half = last.viewport.size().as_dvec2() / 2.0;
-    let pixel_from_ndc = DMat4::from_scale_rotation_translation(
-        DVec3::new(half.x, -half.y, 1.0),
-        default(),
-        half.extend(0.0),
-    );
-    let last_view_from_world = last.world_from_view.as_dmat4().inverse();
-    let view_to_view = last_view_from_world * now.world_from_view.as_dmat4();
-    (pixel_from_ndc * last.clip_from_view.as_dmat4() * view_to_view).as_mat4()
-}
-
-/// `x` within 0 and `largest`; 0 for what is not a number.
-fn up_to(largest: f32, x: f32) -> f32 {
-    if x > 0.0 { x.min(largest) } else { 0.0 }
-}
-
-/// Texels of the viewport.
-fn texture_size(settings: &LeanScreenSpaceGi, viewport_size: UVec2) -> UVec2 {
-    let divisor = settings.resolution.divisor();
-    viewport_size
-        .map(|side| side.div_ceil(divisor))
-        .max(UVec2::ONE)
 }

@@ -103,7 +103,7 @@ pub fn pixels_per_metre(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {
 }
 
 /// How steep a surface may be, in pixels of depth for each pixel across: 83 degrees away from facing the viewer.
-const STEEPEST: f32 = 8.0;
+pub const STEEPEST: f32 = 8.0;
 
 /// x and y so that `x * depth + y` is the step in depth that separates surfaces a pixel apart: steeper than
 /// 83 degrees away from facing the viewer.

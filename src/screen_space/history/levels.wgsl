@@ -1,0 +1,129 @@
+// The last frame, kept for the next: its light, and how far away each pixel's surface is; and at levels each half as large as
+// the one before, the sum of the light of surfaces, and their share: so the sky is no part of what they show from afar. Two
+// dispatches: the first makes four levels of the picture, the second (OF_LEVEL) three more of the last of
+// these.
+#import bevy_lean_deferred::gbuffer::layout::is_nan
+#import bevy_lean_deferred::reconstruction::position::view_position
+
+/// Pixels count from the viewport's corner.
+struct HistoryView {
+    /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
+    view_from_pixel: mat4x4<f32>,
+    viewport_origin: vec2<u32>,
+    viewport_size: vec2<u32>,
+}
+
+/// What the main passes have left, or the last level of the first dispatch.
+@group(0) @binding(0) var color_texture: texture_2d<f32>;
+/// Those that are made, largest first.
+@group(0) @binding(1) var level_0: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(2) var level_1: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(3) var level_2: texture_storage_2d<rgba16float, write>;
+#ifndef OF_LEVEL
+@group(0) @binding(4) var level_3: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(5) var<uniform> view: HistoryView;
+@group(0) @binding(6) var depth_texture: texture_depth_2d;
+#endif
+
+/// What a pixel may show, in units of the exposed picture. A smaller light is as bright as it likes by covering more
+/// pixels; what is brighter on a single one would make rough mirrors flicker.
+const LARGEST_LIGHT: f32 = 1024.0;
+
+/// Of the sky, and of what is further away than a half float tells: it is no surface.
+const NO_SURFACE: f32 = 65504.0;
+
+var<workgroup> texels_0: array<vec4<f32>, 256>;
+var<workgroup> texels_1: array<vec4<f32>, 64>;
+var<workgroup> texels_2: array<vec4<f32>, 16>;
+
+/// What a level says of a texel: light of surfaces, and their share.
+fn share_of(texel: vec4<f32>) -> vec4<f32> {
+#ifdef OF_LEVEL
+    return texel;
+#else
+    let is_surface = texel.a != NO_SURFACE;
+    return select(vec4(0.0), vec4(texel.rgb, 1.0), is_surface);
+#endif
+}
+
+#ifdef OF_LEVEL
+fn texel_at(place: vec2<u32>) -> vec4<f32> {
+    let last = textureDimensions(color_texture) - 1u;
+    return textureLoad(color_texture, vec2<i32>(min(place, last)), 0);
+}
+#else
+/// Light without what is not a number, with its hue where it is too bright.
+fn bounded(light: vec3<f32>) -> vec3<f32> {
+    let number = select(light, vec3(0.0), is_nan(light.r + light.g + light.b));
+    let finite = clamp(number, vec3(0.0), vec3(65504.0));
+    let brightest = max(finite.r, max(finite.g, finite.b));
+    return finite * min(LARGEST_LIGHT / max(brightest, 1e-6), 1.0);
+}
+
+/// Beyond the viewport its last pixels go on.
+fn texel_at(place: vec2<u32>) -> vec4<f32> {
+    let inside = min(place, view.viewport_size - 1u);
+    let pixel = vec2<i32>(view.viewport_origin + inside);
+    let light = bounded(textureLoad(color_texture, pixel, 0).rgb);
+    let depth = textureLoad(depth_texture, pixel, 0);
+    var distance = NO_SURFACE;
+    if depth > 0.0 {
+        distance = -view_position(view.view_from_pixel, vec3(vec2<f32>(inside) + 0.5, depth)).z;
+    }
+    return vec4(light, clamp(distance, -NO_SURFACE, NO_SURFACE));
+}
+#endif
+
+fn mean(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>) -> vec4<f32> {
+    return (a + b + c + d) / 4.0;
+}
+
+fn store(level: u32, place: vec2<u32>, texel: vec4<f32>) {
+#ifdef OF_LEVEL
+    switch level {
+        case 1u: { textureStore(level_0, place, texel); }
+        case 2u: { textureStore(level_1, place, texel); }
+        case 3u: { textureStore(level_2, place, texel); }
+        default: {}
+    }
+#else
+    switch level {
+        case 0u: { textureStore(level_0, place, texel); }
+        case 1u: { textureStore(level_1, place, texel); }
+        case 2u: { textureStore(level_2, place, texel); }
+        default: { textureStore(level_3, place, texel); }
+    }
+#endif
+}
+
+/// 256 invocations read 16×16 texels, level 0 here, and make what is above them.
+@compute @workgroup_size(256, 1, 1)
+fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
+    let place = workgroup.xy * 16u + vec2(i % 16u, i / 16u);
+    let texel = texel_at(place);
+    store(0u, place, texel);
+    texels_0[i] = share_of(texel);
+    workgroupBarrier();
+    if i < 64u {
+        let place = vec2(i % 8u, i / 8u);
+        let first = 2u * (place.x + 16u * place.y);
+        let texel = mean(texels_0[first], texels_0[first + 1u], texels_0[first + 16u], texels_0[first + 17u]);
+        texels_1[i] = texel;
+        store(1u, workgroup.xy * 8u + place, texel);
+    }
+    workgroupBarrier();
+    if i < 16u {
+        let place = vec2(i % 4u, i / 4u);
+        let first = 2u * (place.x + 8u * place.y);
+        let texel = mean(texels_1[first], texels_1[first + 1u], texels_1[first + 8u], texels_1[first + 9u]);
+        texels_2[i] = texel;
+        store(2u, workgroup.xy * 4u + place, texel);
+    }
+    workgroupBarrier();
+    if i < 4u {
+        let place = vec2(i % 2u, i / 2u);
+        let first = 2u * (place.x + 4u * place.y);
+        let texel = mean(texels_2[first], texels_2[first + 1u], texels_2[first + 4u], texels_2[first + 5u]);
+        store(3u, workgroup.xy * 2u + place, texel);
+    }
+}

@@ -1,0 +1,84 @@
+//! The last frame of a view, its light and its depth, as they were before post-processing: for effects that find in it what
+//! this frame cannot know yet.
+//!
+//! An effect inserts [`ReadsHistory`] on its views, and finds [`ViewHistory`] there. It is valid while each frame follows the
+//! one before: not after a cut, a pause, a change of size, or of the kind of projection.
+//!
+//! - `prepare.rs`: the textures, and whether they are valid. `pipelines.rs`, `pass.rs`, `levels.wgsl`: what fills them.
+
+#[doc(hidden)]
+pub mod binding_numbers;
+mod pass;
+mod pipelines;
+mod prepare;
+
+use bevy::{
+    asset::embedded_asset,
+    core_pipeline::{
+        core_3d::prepare_core_3d_depth_textures,
+        schedule::{Core3d, Core3dSystems},
+    },
+    prelude::*,
+    render::{
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        render_resource::TextureUsages,
+    },
+};
+
+pub(super) use prepare::prepare_histories;
+pub use prepare::{HistoryView, ViewHistory};
+
+use super::succession::SuccessionPlugin;
+use crate::view::{SharedPlugin, depth_usage::extend_depth_usage, removal};
+
+/// On a view of the render world: something reads its last frame. To be inserted before `RenderSystems::PrepareResources`,
+/// and removed when nothing does any more.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct ReadsHistory;
+
+/// Keeps the last frame of views that somebody reads. Added by those that do, once.
+pub(crate) struct HistoryPlugin;
+
+impl HistoryPlugin {
+    pub(crate) fn add_to(app: &mut App) {
+        if !app.is_plugin_added::<Self>() {
+            app.add_plugins(Self);
+        }
+    }
+}
+
+impl Plugin for HistoryPlugin {
+    fn build(&self, app: &mut App) {
+        SharedPlugin::add_to(app);
+        SuccessionPlugin::add_to(app);
+        embedded_asset!(app, "levels.wgsl");
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        removal::remove_with::<ReadsHistory, ViewHistory>(render_app);
+        render_app
+            .init_gpu_resource::<prepare::HistoryUniforms>()
+            .add_systems(
+                RenderStartup,
+                (pipelines::init_history_pipelines, prepare::forget_histories),
+            )
+            .add_systems(
+                Render,
+                (
+                    (
+                        extend_depth_usage::<ReadsHistory>(TextureUsages::TEXTURE_BINDING)
+                            .before(prepare_core_3d_depth_textures),
+                        prepare::prepare_histories.after(prepare_core_3d_depth_textures),
+                    )
+                        .in_set(RenderSystems::PrepareResources),
+                    prepare::prepare_history_bind_groups.in_set(RenderSystems::PrepareBindGroups),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                pass::keep_frame
+                    .after(Core3dSystems::MainPass)
+                    .before(Core3dSystems::EarlyPostProcess),
+            );
+    }
+}

@@ -1,0 +1,266 @@
+//! The textures of views whose last frame is read, and whether what they hold says something of this frame.
+
+use bevy::{
+    camera::MainPassResolutionOverride,
+    image::ToExtents,
+    prelude::*,
+    render::{
+        camera::ExtractedCamera,
+        render_resource::{
+            BindGroup, DynamicUniformBuffer, IntoBinding, PipelineCache, ShaderType, Texture,
+            TextureDescriptor, TextureDimension, TextureId, TextureUsages, TextureView,
+            TextureViewDescriptor,
+        },
+        renderer::{RenderDevice, RenderQueue},
+        view::{ExtractedView, ViewDepthTexture, ViewTarget},
+    },
+};
+
+use super::{
+    ReadsHistory,
+    binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, VIEW},
+    pipelines::{FORMAT, HistoryPipelines, LEVELS},
+};
+use crate::{
+    gpu::bind_group_cache::CachedBindGroup,
+    screen_space::succession::{FrameNumber, LastFrame, Succession},
+    shader_library::reconstruction::position::view_from_pixel,
+    view::CameraCuts,
+};
+
+const LEVEL_COUNT: u32 = LEVELS[0] + LEVELS[1];
+/// Texels a side that a workgroup reads.
+const SIDE: u32 = 16;
+
+/// What the passes know of a view.
+#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(no_auto_register)]
+pub struct HistoryView {
+    pub view_from_pixel: Mat4,
+    pub viewport_origin: UVec2,
+    pub viewport_size: UVec2,
+}
+
+/// The uniforms of all views.
+#[derive(Resource, Default)]
+pub(in crate::screen_space) struct HistoryUniforms(DynamicUniformBuffer<HistoryView>);
+
+/// On a view of the render world with [`ReadsHistory`]: its last frame.
+///
+/// The texture is as large as the viewport, rounded up to a multiple of the last level's texel. Its colour is the lit picture,
+/// linear, exposed as the last frame was: finite, and at most 1024. Its alpha is the distance of the surface along the view
+/// direction, in metres; 65504 where there is none. Further levels have the sum of the light of surfaces over the number of
+/// texels, of which they are a part, and in alpha that part.
+#[derive(Component)]
+pub struct ViewHistory {
+    texture: Texture,
+    all: TextureView,
+    each: [TextureView; LEVEL_COUNT as usize],
+    /// Of the first dispatch: Bevy has two main textures for a view, and may use one or the other.
+    pictures: [(Option<TextureId>, CachedBindGroup); 2],
+    means: CachedBindGroup,
+    frames: Succession,
+    offset: u32,
+}
+
+impl ViewHistory {
+    /// What the last frame was seen with; `None` if what the texture holds says nothing of this frame.
+    pub fn last(&self) -> Option<&LastFrame> {
+        self.frames.last()
+    }
+
+    /// All levels.
+    pub fn view(&self) -> &TextureView {
+        &self.all
+    }
+
+    /// What [`view`](Self::view) shows.
+    pub fn texture(&self) -> &Texture {
+        &self.texture
+    }
+
+    /// Pixels of the first level.
+    pub fn size(&self) -> UVec2 {
+        UVec2::new(self.texture.width(), self.texture.height())
+    }
+
+    /// Of the dispatch that reads `picture`.
+    pub(super) fn bind_group_of(&self, picture: &Texture) -> Option<&BindGroup> {
+        let (_, group) = self
+            .pictures
+            .iter()
+            .find(|(id, _)| *id == Some(picture.id()))?;
+        group.get()
+    }
+
+    /// Of the second dispatch.
+    pub(super) fn bind_group_of_means(&self) -> Option<&BindGroup> {
+        self.means.get()
+    }
+
+    /// Those that stay from frame to frame as long as nothing changes.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        let pictures = self.pictures.iter().map(|(_, group)| group);
+        pictures
+            .chain([&self.means])
+            .filter_map(CachedBindGroup::get)
+    }
+
+    pub(super) fn offset(&self) -> u32 {
+        self.offset
+    }
+
+    /// Of the two dispatches.
+    pub(super) fn workgroups(&self) -> [UVec2; 2] {
+        let last_of_first = self.size() >> (LEVELS[0] - 1);
+        [self.size(), last_of_first].map(|texels| texels.map(|side| side.div_ceil(SIDE)))
+    }
+
+    /// This frame's light is there.
+    pub(super) fn hold(&self, number: &FrameNumber) {
+        self.frames.hold(number);
+    }
+
+    fn new(device: &RenderDevice, size: UVec2, frames: Succession) -> Self {
+        let texture = device.create_texture(&TextureDescriptor {
+            label: Some("lean_deferred/screen_space/history"),
+            size: size.to_extents(),
+            mip_level_count: LEVEL_COUNT,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: FORMAT,
+            usage: TextureUsages::STORAGE_BINDING
+                | TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let each = core::array::from_fn(|level| {
+            texture.create_view(&TextureViewDescriptor {
+                base_mip_level: level as u32,
+                mip_level_count: Some(1),
+                ..default()
+            })
+        });
+        Self {
+            all: texture.create_view(&TextureViewDescriptor::default()),
+            each,
+            texture,
+            pictures: default(),
+            means: default(),
+            frames,
+            offset: 0,
+        }
+    }
+}
+
+/// Pixels of the texture for a viewport of this size: each texel of the last level stands for as many.
+fn texture_size(viewport_size: UVec2) -> UVec2 {
+    let side = 1 << (LEVEL_COUNT - 1);
+    viewport_size.map(|length| length.max(1).next_multiple_of(side))
+}
+
+/// On each new device.
+pub(super) fn forget_histories(mut commands: Commands, views: Query<Entity, With<ViewHistory>>) {
+    for view in &views {
+        commands.entity(view).remove::<ViewHistory>();
+    }
+}
+
+/// Makes the textures of views that have none, and says whether those of others are valid.
+pub(in crate::screen_space) fn prepare_histories(
+    mut commands: Commands,
+    mut uniforms: ResMut<HistoryUniforms>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    number: Res<FrameNumber>,
+    mut views: Query<
+        (
+            Entity,
+            (&ExtractedView, &ExtractedCamera),
+            &ViewDepthTexture,
+            Option<&MainPassResolutionOverride>,
+            Option<&CameraCuts>,
+            Option<&mut ViewHistory>,
+        ),
+        With<ReadsHistory>,
+    >,
+) {
+    let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
+        return;
+    };
+    for (entity, (view, camera), depth, resolution, cuts, history) in &mut views {
+        // Depth cannot be resolved.
+        if depth.texture.sample_count() != 1 {
+            commands.entity(entity).remove::<ViewHistory>();
+            continue;
+        }
+        let now = LastFrame::of(view, resolution, camera.exposure);
+        let size = now.viewport.size();
+        let mut made = None;
+        let history = match history {
+            Some(history) if history.size() == texture_size(size) => {
+                let history = history.into_inner();
+                history.frames.advance(now, cuts, &number);
+                history
+            }
+            _ => {
+                let frames = Succession::new(now, cuts);
+                made.insert(ViewHistory::new(&device, texture_size(size), frames))
+            }
+        };
+        history.offset = writer.write(&HistoryView {
+            view_from_pixel: view_from_pixel(now.clip_from_view, size),
+            viewport_origin: now.viewport.min,
+            viewport_size: size,
+        });
+        if let Some(made) = made {
+            commands.entity(entity).insert(made);
+        }
+    }
+}
+
+/// Makes the bind groups of views whose last frame is read.
+pub(super) fn prepare_history_bind_groups(
+    device: Res<RenderDevice>,
+    cache: Res<PipelineCache>,
+    pipelines: Option<ResMut<HistoryPipelines>>,
+    uniforms: Res<HistoryUniforms>,
+    mut views: Query<(&mut ViewHistory, &ViewTarget, &ViewDepthTexture)>,
+) {
+    let (Some(mut pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
+        return;
+    };
+    if !views.is_empty() {
+        pipelines.queue(&cache);
+    }
+    for (mut history, target, depth) in &mut views {
+        let history = &mut *history;
+        let (first, rest) = history.each.split_at(LEVELS[0] as usize);
+        // In an order that stays.
+        let mut sources = [
+            (target.main_texture(), target.main_texture_view()),
+            (
+                target.main_texture_other(),
+                target.main_texture_other_view(),
+            ),
+        ];
+        sources.sort_by_key(|(texture, _)| texture.id());
+        for ((source, view), (id, group)) in sources.into_iter().zip(&mut history.pictures) {
+            *id = Some(source.id());
+            group.update(&device, &pipelines.layouts[0], |entries| {
+                entries.push(COLOR_TEXTURE, view.into_binding())?;
+                for (number, level) in (LEVEL_0..).zip(first) {
+                    entries.push(number, level.into_binding())?;
+                }
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(DEPTH_TEXTURE, depth.view().into_binding())
+            });
+        }
+        (history.means).update(&device, &pipelines.layouts[1], |entries| {
+            entries.push(COLOR_TEXTURE, first.last()?.into_binding())?;
+            for (number, level) in (LEVEL_0..).zip(rest) {
+                entries.push(number, level.into_binding())?;
+            }
+            Some(())
+        });
+    }
+}

@@ -1,0 +1,103 @@
+//! Per camera and frame: whether reflections are found, and by which shaders.
+
+use bevy::{
+    core_pipeline::prepass::MotionVectorPrepass,
+    prelude::*,
+    render::{
+        camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity,
+        view::ExtractedView,
+    },
+};
+
+use super::{
+    key::ReflectionKey,
+    pipelines::{ReflectionPasses, ReflectionPipelines},
+    settings::LeanScreenSpaceReflections,
+};
+use crate::{
+    screen_space::ReadsHistory,
+    shader_library::reconstruction::position::projection_of,
+    view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LeanDeferred, warn_once::WarnOnce},
+};
+
+/// On a view of the render world: its shaders are compiled, and lighting is asked to take in what they find.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct ActiveReflections {
+    pub(super) settings: LeanScreenSpaceReflections,
+    pub(super) key: ReflectionKey,
+    pub(super) passes: ReflectionPasses,
+}
+
+/// Why cameras are without.
+#[derive(Resource)]
+pub(super) struct Warnings(WarnOnce<&'static str>);
+
+impl Default for Warnings {
+    fn default() -> Self {
+        Self(WarnOnce::new("LeanScreenSpaceReflections"))
+    }
+}
+
+/// Inserts or removes [`ActiveReflections`], and what it asks of others. While the shaders of new settings compile, a view
+/// keeps those that it had. Cameras that are switched off lose it, and so what they hold on the GPU.
+pub(super) fn decide_active_reflections(
+    mut commands: Commands,
+    pipelines: Option<ResMut<ReflectionPipelines>>,
+    cache: Res<PipelineCache>,
+    mut warnings: ResMut<Warnings>,
+    views: Query<
+        (
+            Entity,
+            &ExtractedView,
+            &LeanScreenSpaceReflections,
+            Has<LeanDeferred>,
+            Has<MotionVectorPrepass>,
+            (Option<&ActiveLeanView>, Option<&ActiveReflections>),
+        ),
+        (With<Camera3d>, With<ExtractedCamera>),
+    >,
+    cameras: Query<&MainEntity, With<LeanScreenSpaceReflections>>,
+    switched_off: Query<Entity, (With<ActiveReflections>, Without<ExtractedCamera>)>,
+) {
+    warnings.0.keep_only(cameras.iter());
+    for entity in &switched_off {
+        commands.entity(entity).remove::<ActiveReflections>();
+    }
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    for (entity, view, settings, is_lean, motion, (last, current)) in &views {
+        let reason = (!is_lean).then_some("it has no LeanDeferred");
+        (warnings.0).tell(view.retained_view_entity.main_entity, reason);
+        let key = ReflectionKey {
+            steps: settings.quality.steps(),
+            divisor: settings.resolution.divisor(),
+            motion,
+            // Those of the last frame: where the target is new, coats mirror a frame later.
+            specialization: last
+                .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
+            projection: projection_of(view.clip_from_view),
+        };
+        let wanted = ActiveReflections {
+            settings: *settings,
+            key,
+            passes: pipelines.specialize(&cache, key),
+        };
+        let stand_in = current.filter(|last| last.key.binds_like(key)).copied();
+        let active = [Some(wanted), stand_in]
+            .into_iter()
+            .flatten()
+            .find(|active| is_lean && active.passes.are_compiled(&cache));
+        match active {
+            Some(active) => {
+                let mut view = commands.entity(entity);
+                view.insert((active, ReadsHistory));
+                view.insert_if_new(IndirectSpecular::default());
+            }
+            None if current.is_some() => {
+                commands.entity(entity).remove::<ActiveReflections>();
+            }
+            None => {}
+        }
+    }
+}

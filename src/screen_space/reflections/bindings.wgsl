@@ -1,0 +1,86 @@
+// What the passes bind: each imports what it uses.
+#define_import_path bevy_lean_deferred::screen_space::reflections::bindings
+
+#import bevy_lean_deferred::reconstruction::position as reconstruction
+#import bevy_lean_deferred::screen_space::reflections::view::ReflectionView
+
+@group(0) @binding(0) var<uniform> view: ReflectionView;
+@group(0) @binding(1) var depth_texture: texture_depth_2d;
+@group(0) @binding(2) var normal_texture: texture_2d<u32>;
+@group(0) @binding(3) var written_texture: texture_2d<u32>;
+@group(0) @binding(4) var specialization_texture: texture_2d<u32>;
+/// From where the motion of each pixel began.
+@group(0) @binding(5) var motion_texture: texture_2d<f32>;
+/// The last frame: light, and distance in alpha.
+@group(0) @binding(6) var history_texture: texture_2d<f32>;
+@group(0) @binding(7) var history_sampler: sampler;
+/// The nearest and the furthest depth of cells of pixels.
+@group(0) @binding(8) var cells_texture: texture_2d<f32>;
+@group(0) @binding(9) var cells_output: texture_storage_2d<rg32float, write>;
+/// What each ray has found: light and confidence; and where it was: see `pack_hit`.
+@group(0) @binding(10) var rays_texture: texture_2d<f32>;
+@group(0) @binding(11) var hits_texture: texture_2d<u32>;
+@group(0) @binding(12) var rays_output: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(13) var hits_output: texture_storage_2d<r32uint, write>;
+@group(0) @binding(14) var output_texture: texture_storage_2d<rgba16float, write>;
+
+/// Pixels a side of a texel of rays.
+const DIVISOR: i32 = #{DIVISOR};
+
+/// View-space position of a point of the picture, in pixels.
+fn view_position(at: vec2<f32>, depth: f32) -> vec3<f32> {
+    return reconstruction::view_position(view.view_from_pixel, vec3(at, depth));
+}
+
+/// Towards where the camera is from `position`, unit length.
+fn to_viewer(position: vec3<f32>) -> vec3<f32> {
+#ifdef PROJECTION_ORTHOGRAPHIC
+    return vec3(0.0, 0.0, 1.0);
+#else
+    return normalize(-position);
+#endif
+}
+
+/// The step in depth that separates surfaces so many pixels apart.
+fn edge_step(depth: f32, pixels: f32) -> f32 {
+    return (view.edge.x * depth + view.edge.y) * pixels;
+}
+
+/// Depth where a surface whose front is at `depth` ends.
+fn behind(depth: f32) -> f32 {
+#ifdef PROJECTION_ORTHOGRAPHIC
+    return depth - view.behind.x;
+#else
+    // Depth less a constant is inverse to the distance.
+    let inverse = depth - view.behind.y;
+    return view.behind.y + inverse / (1.0 + view.behind.x * inverse);
+#endif
+}
+
+/// Depth at a pixel of the viewport, or at the nearest one.
+fn depth_in_view(pixel: vec2<i32>) -> f32 {
+    let inside = clamp(pixel, vec2(0), vec2<i32>(view.viewport_size) - 1);
+    return textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + inside, 0);
+}
+
+/// The slope on the flatter side, from one to the next of three.
+fn flatter(before: f32, center: f32, after: f32) -> f32 {
+    let a = center - before;
+    let b = after - center;
+    return select(select(b, a, abs(a) < abs(b)), 0.0, a > 0.0 && b < 0.0);
+}
+
+/// Where a ray ended: the inverse of the distance at which its mirror image is seen, straight on through the mirror, and in
+/// the lower bits the weight of its direction. 0: nowhere.
+fn pack_hit(inverse_distance: f32, weight: f32) -> u32 {
+    return (bitcast<u32>(inverse_distance) & 0xffffff00u) | u32(saturate(weight) * 255.0 + 0.5);
+}
+
+struct Hit {
+    inverse_distance: f32,
+    weight: f32,
+}
+
+fn unpack_hit(word: u32) -> Hit {
+    return Hit(bitcast<f32>(word & 0xffffff00u), f32(word & 0xffu) / 255.0);
+}

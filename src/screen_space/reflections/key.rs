@@ -1,0 +1,42 @@
+//! What the shaders are compiled by.
+
+use bevy::shader::ShaderDefVal;
+
+use crate::shader_library::reconstruction::position::ProjectionKind;
+
+/// What all passes are compiled by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct ReflectionKey {
+    pub(super) steps: u32,
+    pub(super) divisor: u32,
+    /// The view has motion vectors.
+    pub(super) motion: bool,
+    /// The view may have special surfaces.
+    pub(super) specialization: bool,
+    pub(super) projection: ProjectionKind,
+}
+
+impl ReflectionKey {
+    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+        // Texels a side that a workgroup of the last pass reads.
+        let side = 8 / self.divisor + 3;
+        let mut defs = vec![
+            ShaderDefVal::UInt("STEPS".into(), self.steps),
+            ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
+            ShaderDefVal::UInt("SIDE_SQUARED".into(), side * side),
+        ];
+        if self.motion {
+            defs.push("MOTION".into());
+        }
+        if self.specialization {
+            defs.push("SPECIALIZATION".into());
+        }
+        defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
+        defs
+    }
+
+    /// Whether what is bound is the same.
+    pub(super) fn binds_like(self, other: Self) -> bool {
+        (self.motion, self.projection) == (other.motion, other.projection)
+    }
+}

@@ -1,0 +1,119 @@
+//! What surfaces mirror: rays through the depth of this frame, into the light of the last one.
+//!
+//! - `settings.rs`: the component.
+//! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
+//! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
+//! - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach. `trace.wgsl`: a ray for each texel,
+//!   by `march.wgsl`. `resolve.wgsl`: what each pixel mirrors, of what the rays around it have found.
+//! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `surface.wgsl`: what mirrors, and
+//!   what the last frame showed of it.
+
+mod active;
+#[doc(hidden)]
+pub mod binding_numbers;
+mod key;
+mod pass;
+mod pipelines;
+mod prepare;
+mod settings;
+mod uniforms;
+
+pub use settings::{LeanScreenSpaceReflections, ScreenSpaceReflectionsQuality};
+// For tests and benches.
+#[doc(hidden)]
+pub use {
+    active::ActiveReflections,
+    prepare::{ReflectionBindings, ViewReflections},
+    uniforms::ReflectionView,
+};
+
+use bevy::{
+    asset::embedded_asset,
+    core_pipeline::schedule::{Core3d, Core3dSystems},
+    prelude::*,
+    render::{
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        extract_component::ExtractComponentPlugin,
+    },
+    shader::load_shader_library,
+};
+
+use super::{
+    ReadsHistory,
+    history::{HistoryPlugin, prepare_histories},
+};
+use crate::{
+    gpu::recovery,
+    view::{
+        GBufferPasses, IndirectSpecular, LeanViewSystems, LightingPasses, SharedPlugin, can_build,
+        overrides, removal,
+    },
+};
+
+/// Reflections, for cameras with [`LeanScreenSpaceReflections`].
+#[derive(Default)]
+pub struct LeanScreenSpaceReflectionsPlugin;
+
+impl Plugin for LeanScreenSpaceReflectionsPlugin {
+    fn build(&self, app: &mut App) {
+        if !can_build(app, "LeanScreenSpaceReflectionsPlugin", true) {
+            return;
+        }
+        SharedPlugin::add_to(app);
+        HistoryPlugin::add_to(app);
+        load_shader_library!(app, "view.wgsl");
+        load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "march.wgsl");
+        load_shader_library!(app, "surface.wgsl");
+        embedded_asset!(app, "cells.wgsl");
+        embedded_asset!(app, "trace.wgsl");
+        embedded_asset!(app, "resolve.wgsl");
+        app.register_type::<LeanScreenSpaceReflections>()
+            .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
+        overrides::add_to::<LeanScreenSpaceReflections>(app);
+
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        removal::remove_with::<LeanScreenSpaceReflections, ActiveReflections>(render_app);
+        removal::remove_with::<
+            ActiveReflections,
+            (
+                ViewReflections,
+                ReflectionBindings,
+                IndirectSpecular,
+                ReadsHistory,
+            ),
+        >(render_app);
+        render_app
+            .init_resource::<active::Warnings>()
+            .init_gpu_resource::<prepare::ReflectionUniforms>()
+            .add_systems(
+                RenderStartup,
+                (
+                    pipelines::init_reflection_pipelines,
+                    recovery::forget::<LeanScreenSpaceReflections>,
+                ),
+            )
+            .add_systems(
+                Render,
+                (
+                    active::decide_active_reflections
+                        .in_set(RenderSystems::PrepareAssets)
+                        .before(LeanViewSystems),
+                    prepare::prepare_reflections
+                        .in_set(RenderSystems::PrepareResources)
+                        .after(prepare_histories),
+                    prepare::prepare_reflection_bind_groups
+                        .in_set(RenderSystems::PrepareBindGroups),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                pass::find_reflections
+                    .in_set(Core3dSystems::MainPass)
+                    .after(GBufferPasses)
+                    .before(LightingPasses),
+            );
+    }
+}

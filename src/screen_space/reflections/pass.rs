@@ -1,0 +1,59 @@
+//! The passes, between G-buffer and lighting.
+
+use bevy::{
+    prelude::*,
+    render::{
+        render_resource::{ComputePassDescriptor, PipelineCache},
+        renderer::{RenderContext, ViewQuery},
+    },
+};
+
+use super::{
+    active::ActiveReflections,
+    prepare::{ReflectionBindings, ViewReflections},
+};
+use crate::{
+    gpu::timed::timed,
+    view::{ActiveLeanView, LightExchange},
+};
+
+/// Labels of the passes, in order.
+const PASSES: [&str; 3] = [
+    "lean_deferred/reflections/cells",
+    "lean_deferred/reflections/trace",
+    "lean_deferred/reflections/resolve",
+];
+
+/// Finds what surfaces mirror, for the lighting pass.
+pub(super) fn find_reflections(
+    view: ViewQuery<(
+        &ActiveReflections,
+        &ActiveLeanView,
+        &ViewReflections,
+        &ReflectionBindings,
+    )>,
+    cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let (active, lean, held, bindings) = view.into_inner();
+    if !lean.exchange.contains(LightExchange::INDIRECT_SPECULAR) {
+        return;
+    }
+    let steps = PASSES.into_iter().zip(active.passes.0);
+    for (((label, pipeline), group), count) in steps.zip(bindings.groups()).zip(held.workgroups()) {
+        let (Some(pipeline), Some(group)) = (cache.get_compute_pipeline(pipeline), group) else {
+            return;
+        };
+        timed(&mut ctx, label, |ctx| {
+            let mut pass = ctx
+                .command_encoder()
+                .begin_compute_pass(&ComputePassDescriptor {
+                    label: Some(label),
+                    timestamp_writes: None,
+                });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[held.offset]);
+            pass.dispatch_workgroups(count.x, count.y, 1);
+        });
+    }
+}

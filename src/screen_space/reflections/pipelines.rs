@@ -1,0 +1,185 @@
+//! Layouts and pipelines.
+
+use bevy::{
+    asset::load_embedded_asset,
+    platform::collections::HashMap,
+    prelude::*,
+    render::{
+        render_resource::{
+            BindGroupLayoutEntryBuilder, CachedComputePipelineId, ComputePipelineDescriptor,
+            FilterMode, MipmapFilterMode, PipelineCache, Sampler, SamplerBindingType,
+            SamplerDescriptor, ShaderStages, StorageTextureAccess, Texture, TextureDescriptor,
+            TextureDimension, TextureFormat, TextureSampleType, TextureUsages, TextureView,
+            binding_types::{
+                sampler, texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer,
+            },
+        },
+        renderer::RenderDevice,
+    },
+};
+
+use super::{
+    binding_numbers::{
+        CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_TEXTURE, HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT,
+        HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE,
+        SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
+    },
+    key::ReflectionKey,
+    uniforms::ReflectionView,
+};
+use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
+
+/// Of the nearest and the furthest depth.
+pub(super) const CELLS_FORMAT: TextureFormat = TextureFormat::Rg32Float;
+/// Of light and confidence.
+pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
+/// Of where rays ended.
+pub(super) const HITS_FORMAT: TextureFormat = TextureFormat::R32Uint;
+
+/// The pipelines of one key, in the order of the passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ReflectionPasses(pub(super) [CachedComputePipelineId; 3]);
+
+impl ReflectionPasses {
+    pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
+        self.0
+            .into_iter()
+            .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
+    }
+}
+
+/// The layouts of the passes, in their order.
+pub(super) struct ReflectionLayouts(pub(super) [FoundLayout; 3]);
+
+/// The pipelines by key. Made by `init_reflection_pipelines`.
+#[derive(Resource)]
+pub(super) struct ReflectionPipelines {
+    shaders: [Handle<Shader>; 3],
+    /// Without and with motion; without and with special surfaces.
+    layouts: [[ReflectionLayouts; 2]; 2],
+    pub(super) sampler: Sampler,
+    /// A texel of 0: no special surface.
+    pub(super) nothing: TextureView,
+    by_key: HashMap<ReflectionKey, ReflectionPasses>,
+}
+
+pub(super) fn init_reflection_pipelines(
+    mut commands: Commands,
+    asset_server: Res<AssetServer>,
+    cache: Res<PipelineCache>,
+    device: Res<RenderDevice>,
+) {
+    let sampler = device.create_sampler(&SamplerDescriptor {
+        label: Some("lean_deferred/reflections/history"),
+        mag_filter: FilterMode::Linear,
+        min_filter: FilterMode::Linear,
+        mipmap_filter: MipmapFilterMode::Linear,
+        ..default()
+    });
+    let nothing: Texture = device.create_texture(&TextureDescriptor {
+        label: Some("lean_deferred/reflections/nothing"),
+        size: default(),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format: TextureFormat::R32Uint,
+        usage: TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    let layouts =
+        [false, true].map(|motion| [false, true].map(|special| layouts(&cache, motion, special)));
+    commands.insert_resource(ReflectionPipelines {
+        shaders: [
+            load_embedded_asset!(asset_server.as_ref(), "cells.wgsl"),
+            load_embedded_asset!(asset_server.as_ref(), "trace.wgsl"),
+            load_embedded_asset!(asset_server.as_ref(), "resolve.wgsl"),
+        ],
+        layouts,
+        sampler,
+        nothing: nothing.create_view(&default()),
+        by_key: HashMap::default(),
+    });
+}
+
+fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayouts {
+    let words = || texture_2d(TextureSampleType::Uint);
+    let floats = || texture_2d(TextureSampleType::Float { filterable: false });
+    let filtered = || texture_2d(TextureSampleType::Float { filterable: true });
+    let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
+    // What all passes read, and what those that look at surfaces do.
+    let always: [(u32, BindGroupLayoutEntryBuilder); 2] = [
+        (VIEW, uniform_buffer::<ReflectionView>(true)),
+        (DEPTH_TEXTURE, texture_depth_2d()),
+    ];
+    let surfaces: Vec<_> = [
+        (NORMAL_TEXTURE, words()),
+        (HISTORY_TEXTURE, filtered()),
+        (HISTORY_SAMPLER, sampler(SamplerBindingType::Filtering)),
+    ]
+    .into_iter()
+    .chain(motion.then(|| (MOTION_TEXTURE, floats())))
+    .chain(special.then(|| (WRITTEN_TEXTURE, words())))
+    .chain(special.then(|| (SPECIALIZATION_TEXTURE, words())))
+    .collect();
+    let found = |label: &'static str, entries: Vec<(u32, BindGroupLayoutEntryBuilder)>| {
+        let entries = always.into_iter().chain(entries);
+        FoundLayout::new(cache, layout(label, ShaderStages::COMPUTE, entries))
+    };
+    let with_surfaces = |label, entries: Vec<_>| {
+        let surfaces = surfaces.iter().copied();
+        found(label, surfaces.chain(entries).collect())
+    };
+    ReflectionLayouts([
+        found(
+            "lean_deferred/reflections/cells",
+            vec![(CELLS_OUTPUT, stored(CELLS_FORMAT))],
+        ),
+        with_surfaces(
+            "lean_deferred/reflections/trace",
+            vec![
+                (CELLS_TEXTURE, floats()),
+                (RAYS_OUTPUT, stored(LIGHT_FORMAT)),
+                (HITS_OUTPUT, stored(HITS_FORMAT)),
+            ],
+        ),
+        with_surfaces(
+            "lean_deferred/reflections/resolve",
+            vec![
+                (RAYS_TEXTURE, floats()),
+                (HITS_TEXTURE, words()),
+                (OUTPUT_TEXTURE, stored(LIGHT_FORMAT)),
+            ],
+        ),
+    ])
+}
+
+impl ReflectionPipelines {
+    pub(super) fn layouts(&self, key: ReflectionKey) -> &ReflectionLayouts {
+        &self.layouts[usize::from(key.motion)][usize::from(key.specialization)]
+    }
+
+    /// The pipelines for `key`; they may still be compiling.
+    pub(super) fn specialize(
+        &mut self,
+        cache: &PipelineCache,
+        key: ReflectionKey,
+    ) -> ReflectionPasses {
+        if let Some(passes) = self.by_key.get(&key) {
+            return *passes;
+        }
+        let layouts = self.layouts(key);
+        let passes = ReflectionPasses(core::array::from_fn(|pass| {
+            let layout = layouts.0[pass].descriptor();
+            cache.queue_compute_pipeline(ComputePipelineDescriptor {
+                label: Some(layout.label.clone()),
+                layout: vec![layout.clone()],
+                shader: self.shaders[pass].clone(),
+                shader_defs: key.shader_defs(),
+                entry_point: Some("main".into()),
+                ..default()
+            })
+        }));
+        self.by_key.insert(key, passes);
+        passes
+    }
+}

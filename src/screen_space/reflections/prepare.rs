@@ -1,0 +1,272 @@
+//! What the passes need of a view: its uniform, its textures, and bind groups, which are made anew only when what they bind
+//! changed.
+
+use bevy::{
+    camera::MainPassResolutionOverride,
+    core_pipeline::prepass::ViewPrepassTextures,
+    diagnostic::FrameCount,
+    image::ToExtents,
+    prelude::*,
+    render::{
+        camera::{ExtractedCamera, TemporalJitter},
+        render_resource::{
+            BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureDescriptor,
+            TextureDimension, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
+        },
+        renderer::{RenderDevice, RenderQueue},
+        view::{ExtractedView, ViewDepthTexture},
+    },
+};
+
+use super::{
+    active::ActiveReflections,
+    binding_numbers::{
+        CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_TEXTURE, HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT,
+        HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE,
+        SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
+    },
+    pipelines::{CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionPipelines},
+    uniforms::ReflectionView,
+};
+use crate::{
+    gbuffer::GBufferTextures,
+    gpu::{
+        bind_group_cache::{CachedBindGroup, Entries},
+        tiles::{self, RowOrder},
+    },
+    screen_space::{LastFrame, ViewHistory},
+    view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LightExchange},
+};
+
+/// Pixels a side of the largest cells.
+const LARGEST_CELL: u32 = 64;
+
+/// The uniforms of all views.
+#[derive(Resource, Default)]
+pub(super) struct ReflectionUniforms(DynamicUniformBuffer<ReflectionView>);
+
+type Held = (Texture, TextureView);
+
+/// On a view whose reflections are found: what the passes write.
+#[derive(Component)]
+pub struct ViewReflections {
+    cells: Held,
+    rays: Held,
+    hits: Held,
+    output: Held,
+    viewport_size: UVec2,
+    texture_size: UVec2,
+    pub(super) offset: u32,
+}
+
+impl ViewReflections {
+    fn new(device: &RenderDevice, view: &ReflectionView) -> Self {
+        let cells = cell_count(view.viewport_size);
+        // Cells of 4, 16 and 64 pixels, one below the other.
+        let cells = UVec2::new(cells.x * 16, cells.y * (16 + 4 + 1));
+        let held = |label, size: UVec2, format| held(device, label, size, format);
+        Self {
+            cells: held("lean_deferred/reflections/cells", cells, CELLS_FORMAT),
+            rays: held(
+                "lean_deferred/reflections/rays",
+                view.texture_size,
+                LIGHT_FORMAT,
+            ),
+            hits: held(
+                "lean_deferred/reflections/hits",
+                view.texture_size,
+                HITS_FORMAT,
+            ),
+            output: held(
+                "lean_deferred/reflections/output",
+                view.viewport_size,
+                LIGHT_FORMAT,
+            ),
+            viewport_size: view.viewport_size,
+            texture_size: view.texture_size,
+            offset: 0,
+        }
+    }
+
+    fn is_for(&self, view: &ReflectionView) -> bool {
+        (self.viewport_size, self.texture_size) == (view.viewport_size, view.texture_size)
+    }
+
+    /// Workgroups of the passes.
+    pub(super) fn workgroups(&self) -> [UVec2; 3] {
+        [
+            cell_count(self.viewport_size),
+            tiles::count(self.texture_size),
+            tiles::count(self.viewport_size),
+        ]
+    }
+
+    /// All that it holds on the GPU.
+    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+        [&self.cells, &self.rays, &self.hits, &self.output]
+            .into_iter()
+            .map(|(texture, _)| texture)
+    }
+}
+
+/// The largest cells of a viewport.
+fn cell_count(viewport_size: UVec2) -> UVec2 {
+    viewport_size.map(|side| side.div_ceil(LARGEST_CELL).max(1))
+}
+
+fn held(device: &RenderDevice, label: &'static str, size: UVec2, format: TextureFormat) -> Held {
+    let texture = device.create_texture(&TextureDescriptor {
+        label: Some(label),
+        size: size.max(UVec2::ONE).to_extents(),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage: TextureUsages::STORAGE_BINDING
+            | TextureUsages::TEXTURE_BINDING
+            | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let view = texture.create_view(&TextureViewDescriptor::default());
+    (texture, view)
+}
+
+/// Makes the textures of views that have none, says where what they find is, and writes [`ReflectionUniforms`].
+pub(super) fn prepare_reflections(
+    mut commands: Commands,
+    mut uniforms: ResMut<ReflectionUniforms>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    (row_order, frame): (Res<RowOrder>, Res<FrameCount>),
+    mut views: Query<(
+        Entity,
+        (&ActiveReflections, &ActiveLeanView),
+        (&ExtractedCamera, &ExtractedView),
+        Option<&MainPassResolutionOverride>,
+        Has<TemporalJitter>,
+        Option<&ViewHistory>,
+        (Option<&mut ViewReflections>, &mut IndirectSpecular),
+    )>,
+) {
+    let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
+        return;
+    };
+    for (entity, (active, lean), (camera, view), resolution, jitters, history, held) in &mut views {
+        let (reflections, mut found) = held;
+        // In the first frame there is none.
+        let Some(history) = history else {
+            found.0 = None;
+            continue;
+        };
+        if !lean.exchange.contains(LightExchange::INDIRECT_SPECULAR) {
+            continue;
+        }
+        let now = LastFrame::of(view, resolution, camera.exposure);
+        let mut uniform = ReflectionView::new(&active.settings, &now, history.last());
+        uniform.history_size = history.size().as_vec2();
+        uniform.row_stride = row_order.stride(tiles::count(uniform.texture_size).y);
+        if jitters {
+            // The golden section spreads any number of frames.
+            uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;
+        }
+        let mut made = None;
+        let reflections = match reflections {
+            Some(reflections) if reflections.is_for(&uniform) => reflections.into_inner(),
+            _ => made.insert(ViewReflections::new(&device, &uniform)),
+        };
+        reflections.offset = writer.write(&uniform);
+        found.0 = Some(reflections.output.1.clone());
+        if let Some(made) = made {
+            commands.entity(entity).insert(made);
+        }
+    }
+}
+
+/// On a view whose reflections are found: the bind groups of its passes.
+#[derive(Component, Default)]
+pub struct ReflectionBindings([CachedBindGroup; 3]);
+
+impl ReflectionBindings {
+    /// In the order of the passes.
+    pub(super) fn groups(&self) -> [Option<&BindGroup>; 3] {
+        self.0.each_ref().map(CachedBindGroup::get)
+    }
+
+    /// Those that stay from frame to frame as long as nothing changes.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        self.groups().into_iter().flatten()
+    }
+}
+
+/// Makes the bind groups of all active views.
+pub(super) fn prepare_reflection_bind_groups(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    pipelines: Option<Res<ReflectionPipelines>>,
+    uniforms: Res<ReflectionUniforms>,
+    mut views: Query<(
+        Entity,
+        (&ActiveReflections, &ViewReflections, &ViewHistory),
+        (&GBufferTextures, &ViewDepthTexture),
+        Option<&ViewPrepassTextures>,
+        Option<&mut ReflectionBindings>,
+    )>,
+) {
+    let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
+        return;
+    };
+    for (entity, (active, held, history), (gbuffer, depth), prepass, bindings) in &mut views {
+        let mut made = None;
+        let bindings = match bindings {
+            Some(bindings) => bindings.into_inner(),
+            None => made.insert(ReflectionBindings::default()),
+        };
+        let always = |entries: &mut Entries| {
+            entries.push(VIEW, uniforms.clone())?;
+            entries.push(DEPTH_TEXTURE, depth.view().into_binding())
+        };
+        let surfaces = |entries: &mut Entries| {
+            always(entries)?;
+            entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
+            entries.push(HISTORY_TEXTURE, history.view().into_binding())?;
+            entries.push(HISTORY_SAMPLER, pipelines.sampler.into_binding())?;
+            if active.key.motion {
+                let motion = prepass?.motion_vectors.as_ref()?;
+                entries.push(MOTION_TEXTURE, motion.texture.default_view.into_binding())?;
+            }
+            if active.key.specialization {
+                let special = gbuffer.optional(GBufferTargets::SPECIALIZATION);
+                let written = special.and(gbuffer.written.as_ref());
+                let views = [
+                    (WRITTEN_TEXTURE, written),
+                    (SPECIALIZATION_TEXTURE, special),
+                ];
+                for (number, texture) in views {
+                    let view = texture.map_or(&pipelines.nothing, |texture| &texture.default_view);
+                    entries.push(number, view.into_binding())?;
+                }
+            }
+            Some(())
+        };
+        let layouts = &pipelines.layouts(active.key).0;
+        let [cells, trace, resolve] = &mut bindings.0;
+        cells.update(&device, &layouts[0], |entries| {
+            always(entries)?;
+            entries.push(CELLS_OUTPUT, held.cells.1.into_binding())
+        });
+        trace.update(&device, &layouts[1], |entries| {
+            surfaces(entries)?;
+            entries.push(CELLS_TEXTURE, held.cells.1.into_binding())?;
+            entries.push(RAYS_OUTPUT, held.rays.1.into_binding())?;
+            entries.push(HITS_OUTPUT, held.hits.1.into_binding())
+        });
+        resolve.update(&device, &layouts[2], |entries| {
+            surfaces(entries)?;
+            entries.push(RAYS_TEXTURE, held.rays.1.into_binding())?;
+            entries.push(HITS_TEXTURE, held.hits.1.into_binding())?;
+            entries.push(OUTPUT_TEXTURE, held.output.1.into_binding())
+        });
+        if let Some(made) = made {
+            commands.entity(entity).insert(made);
+        }
+    }
+}

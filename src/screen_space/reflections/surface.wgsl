@@ -1,0 +1,105 @@
+// What mirrors, and what was where it is in the last frame.
+#define_import_path bevy_lean_deferred::screen_space::reflections::surface
+
+#import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal, unpack_roughness}
+#import bevy_lean_deferred::screen_space::reflections::bindings::{
+    history_sampler, history_texture, normal_texture, view,
+}
+
+#ifdef SPECIALIZATION
+#import bevy_lean_deferred::gbuffer::layout::SPECIALIZATION_WRITTEN
+#import bevy_lean_deferred::gbuffer::layout::specialization::{
+    CLEARCOAT, UNLIT, unpack_arguments, unpack_shading_model,
+}
+#import bevy_lean_deferred::screen_space::reflections::bindings::{specialization_texture, written_texture}
+#import bevy_lean_deferred::shading_models::clearcoat::{unpack_clearcoat_roughness, unpack_clearcoat_strength}
+#endif
+
+#ifdef MOTION
+#import bevy_lean_deferred::screen_space::reflections::bindings::motion_texture
+#endif
+
+struct Mirror {
+    /// In view space.
+    normal: vec3<f32>,
+    /// Perceptual: that of the coat, if there is one. Above 1: it mirrors nothing.
+    roughness: f32,
+}
+
+/// Rougher than anything.
+const NO_MIRROR: f32 = 2.0;
+
+fn mirror_at(pixel: vec2<i32>) -> Mirror {
+    let place = vec2<i32>(view.viewport_origin) + pixel;
+    let word = textureLoad(normal_texture, place, 0).r;
+    if word == NO_GEOMETRY {
+        return Mirror(vec3(0.0, 0.0, 1.0), NO_MIRROR);
+    }
+    let normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
+    var mirror = Mirror(normal, unpack_roughness(word));
+#ifdef SPECIALIZATION
+    if (textureLoad(written_texture, place, 0).r & SPECIALIZATION_WRITTEN) != 0u {
+        let word = textureLoad(specialization_texture, place, 0).r;
+        let model = unpack_shading_model(word);
+        if model == UNLIT {
+            mirror.roughness = NO_MIRROR;
+        }
+        let arguments = unpack_arguments(word);
+        if model == CLEARCOAT && unpack_clearcoat_strength(arguments) > 0.0 {
+            mirror.roughness = unpack_clearcoat_roughness(arguments);
+        }
+    }
+#endif
+    return mirror;
+}
+
+/// 1 for what mirrors, down to 0 for what is too rough to.
+fn smoothness(roughness: f32) -> f32 {
+    return saturate((view.max_roughness - roughness) / max(0.25 * view.max_roughness, 1e-6));
+}
+
+/// The mean light of surfaces around a place in the history.
+fn mean_light(at: vec2<f32>, level: f32) -> vec3<f32> {
+    // From the second level on, alpha is the share of surfaces.
+    let coarse = textureSampleLevel(history_texture, history_sampler, at, max(level, 1.0));
+    let mean = coarse.rgb / max(coarse.a, 1e-3);
+    if level >= 1.0 {
+        return mean;
+    }
+    let fine = textureSampleLevel(history_texture, history_sampler, at, 0.0).rgb;
+    return mix(fine, mean, level);
+}
+
+/// The light of what is at `place` (pixels and depth) and at `position` in view space, as the last frame showed it: in w 1,
+/// or 0 if it did not. `level` is that of the history.
+fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
+    let last = view.last_pixel_from_view * vec4(position, 1.0);
+    // Behind the camera, or not a number.
+    if !(last.w > 0.0) {
+        return vec4(0.0);
+    }
+    var at = last.xy / last.w;
+    let distance = dot(view.last_distance, vec4(position, 1.0));
+#ifdef PROJECTION_ORTHOGRAPHIC
+    var tolerance = view.edge_metres;
+#else
+    var tolerance = abs(distance) * view.edge_metres;
+#endif
+#ifdef MOTION
+    let pixel = clamp(vec2<i32>(place.xy), vec2(0), vec2<i32>(view.viewport_size) - 1);
+    let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
+    at = place.xy - motion * vec2<f32>(view.viewport_size);
+    // It may have come nearer.
+    tolerance += view.thickness;
+#endif
+    if !(all(at >= vec2(0.0)) && all(at < vec2<f32>(view.viewport_size))) {
+        return vec4(0.0);
+    }
+    let kept = textureLoad(history_texture, vec2<i32>(at), 0).a;
+    // A half float has eleven bits.
+    if abs(kept - distance) > tolerance + 0.002 * abs(distance) {
+        return vec4(0.0);
+    }
+    let light = mean_light(at / view.history_size, level);
+    return vec4(light * view.exposure_ratio, 1.0);
+}

@@ -1,0 +1,102 @@
+// Finds what each texel mirrors: one ray of the lobe of its surface, another one for each of 4×4 texels, through the depth
+// of this frame into the light of the last one.
+#import bevy_lean_deferred::ggx::sample_lobe
+#import bevy_lean_deferred::gbuffer::layout::is_finite
+#import bevy_lean_deferred::horizon::tangents
+#import bevy_lean_deferred::pattern::turn_of
+#import bevy_lean_deferred::screen_space::reflections::bindings::{
+    DIVISOR, depth_in_view, hits_output, pack_hit, rays_output, to_viewer, view, view_position,
+}
+#import bevy_lean_deferred::screen_space::reflections::march::{march, metres_at, ray_on_screen}
+#import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, smoothness}
+#import bevy_lean_deferred::tiles::pixel_in_view
+
+/// Texels whose rays make a lobe together.
+const RAYS: f32 = 16.0;
+
+/// What a ray has found: light and confidence, and the word of its hit.
+struct Found {
+    light: vec4<f32>,
+    hit: u32,
+}
+
+/// Two random numbers from 0 to 1 for each of the sixteen (Hammersley 1960, "Monte Carlo methods for solving multivariable
+/// problems").
+fn numbers_of(turn: u32) -> vec2<f32> {
+    let pair = (vec2(f32(turn), f32(reverseBits(turn) >> 28u)) + 0.5) / RAYS;
+    return fract(pair + view.turn * vec2(1.0, 0.754877));
+}
+
+/// How far from the rim of the picture, 1 where far enough.
+fn rim_fade(at: vec2<f32>) -> f32 {
+    let room = min(at, vec2<f32>(view.viewport_size) - at);
+    return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
+}
+
+fn found_at(texel: vec2<i32>) -> Found {
+    var found: Found;
+    let pixel = texel * DIVISOR;
+    let depth = depth_in_view(pixel);
+    if !(depth > 0.0) || view.exposure_ratio == 0.0 {
+        return found;
+    }
+    let mirror = mirror_at(pixel);
+    if smoothness(mirror.roughness) == 0.0 {
+        return found;
+    }
+    let start = vec3(vec2<f32>(pixel) + 0.5, depth);
+    let position = view_position(start.xy, depth);
+    let V = to_viewer(position);
+    let basis = tangents(mirror.normal);
+    // Shading normals may lean away from the viewer.
+    let local = vec3(V * basis, max(dot(V, mirror.normal), 1e-3));
+    let alpha = mirror.roughness * mirror.roughness;
+    let sample = sample_lobe(normalize(local), alpha, numbers_of(turn_of(vec2<u32>(texel) & vec2(3u))));
+    found.hit = pack_hit(0.0, sample.weight);
+    if sample.weight == 0.0 {
+        return found;
+    }
+    let direction = basis * sample.direction.xy + mirror.normal * sample.direction.z;
+    let ray = ray_on_screen(start, position, direction);
+    let met = march(ray, direction);
+    if !met.is_hit {
+        return found;
+    }
+    let hit = view_position(met.place.xy, met.place.z);
+    let metres = metres_at(ray, met.u);
+    // As wide as the share of this ray in the lobe.
+    let scale = abs(view.pixels_per_metre.y);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let wide = metres * scale;
+#else
+    let wide = metres * scale / max(-hit.z, 1e-6);
+#endif
+    let level = 0.5 * log2(max(wide * wide / (RAYS * sample.density), 1.0));
+    let seen = last_light(met.place, hit, level);
+    let confidence = seen.w * met.certainty * rim_fade(met.place.xy);
+    if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
+        return found;
+    }
+    found.light = vec4(seen.rgb, confidence);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let image = metres;
+#else
+    let image = length(position) + metres;
+#endif
+    found.hit = pack_hit(1.0 / max(image, 1e-6), sample.weight);
+    return found;
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let texel = pixel_in_view(workgroup.xy, workgroups.xy, view.row_stride, invocation);
+    if all(texel < view.texture_size) {
+        let found = found_at(vec2<i32>(texel));
+        textureStore(rays_output, texel, found.light);
+        textureStore(hits_output, texel, vec4(found.hit));
+    }
+}

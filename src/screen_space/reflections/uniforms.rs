@@ -1,0 +1,91 @@
+//! What the shaders know of a view.
+
+use bevy::{prelude::*, render::render_resource::ShaderType};
+
+use super::settings::LeanScreenSpaceReflections;
+use crate::{
+    screen_space::{
+        LastFrame,
+        reprojection::{exposure_ratio, last_distance, last_pixel_from_view, pixels_of, up_to},
+    },
+    shader_library::reconstruction::position::{
+        ProjectionKind, STEEPEST, edge_of, pixels_per_metre, projection_of, view_from_pixel,
+    },
+};
+
+/// Thicker than anything.
+const LARGEST_METRES: f32 = 1e6;
+
+/// What the passes know of a view.
+#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(no_auto_register)]
+pub struct ReflectionView {
+    pub view_from_pixel: Mat4,
+    pub pixel_from_view: Mat4,
+    pub view_from_world: Mat4,
+    pub last_pixel_from_view: Mat4,
+    pub last_distance: Vec4,
+    pub pixels_per_metre: Vec2,
+    pub edge: Vec2,
+    pub behind: Vec2,
+    pub history_size: Vec2,
+    pub viewport_origin: UVec2,
+    pub viewport_size: UVec2,
+    pub texture_size: UVec2,
+    pub edge_metres: f32,
+    pub thickness: f32,
+    pub edge_fade: f32,
+    pub max_roughness: f32,
+    pub intensity: f32,
+    pub exposure_ratio: f32,
+    pub turn: f32,
+    pub row_stride: u32,
+}
+
+impl ReflectionView {
+    /// What `settings` make of a frame after the `last` one.
+    pub fn new(
+        settings: &LeanScreenSpaceReflections,
+        now: &LastFrame,
+        last: Option<&LastFrame>,
+    ) -> Self {
+        let clip_from_view = now.clip_from_view;
+        let size = now.viewport.size();
+        let thickness = up_to(LARGEST_METRES, settings.thickness);
+        let pixels_per_metre = pixels_per_metre(clip_from_view, size);
+        Self {
+            view_from_pixel: view_from_pixel(clip_from_view, size),
+            pixel_from_view: pixels_of(now),
+            view_from_world: now.world_from_view.inverse(),
+            last_pixel_from_view: last
+                .map_or(Mat4::IDENTITY, |last| last_pixel_from_view(now, last)),
+            last_distance: last.map_or(Vec4::ZERO, |last| last_distance(now, last)),
+            pixels_per_metre,
+            edge: edge_of(clip_from_view, size),
+            behind: behind_of(clip_from_view, thickness),
+            history_size: Vec2::ONE,
+            viewport_origin: now.viewport.min,
+            viewport_size: size,
+            texture_size: settings.resolution.texels(size),
+            edge_metres: STEEPEST / pixels_per_metre.y.abs(),
+            thickness,
+            edge_fade: up_to(0.5, settings.edge_fade) * size.y as f32,
+            max_roughness: up_to(1.25, settings.max_roughness),
+            intensity: up_to(1.0, settings.intensity),
+            exposure_ratio: exposure_ratio(now, last),
+            turn: 0.0,
+            row_stride: 1,
+        }
+    }
+}
+
+/// By which shaders know what depth is so many metres behind another: in orthographic views x less, in others y + q / (1 + xq),
+/// where q is depth less y.
+fn behind_of(clip_from_view: Mat4, metres: f32) -> Vec2 {
+    let [z, w] = [clip_from_view.z_axis.z, clip_from_view.w_axis.z];
+    if projection_of(clip_from_view) == ProjectionKind::Orthographic {
+        Vec2::new(metres * z.abs(), 0.0)
+    } else {
+        Vec2::new(metres / w.abs().max(1e-12), -z)
+    }
+}

@@ -1,0 +1,45 @@
+//! The lobe of a rough mirror: twin of `ggx.wgsl`, under the same names, where the documentation is.
+
+use core::f32::consts::PI;
+
+use bevy::math::{Vec2, Vec3};
+
+/// A direction of the lobe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LobeSample {
+    pub direction: Vec3,
+    pub weight: f32,
+    pub density: f32,
+}
+
+pub fn visible_microfacet(v: Vec3, alpha: f32, u: Vec2) -> Vec3 {
+    let stretched = Vec3::new(alpha * v.x, alpha * v.y, v.z).normalize();
+    let z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
+    let sine = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
+    let turn = 2.0 * PI * u.x;
+    let half = Vec3::new(sine * turn.cos(), sine * turn.sin(), z) + stretched;
+    Vec3::new(alpha * half.x, alpha * half.y, half.z.max(1e-7)).normalize()
+}
+
+pub fn sample_lobe(v: Vec3, alpha: f32, u: Vec2) -> LobeSample {
+    let microfacet = visible_microfacet(v, alpha, u);
+    let direction = 2.0 * v.dot(microfacet) * microfacet - v;
+    if direction.z.is_nan() || direction.z <= 0.0 {
+        return LobeSample {
+            direction,
+            weight: 0.0,
+            density: 1.0,
+        };
+    }
+    let a2 = alpha * alpha;
+    let root = |z: f32| (a2 + (1.0 - a2) * z * z).sqrt();
+    let (root_v, root_l) = (root(v.z), root(direction.z));
+    let weight = direction.z * (v.z + root_v) / (direction.z * root_v + v.z * root_l);
+    let spread = 1.0 - (1.0 - a2) * microfacet.z * microfacet.z;
+    let distribution = a2 / (PI * spread * spread).max(1e-20);
+    LobeSample {
+        direction,
+        weight,
+        density: (distribution / (2.0 * (v.z + root_v))).max(1e-6),
+    }
+}
