@@ -3,3 +3,4 @@
 mod diffuse_gi;
 mod reflections;
 mod settings;
+mod stats;

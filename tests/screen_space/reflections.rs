@@ -12,7 +12,6 @@ const SIZE: UVec2 = UVec2::new(480, 360);
 fn reflections(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
         resolution,
-        quality: ScreenSpaceReflectionsQuality::High,
         edge_fade: 0.0,
         ..default()
     }

@@ -298,7 +298,8 @@ fn bindings_have_the_numbers_of_their_names() {
         shader!(
             "screen_space/reflections/resolve.wgsl",
             "DIVISOR=2",
-            "SIDE_SQUARED=49"
+            "SIDE_SQUARED=144",
+            "MEANS_SQUARED=81"
         ),
     ];
     let numbers = reflections::binding_numbers::ALL;

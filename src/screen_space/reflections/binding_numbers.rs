@@ -18,4 +18,5 @@ binding_numbers! {
     RAYS_OUTPUT = 12,
     HITS_OUTPUT = 13,
     OUTPUT_TEXTURE = 14,
+    DEPTH_SAMPLER = 15,
 }

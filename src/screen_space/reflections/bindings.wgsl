@@ -14,15 +14,16 @@
 /// The last frame: light, and distance in alpha.
 @group(0) @binding(6) var history_texture: texture_2d<f32>;
 @group(0) @binding(7) var history_sampler: sampler;
-/// The nearest and the furthest depth of cells of pixels.
-@group(0) @binding(8) var cells_texture: texture_2d<f32>;
-@group(0) @binding(9) var cells_output: texture_storage_2d<rg32float, write>;
+/// The nearest and the furthest depth of cells of pixels: words.
+@group(0) @binding(8) var cells_texture: texture_2d<u32>;
+@group(0) @binding(9) var cells_output: texture_storage_2d<r32uint, write>;
 /// What each ray has found: light and confidence; and where it was: see `pack_hit`.
 @group(0) @binding(10) var rays_texture: texture_2d<f32>;
 @group(0) @binding(11) var hits_texture: texture_2d<u32>;
 @group(0) @binding(12) var rays_output: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(13) var hits_output: texture_storage_2d<r32uint, write>;
 @group(0) @binding(14) var output_texture: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(15) var depth_sampler: sampler;
 
 /// Pixels a side of a texel of rays.
 const DIVISOR: i32 = #{DIVISOR};

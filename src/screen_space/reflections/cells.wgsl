@@ -1,12 +1,47 @@
-// The nearest and the furthest depth of cells of 4, 16 and 64 pixels a side, through which rays pass at once: the three
-// sizes one below the other in one texture.
-#import bevy_lean_deferred::screen_space::reflections::bindings::{cells_output, depth_texture, view}
+// The nearest depth in cells of 4, 16 and 64 pixels a side, and the depth behind which the furthest surface in them ends: rays
+// pass through those that they are in front of or behind. The three sizes stand one below the other in one texture.
+#import bevy_lean_deferred::screen_space::reflections::bindings::{
+    behind, cells_output, depth_sampler, depth_texture, edge_step, view,
+}
+#import bevy_lean_deferred::screen_space::reflections::cell::pack_cell
 
 var<workgroup> cells_4: array<vec2<f32>, 256>;
 var<workgroup> cells_16: array<vec2<f32>, 16>;
 
 fn joined(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return vec2(max(a.x, b.x), min(a.y, b.y));
+}
+
+/// The nearest and the furthest of 4×4 pixels.
+fn cell_at(first: vec2<u32>) -> vec2<f32> {
+    // Beyond the viewport nothing is.
+    var cell = vec2(0.0, 1.0);
+    if all(first + 4u <= view.viewport_size) {
+        let origin = vec2<f32>(view.viewport_origin + first);
+        let texel = 1.0 / vec2<f32>(textureDimensions(depth_texture));
+        for (var n = 0; n < 4; n++) {
+            let middle = origin + vec2<f32>(vec2(1 + 2 * (n & 1), 1 + (n & 2)));
+            let depths = textureGather(depth_texture, depth_sampler, middle * texel);
+            let largest = max(depths.xy, depths.zw);
+            let least = min(depths.xy, depths.zw);
+            cell = joined(cell, vec2(max(largest.x, largest.y), min(least.x, least.y)));
+        }
+        return cell;
+    }
+    for (var n = 0u; n < 16u; n++) {
+        let pixel = first + vec2(n % 4u, n / 4u);
+        if all(pixel < view.viewport_size) {
+            let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin + pixel), 0);
+            cell = joined(cell, vec2(depth));
+        }
+    }
+    return cell;
+}
+
+fn store(place: vec2<u32>, cell: vec2<f32>) {
+    // Nothing is behind the sky.
+    let end = select(behind(cell.y) - edge_step(cell.y, 1.0), 0.0, cell.y == 0.0);
+    textureStore(cells_output, place, vec4(pack_cell(cell.x, end)));
 }
 
 /// Each workgroup makes the cells of 64×64 pixels.
@@ -17,18 +52,9 @@ fn main(
     @builtin(local_invocation_index) i: u32,
 ) {
     let place = vec2(i % 16u, i / 16u);
-    let first = workgroup.xy * 64u + place * 4u;
-    // Beyond the viewport nothing is.
-    var cell = vec2(0.0, 1.0);
-    for (var n = 0u; n < 16u; n++) {
-        let pixel = first + vec2(n % 4u, n / 4u);
-        if all(pixel < view.viewport_size) {
-            let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin + pixel), 0);
-            cell = joined(cell, vec2(depth));
-        }
-    }
+    let cell = cell_at(workgroup.xy * 64u + place * 4u);
     cells_4[i] = cell;
-    textureStore(cells_output, workgroup.xy * 16u + place, vec4(cell, 0.0, 0.0));
+    store(workgroup.xy * 16u + place, cell);
     workgroupBarrier();
     if i < 16u {
         let place = vec2(i % 4u, i / 4u);
@@ -38,8 +64,7 @@ fn main(
             cell = joined(cell, cells_4[first + n % 4u + 16u * (n / 4u)]);
         }
         cells_16[i] = cell;
-        let row = workgroups.y * 16u;
-        textureStore(cells_output, vec2(0u, row) + workgroup.xy * 4u + place, vec4(cell, 0.0, 0.0));
+        store(vec2(0u, workgroups.y * 16u) + workgroup.xy * 4u + place, cell);
     }
     workgroupBarrier();
     if i == 0u {
@@ -47,7 +72,6 @@ fn main(
         for (var n = 0u; n < 16u; n++) {
             cell = joined(cell, cells_16[n]);
         }
-        let row = workgroups.y * 20u;
-        textureStore(cells_output, vec2(0u, row) + workgroup.xy, vec4(cell, 0.0, 0.0));
+        store(vec2(0u, workgroups.y * 20u) + workgroup.xy, cell);
     }
 }

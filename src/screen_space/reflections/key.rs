@@ -18,12 +18,14 @@ pub(super) struct ReflectionKey {
 
 impl ReflectionKey {
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
-        // Texels a side that a workgroup of the last pass reads.
-        let side = 8 / self.divisor + 3;
+        // Texels a side whose mean a workgroup of the last pass makes, and that it reads.
+        let means = 16 / self.divisor + self.divisor - 1;
+        let side = means + 3;
         let mut defs = vec![
             ShaderDefVal::UInt("STEPS".into(), self.steps),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
             ShaderDefVal::UInt("SIDE_SQUARED".into(), side * side),
+            ShaderDefVal::UInt("MEANS_SQUARED".into(), means * means),
         ];
         if self.motion {
             defs.push("MOTION".into());

@@ -2,14 +2,15 @@
 #define_import_path bevy_lean_deferred::screen_space::reflections::march
 
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
+#import bevy_lean_deferred::screen_space::reflections::cell::unpack_cell
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
     behind, cells_texture, depth_in_view, depth_texture, edge_step, flatter, normal_texture, to_viewer, view, view_position,
 }
 
-/// Cells that a ray may enter.
-const STEPS: u32 = #{STEPS}u;
-/// Cells of the last level are 64 pixels a side.
-const LAST_LEVEL: u32 = 3u;
+/// Pixels a side of the steps from pixel to pixel, and of the smallest and the largest cells.
+const LEAST_SIDE: f32 = 1.0;
+const FIRST_SIDE: f32 = 4.0;
+const LAST_SIDE: f32 = 64.0;
 /// Into the next cell, in pixels: more than numbers are rounded by.
 const INTO: f32 = 1.0 / 256.0;
 
@@ -64,13 +65,6 @@ fn metres_at(ray: Ray, u: f32) -> f32 {
     return ray.metres * u / max(1.0 - ray.vanishing * u, 1e-6);
 }
 
-/// The nearest and the furthest depth in a cell of a level from 1 on.
-fn cell_depths(cell: vec2<i32>, level: u32) -> vec2<f32> {
-    let rows = i32((view.viewport_size.y + 63u) / 64u);
-    let row = select(select(20, 16, level == 2u), 0, level == 1u) * rows;
-    return textureLoad(cells_texture, cell + vec2(0, row), 0).rg;
-}
-
 /// How much of what is at `pixel` may be as thick as surfaces are: 1 where it faces the viewer, less towards outlines; 0 where
 /// it turns its back to the ray.
 fn depth_of_front(pixel: vec2<i32>, depth: f32, direction: vec3<f32>) -> f32 {
@@ -84,12 +78,11 @@ fn depth_of_front(pixel: vec2<i32>, depth: f32, direction: vec3<f32>) -> f32 {
     return select(0.0, saturate(facing), dot(normal, direction) < 0.0);
 }
 
-/// How far behind the front at `pixel` the ray is at depth `z`, as a share of the thickness: above 1 it passes. A ray in front
-/// passes too.
+/// How far behind the front at `pixel` the ray is at depth `z`, as a share of the thickness: above 1 it passes.
 fn depth_inside(pixel: vec2<i32>, depth: f32, z: f32, direction: vec3<f32>) -> f32 {
     let tolerance = edge_step(depth, 1.0);
     let thickness = depth - behind(depth);
-    if z > depth || !(depth > 0.0) || z < depth - thickness - tolerance {
+    if !(depth > 0.0) || z < depth - thickness - tolerance {
         return 2.0;
     }
     let front = depth_of_front(pixel, depth, direction);
@@ -98,55 +91,77 @@ fn depth_inside(pixel: vec2<i32>, depth: f32, z: f32, direction: vec3<f32>) -> f
 }
 
 /// Goes through cells of a size that leaves the ray alone, up to the first surface that turns its front to it (Uludag
-/// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space.
-fn march(ray: Ray, direction: vec3<f32>) -> Met {
-    var met: Met;
-    let inverse_step = 1.0 / select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
-    let forwards = vec2<f32>(ray.step.xy > vec2(0.0));
-    let nudge = select(vec2(-INTO), vec2(INTO), ray.step.xy > vec2(0.0));
+/// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space; in cells that hold something it looks
+/// at depth every `least_span` pixels, at most 4. It is given up after so many `steps`.
+fn march(ray: Ray, direction: vec3<f32>, least_span: f32, steps: u32) -> Met {
+    let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
+    let inverse_step = 1.0 / step;
+    let ends_from = -ray.start.xy * inverse_step;
+    let forwards = vec2<f32>(step > vec2(0.0));
+    let start = ray.start.xy + select(vec2(-INTO), vec2(INTO), step > vec2(0.0));
+    let rows = i32((view.viewport_size.y + 63u) / 64u);
+    let last = vec2<i32>(view.viewport_size) - 1;
+    var side = FIRST_SIDE;
+    var row = 0;
     // Not the pixel itself.
     var u = 1.0;
-    var level = 1u;
-    for (var i = 0u; i < STEPS && u < ray.end; i++) {
-        let side = f32(1u << (2u * level));
-        let at = ray.start.xy + ray.step.xy * u + nudge;
-        let cell = floor(at / side);
-        let ends = ((cell + forwards) * side - ray.start.xy) * inverse_step;
+    var z = ray.start.z + ray.step.z;
+    var at = start + ray.step.xy;
+    for (var i = 0u; i < steps && u < ray.end; i++) {
+        let span = select(side, least_span, side < FIRST_SIDE);
+        let cell = floor(at / span);
+        let ends = (cell + forwards) * span * inverse_step + ends_from;
         let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
+        let next_z = ray.start.z + ray.step.z * next;
+        let next_at = start + ray.step.xy * next;
         var passes: bool;
-        if level == 0u {
+        if side < FIRST_SIDE {
             let middle = 0.5 * (u + next);
-            let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + vec2<i32>(cell), 0);
-            let z = ray.start.z + ray.step.z * middle;
-            let inside = depth_inside(vec2<i32>(cell), depth, z, direction);
-            passes = inside >= 1.0;
+            let middle_z = 0.5 * (z + next_z);
+            let pixel = min(vec2<i32>(0.5 * (at + next_at)), last);
+            let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
+            passes = middle_z > depth;
             if !passes {
-                return met_at(ray, vec2<i32>(cell), depth, middle, 1.0 - inside);
+                let inside = depth_inside(pixel, depth, middle_z, direction);
+                if inside < 1.0 {
+                    return met_at(ray, pixel, depth, middle, span, 1.0 - inside);
+                }
+                passes = true;
             }
         } else {
-            let depths = cell_depths(vec2<i32>(cell), level);
-            let z = ray.start.z + ray.step.z * vec2(u, next);
-            let is_before = min(z.x, z.y) > depths.x;
-            let is_behind = max(z.x, z.y) < behind(depths.y) - edge_step(depths.y, 1.0) && depths.y > 0.0;
-            passes = is_before || is_behind;
+            let depths = unpack_cell(textureLoad(cells_texture, vec2<i32>(cell) + vec2(0, row), 0).r);
+            passes = min(z, next_z) > depths.x || max(z, next_z) < depths.y;
+        }
+        var larger = LAST_SIDE;
+        var smaller = FIRST_SIDE;
+        if side == FIRST_SIDE {
+            larger = 16.0;
+            smaller = LEAST_SIDE;
+        } else if side == LEAST_SIDE {
+            larger = FIRST_SIDE;
+        }
+        if side == LAST_SIDE {
+            smaller = 16.0;
         }
         if passes {
             u = next;
+            z = next_z;
+            at = next_at;
             // Into larger cells only where one begins.
-            let entered = floor((ray.start.xy + ray.step.xy * u + nudge) / (4.0 * side));
-            if any(entered != floor(cell / 4.0)) {
-                level = min(level + 1u, LAST_LEVEL);
-            }
+            let entered = floor(at / larger) != floor(cell * span / larger);
+            side = select(side, larger, any(entered));
         } else {
-            level -= 1u;
+            side = smaller;
         }
+        row = select(select(0, 16, side > FIRST_SIDE), 20, side == LAST_SIDE) * rows;
     }
-    return met;
+    return Met();
 }
 
-/// Where the ray meets the plane that the depth around `pixel` tells of; `u` is where it passes the pixel, and `certainty` that
+/// Where the ray meets the plane that the depth around `pixel` tells of; `u` is where it passes the pixel, within a `span` of
+/// others that it did not look at, and `certainty` that
 /// of a ray that comes from behind something else.
-fn met_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, certainty: f32) -> Met {
+fn met_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: f32) -> Met {
     let slope = vec2(
         flatter(depth_in_view(pixel - vec2(1, 0)), depth, depth_in_view(pixel + vec2(1, 0))),
         flatter(depth_in_view(pixel - vec2(0, 1)), depth, depth_in_view(pixel + vec2(0, 1))),
@@ -154,7 +169,7 @@ fn met_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, certainty: f32) -> Met
     let center = vec2<f32>(pixel) + 0.5;
     let along = ray.step.z - dot(slope, ray.step.xy);
     let exact = (depth + dot(slope, ray.start.xy - center) - ray.start.z) / along;
-    let is_crossed = abs(exact - u) < 2.0;
+    let is_crossed = abs(exact - u) < 1.0 + span;
     var met: Met;
     met.is_hit = true;
     met.u = clamp(select(u, exact, is_crossed), 0.5, ray.end);

@@ -3,7 +3,7 @@
 //! - `settings.rs`: the component.
 //! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 //! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-//! - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach. `trace.wgsl`: a ray for each texel,
+//! - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`. `trace.wgsl`: a ray for each texel,
 //!   by `march.wgsl`. `resolve.wgsl`: what each pixel mirrors, of what the rays around it have found.
 //! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `surface.wgsl`: what mirrors, and
 //!   what the last frame showed of it.
@@ -11,6 +11,8 @@
 mod active;
 #[doc(hidden)]
 pub mod binding_numbers;
+#[doc(hidden)]
+pub mod cell;
 mod key;
 mod pass;
 mod pipelines;
@@ -63,6 +65,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         HistoryPlugin::add_to(app);
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "cell.wgsl");
         load_shader_library!(app, "march.wgsl");
         load_shader_library!(app, "surface.wgsl");
         embedded_asset!(app, "cells.wgsl");

@@ -20,17 +20,17 @@ use bevy::{
 
 use super::{
     binding_numbers::{
-        CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_TEXTURE, HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT,
-        HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE,
-        SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
+        CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_SAMPLER, DEPTH_TEXTURE, HISTORY_SAMPLER,
+        HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE,
+        RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
     },
     key::ReflectionKey,
     uniforms::ReflectionView,
 };
 use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
 
-/// Of the nearest and the furthest depth.
-pub(super) const CELLS_FORMAT: TextureFormat = TextureFormat::Rg32Float;
+/// Of the nearest and the furthest depth, in a word.
+pub(super) const CELLS_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Of light and confidence.
 pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 /// Of where rays ended.
@@ -58,6 +58,7 @@ pub(super) struct ReflectionPipelines {
     /// Without and with motion; without and with special surfaces.
     layouts: [[ReflectionLayouts; 2]; 2],
     pub(super) sampler: Sampler,
+    pub(super) depth_sampler: Sampler,
     /// A texel of 0: no special surface.
     pub(super) nothing: TextureView,
     by_key: HashMap<ReflectionKey, ReflectionPasses>,
@@ -74,6 +75,10 @@ pub(super) fn init_reflection_pipelines(
         mag_filter: FilterMode::Linear,
         min_filter: FilterMode::Linear,
         mipmap_filter: MipmapFilterMode::Linear,
+        ..default()
+    });
+    let depth_sampler = device.create_sampler(&SamplerDescriptor {
+        label: Some("lean_deferred/reflections/depth"),
         ..default()
     });
     let nothing: Texture = device.create_texture(&TextureDescriptor {
@@ -96,6 +101,7 @@ pub(super) fn init_reflection_pipelines(
         ],
         layouts,
         sampler,
+        depth_sampler,
         nothing: nothing.create_view(&default()),
         by_key: HashMap::default(),
     });
@@ -132,12 +138,15 @@ fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayo
     ReflectionLayouts([
         found(
             "lean_deferred/reflections/cells",
-            vec![(CELLS_OUTPUT, stored(CELLS_FORMAT))],
+            vec![
+                (CELLS_OUTPUT, stored(CELLS_FORMAT)),
+                (DEPTH_SAMPLER, sampler(SamplerBindingType::NonFiltering)),
+            ],
         ),
         with_surfaces(
             "lean_deferred/reflections/trace",
             vec![
-                (CELLS_TEXTURE, floats()),
+                (CELLS_TEXTURE, words()),
                 (RAYS_OUTPUT, stored(LIGHT_FORMAT)),
                 (HITS_OUTPUT, stored(HITS_FORMAT)),
             ],

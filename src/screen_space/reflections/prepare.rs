@@ -21,9 +21,9 @@ use bevy::{
 use super::{
     active::ActiveReflections,
     binding_numbers::{
-        CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_TEXTURE, HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT,
-        HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE,
-        SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
+        CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_SAMPLER, DEPTH_TEXTURE, HISTORY_SAMPLER,
+        HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE,
+        RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
     },
     pipelines::{CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionPipelines},
     uniforms::ReflectionView,
@@ -40,6 +40,9 @@ use crate::{
 
 /// Pixels a side of the largest cells.
 const LARGEST_CELL: u32 = 64;
+
+/// Pixels a side that a workgroup of the last pass makes.
+const RESOLVE_SIDE: u32 = 16;
 
 /// The uniforms of all views.
 #[derive(Resource, Default)]
@@ -94,10 +97,11 @@ impl ViewReflections {
 
     /// Workgroups of the passes.
     pub(super) fn workgroups(&self) -> [UVec2; 3] {
+        let of = |size: UVec2, side: u32| size.map(|length| length.div_ceil(side));
         [
             cell_count(self.viewport_size),
             tiles::count(self.texture_size),
-            tiles::count(self.viewport_size),
+            of(self.viewport_size, RESOLVE_SIDE),
         ]
     }
 
@@ -251,7 +255,8 @@ pub(super) fn prepare_reflection_bind_groups(
         let [cells, trace, resolve] = &mut bindings.0;
         cells.update(&device, &layouts[0], |entries| {
             always(entries)?;
-            entries.push(CELLS_OUTPUT, held.cells.1.into_binding())
+            entries.push(CELLS_OUTPUT, held.cells.1.into_binding())?;
+            entries.push(DEPTH_SAMPLER, pipelines.depth_sampler.into_binding())
         });
         trace.update(&device, &layouts[1], |entries| {
             surfaces(entries)?;

@@ -6,35 +6,69 @@
 }
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, smoothness}
 
-/// Texels a side that a workgroup reads: those of its 8×8 pixels, one before and two after.
-const SIDE: i32 = 8 / DIVISOR + 3;
+/// Pixels a side of a workgroup, and their texels.
+const PIXELS: i32 = 16;
+const TEXELS: i32 = PIXELS / DIVISOR;
+/// Texels a side whose mean is made: those of its pixels, and where they share texels one more.
+const MEANS: i32 = TEXELS + DIVISOR - 1;
+/// Texels a side that are read: of each mean, one before and two after.
+const SIDE: i32 = MEANS + 3;
+/// Invocations.
+const INVOCATIONS: i32 = PIXELS * PIXELS;
 
 /// Radius of a lobe where it meets a surface, in pixels, up to which it is taken for a single place, and from which on it
 /// is the mean of rays.
 const SMOOTH_UP_TO: f32 = 2.0;
 const ROUGH_FROM: f32 = 8.0;
 
-var<workgroup> lights: array<vec4<f32>, #{SIDE_SQUARED}>;
+/// Half floats of light and confidence: many workgroups are to find room.
+var<workgroup> lights: array<vec2<u32>, #{SIDE_SQUARED}>;
 /// Normal, and depth: 0 where nothing mirrors.
 var<workgroup> mirrors: array<vec4<f32>, #{SIDE_SQUARED}>;
 var<workgroup> hits: array<u32, #{SIDE_SQUARED}>;
+/// Light times confidence, and confidence, of 4×4 texels.
+var<workgroup> means: array<vec2<u32>, #{MEANS_SQUARED}>;
 
 struct Receiver {
-    at: vec2<f32>,
     depth: f32,
     /// From texel to texel.
     slope: vec2<f32>,
+    /// Of the step in depth that separates surfaces a texel apart.
+    inverse_step: f32,
     position: vec3<f32>,
     normal: vec3<f32>,
     roughness: f32,
 }
 
-/// How alike the surface of a texel is, 0 to 1; `offset` texels away from the receiver.
-fn likeness(receiver: Receiver, other: vec4<f32>, offset: vec2<f32>) -> f32 {
-    let expected = receiver.depth + dot(receiver.slope, offset);
-    let near = saturate(2.0 - abs(other.w - expected) / edge_step(receiver.depth, f32(DIVISOR)));
-    let parallel = saturate(8.0 * dot(receiver.normal, other.xyz) - 7.0);
+fn pack_halves(x: vec4<f32>) -> vec2<u32> {
+    return vec2(pack2x16float(x.xy), pack2x16float(x.zw));
+}
+
+fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
+    return vec4(unpack2x16float(words.x), unpack2x16float(words.y));
+}
+
+/// How alike the surface of a texel is to one with this normal, which there would have the depth `expected`: 0 to 1.
+fn likeness(normal: vec3<f32>, expected: f32, texel: i32, inverse_step: f32) -> f32 {
+    let other = mirrors[texel];
+    let near = saturate(2.0 - abs(other.w - expected) * inverse_step);
+    let parallel = saturate(8.0 * dot(normal, other.xyz) - 7.0);
     return select(near * parallel, 0.0, other.w == 0.0);
+}
+
+/// How alike the surface of a texel is to the receiver, from which it is `offset` texels away.
+fn likeness_of(receiver: Receiver, texel: i32, offset: vec2<f32>) -> f32 {
+    let expected = receiver.depth + dot(receiver.slope, offset);
+    return likeness(receiver.normal, expected, texel, receiver.inverse_step);
+}
+
+/// From texel to texel.
+fn slope_at(texel: i32) -> vec2<f32> {
+    let depth = mirrors[texel].w;
+    return vec2(
+        flatter(mirrors[texel - 1].w, depth, mirrors[texel + 1].w),
+        flatter(mirrors[texel - SIDE].w, depth, mirrors[texel + SIDE].w),
+    );
 }
 
 /// How wide a lobe of roughness `alpha` is on screen, at so many metres on its way, in pixels.
@@ -69,8 +103,8 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
         let near = select(1.0 - along, along, corner == vec2(1));
         let texel = first + corner.x + SIDE * corner.y;
         let hit = unpack_hit(hits[texel]);
-        let alike = near.x * near.y * likeness(receiver, mirrors[texel], vec2<f32>(corner) - along);
-        let found = lights[texel];
+        let alike = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
+        let found = unpack_halves(lights[texel]);
         around += alike * vec4(found.rgb * found.a, found.a);
         weights_around += alike;
         if alike == 0.0 || hit.inverse_distance == 0.0 {
@@ -102,21 +136,45 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     return vec4(light.rgb * confidence, confidence);
 }
 
-/// Light times confidence, and confidence.
-fn rough_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
+/// Light times confidence, and confidence, of the rays around a texel.
+fn mean_at(texel: i32) -> vec4<f32> {
+    let depth = mirrors[texel].w;
     var sum = vec4(0.0);
+    if depth == 0.0 {
+        return sum;
+    }
+    let normal = mirrors[texel].xyz;
+    let slope = slope_at(texel);
+    let inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
     var weights = 0.0;
     for (var y = -1; y <= 2; y++) {
         for (var x = -1; x <= 2; x++) {
-            let texel = first + x + SIDE * y;
-            let alike = likeness(receiver, mirrors[texel], vec2(f32(x), f32(y)) - along);
-            let weight = alike * unpack_hit(hits[texel]).weight;
-            let light = lights[texel];
+            let other = texel + x + SIDE * y;
+            let expected = depth + dot(slope, vec2(f32(x), f32(y)));
+            let weight = likeness(normal, expected, other, inverse_step) * unpack_hit(hits[other]).weight;
+            let light = unpack_halves(lights[other]);
             sum += weight * vec4(light.rgb * light.a, light.a);
             weights += weight;
         }
     }
     return sum / max(weights, 1e-6);
+}
+
+/// Light times confidence, and confidence: between the means around the pixel.
+fn rough_light(receiver: Receiver, first: i32, mean: i32, along: vec2<f32>) -> vec4<f32> {
+    if DIVISOR == 1 {
+        return mean_at(first);
+    }
+    var sum = vec4(0.0);
+    var weights = 1e-6;
+    for (var i = 0; i < 4; i++) {
+        let corner = vec2(i & 1, i >> 1u);
+        let near = select(1.0 - along, along, corner == vec2(1));
+        let weight = near.x * near.y * likeness_of(receiver, first + corner.x + SIDE * corner.y, vec2<f32>(corner) - along);
+        sum += weight * unpack_halves(means[mean + corner.x + MEANS * corner.y]);
+        weights += weight;
+    }
+    return sum / weights;
 }
 
 /// How wide the lobe is on screen where the rays beside it ended, in pixels.
@@ -137,11 +195,8 @@ fn radius_at(receiver: Receiver, first: i32) -> f32 {
 }
 
 fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
-    let texel = place / DIVISOR;
-    let center = (texel.x + 1) + SIDE * (texel.y + 1);
-    var receiver: Receiver;
-    receiver.depth = depth_in_view(pixel);
-    if !(receiver.depth > 0.0) || view.exposure_ratio == 0.0 {
+    let depth = depth_in_view(pixel);
+    if !(depth > 0.0) || view.exposure_ratio == 0.0 {
         return vec4(0.0);
     }
     let mirror = mirror_at(pixel);
@@ -149,46 +204,51 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     if fade == 0.0 {
         return vec4(0.0);
     }
-    receiver.at = vec2<f32>(pixel) + 0.5;
+    let texel = place / DIVISOR;
+    let first = (texel.x + 1) + SIDE * (texel.y + 1);
+    var receiver: Receiver;
+    receiver.depth = depth;
     receiver.normal = mirror.normal;
     receiver.roughness = mirror.roughness;
-    receiver.position = view_position(receiver.at, receiver.depth);
-    let slope = vec2(
-        flatter(mirrors[center - 1].w, mirrors[center].w, mirrors[center + 1].w),
-        flatter(mirrors[center - SIDE].w, mirrors[center].w, mirrors[center + SIDE].w),
-    );
-    receiver.slope = slope;
+    receiver.position = view_position(vec2<f32>(pixel) + 0.5, depth);
+    receiver.slope = slope_at(first);
+    receiver.inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
     let along = vec2<f32>(place % DIVISOR) / f32(DIVISOR);
-    let radius = radius_at(receiver, center);
-    let roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius);
+    let roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius_at(receiver, first));
     var light = vec4(0.0);
     if roughness < 1.0 {
-        light += (1.0 - roughness) * smooth_light(receiver, center, along);
+        light += (1.0 - roughness) * smooth_light(receiver, first, along);
     }
     if roughness > 0.0 {
-        light += roughness * rough_light(receiver, center, along);
+        light += roughness * rough_light(receiver, first, texel.x + MEANS * texel.y, along);
     }
     return vec4(light.rgb / max(light.a, 1e-6), light.a * fade);
 }
 
-@compute @workgroup_size(64, 1, 1)
-fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
-    let corner = vec2<i32>(workgroup.xy) * (8 / DIVISOR) - 1;
+@compute @workgroup_size(256, 1, 1)
+fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
+    let i = i32(invocation);
+    let corner = vec2<i32>(workgroup.xy) * TEXELS - 1;
     let last = vec2<i32>(view.texture_size) - 1;
-    for (var read = i32(i); read < SIDE * SIDE; read += 64) {
+    for (var read = i; read < SIDE * SIDE; read += INVOCATIONS) {
         let texel = corner + vec2(read % SIDE, read / SIDE);
         let inside = clamp(texel, vec2(0), last);
-        let hit = textureLoad(hits_texture, inside, 0).r;
         let mirror = mirror_at(inside * DIVISOR);
-        lights[read] = textureLoad(rays_texture, inside, 0);
-        hits[read] = hit;
+        lights[read] = pack_halves(textureLoad(rays_texture, inside, 0));
+        hits[read] = textureLoad(hits_texture, inside, 0).r;
         // What is beyond the rim counts for nothing.
         let counts = all(texel == inside) && smoothness(mirror.roughness) > 0.0;
         mirrors[read] = vec4(mirror.normal, select(0.0, depth_in_view(inside * DIVISOR), counts));
     }
     workgroupBarrier();
-    let place = vec2<i32>(vec2(i % 8u, i / 8u));
-    let pixel = vec2<i32>(workgroup.xy) * 8 + place;
+    if DIVISOR > 1 {
+        for (var mean = i; mean < MEANS * MEANS; mean += INVOCATIONS) {
+            means[mean] = pack_halves(mean_at((mean % MEANS + 1) + SIDE * (mean / MEANS + 1)));
+        }
+        workgroupBarrier();
+    }
+    let place = vec2(i % PIXELS, i / PIXELS);
+    let pixel = vec2<i32>(workgroup.xy) * PIXELS + place;
     if all(pixel < vec2<i32>(view.viewport_size)) {
         textureStore(output_texture, pixel, light_at(pixel, place));
     }

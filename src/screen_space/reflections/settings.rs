@@ -55,16 +55,18 @@ impl Default for LeanScreenSpaceReflections {
     }
 }
 
-/// How many cells of pixels a ray may enter before it is given up: of 1 to 64 pixels a side, the largest that it can.
+/// After how many steps a ray is given up: from cell to cell, of 4 to 64 pixels a side, the largest that it can pass at once, and
+/// in them from pixel to pixel. Rays of surfaces smoother than a perceptual roughness of 0.2 look at each pixel, and get four
+/// times as many.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceReflectionsQuality {
-    /// 24.
+    /// 32.
     Low,
-    /// 48.
+    /// 64.
     #[default]
     Medium,
-    /// 96.
+    /// 128.
     High,
 }
 
@@ -72,12 +74,12 @@ impl ScreenSpaceReflectionsQuality {
     /// All of them, cheapest first.
     pub const ALL: [Self; 3] = [Self::Low, Self::Medium, Self::High];
 
-    /// Cells.
+    /// Of rough surfaces.
     pub fn steps(self) -> u32 {
         match self {
-            Self::Low => 24,
-            Self::Medium => 48,
-            Self::High => 96,
+            Self::Low => 32,
+            Self::Medium => 64,
+            Self::High => 128,
         }
     }
 }

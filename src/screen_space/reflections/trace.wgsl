@@ -14,6 +14,10 @@
 /// Texels whose rays make a lobe together.
 const RAYS: f32 = 16.0;
 
+/// Perceptual roughness from which on rays need not see every pixel, and get so many steps; others four times as many.
+const ROUGH: f32 = 0.2;
+const STEPS: u32 = #{STEPS}u;
+
 /// What a ray has found: light and confidence, and the word of its hit.
 struct Found {
     light: vec4<f32>,
@@ -33,7 +37,7 @@ fn rim_fade(at: vec2<f32>) -> f32 {
     return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
 }
 
-fn found_at(texel: vec2<i32>) -> Found {
+fn found_at(texel: vec2<i32>, numbers: vec2<f32>) -> Found {
     var found: Found;
     let pixel = texel * DIVISOR;
     let depth = depth_in_view(pixel);
@@ -51,14 +55,15 @@ fn found_at(texel: vec2<i32>) -> Found {
     // Shading normals may lean away from the viewer.
     let local = vec3(V * basis, max(dot(V, mirror.normal), 1e-3));
     let alpha = mirror.roughness * mirror.roughness;
-    let sample = sample_lobe(normalize(local), alpha, numbers_of(turn_of(vec2<u32>(texel) & vec2(3u))));
+    let sample = sample_lobe(normalize(local), alpha, numbers);
     found.hit = pack_hit(0.0, sample.weight);
     if sample.weight == 0.0 {
         return found;
     }
     let direction = basis * sample.direction.xy + mirror.normal * sample.direction.z;
     let ray = ray_on_screen(start, position, direction);
-    let met = march(ray, direction);
+    let is_rough = mirror.roughness > ROUGH;
+    let met = march(ray, direction, select(1.0, 4.0, is_rough), select(4u * STEPS, STEPS, is_rough));
     if !met.is_hit {
         return found;
     }
@@ -95,7 +100,7 @@ fn main(
 ) {
     let texel = pixel_in_view(workgroup.xy, workgroups.xy, view.row_stride, invocation);
     if all(texel < view.texture_size) {
-        let found = found_at(vec2<i32>(texel));
+        let found = found_at(vec2<i32>(texel), numbers_of(turn_of(texel & vec2(3u))));
         textureStore(rays_output, texel, found.light);
         textureStore(hits_output, texel, vec4(found.hit));
     }

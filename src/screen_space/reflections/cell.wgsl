@@ -1,0 +1,21 @@
+// The nearest and the furthest depth of a cell, in a word. Without bindings; twin of `cell.rs`, under the same names.
+#define_import_path bevy_lean_deferred::screen_space::reflections::cell
+
+/// Of a number's bits, those of depths from 2⁻³² to 1 that are kept begin here: 5 of its exponent, 11 of its mantissa.
+const FIRST: u32 = (0x3f800000u >> 12u) - 0xffffu;
+
+/// Rounded down, by `more` up.
+fn code_of(depth: f32, more: u32) -> u32 {
+    let bits = bitcast<u32>(max(depth, 0.0)) + more;
+    return clamp(bits >> 12u, FIRST, FIRST + 0xffffu) - FIRST;
+}
+
+/// `nearest` is rounded up and `furthest` down, so that all of the cell is between them.
+fn pack_cell(nearest: f32, furthest: f32) -> u32 {
+    return (code_of(nearest, 0xfffu) << 16u) | code_of(furthest, 0u);
+}
+
+/// The nearest and the furthest depth.
+fn unpack_cell(word: u32) -> vec2<f32> {
+    return vec2(bitcast<f32>(((word >> 16u) + FIRST) << 12u), bitcast<f32>(((word & 0xffffu) + FIRST) << 12u));
+}
