@@ -13,7 +13,7 @@ use half::f16;
 
 use crate::{
     headless::Headless,
-    known_light::{Errors, Seen, camera, see, surface},
+    known_light::{Errors, Seen, camera, look, see, surface},
     lean::build,
     scenes::SceneBuilder,
 };
@@ -164,7 +164,20 @@ fn image(s: &mut SceneBuilder) -> Handle<Image> {
 /// A mirror beneath a wall, a ball and a box.
 pub fn mirror(size: UVec2, dress: impl FnOnce(&mut EntityWorldMut)) -> MirrorSeen {
     let mut headless = mirror_app(size, 0.0, dress);
-    let seen = see(&mut headless, 6);
+    headless.settle();
+    headless.frames(6);
+    show_mirror(&mut headless)
+}
+
+/// What the mirror of an app shows.
+pub fn show_mirror(headless: &mut Headless) -> MirrorSeen {
+    let seen = look(headless);
+    compare(headless, seen)
+}
+
+/// What the mirror of an app shows in the picture that it made last.
+pub fn compare(headless: &mut Headless, seen: Seen) -> MirrorSeen {
+    let size = seen.light.size;
     let world = headless.world();
     let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
     let (camera, transform) = cameras.single(world).expect("one camera");

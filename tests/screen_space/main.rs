@@ -3,4 +3,3 @@
 mod diffuse_gi;
 mod reflections;
 mod settings;
-mod stats;

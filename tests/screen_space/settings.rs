@@ -5,7 +5,10 @@ use bevy::{
     prelude::*,
     render::RenderApp,
 };
-use bevy_lean_deferred::{prelude::*, screen_space::diffuse_gi::ViewGi};
+use bevy_lean_deferred::{
+    prelude::*,
+    screen_space::{ViewHistory, diffuse_gi::ViewGi, reflections::ViewReflections},
+};
 use kit::{
     headless::Headless,
     lean::{build, change_cameras},
@@ -16,15 +19,30 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(96, 72);
 
+fn both() -> (LeanScreenSpaceGi, LeanScreenSpaceReflections) {
+    default()
+}
+
 fn stage(s: &mut SceneBuilder) {
     s.solids();
     s.sun(false);
-    s.default_camera((LeanDeferred::default(), LeanScreenSpaceGi::default()));
+    s.default_camera((LeanDeferred::default(), both()));
 }
 
 fn holds_anything(headless: &mut Headless) -> bool {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
-    world.query::<&ViewGi>().iter(world).next().is_some()
+    let mut views = world.query::<(Has<ViewGi>, Has<ViewReflections>, Has<ViewHistory>)>();
+    let held = views
+        .iter(world)
+        .flat_map(|(gi, reflections, history)| [gi, reflections, history]);
+    let held: Vec<bool> = held.collect();
+    let holds = held.contains(&true);
+    // Each that is there, or none.
+    assert_eq!(
+        held.iter().filter(|held| **held).count(),
+        if holds { 3 } else { 0 }
+    );
+    holds
 }
 
 fn is_finite(headless: &mut Headless) -> bool {
@@ -45,9 +63,9 @@ fn it_comes_and_goes() {
         for frame in 0..12 {
             change_cameras(&mut headless, |camera| {
                 if frame % 2 == 0 {
-                    camera.remove::<LeanScreenSpaceGi>();
+                    camera.remove::<(LeanScreenSpaceGi, LeanScreenSpaceReflections)>();
                 } else {
-                    camera.insert(LeanScreenSpaceGi::default());
+                    camera.insert(both());
                 }
             });
             headless.frames(1);
@@ -66,11 +84,12 @@ fn it_says_that_it_needs_a_lean_camera() {
     in_own_process(|| {
         let mut headless = build(SIZE, |s| {
             s.solids();
-            s.default_camera(LeanScreenSpaceGi::default());
+            s.default_camera(both());
         });
         headless.settle();
         assert!(!holds_anything(&mut headless));
-        assert_eq!(log_watch::messages_with("it has no LeanDeferred").len(), 1);
+        // Once for each.
+        assert_eq!(log_watch::messages_with("it has no LeanDeferred").len(), 2);
     });
 }
 
@@ -81,9 +100,22 @@ fn settings_may_be_anything() {
         let mut headless = build(SIZE, stage);
         headless.settle();
         for quality in ScreenSpaceGiQuality::ALL {
-            for resolution in [ScreenSpaceResolution::Full, ScreenSpaceResolution::Half] {
+            for resolution in ScreenSpaceResolution::ALL {
                 change_cameras(&mut headless, |camera| {
                     camera.insert(LeanScreenSpaceGi {
+                        quality,
+                        resolution,
+                        ..default()
+                    });
+                });
+                headless.settle();
+                assert!(is_finite(&mut headless), "{quality:?}, {resolution:?}");
+            }
+        }
+        for quality in ScreenSpaceReflectionsQuality::ALL {
+            for resolution in ScreenSpaceResolution::ALL {
+                change_cameras(&mut headless, |camera| {
+                    camera.insert(LeanScreenSpaceReflections {
                         quality,
                         resolution,
                         ..default()
@@ -100,6 +132,13 @@ fn settings_may_be_anything() {
                     intensity: number,
                     bias: number,
                     falloff: number,
+                    ..default()
+                });
+                camera.insert(LeanScreenSpaceReflections {
+                    thickness: number,
+                    max_roughness: number,
+                    edge_fade: number,
+                    intensity: number,
                     ..default()
                 });
             });

@@ -5,5 +5,6 @@ mod layout;
 mod layout_optional;
 mod permutations;
 mod reconstruction;
+mod reflections;
 mod tile_list;
 mod twins;

@@ -30,6 +30,8 @@ var<workgroup> hits: array<u32, #{SIDE_SQUARED}>;
 var<workgroup> means: array<vec2<u32>, #{MEANS_SQUARED}>;
 
 struct Receiver {
+    /// In pixels.
+    at: vec2<f32>,
     depth: f32,
     /// From texel to texel.
     slope: vec2<f32>,
@@ -119,7 +121,10 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
         let at = seen.xyz / seen.w;
         let depth = depth_in_view(vec2<i32>(floor(at.xy)));
         let step = edge_step(depth, 1.0);
-        let match_weight = alike * saturate(2.0 - abs(depth - at.z) / max(step, 1e-30));
+        // What is a pixel away may be the mirror itself, which would see its own light for ever.
+        let way = abs(at.xy - receiver.at);
+        let is_away = max(way.x, way.y) > 1.5;
+        let match_weight = alike * select(0.0, saturate(2.0 - abs(depth - at.z) / max(step, 1e-30)), is_away);
         sum += vec4(position, found.a) * match_weight;
         weights += match_weight;
     }
@@ -207,10 +212,11 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     let texel = place / DIVISOR;
     let first = (texel.x + 1) + SIDE * (texel.y + 1);
     var receiver: Receiver;
+    receiver.at = vec2<f32>(pixel) + 0.5;
     receiver.depth = depth;
     receiver.normal = mirror.normal;
     receiver.roughness = mirror.roughness;
-    receiver.position = view_position(vec2<f32>(pixel) + 0.5, depth);
+    receiver.position = view_position(receiver.at, depth);
     receiver.slope = slope_at(first);
     receiver.inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
     let along = vec2<f32>(place % DIVISOR) / f32(DIVISOR);
