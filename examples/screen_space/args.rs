@@ -4,7 +4,7 @@ use argh::FromArgs;
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 
-use crate::settings::{self, Effect, ExampleSettings};
+use crate::settings::{self, Effect, ExampleSettings, Mirrors};
 use kit::{
     example::{
         choices,
@@ -14,7 +14,7 @@ use kit::{
     size::parse_size,
 };
 
-/// A room with coloured walls, or a glTF or GLB file, whose surfaces shine on one another.
+/// A room with coloured walls, or a glTF or GLB file, whose surfaces shine on one another and mirror one another.
 #[derive(FromArgs)]
 pub struct Args {
     /// the file to show; a room when left out
@@ -28,6 +28,10 @@ pub struct Args {
     /// low, medium (the default), high or ultra
     #[argh(option, default = "default()", from_str_fn(quality))]
     quality: ScreenSpaceGiQuality,
+
+    /// reflections: off, low, medium (the default) or high
+    #[argh(option, default = "Mirrors::Medium", from_str_fn(mirrors))]
+    mirrors: Mirrors,
 
     /// full or half (the default)
     #[argh(option, default = "default()", from_str_fn(resolution))]
@@ -80,6 +84,7 @@ impl Args {
                 radius: self.radius,
                 ..default()
             },
+            mirrors: self.mirrors,
             lights: !self.dark,
             text: true,
         }
@@ -98,10 +103,14 @@ fn effect(text: &str) -> Result<Effect, String> {
     choices::parse(&settings::EFFECTS, text)
 }
 
+fn mirrors(text: &str) -> Result<Mirrors, String> {
+    choices::parse(&settings::MIRRORS, text)
+}
+
 fn quality(text: &str) -> Result<ScreenSpaceGiQuality, String> {
     choices::parse(&ScreenSpaceGiQuality::ALL, text)
 }
 
 fn resolution(text: &str) -> Result<ScreenSpaceResolution, String> {
-    choices::parse(&settings::RESOLUTIONS, text)
+    choices::parse(&ScreenSpaceResolution::ALL, text)
 }

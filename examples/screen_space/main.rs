@@ -1,4 +1,5 @@
-//! Light that surfaces send to one another, in a room with coloured walls (or any glTF or GLB file).
+//! Light that surfaces send to one another, and what they mirror: a room with coloured walls and mirrors of four roughnesses (or
+//! any glTF or GLB file).
 //!
 //! `cargo run --example screen_space -- [FILE] [--headless OUT.png] [--help]`
 //!
@@ -8,6 +9,7 @@
 //! | Q | next quality |
 //! | R | full / half resolution |
 //! | Up, Down | larger, smaller radius |
+//! | M | `LeanScreenSpaceReflections`: off, low, medium, high |
 //! | L | lamp and sun on / off |
 //! | H | text on / off |
 //! | mouse | left: orbit, right: pan, wheel: zoom |

@@ -2,7 +2,7 @@
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 
-use crate::settings::{Effect, ExampleSettings};
+use crate::settings::{Effect, ExampleSettings, Mirrors};
 use kit::example::{
     gpu_times,
     text_panel::{TextPanel, spawn_text_panel},
@@ -17,8 +17,7 @@ impl Plugin for OverlayPlugin {
     }
 }
 
-const KEYS: &str =
-    "1 none  2 occlusion  3 GI  Q quality  R resolution  Up/Down radius  L lights  H text";
+const KEYS: &str = "1 none  2 occlusion  3 GI  Q quality  R resolution  Up/Down radius  M mirrors  L lights  H text";
 
 fn update_text(
     settings: Res<ExampleSettings>,
@@ -49,8 +48,19 @@ fn update_text(
             time("lean_deferred/diffuse_gi/filter"),
         ),
     };
+    let mirrors = match settings.mirrors {
+        Mirrors::Off => "no reflections".into(),
+        quality => format!(
+            "LeanScreenSpaceReflections {quality:?}, {:?}: history {}, cells {}, trace {}, resolve {}",
+            gi.resolution,
+            time("lean_deferred/screen_space/history"),
+            time("lean_deferred/reflections/cells"),
+            time("lean_deferred/reflections/trace"),
+            time("lean_deferred/reflections/resolve"),
+        ),
+    };
     text.0 = format!(
-        "{effect}\nlighting {}\n{KEYS}",
+        "{effect}\n{mirrors}\nlighting {}\n{KEYS}",
         time("lean_deferred/lighting")
     );
 }

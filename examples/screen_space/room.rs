@@ -77,6 +77,15 @@ pub fn spawn(
         emissive: LinearRgba::rgb(6.0, 3.6, 1.2),
         ..default()
     });
+    // From a mirror to what is barely one, from left to right.
+    let mirrors = [0.0, 0.1, 0.25, 0.45].map(|perceptual_roughness| {
+        materials.add(StandardMaterial {
+            base_color: Color::srgb(0.95, 0.93, 0.9),
+            metallic: 1.0,
+            perceptual_roughness,
+            ..default()
+        })
+    });
     let mut room = Builder { commands, meshes };
     let wall = 0.2;
     let (low, high) = (Vec3::new(-HALF, 0.0, -HALF), Vec3::new(HALF, HEIGHT, HALF));
@@ -101,6 +110,13 @@ pub fn spawn(
         Vec3::new(high.x, low.y, low.z),
         high + Vec3::X * wall,
     );
+
+    for (i, mirror) in mirrors.iter().enumerate() {
+        let width = 2.0 * HALF / mirrors.len() as f32;
+        let corner = Vec3::new(-HALF + i as f32 * width, 0.0, 0.2);
+        let size = Vec3::new(width - 0.05, 0.01, HALF - 0.2);
+        room.add_box(mirror, corner, corner + size);
+    }
 
     let turned = Quat::from_rotation_y(0.4);
     let tall = Transform::from_xyz(-1.0, 0.8, -0.9).with_rotation(turned);

@@ -15,8 +15,28 @@ pub enum Effect {
 }
 
 pub const EFFECTS: [Effect; 3] = [Effect::None, Effect::Occlusion, Effect::Gi];
-pub const RESOLUTIONS: [ScreenSpaceResolution; 2] =
-    [ScreenSpaceResolution::Full, ScreenSpaceResolution::Half];
+
+/// Whether the camera has reflections too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mirrors {
+    Off,
+    Low,
+    Medium,
+    High,
+}
+
+pub const MIRRORS: [Mirrors; 4] = [Mirrors::Off, Mirrors::Low, Mirrors::Medium, Mirrors::High];
+
+impl Mirrors {
+    pub fn quality(self) -> Option<ScreenSpaceReflectionsQuality> {
+        match self {
+            Self::Off => None,
+            Self::Low => Some(ScreenSpaceReflectionsQuality::Low),
+            Self::Medium => Some(ScreenSpaceReflectionsQuality::Medium),
+            Self::High => Some(ScreenSpaceReflectionsQuality::High),
+        }
+    }
+}
 
 /// From one radius to the next larger one.
 const RADIUS_STEP: f32 = 1.25;
@@ -25,6 +45,7 @@ const RADIUS_STEP: f32 = 1.25;
 pub struct ExampleSettings {
     pub effect: Effect,
     pub gi: LeanScreenSpaceGi,
+    pub mirrors: Mirrors,
     pub lights: bool,
     pub text: bool,
 }
@@ -42,7 +63,10 @@ pub fn read_keys(
             KeyCode::KeyQ => {
                 settings.gi.quality = next(&ScreenSpaceGiQuality::ALL, settings.gi.quality);
             }
-            KeyCode::KeyR => settings.gi.resolution = next(&RESOLUTIONS, settings.gi.resolution),
+            KeyCode::KeyM => settings.mirrors = next(&MIRRORS, settings.mirrors),
+            KeyCode::KeyR => {
+                settings.gi.resolution = next(&ScreenSpaceResolution::ALL, settings.gi.resolution);
+            }
             KeyCode::ArrowUp => settings.gi.radius *= RADIUS_STEP,
             KeyCode::ArrowDown => settings.gi.radius /= RADIUS_STEP,
             KeyCode::KeyL => settings.lights = !settings.lights,
@@ -69,7 +93,18 @@ pub fn apply(
         };
     }
     let mut camera = commands.entity(*camera);
-    camera.remove::<(LeanAmbientOcclusion, LeanScreenSpaceGi)>();
+    camera.remove::<(
+        LeanAmbientOcclusion,
+        LeanScreenSpaceGi,
+        LeanScreenSpaceReflections,
+    )>();
+    if let Some(quality) = settings.mirrors.quality() {
+        camera.insert(LeanScreenSpaceReflections {
+            quality,
+            resolution: settings.gi.resolution,
+            ..default()
+        });
+    }
     match settings.effect {
         Effect::None => {}
         Effect::Occlusion => {
