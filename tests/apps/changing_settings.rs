@@ -67,6 +67,7 @@ impl Setting {
         for (order, camera) in self.cameras.into_iter().enumerate() {
             let target = self.images[usize::from(order == 2)].clone();
             let mut camera = self.headless.world().entity_mut(camera);
+            camera.remove::<(LeanScreenSpaceGi, LeanScreenSpaceReflections)>();
             camera.insert((
                 Hdr,
                 Msaa::Off,
@@ -268,12 +269,14 @@ fn change_components(camera: &mut EntityWorldMut, random: &mut Random) -> String
         }
         format!("{}: {}", core::any::type_name::<C>(), !had)
     }
-    match random.below(6) {
+    match random.below(8) {
         0 => toggle::<LeanDeferred>(camera),
         1 => toggle::<LeanAmbientOcclusion>(camera),
         2 => toggle::<LeanAutoExposure>(camera),
         3 => toggle::<MeteredExposure>(camera),
         4 => toggle::<Hdr>(camera),
+        5 => toggle::<LeanScreenSpaceGi>(camera),
+        6 => toggle::<LeanScreenSpaceReflections>(camera),
         _ => {
             let msaa = [Msaa::Off, Msaa::Sample4][random.below(2)];
             camera.insert(msaa);

@@ -150,6 +150,23 @@ fn occlusion_survives() {
 }
 
 #[test]
+fn what_is_found_on_the_screen_survives() {
+    in_own_process(|| {
+        survives(
+            "diffuse GI",
+            (LeanDeferred::default(), LeanScreenSpaceGi::default()),
+        );
+        survives(
+            "reflections",
+            (
+                LeanDeferred::default(),
+                LeanScreenSpaceReflections::default(),
+            ),
+        );
+    });
+}
+
+#[test]
 fn exposure_survives() {
     in_own_process(|| {
         let settings = LeanAutoExposure {

@@ -7,7 +7,8 @@ use bevy::{
     render::{RenderApp, render_resource::BindGroup, renderer::RenderInstance},
 };
 use bevy_lean_deferred::{
-    LeanAmbientOcclusion, LeanAutoExposure, LeanDeferred, ambient_occlusion::OcclusionBindings,
+    LeanAmbientOcclusion, LeanAutoExposure, LeanDeferred, LeanScreenSpaceGi,
+    LeanScreenSpaceReflections, ambient_occlusion::OcclusionBindings,
 };
 use kit::{
     headless::Headless,
@@ -103,11 +104,20 @@ fn set_state(headless: &mut Headless, camera: Entity, state: State) {
 
 /// In each of `states` the camera holds as much with the component as without, though it held more before.
 fn check_states<C: Component + Default>(states: &[State], compares_bind_groups: bool) {
+    check_states_beside::<C>((), states, compares_bind_groups);
+}
+
+/// As [`check_states`], of a camera with `others`.
+fn check_states_beside<C: Component + Default>(
+    others: impl Bundle,
+    states: &[State],
+    compares_bind_groups: bool,
+) {
     let name = core::any::type_name::<C>();
     let mut camera = Entity::PLACEHOLDER;
     let mut headless = build(UVec2::new(160, 120), |s| {
         s.solids();
-        camera = s.default_camera(());
+        camera = s.default_camera(others);
     });
     let mut held_in = |with: bool, state: State| {
         if with {
@@ -149,6 +159,19 @@ fn lean_cameras_that_cannot_be_lean_hold_nothing() {
 #[test]
 fn cameras_without_occlusion_hold_nothing_of_it() {
     check_states::<LeanAmbientOcclusion>(&[State::SwitchedOff, State::Multisampled], true);
+}
+
+#[test]
+fn cameras_without_diffuse_gi_hold_nothing_of_it() {
+    let lean = LeanDeferred::default();
+    check_states_beside::<LeanScreenSpaceGi>(lean, &[State::SwitchedOff, State::NotHdr], false);
+}
+
+#[test]
+fn cameras_without_reflections_hold_nothing_of_them() {
+    let lean = LeanDeferred::default();
+    let states = [State::SwitchedOff, State::NotHdr];
+    check_states_beside::<LeanScreenSpaceReflections>(lean, &states, false);
 }
 
 #[test]

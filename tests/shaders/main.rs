@@ -6,5 +6,6 @@ mod layout_optional;
 mod permutations;
 mod reconstruction;
 mod reflections;
+mod screen_space;
 mod tile_list;
 mod twins;

@@ -298,6 +298,8 @@ fn bindings_have_the_numbers_of_their_names() {
         shader!(
             "screen_space/reflections/resolve.wgsl",
             "DIVISOR=2",
+            "PIXELS=16",
+            "INVOCATIONS=256",
             "SIDE_SQUARED=144",
             "MEANS_SQUARED=81"
         ),

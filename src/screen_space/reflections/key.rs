@@ -4,6 +4,9 @@ use bevy::shader::ShaderDefVal;
 
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
+/// Pixels a side that a workgroup of the last pass makes.
+pub(super) const RESOLVE_SIDE: u32 = 16;
+
 /// What all passes are compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ReflectionKey {
@@ -19,11 +22,13 @@ pub(super) struct ReflectionKey {
 impl ReflectionKey {
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
         // Texels a side whose mean a workgroup of the last pass makes, and that it reads.
-        let means = 16 / self.divisor + self.divisor - 1;
+        let means = RESOLVE_SIDE / self.divisor + self.divisor - 1;
         let side = means + 3;
         let mut defs = vec![
             ShaderDefVal::UInt("STEPS".into(), self.steps),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
+            ShaderDefVal::UInt("PIXELS".into(), RESOLVE_SIDE),
+            ShaderDefVal::UInt("INVOCATIONS".into(), RESOLVE_SIDE * RESOLVE_SIDE),
             ShaderDefVal::UInt("SIDE_SQUARED".into(), side * side),
             ShaderDefVal::UInt("MEANS_SQUARED".into(), means * means),
         ];

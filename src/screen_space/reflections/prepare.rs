@@ -25,6 +25,7 @@ use super::{
         HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE,
         RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
     },
+    key::RESOLVE_SIDE,
     pipelines::{CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionPipelines},
     uniforms::ReflectionView,
 };
@@ -40,9 +41,6 @@ use crate::{
 
 /// Pixels a side of the largest cells.
 const LARGEST_CELL: u32 = 64;
-
-/// Pixels a side that a workgroup of the last pass makes.
-const RESOLVE_SIDE: u32 = 16;
 
 /// The uniforms of all views.
 #[derive(Resource, Default)]

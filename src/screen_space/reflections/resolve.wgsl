@@ -7,14 +7,13 @@
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, smoothness}
 
 /// Pixels a side of a workgroup, and their texels.
-const PIXELS: i32 = 16;
+const PIXELS: i32 = #{PIXELS};
 const TEXELS: i32 = PIXELS / DIVISOR;
 /// Texels a side whose mean is made: those of its pixels, and where they share texels one more.
 const MEANS: i32 = TEXELS + DIVISOR - 1;
 /// Texels a side that are read: of each mean, one before and two after.
 const SIDE: i32 = MEANS + 3;
-/// Invocations.
-const INVOCATIONS: i32 = PIXELS * PIXELS;
+const INVOCATIONS: i32 = #{INVOCATIONS};
 
 /// Radius of a lobe where it meets a surface, in pixels, up to which it is taken for a single place, and from which on it
 /// is the mean of rays.
@@ -231,7 +230,7 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     return vec4(light.rgb / max(light.a, 1e-6), light.a * fade);
 }
 
-@compute @workgroup_size(256, 1, 1)
+@compute @workgroup_size(#{INVOCATIONS}, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
     let corner = vec2<i32>(workgroup.xy) * TEXELS - 1;

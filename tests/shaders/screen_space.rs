@@ -1,0 +1,68 @@
+//! The shaders of effects that find light on the screen compose under all that they may be asked for.
+
+use bevy::shader::Shader;
+
+use super::permutations::{Definitions, Modules, definition};
+
+const PROJECTIONS: [&str; 3] = ["", "PROJECTION_PERSPECTIVE", "PROJECTION_ORTHOGRAPHIC"];
+
+/// Composes and validates a shader with each of `choices`, in all combinations.
+fn check(source: &'static str, path: &str, always: &[&str], choices: &[&[&str]]) {
+    let count: usize = choices.iter().map(|choice| choice.len()).product();
+    for mut number in 0..count {
+        let mut chosen: Vec<&str> = always.to_vec();
+        for choice in choices {
+            chosen.extend(choice[number % choice.len()].split_whitespace());
+            number /= choice.len();
+        }
+        let definitions: Definitions = chosen.iter().map(|text| definition(text)).collect();
+        Modules::new()
+            .compose(&Shader::from_wgsl(source, path), definitions)
+            .unwrap_or_else(|error| panic!("{path}, {chosen:?}: {error}"));
+    }
+}
+
+macro_rules! check {
+    ($path:literal, $always:expr, $choices:expr) => {
+        check(
+            include_str!(concat!("../../src/screen_space/", $path)),
+            $path,
+            $always,
+            $choices,
+        )
+    };
+}
+
+#[test]
+fn diffuse_gi_composes() {
+    let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2"];
+    let motion: &[&str] = &["", "MOTION"];
+    check!(
+        "diffuse_gi/levels.wgsl",
+        &[],
+        &[divisors, motion, &PROJECTIONS]
+    );
+    let samples = ["SLICES=2", "STEPS=3"];
+    check!(
+        "diffuse_gi/gather.wgsl",
+        &samples,
+        &[divisors, &PROJECTIONS]
+    );
+    check!("diffuse_gi/filter.wgsl", &[], &[divisors, &PROJECTIONS]);
+}
+
+#[test]
+fn reflections_compose() {
+    let divisors: &[&str] = &[
+        "DIVISOR=1 SIDE_SQUARED=361 MEANS_SQUARED=256",
+        "DIVISOR=2 SIDE_SQUARED=144 MEANS_SQUARED=81",
+    ];
+    let motion: &[&str] = &["", "MOTION"];
+    let special: &[&str] = &["", "SPECIALIZATION"];
+    let samples = ["STEPS=4", "PIXELS=16", "INVOCATIONS=256"];
+    let choices = [divisors, motion, special, &PROJECTIONS];
+    check!("reflections/cells.wgsl", &samples, &choices);
+    check!("reflections/trace.wgsl", &samples, &choices);
+    check!("reflections/resolve.wgsl", &samples, &choices);
+    check!("history/levels.wgsl", &[], &[&["", "OF_LEVEL"]]);
+}
