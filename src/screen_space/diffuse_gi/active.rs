@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     shader_library::reconstruction::position::projection_of,
-    view::{IndirectDiffuse, LeanDeferred, ReadsDiffuseLight, warn_once::WarnOnce},
+    view::{ActiveLeanView, IndirectDiffuse, LeanDeferred, ReadsDiffuseLight, warn_once::WarnOnce},
 };
 
 /// On a view of the render world: its shaders are compiled, and lighting is asked to take in what they find.
@@ -51,7 +51,7 @@ pub(super) fn decide_active_gi(
             &LeanScreenSpaceGi,
             Has<LeanDeferred>,
             Has<MotionVectorPrepass>,
-            Option<&ActiveGi>,
+            (Has<ActiveLeanView>, Option<&ActiveGi>),
         ),
         (With<Camera3d>, With<ExtractedCamera>),
     >,
@@ -65,7 +65,7 @@ pub(super) fn decide_active_gi(
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, view, settings, is_lean, motion, current) in &views {
+    for (entity, view, settings, is_lean, motion, (was_lean, current)) in &views {
         let reason = (!is_lean).then_some("it has no LeanDeferred");
         (warnings.0).tell(view.retained_view_entity.main_entity, reason);
         let key = GiKey {
@@ -89,7 +89,12 @@ pub(super) fn decide_active_gi(
             Some(active) => {
                 let mut view = commands.entity(entity);
                 view.insert((active, ReadsDiffuseLight));
-                view.insert_if_new(IndirectDiffuse::default());
+                if was_lean {
+                    view.insert_if_new(IndirectDiffuse::default());
+                } else {
+                    // Nothing is kept for a camera that is not lean after all.
+                    view.insert(IndirectDiffuse::default());
+                }
             }
             None if current.is_some() => {
                 commands.entity(entity).remove::<ActiveGi>();

@@ -41,8 +41,8 @@ use super::succession::SuccessionPlugin;
 use crate::{
     gpu::recovery,
     view::{
-        GBufferPasses, IndirectDiffuse, LeanViewSystems, LightingPasses, ReadsDiffuseLight,
-        SharedPlugin, can_build, overrides, removal,
+        ActiveLeanView, GBufferPasses, IndirectDiffuse, LeanViewSystems, LightingPasses,
+        ReadsDiffuseLight, SharedPlugin, can_build, overrides, removal,
     },
 };
 
@@ -73,6 +73,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         removal::remove_with::<ActiveGi, (ViewGi, GiBindings, IndirectDiffuse, ReadsDiffuseLight)>(
             render_app,
         );
+        removal::remove_with::<ActiveLeanView, (ViewGi, GiBindings)>(render_app);
         render_app
             .init_resource::<active::Warnings>()
             .init_gpu_resource::<prepare::GiUniforms>()

@@ -91,8 +91,15 @@ pub(super) fn decide_active_reflections(
         match active {
             Some(active) => {
                 let mut view = commands.entity(entity);
-                view.insert((active, ReadsHistory));
-                view.insert_if_new(IndirectSpecular::default());
+                view.insert(active);
+                if last.is_some() {
+                    view.insert(ReadsHistory);
+                    view.insert_if_new(IndirectSpecular::default());
+                } else {
+                    // Nothing is kept for a camera that is not lean after all.
+                    view.remove::<ReadsHistory>();
+                    view.insert(IndirectSpecular::default());
+                }
             }
             None if current.is_some() => {
                 commands.entity(entity).remove::<ActiveReflections>();

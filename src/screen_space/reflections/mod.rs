@@ -47,8 +47,8 @@ use super::{
 use crate::{
     gpu::recovery,
     view::{
-        GBufferPasses, IndirectSpecular, LeanViewSystems, LightingPasses, SharedPlugin, can_build,
-        overrides, removal,
+        ActiveLeanView, GBufferPasses, IndirectSpecular, LeanViewSystems, LightingPasses,
+        SharedPlugin, can_build, overrides, removal,
     },
 };
 
@@ -88,6 +88,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
                 ReadsHistory,
             ),
         >(render_app);
+        removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
         render_app
             .init_resource::<active::Warnings>()
             .init_gpu_resource::<prepare::ReflectionUniforms>()
