@@ -1,7 +1,10 @@
 //! The light of a picture before post-processing, as half floats.
 
 use bevy::{
-    core_pipeline::schedule::{Core3d, Core3dSystems},
+    core_pipeline::{
+        core_3d::main_transparent_pass_3d,
+        schedule::{Core3d, Core3dSystems},
+    },
     prelude::*,
     render::{
         RenderApp,
@@ -97,8 +100,8 @@ pub fn light(headless: &mut Headless) -> Light {
         render_app.insert_resource(KeepsLight).add_systems(
             Core3d,
             keep_light
-                .after(Core3dSystems::MainPass)
-                .before(Core3dSystems::EarlyPostProcess),
+                .in_set(Core3dSystems::MainPass)
+                .after(main_transparent_pass_3d),
         );
     }
     headless.frames(2);

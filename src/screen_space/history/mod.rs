@@ -15,7 +15,7 @@ mod prepare;
 use bevy::{
     asset::embedded_asset,
     core_pipeline::{
-        core_3d::prepare_core_3d_depth_textures,
+        core_3d::{main_transparent_pass_3d, prepare_core_3d_depth_textures},
         schedule::{Core3d, Core3dSystems},
     },
     prelude::*,
@@ -76,9 +76,10 @@ impl Plugin for HistoryPlugin {
             )
             .add_systems(
                 Core3d,
+                // Volumetric fog and what else comes between here and post-processing has no order of its own.
                 pass::keep_frame
-                    .after(Core3dSystems::MainPass)
-                    .before(Core3dSystems::EarlyPostProcess),
+                    .in_set(Core3dSystems::MainPass)
+                    .after(main_transparent_pass_3d),
             );
     }
 }
