@@ -2,6 +2,7 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::filter
 
 #import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+#import bevy_lean_deferred::reconstruction::normal::flatter_slope
 
 /// Corners of the four gathers, in texels from the first one's centre. A gather's parts are the texels (0, 1), (1, 1),
 /// (1, 0), (0, 0) from there.
@@ -24,17 +25,10 @@ fn depth_in_view(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>)
     return textureLoad(depth, vec2<i32>(view.viewport_origin) + inside, 0);
 }
 
-fn flatter(before: f32, center: f32, after: f32) -> f32 {
-    let a = center - before;
-    let b = after - center;
-    // Neither slope is that of a pixel before both of its neighbours.
-    return select(select(b, a, abs(a) < abs(b)), 0.0, a > 0.0 && b < 0.0);
-}
-
 fn depth_plane(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>, center: f32) -> DepthPlane {
     let slope = vec2(
-        flatter(depth_in_view(depth, view, pixel - vec2(1, 0)), center, depth_in_view(depth, view, pixel + vec2(1, 0))),
-        flatter(depth_in_view(depth, view, pixel - vec2(0, 1)), center, depth_in_view(depth, view, pixel + vec2(0, 1))),
+        flatter_slope(depth_in_view(depth, view, pixel - vec2(1, 0)), center, depth_in_view(depth, view, pixel + vec2(1, 0))),
+        flatter_slope(depth_in_view(depth, view, pixel - vec2(0, 1)), center, depth_in_view(depth, view, pixel + vec2(0, 1))),
     );
     let nearness = view.edge.x * center + view.edge.y;
     // The last digits of depth are no step. Infinitely far away, at depth 0 in perspective, anything is one.

@@ -5,8 +5,8 @@ use bevy::{
     prelude::*,
     render::{
         render_resource::{
-            ComputePassDescriptor, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
-            RenderPassDescriptor, StoreOp,
+            LoadOp, Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
+            StoreOp,
         },
         renderer::{RenderContext, ViewQuery},
         view::ViewTarget,
@@ -19,7 +19,7 @@ use super::{
     prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
     uniforms::workgroups,
 };
-use crate::gpu::timed::timed;
+use crate::gpu::timed::{timed, timed_dispatch};
 
 const GATHER: &str = "lean_deferred/ambient_occlusion/gather";
 const MERGE: &str = "lean_deferred/ambient_occlusion/merge";
@@ -71,18 +71,8 @@ fn gather(
     match active.gather? {
         GatherPipeline::Compute(pipeline) => {
             let pipeline = pipeline_cache.get_compute_pipeline(pipeline)?;
-            timed(ctx, GATHER, |ctx| {
-                let mut pass = ctx
-                    .command_encoder()
-                    .begin_compute_pass(&ComputePassDescriptor {
-                        label: Some(GATHER),
-                        timestamp_writes: None,
-                    });
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, group, &[view.offset]);
-                let count = workgroups(view.texture_size);
-                pass.dispatch_workgroups(count.x, count.y, 1);
-            });
+            let count = workgroups(view.texture_size);
+            timed_dispatch(ctx, GATHER, pipeline, (group, view.offset), count);
         }
         GatherPipeline::Raster(pipeline) => {
             let pipeline = pipeline_cache.get_render_pipeline(pipeline)?;

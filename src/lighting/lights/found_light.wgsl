@@ -12,6 +12,7 @@
 
 #ifdef INDIRECT_DIFFUSE
 #import bevy_lean_deferred::lighting::bindings::indirect_diffuse_texture
+#import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
 
@@ -77,19 +78,12 @@ fn depth_in_view(place: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(uniforms.viewport_origin) + nearest, 0);
 }
 
-/// The slope on the flatter side.
-fn flatter(before: f32, center: f32, after: f32) -> f32 {
-    let a = center - before;
-    let b = after - center;
-    return select(select(b, a, abs(a) < abs(b)), 0.0, a > 0.0 && b < 0.0);
-}
-
 /// Between the four texels around the pixel, but those that show another surface: the depth that a texel has is that of
 /// the first of its pixels.
 fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     let slope = vec2(
-        flatter(depth_in_view(place - vec2(1, 0)), depth, depth_in_view(place + vec2(1, 0))),
-        flatter(depth_in_view(place - vec2(0, 1)), depth, depth_in_view(place + vec2(0, 1))),
+        flatter_slope(depth_in_view(place - vec2(1, 0)), depth, depth_in_view(place + vec2(1, 0))),
+        flatter_slope(depth_in_view(place - vec2(0, 1)), depth, depth_in_view(place + vec2(0, 1))),
     );
     let inverse_step = 1.0 / max(2.0 * (uniforms.edge.x * depth + uniforms.edge.y), 1e-30);
     // Texels are about the middle of their pixels: between the second and the first of the next.

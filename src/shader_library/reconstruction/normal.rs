@@ -23,6 +23,16 @@ pub fn straighter_side(center: f32, near_a: f32, far_a: f32, near_b: f32, far_b:
     if error_a < error_b { -1.0 } else { 1.0 }
 }
 
+/// The slope of depth from one to the next of three pixels, on the flatter side: the other one may be an edge. 0 for what is
+/// before both of its neighbours, whose slope neither side has.
+pub fn flatter_slope(before: f32, center: f32, after: f32) -> f32 {
+    let (a, b) = (center - before, after - center);
+    if a > 0.0 && b < 0.0 {
+        return 0.0;
+    }
+    if a.abs() < b.abs() { a } else { b }
+}
+
 /// The unit normal that faces the viewer, from view-space positions: of the pixel, and of the chosen neighbours
 /// (`side` is 1 for the right or lower one, -1 for the other). Falls back to facing the viewer where the three are
 /// on one line.

@@ -20,6 +20,14 @@ fn straighter_side(center: f32, near_a: f32, far_a: f32, near_b: f32, far_b: f32
     return select(1.0, -1.0, error_a < error_b);
 }
 
+/// The slope of depth from one to the next of three pixels, on the flatter side: the other one may be an edge. 0 for what is
+/// before both of its neighbours, whose slope neither side has.
+fn flatter_slope(before: f32, center: f32, after: f32) -> f32 {
+    let a = center - before;
+    let b = after - center;
+    return select(select(b, a, abs(a) < abs(b)), 0.0, a > 0.0 && b < 0.0);
+}
+
 /// The unit normal that faces the viewer, from view-space positions: of the pixel, and of the chosen neighbours
 /// (`side` is 1 for the right or lower one, -1 for the other). Falls back to facing the viewer where the three are
 /// on one line.
