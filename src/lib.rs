@@ -86,7 +86,8 @@ pub mod prelude {
             GBufferTargets, GBufferUsage, ShadingModel,
         },
         screen_space::{
-            ScreenSpaceGiQuality, ScreenSpaceReflectionsQuality, ScreenSpaceResolution,
+            ScreenSpaceGiDebugView, ScreenSpaceGiQuality, ScreenSpaceReflectionsDebugView,
+            ScreenSpaceReflectionsQuality, ScreenSpaceResolution,
         },
         shading_extension::{ExtendedStandardMaterial, ShadingExtension},
     };

@@ -1,10 +1,7 @@
 //! The light of a picture before post-processing, as half floats.
 
 use bevy::{
-    core_pipeline::{
-        core_3d::main_transparent_pass_3d,
-        schedule::{Core3d, Core3dSystems},
-    },
+    core_pipeline::schedule::{Core3d, Core3dSystems},
     prelude::*,
     render::{
         RenderApp,
@@ -100,11 +97,17 @@ pub fn light(headless: &mut Headless) -> Light {
         render_app.insert_resource(KeepsLight).add_systems(
             Core3d,
             keep_light
-                .in_set(Core3dSystems::MainPass)
-                .after(main_transparent_pass_3d),
+                .after(Core3dSystems::MainPass)
+                .before(Core3dSystems::EarlyPostProcess),
         );
     }
-    headless.frames(2);
+    headless.frames(1);
+    next_light(headless)
+}
+
+/// As [`light`], of the next frame: from the second time on.
+pub fn next_light(headless: &mut Headless) -> Light {
+    headless.frames(1);
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut copies = world.query::<&Kept>();
     let copy = copies

@@ -4,7 +4,7 @@ use bevy::{camera::Exposure, light::AmbientLight, prelude::*};
 use bevy_lean_deferred::prelude::*;
 
 use crate::{
-    hdr::{Light, light},
+    hdr::{Light, light, next_light},
     headless::{Headless, Picture},
     lean::build,
     scenes::SceneBuilder,
@@ -103,6 +103,16 @@ pub fn see(headless: &mut Headless, frames: usize) -> Seen {
 /// What the one camera shows in the frame after the next.
 pub fn look(headless: &mut Headless) -> Seen {
     let light = light(headless);
+    seen(headless, light)
+}
+
+/// As [`look`], in the next frame: from the second time on.
+pub fn look_at_once(headless: &mut Headless) -> Seen {
+    let light = next_light(headless);
+    seen(headless, light)
+}
+
+fn seen(headless: &mut Headless, light: Light) -> Seen {
     let world = headless.world();
     let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
     let (camera, transform) = cameras.single(world).expect("one camera");

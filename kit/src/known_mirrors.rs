@@ -181,8 +181,6 @@ pub fn compare(headless: &mut Headless, seen: Seen) -> MirrorSeen {
     let world = headless.world();
     let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
     let (camera, transform) = cameras.single(world).expect("one camera");
-    let eye = transform.translation();
-
     // What the mirror shows at a pixel, if that is in the picture too.
     let mirrored = |ray: Ray3d| -> Option<(f32, bool)> {
         let distance = ray.intersect_plane(Vec3::ZERO, InfinitePlane3d::new(Vec3::Y))?;
@@ -197,11 +195,14 @@ pub fn compare(headless: &mut Headless, seen: Seen) -> MirrorSeen {
         let is_in_picture = at.is_some_and(|at| {
             at.cmpgt(Vec2::splat(1.0)).all() && at.cmplt(size.as_vec2() - 1.0).all()
         });
-        let back = Ray3d::new(eye, Dir3::new(place - eye).ok()?);
-        let is_seen = meet(back).is_some_and(|first| first.distance > place.distance(eye) - 1e-2);
-        // What is seen at a grazing angle has no pixels to speak of.
-        let is_facing = met.normal.dot(*back.direction) < -0.2;
-        Some((met.light, is_in_picture && is_seen && is_facing))
+        let back = at.and_then(|at| camera.viewport_to_world(transform, at).ok());
+        let is_seen = back.is_some_and(|back| {
+            let first = meet(back).map_or(0.0, |first| first.distance);
+            // What is seen at a grazing angle has no pixels to speak of.
+            let is_facing = met.normal.dot(*back.direction) < -0.2;
+            is_facing && first > place.distance(back.origin) - 1e-2
+        });
+        Some((met.light, is_in_picture && is_seen))
     };
     let truths: Vec<Option<(f32, bool)>> = seen.rays().iter().map(|ray| mirrored(*ray)).collect();
     let differences = truths.iter().zip(&seen.light.texels).map(|(truth, texel)| {

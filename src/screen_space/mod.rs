@@ -3,21 +3,29 @@
 //! - `succession.rs`: which frames of a view follow one another. `reprojection.rs`: where the last one had what this one shows.
 //! - `history/`: the last frame of a view, for those that ask for it.
 //! - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
-//! - `resolution.rs`: how many pixels share what effects find.
+//! - `debug_view/`: what an effect has found, in place of the picture.
+//! - `resolution.rs`: how many pixels share what effects find. `pattern.rs`: how the directions in which they look turn.
+//! - `storage_texture.rs`: what a pass writes and another one reads.
 
+mod debug_view;
 pub mod diffuse_gi;
 #[doc(hidden)]
 pub mod history;
+mod pattern;
 pub mod reflections;
 mod reprojection;
 mod resolution;
+mod storage_texture;
 mod succession;
 
-pub use diffuse_gi::{LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, ScreenSpaceGiQuality};
+pub use diffuse_gi::{
+    LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, ScreenSpaceGiDebugView, ScreenSpaceGiQuality,
+};
 #[doc(hidden)]
 pub use history::{ReadsHistory, ViewHistory};
 pub use reflections::{
-    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, ScreenSpaceReflectionsQuality,
+    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, ScreenSpaceReflectionsDebugView,
+    ScreenSpaceReflectionsQuality,
 };
 pub use resolution::ScreenSpaceResolution;
 #[doc(hidden)]

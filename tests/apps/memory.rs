@@ -4,11 +4,17 @@
 use bevy::{
     camera::Hdr,
     prelude::*,
-    render::{RenderApp, render_resource::BindGroup, renderer::RenderInstance},
+    render::{
+        RenderApp,
+        render_resource::{BindGroup, BindGroupId},
+        renderer::RenderInstance,
+    },
 };
 use bevy_lean_deferred::{
     LeanAmbientOcclusion, LeanAutoExposure, LeanDeferred, LeanScreenSpaceGi,
-    LeanScreenSpaceReflections, ambient_occlusion::OcclusionBindings,
+    LeanScreenSpaceReflections,
+    ambient_occlusion::OcclusionBindings,
+    screen_space::{ViewHistory, diffuse_gi::GiBindings, reflections::ReflectionBindings},
 };
 use kit::{
     headless::Headless,
@@ -207,28 +213,52 @@ fn removed_occlusion_is_given_back() {
     }
 }
 
-/// While nothing changes, the bind groups of occlusion stay the same.
+/// The bind groups that all views hold by their `C`.
+fn groups_of<C: Component>(
+    headless: &mut Headless,
+    groups: impl Fn(&C) -> Vec<&BindGroup>,
+) -> Vec<BindGroupId> {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query::<&C>();
+    let groups = views.iter(world).flat_map(groups);
+    groups.map(BindGroup::id).collect()
+}
+
+/// While nothing changes, the bind groups of effects stay the same.
 #[test]
-fn nothing_of_occlusion_is_made_anew() {
+fn nothing_of_effects_is_made_anew() {
     let mut camera = Entity::PLACEHOLDER;
     let mut headless = build(UVec2::new(160, 120), |s| {
         s.solids();
-        camera = s.default_camera(LeanAmbientOcclusion::default());
+        camera = s.default_camera((
+            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceGi::default(),
+            LeanScreenSpaceReflections::default(),
+        ));
     });
     for lean in [false, true] {
         set_lean(&mut headless, lean);
         let _ = held(&mut headless);
         let mut groups = || {
             headless.frames(1);
-            let world = headless.app.sub_app_mut(RenderApp).world_mut();
-            let mut views = world.query::<&OcclusionBindings>();
-            let groups = views
-                .iter(world)
-                .flat_map(OcclusionBindings::lasting_bind_groups);
-            groups.map(BindGroup::id).collect::<Vec<_>>()
+            [
+                groups_of::<OcclusionBindings>(&mut headless, |held| {
+                    held.lasting_bind_groups().collect()
+                }),
+                groups_of::<GiBindings>(&mut headless, |held| held.lasting_bind_groups().collect()),
+                groups_of::<ReflectionBindings>(&mut headless, |held| {
+                    held.lasting_bind_groups().collect()
+                }),
+                groups_of::<ViewHistory>(&mut headless, |held| {
+                    held.lasting_bind_groups().collect()
+                }),
+            ]
         };
         let first = groups();
-        assert_eq!(first.len(), if lean { 1 } else { 2 });
+        // GI has two of each, for this frame's levels are the next one's last, and leaves nothing to occlusion; Bevy has two main
+        // textures.
+        let expected = if lean { [0, 6, 3, 3] } else { [2, 0, 0, 0] };
+        assert_eq!(first.each_ref().map(Vec::len), expected);
         for _ in 0..8 {
             assert_eq!(groups(), first);
         }

@@ -48,6 +48,7 @@ fn diffuse_gi_composes() {
         &samples,
         &[divisors, &PROJECTIONS]
     );
+    check!("diffuse_gi/forward_light.wgsl", &[], &[&PROJECTIONS]);
     check!("diffuse_gi/filter.wgsl", &[], &[divisors, &PROJECTIONS]);
 }
 
@@ -59,10 +60,28 @@ fn reflections_compose() {
     ];
     let motion: &[&str] = &["", "MOTION"];
     let special: &[&str] = &["", "SPECIALIZATION"];
-    let samples = ["STEPS=4", "PIXELS=16", "INVOCATIONS=256"];
+    let samples = [
+        "ROUGH_STEPS=4",
+        "SMOOTH_STEPS=8",
+        "ROUGH_RAYS=8",
+        "PIXELS=16",
+        "INVOCATIONS=256",
+    ];
     let choices = [divisors, motion, special, &PROJECTIONS];
     check!("reflections/cells.wgsl", &samples, &choices);
     check!("reflections/trace.wgsl", &samples, &choices);
     check!("reflections/resolve.wgsl", &samples, &choices);
+}
+
+#[test]
+fn history_and_debug_views_compose() {
     check!("history/levels.wgsl", &[], &[&["", "OF_LEVEL"]]);
+    let shown: &[&str] = &[
+        "SHOWS_LIGHT",
+        "SHOWS_BARE_LIGHT",
+        "SHOWS_ALPHA",
+        "SHOWS_ONE_MINUS_ALPHA",
+        "SHOWS_HIT",
+    ];
+    check!("debug_view/debug_view.wgsl", &[], &[shown]);
 }

@@ -105,7 +105,9 @@ fn structs_are_laid_out_alike() {
     let trace = shader!(
         "screen_space/reflections/trace.wgsl",
         "DIVISOR=2",
-        "STEPS=1"
+        "ROUGH_STEPS=1",
+        "SMOOTH_STEPS=1",
+        "ROUGH_RAYS=8"
     );
     check_struct::<ReflectionView, _>(&trace, "ReflectionView");
     let extension = shader!("shading_extension/extension.wgsl", "MATERIAL_BIND_GROUP=3");
@@ -275,6 +277,7 @@ fn bindings_have_the_numbers_of_their_names() {
             "STEPS=1"
         ),
         shader!("screen_space/diffuse_gi/filter.wgsl", "DIVISOR=1"),
+        shader!("screen_space/diffuse_gi/forward_light.wgsl",),
     ];
     let numbers = diffuse_gi::binding_numbers::ALL;
     check_numbers(numbers, &bindings(&gi, 0), "diffuse GI");
@@ -291,7 +294,9 @@ fn bindings_have_the_numbers_of_their_names() {
         shader!(
             "screen_space/reflections/trace.wgsl",
             "DIVISOR=2",
-            "STEPS=1",
+            "ROUGH_STEPS=1",
+            "SMOOTH_STEPS=1",
+            "ROUGH_RAYS=8",
             "MOTION",
             "SPECIALIZATION"
         ),

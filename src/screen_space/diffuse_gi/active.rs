@@ -74,14 +74,14 @@ pub(super) fn decide_active_gi(
             motion,
             projection: projection_of(view.clip_from_view),
         };
-        let wanted = ActiveGi {
+        let wanted = is_lean.then(|| ActiveGi {
             settings: *settings,
             key,
             passes: pipelines.specialize(&cache, key),
-        };
+        });
         let stand_in = current
             .filter(|last| (last.key.motion, last.key.projection) == (motion, key.projection));
-        let active = [Some(wanted), stand_in.copied()]
+        let active = [wanted, stand_in.copied()]
             .into_iter()
             .flatten()
             .find(|active| is_lean && active.passes.are_compiled(&cache));

@@ -16,4 +16,6 @@ binding_numbers! {
     LEVEL_3 = 10,
     GATHERED_TEXTURE = 11,
     OUTPUT_TEXTURE = 12,
+    PICTURE_TEXTURE = 13,
+    DIFFUSE_LIGHT_OUTPUT = 14,
 }

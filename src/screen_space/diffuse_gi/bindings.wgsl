@@ -23,6 +23,9 @@
 /// Mean radiance from surfaces, and what part of the hemisphere they take; not yet filtered.
 @group(0) @binding(11) var gathered_texture: texture_2d<f32>;
 @group(0) @binding(12) var output_texture: texture_storage_2d<rgba16float, write>;
+/// What the opaque meshes have left, and where some of it joins this frame's diffuse light.
+@group(0) @binding(13) var picture_texture: texture_2d<f32>;
+@group(0) @binding(14) var diffuse_light_output: texture_storage_2d<r32uint, write>;
 
 /// What a texel of a level shows.
 struct Entry {

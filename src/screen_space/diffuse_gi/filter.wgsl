@@ -1,5 +1,6 @@
 // Brings together what the 4×4 texels of the pattern have found, each of which looked in another direction: the mean of a
 // square of so many, but for those that show another surface.
+#import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
     edge_step, gathered_texture, levels, output_texture, view,
 }
@@ -12,12 +13,6 @@ const SIDE: u32 = 11u;
 
 var<workgroup> light: array<vec4<f32>, 121>;
 var<workgroup> depths: array<f32, 121>;
-
-fn flatter(before: f32, center: f32, after: f32) -> f32 {
-    let a = center - before;
-    let b = after - center;
-    return select(select(b, a, abs(a) < abs(b)), 0.0, a > 0.0 && b < 0.0);
-}
 
 @compute @workgroup_size(64, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
@@ -44,8 +39,8 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     var weights = 0.0;
     if depth > 0.0 {
         let slope = vec2(
-            flatter(depths[center - 1u], depth, depths[center + 1u]),
-            flatter(depths[center - SIDE], depth, depths[center + SIDE]),
+            flatter_slope(depths[center - 1u], depth, depths[center + 1u]),
+            flatter_slope(depths[center - SIDE], depth, depths[center + SIDE]),
         );
         let inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
         for (var y = 0u; y < 4u; y++) {

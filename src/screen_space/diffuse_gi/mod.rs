@@ -5,11 +5,13 @@
 //! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
 //! - `pass.rs`: the three passes. `levels.wgsl`: depth, and the light of the last frame, as this one sees it.
 //!   `gather.wgsl`: what falls onto each texel. `filter.wgsl`: what sixteen texels have found, together.
+//! - `forward_light.{rs,wgsl}`: the light of what Bevy's forward passes draw.
 //! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
 
 mod active;
 #[doc(hidden)]
 pub mod binding_numbers;
+mod forward_light;
 mod key;
 mod pass;
 mod pipelines;
@@ -17,18 +19,22 @@ mod prepare;
 mod settings;
 mod uniforms;
 
-pub use settings::{LeanScreenSpaceGi, ScreenSpaceGiQuality};
+pub use settings::{LeanScreenSpaceGi, ScreenSpaceGiDebugView, ScreenSpaceGiQuality};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
     active::ActiveGi,
+    forward_light::ForwardLight,
     prepare::{GiBindings, ViewGi},
     uniforms::GiView,
 };
 
 use bevy::{
     asset::embedded_asset,
-    core_pipeline::schedule::{Core3d, Core3dSystems},
+    core_pipeline::{
+        core_3d::{main_opaque_pass_3d, main_transparent_pass_3d},
+        schedule::{Core3d, Core3dSystems},
+    },
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
@@ -37,7 +43,7 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use super::succession::SuccessionPlugin;
+use super::{debug_view::DebugViewPlugin, succession::SuccessionPlugin};
 use crate::{
     gpu::recovery,
     view::{
@@ -62,18 +68,19 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         embedded_asset!(app, "levels.wgsl");
         embedded_asset!(app, "gather.wgsl");
         embedded_asset!(app, "filter.wgsl");
+        embedded_asset!(app, "forward_light.wgsl");
         app.register_type::<LeanScreenSpaceGi>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceGi>::default());
         overrides::add_to::<LeanScreenSpaceGi>(app);
+        app.add_plugins(DebugViewPlugin::<ViewGi>::default());
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
         removal::remove_with::<LeanScreenSpaceGi, ActiveGi>(render_app);
-        removal::remove_with::<ActiveGi, (ViewGi, GiBindings, IndirectDiffuse, ReadsDiffuseLight)>(
-            render_app,
-        );
-        removal::remove_with::<ActiveLeanView, (ViewGi, GiBindings)>(render_app);
+        removal::remove_with::<ActiveGi, (ViewGi, IndirectDiffuse, ReadsDiffuseLight)>(render_app);
+        removal::remove_with::<ActiveLeanView, ViewGi>(render_app);
+        removal::remove_with::<ViewGi, (GiBindings, ForwardLight)>(render_app);
         render_app
             .init_resource::<active::Warnings>()
             .init_gpu_resource::<prepare::GiUniforms>()
@@ -81,6 +88,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
                 RenderStartup,
                 (
                     pipelines::init_gi_pipelines,
+                    forward_light::init_forward_light_pipeline,
                     recovery::forget::<LeanScreenSpaceGi>,
                 ),
             )
@@ -91,15 +99,24 @@ impl Plugin for LeanScreenSpaceGiPlugin {
                         .in_set(RenderSystems::PrepareAssets)
                         .before(LeanViewSystems),
                     prepare::prepare_gi.in_set(RenderSystems::PrepareResources),
-                    prepare::prepare_gi_bind_groups.in_set(RenderSystems::PrepareBindGroups),
+                    (
+                        prepare::prepare_gi_bind_groups,
+                        forward_light::prepare_forward_light,
+                    )
+                        .in_set(RenderSystems::PrepareBindGroups),
                 ),
             )
             .add_systems(
                 Core3d,
-                pass::find_diffuse_light
-                    .in_set(Core3dSystems::MainPass)
-                    .after(GBufferPasses)
-                    .before(LightingPasses),
+                (
+                    pass::find_diffuse_light
+                        .after(GBufferPasses)
+                        .before(LightingPasses),
+                    forward_light::add_forward_light
+                        .after(main_opaque_pass_3d)
+                        .before(main_transparent_pass_3d),
+                )
+                    .in_set(Core3dSystems::MainPass),
             );
     }
 }

@@ -3,7 +3,7 @@
 use bevy::{
     prelude::*,
     render::{
-        render_resource::{ComputePassDescriptor, PipelineCache},
+        render_resource::PipelineCache,
         renderer::{RenderContext, ViewQuery},
     },
 };
@@ -13,7 +13,7 @@ use super::{
     prepare::{GiBindings, ViewGi},
 };
 use crate::{
-    gpu::timed::timed,
+    gpu::timed::timed_dispatch,
     screen_space::succession::FrameNumber,
     view::{ActiveLeanView, LightExchange},
 };
@@ -54,17 +54,7 @@ pub(super) fn find_diffuse_light(
         let Some(pipeline) = cache.get_compute_pipeline(pipeline) else {
             return;
         };
-        timed(&mut ctx, label, |ctx| {
-            let mut pass = ctx
-                .command_encoder()
-                .begin_compute_pass(&ComputePassDescriptor {
-                    label: Some(label),
-                    timestamp_writes: None,
-                });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[gi.offset]);
-            pass.dispatch_workgroups(count.x, count.y, 1);
-        });
+        timed_dispatch(&mut ctx, label, pipeline, (group, gi.offset), count);
     }
     gi.frames.hold(&number);
 }

@@ -5,13 +5,11 @@ use bevy::{
     camera::MainPassResolutionOverride,
     core_pipeline::prepass::ViewPrepassTextures,
     diagnostic::FrameCount,
-    image::ToExtents,
     prelude::*,
     render::{
         camera::{ExtractedCamera, TemporalJitter},
         render_resource::{
-            BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureDescriptor,
-            TextureDimension, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
+            BindGroup, BindingResource, DynamicUniformBuffer, IntoBinding, Texture, TextureView,
         },
         renderer::{RenderDevice, RenderQueue},
         view::{ExtractedView, ViewDepthTexture},
@@ -25,6 +23,7 @@ use super::{
         MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, VIEW,
     },
     pipelines::{GiPipelines, LEVEL_COUNT, LEVELS_FORMAT, LIGHT_FORMAT},
+    settings::ScreenSpaceGiDebugView,
     uniforms::GiView,
 };
 use crate::{
@@ -35,6 +34,9 @@ use crate::{
     },
     screen_space::{
         LastFrame,
+        debug_view::{DebugShown, Shows},
+        pattern::turn_of,
+        storage_texture::StorageTexture,
         succession::{FrameNumber, Succession},
     },
     view::{ActiveLeanView, CameraCuts, DiffuseLight, IndirectDiffuse, LightExchange},
@@ -50,39 +52,41 @@ const PHASES: u32 = 16;
 #[derive(Resource, Default)]
 pub(super) struct GiUniforms(DynamicUniformBuffer<GiView>);
 
-/// The levels of a frame.
-struct Levels {
-    texture: Texture,
-    all: TextureView,
-    each: [TextureView; LEVEL_COUNT as usize],
+impl GiUniforms {
+    /// `None` without views.
+    pub(super) fn binding(&self) -> Option<BindingResource<'_>> {
+        self.0.binding()
+    }
 }
 
 /// On a view whose light is found: what is kept from frame to frame, and what the passes write.
 #[derive(Component)]
 pub struct ViewGi {
     /// Of this frame and the last one, in turns.
-    levels: [Levels; 2],
+    levels: [StorageTexture<{ LEVEL_COUNT as usize }>; 2],
     current: usize,
-    gathered: (Texture, TextureView),
-    output: (Texture, TextureView),
+    gathered: StorageTexture,
+    output: StorageTexture,
     texture_size: UVec2,
+    pub(super) viewport_size: UVec2,
+    debug_view: Option<ScreenSpaceGiDebugView>,
     pub(super) frames: Succession,
     pub(super) offset: u32,
 }
 
 impl ViewGi {
     fn new(device: &RenderDevice, texture_size: UVec2, frames: Succession) -> Self {
-        let light = |label| {
-            let texture = texture(device, label, texture_size, LIGHT_FORMAT, 1);
-            let view = texture.create_view(&TextureViewDescriptor::default());
-            (texture, view)
-        };
+        let levels = "lean_deferred/diffuse_gi/levels";
+        let light = |label| StorageTexture::new(device, label, texture_size, LIGHT_FORMAT);
         Self {
-            levels: [(); 2].map(|()| Levels::new(device, texture_size)),
+            levels: [(); 2]
+                .map(|()| StorageTexture::new(device, levels, texture_size, LEVELS_FORMAT)),
             current: 0,
             gathered: light("lean_deferred/diffuse_gi/gathered"),
             output: light("lean_deferred/diffuse_gi/output"),
             texture_size,
+            viewport_size: UVec2::ZERO,
+            debug_view: None,
             frames,
             offset: 0,
         }
@@ -101,50 +105,18 @@ impl ViewGi {
     /// All that it holds on the GPU.
     pub fn textures(&self) -> impl Iterator<Item = &Texture> {
         let levels = self.levels.iter().map(|levels| &levels.texture);
-        levels.chain([&self.gathered.0, &self.output.0])
+        levels.chain([&self.gathered.texture, &self.output.texture])
     }
 }
 
-impl Levels {
-    fn new(device: &RenderDevice, size: UVec2) -> Self {
-        // As large as the last level needs.
-        let size = size.max(UVec2::splat(1 << (LEVEL_COUNT - 1)));
-        let label = "lean_deferred/diffuse_gi/levels";
-        let texture = texture(device, label, size, LEVELS_FORMAT, LEVEL_COUNT);
-        let each = core::array::from_fn(|level| {
-            texture.create_view(&TextureViewDescriptor {
-                base_mip_level: level as u32,
-                mip_level_count: Some(1),
-                ..default()
-            })
-        });
-        Self {
-            all: texture.create_view(&TextureViewDescriptor::default()),
-            each,
-            texture,
-        }
+impl DebugShown for ViewGi {
+    fn shown(&self) -> Option<(Shows, &TextureView)> {
+        let shows = match self.debug_view? {
+            ScreenSpaceGiDebugView::Light => Shows::BareLight,
+            ScreenSpaceGiDebugView::Visibility => Shows::OneMinusAlpha,
+        };
+        Some((shows, &self.output.view))
     }
-}
-
-fn texture(
-    device: &RenderDevice,
-    label: &'static str,
-    size: UVec2,
-    format: TextureFormat,
-    mip_level_count: u32,
-) -> Texture {
-    device.create_texture(&TextureDescriptor {
-        label: Some(label),
-        size: size.to_extents(),
-        mip_level_count,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format,
-        usage: TextureUsages::STORAGE_BINDING
-            | TextureUsages::TEXTURE_BINDING
-            | TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
 }
 
 /// Makes the textures of views that have none, says where what they find is, and writes [`GiUniforms`].
@@ -186,12 +158,11 @@ pub(super) fn prepare_gi(
         };
         let mut uniform = GiView::new(&active.settings, &now, gi.frames.last());
         uniform.row_stride = row_order.stride(size.y.div_ceil(GATHER_SIDE));
-        if jitters {
-            // The golden section spreads any number of frames.
-            uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;
-        }
+        uniform.turn = turn_of(&frame, jitters);
+        gi.viewport_size = uniform.viewport_size;
+        gi.debug_view = active.settings.debug_view;
         gi.offset = writer.write(&uniform);
-        found.0 = Some(gi.output.1.clone());
+        found.0 = Some(gi.output.view.clone());
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }
@@ -237,7 +208,7 @@ pub(super) fn prepare_gi_bind_groups(
         Option<&mut GiBindings>,
     )>,
 ) {
-    let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
+    let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.binding()) else {
         return;
     };
     for (entity, (active, gi), (gbuffer, depth, light), prepass, bindings) in &mut views {
@@ -254,8 +225,8 @@ pub(super) fn prepare_gi_bind_groups(
             entries.push(VIEW, uniforms.clone())?;
             entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
             entries.push(DIFFUSE_LIGHT_TEXTURE, light.0.default_view.into_binding())?;
-            entries.push(LAST_LEVELS, last.all.into_binding())?;
-            for (level, view) in (LEVEL_0..).zip(&levels.each) {
+            entries.push(LAST_LEVELS, last.view.into_binding())?;
+            for (level, view) in (LEVEL_0..).zip(&levels.levels) {
                 entries.push(level, view.into_binding())?;
             }
             if active.key.motion {
@@ -270,16 +241,16 @@ pub(super) fn prepare_gi_bind_groups(
                 entries.push(VIEW, uniforms.clone())?;
                 entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
                 entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
-                entries.push(LEVELS, levels.all.into_binding())?;
-                entries.push(OUTPUT_TEXTURE, gi.gathered.1.into_binding())
+                entries.push(LEVELS, levels.view.into_binding())?;
+                entries.push(OUTPUT_TEXTURE, gi.gathered.view.into_binding())
             });
         groups
             .filter
             .update(&device, &pipelines.filter_layout, |entries| {
                 entries.push(VIEW, uniforms.clone())?;
-                entries.push(LEVELS, levels.all.into_binding())?;
-                entries.push(GATHERED_TEXTURE, gi.gathered.1.into_binding())?;
-                entries.push(OUTPUT_TEXTURE, gi.output.1.into_binding())
+                entries.push(LEVELS, levels.view.into_binding())?;
+                entries.push(GATHERED_TEXTURE, gi.gathered.view.into_binding())?;
+                entries.push(OUTPUT_TEXTURE, gi.output.view.into_binding())
             });
         if let Some(made) = made {
             commands.entity(entity).insert(made);

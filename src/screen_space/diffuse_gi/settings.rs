@@ -13,8 +13,9 @@ use crate::{
 /// maps, irradiance volumes and ambient light, so that light is never made: beside this component
 /// [`LeanAmbientOcclusion`](crate::LeanAmbientOcclusion) has nothing to do in the lighting pass, and is off.
 ///
-/// What the picture does not show sends nothing: what is beyond its rim, hidden, or drawn by Bevy's forward passes. A
-/// surface that faces away is taken to shine as its front does. Without `MotionVectorPrepass` the light of what moves
+/// What the picture does not show sends nothing: what is beyond its rim, or hidden. Meshes that Bevy's forward passes draw shine
+/// and hide where the camera has `DepthPrepass`, and get no light. A surface that faces away is taken to shine as its front
+/// does. Without `MotionVectorPrepass` the light of what moves
 /// is a frame behind it.
 ///
 /// Adding or removing it at run time switches the effect and frees what it held.
@@ -35,6 +36,8 @@ pub struct LeanScreenSpaceGi {
     pub quality: ScreenSpaceGiQuality,
     /// Default [`ScreenSpaceResolution::Half`].
     pub resolution: ScreenSpaceResolution,
+    /// What is shown in place of the picture. Default `None`, the picture.
+    pub debug_view: Option<ScreenSpaceGiDebugView>,
 }
 
 impl CameraEffect for LeanScreenSpaceGi {
@@ -50,6 +53,7 @@ impl Default for LeanScreenSpaceGi {
             falloff: 0.5,
             quality: default(),
             resolution: default(),
+            debug_view: None,
         }
     }
 }
@@ -82,4 +86,19 @@ impl ScreenSpaceGiQuality {
             Self::Ultra => (4, 16),
         }
     }
+}
+
+/// What has been found, for [`LeanScreenSpaceGi::debug_view`].
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[reflect(Clone, PartialEq)]
+pub enum ScreenSpaceGiDebugView {
+    /// Light that other surfaces send, exposed: what a white surface would show of it.
+    Light,
+    /// What they leave of the environment, grey: white where nothing is hidden.
+    Visibility,
+}
+
+impl ScreenSpaceGiDebugView {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::Light, Self::Visibility];
 }

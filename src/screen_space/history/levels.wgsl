@@ -1,7 +1,6 @@
 // The last frame, kept for the next: its light, and how far away each pixel's surface is; and at levels each half as large as
 // the one before, the sum of the light of surfaces, and their share: so the sky is no part of what they show from afar. Two
-// dispatches: the first makes four levels of the picture, the second (OF_LEVEL) three more of the last of
-// these.
+// dispatches: the first makes four levels of the picture, the second (OF_LEVEL) three more of the last of these.
 #import bevy_lean_deferred::gbuffer::layout::is_nan
 #import bevy_lean_deferred::reconstruction::position::view_position
 
@@ -32,9 +31,8 @@ const LARGEST_LIGHT: f32 = 1024.0;
 /// Of the sky, and of what is further away than a half float tells: it is no surface.
 const NO_SURFACE: f32 = 65504.0;
 
-var<workgroup> texels_0: array<vec4<f32>, 256>;
-var<workgroup> texels_1: array<vec4<f32>, 64>;
-var<workgroup> texels_2: array<vec4<f32>, 16>;
+/// Of 16×16 texels, then of 8×8, then of 4×4.
+var<workgroup> shares: array<vec4<f32>, 336>;
 
 /// What a level says of a texel: light of surfaces, and their share.
 fn share_of(texel: vec4<f32>) -> vec4<f32> {
@@ -74,10 +72,6 @@ fn texel_at(place: vec2<u32>) -> vec4<f32> {
 }
 #endif
 
-fn mean(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>) -> vec4<f32> {
-    return (a + b + c + d) / 4.0;
-}
-
 fn store(level: u32, place: vec2<u32>, texel: vec4<f32>) {
 #ifdef OF_LEVEL
     switch level {
@@ -102,28 +96,24 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let place = workgroup.xy * 16u + vec2(i % 16u, i / 16u);
     let texel = texel_at(place);
     store(0u, place, texel);
-    texels_0[i] = share_of(texel);
-    workgroupBarrier();
-    if i < 64u {
-        let place = vec2(i % 8u, i / 8u);
-        let first = 2u * (place.x + 16u * place.y);
-        let texel = mean(texels_0[first], texels_0[first + 1u], texels_0[first + 16u], texels_0[first + 17u]);
-        texels_1[i] = texel;
-        store(1u, workgroup.xy * 8u + place, texel);
-    }
-    workgroupBarrier();
-    if i < 16u {
-        let place = vec2(i % 4u, i / 4u);
-        let first = 2u * (place.x + 8u * place.y);
-        let texel = mean(texels_1[first], texels_1[first + 1u], texels_1[first + 8u], texels_1[first + 9u]);
-        texels_2[i] = texel;
-        store(2u, workgroup.xy * 4u + place, texel);
-    }
-    workgroupBarrier();
-    if i < 4u {
-        let place = vec2(i % 2u, i / 2u);
-        let first = 2u * (place.x + 4u * place.y);
-        let texel = mean(texels_2[first], texels_2[first + 1u], texels_2[first + 4u], texels_2[first + 5u]);
-        store(3u, workgroup.xy * 2u + place, texel);
+    shares[i] = share_of(texel);
+    var first = 0u;
+    var side = 16u;
+    for (var level = 1u; level < 4u; level++) {
+        workgroupBarrier();
+        let half_side = side / 2u;
+        if i < half_side * half_side {
+            let place = vec2(i % half_side, i / half_side);
+            let corner = first + 2u * (place.x + side * place.y);
+            let sum = shares[corner] + shares[corner + 1u] + shares[corner + side] + shares[corner + side + 1u];
+            let mean = sum / 4.0;
+            // The last one is 2×2, which nobody reads.
+            if level < 3u {
+                shares[first + side * side + i] = mean;
+            }
+            store(level, workgroup.xy * half_side + place, mean);
+        }
+        first += side * side;
+        side = half_side;
     }
 }

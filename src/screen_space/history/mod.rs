@@ -36,6 +36,10 @@ use crate::view::{SharedPlugin, depth_usage::extend_depth_usage, removal};
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ReadsHistory;
 
+/// Keeps the frame, in [`Core3d`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct HistoryPasses;
+
 /// Keeps the last frame of views that somebody reads. Added by those that do, once.
 pub(crate) struct HistoryPlugin;
 
@@ -79,6 +83,7 @@ impl Plugin for HistoryPlugin {
                 // Volumetric fog and what else comes between here and post-processing has no order of its own.
                 pass::keep_frame
                     .in_set(Core3dSystems::MainPass)
+                    .in_set(HistoryPasses)
                     .after(main_transparent_pass_3d),
             );
     }

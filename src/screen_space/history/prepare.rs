@@ -2,14 +2,12 @@
 
 use bevy::{
     camera::MainPassResolutionOverride,
-    image::ToExtents,
     prelude::*,
     render::{
         camera::ExtractedCamera,
         render_resource::{
             BindGroup, DynamicUniformBuffer, IntoBinding, PipelineCache, ShaderType, Texture,
-            TextureDescriptor, TextureDimension, TextureId, TextureUsages, TextureView,
-            TextureViewDescriptor,
+            TextureView,
         },
         renderer::{RenderDevice, RenderQueue},
         view::{ExtractedView, ViewDepthTexture, ViewTarget},
@@ -22,13 +20,16 @@ use super::{
     pipelines::{FORMAT, HistoryPipelines, LEVELS},
 };
 use crate::{
-    gpu::bind_group_cache::CachedBindGroup,
-    screen_space::succession::{FrameNumber, LastFrame, Succession},
+    gpu::{bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups},
+    screen_space::{
+        storage_texture::StorageTexture,
+        succession::{FrameNumber, LastFrame, Succession},
+    },
     shader_library::reconstruction::position::view_from_pixel,
     view::CameraCuts,
 };
 
-const LEVEL_COUNT: u32 = LEVELS[0] + LEVELS[1];
+const LEVEL_COUNT: usize = (LEVELS[0] + LEVELS[1]) as usize;
 /// Texels a side that a workgroup reads.
 const SIDE: u32 = 16;
 
@@ -53,11 +54,9 @@ pub(in crate::screen_space) struct HistoryUniforms(DynamicUniformBuffer<HistoryV
 /// texels, of which they are a part, and in alpha that part.
 #[derive(Component)]
 pub struct ViewHistory {
-    texture: Texture,
-    all: TextureView,
-    each: [TextureView; LEVEL_COUNT as usize],
-    /// Of the first dispatch: Bevy has two main textures for a view, and may use one or the other.
-    pictures: [(Option<TextureId>, CachedBindGroup); 2],
+    kept: StorageTexture<LEVEL_COUNT>,
+    /// Of the first dispatch.
+    pictures: PictureBindGroups,
     means: CachedBindGroup,
     frames: Succession,
     offset: u32,
@@ -71,26 +70,22 @@ impl ViewHistory {
 
     /// All levels.
     pub fn view(&self) -> &TextureView {
-        &self.all
+        &self.kept.view
     }
 
     /// What [`view`](Self::view) shows.
     pub fn texture(&self) -> &Texture {
-        &self.texture
+        &self.kept.texture
     }
 
     /// Pixels of the first level.
     pub fn size(&self) -> UVec2 {
-        UVec2::new(self.texture.width(), self.texture.height())
+        UVec2::new(self.kept.texture.width(), self.kept.texture.height())
     }
 
     /// Of the dispatch that reads `picture`.
     pub(super) fn bind_group_of(&self, picture: &Texture) -> Option<&BindGroup> {
-        let (_, group) = self
-            .pictures
-            .iter()
-            .find(|(id, _)| *id == Some(picture.id()))?;
-        group.get()
+        self.pictures.of(picture)
     }
 
     /// Of the second dispatch.
@@ -100,10 +95,7 @@ impl ViewHistory {
 
     /// Those that stay from frame to frame as long as nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        let pictures = self.pictures.iter().map(|(_, group)| group);
-        pictures
-            .chain([&self.means])
-            .filter_map(CachedBindGroup::get)
+        self.pictures.all().chain(self.means.get())
     }
 
     pub(super) fn offset(&self) -> u32 {
@@ -122,29 +114,9 @@ impl ViewHistory {
     }
 
     fn new(device: &RenderDevice, size: UVec2, frames: Succession) -> Self {
-        let texture = device.create_texture(&TextureDescriptor {
-            label: Some("lean_deferred/screen_space/history"),
-            size: size.to_extents(),
-            mip_level_count: LEVEL_COUNT,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format: FORMAT,
-            usage: TextureUsages::STORAGE_BINDING
-                | TextureUsages::TEXTURE_BINDING
-                | TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let each = core::array::from_fn(|level| {
-            texture.create_view(&TextureViewDescriptor {
-                base_mip_level: level as u32,
-                mip_level_count: Some(1),
-                ..default()
-            })
-        });
+        let label = "lean_deferred/screen_space/history";
         Self {
-            all: texture.create_view(&TextureViewDescriptor::default()),
-            each,
-            texture,
+            kept: StorageTexture::new(device, label, size, FORMAT),
             pictures: default(),
             means: default(),
             frames,
@@ -234,27 +206,20 @@ pub(super) fn prepare_history_bind_groups(
     }
     for (mut history, target, depth) in &mut views {
         let history = &mut *history;
-        let (first, rest) = history.each.split_at(LEVELS[0] as usize);
-        // In an order that stays.
-        let mut sources = [
-            (target.main_texture(), target.main_texture_view()),
-            (
-                target.main_texture_other(),
-                target.main_texture_other_view(),
-            ),
-        ];
-        sources.sort_by_key(|(texture, _)| texture.id());
-        for ((source, view), (id, group)) in sources.into_iter().zip(&mut history.pictures) {
-            *id = Some(source.id());
-            group.update(&device, &pipelines.layouts[0], |entries| {
-                entries.push(COLOR_TEXTURE, view.into_binding())?;
+        let (first, rest) = history.kept.levels.split_at(LEVELS[0] as usize);
+        (history.pictures).update(
+            &device,
+            &pipelines.layouts[0],
+            target,
+            |entries, picture| {
+                entries.push(COLOR_TEXTURE, picture.into_binding())?;
                 for (number, level) in (LEVEL_0..).zip(first) {
                     entries.push(number, level.into_binding())?;
                 }
                 entries.push(VIEW, uniforms.clone())?;
                 entries.push(DEPTH_TEXTURE, depth.view().into_binding())
-            });
-        }
+            },
+        );
         (history.means).update(&device, &pipelines.layouts[1], |entries| {
             entries.push(COLOR_TEXTURE, first.last()?.into_binding())?;
             for (number, level) in (LEVEL_0..).zip(rest) {

@@ -70,7 +70,7 @@ pub(super) fn decide_active_reflections(
         let reason = (!is_lean).then_some("it has no LeanDeferred");
         (warnings.0).tell(view.retained_view_entity.main_entity, reason);
         let key = ReflectionKey {
-            steps: settings.quality.steps(),
+            quality: settings.quality,
             divisor: settings.resolution.divisor(),
             motion,
             // Those of the last frame: where the target is new, coats mirror a frame later.
@@ -78,13 +78,13 @@ pub(super) fn decide_active_reflections(
                 .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
             projection: projection_of(view.clip_from_view),
         };
-        let wanted = ActiveReflections {
+        let wanted = is_lean.then(|| ActiveReflections {
             settings: *settings,
             key,
             passes: pipelines.specialize(&cache, key),
-        };
+        });
         let stand_in = current.filter(|last| last.key.binds_like(key)).copied();
-        let active = [Some(wanted), stand_in]
+        let active = [wanted, stand_in]
             .into_iter()
             .flatten()
             .find(|active| is_lean && active.passes.are_compiled(&cache));

@@ -64,13 +64,6 @@ fn depth_in_view(pixel: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + inside, 0);
 }
 
-/// The slope on the flatter side, from one to the next of three.
-fn flatter(before: f32, center: f32, after: f32) -> f32 {
-    let a = center - before;
-    let b = after - center;
-    return select(select(b, a, abs(a) < abs(b)), 0.0, a > 0.0 && b < 0.0);
-}
-
 /// Where a ray ended: the inverse of the distance at which its mirror image is seen, straight on through the mirror, and in
 /// the lower bits the weight of its direction. 0: nowhere.
 fn pack_hit(inverse_distance: f32, weight: f32) -> u32 {

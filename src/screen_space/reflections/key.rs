@@ -2,6 +2,7 @@
 
 use bevy::shader::ShaderDefVal;
 
+use super::settings::ScreenSpaceReflectionsQuality;
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
 /// Pixels a side that a workgroup of the last pass makes.
@@ -10,7 +11,7 @@ pub(super) const RESOLVE_SIDE: u32 = 16;
 /// What all passes are compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ReflectionKey {
-    pub(super) steps: u32,
+    pub(super) quality: ScreenSpaceReflectionsQuality,
     pub(super) divisor: u32,
     /// The view has motion vectors.
     pub(super) motion: bool,
@@ -25,7 +26,9 @@ impl ReflectionKey {
         let means = RESOLVE_SIDE / self.divisor + self.divisor - 1;
         let side = means + 3;
         let mut defs = vec![
-            ShaderDefVal::UInt("STEPS".into(), self.steps),
+            ShaderDefVal::UInt("ROUGH_STEPS".into(), self.quality.rough_steps()),
+            ShaderDefVal::UInt("SMOOTH_STEPS".into(), self.quality.smooth_steps()),
+            ShaderDefVal::UInt("ROUGH_RAYS".into(), self.quality.rough_rays()),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
             ShaderDefVal::UInt("PIXELS".into(), RESOLVE_SIDE),
             ShaderDefVal::UInt("INVOCATIONS".into(), RESOLVE_SIDE * RESOLVE_SIDE),

@@ -3,8 +3,9 @@
 //! - `settings.rs`: the component.
 //! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 //! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-//! - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`. `trace.wgsl`: a ray for each texel,
-//!   by `march.wgsl`. `resolve.wgsl`: what each pixel mirrors, of what the rays around it have found.
+//! - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`.
+//!   `trace.wgsl`: a ray for each texel, by `march.wgsl`. `resolve.wgsl`: what each pixel mirrors, of what the rays around it
+//!   have found.
 //! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `surface.wgsl`: what mirrors, and
 //!   what the last frame showed of it.
 
@@ -20,7 +21,9 @@ mod prepare;
 mod settings;
 mod uniforms;
 
-pub use settings::{LeanScreenSpaceReflections, ScreenSpaceReflectionsQuality};
+pub use settings::{
+    LeanScreenSpaceReflections, ScreenSpaceReflectionsDebugView, ScreenSpaceReflectionsQuality,
+};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
@@ -42,6 +45,7 @@ use bevy::{
 
 use super::{
     ReadsHistory,
+    debug_view::DebugViewPlugin,
     history::{HistoryPlugin, prepare_histories},
 };
 use crate::{
@@ -74,6 +78,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         app.register_type::<LeanScreenSpaceReflections>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
         overrides::add_to::<LeanScreenSpaceReflections>(app);
+        app.add_plugins(DebugViewPlugin::<ViewReflections>::default());
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

@@ -3,7 +3,7 @@
 use bevy::{
     prelude::*,
     render::{
-        render_resource::{ComputePassDescriptor, PipelineCache},
+        render_resource::PipelineCache,
         renderer::{RenderContext, ViewQuery},
     },
 };
@@ -13,7 +13,7 @@ use super::{
     prepare::{ReflectionBindings, ViewReflections},
 };
 use crate::{
-    gpu::timed::timed,
+    gpu::timed::timed_dispatch,
     view::{ActiveLeanView, LightExchange},
 };
 
@@ -44,16 +44,6 @@ pub(super) fn find_reflections(
         let (Some(pipeline), Some(group)) = (cache.get_compute_pipeline(pipeline), group) else {
             return;
         };
-        timed(&mut ctx, label, |ctx| {
-            let mut pass = ctx
-                .command_encoder()
-                .begin_compute_pass(&ComputePassDescriptor {
-                    label: Some(label),
-                    timestamp_writes: None,
-                });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[held.offset]);
-            pass.dispatch_workgroups(count.x, count.y, 1);
-        });
+        timed_dispatch(&mut ctx, label, pipeline, (group, held.offset), count);
     }
 }

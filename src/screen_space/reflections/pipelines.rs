@@ -1,5 +1,7 @@
 //! Layouts and pipelines.
 
+use std::sync::OnceLock;
+
 use bevy::{
     asset::load_embedded_asset,
     platform::collections::HashMap,
@@ -51,60 +53,64 @@ impl ReflectionPasses {
 /// The layouts of the passes, in their order.
 pub(super) struct ReflectionLayouts(pub(super) [FoundLayout; 3]);
 
-/// The pipelines by key. Made by `init_reflection_pipelines`.
-#[derive(Resource)]
-pub(super) struct ReflectionPipelines {
-    shaders: [Handle<Shader>; 3],
-    /// Without and with motion; without and with special surfaces.
-    layouts: [[ReflectionLayouts; 2]; 2],
-    pub(super) sampler: Sampler,
+/// What is bound the same for all views.
+pub(super) struct Fixtures {
+    pub(super) history_sampler: Sampler,
     pub(super) depth_sampler: Sampler,
     /// A texel of 0: no special surface.
     pub(super) nothing: TextureView,
+}
+
+/// The pipelines by key, and what they bind: made when the first view asks for them.
+#[derive(Resource)]
+pub(super) struct ReflectionPipelines {
+    shaders: [Handle<Shader>; 3],
+    /// By whether there is motion, and whether there are special surfaces.
+    layouts: HashMap<(bool, bool), ReflectionLayouts>,
+    fixtures: OnceLock<Fixtures>,
     by_key: HashMap<ReflectionKey, ReflectionPasses>,
 }
 
-pub(super) fn init_reflection_pipelines(
-    mut commands: Commands,
-    asset_server: Res<AssetServer>,
-    cache: Res<PipelineCache>,
-    device: Res<RenderDevice>,
-) {
-    let sampler = device.create_sampler(&SamplerDescriptor {
-        label: Some("lean_deferred/reflections/history"),
-        mag_filter: FilterMode::Linear,
-        min_filter: FilterMode::Linear,
-        mipmap_filter: MipmapFilterMode::Linear,
-        ..default()
-    });
-    let depth_sampler = device.create_sampler(&SamplerDescriptor {
-        label: Some("lean_deferred/reflections/depth"),
-        ..default()
-    });
-    let nothing: Texture = device.create_texture(&TextureDescriptor {
-        label: Some("lean_deferred/reflections/nothing"),
-        size: default(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: TextureFormat::R32Uint,
-        usage: TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
-    let layouts =
-        [false, true].map(|motion| [false, true].map(|special| layouts(&cache, motion, special)));
+pub(super) fn init_reflection_pipelines(mut commands: Commands, asset_server: Res<AssetServer>) {
     commands.insert_resource(ReflectionPipelines {
         shaders: [
             load_embedded_asset!(asset_server.as_ref(), "cells.wgsl"),
             load_embedded_asset!(asset_server.as_ref(), "trace.wgsl"),
             load_embedded_asset!(asset_server.as_ref(), "resolve.wgsl"),
         ],
-        layouts,
-        sampler,
-        depth_sampler,
-        nothing: nothing.create_view(&default()),
+        layouts: HashMap::default(),
+        fixtures: OnceLock::new(),
         by_key: HashMap::default(),
     });
+}
+
+impl Fixtures {
+    fn new(device: &RenderDevice) -> Self {
+        let nothing: Texture = device.create_texture(&TextureDescriptor {
+            label: Some("lean_deferred/reflections/nothing"),
+            size: default(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::R32Uint,
+            usage: TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        Self {
+            history_sampler: device.create_sampler(&SamplerDescriptor {
+                label: Some("lean_deferred/reflections/history"),
+                mag_filter: FilterMode::Linear,
+                min_filter: FilterMode::Linear,
+                mipmap_filter: MipmapFilterMode::Linear,
+                ..default()
+            }),
+            depth_sampler: device.create_sampler(&SamplerDescriptor {
+                label: Some("lean_deferred/reflections/depth"),
+                ..default()
+            }),
+            nothing: nothing.create_view(&default()),
+        }
+    }
 }
 
 fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayouts {
@@ -163,8 +169,13 @@ fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayo
 }
 
 impl ReflectionPipelines {
-    pub(super) fn layouts(&self, key: ReflectionKey) -> &ReflectionLayouts {
-        &self.layouts[usize::from(key.motion)][usize::from(key.specialization)]
+    pub(super) fn fixtures(&self, device: &RenderDevice) -> &Fixtures {
+        self.fixtures.get_or_init(|| Fixtures::new(device))
+    }
+
+    /// Those of a key that has been specialized.
+    pub(super) fn layouts(&self, key: ReflectionKey) -> Option<&ReflectionLayouts> {
+        self.layouts.get(&(key.motion, key.specialization))
     }
 
     /// The pipelines for `key`; they may still be compiling.
@@ -176,7 +187,11 @@ impl ReflectionPipelines {
         if let Some(passes) = self.by_key.get(&key) {
             return *passes;
         }
-        let layouts = self.layouts(key);
+        let binds = (key.motion, key.specialization);
+        let layouts = self
+            .layouts
+            .entry(binds)
+            .or_insert_with(|| layouts(cache, binds.0, binds.1));
         let passes = ReflectionPasses(core::array::from_fn(|pass| {
             let layout = layouts.0[pass].descriptor();
             cache.queue_compute_pipeline(ComputePipelineDescriptor {

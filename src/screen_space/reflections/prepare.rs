@@ -5,14 +5,10 @@ use bevy::{
     camera::MainPassResolutionOverride,
     core_pipeline::prepass::ViewPrepassTextures,
     diagnostic::FrameCount,
-    image::ToExtents,
     prelude::*,
     render::{
         camera::{ExtractedCamera, TemporalJitter},
-        render_resource::{
-            BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureDescriptor,
-            TextureDimension, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
-        },
+        render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureView},
         renderer::{RenderDevice, RenderQueue},
         view::{ExtractedView, ViewDepthTexture},
     },
@@ -26,7 +22,8 @@ use super::{
         RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
     },
     key::RESOLVE_SIDE,
-    pipelines::{CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionPipelines},
+    pipelines::{CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines},
+    settings::ScreenSpaceReflectionsDebugView,
     uniforms::ReflectionView,
 };
 use crate::{
@@ -35,7 +32,12 @@ use crate::{
         bind_group_cache::{CachedBindGroup, Entries},
         tiles::{self, RowOrder},
     },
-    screen_space::{LastFrame, ViewHistory},
+    screen_space::{
+        LastFrame, ViewHistory,
+        debug_view::{DebugShown, Shows},
+        pattern::turn_of,
+        storage_texture::StorageTexture,
+    },
     view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LightExchange},
 };
 
@@ -46,17 +48,16 @@ const LARGEST_CELL: u32 = 64;
 #[derive(Resource, Default)]
 pub(super) struct ReflectionUniforms(DynamicUniformBuffer<ReflectionView>);
 
-type Held = (Texture, TextureView);
-
 /// On a view whose reflections are found: what the passes write.
 #[derive(Component)]
 pub struct ViewReflections {
-    cells: Held,
-    rays: Held,
-    hits: Held,
-    output: Held,
+    cells: StorageTexture,
+    rays: StorageTexture,
+    hits: StorageTexture,
+    output: StorageTexture,
     viewport_size: UVec2,
     texture_size: UVec2,
+    debug_view: Option<ScreenSpaceReflectionsDebugView>,
     pub(super) offset: u32,
 }
 
@@ -65,26 +66,20 @@ impl ViewReflections {
         let cells = cell_count(view.viewport_size);
         // Cells of 4, 16 and 64 pixels, one below the other.
         let cells = UVec2::new(cells.x * 16, cells.y * (16 + 4 + 1));
-        let held = |label, size: UVec2, format| held(device, label, size, format);
+        let texels = view.texture_size;
+        let texture = |label, size, format| StorageTexture::new(device, label, size, format);
         Self {
-            cells: held("lean_deferred/reflections/cells", cells, CELLS_FORMAT),
-            rays: held(
-                "lean_deferred/reflections/rays",
-                view.texture_size,
-                LIGHT_FORMAT,
-            ),
-            hits: held(
-                "lean_deferred/reflections/hits",
-                view.texture_size,
-                HITS_FORMAT,
-            ),
-            output: held(
+            cells: texture("lean_deferred/reflections/cells", cells, CELLS_FORMAT),
+            rays: texture("lean_deferred/reflections/rays", texels, LIGHT_FORMAT),
+            hits: texture("lean_deferred/reflections/hits", texels, HITS_FORMAT),
+            output: texture(
                 "lean_deferred/reflections/output",
                 view.viewport_size,
                 LIGHT_FORMAT,
             ),
             viewport_size: view.viewport_size,
             texture_size: view.texture_size,
+            debug_view: None,
             offset: 0,
         }
     }
@@ -96,9 +91,12 @@ impl ViewReflections {
     /// Workgroups of the passes.
     pub(super) fn workgroups(&self) -> [UVec2; 3] {
         let of = |size: UVec2, side: u32| size.map(|length| length.div_ceil(side));
+        // Two workgroups share two tiles.
+        let tiles = tiles::count(self.texture_size);
+        let tiles = tiles.with_x(tiles.x.next_multiple_of(2));
         [
             cell_count(self.viewport_size),
-            tiles::count(self.texture_size),
+            tiles,
             of(self.viewport_size, RESOLVE_SIDE),
         ]
     }
@@ -107,30 +105,23 @@ impl ViewReflections {
     pub fn textures(&self) -> impl Iterator<Item = &Texture> {
         [&self.cells, &self.rays, &self.hits, &self.output]
             .into_iter()
-            .map(|(texture, _)| texture)
+            .map(|held| &held.texture)
+    }
+}
+
+impl DebugShown for ViewReflections {
+    fn shown(&self) -> Option<(Shows, &TextureView)> {
+        Some(match self.debug_view? {
+            ScreenSpaceReflectionsDebugView::Light => (Shows::Light, &self.output.view),
+            ScreenSpaceReflectionsDebugView::Confidence => (Shows::Alpha, &self.output.view),
+            ScreenSpaceReflectionsDebugView::Hit => (Shows::Hit, &self.hits.view),
+        })
     }
 }
 
 /// The largest cells of a viewport.
 fn cell_count(viewport_size: UVec2) -> UVec2 {
     viewport_size.map(|side| side.div_ceil(LARGEST_CELL).max(1))
-}
-
-fn held(device: &RenderDevice, label: &'static str, size: UVec2, format: TextureFormat) -> Held {
-    let texture = device.create_texture(&TextureDescriptor {
-        label: Some(label),
-        size: size.max(UVec2::ONE).to_extents(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format,
-        usage: TextureUsages::STORAGE_BINDING
-            | TextureUsages::TEXTURE_BINDING
-            | TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    let view = texture.create_view(&TextureViewDescriptor::default());
-    (texture, view)
 }
 
 /// Makes the textures of views that have none, says where what they find is, and writes [`ReflectionUniforms`].
@@ -166,17 +157,15 @@ pub(super) fn prepare_reflections(
         let mut uniform = ReflectionView::new(&active.settings, &now, history.last());
         uniform.history_size = history.size().as_vec2();
         uniform.row_stride = row_order.stride(tiles::count(uniform.texture_size).y);
-        if jitters {
-            // The golden section spreads any number of frames.
-            uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;
-        }
+        uniform.turn = turn_of(&frame, jitters);
         let mut made = None;
         let reflections = match reflections {
             Some(reflections) if reflections.is_for(&uniform) => reflections.into_inner(),
             _ => made.insert(ViewReflections::new(&device, &uniform)),
         };
+        reflections.debug_view = active.settings.debug_view;
         reflections.offset = writer.write(&uniform);
-        found.0 = Some(reflections.output.1.clone());
+        found.0 = Some(reflections.output.view.clone());
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }
@@ -217,6 +206,10 @@ pub(super) fn prepare_reflection_bind_groups(
         return;
     };
     for (entity, (active, held, history), (gbuffer, depth), prepass, bindings) in &mut views {
+        let Some(ReflectionLayouts(layouts)) = pipelines.layouts(active.key) else {
+            continue;
+        };
+        let fixtures = pipelines.fixtures(&device);
         let mut made = None;
         let bindings = match bindings {
             Some(bindings) => bindings.into_inner(),
@@ -230,7 +223,7 @@ pub(super) fn prepare_reflection_bind_groups(
             always(entries)?;
             entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
             entries.push(HISTORY_TEXTURE, history.view().into_binding())?;
-            entries.push(HISTORY_SAMPLER, pipelines.sampler.into_binding())?;
+            entries.push(HISTORY_SAMPLER, fixtures.history_sampler.into_binding())?;
             if active.key.motion {
                 let motion = prepass?.motion_vectors.as_ref()?;
                 entries.push(MOTION_TEXTURE, motion.texture.default_view.into_binding())?;
@@ -243,30 +236,29 @@ pub(super) fn prepare_reflection_bind_groups(
                     (SPECIALIZATION_TEXTURE, special),
                 ];
                 for (number, texture) in views {
-                    let view = texture.map_or(&pipelines.nothing, |texture| &texture.default_view);
+                    let view = texture.map_or(&fixtures.nothing, |texture| &texture.default_view);
                     entries.push(number, view.into_binding())?;
                 }
             }
             Some(())
         };
-        let layouts = &pipelines.layouts(active.key).0;
         let [cells, trace, resolve] = &mut bindings.0;
         cells.update(&device, &layouts[0], |entries| {
             always(entries)?;
-            entries.push(CELLS_OUTPUT, held.cells.1.into_binding())?;
-            entries.push(DEPTH_SAMPLER, pipelines.depth_sampler.into_binding())
+            entries.push(CELLS_OUTPUT, held.cells.view.into_binding())?;
+            entries.push(DEPTH_SAMPLER, fixtures.depth_sampler.into_binding())
         });
         trace.update(&device, &layouts[1], |entries| {
             surfaces(entries)?;
-            entries.push(CELLS_TEXTURE, held.cells.1.into_binding())?;
-            entries.push(RAYS_OUTPUT, held.rays.1.into_binding())?;
-            entries.push(HITS_OUTPUT, held.hits.1.into_binding())
+            entries.push(CELLS_TEXTURE, held.cells.view.into_binding())?;
+            entries.push(RAYS_OUTPUT, held.rays.view.into_binding())?;
+            entries.push(HITS_OUTPUT, held.hits.view.into_binding())
         });
         resolve.update(&device, &layouts[2], |entries| {
             surfaces(entries)?;
-            entries.push(RAYS_TEXTURE, held.rays.1.into_binding())?;
-            entries.push(HITS_TEXTURE, held.hits.1.into_binding())?;
-            entries.push(OUTPUT_TEXTURE, held.output.1.into_binding())
+            entries.push(RAYS_TEXTURE, held.rays.view.into_binding())?;
+            entries.push(HITS_TEXTURE, held.hits.view.into_binding())?;
+            entries.push(OUTPUT_TEXTURE, held.output.view.into_binding())
         });
         if let Some(made) = made {
             commands.entity(entity).insert(made);

@@ -1,10 +1,11 @@
 // What each pixel mirrors, of what the rays around it have found. A rough mirror has the mean of sixteen, which make a lobe
 // together. A smooth one has the light of one place: where its own ray ends, as far away as those beside it went.
+#import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    DIVISOR, depth_in_view, edge_step, flatter, hits_texture, output_texture, rays_texture, to_viewer, unpack_hit,
+    DIVISOR, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, to_viewer, unpack_hit,
     view, view_position,
 }
-#import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, smoothness}
+#import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, rotated, smoothness}
 
 /// Pixels a side of a workgroup, and their texels.
 const PIXELS: i32 = #{PIXELS};
@@ -36,7 +37,9 @@ struct Receiver {
     slope: vec2<f32>,
     /// Of the step in depth that separates surfaces a texel apart.
     inverse_step: f32,
+    /// In view space.
     position: vec3<f32>,
+    /// In world space.
     normal: vec3<f32>,
     roughness: f32,
 }
@@ -67,8 +70,8 @@ fn likeness_of(receiver: Receiver, texel: i32, offset: vec2<f32>) -> f32 {
 fn slope_at(texel: i32) -> vec2<f32> {
     let depth = mirrors[texel].w;
     return vec2(
-        flatter(mirrors[texel - 1].w, depth, mirrors[texel + 1].w),
-        flatter(mirrors[texel - SIDE].w, depth, mirrors[texel + SIDE].w),
+        flatter_slope(mirrors[texel - 1].w, depth, mirrors[texel + 1].w),
+        flatter_slope(mirrors[texel - SIDE].w, depth, mirrors[texel + SIDE].w),
     );
 }
 
@@ -92,7 +95,7 @@ fn metres_of(receiver: Receiver, inverse_distance: f32) -> f32 {
 
 /// Light times confidence, and confidence.
 fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
-    let direction = reflect(-to_viewer(receiver.position), receiver.normal);
+    let direction = reflect(-to_viewer(receiver.position), rotated(receiver.normal));
     let alpha = receiver.roughness * receiver.roughness;
     var sum = vec4(0.0);
     var weights = 0.0;

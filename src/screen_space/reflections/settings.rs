@@ -36,6 +36,8 @@ pub struct LeanScreenSpaceReflections {
     pub quality: ScreenSpaceReflectionsQuality,
     /// How many rays there are. Default [`ScreenSpaceResolution::Half`].
     pub resolution: ScreenSpaceResolution,
+    /// What is shown in place of the picture. Default `None`, the picture.
+    pub debug_view: Option<ScreenSpaceReflectionsDebugView>,
 }
 
 impl CameraEffect for LeanScreenSpaceReflections {
@@ -51,22 +53,23 @@ impl Default for LeanScreenSpaceReflections {
             intensity: 1.0,
             quality: default(),
             resolution: default(),
+            debug_view: None,
         }
     }
 }
 
 /// After how many steps a ray is given up: from cell to cell, of 4 to 64 pixels a side, the largest that it can pass at once, and
-/// in them from pixel to pixel. Rays of surfaces smoother than a perceptual roughness of 0.2 look at each pixel, and get four
-/// times as many.
+/// in them from pixel to pixel. Rays of surfaces smoother than a perceptual roughness of 0.2 look at each pixel; others where
+/// their share of the lobe is as wide as a cell.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceReflectionsQuality {
-    /// 32.
+    /// 32 steps, 128 from smooth surfaces; 8 rays make the lobe of a rough one.
     Low,
-    /// 64.
+    /// 64 steps, 256 from smooth surfaces; 16 rays.
     #[default]
     Medium,
-    /// 128.
+    /// 128 steps, 512 from smooth surfaces; 16 rays.
     High,
 }
 
@@ -74,12 +77,47 @@ impl ScreenSpaceReflectionsQuality {
     /// All of them, cheapest first.
     pub const ALL: [Self; 3] = [Self::Low, Self::Medium, Self::High];
 
-    /// Of rough surfaces.
-    pub fn steps(self) -> u32 {
+    /// Of a ray from a rough surface.
+    pub fn rough_steps(self) -> u32 {
         match self {
             Self::Low => 32,
             Self::Medium => 64,
             Self::High => 128,
         }
     }
+
+    /// Of a ray from a smooth one.
+    pub fn smooth_steps(self) -> u32 {
+        match self {
+            Self::Low => 128,
+            Self::Medium => 256,
+            Self::High => 512,
+        }
+    }
+
+    /// That make the lobe of a rough surface.
+    pub fn rough_rays(self) -> u32 {
+        match self {
+            Self::Low => 8,
+            Self::Medium | Self::High => 16,
+        }
+    }
+}
+
+/// What has been found, for [`LeanScreenSpaceReflections::debug_view`].
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[reflect(Clone, PartialEq)]
+pub enum ScreenSpaceReflectionsDebugView {
+    /// What each pixel mirrors of the picture, exposed, before it is weighed by how much its surface mirrors. Black where that
+    /// is nothing.
+    Light,
+    /// How much of the environment it takes the place of, grey.
+    Confidence,
+    /// How far away the mirror image is that each ray has met, grey: `1 / (1 + metres)`. Black where it met nothing.
+    Hit,
+}
+
+impl ScreenSpaceReflectionsDebugView {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Light, Self::Confidence, Self::Hit];
 }

@@ -20,7 +20,7 @@
 #endif
 
 struct Mirror {
-    /// In view space.
+    /// In world space.
     normal: vec3<f32>,
     /// Perceptual: that of the coat, if there is one. Above 1: it mirrors nothing.
     roughness: f32,
@@ -35,8 +35,7 @@ fn mirror_at(pixel: vec2<i32>) -> Mirror {
     if word == NO_GEOMETRY {
         return Mirror(vec3(0.0, 0.0, 1.0), NO_MIRROR);
     }
-    let normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
-    var mirror = Mirror(normal, unpack_roughness(word));
+    var mirror = Mirror(unpack_normal(word), unpack_roughness(word));
 #ifdef SPECIALIZATION
     if (textureLoad(written_texture, place, 0).r & SPECIALIZATION_WRITTEN) != 0u {
         let word = textureLoad(specialization_texture, place, 0).r;
@@ -51,6 +50,11 @@ fn mirror_at(pixel: vec2<i32>) -> Mirror {
     }
 #endif
     return mirror;
+}
+
+/// In view space.
+fn rotated(normal: vec3<f32>) -> vec3<f32> {
+    return (view.view_from_world * vec4(normal, 0.0)).xyz;
 }
 
 /// 1 for what mirrors, down to 0 for what is too rough to.
@@ -99,6 +103,13 @@ fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
     // A half float has eleven bits.
     if abs(kept - distance) > tolerance + 0.002 * abs(distance) {
         return vec4(0.0);
+    }
+    if level < 1.0 {
+        // Between what belongs together, else the nearest.
+        let around = textureGather(3, history_texture, history_sampler, at / view.history_size);
+        let off = abs(around - kept);
+        let most = max(max(off.x, off.y), max(off.z, off.w));
+        at = select(at, floor(at) + 0.5, most > tolerance + 0.002 * abs(kept));
     }
     let light = mean_light(at / view.history_size, level);
     return vec4(light * view.exposure_ratio, 1.0);

@@ -1,5 +1,5 @@
 // Finds what each texel mirrors: one ray of the lobe of its surface, another one for each of 4×4 texels, through the depth
-// of this frame into the light of the last one.
+// of this frame into the light of the last one. Of rough surfaces every other texel does.
 #import bevy_lean_deferred::ggx::sample_lobe
 #import bevy_lean_deferred::gbuffer::layout::is_finite
 #import bevy_lean_deferred::horizon::tangents
@@ -8,15 +8,17 @@
     DIVISOR, depth_in_view, hits_output, pack_hit, rays_output, to_viewer, view, view_position,
 }
 #import bevy_lean_deferred::screen_space::reflections::march::{march, metres_at, ray_on_screen}
-#import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, smoothness}
+#import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, rotated, smoothness}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
-/// Texels whose rays make a lobe together.
-const RAYS: f32 = 16.0;
+/// Rays that make a lobe together: those of 4×4 texels, or of every other one of them.
+const RAYS: u32 = 16u;
+const ROUGH_RAYS: u32 = #{ROUGH_RAYS}u;
 
-/// Perceptual roughness from which on rays need not see every pixel, and get so many steps; others four times as many.
+/// Perceptual roughness from which on rays need not see every pixel, and so get fewer steps.
 const ROUGH: f32 = 0.2;
-const STEPS: u32 = #{STEPS}u;
+const ROUGH_STEPS: u32 = #{ROUGH_STEPS}u;
+const SMOOTH_STEPS: u32 = #{SMOOTH_STEPS}u;
 
 /// What a ray has found: light and confidence, and the word of its hit.
 struct Found {
@@ -24,10 +26,11 @@ struct Found {
     hit: u32,
 }
 
-/// Two random numbers from 0 to 1 for each of the sixteen (Hammersley 1960, "Monte Carlo methods for solving multivariable
-/// problems").
-fn numbers_of(turn: u32) -> vec2<f32> {
-    let pair = (vec2(f32(turn), f32(reverseBits(turn) >> 28u)) + 0.5) / RAYS;
+/// Two random numbers from 0 to 1 for each of so many rays, 8 or 16 (Hammersley 1960, "Monte Carlo methods for solving
+/// multivariable problems").
+fn numbers_of(ray: u32, rays: u32) -> vec2<f32> {
+    let mirrored = reverseBits(ray) >> select(28u, 29u, rays == 8u);
+    let pair = (vec2(f32(ray), f32(mirrored)) + 0.5) / f32(rays);
     return fract(pair + view.turn * vec2(1.0, 0.754877));
 }
 
@@ -37,7 +40,7 @@ fn rim_fade(at: vec2<f32>) -> f32 {
     return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
 }
 
-fn found_at(texel: vec2<i32>, numbers: vec2<f32>) -> Found {
+fn found_at(texel: vec2<i32>, turn: u32) -> Found {
     var found: Found;
     let pixel = texel * DIVISOR;
     let depth = depth_in_view(pixel);
@@ -49,21 +52,28 @@ fn found_at(texel: vec2<i32>, numbers: vec2<f32>) -> Found {
         return found;
     }
     let start = vec3(vec2<f32>(pixel) + 0.5, depth);
+    let is_rough = mirror.roughness > ROUGH;
+    let rays = select(RAYS, ROUGH_RAYS, is_rough);
+    if turn >= rays {
+        return found;
+    }
     let position = view_position(start.xy, depth);
     let V = to_viewer(position);
-    let basis = tangents(mirror.normal);
+    let normal = rotated(mirror.normal);
+    let basis = tangents(normal);
     // Shading normals may lean away from the viewer.
-    let local = vec3(V * basis, max(dot(V, mirror.normal), 1e-3));
+    let local = vec3(V * basis, max(dot(V, normal), 1e-3));
     let alpha = mirror.roughness * mirror.roughness;
-    let sample = sample_lobe(normalize(local), alpha, numbers);
+    let sample = sample_lobe(normalize(local), alpha, numbers_of(turn, rays));
     found.hit = pack_hit(0.0, sample.weight);
     if sample.weight == 0.0 {
         return found;
     }
-    let direction = basis * sample.direction.xy + mirror.normal * sample.direction.z;
+    let direction = basis * sample.direction.xy + normal * sample.direction.z;
     let ray = ray_on_screen(start, position, direction);
-    let is_rough = mirror.roughness > ROUGH;
-    let met = march(ray, direction, select(1.0, 4.0, is_rough), select(4u * STEPS, STEPS, is_rough));
+    // The radius of what this ray of sixteen stands for, over its way: a quarter of that of the lobe.
+    let spread = select(0.0, 0.5 * alpha, is_rough);
+    let met = march(ray, direction, spread, select(SMOOTH_STEPS, ROUGH_STEPS, is_rough));
     if !met.is_hit {
         return found;
     }
@@ -76,7 +86,7 @@ fn found_at(texel: vec2<i32>, numbers: vec2<f32>) -> Found {
 #else
     let wide = metres * scale / max(-hit.z, 1e-6);
 #endif
-    let level = 0.5 * log2(max(wide * wide / (RAYS * sample.density), 1.0));
+    let level = 0.5 * log2(max(wide * wide / (f32(rays) * sample.density), 1.0));
     let seen = last_light(met.place, hit, level);
     let confidence = seen.w * met.certainty * rim_fade(met.place.xy);
     if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
@@ -98,9 +108,13 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    let texel = pixel_in_view(workgroup.xy, workgroups.xy, view.row_stride, invocation);
+    // Texels of one colour of a chessboard share a workgroup: those of the others have nothing to do where all is rough.
+    let color = workgroup.x & 1u;
+    let pair = (invocation & 1u) | (((invocation & 1u) ^ color) << 1u);
+    let tile = vec2((workgroup.x & 0xfffffffeu) + (invocation >> 5u), workgroup.y);
+    let texel = pixel_in_view(tile, workgroups.xy, view.row_stride, pair | ((invocation << 1u) & 0x3cu));
     if all(texel < view.texture_size) {
-        let found = found_at(vec2<i32>(texel), numbers_of(turn_of(texel & vec2(3u))));
+        let found = found_at(vec2<i32>(texel), turn_of(texel & vec2(3u)));
         textureStore(rays_output, texel, found.light);
         textureStore(hits_output, texel, vec4(found.hit));
     }

@@ -1,0 +1,28 @@
+// A texture that covers the viewport, in place of the picture.
+#import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput
+
+#ifdef SHOWS_HIT
+@group(0) @binding(0) var found_texture: texture_2d<u32>;
+#else
+@group(0) @binding(0) var found_texture: texture_2d<f32>;
+#endif
+
+@fragment
+fn fragment(in: FullscreenVertexOutput) -> @location(0) vec4<f32> {
+    let size = vec2<f32>(textureDimensions(found_texture));
+    let texel = textureLoad(found_texture, vec2<i32>(min(in.uv * size, size - 1.0)), 0);
+#ifdef SHOWS_LIGHT
+    let color = texel.rgb * texel.a;
+#else ifdef SHOWS_BARE_LIGHT
+    let color = texel.rgb;
+#else ifdef SHOWS_ALPHA
+    let color = vec3(texel.a);
+#else ifdef SHOWS_ONE_MINUS_ALPHA
+    let color = vec3(1.0 - texel.a);
+#else
+    // See `pack_hit` of reflections: one over metres, and eight bits of something else.
+    let inverse = bitcast<f32>(texel.r & 0xffffff00u);
+    let color = vec3(inverse / (1.0 + inverse));
+#endif
+    return vec4(color, 1.0);
+}
