@@ -4,7 +4,7 @@ use argh::FromArgs;
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 
-use crate::settings::{self, Effect, ExampleSettings, Mirrors};
+use crate::settings::{self, DebugView, Effect, ExampleSettings, Mirrors};
 use kit::{
     example::{
         choices,
@@ -29,9 +29,13 @@ pub struct Args {
     #[argh(option, default = "default()", from_str_fn(quality))]
     quality: ScreenSpaceGiQuality,
 
-    /// reflections: off, low, medium (the default) or high
+    /// reflections: off, low, medium (the default), high, or bevy for Bevy's
     #[argh(option, default = "Mirrors::Medium", from_str_fn(mirrors))]
     mirrors: Mirrors,
+
+    /// gi-light, gi-visibility, mirrors-light, mirrors-confidence or mirrors-hit: what an effect has found, in place of the picture
+    #[argh(option, from_str_fn(debug_view))]
+    debug_view: Option<DebugView>,
 
     /// full or half (the default)
     #[argh(option, default = "default()", from_str_fn(resolution))]
@@ -85,6 +89,7 @@ impl Args {
                 ..default()
             },
             mirrors: self.mirrors,
+            debug_view: self.debug_view,
             lights: !self.dark,
             text: true,
         }
@@ -105,6 +110,10 @@ fn effect(text: &str) -> Result<Effect, String> {
 
 fn mirrors(text: &str) -> Result<Mirrors, String> {
     choices::parse(&settings::MIRRORS, text)
+}
+
+fn debug_view(text: &str) -> Result<DebugView, String> {
+    choices::parse(&settings::DEBUG_VIEWS, text)
 }
 
 fn quality(text: &str) -> Result<ScreenSpaceGiQuality, String> {

@@ -9,7 +9,8 @@
 //! | Q | next quality |
 //! | R | full / half resolution |
 //! | Up, Down | larger, smaller radius |
-//! | M | `LeanScreenSpaceReflections`: off, low, medium, high |
+//! | M | `LeanScreenSpaceReflections`: off, low, medium, high; then Bevy's `ScreenSpaceReflections`, without other effects |
+//! | D | the picture, or what an effect has found: GI's light, visibility; mirrored light, confidence, hits |
 //! | L | lamp and sun on / off |
 //! | H | text on / off |
 //! | mouse | left: orbit, right: pan, wheel: zoom |

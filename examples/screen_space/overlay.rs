@@ -17,7 +17,7 @@ impl Plugin for OverlayPlugin {
     }
 }
 
-const KEYS: &str = "1 none  2 occlusion  3 GI  Q quality  R resolution  Up/Down radius  M mirrors  L lights  H text";
+const KEYS: &str = "1 none  2 occlusion  3 GI  Q quality  R resolution  Up/Down radius  M mirrors  D debug view  L lights  H text";
 
 fn update_text(
     settings: Res<ExampleSettings>,
@@ -50,6 +50,7 @@ fn update_text(
     };
     let mirrors = match settings.mirrors {
         Mirrors::Off => "no reflections".into(),
+        Mirrors::Bevy => format!("Bevy's ScreenSpaceReflections: {}", time("ssr")),
         quality => format!(
             "LeanScreenSpaceReflections {quality:?}, {:?}: history {}, cells {}, trace {}, resolve {}",
             gi.resolution,

@@ -1,10 +1,17 @@
 //! What the keys change, and its way onto the camera.
 
-use bevy::prelude::*;
+use bevy::{
+    core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
+    pbr::ScreenSpaceReflections,
+    prelude::*,
+};
 use bevy_lean_deferred::prelude::*;
 
 use crate::room::Switched;
-use kit::example::choices::next;
+use kit::example::{
+    choices::{next, next_or_none},
+    opaque_method::OpaqueMethod,
+};
 
 /// What the camera has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,14 +30,59 @@ pub enum Mirrors {
     Low,
     Medium,
     High,
+    /// Bevy's `ScreenSpaceReflections` on its deferred path, without the other effects.
+    Bevy,
 }
 
-pub const MIRRORS: [Mirrors; 4] = [Mirrors::Off, Mirrors::Low, Mirrors::Medium, Mirrors::High];
+pub const MIRRORS: [Mirrors; 5] = [
+    Mirrors::Off,
+    Mirrors::Low,
+    Mirrors::Medium,
+    Mirrors::High,
+    Mirrors::Bevy,
+];
+
+/// What is shown in place of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DebugView {
+    GiLight,
+    GiVisibility,
+    MirrorsLight,
+    MirrorsConfidence,
+    MirrorsHit,
+}
+
+pub const DEBUG_VIEWS: [DebugView; 5] = [
+    DebugView::GiLight,
+    DebugView::GiVisibility,
+    DebugView::MirrorsLight,
+    DebugView::MirrorsConfidence,
+    DebugView::MirrorsHit,
+];
+
+impl DebugView {
+    fn of_gi(self) -> Option<ScreenSpaceGiDebugView> {
+        match self {
+            Self::GiLight => Some(ScreenSpaceGiDebugView::Light),
+            Self::GiVisibility => Some(ScreenSpaceGiDebugView::Visibility),
+            _ => None,
+        }
+    }
+
+    fn of_mirrors(self) -> Option<ScreenSpaceReflectionsDebugView> {
+        match self {
+            Self::MirrorsLight => Some(ScreenSpaceReflectionsDebugView::Light),
+            Self::MirrorsConfidence => Some(ScreenSpaceReflectionsDebugView::Confidence),
+            Self::MirrorsHit => Some(ScreenSpaceReflectionsDebugView::Hit),
+            _ => None,
+        }
+    }
+}
 
 impl Mirrors {
     pub fn quality(self) -> Option<ScreenSpaceReflectionsQuality> {
         match self {
-            Self::Off => None,
+            Self::Off | Self::Bevy => None,
             Self::Low => Some(ScreenSpaceReflectionsQuality::Low),
             Self::Medium => Some(ScreenSpaceReflectionsQuality::Medium),
             Self::High => Some(ScreenSpaceReflectionsQuality::High),
@@ -46,6 +98,7 @@ pub struct ExampleSettings {
     pub effect: Effect,
     pub gi: LeanScreenSpaceGi,
     pub mirrors: Mirrors,
+    pub debug_view: Option<DebugView>,
     pub lights: bool,
     pub text: bool,
 }
@@ -64,6 +117,9 @@ pub fn read_keys(
                 settings.gi.quality = next(&ScreenSpaceGiQuality::ALL, settings.gi.quality);
             }
             KeyCode::KeyM => settings.mirrors = next(&MIRRORS, settings.mirrors),
+            KeyCode::KeyD => {
+                settings.debug_view = next_or_none(&DEBUG_VIEWS, settings.debug_view);
+            }
             KeyCode::KeyR => {
                 settings.gi.resolution = next(&ScreenSpaceResolution::ALL, settings.gi.resolution);
             }
@@ -84,6 +140,7 @@ pub fn apply(
     settings: Res<ExampleSettings>,
     camera: Single<Entity, With<Camera3d>>,
     mut lights: Query<&mut Visibility, With<Switched>>,
+    mut method: OpaqueMethod,
 ) {
     for mut light in &mut lights {
         *light = if settings.lights {
@@ -97,11 +154,27 @@ pub fn apply(
         LeanAmbientOcclusion,
         LeanScreenSpaceGi,
         LeanScreenSpaceReflections,
+        ScreenSpaceReflections,
+        DeferredPrepass,
+        DepthPrepass,
     )>();
+    let is_bevys = settings.mirrors == Mirrors::Bevy;
+    method.set(is_bevys);
+    if is_bevys {
+        camera.remove::<LeanDeferred>();
+        // It requires both prepasses. From the smoothest on, as ours.
+        camera.insert(ScreenSpaceReflections {
+            min_perceptual_roughness: 0.0..0.0,
+            ..default()
+        });
+        return;
+    }
+    camera.insert_if_new(LeanDeferred::default());
     if let Some(quality) = settings.mirrors.quality() {
         camera.insert(LeanScreenSpaceReflections {
             quality,
             resolution: settings.gi.resolution,
+            debug_view: settings.debug_view.and_then(DebugView::of_mirrors),
             ..default()
         });
     }
@@ -111,7 +184,10 @@ pub fn apply(
             camera.insert(LeanAmbientOcclusion::default());
         }
         Effect::Gi => {
-            camera.insert(settings.gi);
+            camera.insert(LeanScreenSpaceGi {
+                debug_view: settings.debug_view.and_then(DebugView::of_gi),
+                ..settings.gi
+            });
         }
     }
 }

@@ -7,12 +7,14 @@ use bevy::{
         prepass::{DeferredPrepass, DepthPrepass},
         tonemapping::Tonemapping,
     },
-    pbr::DefaultOpaqueRendererMethod,
     prelude::*,
 };
 use bevy_lean_deferred::prelude::*;
 
-use kit::example::choices::{next, next_or_none};
+use kit::example::{
+    choices::{next, next_or_none},
+    opaque_method::OpaqueMethod,
+};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Renderer {
@@ -89,9 +91,7 @@ pub fn apply_settings(
     mut commands: Commands,
     settings: Res<ViewerSettings>,
     camera: Single<Entity, With<Camera3d>>,
-    mut default_method: ResMut<DefaultOpaqueRendererMethod>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-    mut method_before: Local<Option<Renderer>>,
+    mut method: OpaqueMethod,
 ) {
     let mut camera = commands.entity(*camera);
     camera.remove::<(LeanDeferred, DepthPrepass, DeferredPrepass)>();
@@ -115,18 +115,5 @@ pub fn apply_settings(
         Tonemapping::TonyMcMapface
     });
 
-    // Bevy settles a material's method when it prepares the material.
-    let was_deferred = *method_before == Some(Renderer::BevyDeferred);
-    let is_deferred = settings.renderer == Renderer::BevyDeferred;
-    if was_deferred != is_deferred {
-        if is_deferred {
-            default_method.set_to_deferred();
-        } else {
-            default_method.set_to_forward();
-        }
-        for (_, material) in materials.iter_mut() {
-            let _ = &mut *material;
-        }
-    }
-    *method_before = Some(settings.renderer);
+    method.set(settings.renderer == Renderer::BevyDeferred);
 }

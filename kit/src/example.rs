@@ -7,5 +7,6 @@ pub mod gpu_times;
 pub mod made_up_sky;
 pub mod model;
 pub mod numbers;
+pub mod opaque_method;
 pub mod run;
 pub mod text_panel;
