@@ -5,6 +5,7 @@ use bevy::{
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
     material::OpaqueRendererMethod,
     math::bounding::{Aabb3d, RayCast3d},
+    mesh::skinning::SkinnedMesh,
     prelude::*,
 };
 use bevy_lean_deferred::prelude::*;
@@ -15,7 +16,7 @@ use kit::{
     lean::{build, change_cameras},
     metrics::pixel_difference,
     own_process::in_own_process,
-    scenes::SceneBuilder,
+    scenes::{SceneBuilder, meshes::skinned},
 };
 
 const SIZE: UVec2 = UVec2::new(480, 360);
@@ -135,6 +136,40 @@ fn a_thin_pole_hides_no_more_than_itself() {
         }
         println!("{hidden} pixels mirror the pole, {dark} are dark");
         assert!(hidden > 100 && (dark - hidden).abs() < hidden / 4);
+    });
+}
+
+/// All of what stands above a mirror is in it, up to its edge.
+#[test]
+fn mirrored_edges_have_no_gaps() {
+    in_own_process(|| {
+        const WALL_Z: f32 = -0.8;
+        const FLOOR: Vec3 = Vec3::new(0.0, -0.14, 0.0);
+        let eye = Vec3::new(0.0, 1.2, 3.0);
+        let (_, seen) = show(SMALL, 8, |s| {
+            let plane = Plane3d::default().mesh().size(12.0, 12.0);
+            s.mesh(plane, metal(0.0), Transform::from_translation(FLOOR));
+            let wall = Rectangle::new(3.0, 1.0);
+            s.mesh(
+                wall,
+                surface(0.0, 1.0),
+                Transform::from_xyz(0.0, 0.6, WALL_Z),
+            );
+            let from = Transform::from_translation(eye).looking_at(Vec3::Y * 0.2, Vec3::Y);
+            camera(s, from, 0.3, reflections());
+        });
+        seen.save("edge", 0.8);
+        let (mut dark, mut count) = (0, 0);
+        for (_, place, light) in seen.on_plane(FLOOR, Vec3::Y) {
+            let direction = (place - eye) * Vec3::new(1.0, -1.0, 1.0);
+            let met = place + direction * (WALL_Z - place.z) / direction.z;
+            if place.z > WALL_Z && met.x.abs() < 1.3 && met.y > 0.11 && met.y < 1.0 {
+                dark += i32::from(light < 0.8);
+                count += 1;
+            }
+        }
+        println!("{dark} of {count} pixels are dark");
+        assert!(count > 1000 && dark < 4);
     });
 }
 
@@ -262,6 +297,67 @@ fn there_is_no_trail_behind_what_moves() {
                     "{name}, motion vectors {motion}: {trail:.1} frames behind, brightest {most:.2}"
                 );
                 assert!(trail <= 4.0);
+            }
+        }
+    });
+}
+
+/// A mirror that moves, or whose mesh does, shows what one at rest shows.
+#[test]
+fn moving_mirrors_show_what_they_show_at_rest() {
+    in_own_process(|| {
+        let moves_up = |s: &mut SceneBuilder| {
+            let plane = Plane3d::default().mesh().size(12.0, 12.0);
+            let mirror = s.mesh(plane, metal(0.0), Transform::from_xyz(0.0, -0.3, 0.0));
+            s.world().entity_mut(mirror).insert(Mover);
+        };
+        let bends = |s: &mut SceneBuilder| {
+            let joint = skinned(s);
+            s.world().entity_mut(joint).insert(Mover);
+            let material = s.add::<StandardMaterial>(metal(0.1));
+            let mut columns = s.world().query_filtered::<Entity, With<SkinnedMesh>>();
+            let column = columns.single(s.world()).expect("one was spawned");
+            s.world()
+                .entity_mut(column)
+                .insert(MeshMaterial3d(material));
+        };
+        type Mirror<'a> = &'a dyn Fn(&mut SceneBuilder);
+        let cases: [(&str, Mirror); 2] = [("plane", &moves_up), ("skinned mesh", &bends)];
+        for (name, mirror) in cases {
+            for motion in [false, true] {
+                let mut headless = build(SMALL, |s| {
+                    mirror(s);
+                    let wall = Rectangle::new(3.0, 1.0);
+                    s.mesh(wall, surface(0.0, 1.0), Transform::from_xyz(0.0, 0.6, -0.8));
+                    let from = Transform::from_xyz(0.0, 1.2, 3.0);
+                    let from = from.looking_at(Vec3::new(0.0, 0.2, 0.0), Vec3::Y);
+                    let camera = camera(s, from, 0.3, reflections());
+                    if motion {
+                        let mut camera = s.world().entity_mut(camera);
+                        camera.insert((DepthPrepass, MotionVectorPrepass));
+                    }
+                });
+                see(&mut headless, 8);
+                let mut seen = None;
+                for _ in 0..8 {
+                    let world = headless.world();
+                    let mut movers = world.query_filtered::<&mut Transform, With<Mover>>();
+                    for mut mover in movers.iter_mut(world) {
+                        mover.translation.y += 0.02;
+                    }
+                    seen = Some(look_at_once(&mut headless));
+                }
+                let moving = seen.expect("frames were seen");
+                moving.save(&format!("mover_{name}_{motion}"), 0.8);
+                headless.frames(12);
+                let still = look(&mut headless);
+                still.save(&format!("mover_{name}_{motion}_still"), 0.8);
+                let pairs = moving.light.texels.iter().zip(&still.light.texels);
+                let (off, bias) = errors(pairs.map(|(moving, still)| moving[1] - still[1]));
+                println!(
+                    "{name}, motion vectors {motion}: {off:.4} ({bias:+.4}) of the wall's light"
+                );
+                assert!(off < 0.02);
             }
         }
     });

@@ -183,7 +183,8 @@ fn met_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: 
     var met: Met;
     met.is_hit = true;
     met.u = clamp(select(u, exact, is_crossed), 0.5, ray.end);
-    met.place = vec3(ray.start.xy + ray.step.xy * met.u, 0.0);
+    // Within the pixel: the next one may show something else.
+    met.place = vec3(ray.start.xy + ray.step.xy * clamp(met.u, u - 0.4, u + 0.4), 0.0);
     met.place.z = clamp(depth + dot(slope, met.place.xy - center), 0.5 * depth, 2.0 * depth);
     met.certainty = select(certainty, 1.0, is_crossed);
     return met;

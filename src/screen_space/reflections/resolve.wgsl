@@ -29,6 +29,9 @@ var<workgroup> hits: array<u32, #{SIDE_SQUARED}>;
 /// Light times confidence, and confidence, of 4×4 texels.
 var<workgroup> means: array<vec2<u32>, #{MEANS_SQUARED}>;
 
+/// 1 if any of them mirrors: all write the same.
+var<workgroup> mirrors_any: u32;
+
 struct Receiver {
     /// In pixels.
     at: vec2<f32>,
@@ -247,17 +250,26 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         // What is beyond the rim counts for nothing.
         let counts = all(texel == inside) && smoothness(mirror.roughness) > 0.0;
         mirrors[read] = vec4(mirror.normal, select(0.0, depth_in_view(inside * DIVISOR), counts));
+        if counts {
+            mirrors_any = 1u;
+        }
     }
-    workgroupBarrier();
+    let place = vec2(i % PIXELS, i / PIXELS);
+    let pixel = vec2<i32>(workgroup.xy) * PIXELS + place;
+    let is_inside = all(pixel < vec2<i32>(view.viewport_size));
+    if workgroupUniformLoad(&mirrors_any) == 0u {
+        if is_inside {
+            textureStore(output_texture, pixel, vec4(0.0));
+        }
+        return;
+    }
     if DIVISOR > 1 {
         for (var mean = i; mean < MEANS * MEANS; mean += INVOCATIONS) {
             means[mean] = pack_halves(mean_at((mean % MEANS + 1) + SIDE * (mean / MEANS + 1)));
         }
         workgroupBarrier();
     }
-    let place = vec2(i % PIXELS, i / PIXELS);
-    let pixel = vec2<i32>(workgroup.xy) * PIXELS + place;
-    if all(pixel < vec2<i32>(view.viewport_size)) {
+    if is_inside {
         textureStore(output_texture, pixel, light_at(pixel, place));
     }
 }

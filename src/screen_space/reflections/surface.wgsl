@@ -96,21 +96,21 @@ fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
     // It may have come nearer.
     tolerance += view.thickness;
 #endif
-    if !(all(at >= vec2(0.0)) && all(at < vec2<f32>(view.viewport_size))) {
-        return vec4(0.0);
-    }
-    let kept = textureLoad(history_texture, vec2<i32>(at), 0).a;
+    let is_inside = all(at >= vec2(0.0)) && all(at < vec2<f32>(view.viewport_size));
+    // How far away the four texels around it are. Their corner names them better than a place near the middle of one.
+    let first = floor(at - 0.5);
+    let is_second = at - 0.5 - first >= vec2(0.5);
+    let around = textureGather(3, history_texture, history_sampler, (first + 1.0) / view.history_size);
+    let kept = select(select(around.w, around.z, is_second.x), select(around.x, around.y, is_second.x), is_second.y);
     // A half float has eleven bits.
-    if abs(kept - distance) > tolerance + 0.002 * abs(distance) {
-        return vec4(0.0);
-    }
+    let rounding = 0.002 * abs(distance);
     if level < 1.0 {
         // Between what belongs together, else the nearest.
-        let around = textureGather(3, history_texture, history_sampler, at / view.history_size);
         let off = abs(around - kept);
         let most = max(max(off.x, off.y), max(off.z, off.w));
-        at = select(at, floor(at) + 0.5, most > tolerance + 0.002 * abs(kept));
+        at = select(at, floor(at) + 0.5, most > tolerance + rounding);
     }
     let light = mean_light(at / view.history_size, level);
-    return vec4(light * view.exposure_ratio, 1.0);
+    let is_seen = is_inside && abs(kept - distance) <= tolerance + rounding;
+    return select(vec4(0.0), vec4(light * view.exposure_ratio, 1.0), is_seen);
 }
