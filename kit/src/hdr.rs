@@ -1,7 +1,10 @@
 //! The light of a picture before post-processing, as half floats.
 
 use bevy::{
-    core_pipeline::schedule::{Core3d, Core3dSystems},
+    core_pipeline::{
+        core_3d::main_transparent_pass_3d,
+        schedule::{Core3d, Core3dSystems},
+    },
     prelude::*,
     render::{
         RenderApp,
@@ -13,6 +16,7 @@ use bevy::{
         view::{ExtractedView, ViewTarget},
     },
 };
+use bevy_lean_deferred::screen_space::DebugViewPasses;
 use half::f16;
 
 use crate::{headless::Headless, lean::begin_phase};
@@ -96,9 +100,11 @@ pub fn light(headless: &mut Headless) -> Light {
     if !render_app.world().contains_resource::<KeepsLight>() {
         render_app.insert_resource(KeepsLight).add_systems(
             Core3d,
+            // Before volumetric fog.
             keep_light
-                .after(Core3dSystems::MainPass)
-                .before(Core3dSystems::EarlyPostProcess),
+                .in_set(Core3dSystems::MainPass)
+                .after(main_transparent_pass_3d)
+                .after(DebugViewPasses),
         );
     }
     headless.frames(1);

@@ -18,6 +18,8 @@ mod resolution;
 mod storage_texture;
 mod succession;
 
+#[doc(hidden)]
+pub use debug_view::DebugViewPasses;
 pub use diffuse_gi::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, ScreenSpaceGiDebugView, ScreenSpaceGiQuality,
 };

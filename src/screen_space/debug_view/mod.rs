@@ -37,6 +37,10 @@ use crate::{
 const LABEL: &str = "lean_deferred/screen_space/debug_view";
 const FOUND_TEXTURE: u32 = 0;
 
+/// Draws what is shown, in [`Core3d`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct DebugViewPasses;
+
 /// What of a texture is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Shows {
@@ -104,6 +108,7 @@ impl<V: DebugShown> Plugin for DebugViewPlugin<V> {
                 Core3d,
                 show::<V>
                     .in_set(Core3dSystems::MainPass)
+                    .in_set(DebugViewPasses)
                     .after(HistoryPasses),
             );
     }
