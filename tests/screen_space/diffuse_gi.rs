@@ -7,18 +7,11 @@ use kit::{
     own_process::in_own_process,
 };
 
+use super::scenes::gi;
+
 const SIZE: UVec2 = UVec2::new(256, 256);
 /// Of pictures in which it matters how many pixels something is high.
 const LARGE: UVec2 = UVec2::new(512, 512);
-
-/// Further than anything in these scenes: what bounds the march is the picture.
-fn gi() -> LeanScreenSpaceGi {
-    LeanScreenSpaceGi {
-        radius: 100.0,
-        falloff: 0.1,
-        ..default()
-    }
-}
 
 #[test]
 fn a_groove_is_as_bright_as_its_bounces_make_it() {

@@ -1,6 +1,9 @@
 //! Effects that find light on the screen, beside closed forms.
 
 mod diffuse_gi;
-mod hard_cases;
+mod mirrors;
+mod motion;
 mod reflections;
+mod scenes;
 mod settings;
+mod views;

@@ -1,30 +1,21 @@
 //! Reflections beside what mirrors show.
 
-use bevy::{
-    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
-    material::OpaqueRendererMethod,
-    prelude::*,
-};
+use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
     hdr::light,
-    headless::Headless,
-    known_light::{Seen, camera, look, see, show, surface},
-    known_mirrors::{
-        compare, metal, mirror, mirror_app, rough_floor, show_mirror, with_bevys_reflections,
-    },
+    known_light::{Seen, camera, show, surface},
+    known_mirrors::{metal, mirror, rough_floor, with_bevys_reflections},
     own_process::in_own_process,
     scenes::SceneBuilder,
 };
 
-const SIZE: UVec2 = UVec2::new(480, 360);
-const SMALL: UVec2 = UVec2::new(192, 144);
+use super::scenes::{SIZE, SMALL, floor, glowing, looking, reflections};
 
-fn reflections(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflections {
+fn at_resolution(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
         resolution,
-        edge_fade: 0.0,
-        ..default()
+        ..reflections()
     }
 }
 
@@ -36,7 +27,7 @@ fn a_mirror_shows_what_is_above_it() {
             (ScreenSpaceResolution::Full, 55.0),
         ] {
             let found = mirror(SIZE, |camera| {
-                camera.insert(reflections(resolution));
+                camera.insert(at_resolution(resolution));
             });
             found.seen.save(&format!("mirror_{resolution:?}"), 1.0);
             println!(
@@ -58,7 +49,7 @@ fn a_rough_floor_shows_the_lobe_of_a_quad() {
             seen.save(&format!("rough_{roughness}_bevy"), 1.0);
             for resolution in ScreenSpaceResolution::ALL {
                 let (seen, found) = rough_floor(SIZE, roughness, |camera| {
-                    camera.insert(reflections(resolution));
+                    camera.insert(at_resolution(resolution));
                 });
                 seen.save(&format!("rough_{roughness}_{resolution:?}"), 1.0);
                 println!("{roughness}, {resolution:?}: {found:.4?}, Bevy's {bevys:.4?}");
@@ -81,22 +72,18 @@ fn courtyard(s: &mut SceneBuilder, roughness: f32, glow: f32, sky: f32) -> Entit
     }
     let ball = Sphere::new(0.3).mesh().ico(8).expect("few subdivisions");
     s.mesh(ball, surface(0.0, glow), Transform::from_xyz(0.3, 0.3, 0.3));
-    let from = Transform::from_xyz(0.0, 1.3, 3.2);
-    let from = from.looking_at(Vec3::new(0.0, 0.2, 0.0), Vec3::Y);
+    let from = looking(Vec3::new(0.0, 1.3, 3.2), 0.2);
     let shown = Camera {
         clear_color: ClearColorConfig::Custom(Color::linear_rgb(sky, sky, sky)),
         ..default()
     };
-    camera(s, from, sky, (shown, reflections(default())))
+    camera(s, from, sky, (shown, reflections()))
 }
 
-/// The light of the floor.
-fn floor(seen: &Seen) -> Vec<f32> {
-    let places = seen.on_plane(Vec3::ZERO, Vec3::Y);
-    places
-        .filter(|(_, place, _)| place.xz().length() < 10.0)
-        .map(|(_, _, light)| light)
-        .collect()
+/// The light of the floor that is no further than its rim.
+fn floor_light(seen: &Seen) -> Vec<f32> {
+    let near = floor(seen).filter(|(place, _)| place.xz().length() < 10.0);
+    near.map(|(_, light)| light).collect()
 }
 
 fn range(light: &[f32]) -> (f32, f32) {
@@ -112,7 +99,7 @@ fn a_furnace_is_even() {
                 courtyard(s, roughness, 1.0, 1.0);
             });
             seen.save(&format!("furnace_{roughness}"), 0.5);
-            let (least, most) = range(&floor(&seen));
+            let (least, most) = range(&floor_light(&seen));
             println!("roughness {roughness}: {least:.4} to {most:.4}");
             assert!(least > 0.99 && most < 1.01);
         }
@@ -131,7 +118,7 @@ fn there_are_no_seams() {
                     .insert(LeanScreenSpaceReflections::default());
             });
             seen.save(&format!("seams_{roughness}"), 0.7);
-            let (least, most) = range(&floor(&seen));
+            let (least, most) = range(&floor_light(&seen));
             println!("roughness {roughness}: {least:.4} to {most:.4}");
             assert!(least > 0.39 && most < 1.01 && most > 0.9);
         }
@@ -176,7 +163,7 @@ fn hostile_light_is_bounded() {
                 let card = Rectangle::new(0.5, 0.5);
                 s.mesh(card, hostile, Transform::from_xyz(0.2, 0.6, -0.9));
             });
-            let light = floor(&seen);
+            let light = floor_light(&seen);
             let broken = light.iter().filter(|x| !x.is_finite()).count();
             // The card itself is before a few pixels of it.
             println!("{color}: {broken} of {}", light.len());
@@ -195,87 +182,17 @@ fn forward_meshes_are_mirrored_by_cameras_with_a_depth_prepass() {
                 if prepass {
                     s.world().entity_mut(camera).insert(DepthPrepass);
                 }
-                let glowing = StandardMaterial {
-                    opaque_render_method: if forward {
-                        OpaqueRendererMethod::Forward
-                    } else {
-                        OpaqueRendererMethod::Auto
-                    },
-                    ..surface(0.0, 1.0)
-                };
                 let wall = Rectangle::new(2.0, 0.8);
-                s.mesh(wall, glowing, Transform::from_xyz(0.0, 0.4, 0.8));
+                s.mesh(wall, glowing(forward), Transform::from_xyz(0.0, 0.4, 0.8));
             });
             seen.save(&format!("forward_{prepass}_{forward}"), 1.0);
             // In front of the wall.
-            let places = seen.on_plane(Vec3::ZERO, Vec3::Y);
-            places
-                .filter(|(_, place, _)| place.z > 0.9)
-                .map(|(_, _, light)| light)
-                .sum::<f32>()
+            let near = floor(&seen).filter(|(place, _)| place.z > 0.9);
+            near.map(|(_, light)| light).sum::<f32>()
         };
         let lean = sum(false, false);
         let [without, with] = [false, true].map(|prepass| sum(prepass, true));
         println!("lean {lean:.1}, forward {without:.1}, with a prepass {with:.1}");
         assert!(without < 0.2 * lean && (with / lean - 1.0).abs() < 0.02);
-    });
-}
-
-/// Steps of a camera that goes sideways.
-#[derive(Resource)]
-struct Pace(Vec3);
-
-fn walk(pace: Res<Pace>, mut cameras: Query<&mut Transform, With<Camera3d>>) {
-    for mut camera in &mut cameras {
-        camera.translation += pace.0;
-    }
-}
-
-fn walking(headless: &mut Headless, pace: Vec3) {
-    headless.app.insert_resource(Pace(pace));
-    headless.app.add_systems(Update, walk);
-}
-
-#[test]
-fn mirrors_keep_up_with_cameras() {
-    in_own_process(|| {
-        for motion in [false, true] {
-            let mut headless = mirror_app(SIZE, 0.0, |camera| {
-                camera.insert(reflections(ScreenSpaceResolution::Half));
-                if motion {
-                    camera.insert((DepthPrepass, MotionVectorPrepass));
-                }
-            });
-            see(&mut headless, 4);
-            walking(&mut headless, Vec3::new(0.01, 0.003, -0.005));
-            headless.frames(10);
-            let seen = look(&mut headless);
-            let found = compare(&mut headless, seen);
-            found.seen.save(&format!("walking_{motion}"), 1.0);
-            println!(
-                "motion vectors {motion}: {:.1} dB, without outlines {:.1} dB",
-                found.everywhere.psnr(),
-                found.inside.psnr()
-            );
-            assert!(found.inside.psnr() > 36.0);
-        }
-    });
-}
-
-/// A cut shows no light of the frame before it, and the next frame has its own.
-#[test]
-fn a_cut_forgets_the_last_frame() {
-    in_own_process(|| {
-        let mut headless = mirror_app(SIZE, 0.0, |camera| {
-            camera.insert(reflections(ScreenSpaceResolution::Half));
-        });
-        see(&mut headless, 4);
-        let world = headless.world();
-        let mut cameras = world.query_filtered::<Entity, With<Camera3d>>();
-        let camera = cameras.single(world).expect("one camera");
-        world.entity_mut(camera).insert(CameraCut);
-        headless.frames(3);
-        let found = show_mirror(&mut headless);
-        assert!(found.inside.psnr() > 40.0);
     });
 }

@@ -1,0 +1,134 @@
+//! Mirrors that are hard: in other projections, of thin things, up to edges.
+
+use bevy::{
+    camera::{ScalingMode, SubCameraView},
+    math::bounding::{Aabb3d, RayCast3d},
+    prelude::*,
+};
+use kit::{
+    known_light::{camera, show, surface},
+    known_mirrors::{metal, mirror},
+    own_process::in_own_process,
+};
+
+use super::scenes::{EYE, SIZE, SMALL, light_at, looking, mirrored, reflections, spawn_floor};
+
+#[test]
+fn mirrors_are_exact_in_any_projection() {
+    in_own_process(|| {
+        let orthographic = |camera: &mut EntityWorldMut| {
+            camera.insert(Projection::Orthographic(OrthographicProjection {
+                scaling_mode: ScalingMode::FixedVertical {
+                    viewport_height: 2.6,
+                },
+                ..OrthographicProjection::default_3d()
+            }));
+        };
+        // The upper left of a larger picture.
+        let off_center = |camera: &mut EntityWorldMut| {
+            let mut camera = camera.get_mut::<Camera>().expect("it is one");
+            camera.sub_camera_view = Some(SubCameraView {
+                full_size: SIZE * 3 / 2,
+                offset: Vec2::new(40.0, 70.0),
+                size: SIZE,
+            });
+        };
+        let grazing = |camera: &mut EntityWorldMut| {
+            camera.insert(looking(Vec3::new(0.0, 0.35, 3.2), 0.3));
+        };
+        type Dress<'a> = &'a dyn Fn(&mut EntityWorldMut);
+        let cases: [(&str, Dress, f32); 3] = [
+            ("orthographic", &orthographic, 36.0),
+            ("off-centre", &off_center, 36.0),
+            ("grazing", &grazing, 30.0),
+        ];
+        for (name, dress, least) in cases {
+            let found = mirror(SIZE, |camera| {
+                camera.insert(reflections());
+                dress(camera);
+            });
+            found.seen.save(&format!("mirror_{name}"), 1.0);
+            println!(
+                "{name}: {:.1} dB, without outlines {:.1} dB, {:.2} in the picture",
+                found.everywhere.psnr(),
+                found.inside.psnr(),
+                found.share
+            );
+            assert!(found.share > 0.5 && found.inside.psnr() > least);
+        }
+    });
+}
+
+/// A thin pole hides what is behind it in the mirror, and nothing beside it: nobody knows how thick it is.
+#[test]
+fn a_thin_pole_hides_no_more_than_itself() {
+    in_own_process(|| {
+        const POLE: Vec3 = Vec3::new(0.015, 0.5, 0.015);
+        const WALL_Z: f32 = -4.0;
+        let middle = Vec3::Y * POLE.y;
+        let eye = Vec3::new(0.0, 1.0, 3.0);
+        let (mut headless, seen) = show(SIZE, 6, |s| {
+            let wall = Rectangle::new(6.0, 3.0);
+            s.mesh(
+                wall,
+                surface(0.0, 1.0),
+                Transform::from_xyz(0.0, 1.5, WALL_Z),
+            );
+            let pole = Cuboid::from_size(2.0 * POLE);
+            s.mesh(pole, surface(0.0, 0.0), Transform::from_translation(middle));
+            spawn_floor(s, metal(0.0), 0.0);
+            camera(s, looking(eye, 0.4), 0.0, reflections());
+        });
+        seen.save("pole", 1.0);
+        // What the mirror shows beside what stands there, in pixels.
+        let bounds = Aabb3d::new(middle, POLE);
+        let (mut dark, mut hidden) = (0, 0);
+        for (_, place, light) in seen.on_plane(Vec3::ZERO, Vec3::Y) {
+            // Neither the pole itself nor what is beyond it.
+            let Ok(direction) = Dir3::new(mirrored(eye, place)) else {
+                continue;
+            };
+            let ray = Ray3d::new(place, direction);
+            let at = ray.get_point((WALL_Z - place.z) / ray.direction.z);
+            let is_on_wall = at.y > 0.1 && at.y < 2.9 && at.x.abs() < 2.8;
+            if place.z <= POLE.z || !is_on_wall || light_at(&mut headless, &seen, at).is_none() {
+                continue;
+            }
+            let cast = RayCast3d::from_ray(ray, 100.0);
+            hidden += i32::from(cast.aabb_intersection_at(&bounds).is_some());
+            dark += i32::from(light < 0.5);
+        }
+        println!("{hidden} pixels mirror the pole, {dark} are dark");
+        assert!(hidden > 100 && (dark - hidden).abs() < hidden / 4);
+    });
+}
+
+/// All of what stands above a mirror is in it, up to its edge.
+#[test]
+fn mirrored_edges_have_no_gaps() {
+    in_own_process(|| {
+        const WALL_Z: f32 = -0.8;
+        const FLOOR: Vec3 = Vec3::new(0.0, -0.14, 0.0);
+        let (_, seen) = show(SMALL, 8, |s| {
+            spawn_floor(s, metal(0.0), FLOOR.y);
+            s.mesh(
+                Rectangle::new(3.0, 1.0),
+                surface(0.0, 1.0),
+                Transform::from_xyz(0.0, 0.6, WALL_Z),
+            );
+            camera(s, looking(EYE, 0.2), 0.3, reflections());
+        });
+        seen.save("edge", 0.8);
+        let (mut dark, mut count) = (0, 0);
+        for (_, place, light) in seen.on_plane(FLOOR, Vec3::Y) {
+            let direction = mirrored(EYE, place);
+            let met = place + direction * (WALL_Z - place.z) / direction.z;
+            if place.z > WALL_Z && met.x.abs() < 1.3 && met.y > 0.11 && met.y < 1.0 {
+                dark += i32::from(light < 0.8);
+                count += 1;
+            }
+        }
+        println!("{dark} of {count} pixels are dark");
+        assert!(count > 1000 && dark < 4);
+    });
+}

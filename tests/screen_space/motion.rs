@@ -1,0 +1,269 @@
+//! Light of the last frame, where something moves or the camera does.
+
+use bevy::{mesh::skinning::SkinnedMesh, prelude::*};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    headless::Headless,
+    known_light::{camera, errors, look, look_at_once, see, surface},
+    known_mirrors::{compare, metal, mirror_app, show_mirror},
+    lean::{build, change_cameras},
+    own_process::in_own_process,
+    scenes::{SceneBuilder, meshes::skinned},
+};
+
+use super::scenes::{
+    EYE, Mover, SIZE, SMALL, floor, gi, light_at, looking, reflections, spawn_floor, step,
+    with_motion,
+};
+
+/// The frame after a cut has no light of the one before it; without the cut it has.
+#[test]
+fn the_frame_after_a_cut_has_no_light_of_the_one_before() {
+    in_own_process(|| {
+        let sums = [false, true].map(|cuts| {
+            let mut headless = mirror_app(SMALL, 0.0, |camera| {
+                camera.insert(reflections());
+            });
+            see(&mut headless, 4);
+            change_cameras(&mut headless, |camera| {
+                let mut transform = camera.get_mut::<Transform>().expect("cameras have one");
+                transform.translation.x += 0.02;
+                if cuts {
+                    camera.insert(CameraCut);
+                }
+            });
+            let first = look_at_once(&mut headless);
+            let second = look_at_once(&mut headless);
+            // In front of all that glows.
+            [first, second].map(|seen| {
+                let near = floor(&seen).filter(|(place, _)| place.z > 0.6);
+                near.map(|(_, light)| light).sum::<f32>()
+            })
+        });
+        let [[without, _], [with, next]] = sums;
+        println!("{without:.1}; with a cut {with:.3}, then {next:.1}");
+        assert!(without > 50.0 && with < 1e-3 * without && next > 0.9 * without);
+    });
+}
+
+/// Three frames after a cut the mirror is as exact as ever.
+#[test]
+fn a_cut_forgets_the_last_frame() {
+    in_own_process(|| {
+        let mut headless = mirror_app(SIZE, 0.0, |camera| {
+            camera.insert(reflections());
+        });
+        see(&mut headless, 4);
+        change_cameras(&mut headless, |camera| {
+            camera.insert(CameraCut);
+        });
+        headless.frames(3);
+        assert!(show_mirror(&mut headless).inside.psnr() > 40.0);
+    });
+}
+
+const BOX: f32 = 0.4;
+/// Metres a frame.
+const PACE: f32 = 0.08;
+const FRAMES: usize = 12;
+
+/// A glowing box before a floor, which mirrors it or is lit by it.
+fn moving_box(motion: bool, floor: StandardMaterial, extra: impl Bundle) -> Headless {
+    build(SMALL, |s| {
+        spawn_floor(s, floor, 0.0);
+        let place = Transform::from_xyz(-1.0, 0.25, 0.0);
+        let glowing = s.mesh(Cuboid::from_length(BOX), surface(0.0, 1.0), place);
+        s.world().entity_mut(glowing).insert(Mover(Vec3::X * PACE));
+        let camera = camera(s, looking(EYE, 0.2), 0.0, extra);
+        with_motion(motion, &mut s.world().entity_mut(camera));
+    })
+}
+
+/// What a box sends goes with it: what it leaves behind on the floor is gone after four frames.
+#[test]
+fn there_is_no_trail_behind_what_moves() {
+    in_own_process(|| {
+        type Make<'a> = &'a dyn Fn(bool) -> Headless;
+        let make: [(&str, Make); 3] = [
+            ("mirror", &|motion| {
+                moving_box(motion, metal(0.0), reflections())
+            }),
+            ("rough", &|motion| {
+                moving_box(motion, metal(0.3), reflections())
+            }),
+            ("diffuse", &|motion| {
+                moving_box(motion, surface(0.5, 0.0), gi())
+            }),
+        ];
+        for (name, make) in make {
+            for motion in [false, true] {
+                let mut headless = make(motion);
+                see(&mut headless, 8);
+                let moving = step(&mut headless, FRAMES);
+                moving.save(&format!("trail_{name}_{motion}"), 1.0);
+                headless.frames(24);
+                let still = look(&mut headless);
+                still.save(&format!("trail_{name}_{motion}_still"), 1.0);
+                // The furthest back from the box, in frames of its way, where it is brighter than with the box at rest.
+                let right = -1.0 + FRAMES as f32 * PACE - BOX / 2.0;
+                let brighter =
+                    floor(&moving)
+                        .zip(floor(&still))
+                        .map(|((place, moving), (_, still))| {
+                            let behind = (right - place.x) / PACE;
+                            (place, behind, moving - still)
+                        });
+                let most = still.light.texels.iter().map(|texel| texel[1]);
+                let most = most.filter(|light| *light < 0.99).fold(0.0, f32::max);
+                let trail = brighter
+                    .filter(|(place, _, more)| place.z > 0.2 && *more > 0.03 * most)
+                    .map(|(_, behind, _)| behind)
+                    .fold(0.0, f32::max);
+                println!(
+                    "{name}, motion vectors {motion}: {trail:.1} frames behind, brightest {most:.2}"
+                );
+                assert!(trail <= 4.0);
+            }
+        }
+    });
+}
+
+/// A mirror that moves, or whose mesh does, shows what one at rest shows.
+#[test]
+fn moving_mirrors_show_what_they_show_at_rest() {
+    in_own_process(|| {
+        const UP: Mover = Mover(Vec3::new(0.0, 0.02, 0.0));
+        let moves_up = |s: &mut SceneBuilder| {
+            let mirror = spawn_floor(s, metal(0.0), -0.3);
+            s.world().entity_mut(mirror).insert(UP);
+        };
+        let bends = |s: &mut SceneBuilder| {
+            let joint = skinned(s);
+            s.world().entity_mut(joint).insert(UP);
+            let material = s.add::<StandardMaterial>(metal(0.1));
+            let mut columns = s.world().query_filtered::<Entity, With<SkinnedMesh>>();
+            let column = columns.single(s.world()).expect("one was spawned");
+            s.world()
+                .entity_mut(column)
+                .insert(MeshMaterial3d(material));
+        };
+        type Mirror<'a> = &'a dyn Fn(&mut SceneBuilder);
+        let cases: [(&str, Mirror); 2] = [("plane", &moves_up), ("skinned mesh", &bends)];
+        for (name, mirror) in cases {
+            for motion in [false, true] {
+                let mut headless = build(SMALL, |s| {
+                    mirror(s);
+                    let wall = Rectangle::new(3.0, 1.0);
+                    s.mesh(wall, surface(0.0, 1.0), Transform::from_xyz(0.0, 0.6, -0.8));
+                    let camera = camera(s, looking(EYE, 0.2), 0.3, reflections());
+                    with_motion(motion, &mut s.world().entity_mut(camera));
+                });
+                see(&mut headless, 8);
+                let moving = step(&mut headless, 8);
+                moving.save(&format!("mover_{name}_{motion}"), 0.8);
+                headless.frames(12);
+                let still = look(&mut headless);
+                still.save(&format!("mover_{name}_{motion}_still"), 0.8);
+                let pairs = moving.light.texels.iter().zip(&still.light.texels);
+                let (off, bias) = errors(pairs.map(|(moving, still)| moving[1] - still[1]));
+                println!(
+                    "{name}, motion vectors {motion}: {off:.4} ({bias:+.4}) of the wall's light"
+                );
+                assert!(off < 0.02);
+            }
+        }
+    });
+}
+
+/// A floor between glowing pillars, seen by a camera that pans to and fro for 60 frames without TAA.
+#[test]
+fn light_stays_where_it_is_while_the_camera_pans() {
+    in_own_process(|| {
+        let pose = |frame: usize| {
+            let angle = 0.12 * (frame as f32 * 0.1).sin();
+            let from = Vec3::new(3.0 * angle.sin(), 1.2, 3.0 * angle.cos());
+            looking(from, 0.4)
+        };
+        let mut headless = build(SIZE, |s| {
+            spawn_floor(s, surface(0.5, 0.0), 0.0);
+            for x in [-1.0, -0.4, 0.3, 0.9] {
+                let pillar = Cuboid::new(0.1, 1.0, 0.1);
+                let place = Transform::from_xyz(x, 0.5, 0.3 * x - 0.2);
+                s.mesh(pillar, surface(0.0, 1.0), place);
+            }
+            camera(s, pose(0), 0.0, gi());
+        });
+        let mut last = see(&mut headless, 16);
+        let mut differences = Vec::new();
+        for frame in 1..=60 {
+            change_cameras(&mut headless, |camera| {
+                camera.insert(pose(frame));
+            });
+            let seen = look_at_once(&mut headless);
+            // The light of the floor at each place of the last frame.
+            for (place, light) in floor(&last).filter(|(place, _)| is_before_pillars(*place)) {
+                if let Some(now) = light_at(&mut headless, &seen, place) {
+                    differences.push(now - light);
+                }
+            }
+            last = seen;
+        }
+        headless.frames(16);
+        let still = look(&mut headless);
+        let lag: Vec<f32> = floor(&last)
+            .zip(floor(&still))
+            .filter(|((place, _), _)| is_before_pillars(*place))
+            .map(|((_, moving), (_, still))| moving - still)
+            .collect();
+        let ((from_frame_to_frame, _), (lag, bias)) = (errors(differences), errors(lag));
+        println!(
+            "from frame to frame {from_frame_to_frame:.4}, to the camera at rest {lag:.4} ({bias:+.4}) of the pillars' light"
+        );
+        assert!(from_frame_to_frame < 0.005 && lag < 0.0025 && bias.abs() < 1e-3);
+    });
+}
+
+/// On the floor in front of the pillars, which hide nothing of it.
+fn is_before_pillars(place: Vec3) -> bool {
+    let front = 0.3 * place.x - 0.1;
+    place.x.abs() < 1.2 && place.z > front && place.z < front + 0.4
+}
+
+/// Steps of a camera that goes sideways.
+#[derive(Resource)]
+struct Pace(Vec3);
+
+fn walk(pace: Res<Pace>, mut cameras: Query<&mut Transform, With<Camera3d>>) {
+    for mut camera in &mut cameras {
+        camera.translation += pace.0;
+    }
+}
+
+fn walking(headless: &mut Headless, pace: Vec3) {
+    headless.app.insert_resource(Pace(pace));
+    headless.app.add_systems(Update, walk);
+}
+
+#[test]
+fn mirrors_keep_up_with_cameras() {
+    in_own_process(|| {
+        for motion in [false, true] {
+            let mut headless = mirror_app(SIZE, 0.0, |camera| {
+                camera.insert(reflections());
+                with_motion(motion, camera);
+            });
+            see(&mut headless, 4);
+            walking(&mut headless, Vec3::new(0.01, 0.003, -0.005));
+            headless.frames(10);
+            let seen = look(&mut headless);
+            let found = compare(&mut headless, seen);
+            found.seen.save(&format!("walking_{motion}"), 1.0);
+            println!(
+                "motion vectors {motion}: {:.1} dB, without outlines {:.1} dB",
+                found.everywhere.psnr(),
+                found.inside.psnr()
+            );
+            assert!(found.inside.psnr() > 36.0);
+        }
+    });
+}

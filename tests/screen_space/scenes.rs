@@ -1,0 +1,110 @@
+//! What tests of several effects share.
+
+use bevy::{
+    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
+    material::OpaqueRendererMethod,
+    prelude::*,
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    headless::Headless,
+    known_light::{Seen, look_at_once, surface},
+    scenes::SceneBuilder,
+};
+
+pub const SIZE: UVec2 = UVec2::new(480, 360);
+pub const SMALL: UVec2 = UVec2::new(192, 144);
+
+/// Where cameras are that a test does not place.
+pub const EYE: Vec3 = Vec3::new(0.0, 1.2, 3.0);
+
+/// Up to the picture's rim.
+pub fn reflections() -> LeanScreenSpaceReflections {
+    LeanScreenSpaceReflections {
+        edge_fade: 0.0,
+        ..default()
+    }
+}
+
+/// Further than anything in these scenes: what bounds the march is the picture.
+pub fn gi() -> LeanScreenSpaceGi {
+    LeanScreenSpaceGi {
+        radius: 100.0,
+        falloff: 0.1,
+        ..default()
+    }
+}
+
+/// A large floor at this height.
+pub fn spawn_floor(s: &mut SceneBuilder, material: StandardMaterial, height: f32) -> Entity {
+    let plane = Plane3d::default().mesh().size(12.0, 12.0);
+    s.mesh(plane, material, Transform::from_xyz(0.0, height, 0.0))
+}
+
+/// From `eye` to what is so high above the middle of the floor.
+pub fn looking(eye: Vec3, height: f32) -> Transform {
+    Transform::from_translation(eye).looking_at(Vec3::Y * height, Vec3::Y)
+}
+
+/// What the floor shows at each pixel that looks at its height.
+pub fn floor(seen: &Seen) -> impl Iterator<Item = (Vec3, f32)> {
+    let places = seen.on_plane(Vec3::ZERO, Vec3::Y);
+    places.map(|(_, place, light)| (place, light))
+}
+
+/// The direction of what a floor mirrors to `eye` at `place`.
+pub fn mirrored(eye: Vec3, place: Vec3) -> Vec3 {
+    (place - eye) * Vec3::new(1.0, -1.0, 1.0)
+}
+
+/// What glows with 1, drawn by Bevy's forward pass or by whatever the camera has.
+pub fn glowing(forward: bool) -> StandardMaterial {
+    StandardMaterial {
+        opaque_render_method: if forward {
+            OpaqueRendererMethod::Forward
+        } else {
+            OpaqueRendererMethod::Auto
+        },
+        ..surface(0.0, 1.0)
+    }
+}
+
+/// With what motion vectors take, if `motion`.
+pub fn with_motion(motion: bool, camera: &mut EntityWorldMut) {
+    if motion {
+        camera.insert((DepthPrepass, MotionVectorPrepass));
+    }
+}
+
+/// What goes by so much with each [`step`].
+#[derive(Component)]
+pub struct Mover(pub Vec3);
+
+/// What is shown after `count` frames in each of which all movers went on.
+pub fn step(headless: &mut Headless, count: usize) -> Seen {
+    let mut seen = None;
+    for _ in 0..count {
+        let world = headless.world();
+        let mut movers = world.query::<(&mut Transform, &Mover)>();
+        for (mut transform, mover) in movers.iter_mut(world) {
+            transform.translation += mover.0;
+        }
+        seen = Some(look_at_once(headless));
+    }
+    seen.expect("frames were seen")
+}
+
+/// What is shown at `place`, between four pixels. `None` beyond the rim.
+pub fn light_at(headless: &mut Headless, seen: &Seen, place: Vec3) -> Option<f32> {
+    let world = headless.world();
+    let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
+    let (camera, transform) = cameras.single(world).ok()?;
+    let at = camera.world_to_viewport(transform, place).ok()? - 0.5;
+    let (first, along) = (at.floor(), at.fract());
+    if first.cmplt(Vec2::ZERO).any() || (first + 1.0).cmpge(seen.light.size.as_vec2()).any() {
+        return None;
+    }
+    let pixel = |x: f32, y: f32| seen.at((first + Vec2::new(x, y)).as_uvec2());
+    let row = |y| pixel(0.0, y).lerp(pixel(1.0, y), along.x);
+    Some(row(0.0).lerp(row(1.0), along.y))
+}
