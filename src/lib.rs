@@ -58,7 +58,7 @@ pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::LeanDeferredPlugin;
 pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
-    LeanScreenSpaceReflectionsPlugin,
+    LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering,
 };
 pub use view::{
     CameraCut, DebugChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus, LightCulling,
@@ -72,7 +72,8 @@ pub mod prelude {
         CameraCut, DebugChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
         LeanDeferredPlugins, LeanOffReason, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
-        LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus, LightCulling,
+        LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,
+        LeanSubsurfaceScattering, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
             OcclusionNormals, OcclusionQuality, OcclusionResolution,
@@ -87,9 +88,9 @@ pub mod prelude {
         },
         screen_space::{
             ScreenSpaceGiDebugView, ScreenSpaceGiQuality, ScreenSpaceReflectionsDebugView,
-            ScreenSpaceReflectionsQuality, ScreenSpaceResolution,
+            ScreenSpaceReflectionsQuality, ScreenSpaceResolution, SubsurfaceScatteringQuality,
         },
-        shading_extension::{ExtendedStandardMaterial, ShadingExtension},
+        shading_extension::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo},
     };
 }
 

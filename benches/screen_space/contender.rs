@@ -12,6 +12,15 @@ pub enum Contender {
     Reflections(ScreenSpaceReflectionsQuality, ScreenSpaceResolution),
     /// On Bevy's deferred path.
     BevysReflections,
+    /// Beneath all surfaces, or beneath a ball that covers a tenth of the picture.
+    Scattering(SubsurfaceScatteringQuality, Share),
+}
+
+/// How much of the picture scatters light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Share {
+    All,
+    Tenth,
 }
 
 /// What an effect finds.
@@ -19,6 +28,11 @@ pub enum Contender {
 pub enum Kind {
     DiffuseLight,
     Reflections,
+    Scattering,
+}
+
+impl Kind {
+    pub const ALL: [Self; 3] = [Self::DiffuseLight, Self::Reflections, Self::Scattering];
 }
 
 impl Contender {
@@ -31,11 +45,15 @@ impl Contender {
             let qualities = ScreenSpaceReflectionsQuality::ALL;
             qualities.map(|quality| Self::Reflections(quality, resolution))
         });
+        let scattering = [Share::All, Share::Tenth].into_iter().flat_map(|share| {
+            SubsurfaceScatteringQuality::ALL.map(|quality| Self::Scattering(quality, share))
+        });
         [Self::Plain, Self::Occlusion]
             .into_iter()
             .chain(gi)
             .chain(reflections)
             .chain([Self::BevysReflections])
+            .chain(scattering)
             .collect()
     }
 
@@ -49,6 +67,7 @@ impl Contender {
             Self::Plain => None,
             Self::Occlusion | Self::Gi(..) => Some(Kind::DiffuseLight),
             Self::Reflections(..) | Self::BevysReflections => Some(Kind::Reflections),
+            Self::Scattering(..) => Some(Kind::Scattering),
         }
     }
 
@@ -61,6 +80,7 @@ impl Contender {
                 format!("reflections, {quality:?}, {resolution:?}")
             }
             Self::BevysReflections => "Bevy's reflections".into(),
+            Self::Scattering(quality, share) => format!("scattering, {quality:?}, {share:?}"),
         }
     }
 
@@ -81,6 +101,17 @@ impl Contender {
                 "lean_deferred/reflections/resolve",
             ],
             Self::BevysReflections => &["ssr"],
+            Self::Scattering(SubsurfaceScatteringQuality::Off, _) => &[],
+            Self::Scattering(SubsurfaceScatteringQuality::Separable, _) => &[
+                "lean_deferred/subsurface/across",
+                "lean_deferred/subsurface/down",
+                "lean_deferred/subsurface/clear",
+            ],
+            Self::Scattering(..) => &[
+                "lean_deferred/subsurface/levels",
+                "lean_deferred/subsurface/scatter",
+                "lean_deferred/subsurface/clear",
+            ],
         }
     }
 
@@ -113,6 +144,13 @@ impl Contender {
             }
             // The picture is read, where it is and where rays end, and written; so is the G-buffer.
             Self::BevysReflections => 3.0 * 8.0 + 16.0,
+            Self::Scattering(quality, share) => {
+                let share = match share {
+                    Share::All => 1.0,
+                    Share::Tenth => 0.1,
+                };
+                share * scattering_bytes(quality)
+            }
         }
     }
 
@@ -138,6 +176,82 @@ impl Contender {
                 });
             }
             Self::BevysReflections => with_bevys_reflections(camera),
+            Self::Scattering(quality, share) => {
+                camera.insert(LeanSubsurfaceScattering {
+                    quality,
+                    ..default()
+                });
+                match share {
+                    Share::All => camera.world_scope(scatter_everywhere),
+                    Share::Tenth => spawn_ball_before(camera),
+                }
+            }
         }
     }
+}
+
+/// Of a pixel whose light scatters.
+fn scattering_bytes(quality: SubsurfaceScatteringQuality) -> f64 {
+    // Light 8, the picture and what becomes of it 16, written and read; the picture 8; all levels are cleared.
+    let levels = 0.25 + 0.0625 + 0.015_625;
+    let always = 2.0 * (8.0 + 16.0) + 8.0 + 8.0 * (1.0 + levels);
+    match quality {
+        SubsurfaceScatteringQuality::Off => 0.0,
+        // The light and the picture are read twice, and what has scattered once is a word.
+        SubsurfaceScatteringQuality::Separable => always + 24.0 + 2.0 * 4.0,
+        // The light is read to make its levels, and they are read.
+        _ => always + 8.0 + 2.0 * 8.0 * levels,
+    }
+}
+
+/// Metres.
+const MEAN_FREE_PATH: f32 = 0.02;
+
+fn scattering(base: StandardMaterial, mean_free_path: f32) -> ExtendedStandardMaterial {
+    ExtendedStandardMaterial {
+        base,
+        extension: ShadingExtension::Subsurface {
+            color: LinearRgba::rgb(1.0, 0.35, 0.2).into(),
+            mean_free_path,
+            albedo: default(),
+        },
+    }
+}
+
+/// Has all meshes scatter light.
+fn scatter_everywhere(world: &mut World) {
+    let mut meshes = world.query::<(Entity, &MeshMaterial3d<StandardMaterial>)>();
+    let meshes: Vec<_> = meshes
+        .iter(world)
+        .map(|(mesh, of)| (mesh, of.0.id()))
+        .collect();
+    for (mesh, material) in meshes {
+        let base = world.resource::<Assets<StandardMaterial>>().get(material);
+        let material = scattering(base.cloned().unwrap_or_default(), MEAN_FREE_PATH);
+        let material = world
+            .resource_mut::<Assets<ExtendedStandardMaterial>>()
+            .add(material);
+        world
+            .entity_mut(mesh)
+            .remove::<MeshMaterial3d<StandardMaterial>>()
+            .insert(MeshMaterial3d(material));
+    }
+}
+
+/// A ball in front of the camera, as large as a head.
+fn spawn_ball_before(camera: &mut EntityWorldMut) {
+    let radius = 0.12;
+    let entity = camera.id();
+    camera.world_scope(|world| {
+        let ball = Sphere::new(radius).mesh().uv(128, 64);
+        let ball = world.resource_mut::<Assets<Mesh>>().add(ball);
+        let material = scattering(Color::srgb(0.85, 0.7, 0.6).into(), 0.005);
+        let material = world
+            .resource_mut::<Assets<ExtendedStandardMaterial>>()
+            .add(material);
+        // It looks 0.197 of its distance wide.
+        let place = Transform::from_xyz(0.0, 0.0, -radius / 0.197);
+        let ball = (Mesh3d(ball), MeshMaterial3d(material), place);
+        world.spawn((ball, ChildOf(entity)));
+    });
 }

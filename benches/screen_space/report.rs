@@ -20,7 +20,7 @@ pub fn markdown(measurements: &[Measurement], frames: usize) -> String {
     sizes.sort_by_key(|size| size.x);
     sizes.dedup();
     for size in sizes {
-        for kind in [Kind::DiffuseLight, Kind::Reflections] {
+        for kind in Kind::ALL {
             let rows: Vec<&Measurement> = (measurements.iter())
                 .filter(|m| m.size == size && m.kind.is_none_or(|other| other == kind))
                 .collect();

@@ -10,14 +10,14 @@ use kit::{
     gpu_time::{Samples, Time},
     headless::Headless,
     known_light::{self, Errors},
-    known_mirrors,
+    known_mirrors, known_slabs,
     scenes::boxes::{self, Boxes},
 };
 use serde::Serialize;
 
 use crate::{
     Args,
-    contender::{Contender, Kind},
+    contender::{Contender, Kind, Share},
 };
 
 #[derive(Serialize)]
@@ -88,6 +88,21 @@ pub fn errors(contender: Contender) -> Vec<KnownError> {
             .into_iter()
             .chain(rough)
             .collect()
+        }
+        Contender::Scattering(quality, Share::All) => {
+            let size = UVec2::new(320, 192);
+            let effect = LeanSubsurfaceScattering {
+                quality,
+                ..default()
+            };
+            let white = known_slabs::edge(size, LinearRgba::WHITE, 0.08, effect)[0];
+            let skin = known_slabs::edge(size, known_slabs::SKIN, 0.2, effect);
+            let scenes = ["white", "skin, red", "green", "blue"];
+            let errors = [white, skin[0], skin[1], skin[2]];
+            let errors = scenes.into_iter().zip(errors);
+            errors
+                .map(|(scene, errors)| KnownError::new(scene, errors))
+                .collect()
         }
         _ => Vec::new(),
     }

@@ -248,6 +248,7 @@ fn subsurface(column: usize, _: &Textures) -> Sample {
         extension: ShadingExtension::Subsurface {
             color,
             mean_free_path,
+            albedo: default(),
         },
         ..default()
     }

@@ -18,6 +18,7 @@ pub mod headless;
 pub mod held_back;
 pub mod known_light;
 pub mod known_mirrors;
+pub mod known_slabs;
 pub mod lean;
 pub mod log_watch;
 pub mod metrics;

@@ -93,6 +93,13 @@ impl ViewDemands {
         self.0.retain(|view, _| live(view));
     }
 
+    /// Whether `view` has, or had a little while ago, visible meshes beneath whose surfaces light scatters.
+    pub(crate) fn scatter(&self, view: RetainedViewEntity) -> bool {
+        let demands = self.0.get(&view).map(|demand| demand.lingering.keys());
+        let mut demands = demands.into_iter().flatten();
+        demands.any(|demand| demand.variants.scatter())
+    }
+
     /// What `view` should have in this frame, by what its meshes needed up to the last one: with what they needed a little
     /// while ago, and without.
     pub(crate) fn wanted(&mut self, view: RetainedViewEntity) -> [Demand; 2] {

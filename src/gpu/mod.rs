@@ -5,6 +5,7 @@
 //! - `picture_bind_groups.rs`: those of what reads the picture.
 //! - `pipeline_watch.rs`: pipelines of this crate that cannot be compiled.
 //! - `recovery.rs`: what is left of a device that was lost.
+//! - `storage_texture.rs`: what a pass writes and another one reads.
 //! - `subgroups.rs`: whether the device has them, and how small they get.
 //! - `timed.rs`: passes whose time is recorded.
 //! - `tiles.rs`: the tiles of compute passes, and the order in which they are walked over.
@@ -14,6 +15,7 @@ pub(crate) mod bindings;
 pub(crate) mod picture_bind_groups;
 pub(crate) mod pipeline_watch;
 pub(crate) mod recovery;
+pub(crate) mod storage_texture;
 pub(crate) mod subgroups;
 pub(crate) mod tiles;
 pub(crate) mod timed;

@@ -196,12 +196,11 @@ pub(super) fn decide_active_views(
                 .map(move |exchange| (demand, exchange))
         });
         let compiled = choices.into_iter().find_map(|(demand, exchange)| {
-            let demand = demand.on(&order);
-            let Demand { targets, variants } = demand;
+            let order = ActiveLeanView { exchange, ..order };
+            let Demand { targets, variants } = demand.on(&order);
             let order = ActiveLeanView {
                 targets,
                 variants,
-                exchange,
                 ..order
             };
             let key = scene.key(

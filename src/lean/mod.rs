@@ -26,6 +26,7 @@ use crate::{
     gbuffer::GBufferPlugin,
     gpu::recovery,
     lighting::LightingPlugin,
+    screen_space::subsurface::SubsurfacePlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
         DebugChannel, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems, can_build,
@@ -42,7 +43,12 @@ impl Plugin for LeanDeferredPlugin {
         if !can_build(app, "LeanDeferredPlugin", true) {
             return;
         }
-        app.add_plugins((GBufferPlugin, LightingPlugin, ShadingExtensionPlugin));
+        app.add_plugins((
+            GBufferPlugin,
+            LightingPlugin,
+            ShadingExtensionPlugin,
+            SubsurfacePlugin,
+        ));
         app.register_type::<LeanDeferred>()
             .register_type::<GeometricNormal>()
             .register_type::<DebugChannel>()

@@ -29,6 +29,7 @@ use super::{
     buffers::LightingBuffers,
     features::ViewEnvironmentMaps,
     pipeline::{INDIRECT_LIGHT, LightingLayouts, LightingPipelines, target_binding},
+    subsurface_light::SubsurfaceLight,
     view_entries::{push_array_entry, view_entry},
 };
 use crate::{
@@ -91,7 +92,7 @@ impl ViewLightingBindings {
 /// What lighting reads of a view.
 #[derive(QueryData)]
 #[query_data(mutable)]
-pub(super) struct LitView {
+pub(crate) struct LitView {
     pub(super) lighting: &'static mut ViewLighting,
     pub(super) gbuffer: &'static GBufferTextures,
     pub(super) depth: &'static ViewDepthTexture,
@@ -102,6 +103,7 @@ pub(super) struct LitView {
     pub(super) occlusion: Option<&'static ViewOcclusion>,
     pub(super) occlusion_texture: Option<&'static OcclusionTexture>,
     pub(super) diffuse_light: Option<&'static DiffuseLight>,
+    pub(super) subsurface_light: Option<&'static SubsurfaceLight>,
     pub(super) indirect_specular: Option<&'static IndirectSpecular>,
     pub(super) indirect_diffuse: Option<&'static IndirectDiffuse>,
     pub(super) atmosphere: Option<&'static AtmosphereTextures>,
@@ -126,7 +128,7 @@ impl LitViewItem<'_, '_> {
 
 /// What lighting reads of the scene.
 #[derive(SystemParam)]
-pub(super) struct LightingResources<'w> {
+pub(crate) struct LightingResources<'w> {
     pub(super) buffers: Res<'w, LightingBuffers>,
     pub(super) view_uniforms: Res<'w, ViewUniforms>,
     pub(super) lights: Res<'w, LightMeta>,
@@ -150,7 +152,7 @@ pub(super) struct LightingResources<'w> {
 }
 
 /// Makes the bind groups of the active views, where something they bind has changed.
-pub(super) fn prepare_lighting_bind_groups(
+pub(crate) fn prepare_lighting_bind_groups(
     render_device: Res<RenderDevice>,
     pipelines: Res<LightingPipelines>,
     resources: LightingResources,
@@ -300,6 +302,17 @@ fn push_target_entries(
     if layouts.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
         let texture = &view.diffuse_light?.0.default_view;
         entries.push(targets::DIFFUSE_LIGHT_TEXTURE, texture.into_binding())?;
+    }
+    if layouts.exchange.contains(LightExchange::SUBSURFACE_LIGHT) {
+        let subsurface = view.subsurface_light?;
+        entries.push(
+            targets::SUBSURFACE_LIGHT_TEXTURE,
+            subsurface.light.levels[0].into_binding(),
+        )?;
+        entries.push(
+            targets::SUBSURFACE_PICTURE_TEXTURE,
+            subsurface.picture.view.into_binding(),
+        )?;
     }
     for (found, binding) in INDIRECT_LIGHT {
         if layouts.exchange.contains(found) {

@@ -28,6 +28,15 @@
 #import bevy_lean_deferred::lighting::tile_list::listed_tile
 #endif
 
+#ifdef SHADING_MODEL_SUBSURFACE
+#import bevy_lean_deferred::gbuffer::layout::specialization
+#import bevy_lean_deferred::lighting::bindings::{subsurface_light_texture, subsurface_picture_texture}
+#import bevy_lean_deferred::lighting::subsurface_light::{
+    Entry, Receiver, material_of, pack_entry, pack_receiver,
+}
+#import bevy_lean_deferred::lighting::surface::position_at
+#endif
+
 #ifdef DIFFUSE_LIGHT
 #import bevy_lean_deferred::gbuffer::layout::light::pack_light
 #import bevy_lean_deferred::lighting::bindings::diffuse_light_texture
@@ -119,6 +128,16 @@ fn light_tile(pixel: Pixel, place: vec2<u32>, corner: vec2<u32>, member: u32) {
         textureStore(output_texture, pixel.position, shaded.color);
 #ifdef DIFFUSE_LIGHT
         textureStore(diffuse_light_texture, pixel.position, vec4(pack_light(shaded.diffuse)));
+#endif
+#ifdef SHADING_MODEL_SUBSURFACE
+        if specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE {
+            let arguments = specialization::unpack_arguments(pixel.specialization_word);
+            let metres = -position_at(pixel.position, pixel.depth).z;
+            let entry = Entry(metres, material_of(arguments), shaded.entering);
+            textureStore(subsurface_light_texture, place, vec4(pack_entry(entry), 0u, 0u));
+            let receiver = Receiver(shaded.color, shaded.leaving, arguments);
+            textureStore(subsurface_picture_texture, place, pack_receiver(receiver));
+        }
 #endif
     } else {
         write_background(place);

@@ -26,16 +26,22 @@ mod light_layer_table;
 mod light_layers;
 mod pass;
 mod pipeline;
+mod subsurface_light;
 mod tile_list;
 mod variants;
 mod view_entries;
 
 pub use crate::view::LightingPasses;
 // For tests and benches.
+pub(crate) use bindings::prepare_lighting_bind_groups;
 pub(crate) use features::{LightingKey, SceneFeatures};
 pub(crate) use pipeline::LightingPipelines;
+pub(crate) use subsurface_light::{LEVELS as SUBSURFACE_LEVELS, SUBSURFACE_LIGHT_FORMAT};
 #[doc(hidden)]
-pub use {buffers::LightingUniform, light_layer_table::LightLayersTable};
+pub use {
+    buffers::LightingUniform, light_layer_table::LightLayersTable,
+    subsurface_light::SubsurfaceLight,
+};
 
 use bevy::{
     asset::embedded_asset,
@@ -47,7 +53,7 @@ use bevy::{
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
-        render_resource::{BindGroup, CachedComputePipelineId},
+        render_resource::{BindGroup, Buffer, CachedComputePipelineId},
         renderer::RenderDevice,
     },
     shader::load_shader_library,
@@ -79,6 +85,12 @@ impl ViewLighting {
         }
     }
 
+    /// The tiles with special surfaces, once they are listed: the indirect dispatch over them, and the list.
+    pub(crate) fn special_tiles(&self) -> Option<(&Buffer, &Buffer)> {
+        let list = self.tile_list.as_ref()?;
+        Some((list.dispatch(), list.list()))
+    }
+
     /// The bind groups that stay as they are from frame to frame until something that they bind is replaced: light
     /// probes and decals, and the G-buffer with either main texture. Another one, of the view, follows Bevy, which
     /// makes the buffers of the light clusters anew in each frame.
@@ -96,6 +108,7 @@ impl Plugin for LightingPlugin {
         ambient_occlusion::load_shader_library(app);
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "surface.wgsl");
+        load_shader_library!(app, "subsurface_light.wgsl");
         load_shader_library!(app, "tile_list.wgsl");
         load_shader_library!(app, "light_layers.wgsl");
         load_shader_library!(app, "visibility.wgsl");
@@ -119,7 +132,7 @@ impl Plugin for LightingPlugin {
             return;
         };
         removal::remove_with::<LeanDeferred, ViewLighting>(render_app);
-        removal::remove_with::<ActiveLeanView, DiffuseLight>(render_app);
+        removal::remove_with::<ActiveLeanView, (DiffuseLight, SubsurfaceLight)>(render_app);
         render_app
             .init_gpu_resource::<buffers::LightingBuffers>()
             .init_resource::<light_layers::LightLayers>()
@@ -134,6 +147,8 @@ impl Plugin for LightingPlugin {
                     (
                         buffers::write_lighting_buffers,
                         diffuse_light::prepare_diffuse_light,
+                        subsurface_light::prepare_subsurface_light
+                            .after(buffers::write_lighting_buffers),
                     )
                         .in_set(RenderSystems::PrepareResources),
                     (

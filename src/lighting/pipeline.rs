@@ -22,6 +22,7 @@ use super::{
     diffuse_light::DIFFUSE_LIGHT_FORMAT,
     features::{ClusteredLights, LightingKey, ShadowMaps},
     light_layer_table::LightLayersTable,
+    subsurface_light::{SUBSURFACE_LIGHT_FORMAT, SUBSURFACE_PICTURE_FORMAT},
     tile_list::{filling_layout, reading_layout},
     variants,
 };
@@ -145,6 +146,19 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
     if key.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
         let output = texture_storage_2d(DIFFUSE_LIGHT_FORMAT, StorageTextureAccess::WriteOnly);
         entries.push((targets::DIFFUSE_LIGHT_TEXTURE, output));
+    }
+    if key.exchange.contains(LightExchange::SUBSURFACE_LIGHT) {
+        let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
+        entries.extend([
+            (
+                targets::SUBSURFACE_LIGHT_TEXTURE,
+                stored(SUBSURFACE_LIGHT_FORMAT),
+            ),
+            (
+                targets::SUBSURFACE_PICTURE_TEXTURE,
+                stored(SUBSURFACE_PICTURE_FORMAT),
+            ),
+        ]);
     }
     for (found, binding) in INDIRECT_LIGHT {
         if key.exchange.contains(found) {
@@ -369,6 +383,10 @@ impl LightingPipelines {
 
         let exchanges = |what| key.exchange.contains(what);
         define(exchanges(LightExchange::DIFFUSE_LIGHT), "DIFFUSE_LIGHT");
+        define(
+            exchanges(LightExchange::SUBSURFACE_LIGHT),
+            "SUBSURFACE_LIGHT",
+        );
         define(
             exchanges(LightExchange::INDIRECT_SPECULAR),
             "INDIRECT_SPECULAR",

@@ -50,6 +50,12 @@
 #import bevy_lean_deferred::shading_models::rim::rim_light
 #endif
 
+#ifdef SHADING_MODEL_SUBSURFACE
+#import bevy_lean_deferred::gbuffer::layout::specialization
+#import bevy_lean_deferred::lighting::subsurface_light::LEAST_ALBEDO
+#import bevy_lean_deferred::shading_models::subsurface::unpack_subsurface_colors_before
+#endif
+
 #ifdef LIGHT_LAYERS
 #import bevy_lean_deferred::lighting::light_layers
 #endif
@@ -79,6 +85,13 @@ struct Shaded {
     /// What of it is sent out in all directions alike, but for fog.
     diffuse: vec3<f32>,
 #endif
+#ifdef SHADING_MODEL_SUBSURFACE
+    /// What of it scatters beneath the surface, if that lets light in: without emission, fog and, if that comes after, the
+    /// base colour.
+    entering: vec3<f32>,
+    /// What these leave of it.
+    leaving: vec3<f32>,
+#endif
 }
 
 #ifdef SHOWS_LIGHT
@@ -87,6 +100,9 @@ fn show(shaded: ptr<function, Shaded>, lit: Lit, direct_visibility: f32) {
     let exposure = view.exposure * direct_visibility;
 #ifdef DIFFUSE_LIGHT
     (*shaded).diffuse += exposure * lit.diffuse;
+#endif
+#ifdef SHADING_MODEL_SUBSURFACE
+    (*shaded).entering += exposure * lit.diffuse;
 #endif
 #ifdef DEBUG_DIFFUSE_LIGHT
     let light = lit.diffuse;
@@ -168,11 +184,39 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     if cluster != NO_CLUSTER {
         show(&shaded, lit_of(&point, gathered), direct_visibility);
     }
+#ifdef SHADING_MODEL_SUBSURFACE
+    if specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE {
+        shaded.leaving = left_by_fog(pbr);
+        let arguments = specialization::unpack_arguments(pixel.specialization_word);
+        if !unpack_subsurface_colors_before(arguments) {
+            let albedo = max(pbr.material.base_color.rgb, vec3(LEAST_ALBEDO));
+            shaded.entering /= albedo;
+            shaded.leaving *= albedo;
+        }
+    }
+#endif
 #ifndef SHOWS_PART_OF_LIGHT
     shaded.color = main_pass_post_lighting_processing(pbr, shaded.color);
 #endif
     return shaded;
 }
+
+#ifdef SHADING_MODEL_SUBSURFACE
+/// What is seen of the light of a surface through fog; nothing where scattered light is not shown.
+fn left_by_fog(pbr: PbrInput) -> vec3<f32> {
+#ifdef DEBUG_SPECULAR_LIGHT
+    return vec3(0.0);
+#else ifdef SHOWS_PART_OF_LIGHT
+    return vec3(1.0);
+#else ifdef DISTANCE_FOG
+    let of_fog = main_pass_post_lighting_processing(pbr, vec4(0.0, 0.0, 0.0, 1.0));
+    let of_both = main_pass_post_lighting_processing(pbr, vec4(1.0));
+    return saturate(of_both.rgb - of_fog.rgb);
+#else
+    return vec3(1.0);
+#endif
+}
+#endif
 
 /// Starts with an opaque pixel that sends out `light`; and shows nothing where only some of the light is shown.
 fn emit(shaded: ptr<function, Shaded>, light: vec3<f32>) {

@@ -3,9 +3,9 @@
 //! - `succession.rs`: which frames of a view follow one another. `reprojection.rs`: where the last one had what this one shows.
 //! - `history/`: the last frame of a view, for those that ask for it.
 //! - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
+//! - `subsurface/`: light that scatters beneath surfaces.
 //! - `debug_view/`: what an effect has found, in place of the picture.
 //! - `resolution.rs`: how many pixels share what effects find. `pattern.rs`: how the directions in which they look turn.
-//! - `storage_texture.rs`: what a pass writes and another one reads.
 
 mod debug_view;
 pub mod diffuse_gi;
@@ -15,7 +15,7 @@ mod pattern;
 pub mod reflections;
 mod reprojection;
 mod resolution;
-mod storage_texture;
+pub mod subsurface;
 mod succession;
 
 #[doc(hidden)]
@@ -30,5 +30,6 @@ pub use reflections::{
     ScreenSpaceReflectionsQuality,
 };
 pub use resolution::ScreenSpaceResolution;
+pub use subsurface::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
 #[doc(hidden)]
 pub use succession::LastFrame;

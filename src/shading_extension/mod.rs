@@ -51,12 +51,17 @@ pub enum ShadingExtension {
     /// The base as it is. Default.
     #[default]
     None,
-    /// Light that enters scatters and leaves elsewhere. Stored in the G-buffer; lit as the base is.
+    /// Light that enters scatters and leaves elsewhere (Christensen and Burley 2015, "Approximate Reflectance Profiles for
+    /// Efficient Subsurface Scattering"). Lean cameras scatter it, as
+    /// [`LeanSubsurfaceScattering`](crate::LeanSubsurfaceScattering) says; on others it is lit as the base is.
     Subsurface {
-        /// Colour of the scattered light, each channel from 0 to 1.
+        /// How far each channel scatters, as a factor on `mean_free_path`, 0 to 1. Skin is about `(1.0, 0.35, 0.2)`, linear.
         color: Color,
-        /// Metres that light travels between two scatterings, 0.0001 to 1. More is softer.
+        /// The profile's `d`, in metres, 0.0001 to 1: a quarter of the light leaves within 0.6 of it, half within 1.6, nine
+        /// tenths within 6. More is softer.
         mean_free_path: f32,
+        /// When the base colour is applied.
+        albedo: SubsurfaceAlbedo,
     },
     /// Ambient and environment light from behind, caught along the silhouette of what faces up.
     Rim {
@@ -65,6 +70,17 @@ pub enum ShadingExtension {
         /// 1 to 16. Less is a wider rim; Mitchell et al. 2007 use 4.
         exponent: f32,
     },
+}
+
+/// When the base colour of a surface with subsurface scattering is applied.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum SubsurfaceAlbedo {
+    /// To light that has scattered: textures stay sharp. Channels of it under 0.04 count as that much where light enters.
+    #[default]
+    AfterScattering,
+    /// To light that is yet to scatter: textures get as soft as light.
+    BeforeScattering,
 }
 
 impl ShadingExtension {
@@ -84,7 +100,12 @@ impl ShadingExtension {
             Self::Subsurface {
                 color,
                 mean_free_path,
-            } => pack_subsurface(linear(color), mean_free_path),
+                albedo,
+            } => pack_subsurface(
+                linear(color),
+                mean_free_path,
+                albedo == SubsurfaceAlbedo::BeforeScattering,
+            ),
             Self::Rim { color, exponent } => pack_rim(linear(color), exponent),
         }
     }
@@ -207,7 +228,8 @@ impl Plugin for ShadingExtensionPlugin {
         load_shader_library!(app, "extension.wgsl");
         embedded_asset!(app, "forward.wgsl");
         embedded_asset!(app, "gbuffer.wgsl");
-        app.register_type::<ShadingExtension>();
+        app.register_type::<ShadingExtension>()
+            .register_type::<SubsurfaceAlbedo>();
         if !app.is_plugin_added::<MaterialPlugin<ExtendedStandardMaterial>>() {
             app.add_plugins(MaterialPlugin::<ExtendedStandardMaterial>::default());
         }

@@ -66,13 +66,16 @@ impl Demand {
         self == Self::default()
     }
 
-    /// What is left of it on a view like this one, which may have no use for motion or for layers.
+    /// What is left of it on a view like this one, which may have no use for motion or for layers, or scatter no light.
     pub(crate) fn on(mut self, view: &ActiveLeanView) -> Self {
         if !view.resolves_motion {
             self.targets.remove(GBufferTargets::MOTION);
         }
         if !view.has_light_layers {
             self.targets.remove(GBufferTargets::VISIBILITY_MASK);
+        }
+        if !view.exchange.contains(LightExchange::SUBSURFACE_LIGHT) {
+            self.variants = self.variants.unscattered();
         }
         self
     }

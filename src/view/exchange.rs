@@ -21,7 +21,9 @@ bitflags! {
         const INDIRECT_SPECULAR = 1 << 1;
         /// It adds the [`IndirectDiffuse`].
         const INDIRECT_DIFFUSE = 1 << 2;
-        /// Either.
+        /// It writes the light that scatters beneath surfaces: [`ScattersLight`].
+        const SUBSURFACE_LIGHT = 1 << 3;
+        /// Either of those that it adds.
         const INDIRECT = Self::INDIRECT_SPECULAR.bits() | Self::INDIRECT_DIFFUSE.bits();
     }
 }
@@ -29,6 +31,10 @@ bitflags! {
 /// Something reads the [`DiffuseLight`] of this view.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ReadsDiffuseLight;
+
+/// Something scatters the light beneath the surfaces of this view that let it in, where lighting has written it apart.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct ScattersLight;
 
 /// On a view with [`ReadsDiffuseLight`], for as long as it is lean: what of the picture is light that surfaces send out in all
 /// directions alike, because they reflect it diffusely, transmit or emit it. The picture has it too.
@@ -64,6 +70,7 @@ pub struct IndirectDiffuse(pub Option<TextureView>);
 #[derive(QueryData)]
 pub(crate) struct ExchangeQuery {
     diffuse_light: Has<ReadsDiffuseLight>,
+    scatters: Has<ScattersLight>,
     specular: Has<IndirectSpecular>,
     diffuse: Has<IndirectDiffuse>,
 }
@@ -72,6 +79,7 @@ impl ExchangeQueryItem<'_, '_> {
     pub(crate) fn asked(&self) -> LightExchange {
         [
             (self.diffuse_light, LightExchange::DIFFUSE_LIGHT),
+            (self.scatters, LightExchange::SUBSURFACE_LIGHT),
             (self.specular, LightExchange::INDIRECT_SPECULAR),
             (self.diffuse, LightExchange::INDIRECT_DIFFUSE),
         ]

@@ -26,6 +26,7 @@ pub(crate) use exchange::ExchangeQuery;
 #[doc(hidden)]
 pub use exchange::{
     DiffuseLight, IndirectDiffuse, IndirectSpecular, LightExchange, ReadsDiffuseLight,
+    ScattersLight,
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses};
 pub use settings::{DebugChannel, GeometricNormal, LeanDeferred, LightCulling};

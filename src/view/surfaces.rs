@@ -31,7 +31,7 @@ pub enum ShadingModel {
     /// Base colour, metallic, roughness.
     #[default]
     Plain = 0,
-    /// Light that enters scatters and leaves elsewhere. Stored; lit as [`Plain`](Self::Plain).
+    /// Light that enters scatters and leaves elsewhere. Lit as [`Plain`](Self::Plain), then scattered.
     Subsurface = 1,
     /// Highlights stretched along a tangent.
     Anisotropy = 2,
@@ -61,7 +61,42 @@ bitflags! {
     }
 }
 
+impl LightingVariants {
+    /// Whether light scatters beneath one of them.
+    pub(crate) fn scatter(self) -> bool {
+        self.intersects(LightingVariant::scattering_ones())
+    }
+
+    /// What they are where no light scatters beneath surfaces.
+    pub(crate) fn unscattered(self) -> Self {
+        let plain = LightingVariant::SCATTERING
+            .into_iter()
+            .filter(|variant| self.intersects(variant.as_set()))
+            .map(|variant| variant.unscattered().as_set());
+        plain.fold(
+            self.difference(LightingVariant::scattering_ones()),
+            Self::union,
+        )
+    }
+}
+
 impl LightingVariant {
+    /// Those beneath which light scatters.
+    const SCATTERING: [Self; 2] = [
+        Self {
+            shading_model: ShadingModel::Subsurface,
+            lightmapped: false,
+        },
+        Self {
+            shading_model: ShadingModel::Subsurface,
+            lightmapped: true,
+        },
+    ];
+
+    fn scattering_ones() -> LightingVariants {
+        Self::SCATTERING.map(Self::as_set).into_iter().collect()
+    }
+
     /// Plain surfaces.
     pub(crate) const PLAIN: Self = Self {
         shading_model: ShadingModel::Plain,
@@ -73,10 +108,6 @@ impl LightingVariant {
         match shading_model {
             // No light reaches it.
             ShadingModel::Unlit => Self::PLAIN,
-            ShadingModel::Subsurface => Self {
-                shading_model: ShadingModel::Plain,
-                lightmapped,
-            },
             _ => Self {
                 shading_model,
                 lightmapped,
@@ -87,6 +118,17 @@ impl LightingVariant {
     /// The number by which shaders know it; that of the plain one is 0. Twin of `variant_of` in `tile_list.wgsl`.
     pub(crate) fn index(self) -> u32 {
         self.shading_model as u32 | (u32::from(self.lightmapped) << 3)
+    }
+
+    /// What it is where no light scatters beneath surfaces.
+    fn unscattered(self) -> Self {
+        match self.shading_model {
+            ShadingModel::Subsurface => Self {
+                shading_model: ShadingModel::Plain,
+                ..self
+            },
+            _ => self,
+        }
     }
 
     /// The set of just this one.

@@ -54,6 +54,7 @@ const fn subsurface(color: Color, mean_free_path: f32) -> ShadingExtension {
     ShadingExtension::Subsurface {
         color,
         mean_free_path,
+        albedo: SubsurfaceAlbedo::AfterScattering,
     }
 }
 

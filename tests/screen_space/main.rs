@@ -6,4 +6,5 @@ mod motion;
 mod reflections;
 mod scenes;
 mod settings;
+mod subsurface;
 mod views;

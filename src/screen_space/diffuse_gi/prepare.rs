@@ -30,13 +30,13 @@ use crate::{
     gbuffer::GBufferTextures,
     gpu::{
         bind_group_cache::CachedBindGroup,
+        storage_texture::StorageTexture,
         tiles::{self, RowOrder},
     },
     screen_space::{
         LastFrame,
         debug_view::{DebugShown, Shows},
         pattern::turn_of,
-        storage_texture::StorageTexture,
         succession::{FrameNumber, Succession},
     },
     view::{ActiveLeanView, CameraCuts, DiffuseLight, IndirectDiffuse, LightExchange},

@@ -20,11 +20,11 @@ use super::{
     pipelines::{FORMAT, HistoryPipelines, LEVELS},
 };
 use crate::{
-    gpu::{bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups},
-    screen_space::{
+    gpu::{
+        bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
         storage_texture::StorageTexture,
-        succession::{FrameNumber, LastFrame, Succession},
     },
+    screen_space::succession::{FrameNumber, LastFrame, Succession},
     shader_library::reconstruction::position::view_from_pixel,
     view::CameraCuts,
 };

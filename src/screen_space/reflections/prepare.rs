@@ -30,13 +30,13 @@ use crate::{
     gbuffer::GBufferTextures,
     gpu::{
         bind_group_cache::{CachedBindGroup, Entries},
+        storage_texture::StorageTexture,
         tiles::{self, RowOrder},
     },
     screen_space::{
         LastFrame, ViewHistory,
         debug_view::{DebugShown, Shows},
         pattern::turn_of,
-        storage_texture::StorageTexture,
     },
     view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LightExchange},
 };

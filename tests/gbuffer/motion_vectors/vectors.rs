@@ -63,6 +63,7 @@ fn moving_extended_materials() {
         let subsurface = ShadingExtension::Subsurface {
             color: Color::WHITE,
             mean_free_path: 0.02,
+            albedo: default(),
         };
         let targets = Case::new(
             "moving_extended_materials",

@@ -152,7 +152,7 @@ fn arguments_are_as_exact_as_their_bits_allow() {
     println!("thickness, 1 µm to 3.7 km: {thickness:.4} of it");
     assert!(thickness < 0.0219 + 1e-4);
     let path = relative_error(logarithmic(1e-4, 1.0, 1_000_000), |x| {
-        subsurface::unpack_subsurface_path(subsurface::pack_subsurface(Vec3::ONE, x))
+        subsurface::unpack_subsurface_path(subsurface::pack_subsurface(Vec3::ONE, x, false))
     });
     println!("mean free path, 0.1 mm to 1 m: {path:.4} of it");
     assert!(path < 0.0759 + 2e-4);

@@ -223,25 +223,32 @@ pub const FORMS: &[Form] = &[
     },
     Form {
         name: "subsurface",
-        unpack_wgsl: "vec4(subsurface::unpack_subsurface_color(word), subsurface::unpack_subsurface_path(word))",
-        pack_wgsl: "subsurface::pack_subsurface(color, x[3])",
+        // A negative path: the base colour is applied before.
+        unpack_wgsl: "vec4(
+            subsurface::unpack_subsurface_color(word),
+            subsurface::unpack_subsurface_path(word)
+                * select(1.0, -1.0, subsurface::unpack_subsurface_colors_before(word)),
+        )",
+        pack_wgsl: "subsurface::pack_subsurface(color, abs(x[3]), x[3] < 0.0)",
         unpack: |word, _| {
             let color = subsurface::unpack_subsurface_color(word);
-            with(color, subsurface::unpack_subsurface_path(word))
+            let path = subsurface::unpack_subsurface_path(word);
+            let colors_before = subsurface::unpack_subsurface_colors_before(word);
+            with(color, if colors_before { -path } else { path })
         },
-        pack: |x| subsurface::pack_subsurface(color(&x), x[3]),
+        pack: |x| subsurface::pack_subsurface(color(&x), x[3].abs(), x[3] < 0.0),
         words: all_arguments,
         decode_tolerance: DECODE_TOLERANCE,
         decode_least: 0.0,
         fields: &[
             root_field(0, 4, 0),
-            root_field(4, 4, 1),
-            root_field(8, 3, 2),
+            root_field(4, 3, 1),
+            root_field(7, 3, 2),
             Field {
-                shift: 11,
+                shift: 10,
                 bits: 6,
                 value: 3,
-                place: |x, _| (1.0 - x.max(1e-30).log2() / 1e-4f64.log2()) * 63.0,
+                place: |x, _| (1.0 - x.abs().max(1e-30).log2() / 1e-4f64.log2()) * 63.0,
                 tie: LOG_TIE,
                 wraps: false,
             },

@@ -292,7 +292,7 @@ fn what_cannot_be_stored_is_replaced() {
         (0.0, 1e-4),
         (f32::INFINITY, 1.0),
     ] {
-        let arguments = subsurface::pack_subsurface(Vec3::ZERO, path);
+        let arguments = subsurface::pack_subsurface(Vec3::ZERO, path, true);
         let error = subsurface::unpack_subsurface_path(arguments) / stored - 1.0;
         assert!(
             error.abs() < 1e-6,

@@ -13,17 +13,17 @@ use bevy::{
 };
 
 /// A texture with so many levels, each half as large as the one before.
-pub(super) struct StorageTexture<const LEVELS: usize = 1> {
-    pub(super) texture: Texture,
+pub(crate) struct StorageTexture<const LEVELS: usize = 1> {
+    pub(crate) texture: Texture,
     /// All levels, to be read.
-    pub(super) view: TextureView,
+    pub(crate) view: TextureView,
     /// Each, to be written.
-    pub(super) levels: [TextureView; LEVELS],
+    pub(crate) levels: [TextureView; LEVELS],
 }
 
 impl<const LEVELS: usize> StorageTexture<LEVELS> {
     /// `size` is that of the first level, made as large as the last one needs.
-    pub(super) fn new(
+    pub(crate) fn new(
         device: &RenderDevice,
         label: &'static str,
         size: UVec2,

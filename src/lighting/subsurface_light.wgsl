@@ -1,0 +1,66 @@
+// The light that enters surfaces beneath which it scatters, as lighting writes it and scattering reads it; twin of
+// `subsurface_light.rs`, under the same names.
+#define_import_path bevy_lean_deferred::lighting::subsurface_light
+
+#import bevy_lean_deferred::gbuffer::layout::light::{pack_light, unpack_light}
+#import bevy_lean_deferred::shading_models::subsurface::{
+    unpack_subsurface_color, unpack_subsurface_path,
+}
+
+/// Less of the base colour counts as that much where it is applied after scattering.
+const LEAST_ALBEDO: f32 = 0.04;
+
+/// The low bits of the first word of an entry: which material it is. The rest is a distance, which thereby is off by at most
+/// 2 to the power of -17 of itself.
+const MATERIAL_BITS: u32 = 0xffu;
+
+/// What the light of a pixel or texel is and where.
+struct Entry {
+    /// Along the view direction, in metres.
+    metres: f32,
+    /// See `material_of`. 0: there is no light to scatter.
+    material: u32,
+    light: vec3<f32>,
+}
+
+/// 1 to 255, by the arguments of the shading model: other materials have another number, but for one in 255.
+fn material_of(arguments: u32) -> u32 {
+    return max((arguments * 0x9e3779b1u) >> 24u, 1u);
+}
+
+fn pack_entry(entry: Entry) -> vec2<u32> {
+    let rounded = (bitcast<u32>(entry.metres) + 0x80u) & ~MATERIAL_BITS;
+    return vec2(rounded | entry.material, pack_light(entry.light));
+}
+
+fn unpack_entry(words: vec2<u32>) -> Entry {
+    return Entry(bitcast<f32>(words.x & ~MATERIAL_BITS), words.x & MATERIAL_BITS, unpack_light(words.y));
+}
+
+/// What a pixel shows without scattering, and what becomes of light that has scattered.
+struct Receiver {
+    color: vec4<f32>,
+    /// What fog and the base colour leave of that light, 0 to 1.
+    leaving: vec3<f32>,
+    /// Of the shading model.
+    arguments: u32,
+}
+
+fn pack_receiver(receiver: Receiver) -> vec4<u32> {
+    return vec4(
+        pack2x16float(receiver.color.rg),
+        pack2x16float(receiver.color.ba),
+        pack_light(receiver.leaving),
+        receiver.arguments,
+    );
+}
+
+fn unpack_receiver(words: vec4<u32>) -> Receiver {
+    let color = vec4(unpack2x16float(words.x), unpack2x16float(words.y));
+    return Receiver(color, unpack_light(words.z), words.w);
+}
+
+/// How far light of each channel scatters: the `d` of its profile, in metres.
+fn scattering_distance(arguments: u32) -> vec3<f32> {
+    return unpack_subsurface_color(arguments) * unpack_subsurface_path(arguments);
+}

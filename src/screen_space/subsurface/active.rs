@@ -1,0 +1,111 @@
+//! Per camera and frame: whether light scatters, and by which shaders.
+
+use bevy::{
+    prelude::*,
+    render::{
+        camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity,
+        view::ExtractedView,
+    },
+};
+
+use super::{
+    key::{Method, SubsurfaceKey},
+    pipelines::{SubsurfacePasses, SubsurfacePipelines},
+    settings::LeanSubsurfaceScattering,
+};
+use crate::{
+    gbuffer::ViewDemands,
+    shader_library::reconstruction::position::projection_of,
+    view::{LeanDeferred, ScattersLight, warn_once::WarnOnce},
+};
+
+/// On a view of the render world: something in it scatters light, the shaders for that are compiled, and lighting is asked to
+/// write the light that enters apart.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct ActiveScattering {
+    pub(super) settings: LeanSubsurfaceScattering,
+    pub(super) key: SubsurfaceKey,
+    pub(super) passes: SubsurfacePasses,
+}
+
+/// Why cameras are without.
+#[derive(Resource)]
+pub(super) struct Warnings(WarnOnce<&'static str>);
+
+impl Default for Warnings {
+    fn default() -> Self {
+        Self(WarnOnce::new("LeanSubsurfaceScattering"))
+    }
+}
+
+/// Inserts or removes [`ActiveScattering`], and what it asks of lighting. While the shaders of new settings compile, a view
+/// keeps those that it had. Cameras that are switched off lose it.
+pub(super) fn decide_active_scattering(
+    mut commands: Commands,
+    pipelines: Option<ResMut<SubsurfacePipelines>>,
+    cache: Res<PipelineCache>,
+    demands: Res<ViewDemands>,
+    mut warnings: ResMut<Warnings>,
+    views: Query<
+        (
+            Entity,
+            &ExtractedView,
+            Option<&LeanSubsurfaceScattering>,
+            Has<LeanDeferred>,
+            Option<&ActiveScattering>,
+        ),
+        (
+            With<Camera3d>,
+            With<ExtractedCamera>,
+            Or<(
+                With<LeanDeferred>,
+                With<LeanSubsurfaceScattering>,
+                With<ActiveScattering>,
+            )>,
+        ),
+    >,
+    cameras: Query<&MainEntity, With<LeanSubsurfaceScattering>>,
+    switched_off: Query<Entity, (With<ActiveScattering>, Without<ExtractedCamera>)>,
+) {
+    warnings.0.keep_only(cameras.iter());
+    for entity in &switched_off {
+        commands.entity(entity).remove::<ActiveScattering>();
+    }
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    for (entity, view, settings, is_lean, current) in &views {
+        let reason = (!is_lean && settings.is_some()).then_some("it has no LeanDeferred");
+        (warnings.0).tell(view.retained_view_entity.main_entity, reason);
+        let settings = settings.copied().unwrap_or_default();
+        let is_asked = is_lean && demands.scatter(view.retained_view_entity);
+        let method = Method::of(settings.quality).filter(|_| is_asked);
+        let wanted = method.map(|method| {
+            let key = SubsurfaceKey {
+                method,
+                projection: projection_of(view.clip_from_view),
+            };
+            ActiveScattering {
+                settings,
+                key,
+                passes: pipelines.specialize(&cache, key),
+            }
+        });
+        let stand_in = current.copied().filter(|last| {
+            wanted.is_some_and(|wanted| wanted.key.projection == last.key.projection)
+        });
+        let active = [wanted, stand_in]
+            .into_iter()
+            .flatten()
+            .find(|active| active.passes.are_compiled(&cache));
+        match active {
+            Some(active) => {
+                commands.entity(entity).insert((active, ScattersLight));
+            }
+            None if current.is_some() => {
+                commands.entity(entity).remove::<ActiveScattering>();
+            }
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Light that scatters beneath surfaces, after lighting: what enters a surface leaves it elsewhere.
+//!
+//! Lighting writes the diffuse light of surfaces whose shading model is
+//! [`Subsurface`](crate::gbuffer::ShadingModel::Subsurface) apart (`lighting/subsurface_light.rs`), in the tiles that have some.
+//! The passes go over these tiles alone, and add to the picture what scattering changes; so until they are compiled, and where
+//! light leaves where it entered, the picture stays as it is.
+//!
+//! - `settings.rs`: the component.
+//! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
+//! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
+//! - `pass.rs`: the three passes. `levels.wgsl`: means of the light. `scatter.wgsl`: samples of the profile. Or `separable.wgsl`:
+//!   along rows, along columns. `clear.wgsl`: the light's textures as they were.
+//! - `profile.{rs,wgsl}`: how far light scatters. `surface.wgsl`: what a surface is, and what belongs to it. `tile.wgsl`: the
+//!   tiles, and the materials in one. `output.wgsl`: the picture.
+//! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
+
+mod active;
+#[doc(hidden)]
+pub mod binding_numbers;
+mod key;
+mod pass;
+mod pipelines;
+mod prepare;
+#[doc(hidden)]
+pub mod profile;
+mod settings;
+mod uniforms;
+
+pub use settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
+// For tests and benches.
+#[doc(hidden)]
+pub use {active::ActiveScattering, prepare::ViewSubsurface, uniforms::SubsurfaceView};
+
+use bevy::{
+    asset::embedded_asset,
+    core_pipeline::{
+        core_3d::main_opaque_pass_3d,
+        schedule::{Core3d, Core3dSystems},
+    },
+    prelude::*,
+    render::{
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        extract_component::ExtractComponentPlugin,
+    },
+    shader::load_shader_library,
+};
+
+use crate::{
+    gpu::recovery,
+    lighting::prepare_lighting_bind_groups,
+    view::{
+        ActiveLeanView, LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
+        removal,
+    },
+};
+
+/// Subsurface scattering, for cameras with [`LeanDeferred`]. Part of
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), whose materials ask for it.
+pub(crate) struct SubsurfacePlugin;
+
+impl Plugin for SubsurfacePlugin {
+    fn build(&self, app: &mut App) {
+        SharedPlugin::add_to(app);
+        load_shader_library!(app, "view.wgsl");
+        load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "profile.wgsl");
+        load_shader_library!(app, "surface.wgsl");
+        load_shader_library!(app, "tile.wgsl");
+        load_shader_library!(app, "output.wgsl");
+        embedded_asset!(app, "levels.wgsl");
+        embedded_asset!(app, "scatter.wgsl");
+        embedded_asset!(app, "separable.wgsl");
+        embedded_asset!(app, "clear.wgsl");
+        app.register_type::<LeanSubsurfaceScattering>()
+            .add_plugins(ExtractComponentPlugin::<LeanSubsurfaceScattering>::default());
+
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        removal::remove_with::<LeanDeferred, ActiveScattering>(render_app);
+        removal::remove_with::<ActiveScattering, (ViewSubsurface, ScattersLight)>(render_app);
+        removal::remove_with::<ActiveLeanView, ViewSubsurface>(render_app);
+        render_app
+            .init_resource::<active::Warnings>()
+            .init_gpu_resource::<prepare::SubsurfaceUniforms>()
+            .add_systems(
+                RenderStartup,
+                (
+                    pipelines::init_subsurface_pipelines,
+                    recovery::forget::<LeanSubsurfaceScattering>,
+                ),
+            )
+            .add_systems(
+                Render,
+                (
+                    active::decide_active_scattering
+                        .in_set(RenderSystems::PrepareAssets)
+                        .before(LeanViewSystems),
+                    prepare::prepare_subsurface.in_set(RenderSystems::PrepareResources),
+                    prepare::prepare_subsurface_bind_groups
+                        .in_set(RenderSystems::PrepareBindGroups)
+                        .after(prepare_lighting_bind_groups),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                pass::scatter_light
+                    .after(LightingPasses)
+                    .before(main_opaque_pass_3d)
+                    .in_set(Core3dSystems::MainPass),
+            );
+    }
+}
