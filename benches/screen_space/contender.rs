@@ -102,16 +102,7 @@ impl Contender {
             ],
             Self::BevysReflections => &["ssr"],
             Self::Scattering(SubsurfaceScatteringQuality::Off, _) => &[],
-            Self::Scattering(SubsurfaceScatteringQuality::Separable, _) => &[
-                "lean_deferred/subsurface/across",
-                "lean_deferred/subsurface/down",
-                "lean_deferred/subsurface/clear",
-            ],
-            Self::Scattering(..) => &[
-                "lean_deferred/subsurface/levels",
-                "lean_deferred/subsurface/scatter",
-                "lean_deferred/subsurface/clear",
-            ],
+            Self::Scattering(..) => &["lean_deferred/subsurface"],
         }
     }
 
@@ -192,16 +183,13 @@ impl Contender {
 
 /// Of a pixel whose light scatters.
 fn scattering_bytes(quality: SubsurfaceScatteringQuality) -> f64 {
-    // Light 8, the picture and what becomes of it 16, written and read; the picture 8; all levels are cleared.
-    let levels = 0.25 + 0.0625 + 0.015_625;
-    let always = 2.0 * (8.0 + 16.0) + 8.0 + 8.0 * (1.0 + levels);
-    match quality {
-        SubsurfaceScatteringQuality::Off => 0.0,
-        // The light and the picture are read twice, and what has scattered once is a word.
-        SubsurfaceScatteringQuality::Separable => always + 24.0 + 2.0 * 4.0,
-        // The light is read to make its levels, and they are read.
-        _ => always + 8.0 + 2.0 * 8.0 * levels,
+    if quality == SubsurfaceScatteringQuality::Off {
+        return 0.0;
     }
+    // Light is 8, the picture and what becomes of light 16; each level is written, read to make the next one, and read to
+    // scatter it; what has scattered is written and read in all but the first and the last; the picture is written.
+    let levels = 0.25 + 0.0625 + 0.015_625;
+    3.0 * 8.0 * (1.0 + levels) - 8.0 + 2.0 * 8.0 * levels + 2.0 * 16.0 + 8.0
 }
 
 /// Metres.

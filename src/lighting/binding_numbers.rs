@@ -103,6 +103,7 @@ pub mod targets {
         INDIRECT_DIFFUSE_TEXTURE = 15,
         SUBSURFACE_LIGHT_TEXTURE = 16,
         SUBSURFACE_PICTURE_TEXTURE = 17,
+        SCATTERING_TILES = 18,
     }
 }
 

@@ -92,7 +92,7 @@ impl ViewLightingBindings {
 /// What lighting reads of a view.
 #[derive(QueryData)]
 #[query_data(mutable)]
-pub(crate) struct LitView {
+pub(super) struct LitView {
     pub(super) lighting: &'static mut ViewLighting,
     pub(super) gbuffer: &'static GBufferTextures,
     pub(super) depth: &'static ViewDepthTexture,
@@ -128,7 +128,7 @@ impl LitViewItem<'_, '_> {
 
 /// What lighting reads of the scene.
 #[derive(SystemParam)]
-pub(crate) struct LightingResources<'w> {
+pub(super) struct LightingResources<'w> {
     pub(super) buffers: Res<'w, LightingBuffers>,
     pub(super) view_uniforms: Res<'w, ViewUniforms>,
     pub(super) lights: Res<'w, LightMeta>,
@@ -152,7 +152,7 @@ pub(crate) struct LightingResources<'w> {
 }
 
 /// Makes the bind groups of the active views, where something they bind has changed.
-pub(crate) fn prepare_lighting_bind_groups(
+pub(super) fn prepare_lighting_bind_groups(
     render_device: Res<RenderDevice>,
     pipelines: Res<LightingPipelines>,
     resources: LightingResources,
@@ -303,7 +303,7 @@ fn push_target_entries(
         let texture = &view.diffuse_light?.0.default_view;
         entries.push(targets::DIFFUSE_LIGHT_TEXTURE, texture.into_binding())?;
     }
-    if layouts.exchange.contains(LightExchange::SUBSURFACE_LIGHT) {
+    if layouts.scatters {
         let subsurface = view.subsurface_light?;
         entries.push(
             targets::SUBSURFACE_LIGHT_TEXTURE,
@@ -312,6 +312,10 @@ fn push_target_entries(
         entries.push(
             targets::SUBSURFACE_PICTURE_TEXTURE,
             subsurface.picture.view.into_binding(),
+        )?;
+        entries.push(
+            targets::SCATTERING_TILES,
+            subsurface.tiles.as_entire_binding(),
         )?;
     }
     for (found, binding) in INDIRECT_LIGHT {

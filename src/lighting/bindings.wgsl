@@ -46,9 +46,10 @@ struct LightLayersTable {
 #ifdef DIFFUSE_LIGHT
 @group(2) @binding(13) var diffuse_light_texture: texture_storage_2d<r32uint, write>;
 #endif
-#ifdef SUBSURFACE_LIGHT
+#ifdef SCATTERS_LIGHT
 @group(2) @binding(16) var subsurface_light_texture: texture_storage_2d<rg32uint, write>;
 @group(2) @binding(17) var subsurface_picture_texture: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(18) var<storage, read_write> scattering_tiles: array<atomic<u32>>;
 #endif
 #ifdef INDIRECT_SPECULAR
 @group(2) @binding(14) var indirect_specular_texture: texture_2d<f32>;

@@ -46,6 +46,8 @@ pub(crate) struct LightingKey {
     pub(super) depth_tells_geometry: bool,
     pub(super) occlusion: Option<OcclusionKey>,
     pub(super) exchange: LightExchange,
+    /// Light scatters beneath some surfaces, and is written apart there.
+    pub(super) scatters: bool,
     /// Some light, decal or light probe has layers that keep it from some meshes.
     pub(super) light_layers: bool,
     /// The optional targets that the view has, as far as they are read.
@@ -238,11 +240,12 @@ impl SceneFeatures<'_, '_> {
                 .filter(|_| !order.exchange.contains(LightExchange::INDIRECT_DIFFUSE))
                 .and_then(OcclusionKey::new),
             exchange: order.exchange,
+            scatters: order.scatters() && shows_light,
             light_layers: order.has_light_layers && shows_light,
             targets: order.targets & read_targets,
             // Channels are shown for all surfaces alike.
             listed: if shows_light {
-                order.variants
+                order.variants.unscattered()
             } else {
                 LightingVariants::empty()
             },

@@ -28,13 +28,8 @@
 #import bevy_lean_deferred::lighting::tile_list::listed_tile
 #endif
 
-#ifdef SHADING_MODEL_SUBSURFACE
-#import bevy_lean_deferred::gbuffer::layout::specialization
-#import bevy_lean_deferred::lighting::bindings::{subsurface_light_texture, subsurface_picture_texture}
-#import bevy_lean_deferred::lighting::subsurface_light::{
-    Entry, Receiver, material_of, pack_entry, pack_receiver,
-}
-#import bevy_lean_deferred::lighting::surface::position_at
+#ifdef SCATTERS_LIGHT
+#import bevy_lean_deferred::lighting::scattering_tiles::write_entering_light
 #endif
 
 #ifdef DIFFUSE_LIGHT
@@ -93,7 +88,7 @@ fn main(
 #endif
     let place = tile.origin + place_in_tile(invocation);
     let pixel = read_pixel(place);
-    light_tile(pixel, place, tile.origin, member);
+    light_tile(pixel, place, tile.origin, invocation, member);
 }
 #else   // VISITED_VARIANTS
 @compute @workgroup_size(64, 1, 1)
@@ -117,27 +112,20 @@ fn main(
         return;
     }
 #endif
-    light_tile(pixel, place, corner, member);
+    light_tile(pixel, place, corner, invocation, member);
 }
 #endif  // VISITED_VARIANTS
 
 /// Writes what the pixel at `place` shows.
-fn light_tile(pixel: Pixel, place: vec2<u32>, corner: vec2<u32>, member: u32) {
+fn light_tile(pixel: Pixel, place: vec2<u32>, corner: vec2<u32>, invocation: u32, member: u32) {
     let shaded = shade(pixel, uniforms.viewport_origin + corner, member);
+#ifdef SCATTERS_LIGHT
+    write_entering_light(pixel, shaded, place, corner, invocation);
+#endif
     if pixel.has_geometry {
         textureStore(output_texture, pixel.position, shaded.color);
 #ifdef DIFFUSE_LIGHT
         textureStore(diffuse_light_texture, pixel.position, vec4(pack_light(shaded.diffuse)));
-#endif
-#ifdef SHADING_MODEL_SUBSURFACE
-        if specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE {
-            let arguments = specialization::unpack_arguments(pixel.specialization_word);
-            let metres = -position_at(pixel.position, pixel.depth).z;
-            let entry = Entry(metres, material_of(arguments), shaded.entering);
-            textureStore(subsurface_light_texture, place, vec4(pack_entry(entry), 0u, 0u));
-            let receiver = Receiver(shaded.color, shaded.leaving, arguments);
-            textureStore(subsurface_picture_texture, place, pack_receiver(receiver));
-        }
 #endif
     } else {
         write_background(place);

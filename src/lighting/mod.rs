@@ -33,10 +33,11 @@ mod view_entries;
 
 pub use crate::view::LightingPasses;
 // For tests and benches.
-pub(crate) use bindings::prepare_lighting_bind_groups;
 pub(crate) use features::{LightingKey, SceneFeatures};
 pub(crate) use pipeline::LightingPipelines;
-pub(crate) use subsurface_light::{LEVELS as SUBSURFACE_LEVELS, SUBSURFACE_LIGHT_FORMAT};
+pub(crate) use subsurface_light::{
+    LEVELS as SUBSURFACE_LEVELS, SUBSURFACE_LIGHT_FORMAT, prepare_subsurface_light,
+};
 #[doc(hidden)]
 pub use {
     buffers::LightingUniform, light_layer_table::LightLayersTable,
@@ -53,7 +54,7 @@ use bevy::{
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
-        render_resource::{BindGroup, Buffer, CachedComputePipelineId},
+        render_resource::{BindGroup, CachedComputePipelineId},
         renderer::RenderDevice,
     },
     shader::load_shader_library,
@@ -85,12 +86,6 @@ impl ViewLighting {
         }
     }
 
-    /// The tiles with special surfaces, once they are listed: the indirect dispatch over them, and the list.
-    pub(crate) fn special_tiles(&self) -> Option<(&Buffer, &Buffer)> {
-        let list = self.tile_list.as_ref()?;
-        Some((list.dispatch(), list.list()))
-    }
-
     /// The bind groups that stay as they are from frame to frame until something that they bind is replaced: light
     /// probes and decals, and the G-buffer with either main texture. Another one, of the view, follows Bevy, which
     /// makes the buffers of the light clusters anew in each frame.
@@ -109,6 +104,7 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "surface.wgsl");
         load_shader_library!(app, "subsurface_light.wgsl");
+        load_shader_library!(app, "scattering_tiles.wgsl");
         load_shader_library!(app, "tile_list.wgsl");
         load_shader_library!(app, "light_layers.wgsl");
         load_shader_library!(app, "visibility.wgsl");

@@ -9,7 +9,7 @@ use bevy::{
     },
 };
 
-use super::ViewLighting;
+use super::{ViewLighting, subsurface_light::SubsurfaceLight};
 use crate::{
     gpu::{tiles, timed::timed},
     view::ActiveLeanView,
@@ -17,11 +17,11 @@ use crate::{
 
 /// Lights the G-buffer of a view into its main texture.
 pub(super) fn lighting_pass(
-    view: ViewQuery<(&ViewLighting, &ViewTarget), With<ActiveLeanView>>,
+    view: ViewQuery<(&ViewLighting, &ViewTarget, Option<&SubsurfaceLight>), With<ActiveLeanView>>,
     pipeline_cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
-    let (lighting, target) = view.into_inner();
+    let (lighting, target, subsurface) = view.into_inner();
     let bindings = &lighting.bindings;
     let is_compiled = |id| pipeline_cache.get_compute_pipeline(id).is_some();
     if !lighting.pipelines.iter().all(|(_, id)| is_compiled(*id)) {
@@ -51,6 +51,9 @@ pub(super) fn lighting_pass(
 
         if let Some(list) = &lighting.tile_list {
             list.clear(ctx.command_encoder());
+        }
+        if let Some(subsurface) = subsurface {
+            subsurface.clear_list(ctx.command_encoder());
         }
         let mut pass = ctx
             .command_encoder()

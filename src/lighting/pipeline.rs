@@ -10,7 +10,8 @@ use bevy::{
         PipelineCache, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
         TextureSampleType,
         binding_types::{
-            sampler, storage_buffer_read_only, texture_2d, texture_storage_2d, uniform_buffer,
+            sampler, storage_buffer_read_only, storage_buffer_sized, texture_2d,
+            texture_storage_2d, uniform_buffer,
         },
     },
     shader::ShaderDefVal,
@@ -43,6 +44,7 @@ pub(super) struct LightingLayouts {
     pub(super) read_targets: GBufferTargets,
     /// What else is in bind group 2.
     pub(super) exchange: LightExchange,
+    pub(super) scatters: bool,
     /// Bind group 3, where there are special surfaces.
     list: Option<FoundLayout>,
 }
@@ -147,7 +149,7 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
         let output = texture_storage_2d(DIFFUSE_LIGHT_FORMAT, StorageTextureAccess::WriteOnly);
         entries.push((targets::DIFFUSE_LIGHT_TEXTURE, output));
     }
-    if key.exchange.contains(LightExchange::SUBSURFACE_LIGHT) {
+    if key.scatters {
         let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
         entries.extend([
             (
@@ -158,6 +160,7 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
                 targets::SUBSURFACE_PICTURE_TEXTURE,
                 stored(SUBSURFACE_PICTURE_FORMAT),
             ),
+            (targets::SCATTERING_TILES, storage_buffer_sized(false, None)),
         ]);
     }
     for (found, binding) in INDIRECT_LIGHT {
@@ -247,6 +250,7 @@ impl LightingPipelines {
             targets: FoundLayout::new(pipeline_cache, targets_layout(key)),
             read_targets: key.targets,
             exchange: key.exchange,
+            scatters: key.scatters,
             list: if !key.visited.is_empty() {
                 Some(self.reading_list.clone())
             } else if !key.listed.is_empty() {
@@ -383,10 +387,7 @@ impl LightingPipelines {
 
         let exchanges = |what| key.exchange.contains(what);
         define(exchanges(LightExchange::DIFFUSE_LIGHT), "DIFFUSE_LIGHT");
-        define(
-            exchanges(LightExchange::SUBSURFACE_LIGHT),
-            "SUBSURFACE_LIGHT",
-        );
+        define(key.scatters, "SCATTERS_LIGHT");
         define(
             exchanges(LightExchange::INDIRECT_SPECULAR),
             "INDIRECT_SPECULAR",

@@ -50,7 +50,7 @@
 #import bevy_lean_deferred::shading_models::rim::rim_light
 #endif
 
-#ifdef SHADING_MODEL_SUBSURFACE
+#ifdef SCATTERS_LIGHT
 #import bevy_lean_deferred::gbuffer::layout::specialization
 #import bevy_lean_deferred::lighting::subsurface_light::LEAST_ALBEDO
 #import bevy_lean_deferred::shading_models::subsurface::unpack_subsurface_colors_before
@@ -85,7 +85,7 @@ struct Shaded {
     /// What of it is sent out in all directions alike, but for fog.
     diffuse: vec3<f32>,
 #endif
-#ifdef SHADING_MODEL_SUBSURFACE
+#ifdef SCATTERS_LIGHT
     /// What of it scatters beneath the surface, if that lets light in: without emission, fog and, if that comes after, the
     /// base colour.
     entering: vec3<f32>,
@@ -101,7 +101,7 @@ fn show(shaded: ptr<function, Shaded>, lit: Lit, direct_visibility: f32) {
 #ifdef DIFFUSE_LIGHT
     (*shaded).diffuse += exposure * lit.diffuse;
 #endif
-#ifdef SHADING_MODEL_SUBSURFACE
+#ifdef SCATTERS_LIGHT
     (*shaded).entering += exposure * lit.diffuse;
 #endif
 #ifdef DEBUG_DIFFUSE_LIGHT
@@ -184,7 +184,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     if cluster != NO_CLUSTER {
         show(&shaded, lit_of(&point, gathered), direct_visibility);
     }
-#ifdef SHADING_MODEL_SUBSURFACE
+#ifdef SCATTERS_LIGHT
     if specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE {
         shaded.leaving = left_by_fog(pbr);
         let arguments = specialization::unpack_arguments(pixel.specialization_word);
@@ -201,7 +201,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     return shaded;
 }
 
-#ifdef SHADING_MODEL_SUBSURFACE
+#ifdef SCATTERS_LIGHT
 /// What is seen of the light of a surface through fog; nothing where scattered light is not shown.
 fn left_by_fog(pbr: PbrInput) -> vec3<f32> {
 #ifdef DEBUG_SPECULAR_LIGHT

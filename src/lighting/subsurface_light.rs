@@ -1,9 +1,12 @@
-//! The textures of the light that enters surfaces beneath which it scatters, for those that scatter it.
+//! The textures of the light that enters surfaces beneath which it scatters, and the list of the tiles that have some, for
+//! those that scatter it. Twin of `subsurface_light.wgsl`.
 
 use bevy::{
     prelude::*,
     render::{
-        render_resource::{Texture, TextureFormat},
+        render_resource::{
+            Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Texture, TextureFormat,
+        },
         renderer::RenderDevice,
     },
 };
@@ -18,81 +21,97 @@ use crate::{
 pub(crate) const SUBSURFACE_LIGHT_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 /// Of the picture: colour, what is left of scattered light, and the arguments of the shading model.
 pub(super) const SUBSURFACE_PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
-/// Of the light, whose coarser ones scattering makes. Compute shaders can store to at least four textures on any device.
-pub(crate) const LEVELS: usize = 4;
+/// Of the light, whose coarser ones scattering makes.
+pub(crate) const LEVELS: usize = 8;
 
-/// On a view with [`ScattersLight`], for as long as it is lean. Layouts of words: `subsurface_light.wgsl`. As large as the
-/// viewport in whole tiles.
+/// Where the buffer of the tiles has how many there are, and the tiles.
+const COUNT: u64 = 12;
+const TILES: u64 = 269;
+
+/// On a view with [`ScattersLight`], for as long as it is lean. Layouts of words: `subsurface_light.wgsl`.
 #[derive(Component)]
 pub struct SubsurfaceLight {
-    /// What enters. Zeros wherever nothing does: who scatters light clears it again.
+    /// What enters, from the corner of the viewport; zeros wherever nothing does. A multiple of the coarsest level's texel.
     pub(crate) light: StorageTexture<LEVELS>,
     /// Of the pixels whose light scatters.
     pub(crate) picture: StorageTexture,
-    /// Nobody cleared it.
-    is_stale: bool,
+    pub(crate) tiles: Buffer,
+    /// Of the view.
+    tile_count: UVec2,
 }
 
 impl SubsurfaceLight {
-    fn new(device: &RenderDevice, size: UVec2) -> Self {
+    fn new(device: &RenderDevice, tile_count: UVec2) -> Self {
+        let size = size_of(tile_count);
+        let label = "lean_deferred/subsurface/light";
         Self {
-            light: StorageTexture::new(
-                device,
-                "lean_deferred/subsurface/light",
-                size,
-                SUBSURFACE_LIGHT_FORMAT,
-            ),
+            light: StorageTexture::new(device, label, size, SUBSURFACE_LIGHT_FORMAT),
             picture: StorageTexture::new(
                 device,
                 "lean_deferred/subsurface/picture",
                 size,
                 SUBSURFACE_PICTURE_FORMAT,
             ),
-            is_stale: false,
+            tiles: device.create_buffer(&BufferDescriptor {
+                label: Some("lean_deferred/subsurface/tiles"),
+                size: 4 * (TILES + 2 * u64::from(tile_count.element_product())),
+                usage: BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+            tile_count,
         }
     }
 
-    fn size(&self) -> UVec2 {
-        let texture = &self.light.texture;
-        UVec2::new(texture.width(), texture.height())
+    /// Of the textures, in pixels.
+    pub(crate) fn size(&self) -> UVec2 {
+        size_of(self.tile_count)
     }
 
-    /// All that it holds on the GPU.
+    /// Before lighting lists tiles.
+    pub(super) fn clear_list(&self, encoder: &mut CommandEncoder) {
+        encoder.clear_buffer(&self.tiles, 0, Some(4 * (COUNT + 1)));
+    }
+
+    /// All that it holds on the GPU but for the list.
     pub fn textures(&self) -> [&Texture; 2] {
         [&self.light.texture, &self.picture.texture]
     }
 }
 
+fn size_of(tile_count: UVec2) -> UVec2 {
+    let texel = 1 << (LEVELS - 1);
+    (tile_count * tiles::SIDE).map(|length| length.next_multiple_of(texel))
+}
+
 /// Gives each view whose lighting writes it its textures, and takes them from other lean views. With [`ActiveLeanView`] they
 /// go too.
-pub(super) fn prepare_subsurface_light(
+pub(crate) fn prepare_subsurface_light(
     mut commands: Commands,
     device: Res<RenderDevice>,
-    mut views: Query<(
+    views: Query<(
         Entity,
         &ViewLighting,
         &ActiveLeanView,
         Has<ScattersLight>,
-        Option<&mut SubsurfaceLight>,
+        Option<&SubsurfaceLight>,
     )>,
 ) {
-    for (entity, lighting, active, scatters, current) in &mut views {
-        if !active.exchange.contains(LightExchange::SUBSURFACE_LIGHT) {
+    for (entity, lighting, active, scatters, current) in &views {
+        // While lighting without it is still compiling, it is kept.
+        let is_written = active.exchange.contains(LightExchange::SUBSURFACE_LIGHT);
+        if !is_written {
             if current.is_some() {
                 commands.entity(entity).remove::<SubsurfaceLight>();
             }
             continue;
         }
-        let size = tiles::count(lighting.bindings.viewport_size).max(UVec2::ONE) * tiles::SIDE;
-        match current {
-            Some(mut current) if current.size() == size && !(current.is_stale && scatters) => {
-                // Lighting for the view without scattering is still compiling.
-                current.is_stale |= !scatters;
-            }
-            _ => {
-                let made = SubsurfaceLight::new(&device, size);
-                commands.entity(entity).insert(made);
-            }
+        if !scatters && current.is_some() {
+            continue;
+        }
+        let tile_count = tiles::count(lighting.bindings.viewport_size).max(UVec2::ONE);
+        if current.is_none_or(|current| current.tile_count != tile_count) {
+            let made = SubsurfaceLight::new(&device, tile_count);
+            commands.entity(entity).insert(made);
         }
     }
 }

@@ -12,21 +12,9 @@ fn variant_of(word: u32) -> u32 {
     if model == specialization::UNLIT {
         return 0u;
     }
-#ifndef SUBSURFACE_LIGHT
     model = select(model, specialization::PLAIN, model == specialization::SUBSURFACE);
-#endif
     let lightmapped = (word & specialization::LIGHTMAP_BITS) != specialization::LIGHTMAP_NONE;
     return model | select(0u, 8u, lightmapped);
-}
-
-/// Which tile of the list a workgroup of the dispatch over it has.
-fn index_in_list(workgroup: vec2<u32>) -> u32 {
-    return workgroup.y * COLUMNS + workgroup.x;
-}
-
-/// The first pixel of a tile, from the corner of the viewport.
-fn corner_of(listed: u32) -> vec2<u32> {
-    return vec2(listed & 0xffffu, listed >> 16u);
 }
 
 #ifdef LISTED_VARIANTS
@@ -74,7 +62,8 @@ struct ListedTile {
 
 fn listed_tile(workgroup: vec2<u32>) -> ListedTile {
     let count = list[0];
-    let index = index_in_list(workgroup);
-    return ListedTile(index < count, corner_of(list[1u + min(index, max(count, 1u) - 1u)]));
+    let index = workgroup.y * COLUMNS + workgroup.x;
+    let place = list[1u + min(index, max(count, 1u) - 1u)];
+    return ListedTile(index < count, vec2(place & 0xffffu, place >> 16u));
 }
 #endif

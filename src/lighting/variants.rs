@@ -33,7 +33,6 @@ pub(super) fn shader_defs(
     );
     define(has(ShadingModel::Clearcoat), "STANDARD_MATERIAL_CLEARCOAT");
     define(has(ShadingModel::Rim), "SHADING_MODEL_RIM");
-    define(has(ShadingModel::Subsurface), "SHADING_MODEL_SUBSURFACE");
     define(
         has(ShadingModel::Backlight),
         "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
@@ -48,9 +47,9 @@ pub(super) fn shader_defs(
 impl LightingVariants {
     /// Each variant in the set, in the order of their numbers.
     fn each(self) -> impl Iterator<Item = LightingVariant> {
-        use ShadingModel::{Anisotropy, Backlight, Clearcoat, Plain, Rim, Subsurface};
+        use ShadingModel::{Anisotropy, Backlight, Clearcoat, Plain, Rim};
         [false, true].into_iter().flat_map(move |lightmapped| {
-            [Plain, Subsurface, Anisotropy, Rim, Clearcoat, Backlight]
+            [Plain, Anisotropy, Rim, Clearcoat, Backlight]
                 .map(|model| LightingVariant::new(model, lightmapped))
                 .into_iter()
                 .filter(move |variant| {

@@ -42,6 +42,11 @@ impl ActiveLeanView {
         }
     }
 
+    /// Whether light scatters beneath some of its surfaces.
+    pub(crate) fn scatters(&self) -> bool {
+        self.exchange.contains(LightExchange::SUBSURFACE_LIGHT) && self.variants.scatter()
+    }
+
     /// Whether meshes that need no optional targets are drawn in the pass that has these all the same: in the second phase
     /// of culling they may come to lie in front of some that do.
     pub(crate) fn extends_all(&self) -> bool {

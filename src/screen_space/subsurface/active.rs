@@ -9,7 +9,7 @@ use bevy::{
 };
 
 use super::{
-    key::{Method, SubsurfaceKey},
+    key::SubsurfaceKey,
     pipelines::{SubsurfacePasses, SubsurfacePipelines},
     settings::LeanSubsurfaceScattering,
 };
@@ -79,20 +79,14 @@ pub(super) fn decide_active_scattering(
         (warnings.0).tell(view.retained_view_entity.main_entity, reason);
         let settings = settings.copied().unwrap_or_default();
         let is_asked = is_lean && demands.scatter(view.retained_view_entity);
-        let method = Method::of(settings.quality).filter(|_| is_asked);
-        let wanted = method.map(|method| {
-            let key = SubsurfaceKey {
-                method,
-                projection: projection_of(view.clip_from_view),
-            };
-            ActiveScattering {
-                settings,
-                key,
-                passes: pipelines.specialize(&cache, key),
-            }
+        let key = SubsurfaceKey::new(settings.quality, projection_of(view.clip_from_view));
+        let wanted = key.filter(|_| is_asked).map(|key| ActiveScattering {
+            settings,
+            key,
+            passes: pipelines.specialize(&cache, key),
         });
         let stand_in = current.copied().filter(|last| {
-            wanted.is_some_and(|wanted| wanted.key.projection == last.key.projection)
+            wanted.is_some_and(|wanted| wanted.key.is_orthographic == last.key.is_orthographic)
         });
         let active = [wanted, stand_in]
             .into_iter()

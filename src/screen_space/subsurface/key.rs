@@ -5,50 +5,36 @@ use bevy::shader::ShaderDefVal;
 use super::settings::SubsurfaceScatteringQuality;
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
-/// How light is scattered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Method {
-    Separable,
-    /// With so many samples.
-    Sampled(u32),
-}
-
 /// What all passes are compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct SubsurfaceKey {
-    pub(super) method: Method,
-    pub(super) projection: ProjectionKind,
-}
-
-/// Samples of pixels beside one another are at so many different radii.
-const SETS: u32 = 4;
-
-impl Method {
-    /// `None` if nothing scatters.
-    pub(super) fn of(quality: SubsurfaceScatteringQuality) -> Option<Self> {
-        match quality {
-            SubsurfaceScatteringQuality::Off => None,
-            SubsurfaceScatteringQuality::Separable => Some(Self::Separable),
-            SubsurfaceScatteringQuality::Low => Some(Self::Sampled(9)),
-            SubsurfaceScatteringQuality::Medium => Some(Self::Sampled(15)),
-            SubsurfaceScatteringQuality::High => Some(Self::Sampled(30)),
-        }
-    }
+    /// On surfaces that are turned away, kernels are drawn out.
+    is_drawn_out: bool,
+    pub(super) is_orthographic: bool,
 }
 
 impl SubsurfaceKey {
-    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let samples = match self.method {
-            Method::Separable => None,
-            Method::Sampled(samples) => Some(samples),
+    /// `None` if nothing scatters.
+    pub(super) fn new(
+        quality: SubsurfaceScatteringQuality,
+        projection: ProjectionKind,
+    ) -> Option<Self> {
+        let is_drawn_out = match quality {
+            SubsurfaceScatteringQuality::Off => return None,
+            SubsurfaceScatteringQuality::Low => false,
+            SubsurfaceScatteringQuality::High => true,
         };
-        let counts = samples.into_iter().flat_map(|samples| {
-            [
-                ShaderDefVal::UInt("SAMPLES".into(), samples),
-                ShaderDefVal::UInt("SAMPLES_OF_SETS".into(), samples * SETS),
-            ]
-        });
-        let projection = self.projection.shader_def().map(ShaderDefVal::from);
-        counts.chain(projection).collect()
+        Some(Self {
+            is_drawn_out,
+            is_orthographic: projection == ProjectionKind::Orthographic,
+        })
+    }
+
+    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+        let orthographic = ProjectionKind::Orthographic.shader_def();
+        let projection = orthographic.filter(|_| self.is_orthographic);
+        let drawn_out = self.is_drawn_out.then_some("DRAWN_OUT");
+        let defs = projection.into_iter().chain(drawn_out);
+        defs.map(ShaderDefVal::from).collect()
     }
 }

@@ -5,13 +5,16 @@
 //! The passes go over these tiles alone, and add to the picture what scattering changes; so until they are compiled, and where
 //! light leaves where it entered, the picture stays as it is.
 //!
+//! What enters is brought into ever coarser levels, and back: on the way, each level keeps a share of what it has, so that it
+//! is spread by this level's kernel, about two texels wide (Strengert, Kraus and Ertl 2006, "Pyramid Methods in GPU-Based Image
+//! Processing"). The shares are such that all kernels together are the profile.
+//!
 //! - `settings.rs`: the component.
 //! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 //! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-//! - `pass.rs`: the three passes. `levels.wgsl`: means of the light. `scatter.wgsl`: samples of the profile. Or `separable.wgsl`:
-//!   along rows, along columns. `clear.wgsl`: the light's textures as they were.
-//! - `profile.{rs,wgsl}`: how far light scatters. `surface.wgsl`: what a surface is, and what belongs to it. `tile.wgsl`: the
-//!   tiles, and the materials in one. `output.wgsl`: the picture.
+//! - `pass.rs`: the passes. `args.wgsl`: over how many tiles they go. `down.wgsl`: to the next coarser level. `up.wgsl`: to the
+//!   next finer one, and at last to the picture.
+//! - `profile.{rs,wgsl}`: the shares. `texel.wgsl`: what a pass goes over.
 //! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
 
 mod active;
@@ -47,11 +50,8 @@ use bevy::{
 
 use crate::{
     gpu::recovery,
-    lighting::prepare_lighting_bind_groups,
-    view::{
-        ActiveLeanView, LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
-        removal,
-    },
+    lighting::{SubsurfaceLight, prepare_subsurface_light},
+    view::{LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin, removal},
 };
 
 /// Subsurface scattering, for cameras with [`LeanDeferred`]. Part of
@@ -64,13 +64,10 @@ impl Plugin for SubsurfacePlugin {
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "profile.wgsl");
-        load_shader_library!(app, "surface.wgsl");
-        load_shader_library!(app, "tile.wgsl");
-        load_shader_library!(app, "output.wgsl");
-        embedded_asset!(app, "levels.wgsl");
-        embedded_asset!(app, "scatter.wgsl");
-        embedded_asset!(app, "separable.wgsl");
-        embedded_asset!(app, "clear.wgsl");
+        load_shader_library!(app, "texel.wgsl");
+        embedded_asset!(app, "args.wgsl");
+        embedded_asset!(app, "down.wgsl");
+        embedded_asset!(app, "up.wgsl");
         app.register_type::<LeanSubsurfaceScattering>()
             .add_plugins(ExtractComponentPlugin::<LeanSubsurfaceScattering>::default());
 
@@ -79,7 +76,7 @@ impl Plugin for SubsurfacePlugin {
         };
         removal::remove_with::<LeanDeferred, ActiveScattering>(render_app);
         removal::remove_with::<ActiveScattering, (ViewSubsurface, ScattersLight)>(render_app);
-        removal::remove_with::<ActiveLeanView, ViewSubsurface>(render_app);
+        removal::remove_with::<SubsurfaceLight, ViewSubsurface>(render_app);
         render_app
             .init_resource::<active::Warnings>()
             .init_gpu_resource::<prepare::SubsurfaceUniforms>()
@@ -96,10 +93,11 @@ impl Plugin for SubsurfacePlugin {
                     active::decide_active_scattering
                         .in_set(RenderSystems::PrepareAssets)
                         .before(LeanViewSystems),
-                    prepare::prepare_subsurface.in_set(RenderSystems::PrepareResources),
+                    prepare::prepare_subsurface
+                        .in_set(RenderSystems::PrepareResources)
+                        .after(prepare_subsurface_light),
                     prepare::prepare_subsurface_bind_groups
-                        .in_set(RenderSystems::PrepareBindGroups)
-                        .after(prepare_lighting_bind_groups),
+                        .in_set(RenderSystems::PrepareBindGroups),
                 ),
             )
             .add_systems(

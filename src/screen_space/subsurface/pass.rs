@@ -1,30 +1,87 @@
-//! The passes, after lighting, over the tiles that lighting has listed.
+//! The passes, after lighting: the light in ever coarser levels, and from the coarsest one back to the picture. Finer levels
+//! only of the tiles that lighting has listed.
 
 use bevy::{
     prelude::*,
     render::{
-        render_resource::{ComputePassDescriptor, PipelineCache},
+        render_resource::{
+            BindGroup, CachedComputePipelineId, ComputePass, ComputePassDescriptor, PipelineCache,
+        },
         renderer::{RenderContext, ViewQuery},
         view::ViewTarget,
     },
 };
 
-use super::{active::ActiveScattering, key::Method, prepare::ViewSubsurface};
-use crate::{gpu::timed::timed, lighting::ViewLighting};
+use super::{
+    active::ActiveScattering,
+    prepare::{COARSEST, ViewSubsurface},
+};
+use crate::{
+    gpu::{bind_group_cache::CachedBindGroup, tiles, timed::timed},
+    lighting::SubsurfaceLight,
+};
 
-/// Labels of the passes, by method.
-fn labels(method: Method) -> [&'static str; 3] {
-    match method {
-        Method::Separable => [
-            "lean_deferred/subsurface/across",
-            "lean_deferred/subsurface/down",
-            "lean_deferred/subsurface/clear",
-        ],
-        Method::Sampled(_) => [
-            "lean_deferred/subsurface/levels",
-            "lean_deferred/subsurface/scatter",
-            "lean_deferred/subsurface/clear",
-        ],
+const LABEL: &str = "lean_deferred/subsurface";
+/// A tile has texels up to this level.
+const LAST_OF_TILES: usize = 3;
+/// From one indirect dispatch to the next, in bytes.
+const DISPATCH_SIZE: u64 = 12;
+
+/// The pass, while it is recorded.
+struct Recording<'a, 'p> {
+    pass: ComputePass<'p>,
+    cache: &'a PipelineCache,
+    view: &'a ViewSubsurface,
+    light: &'a SubsurfaceLight,
+}
+
+impl Recording<'_, '_> {
+    /// `None` if something is missing: then nothing more is to be done.
+    fn begin(
+        &mut self,
+        pipeline: CachedComputePipelineId,
+        group: Option<&BindGroup>,
+        offsets: &[u32],
+    ) -> Option<()> {
+        let pipeline = self.cache.get_compute_pipeline(pipeline)?;
+        self.pass.set_pipeline(pipeline);
+        self.pass.set_bind_group(0, group?, offsets);
+        Some(())
+    }
+
+    /// Over the texels of a level, by one pipeline for all of them and one for those of the listed tiles.
+    fn level(
+        &mut self,
+        level: usize,
+        [of_all, of_tiles]: [CachedComputePipelineId; 2],
+        group: Option<&BindGroup>,
+    ) -> Option<()> {
+        let offset = [self.view.offsets[level]];
+        if level <= LAST_OF_TILES {
+            self.begin(of_tiles, group, &offset)?;
+            let dispatch = DISPATCH_SIZE * level as u64;
+            self.pass
+                .dispatch_workgroups_indirect(&self.light.tiles, dispatch);
+        } else {
+            self.begin(of_all, group, &offset)?;
+            let count = tiles::count(self.view.size >> level as u32);
+            self.pass.dispatch_workgroups(count.x, count.y, 1);
+        }
+        Some(())
+    }
+
+    fn all(&mut self, active: &ActiveScattering, picture: Option<&BindGroup>) -> Option<()> {
+        let (passes, view) = (active.passes, self.view);
+        self.begin(passes.args, view.args.get(), &[])?;
+        self.pass.dispatch_workgroups(1, 1, 1);
+        for (level, group) in (1..).zip(&view.down) {
+            self.level(level, passes.down, group.get())?;
+        }
+        for level in (1..COARSEST).rev() {
+            let group = view.up.get(level - 1).and_then(CachedBindGroup::get);
+            self.level(level, passes.up, group)?;
+        }
+        self.level(0, [passes.picture; 2], picture)
     }
 }
 
@@ -33,41 +90,28 @@ pub(super) fn scatter_light(
     view: ViewQuery<(
         &ActiveScattering,
         &ViewSubsurface,
-        &ViewLighting,
+        &SubsurfaceLight,
         &ViewTarget,
     )>,
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
-    let (active, subsurface, lighting, target) = view.into_inner();
-    let (Some((dispatch, _)), Some(first), Some(second), Some(clear)) = (
-        lighting.special_tiles(),
-        subsurface.first.get(),
-        subsurface.second.of(target.main_texture()),
-        subsurface.clear.get(),
-    ) else {
+    let (active, view, light, target) = view.into_inner();
+    if !active.passes.are_compiled(&cache) {
         return;
-    };
-    let passes = active.passes;
-    let steps = [
-        (passes.first, first),
-        (passes.second, second),
-        (passes.clear, clear),
-    ];
-    for (label, (pipeline, group)) in labels(active.key.method).into_iter().zip(steps) {
-        let Some(pipeline) = cache.get_compute_pipeline(pipeline) else {
-            return;
-        };
-        timed(&mut ctx, label, |ctx| {
-            let mut pass = ctx
-                .command_encoder()
-                .begin_compute_pass(&ComputePassDescriptor {
-                    label: Some(label),
-                    timestamp_writes: None,
-                });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[subsurface.offset]);
-            pass.dispatch_workgroups_indirect(dispatch, 0);
-        });
     }
+    timed(&mut ctx, LABEL, |ctx| {
+        let encoder = ctx.command_encoder();
+        let pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+            label: Some(LABEL),
+            timestamp_writes: None,
+        });
+        let mut recording = Recording {
+            pass,
+            cache: &cache,
+            view,
+            light,
+        };
+        recording.all(active, view.picture.of(target.main_texture()));
+    });
 }

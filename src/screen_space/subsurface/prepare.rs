@@ -1,185 +1,195 @@
-//! What the passes need of a view: its uniform, a texture, and bind groups, which are made anew only when what they bind
-//! changed.
+//! What the passes need of a view: uniforms, the light that has scattered, and bind groups, which are made anew only when what
+//! they bind changed.
 
 use bevy::{
     camera::MainPassResolutionOverride,
-    diagnostic::FrameCount,
     prelude::*,
     render::{
-        camera::{ExtractedCamera, TemporalJitter},
+        camera::ExtractedCamera,
         render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture},
         renderer::{RenderDevice, RenderQueue},
-        view::{ExtractedView, ViewDepthTexture, ViewTarget},
+        view::{ExtractedView, ViewTarget},
     },
 };
 
 use super::{
     active::ActiveScattering,
     binding_numbers::{
-        ACROSS_OUTPUT, ACROSS_TEXTURE, DEPTH_TEXTURE, LEVEL_0, LIGHT_TEXTURE, OUTPUT_TEXTURE,
-        PICTURE_TEXTURE, TILES, VIEW,
+        LEVEL_OUTPUT, LIGHT_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE,
+        SCATTERED_TEXTURE, TILES, TILES_TO_DISPATCH, VIEW,
     },
-    key::Method,
-    pipelines::{ACROSS_FORMAT, SubsurfacePipelines},
+    pipelines::SubsurfacePipelines,
     uniforms::SubsurfaceView,
 };
 use crate::{
+    gbuffer::GBufferTextures,
     gpu::{
-        bind_group_cache::{CachedBindGroup, Entries},
-        picture_bind_groups::PictureBindGroups,
+        bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
         storage_texture::StorageTexture,
     },
-    lighting::{SubsurfaceLight, ViewLighting},
-    screen_space::{LastFrame, pattern::turn_of},
-    view::{ActiveLeanView, LightExchange},
+    lighting::{SUBSURFACE_LEVELS, SUBSURFACE_LIGHT_FORMAT, SubsurfaceLight},
+    screen_space::LastFrame,
+    view::ActiveLeanView,
 };
 
-/// The uniforms of all views.
+/// The coarsest level of the light: what scatters there is its mean.
+pub(super) const COARSEST: usize = SUBSURFACE_LEVELS - 1;
+
+/// The uniforms of all views, one for each level.
 #[derive(Resource, Default)]
 pub(super) struct SubsurfaceUniforms(DynamicUniformBuffer<SubsurfaceView>);
 
 /// On a view whose light scatters.
-#[derive(Component, Default)]
+#[derive(Component)]
 pub struct ViewSubsurface {
-    /// Of the separable method: light that has scattered along rows.
-    across: Option<StorageTexture>,
-    pub(super) first: CachedBindGroup,
-    pub(super) second: PictureBindGroups,
-    pub(super) clear: CachedBindGroup,
-    pub(super) offset: u32,
+    /// Light that has scattered, of the levels between the picture and the coarsest one.
+    scattered: StorageTexture<{ COARSEST - 1 }>,
+    pub(super) size: UVec2,
+    /// Of each level.
+    pub(super) offsets: [u32; SUBSURFACE_LEVELS],
+    pub(super) args: CachedBindGroup,
+    /// Those that write levels 1 to the coarsest.
+    pub(super) down: [CachedBindGroup; COARSEST],
+    /// Those that write levels 1 to the coarsest but one.
+    pub(super) up: [CachedBindGroup; COARSEST - 1],
+    pub(super) picture: PictureBindGroups,
 }
 
 impl ViewSubsurface {
+    fn new(device: &RenderDevice, size: UVec2) -> Self {
+        let label = "lean_deferred/subsurface/scattered";
+        Self {
+            scattered: StorageTexture::new(device, label, size / 2, SUBSURFACE_LIGHT_FORMAT),
+            size,
+            offsets: default(),
+            args: default(),
+            down: default(),
+            up: default(),
+            picture: default(),
+        }
+    }
+
     /// Those that stay from frame to frame as long as nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        let others = [&self.first, &self.clear];
-        let others = others.into_iter().filter_map(CachedBindGroup::get);
-        self.second.all().chain(others)
+        let groups = [&self.args].into_iter().chain(&self.down).chain(&self.up);
+        self.picture
+            .all()
+            .chain(groups.filter_map(CachedBindGroup::get))
     }
 
     /// What it holds on the GPU beside [`SubsurfaceLight`].
-    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
-        self.across.iter().map(|across| &across.texture)
+    pub fn texture(&self) -> &Texture {
+        &self.scattered.texture
     }
 }
 
-/// Inserts or removes [`ViewSubsurface`], and writes [`SubsurfaceUniforms`].
+/// Inserts or removes [`ViewSubsurface`], and writes [`SubsurfaceUniforms`]. After [`SubsurfaceLight`] was made.
 pub(super) fn prepare_subsurface(
     mut commands: Commands,
     mut uniforms: ResMut<SubsurfaceUniforms>,
-    (device, queue, frame): (Res<RenderDevice>, Res<RenderQueue>, Res<FrameCount>),
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     mut views: Query<(
         Entity,
         (&ActiveScattering, &ActiveLeanView),
         (&ExtractedCamera, &ExtractedView),
         Option<&MainPassResolutionOverride>,
-        Has<TemporalJitter>,
+        Option<&SubsurfaceLight>,
         Option<&mut ViewSubsurface>,
     )>,
 ) {
-    let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
+    let count = views.iter().len() * SUBSURFACE_LEVELS;
+    let Some(mut writer) = (uniforms.0).get_writer(count, &device, &queue) else {
         return;
     };
-    for (entity, (active, lean), (camera, view), resolution, jitters, held) in &mut views {
-        let scatters = lean.exchange.contains(LightExchange::SUBSURFACE_LIGHT);
-        if !scatters || !lean.variants.scatter() {
+    for (entity, (active, lean), (camera, view), resolution, light, held) in &mut views {
+        let Some(light) = light.filter(|_| lean.scatters()) else {
             if held.is_some() {
                 commands.entity(entity).remove::<ViewSubsurface>();
             }
             continue;
-        }
+        };
+        let size = light.size();
         let now = LastFrame::of(view, resolution, camera.exposure);
-        let mut uniform = SubsurfaceView::new(&active.settings, now.clip_from_view, now.viewport);
-        uniform.turn = turn_of(&frame, jitters);
         let mut made = None;
         let held = match held {
-            Some(held) => held.into_inner(),
-            None => made.insert(ViewSubsurface::default()),
+            Some(held) if held.size == size => held.into_inner(),
+            _ => made.insert(ViewSubsurface::new(&device, size)),
         };
-        held.offset = writer.write(&uniform);
-        if active.key.method != Method::Separable {
-            held.across = None;
-        } else if !(held.across.as_ref()).is_some_and(|across| {
-            UVec2::new(across.texture.width(), across.texture.height()) == uniform.viewport_size
-        }) {
-            let label = "lean_deferred/subsurface/across";
-            let size = uniform.viewport_size;
-            held.across = Some(StorageTexture::new(&device, label, size, ACROSS_FORMAT));
-        }
+        held.offsets = core::array::from_fn(|level| {
+            let settings = &active.settings;
+            writer.write(&SubsurfaceView::new(settings, &now, size, level as u32))
+        });
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }
     }
 }
 
-/// Makes the bind groups of all views whose light scatters: after lighting has its list of tiles.
+/// Makes the bind groups of all views whose light scatters.
 pub(super) fn prepare_subsurface_bind_groups(
     device: Res<RenderDevice>,
     pipelines: Option<Res<SubsurfacePipelines>>,
     uniforms: Res<SubsurfaceUniforms>,
     mut views: Query<(
         &mut ViewSubsurface,
-        &ActiveScattering,
-        (&ViewLighting, &SubsurfaceLight),
-        (&ViewDepthTexture, &ViewTarget),
+        &SubsurfaceLight,
+        &GBufferTextures,
+        &ViewTarget,
     )>,
 ) {
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
         return;
     };
-    for (mut held, active, (lighting, subsurface), (depth, target)) in &mut views {
+    let Some(layouts) = pipelines.layouts() else {
+        return;
+    };
+    for (mut held, subsurface, gbuffer, target) in &mut views {
         let ViewSubsurface {
-            across,
-            first,
-            second,
-            clear,
+            scattered,
+            args,
+            down,
+            up,
+            picture,
             ..
         } = &mut *held;
-        let (Some(layouts), Some((_, list))) =
-            (pipelines.layouts_of(active.key), lighting.special_tiles())
-        else {
-            *first = default();
-            continue;
+        let scattered = &*scattered;
+        let light = &subsurface.light.levels;
+        // By level: the coarsest one's is what enters there.
+        let scattered_at = |level: usize| match level {
+            COARSEST => &light[COARSEST],
+            _ => &scattered.levels[level - 1],
         };
-        let (light, across) = (&subsurface.light, across.as_ref());
-        let push_always = |entries: &mut Entries| {
+        let tiles = || subsurface.tiles.as_entire_binding();
+        let normal = &gbuffer.normal.default_view;
+        args.update(&device, &layouts.args, |entries| {
+            entries.push(TILES_TO_DISPATCH, tiles())
+        });
+        for (level, group) in (1..).zip(down) {
+            group.update(&device, &layouts.down, |entries| {
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(TILES, tiles())?;
+                entries.push(LIGHT_TEXTURE, light[level - 1].into_binding())?;
+                entries.push(LEVEL_OUTPUT, light[level].into_binding())
+            });
+        }
+        for (level, group) in (1..).zip(up) {
+            group.update(&device, &layouts.up, |entries| {
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(TILES, tiles())?;
+                entries.push(LIGHT_TEXTURE, light[level].into_binding())?;
+                entries.push(SCATTERED_TEXTURE, scattered_at(level + 1).into_binding())?;
+                entries.push(NORMAL_TEXTURE, normal.into_binding())?;
+                entries.push(LEVEL_OUTPUT, scattered_at(level).into_binding())
+            });
+        }
+        picture.update(&device, &layouts.picture, target, |entries, output| {
             entries.push(VIEW, uniforms.clone())?;
-            entries.push(TILES, list.as_entire_binding())
-        };
-        let push_levels = |entries: &mut Entries, first: usize| {
-            for (number, level) in (LEVEL_0..).zip(&light.levels).skip(first) {
-                entries.push(number, level.into_binding())?;
-            }
-            Some(())
-        };
-        let push_surfaces = |entries: &mut Entries| {
-            push_always(entries)?;
-            entries.push(LIGHT_TEXTURE, light.view.into_binding())?;
+            entries.push(TILES, tiles())?;
+            entries.push(LIGHT_TEXTURE, light[0].into_binding())?;
+            entries.push(SCATTERED_TEXTURE, scattered_at(1).into_binding())?;
+            entries.push(NORMAL_TEXTURE, normal.into_binding())?;
             entries.push(PICTURE_TEXTURE, subsurface.picture.view.into_binding())?;
-            entries.push(DEPTH_TEXTURE, depth.view().into_binding())
-        };
-        first.update(&device, &layouts.first, |entries| match across {
-            Some(across) => {
-                push_surfaces(entries)?;
-                entries.push(ACROSS_OUTPUT, across.view.into_binding())
-            }
-            None => {
-                push_always(entries)?;
-                // Others of the texture are written.
-                entries.push(LIGHT_TEXTURE, light.levels[0].into_binding())?;
-                push_levels(entries, 1)
-            }
-        });
-        second.update(&device, &layouts.second, target, |entries, picture| {
-            push_surfaces(entries)?;
-            if let Some(across) = across {
-                entries.push(ACROSS_TEXTURE, across.view.into_binding())?;
-            }
-            entries.push(OUTPUT_TEXTURE, picture.into_binding())
-        });
-        clear.update(&device, &layouts.clear, |entries| {
-            push_always(entries)?;
-            push_levels(entries, 0)
+            entries.push(OUTPUT_TEXTURE, output.into_binding())
         });
     }
 }

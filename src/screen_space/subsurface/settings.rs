@@ -6,19 +6,19 @@ use super::active::ActiveScattering;
 ///
 /// For cameras with [`LeanDeferred`](crate::LeanDeferred), which scatter it also without this component, as its defaults say.
 /// What enters is the diffuse light of the lighting pass, ambient light included; emission, reflections and the light of
-/// lightmaps stay where they are. It leaves up to ten mean free paths away: in metres, so that the picture is the same at any
-/// distance, resolution and projection. Nothing goes to another material, across a step in depth, or beyond the picture, where
-/// the rest is made up for by what is there; so thin parts do not let light through.
+/// lightmaps stay where they are. It leaves up to some ten mean free paths away: in metres, so that the picture is the same at
+/// any distance, resolution and projection. Nothing goes to another material, across a step in depth, or beyond the picture:
+/// light that would stays on the surface, so that none is lost; so thin parts do not let light through.
 ///
-/// Without TAA each frame is the same; with TAA the places that are looked at turn from frame to frame.
+/// A frame has no noise, and needs no other frame.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[extract_component_sync_target((Self, ActiveScattering))]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LeanSubsurfaceScattering {
-    /// Default [`SubsurfaceScatteringQuality::Medium`].
+    /// Default [`SubsurfaceScatteringQuality::High`].
     pub quality: SubsurfaceScatteringQuality,
-    /// From how far light comes at most, in pixels: nearer to the camera the profile shrinks to that. More than 0. Default
-    /// 256.
+    /// From how far light comes at most, in pixels: nearer to the camera the profile shrinks to that. More than 0; 256 is the
+    /// default, and the most.
     pub largest_radius: f32,
 }
 
@@ -26,37 +26,28 @@ impl Default for LeanSubsurfaceScattering {
     fn default() -> Self {
         Self {
             quality: default(),
-            largest_radius: 256.0,
+            largest_radius: LARGEST_RADIUS,
         }
     }
 }
 
-/// How light that scatters is found.
+/// What the coarsest level of the light has room for.
+pub(super) const LARGEST_RADIUS: f32 = 256.0;
+
+/// How exactly light scatters.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum SubsurfaceScatteringQuality {
     /// Light leaves where it enters.
     Off,
-    /// 17 samples across, then 17 down (Jimenez et al. 2015, "Separable Subsurface Scattering"), each of the profile's share
-    /// along a line: exact beside straight edges, a little square around spots.
-    Separable,
-    /// 9 samples of the profile by its inverse (Golubev 2018, "Efficient Screen-Space Subsurface Scattering Using Burley's
-    /// Normalized Diffusion in Real-Time"), each of the mean light around it.
+    /// On surfaces that are turned away light scatters as little along their width as it seems to across.
     Low,
-    /// 15 samples.
+    /// It scatters twice as far that way: right on surfaces that are turned away by up to 60 degrees.
     #[default]
-    Medium,
-    /// 30 samples.
     High,
 }
 
 impl SubsurfaceScatteringQuality {
     /// All of them, cheapest first.
-    pub const ALL: [Self; 5] = [
-        Self::Off,
-        Self::Separable,
-        Self::Low,
-        Self::Medium,
-        Self::High,
-    ];
+    pub const ALL: [Self; 3] = [Self::Off, Self::Low, Self::High];
 }

@@ -1,0 +1,62 @@
+// Writes the light that enters surfaces beneath which it scatters, and lists the tiles that have some. Twin of
+// `subsurface_light.rs`.
+#define_import_path bevy_lean_deferred::lighting::scattering_tiles
+
+#ifdef SCATTERS_LIGHT
+#import bevy_lean_deferred::gbuffer::layout::specialization
+#import bevy_lean_deferred::lighting::bindings::{
+    scattering_tiles, subsurface_light_texture, subsurface_picture_texture, uniforms,
+}
+#import bevy_lean_deferred::lighting::shade::Shaded
+#import bevy_lean_deferred::lighting::subsurface_light::{
+    COUNT, Entry, MATERIALS, Receiver, TILES, material_of, pack_entry, pack_receiver,
+}
+#import bevy_lean_deferred::lighting::surface::{Pixel, position_at}
+
+var<workgroup> light_scatters: atomic<u32>;
+var<workgroup> light_is_written: u32;
+
+/// To be called by all invocations of a tile. Tiles that had such light and have none any more are listed once more, without.
+fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: vec2<u32>, invocation: u32) {
+    let word = pixel.specialization_word;
+    let scatters = pixel.has_geometry && specialization::unpack_shading_model(word) == specialization::SUBSURFACE;
+    if invocation == 0u {
+        atomicStore(&light_scatters, 0u);
+    }
+    workgroupBarrier();
+    if scatters {
+        atomicStore(&light_scatters, 1u);
+    }
+    workgroupBarrier();
+    if invocation == 0u {
+        let has_light = atomicLoad(&light_scatters);
+        let tiles_in_row = (uniforms.viewport_size.x + 7u) / 8u;
+        let capacity = (arrayLength(&scattering_tiles) - TILES) / 2u;
+        let tile = corner.y / 8u * tiles_in_row + corner.x / 8u;
+        let had_light = &scattering_tiles[TILES + capacity + tile];
+        light_is_written = has_light | atomicLoad(had_light);
+        if light_is_written != 0u {
+            let index = atomicAdd(&scattering_tiles[COUNT], 1u);
+            atomicStore(&scattering_tiles[TILES + index], corner.x | (corner.y << 16u));
+            atomicStore(had_light, has_light);
+        }
+    }
+    if workgroupUniformLoad(&light_is_written) == 0u {
+        return;
+    }
+    var entry = vec2(0u);
+    if scatters {
+        let arguments = specialization::unpack_arguments(word);
+        let material = material_of(arguments);
+        let known = &scattering_tiles[MATERIALS + material];
+        if atomicLoad(known) != arguments {
+            atomicStore(known, arguments);
+        }
+        let metres = -position_at(pixel.position, pixel.depth).z;
+        entry = pack_entry(Entry(metres, material, shaded.entering));
+        let receiver = Receiver(shaded.color, shaded.leaving, arguments);
+        textureStore(subsurface_picture_texture, place, pack_receiver(receiver));
+    }
+    textureStore(subsurface_light_texture, place, vec4(entry, 0u, 0u));
+}
+#endif
