@@ -1,21 +1,25 @@
 // The light that enters surfaces, twice as coarse: means by the weights 1, 3, 3, 1 each way (Burt and Adelson 1983, "The
 // Laplacian Pyramid as a Compact Image Code", have five such), of the nearest surface of its own 2×2 texels and its material.
+// Either of the listed tiles, or of the whole level, and then of the next one too.
 #import bevy_lean_deferred::lighting::subsurface_light::{Entry, pack_entry, unpack_entry}
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{level_output, light_texture, view}
-#import bevy_lean_deferred::screen_space::subsurface::texel::{pixels_per_metre_at, texel_of}
+#import bevy_lean_deferred::screen_space::subsurface::texel::pixels_per_metre_at
+#ifdef LISTED
+#import bevy_lean_deferred::screen_space::subsurface::texel::listed_texel
+#else
+#import bevy_lean_deferred::screen_space::subsurface::bindings::next_output
+#endif
 
-/// The step between surfaces, in texels of this level.
+/// The step between surfaces, in texels of the coarser level.
 const STEP: f32 = 0.75;
 
-fn mean_at(place: vec2<i32>) -> vec2<u32> {
-    let first = 2 * place - 1;
-    var words: array<vec2<u32>, 16>;
+/// The mean of 4×4 entries, row by row, as a texel of `level`.
+fn mean_of(entries: array<vec2<u32>, 16>, level: u32) -> vec2<u32> {
+    var words = entries;
     var nearest = Entry(3e38, 0u, vec3(0.0));
     for (var i = 0; i < 16; i++) {
-        let offset = vec2(i & 3, i >> 2u);
-        words[i] = textureLoad(light_texture, first + offset, 0).rg;
         let entry = unpack_entry(words[i]);
-        let is_inside = all(offset > vec2(0)) && all(offset < vec2(3));
+        let is_inside = (i & 3) % 3 != 0 && i >= 4 && i < 12;
         if is_inside && entry.material != 0u && entry.metres < nearest.metres {
             nearest = entry;
         }
@@ -23,13 +27,13 @@ fn mean_at(place: vec2<i32>) -> vec2<u32> {
     if nearest.material == 0u {
         return vec2(0u);
     }
-    let step = STEP * f32(1u << view.level) / pixels_per_metre_at(nearest.metres);
+    let step = STEP * f32(1u << level) / pixels_per_metre_at(nearest.metres);
     var metres = 0.0;
     var light = vec3(0.0);
     var weights = 0.0;
     for (var i = 0; i < 16; i++) {
         let entry = unpack_entry(words[i]);
-        let near = vec2(select(1.0, 3.0, (i & 3) == 1 || (i & 3) == 2), select(1.0, 3.0, i >= 4 && i < 12));
+        let near = vec2(select(1.0, 3.0, (i & 3) % 3 != 0), select(1.0, 3.0, i >= 4 && i < 12));
         let is_beside = entry.material == nearest.material && abs(entry.metres - nearest.metres) < step;
         let weight = select(0.0, near.x * near.y, is_beside);
         // From the nearest: the sum of large distances would be rounded.
@@ -40,10 +44,62 @@ fn mean_at(place: vec2<i32>) -> vec2<u32> {
     return pack_entry(Entry(nearest.metres + metres / weights, nearest.material, light / weights));
 }
 
+#ifdef LISTED
 @compute @workgroup_size(64, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
-    let texel = texel_of(workgroup.xy, invocation);
-    if texel.exists {
-        textureStore(level_output, texel.place, vec4(mean_at(texel.place), 0u, 0u));
+    let texel = listed_texel(workgroup.xy, invocation);
+    if !texel.exists {
+        return;
+    }
+    var words: array<vec2<u32>, 16>;
+    for (var i = 0; i < 16; i++) {
+        words[i] = textureLoad(light_texture, 2 * texel.place - 1 + vec2(i & 3, i >> 2u), 0).rg;
+    }
+    textureStore(level_output, texel.place, vec4(mean_of(words, view.level), 0u, 0u));
+}
+#else
+/// Texels a side that a workgroup reads, and makes of the first level: a rim of them is for the second one.
+const READ: i32 = 22;
+const MADE: i32 = 10;
+
+var<workgroup> read: array<vec2<u32>, 484>;
+var<workgroup> made: array<vec2<u32>, 100>;
+
+fn mean_of_read(place: vec2<i32>) -> vec2<u32> {
+    var words: array<vec2<u32>, 16>;
+    for (var i = 0; i < 16; i++) {
+        words[i] = read[(2 * place.y + (i >> 2u)) * READ + 2 * place.x + (i & 3)];
+    }
+    return mean_of(words, view.level);
+}
+
+fn mean_of_made(place: vec2<i32>) -> vec2<u32> {
+    var words: array<vec2<u32>, 16>;
+    for (var i = 0; i < 16; i++) {
+        words[i] = made[(2 * place.y + (i >> 2u)) * MADE + 2 * place.x + (i & 3)];
+    }
+    return mean_of(words, view.level + 1u);
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
+    let corner = vec2<i32>(workgroup.xy) * 8;
+    let index = i32(invocation);
+    for (var i = index; i < READ * READ; i += 64) {
+        read[i] = textureLoad(light_texture, 2 * corner - 3 + vec2(i % READ, i / READ), 0).rg;
+    }
+    workgroupBarrier();
+    for (var i = index; i < MADE * MADE; i += 64) {
+        let place = vec2(i % MADE, i / MADE);
+        made[i] = mean_of_read(place);
+        if all(place > vec2(0)) && all(place < vec2(MADE - 1)) {
+            textureStore(level_output, corner + place - 1, vec4(made[i], 0u, 0u));
+        }
+    }
+    workgroupBarrier();
+    if index < 16 {
+        let place = vec2(index & 3, index >> 2u);
+        textureStore(next_output, corner / 2 + place, vec4(mean_of_made(place), 0u, 0u));
     }
 }
+#endif

@@ -14,17 +14,15 @@ use bevy::{
 
 use super::{
     active::ActiveScattering,
-    prepare::{COARSEST, ViewSubsurface},
+    prepare::{DOWN, UP, ViewSubsurface},
 };
 use crate::{
-    gpu::{bind_group_cache::CachedBindGroup, tiles, timed::timed},
+    gpu::{tiles, timed::timed},
     lighting::SubsurfaceLight,
 };
 
 const LABEL: &str = "lean_deferred/subsurface";
-/// A tile has texels up to this level.
-const LAST_OF_TILES: usize = 3;
-/// From one indirect dispatch to the next, in bytes.
+/// From one indirect dispatch to the next, in bytes: over the listed tiles, and over four of them at once.
 const DISPATCH_SIZE: u64 = 12;
 
 /// The pass, while it is recorded.
@@ -49,24 +47,30 @@ impl Recording<'_, '_> {
         Some(())
     }
 
-    /// Over the texels of a level, by one pipeline for all of them and one for those of the listed tiles.
+    /// Over the texels of a level in the listed tiles.
+    fn tiles(
+        &mut self,
+        level: usize,
+        pipeline: CachedComputePipelineId,
+        group: Option<&BindGroup>,
+    ) -> Option<()> {
+        self.begin(pipeline, group, &[self.view.offsets[level]])?;
+        let dispatch = DISPATCH_SIZE * level as u64;
+        self.pass
+            .dispatch_workgroups_indirect(&self.light.tiles, dispatch);
+        Some(())
+    }
+
+    /// Over all texels of a level.
     fn level(
         &mut self,
         level: usize,
-        [of_all, of_tiles]: [CachedComputePipelineId; 2],
+        pipeline: CachedComputePipelineId,
         group: Option<&BindGroup>,
     ) -> Option<()> {
-        let offset = [self.view.offsets[level]];
-        if level <= LAST_OF_TILES {
-            self.begin(of_tiles, group, &offset)?;
-            let dispatch = DISPATCH_SIZE * level as u64;
-            self.pass
-                .dispatch_workgroups_indirect(&self.light.tiles, dispatch);
-        } else {
-            self.begin(of_all, group, &offset)?;
-            let count = tiles::count(self.view.size >> level as u32);
-            self.pass.dispatch_workgroups(count.x, count.y, 1);
-        }
+        self.begin(pipeline, group, &[self.view.offsets[level]])?;
+        let count = tiles::count(self.view.size >> level as u32);
+        self.pass.dispatch_workgroups(count.x, count.y, 1);
         Some(())
     }
 
@@ -74,14 +78,14 @@ impl Recording<'_, '_> {
         let (passes, view) = (active.passes, self.view);
         self.begin(passes.args, view.args.get(), &[])?;
         self.pass.dispatch_workgroups(1, 1, 1);
-        for (level, group) in (1..).zip(&view.down) {
+        self.tiles(1, passes.first, view.first.get())?;
+        for (level, group) in DOWN.into_iter().zip(&view.down) {
             self.level(level, passes.down, group.get())?;
         }
-        for level in (1..COARSEST).rev() {
-            let group = view.up.get(level - 1).and_then(CachedBindGroup::get);
-            self.level(level, passes.up, group)?;
+        for (level, group) in UP.into_iter().zip(&view.up) {
+            self.level(level, passes.up, group.get())?;
         }
-        self.level(0, [passes.picture; 2], picture)
+        self.tiles(0, passes.picture, picture)
     }
 }
 

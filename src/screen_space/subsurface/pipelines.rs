@@ -19,8 +19,8 @@ use bevy::{
 
 use super::{
     binding_numbers::{
-        LEVEL_OUTPUT, LIGHT_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE,
-        SCATTERED_TEXTURE, TILES, TILES_TO_DISPATCH, VIEW,
+        COARSER_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT, NORMAL_TEXTURE, OUTPUT_TEXTURE,
+        PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, TILES_TO_DISPATCH, VIEW,
     },
     key::SubsurfaceKey,
     uniforms::SubsurfaceView,
@@ -34,17 +34,19 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SubsurfacePasses {
     pub(super) args: CachedComputePipelineId,
-    /// Over all texels, and over those of the listed tiles.
-    pub(super) down: [CachedComputePipelineId; 2],
-    pub(super) up: [CachedComputePipelineId; 2],
-    /// Up to the picture.
+    /// To the first level, of the listed tiles.
+    pub(super) first: CachedComputePipelineId,
+    /// To two more levels.
+    pub(super) down: CachedComputePipelineId,
+    /// From two levels further.
+    pub(super) up: CachedComputePipelineId,
+    /// Up to the picture, of the listed tiles.
     pub(super) picture: CachedComputePipelineId,
 }
 
 impl SubsurfacePasses {
     pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
-        let ([a, b], [c, d]) = (self.down, self.up);
-        [self.args, a, b, c, d, self.picture]
+        [self.args, self.first, self.down, self.up, self.picture]
             .into_iter()
             .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
     }
@@ -53,6 +55,7 @@ impl SubsurfacePasses {
 /// What the passes bind.
 pub(super) struct SubsurfaceLayouts {
     pub(super) args: FoundLayout,
+    pub(super) first: FoundLayout,
     pub(super) down: FoundLayout,
     pub(super) up: FoundLayout,
     pub(super) picture: FoundLayout,
@@ -91,6 +94,8 @@ impl SubsurfaceLayouts {
         let tiles = (TILES, storage_buffer_read_only_sized(false, None));
         let light = (LIGHT_TEXTURE, words());
         let level = (LEVEL_OUTPUT, stored(SUBSURFACE_LIGHT_FORMAT));
+        let next = (NEXT_OUTPUT, stored(SUBSURFACE_LIGHT_FORMAT));
+        let coarser = (COARSER_TEXTURE, words());
         let scattered = (SCATTERED_TEXTURE, words());
         let normal = (NORMAL_TEXTURE, words());
         let picture = (PICTURE_TEXTURE, words());
@@ -100,13 +105,14 @@ impl SubsurfaceLayouts {
                 "lean_deferred/subsurface/args",
                 &[(TILES_TO_DISPATCH, storage_buffer_sized(false, None))],
             ),
-            down: found(
-                "lean_deferred/subsurface/down",
+            first: found(
+                "lean_deferred/subsurface/first",
                 &[view, tiles, light, level],
             ),
+            down: found("lean_deferred/subsurface/down", &[view, light, level, next]),
             up: found(
                 "lean_deferred/subsurface/up",
-                &[view, tiles, light, scattered, normal, level],
+                &[view, tiles, light, scattered, coarser, level, normal],
             ),
             picture: found(
                 "lean_deferred/subsurface/picture",
@@ -143,12 +149,12 @@ impl SubsurfacePipelines {
                 ..default()
             })
         };
-        let both = |shader, layout| [&[][..], &["LISTED"]].map(|more| queue(shader, layout, more));
         let passes = SubsurfacePasses {
             args: queue(&self.args, &layouts.args, &[]),
-            down: both(&self.down, &layouts.down),
-            up: both(&self.up, &layouts.up),
-            picture: queue(&self.up, &layouts.picture, &["LISTED", "PICTURE"]),
+            first: queue(&self.down, &layouts.first, &["LISTED"]),
+            down: queue(&self.down, &layouts.down, &[]),
+            up: queue(&self.up, &layouts.up, &[]),
+            picture: queue(&self.up, &layouts.picture, &["PICTURE"]),
         };
         self.by_key.insert(key, passes);
         passes

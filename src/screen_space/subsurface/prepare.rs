@@ -15,8 +15,8 @@ use bevy::{
 use super::{
     active::ActiveScattering,
     binding_numbers::{
-        LEVEL_OUTPUT, LIGHT_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE,
-        SCATTERED_TEXTURE, TILES, TILES_TO_DISPATCH, VIEW,
+        COARSER_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT, NORMAL_TEXTURE, OUTPUT_TEXTURE,
+        PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, TILES_TO_DISPATCH, VIEW,
     },
     pipelines::SubsurfacePipelines,
     uniforms::SubsurfaceView,
@@ -33,7 +33,10 @@ use crate::{
 };
 
 /// The coarsest level of the light: what scatters there is its mean.
-pub(super) const COARSEST: usize = SUBSURFACE_LEVELS - 1;
+const COARSEST: usize = SUBSURFACE_LEVELS - 1;
+/// The finer ones of the two levels that each pass down writes, and the level that each pass up writes.
+pub(super) const DOWN: [usize; 3] = [2, 4, 6];
+pub(super) const UP: [usize; 3] = [5, 3, 1];
 
 /// The uniforms of all views, one for each level.
 #[derive(Resource, Default)]
@@ -42,16 +45,15 @@ pub(super) struct SubsurfaceUniforms(DynamicUniformBuffer<SubsurfaceView>);
 /// On a view whose light scatters.
 #[derive(Component)]
 pub struct ViewSubsurface {
-    /// Light that has scattered, of the levels between the picture and the coarsest one.
-    scattered: StorageTexture<{ COARSEST - 1 }>,
+    /// Light that has scattered, from level 1 on; of every other level.
+    scattered: StorageTexture<{ COARSEST - 2 }>,
     pub(super) size: UVec2,
     /// Of each level.
     pub(super) offsets: [u32; SUBSURFACE_LEVELS],
     pub(super) args: CachedBindGroup,
-    /// Those that write levels 1 to the coarsest.
-    pub(super) down: [CachedBindGroup; COARSEST],
-    /// Those that write levels 1 to the coarsest but one.
-    pub(super) up: [CachedBindGroup; COARSEST - 1],
+    pub(super) first: CachedBindGroup,
+    pub(super) down: [CachedBindGroup; DOWN.len()],
+    pub(super) up: [CachedBindGroup; UP.len()],
     pub(super) picture: PictureBindGroups,
 }
 
@@ -63,6 +65,7 @@ impl ViewSubsurface {
             size,
             offsets: default(),
             args: default(),
+            first: default(),
             down: default(),
             up: default(),
             picture: default(),
@@ -71,7 +74,8 @@ impl ViewSubsurface {
 
     /// Those that stay from frame to frame as long as nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        let groups = [&self.args].into_iter().chain(&self.down).chain(&self.up);
+        let groups = [&self.args, &self.first].into_iter();
+        let groups = groups.chain(&self.down).chain(&self.up);
         self.picture
             .all()
             .chain(groups.filter_map(CachedBindGroup::get))
@@ -117,7 +121,7 @@ pub(super) fn prepare_subsurface(
         };
         held.offsets = core::array::from_fn(|level| {
             let settings = &active.settings;
-            writer.write(&SubsurfaceView::new(settings, &now, size, level as u32))
+            writer.write(&SubsurfaceView::new(settings, &now, level as u32))
         });
         if let Some(made) = made {
             commands.entity(entity).insert(made);
@@ -147,6 +151,7 @@ pub(super) fn prepare_subsurface_bind_groups(
         let ViewSubsurface {
             scattered,
             args,
+            first,
             down,
             up,
             picture,
@@ -164,22 +169,29 @@ pub(super) fn prepare_subsurface_bind_groups(
         args.update(&device, &layouts.args, |entries| {
             entries.push(TILES_TO_DISPATCH, tiles())
         });
-        for (level, group) in (1..).zip(down) {
+        first.update(&device, &layouts.first, |entries| {
+            entries.push(VIEW, uniforms.clone())?;
+            entries.push(TILES, tiles())?;
+            entries.push(LIGHT_TEXTURE, light[0].into_binding())?;
+            entries.push(LEVEL_OUTPUT, light[1].into_binding())
+        });
+        for (level, group) in DOWN.into_iter().zip(down) {
             group.update(&device, &layouts.down, |entries| {
                 entries.push(VIEW, uniforms.clone())?;
-                entries.push(TILES, tiles())?;
                 entries.push(LIGHT_TEXTURE, light[level - 1].into_binding())?;
-                entries.push(LEVEL_OUTPUT, light[level].into_binding())
+                entries.push(LEVEL_OUTPUT, light[level].into_binding())?;
+                entries.push(NEXT_OUTPUT, light[level + 1].into_binding())
             });
         }
-        for (level, group) in (1..).zip(up) {
+        for (level, group) in UP.into_iter().zip(up) {
             group.update(&device, &layouts.up, |entries| {
                 entries.push(VIEW, uniforms.clone())?;
                 entries.push(TILES, tiles())?;
                 entries.push(LIGHT_TEXTURE, light[level].into_binding())?;
-                entries.push(SCATTERED_TEXTURE, scattered_at(level + 1).into_binding())?;
-                entries.push(NORMAL_TEXTURE, normal.into_binding())?;
-                entries.push(LEVEL_OUTPUT, scattered_at(level).into_binding())
+                entries.push(SCATTERED_TEXTURE, scattered_at(level + 2).into_binding())?;
+                entries.push(COARSER_TEXTURE, light[level + 1].into_binding())?;
+                entries.push(LEVEL_OUTPUT, scattered_at(level).into_binding())?;
+                entries.push(NORMAL_TEXTURE, normal.into_binding())
             });
         }
         picture.update(&device, &layouts.picture, target, |entries, output| {

@@ -1,4 +1,4 @@
-// The texels that a pass goes over, and where they are.
+// The texels of listed tiles, and where texels are.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::texel
 
 #import bevy_lean_deferred::lighting::subsurface_light::{COUNT, TILES}
@@ -12,24 +12,18 @@ struct Texel {
     place: vec2<i32>,
 }
 
-/// Of the level that this pass writes: those of the listed tiles, where these are as large as some texels, or all of them.
-fn texel_of(workgroup: vec2<u32>, invocation: u32) -> Texel {
-#ifdef LISTED
-    // 8, 4, 2 or 1 texels a side of a tile.
+/// One of the level that this pass writes, in a listed tile: 8, 4, 2 or 1 of them a side.
+fn listed_texel(workgroup: vec2<u32>, invocation: u32) -> Texel {
     let side_log = 3u - view.level;
-    let all = workgroup.y * COLUMNS + workgroup.x;
-    let index = (all << (2u * view.level)) + (invocation >> (2u * side_log));
+    let group = workgroup.y * COLUMNS + workgroup.x;
+    let index = (group << (2u * view.level)) + (invocation >> (2u * side_log));
     if index >= tiles[COUNT] {
         return Texel(false, vec2(0));
     }
     let tile = tiles[TILES + index];
     let corner = vec2(tile & 0xffffu, tile >> 16u) >> vec2(view.level);
-    let place = vec2(invocation & ((1u << side_log) - 1u), (invocation >> side_log) & ((1u << side_log) - 1u));
-    return Texel(true, vec2<i32>(corner + place));
-#else
-    let place = workgroup * 8u + vec2(invocation & 7u, invocation >> 3u);
-    return Texel(all(place < view.level_size), vec2<i32>(place));
-#endif
+    let last = (1u << side_log) - 1u;
+    return Texel(true, vec2<i32>(corner + vec2(invocation & last, (invocation >> side_log) & last)));
 }
 
 /// Along the vertical axis, at so many metres.

@@ -17,19 +17,13 @@ pub struct SubsurfaceView {
     pub pixels_per_metre: Vec2,
     pub viewport_origin: UVec2,
     pub viewport_size: UVec2,
-    pub level_size: UVec2,
     pub level: u32,
     pub largest_radius: f32,
 }
 
 impl SubsurfaceView {
-    /// What `settings` make of a view, for a pass that writes `level` of textures so large.
-    pub fn new(
-        settings: &LeanSubsurfaceScattering,
-        now: &LastFrame,
-        texture_size: UVec2,
-        level: u32,
-    ) -> Self {
+    /// What `settings` make of a view, for a pass that writes `level`.
+    pub fn new(settings: &LeanSubsurfaceScattering, now: &LastFrame, level: u32) -> Self {
         let size = now.viewport.size();
         let ahead = now.clip_from_view * Vec4::new(0.0, 0.0, -1.0, 1.0);
         let ndc = Vec2::new(ahead.x, ahead.y) / ahead.w;
@@ -39,7 +33,6 @@ impl SubsurfaceView {
             pixels_per_metre: pixels_per_metre(now.clip_from_view, size) * Vec2::new(1.0, -1.0),
             viewport_origin: now.viewport.min,
             viewport_size: size,
-            level_size: texture_size >> level,
             level,
             largest_radius: up_to(LARGEST_RADIUS, settings.largest_radius),
         }

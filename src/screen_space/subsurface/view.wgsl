@@ -11,9 +11,7 @@ struct SubsurfaceView {
     pixels_per_metre: vec2<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
-    /// Texels of the level that a pass writes.
-    level_size: vec2<u32>,
-    /// That level: its texels are 2 to the power of it pixels wide.
+    /// The finest level that a pass writes: its texels are 2 to the power of it pixels wide.
     level: u32,
     /// Pixels from which light comes at most.
     largest_radius: f32,
