@@ -24,9 +24,8 @@ pub(super) const SUBSURFACE_PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba3
 /// Of the light, whose coarser ones scattering makes.
 pub(crate) const LEVELS: usize = 8;
 
-/// Where the buffer of the tiles has how many there are, and the tiles.
-const COUNT: u64 = 12;
-const TILES: u64 = 269;
+/// Where the buffer of the tiles has these. Their count comes first.
+const TILES: u64 = 257;
 
 /// On a view with [`ScattersLight`], for as long as it is lean. Layouts of words: `subsurface_light.wgsl`.
 #[derive(Component)]
@@ -55,7 +54,7 @@ impl SubsurfaceLight {
             tiles: device.create_buffer(&BufferDescriptor {
                 label: Some("lean_deferred/subsurface/tiles"),
                 size: 4 * (TILES + 2 * u64::from(tile_count.element_product())),
-                usage: BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_DST,
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
             tile_count,
@@ -69,7 +68,7 @@ impl SubsurfaceLight {
 
     /// Before lighting lists tiles.
     pub(super) fn clear_list(&self, encoder: &mut CommandEncoder) {
-        encoder.clear_buffer(&self.tiles, 0, Some(4 * (COUNT + 1)));
+        encoder.clear_buffer(&self.tiles, 0, Some(4));
     }
 
     /// All that it holds on the GPU but for the list.

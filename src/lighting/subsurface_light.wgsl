@@ -11,11 +11,10 @@
 const LEAST_ALBEDO: f32 = 0.04;
 
 /// Where the buffer of the tiles has how many there are, the arguments of each material, and the tiles; then, for each tile of
-/// the view, whether it had light in the last frame. First come indirect dispatches over the tiles, over four, sixteen and
-/// sixty-four of them at once.
-const COUNT: u32 = 12u;
-const MATERIALS: u32 = 13u;
-const TILES: u32 = 269u;
+/// the view, whether it had light in the last frame.
+const COUNT: u32 = 0u;
+const MATERIALS: u32 = 1u;
+const TILES: u32 = 257u;
 
 /// The low bits of the first word of an entry: which material it is. The rest is a distance, which thereby is off by at most
 /// 2 to the power of -17 of itself.

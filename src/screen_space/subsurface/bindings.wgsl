@@ -6,16 +6,15 @@
 @group(0) @binding(0) var<uniform> view: SubsurfaceView;
 /// The tiles whose light scatters: `lighting/subsurface_light.wgsl`.
 @group(0) @binding(1) var<storage, read> tiles: array<u32>;
-@group(0) @binding(2) var<storage, read_write> tiles_to_dispatch: array<u32>;
 /// The light that enters surfaces, of the next finer level or, to be scattered, of this one.
-@group(0) @binding(3) var light_texture: texture_2d<u32>;
+@group(0) @binding(2) var light_texture: texture_2d<u32>;
 /// Light that has scattered, of the next coarser level or the one after it.
-@group(0) @binding(4) var scattered_texture: texture_2d<u32>;
+@group(0) @binding(3) var scattered_texture: texture_2d<u32>;
 /// The light that enters surfaces, of that level, where what has scattered is of the one after it.
-@group(0) @binding(5) var coarser_texture: texture_2d<u32>;
-@group(0) @binding(6) var level_output: texture_storage_2d<rg32uint, write>;
-@group(0) @binding(7) var next_output: texture_storage_2d<rg32uint, write>;
-@group(0) @binding(8) var normal_texture: texture_2d<u32>;
+@group(0) @binding(4) var coarser_texture: texture_2d<u32>;
+@group(0) @binding(5) var level_output: texture_storage_2d<rg32uint, write>;
+@group(0) @binding(6) var next_output: texture_storage_2d<rg32uint, write>;
+@group(0) @binding(7) var normal_texture: texture_2d<u32>;
 /// What the pixels show whose light scatters.
-@group(0) @binding(9) var picture_texture: texture_2d<u32>;
-@group(0) @binding(10) var output_texture: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(8) var picture_texture: texture_2d<u32>;
+@group(0) @binding(9) var output_texture: texture_storage_2d<rgba16float, write>;

@@ -5,7 +5,7 @@
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{level_output, light_texture, view}
 #import bevy_lean_deferred::screen_space::subsurface::texel::pixels_per_metre_at
 #ifdef LISTED
-#import bevy_lean_deferred::screen_space::subsurface::texel::listed_texel
+#import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_groups, listed_texel}
 #else
 #import bevy_lean_deferred::screen_space::subsurface::bindings::next_output
 #endif
@@ -13,14 +13,35 @@
 /// The step between surfaces, in texels of the coarser level.
 const STEP: f32 = 0.75;
 
-/// The mean of 4×4 entries, row by row, as a texel of `level`.
-fn mean_of(entries: array<vec2<u32>, 16>, level: u32) -> vec2<u32> {
-    var words = entries;
+#ifndef LISTED
+/// Texels a side that a workgroup reads, and makes of the first level: a rim of them is for the second one.
+const READ: i32 = 22;
+const MADE: i32 = 10;
+
+var<workgroup> read: array<vec2<u32>, 484>;
+var<workgroup> made: array<vec2<u32>, 100>;
+/// Whether the second level is made, of the first one.
+var<private> is_second: bool;
+#endif
+
+/// An entry of the finer level.
+fn finer(place: vec2<i32>) -> Entry {
+#ifdef LISTED
+    return unpack_entry(textureLoad(light_texture, place, 0).rg);
+#else
+    if is_second {
+        return unpack_entry(made[place.y * MADE + place.x]);
+    }
+    return unpack_entry(read[place.y * READ + place.x]);
+#endif
+}
+
+/// The mean of 4×4 entries from `first` on, as a texel of `level`.
+fn mean_of(first: vec2<i32>, level: u32) -> vec2<u32> {
     var nearest = Entry(3e38, 0u, vec3(0.0));
-    for (var i = 0; i < 16; i++) {
-        let entry = unpack_entry(words[i]);
-        let is_inside = (i & 3) % 3 != 0 && i >= 4 && i < 12;
-        if is_inside && entry.material != 0u && entry.metres < nearest.metres {
+    for (var i = 0; i < 4; i++) {
+        let entry = finer(first + 1 + vec2(i & 1, i >> 1u));
+        if entry.material != 0u && entry.metres < nearest.metres {
             nearest = entry;
         }
     }
@@ -31,56 +52,37 @@ fn mean_of(entries: array<vec2<u32>, 16>, level: u32) -> vec2<u32> {
     var metres = 0.0;
     var light = vec3(0.0);
     var weights = 0.0;
-    for (var i = 0; i < 16; i++) {
-        let entry = unpack_entry(words[i]);
-        let near = vec2(select(1.0, 3.0, (i & 3) % 3 != 0), select(1.0, 3.0, i >= 4 && i < 12));
-        let is_beside = entry.material == nearest.material && abs(entry.metres - nearest.metres) < step;
-        let weight = select(0.0, near.x * near.y, is_beside);
-        // From the nearest: the sum of large distances would be rounded.
-        metres += weight * (entry.metres - nearest.metres);
-        light += weight * entry.light;
-        weights += weight;
+    for (var y = 0; y < 4; y++) {
+        for (var x = 0; x < 4; x++) {
+            let entry = finer(first + vec2(x, y));
+            let near = select(1.0, 3.0, x % 3 != 0) * select(1.0, 3.0, y % 3 != 0);
+            let is_beside = entry.material == nearest.material && abs(entry.metres - nearest.metres) < step;
+            let weight = select(0.0, near, is_beside);
+            // From the nearest: the sum of large distances would be rounded.
+            metres += weight * (entry.metres - nearest.metres);
+            light += weight * entry.light;
+            weights += weight;
+        }
     }
     return pack_entry(Entry(nearest.metres + metres / weights, nearest.material, light / weights));
 }
 
 #ifdef LISTED
 @compute @workgroup_size(64, 1, 1)
-fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
-    let texel = listed_texel(workgroup.xy, invocation);
-    if !texel.exists {
-        return;
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let count = count_of_groups();
+    for (var group = workgroup.x; group < count; group += workgroups.x) {
+        let texel = listed_texel(group, invocation);
+        if texel.exists {
+            textureStore(level_output, texel.place, vec4(mean_of(2 * texel.place - 1, view.level), 0u, 0u));
+        }
     }
-    var words: array<vec2<u32>, 16>;
-    for (var i = 0; i < 16; i++) {
-        words[i] = textureLoad(light_texture, 2 * texel.place - 1 + vec2(i & 3, i >> 2u), 0).rg;
-    }
-    textureStore(level_output, texel.place, vec4(mean_of(words, view.level), 0u, 0u));
 }
 #else
-/// Texels a side that a workgroup reads, and makes of the first level: a rim of them is for the second one.
-const READ: i32 = 22;
-const MADE: i32 = 10;
-
-var<workgroup> read: array<vec2<u32>, 484>;
-var<workgroup> made: array<vec2<u32>, 100>;
-
-fn mean_of_read(place: vec2<i32>) -> vec2<u32> {
-    var words: array<vec2<u32>, 16>;
-    for (var i = 0; i < 16; i++) {
-        words[i] = read[(2 * place.y + (i >> 2u)) * READ + 2 * place.x + (i & 3)];
-    }
-    return mean_of(words, view.level);
-}
-
-fn mean_of_made(place: vec2<i32>) -> vec2<u32> {
-    var words: array<vec2<u32>, 16>;
-    for (var i = 0; i < 16; i++) {
-        words[i] = made[(2 * place.y + (i >> 2u)) * MADE + 2 * place.x + (i & 3)];
-    }
-    return mean_of(words, view.level + 1u);
-}
-
 @compute @workgroup_size(64, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let corner = vec2<i32>(workgroup.xy) * 8;
@@ -89,17 +91,19 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         read[i] = textureLoad(light_texture, 2 * corner - 3 + vec2(i % READ, i / READ), 0).rg;
     }
     workgroupBarrier();
+    is_second = false;
     for (var i = index; i < MADE * MADE; i += 64) {
         let place = vec2(i % MADE, i / MADE);
-        made[i] = mean_of_read(place);
+        made[i] = mean_of(2 * place, view.level);
         if all(place > vec2(0)) && all(place < vec2(MADE - 1)) {
             textureStore(level_output, corner + place - 1, vec4(made[i], 0u, 0u));
         }
     }
     workgroupBarrier();
+    is_second = true;
     if index < 16 {
         let place = vec2(index & 3, index >> 2u);
-        textureStore(next_output, corner / 2 + place, vec4(mean_of_made(place), 0u, 0u));
+        textureStore(next_output, corner / 2 + place, vec4(mean_of(2 * place, view.level + 1u), 0u, 0u));
     }
 }
 #endif

@@ -12,7 +12,7 @@
 //! - `settings.rs`: the component.
 //! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 //! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-//! - `pass.rs`: the passes. `args.wgsl`: over how many tiles they go. `down.wgsl`: to the next coarser level. `up.wgsl`: to the
+//! - `pass.rs`: the passes. `down.wgsl`: to the next coarser level. `up.wgsl`: to the
 //!   next finer one, and at last to the picture.
 //! - `profile.{rs,wgsl}`: the shares. `texel.wgsl`: what a pass goes over.
 //! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
@@ -65,7 +65,6 @@ impl Plugin for SubsurfacePlugin {
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "profile.wgsl");
         load_shader_library!(app, "texel.wgsl");
-        embedded_asset!(app, "args.wgsl");
         embedded_asset!(app, "down.wgsl");
         embedded_asset!(app, "up.wgsl");
         app.register_type::<LeanSubsurfaceScattering>()

@@ -16,21 +16,18 @@ use super::{
     active::ActiveScattering,
     prepare::{DOWN, UP, ViewSubsurface},
 };
-use crate::{
-    gpu::{tiles, timed::timed},
-    lighting::SubsurfaceLight,
-};
+use crate::gpu::{tiles, timed::timed};
 
 const LABEL: &str = "lean_deferred/subsurface";
-/// From one indirect dispatch to the next, in bytes: over the listed tiles, and over four of them at once.
-const DISPATCH_SIZE: u64 = 12;
+/// Workgroups that share the listed tiles, however many there are: enough for any GPU. An indirect dispatch would need one
+/// of its own before it, in which its size is made sure of.
+const WORKGROUPS: u32 = 4096;
 
 /// The pass, while it is recorded.
 struct Recording<'a, 'p> {
     pass: ComputePass<'p>,
     cache: &'a PipelineCache,
     view: &'a ViewSubsurface,
-    light: &'a SubsurfaceLight,
 }
 
 impl Recording<'_, '_> {
@@ -55,9 +52,8 @@ impl Recording<'_, '_> {
         group: Option<&BindGroup>,
     ) -> Option<()> {
         self.begin(pipeline, group, &[self.view.offsets[level]])?;
-        let dispatch = DISPATCH_SIZE * level as u64;
-        self.pass
-            .dispatch_workgroups_indirect(&self.light.tiles, dispatch);
+        let tiles = tiles::count(self.view.size).element_product();
+        self.pass.dispatch_workgroups(tiles.min(WORKGROUPS), 1, 1);
         Some(())
     }
 
@@ -76,8 +72,6 @@ impl Recording<'_, '_> {
 
     fn all(&mut self, active: &ActiveScattering, picture: Option<&BindGroup>) -> Option<()> {
         let (passes, view) = (active.passes, self.view);
-        self.begin(passes.args, view.args.get(), &[])?;
-        self.pass.dispatch_workgroups(1, 1, 1);
         self.tiles(1, passes.first, view.first.get())?;
         for (level, group) in DOWN.into_iter().zip(&view.down) {
             self.level(level, passes.down, group.get())?;
@@ -91,16 +85,11 @@ impl Recording<'_, '_> {
 
 /// Scatters the light that lighting has written apart, and adds what that changes to the picture.
 pub(super) fn scatter_light(
-    view: ViewQuery<(
-        &ActiveScattering,
-        &ViewSubsurface,
-        &SubsurfaceLight,
-        &ViewTarget,
-    )>,
+    view: ViewQuery<(&ActiveScattering, &ViewSubsurface, &ViewTarget)>,
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
-    let (active, view, light, target) = view.into_inner();
+    let (active, view, target) = view.into_inner();
     if !active.passes.are_compiled(&cache) {
         return;
     }
@@ -114,7 +103,6 @@ pub(super) fn scatter_light(
             pass,
             cache: &cache,
             view,
-            light,
         };
         recording.all(active, view.picture.of(target.main_texture()));
     });

@@ -10,8 +10,7 @@ use bevy::{
         BindGroupLayoutEntryBuilder, CachedComputePipelineId, ComputePipelineDescriptor,
         PipelineCache, ShaderStages, StorageTextureAccess, TextureFormat, TextureSampleType,
         binding_types::{
-            storage_buffer_read_only_sized, storage_buffer_sized, texture_2d, texture_storage_2d,
-            uniform_buffer,
+            storage_buffer_read_only_sized, texture_2d, texture_storage_2d, uniform_buffer,
         },
     },
     shader::ShaderDefVal,
@@ -20,7 +19,7 @@ use bevy::{
 use super::{
     binding_numbers::{
         COARSER_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT, NORMAL_TEXTURE, OUTPUT_TEXTURE,
-        PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, TILES_TO_DISPATCH, VIEW,
+        PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
     },
     key::SubsurfaceKey,
     uniforms::SubsurfaceView,
@@ -33,7 +32,6 @@ use crate::{
 /// The pipelines of one key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SubsurfacePasses {
-    pub(super) args: CachedComputePipelineId,
     /// To the first level, of the listed tiles.
     pub(super) first: CachedComputePipelineId,
     /// To two more levels.
@@ -46,7 +44,7 @@ pub(super) struct SubsurfacePasses {
 
 impl SubsurfacePasses {
     pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
-        [self.args, self.first, self.down, self.up, self.picture]
+        [self.first, self.down, self.up, self.picture]
             .into_iter()
             .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
     }
@@ -54,7 +52,6 @@ impl SubsurfacePasses {
 
 /// What the passes bind.
 pub(super) struct SubsurfaceLayouts {
-    pub(super) args: FoundLayout,
     pub(super) first: FoundLayout,
     pub(super) down: FoundLayout,
     pub(super) up: FoundLayout,
@@ -64,7 +61,6 @@ pub(super) struct SubsurfaceLayouts {
 /// The pipelines by key, and their layouts: made when the first view asks for them.
 #[derive(Resource)]
 pub(super) struct SubsurfacePipelines {
-    args: Handle<Shader>,
     down: Handle<Shader>,
     up: Handle<Shader>,
     layouts: OnceLock<SubsurfaceLayouts>,
@@ -74,7 +70,6 @@ pub(super) struct SubsurfacePipelines {
 pub(super) fn init_subsurface_pipelines(mut commands: Commands, asset_server: Res<AssetServer>) {
     let assets = asset_server.as_ref();
     commands.insert_resource(SubsurfacePipelines {
-        args: load_embedded_asset!(assets, "args.wgsl"),
         down: load_embedded_asset!(assets, "down.wgsl"),
         up: load_embedded_asset!(assets, "up.wgsl"),
         layouts: OnceLock::new(),
@@ -101,10 +96,6 @@ impl SubsurfaceLayouts {
         let picture = (PICTURE_TEXTURE, words());
         let output = (OUTPUT_TEXTURE, stored(TextureFormat::Rgba16Float));
         Self {
-            args: found(
-                "lean_deferred/subsurface/args",
-                &[(TILES_TO_DISPATCH, storage_buffer_sized(false, None))],
-            ),
             first: found(
                 "lean_deferred/subsurface/first",
                 &[view, tiles, light, level],
@@ -150,7 +141,6 @@ impl SubsurfacePipelines {
             })
         };
         let passes = SubsurfacePasses {
-            args: queue(&self.args, &layouts.args, &[]),
             first: queue(&self.down, &layouts.first, &["LISTED"]),
             down: queue(&self.down, &layouts.down, &[]),
             up: queue(&self.up, &layouts.up, &[]),

@@ -16,7 +16,7 @@ use super::{
     active::ActiveScattering,
     binding_numbers::{
         COARSER_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT, NORMAL_TEXTURE, OUTPUT_TEXTURE,
-        PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, TILES_TO_DISPATCH, VIEW,
+        PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
     },
     pipelines::SubsurfacePipelines,
     uniforms::SubsurfaceView,
@@ -50,7 +50,6 @@ pub struct ViewSubsurface {
     pub(super) size: UVec2,
     /// Of each level.
     pub(super) offsets: [u32; SUBSURFACE_LEVELS],
-    pub(super) args: CachedBindGroup,
     pub(super) first: CachedBindGroup,
     pub(super) down: [CachedBindGroup; DOWN.len()],
     pub(super) up: [CachedBindGroup; UP.len()],
@@ -64,7 +63,6 @@ impl ViewSubsurface {
             scattered: StorageTexture::new(device, label, size / 2, SUBSURFACE_LIGHT_FORMAT),
             size,
             offsets: default(),
-            args: default(),
             first: default(),
             down: default(),
             up: default(),
@@ -74,7 +72,7 @@ impl ViewSubsurface {
 
     /// Those that stay from frame to frame as long as nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        let groups = [&self.args, &self.first].into_iter();
+        let groups = [&self.first].into_iter();
         let groups = groups.chain(&self.down).chain(&self.up);
         self.picture
             .all()
@@ -150,7 +148,6 @@ pub(super) fn prepare_subsurface_bind_groups(
     for (mut held, subsurface, gbuffer, target) in &mut views {
         let ViewSubsurface {
             scattered,
-            args,
             first,
             down,
             up,
@@ -166,9 +163,6 @@ pub(super) fn prepare_subsurface_bind_groups(
         };
         let tiles = || subsurface.tiles.as_entire_binding();
         let normal = &gbuffer.normal.default_view;
-        args.update(&device, &layouts.args, |entries| {
-            entries.push(TILES_TO_DISPATCH, tiles())
-        });
         first.update(&device, &layouts.first, |entries| {
             entries.push(VIEW, uniforms.clone())?;
             entries.push(TILES, tiles())?;

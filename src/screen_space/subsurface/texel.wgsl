@@ -4,18 +4,20 @@
 #import bevy_lean_deferred::lighting::subsurface_light::{COUNT, TILES}
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{tiles, view}
 
-/// Workgroups a row of an indirect dispatch: the list may be longer than a dispatch may be wide.
-const COLUMNS: u32 = 32768u;
-
 struct Texel {
     exists: bool,
     place: vec2<i32>,
 }
 
-/// One of the level that this pass writes, in a listed tile: 8, 4, 2 or 1 of them a side.
-fn listed_texel(workgroup: vec2<u32>, invocation: u32) -> Texel {
+/// How many groups of 64 texels of this level the listed tiles have. The workgroups of a pass share them.
+fn count_of_groups() -> u32 {
+    let each = 1u << (2u * view.level);
+    return (tiles[COUNT] + each - 1u) / each;
+}
+
+/// One of the level that this pass writes, of a listed tile, which has 8, 4, 2 or 1 of them a side.
+fn listed_texel(group: u32, invocation: u32) -> Texel {
     let side_log = 3u - view.level;
-    let group = workgroup.y * COLUMNS + workgroup.x;
     let index = (group << (2u * view.level)) + (invocation >> (2u * side_log));
     if index >= tiles[COUNT] {
         return Texel(false, vec2(0));

@@ -13,7 +13,7 @@
 #ifdef PICTURE
 #import bevy_lean_deferred::lighting::subsurface_light::unpack_receiver
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{output_texture, picture_texture}
-#import bevy_lean_deferred::screen_space::subsurface::texel::listed_texel
+#import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_groups, listed_texel}
 #else
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{coarser_texture, level_output}
 #endif
@@ -143,23 +143,29 @@ fn added_at(place: vec2<i32>, surface: Surface) -> vec3<f32> {
 }
 
 #ifdef PICTURE
-@compute @workgroup_size(64, 1, 1)
-fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
-    let texel = listed_texel(workgroup.xy, invocation);
-    if !texel.exists {
-        return;
-    }
-    let entry = unpack_entry(textureLoad(light_texture, texel.place, 0).rg);
+fn show(pixel: vec2<i32>) {
+    let entry = unpack_entry(textureLoad(light_texture, pixel, 0).rg);
     if entry.material == 0u {
         return;
     }
-    let added = added_at(texel.place, surface_at(texel.place, entry, 0u));
+    let added = added_at(pixel, surface_at(pixel, entry, 0u));
     // Where that is nothing, or not a number, the picture stays as it is.
     if any(added != vec3(0.0)) && all(abs(added) < vec3(1e30)) {
-        let receiver = unpack_receiver(textureLoad(picture_texture, texel.place, 0));
+        let receiver = unpack_receiver(textureLoad(picture_texture, pixel, 0));
         let color = receiver.color.rgb + receiver.leaving * added;
-        let place = vec2<i32>(view.viewport_origin) + texel.place;
-        textureStore(output_texture, place, vec4(color, receiver.color.a));
+        textureStore(output_texture, vec2<i32>(view.viewport_origin) + pixel, vec4(color, receiver.color.a));
+    }
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let count = count_of_groups();
+    for (var group = workgroup.x; group < count; group += workgroups.x) {
+        show(listed_texel(group, invocation).place);
     }
 }
 #else
