@@ -98,7 +98,7 @@ pub fn step(at: Vec2) -> f32 {
 /// Differences of each channel from the profile beside the edge of light on a slab at the origin, within eight mean free paths
 /// of it.
 pub fn beside(seen: &Seen, normal: Vec3, paths: Vec3) -> [Errors; 3] {
-    let along = Vec3::Y.cross(normal);
+    let along = Vec3::Y.cross(normal).normalize();
     [0, 1, 2].map(|channel| {
         let width = seen.light.size.x;
         let differences = seen

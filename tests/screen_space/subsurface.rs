@@ -1,16 +1,18 @@
 //! Light that scatters beneath surfaces, beside what its profile says.
 
-use bevy::prelude::*;
+use bevy::{camera::ScalingMode, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    known_slabs::{SKIN, edge},
+    known_light::{Seen, camera, errors, show},
+    known_slabs::{SKIN, beside, edge, patterned, slab, step, stored_paths},
     own_process::in_own_process,
+    scenes::SceneBuilder,
 };
 
 const SIZE: UVec2 = UVec2::new(320, 192);
 const WHITE: LinearRgba = LinearRgba::WHITE;
 
-use SubsurfaceScatteringQuality::{High, Low};
+use SubsurfaceScatteringQuality::{High, Low, Off};
 
 fn with(quality: SubsurfaceScatteringQuality) -> LeanSubsurfaceScattering {
     LeanSubsurfaceScattering {
@@ -19,11 +21,28 @@ fn with(quality: SubsurfaceScatteringQuality) -> LeanSubsurfaceScattering {
     }
 }
 
+fn ahead(metres: f32) -> Transform {
+    Transform::from_xyz(0.0, 0.0, metres)
+}
+
+/// A slab at the origin, seen from two metres.
+fn seen(path: f32, quality: SubsurfaceScatteringQuality, light: fn(Vec2) -> f32) -> Seen {
+    let (_, seen) = show(SIZE, 2, |s| {
+        patterned(s, slab(WHITE, path), default(), light);
+        camera(s, ahead(2.0), 1.0, with(quality));
+    });
+    seen
+}
+
 #[test]
 fn light_leaves_beside_an_edge_as_the_profile_says() {
     in_own_process(|| {
         let mut all_right = true;
-        for (name, color, path) in [("white", WHITE, 0.08), ("skin", SKIN, 0.2)] {
+        for (name, color, path) in [
+            ("white", WHITE, 0.08),
+            ("skin", SKIN, 0.2),
+            ("short", WHITE, 0.02),
+        ] {
             for quality in [Low, High] {
                 let found = edge(SIZE, color, path, with(quality));
                 println!("{name}, {quality:?}: {found:.4?}");
@@ -31,5 +50,159 @@ fn light_leaves_beside_an_edge_as_the_profile_says() {
             }
         }
         assert!(all_right);
+    });
+}
+
+/// Slabs that are turned away by 45 and 60 degrees, with the edge along the axis they are turned about, and across it.
+#[test]
+fn it_does_so_on_surfaces_that_are_turned_away() {
+    in_own_process(|| {
+        for degrees in [45.0_f32, 60.0] {
+            for (name, axis) in [("about", Vec3::Y), ("across", Vec3::X)] {
+                for quality in [Low, High] {
+                    let turned = Quat::from_axis_angle(axis, degrees.to_radians());
+                    let (_, seen) = show(SIZE, 2, |s| {
+                        let place = Transform::from_rotation(turned);
+                        patterned(s, slab(WHITE, 0.08), place, step);
+                        camera(s, ahead(2.0), 1.0, with(quality));
+                    });
+                    seen.save(&format!("turned_{degrees}_{name}_{quality:?}"), 0.9);
+                    let paths = stored_paths(WHITE, 0.08);
+                    let found = beside(&seen, turned * Vec3::Z, paths)[0];
+                    println!("{degrees} degrees {name} it, {quality:?}: {found:.4?}");
+                    assert!(found.rmse < if quality == Low { 0.06 } else { 0.015 });
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn an_orthographic_view_shows_the_same() {
+    in_own_process(|| {
+        let (_, seen) = show(SIZE, 2, |s| {
+            patterned(s, slab(WHITE, 0.08), default(), step);
+            let camera = camera(s, ahead(2.0), 1.0, with(High));
+            let projection = OrthographicProjection {
+                scaling_mode: ScalingMode::FixedVertical {
+                    viewport_height: 1.6,
+                },
+                ..OrthographicProjection::default_3d()
+            };
+            s.world()
+                .entity_mut(camera)
+                .insert(Projection::Orthographic(projection));
+        });
+        let found = beside(&seen, Vec3::Z, stored_paths(WHITE, 0.08))[0];
+        println!("{found:.4?}");
+        assert!(found.rmse < 0.01);
+    });
+}
+
+#[test]
+fn even_light_stays_as_it_is() {
+    in_own_process(|| {
+        for path in [0.001, 0.02, 0.5] {
+            let [without, with] = [Off, High].map(|quality| seen(path, quality, |_| 0.7));
+            let pairs = without.light.texels.iter().zip(&with.light.texels);
+            let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
+            println!("{path}: {most:.5}");
+            assert!(most < 1e-3);
+        }
+    });
+}
+
+/// All of a spot's light leaves.
+#[test]
+fn a_spot_keeps_its_sum() {
+    in_own_process(|| {
+        let spot = |at: Vec2| f32::from((at - 0.5).length() < 0.02);
+        let sums = [Off, Low, High].map(|quality| {
+            let seen = seen(0.02, quality, spot);
+            seen.save(&format!("spot_{quality:?}"), 0.9);
+            seen.light.texels.iter().map(|texel| texel[1]).sum::<f32>()
+        });
+        let [without, low, high] = sums;
+        println!("{without:.2}, {low:.2}, {high:.2}");
+        assert!((low / without - 1.0).abs() < 0.01 && (high / without - 1.0).abs() < 0.01);
+    });
+}
+
+/// From twice as far, with twice the path, on a slab twice as large.
+#[test]
+fn distance_does_not_matter() {
+    in_own_process(|| {
+        let [near, far] = [1.0, 2.0].map(|scale| {
+            let (_, seen) = show(SIZE, 2, |s| {
+                let place = Transform::from_scale(Vec3::splat(scale));
+                let path = stored_paths(WHITE, 0.08).x * scale;
+                patterned(s, slab(WHITE, path), place, step);
+                camera(s, ahead(2.0 * scale), 1.0, with(High));
+            });
+            seen
+        });
+        let pairs = near.light.texels.iter().zip(&far.light.texels);
+        let (off, bias) = errors(pairs.map(|(a, b)| a[1] - b[1]));
+        println!("{off:.4} ({bias:+.4})");
+        assert!(off < 0.01);
+    });
+}
+
+/// One slab far behind another, in paths, of which only one lets light in.
+#[test]
+fn nothing_bleeds_from_slab_to_slab() {
+    in_own_process(|| {
+        for front_is_lit in [false, true] {
+            let light = [front_is_lit, !front_is_lit].map(|lit| if lit { 1.0 } else { 0.0 });
+            let scene = |s: &mut SceneBuilder, quality| {
+                let front = Transform::from_xyz(-2.2, 0.0, 0.4);
+                patterned(s, slab(WHITE, 0.03), front, |_| light[0]);
+                patterned(
+                    s,
+                    slab(WHITE, 0.03),
+                    Transform::from_xyz(0.0, 0.0, -0.1),
+                    |_| light[1],
+                );
+                camera(s, ahead(2.0), 1.0, with(quality));
+            };
+            let [without, with] = [Off, High].map(|quality| show(SIZE, 2, |s| scene(s, quality)).1);
+            with.save(&format!("slabs_{front_is_lit}"), 0.9);
+            let pairs = without.light.texels.iter().zip(&with.light.texels);
+            let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
+            println!("front is lit {front_is_lit}: {most:.5}");
+            assert!(most < 1e-3);
+        }
+    });
+}
+
+/// Slabs beside one another, of which one scatters as far as the other but is another material, and one does not scatter.
+#[test]
+fn nothing_bleeds_onto_another_material() {
+    in_own_process(|| {
+        let [without, with] = [Off, High].map(|quality| {
+            let (_, seen) = show(SIZE, 2, |s| {
+                let [left, right] = [-2.0, 2.0].map(|x| Transform::from_xyz(x, 0.0, 0.0));
+                patterned(s, slab(WHITE, 0.05), left, |_| 1.0);
+                patterned(s, slab(WHITE, 0.1), right, |_| 0.0);
+                camera(s, ahead(2.0), 1.0, with(quality));
+            });
+            seen
+        });
+        let pairs = without.light.texels.iter().zip(&with.light.texels);
+        let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
+        println!("{most:.5}");
+        assert!(most < 1e-3);
+    });
+}
+
+#[test]
+fn less_than_a_pixel_changes_nothing() {
+    in_own_process(|| {
+        let checks = |at: Vec2| f32::from((at.x * 97.0).sin() * (at.y * 61.0).sin() > 0.0);
+        let [without, with] = [Off, High].map(|quality| seen(1e-4, quality, checks));
+        let pairs = without.light.texels.iter().zip(&with.light.texels);
+        let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
+        println!("{most:.5}");
+        assert!(most < 0.004);
     });
 }

@@ -8,10 +8,11 @@
 #import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_groups, listed_texel}
 #else
 #import bevy_lean_deferred::screen_space::subsurface::bindings::next_output
+#import bevy_lean_deferred::screen_space::subsurface::texel::is_any
 #endif
 
 /// The step between surfaces, in texels of the coarser level.
-const STEP: f32 = 0.75;
+const STEP: f32 = 2.0;
 
 #ifndef LISTED
 /// Texels a side that a workgroup reads, and makes of the first level: a rim of them is for the second one.
@@ -87,10 +88,18 @@ fn main(
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let corner = vec2<i32>(workgroup.xy) * 8;
     let index = i32(invocation);
+    var any_light = false;
     for (var i = index; i < READ * READ; i += 64) {
         read[i] = textureLoad(light_texture, 2 * corner - 3 + vec2(i % READ, i / READ), 0).rg;
+        any_light |= read[i].x != 0u;
     }
-    workgroupBarrier();
+    if !is_any(any_light, invocation) {
+        textureStore(level_output, corner + vec2(index & 7, index >> 3u), vec4(0u));
+        if index < 16 {
+            textureStore(next_output, corner / 2 + vec2(index & 3, index >> 2u), vec4(0u));
+        }
+        return;
+    }
     is_second = false;
     for (var i = index; i < MADE * MADE; i += 64) {
         let place = vec2(i % MADE, i / MADE);

@@ -30,11 +30,19 @@ impl SubsurfaceKey {
         })
     }
 
-    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+    /// What all passes are compiled with.
+    pub(super) fn shader_defs(self) -> Option<ShaderDefVal> {
         let orthographic = ProjectionKind::Orthographic.shader_def();
         let projection = orthographic.filter(|_| self.is_orthographic);
-        let drawn_out = self.is_drawn_out.then_some("DRAWN_OUT");
-        let defs = projection.into_iter().chain(drawn_out);
-        defs.map(ShaderDefVal::from).collect()
+        projection.map(ShaderDefVal::from)
+    }
+
+    /// What those that are about kernels of more than a few pixels are compiled with beside.
+    pub(super) fn drawn_out(self) -> &'static [&'static str] {
+        if self.is_drawn_out {
+            &["DRAWN_OUT"]
+        } else {
+            &[]
+        }
     }
 }

@@ -57,6 +57,19 @@ impl Recording<'_, '_> {
         Some(())
     }
 
+    /// Over all texels of a level, by workgroups that share them.
+    fn up(
+        &mut self,
+        level: usize,
+        pipeline: CachedComputePipelineId,
+        group: Option<&BindGroup>,
+    ) -> Option<()> {
+        self.begin(pipeline, group, &[self.view.offsets[level]])?;
+        let count = tiles::count(self.view.size >> level as u32).element_product();
+        self.pass.dispatch_workgroups(count.min(WORKGROUPS), 1, 1);
+        Some(())
+    }
+
     /// Over all texels of a level.
     fn level(
         &mut self,
@@ -77,7 +90,7 @@ impl Recording<'_, '_> {
             self.level(level, passes.down, group.get())?;
         }
         for (level, group) in UP.into_iter().zip(&view.up) {
-            self.level(level, passes.up, group.get())?;
+            self.up(level, passes.up, group.get())?;
         }
         self.tiles(0, passes.picture, picture)
     }

@@ -143,7 +143,7 @@ impl SubsurfacePipelines {
         let passes = SubsurfacePasses {
             first: queue(&self.down, &layouts.first, &["LISTED"]),
             down: queue(&self.down, &layouts.down, &[]),
-            up: queue(&self.up, &layouts.up, &[]),
+            up: queue(&self.up, &layouts.up, key.drawn_out()),
             picture: queue(&self.up, &layouts.picture, &["PICTURE"]),
         };
         self.by_key.insert(key, passes);

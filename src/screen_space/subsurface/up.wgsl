@@ -16,8 +16,12 @@
 #import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_groups, listed_texel}
 #else
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{coarser_texture, level_output}
+#import bevy_lean_deferred::screen_space::subsurface::texel::is_any
 #endif
 
+/// How far the two places are away where a kernel is twice as wide in the square, in texels of the coarser level. By variances
+/// it would be 0.5; this fits better what leaves beside edges.
+const DRAWN: f32 = 0.6;
 /// By how much wider than high a part of the surface may look for its kernel to be as wide.
 const WIDEST: f32 = 2.0;
 /// The cosine of how much surfaces are turned away at most.
@@ -39,6 +43,8 @@ struct Surface {
     paths: vec3<f32>,
     /// Metres that a pixel is wide there.
     metres_per_pixel: f32,
+    /// How much further away the surface is with each pixel to the right and down.
+    slope: vec2<f32>,
 }
 
 fn surface_at(place: vec2<i32>, entry: Entry, level: u32) -> Surface {
@@ -59,17 +65,12 @@ fn surface_at(place: vec2<i32>, entry: Entry, level: u32) -> Surface {
     surface.facing = max(dot(surface.normal, toward), LEAST_FACING);
     let pixels_per_metre = pixels_per_metre_at(entry.metres);
     surface.metres_per_pixel = 1.0 / pixels_per_metre;
+    let slope = surface.normal.xy * sign(view.pixels_per_metre) / max(surface.normal.z, 1e-3);
+    surface.slope = clamp(slope, vec2(-STEEPEST), vec2(STEEPEST)) * surface.metres_per_pixel;
     let paths = scattering_distance(tiles[MATERIALS + entry.material]) * pixels_per_metre;
     let longest = max(paths.r, max(paths.g, paths.b));
     surface.paths = paths * min(1.0, view.largest_radius / max(REACH * longest, 1e-6));
     return surface;
-}
-
-/// How much further away the surface is so many pixels from the middle of the texel.
-fn further(surface: Surface, pixels: vec2<f32>) -> f32 {
-    let across = pixels * sign(view.pixels_per_metre) * surface.metres_per_pixel;
-    let most = STEEPEST * (abs(across.x) + abs(across.y));
-    return clamp(dot(surface.normal.xy, across) / max(surface.normal.z, 1e-3), -most, most);
 }
 
 #ifndef PICTURE
@@ -100,16 +101,18 @@ fn mean_around(surface: Surface, place: vec2<i32>, at: vec2<f32>) -> vec4<f32> {
     let first = floor(at - 0.5);
     let along = at - 0.5 - first;
     let longest = max(surface.paths.r, max(surface.paths.g, surface.paths.b));
-    let step = (STEP * texel + longest) * surface.metres_per_pixel;
+    let inverse_step = 1.0 / ((STEP * texel + longest) * surface.metres_per_pixel);
     // The middle of this texel, in those of the coarser level.
     let middle = (vec2<f32>(place) + 0.5) * 0.5;
+    let slope = surface.slope * texel;
+    let expected_at_first = surface.entry.metres + dot(slope, first + 0.5 - middle);
     var sum = vec4(0.0);
     for (var i = 0; i < 4; i++) {
         let corner = vec2<f32>(vec2(i & 1, i >> 1u));
         let near = mix(1.0 - along, along, corner);
         let other = unpack_entry(coarser(vec2<i32>(first + corner)));
-        let expected = surface.entry.metres + further(surface, (first + corner + 0.5 - middle) * texel);
-        let is_beside = saturate(2.0 - abs(other.metres - expected) / step);
+        let expected = expected_at_first + dot(slope, corner);
+        let is_beside = saturate(2.0 - abs(other.metres - expected) * inverse_step);
         let weight = near.x * near.y * select(0.0, is_beside, other.material == surface.entry.material);
         // Of the difference: where there is none, nothing changes.
         sum += weight * vec4(other.light - surface.entry.light, 1.0);
@@ -117,29 +120,31 @@ fn mean_around(surface: Surface, place: vec2<i32>, at: vec2<f32>) -> vec4<f32> {
     return sum;
 }
 
-/// What scattering adds to the light of a texel.
-fn added_at(place: vec2<i32>, surface: Surface) -> vec3<f32> {
-    // A circle on a surface that is turned away looks narrow one way. The kernel is as narrow, and drawn out the other way: by
-    // two places, of which the sum of the squared offsets over all levels is what it lacks.
-    let paths = surface.paths * surface.facing;
-    let width = min(1.0 / surface.facing, WIDEST);
-    let level = f32(surface.level);
-    let middle = (vec2<f32>(place) + 0.5) * 0.5;
-    var sum: vec4<f32>;
+/// A circle on a surface that is turned away looks narrow one way. The kernel is as narrow, and drawn out the other way: by two
+/// places on either side of the middle, whose squared offsets add up over all levels. The picture's own is too small to matter.
+fn offset_of(surface: Surface, middle: vec2<f32>) -> vec2<f32> {
 #ifdef DRAWN_OUT
-    let is_wide = width > 1.1;
-#else
-    let is_wide = false;
-#endif
-    if !is_wide {
-        sum = mean_around(surface, place, middle);
-    } else {
+    let width = min(1.0 / surface.facing, WIDEST);
+    if width > 1.1 {
         let lean = surface.normal.xy - to_viewer(middle * f32(2u << surface.level)).xy * surface.facing;
         let along = normalize(vec2(-lean.y, lean.x) * sign(view.pixels_per_metre));
-        let offset = along * (0.5 * sqrt(width * width - 1.0));
+        return along * (DRAWN * sqrt(width * width - 1.0));
+    }
+#endif
+    return vec2(0.0);
+}
+
+/// What scattering adds to the light of a texel.
+fn added_at(place: vec2<i32>, surface: Surface) -> vec3<f32> {
+    let middle = (vec2<f32>(place) + 0.5) * 0.5;
+    let offset = offset_of(surface, middle);
+    var sum: vec4<f32>;
+    if all(offset == vec2(0.0)) {
+        sum = mean_around(surface, place, middle);
+    } else {
         sum = mean_around(surface, place, middle + offset) + mean_around(surface, place, middle - offset);
     }
-    return share_beyond(level, paths) * sum.rgb / max(sum.a, 1e-4);
+    return share_beyond(f32(surface.level), surface.paths * surface.facing) * sum.rgb / max(sum.a, 1e-4);
 }
 
 #ifdef PICTURE
@@ -169,9 +174,6 @@ fn main(
     }
 }
 #else
-var<workgroup> has_light: atomic<u32>;
-var<workgroup> is_needed: u32;
-
 /// The words of a texel with what has scattered in place of what enters.
 fn scattered(place: vec2<i32>, words: vec2<u32>, level: u32) -> vec2<u32> {
     var entry = unpack_entry(words);
@@ -182,33 +184,36 @@ fn scattered(place: vec2<i32>, words: vec2<u32>, level: u32) -> vec2<u32> {
     return pack_entry(entry);
 }
 
-@compute @workgroup_size(64, 1, 1)
-fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
+/// Of the 8×8 texels from `corner` on.
+fn make(corner: vec2<i32>, invocation: u32) {
     let index = vec2<i32>(vec2(invocation & 7u, invocation >> 3u));
-    let place = vec2<i32>(workgroup.xy) * SIDE + index;
+    let place = corner + index;
     let words = textureLoad(light_texture, place, 0).rg;
-    if invocation == 0u {
-        atomicStore(&has_light, 0u);
-    }
-    workgroupBarrier();
-    if words.x != 0u {
-        atomicStore(&has_light, 1u);
-    }
-    workgroupBarrier();
-    if invocation == 0u {
-        is_needed = atomicLoad(&has_light);
-    }
-    if workgroupUniformLoad(&is_needed) == 0u {
+    if !is_any(words.x != 0u, invocation) {
         textureStore(level_output, place, vec4(0u));
         return;
     }
     // Four of its texels a side are beneath those of this level; two more on each side are around them.
-    region_corner = vec2<i32>(workgroup.xy) * (SIDE / 2) - 2;
+    region_corner = corner / 2 - 2;
     let beneath = region_corner + index;
     is_in_region = false;
     region[invocation] = scattered(beneath, textureLoad(coarser_texture, beneath, 0).rg, view.level + 1u);
     workgroupBarrier();
     is_in_region = true;
     textureStore(level_output, place, vec4(scattered(place, words, view.level), 0u, 0u));
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let size = textureDimensions(light_texture);
+    let columns = (size.x + 7u) / 8u;
+    let count = columns * ((size.y + 7u) / 8u);
+    for (var group = workgroup.x; group < count; group += workgroups.x) {
+        make(vec2<i32>(8u * vec2(group % columns, group / columns)), invocation);
+    }
 }
 #endif
