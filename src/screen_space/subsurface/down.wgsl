@@ -1,8 +1,10 @@
 // The light that enters surfaces, twice as coarse: means by the weights 1, 3, 3, 1 each way (Burt and Adelson 1983, "The
 // Laplacian Pyramid as a Compact Image Code", have five such), of the nearest surface of its own 2×2 texels and its material.
 // Either of the listed tiles, or of the whole level, and then of the next one too.
-#import bevy_lean_deferred::lighting::subsurface_light::{Entry, pack_entry, unpack_entry}
-#import bevy_lean_deferred::screen_space::subsurface::bindings::{level_output, light_texture, view}
+#import bevy_lean_deferred::lighting::subsurface_light::{
+    Entry, MATERIALS, pack_entry, scattering_distance, unpack_entry,
+}
+#import bevy_lean_deferred::screen_space::subsurface::bindings::{level_output, light_texture, tiles, view}
 #import bevy_lean_deferred::screen_space::subsurface::texel::pixels_per_metre_at
 #ifdef LISTED
 #import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_groups, listed_texel}
@@ -11,8 +13,9 @@
 #import bevy_lean_deferred::screen_space::subsurface::texel::is_any
 #endif
 
-/// The step between surfaces, in texels of the coarser level.
-const STEP: f32 = 2.0;
+/// The step between surfaces: in texels of the coarser level, as much as one has that is turned away by 60 degrees, and in mean
+/// free paths.
+const STEP: vec2<f32> = vec2(2.0, 10.0);
 
 #ifndef LISTED
 /// Texels a side that a workgroup reads, and makes of the first level: a rim of them is for the second one.
@@ -49,7 +52,10 @@ fn mean_of(first: vec2<i32>, level: u32) -> vec2<u32> {
     if nearest.material == 0u {
         return vec2(0u);
     }
-    let step = STEP * f32(1u << level) / pixels_per_metre_at(nearest.metres);
+    let texel = f32(1u << level) / pixels_per_metre_at(nearest.metres);
+    let paths = scattering_distance(tiles[MATERIALS + nearest.material]);
+    let longest = max(paths.r, max(paths.g, paths.b));
+    let step = min(STEP.x * texel, STEP.y * longest);
     var metres = 0.0;
     var light = vec3(0.0);
     var weights = 0.0;

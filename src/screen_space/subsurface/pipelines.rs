@@ -100,7 +100,10 @@ impl SubsurfaceLayouts {
                 "lean_deferred/subsurface/first",
                 &[view, tiles, light, level],
             ),
-            down: found("lean_deferred/subsurface/down", &[view, light, level, next]),
+            down: found(
+                "lean_deferred/subsurface/down",
+                &[view, tiles, light, level, next],
+            ),
             up: found(
                 "lean_deferred/subsurface/up",
                 &[view, tiles, light, scattered, coarser, level, normal],

@@ -172,6 +172,7 @@ pub(super) fn prepare_subsurface_bind_groups(
         for (level, group) in DOWN.into_iter().zip(down) {
             group.update(&device, &layouts.down, |entries| {
                 entries.push(VIEW, uniforms.clone())?;
+                entries.push(TILES, tiles())?;
                 entries.push(LIGHT_TEXTURE, light[level - 1].into_binding())?;
                 entries.push(LEVEL_OUTPUT, light[level].into_binding())?;
                 entries.push(NEXT_OUTPUT, light[level + 1].into_binding())
