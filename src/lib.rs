@@ -28,7 +28,7 @@
 //! Any camera may have [`LeanAmbientOcclusion`]: in the lighting pass of lean ones, multiplied onto the picture of others. And any
 //! HDR camera [`LeanAutoExposure`], between anti-aliasing and post-processing. Lean ones may have [`LeanScreenSpaceGi`]: light
 //! that surfaces send to one another, and [`LeanScreenSpaceReflections`]: what they mirror, both found between G-buffer and
-//! lighting.
+//! lighting. After it light scatters beneath surfaces that let it in ([`LeanSubsurfaceScattering`]).
 //!
 //! Data flows one way: component ([`view`]) → extract → the decision which views are lean ([`lean`]) → queue and prepare →
 //! bind → pass. The GPU time of each pass is recorded under `lean_deferred/…`, visible with Bevy's

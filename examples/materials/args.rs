@@ -26,6 +26,10 @@ pub struct Args {
     #[argh(switch)]
     no_environment: bool,
 
+    /// have light leave surfaces where it enters
+    #[argh(switch)]
+    no_scattering: bool,
+
     /// render without a window, write this PNG and quit
     #[argh(option)]
     pub headless: Option<String>,
@@ -50,6 +54,7 @@ impl Args {
             debug_view: self.debug_view,
             sun: !self.no_sun,
             environment: !self.no_environment,
+            scattering: !self.no_scattering,
             text: true,
             picture: self.size,
         }

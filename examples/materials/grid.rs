@@ -10,7 +10,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-use crate::rows::{COLUMNS, ROWS, Textures};
+use crate::rows::{COLUMNS, ROWS, Shape, Textures};
 
 /// Metres between two samples.
 const SPACING: f32 = 1.0;
@@ -36,8 +36,19 @@ pub fn spawn(
     mut standard: ResMut<Assets<StandardMaterial>>,
     mut extended: ResMut<Assets<ExtendedStandardMaterial>>,
 ) {
-    let ball = meshes.add(with_all_attributes(Sphere::new(RADIUS).mesh().uv(64, 32)));
-    let leaf = meshes.add(with_all_attributes(Circle::new(RADIUS).into()));
+    let shapes = [
+        (Shape::Ball, Sphere::new(RADIUS).mesh().uv(64, 32)),
+        (Shape::Leaf, Circle::new(RADIUS).into()),
+        (Shape::ThinSlab, slab(0.02)),
+        (Shape::ThickSlab, slab(0.3)),
+        (Shape::Bust, bust()),
+    ];
+    let shapes = shapes.map(|(shape, mesh)| (shape, meshes.add(with_all_attributes(mesh))));
+    let mesh_of = |shape: Shape| {
+        let mut shapes = shapes.iter();
+        let found = shapes.find_map(|(other, mesh)| (*other == shape).then_some(mesh));
+        found.cloned().unwrap_or_default()
+    };
     let textures = Textures {
         specular: images.add(specular_texture()),
         lightmap: images.add(lightmap()),
@@ -47,7 +58,7 @@ pub fn spawn(
             let sample = (kind.sample)(column, &textures);
             let x = (column as f32 - (COLUMNS - 1) as f32 / 2.0) * SPACING;
             let mut entity = commands.spawn((
-                Mesh3d(if sample.is_leaf { &leaf } else { &ball }.clone()),
+                Mesh3d(mesh_of(sample.shape)),
                 Transform::from_xyz(x, row_height(row), -kind.depth),
             ));
             if sample.extension == ShadingExtension::None {
@@ -107,6 +118,43 @@ pub fn spawn_lights(mut commands: Commands) {
         .build(),
         Transform::from_xyz(0.4, 1.0, 0.8).looking_at(Vec3::ZERO, Vec3::Y),
     ));
+}
+
+/// A slab of this thickness, turned so that its side is seen.
+fn slab(thickness: f32) -> Mesh {
+    let side = 1.6 * RADIUS;
+    Mesh::from(Cuboid::new(side, side, thickness)).rotated_by(Quat::from_rotation_y(0.6))
+}
+
+/// A head on shoulders.
+fn bust() -> Mesh {
+    let ball = |radius: f32, at: [f32; 3], scale: [f32; 3]| {
+        let ball = Sphere::new(radius * RADIUS).mesh().uv(48, 24);
+        let at = Vec3::from_array(at) * RADIUS;
+        ball.scaled_by(Vec3::from_array(scale)).translated_by(at)
+    };
+    let parts = [
+        // Skull, jaw, nose, brow, ears, neck, shoulders.
+        ball(0.58, [0.0, 0.42, 0.0], [0.82, 1.0, 0.95]),
+        ball(0.36, [0.0, 0.05, 0.14], [0.9, 0.85, 0.9]),
+        ball(0.13, [0.0, 0.3, 0.55], [0.7, 1.4, 1.0]),
+        ball(0.3, [0.0, 0.5, 0.36], [1.2, 0.35, 0.6]),
+        ball(0.15, [-0.5, 0.35, -0.02], [0.3, 1.1, 0.8]),
+        ball(0.15, [0.5, 0.35, -0.02], [0.3, 1.1, 0.8]),
+        ball(0.26, [0.0, -0.35, -0.04], [1.0, 1.5, 1.0]),
+        ball(0.75, [0.0, -0.9, -0.05], [1.15, 0.45, 0.6]),
+    ];
+    let turned = Quat::from_rotation_y(-0.45);
+    let all = parts.into_iter().reduce(|mut all, part| {
+        if let Err(error) = all.merge(&part) {
+            error!("the bust lacks a part: {error}");
+        }
+        all
+    });
+    all.map_or_else(
+        || Sphere::new(RADIUS).into(),
+        |mesh| mesh.rotated_by(turned),
+    )
 }
 
 /// With tangents, and the UVs of lightmaps.

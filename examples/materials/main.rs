@@ -10,6 +10,7 @@
 //! | D | next channel of the G-buffer, where lean is shown |
 //! | L | sun on / off |
 //! | E | environment map on / off |
+//! | S | subsurface scattering on / off, where lean is shown: forward has none |
 //! | H | text on / off |
 //! | mouse, over the left half | left: orbit, right: pan, wheel: zoom |
 //! | Esc | quit |

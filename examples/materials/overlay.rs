@@ -23,7 +23,8 @@ impl Plugin for OverlayPlugin {
     }
 }
 
-const KEYS: &str = "1 both  2 lean  3 forward  D channel  L sun  E environment  H text";
+const KEYS: &str =
+    "1 both  2 lean  3 forward  D channel  L sun  E environment  S scattering  H text";
 
 fn update_text(
     settings: Res<ExampleSettings>,

@@ -39,12 +39,22 @@ pub struct Textures {
     pub lightmap: Handle<Image>,
 }
 
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Shape {
+    #[default]
+    Ball,
+    /// A thin disc.
+    Leaf,
+    ThinSlab,
+    ThickSlab,
+    Bust,
+}
+
 #[derive(Default)]
 pub struct Sample {
     pub base: StandardMaterial,
     pub extension: ShadingExtension,
-    /// A thin disc in place of a ball.
-    pub is_leaf: bool,
+    pub shape: Shape,
     pub ignores_shadows: bool,
     /// With a lightmap, sampled bicubically or not.
     pub lightmap: Option<bool>,
@@ -98,7 +108,7 @@ pub const ROWS: [Row; 13] = [
     Row::new("rim", "exponent 1, 2, 5 in three colours", rim),
     Row::new(
         "subsurface",
-        "mean free path 0.1 mm, 1 cm, 1 m in three colours (lit as plain)",
+        "mean free path 1, 3, 10, 30, 100 mm; jade; a thin and a thick slab and a bust of 10 mm",
         subsurface,
     ),
     Row::new("unlit", "five colours; last 4: brightness 1 to 64", unlit),
@@ -210,7 +220,7 @@ fn backlight(column: usize, _: &Textures) -> Sample {
     };
     Sample {
         base,
-        is_leaf,
+        shape: if is_leaf { Shape::Leaf } else { Shape::Ball },
         ..default()
     }
 }
@@ -241,15 +251,27 @@ fn rim(column: usize, _: &Textures) -> Sample {
     }
 }
 
+/// What scatters light: the red of skin goes furthest, the green of jade.
 fn subsurface(column: usize, _: &Textures) -> Sample {
-    let (color, mean_free_path) = pair(column, COLORS, [0.0001, 0.01, 1.0]);
+    const PATHS: [f32; 9] = [0.001, 0.003, 0.01, 0.03, 0.1, 0.03, 0.01, 0.01, 0.01];
+    const SHAPES: [Shape; 3] = [Shape::ThinSlab, Shape::ThickSlab, Shape::Bust];
+    let skin = (LinearRgba::rgb(1.0, 0.35, 0.2), Color::srgb(0.85, 0.7, 0.6));
+    let jade = (
+        LinearRgba::rgb(0.3, 1.0, 0.5),
+        Color::srgb(0.35, 0.65, 0.45),
+    );
+    let (color, base_color) = if column == 5 { jade } else { skin };
     Sample {
-        base: base(Color::srgb(0.85, 0.7, 0.6), 0.0, 0.5),
+        base: base(base_color, 0.0, 0.5),
         extension: ShadingExtension::Subsurface {
-            color,
-            mean_free_path,
+            color: color.into(),
+            mean_free_path: PATHS[column % PATHS.len()],
             albedo: default(),
         },
+        shape: column
+            .checked_sub(6)
+            .and_then(|last| SHAPES.get(last).copied())
+            .unwrap_or_default(),
         ..default()
     }
 }

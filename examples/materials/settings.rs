@@ -30,6 +30,8 @@ pub struct ExampleSettings {
     pub debug_view: Option<DebugChannel>,
     pub sun: bool,
     pub environment: bool,
+    /// Light scatters beneath surfaces.
+    pub scattering: bool,
     pub text: bool,
     /// The size of the picture where there is no window.
     pub picture: UVec2,
@@ -120,6 +122,7 @@ pub fn read_keys(
             }
             KeyCode::KeyL => settings.sun = !settings.sun,
             KeyCode::KeyE => settings.environment = !settings.environment,
+            KeyCode::KeyS => settings.scattering = !settings.scattering,
             KeyCode::KeyH => settings.text = !settings.text,
             KeyCode::Escape => {
                 exit.write(AppExit::Success);
@@ -163,10 +166,20 @@ pub fn apply(
         }
         let debug_view = settings.debug_view.filter(|_| *side == Side::Left);
         if *side == Side::Left {
-            entity.insert(LeanDeferred {
-                debug_view,
-                ..default()
-            });
+            entity.insert((
+                LeanDeferred {
+                    debug_view,
+                    ..default()
+                },
+                LeanSubsurfaceScattering {
+                    quality: if settings.scattering {
+                        default()
+                    } else {
+                        SubsurfaceScatteringQuality::Off
+                    },
+                    ..default()
+                },
+            ));
         }
         entity.insert(if debug_view.is_some() {
             Tonemapping::None

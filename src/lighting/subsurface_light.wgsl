@@ -17,7 +17,7 @@ const MATERIALS: u32 = 1u;
 const TILES: u32 = 257u;
 
 /// The low bits of the first word of an entry: which material it is. The rest is a distance, which thereby is off by at most
-/// 2 to the power of -17 of itself.
+/// 2 to the power of -16 of itself.
 const MATERIAL_BITS: u32 = 0xffu;
 
 /// What the light of a pixel or texel is and where.

@@ -91,10 +91,16 @@ fn scene(
     s.floor();
     s.sun(true);
     balls(s, extensions, change);
-    let camera = s.default_camera(AmbientLight {
+    // Forward scatters no light.
+    let unscattered = LeanSubsurfaceScattering {
+        quality: SubsurfaceScatteringQuality::Off,
+        ..default()
+    };
+    let ambient = AmbientLight {
         brightness: 700.0,
         ..default()
-    });
+    };
+    let camera = s.default_camera((ambient, unscattered));
     match surroundings {
         Surroundings::Ambient => {}
         Surroundings::EnvironmentMap => {

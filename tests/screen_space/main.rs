@@ -7,4 +7,5 @@ mod reflections;
 mod scenes;
 mod settings;
 mod subsurface;
+mod subsurface_apps;
 mod views;

@@ -7,5 +7,6 @@ mod permutations;
 mod reconstruction;
 mod reflections;
 mod screen_space;
+mod subsurface;
 mod tile_list;
 mod twins;

@@ -74,6 +74,21 @@ fn reflections_compose() {
 }
 
 #[test]
+fn subsurface_scattering_composes() {
+    check!(
+        "subsurface/down.wgsl",
+        &[],
+        &[&["", "LISTED"], &["", "PROJECTION_ORTHOGRAPHIC"]]
+    );
+    let choices: &[&[&str]] = &[
+        &["", "PICTURE"],
+        &["", "DRAWN_OUT"],
+        &["", "PROJECTION_ORTHOGRAPHIC"],
+    ];
+    check!("subsurface/up.wgsl", &[], choices);
+}
+
+#[test]
 fn history_and_debug_views_compose() {
     check!("history/levels.wgsl", &[], &[&["", "OF_LEVEL"]]);
     let shown: &[&str] = &[

@@ -17,6 +17,7 @@ use bevy_lean_deferred::{
         diffuse_gi::{self, GiView},
         history::{self, HistoryView},
         reflections::{self, ReflectionView},
+        subsurface::{self, SubsurfaceView},
     },
     shading_extension::ExtensionUniform,
 };
@@ -110,6 +111,8 @@ fn structs_are_laid_out_alike() {
         "ROUGH_RAYS=8"
     );
     check_struct::<ReflectionView, _>(&trace, "ReflectionView");
+    let down = shader!("screen_space/subsurface/down.wgsl",);
+    check_struct::<SubsurfaceView, _>(&down, "SubsurfaceView");
     let extension = shader!("shading_extension/extension.wgsl", "MATERIAL_BIND_GROUP=3");
     check_struct::<ExtensionUniform, _>(&extension, "Extension");
 }
@@ -215,6 +218,7 @@ fn bindings_have_the_numbers_of_their_names() {
             "GBUFFER_SPECIALIZATION",
             "LISTED_VARIANTS",
             "LEAN_AMBIENT_OCCLUSION",
+            "SCATTERS_LIGHT",
         ]),
         lighting(&["SCREEN_SPACE_AMBIENT_OCCLUSION"]),
         lighting(&[
@@ -311,6 +315,15 @@ fn bindings_have_the_numbers_of_their_names() {
     ];
     let numbers = reflections::binding_numbers::ALL;
     check_numbers(numbers, &bindings(&reflections, 0), "reflections");
+
+    let scattering = [
+        shader!("screen_space/subsurface/down.wgsl", "LISTED"),
+        shader!("screen_space/subsurface/down.wgsl",),
+        shader!("screen_space/subsurface/up.wgsl",),
+        shader!("screen_space/subsurface/up.wgsl", "PICTURE"),
+    ];
+    let numbers = subsurface::binding_numbers::ALL;
+    check_numbers(numbers, &bindings(&scattering, 0), "subsurface scattering");
 
     let resolve = [
         shader!("gbuffer/resolve_motion.wgsl", "GBUFFER_MOTION"),

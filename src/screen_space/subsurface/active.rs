@@ -3,15 +3,15 @@
 use bevy::{
     prelude::*,
     render::{
-        camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity,
-        view::ExtractedView,
+        camera::ExtractedCamera, render_resource::PipelineCache, renderer::RenderDevice,
+        sync_world::MainEntity, view::ExtractedView,
     },
 };
 
 use super::{
     key::SubsurfaceKey,
     pipelines::{SubsurfacePasses, SubsurfacePipelines},
-    settings::LeanSubsurfaceScattering,
+    settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality},
 };
 use crate::{
     gbuffer::ViewDemands,
@@ -38,12 +38,25 @@ impl Default for Warnings {
     }
 }
 
+/// What the device lacks. Beside what [`LeanDeferred`] needs, lighting writes one more storage buffer and, with
+/// [`LeanScreenSpaceGi`](crate::LeanScreenSpaceGi), four storage textures.
+fn lack(device: &RenderDevice) -> Option<&'static str> {
+    let limits = device.limits();
+    if limits.max_storage_buffers_per_shader_stage < 9 {
+        Some("the device has fewer than 9 storage buffers for a shader stage")
+    } else if limits.max_storage_textures_per_shader_stage < 4 {
+        Some("the device has fewer than 4 storage textures for a shader stage")
+    } else {
+        None
+    }
+}
+
 /// Inserts or removes [`ActiveScattering`], and what it asks of lighting. While the shaders of new settings compile, a view
 /// keeps those that it had. Cameras that are switched off lose it.
 pub(super) fn decide_active_scattering(
     mut commands: Commands,
     pipelines: Option<ResMut<SubsurfacePipelines>>,
-    cache: Res<PipelineCache>,
+    (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
     demands: Res<ViewDemands>,
     mut warnings: ResMut<Warnings>,
     views: Query<
@@ -64,7 +77,7 @@ pub(super) fn decide_active_scattering(
             )>,
         ),
     >,
-    cameras: Query<&MainEntity, With<LeanSubsurfaceScattering>>,
+    cameras: Query<&MainEntity, Or<(With<LeanDeferred>, With<LeanSubsurfaceScattering>)>>,
     switched_off: Query<Entity, (With<ActiveScattering>, Without<ExtractedCamera>)>,
 ) {
     warnings.0.keep_only(cameras.iter());
@@ -75,16 +88,23 @@ pub(super) fn decide_active_scattering(
         return;
     };
     for (entity, view, settings, is_lean, current) in &views {
-        let reason = (!is_lean && settings.is_some()).then_some("it has no LeanDeferred");
+        let is_asked = is_lean && demands.scatter(view.retained_view_entity);
+        let reason = match (settings, is_lean) {
+            (Some(settings), false) if settings.quality != SubsurfaceScatteringQuality::Off => {
+                Some("it has no LeanDeferred")
+            }
+            _ => lack(&device).filter(|_| is_asked),
+        };
         (warnings.0).tell(view.retained_view_entity.main_entity, reason);
         let settings = settings.copied().unwrap_or_default();
-        let is_asked = is_lean && demands.scatter(view.retained_view_entity);
         let key = SubsurfaceKey::new(settings.quality, projection_of(view.clip_from_view));
-        let wanted = key.filter(|_| is_asked).map(|key| ActiveScattering {
-            settings,
-            key,
-            passes: pipelines.specialize(&cache, key),
-        });
+        let wanted = key
+            .filter(|_| is_asked && reason.is_none())
+            .map(|key| ActiveScattering {
+                settings,
+                key,
+                passes: pipelines.specialize(&cache, key),
+            });
         let stand_in = current.copied().filter(|last| {
             wanted.is_some_and(|wanted| wanted.key.is_orthographic == last.key.is_orthographic)
         });

@@ -74,6 +74,7 @@ pub const LIGHTING: &[Factor] = &[
         &["SPOT_LIGHTS", "SPHERE_LIGHTS"],
     ],
     optional!("DEPTH_TELLS_GEOMETRY"),
+    optional!("SCATTERS_LIGHT"),
     &[
         &[],
         &["DIFFUSE_LIGHT"],
@@ -333,7 +334,7 @@ pub fn implications(name: &str) -> &'static [&'static str] {
             "STANDARD_MATERIAL_DIFFUSE_OR_SPECULAR_TRANSMISSION",
             "GBUFFER_SPECIALIZATION",
         ],
-        "LISTED_VARIANTS" | "VISITED_VARIANTS" => &["GBUFFER_SPECIALIZATION"],
+        "LISTED_VARIANTS" | "VISITED_VARIANTS" | "SCATTERS_LIGHT" => &["GBUFFER_SPECIALIZATION"],
         "STANDARD_MATERIAL_CLEARCOAT" | "STANDARD_MATERIAL_ANISOTROPY" => {
             &["GBUFFER_SPECIALIZATION"]
         }

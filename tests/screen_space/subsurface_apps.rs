@@ -1,0 +1,372 @@
+//! Light that scatters beneath surfaces, in apps: what comes and goes, what stands beside it, and views of all kinds.
+
+use bevy::{
+    camera::{ScalingMode, Viewport},
+    pbr::{DistanceFog, FogFalloff},
+    prelude::*,
+    render::RenderApp,
+};
+use bevy_lean_deferred::{
+    lighting::SubsurfaceLight, prelude::*, screen_space::subsurface::ViewSubsurface,
+};
+use kit::{
+    headless::Headless,
+    known_light::{Seen, camera, look, see, show},
+    known_slabs::{SKIN, patterned, slab, step},
+    lean::{build, change_cameras},
+    log_watch,
+    own_process::in_own_process,
+    scenes::SceneBuilder,
+};
+
+use SubsurfaceScatteringQuality::{High, Low, Off};
+
+const SIZE: UVec2 = UVec2::new(160, 96);
+const PATH: f32 = 0.08;
+/// A view keeps what none of its meshes needs any more for so many frames.
+const LINGERING: usize = 125;
+
+fn ahead() -> Transform {
+    Transform::from_xyz(0.0, 0.0, 2.0)
+}
+
+fn with(quality: SubsurfaceScatteringQuality) -> LeanSubsurfaceScattering {
+    LeanSubsurfaceScattering {
+        quality,
+        ..default()
+    }
+}
+
+fn lit_slab(s: &mut SceneBuilder) {
+    patterned(s, slab(SKIN, PATH), default(), step);
+}
+
+/// A slab, half of it lit.
+fn stage(s: &mut SceneBuilder) {
+    lit_slab(s);
+    camera(s, ahead(), 1.0, ());
+}
+
+fn slabs(headless: &mut Headless) -> Vec<Entity> {
+    let world = headless.world();
+    let mut slabs =
+        world.query_filtered::<Entity, With<MeshMaterial3d<ExtendedStandardMaterial>>>();
+    slabs.iter(world).collect()
+}
+
+fn holds_anything(headless: &mut Headless) -> bool {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query::<(Has<SubsurfaceLight>, Has<ViewSubsurface>)>();
+    let held: Vec<_> = views.iter(world).collect();
+    assert!(held.iter().all(|(light, view)| light == view), "{held:?}");
+    held.contains(&(true, true))
+}
+
+fn most_off(a: &Seen, b: &Seen) -> f32 {
+    let pairs = a
+        .light
+        .texels
+        .iter()
+        .flatten()
+        .zip(b.light.texels.iter().flatten());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// Without a visible material that asks for it nothing is held; and what was held is given back.
+#[test]
+fn it_is_there_while_something_needs_it() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, stage);
+        let with_slab = see(&mut headless, 2);
+        assert!(holds_anything(&mut headless));
+        let set_quality = |headless: &mut Headless, quality| {
+            change_cameras(headless, |camera| {
+                camera.insert(with(quality));
+            });
+            see(headless, 2)
+        };
+        let off = set_quality(&mut headless, Off);
+        assert!(!holds_anything(&mut headless) && most_off(&with_slab, &off) > 0.1);
+        let on = set_quality(&mut headless, High);
+        assert!(holds_anything(&mut headless) && most_off(&with_slab, &on) == 0.0);
+        change_cameras(&mut headless, |camera| {
+            camera.remove::<LeanDeferred>();
+        });
+        headless.settle();
+        assert!(!holds_anything(&mut headless));
+        assert_eq!(log_watch::messages_with("it has no LeanDeferred").len(), 1);
+        change_cameras(&mut headless, |camera| {
+            camera.insert(LeanDeferred::default());
+        });
+        assert!(most_off(&with_slab, &see(&mut headless, 2)) == 0.0);
+        for slab in slabs(&mut headless) {
+            headless.world().despawn(slab);
+        }
+        headless.frames(LINGERING);
+        assert!(!holds_anything(&mut headless));
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// In each frame, in both ways; it shows one picture or the other.
+#[test]
+fn it_may_be_switched_in_every_frame() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, stage);
+        let on = see(&mut headless, 2);
+        change_cameras(&mut headless, |camera| {
+            camera.insert(with(Off));
+        });
+        let off = see(&mut headless, 2);
+        for frame in 0..12 {
+            change_cameras(&mut headless, |camera| {
+                camera.insert(with([Off, Low, High][frame % 3]));
+            });
+            headless.frames(1 + frame % 2);
+            let seen = look(&mut headless);
+            let least = most_off(&seen, &on).min(most_off(&seen, &off));
+            assert!(least < 0.01, "frame {frame}: {least}");
+        }
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// Tiles that a slab has left do not shine on those that it has come to.
+#[test]
+fn what_moves_leaves_nothing_behind() {
+    in_own_process(|| {
+        let at = |x: f32| Transform::from_xyz(x, 0.3, 0.0).with_scale(Vec3::splat(0.1));
+        let scene = |s: &mut SceneBuilder, x: f32| {
+            patterned(s, slab(SKIN, PATH), at(x), |_| 1.0);
+            let dark = Transform::from_xyz(0.0, 0.0, -0.01);
+            patterned(s, slab(SKIN, PATH), dark, |_| 0.0);
+            camera(s, ahead(), 1.0, ());
+        };
+        let (_, expected) = show(SIZE, 4, |s| scene(s, 0.45));
+        let mut headless = build(SIZE, |s| scene(s, -0.5));
+        see(&mut headless, 4);
+        let world = headless.world();
+        let mut slabs = world.query::<&mut Transform>();
+        for mut slab in slabs.iter_mut(world) {
+            if slab.scale.x < 0.5 {
+                *slab = at(0.45);
+            }
+        }
+        let moved = see(&mut headless, 1);
+        moved.save("moved_slab", 0.9);
+        assert_eq!(most_off(&moved, &expected), 0.0);
+    });
+}
+
+/// Even light stays, whatever the base colour is; a base colour that is applied before light scatters gets soft.
+#[test]
+fn textures_stay_sharp_where_albedo_comes_after() {
+    in_own_process(|| {
+        let picture = |albedo, quality| {
+            let (_, seen) = show(SIZE, 2, |s| {
+                let mut material = slab(SKIN, PATH);
+                if let ShadingExtension::Subsurface { albedo: when, .. } = &mut material.extension {
+                    *when = albedo;
+                }
+                patterned(s, material, default(), |at| 0.1 + 0.8 * step(at));
+                camera(s, ahead(), 1.0, with(quality));
+            });
+            seen
+        };
+        let off = picture(SubsurfaceAlbedo::AfterScattering, Off);
+        let after = picture(SubsurfaceAlbedo::AfterScattering, High);
+        let before = picture(SubsurfaceAlbedo::BeforeScattering, High);
+        let [after, before] = [after, before].map(|seen| most_off(&seen, &off));
+        println!("after {after:.4}, before {before:.4}");
+        assert!(after < 0.01 && before > 0.3);
+    });
+}
+
+/// Fog is between the surface and the viewer: it takes its part of light that has scattered.
+#[test]
+fn fog_comes_after() {
+    in_own_process(|| {
+        let picture = |fog: bool, quality, light: fn(Vec2) -> f32| {
+            let (_, seen) = show(SIZE, 2, |s| {
+                patterned(s, slab(SKIN, PATH), default(), light);
+                let camera = camera(s, ahead(), 1.0, with(quality));
+                if fog {
+                    s.world().entity_mut(camera).insert(DistanceFog {
+                        color: Color::linear_rgb(0.4, 0.4, 0.4),
+                        falloff: FogFalloff::Linear {
+                            start: 0.0,
+                            end: 4.0,
+                        },
+                        ..default()
+                    });
+                }
+            });
+            seen
+        };
+        // What fog adds, and with what it leaves.
+        let [adds, full] = [picture(true, Off, |_| 0.0), picture(true, Off, |_| 1.0)];
+        let [on, fog_on] = [false, true].map(|fog| picture(fog, High, step));
+        let texels = |seen: &Seen| seen.light.texels.clone();
+        let all = texels(&adds).into_iter().zip(texels(&full));
+        let pairs = texels(&on).into_iter().zip(texels(&fog_on));
+        let off = all
+            .zip(pairs)
+            .map(|((adds, full), (on, fog_on))| fog_on[1] - adds[1] - (full[1] - adds[1]) * on[1]);
+        let most = off.fold(0.0_f32, |most, off| most.max(off.abs()));
+        let middle = SIZE / 2;
+        let leaves = full.at(middle) - adds.at(middle);
+        println!("leaves {leaves:.3}, at most {most:.4} off");
+        assert!(leaves < 0.6 && most < 0.005);
+    });
+}
+
+/// Coats, rims and mirrors beside a slab show what they show without it.
+#[test]
+fn other_surfaces_stay_as_they_are() {
+    in_own_process(|| {
+        let ball = StandardMaterial {
+            base_color: Color::srgb(0.2, 0.3, 0.8),
+            clearcoat: 1.0,
+            ..default()
+        };
+        let [off, on] = [Off, High].map(|quality| {
+            let (_, seen) = show(SIZE, 2, |s| {
+                lit_slab(s);
+                let place = Transform::from_xyz(0.0, 0.0, 0.5);
+                s.mesh(Sphere::new(0.25), ball.clone(), place);
+                camera(s, ahead(), 1.0, with(quality));
+            });
+            seen
+        });
+        let mut most = 0.0_f32;
+        for (ray, (a, b)) in off
+            .rays()
+            .iter()
+            .zip(off.light.texels.iter().zip(&on.light.texels))
+        {
+            let to = Vec3::new(0.0, 0.0, 0.5) - ray.origin;
+            if to.cross(*ray.direction).length() < 0.24 {
+                most = most.max((a[1] - b[1]).abs());
+            }
+        }
+        assert!(most == 0.0 && most_off(&off, &on) > 0.1);
+    });
+}
+
+/// Light that is no number, or as bright as numbers go, stays where it is.
+#[test]
+fn hostile_light_does_not_spread() {
+    in_own_process(|| {
+        for color in [f32::NAN, f32::INFINITY, 1e38, -1.0] {
+            let (_, seen) = show(SIZE, 2, |s| {
+                lit_slab(s);
+                let mut hostile = slab(SKIN, PATH);
+                hostile.base.base_color = Color::linear_rgb(color, color, color);
+                hostile.base.emissive = LinearRgba::rgb(color, 0.0, 0.0);
+                let place = Transform::from_xyz(0.0, 0.0, 0.01).with_scale(Vec3::splat(0.05));
+                patterned(s, hostile, place, |_| 1.0);
+                camera(s, ahead(), 1.0, ());
+            });
+            let beside = seen.on_plane(Vec3::ZERO, Vec3::Z);
+            let broken = beside
+                .filter(|(_, place, _)| place.xy().abs().max_element() > 0.12)
+                .filter(|(_, _, light)| !light.is_finite())
+                .count();
+            assert_eq!(broken, 0, "{color}");
+        }
+    });
+}
+
+#[test]
+fn views_and_settings_may_be_anything() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, stage);
+        headless.settle();
+        let orthographic = Projection::Orthographic(OrthographicProjection {
+            scaling_mode: ScalingMode::FixedVertical {
+                viewport_height: 1.5,
+            },
+            ..OrthographicProjection::default_3d()
+        });
+        let viewports = [
+            (0, 0, 160, 96),
+            (13, 7, 41, 33),
+            (159, 95, 1, 1),
+            (2, 3, 5, 3),
+        ];
+        for projection in [Projection::default(), orthographic] {
+            for (x, y, width, height) in viewports {
+                for largest_radius in [256.0, 0.0, -1.0, 1e-30, 1e30, f32::NAN] {
+                    change_cameras(&mut headless, |camera| {
+                        camera.insert((
+                            projection.clone(),
+                            LeanSubsurfaceScattering {
+                                largest_radius,
+                                ..default()
+                            },
+                        ));
+                        if let Some(mut camera) = camera.get_mut::<Camera>() {
+                            camera.viewport = Some(Viewport {
+                                physical_position: UVec2::new(x, y),
+                                physical_size: UVec2::new(width, height),
+                                ..default()
+                            });
+                        }
+                    });
+                    headless.settle();
+                    let light = kit::hdr::light(&mut headless);
+                    let finite = light.texels.iter().flatten().all(|x| x.is_finite());
+                    assert!(finite, "{width}×{height}, {largest_radius}");
+                }
+            }
+        }
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// Two cameras beside one another show what each shows alone; with all that lighting writes.
+#[test]
+fn two_cameras_and_all_effects_at_once() {
+    in_own_process(|| {
+        let half = SIZE / UVec2::new(2, 1);
+        let picture = |shown: [bool; 2]| {
+            let mut headless = build(SIZE, |s| {
+                lit_slab(s);
+                s.solids();
+                s.sun(false);
+                for (order, is_active) in shown.into_iter().enumerate() {
+                    let camera = Camera {
+                        order: order as isize,
+                        is_active,
+                        viewport: Some(Viewport {
+                            physical_position: UVec2::new(half.x * order as u32, 0),
+                            physical_size: half,
+                            ..default()
+                        }),
+                        ..default()
+                    };
+                    let effects = (
+                        LeanScreenSpaceGi::default(),
+                        LeanScreenSpaceReflections::default(),
+                        DistanceFog::default(),
+                    );
+                    let from = Transform::from_xyz(0.4 * order as f32, 0.0, 2.0);
+                    s.camera(from, (LeanDeferred::default(), camera, effects));
+                }
+            });
+            headless.settle();
+            headless.frames(8);
+            headless.capture()
+        };
+        let both = picture([true, true]);
+        for (view, shown) in [[true, false], [false, true]].into_iter().enumerate() {
+            let alone = picture(shown);
+            let corner = UVec2::new(half.x * view as u32, 0);
+            let rect = URect::from_corners(corner, corner + half);
+            let difference = kit::metrics::pixel_difference(&alone.crop(rect), &both.crop(rect));
+            println!("view {view}: {difference}");
+            assert!(difference.psnr > 60.0);
+        }
+        log_watch::assert_validation_layer_silent();
+    });
+}
