@@ -9,12 +9,34 @@
 }
 #import bevy_lean_deferred::lighting::shade::Shaded
 #import bevy_lean_deferred::lighting::subsurface_light::{
-    COUNT, Entry, MATERIALS, Receiver, TILES, material_of, pack_entry, pack_receiver,
+    COUNT, Entry, MATERIALS, MOST_MATERIALS, Receiver, TILES, pack_entry, pack_receiver,
 }
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at}
 
 var<workgroup> light_scatters: atomic<u32>;
 var<workgroup> light_is_written: u32;
+
+/// The number of the material with these arguments of the shading model, in this frame: the first free one from some place on.
+/// Beyond the most materials some share theirs.
+fn number_of(arguments: u32) -> u32 {
+    var number = arguments % MOST_MATERIALS + 1u;
+    for (var tries = 0u; tries < 2u * MOST_MATERIALS; tries++) {
+        let place = &scattering_tiles[MATERIALS + number];
+        var known = atomicLoad(place);
+        if known == 0u {
+            let exchange = atomicCompareExchangeWeak(place, 0u, arguments + 1u);
+            known = select(exchange.old_value, arguments + 1u, exchange.exchanged);
+        }
+        if known == arguments + 1u {
+            break;
+        }
+        // Else another one was faster; or nobody was, and it is tried again.
+        if known != 0u {
+            number = number % MOST_MATERIALS + 1u;
+        }
+    }
+    return number;
+}
 
 /// To be called by all invocations of a tile. Tiles that had such light and have none any more are listed once more, without.
 fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: vec2<u32>, invocation: u32) {
@@ -47,11 +69,7 @@ fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: 
     var entry = vec2(0u);
     if scatters {
         let arguments = specialization::unpack_arguments(word);
-        let material = material_of(arguments);
-        let known = &scattering_tiles[MATERIALS + material];
-        if atomicLoad(known) != arguments {
-            atomicStore(known, arguments);
-        }
+        let material = number_of(arguments);
         let metres = -position_at(pixel.position, pixel.depth).z;
         entry = pack_entry(Entry(metres, material, shaded.entering));
         let receiver = Receiver(shaded.color, shaded.leaving, arguments);

@@ -24,7 +24,7 @@ pub(super) const SUBSURFACE_PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba3
 /// Of the light, whose coarser ones scattering makes.
 pub(crate) const LEVELS: usize = 8;
 
-/// Where the buffer of the tiles has these. Their count comes first.
+/// Where the buffer of the tiles has these. Their count and the materials of the frame come first.
 const TILES: u64 = 257;
 
 /// On a view with [`ScattersLight`], for as long as it is lean. Layouts of words: `subsurface_light.wgsl`.
@@ -66,9 +66,9 @@ impl SubsurfaceLight {
         size_of(self.tile_count)
     }
 
-    /// Before lighting lists tiles.
+    /// Before lighting lists tiles and materials.
     pub(super) fn clear_list(&self, encoder: &mut CommandEncoder) {
-        encoder.clear_buffer(&self.tiles, 0, Some(4));
+        encoder.clear_buffer(&self.tiles, 0, Some(4 * TILES));
     }
 
     /// All that it holds on the GPU but for the list.

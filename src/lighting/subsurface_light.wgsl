@@ -10,11 +10,13 @@
 /// Less of the base colour counts as that much where it is applied after scattering.
 const LEAST_ALBEDO: f32 = 0.04;
 
-/// Where the buffer of the tiles has how many there are, the arguments of each material, and the tiles; then, for each tile of
-/// the view, whether it had light in the last frame.
+/// Where the buffer of the tiles has how many there are, by the number of each material of the frame its arguments and 1 (0: no
+/// material has the number), and the tiles; then, for each tile of the view, whether it had light in the last frame.
 const COUNT: u32 = 0u;
 const MATERIALS: u32 = 1u;
 const TILES: u32 = 257u;
+/// Materials of a frame that are told apart.
+const MOST_MATERIALS: u32 = 255u;
 
 /// The low bits of the first word of an entry: which material it is. The rest is a distance, which thereby is off by at most
 /// 2 to the power of -16 of itself.
@@ -24,14 +26,9 @@ const MATERIAL_BITS: u32 = 0xffu;
 struct Entry {
     /// Along the view direction, in metres.
     metres: f32,
-    /// See `material_of`. 0: there is no light to scatter.
+    /// Its number, 1 to `MOST_MATERIALS`. 0: there is no light to scatter.
     material: u32,
     light: vec3<f32>,
-}
-
-/// 1 to 255, by the arguments of the shading model: other materials have another number, but for one in 255.
-fn material_of(arguments: u32) -> u32 {
-    return max((arguments * 0x9e3779b1u) >> 24u, 1u);
 }
 
 fn pack_entry(entry: Entry) -> vec2<u32> {
@@ -66,7 +63,9 @@ fn unpack_receiver(words: vec4<u32>) -> Receiver {
     return Receiver(color, unpack_light(words.z), words.w);
 }
 
-/// How far light of each channel scatters: the `d` of its profile, in metres.
-fn scattering_distance(arguments: u32) -> vec3<f32> {
+/// How far light of each channel scatters in a material that is `known` as the buffer of the tiles has it: the `d` of its
+/// profile, in metres.
+fn scattering_distance(known: u32) -> vec3<f32> {
+    let arguments = known - 1u;
     return unpack_subsurface_color(arguments) * unpack_subsurface_path(arguments);
 }

@@ -253,6 +253,51 @@ fn other_surfaces_stay_as_they_are() {
     });
 }
 
+/// Each of many materials scatters as far as it says: all paths that there are codes of, one slab each.
+#[test]
+fn materials_keep_their_paths() {
+    in_own_process(|| {
+        let paths: Vec<f32> = (0..64)
+            .map(|i| 1e-4_f32.powf(1.0 - i as f32 / 63.0))
+            .collect();
+        let place = |i: usize| {
+            let at = Vec2::new((i % 8) as f32, (i / 8) as f32) - 3.5;
+            (0.2 * at).extend(0.0)
+        };
+        let picture = |only: Option<usize>| {
+            let (_, seen) = show(UVec2::splat(192), 2, |s| {
+                for (i, path) in paths.iter().enumerate() {
+                    if only.is_none_or(|only| only == i) {
+                        let place = Transform::from_translation(place(i));
+                        patterned(
+                            s,
+                            slab(SKIN, *path),
+                            place.with_scale(Vec3::splat(0.04)),
+                            step,
+                        );
+                    }
+                }
+                camera(s, ahead(), 1.0, ());
+            });
+            seen
+        };
+        let all = picture(None);
+        all.save("paths", 0.9);
+        for i in [0, 13, 24, 32] {
+            let alone = picture(Some(i));
+            let own = alone.on_plane(Vec3::ZERO, Vec3::Z).filter(|(_, at, _)| {
+                let away = *at - place(i);
+                away.x.abs() < 0.07 && away.y.abs() < 0.07
+            });
+            let most = own.map(|(pixel, _, light)| (all.at(pixel) - light).abs());
+            let most = most.fold(0.0, f32::max);
+            println!("path {:.5}: {most:.4}", paths[i]);
+            // A coarse texel is of one slab only: paths of more pixels suffer from that.
+            assert!(most < 4e-3);
+        }
+    });
+}
+
 /// Light that is no number, or as bright as numbers go, stays where it is.
 #[test]
 fn hostile_light_does_not_spread() {

@@ -13,4 +13,5 @@ binding_numbers! {
     NORMAL_TEXTURE = 7,
     PICTURE_TEXTURE = 8,
     OUTPUT_TEXTURE = 9,
+    ENTERING_TEXTURE = 10,
 }

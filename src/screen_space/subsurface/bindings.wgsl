@@ -15,6 +15,8 @@
 @group(0) @binding(5) var level_output: texture_storage_2d<rg32uint, write>;
 @group(0) @binding(6) var next_output: texture_storage_2d<rg32uint, write>;
 @group(0) @binding(7) var normal_texture: texture_2d<u32>;
+/// The light that enters surfaces, of the picture: where there is none, normals are not of this frame.
+@group(0) @binding(10) var entering_texture: texture_2d<u32>;
 /// What the pixels show whose light scatters.
 @group(0) @binding(8) var picture_texture: texture_2d<u32>;
 @group(0) @binding(9) var output_texture: texture_storage_2d<rgba16float, write>;

@@ -17,6 +17,13 @@
 /// free paths.
 const STEP: vec2<f32> = vec2(2.0, 10.0);
 
+/// Of the finer level; nothing is beyond its rim.
+fn words_at(place: vec2<i32>) -> vec2<u32> {
+    let last = vec2<i32>(textureDimensions(light_texture)) - 1;
+    let inside = clamp(place, vec2(0), last);
+    return select(vec2(0u), textureLoad(light_texture, inside, 0).rg, all(inside == place));
+}
+
 #ifndef LISTED
 /// Texels a side that a workgroup reads, and makes of the first level: a rim of them is for the second one.
 const READ: i32 = 22;
@@ -31,7 +38,7 @@ var<private> is_second: bool;
 /// An entry of the finer level.
 fn finer(place: vec2<i32>) -> Entry {
 #ifdef LISTED
-    return unpack_entry(textureLoad(light_texture, place, 0).rg);
+    return unpack_entry(words_at(place));
 #else
     if is_second {
         return unpack_entry(made[place.y * MADE + place.x]);
@@ -90,19 +97,32 @@ fn main(
     }
 }
 #else
+/// Levels may be smaller than what a workgroup makes.
+fn store(place: vec2<i32>, words: vec2<u32>) {
+    if all(place < vec2<i32>(textureDimensions(level_output))) {
+        textureStore(level_output, place, vec4(words, 0u, 0u));
+    }
+}
+
+fn store_next(place: vec2<i32>, words: vec2<u32>) {
+    if all(place < vec2<i32>(textureDimensions(next_output))) {
+        textureStore(next_output, place, vec4(words, 0u, 0u));
+    }
+}
+
 @compute @workgroup_size(64, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let corner = vec2<i32>(workgroup.xy) * 8;
     let index = i32(invocation);
     var any_light = false;
     for (var i = index; i < READ * READ; i += 64) {
-        read[i] = textureLoad(light_texture, 2 * corner - 3 + vec2(i % READ, i / READ), 0).rg;
+        read[i] = words_at(2 * corner - 3 + vec2(i % READ, i / READ));
         any_light |= read[i].x != 0u;
     }
     if !is_any(any_light, invocation) {
-        textureStore(level_output, corner + vec2(index & 7, index >> 3u), vec4(0u));
+        store(corner + vec2(index & 7, index >> 3u), vec2(0u));
         if index < 16 {
-            textureStore(next_output, corner / 2 + vec2(index & 3, index >> 2u), vec4(0u));
+            store_next(corner / 2 + vec2(index & 3, index >> 2u), vec2(0u));
         }
         return;
     }
@@ -111,14 +131,14 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         let place = vec2(i % MADE, i / MADE);
         made[i] = mean_of(2 * place, view.level);
         if all(place > vec2(0)) && all(place < vec2(MADE - 1)) {
-            textureStore(level_output, corner + place - 1, vec4(made[i], 0u, 0u));
+            store(corner + place - 1, made[i]);
         }
     }
     workgroupBarrier();
     is_second = true;
     if index < 16 {
         let place = vec2(index & 3, index >> 2u);
-        textureStore(next_output, corner / 2 + place, vec4(mean_of(2 * place, view.level + 1u), 0u, 0u));
+        store_next(corner / 2 + place, mean_of(2 * place, view.level + 1u));
     }
 }
 #endif

@@ -18,8 +18,8 @@ use bevy::{
 
 use super::{
     binding_numbers::{
-        COARSER_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT, NORMAL_TEXTURE, OUTPUT_TEXTURE,
-        PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
+        COARSER_TEXTURE, ENTERING_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT,
+        NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
     },
     key::SubsurfaceKey,
     uniforms::SubsurfaceView,
@@ -93,6 +93,7 @@ impl SubsurfaceLayouts {
         let coarser = (COARSER_TEXTURE, words());
         let scattered = (SCATTERED_TEXTURE, words());
         let normal = (NORMAL_TEXTURE, words());
+        let entering = (ENTERING_TEXTURE, words());
         let picture = (PICTURE_TEXTURE, words());
         let output = (OUTPUT_TEXTURE, stored(TextureFormat::Rgba16Float));
         Self {
@@ -106,7 +107,9 @@ impl SubsurfaceLayouts {
             ),
             up: found(
                 "lean_deferred/subsurface/up",
-                &[view, tiles, light, scattered, coarser, level, normal],
+                &[
+                    view, tiles, light, scattered, coarser, level, normal, entering,
+                ],
             ),
             picture: found(
                 "lean_deferred/subsurface/picture",

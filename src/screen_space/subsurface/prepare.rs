@@ -15,8 +15,8 @@ use bevy::{
 use super::{
     active::ActiveScattering,
     binding_numbers::{
-        COARSER_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT, NORMAL_TEXTURE, OUTPUT_TEXTURE,
-        PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
+        COARSER_TEXTURE, ENTERING_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT,
+        NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
     },
     pipelines::SubsurfacePipelines,
     uniforms::SubsurfaceView,
@@ -186,7 +186,8 @@ pub(super) fn prepare_subsurface_bind_groups(
                 entries.push(SCATTERED_TEXTURE, scattered_at(level + 2).into_binding())?;
                 entries.push(COARSER_TEXTURE, light[level + 1].into_binding())?;
                 entries.push(LEVEL_OUTPUT, scattered_at(level).into_binding())?;
-                entries.push(NORMAL_TEXTURE, normal.into_binding())
+                entries.push(NORMAL_TEXTURE, normal.into_binding())?;
+                entries.push(ENTERING_TEXTURE, light[0].into_binding())
             });
         }
         picture.update(&device, &layouts.picture, target, |entries, output| {

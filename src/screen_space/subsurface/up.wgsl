@@ -1,7 +1,7 @@
 // Light that has scattered: some of a texel's light stays with it, the rest is what has scattered in coarser levels around it.
 // So each level spreads some of the light by its own kernel, and all of them together are the profile. Either of the picture, in
 // the listed tiles, or of a whole level and the next coarser one, which is only made here.
-#import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
+#import bevy_lean_deferred::gbuffer::layout::unpack_normal
 #import bevy_lean_deferred::lighting::subsurface_light::{
     Entry, MATERIALS, pack_entry, scattering_distance, unpack_entry,
 }
@@ -15,7 +15,7 @@
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{output_texture, picture_texture}
 #import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_groups, listed_texel}
 #else
-#import bevy_lean_deferred::screen_space::subsurface::bindings::{coarser_texture, level_output}
+#import bevy_lean_deferred::screen_space::subsurface::bindings::{coarser_texture, entering_texture, level_output}
 #import bevy_lean_deferred::screen_space::subsurface::texel::is_any
 #endif
 
@@ -55,9 +55,15 @@ fn surface_at(place: vec2<i32>, entry: Entry, level: u32) -> Surface {
     let pixel = (vec2<f32>(place) + 0.5) * texel;
     let toward = to_viewer(pixel);
     let inside = min(vec2<u32>(pixel), view.viewport_size - 1u);
+#ifdef PICTURE
+    let is_known = true;
+#else
+    // The middle of a texel may show something else.
+    let is_known = unpack_entry(textureLoad(entering_texture, inside, 0).rg).material == entry.material;
+#endif
     let word = textureLoad(normal_texture, view.viewport_origin + inside, 0).r;
     surface.normal = toward;
-    if word != NO_GEOMETRY {
+    if is_known {
         let normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
         // Shading normals may lean away from the viewer.
         surface.normal = normalize(normal + toward * max(LEAST_FACING - dot(normal, toward), 0.0));
@@ -91,7 +97,8 @@ fn coarser(place: vec2<i32>) -> vec2<u32> {
         return region[inside.y * SIDE + inside.x];
     }
 #endif
-    return textureLoad(scattered_texture, place, 0).rg;
+    let inside = clamp(place, vec2(0), vec2<i32>(textureDimensions(scattered_texture)) - 1);
+    return select(vec2(0u), textureLoad(scattered_texture, inside, 0).rg, all(inside == place));
 }
 
 /// The mean of what light that has scattered in the coarser level has more than the texel's own, around a place of that level;
@@ -184,23 +191,33 @@ fn scattered(place: vec2<i32>, words: vec2<u32>, level: u32) -> vec2<u32> {
     return pack_entry(entry);
 }
 
+/// Levels may be smaller than what a workgroup makes.
+fn store(place: vec2<i32>, words: vec2<u32>) {
+    if all(place < vec2<i32>(textureDimensions(level_output))) {
+        textureStore(level_output, place, vec4(words, 0u, 0u));
+    }
+}
+
 /// Of the 8×8 texels from `corner` on.
 fn make(corner: vec2<i32>, invocation: u32) {
     let index = vec2<i32>(vec2(invocation & 7u, invocation >> 3u));
     let place = corner + index;
-    let words = textureLoad(light_texture, place, 0).rg;
+    let inside = min(place, vec2<i32>(textureDimensions(light_texture)) - 1);
+    let words = select(vec2(0u), textureLoad(light_texture, inside, 0).rg, all(inside == place));
     if !is_any(words.x != 0u, invocation) {
-        textureStore(level_output, place, vec4(0u));
+        store(place, vec2(0u));
         return;
     }
     // Four of its texels a side are beneath those of this level; two more on each side are around them.
     region_corner = corner / 2 - 2;
     let beneath = region_corner + index;
     is_in_region = false;
-    region[invocation] = scattered(beneath, textureLoad(coarser_texture, beneath, 0).rg, view.level + 1u);
+    let known = clamp(beneath, vec2(0), vec2<i32>(textureDimensions(coarser_texture)) - 1);
+    let coarser_words = textureLoad(coarser_texture, known, 0).rg;
+    region[invocation] = scattered(beneath, select(vec2(0u), coarser_words, all(known == beneath)), view.level + 1u);
     workgroupBarrier();
     is_in_region = true;
-    textureStore(level_output, place, vec4(scattered(place, words, view.level), 0u, 0u));
+    store(place, scattered(place, words, view.level));
 }
 
 @compute @workgroup_size(64, 1, 1)
