@@ -13,8 +13,11 @@
 }
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at}
 
+/// The arguments of a material of the tile and 1, the largest; 0: no light scatters.
 var<workgroup> light_scatters: atomic<u32>;
 var<workgroup> light_is_written: u32;
+/// Those arguments and 1, and the material's number: for most tiles the only one.
+var<workgroup> common_material: vec2<u32>;
 
 /// The number of the material with these arguments of the shading model, in this frame: the first free one from some place on.
 /// Beyond the most materials some share theirs.
@@ -41,17 +44,22 @@ fn number_of(arguments: u32) -> u32 {
 /// To be called by all invocations of a tile. Tiles that had such light and have none any more are listed once more, without.
 fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: vec2<u32>, invocation: u32) {
     let word = pixel.specialization_word;
+    let arguments = specialization::unpack_arguments(word);
     let scatters = pixel.has_geometry && specialization::unpack_shading_model(word) == specialization::SUBSURFACE;
     if invocation == 0u {
         atomicStore(&light_scatters, 0u);
     }
     workgroupBarrier();
     if scatters {
-        atomicStore(&light_scatters, 1u);
+        atomicMax(&light_scatters, arguments + 1u);
     }
     workgroupBarrier();
     if invocation == 0u {
-        let has_light = atomicLoad(&light_scatters);
+        let first = atomicLoad(&light_scatters);
+        let has_light = u32(first != 0u);
+        if has_light != 0u {
+            common_material = vec2(first, number_of(first - 1u));
+        }
         let tiles_in_row = (uniforms.viewport_size.x + 7u) / 8u;
         let capacity = (arrayLength(&scattering_tiles) - TILES) / 2u;
         let tile = corner.y / 8u * tiles_in_row + corner.x / 8u;
@@ -68,8 +76,10 @@ fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: 
     }
     var entry = vec2(0u);
     if scatters {
-        let arguments = specialization::unpack_arguments(word);
-        let material = number_of(arguments);
+        var material = common_material.y;
+        if common_material.x != arguments + 1u {
+            material = number_of(arguments);
+        }
         let metres = -position_at(pixel.position, pixel.depth).z;
         entry = pack_entry(Entry(metres, material, shaded.entering));
         let receiver = Receiver(shaded.color, shaded.leaving, arguments);
