@@ -99,7 +99,7 @@ fn kernel(word: array<u32, 1>) -> array<u32, 1> {
                     let word =
                         special::pack_specialization(0.7, shading_model as u32, lightmap | flags);
                     let is_lightmapped = lightmap != special::LIGHTMAP_NONE;
-                    let variant = LightingVariant::new(shading_model, is_lightmapped);
+                    let variant = LightingVariant::new(shading_model, is_lightmapped).unscattered();
                     pixels.push((word, variant));
                     pixels.push((special::with_arguments(word, 0x1_ffff), variant));
                 }

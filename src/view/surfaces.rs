@@ -115,13 +115,14 @@ impl LightingVariant {
         }
     }
 
-    /// The number by which shaders know it; that of the plain one is 0. Twin of `variant_of` in `tile_list.wgsl`.
+    /// The number by which shaders know it; that of the plain one is 0. Twin of `variant_of` in `tile_list.wgsl`, which knows
+    /// those only that are lit in a way of their own: [`unscattered`](Self::unscattered) ones.
     pub(crate) fn index(self) -> u32 {
         self.shading_model as u32 | (u32::from(self.lightmapped) << 3)
     }
 
     /// What it is where no light scatters beneath surfaces.
-    fn unscattered(self) -> Self {
+    pub(crate) fn unscattered(self) -> Self {
         match self.shading_model {
             ShadingModel::Subsurface => Self {
                 shading_model: ShadingModel::Plain,
