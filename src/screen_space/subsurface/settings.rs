@@ -1,7 +1,5 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use super::active::ActiveScattering;
-
 /// How light scatters beneath surfaces with [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension).
 ///
 /// For cameras with [`LeanDeferred`](crate::LeanDeferred), which scatter it also without this component, as its defaults say.
@@ -12,7 +10,6 @@ use super::active::ActiveScattering;
 ///
 /// A frame has no noise, and needs no other frame.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
-#[extract_component_sync_target((Self, ActiveScattering))]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LeanSubsurfaceScattering {
     /// Default [`SubsurfaceScatteringQuality::High`].
