@@ -16,6 +16,7 @@ pub mod gpu_time;
 pub mod hdr;
 pub mod headless;
 pub mod held_back;
+pub mod known_balls;
 pub mod known_light;
 pub mod known_mirrors;
 pub mod known_slabs;

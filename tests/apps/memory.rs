@@ -14,10 +14,14 @@ use bevy_lean_deferred::{
     LeanAmbientOcclusion, LeanAutoExposure, LeanDeferred, LeanScreenSpaceGi,
     LeanScreenSpaceReflections,
     ambient_occlusion::OcclusionBindings,
-    screen_space::{ViewHistory, diffuse_gi::GiBindings, reflections::ReflectionBindings},
+    screen_space::{
+        ViewHistory, diffuse_gi::GiBindings, reflections::ReflectionBindings,
+        subsurface::ViewSubsurface,
+    },
 };
 use kit::{
     headless::Headless,
+    known_slabs::{patterned, slab, step},
     lean::{active_lean_views, build, set_lean},
 };
 
@@ -230,6 +234,7 @@ fn nothing_of_effects_is_made_anew() {
     let mut camera = Entity::PLACEHOLDER;
     let mut headless = build(UVec2::new(160, 120), |s| {
         s.solids();
+        patterned(s, slab(LinearRgba::WHITE, 0.1), default(), step);
         camera = s.default_camera((
             LeanAmbientOcclusion::default(),
             LeanScreenSpaceGi::default(),
@@ -252,12 +257,19 @@ fn nothing_of_effects_is_made_anew() {
                 groups_of::<ViewHistory>(&mut headless, |held| {
                     held.lasting_bind_groups().collect()
                 }),
+                groups_of::<ViewSubsurface>(&mut headless, |held| {
+                    held.lasting_bind_groups().collect()
+                }),
             ]
         };
         let first = groups();
         // GI has two of each, for this frame's levels are the next one's last, and leaves nothing to occlusion; Bevy has two main
-        // textures.
-        let expected = if lean { [0, 6, 3, 3] } else { [2, 0, 0, 0] };
+        // textures; scattering one for each of its dispatches, and two for the last.
+        let expected = if lean {
+            [0, 6, 3, 3, 9]
+        } else {
+            [2, 0, 0, 0, 0]
+        };
         assert_eq!(first.each_ref().map(Vec::len), expected);
         for _ in 0..8 {
             assert_eq!(groups(), first);

@@ -3,6 +3,7 @@
 use bevy::{camera::ScalingMode, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    known_balls::ball,
     known_light::{Seen, camera, errors, show},
     known_slabs::{SKIN, beside, edge, patterned, slab, step, stored_paths},
     own_process::in_own_process,
@@ -47,6 +48,29 @@ fn light_leaves_beside_an_edge_as_the_profile_says() {
                 let found = edge(SIZE, color, path, with(quality));
                 println!("{name}, {quality:?}: {found:.4?}");
                 all_right &= found.iter().all(|e| e.rmse < 0.01 && e.bias.abs() < 0.002);
+            }
+        }
+        assert!(all_right);
+    });
+}
+
+/// The balls of the example `materials`: as near as a picture allows, which shows half of what lets light in. Where a mean
+/// free path is a quarter of the radius, that half is brighter than the whole.
+#[test]
+fn balls_are_as_the_profile_says() {
+    in_own_process(|| {
+        let mut all_right = true;
+        for (path, most) in [
+            (0.001, 0.003),
+            (0.003, 0.003),
+            (0.01, 0.003),
+            (0.03, 0.013),
+            (0.1, 0.045),
+        ] {
+            let found = ball(UVec2::splat(192), SKIN, path, with(High));
+            for (channel, errors) in ["red", "green", "blue"].iter().zip(found) {
+                println!("{path} m, {channel}: {errors:.4?}");
+                all_right &= errors.truth.rmse < most && errors.picture.rmse < 0.017;
             }
         }
         assert!(all_right);
