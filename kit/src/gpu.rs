@@ -2,15 +2,19 @@
 
 use bevy::{math::UVec2, tasks::block_on};
 
-/// The device that the environment names, with all its limits and those of the `wanted` features that it has.
+use crate::device::TestDevice;
+
+/// The device that the environment names, with all its limits and those of the `wanted` features that it has, as far as
+/// [`TestDevice`] goes.
 pub fn request(wanted: wgpu::Features) -> (wgpu::AdapterInfo, wgpu::Device, wgpu::Queue) {
+    let chosen = TestDevice::chosen();
     let instance =
         wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
         .unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
     let (device, queue) = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-        required_features: wanted & adapter.features(),
-        required_limits: adapter.limits(),
+        required_features: wanted & chosen.features(adapter.features()),
+        required_limits: chosen.limits(adapter.limits()),
         ..Default::default()
     }))
     .unwrap_or_else(|error| panic!("no device: {error}"));

@@ -13,6 +13,7 @@ use bevy::{
             TextureFormat, TextureUsages, TextureView,
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
+        sync_world::RenderEntity,
         view::{ExtractedView, ViewTarget},
     },
 };
@@ -94,8 +95,8 @@ fn keep_light(
     commands.entity(entity).insert(Kept(copy));
 }
 
-/// What the one camera shows in the frame after the next, before post-processing.
-pub fn light(headless: &mut Headless) -> Light {
+/// From the next frame on the light of all views is copied before post-processing.
+pub fn keep_light_of_views(headless: &mut Headless) {
     let render_app = headless.app.sub_app_mut(RenderApp);
     if !render_app.world().contains_resource::<KeepsLight>() {
         render_app.insert_resource(KeepsLight).add_systems(
@@ -107,6 +108,19 @@ pub fn light(headless: &mut Headless) -> Light {
                 .after(DebugViewPasses),
         );
     }
+}
+
+/// The copy of the last frame in which this camera has shown something, where it is HDR.
+pub fn kept_light(headless: &mut Headless, camera: Entity) -> Option<Light> {
+    let view = headless.world().get::<RenderEntity>(camera)?.id();
+    let world = headless.app.sub_app(RenderApp).world();
+    let copy = world.get::<Kept>(view)?.0.clone();
+    (copy.format() == TextureFormat::Rgba16Float).then(|| read_light(headless, &copy))
+}
+
+/// What the one camera shows in the frame after the next, before post-processing.
+pub fn light(headless: &mut Headless) -> Light {
+    keep_light_of_views(headless);
     headless.frames(1);
     next_light(headless)
 }

@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use crate::{gpu::read_texture, log_watch::LogWatch, shader_files::read_shader_files};
+use crate::{
+    device::render_plugin, gpu::read_texture, log_watch::LogWatch, shader_files::read_shader_files,
+};
 use bevy::{
     app::{PluginGroupBuilder, PluginsState},
     asset::{RenderAssetUsages, UnapprovedPathMode},
@@ -10,7 +12,7 @@ use bevy::{
     light::{DirectionalLightShadowMap, PointLightShadowMap},
     prelude::*,
     render::{
-        RenderApp, RenderPlugin,
+        RenderApp,
         render_asset::RenderAssets,
         render_resource::{
             Extent3d, PipelineCache, PollType, Texture, TextureDimension, TextureFormat,
@@ -57,10 +59,7 @@ impl Headless {
     ) -> Self {
         let mut app = App::new();
         app.add_plugins((
-            Self::default_plugins().set(RenderPlugin {
-                synchronous_pipeline_compilation: synchronous,
-                ..default()
-            }),
+            Self::default_plugins().set(render_plugin(synchronous)),
             LeanDeferredPlugins,
         ));
         Self::from_app(size, app, configure)
@@ -74,10 +73,7 @@ impl Headless {
                 exit_condition: ExitCondition::DontExit,
                 ..default()
             })
-            .set(RenderPlugin {
-                synchronous_pipeline_compilation: true,
-                ..default()
-            })
+            .set(render_plugin(true))
             .set(AssetPlugin {
                 file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/../assets").into(),
                 // Benches may name a file anywhere.
@@ -130,12 +126,7 @@ impl Headless {
     /// One frame, and waits until the GPU has finished it: without a window nothing else would hold the CPU back.
     pub fn frame(&mut self) {
         self.app.update();
-        let device = self
-            .app
-            .sub_app(RenderApp)
-            .world()
-            .resource::<RenderDevice>();
-        if let Err(error) = device.poll(PollType::wait_indefinitely()) {
+        if let Err(error) = self.device().poll(PollType::wait_indefinitely()) {
             warn!("waiting for the GPU: {error}");
         }
     }
@@ -156,6 +147,10 @@ impl Headless {
             }
         }
         panic!("pipelines still waiting after 2000 frames");
+    }
+
+    pub fn device(&self) -> &RenderDevice {
+        self.app.sub_app(RenderApp).world().resource()
     }
 
     /// The name of the GPU that renders.

@@ -7,6 +7,7 @@
 
 pub mod bench_spans;
 pub mod compute;
+pub mod device;
 pub mod example;
 pub mod exposure_gpu;
 pub mod exposure_reference;
@@ -27,6 +28,7 @@ pub mod occlusion;
 pub mod occlusion_gpu;
 pub mod own_process;
 pub mod random;
+pub mod random_values;
 pub mod scenes;
 pub mod shader_files;
 pub mod size;

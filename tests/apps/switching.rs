@@ -9,14 +9,14 @@ use bevy::{
     post_process::bloom::Bloom,
     prelude::*,
     render::{
-        RenderApp, RenderPlugin,
+        RenderApp,
         render_resource::{CachedPipeline, PipelineCache, PipelineDescriptor},
     },
 };
 use bevy_lean_deferred::{LeanDeferredPlugins, lean::LeanDeferredSupport, prelude::*};
 use kit::{
-    headless::Headless, lean::active_lean_views, log_watch, own_process::in_own_process,
-    scenes::SceneBuilder,
+    device::render_plugin, headless::Headless, lean::active_lean_views, log_watch,
+    own_process::in_own_process, scenes::SceneBuilder,
 };
 
 const SIZE: UVec2 = UVec2::new(96, 64);
@@ -49,10 +49,7 @@ impl Stage {
     fn with(synchronous_pipeline_compilation: bool) -> Self {
         let mut app = App::new();
         app.add_plugins((
-            Headless::default_plugins().set(RenderPlugin {
-                synchronous_pipeline_compilation,
-                ..default()
-            }),
+            Headless::default_plugins().set(render_plugin(synchronous_pipeline_compilation)),
             LeanDeferredPlugins,
         ));
         let mut headless = Headless::from_app(SIZE, app, |app| {

@@ -10,6 +10,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    device::skips_without_binding_arrays,
     headless::Headless,
     lean::{build, judge, report, set_lean, settled, show},
     own_process::in_own_process,
@@ -32,6 +33,9 @@ fn compare(headless: &mut Headless, scene: &Scene) -> Result<(), String> {
     set_lean(headless, true);
     let lean = settled(headless);
     let size = headless.size;
+    if scene.needs_binding_arrays {
+        skips_without_binding_arrays(headless.device(), scene.name);
+    }
     let name = if size == SIZE {
         scene.name.into()
     } else {

@@ -149,13 +149,13 @@ pub const SCENES: &[Scene] = &[
             ..default()
         });
     }),
-    // Decals and light textures need bindless textures: a software renderer shows these scenes without them.
     Scene::new("clustered_decal", |s| {
         s.solids();
         s.sun(true);
         s.decal(Vec3::new(4.0, 3.0, 3.0));
         s.default_camera(());
-    }),
+    })
+    .needs_binding_arrays(),
     Scene::new("light_textures", |s| {
         s.solids();
         let image = s.checker([255, 255, 255, 255], [20, 20, 60, 255]);
@@ -168,7 +168,8 @@ pub const SCENES: &[Scene] = &[
             .entity_mut(sun)
             .insert(DirectionalLightTexture { image, tiled: true });
         s.default_camera(indoor());
-    }),
+    })
+    .needs_binding_arrays(),
     Scene::new("many_lights_of_all_kinds", |s| {
         s.solids();
         points(s, true);

@@ -18,6 +18,8 @@ pub struct Scene {
     pub least_psnr: f64,
     /// Why it may be below.
     pub reason: &'static str,
+    /// What it is about is seen on devices with binding arrays only.
+    pub needs_binding_arrays: bool,
     pub build: fn(&mut SceneBuilder),
 }
 
@@ -30,6 +32,7 @@ impl Scene {
             name,
             least_psnr: LEAST_PSNR,
             reason: "",
+            needs_binding_arrays: false,
             build,
         }
     }
@@ -37,6 +40,11 @@ impl Scene {
     const fn allow(mut self, least_psnr: f64, reason: &'static str) -> Self {
         self.least_psnr = least_psnr;
         self.reason = reason;
+        self
+    }
+
+    const fn needs_binding_arrays(mut self) -> Self {
+        self.needs_binding_arrays = true;
         self
     }
 }

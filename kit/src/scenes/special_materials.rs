@@ -106,13 +106,13 @@ pub const SCENES: &[Scene] = &[
             ..default()
         });
     }),
-    // A software renderer shows no decals.
     Scene::new("special_decal", |s| {
         gallery(s);
         s.sun(true);
         s.decal(Vec3::new(6.0, 4.0, 3.0));
         s.default_camera(());
-    }),
+    })
+    .needs_binding_arrays(),
     Scene::new("special_orthographic", |s| {
         gallery(s);
         s.sun(true);
@@ -223,7 +223,8 @@ pub const SCENES: &[Scene] = &[
         lightmapped(s, false);
         let light = s.environment_map(1500.0);
         s.default_camera(light);
-    }),
+    })
+    .needs_binding_arrays(),
 ];
 
 /// One of each.

@@ -1,0 +1,93 @@
+//! What the devices of tests may do: all that the adapter can, or less, as `LEAN_TEST_DEVICE` says.
+
+use bevy::render::{
+    RenderPlugin,
+    renderer::RenderDevice,
+    settings::{RenderCreation, WgpuSettings, WgpuSettingsPriority},
+};
+use wgpu::{Features, Limits};
+
+/// With arrays of textures, of which each invocation may read another: Bevy has decals, textures of lights and several
+/// environment maps only with these.
+const BINDING_ARRAYS: Features = Features::TEXTURE_BINDING_ARRAY
+    .union(Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING);
+
+/// How much of what the adapter can do a device may.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TestDevice {
+    /// All of it.
+    Whole,
+    /// All but binding arrays.
+    NoBindingArrays,
+    /// What each device has that runs WebGPU, and nothing more.
+    WebGpu,
+    /// What `wgpu` calls its downlevel defaults: four storage buffers for a shader stage, among others.
+    Downlevel,
+}
+
+impl TestDevice {
+    /// The one that `LEAN_TEST_DEVICE` names; [`TestDevice::Whole`] without it.
+    pub fn chosen() -> Self {
+        let name = std::env::var("LEAN_TEST_DEVICE").unwrap_or_default();
+        match name.as_str() {
+            "" => Self::Whole,
+            "no-binding-arrays" => Self::NoBindingArrays,
+            "webgpu" => Self::WebGpu,
+            "downlevel" => Self::Downlevel,
+            _ => {
+                panic!("LEAN_TEST_DEVICE is no-binding-arrays, webgpu or downlevel, and not {name}")
+            }
+        }
+    }
+
+    /// The limits of a device of an adapter with these.
+    pub fn limits(self, limits: Limits) -> Limits {
+        match self {
+            Self::Whole | Self::NoBindingArrays => limits,
+            Self::WebGpu => Limits::default(),
+            Self::Downlevel => Limits::downlevel_defaults(),
+        }
+    }
+
+    /// The features of a device of an adapter with these.
+    pub fn features(self, features: Features) -> Features {
+        match self {
+            Self::Whole => features,
+            Self::NoBindingArrays => features - BINDING_ARRAYS,
+            Self::WebGpu | Self::Downlevel => Features::empty(),
+        }
+    }
+
+    fn settings(self) -> WgpuSettings {
+        let settings = WgpuSettings::default();
+        match self {
+            Self::Whole => settings,
+            Self::NoBindingArrays => WgpuSettings {
+                disabled_features: Some(BINDING_ARRAYS),
+                ..settings
+            },
+            Self::WebGpu | Self::Downlevel => WgpuSettings {
+                priority: WgpuSettingsPriority::WebGPU,
+                features: Features::empty(),
+                limits: self.limits(Limits::default()),
+                ..settings
+            },
+        }
+    }
+}
+
+/// Bevy's, with the chosen device.
+pub fn render_plugin(synchronous_pipeline_compilation: bool) -> RenderPlugin {
+    RenderPlugin {
+        render_creation: RenderCreation::Automatic(Box::new(TestDevice::chosen().settings())),
+        synchronous_pipeline_compilation,
+        ..Default::default()
+    }
+}
+
+/// Says that a part of a test shows nothing here, where the device has no binding arrays. `tests/drivers.sh` counts such lines.
+pub fn skips_without_binding_arrays(device: &RenderDevice, part: &str) {
+    if !device.features().contains(BINDING_ARRAYS) {
+        println!("skipped: {part}: the device has no binding arrays");
+    }
+}

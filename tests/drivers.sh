@@ -1,0 +1,131 @@
+#!/bin/sh
+# Runs the tests on each Vulkan driver that can be had here, and prints a table of drivers and topics.
+#
+#   sh tests/drivers.sh [DRIVER…] [-- FILTER…]
+#
+# Drivers: mesa22-4, mesa22-8, mesa22-16 (Mesa 22's llvmpipe with subgroups of 4, 8, 16), mesa25 (it has binding arrays), swiftshader, webgpu
+# (Mesa 22 with no more than WebGPU's default limits and features), own (this machine's GPU, if it has one). Without names: all of them.
+# Filters are names of tests, or parts of them. TOPICS names some of the test binaries, separated by spaces.
+#
+# What is missing is fetched into a cache folder, never into the system: on Debian 12, from where its packages come from. Each driver's
+# log is kept there too.
+set -eu
+. "$(dirname "$0")/environment.sh"
+cd "$(dirname "$0")/.."
+export RUST_LIB_BACKTRACE=0
+cache="${XDG_CACHE_HOME:-$HOME/.cache}/bevy_lean_deferred/drivers"
+logs="$cache/logs"
+mkdir -p "$logs"
+
+all="mesa22-4 mesa22-8 mesa22-16 mesa25 swiftshader webgpu own"
+topics="${TOPICS:-shaders gbuffer pictures ambient_occlusion auto_exposure screen_space apps}"
+# One test binary may take so many seconds.
+limit="${LIMIT:-3600}"
+
+drivers=""
+while [ $# -gt 0 ]; do
+    case $1 in
+    --) shift && break ;;
+    *) drivers="$drivers $1" && shift ;;
+    esac
+done
+[ -n "$drivers" ] || drivers=$all
+
+# Packages of a suite into a folder of the cache: fetch FOLDER SUITE PACKAGE…
+fetch() {
+    folder="$cache/$1" suite=$2
+    shift 2
+    [ -e "$folder/complete" ] && return
+    command -v apt-get >/dev/null || return 1
+    site=$(apt-get indextargets --format '$(SITE)' 'Codename: bookworm' | head -n 1)
+    security=$(apt-get indextargets --format '$(SITE)' 'Codename: bookworm-security' | head -n 1)
+    [ -n "$site" ] || return 1
+    rm -rf "$folder"
+    mkdir -p "$folder/lists/partial" "$folder/archives/partial"
+    printf 'deb %s %s main\n' "$site" bookworm "$site" bookworm-backports >"$folder/sources.list"
+    [ -z "$security" ] || echo "deb $security bookworm-security main" >>"$folder/sources.list"
+    set -- "-oDir::Etc::SourceList=$folder/sources.list" -oDir::Etc::SourceParts=/dev/null "-oDir::State::Lists=$folder/lists" \
+        "-oDir::Cache=$folder" -oAPT::Sandbox::User=root "$@"
+    options=$(printf '%s\n' "$@" | grep '^-o')
+    packages=$(printf '%s\n' "$@" | grep -v '^-o')
+    # shellcheck disable=SC2086 # lists of options and packages
+    (cd "$folder" && apt-get $options -qq update && apt-get $options -qq download -t "$suite" $packages) || return 1
+    for package in "$folder"/*.deb; do dpkg -x "$package" "$folder"; done
+    rm -rf "$folder"/*.deb "$folder/lists" "$folder"/*.bin
+    touch "$folder/complete"
+}
+
+# Has the loader take the driver that this file of its folder describes, and writes that file anew with the library's whole path.
+use() { # folder, description, library
+    description="$cache/$1/driver.json"
+    sed "s|\"library_path\": *\"[^\"]*\"|\"library_path\": \"$cache/$1/$3\"|" "$cache/$1/$2" >"$description"
+    VK_DRIVER_FILES=$description VK_ICD_FILENAMES=$description
+    LD_LIBRARY_PATH="$cache/$1/usr/lib/x86_64-linux-gnu${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+    export VK_DRIVER_FILES VK_ICD_FILENAMES LD_LIBRARY_PATH WGPU_BACKEND=vulkan
+}
+
+mesa() { # folder, suite
+    fetch "$1" "$2" mesa-vulkan-drivers libllvm15 libz3-4 || return 1
+    description=$(cd "$cache/$1" && ls usr/share/vulkan/icd.d/lvp_icd*.json)
+    use "$1" "$description" usr/lib/x86_64-linux-gnu/libvulkan_lvp.so
+}
+
+# Sets the environment for a driver, or says why it cannot be had.
+select_driver() {
+    case $1 in
+    mesa22-4) mesa mesa22 bookworm && export LP_NATIVE_VECTOR_WIDTH=128 ;;
+    mesa22-8) mesa mesa22 bookworm && export LP_NATIVE_VECTOR_WIDTH=256 ;;
+    mesa22-16) mesa mesa22 bookworm && export LP_NATIVE_VECTOR_WIDTH=512 ;;
+    mesa25) mesa mesa25 bookworm-backports ;;
+    webgpu) mesa mesa22 bookworm && export LEAN_TEST_DEVICE=webgpu ;;
+    swiftshader)
+        # Where lanes of a subgroup are idle it reads binding arrays at places that nobody asked for, and crashes.
+        fetch swiftshader bookworm chromium-common || return 1
+        use swiftshader usr/lib/chromium/vk_swiftshader_icd.json usr/lib/chromium/libvk_swiftshader.so
+        export LEAN_TEST_DEVICE=no-binding-arrays
+        ;;
+    own)
+        # What the loader finds by itself, but for software.
+        ls /dev/dri/render* /dev/nvidia0 2>/dev/null | grep -q . || return 1
+        ;;
+    *) echo "drivers.sh: no driver is called $1; there are: $all" >&2 && exit 2 ;;
+    esac
+}
+
+echo "building the tests"
+flags=$(for topic in $topics; do printf ' --test %s' "$topic"; done)
+# shellcheck disable=SC2086 # a list of flags
+binaries=$(cargo test --no-run $flags 2>&1 | tee /dev/stderr | sed -n 's/.*(\(.*\))$/\1/p')
+
+row() { printf '%-12s %-18s %s\n' "$@"; }
+table="$logs/table.txt"
+row driver topic "passed, failed, parts skipped" >"$table"
+for driver in $drivers; do
+    log="$logs/$driver.log"
+    : >"$log"
+    if ! (select_driver "$driver") >>"$log" 2>&1; then
+        row "$driver" "" "cannot be had here" | tee -a "$table"
+        continue
+    fi
+    for topic in $topics; do
+        binary=$(printf '%s\n' "$binaries" | grep "/$topic-")
+        printf '%s, %s …\r' "$driver" "$topic" >&2
+        part="$logs/$driver-$topic.log"
+        # Two apps at a time: each render thread of a software driver takes all cores anyway.
+        (
+            select_driver "$driver"
+            export CARGO_MANIFEST_DIR="$PWD"
+            timeout "$limit" "$binary" --test-threads=2 --show-output "$@"
+        ) >"$part" 2>&1 || true
+        result=$(sed -n 's/^test result: [a-zA-Z]*\. \([0-9]*\) passed; \([0-9]*\) failed;.*/\1 passed, \2 failed/p' "$part" | tail -n 1)
+        skipped=$(grep -a -o 'skipped: .*' "$part" | sort -u | wc -l)
+        row "$driver" "$topic" "${result:-crashed or ran past $limit s}, $skipped skipped" | tee -a "$table"
+        {
+            sed -n '/^failures:$/,/^test result/s/^    \([a-z_:0-9]*\)$/    failed: \1/p' "$part" | sort -u
+            grep -a -o 'skipped: .*' "$part" | sort -u | sed 's/^/    /'
+        } | tee -a "$table"
+    done
+done
+echo
+cat "$table"
+! grep -q -e ' [1-9][0-9]* failed' -e 'crashed or' "$table"

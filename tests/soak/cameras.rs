@@ -1,0 +1,216 @@
+//! Changes to cameras and what they render to.
+
+use bevy::{
+    anti_alias::{fxaa::Fxaa, taa::TemporalAntiAliasing},
+    camera::{ScalingMode, Viewport, visibility::RenderLayers},
+    core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    pbr::{DistanceFog, FogFalloff},
+    post_process::{bloom::Bloom, dof::DepthOfField},
+    prelude::*,
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{random::Random, random_values::Values};
+
+use crate::{
+    scene::toggle,
+    stage::{SIZES, Stage},
+};
+
+const MOST_CAMERAS: usize = 3;
+
+/// Makes one, and says which.
+pub fn change(stage: &mut Stage, random: &mut Random) -> String {
+    if stage.cameras.is_empty() {
+        return add_camera(stage, random);
+    }
+    let camera = stage.cameras[random.below(stage.cameras.len())];
+    match random.below(24) {
+        0 => {
+            if stage.cameras.len() < MOST_CAMERAS {
+                return add_camera(stage, random);
+            }
+            "no camera more".into()
+        }
+        1 => {
+            stage.cameras.retain(|other| *other != camera);
+            stage.world().despawn(camera);
+            "a camera goes".into()
+        }
+        2 => {
+            let target = random.below(stage.targets.len());
+            let size = SIZES[random.below(SIZES.len())];
+            stage.resize(target, size);
+            format!("target {target} has {size}")
+        }
+        3..6 => change_view(stage, camera, random),
+        6..11 if stage.is_lean => change_lean(stage, camera, random),
+        11..15 if stage.is_lean => toggle_lean(stage, camera, random),
+        _ => change_bevy(stage, camera, random),
+    }
+}
+
+/// A camera that has from its beginning what Bevy 0.19.1 cannot take from a living one: without `MotionVectorPrepass` a pipeline of
+/// its background still writes that texture. None has `OcclusionCulling`: on targets of one pixel Bevy binds a texture of its depth
+/// pyramid twice, to be written.
+fn add_camera(stage: &mut Stage, random: &mut Random) -> String {
+    let target = random.below(stage.targets.len());
+    stage.add_camera(target);
+    let camera = stage.cameras[stage.cameras.len() - 1];
+    let kind = random.below(5);
+    let mut entity = stage.entity(camera);
+    match kind {
+        0 => _ = entity.insert(DepthPrepass),
+        1 => _ = entity.insert((DepthPrepass, NormalPrepass, MotionVectorPrepass)),
+        2 => _ = entity.insert(TemporalAntiAliasing::default()),
+        3 => _ = entity.insert(DeferredPrepass),
+        _ => {}
+    }
+    format!("a camera comes, of kind {kind}")
+}
+
+fn change_view(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
+    let mut entity = stage.entity(camera);
+    match random.below(7) {
+        0 | 1 => {
+            let mut to = Transform::from_xyz(
+                random.range(-4.0, 4.0),
+                random.range(0.2, 4.0),
+                random.range(-6.0, 6.0),
+            );
+            to.look_at(Vec3::new(0.0, 0.5, 0.0), Vec3::Y);
+            entity.insert(to);
+            format!("a camera at {}", to.translation)
+        }
+        2 => {
+            let mut settings = entity.get_mut::<Camera>().expect("it is one");
+            settings.is_active ^= true;
+            format!("active: {}", settings.is_active)
+        }
+        3 => {
+            let viewport = (random.below(3) > 0).then(|| Viewport {
+                physical_position: UVec2::new(random.below(20) as u32, random.below(20) as u32),
+                physical_size: UVec2::new(1 + random.below(40) as u32, 1 + random.below(40) as u32),
+                ..default()
+            });
+            entity.get_mut::<Camera>().expect("it is one").viewport = viewport.clone();
+            format!("{viewport:?}")
+        }
+        4 => {
+            let mut projection = entity.get_mut::<Projection>().expect("it has one");
+            *projection = if random.below(2) == 0 {
+                Projection::Orthographic(OrthographicProjection {
+                    scaling_mode: ScalingMode::FixedVertical {
+                        viewport_height: random.range(0.1, 8.0),
+                    },
+                    ..OrthographicProjection::default_3d()
+                })
+            } else {
+                Projection::Perspective(PerspectiveProjection {
+                    fov: random.range(0.05, 2.5),
+                    near: random.range(0.001, 1.0),
+                    ..default()
+                })
+            };
+            format!("{:?}", *projection)
+        }
+        5 => {
+            let layers = RenderLayers::from_layers(&[0, random.below(3)]);
+            entity.insert(layers.clone());
+            format!("layers of a camera: {layers:?}")
+        }
+        _ => {
+            let order = random.below(4) as isize;
+            entity.get_mut::<Camera>().expect("it is one").order = order;
+            format!("order: {order}")
+        }
+    }
+}
+
+/// Settings of an effect, of each kind.
+fn change_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
+    let values = Values {
+        hostile: 6,
+        images: &[],
+        kept: &[],
+    };
+    let mut entity = stage.entity(camera);
+    macro_rules! change {
+        ($settings:ty) => {
+            if let Some(mut settings) = entity.get_mut::<$settings>() {
+                values.change(&mut *settings, random);
+                return format!("{:?}", *settings);
+            }
+        };
+    }
+    match random.below(6) {
+        0 => change!(LeanDeferred),
+        1 => change!(LeanAmbientOcclusion),
+        2 => change!(LeanAutoExposure),
+        3 => change!(LeanScreenSpaceGi),
+        4 => change!(LeanScreenSpaceReflections),
+        _ => change!(LeanSubsurfaceScattering),
+    }
+    "settings that are not there".into()
+}
+
+fn toggle_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
+    match random.below(9) {
+        0 | 1 => toggle::<LeanDeferred>(stage, camera),
+        2 | 3 => toggle::<LeanAmbientOcclusion>(stage, camera),
+        4 => toggle::<LeanAutoExposure>(stage, camera),
+        5 => toggle::<LeanScreenSpaceGi>(stage, camera),
+        6 => toggle::<LeanScreenSpaceReflections>(stage, camera),
+        7 => toggle::<CameraCut>(stage, camera),
+        _ => toggle::<LeanSubsurfaceScattering>(stage, camera),
+    }
+}
+
+/// What Bevy itself has for cameras.
+fn change_bevy(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
+    match random.below(7) {
+        0 => toggle::<Bloom>(stage, camera),
+        1 => toggle::<Fxaa>(stage, camera),
+        2 => toggle::<DepthOfField>(stage, camera),
+        3 => {
+            let fog = DistanceFog {
+                falloff: FogFalloff::Exponential { density: 0.1 },
+                ..default()
+            };
+            let mut entity = stage.entity(camera);
+            if entity.contains::<DistanceFog>() {
+                entity.remove::<DistanceFog>();
+            } else {
+                entity.insert(fog);
+            }
+            "fog".into()
+        }
+        4 => {
+            let light = stage.builder().environment_map(1000.0);
+            let mut entity = stage.entity(camera);
+            if entity.contains::<EnvironmentMapLight>() {
+                entity.remove::<EnvironmentMapLight>();
+            } else {
+                entity.insert(light);
+            }
+            "an environment map".into()
+        }
+        5 => {
+            let brightness = random.range(0.0, 500.0);
+            stage.entity(camera).insert(AmbientLight {
+                brightness,
+                ..default()
+            });
+            format!("ambient light: {brightness}")
+        }
+        _ => {
+            let clear_color = [
+                ClearColorConfig::Default,
+                ClearColorConfig::None,
+                ClearColorConfig::Custom(Color::linear_rgb(0.2, 3.0, f32::NAN)),
+            ][random.below(3)];
+            let mut entity = stage.entity(camera);
+            entity.get_mut::<Camera>().expect("it is one").clear_color = clear_color;
+            format!("{clear_color:?}")
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Lean cameras beside twins that render forward: no mesh is lost, and no number is wrong where forward's are right.
+
+use bevy::{
+    camera::{Hdr, RenderTarget},
+    prelude::*,
+    render::{RenderApp, sync_world::RenderEntity, view::ViewDepthTexture},
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    hdr::{Light, keep_light_of_views, kept_light},
+    headless::{Headless, target_image},
+};
+
+use crate::stage::Stage;
+
+/// What Bevy may need to draw all there is: lights found on the GPU are known some frames later.
+const FRAMES: usize = 3;
+
+fn is_lean(stage: &mut Stage, camera: Entity) -> bool {
+    let entity = stage.entity(camera);
+    let is_active = entity
+        .get::<Camera>()
+        .is_some_and(|camera| camera.is_active);
+    is_active && entity.get::<LeanStatus>() == Some(&LeanStatus::Lean)
+}
+
+/// Looks for numbers that are wrong in what lean cameras show; where there are any, or with `beside`, beside twins.
+pub fn check(stage: &mut Stage, frame: usize, beside: bool) {
+    keep_light_of_views(&mut stage.headless);
+    stage.headless.settle();
+    for camera in stage.cameras.clone() {
+        if !is_lean(stage, camera) {
+            continue;
+        }
+        let light = kept_light(&mut stage.headless, camera);
+        let has_wrong_numbers = light.is_some_and(|light| wrong_numbers(&light).next().is_some());
+        if beside || has_wrong_numbers {
+            check_beside_twin(stage, camera, frame);
+        }
+    }
+}
+
+/// Pixels with anything that is not a number, of each light.
+fn wrong_numbers(light: &Light) -> impl Iterator<Item = usize> {
+    let texels = light.texels.iter().enumerate();
+    texels.filter_map(|(i, texel)| texel.iter().any(|x| x.is_nan()).then_some(i))
+}
+
+/// Where this camera renders what, in metres⁻¹; 0 where nothing is.
+fn depths(headless: &mut Headless, camera: Entity) -> Depths {
+    let view = headless.world().get::<RenderEntity>(camera)?.id();
+    let world = headless.app.sub_app(RenderApp).world();
+    let texture = world.get::<ViewDepthTexture>(view)?.texture.clone();
+    if texture.sample_count() > 1 {
+        return None;
+    }
+    let bytes = headless.read(&texture);
+    let depths = bytes.as_chunks::<4>().0;
+    let depths = depths.iter().map(|bytes| f32::from_le_bytes(*bytes));
+    let size = UVec2::new(texture.width(), texture.height());
+    Some((size, depths.collect()))
+}
+
+fn check_beside_twin(stage: &mut Stage, camera: Entity, frame: usize) {
+    let size = {
+        let target = stage.entity(camera).get::<RenderTarget>().cloned();
+        let image = target.and_then(|target| target.as_image().cloned());
+        let targets = stage.targets.iter();
+        let found = targets.filter(|(handle, _)| Some(handle) == image.as_ref());
+        found.map(|(_, size)| *size).next().expect("it has one")
+    };
+    let forward = add_twin(stage, camera, size);
+    let lean = add_twin(stage, camera, size);
+    // Bevy asks of layers only whether the camera has one of the light's.
+    stage.entity(lean).insert(LeanDeferred {
+        light_layers: false,
+        ..default()
+    });
+    stage.headless.settle();
+    stage.headless.frames(FRAMES);
+
+    let [shown, lean_light, forward_light] =
+        [camera, lean, forward].map(|camera| kept_light(&mut stage.headless, camera));
+    if let (Some(shown), Some(forward)) = (&shown, &forward_light) {
+        let forward: Vec<usize> = wrong_numbers(forward).collect();
+        let mut alone = wrong_numbers(shown).filter(|i| forward.binary_search(i).is_err());
+        let first = alone.next();
+        assert!(
+            first.is_none(),
+            "frame {frame}: camera {camera} has no number at {first:?}, and {} more",
+            alone.count()
+        );
+    }
+    if let (Some(lean), Some(forward)) = (&lean_light, &forward_light) {
+        let other = other_light(lean, forward);
+        // Where outlines meet bright light, a few.
+        let allowed = 8 + lean.texels.len() / 100;
+        assert!(
+            other.len() <= allowed,
+            "frame {frame}: camera {camera}: {} of {} pixels have other light than forward's, the first {}: {:?} and not {:?}",
+            other.len(),
+            lean.texels.len(),
+            other[0],
+            lean.texels[other[0]],
+            forward.texels[other[0]]
+        );
+    }
+    let [lean_depths, forward_depths] =
+        [lean, forward].map(|camera| depths(&mut stage.headless, camera));
+    let name = format!("frame {frame}: the twin of camera {camera}");
+    assert_same_depths(&name, lean_depths, &forward_depths);
+    if has_its_target_alone(stage, camera) {
+        let shown = depths(&mut stage.headless, camera);
+        assert_same_depths(
+            &format!("frame {frame}: camera {camera}"),
+            shown,
+            &forward_depths,
+        );
+    }
+    for twin in [lean, forward] {
+        stage.world().despawn(twin);
+    }
+    stage.headless.frames(1);
+}
+
+/// Cameras on one target share a texture for depth.
+fn has_its_target_alone(stage: &mut Stage, camera: Entity) -> bool {
+    let target_of = |stage: &mut Stage, camera| {
+        let target = stage.entity(camera).get::<RenderTarget>().cloned();
+        target.and_then(|target| target.as_image().cloned())
+    };
+    let target = target_of(stage, camera);
+    let cameras = stage.cameras.clone();
+    cameras
+        .iter()
+        .all(|other| *other == camera || target_of(stage, *other) != target)
+}
+
+/// Depths of a picture, where they can be read.
+type Depths = Option<(UVec2, Vec<f32>)>;
+
+fn assert_same_depths(name: &str, lean: Depths, forward: &Depths) {
+    let (Some((size, lean)), Some((forward_size, forward))) = (lean, forward) else {
+        return;
+    };
+    assert_eq!(size, *forward_size, "{name}");
+    let lost: Vec<usize> = (0..lean.len())
+        .filter(|i| (lean[*i] - forward[*i]).abs() > 1e-3 * forward[*i].abs())
+        .collect();
+    assert!(
+        lost.is_empty(),
+        "{name}, {size}: {} pixels have other depths than forward's, the first {}: {} and not {}",
+        lost.len(),
+        lost[0],
+        lean[lost[0]],
+        forward[lost[0]]
+    );
+}
+
+/// A camera like this one, on a target of its own, without anything of this crate.
+fn add_twin(stage: &mut Stage, camera: Entity, size: UVec2) -> Entity {
+    let target = stage.builder().add::<Image>(target_image(size));
+    let twin = stage.entity(camera).clone_and_spawn();
+    let mut entity = stage.entity(twin);
+    entity
+        .remove::<(
+            LeanDeferred,
+            LeanAmbientOcclusion,
+            LeanAutoExposure,
+            LeanScreenSpaceGi,
+            LeanScreenSpaceReflections,
+            LeanSubsurfaceScattering,
+        )>()
+        .insert((Hdr, Msaa::Off, RenderTarget::from(target)));
+    if let Some(mut camera) = entity.get_mut::<Camera>() {
+        camera.order = 100;
+    }
+    twin
+}
+
+/// Pixels whose light is not near forward's, where that is a number.
+fn other_light(lean: &Light, forward: &Light) -> Vec<usize> {
+    let pairs = lean.texels.iter().zip(&forward.texels).enumerate();
+    let other = pairs.filter(|(_, (lean, forward))| {
+        let [lean, forward] = [lean, forward].map(|texel| Vec3::from_slice(&texel[..]));
+        forward.is_finite()
+            && (lean - forward).abs().max_element() > 0.05 + 0.1 * lean.max(forward).max_element()
+    });
+    other.map(|(i, _)| i).collect()
+}

@@ -1,0 +1,44 @@
+//! Apps that change at random for as long as one likes: nothing fails, no mesh is lost, no number is wrong, and nothing is held for
+//! ever.
+//!
+//! A run follows from its seed and the number of its frame alone, so frames can be left out: that is how a run that fails is
+//! shrunk. See [`run`] for what the environment may ask for.
+
+mod cameras;
+mod checks;
+mod held;
+mod run;
+mod scene;
+mod stage;
+
+use kit::own_process::in_own_process;
+use run::{Run, run};
+
+/// Seeds that every run of the tests has. One of them compiles shaders while frames go on, as apps do.
+const SEEDS: [u64; 3] = [1, 2, 3];
+
+fn check(seed: u64) {
+    run(&Run::of_environment(seed));
+}
+
+#[test]
+fn first_seed() {
+    in_own_process(|| check(SEEDS[0]));
+}
+
+#[test]
+fn second_seed() {
+    in_own_process(|| check(SEEDS[1]));
+}
+
+#[test]
+fn third_seed() {
+    in_own_process(|| check(SEEDS[2]));
+}
+
+/// `SOAK_SEED=7 cargo test --test soak shrink -- --ignored`: runs a seed, and where it fails finds few frames that make it fail.
+#[test]
+#[ignore = "by hand, for a seed that fails"]
+fn shrink() {
+    run::shrink(SEEDS[0]);
+}

@@ -1,0 +1,162 @@
+//! One run, and how it is shrunk.
+
+use std::process::{Command, Stdio};
+
+use kit::{held_back::HeldBack, log_watch, random::Random};
+
+use crate::{
+    cameras, checks,
+    held::{Held, assert_it_does_not_climb},
+    scene,
+    stage::Stage,
+};
+
+/// Numbers are looked at each so many frames.
+const NUMBERS: usize = 16;
+/// And beside forward, mesh by mesh.
+const TWINS: usize = 64;
+/// All goes, and begins anew.
+const EPOCH: usize = 128;
+
+/// What the environment may say: `SOAK_SEED`, `SOAK_FRAMES` (500), `SOAK_ONLY` (numbers of frames that change anything, separated
+/// by commas), `SOAK_FORWARD` (Bevy alone), `SOAK_VERBOSE` (each change is printed).
+pub struct Run {
+    pub seed: u64,
+    frames: usize,
+    only: Option<Vec<usize>>,
+    is_lean: bool,
+    is_verbose: bool,
+}
+
+fn number(name: &str) -> Option<usize> {
+    let value = std::env::var(name).ok()?;
+    let number = value.parse();
+    Some(number.unwrap_or_else(|_| panic!("{name} is a number, not {value}")))
+}
+
+impl Run {
+    pub fn of_environment(seed: u64) -> Self {
+        let only = std::env::var("SOAK_ONLY").ok();
+        Self {
+            seed: number("SOAK_SEED").map_or(seed, |seed| seed as u64),
+            frames: number("SOAK_FRAMES").unwrap_or(500),
+            only: only.map(|only| only.split(',').filter_map(|f| f.parse().ok()).collect()),
+            is_lean: std::env::var_os("SOAK_FORWARD").is_none(),
+            is_verbose: std::env::var_os("SOAK_VERBOSE").is_some(),
+        }
+    }
+
+    fn changes_in(&self, frame: usize) -> bool {
+        self.only.as_ref().is_none_or(|only| only.contains(&frame))
+    }
+}
+
+pub fn run(run: &Run) {
+    let is_synchronous = run.seed % 3 != 2;
+    let mut stage = Stage::new(run.is_lean, is_synchronous);
+    let mut held: Vec<Held> = Vec::new();
+    let mut held_back: Option<(HeldBack, usize)> = None;
+    for frame in 0..run.frames {
+        let mut random = Random::new((run.seed << 32) + frame as u64);
+        if !is_synchronous {
+            match &mut held_back {
+                Some((_, frames)) if *frames > 0 => *frames -= 1,
+                Some(_) => held_back = None,
+                None if random.below(12) == 0 => held_back = Some((HeldBack::new(), 10)),
+                None => {}
+            }
+        }
+        if run.changes_in(frame) {
+            for _ in 0..=random.below(2) {
+                let change = if random.below(2) == 0 {
+                    scene::change(&mut stage, &mut random)
+                } else {
+                    cameras::change(&mut stage, &mut random)
+                };
+                if run.is_verbose {
+                    println!("frame {frame}: {change}");
+                }
+            }
+        }
+        stage.headless.frame();
+        let errors = log_watch::messages_with("Caught rendering error");
+        assert!(errors.is_empty(), "frame {frame}: {}", errors.join("\n"));
+        if run.is_lean && frame % NUMBERS == NUMBERS - 1 {
+            drop(held_back.take());
+            checks::check(&mut stage, frame, frame % TWINS == TWINS - 1);
+        }
+        if frame % EPOCH == EPOCH - 1 {
+            drop(held_back.take());
+            stage.clear();
+            held.push(Held::of(&mut stage.headless));
+            println!("frame {frame}: {:?}", held.last());
+            stage.fill();
+        }
+    }
+    assert_it_does_not_climb(&held);
+    log_watch::assert_validation_layer_silent();
+}
+
+/// Whether a run with changes in these frames fails, in a process of its own.
+fn fails(seed: u64, frames: usize, only: &[usize], is_lean: bool) -> bool {
+    let only: Vec<String> = only.iter().map(usize::to_string).collect();
+    let mut command = Command::new(std::env::current_exe().expect("a test is a program"));
+    command
+        .args(["first_seed", "--exact"])
+        .env("SOAK_SEED", seed.to_string())
+        .env("SOAK_FRAMES", frames.to_string())
+        .env("SOAK_ONLY", only.join(","))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
+    if !is_lean {
+        command.env("SOAK_FORWARD", "1");
+    }
+    !command.status().expect("it runs again").success()
+}
+
+/// Leaves out ever smaller parts of the frames as long as the run fails (Zeller and Hildebrandt 2002, "Simplifying and Isolating
+/// Failure-Inducing Input").
+pub fn shrink(seed: u64) {
+    let run = Run::of_environment(seed);
+    let (seed, mut frames) = (run.seed, run.frames);
+    let mut only: Vec<usize> = (0..frames).filter(|frame| run.changes_in(*frame)).collect();
+    if !fails(seed, frames, &only, true) {
+        println!("seed {seed} does not fail within {frames} frames");
+        return;
+    }
+    // The first frame after which it fails.
+    let (mut fine, mut bad) = (0, frames);
+    while fine + 1 < bad {
+        let middle = fine.midpoint(bad);
+        if fails(seed, middle, &only, true) {
+            bad = middle;
+        } else {
+            fine = middle;
+        }
+    }
+    frames = bad;
+    only.retain(|frame| *frame < frames);
+    let mut part = only.len().div_ceil(2);
+    while part > 0 {
+        let mut at = 0;
+        while at < only.len() {
+            let mut fewer = only.clone();
+            fewer.drain(at..(at + part).min(only.len()));
+            if fails(seed, frames, &fewer, true) {
+                only = fewer;
+                println!("{} frames with changes left", only.len());
+            } else {
+                at += part;
+            }
+        }
+        part /= 2;
+    }
+    let list: Vec<String> = only.iter().map(usize::to_string).collect();
+    println!(
+        "SOAK_SEED={seed} SOAK_FRAMES={frames} SOAK_ONLY={} SOAK_VERBOSE=1 cargo test --test soak first_seed -- --nocapture",
+        list.join(",")
+    );
+    if fails(seed, frames, &only, false) {
+        println!("Bevy alone fails there too (SOAK_FORWARD=1)");
+    }
+}

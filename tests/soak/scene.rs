@@ -1,0 +1,354 @@
+//! Changes to meshes, materials and lights.
+
+use bevy::{
+    camera::visibility::{NoFrustumCulling, RenderLayers},
+    light::{NotShadowCaster, NotShadowReceiver},
+    mesh::VertexAttributeValues,
+    prelude::*,
+    render::render_resource::Face,
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{random::Random, random_values::Values};
+
+use crate::stage::Stage;
+
+const MOST_MESHES: usize = 16;
+const MOST_LIGHTS: usize = 8;
+
+/// What stays as it is in materials: numbers of loops, what each value of compiles another pipeline, and explicit `Deferred`, for which
+/// Bevy 0.19.1 panics on cameras that have another prepass than `DeferredPrepass` (`queue_prepass_material_meshes`).
+const KEPT: [&str; 5] = [
+    "opaque_render_method",
+    "max_parallax_layer_count",
+    "parallax_mapping_method",
+    "depth_bias",
+    "deferred_lighting_pass_id",
+];
+
+fn one_of<T: Copy>(random: &mut Random, list: &[T]) -> Option<T> {
+    (!list.is_empty()).then(|| list[random.below(list.len())])
+}
+
+/// Makes one, and says which.
+pub fn change(stage: &mut Stage, random: &mut Random) -> String {
+    match random.below(20) {
+        0..3 => spawn_mesh(stage, random),
+        3..5 => despawn_mesh(stage, random),
+        5..8 => change_mesh(stage, random),
+        8..10 => move_mesh(stage, random),
+        10..14 => change_material(stage, random),
+        14 => spawn_light(stage, random),
+        15 => despawn_light(stage, random),
+        _ => change_light(stage, random),
+    }
+}
+
+fn transform(random: &mut Random) -> Transform {
+    let mut axis = || random.range(-2.0, 2.0);
+    let place = Vec3::new(axis(), axis().abs(), axis());
+    let turn = Quat::from_rotation_y(axis());
+    Transform::from_translation(place).with_rotation(turn)
+}
+
+/// A shape, perhaps one that nobody would make on purpose.
+fn mesh(random: &mut Random) -> Mesh {
+    let mut mesh: Mesh = match random.below(5) {
+        0 => Cuboid::default().into(),
+        1 => Sphere::new(0.6).mesh().uv(16, 8),
+        2 => Plane3d::default().mesh().size(2.0, 2.0).into(),
+        3 => Torus::default().into(),
+        _ => Capsule3d::default().into(),
+    };
+    match random.below(10) {
+        0 => _ = mesh.remove_attribute(Mesh::ATTRIBUTE_NORMAL),
+        1 => _ = mesh.remove_attribute(Mesh::ATTRIBUTE_UV_0),
+        2 => _ = mesh.generate_tangents(),
+        3 => {
+            for name in [Mesh::ATTRIBUTE_NORMAL, Mesh::ATTRIBUTE_POSITION] {
+                if let Some(VertexAttributeValues::Float32x3(values)) = mesh.attribute_mut(name) {
+                    for value in values.iter_mut().step_by(7) {
+                        *value = [f32::NAN; 3];
+                    }
+                }
+            }
+        }
+        4 => mesh = mesh.scaled_by(Vec3::splat(1e6)),
+        5 => mesh = mesh.scaled_by(Vec3::new(1.0, 0.0, 1.0)),
+        6 => {
+            let count = mesh.count_vertices();
+            mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.5, 1.0, 0.2, 0.8]; count]);
+        }
+        _ => {}
+    }
+    mesh
+}
+
+fn values(images: &[Handle<Image>]) -> Values<'_> {
+    Values {
+        hostile: 12,
+        images,
+        kept: &KEPT,
+    }
+}
+
+fn standard_material(stage: &Stage, random: &mut Random) -> StandardMaterial {
+    let mut material = StandardMaterial::default();
+    values(&stage.images).change(&mut material, random);
+    if random.below(4) == 0 {
+        material.cull_mode = [None, Some(Face::Front), Some(Face::Back)][random.below(3)];
+    }
+    if random.below(4) == 0 {
+        material.alpha_mode = AlphaMode::Mask(random.unit());
+    }
+    material
+}
+
+fn extension(random: &mut Random) -> ShadingExtension {
+    let mut number = || {
+        if random.below(12) == 0 {
+            f32::NAN
+        } else {
+            random.unit()
+        }
+    };
+    let color = Color::linear_rgb(number(), number(), number());
+    match random.below(3) {
+        0 => ShadingExtension::None,
+        1 => ShadingExtension::Rim {
+            color,
+            exponent: random.range(0.0, 20.0),
+        },
+        _ => ShadingExtension::Subsurface {
+            color,
+            mean_free_path: random.unit().powi(4),
+            albedo: [
+                SubsurfaceAlbedo::AfterScattering,
+                SubsurfaceAlbedo::BeforeScattering,
+            ][random.below(2)],
+        },
+    }
+}
+
+fn set_material(stage: &mut Stage, entity: Entity, random: &mut Random) {
+    let base = standard_material(stage, random);
+    if random.below(3) == 0 {
+        let extension = extension(random);
+        let material = ExtendedStandardMaterial { base, extension };
+        let material = stage.builder().add::<ExtendedStandardMaterial>(material);
+        let mut entity = stage.entity(entity);
+        entity.remove::<MeshMaterial3d<StandardMaterial>>();
+        entity.insert(MeshMaterial3d(material));
+    } else {
+        let material = stage.builder().add::<StandardMaterial>(base);
+        let mut entity = stage.entity(entity);
+        entity.remove::<MeshMaterial3d<ExtendedStandardMaterial>>();
+        entity.insert(MeshMaterial3d(material));
+    }
+}
+
+fn spawn_mesh(stage: &mut Stage, random: &mut Random) -> String {
+    if stage.meshes.len() >= MOST_MESHES {
+        return despawn_mesh(stage, random);
+    }
+    let mesh = stage.builder().add::<Mesh>(mesh(random));
+    let entity = stage.builder().spawn((Mesh3d(mesh), transform(random)));
+    set_material(stage, entity, random);
+    stage.meshes.push(entity);
+    "a mesh comes".into()
+}
+
+fn despawn_mesh(stage: &mut Stage, random: &mut Random) -> String {
+    if stage.meshes.len() > 2 {
+        let entity = stage.meshes.swap_remove(random.below(stage.meshes.len()));
+        stage.world().despawn(entity);
+    }
+    "a mesh goes".into()
+}
+
+fn change_mesh(stage: &mut Stage, random: &mut Random) -> String {
+    let Some(entity) = one_of(random, &stage.meshes) else {
+        return String::new();
+    };
+    match random.below(7) {
+        0 => {
+            let mesh = stage.builder().add::<Mesh>(mesh(random));
+            stage.entity(entity).insert(Mesh3d(mesh));
+            "another shape".into()
+        }
+        1 => {
+            // In place.
+            let handle = stage.entity(entity).get::<Mesh3d>().map(|m| m.0.clone());
+            if let Some(handle) = handle {
+                let mut meshes = stage.world().resource_mut::<Assets<Mesh>>();
+                _ = meshes.insert(&handle, mesh(random));
+            }
+            "a shape that changes".into()
+        }
+        2 => {
+            let layers = RenderLayers::from_layers(&[random.below(3), random.below(3)]);
+            stage.entity(entity).insert(layers.clone());
+            format!("layers of a mesh: {layers:?}")
+        }
+        3 => {
+            let is_visible = random.below(2) == 0;
+            stage.entity(entity).insert(if is_visible {
+                Visibility::Inherited
+            } else {
+                Visibility::Hidden
+            });
+            format!("visible: {is_visible}")
+        }
+        4 => toggle::<NotShadowReceiver>(stage, entity),
+        5 => toggle::<NotShadowCaster>(stage, entity),
+        _ => toggle::<NoFrustumCulling>(stage, entity),
+    }
+}
+
+/// Inserts a component or removes it.
+pub fn toggle<C: Component + Default>(stage: &mut Stage, entity: Entity) -> String {
+    let mut entity = stage.entity(entity);
+    let had = entity.contains::<C>();
+    if had {
+        entity.remove::<C>();
+    } else {
+        entity.insert(C::default());
+    }
+    format!("{}: {}", core::any::type_name::<C>(), !had)
+}
+
+fn move_mesh(stage: &mut Stage, random: &mut Random) -> String {
+    let Some(entity) = one_of(random, &stage.meshes) else {
+        return String::new();
+    };
+    let mut to = transform(random);
+    to.scale = match random.below(6) {
+        0 => Vec3::ZERO,
+        1 => Vec3::new(-1.0, 1.0, 1.0),
+        2 => Vec3::splat(50.0),
+        _ => Vec3::ONE,
+    };
+    stage.entity(entity).insert(to);
+    format!("a mesh moves: {to:?}")
+}
+
+fn change_material(stage: &mut Stage, random: &mut Random) -> String {
+    let Some(entity) = one_of(random, &stage.meshes) else {
+        return String::new();
+    };
+    if random.below(3) == 0 {
+        set_material(stage, entity, random);
+        return "another material".into();
+    }
+    // In place.
+    let images = stage.images.clone();
+    let entity = stage.entity(entity);
+    let standard = entity.get::<MeshMaterial3d<StandardMaterial>>();
+    let Some(handle) = standard.map(|material| material.0.clone()) else {
+        let extended = entity.get::<MeshMaterial3d<ExtendedStandardMaterial>>();
+        let Some(handle) = extended.map(|material| material.0.clone()) else {
+            return String::new();
+        };
+        let mut materials = entity
+            .into_world_mut()
+            .resource_mut::<Assets<ExtendedStandardMaterial>>();
+        if let Some(mut material) = materials.get_mut(&handle) {
+            material.extension = extension(random);
+            values(&images).change(&mut material.base, random);
+        }
+        return "an extended material changes".into();
+    };
+    let mut materials = entity
+        .into_world_mut()
+        .resource_mut::<Assets<StandardMaterial>>();
+    if let Some(mut material) = materials.get_mut(&handle) {
+        values(&images).change(&mut *material, random);
+    }
+    "a material changes".into()
+}
+
+fn spawn_light(stage: &mut Stage, random: &mut Random) -> String {
+    if stage.lights.len() >= MOST_LIGHTS {
+        return despawn_light(stage, random);
+    }
+    let place = transform(random).looking_at(Vec3::ZERO, Vec3::Y);
+    let shadow_maps_enabled = random.below(2) == 0;
+    let mut s = stage.builder();
+    let (light, name) = match random.below(4) {
+        0 => (
+            s.spawn((
+                DirectionalLight {
+                    shadow_maps_enabled,
+                    ..default()
+                },
+                place,
+            )),
+            "a sun",
+        ),
+        1 => (
+            s.spawn((
+                SpotLight {
+                    shadow_maps_enabled,
+                    ..default()
+                },
+                place,
+            )),
+            "a spot light",
+        ),
+        2 => (
+            s.spawn((RectLight::default(), place)),
+            "a rectangle of light",
+        ),
+        _ => (
+            s.spawn((
+                PointLight {
+                    shadow_maps_enabled,
+                    ..default()
+                },
+                place,
+            )),
+            "a point light",
+        ),
+    };
+    stage.lights.push(light);
+    format!("{name} comes, with shadows: {shadow_maps_enabled}")
+}
+
+fn despawn_light(stage: &mut Stage, random: &mut Random) -> String {
+    if !stage.lights.is_empty() {
+        let light = stage.lights.swap_remove(random.below(stage.lights.len()));
+        stage.world().despawn(light);
+    }
+    "a light goes".into()
+}
+
+fn change_light(stage: &mut Stage, random: &mut Random) -> String {
+    let Some(light) = one_of(random, &stage.lights) else {
+        return String::new();
+    };
+    if random.below(4) == 0 {
+        let layers = RenderLayers::layer(random.below(3));
+        stage.entity(light).insert(layers.clone());
+        return format!("layers of a light: {layers:?}");
+    }
+    let values = Values {
+        hostile: 12,
+        images: &[],
+        kept: &[],
+    };
+    let mut entity = stage.entity(light);
+    if let Some(mut light) = entity.get_mut::<PointLight>() {
+        values.change(&mut *light, random);
+        format!("{:?}", *light)
+    } else if let Some(mut light) = entity.get_mut::<SpotLight>() {
+        values.change(&mut *light, random);
+        format!("{:?}", *light)
+    } else if let Some(mut light) = entity.get_mut::<DirectionalLight>() {
+        values.change(&mut *light, random);
+        format!("{:?}", *light)
+    } else if let Some(mut light) = entity.get_mut::<RectLight>() {
+        values.change(&mut *light, random);
+        format!("{:?}", *light)
+    } else {
+        String::new()
+    }
+}
