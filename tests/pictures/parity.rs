@@ -46,7 +46,7 @@ fn compare(headless: &mut Headless, scene: &Scene) -> Result<(), String> {
 
 /// An app with shadow maps as large as Bevy has them.
 fn app(size: UVec2) -> Headless {
-    Headless::with(size, |_| {})
+    Headless::new(size)
 }
 
 /// All of `scenes`, or those whose name has one of the words of `PARITY_SCENE`, which commas separate.

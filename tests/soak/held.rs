@@ -1,7 +1,13 @@
 //! What is alive on the GPU when nothing is shown any more.
 
-use bevy::render::{RenderApp, renderer::RenderInstance};
+use bevy::{
+    prelude::*,
+    render::{RenderApp, renderer::RenderInstance},
+};
+use bevy_lean_deferred::prelude::*;
 use kit::headless::Headless;
+
+use crate::stage::{SIZES, Stage};
 
 /// Handles that are alive, Bevy's and this crate's.
 #[derive(Clone, Copy, Debug)]
@@ -32,10 +38,107 @@ impl Held {
     }
 }
 
-/// Of epochs after the first two: Bevy keeps some of what was ever used.
+/// Panics if the last epoch left more than the first two, which Bevy keeps some of: it does not give back bind groups, so those
+/// are for [`left_by`].
 pub fn assert_it_does_not_climb(held: &[Held]) {
-    let [_, second, .., last] = held else {
+    let [first, second, .., last] = held else {
         return;
     };
-    println!("{second:?}, at last {last:?}");
+    let climbs = |count: fn(&Held) -> usize, allowed: usize| {
+        count(last) > count(first).max(count(second)) + allowed
+    };
+    let climbs = climbs(|held| held.textures, 2)
+        || climbs(|held| held.texture_views, 2)
+        || climbs(|held| held.buffers, 16);
+    assert!(!climbs, "{held:?}");
+}
+
+/// What may come and go again.
+#[derive(Clone, Copy, Debug)]
+pub enum Coming {
+    Camera,
+    Light,
+    Material,
+    Size,
+    Component,
+}
+
+impl Coming {
+    pub const ALL: [Self; 5] = [
+        Self::Camera,
+        Self::Light,
+        Self::Material,
+        Self::Size,
+        Self::Component,
+    ];
+}
+
+fn come_and_go(stage: &mut Stage, what: Coming, turn: usize) {
+    match what {
+        Coming::Camera => {
+            stage.add_camera(1);
+            let camera = stage.cameras.pop().expect("it came");
+            give_all(stage, camera);
+            stage.headless.frames(3);
+            stage.world().despawn(camera);
+        }
+        Coming::Light => {
+            let light = PointLight {
+                shadow_maps_enabled: true,
+                ..default()
+            };
+            let place = Transform::from_xyz(0.0, 2.0, 0.0);
+            let light = stage.builder().spawn((light, place));
+            stage.headless.frames(3);
+            stage.world().despawn(light);
+        }
+        Coming::Material => {
+            let color = Color::linear_rgb(turn as f32 / 32.0, 0.0, 0.0);
+            let material = stage.builder().add::<StandardMaterial>(color);
+            let mesh = stage.meshes[0];
+            stage.entity(mesh).insert(MeshMaterial3d(material));
+        }
+        Coming::Size => stage.resize(0, SIZES[turn % 2]),
+        Coming::Component => {
+            let camera = stage.cameras[0];
+            if stage.is_lean {
+                stage.entity(camera).remove::<LeanDeferred>();
+                stage.headless.frames(3);
+                give_all(stage, camera);
+            }
+        }
+    }
+    stage.headless.frames(3);
+}
+
+/// All that this crate has for cameras, but what leaves no trace: occlusion is a part of diffuse GI.
+fn give_all(stage: &mut Stage, camera: Entity) {
+    if stage.is_lean {
+        stage.entity(camera).insert((
+            LeanDeferred::default(),
+            LeanAutoExposure::default(),
+            LeanScreenSpaceGi::default(),
+            LeanScreenSpaceReflections::default(),
+        ));
+    }
+}
+
+/// How much more textures, views, buffers and bind groups are alive after twelve turns more.
+pub fn left_by(what: Coming, is_lean: bool) -> [usize; 4] {
+    let mut stage = Stage::new(is_lean, true);
+    let camera = stage.cameras[0];
+    give_all(&mut stage, camera);
+    let [before, after] = [0, 1].map(|part| {
+        for turn in 0..12 {
+            come_and_go(&mut stage, what, part * 12 + turn);
+        }
+        Held::of(&mut stage.headless)
+    });
+    let more = |count: fn(&Held) -> usize| count(&after).saturating_sub(count(&before));
+    [
+        more(|held| held.textures),
+        more(|held| held.texture_views),
+        more(|held| held.buffers),
+        more(|held| held.bind_groups),
+    ]
 }

@@ -67,7 +67,7 @@ pub fn run(run: &Run) {
             }
         }
         if run.changes_in(frame) {
-            for _ in 0..=random.below(2) {
+            for _ in 0..random.below(3) {
                 let change = if random.below(2) == 0 {
                     scene::change(&mut stage, &mut random)
                 } else {
