@@ -7,10 +7,18 @@ use bevy::render::{
 };
 use wgpu::{Features, Limits};
 
+use crate::{gpu, own_process::in_own_process};
+
 /// With arrays of textures, of which each invocation may read another: Bevy has decals, textures of lights and several
 /// environment maps only with these.
 const BINDING_ARRAYS: Features = Features::TEXTURE_BINDING_ARRAY
     .union(Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING);
+
+/// Bevy's forward pass alone asks for so many, and as many samplers, in the fragment stage, with the features that the tests enable; WebGPU grants 16 to all.
+const BEVYS_TEXTURES: u32 = 32;
+
+/// Bevy's bloom alone draws into textures of such a format.
+const BEVYS_FEATURES: Features = Features::RG11B10UFLOAT_RENDERABLE;
 
 /// How much of what the adapter can do a device may.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,8 +52,18 @@ impl TestDevice {
     pub fn limits(self, limits: Limits) -> Limits {
         match self {
             Self::Whole | Self::NoBindingArrays => limits,
-            Self::WebGpu => Limits::default(),
-            Self::Downlevel => Limits::downlevel_defaults(),
+            Self::WebGpu | Self::Downlevel => {
+                let least = if self == Self::WebGpu {
+                    Limits::default()
+                } else {
+                    Limits::downlevel_defaults()
+                };
+                Limits {
+                    max_sampled_textures_per_shader_stage: BEVYS_TEXTURES,
+                    max_samplers_per_shader_stage: BEVYS_TEXTURES,
+                    ..least
+                }
+            }
         }
     }
 
@@ -54,7 +72,7 @@ impl TestDevice {
         match self {
             Self::Whole => features,
             Self::NoBindingArrays => features - BINDING_ARRAYS,
-            Self::WebGpu | Self::Downlevel => Features::empty(),
+            Self::WebGpu | Self::Downlevel => BEVYS_FEATURES & features,
         }
     }
 
@@ -68,7 +86,7 @@ impl TestDevice {
             },
             Self::WebGpu | Self::Downlevel => WgpuSettings {
                 priority: WgpuSettingsPriority::WebGPU,
-                features: Features::empty(),
+                features: BEVYS_FEATURES,
                 limits: self.limits(Limits::default()),
                 ..settings
             },
@@ -76,12 +94,36 @@ impl TestDevice {
     }
 }
 
+/// Of the chosen device.
+pub fn render_creation() -> RenderCreation {
+    RenderCreation::Automatic(Box::new(TestDevice::chosen().settings()))
+}
+
 /// Bevy's, with the chosen device.
 pub fn render_plugin(synchronous_pipeline_compilation: bool) -> RenderPlugin {
     RenderPlugin {
-        render_creation: RenderCreation::Automatic(Box::new(TestDevice::chosen().settings())),
+        render_creation: render_creation(),
         synchronous_pipeline_compilation,
         ..Default::default()
+    }
+}
+
+/// Whether lighting has the storage buffers that subsurface scattering asks for. Says so where it has not.
+pub fn has_room_for_scattering(limits: &Limits) -> bool {
+    let has = limits.max_storage_buffers_per_shader_stage >= 9;
+    if !has {
+        println!(
+            "skipped: subsurface scattering: the device has fewer than 9 storage buffers a stage"
+        );
+    }
+    has
+}
+
+/// As [`in_own_process`], where lighting has room for scattering.
+pub fn where_light_scatters<F: FnOnce()>(body: F) {
+    let (_, device, _) = gpu::request(Features::empty());
+    if has_room_for_scattering(&device.limits()) {
+        in_own_process(body);
     }
 }
 

@@ -8,11 +8,11 @@ use bevy::{
         error_handler::{RenderErrorHandler, RenderErrorPolicy},
         render_resource::PollType,
         renderer::RenderDevice,
-        settings::RenderCreation,
     },
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    device::render_creation,
     headless::{Headless, Picture},
     lean::{active_lean_views, build},
     metrics::pixel_difference,
@@ -55,7 +55,7 @@ fn lose_device(headless: &mut Headless) {
         .world()
         .insert_resource(RenderErrorHandler(|error, _, _| {
             println!("recovering from {:?}", error.ty);
-            RenderErrorPolicy::Recover(RenderCreation::default())
+            RenderErrorPolicy::Recover(render_creation())
         }));
     let render_app = headless.app.sub_app_mut(RenderApp);
     if render_app.world().get_resource::<Devices>().is_none() {

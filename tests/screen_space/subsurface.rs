@@ -3,10 +3,10 @@
 use bevy::{camera::ScalingMode, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    device::where_light_scatters,
     known_balls::ball,
     known_light::{Seen, camera, errors, show},
     known_slabs::{SKIN, beside, edge, patterned, slab, step, stored_paths},
-    own_process::in_own_process,
     scenes::SceneBuilder,
 };
 
@@ -37,7 +37,7 @@ fn seen(path: f32, quality: SubsurfaceScatteringQuality, light: fn(Vec2) -> f32)
 
 #[test]
 fn light_leaves_beside_an_edge_as_the_profile_says() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let mut all_right = true;
         for (name, color, path) in [
             ("white", WHITE, 0.08),
@@ -58,7 +58,7 @@ fn light_leaves_beside_an_edge_as_the_profile_says() {
 /// free path is a quarter of the radius, that half is brighter than the whole.
 #[test]
 fn balls_are_as_the_profile_says() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let mut all_right = true;
         for (path, most) in [
             (0.001, 0.003),
@@ -80,7 +80,7 @@ fn balls_are_as_the_profile_says() {
 /// Slabs that are turned away by 45 and 60 degrees, with the edge along the axis they are turned about, and across it.
 #[test]
 fn it_does_so_on_surfaces_that_are_turned_away() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         for degrees in [45.0_f32, 60.0] {
             for (name, axis) in [("about", Vec3::Y), ("across", Vec3::X)] {
                 for quality in [Low, High] {
@@ -103,7 +103,7 @@ fn it_does_so_on_surfaces_that_are_turned_away() {
 
 #[test]
 fn an_orthographic_view_shows_the_same() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let (_, seen) = show(SIZE, 2, |s| {
             patterned(s, slab(WHITE, 0.08), default(), step);
             let camera = camera(s, ahead(2.0), 1.0, with(High));
@@ -125,7 +125,7 @@ fn an_orthographic_view_shows_the_same() {
 
 #[test]
 fn even_light_stays_as_it_is() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         for path in [0.001, 0.02, 0.5] {
             let [without, with] = [Off, High].map(|quality| seen(path, quality, |_| 0.7));
             let pairs = without.light.texels.iter().zip(&with.light.texels);
@@ -139,7 +139,7 @@ fn even_light_stays_as_it_is() {
 /// All of a spot's light leaves.
 #[test]
 fn a_spot_keeps_its_sum() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let spot = |at: Vec2| f32::from((at - 0.5).length() < 0.02);
         let sums = [Off, Low, High].map(|quality| {
             let seen = seen(0.02, quality, spot);
@@ -155,7 +155,7 @@ fn a_spot_keeps_its_sum() {
 /// From twice as far, with twice the path, on a slab twice as large.
 #[test]
 fn distance_does_not_matter() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let [near, far] = [1.0, 2.0].map(|scale| {
             let (_, seen) = show(SIZE, 2, |s| {
                 let place = Transform::from_scale(Vec3::splat(scale));
@@ -175,7 +175,7 @@ fn distance_does_not_matter() {
 /// One slab far behind another, in paths, of which only one lets light in.
 #[test]
 fn nothing_bleeds_from_slab_to_slab() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         for front_is_lit in [false, true] {
             let light = [front_is_lit, !front_is_lit].map(|lit| if lit { 1.0 } else { 0.0 });
             let scene = |s: &mut SceneBuilder, quality| {
@@ -202,7 +202,7 @@ fn nothing_bleeds_from_slab_to_slab() {
 /// Slabs beside one another, of which one scatters as far as the other but is another material, and one does not scatter.
 #[test]
 fn nothing_bleeds_onto_another_material() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let [without, with] = [Off, High].map(|quality| {
             let (_, seen) = show(SIZE, 2, |s| {
                 let [left, right] = [-2.0, 2.0].map(|x| Transform::from_xyz(x, 0.0, 0.0));
@@ -221,7 +221,7 @@ fn nothing_bleeds_onto_another_material() {
 
 #[test]
 fn less_than_a_pixel_changes_nothing() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let checks = |at: Vec2| f32::from((at.x * 97.0).sin() * (at.y * 61.0).sin() > 0.0);
         let [without, with] = [Off, High].map(|quality| seen(1e-4, quality, checks));
         let pairs = without.light.texels.iter().zip(&with.light.texels);

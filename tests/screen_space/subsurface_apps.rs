@@ -10,12 +10,12 @@ use bevy_lean_deferred::{
     lighting::SubsurfaceLight, prelude::*, screen_space::subsurface::ViewSubsurface,
 };
 use kit::{
+    device::where_light_scatters,
     headless::Headless,
     known_light::{Seen, camera, look, see, show},
     known_slabs::{SKIN, patterned, slab, step},
     lean::{build, change_cameras},
     log_watch,
-    own_process::in_own_process,
     scenes::SceneBuilder,
 };
 
@@ -75,7 +75,7 @@ fn most_off(a: &Seen, b: &Seen) -> f32 {
 /// Without a visible material that asks for it nothing is held; and what was held is given back.
 #[test]
 fn it_is_there_while_something_needs_it() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let mut headless = build(SIZE, stage);
         let with_slab = see(&mut headless, 2);
         assert!(holds_anything(&mut headless));
@@ -111,7 +111,7 @@ fn it_is_there_while_something_needs_it() {
 /// In each frame, in both ways; it shows one picture or the other.
 #[test]
 fn it_may_be_switched_in_every_frame() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let mut headless = build(SIZE, stage);
         let on = see(&mut headless, 2);
         change_cameras(&mut headless, |camera| {
@@ -134,7 +134,7 @@ fn it_may_be_switched_in_every_frame() {
 /// Tiles that a lit slab has left do not shine on a dark one beside them.
 #[test]
 fn what_moves_leaves_nothing_behind() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0).with_scale(Vec3::splat(0.1));
         let scene = |s: &mut SceneBuilder, x: f32| {
             patterned(s, slab(SKIN, PATH), at(x), |_| 1.0);
@@ -161,7 +161,7 @@ fn what_moves_leaves_nothing_behind() {
 /// Even light stays, whatever the base colour is; a base colour that is applied before light scatters gets soft.
 #[test]
 fn textures_stay_sharp_where_albedo_comes_after() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let picture = |albedo, quality| {
             let (_, seen) = show(SIZE, 2, |s| {
                 let mut material = slab(SKIN, PATH);
@@ -185,7 +185,7 @@ fn textures_stay_sharp_where_albedo_comes_after() {
 /// Fog is between the surface and the viewer: it takes its part of light that has scattered.
 #[test]
 fn fog_comes_after() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let picture = |fog: bool, quality, light: fn(Vec2) -> f32| {
             let (_, seen) = show(SIZE, 2, |s| {
                 patterned(s, slab(SKIN, PATH), default(), light);
@@ -223,7 +223,7 @@ fn fog_comes_after() {
 /// Coats, rims and mirrors beside a slab show what they show without it.
 #[test]
 fn other_surfaces_stay_as_they_are() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let ball = StandardMaterial {
             base_color: Color::srgb(0.2, 0.3, 0.8),
             clearcoat: 1.0,
@@ -256,7 +256,7 @@ fn other_surfaces_stay_as_they_are() {
 /// Each of many materials scatters as far as it says: all paths that there are codes of, one slab each.
 #[test]
 fn materials_keep_their_paths() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let paths: Vec<f32> = (0..64)
             .map(|i| 1e-4_f32.powf(1.0 - i as f32 / 63.0))
             .collect();
@@ -301,7 +301,7 @@ fn materials_keep_their_paths() {
 /// Light that is no number, or as bright as numbers go, stays where it is.
 #[test]
 fn hostile_light_does_not_spread() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         for color in [f32::NAN, f32::INFINITY, 1e38, -1.0] {
             let (_, seen) = show(SIZE, 2, |s| {
                 lit_slab(s);
@@ -324,7 +324,7 @@ fn hostile_light_does_not_spread() {
 
 #[test]
 fn views_and_settings_may_be_anything() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let mut headless = build(SIZE, stage);
         headless.settle();
         let orthographic = Projection::Orthographic(OrthographicProjection {
@@ -372,7 +372,7 @@ fn views_and_settings_may_be_anything() {
 /// Two cameras beside one another show what each shows alone; with all that lighting writes.
 #[test]
 fn two_cameras_and_all_effects_at_once() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         let half = SIZE / UVec2::new(2, 1);
         let picture = |shown: [bool; 2]| {
             let mut headless = build(SIZE, |s| {
