@@ -95,7 +95,14 @@ select_driver() {
 echo "building the tests"
 flags=$(for topic in $topics; do printf ' --test %s' "$topic"; done)
 # shellcheck disable=SC2086 # a list of flags
-binaries=$(cargo test --no-run $flags 2>&1 | tee /dev/stderr | sed -n 's/.*(\(.*\))$/\1/p')
+built=$(cargo test --no-run $flags 2>&1 | tee /dev/stderr | sed -n 's/.*(\(.*\))$/\1/p')
+# Copies: what is built meanwhile is not run.
+copies="$cache/binaries"
+rm -rf "$copies"
+mkdir -p "$copies"
+for topic in $topics; do
+    cp "$(printf '%s\n' "$built" | grep "/$topic-")" "$copies/$topic"
+done
 
 row() { printf '%-12s %-18s %s\n' "$@"; }
 table="$logs/table.txt"
@@ -108,14 +115,13 @@ for driver in $drivers; do
         continue
     fi
     for topic in $topics; do
-        binary=$(printf '%s\n' "$binaries" | grep "/$topic-")
         printf '%s, %s …\r' "$driver" "$topic" >&2
         part="$logs/$driver-$topic.log"
         # Two apps at a time: each render thread of a software driver takes all cores anyway.
         (
             select_driver "$driver"
             export CARGO_MANIFEST_DIR="$PWD"
-            timeout "$limit" "$binary" --test-threads=2 --show-output "$@"
+            timeout "$limit" "$copies/$topic" --test-threads=2 --show-output "$@"
         ) >"$part" 2>&1 || true
         result=$(sed -n 's/^test result: [a-zA-Z]*\. \([0-9]*\) passed; \([0-9]*\) failed;.*/\1 passed, \2 failed/p' "$part" | tail -n 1)
         skipped=$(grep -a -o 'skipped: .*' "$part" | sort -u | wc -l)

@@ -1,5 +1,8 @@
 #!/bin/sh
-# Installs what is missing and runs all tests.
+# Installs what is missing and runs all tests. Arguments are those of `cargo test`.
+#
+# Where LEAN_PASSED names a folder, a test binary that has passed, with the same assets and drivers, is not run again while it stays the
+# same to the byte. Nothing else goes into what they show: shaders are in the binaries, and random numbers have seeds.
 set -eu
 . "$(dirname "$0")/environment.sh"
 cd "$(dirname "$0")/.."
@@ -7,4 +10,38 @@ cd "$(dirname "$0")/.."
 # all the same.
 export RUST_LIB_BACKTRACE=0
 # Two apps at a time: each render thread of a software driver takes all cores anyway.
-exec cargo test --no-fail-fast "$@" -- --test-threads=2
+threads=--test-threads=2
+[ -n "${LEAN_PASSED:-}" ] || exec cargo test --no-fail-fast "$@" -- $threads
+
+mkdir -p "$LEAN_PASSED"
+built=$(cargo test --no-run "$@" 2>&1 | tee /dev/stderr | sed -n 's/^  *Executable .*(\(.*\))$/\1/p')
+# What is not in a binary.
+around=$({
+    find assets -type f -exec sha256sum {} + | sort
+    env | grep -E '^(VK_|WGPU_|LP_|LEAN_TEST_)' | sort
+    cat /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json 2>/dev/null
+    ls -l --time-style=+%s /usr/lib/*/libvulkan*.so* 2>/dev/null
+} | sha256sum)
+failed=""
+CARGO_MANIFEST_DIR=$PWD
+export CARGO_MANIFEST_DIR
+for binary in $built; do
+    name=$(basename "$binary")
+    key=$({ sha256sum <"$binary" && echo "$around"; } | sha256sum | cut -c1-64)
+    if [ -e "$LEAN_PASSED/$key" ]; then
+        echo "$name: unchanged, has passed"
+        continue
+    fi
+    started=$(date +%s)
+    if "$binary" $threads; then
+        touch "$LEAN_PASSED/$key"
+        echo "$name: passed in $(($(date +%s) - started)) s"
+    else
+        failed="$failed $name"
+    fi
+done
+cargo test --doc || failed="$failed documentation"
+[ -z "$failed" ] || {
+    echo "failed:$failed"
+    exit 1
+}
