@@ -73,7 +73,12 @@ fn mesh(random: &mut Random) -> Mesh {
             }
         }
         4 => mesh = mesh.scaled_by(Vec3::splat(1e6)),
-        5 => mesh = mesh.scaled_by(Vec3::new(1.0, 0.0, 1.0)),
+        5 => {
+            mesh = mesh.scaled_by(Vec3::new(1.0, 0.0, 1.0));
+            // Else some are of no length, and what forward makes of those is up to the driver.
+            let normals = vec![[0.0, 1.0, 0.0]; mesh.count_vertices()];
+            mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
+        }
         6 => {
             let count = mesh.count_vertices();
             mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.5, 1.0, 0.2, 0.8]; count]);
@@ -129,8 +134,9 @@ fn extension(random: &mut Random) -> ShadingExtension {
     }
 }
 
-fn set_material(stage: &mut Stage, entity: Entity, random: &mut Random) {
+fn set_material(stage: &mut Stage, entity: Entity, random: &mut Random) -> String {
     let base = standard_material(stage, random);
+    let description = format!("{base:?}");
     if random.below(3) == 0 {
         let extension = extension(random);
         let material = ExtendedStandardMaterial { base, extension };
@@ -144,6 +150,7 @@ fn set_material(stage: &mut Stage, entity: Entity, random: &mut Random) {
         entity.remove::<MeshMaterial3d<ExtendedStandardMaterial>>();
         entity.insert(MeshMaterial3d(material));
     }
+    description
 }
 
 fn spawn_mesh(stage: &mut Stage, random: &mut Random) -> String {
@@ -152,9 +159,9 @@ fn spawn_mesh(stage: &mut Stage, random: &mut Random) -> String {
     }
     let mesh = stage.builder().add::<Mesh>(mesh(random));
     let entity = stage.builder().spawn((Mesh3d(mesh), transform(random)));
-    set_material(stage, entity, random);
+    let material = set_material(stage, entity, random);
     stage.meshes.push(entity);
-    "a mesh comes".into()
+    format!("a mesh comes, of {material}")
 }
 
 fn despawn_mesh(stage: &mut Stage, random: &mut Random) -> String {
@@ -236,8 +243,7 @@ fn change_material(stage: &mut Stage, random: &mut Random) -> String {
         return String::new();
     };
     if random.below(3) == 0 {
-        set_material(stage, entity, random);
-        return "another material".into();
+        return set_material(stage, entity, random);
     }
     // In place.
     let images = stage.images.clone();
@@ -254,16 +260,18 @@ fn change_material(stage: &mut Stage, random: &mut Random) -> String {
         if let Some(mut material) = materials.get_mut(&handle) {
             material.extension = extension(random);
             values(&images).change(&mut material.base, random);
+            return format!("{:?} of {:?}", material.extension, material.base);
         }
-        return "an extended material changes".into();
+        return String::new();
     };
     let mut materials = entity
         .into_world_mut()
         .resource_mut::<Assets<StandardMaterial>>();
     if let Some(mut material) = materials.get_mut(&handle) {
         values(&images).change(&mut *material, random);
+        return format!("{:?}", *material);
     }
-    "a material changes".into()
+    String::new()
 }
 
 fn spawn_light(stage: &mut Stage, random: &mut Random) -> String {

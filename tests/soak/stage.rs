@@ -36,8 +36,10 @@ pub struct Stage {
 impl Stage {
     pub fn new(is_lean: bool, is_synchronous: bool) -> Self {
         let size = SIZES[0];
-        let mut headless =
-            Headless::with_compilation(size, is_synchronous, kit::headless::small_shadow_maps);
+        let mut headless = Headless::with_compilation(size, is_synchronous, |app| {
+            app.insert_resource(DirectionalLightShadowMap { size: 128 })
+                .insert_resource(PointLightShadowMap { size: 64 });
+        });
         let first = headless.target.clone();
         let second = headless
             .world()
