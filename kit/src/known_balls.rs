@@ -139,9 +139,10 @@ pub fn ball(size: UVec2, color: LinearRgba, path: f32, effect: impl Bundle) -> [
         let path = paths[channel];
         // One pixel of 25.
         let width = seen.light.size.x as usize;
-        let asked = spots
-            .iter()
-            .filter(|spot| spot.index % width % 5 == 0 && spot.index / width % 5 == 0);
+        let asked = spots.iter().filter(|spot| {
+            let [x, y] = [spot.index % width, spot.index / width];
+            x.is_multiple_of(5) && y.is_multiple_of(5)
+        });
         let found: Vec<[f32; 3]> = asked
             .map(|spot| {
                 [

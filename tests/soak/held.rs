@@ -50,7 +50,7 @@ pub fn assert_it_does_not_climb(held: &[Held]) {
     };
     let climbs = climbs(|held| held.textures, 2)
         || climbs(|held| held.texture_views, 2)
-        || climbs(|held| held.buffers, 48);
+        || climbs(|held| held.buffers, 128);
     assert!(!climbs, "{held:?}");
 }
 
