@@ -174,6 +174,8 @@ fn add_twin(stage: &mut Stage, camera: Entity, size: UVec2) -> Entity {
         .insert((Hdr, Msaa::Off, RenderTarget::from(target)));
     if let Some(mut camera) = entity.get_mut::<Camera>() {
         camera.order = 100;
+        // Without, a new target shows whatever is there.
+        camera.clear_color = ClearColorConfig::Default;
     }
     twin
 }
