@@ -175,7 +175,9 @@ fn add_twin(stage: &mut Stage, camera: Entity, size: UVec2) -> Entity {
     if let Some(mut camera) = entity.get_mut::<Camera>() {
         camera.order = 100;
         // Without, a new target shows whatever is there.
-        camera.clear_color = ClearColorConfig::Default;
+        if matches!(camera.clear_color, ClearColorConfig::None) {
+            camera.clear_color = ClearColorConfig::Default;
+        }
     }
     twin
 }
