@@ -5,6 +5,7 @@ use bevy::render::{
     renderer::RenderDevice,
     settings::{RenderCreation, WgpuSettings, WgpuSettingsPriority},
 };
+use bevy_lean_deferred::screen_space::subsurface::missing_for_scattering;
 use wgpu::{Features, Limits};
 
 use crate::{gpu, own_process::in_own_process};
@@ -14,7 +15,8 @@ use crate::{gpu, own_process::in_own_process};
 const BINDING_ARRAYS: Features = Features::TEXTURE_BINDING_ARRAY
     .union(Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING);
 
-/// Bevy's forward pass alone asks for so many, and as many samplers, in the fragment stage, with the features that the tests enable; WebGPU grants 16 to all.
+/// Bevy's forward pass alone asks for more textures and samplers in the fragment stage than the 16 that WebGPU grants to all, with the
+/// features that the tests enable.
 const BEVYS_TEXTURES: u32 = 32;
 
 /// Bevy's bloom alone draws into textures of such a format.
@@ -108,15 +110,13 @@ pub fn render_plugin(synchronous_pipeline_compilation: bool) -> RenderPlugin {
     }
 }
 
-/// Whether lighting has the storage buffers that subsurface scattering asks for. Says so where it has not.
+/// Whether a device with these limits scatters light beneath surfaces. Says so where it does not.
 pub fn has_room_for_scattering(limits: &Limits) -> bool {
-    let has = limits.max_storage_buffers_per_shader_stage >= 9;
-    if !has {
-        println!(
-            "skipped: subsurface scattering: the device has fewer than 9 storage buffers a stage"
-        );
+    let missing = missing_for_scattering(limits);
+    if let Some(missing) = missing {
+        println!("skipped: subsurface scattering: {missing}");
     }
-    has
+    missing.is_none()
 }
 
 /// As [`in_own_process`], where lighting has room for scattering.

@@ -16,6 +16,7 @@ pub mod gpu;
 pub mod gpu_time;
 pub mod hdr;
 pub mod headless;
+pub mod held;
 pub mod held_back;
 pub mod known_balls;
 pub mod known_light;

@@ -1,4 +1,4 @@
-//! Random values for the fields of any settings, hostile ones too.
+//! Random values for the fields of any settings, hostile ones too; components that come and go.
 
 use bevy::{
     prelude::*,
@@ -107,4 +107,20 @@ impl Values<'_> {
             }
         }
     }
+}
+
+/// Takes a component away, or puts its default in.
+pub fn toggle<C: Component + Default>(entity: &mut EntityWorldMut) -> String {
+    toggle_between(entity, C::default())
+}
+
+/// Takes a component away, or puts this one in.
+pub fn toggle_between<C: Component>(entity: &mut EntityWorldMut, component: C) -> String {
+    let had = entity.contains::<C>();
+    if had {
+        entity.remove::<C>();
+    } else {
+        entity.insert(component);
+    }
+    format!("{}: {}", core::any::type_name::<C>(), !had)
 }

@@ -17,6 +17,7 @@ use kit::{
     metrics::pixel_difference,
     own_process::in_own_process,
     random::Random,
+    random_values::toggle,
     scenes::{SceneBuilder, build::default_camera_transform},
 };
 
@@ -260,15 +261,6 @@ fn change_lean(settings: &mut LeanDeferred, random: &mut Random) {
 }
 
 fn change_components(camera: &mut EntityWorldMut, random: &mut Random) -> String {
-    fn toggle<C: Component + Default>(camera: &mut EntityWorldMut) -> String {
-        let had = camera.contains::<C>();
-        if had {
-            camera.remove::<C>();
-        } else {
-            camera.insert(C::default());
-        }
-        format!("{}: {}", core::any::type_name::<C>(), !had)
-    }
     match random.below(8) {
         0 => toggle::<LeanDeferred>(camera),
         1 => toggle::<LeanAmbientOcclusion>(camera),

@@ -7,7 +7,6 @@ use bevy::{
     render::{
         RenderApp,
         render_resource::{BindGroup, BindGroupId},
-        renderer::RenderInstance,
     },
 };
 use bevy_lean_deferred::{
@@ -22,33 +21,16 @@ use bevy_lean_deferred::{
 use kit::{
     device::has_room_for_scattering,
     headless::Headless,
+    held::Held,
     known_slabs::{patterned, slab, step},
     lean::{active_lean_views, build, set_lean},
 };
 
-/// Handles that are alive, Bevy's and this crate's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Held {
-    textures: usize,
-    texture_views: usize,
-    bind_groups: usize,
-}
-
-/// Once nothing changes any more.
+/// Once nothing changes any more; buffers, which Bevy grows as it likes, are not compared.
 fn held(headless: &mut Headless) -> Held {
-    headless.settle();
-    // Bevy keeps textures that nobody asks for three frames longer.
-    headless.frames(5);
-    let render_world = headless.app.sub_app(RenderApp).world();
-    let report = render_world
-        .resource::<RenderInstance>()
-        .generate_report()
-        .expect("wgpu itself runs here, not a browser's WebGPU");
-    let hub = report.hub_report();
     Held {
-        textures: hub.textures.num_kept_from_user,
-        texture_views: hub.texture_views.num_kept_from_user,
-        bind_groups: hub.bind_groups.num_kept_from_user,
+        buffers: 0,
+        ..Held::once_settled(headless)
     }
 }
 

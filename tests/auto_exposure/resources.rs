@@ -3,11 +3,11 @@
 use bevy::{
     anti_alias::fxaa::Fxaa,
     prelude::*,
-    render::{RenderApp, render_resource::BindGroupId, renderer::RenderInstance},
+    render::{RenderApp, render_resource::BindGroupId},
 };
 use bevy_lean_deferred::auto_exposure::{ExposureBindings, LeanAutoExposure};
 
-use kit::headless::Headless;
+use kit::{headless::Headless, held::Held};
 
 fn headless(effects: impl Bundle) -> (Headless, Entity) {
     let mut headless = Headless::new(UVec2::new(300, 200));
@@ -64,17 +64,13 @@ fn what_is_held_is_given_back() {
         }
         headless.settle();
         headless.frames(8);
-        let render_world = headless.app.sub_app(RenderApp).world();
-        let report = render_world
-            .resource::<RenderInstance>()
-            .generate_report()
-            .expect("wgpu itself runs here, not a browser's WebGPU");
-        let hub = report.hub_report();
-        let held = [
-            hub.textures.num_kept_from_user,
-            hub.buffers.num_kept_from_user,
-            hub.bind_groups.num_kept_from_user,
-        ];
+        let Held {
+            textures,
+            buffers,
+            bind_groups,
+            ..
+        } = Held::now(&headless);
+        let held = [textures, buffers, bind_groups];
         println!("auto exposure: {auto_exposure}, textures, buffers, bind groups: {held:?}");
         held
     };

@@ -9,12 +9,12 @@ use bevy::{
     prelude::*,
 };
 use bevy_lean_deferred::prelude::*;
-use kit::{random::Random, random_values::Values};
-
-use crate::{
-    scene::toggle,
-    stage::{SIZES, Stage},
+use kit::{
+    random::Random,
+    random_values::{Values, toggle, toggle_between},
 };
+
+use crate::stage::{SIZES, Stage};
 
 const MOST_CAMERAS: usize = 3;
 
@@ -154,45 +154,34 @@ fn change_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
 }
 
 fn toggle_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
+    let camera = &mut stage.entity(camera);
     match random.below(9) {
-        0 | 1 => toggle::<LeanDeferred>(stage, camera),
-        2 | 3 => toggle::<LeanAmbientOcclusion>(stage, camera),
-        4 => toggle::<LeanAutoExposure>(stage, camera),
-        5 => toggle::<LeanScreenSpaceGi>(stage, camera),
-        6 => toggle::<LeanScreenSpaceReflections>(stage, camera),
-        7 => toggle::<CameraCut>(stage, camera),
-        _ => toggle::<LeanSubsurfaceScattering>(stage, camera),
+        0 | 1 => toggle::<LeanDeferred>(camera),
+        2 | 3 => toggle::<LeanAmbientOcclusion>(camera),
+        4 => toggle::<LeanAutoExposure>(camera),
+        5 => toggle::<LeanScreenSpaceGi>(camera),
+        6 => toggle::<LeanScreenSpaceReflections>(camera),
+        7 => toggle::<CameraCut>(camera),
+        _ => toggle::<LeanSubsurfaceScattering>(camera),
     }
 }
 
 /// What Bevy itself has for cameras.
 fn change_bevy(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
     match random.below(7) {
-        0 => toggle::<Bloom>(stage, camera),
-        1 => toggle::<Fxaa>(stage, camera),
-        2 => toggle::<DepthOfField>(stage, camera),
+        0 => toggle::<Bloom>(&mut stage.entity(camera)),
+        1 => toggle::<Fxaa>(&mut stage.entity(camera)),
+        2 => toggle::<DepthOfField>(&mut stage.entity(camera)),
         3 => {
             let fog = DistanceFog {
                 falloff: FogFalloff::Exponential { density: 0.1 },
                 ..default()
             };
-            let mut entity = stage.entity(camera);
-            if entity.contains::<DistanceFog>() {
-                entity.remove::<DistanceFog>();
-            } else {
-                entity.insert(fog);
-            }
-            "fog".into()
+            toggle_between(&mut stage.entity(camera), fog)
         }
         4 => {
             let light = stage.builder().environment_map(1000.0);
-            let mut entity = stage.entity(camera);
-            if entity.contains::<EnvironmentMapLight>() {
-                entity.remove::<EnvironmentMapLight>();
-            } else {
-                entity.insert(light);
-            }
-            "an environment map".into()
+            toggle_between(&mut stage.entity(camera), light)
         }
         5 => {
             let brightness = random.range(0.0, 500.0);

@@ -1,42 +1,10 @@
 //! What is alive on the GPU when nothing is shown any more.
 
-use bevy::{
-    prelude::*,
-    render::{RenderApp, renderer::RenderInstance},
-};
+use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
-use kit::headless::Headless;
+use kit::held::Held;
 
 use crate::stage::{SIZES, Stage};
-
-/// Handles that are alive, Bevy's and this crate's.
-#[derive(Clone, Copy, Debug)]
-pub struct Held {
-    textures: usize,
-    texture_views: usize,
-    buffers: usize,
-    bind_groups: usize,
-}
-
-impl Held {
-    /// Bevy keeps textures that nobody asks for three frames longer.
-    pub fn of(headless: &mut Headless) -> Self {
-        headless.settle();
-        headless.frames(5);
-        let render_world = headless.app.sub_app(RenderApp).world();
-        let report = render_world
-            .resource::<RenderInstance>()
-            .generate_report()
-            .expect("wgpu itself runs here, not a browser's WebGPU");
-        let hub = report.hub_report();
-        Self {
-            textures: hub.textures.num_kept_from_user,
-            texture_views: hub.texture_views.num_kept_from_user,
-            buffers: hub.buffers.num_kept_from_user,
-            bind_groups: hub.bind_groups.num_kept_from_user,
-        }
-    }
-}
 
 /// Panics if the last epoch left more than the first half of them, in which Bevy's buffers reach their sizes. It does not give back
 /// bind groups, so those are for [`left_by`].
@@ -133,7 +101,7 @@ pub fn left_by(what: Coming, is_lean: bool) -> [usize; 4] {
         for turn in 0..12 {
             come_and_go(&mut stage, what, part * 12 + turn);
         }
-        Held::of(&mut stage.headless)
+        Held::once_settled(&mut stage.headless)
     });
     let more = |count: fn(&Held) -> usize| count(&after).saturating_sub(count(&before));
     [

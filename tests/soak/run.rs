@@ -2,14 +2,9 @@
 
 use std::process::{Command, Stdio};
 
-use kit::{held_back::HeldBack, log_watch, random::Random};
+use kit::{held::Held, held_back::HeldBack, log_watch, random::Random};
 
-use crate::{
-    cameras, checks,
-    held::{Held, assert_it_does_not_climb},
-    scene,
-    stage::Stage,
-};
+use crate::{cameras, checks, held::assert_it_does_not_climb, scene, stage::Stage};
 
 /// Numbers are looked at each so many frames.
 const NUMBERS: usize = 16;
@@ -88,7 +83,7 @@ pub fn run(run: &Run) {
         if frame % EPOCH == EPOCH - 1 {
             drop(held_back.take());
             stage.clear();
-            held.push(Held::of(&mut stage.headless));
+            held.push(Held::once_settled(&mut stage.headless));
             println!("frame {frame}: {:?}", held.last());
             stage.fill();
         }

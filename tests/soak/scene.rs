@@ -8,7 +8,10 @@ use bevy::{
     render::render_resource::Face,
 };
 use bevy_lean_deferred::prelude::*;
-use kit::{random::Random, random_values::Values};
+use kit::{
+    random::Random,
+    random_values::{Values, toggle},
+};
 
 use crate::stage::Stage;
 
@@ -205,22 +208,10 @@ fn change_mesh(stage: &mut Stage, random: &mut Random) -> String {
             });
             format!("visible: {is_visible}")
         }
-        4 => toggle::<NotShadowReceiver>(stage, entity),
-        5 => toggle::<NotShadowCaster>(stage, entity),
-        _ => toggle::<NoFrustumCulling>(stage, entity),
+        4 => toggle::<NotShadowReceiver>(&mut stage.entity(entity)),
+        5 => toggle::<NotShadowCaster>(&mut stage.entity(entity)),
+        _ => toggle::<NoFrustumCulling>(&mut stage.entity(entity)),
     }
-}
-
-/// Inserts a component or removes it.
-pub fn toggle<C: Component + Default>(stage: &mut Stage, entity: Entity) -> String {
-    let mut entity = stage.entity(entity);
-    let had = entity.contains::<C>();
-    if had {
-        entity.remove::<C>();
-    } else {
-        entity.insert(C::default());
-    }
-    format!("{}: {}", core::any::type_name::<C>(), !had)
 }
 
 fn move_mesh(stage: &mut Stage, random: &mut Random) -> String {

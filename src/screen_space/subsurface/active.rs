@@ -40,8 +40,8 @@ impl Default for Warnings {
 
 /// What the device lacks. Beside what [`LeanDeferred`] needs, lighting writes one more storage buffer and, with
 /// [`LeanScreenSpaceGi`](crate::LeanScreenSpaceGi), four storage textures.
-fn lack(device: &RenderDevice) -> Option<&'static str> {
-    let limits = device.limits();
+#[doc(hidden)]
+pub fn missing_for_scattering(limits: &wgpu::Limits) -> Option<&'static str> {
     if limits.max_storage_buffers_per_shader_stage < 9 {
         Some("the device has fewer than 9 storage buffers for a shader stage")
     } else if limits.max_storage_textures_per_shader_stage < 4 {
@@ -93,7 +93,7 @@ pub(super) fn decide_active_scattering(
             (Some(settings), false) if settings.quality != SubsurfaceScatteringQuality::Off => {
                 Some("it has no LeanDeferred")
             }
-            _ => lack(&device).filter(|_| is_asked),
+            _ => missing_for_scattering(&device.limits()).filter(|_| is_asked),
         };
         (warnings.0).tell(view.retained_view_entity.main_entity, reason);
         let settings = settings.copied().unwrap_or_default();

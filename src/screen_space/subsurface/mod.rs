@@ -32,7 +32,11 @@ mod uniforms;
 pub use settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
 // For tests and benches.
 #[doc(hidden)]
-pub use {active::ActiveScattering, prepare::ViewSubsurface, uniforms::SubsurfaceView};
+pub use {
+    active::{ActiveScattering, missing_for_scattering},
+    prepare::ViewSubsurface,
+    uniforms::SubsurfaceView,
+};
 
 use bevy::{
     asset::embedded_asset,
