@@ -18,6 +18,7 @@ use bevy::{
         batching::gpu_preprocessing::GpuPreprocessingSupport,
         camera::{DirtySpecializations, PendingQueues},
         render_phase::{BinnedRenderPhaseType, DrawFunctionId, DrawFunctions},
+        render_resource::CachedRenderPipelineId,
         sync_world::MainEntity,
         view::{
             ExtractedView, RenderVisibleEntities, RenderVisibleEntitiesClass, RetainedViewEntity,
@@ -140,6 +141,9 @@ pub(super) fn queue_gbuffer_meshes(
 ) {
     live_views.clear();
     pipelines.start_frame();
+    if pipelines.are_of_another_device() {
+        sorted.clear();
+    }
     count.0 = 0;
     let mut recent_kinds = RecentKinds::default();
 
@@ -167,6 +171,8 @@ pub(super) fn queue_gbuffer_meshes(
         let former = core::mem::replace(&mut sorted.active, active.copied());
         concerned.clear();
         concerned.extend(changed.iter().chain(sorted.look_again.drain(..)));
+        let shader_has_changed =
+            (sorted.pipelines.iter()).any(|(id, state_then)| pipelines.state(*id) != *state_then);
         let mut sorter = Sorter {
             lookup: &lookup,
             recent_kinds: &mut recent_kinds,
@@ -179,6 +185,7 @@ pub(super) fn queue_gbuffer_meshes(
             phases,
             pending: &mut pending.current_frame,
             look_again: &mut sorted.look_again,
+            known_pipelines: &mut sorted.pipelines,
             demand: demands.of(retained),
             view_key: *view_key,
             active,
@@ -191,7 +198,8 @@ pub(super) fn queue_gbuffer_meshes(
 
         let change = ViewChange::between(former.as_ref(), active);
         let queues_all = dirty.must_wipe_specializations_for_view(retained);
-        if change == ViewChange::All || queues_all {
+        if change == ViewChange::All || queues_all || shader_has_changed {
+            sorter.known_pipelines.clear();
             let holder = if queues_all {
                 Holder::Nobody
             } else {
@@ -241,6 +249,8 @@ pub(super) struct SortedView {
     active: Option<ActiveLeanView>,
     /// Meshes that need another pipeline in the next frame.
     look_again: Vec<MainEntity>,
+    /// Those that meshes were sorted by: when a shader has changed, they are compiled again, and may fail or no longer fail.
+    pipelines: HashMap<CachedRenderPipelineId, GBufferPipeline>,
 }
 
 /// The entities of a visible mesh; as Bevy's `DirtySpecializations` finds them.
@@ -272,6 +282,7 @@ struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     phases: GBufferViewPhases<'a>,
     pending: &'a mut HashSet<(Entity, MainEntity)>,
     look_again: &'a mut Vec<MainEntity>,
+    known_pipelines: &'a mut HashMap<CachedRenderPipelineId, GBufferPipeline>,
     demand: &'a mut ViewDemand,
     view_key: MeshPipelineKey,
     active: Option<&'a ActiveLeanView>,
@@ -322,6 +333,9 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         } else {
             GBufferPipeline::Pending
         };
+        if let GBufferPipeline::Ready(id) | GBufferPipeline::Failed(Some(id)) = pipeline {
+            self.known_pipelines.insert(id, pipeline);
+        }
         let GBufferPipeline::Ready(pipeline) = pipeline else {
             self.leave_to_forward(entity, &mesh, holder);
             // What the view does not have yet is there when the view changes.

@@ -56,8 +56,8 @@ pub(super) enum GBufferPipeline {
     Ready(CachedRenderPipelineId),
     /// It is being compiled.
     Pending,
-    /// It never will be.
-    Failed,
+    /// It cannot be, unless its shader changes; `None` if not even then.
+    Failed(Option<CachedRenderPipelineId>),
 }
 
 impl GBufferPipelines<'_, '_> {
@@ -68,6 +68,11 @@ impl GBufferPipelines<'_, '_> {
         if self.prepass_pipeline.is_changed() || self.shared_prepass_pipeline.is_none() {
             *self.shared_prepass_pipeline = Some(Arc::new(self.prepass_pipeline.clone()));
         }
+    }
+
+    /// All that is known of pipelines is of the past.
+    pub(super) fn are_of_another_device(&self) -> bool {
+        self.cache.is_added()
     }
 
     pub(super) fn get(
@@ -131,22 +136,25 @@ impl GBufferPipelines<'_, '_> {
             (key, query.fragment_shader, query.output),
             &mesh.mesh.layout,
         ) {
-            Ok(id) => match self.cache.get_render_pipeline_state(id) {
-                CachedPipelineState::Ok(_) => GBufferPipeline::Ready(id),
-                // Bevy has reported it, and does not try again.
-                CachedPipelineState::Err(
-                    ShaderCacheError::ProcessShaderError(_)
-                    | ShaderCacheError::CreateShaderModule(_),
-                ) => GBufferPipeline::Failed,
-                _ => GBufferPipeline::Pending,
-            },
+            Ok(id) => self.state(id),
             Err(error) => {
                 let message = error.to_string();
                 if self.reported.insert(message.clone()) {
                     error!("Forward draws meshes whose G-buffer pipeline failed: {message}");
                 }
-                GBufferPipeline::Failed
+                GBufferPipeline::Failed(None)
             }
+        }
+    }
+
+    pub(super) fn state(&self, id: CachedRenderPipelineId) -> GBufferPipeline {
+        match self.cache.get_render_pipeline_state(id) {
+            CachedPipelineState::Ok(_) => GBufferPipeline::Ready(id),
+            // Bevy has reported it, and tries again when it is told of another shader.
+            CachedPipelineState::Err(
+                ShaderCacheError::ProcessShaderError(_) | ShaderCacheError::CreateShaderModule(_),
+            ) => GBufferPipeline::Failed(Some(id)),
+            _ => GBufferPipeline::Pending,
         }
     }
 }

@@ -40,7 +40,8 @@ pub(crate) struct PipelineWatch {
 
 #[derive(Clone, PartialEq)]
 struct Failure {
-    label: String,
+    /// Its label and the file of its shader.
+    name: String,
     cause: Arc<str>,
     /// It may come yet, and the pipeline is compiled then.
     awaits_shader: bool,
@@ -56,8 +57,8 @@ impl PipelineWatch {
     /// Many pipelines may fail for one cause, which is logged once.
     fn fail(&mut self, id: CachedPipelineId, failure: Failure) {
         if self.failures.values().all(|other| *other != failure) {
-            let Failure { label, cause, .. } = &failure;
-            error!("{label} cannot be compiled, and what needs it is off: {cause}.");
+            let Failure { name, cause, .. } = &failure;
+            error!("{name} cannot be compiled, and what needs it is off or left to Bevy: {cause}.");
         }
         self.failures.insert(id, failure);
     }
@@ -98,9 +99,13 @@ pub(crate) fn watch_pipelines(
         let CachedPipelineState::Err(error) = &pipeline.state else {
             continue;
         };
+        let name = || match file(pipeline, &shaders) {
+            Some(file) => format!("{label} ({file})"),
+            None => label.into(),
+        };
         if !awaits_shader(error) {
             let failure = Failure {
-                label: label.into(),
+                name: name(),
                 cause: error.to_string().into(),
                 awaits_shader: false,
             };
@@ -117,7 +122,7 @@ pub(crate) fn watch_pipelines(
             watch.waiting.insert(id, now);
         } else {
             let failure = Failure {
-                label: label.into(),
+                name: name(),
                 cause: format!("nothing provides the shader {}", missing.join(", ")).into(),
                 awaits_shader: true,
             };
@@ -132,6 +137,18 @@ fn own_label(pipeline: &CachedPipeline) -> Option<&str> {
         PipelineDescriptor::ComputePipelineDescriptor(descriptor) => &descriptor.label,
     };
     label.as_deref().filter(|label| label.starts_with(PREFIX))
+}
+
+/// Where the shader that tells a pipeline from others of its kind was loaded from.
+fn file<'a>(pipeline: &CachedPipeline, shaders: &'a Assets<Shader>) -> Option<&'a str> {
+    let shader = match &pipeline.descriptor {
+        PipelineDescriptor::RenderPipelineDescriptor(descriptor) => {
+            let fragment = descriptor.fragment.as_ref().map(|state| &state.shader);
+            fragment.unwrap_or(&descriptor.vertex.shader)
+        }
+        PipelineDescriptor::ComputePipelineDescriptor(descriptor) => &descriptor.shader,
+    };
+    Some(&shaders.get(shader)?.path)
 }
 
 /// Whether Bevy tries again by itself.

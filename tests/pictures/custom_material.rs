@@ -1,5 +1,8 @@
 //! A material with its own G-buffer shader goes through the G-buffer and looks as in forward.
 
+use core::time::Duration;
+use std::time::Instant;
+
 use bevy::{
     asset::uuid_handle,
     pbr::{ExtendedMaterial, MaterialExtension, MaterialPlugin},
@@ -10,12 +13,14 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    headless::Headless, log_watch, metrics::difference, own_process::in_own_process,
-    scenes::SceneBuilder,
+    headless::Headless, lean::active_lean_views, log_watch, metrics::difference,
+    own_process::in_own_process, scenes::SceneBuilder,
 };
 
 const FORWARD: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e01");
 const GBUFFER: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e02");
+
+const GBUFFER_FILE: &str = "stripes_gbuffer.wgsl";
 
 /// What both shaders do to the base colour.
 const STRIPES: &str = r"
@@ -79,20 +84,16 @@ impl GBufferMaterialExtension for Stripes {
 
 type StripedMaterial = ExtendedMaterial<StandardMaterial, Stripes>;
 
-fn picture_pair(registers: bool) -> (f64, f64) {
+/// A striped ball on a floor, and the camera that sees them.
+fn ball(registers: bool, gbuffer_main: &str) -> (Headless, Entity) {
     let mut headless = Headless::with(UVec2::new(160, 120), |app| {
         app.add_plugins(MaterialPlugin::<StripedMaterial>::default());
         if registers {
             app.add_plugins(GBufferMaterialPlugin::<StripedMaterial>::default());
         }
     });
-    let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
-    for (handle, main) in [(FORWARD, FORWARD_MAIN), (GBUFFER, GBUFFER_MAIN)] {
-        let shader = Shader::from_wgsl(format!("{main}{STRIPES}"), "stripes.wgsl");
-        shaders
-            .insert(handle.id(), shader)
-            .expect("a place for a constant handle");
-    }
+    set_shader(&mut headless, FORWARD, FORWARD_MAIN, "stripes.wgsl");
+    set_shader(&mut headless, GBUFFER, gbuffer_main, GBUFFER_FILE);
     let mut scene = SceneBuilder {
         headless: &mut headless,
     };
@@ -109,38 +110,56 @@ fn picture_pair(registers: bool) -> (f64, f64) {
         Transform::from_xyz(0.0, 1.0, 0.0),
     ));
     let camera = scene.default_camera(());
+    (headless, camera)
+}
+
+fn set_shader(headless: &mut Headless, handle: Handle<Shader>, main: &str, file: &str) {
+    let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
+    let shader = Shader::from_wgsl(format!("{main}{STRIPES}"), file);
+    shaders
+        .insert(handle.id(), shader)
+        .expect("a place for a constant handle");
+}
+
+/// How well the lean picture matches the forward one.
+fn psnr(headless: &mut Headless, camera: Entity) -> f64 {
     headless.settle();
     let forward = headless.capture();
-    headless.world().entity_mut(camera).insert(LeanDeferred {
-        debug_view: None,
-        ..default()
-    });
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert(LeanDeferred::default());
     headless.settle();
-    let lit = difference(&forward, &headless.capture()).psnr;
+    let psnr = difference(&forward, &headless.capture()).psnr;
+    println!("PSNR {psnr:.1} dB");
+    psnr
+}
 
-    // What the G-buffer holds shows through a debug view; what forward draws is lit over it.
-    headless.world().entity_mut(camera).insert(LeanDeferred {
-        debug_view: Some(DebugChannel::Roughness),
-        ..default()
-    });
-    headless.settle();
-    let debug = headless.capture();
-    let center = debug.rgba[(debug.size.x * debug.size.y / 2 + debug.size.x / 2) as usize * 4..]
-        .iter()
-        .take(3)
-        .copied()
-        .collect::<Vec<_>>();
-    let spread = center.iter().max().unwrap() - center.iter().min().unwrap();
-    (lit, f64::from(spread))
+/// What the G-buffer holds shows through a debug view, which is grey; what forward draws is lit over it.
+fn is_in_gbuffer(headless: &mut Headless, camera: Entity) -> bool {
+    let mut show = |debug_view| {
+        let mut camera = headless.world().entity_mut(camera);
+        camera.insert(LeanDeferred {
+            debug_view,
+            ..default()
+        });
+        headless.settle();
+        headless.capture()
+    };
+    let debug = show(Some(DebugChannel::Roughness));
+    show(None);
+    let center = (debug.size.x * debug.size.y / 2 + debug.size.x / 2) as usize * 4;
+    let center = &debug.rgba[center..center + 3];
+    center.iter().max().unwrap() - center.iter().min().unwrap() <= 1
 }
 
 #[test]
 fn registered_material_goes_through_the_gbuffer() {
     in_own_process(|| {
-        let (psnr, spread) = picture_pair(true);
-        println!("custom material: PSNR {psnr:.1} dB");
+        let (mut headless, camera) = ball(true, GBUFFER_MAIN);
+        let psnr = psnr(&mut headless, camera);
         assert!(psnr >= 45.0, "{psnr} dB");
-        assert!(spread <= 1.0, "a grey debug view shows in its place");
+        assert!(is_in_gbuffer(&mut headless, camera));
         log_watch::assert_validation_layer_silent();
     });
 }
@@ -148,11 +167,101 @@ fn registered_material_goes_through_the_gbuffer() {
 #[test]
 fn unregistered_material_is_drawn_by_forward() {
     in_own_process(|| {
-        let (psnr, spread) = picture_pair(false);
+        let (mut headless, camera) = ball(false, GBUFFER_MAIN);
+        let psnr = psnr(&mut headless, camera);
         assert!(psnr >= 45.0, "{psnr} dB");
-        assert!(
-            spread > 1.0,
-            "forward draws it in colour over the debug view"
-        );
+        assert!(!is_in_gbuffer(&mut headless, camera));
+    });
+}
+
+/// A G-buffer shader that its author got wrong: forward draws its meshes, one message names the file and the fault, and
+/// when the file is mended the G-buffer has them.
+fn assert_forward_draws(fault: impl Fn(&str) -> String, named: &str) {
+    let (mut headless, camera) = ball(true, &fault(GBUFFER_MAIN));
+    headless.settle();
+    let forward = headless.capture();
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert(LeanDeferred::default());
+    let start = Instant::now();
+    while reports().is_empty() && start.elapsed() < Duration::from_secs(30) {
+        headless.frames(1);
+    }
+    headless.frames(20);
+    let reports = reports();
+    assert_eq!(reports.len(), 1, "{reports:#?}");
+    assert!(reports[0].contains(named), "{reports:#?}");
+    assert_eq!(active_lean_views(&mut headless), 1);
+    let psnr = difference(&forward, &headless.capture()).psnr;
+    assert!(psnr >= 45.0, "{psnr} dB");
+
+    set_shader(&mut headless, GBUFFER, GBUFFER_MAIN, GBUFFER_FILE);
+    headless.settle();
+    headless.frames(3);
+    assert!(is_in_gbuffer(&mut headless, camera), "it is mended");
+    let psnr = difference(&forward, &headless.capture()).psnr;
+    assert!(psnr >= 45.0, "{psnr} dB");
+}
+
+/// An edit of a shader that the app runs with: its meshes come back to forward, and none is lost while it compiles.
+#[test]
+fn a_shader_that_breaks_while_it_is_in_use() {
+    in_own_process(|| {
+        let (mut headless, camera) = ball(true, GBUFFER_MAIN);
+        headless.settle();
+        let forward = headless.capture();
+        headless
+            .world()
+            .entity_mut(camera)
+            .insert(LeanDeferred::default());
+        headless.settle();
+        assert!(is_in_gbuffer(&mut headless, camera));
+        for (main, is_right) in [
+            (GBUFFER_MAIN.replace("(pbr, in)", "(qbr, in)"), false),
+            (GBUFFER_MAIN.into(), true),
+        ] {
+            set_shader(&mut headless, GBUFFER, &main, GBUFFER_FILE);
+            for frame in 0..6 {
+                let psnr = difference(&forward, &headless.capture()).psnr;
+                assert!(psnr >= 45.0, "{is_right}, frame {frame}: {psnr} dB");
+            }
+            assert_eq!(is_in_gbuffer(&mut headless, camera), is_right);
+        }
+        assert_eq!(reports().len(), 1);
+    });
+}
+
+fn reports() -> Vec<String> {
+    log_watch::messages_with(&format!("lean_deferred/gbuffer ({GBUFFER_FILE})"))
+}
+
+#[test]
+fn a_shader_with_an_error_of_grammar() {
+    in_own_process(|| {
+        assert_forward_draws(|main| main.replace("return", "retrun"), "pack_pbr_input")
+    });
+}
+
+#[test]
+fn a_shader_that_knows_no_such_name() {
+    in_own_process(|| {
+        assert_forward_draws(
+            |main| main.replace("pack_pbr_input(pbr", "pack_pbr_input(qbr"),
+            "qbr",
+        )
+    });
+}
+
+#[test]
+fn a_shader_that_imports_what_is_not_there() {
+    in_own_process(|| {
+        assert_forward_draws(
+            |main| {
+                let main = main.replace("apply_discards(", "spots(&pbr); apply_discards(");
+                format!("#import nobody::provides::spots\n{main}")
+            },
+            "nothing provides the shader nobody::provides",
+        )
     });
 }

@@ -95,7 +95,8 @@ fn a_shader_that_cannot_be_composed() {
         panic!("{}", status(&mut headless, camera));
     };
     assert!(cause.contains("missing_name"), "{cause}");
-    let reports = log_watch::messages_with("lean_deferred/lighting cannot be compiled");
+    let reports =
+        log_watch::messages_with("lean_deferred/lighting (broken.wgsl) cannot be compiled");
     let reports = reports.iter().filter(|line| line.contains(&cause));
     assert_eq!(reports.count(), 1);
     assert_eq!(active_lean_views(&mut headless), 0);
