@@ -159,6 +159,11 @@ impl Headless {
         render_world.resource::<RenderAdapterInfo>().name.clone()
     }
 
+    /// Whether pipelines are asked for that are not there yet.
+    pub fn is_compiling(&self) -> bool {
+        self.pipelines().waiting_pipelines().next().is_some()
+    }
+
     fn pipelines(&self) -> &PipelineCache {
         self.app.sub_app(RenderApp).world().resource()
     }
@@ -185,9 +190,14 @@ impl Headless {
 
     /// What the last frame has left in the target.
     fn picture(&self) -> Picture {
+        self.picture_of(&self.target)
+    }
+
+    /// What the last frame has left in a target of the same format.
+    pub fn picture_of(&self, target: &Handle<Image>) -> Picture {
         let render_world = self.app.sub_app(RenderApp).world();
         let images = render_world.resource::<RenderAssets<GpuImage>>();
-        let image = images.get(&self.target).expect("the target is there");
+        let image = images.get(target).expect("the target is there");
         let size = image.texture.size();
         Picture {
             size: UVec2::new(size.width, size.height),

@@ -1,6 +1,7 @@
 //! Apps as a whole: plugins in any order, settings that come and go, what is warned of, what is held.
 
 mod changing_settings;
+mod compiling;
 mod fallback;
 mod history;
 mod lost_device;

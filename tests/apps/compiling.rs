@@ -1,0 +1,315 @@
+//! Pictures while pipelines are compiled, which takes an app many frames: each frame shows Bevy's picture or ours, never
+//! nothing and never an old one. The camera walks, so that what is old would be seen, and a forward camera walks beside it.
+//!
+//! In processes of their own: compilation is held back in all of it.
+
+use bevy::{
+    camera::RenderTarget,
+    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    prelude::*,
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    headless::{Headless, target_image},
+    held_back::HeldBack,
+    metrics::pixel_difference,
+    own_process::in_own_process,
+    scenes::{SceneBuilder, build::default_camera_transform},
+};
+
+const SIZE: UVec2 = UVec2::new(96, 64);
+/// How far the cameras go in a frame, about the middle of the scene.
+const STEP: f32 = 0.15;
+/// Frames for which nothing is compiled after a change.
+const HELD_BACK: usize = 4;
+/// Frames at most until all is compiled.
+const PATIENCE: usize = 600;
+/// Frames looked at when it is.
+const FRAMES_AFTER: usize = 8;
+/// Of two cameras beside one another of which one is lean.
+const SAME: f64 = 38.0;
+/// Of two of which one has effects.
+const WITH_EFFECTS: f64 = 24.0;
+
+struct Walk {
+    headless: Headless,
+    forward: Entity,
+    /// The one that is lean, or has effects.
+    tested: Entity,
+    beside: Handle<Image>,
+    material: Handle<StandardMaterial>,
+    steps: usize,
+}
+
+impl Walk {
+    fn new() -> Self {
+        let mut headless = Headless::with_compilation(SIZE, false, |_| {});
+        let mut s = SceneBuilder {
+            headless: &mut headless,
+        };
+        s.solids();
+        s.sun(true);
+        let material = s.add::<StandardMaterial>(Color::srgb(0.7, 0.4, 0.3));
+        let mesh = s.add::<Mesh>(Sphere::new(0.6));
+        s.spawn((
+            Mesh3d(mesh),
+            MeshMaterial3d(material.clone()),
+            Transform::from_xyz(0.0, 0.6, 1.6),
+        ));
+        let beside = s.add::<Image>(target_image(SIZE));
+        let [tested, forward] = [0, 1].map(|order| {
+            let camera = Camera { order, ..default() };
+            s.camera(default_camera_transform(), camera)
+        });
+        let target = RenderTarget::from(beside.clone());
+        headless.world().entity_mut(forward).insert(target);
+        let mut walk = Self {
+            headless,
+            forward,
+            tested,
+            beside,
+            material,
+            steps: 0,
+        };
+        walk.settle();
+        walk
+    }
+
+    fn step(&mut self) {
+        self.steps += 1;
+        let turn = Quat::from_rotation_y(self.steps as f32 * STEP);
+        let mut transform = default_camera_transform();
+        transform.rotate_around(Vec3::ZERO, turn);
+        for camera in [self.forward, self.tested] {
+            *self
+                .headless
+                .world()
+                .get_mut::<Transform>(camera)
+                .expect("it has one") = transform;
+        }
+        self.headless.frame();
+    }
+
+    fn settle(&mut self) {
+        let mut quiet = 0;
+        for _ in 0..PATIENCE {
+            self.step();
+            quiet = if self.headless.is_compiling() {
+                0
+            } else {
+                quiet + 1
+            };
+            if quiet > FRAMES_AFTER {
+                return;
+            }
+        }
+        panic!("shaders are still compiled after {PATIENCE} frames");
+    }
+
+    fn both(&mut self, change: impl Fn(&mut EntityWorldMut)) {
+        for camera in [self.forward, self.tested] {
+            change(&mut self.headless.world().entity_mut(camera));
+        }
+    }
+
+    fn set_material(&mut self, change: impl FnOnce(&mut StandardMaterial)) {
+        let mut materials = self
+            .headless
+            .world()
+            .resource_mut::<Assets<StandardMaterial>>();
+        change(&mut materials.get_mut(&self.material).expect("it is there"));
+    }
+
+    /// Walks while all that a change asks for is compiled, and compares each frame.
+    fn watch(&mut self, name: &str, least_psnr: f64) {
+        let held_back = HeldBack::new();
+        let mut worst = f64::INFINITY;
+        for _ in 0..HELD_BACK {
+            worst = worst.min(self.compare(name, least_psnr));
+        }
+        drop(held_back);
+        let mut quiet = 0;
+        for frame in 0..PATIENCE {
+            worst = worst.min(self.compare(name, least_psnr));
+            quiet = if self.headless.is_compiling() {
+                0
+            } else {
+                quiet + 1
+            };
+            if quiet > FRAMES_AFTER {
+                println!("{name}: {worst:.1} dB at least, {frame} frames");
+                return;
+            }
+        }
+        panic!("{name}: shaders are still compiled after {PATIENCE} frames");
+    }
+
+    fn compare(&mut self, name: &str, least_psnr: f64) -> f64 {
+        let old = self.headless.picture_of(&self.beside);
+        self.step();
+        let forward = self.headless.picture_of(&self.beside);
+        let tested = self.headless.picture_of(&self.headless.target);
+        let psnr = pixel_difference(&forward, &tested).psnr;
+        assert!(
+            psnr >= least_psnr,
+            "{name}, step {}: {psnr:.1} dB",
+            self.steps
+        );
+        let beside_old = pixel_difference(&old, &tested).psnr;
+        assert!(
+            psnr > beside_old + 3.0,
+            "{name}, step {}: an old picture, {psnr:.1} and {beside_old:.1} dB",
+            self.steps
+        );
+        psnr
+    }
+}
+
+/// All that makes other pipelines necessary, one after the other, and back. Without `LeanDeferred` the same is walked
+/// through first: Bevy draws nothing of a mesh while its own pipeline is compiled.
+fn changes(walk: &mut Walk, is_lean: bool) {
+    let look = |walk: &mut Walk, name: &str| {
+        if is_lean {
+            walk.watch(name, SAME);
+        } else {
+            walk.settle();
+        }
+    };
+    if is_lean {
+        let mut camera = walk.headless.world().entity_mut(walk.tested);
+        camera.insert(LeanDeferred::default());
+        look(walk, "LeanDeferred is there");
+    }
+    walk.set_material(|material| material.emissive = LinearRgba::rgb(0.0, 0.6, 0.4));
+    look(walk, "emission");
+    walk.set_material(|material| material.clearcoat = 1.0);
+    look(walk, "clearcoat");
+    walk.set_material(|material| {
+        *material = StandardMaterial {
+            unlit: true,
+            ..default()
+        };
+    });
+    look(walk, "unlit");
+    walk.set_material(|material| *material = Color::srgb(0.7, 0.4, 0.3).into());
+    look(walk, "plain");
+    walk.both(|camera| {
+        camera.insert((DepthPrepass, MotionVectorPrepass));
+    });
+    look(walk, "motion");
+    walk.both(|camera| {
+        camera.insert(DistanceFog {
+            falloff: FogFalloff::from_visibility(20.0),
+            ..default()
+        });
+    });
+    look(walk, "fog");
+    let lamp = walk.headless.world().spawn((
+        SpotLight {
+            intensity: 500_000.0,
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        Transform::from_xyz(2.0, 4.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+    let lamp = lamp.id();
+    look(walk, "spot light");
+    let environment = SceneBuilder {
+        headless: &mut walk.headless,
+    }
+    .environment_map(600.0);
+    walk.both(|camera| {
+        camera.insert(environment.clone());
+    });
+    look(walk, "environment map");
+    walk.headless.world().despawn(lamp);
+    walk.both(|camera| {
+        camera.remove::<(
+            EnvironmentMapLight,
+            DistanceFog,
+            DepthPrepass,
+            MotionVectorPrepass,
+        )>();
+    });
+    look(walk, "nothing of that");
+    if is_lean {
+        let mut camera = walk.headless.world().entity_mut(walk.tested);
+        camera.remove::<LeanDeferred>();
+        look(walk, "LeanDeferred is gone");
+    }
+}
+
+#[test]
+fn effects_show_the_frame_that_they_are_of() {
+    in_own_process(|| {
+        let mut walk = Walk::new();
+        walk.both(|camera| {
+            camera.insert((DepthPrepass, NormalPrepass));
+        });
+        walk.settle();
+        let mut watch = |name: &str, change: &dyn Fn(&mut EntityWorldMut)| {
+            change(&mut walk.headless.world().entity_mut(walk.tested));
+            walk.watch(name, WITH_EFFECTS);
+        };
+        watch("occlusion", &|camera| {
+            camera.insert(LeanAmbientOcclusion::default());
+        });
+        watch("occlusion of another quality", &|camera| {
+            camera.insert(LeanAmbientOcclusion {
+                quality: OcclusionQuality::Low,
+                ..default()
+            });
+        });
+        watch("lean, with occlusion", &|camera| {
+            camera.insert(LeanDeferred::default());
+        });
+        watch("reflections", &|camera| {
+            camera.insert(LeanScreenSpaceReflections::default());
+        });
+        watch("diffuse GI", &|camera| {
+            camera.insert(LeanScreenSpaceGi::default());
+        });
+        watch("reflections at full resolution", &|camera| {
+            camera.insert(LeanScreenSpaceReflections {
+                resolution: ScreenSpaceResolution::Full,
+                ..default()
+            });
+        });
+        // Hardly brighter or darker, so that the pictures may be compared.
+        let exposure = LeanAutoExposure {
+            instant: true,
+            min_exposure: -0.2,
+            max_exposure: 0.2,
+            ..default()
+        };
+        watch("exposure", &|camera| {
+            camera.insert(exposure.clone());
+        });
+        watch("exposure metered otherwise", &|camera| {
+            camera.insert(LeanAutoExposure {
+                pattern: MeteringPattern::CenterWeighted,
+                ..exposure.clone()
+            });
+        });
+        watch("forward with exposure", &|camera| {
+            camera.remove::<LeanDeferred>();
+        });
+        watch("nothing", &|camera| {
+            camera.remove::<(
+                LeanAmbientOcclusion,
+                LeanScreenSpaceGi,
+                LeanScreenSpaceReflections,
+                LeanAutoExposure,
+            )>();
+        });
+    });
+}
+
+#[test]
+fn lean_cameras_show_what_forward_cameras_show() {
+    in_own_process(|| {
+        let mut walk = Walk::new();
+        changes(&mut walk, false);
+        changes(&mut walk, true);
+    });
+}
