@@ -1,8 +1,9 @@
 #!/bin/sh
 # Installs what is missing and runs all tests. Arguments are those of `cargo test`.
 #
-# Where LEAN_PASSED names a folder, a test binary that has passed, with the same assets and drivers, is not run again while it stays the
-# same to the byte. Nothing else goes into what they show: shaders are in the binaries, and random numbers have seeds.
+# Where LEAN_PASSED names a folder, and there are no arguments, a test binary that has passed, with the same assets and drivers, is not
+# run again while it stays the same to the byte. Nothing else goes into what they show: shaders are in the binaries (if LEAN_SHADERS
+# does not name others), and random numbers have seeds.
 set -eu
 . "$(dirname "$0")/environment.sh"
 cd "$(dirname "$0")/.."
@@ -11,14 +12,16 @@ cd "$(dirname "$0")/.."
 export RUST_LIB_BACKTRACE=0
 # Two apps at a time: each render thread of a software driver takes all cores anyway.
 threads=--test-threads=2
-[ -n "${LEAN_PASSED:-}" ] || exec cargo test --no-fail-fast "$@" -- $threads
+if [ -z "${LEAN_PASSED:-}" ] || [ -n "${LEAN_SHADERS:-}" ] || [ $# -gt 0 ]; then
+    exec cargo test --no-fail-fast "$@" -- $threads
+fi
 
 mkdir -p "$LEAN_PASSED"
-built=$(cargo test --no-run "$@" 2>&1 | tee /dev/stderr | sed -n 's/^  *Executable .*(\(.*\))$/\1/p')
+built=$(cargo test --no-run 2>&1 | tee /dev/stderr | sed -n 's/^  *Executable .*(\(.*\))$/\1/p')
 # What is not in a binary.
 around=$({
     find assets -type f -exec sha256sum {} + | sort
-    env | grep -E '^(VK_|WGPU_|LP_|LEAN_TEST_)' | sort
+    env | grep -E '^(VK_|WGPU_|LP_|LEAN_TEST_|SOAK_|PARITY_)' | sort
     cat /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json 2>/dev/null
     ls -l --time-style=+%s /usr/lib/*/libvulkan*.so* 2>/dev/null
 } | sha256sum)

@@ -4,6 +4,7 @@ mod geometric_normal;
 mod layout;
 mod layout_optional;
 mod permutations;
+mod properties;
 mod reconstruction;
 mod reflections;
 mod screen_space;

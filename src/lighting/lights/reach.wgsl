@@ -2,7 +2,9 @@
 #define_import_path bevy_lean_deferred::lighting::lights::reach
 
 #import bevy_lean_deferred::lighting::lights::clustered_light::{is_spot_light, spot_direction}
-#import bevy_lean_deferred::reconstruction::position::{SMALLEST_DEPTH, ndc_of_fragment, view_position}
+#import bevy_lean_deferred::reconstruction::position::{
+    SMALLEST_DEPTH, homogeneous_position, ndc_of_fragment, view_position,
+}
 #import bevy_lean_deferred::tiles::SIDE
 #import bevy_pbr::mesh_view_bindings::{clustered_lights, view}
 
@@ -28,12 +30,19 @@ fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>) -> Box {
     var most = max(max(a, b), max(c, e));
 #ifndef PROJECTION_PERSPECTIVE
 #ifndef PROJECTION_ORTHOGRAPHIC
-    // Each coordinate may depend on all others.
-    for (var i = 0u; i < 4u; i++) {
-        let ndc = select(vec2(first.x, last.y), vec2(last.x, first.y), (i & 1u) != 0u);
-        let p = view_position(view.view_from_clip, vec3(ndc, select(d.x, d.y, i < 2u)));
-        least = min(least, p);
-        most = max(most, p);
+    // Each coordinate may depend on all others. With a near plane that is askew, what is far away in one pixel may lie beyond
+    // infinity in another: then the box is all there is.
+    var least_w = 1.0;
+    for (var i = 0u; i < 8u; i++) {
+        let ndc = select(first, last, vec2((i & 1u) != 0u, (i & 2u) != 0u));
+        let h = homogeneous_position(view.view_from_clip, vec3(ndc, select(d.x, d.y, i < 4u)));
+        least = min(least, h.xyz / h.w);
+        most = max(most, h.xyz / h.w);
+        least_w = min(least_w, h.w);
+    }
+    if !(least_w > 0.0) {
+        least = vec3(-1e18);
+        most = vec3(1e18);
     }
 #endif
 #endif
