@@ -47,3 +47,79 @@ pub(super) fn exposure_ratio(now: &LastFrame, last: Option<&LastFrame>) -> f32 {
 pub(super) fn up_to(largest: f32, x: f32) -> f32 {
     if x > 0.0 { x.min(largest) } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::{DVec2, Quat, URect, UVec2, Vec3};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const SIZE: UVec2 = UVec2::new(1920, 1080);
+
+    fn frame(camera: Vec3, turn: Quat, field_of_view: f32, jitter: [f32; 2]) -> LastFrame {
+        let mut clip_from_view =
+            Mat4::perspective_infinite_reverse_rh(field_of_view, 16.0 / 9.0, 0.1);
+        clip_from_view.z_axis.x = jitter[0];
+        clip_from_view.z_axis.y = jitter[1];
+        LastFrame {
+            clip_from_view,
+            world_from_view: Mat4::from_rotation_translation(turn, camera),
+            viewport: URect::from_corners(UVec2::ZERO, SIZE),
+            exposure: 1.0,
+        }
+    }
+
+    /// Where a frame shows what is at `world`, and how far away along its view direction.
+    fn seen(frame: &LastFrame, world: DVec3) -> (DVec2, f64) {
+        let view = frame
+            .world_from_view
+            .as_dmat4()
+            .inverse()
+            .transform_point3(world);
+        let clip = frame.clip_from_view.as_dmat4() * view.extend(1.0);
+        let ndc = clip.truncate().truncate() / clip.w;
+        let uv = ndc * DVec2::new(0.5, -0.5) + 0.5;
+        (uv * SIZE.as_dvec2(), -view.z)
+    }
+
+    fn vector(largest: f32) -> impl Strategy<Value = Vec3> {
+        [-1.0..1.0f32, -1.0..1.0f32, -1.0..1.0f32].prop_map(move |v| largest * Vec3::from(v))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 4096, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// Also 20 km from the world's origin, where f32 has steps of 2 mm.
+        #[test]
+        fn what_is_seen_is_found_where_it_was_seen(
+            origin in prop_oneof![Just(Vec3::ZERO), vector(20_000.0)],
+            step in vector(2.0),
+            turns in [vector(0.3), vector(0.3)],
+            fields in [0.3..2.0f32, 0.3..2.0f32],
+            jitters in [[-0.4..0.4f32, -0.4..0.4f32], [-0.4..0.4f32, -0.4..0.4f32]],
+            view in (-0.5..0.5f32, -0.5..0.5f32, 0.0..3.0f32),
+        ) {
+            let turn = |v: Vec3| Quat::from_scaled_axis(v);
+            let now = frame(origin + step, turn(turns[0]), fields[0], jitters[0]);
+            let last = frame(origin, turn(turns[1]), fields[1], jitters[1]);
+            let distance = 10f32.powf(view.2) * 4.0;
+            let position = distance * Vec3::new(view.0, view.1, -1.0);
+            let world = now.world_from_view.as_dmat4().transform_point3(position.as_dvec3());
+
+            let (pixel, far) = seen(&last, world);
+            prop_assume!(far > 0.5);
+            let found = last_pixel_from_view(&now, &last) * position.extend(1.0);
+            let off = (DVec2::new(f64::from(found.x), f64::from(found.y)) / f64::from(found.w)).distance(pixel);
+            // The more the further outside of the picture.
+            let allowed = 2e-3 + 2e-6 * pixel.length();
+            prop_assert!(off < allowed, "{off} pixels");
+            let found = f64::from(last_distance(&now, &last).dot(position.extend(1.0)));
+            prop_assert!((found - far).abs() < 1e-6 * far + 1e-5, "{found} and not {far} m");
+
+            let own = pixels_of(&now) * position.extend(1.0);
+            let off = (DVec2::new(f64::from(own.x), f64::from(own.y)) / f64::from(own.w)).distance(seen(&now, world).0);
+            prop_assert!(off < 1e-2, "{off} pixels in its own frame");
+        }
+    }
+}
