@@ -59,7 +59,7 @@ pub(crate) struct LightingKey {
     pub(super) visited: LightingVariants,
 }
 
-/// From here on, leaving out what does not reach a tile is worth its while. README has the figures.
+/// From here on, leaving out what does not reach a tile is worth its while. `docs/frame_times.md` has the figures.
 const MANY_LIGHTS: usize = 2048;
 
 bitflags! {
