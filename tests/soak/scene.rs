@@ -53,16 +53,17 @@ fn transform(random: &mut Random) -> Transform {
     Transform::from_translation(place).with_rotation(turn)
 }
 
-/// A shape, perhaps one that nobody would make on purpose.
-fn mesh(random: &mut Random) -> Mesh {
-    let mut mesh: Mesh = match random.below(5) {
+/// A shape, perhaps one that nobody would make on purpose, and what it is.
+fn mesh(random: &mut Random) -> (Mesh, String) {
+    let (shape, flaw) = (random.below(5), random.below(10));
+    let mut mesh: Mesh = match shape {
         0 => Cuboid::default().into(),
         1 => Sphere::new(0.6).mesh().uv(16, 8),
         2 => Plane3d::default().mesh().size(2.0, 2.0).into(),
         3 => Torus::default().into(),
         _ => Capsule3d::default().into(),
     };
-    match random.below(10) {
+    match flaw {
         0 => _ = mesh.remove_attribute(Mesh::ATTRIBUTE_NORMAL),
         1 => _ = mesh.remove_attribute(Mesh::ATTRIBUTE_UV_0),
         2 => _ = mesh.generate_tangents(),
@@ -88,7 +89,7 @@ fn mesh(random: &mut Random) -> Mesh {
         }
         _ => {}
     }
-    mesh
+    (mesh, format!("shape {shape}, flaw {flaw}"))
 }
 
 fn values(images: &[Handle<Image>]) -> Values<'_> {
@@ -160,11 +161,12 @@ fn spawn_mesh(stage: &mut Stage, random: &mut Random) -> String {
     if stage.meshes.len() >= MOST_MESHES {
         return despawn_mesh(stage, random);
     }
-    let mesh = stage.builder().add::<Mesh>(mesh(random));
+    let (mesh, what) = mesh(random);
+    let mesh = stage.builder().add::<Mesh>(mesh);
     let entity = stage.builder().spawn((Mesh3d(mesh), transform(random)));
     let material = set_material(stage, entity, random);
     stage.meshes.push(entity);
-    format!("a mesh comes, of {material}")
+    format!("a mesh comes ({what}), of {material}")
 }
 
 fn despawn_mesh(stage: &mut Stage, random: &mut Random) -> String {
@@ -181,18 +183,21 @@ fn change_mesh(stage: &mut Stage, random: &mut Random) -> String {
     };
     match random.below(7) {
         0 => {
-            let mesh = stage.builder().add::<Mesh>(mesh(random));
+            let (mesh, what) = mesh(random);
+            let mesh = stage.builder().add::<Mesh>(mesh);
             stage.entity(entity).insert(Mesh3d(mesh));
-            "another shape".into()
+            format!("another shape ({what})")
         }
         1 => {
             // In place.
             let handle = stage.entity(entity).get::<Mesh3d>().map(|m| m.0.clone());
             if let Some(handle) = handle {
                 let mut meshes = stage.world().resource_mut::<Assets<Mesh>>();
-                _ = meshes.insert(&handle, mesh(random));
+                let (mesh, what) = mesh(random);
+                _ = meshes.insert(&handle, mesh);
+                return format!("a shape that changes ({what})");
             }
-            "a shape that changes".into()
+            String::new()
         }
         2 => {
             let layers = RenderLayers::from_layers(&[random.below(3), random.below(3)]);
