@@ -67,10 +67,12 @@ const BOX: f32 = 0.4;
 const PACE: f32 = 0.08;
 const FRAMES: usize = 12;
 
-/// A glowing box before a floor, which mirrors it or is lit by it.
+/// A glowing box before a floor, which mirrors it or is lit by it, and a wall, of which it uncovers more with each frame.
 fn moving_box(motion: bool, floor: StandardMaterial, extra: impl Bundle) -> Headless {
     build(SMALL, |s| {
         spawn_floor(s, floor, 0.0);
+        let behind = Transform::from_xyz(0.0, 0.5, -0.5);
+        s.mesh(Rectangle::new(6.0, 1.0), surface(0.0, 0.0), behind);
         let place = Transform::from_xyz(-1.0, 0.25, 0.0);
         let glowing = s.mesh(Cuboid::from_length(BOX), surface(0.0, 1.0), place);
         s.world().entity_mut(glowing).insert(Mover(Vec3::X * PACE));
@@ -79,23 +81,24 @@ fn moving_box(motion: bool, floor: StandardMaterial, extra: impl Bundle) -> Head
     })
 }
 
-/// What a box sends goes with it: what it leaves behind on the floor is gone after four frames.
+/// What a box sends goes with it: what it leaves behind on the floor is gone after two frames.
 #[test]
 fn there_is_no_trail_behind_what_moves() {
     in_own_process(|| {
         type Make<'a> = &'a dyn Fn(bool) -> Headless;
-        let make: [(&str, Make); 3] = [
-            ("mirror", &|motion| {
+        // With how many frames a trail may be long. What is rough is also lit by where the box was when its light was kept.
+        let make: [(&str, f32, Make); 3] = [
+            ("mirror", 0.5, &|motion| {
                 moving_box(motion, metal(0.0), reflections())
             }),
-            ("rough", &|motion| {
+            ("rough", 2.2, &|motion| {
                 moving_box(motion, metal(0.3), reflections())
             }),
-            ("diffuse", &|motion| {
+            ("diffuse", 0.5, &|motion| {
                 moving_box(motion, surface(0.5, 0.0), gi())
             }),
         ];
-        for (name, make) in make {
+        for (name, longest, make) in make {
             for motion in [false, true] {
                 let mut headless = make(motion);
                 see(&mut headless, 8);
@@ -122,7 +125,7 @@ fn there_is_no_trail_behind_what_moves() {
                 println!(
                     "{name}, motion vectors {motion}: {trail:.1} frames behind, brightest {most:.2}"
                 );
-                assert!(trail <= 4.0);
+                assert!(trail <= longest);
             }
         }
     });
@@ -169,7 +172,7 @@ fn moving_mirrors_show_what_they_show_at_rest() {
                 println!(
                     "{name}, motion vectors {motion}: {off:.4} ({bias:+.4}) of the wall's light"
                 );
-                assert!(off < 0.02);
+                assert!(off < 0.002);
             }
         }
     });
