@@ -154,15 +154,20 @@ fn unit_from_codes(codes: Vec2) -> Vec3 {
     direction_from_octahedral(codes * (2.0 / NORMAL_STEPS) - 1.0).normalize()
 }
 
+/// Whether quotients by a length are exact: small ones would lose their digits, and of those above 2^126 WGSL promises nothing.
+pub(crate) fn is_divisor(size: f32) -> bool {
+    (1e-30..8e37).contains(&size)
+}
+
 /// Packs word 1 from a normal of any length and a perceptual roughness 0 to 1. Of the four codes around the exact
 /// point it takes the one whose direction is nearest: the "precise" rounding of Cigolle et al. 2014, by the metric of
-/// the map in place of four decodes. What has no direction (zero, NaN, infinite) becomes +Y: up lights like a floor,
-/// and no NaN reaches the lighting.
+/// the map in place of four decodes. What has no direction (zero, NaN, infinite or nearly so) becomes +Y: up lights
+/// like a floor, and no NaN reaches the lighting.
 pub fn pack_normal(normal: Vec3, perceptual_roughness: f32) -> u32 {
     let mut n = normal;
     let mut size = n.x.abs() + n.y.abs() + n.z.abs();
-    // A NaN or infinite part makes the sum so; below 1e-30 the quotient would lose its digits.
-    if !size.is_finite() || size < 1e-30 {
+    // A NaN or infinite part makes the sum so.
+    if !is_divisor(size) {
         n = Vec3::Y;
         size = 1.0;
     }

@@ -45,6 +45,11 @@ fn is_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
 }
 
+/// Whether quotients by a length are exact: small ones would lose their digits, and of those above 2^126 WGSL promises nothing.
+fn is_divisor(size: f32) -> bool {
+    return is_finite(size) && size >= 1e-30 && size < 8e37;
+}
+
 /// True for NaN alone.
 fn is_nan(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u;
@@ -105,13 +110,13 @@ fn unit_from_codes(codes: vec2<f32>) -> vec3<f32> {
 
 /// Packs a normal of any length and the roughness. Of the four codes around the exact point it takes the one whose
 /// direction is nearest: the "precise" rounding of Cigolle et al. 2014, by the metric of the map in place of four
-/// decodes. What has no direction (zero, NaN, infinite) becomes +Y: up lights like a floor, and no NaN reaches the
-/// lighting.
+/// decodes. What has no direction (zero, NaN, infinite or nearly so) becomes +Y: up lights like a floor, and no NaN
+/// reaches the lighting.
 fn pack_normal(normal: vec3<f32>, perceptual_roughness: f32) -> u32 {
     var n = normal;
     var size = abs(n.x) + abs(n.y) + abs(n.z);
-    // A NaN or infinite part makes the sum so; below 1e-30 the quotient would lose its digits.
-    if !is_finite(size) || size < 1e-30 {
+    // A NaN or infinite part makes the sum so.
+    if !is_divisor(size) {
         n = vec3(0.0, 1.0, 0.0);
         size = 1.0;
     }

@@ -9,7 +9,7 @@
 
 use bevy::math::{Vec2, Vec3};
 
-use crate::shader_library::layout::quantize;
+use crate::shader_library::layout::{is_divisor, quantize};
 
 /// Where `tangents` takes another frame. Not at 0, where walls are: passes may differ in a normal's last bits.
 const FRAME_SEAM: f32 = -0.3;
@@ -32,7 +32,7 @@ pub fn pack_anisotropy(strength: f32, tangent: Vec3, normal: Vec3) -> u32 {
     let [t, b] = tangents(normal);
     let p = Vec2::new(tangent.dot(t), tangent.dot(b));
     let size = p.x.abs() + p.y.abs();
-    let valid = if !size.is_finite() || size < 1e-30 {
+    let valid = if !is_divisor(size) {
         Vec2::X
     } else {
         p / size

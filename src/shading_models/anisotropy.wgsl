@@ -1,7 +1,7 @@
 // Highlights stretched along a tangent. Twin of `anisotropy.rs`, which has the bit table, under the same names.
 #define_import_path bevy_lean_deferred::shading_models::anisotropy
 
-#import bevy_lean_deferred::gbuffer::layout::{is_finite, quantize}
+#import bevy_lean_deferred::gbuffer::layout::{is_divisor, quantize}
 
 const PI: f32 = 3.14159265;
 
@@ -26,7 +26,7 @@ fn pack_anisotropy(strength: f32, tangent: vec3<f32>, normal: vec3<f32>) -> u32 
     let frame = tangents(normal);
     let p = vec2(dot(tangent, frame[0]), dot(tangent, frame[1]));
     let size = abs(p.x) + abs(p.y);
-    let is_direction = is_finite(size) && size >= 1e-30;
+    let is_direction = is_divisor(size);
     let valid = select(vec2(1.0, 0.0), p / select(1.0, size, is_direction), is_direction);
     let half_turns = atan2(valid.y, valid.x) * (1.0 / PI) + 1.0;
     let angle = u32(half_turns * 1024.0 + 0.5) & 0x3ffu;

@@ -38,7 +38,7 @@ pub const ANGLE: Field = Field {
         let size = x.abs() + y.abs();
         let length = direction(&values[1..]).abs().element_sum();
         // Where sums overflow or fall below the least length there may be a direction or none.
-        if !length.is_finite() || length > 1e38 || (size - 1e-30).abs() < 1e-35 {
+        if !length.is_finite() || length > 7e37 || (size - 1e-30).abs() < 1e-35 {
             return f64::INFINITY;
         }
         // What lies along the normal cancels out, and its rounding stays.
