@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     shader_library::reconstruction::position::projection_of,
-    view::{ActiveLeanView, LeanDeferred, LightExchange, warn_once::WarnOnce},
+    view::{ActiveLeanView, LeanDeferred, LightExchange, OutOfMemory, warn_once::WarnOnce},
 };
 
 /// On a view of the render world: this frame it has ambient occlusion.
@@ -89,7 +89,7 @@ pub(super) fn decide_active_occlusion(
     support: Option<Res<OcclusionSupport>>,
     pipelines: Option<ResMut<OcclusionPipelines>>,
     pipeline_cache: Res<PipelineCache>,
-    mut warnings: ResMut<Warnings>,
+    (mut warnings, memory): (ResMut<Warnings>, Res<OutOfMemory>),
     mut views: Query<
         (
             Entity,
@@ -120,7 +120,8 @@ pub(super) fn decide_active_occlusion(
         let is_found =
             active_lean.is_some_and(|lean| lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE));
         let shows_channel = lean.is_some_and(LeanDeferred::shows_channel);
-        if reason.is_some() || is_found || (is_for_lighting && shows_channel) {
+        let is_off = reason.is_some() || memory.label(entity).is_some();
+        if is_off || is_found || (is_for_lighting && shows_channel) {
             if current.is_some() {
                 commands.entity(entity).remove::<ActiveOcclusion>();
             }

@@ -30,6 +30,7 @@ use super::{
 use crate::{
     gbuffer::GBufferTextures,
     gpu::{bind_group_cache::CachedBindGroup, tiles::RowOrder},
+    view::OutOfMemory,
 };
 
 /// The uniforms of all views.
@@ -108,6 +109,7 @@ pub(super) fn prepare_occlusion_textures(
     mut commands: Commands,
     mut texture_cache: ResMut<TextureCache>,
     render_device: Res<RenderDevice>,
+    mut memory: ResMut<OutOfMemory>,
     mut views: Query<(
         Entity,
         &ActiveOcclusion,
@@ -126,10 +128,10 @@ pub(super) fn prepare_occlusion_textures(
                 continue;
             }
         };
-        let texture = texture_cache.get(
-            &render_device,
-            TextureDescriptor {
-                label: Some("lean_deferred/ambient_occlusion"),
+        let label = "lean_deferred/ambient_occlusion";
+        let texture = memory.fit(&render_device, entity, label, || {
+            let descriptor = TextureDescriptor {
+                label: Some(label),
                 size: view.texture_size.to_extents(),
                 mip_level_count: 1,
                 sample_count: 1,
@@ -137,8 +139,13 @@ pub(super) fn prepare_occlusion_textures(
                 format: active.key.format.texture_format(),
                 usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
                 view_formats: &[],
-            },
-        );
+            };
+            texture_cache.get(&render_device, descriptor)
+        });
+        let Some(texture) = texture else {
+            commands.entity(entity).remove::<OcclusionTexture>();
+            continue;
+        };
         match current {
             Some(mut current) => current.0 = texture,
             None => {

@@ -17,7 +17,7 @@ use bevy::{
 };
 
 use super::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT};
-use crate::view::{ActiveLeanView, GBufferTargets};
+use crate::view::{ActiveLeanView, GBufferTargets, OutOfMemory};
 
 /// The targets of one view, as large as its render target.
 #[derive(Component, Clone)]
@@ -105,6 +105,37 @@ pub(super) fn initial_load(view: &ActiveLeanView) -> LoadOp<wgpu::Color> {
     }
 }
 
+fn make_textures(
+    cache: &mut TextureCache,
+    device: &RenderDevice,
+    size: UVec2,
+    targets: GBufferTargets,
+) -> GBufferTextures {
+    let mut texture = |label, format| {
+        let descriptor = TextureDescriptor {
+            label: Some(label),
+            size: size.to_extents(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        };
+        cache.get(device, descriptor)
+    };
+    GBufferTextures {
+        surface: texture("lean_deferred/gbuffer/surface", SURFACE_FORMAT),
+        normal: texture("lean_deferred/gbuffer/normal", NORMAL_FORMAT),
+        written: (!targets.is_empty())
+            .then(|| texture("lean_deferred/gbuffer/written", WRITTEN_FORMAT)),
+        optional: targets
+            .iter()
+            .map(|target| (target, texture(target.label(), target.format())))
+            .collect(),
+    }
+}
+
 /// Gives each active view its targets and takes them from views that are no longer active. Cameras are drawn one after
 /// the other, so those of one size that need the same share them.
 ///
@@ -114,6 +145,7 @@ pub(super) fn prepare_gbuffer_textures(
     mut commands: Commands,
     mut texture_cache: ResMut<TextureCache>,
     render_device: Res<RenderDevice>,
+    mut memory: ResMut<OutOfMemory>,
     views: Query<(Entity, &ViewDepthTexture, &ActiveLeanView)>,
     stale: Query<
         Entity,
@@ -129,35 +161,18 @@ pub(super) fn prepare_gbuffer_textures(
     }
     for (entity, depth, active) in &views {
         let size = UVec2::new(depth.texture.width(), depth.texture.height());
-        let textures = by_size.entry((size, active.targets)).or_insert_with(|| {
-            let mut texture = |label, format| {
-                texture_cache.get(
-                    &render_device,
-                    TextureDescriptor {
-                        label: Some(label),
-                        size: size.to_extents(),
-                        mip_level_count: 1,
-                        sample_count: 1,
-                        dimension: TextureDimension::D2,
-                        format,
-                        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
-                        view_formats: &[],
-                    },
-                )
-            };
-            GBufferTextures {
-                surface: texture("lean_deferred/gbuffer/surface", SURFACE_FORMAT),
-                normal: texture("lean_deferred/gbuffer/normal", NORMAL_FORMAT),
-                written: (!active.targets.is_empty())
-                    .then(|| texture("lean_deferred/gbuffer/written", WRITTEN_FORMAT)),
-                optional: active
-                    .targets
-                    .iter()
-                    .map(|target| (target, texture(target.label(), target.format())))
-                    .collect(),
-            }
+        let key = (size, active.targets);
+        let made = by_size.get(&key).cloned().or_else(|| {
+            memory.fit(&render_device, entity, "lean_deferred/gbuffer", || {
+                make_textures(&mut texture_cache, &render_device, size, active.targets)
+            })
         });
-        commands.entity(entity).insert(textures.clone());
+        let Some(made) = made else {
+            commands.entity(entity).remove::<GBufferTextures>();
+            continue;
+        };
+        by_size.insert(key, made.clone());
+        commands.entity(entity).insert(made);
     }
     by_size.clear();
 }

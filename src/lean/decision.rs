@@ -28,7 +28,7 @@ use crate::{
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
     view::{
         ActiveLeanView, Demand, ExchangeQuery, GBufferTargets, LeanDeferred, LeanOffReason,
-        LightExchange, LightingVariants,
+        LightExchange, LightingVariants, OutOfMemory,
     },
 };
 
@@ -97,7 +97,11 @@ pub(super) fn decide_active_views(
         Res<PipelineCache>,
         Res<PipelineWatch>,
     ),
-    (mut statuses, mut demands): (ResMut<LeanStatuses>, ResMut<ViewDemands>),
+    (mut statuses, mut demands, memory): (
+        ResMut<LeanStatuses>,
+        ResMut<ViewDemands>,
+        Res<OutOfMemory>,
+    ),
     mut dirty_specializations: ResMut<DirtySpecializations>,
     mut active_before: Local<HashMap<RetainedViewEntity, ActiveLeanView>>,
     mut views: Query<(
@@ -148,7 +152,9 @@ pub(super) fn decide_active_views(
         let (camera, view, msaa, camera_3d, layers, visible) = camera;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
-        if let Some(reason) = reason_against(camera, view, msaa, deferred, soft_shadows) {
+        let reason = reason_against(camera, view, msaa, deferred, soft_shadows)
+            .or_else(|| Some(LeanOffReason::OutOfMemory(memory.label(entity)?.into())));
+        if let Some(reason) = reason {
             statuses.off(view.retained_view_entity.main_entity, reason);
             commands
                 .entity(entity)

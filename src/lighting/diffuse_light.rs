@@ -14,7 +14,7 @@ use bevy::{
     },
 };
 
-use crate::view::{ActiveLeanView, DiffuseLight, LightExchange};
+use crate::view::{ActiveLeanView, DiffuseLight, LightExchange, OutOfMemory};
 
 /// Words with a shared exponent.
 pub(super) const DIFFUSE_LIGHT_FORMAT: TextureFormat = TextureFormat::R32Uint;
@@ -24,6 +24,7 @@ pub(super) const DIFFUSE_LIGHT_FORMAT: TextureFormat = TextureFormat::R32Uint;
 pub(super) fn prepare_diffuse_light(
     mut commands: Commands,
     device: Res<RenderDevice>,
+    mut memory: ResMut<OutOfMemory>,
     views: Query<(Entity, &ViewTarget, &ActiveLeanView, Option<&DiffuseLight>)>,
 ) {
     for (entity, target, active, current) in &views {
@@ -38,8 +39,9 @@ pub(super) fn prepare_diffuse_light(
         if current.is_some_and(|current| current.0.texture.size() == size) {
             continue;
         }
-        let texture = device.create_texture(&TextureDescriptor {
-            label: Some("lean_deferred/lighting/diffuse"),
+        let label = "lean_deferred/lighting/diffuse";
+        let descriptor = TextureDescriptor {
+            label: Some(label),
             size,
             mip_level_count: 1,
             sample_count: 1,
@@ -49,7 +51,14 @@ pub(super) fn prepare_diffuse_light(
                 | TextureUsages::TEXTURE_BINDING
                 | TextureUsages::COPY_SRC,
             view_formats: &[],
+        };
+        let made = memory.fit(&device, entity, label, || {
+            device.create_texture(&descriptor)
         });
+        let Some(texture) = made else {
+            commands.entity(entity).remove::<DiffuseLight>();
+            continue;
+        };
         let default_view = texture.create_view(&TextureViewDescriptor::default());
         let texture = CachedTexture {
             texture,

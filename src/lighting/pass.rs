@@ -11,13 +11,17 @@ use bevy::{
 
 use super::{ViewLighting, subsurface_light::SubsurfaceLight};
 use crate::{
+    gbuffer::GBufferTextures,
     gpu::{tiles, timed::timed},
     view::ActiveLeanView,
 };
 
 /// Lights the G-buffer of a view into its main texture.
 pub(super) fn lighting_pass(
-    view: ViewQuery<(&ViewLighting, &ViewTarget, Option<&SubsurfaceLight>), With<ActiveLeanView>>,
+    view: ViewQuery<
+        (&ViewLighting, &ViewTarget, Option<&SubsurfaceLight>),
+        (With<ActiveLeanView>, With<GBufferTextures>),
+    >,
     pipeline_cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {

@@ -14,7 +14,7 @@ use bevy::{
 use super::ViewLighting;
 use crate::{
     gpu::{storage_texture::StorageTexture, tiles},
-    view::{ActiveLeanView, LightExchange, ScattersLight},
+    view::{ActiveLeanView, LightExchange, OutOfMemory, ScattersLight},
 };
 
 /// Of the light: distance and material, and the word of the light.
@@ -23,6 +23,8 @@ pub(crate) const SUBSURFACE_LIGHT_FORMAT: TextureFormat = TextureFormat::Rg32Uin
 pub(super) const SUBSURFACE_PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 /// Of the light, whose coarser ones scattering makes.
 pub(crate) const LEVELS: usize = 8;
+
+const LABEL: &str = "lean_deferred/subsurface/light";
 
 /// Where the buffer of the tiles has these. Their count and the materials of the frame come first.
 const TILES: u64 = 257;
@@ -42,9 +44,8 @@ pub struct SubsurfaceLight {
 impl SubsurfaceLight {
     fn new(device: &RenderDevice, tile_count: UVec2) -> Self {
         let size = size_of(tile_count);
-        let label = "lean_deferred/subsurface/light";
         Self {
-            light: StorageTexture::new(device, label, size, SUBSURFACE_LIGHT_FORMAT),
+            light: StorageTexture::new(device, LABEL, size, SUBSURFACE_LIGHT_FORMAT),
             picture: StorageTexture::new(
                 device,
                 "lean_deferred/subsurface/picture",
@@ -87,6 +88,7 @@ fn size_of(tile_count: UVec2) -> UVec2 {
 pub(crate) fn prepare_subsurface_light(
     mut commands: Commands,
     device: Res<RenderDevice>,
+    mut memory: ResMut<OutOfMemory>,
     views: Query<(
         Entity,
         &ViewLighting,
@@ -109,8 +111,11 @@ pub(crate) fn prepare_subsurface_light(
         }
         let tile_count = tiles::count(lighting.bindings.viewport_size).max(UVec2::ONE);
         if current.is_none_or(|current| current.tile_count != tile_count) {
-            let made = SubsurfaceLight::new(&device, tile_count);
-            commands.entity(entity).insert(made);
+            let make = || SubsurfaceLight::new(&device, tile_count);
+            match memory.fit(&device, entity, LABEL, make) {
+                Some(made) => commands.entity(entity).insert(made),
+                None => commands.entity(entity).remove::<SubsurfaceLight>(),
+            };
         }
     }
 }

@@ -32,11 +32,7 @@ pub fn pack_anisotropy(strength: f32, tangent: Vec3, normal: Vec3) -> u32 {
     let [t, b] = tangents(normal);
     let p = Vec2::new(tangent.dot(t), tangent.dot(b));
     let size = p.x.abs() + p.y.abs();
-    let valid = if !is_divisor(size) {
-        Vec2::X
-    } else {
-        p / size
-    };
+    let valid = if !is_divisor(size) { Vec2::X } else { p / size };
     let half_turns = valid.y.atan2(valid.x) * core::f32::consts::FRAC_1_PI + 1.0;
     let angle = (half_turns * 1024.0 + 0.5) as u32 & 0x3ff;
     quantize(strength, 127.0) | (angle << 7)

@@ -5,12 +5,13 @@
 //! - `schedule.rs`: when stages run. `cut.rs`: when the last frame says nothing of this one.
 //! - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
 //! - `overrides.rs`: what effects change about a camera, and give back. `removal.rs`: what goes with a component.
-//! - `warn_once.rs`: why an effect is off, once for each camera.
+//! - `out_of_memory.rs`: textures that do not fit. `warn_once.rs`: why an effect is off, once for each camera.
 
 mod active;
 mod cut;
 pub(crate) mod depth_usage;
 mod exchange;
+mod out_of_memory;
 pub(crate) mod overrides;
 pub(crate) mod removal;
 mod schedule;
@@ -28,6 +29,8 @@ pub use exchange::{
     DiffuseLight, IndirectDiffuse, IndirectSpecular, LightExchange, ReadsDiffuseLight,
     ScattersLight,
 };
+#[doc(hidden)]
+pub use out_of_memory::OutOfMemory;
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses};
 pub use settings::{DebugChannel, GeometricNormal, LeanDeferred, LightCulling};
 pub use status::{LeanOffReason, LeanStatus};
@@ -39,7 +42,8 @@ use bevy::{
     pbr::PbrPlugin,
     prelude::*,
     render::{
-        GpuResourceAppExt, RenderApp, RenderPlugin, extract_component::ExtractComponentPlugin,
+        GpuResourceAppExt, Render, RenderApp, RenderPlugin, RenderSystems,
+        extract_component::ExtractComponentPlugin,
     },
 };
 
@@ -77,7 +81,14 @@ impl Plugin for SharedPlugin {
         };
         render_app
             .init_gpu_resource::<PipelineWatch>()
-            .add_systems(ExtractSchedule, pipeline_watch::watch_pipelines);
+            .init_gpu_resource::<OutOfMemory>()
+            .add_systems(ExtractSchedule, pipeline_watch::watch_pipelines)
+            .add_systems(
+                Render,
+                out_of_memory::forget_cameras
+                    .in_set(RenderSystems::PrepareAssets)
+                    .before(LeanViewSystems),
+            );
     }
 
     fn finish(&self, app: &mut App) {

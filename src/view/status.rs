@@ -67,6 +67,9 @@ pub enum LeanOffReason {
     Device(String),
     /// A shader cannot be compiled, for this cause.
     Shader(String),
+    /// The texture with this label does not fit into the GPU's memory. It is tried again once the camera's target has another size, its
+    /// effects change, or it was switched off.
+    OutOfMemory(String),
 }
 
 impl fmt::Display for LeanOffReason {
@@ -88,13 +91,19 @@ impl fmt::Display for LeanOffReason {
             ),
             Self::Device(missing) => write!(f, "the device lacks {missing}"),
             Self::Shader(cause) => write!(f, "a shader cannot be compiled: {cause}"),
+            Self::OutOfMemory(label) => {
+                write!(f, "{label} does not fit into the GPU's memory")
+            }
         }
     }
 }
 
 impl LeanOffReason {
-    /// Whether cameras are warned of it one by one. Of the others there is one message for all.
+    /// Whether cameras are warned of it one by one. Of the others there is a message elsewhere.
     pub(crate) fn is_of_camera(&self) -> bool {
-        !matches!(self, Self::NotRendered | Self::Device(_) | Self::Shader(_))
+        !matches!(
+            self,
+            Self::NotRendered | Self::Device(_) | Self::Shader(_) | Self::OutOfMemory(_)
+        )
     }
 }

@@ -6,6 +6,7 @@ mod fallback;
 mod history;
 mod lost_device;
 mod memory;
+mod out_of_memory;
 mod plugins;
 mod steady_state;
 mod switching;

@@ -39,7 +39,7 @@ use crate::{
         pattern::turn_of,
         succession::{FrameNumber, Succession},
     },
-    view::{ActiveLeanView, CameraCuts, DiffuseLight, IndirectDiffuse, LightExchange},
+    view::{ActiveLeanView, CameraCuts, DiffuseLight, IndirectDiffuse, LightExchange, OutOfMemory},
 };
 
 /// Texels a side that a workgroup of the first pass makes, and that the workgroups of the second share.
@@ -125,6 +125,7 @@ pub(super) fn prepare_gi(
     mut uniforms: ResMut<GiUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     (row_order, frame, number): (Res<RowOrder>, Res<FrameCount>, Res<FrameNumber>),
+    mut memory: ResMut<OutOfMemory>,
     mut views: Query<(
         Entity,
         (&ActiveGi, &ActiveLeanView),
@@ -154,7 +155,16 @@ pub(super) fn prepare_gi(
                 gi.current = 1 - gi.current;
                 gi
             }
-            _ => made.insert(ViewGi::new(&device, size, Succession::new(now, cuts))),
+            _ => {
+                let make = || ViewGi::new(&device, size, Succession::new(now, cuts));
+                let Some(new) = memory.fit(&device, entity, "lean_deferred/diffuse_gi", make)
+                else {
+                    found.0 = None;
+                    commands.entity(entity).remove::<ViewGi>();
+                    continue;
+                };
+                made.insert(new)
+            }
         };
         let mut uniform = GiView::new(&active.settings, &now, gi.frames.last());
         uniform.row_stride = row_order.stride(size.y.div_ceil(GATHER_SIDE));

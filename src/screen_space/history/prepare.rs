@@ -26,9 +26,10 @@ use crate::{
     },
     screen_space::succession::{FrameNumber, LastFrame, Succession},
     shader_library::reconstruction::position::view_from_pixel,
-    view::CameraCuts,
+    view::{CameraCuts, OutOfMemory},
 };
 
+const LABEL: &str = "lean_deferred/screen_space/history";
 const LEVEL_COUNT: usize = (LEVELS[0] + LEVELS[1]) as usize;
 /// Texels a side that a workgroup reads.
 const SIDE: u32 = 16;
@@ -114,9 +115,8 @@ impl ViewHistory {
     }
 
     fn new(device: &RenderDevice, size: UVec2, frames: Succession) -> Self {
-        let label = "lean_deferred/screen_space/history";
         Self {
-            kept: StorageTexture::new(device, label, size, FORMAT),
+            kept: StorageTexture::new(device, LABEL, size, FORMAT),
             pictures: default(),
             means: default(),
             frames,
@@ -143,7 +143,7 @@ pub(in crate::screen_space) fn prepare_histories(
     mut commands: Commands,
     mut uniforms: ResMut<HistoryUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
-    number: Res<FrameNumber>,
+    (number, mut memory): (Res<FrameNumber>, ResMut<OutOfMemory>),
     mut views: Query<
         (
             Entity,
@@ -176,7 +176,12 @@ pub(in crate::screen_space) fn prepare_histories(
             }
             _ => {
                 let frames = Succession::new(now, cuts);
-                made.insert(ViewHistory::new(&device, texture_size(size), frames))
+                let make = || ViewHistory::new(&device, texture_size(size), frames);
+                let Some(new) = memory.fit(&device, entity, LABEL, make) else {
+                    commands.entity(entity).remove::<ViewHistory>();
+                    continue;
+                };
+                made.insert(new)
             }
         };
         history.offset = writer.write(&HistoryView {

@@ -38,7 +38,7 @@ use crate::{
         debug_view::{DebugShown, Shows},
         pattern::turn_of,
     },
-    view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LightExchange},
+    view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LightExchange, OutOfMemory},
 };
 
 /// Pixels a side of the largest cells.
@@ -129,7 +129,7 @@ pub(super) fn prepare_reflections(
     mut commands: Commands,
     mut uniforms: ResMut<ReflectionUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
-    (row_order, frame): (Res<RowOrder>, Res<FrameCount>),
+    (row_order, frame, mut memory): (Res<RowOrder>, Res<FrameCount>, ResMut<OutOfMemory>),
     mut views: Query<(
         Entity,
         (&ActiveReflections, &ActiveLeanView),
@@ -161,7 +161,16 @@ pub(super) fn prepare_reflections(
         let mut made = None;
         let reflections = match reflections {
             Some(reflections) if reflections.is_for(&uniform) => reflections.into_inner(),
-            _ => made.insert(ViewReflections::new(&device, &uniform)),
+            _ => {
+                let make = || ViewReflections::new(&device, &uniform);
+                let Some(new) = memory.fit(&device, entity, "lean_deferred/reflections", make)
+                else {
+                    found.0 = None;
+                    commands.entity(entity).remove::<ViewReflections>();
+                    continue;
+                };
+                made.insert(new)
+            }
         };
         reflections.debug_view = active.settings.debug_view;
         reflections.offset = writer.write(&uniform);

@@ -29,10 +29,11 @@ use crate::{
     },
     lighting::{SUBSURFACE_LEVELS, SUBSURFACE_LIGHT_FORMAT, SubsurfaceLight},
     screen_space::LastFrame,
-    view::ActiveLeanView,
+    view::{ActiveLeanView, OutOfMemory},
 };
 
 /// The coarsest level of the light: what scatters there is its mean.
+const LABEL: &str = "lean_deferred/subsurface/scattered";
 const COARSEST: usize = SUBSURFACE_LEVELS - 1;
 /// The finer ones of the two levels that each pass down writes, and the level that each pass up writes.
 pub(super) const DOWN: [usize; 3] = [2, 4, 6];
@@ -58,9 +59,8 @@ pub struct ViewSubsurface {
 
 impl ViewSubsurface {
     fn new(device: &RenderDevice, size: UVec2) -> Self {
-        let label = "lean_deferred/subsurface/scattered";
         Self {
-            scattered: StorageTexture::new(device, label, size / 2, SUBSURFACE_LIGHT_FORMAT),
+            scattered: StorageTexture::new(device, LABEL, size / 2, SUBSURFACE_LIGHT_FORMAT),
             size,
             offsets: default(),
             first: default(),
@@ -90,6 +90,7 @@ pub(super) fn prepare_subsurface(
     mut commands: Commands,
     mut uniforms: ResMut<SubsurfaceUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    mut memory: ResMut<OutOfMemory>,
     mut views: Query<(
         Entity,
         (&ActiveScattering, &ActiveLeanView),
@@ -115,7 +116,14 @@ pub(super) fn prepare_subsurface(
         let mut made = None;
         let held = match held {
             Some(held) if held.size == size => held.into_inner(),
-            _ => made.insert(ViewSubsurface::new(&device, size)),
+            _ => {
+                let make = || ViewSubsurface::new(&device, size);
+                let Some(new) = memory.fit(&device, entity, LABEL, make) else {
+                    commands.entity(entity).remove::<ViewSubsurface>();
+                    continue;
+                };
+                made.insert(new)
+            }
         };
         held.offsets = core::array::from_fn(|level| {
             let settings = &active.settings;

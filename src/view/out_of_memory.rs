@@ -1,0 +1,116 @@
+//! Textures that do not fit into the GPU's memory.
+//!
+//! Bevy quits the app for an error that nobody catches. Textures of this crate are made within an error scope: the camera of one that does
+//! not fit is left to Bevy, which needs less.
+
+use bevy::{
+    ecs::entity::EntityHashMap,
+    prelude::*,
+    render::{
+        camera::ExtractedCamera,
+        render_resource::{TextureDescriptor, TextureDimension, TextureFormat, TextureUsages},
+        renderer::RenderDevice,
+    },
+    tasks::futures::now_or_never,
+};
+use wgpu::{ErrorFilter, Extent3d};
+
+use super::{ExchangeQuery, LightExchange};
+
+/// In the render world: the cameras whose textures do not fit.
+#[derive(Resource, Default)]
+pub struct OutOfMemory {
+    lacking: EntityHashMap<Lack>,
+    /// For tests: textures whose labels begin with this do not fit.
+    scarce: Option<&'static str>,
+}
+
+struct Lack {
+    label: &'static str,
+    /// Of the camera's target, and what effects ask of its lighting: with others it is tried again.
+    tried_with: Option<(Option<UVec2>, LightExchange)>,
+}
+
+impl OutOfMemory {
+    /// What `make` makes for the camera `view`: a texture, or some; `None` if it does not fit, or if something else of this camera did not.
+    ///
+    /// In a browser, which says so only later, everything fits.
+    pub(crate) fn fit<T>(
+        &mut self,
+        device: &RenderDevice,
+        view: Entity,
+        label: &'static str,
+        make: impl FnOnce() -> T,
+    ) -> Option<T> {
+        if self.lacking.contains_key(&view) {
+            return None;
+        }
+        let scope = (device.wgpu_device()).push_error_scope(ErrorFilter::OutOfMemory);
+        let made = make();
+        if self.scarce.is_some_and(|scarce| label.starts_with(scarce)) {
+            make_huge(device);
+        }
+        let error = now_or_never(scope.pop()).flatten();
+        let Some(error) = error else {
+            return Some(made);
+        };
+        error!(
+            "{label} does not fit into the GPU's memory: {error}. Bevy renders the camera until its target has another size or its \
+             effects change."
+        );
+        let lack = Lack {
+            label,
+            tried_with: None,
+        };
+        self.lacking.insert(view, lack);
+        None
+    }
+
+    /// The label of what did not fit.
+    pub(crate) fn label(&self, view: Entity) -> Option<&'static str> {
+        self.lacking.get(&view).map(|lack| lack.label)
+    }
+
+    /// For tests: as if there was no memory for textures whose labels begin so.
+    #[doc(hidden)]
+    pub fn make_scarce(&mut self, labels: Option<&'static str>) {
+        self.scarce = labels;
+    }
+}
+
+/// A texture that no GPU has room for.
+fn make_huge(device: &RenderDevice) {
+    let limits = device.limits();
+    device.create_texture(&TextureDescriptor {
+        label: Some("lean_deferred/huge"),
+        size: Extent3d {
+            width: limits.max_texture_dimension_2d,
+            height: limits.max_texture_dimension_2d,
+            depth_or_array_layers: limits.max_texture_array_layers,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format: TextureFormat::Rgba32Uint,
+        usage: TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+}
+
+/// Cameras that ask for something else, are switched off or gone may try again.
+pub(super) fn forget_cameras(
+    mut memory: ResMut<OutOfMemory>,
+    cameras: Query<(&ExtractedCamera, ExchangeQuery)>,
+) {
+    if memory.lacking.is_empty() {
+        return;
+    }
+    memory.lacking.retain(|view, lack| {
+        cameras.get(*view).is_ok_and(|(camera, exchange)| {
+            // What scatters comes into sight and goes again.
+            let exchange = exchange.asked() - LightExchange::SUBSURFACE_LIGHT;
+            let now = (camera.physical_target_size, exchange);
+            *lack.tried_with.get_or_insert(now) == now
+        })
+    });
+}

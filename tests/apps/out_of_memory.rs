@@ -1,0 +1,183 @@
+//! Textures of this crate that do not fit into memory: Bevy renders the camera, one message says what did not fit, and the camera is lean
+//! again once it does. In processes of their own, because it is logged as an error.
+
+use bevy::{prelude::*, render::RenderApp};
+use bevy_lean_deferred::{prelude::*, view::OutOfMemory};
+use kit::{
+    headless::Headless,
+    lean::{build, settled},
+    log_watch,
+    metrics::pixel_difference,
+    own_process::in_own_process,
+    scenes::SceneBuilder,
+};
+
+const SIZE: UVec2 = UVec2::new(96, 64);
+
+fn scene(s: &mut SceneBuilder) -> Entity {
+    s.solids();
+    s.sun(true);
+    let mesh = s.add::<Mesh>(Sphere::new(0.4));
+    let material = s.add::<ExtendedStandardMaterial>(ExtendedStandardMaterial {
+        base: Color::WHITE.into(),
+        extension: ShadingExtension::Subsurface {
+            color: LinearRgba::WHITE.into(),
+            mean_free_path: 0.05,
+            albedo: SubsurfaceAlbedo::AfterScattering,
+        },
+    });
+    s.spawn((
+        Mesh3d(mesh),
+        MeshMaterial3d(material),
+        Transform::from_xyz(0.0, 0.4, 1.2),
+    ));
+    s.default_camera(())
+}
+
+fn make_scarce(headless: &mut Headless, labels: Option<&'static str>) {
+    let render_world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut memory = render_world.resource_mut::<OutOfMemory>();
+    memory.make_scarce(labels);
+}
+
+/// Shows `effects` on a camera, then with no room for their textures with these labels, then with room again.
+fn check(label: &'static str, effects: impl Bundle + Clone) {
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(SIZE, |s| camera = scene(s));
+    let forward = settled(&mut headless);
+    headless.world().entity_mut(camera).insert(effects.clone());
+    let lean = settled(&mut headless);
+    assert!(pixel_difference(&forward, &lean).largest > 0, "{label}");
+
+    headless.world().entity_mut(camera).remove::<Effects>();
+    headless.frames(3);
+    make_scarce(&mut headless, Some(label));
+    headless.world().entity_mut(camera).insert(effects);
+    let film = headless.film(20, |_, _| {});
+    // In the frame in which it shows, meshes were on their way to the G-buffer.
+    let psnrs = film
+        .iter()
+        .map(|picture| pixel_difference(&forward, picture).psnr);
+    let bad: Vec<f64> = psnrs.filter(|psnr| *psnr < 30.0).collect();
+    println!(
+        "{label}: {} of {} frames lack something, by dB: {bad:?}",
+        bad.len(),
+        film.len()
+    );
+    assert!(bad.len() <= 1, "{label}: {} frames", bad.len());
+    let difference = pixel_difference(&forward, &settled(&mut headless));
+    assert_eq!(difference.largest, 0, "{label}: {difference}");
+
+    let messages = log_watch::messages_with("does not fit into the GPU's memory");
+    assert_eq!(messages.len(), 1, "{label}: {messages:#?}");
+    assert!(messages[0].starts_with(label), "{messages:#?}");
+    if let Some(status) = headless.world().get::<LeanStatus>(camera) {
+        let reason = LeanOffReason::OutOfMemory(messages[0].split(' ').next().unwrap().into());
+        assert_eq!(*status, LeanStatus::Off(reason), "{label}");
+    }
+
+    make_scarce(&mut headless, None);
+    for is_active in [false, true] {
+        let mut entity = headless.world().entity_mut(camera);
+        entity.get_mut::<Camera>().expect("it is one").is_active = is_active;
+        headless.frame();
+    }
+    let difference = pixel_difference(&lean, &settled(&mut headless));
+    // Light that goes to and fro comes to rest after many frames.
+    assert!(difference.largest <= 1, "{label}: {difference}");
+    assert!(log_watch::messages_with("Caught rendering error").is_empty());
+    log_watch::assert_validation_layer_silent();
+}
+
+type Effects = (
+    LeanDeferred,
+    LeanAmbientOcclusion,
+    LeanScreenSpaceGi,
+    LeanScreenSpaceReflections,
+);
+
+#[test]
+fn gbuffer() {
+    in_own_process(|| check("lean_deferred/gbuffer", LeanDeferred::default()));
+}
+
+#[test]
+fn occlusion() {
+    in_own_process(|| {
+        check(
+            "lean_deferred/ambient_occlusion",
+            LeanAmbientOcclusion::default(),
+        );
+    });
+}
+
+#[test]
+fn occlusion_of_a_lean_camera() {
+    in_own_process(|| {
+        check(
+            "lean_deferred/ambient_occlusion",
+            (LeanDeferred::default(), LeanAmbientOcclusion::default()),
+        );
+    });
+}
+
+#[test]
+fn diffuse_light() {
+    in_own_process(|| {
+        check(
+            "lean_deferred/lighting/diffuse",
+            (LeanDeferred::default(), LeanScreenSpaceGi::default()),
+        );
+    });
+}
+
+#[test]
+fn diffuse_gi() {
+    in_own_process(|| {
+        check(
+            "lean_deferred/diffuse_gi",
+            (LeanDeferred::default(), LeanScreenSpaceGi::default()),
+        );
+    });
+}
+
+#[test]
+fn reflections() {
+    in_own_process(|| {
+        check(
+            "lean_deferred/reflections",
+            (
+                LeanDeferred::default(),
+                LeanScreenSpaceReflections::default(),
+            ),
+        );
+    });
+}
+
+#[test]
+fn history() {
+    in_own_process(|| {
+        check(
+            "lean_deferred/screen_space/history",
+            (
+                LeanDeferred::default(),
+                LeanScreenSpaceReflections::default(),
+            ),
+        );
+    });
+}
+
+#[test]
+fn scattering() {
+    in_own_process(|| check("lean_deferred/subsurface/light", LeanDeferred::default()));
+}
+
+#[test]
+fn scattered_light() {
+    in_own_process(|| {
+        check(
+            "lean_deferred/subsurface/scattered",
+            LeanDeferred::default(),
+        )
+    });
+}
