@@ -71,6 +71,22 @@ fn projections() -> Vec<(&'static str, Mat4)> {
     ]
 }
 
+/// Each as it is, and as temporal jitter makes it, with the kind that it has without.
+fn with_jitter() -> impl Iterator<Item = (String, ProjectionKind, Mat4)> {
+    projections()
+        .into_iter()
+        .flat_map(|(name, clip_from_view)| {
+            let kind = projection_of(clip_from_view);
+            let mut jittered = clip_from_view;
+            jittered.z_axis.x += 0.002;
+            jittered.z_axis.y -= 0.001;
+            [
+                (name.to_owned(), kind, clip_from_view),
+                (format!("{name}, jittered"), kind, jittered),
+            ]
+        })
+}
+
 fn view_from_pixel(clip_from_view: Mat4) -> Mat4 {
     let ndc_from_pixel = Mat4::from_translation(Vec3::new(-1.0, 1.0, 0.0))
         * Mat4::from_scale(Vec3::new(2.0 / SIZE.x, -2.0 / SIZE.y, 1.0));
@@ -86,8 +102,7 @@ fn relative_error(found: Vec3, truth: DVec3) -> f64 {
 fn positions_are_those_of_the_full_matrix() {
     let compute = Compute::new();
     let mut random = Random::new(11);
-    for (name, clip_from_view) in projections() {
-        let kind = projection_of(clip_from_view);
+    for (name, kind, clip_from_view) in with_jitter() {
         let define = kind
             .shader_def()
             .map_or(String::new(), |name| format!("#define {name}"));
@@ -144,7 +159,7 @@ fn kernel(bits: array<u32, 19>) -> array<u32, 4> {{
             let z_error = (f64::from(z_alone) - truth.z).abs() / distance / digits_lost;
             assert!(z_error < 1e-6, "{name}, {p}: {z_alone}, not {}", truth.z);
         }
-        println!("{name:14} {kind:?}: off by {largest:.1e} of the distance at most");
+        println!("{name:24} {kind:?}: off by {largest:.1e} of the distance at most");
     }
 }
 

@@ -28,6 +28,17 @@ pub const SCENES: &[Scene] = &[
             ..OrthographicProjection::default_3d()
         }));
     }),
+    // Jitter shears it.
+    Scene::new("orthographic_taa", |s| {
+        scene(s);
+        let projection = Projection::Orthographic(OrthographicProjection {
+            scaling_mode: ScalingMode::FixedVertical {
+                viewport_height: 5.0,
+            },
+            ..OrthographicProjection::default_3d()
+        });
+        s.default_camera((projection, TemporalAntiAliasing::default()));
+    }),
     Scene::new("off_center_projection", |s| {
         scene(s);
         s.default_camera(Projection::custom(OffCenter(

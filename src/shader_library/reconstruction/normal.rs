@@ -66,7 +66,8 @@ pub fn normal_from_slope(view_from: Mat4, kind: ProjectionKind, p: Vec3, slope: 
         let across = m.z_axis.w * slope / scale;
         -across.extend((q - across.dot(ray)) / m.w_axis.z)
     } else {
-        (-m.z_axis.z * slope / scale).extend(1.0)
+        let across = slope / scale;
+        (-m.z_axis.z * across).extend(1.0 + m.z_axis.xy().dot(across))
     };
     let size = n.abs().element_sum();
     if !(size > 0.0 && size < 1e30) {

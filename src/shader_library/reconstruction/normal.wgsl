@@ -63,7 +63,8 @@ fn normal_from_slope(view_from: mat4x4<f32>, p: vec3<f32>, slope: vec2<f32>) -> 
     let across = m[2].w * slope / vec2(m[0][0], m[1][1]);
     let n = -vec3(across, (q - dot(across, ray)) / m[3].z);
 #else
-    let n = vec3(-m[2][2] * slope / vec2(m[0][0], m[1][1]), 1.0);
+    let across = slope / vec2(m[0][0], m[1][1]);
+    let n = vec3(-m[2].z * across, 1.0 + dot(m[2].xy, across));
 #endif
     // Scaled first: far away depth has no square in f32.
     let size = abs(n.x) + abs(n.y) + abs(n.z);

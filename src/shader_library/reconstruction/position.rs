@@ -27,7 +27,12 @@ pub fn view_position(kind: ProjectionKind, view_from: Mat4, p: Vec3) -> Vec3 {
             let ray = p.xy() * scale + Vec2::new(w[0], w[1]);
             ray.extend(w[2]) / (z[3] * p.z + w[3])
         }
-        ProjectionKind::Orthographic => p * scale.extend(z[2]) + Vec3::new(w[0], w[1], w[2]),
+        // Temporal jitter shears.
+        ProjectionKind::Orthographic => {
+            (p.xy() * scale).extend(0.0)
+                + p.z * Vec3::new(z[0], z[1], z[2])
+                + Vec3::new(w[0], w[1], w[2])
+        }
         ProjectionKind::Other => {
             let position = homogeneous_position(view_from, p);
             position.xyz() / position.w
@@ -40,7 +45,7 @@ pub fn view_position(kind: ProjectionKind, view_from: Mat4, p: Vec3) -> Vec3 {
 pub enum ProjectionKind {
     /// Any, also off centre or with a far plane.
     Perspective,
-    /// Any, also off centre.
+    /// Any, also off centre, and with temporal jitter.
     Orthographic,
     /// Anything else, such as an oblique near plane.
     Other,

@@ -26,7 +26,8 @@ fn view_position(view_from: mat4x4<f32>, p: vec3<f32>) -> vec3<f32> {
     let ray = vec3(p.xy * vec2(m[0][0], m[1][1]) + m[3].xy, m[3].z);
     return ray / (m[2].w * p.z + m[3].w);
 #else ifdef PROJECTION_ORTHOGRAPHIC
-    return p * vec3(m[0][0], m[1][1], m[2][2]) + m[3].xyz;
+    // Temporal jitter shears.
+    return vec3(p.xy * vec2(m[0][0], m[1][1]), 0.0) + p.z * m[2].xyz + m[3].xyz;
 #else
     let position = homogeneous_position(m, p);
     return position.xyz / position.w;
