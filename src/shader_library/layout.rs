@@ -190,8 +190,18 @@ pub fn pack_normal(normal: Vec3, perceptual_roughness: f32) -> u32 {
     // Of that, what a code more in x, in y or in both adds to the error of `low`.
     let one = ac * (1.0 - 2.0 * f) - 2.0 * b * f.yx();
     let both = one.x + one.y + 2.0 * b;
-    let more = one.min(Vec2::splat(both)).cmplt(one.yx().min(Vec2::ZERO));
-    let code = low + Vec2::select(more, Vec2::ONE, Vec2::ZERO);
+    // One of the best, also where some are as good: on the diagonals of the octants three are.
+    let least = one.min_element().min(0.0);
+    let more = if both <= least {
+        Vec2::ONE
+    } else if least == 0.0 {
+        Vec2::ZERO
+    } else if one.x <= one.y {
+        Vec2::X
+    } else {
+        Vec2::Y
+    };
+    let code = low + more;
 
     let signed_code = HALF_STEPS + 1.0 + Vec2::select(n.xy().cmpge(Vec2::ZERO), code, -code);
     signed_code.x as u32

@@ -138,8 +138,11 @@ fn pack_normal(normal: vec3<f32>, perceptual_roughness: f32) -> u32 {
     // Of that, what a code more in x, in y or in both adds to the error of `low`.
     let one = ac * (1.0 - 2.0 * f) - 2.0 * b * f.yx;
     let both = one.x + one.y + 2.0 * b;
-    let more = min(one, vec2(both)) < min(one.yx, vec2(0.0));
-    let code = low + select(vec2(0.0), vec2(1.0), more);
+    // One of the best, also where some are as good: on the diagonals of the octants three are.
+    let least = min(min(one.x, one.y), 0.0);
+    let is_x = one.x <= one.y;
+    let nearest = select(vec2(0.0), select(vec2(0.0, 1.0), vec2(1.0, 0.0), is_x), least < 0.0);
+    let code = low + select(nearest, vec2(1.0), both <= least);
 
     let signed_code = vec2<u32>(HALF_STEPS + 1.0 + select(-code, code, n.xy >= vec2(0.0)));
     return signed_code.x | (signed_code.y << 12u)

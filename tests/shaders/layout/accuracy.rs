@@ -2,6 +2,7 @@
 
 use bevy::math::{DVec2, DVec3, Vec2Swizzles as _, Vec3};
 use bevy_lean_deferred::gbuffer::layout::{self, NORMAL_STEPS};
+use kit::random::Random;
 
 /// A transfer curve for albedo.
 struct Curve {
@@ -194,6 +195,22 @@ fn normal_errors_are_as_documented() {
         0.0592,
         6e-4,
     );
+}
+
+/// On the diagonals of the octants three of the four codes around a normal are equally near.
+#[test]
+fn normals_of_equal_parts_are_as_near_as_others() {
+    let mut random = Random::new(5);
+    for i in 0..10_000 {
+        let scale = random.range(-30.0, 30.0).exp2();
+        let sign = |bit: u32| if i >> bit & 1 == 0 { scale } else { -scale };
+        // Also where rounding has made one of them the nearest.
+        let part = |bit: u32| sign(bit) * (1.0 + (i >> (3 + bit) & 1) as f32 * f32::EPSILON);
+        let normal = Vec3::new(part(0), part(1), part(2));
+        let stored = layout::unpack_normal(layout::pack_normal(normal, 0.0));
+        let error = angle(stored, normal.as_dvec3().normalize());
+        assert!(error <= 0.0400, "{normal}: {error}°");
+    }
 }
 
 #[test]

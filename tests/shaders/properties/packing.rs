@@ -80,7 +80,7 @@ proptest! {
         );
         prop_assert!((stored.normal.length() - 1.0).abs() < 1e-5, "{}", stored.normal);
         let exact = normal.as_dvec3().normalize_or_zero();
-        if normal.is_finite() && normal.abs().element_sum().is_finite() && normal.abs().max_element() > 1e-29 {
+        if normal.is_finite() && normal.abs().element_sum() < 7e37 && normal.abs().max_element() > 1e-29 {
             let angle = exact.cross(stored.normal.as_dvec3()).length();
             prop_assert!(exact.dot(stored.normal.as_dvec3()) > 0.0 && angle < LARGEST_ANGLE, "{angle}");
         }
