@@ -1,6 +1,6 @@
 //! Bevy without a window: frames are made by hand and read back.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::{
     device::render_plugin, gpu::read_texture, log_watch::LogWatch, shader_files::read_shader_files,
@@ -30,6 +30,8 @@ use bevy_lean_deferred::LeanDeferredPlugins;
 /// Simulated time between two frames.
 pub const FRAME_TIME: Duration = Duration::from_micros(16_667);
 
+/// Drivers may take as long for what compiles while frames go on, and frames of which most waits for that are short.
+const PATIENCE: Duration = Duration::from_secs(120);
 /// How many frames in a row must have asked for nothing.
 const QUIET_FRAMES: usize = 3;
 
@@ -136,7 +138,10 @@ impl Headless {
     pub fn settle(&mut self) {
         let mut quiet = 0;
         let mut asked_for = self.pipelines().pipelines().count();
-        for _ in 0..2000 {
+        let started = Instant::now();
+        let mut frames = 0;
+        while frames < 2000 || started.elapsed() < PATIENCE {
+            frames += 1;
             self.frame();
             let pipelines = self.pipelines();
             let before = core::mem::replace(&mut asked_for, pipelines.pipelines().count());
@@ -146,7 +151,7 @@ impl Headless {
                 return;
             }
         }
-        panic!("pipelines still waiting after 2000 frames");
+        panic!("pipelines still waiting after {frames} frames");
     }
 
     pub fn device(&self) -> &RenderDevice {
