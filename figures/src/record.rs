@@ -62,6 +62,8 @@ fn at<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
             let (index, rest) = path.split_once('.').unwrap_or((path, ""));
             at(values.get(index.parse::<usize>().ok()?)?, rest)
         }
+        // What was not measured has no parts, whatever their names.
+        Value::Null => Some(value),
         _ => None,
     }
 }
@@ -92,7 +94,8 @@ mod tests {
 
     #[test]
     fn paths_go_through_names_and_numbers() {
-        let values = json!({"a": {"b": [1, {"c": 2}]}, "errors": {"0.1": 3, "0.12": 4}});
+        let values =
+            json!({"a": {"b": [1, {"c": 2}]}, "errors": {"0.1": 3, "0.12": 4}, "none": null});
         let record = record(&[], values);
         assert_eq!(record.value("a.b.0"), Some(&json!(1)));
         assert_eq!(record.value("a.b.1.c"), Some(&json!(2)));
@@ -100,6 +103,7 @@ mod tests {
         assert_eq!(record.value("errors.0.12"), Some(&json!(4)));
         assert_eq!(record.value("a.d"), None);
         assert_eq!(record.value("a.b.2"), None);
+        assert_eq!(record.value("none.median"), Some(&Value::Null));
     }
 
     #[test]

@@ -7,14 +7,13 @@
 //! | format | makes of 1234.5 |
 //! |---|---|
 //! | `.2` | 1234.50 |
-//! | `+.2` | +1234.50 |
 //! | `.1e` | 1.2e3 |
 //! | `,` | 1,235 |
 //! | `.1%` | 123450.0% |
 //! | `time`, `us` | of a time: median (10th–90th percentile), in ms with three digits, in µs with one |
 //! | none | what it is, words too |
 //!
-//! `abs` before one of these leaves out the sign. What was not measured is a dash.
+//! `+` before one of these writes the sign of positive numbers too, `abs ` that of none. What was not measured is a dash.
 
 mod expression;
 mod format;
@@ -135,7 +134,10 @@ mod tests {
     #[test]
     fn formats() {
         shows("{b - a :+.1} {b - a :abs .1} {a :+.1}", "-7.0 7.0 +12.0");
-        shows("{share :.1e}", "8.0e-5");
+        shows(
+            "{share :.1e} {share :+.1e} {share - 1 :+.1%}",
+            "8.0e-5 +8.0e-5 -100.0%",
+        );
         shows("{share :.3%}", "0.008%");
         shows("{many :,}", "1,234,567");
         shows("{b :,}", "5");

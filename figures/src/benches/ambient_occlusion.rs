@@ -132,7 +132,7 @@ impl AmbientOcclusion {
             let parts = vec![pass(0), pass(1), lighting.max(0.0), prepass.max(0.0)];
             bars.add(m.contender.clone(), parts);
         }
-        let title = format!("What ambient occlusion takes{}", self.size_text());
+        let title = format!("Stages of ambient occlusion{}", self.size_text());
         bars.plot("stages", title)
     }
 
@@ -185,6 +185,8 @@ impl Figures for AmbientOcclusion {
             let pixels = f64::from(m.size[0]) * f64::from(m.size[1]);
             Record::new([size_key(m.size), m.contender.clone()], m)
                 .with("own", Self::own(m))
+                .with("merge", serde_json::json!(m.passes.get(1)))
+                .with("applied", self.more(m, |m| m.lighting).unwrap_or(0.0))
                 .with("more_lighting", self.more(m, |m| m.lighting))
                 .with("more_prepass", self.more(m, |m| m.prepass))
                 .with("all", self.all(m))

@@ -88,6 +88,8 @@ impl Size {
             let percent = rate.map(|rate| 100.0 * rate / copy);
             Record::new([size_key(self.size), m.contender.clone()], m)
                 .with("pictures", self.pictures)
+                .with("meter", serde_json::json!(m.passes.first()))
+                .with("adapt", adapt(m))
                 .with("gigabytes_per_second", rate)
                 .with(
                     "percent_of_copy",
@@ -105,6 +107,15 @@ impl Size {
             self.pictures
         ))
     }
+}
+
+/// What the passes after the first take, in µs.
+fn adapt(m: &Measurement) -> Option<String> {
+    let later = m.passes.iter().skip(1);
+    let later: Vec<String> = later
+        .map(|time| format!("{:.1}", time.median * 1e3))
+        .collect();
+    (!later.is_empty()).then(|| later.join(" + "))
 }
 
 /// Large errors also in stops.

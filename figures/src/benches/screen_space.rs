@@ -90,12 +90,12 @@ impl Kind {
             Self::Reflections => &[
                 (
                     "inside",
-                    "_mirror",
+                    "_in_a_mirror",
                     "RMSE in a mirror, without outlines (of 1)",
                 ),
                 (
                     "0.3",
-                    "_rough",
+                    "_on_a_rough_floor",
                     "RMSE on a floor of roughness 0.3 (of the light)",
                 ),
             ],
@@ -162,11 +162,9 @@ impl ScreenSpace {
                     points.add(group, &name, self.all(m), error.rmse.into());
                 }
             }
-            let title = format!(
-                "Speed against error of {}{}",
-                kind.title(),
-                self.size_text()
-            );
+            let (kind_title, place) = (kind.title(), suffix.replace('_', " "));
+            let size = self.size_text();
+            let title = format!("Speed against error of {kind_title}{place}{size}");
             points.plot(&format!("speed_{}{suffix}", kind.name()), title)
         };
         kind.shown_errors().iter().map(plot).collect()
@@ -189,7 +187,7 @@ impl ScreenSpace {
             parts.push(self.more_lighting(m).unwrap_or(0.0).max(0.0));
             bars.add(m.contender.clone(), parts);
         }
-        let title = format!("What {} take{}", kind.title(), self.size_text());
+        let title = format!("Stages of {}{}", kind.title(), self.size_text());
         bars.plot(&format!("stages_{}", kind.name()), title)
     }
 
@@ -262,16 +260,21 @@ impl Figures for ScreenSpace {
     }
 
     fn records(&self) -> Vec<Record> {
+        let scenes = self.0.iter().flat_map(|m| &m.errors);
+        let none = serde_json::json!({"rmse": null, "bias": null});
+        let scenes: Map<String, Value> = scenes
+            .map(|error| (error.scene.clone(), none.clone()))
+            .collect();
         let record = |m: &Measurement| {
             let parts: Vec<String> = (m.passes.iter())
                 .map(|time| format!("{:.3}", time.median))
                 .collect();
-            let errors: Map<String, Value> = (m.errors.iter())
-                .map(|error| {
-                    let value = serde_json::json!({"rmse": error.rmse, "bias": error.bias});
-                    (error.scene.clone(), value)
-                })
-                .collect();
+            // Those of other effects are there, too, as what was not measured.
+            let mut errors: Map<String, Value> = scenes.clone();
+            for error in &m.errors {
+                let value = serde_json::json!({"rmse": error.rmse, "bias": error.bias});
+                errors.insert(error.scene.clone(), value);
+            }
             let parts = (!parts.is_empty()).then(|| parts.join(" + "));
             Record::new([size_key(m.size), m.contender.clone()], m)
                 .with("parts", parts)

@@ -193,7 +193,7 @@ mod tests {
         fails(
             "takes {lean | lighting.median :.2} ms",
             PAGE,
-            "no lighting.median",
+            "not measured",
         );
         fails("takes {lean | geometry :.2} ms", PAGE, "not measured");
         fails(

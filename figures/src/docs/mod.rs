@@ -160,15 +160,23 @@ impl Docs {
     pub fn differences(&self) -> Vec<String> {
         let mut differences = Vec::new();
         for page in &self.pages {
-            let lines = page.before.lines().zip(page.text.lines()).enumerate();
-            for (number, (before, after)) in lines.filter(|(_, (a, b))| a != b) {
-                let (name, number) = (&page.name, number + 1);
-                differences.push(format!(
-                    "{name}:{number}\n  is        {before}\n  should be {after}"
-                ));
-            }
-            if page.before.lines().count() != page.text.lines().count() {
-                differences.push(format!("{}: a table has another number of rows", page.name));
+            let before: Vec<&str> = page.before.lines().collect();
+            let after: Vec<&str> = page.text.lines().collect();
+            let name = &page.name;
+            if before.len() == after.len() {
+                for (number, (is, should)) in (1..).zip(before.iter().zip(&after)) {
+                    if is != should {
+                        differences.push(format!(
+                            "{name}:{number}\n  is        {is}\n  should be {should}"
+                        ));
+                    }
+                }
+            } else {
+                // Rows have come or gone.
+                let more = after.iter().filter(|line| !before.contains(line));
+                differences.extend(more.map(|line| format!("{name}: lacks {line}")));
+                let fewer = before.iter().filter(|line| !after.contains(line));
+                differences.extend(fewer.map(|line| format!("{name}: has   {line}")));
             }
         }
         for (file, svg) in &self.plots {

@@ -40,7 +40,18 @@ impl Lines {
         let own = group(&name);
         let same = self.lines.iter().find(|line| group(&line.name) == own);
         let color = same.map(|line| line.color);
-        let color = color.unwrap_or_else(|| style::color(&own, self.lines.len()));
+        // Bevy's have their own.
+        let mut others: Vec<RGBColor> = Vec::new();
+        for line in self
+            .lines
+            .iter()
+            .filter(|line| !line.name.starts_with("Bevy"))
+        {
+            if !others.contains(&line.color) {
+                others.push(line.color);
+            }
+        }
+        let color = color.unwrap_or_else(|| style::color(&own, others.len()));
         let points = points
             .into_iter()
             .filter(|(x, y)| *x > 0.0 && *y > 0.0)

@@ -123,6 +123,9 @@ pub fn draw_legend(area: &Area, entries: &[(String, Symbol)]) -> Drawn {
     Ok(())
 }
 
+/// An axis goes at least from something to so many times that.
+const LEAST_RANGE: f64 = 4.0;
+
 /// The least and the largest of those above 0, with some room, for a logarithmic axis.
 pub fn log_range(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64) {
     let (least, most) = values
@@ -130,10 +133,12 @@ pub fn log_range(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64) {
         .fold((f64::INFINITY, 0.0), |(least, most), value| {
             (value.min(least), value.max(most))
         });
-    match most > 0.0 {
-        true => (least / room, most * room),
-        false => (0.1, 10.0),
+    if most == 0.0 {
+        return (0.1, 10.0);
     }
+    // What differs little is to look so.
+    let room = room.max((LEAST_RANGE / (most / least)).sqrt());
+    (least / room, most * room)
 }
 
 /// Ticks of a logarithmic axis: 1, 2 and 5 of each power of ten, or the powers alone where there are many.
@@ -181,6 +186,7 @@ mod tests {
     #[test]
     fn ticks_lie_in_the_range() {
         assert_eq!(log_ticks((0.15, 3.0)), [0.2, 0.5, 1.0, 2.0]);
+        assert_eq!(log_range([1.0, 1.0, 0.0].into_iter(), 1.3), (0.5, 2.0));
         assert_eq!(log_ticks((1e-9, 1e-3)).len(), 7);
         assert_eq!(linear_ticks(0.9).last(), Some(&0.8));
         assert_eq!(linear_ticks(27.8), [0.0, 5.0, 10.0, 15.0, 20.0, 25.0]);

@@ -5,15 +5,23 @@ use serde_json::Value;
 /// See [the module above](super).
 #[derive(Debug, Clone, Copy)]
 pub struct Format {
-    abs: bool,
+    sign: Sign,
     kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Sign {
+    /// Of negative numbers.
+    Minus,
+    /// Of all.
+    Always,
+    Never,
 }
 
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     AsItIs,
     Digits(usize),
-    Signed(usize),
     Exponent(usize),
     Percent(usize),
     Grouped,
@@ -27,9 +35,10 @@ pub const NUMBER: &str = r"[-+]?\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?";
 impl Format {
     pub fn parse(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        let (abs, rest) = match text.strip_prefix("abs ") {
-            Some(rest) => (true, rest),
-            None => (false, text),
+        let (sign, rest) = match (text.strip_prefix("abs "), text.strip_prefix('+')) {
+            (Some(rest), _) => (Sign::Never, rest),
+            (_, Some(rest)) => (Sign::Always, rest),
+            _ => (Sign::Minus, text),
         };
         let digits = |text: &str| {
             let digits = text.strip_prefix('.').and_then(|text| text.parse().ok());
@@ -41,9 +50,7 @@ impl Format {
             "time" => Kind::Milliseconds,
             "us" => Kind::Microseconds,
             _ => {
-                if let Some(rest) = rest.strip_prefix('+') {
-                    Kind::Signed(digits(rest)?)
-                } else if let Some(rest) = rest.strip_suffix('e') {
+                if let Some(rest) = rest.strip_suffix('e') {
                     Kind::Exponent(digits(rest)?)
                 } else if let Some(rest) = rest.strip_suffix('%') {
                     Kind::Percent(digits(rest)?)
@@ -52,7 +59,7 @@ impl Format {
                 }
             }
         };
-        Ok(Self { abs, kind })
+        Ok(Self { sign, kind })
     }
 
     pub fn text(self, value: Option<&Value>) -> Result<String, String> {
@@ -68,16 +75,22 @@ impl Format {
             _ => {}
         }
         let number = value.as_f64().ok_or(format!("{value} is no number"))?;
-        let number = if self.abs { number.abs() } else { number };
-        Ok(match self.kind {
+        let number = match self.sign {
+            Sign::Never => number.abs(),
+            _ => number,
+        };
+        let text = match self.kind {
             Kind::AsItIs if value.is_f64() => format!("{number}"),
             Kind::AsItIs => value.to_string(),
-            Kind::Signed(digits) => format!("{number:+.digits$}"),
             Kind::Exponent(digits) => format!("{number:.digits$e}"),
             Kind::Percent(digits) => format!("{:.digits$}%", number * 100.0),
             Kind::Grouped => grouped(number),
             Kind::Digits(digits) => format!("{number:.digits$}"),
             Kind::Milliseconds | Kind::Microseconds => unreachable!("done above"),
+        };
+        Ok(match self.sign {
+            Sign::Always if !text.starts_with('-') => format!("+{text}"),
+            _ => text,
         })
     }
 
