@@ -21,7 +21,8 @@ use kit::{figures::write_json, size::parse_size};
 /// GPU time, bytes and error of ambient occlusion.
 #[derive(FromArgs)]
 struct Args {
-    /// only contenders whose name contains one of these, which semicolons separate, beside those without occlusion
+    /// only contenders whose name contains one of these, which semicolons separate, beside those without occlusion; a word
+    /// after = is a whole name
     #[argh(option, default = "String::new()")]
     contender: String,
 
@@ -76,7 +77,7 @@ fn main() {
     });
     let contenders: Vec<Contender> = Contender::all()
         .into_iter()
-        .filter(|c| c.occlusion.is_none() || words.iter().any(|word| c.name.contains(word)))
+        .filter(|c| c.occlusion.is_none() || words.iter().any(|word| is_meant(&c.name, word)))
         .chain(samples)
         .collect();
 
@@ -99,5 +100,12 @@ fn main() {
     println!("{}", measurements.markdown());
     if let Some(path) = args.json {
         write_json(&path, &measurements);
+    }
+}
+
+fn is_meant(name: &str, word: &str) -> bool {
+    match word.strip_prefix('=') {
+        Some(whole) => name == whole,
+        None => name.contains(word),
     }
 }

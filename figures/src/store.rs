@@ -84,7 +84,7 @@ impl Run {
 }
 
 /// All that benches wrote into `folder`. A bench may have written several files, whose names begin with its own:
-/// `frame_times.json` and `frame_times.crowd.json`.
+/// `frame_times.json` and `frame_times_crowd.json`.
 pub fn benches_in(folder: &Path) -> Result<Vec<Bench>, String> {
     let mut benches: Vec<Bench> = Vec::new();
     let run = Run::of(folder)?;
@@ -92,14 +92,18 @@ pub fn benches_in(folder: &Path) -> Result<Vec<Bench>, String> {
         let Some(stem) = name.strip_suffix(".json") else {
             continue;
         };
-        let first = stem.split('.').next().unwrap_or(stem);
-        let Some(mut bench) = Bench::read(first, &path)? else {
+        let is_first = |first: &&&str| {
+            let rest = stem.strip_prefix(**first);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '_']))
+        };
+        let Some(first) = Bench::NAMES.iter().find(is_first) else {
             continue;
         };
+        let mut bench = Bench::read(first, &path)?;
         if let Bench::LightScaling(figures) = &mut bench {
             figures.bandwidth = figures.bandwidth.or(run.bandwidth);
         }
-        match benches.iter_mut().find(|other| other.name() == first) {
+        match benches.iter_mut().find(|other| other.name() == *first) {
             Some(other) => other.join(bench),
             None => benches.push(bench),
         }

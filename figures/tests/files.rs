@@ -238,7 +238,7 @@ fn a_folder_makes_a_page() {
     let folder = Folder::new("page");
     folder.write("frame_times.json", FRAME_TIMES);
     let more = FRAME_TIMES.replace(r#""scene": "s""#, r#""scene": "t <b>""#);
-    folder.write("frame_times.more.json", &more);
+    folder.write("frame_times_more.json", &more);
     folder.write("other.json", "{");
     folder.write("run.json", r#"{"date": "2026-01-02", "commit": "abcdef"}"#);
     let html = page::page(&folder.0, None).unwrap();

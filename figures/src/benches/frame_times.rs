@@ -127,15 +127,26 @@ impl FrameTimes {
     fn bytes(&self) -> Plot {
         let stages = ["written by geometry", "read and written after it"];
         let mut bars = Bars::new("bytes a pixel", &stages);
-        let named = |m: &Measurement| match m.scene.starts_with("targets") {
-            true => format!("{}, {}", m.scene, m.contender),
-            false => m.contender.clone(),
-        };
-        for (name, written, all) in distinct(
-            (self.0.iter()).map(|m| (named(m), m.bytes_written_by_geometry, m.bytes_in_all)),
-        ) {
+        let mut shown: Vec<(&str, u32, u32)> = Vec::new();
+        for m in &self.0 {
+            let (written, all) = (m.bytes_written_by_geometry, m.bytes_in_all);
+            // Bevy's are the same in all scenes, and settings of lighting change none.
+            let own = match (m.scene.strip_prefix("targets_"), m.contender.as_str()) {
+                (None, name) => name,
+                (Some(_), "lean") => m.scene.as_str(),
+                (Some(_), _) => continue,
+            };
+            let is_same = |(name, a, b): &(&str, u32, u32)| {
+                let both_lean = name.starts_with("lean") && own.starts_with("lean");
+                *name == own || both_lean && (*a, *b) == (written, all)
+            };
+            if !shown.iter().any(is_same) {
+                shown.push((own, written, all));
+            }
+        }
+        for (name, written, all) in shown {
             let rest = all.saturating_sub(written);
-            bars.add(name, vec![f64::from(written), f64::from(rest)]);
+            bars.add(name.into(), vec![f64::from(written), f64::from(rest)]);
         }
         bars.plot(
             "bytes",

@@ -58,12 +58,12 @@ macro_rules! benches {
                 }
             }
 
-            /// What the bench of that name wrote; `None` where there is no such bench.
-            pub fn read(name: &str, path: &Path) -> Result<Option<Self>, String> {
-                Ok(Some(match name {
-                    $($name => Self::$kind(read_json(path)?),)*
-                    _ => return Ok(None),
-                }))
+            /// What the bench of that name wrote.
+            pub fn read(name: &str, path: &Path) -> Result<Self, String> {
+                match name {
+                    $($name => Ok(Self::$kind(read_json(path)?)),)*
+                    _ => Err(format!("there is no bench {name}")),
+                }
             }
 
             pub fn figures(&self) -> &dyn Figures {

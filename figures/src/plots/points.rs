@@ -186,7 +186,12 @@ fn place_names(names: &[&str], dots: &[(i32, i32)], plane: Bounds) -> Vec<Label>
             .filter(|(dot, _)| near(dot))
             .map(|(_, name)| *name)
             .collect();
-        let name = same.join(" = ");
+        let name = match &same[..] {
+            [first, others @ ..] if others.len() > 1 => {
+                format!("{first} and {} more", others.len())
+            }
+            _ => same.join(" = "),
+        };
         let width = (name.chars().count() as f64 * CHARACTER) as i32;
         let bounds = |left: i32, middle: i32| [left, left + width, middle - 9, middle + 9];
         let offsets = (0..12).flat_map(|step: i32| [step * 10, -step * 10]);

@@ -41,6 +41,10 @@ impl Progress {
     pub fn begin(&mut self, step: &Step) {
         self.began = Instant::now();
         self.show(step, 0.0, "");
+        // Where nobody would see the bar.
+        if self.bar.is_hidden() {
+            eprintln!("{}", self.bar.message());
+        }
     }
 
     /// A line that a bench has written.
@@ -69,8 +73,9 @@ impl Progress {
         let place = (self.done + share * step.expected) / self.expected.max(1.0);
         self.bar.set_position((place * LENGTH as f64) as u64);
         let minutes = left.as_secs().div_ceil(60);
+        let what = if what.is_empty() { "…" } else { what };
         self.bar
-            .set_message(format!("{}, about {minutes} min left: {what}", step.bench));
+            .set_message(format!("about {minutes} min left, {}: {what}", step.bench));
     }
 }
 
