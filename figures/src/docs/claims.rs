@@ -29,6 +29,8 @@ pub struct Claim {
     #[serde(default)]
     pub from: String,
     pub text: String,
+    #[serde(default)]
+    pub waiting: bool,
 }
 
 impl Claim {
@@ -131,6 +133,7 @@ mod tests {
             file: String::new(),
             from: "gpu/frame_times | boxes".into(),
             text: text.into(),
+            waiting: false,
         }
     }
 

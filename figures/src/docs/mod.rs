@@ -1,7 +1,8 @@
 //! README and docs, brought up to date from figures, or checked.
 //!
 //! Three things are made: tables between `<!-- table: NAME -->` and `<!-- /table -->` ([`tables`]), numbers in sentences
-//! ([`claims`]), and plots. What has figures that no bench measures is told in [`elsewhere`]: all other figures must be made.
+//! ([`claims`]), and plots. `waiting = true` says of one of them that its figures are not in the folder yet: it stays as it is, and that is
+//! told, until they are. What has figures that no bench measures is told in [`elsewhere`]: all other figures must be made.
 
 pub mod claims;
 pub mod elsewhere;
@@ -50,6 +51,15 @@ struct Others {
     elsewhere: Vec<Elsewhere>,
 }
 
+/// What is made, or why it is not, of something that may be `waiting` for its figures.
+fn unless_waiting<T>(waiting: bool, made: Result<T, String>) -> Result<Option<T>, String> {
+    match (waiting, made) {
+        (false, made) => made.map(Some),
+        (true, Err(_)) => Ok(None),
+        (true, Ok(_)) => Err("its figures are there: it waits no longer".into()),
+    }
+}
+
 /// A plot of a bench, in a file of [`FOLDER`].
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -57,6 +67,8 @@ struct PlotOfDocs {
     file: String,
     from: String,
     plot: String,
+    #[serde(default)]
+    waiting: bool,
 }
 
 /// A file as it is and as it is to be.
@@ -72,6 +84,8 @@ pub struct Docs {
     pages: Vec<Page>,
     plots: BTreeMap<String, String>,
     pub wrong: Vec<String>,
+    /// What is not made, because its figures are not there yet.
+    pub waiting: Vec<String>,
 }
 
 impl Docs {
@@ -87,7 +101,17 @@ impl Docs {
             pages: pages(root)?,
             plots: BTreeMap::new(),
             wrong: Vec::new(),
+            waiting: Vec::new(),
         };
+        let waits = tables.table.iter().filter(|table| table.waiting);
+        docs.waiting
+            .extend(waits.map(|table| format!("table {}", table.name)));
+        let waits = claims.claim.iter().filter(|claim| claim.waiting);
+        docs.waiting
+            .extend(waits.map(|claim| format!("{}: {}", claim.file, claim.text.trim())));
+        let waits = tables.plot.iter().filter(|plot| plot.waiting);
+        docs.waiting
+            .extend(waits.map(|plot| format!("plot {}", plot.file)));
         docs.make_tables(&tables.table, &store);
         docs.make_claims(&claims.claim, &store);
         docs.draw_plots(&tables.plot, &store);
@@ -128,7 +152,11 @@ impl Docs {
         for claim in claims {
             let page = self.pages.iter_mut().find(|page| page.name == claim.file);
             let made = match page {
-                Some(page) => claim.make(&page.text, store).map(|text| page.text = text),
+                Some(page) if claim.waiting && claim.places(&page.text).len() != 1 => {
+                    Err("the page does not say so exactly once".into())
+                }
+                Some(page) => unless_waiting(claim.waiting, claim.make(&page.text, store))
+                    .map(|text| page.text = text.unwrap_or(page.text.clone())),
                 None => Err("there is no such page".into()),
             };
             if let Err(error) = made {
@@ -147,10 +175,11 @@ impl Docs {
                     .ok_or(format!("{} has no plot {}", plot.from, plot.plot))?
                     .svg)
             });
-            match svg {
-                Ok(svg) => {
+            match unless_waiting(plot.waiting, svg) {
+                Ok(Some(svg)) => {
                     self.plots.insert(format!("{FOLDER}/{}", plot.file), svg);
                 }
+                Ok(None) => {}
                 Err(error) => self.wrong.push(format!("{}: {error}", plot.file)),
             }
         }

@@ -21,7 +21,7 @@ use std::ops::Range;
 use regex::Regex;
 use serde::Deserialize;
 
-use super::Origin;
+use super::{Origin, unless_waiting};
 use crate::{store::Store, table::Table, template::Template};
 
 /// See [the module](self).
@@ -29,6 +29,8 @@ use crate::{store::Store, table::Table, template::Template};
 #[serde(deny_unknown_fields)]
 pub struct TableOfDocs {
     pub name: String,
+    #[serde(default)]
+    pub waiting: bool,
     #[serde(default)]
     from: String,
     /// Of a bench's own table: those in whose first cells these stand, in this order. All, where there are none.
@@ -127,16 +129,18 @@ pub fn fill(
         let place = tables.iter().position(|table| table.name == name);
         let place = place.ok_or(format!("the table {name} is not in tables.toml"))?;
         let says = |error: String| format!("table {name}: {error}");
-        let table = tables[place].markdown(store).map_err(says)?;
+        let table = unless_waiting(tables[place].waiting, tables[place].markdown(store));
+        let table = table.map_err(says)?;
         used[place] = true;
         let body = &rest[marker.end()..];
         let end = body
             .find(END)
             .ok_or(format!("table {name}: it has no end"))?;
         made.push_str(&rest[..marker.end()]);
-        made.push('\n');
-        made.push_str(&table);
-        made.push('\n');
+        match table {
+            Some(table) => made.push_str(&format!("\n{table}\n")),
+            None => made.push_str(&body[..end]),
+        }
         rest = &body[end..];
     }
     made.push_str(rest);
@@ -195,6 +199,22 @@ mod tests {
         assert!(says(PAGE, r#"[["many", "17 | lean"]]"#).contains("nothing was measured"));
         assert!(says("<!-- table: u -->\n<!-- /table -->", good).contains("not in tables.toml"));
         assert!(says("<!-- table: t -->\n", good).contains("no end"));
+    }
+
+    #[test]
+    fn what_waits_for_its_figures_stays_as_it_is() {
+        let waiting = |rows| TableOfDocs {
+            waiting: true,
+            ..table(rows)
+        };
+        let tables = [waiting(r#"[["many", "17 | lean"]]"#)];
+        assert_eq!(
+            fill(PAGE, &tables, &store(), &mut [false]).as_deref(),
+            Ok(PAGE)
+        );
+        let tables = [waiting(r#"[["16 lights", "16 | lean"]]"#)];
+        let error = fill(PAGE, &tables, &store(), &mut [false]).unwrap_err();
+        assert!(error.contains("waits no longer"), "{error}");
     }
 
     #[test]
