@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs all benches and makes one page of their figures, report/index.html, which opens from disk.
+# Runs all benches and makes one page of their figures, report/index.html in the current folder, which opens from disk.
 #
 # sh examples/report.sh [--quick | --full] [--gltf FILE] [--only WORDS] [--out FOLDER]
 #
@@ -7,5 +7,4 @@
 # are made of, and wants a GPU.
 set -eu
 . "$(dirname "$0")/../tests/environment.sh"
-cd "$(dirname "$0")/.."
-exec cargo run --quiet --package bevy_lean_deferred_figures -- run "$@"
+exec cargo run --quiet --manifest-path "$(dirname "$0")/../Cargo.toml" --package bevy_lean_deferred_figures -- run "$@"

@@ -9,7 +9,7 @@ use argh::FromArgs;
 use bevy_lean_deferred_figures::{
     docs::Docs,
     page,
-    report::{Mode, Report},
+    report::{Mode, Report, root},
     store::benches_in,
 };
 
@@ -50,8 +50,8 @@ struct RunArgs {
     only: String,
 
     /// the folder of what is made, default report
-    #[argh(option, default = "PathBuf::from(\"report\")")]
-    out: PathBuf,
+    #[argh(option, default = "String::from(\"report\")")]
+    out: String,
 }
 
 /// Makes a page of figures.
@@ -110,12 +110,15 @@ fn run(args: RunArgs) -> Result<(), String> {
     if args.quick && args.full {
         return Err("--quick or --full, not both".into());
     }
+    let absolute =
+        |path: &str| std::path::absolute(path).map_err(|error| format!("{path}: {error}"));
+    let gltf = args.gltf.as_deref().map(absolute).transpose()?;
     let words = args.only.split(',').filter(|word| !word.is_empty());
     let report = Report {
         mode: if args.full { Mode::Full } else { Mode::Quick },
-        gltf: args.gltf,
+        gltf: gltf.map(|path| path.to_string_lossy().into_owned()),
         only: words.map(Into::into).collect(),
-        folder: args.out,
+        folder: absolute(&args.out)?,
     };
     let (path, failed) = report.make()?;
     println!("{}", path.display());
@@ -148,10 +151,8 @@ fn tables(folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The repository is where this package is.
 fn docs(check: bool) -> Result<(), String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let docs = Docs::new(&root)?;
+    let docs = Docs::new(&root())?;
     let differences = docs.differences();
     if !check {
         docs.write()?;

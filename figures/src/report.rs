@@ -4,6 +4,7 @@ mod plan;
 mod progress;
 
 use std::{
+    collections::HashMap,
     fs::{self, File},
     io::{BufRead, BufReader, Write},
     path::{Path, PathBuf},
@@ -13,6 +14,7 @@ use std::{
 pub use plan::Mode;
 use plan::Step;
 use progress::Progress;
+use serde_json::Value;
 
 use crate::{json::write_json, page::page, store::Run};
 
@@ -39,7 +41,7 @@ impl Report {
         for folder in [&figures, &pictures, &logs] {
             fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         }
-        self.build(&steps)?;
+        let programs = self.build(&steps)?;
         let run = Run {
             date: output("date", &["-u", "+%Y-%m-%d"]),
             commit: output("git", &["describe", "--always", "--dirty"]),
@@ -54,7 +56,9 @@ impl Report {
             let pictures = pictures.join(step.bench);
             fs::create_dir_all(&pictures)
                 .map_err(|error| format!("{}: {error}", pictures.display()))?;
-            let ran = self.run(step, &figures, &pictures, &logs, &mut progress)?;
+            let program = programs.get(step.bench);
+            let program = program.ok_or(format!("cargo has not built {}", step.bench))?;
+            let ran = run_bench(step, program, [&figures, &pictures, &logs], &mut progress)?;
             progress.end(step);
             if !ran {
                 failed.push(step.bench);
@@ -67,81 +71,87 @@ impl Report {
         Ok((path, failed))
     }
 
-    /// Before any of them is timed; cargo shows how far it is.
-    fn build(&self, steps: &[Step]) -> Result<(), String> {
-        let mut cargo = self.cargo();
-        cargo.arg("--no-run");
+    /// Before any of them is timed; cargo shows how far it is. The programs by the names of their benches.
+    fn build(&self, steps: &[Step]) -> Result<HashMap<String, PathBuf>, String> {
+        let mut cargo = Command::new(std::env::var("CARGO").unwrap_or("cargo".into()));
+        cargo.current_dir(root());
+        cargo.args(["bench", "--package", "bevy_lean_deferred", "--no-run"]);
+        cargo.args(self.mode.profile());
+        cargo.arg("--message-format=json-render-diagnostics");
         for step in steps {
             cargo.args(["--bench", step.bench]);
         }
-        let status = cargo.status().map_err(|error| format!("cargo: {error}"))?;
-        status
-            .success()
-            .then_some(())
-            .ok_or("the benches do not build".into())
-    }
-
-    fn cargo(&self) -> Command {
-        let mut cargo = Command::new(std::env::var("CARGO").unwrap_or("cargo".into()));
-        cargo.args(["bench", "--package", "bevy_lean_deferred"]);
-        cargo.args(self.mode.profile());
-        cargo
-    }
-
-    /// Whether the bench ended well. What it says goes into its log.
-    fn run(
-        &self,
-        step: &Step,
-        figures: &Path,
-        pictures: &Path,
-        logs: &Path,
-        progress: &mut Progress,
-    ) -> Result<bool, String> {
-        let log = |suffix: &str| {
-            let path = logs.join(format!("{}.{suffix}", step.bench));
-            File::create(&path).map_err(|error| format!("{}: {error}", path.display()))
-        };
-        let json = text(&figures.join(format!("{}.json", step.bench)));
-        let mut cargo = self.cargo();
-        cargo.args(["--quiet", "--bench", step.bench, "--"]);
-        cargo.args(&step.args).args(["--json", &absolute(&json)?]);
-        if step.has_pictures {
-            cargo.args(["--pictures", &absolute(&text(pictures))?]);
+        let output = cargo.stderr(Stdio::inherit()).output();
+        let output = output.map_err(|error| format!("cargo: {error}"))?;
+        if !output.status.success() {
+            return Err("the benches do not build".into());
         }
-        let mut child = cargo
-            .stdin(Stdio::null())
-            .stdout(log("md")?)
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|error| format!("cargo: {error}"))?;
-        let mut log = log("log")?;
-        let lines = BufReader::new(child.stderr.take().expect("it is piped")).split(b'\n');
-        for line in lines.map_while(Result::ok) {
-            let line = String::from_utf8_lossy(&line);
-            let _ = writeln!(log, "{line}");
-            progress.line(step, &line);
-        }
-        let status = child
-            .wait()
-            .map_err(|error| format!("{}: {error}", step.bench))?;
-        Ok(status.success())
+        let messages = String::from_utf8_lossy(&output.stdout);
+        let messages = messages
+            .lines()
+            .filter_map(|line| serde_json::from_str(line).ok());
+        let programs = messages.filter_map(|message: Value| {
+            let name = message.pointer("/target/name")?.as_str()?.to_owned();
+            Some((name, message.get("executable")?.as_str()?.into()))
+        });
+        Ok(programs.collect())
     }
+}
+
+/// Whether the bench ended well. What it says goes into its log.
+fn run_bench(
+    step: &Step,
+    program: &Path,
+    [figures, pictures, logs]: [&Path; 3],
+    progress: &mut Progress,
+) -> Result<bool, String> {
+    let log = |suffix: &str| {
+        let path = logs.join(format!("{}.{suffix}", step.bench));
+        File::create(&path).map_err(|error| format!("{}: {error}", path.display()))
+    };
+    let mut bench = Command::new(program);
+    bench
+        .args(&step.args)
+        .arg("--json")
+        .arg(figures.join(format!("{}.json", step.bench)));
+    if step.has_pictures {
+        bench.arg("--pictures").arg(pictures);
+    }
+    // As cargo has it: assets are looked for there.
+    bench.current_dir(root()).env("CARGO_MANIFEST_DIR", root());
+    let mut child = bench
+        .stdin(Stdio::null())
+        .stdout(log("md")?)
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(|error| format!("{}: {error}", program.display()))?;
+    let mut log = log("log")?;
+    let lines = BufReader::new(child.stderr.take().expect("it is piped")).split(b'\n');
+    for line in lines.map_while(Result::ok) {
+        let line = String::from_utf8_lossy(&line);
+        let _ = writeln!(log, "{line}");
+        progress.line(step, &line);
+    }
+    let status = child.wait();
+    let status = status.map_err(|error| format!("{}: {error}", step.bench))?;
+    Ok(status.success())
+}
+
+/// The repository.
+pub fn root() -> PathBuf {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.parent().unwrap_or(package).into()
 }
 
 fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Cargo runs benches in their package's folder.
-fn absolute(path: &str) -> Result<String, String> {
-    let path = std::path::absolute(path).map_err(|error| format!("{path}: {error}"))?;
-    Ok(text(&path))
-}
-
 /// What a command says, or nothing where it cannot.
 fn output(command: &str, args: &[&str]) -> String {
     let output = Command::new(command)
         .args(args)
+        .current_dir(root())
         .stderr(Stdio::null())
         .output();
     let output = output.map(|output| output.stdout).unwrap_or_default();
