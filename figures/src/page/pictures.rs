@@ -9,9 +9,6 @@ use super::escape;
 
 /// Pictures are made no wider than this.
 const WIDTH: u32 = 640;
-/// Differences are multiplied by this to be seen.
-const GAIN: u8 = 16;
-
 /// A picture that others are compared with, and those.
 struct Group {
     title: String,
@@ -19,6 +16,8 @@ struct Group {
     others: Vec<String>,
     /// Whether the differences are the errors; else they are what an effect does.
     errors: bool,
+    /// Differences are multiplied by this to be seen.
+    gain: u8,
 }
 
 /// The pictures that a bench has written into `folder`.
@@ -45,13 +44,13 @@ pub fn section(bench: &str, folder: &Path) -> Result<String, String> {
         for other in &group.others {
             let picture = read(folder, other)?;
             html.push_str(&figure(other, &picture)?);
-            if let Some(difference) = difference(&reference, &picture) {
+            if let Some(difference) = difference(&reference, &picture, group.gain) {
                 let what = if group.errors {
                     "difference from"
                 } else {
                     "what it changes of"
                 };
-                let caption = format!("{other}: {what} {}, × {GAIN}", group.reference);
+                let caption = format!("{other}: {what} {}, × {}", group.reference, group.gain);
                 html.push_str(&figure(&caption, &difference)?);
             }
         }
@@ -64,12 +63,13 @@ pub fn section(bench: &str, folder: &Path) -> Result<String, String> {
 /// What is compared with what, by the names that the bench gives its files.
 fn groups(bench: &str, names: &[String]) -> Vec<Group> {
     // The reference's name within the file's, and which others a page has room for.
-    let (reference, errors, shown): (&str, bool, &[&str]) = match bench {
-        "frame_times" | "many_meshes" => ("Bevy_forward", true, &["Bevy_deferred", "lean"]),
-        "light_scaling" => ("Bevy_forward", true, &["Bevy_deferred", "lean"]),
+    let (reference, errors, gain, shown): (&str, bool, u8, &[&str]) = match bench {
+        "frame_times" | "many_meshes" => ("Bevy_forward", true, 16, &["Bevy_deferred", "lean"]),
+        "light_scaling" => ("Bevy_forward", true, 16, &["Bevy_deferred", "lean"]),
         "ambient_occlusion" => (
             "Ultra__indirect",
             true,
+            2,
             &[
                 "Medium__indirect",
                 "HDAO__indirect",
@@ -81,6 +81,7 @@ fn groups(bench: &str, names: &[String]) -> Vec<Group> {
         "screen_space" => (
             "none",
             false,
+            4,
             &[
                 "GI__Medium__Half",
                 "reflections__Medium__Half",
@@ -113,6 +114,7 @@ fn groups(bench: &str, names: &[String]) -> Vec<Group> {
                 reference,
                 others,
                 errors,
+                gain,
             });
         }
     }
@@ -130,13 +132,13 @@ fn read(folder: &Path, name: &str) -> Result<RgbImage, String> {
 }
 
 /// As large as it was; `None` where they differ in size.
-fn difference(a: &RgbImage, b: &RgbImage) -> Option<RgbImage> {
+fn difference(a: &RgbImage, b: &RgbImage, gain: u8) -> Option<RgbImage> {
     if a.dimensions() != b.dimensions() {
         return None;
     }
     let pixels = a.pixels().zip(b.pixels());
     let pixels = pixels.flat_map(|(Rgb(a), Rgb(b))| {
-        core::array::from_fn::<u8, 3, _>(|c| a[c].abs_diff(b[c]).saturating_mul(GAIN))
+        core::array::from_fn::<u8, 3, _>(|c| a[c].abs_diff(b[c]).saturating_mul(gain))
     });
     RgbImage::from_vec(a.width(), a.height(), pixels.collect())
 }
@@ -190,7 +192,7 @@ mod tests {
     #[test]
     fn differences_are_made_visible() {
         let picture = |value| RgbImage::from_pixel(2, 1, Rgb([value, 10, 200]));
-        let difference = difference(&picture(7), &picture(9)).unwrap();
-        assert_eq!(difference.get_pixel(1, 0), &Rgb([2 * GAIN, 0, 0]));
+        let difference = difference(&picture(7), &picture(9), 16).unwrap();
+        assert_eq!(difference.get_pixel(1, 0), &Rgb([32, 0, 0]));
     }
 }
