@@ -73,7 +73,7 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
                     "--warm-up",
                     "3",
                     "--contender",
-                    "=Medium, indirect;Low;High;Ultra;HDAO;=Medium, blend;naive;=Bevy Medium",
+                    "=Medium, indirect;=Medium, indirect, half;Low;High;Ultra;HDAO;=Medium, blend;naive;=Bevy Medium",
                 ],
                 200.0,
             ),
