@@ -5,6 +5,7 @@ use bevy::{
     prelude::*,
 };
 use bevy_lean_deferred::prelude::*;
+use figures::benches::ambient_occlusion::Bytes;
 
 /// A camera with ambient occlusion of some kind, or the same camera without.
 #[derive(Clone)]
@@ -22,16 +23,6 @@ pub enum Kind {
     /// The same samples as the crate's default, but stored in the alpha of a 4 × FP16 target, blurred with 9 fetches
     /// and merged in a shader.
     Naive,
-}
-
-/// Bytes a pixel, without and with what is read of depth and normals.
-#[derive(Clone, Copy, serde::Serialize)]
-pub struct Bytes {
-    /// Each texture once written and once read.
-    pub compulsory: f64,
-    pub compulsory_with_depth: f64,
-    /// Every texel of every fetch and gather.
-    pub fetched: f64,
 }
 
 impl Contender {

@@ -8,7 +8,6 @@
 
 mod contender;
 mod naive;
-mod report;
 mod run;
 mod scene;
 mod show;
@@ -16,12 +15,14 @@ mod show;
 use argh::FromArgs;
 use bevy::math::UVec2;
 use contender::Contender;
+use figures::benches::{AmbientOcclusion, Figures};
 use kit::{figures::write_json, size::parse_size};
 
 /// GPU time, bytes and error of ambient occlusion.
 #[derive(FromArgs)]
 struct Args {
-    /// only contenders whose name contains one of these, which semicolons separate, beside those without occlusion
+    /// only contenders whose name contains one of these, which semicolons separate, beside those without occlusion; a word
+    /// after = is a whole name
     #[argh(option, default = "String::new()")]
     contender: String,
 
@@ -76,29 +77,35 @@ fn main() {
     });
     let contenders: Vec<Contender> = Contender::all()
         .into_iter()
-        .filter(|c| c.occlusion.is_none() || words.iter().any(|word| c.name.contains(word)))
+        .filter(|c| c.occlusion.is_none() || words.iter().any(|word| is_meant(&c.name, word)))
         .chain(samples)
         .collect();
 
-    let mut measurements = Vec::new();
+    let mut measurements = AmbientOcclusion::default();
     let mut truths = run::Truths::new();
     let total = sizes.len() * contenders.len();
     for size in sizes.iter().copied() {
         for contender in &contenders {
             eprintln!(
                 "[{}/{total}] {}×{}: {}",
-                measurements.len() + 1,
+                measurements.0.len() + 1,
                 size.x,
                 size.y,
                 contender.name
             );
             let measurement = run::measure(contender, size, &args, &mut truths);
-            eprintln!("{}", report::row(&measurement, &measurements));
-            measurements.push(measurement);
+            measurements.0.push(measurement);
         }
     }
-    println!("{}", report::markdown(&measurements, args.frames));
+    println!("{}", measurements.markdown());
     if let Some(path) = args.json {
         write_json(&path, &measurements);
+    }
+}
+
+fn is_meant(name: &str, word: &str) -> bool {
+    match word.strip_prefix('=') {
+        Some(whole) => name == whole,
+        None => name.contains(word),
     }
 }

@@ -11,45 +11,23 @@ use bevy::{
     prelude::*,
     render::{RenderApp, diagnostic::RenderDiagnosticsPlugin, renderer::RenderContext},
 };
-use serde::Serialize;
+use figures::benches::ambient_occlusion::Measurement;
 use std::collections::HashMap;
 
 use crate::{
     Args,
-    contender::{Bytes, Contender, Kind},
+    contender::{Contender, Kind},
     naive,
     scene::{self, BenchScene},
     show,
 };
 use kit::{
     bench_spans::{CAMERA, PREPASS, add_camera_span},
-    gpu_time::{Samples, Time, begin, end},
+    gpu_time::{Samples, begin, end},
     headless::{Headless, Picture},
     occlusion::errors::Errors,
     scenes::boxes::Boxes,
 };
-
-#[derive(Serialize)]
-pub struct Measurement {
-    pub adapter: String,
-    pub size: UVec2,
-    pub contender: String,
-    pub lean: bool,
-    /// Of the passes that only occlusion has, in order.
-    pub passes: Vec<Time>,
-    /// The lighting pass: it filters and applies occlusion on lean cameras.
-    pub lighting: Option<Time>,
-    /// Prepasses, which Bevy's occlusion needs.
-    pub prepass: Option<Time>,
-    pub camera: Option<Time>,
-    pub bytes: Bytes,
-    /// Share of pixels with occlusion.
-    pub occluded: f64,
-    /// Against the closed form of the wall: root mean square and bias.
-    pub wall: Option<(f64, f64)>,
-    /// Mean on the plane, where there is none.
-    pub plane: Option<f64>,
-}
 
 /// Closed forms, by scene and size: casting the rays takes longer than all the frames.
 pub type Truths = HashMap<(&'static str, UVec2), (Vec<Option<f32>>, Vec<bool>)>;
@@ -74,7 +52,7 @@ pub fn measure(
         headless.frames(1);
         samples.take(headless.app.world().resource::<DiagnosticsStore>());
     }
-    let adapter = headless.adapter();
+    let device = headless.adapter_and_driver();
     drop(headless);
 
     let shown = |scene: BenchScene| -> Option<Vec<f32>> {
@@ -105,8 +83,9 @@ pub fn measure(
         some as f64 / occlusion.len() as f64
     });
     Measurement {
-        adapter,
-        size,
+        device,
+        frames: Some(args.frames),
+        size: size.to_array(),
         contender: contender.name.clone(),
         lean: contender.lean,
         passes: contender

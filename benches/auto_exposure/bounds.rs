@@ -4,10 +4,10 @@ use crate::{
     Args,
     kernel::{Kernel, compile},
     picture::TEXEL,
-    report::{Group, Measurement},
     ring::Ring,
     timing::time,
 };
+use figures::benches::auto_exposure::{Group, Measurement};
 use kit::{exposure_gpu::ExposureGpu, gpu_time::Time};
 
 /// Times the bounds over `ring`.

@@ -20,11 +20,12 @@ use bevy::{
     },
 };
 use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
+use figures::benches::auto_exposure::{Group, Measurement};
 
 use crate::{
     Args,
     picture::{Picture, TEXEL, TRIM, Truth},
-    report::{Group, Measured, Measurement},
+    timing::Measured,
 };
 use kit::{
     gpu_time::Samples,

@@ -6,9 +6,8 @@ use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
 use crate::{
     Args,
     picture::{TRIM, mask},
-    report::Measured,
     ring::Ring,
-    timing::time,
+    timing::{Measured, time},
 };
 use kit::exposure_gpu::{ExposureGpu, Meter};
 

@@ -18,15 +18,17 @@ mod kernel;
 mod lean;
 mod picture;
 mod pyramid;
-mod report;
 mod ring;
 mod timing;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
-use kit::{exposure_gpu::ExposureGpu, figures::write_json, size::parse_size};
+use figures::benches::{
+    AutoExposure, Figures,
+    auto_exposure::{Group, Measurement, Size},
+};
+use kit::{exposure_gpu::ExposureGpu, figures::write_json, gpu::device_of, size::parse_size};
 use picture::{Picture, Truth};
-use report::{Group, Measurement, Table};
 use ring::Ring;
 
 /// GPU time, bandwidth and error of auto exposure.
@@ -85,25 +87,25 @@ fn main() {
     if args.frames == 0 {
         fail("--frames: at least 1".into());
     }
-    println!("{}", report::header(&args));
-    let mut tables = Vec::new();
-    for size in sizes {
-        let table = measure(size, &args).unwrap_or_else(|error| fail(error));
-        println!("{}", report::markdown(&table));
-        tables.push(table);
+    let mut figures = AutoExposure::default();
+    let total = sizes.len();
+    for (number, size) in sizes.into_iter().enumerate() {
+        eprintln!("[{}/{total}] {}×{}", number + 1, size.x, size.y);
+        let measured = measure(size, &args).unwrap_or_else(|error| fail(error));
+        figures.0.push(measured);
     }
+    println!("{}", figures.markdown());
     if let Some(path) = args.json {
-        write_json(&path, &tables);
+        write_json(&path, &figures);
     }
 }
 
 /// All contenders at one size.
-fn measure(size: UVec2, args: &Args) -> Result<Table, String> {
+fn measure(size: UVec2, args: &Args) -> Result<Size, String> {
     let gpu = ExposureGpu::new();
     if !gpu.has(wgpu::Features::TIMESTAMP_QUERY) {
         return Err(format!("{} has no timestamps", gpu.adapter.name));
     }
-    eprintln!("{}×{}: the picture", size.x, size.y);
     let picture = if args.flat {
         Picture::flat(size)
     } else {
@@ -114,13 +116,14 @@ fn measure(size: UVec2, args: &Args) -> Result<Table, String> {
     let pictures = ring.0.len();
     let mut measurements = bounds::measure(&gpu, &ring, args);
     measurements.extend(outside(&gpu, &ring, size, &truth, args));
-    let adapter = gpu.adapter.name.clone();
+    let device = device_of(&gpu.adapter);
     // The app has a device of its own.
     drop((ring, gpu));
     measurements.extend(in_app::measure(picture, &truth, args));
-    Ok(Table {
-        adapter,
-        size,
+    Ok(Size {
+        device,
+        frames: Some(args.frames),
+        size: size.to_array(),
         pictures,
         measurements,
     })

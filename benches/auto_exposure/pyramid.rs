@@ -3,8 +3,8 @@
 use crate::{
     Args,
     kernel::{Kernel, compile},
-    report::Measured,
     ring::Ring,
+    timing::Measured,
 };
 use kit::exposure_gpu::ExposureGpu;
 use wgpu::BindingResource::TextureView;

@@ -5,6 +5,15 @@ use std::time::Instant;
 use crate::Args;
 use kit::{exposure_gpu::ExposureGpu, gpu_time::Time};
 
+/// What was measured of one contender.
+pub struct Measured {
+    /// Each dispatch in a pass of its own.
+    pub passes: Vec<Time>,
+    /// All in one pass.
+    pub whole: Option<Time>,
+    pub luminance: f64,
+}
+
 /// What times a pass on its device.
 pub struct Timestamps<'a>(Option<&'a wgpu::QuerySet>);
 

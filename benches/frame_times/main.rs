@@ -5,15 +5,15 @@
 //! Prints a Markdown table; `--json FILE` writes the same figures. Times come from timestamp queries of the GPU; on a
 //! software renderer they are CPU times. A later effect adds a row by adding a [`Contender`] or a [`BenchScene`].
 
-mod report;
 mod run;
 mod scenes;
 mod special;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
+use figures::benches::{Figures, FrameTimes};
 use kit::{figures::write_json, size::parse_size};
-use run::{Contender, Measurement};
+use run::Contender;
 use scenes::BenchScene;
 
 /// GPU time, bytes and error of a frame: Bevy forward, Bevy deferred, this crate.
@@ -93,13 +93,13 @@ fn main() {
                 .count()
         })
         .sum::<usize>();
-    let mut measurements: Vec<Measurement> = Vec::with_capacity(total);
+    let mut measurements = FrameTimes::default();
     for scene in &scenes {
         let mut reference = None;
         for contender in contenders.iter().filter(|c| is_measured(scene, **c)) {
             eprintln!(
                 "[{}/{total}] {}: {}",
-                measurements.len() + 1,
+                measurements.0.len() + 1,
                 scene.name,
                 contender.name()
             );
@@ -113,18 +113,15 @@ fn main() {
                 None if *contender == Contender::Forward => reference = Some(picture),
                 None => {}
                 Some(reference) => {
-                    measurement.compare(reference, &picture, !args.no_flip);
+                    run::compare(&mut measurement, reference, &picture, !args.no_flip);
                 }
             }
-            eprintln!("{}", report::row(&measurement, None));
-            measurements.push(measurement);
+            eprintln!("{}", FrameTimes::row(&measurement));
+            measurements.0.push(measurement);
         }
     }
 
-    println!(
-        "{}",
-        report::markdown(&measurements, args.size, args.frames)
-    );
+    println!("{}", measurements.markdown());
     if let Some(path) = args.json {
         write_json(&path, &measurements);
     }

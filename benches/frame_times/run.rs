@@ -12,12 +12,12 @@ use bevy_lean_deferred::{
     prelude::*,
     view::{IndirectDiffuse, IndirectSpecular, LightExchange, ReadsDiffuseLight},
 };
-use serde::Serialize;
+use figures::benches::frame_times::Measurement;
 
 use crate::{scenes::BenchScene, special};
 use kit::{
     bench_spans::{self, add_bench_spans},
-    gpu_time::{Samples, Time},
+    gpu_time::Samples,
     hdr::{change_views, even_texture},
     headless::{Headless, Picture},
     metrics,
@@ -118,31 +118,12 @@ impl Contender {
     }
 }
 
-#[derive(Serialize)]
-pub struct Measurement {
-    pub adapter: String,
-    pub scene: String,
-    pub contender: String,
-    /// Rasterising: the G-buffer, or forward's opaque pass with its lighting.
-    pub geometry: Option<Time>,
-    pub lighting: Option<Time>,
-    /// Everything from the first to the last pass of the camera, shadow maps and post-processing too.
-    pub camera: Option<Time>,
-    pub bytes_written_by_geometry: u32,
-    pub bytes_in_all: u32,
-    /// Against forward; none for forward itself.
-    pub psnr: Option<f64>,
-    pub flip: Option<f64>,
-    pub off_by_8: Option<f64>,
-}
-
-impl Measurement {
-    pub fn compare(&mut self, reference: &Picture, picture: &Picture, flip: bool) {
-        let difference = metrics::pixel_difference(reference, picture);
-        self.psnr = Some(difference.psnr);
-        self.off_by_8 = Some(difference.off_by_8);
-        self.flip = flip.then(|| metrics::flip(reference, picture));
-    }
+/// Adds what `picture` differs from forward's.
+pub fn compare(measurement: &mut Measurement, reference: &Picture, picture: &Picture, flip: bool) {
+    let difference = metrics::pixel_difference(reference, picture);
+    measurement.psnr = Some(difference.psnr);
+    measurement.off_by_8 = Some(difference.off_by_8);
+    measurement.flip = flip.then(|| metrics::flip(reference, picture));
 }
 
 /// Renders `warm_up` frames, then measures `frames`.
@@ -209,7 +190,9 @@ pub fn measure(
     let (bytes_written_by_geometry, bytes_in_all) =
         contender.bytes_per_pixel(gbuffer_bytes(&mut headless), scene.special().wants_motion());
     let measurement = Measurement {
-        adapter: headless.adapter(),
+        device: headless.adapter_and_driver(),
+        size: Some(size.to_array()),
+        frames: Some(frames),
         scene: scene.name.clone(),
         contender: contender.name().into(),
         geometry: samples.time(geometry),

@@ -53,19 +53,7 @@ impl Contender {
             .expect("all are listed")
     }
 
-    pub fn is_lean(self) -> bool {
-        matches!(self, Self::Lean(_))
-    }
-
-    /// What is measured: the stage that has the cost of lights.
-    pub fn stage(self) -> &'static str {
-        match self {
-            Self::Forward => "opaque pass",
-            Self::BevyDeferred | Self::Lean(_) => "lighting",
-        }
-    }
-
-    /// The GPU span of that stage.
+    /// The GPU span of the stage that has the cost of lights.
     pub fn span(self) -> &'static str {
         match self {
             Self::Forward => bench_spans::OPAQUE,

@@ -2,19 +2,16 @@
 //!
 //! `cargo bench --profile dev --bench light_scaling -- --help`
 //!
-//! Prints a Markdown table; `--json FILE` writes the same figures, `--plot FILE.svg` draws them. Times come from timestamp
-//! queries of the GPU. With `--from FILE` nothing is measured: table and plot are those of figures written before.
+//! Prints a Markdown table; `--json FILE` writes the same figures. Times come from timestamp queries of the GPU.
 
 mod contender;
-mod plot;
-mod report;
 mod run;
 mod scene;
 
 use argh::FromArgs;
 use contender::Contender;
+use figures::benches::{Figures, LightScaling};
 use kit::{figures::write_json, size::parse_size};
-use report::Report;
 use run::{Plan, References};
 
 /// How the cost of lighting grows with the number of lights: Bevy forward, Bevy deferred, this crate.
@@ -53,25 +50,17 @@ struct Args {
     #[argh(switch)]
     fixed_grid: bool,
 
-    /// bandwidth of the GPU's memory in TB/s, for the line of the bytes' limit, default 4.3
-    #[argh(option, default = "4.3")]
-    bandwidth: f64,
+    /// bandwidth of the GPU's memory in TB/s, for a line of the bytes' limit in plots
+    #[argh(option)]
+    bandwidth: Option<f64>,
 
-    /// write the figures, measured or read, to this file
+    /// write the figures to this file
     #[argh(option)]
     json: Option<String>,
-
-    /// draw the figures into this SVG file
-    #[argh(option)]
-    plot: Option<String>,
 
     /// write each picture into this folder
     #[argh(option)]
     pictures: Option<String>,
-
-    /// measure nothing, read the figures of these files instead, comma-separated
-    #[argh(option)]
-    from: Option<String>,
 
     /// given by cargo
     #[argh(switch)]
@@ -81,24 +70,10 @@ struct Args {
 
 fn main() {
     let args: Args = argh::from_env();
-    let report = match &args.from {
-        Some(files) => {
-            let report = read(files);
-            if let Some(path) = &args.json {
-                write_json(path, &report);
-            }
-            report
-        }
-        None => measure(&args),
-    };
-    println!("{}", report.markdown());
-    if let Some(path) = &args.plot {
-        let drawn = plot::draw(&report, path, args.bandwidth);
-        or_exit(drawn.map_err(|error| format!("cannot draw {path}: {error}")));
-    }
+    println!("{}", measure(&args).markdown());
 }
 
-fn measure(args: &Args) -> Report {
+fn measure(args: &Args) -> LightScaling {
     let sizes = or_exit(list(&args.sizes, parse_size));
     let mut lights = or_exit(list(&args.lights, |text| {
         let number = text.parse::<u32>().ok().filter(|number| *number > 0);
@@ -122,36 +97,34 @@ fn measure(args: &Args) -> Report {
         pictures: args.pictures.clone(),
     };
 
-    let mut report = Report::default();
+    let mut figures = LightScaling {
+        bandwidth: args.bandwidth,
+        ..LightScaling::default()
+    };
+    let mut steps = 1..;
+    let total = sizes.len() * contenders.len();
     for size in sizes {
         let mut references = References::default();
-        for contender in &contenders {
-            run::measure(*contender, size, &plan, &mut references, &mut report);
+        for (contender, step) in contenders.iter().zip(&mut steps) {
+            eprintln!(
+                "[{step}/{total}] {}×{}: {}",
+                size.x,
+                size.y,
+                contender.name()
+            );
+            run::measure(*contender, size, &plan, &mut references, &mut figures);
             // After each of them, so that an interrupted run leaves what it has.
             if let Some(path) = &args.json {
-                write_json(path, &report);
+                write_json(path, &figures);
             }
         }
     }
-    report
+    figures
 }
 
 /// What stands between commas.
 fn list<T>(text: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, String> {
     text.split(',').map(|part| parse(part.trim())).collect()
-}
-
-/// The figures of all these files together.
-fn read(files: &str) -> Report {
-    let reports = or_exit(list(files, |file| {
-        let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
-        serde_json::from_str::<Report>(&text).map_err(|error| format!("{file}: {error}"))
-    }));
-    let join = |mut all: Report, one: Report| {
-        all.points.extend(one.points);
-        all
-    };
-    reports.into_iter().reduce(join).unwrap_or_default()
 }
 
 fn or_exit<T>(result: Result<T, String>) -> T {

@@ -6,6 +6,7 @@ use bevy::{
     diagnostic::DiagnosticsStore, light::cluster::Clusters, platform::collections::HashMap,
     prelude::*, render::diagnostic::RenderDiagnosticsPlugin,
 };
+use figures::benches::light_scaling::{LightScaling, Point};
 use kit::{
     bench_spans::{self, add_bench_spans},
     gpu_time::{Samples, Time},
@@ -16,7 +17,6 @@ use kit::{
 
 use crate::{
     contender::Contender,
-    report::{Point, Report},
     scene::{self, Arrangement},
 };
 
@@ -50,13 +50,13 @@ struct Stage {
     camera: Entity,
 }
 
-/// Adds a point to `report` for each arrangement and number of lights.
+/// Adds a point to `figures` for each arrangement and number of lights.
 pub fn measure(
     contender: Contender,
     size: UVec2,
     plan: &Plan,
     references: &mut References,
-    report: &mut Report,
+    figures: &mut LightScaling,
 ) {
     let mut headless = Headless::with(size, |app| {
         app.add_plugins(RenderDiagnosticsPlugin);
@@ -68,12 +68,18 @@ pub fn measure(
     let first = plan.lights.first().copied().unwrap_or_default();
     scene::replace_lights(stage.headless.world(), Arrangement::Spread, first, plan);
     stage.headless.settle();
-    report.adapter = stage.headless.adapter();
+    figures.device = stage.headless.adapter_and_driver();
 
     for arrangement in Arrangement::ALL {
         let mut last: Option<(u32, f64)> = None;
         for &lights in &plan.lights {
-            let mut point = Point::new(contender, size, arrangement, lights);
+            let mut point = Point {
+                size: size.to_array(),
+                arrangement: arrangement.name().into(),
+                lights,
+                contender: contender.name().into(),
+                ..default()
+            };
             point.left_out = last.and_then(|last| reason_to_leave_out(last, lights, plan.limit));
             if point.left_out.is_none() {
                 let picture = stage.measure(&mut point, contender, arrangement, lights, plan);
@@ -91,7 +97,7 @@ pub fn measure(
                 }
             }
             eprintln!("{}", point.progress());
-            report.points.push(point);
+            figures.points.push(point);
         }
     }
 }

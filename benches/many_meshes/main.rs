@@ -6,15 +6,15 @@
 //! and of the render world alone, from the start of extraction to the end of its schedule. The GPU is waited for between
 //! frames, outside of both.
 
-mod report;
 mod run;
 mod scene;
 mod stages;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
+use figures::benches::{Figures, ManyMeshes};
 use kit::{figures::write_json, size::parse_size};
-use run::{Contender, Measurement};
+use run::Contender;
 use scene::Motion;
 
 /// CPU time of a frame with many meshes: Bevy forward, Bevy deferred, this crate.
@@ -62,15 +62,17 @@ fn main() {
             std::process::exit(1)
         })
     });
+    let numbers: Vec<usize> = numbers.collect();
     let contenders: Vec<Contender> = Contender::ALL
         .into_iter()
         .filter(|contender| {
             *contender == Contender::Forward || contender.name().contains(&args.contender)
         })
         .collect();
-    let mut measurements: Vec<Measurement> = Vec::new();
-    for meshes in numbers {
-        eprintln!("{meshes} meshes");
+    let mut measurements = ManyMeshes::default();
+    let total = numbers.len();
+    for (number, meshes) in numbers.into_iter().enumerate() {
+        eprintln!("[{}/{total}] {meshes} meshes", number + 1);
         let measured = run::measure(meshes, &contenders, args.size, args.frames, args.events);
         let mut reference = None;
         for (contender, (mut measurement, picture)) in contenders.iter().zip(measured) {
@@ -78,13 +80,13 @@ fn main() {
                 let file = format!("{meshes}_{}.png", contender.name().replace(' ', "_"));
                 picture.save(std::path::Path::new(folder).join(file));
             }
-            measurement.compare(reference.get_or_insert(picture.clone()), &picture);
-            eprintln!("{}", report::row(&measurement, None));
-            eprintln!("turning around: {:.2?}", measurement.turn_stages);
-            measurements.push(measurement);
+            let reference = reference.get_or_insert(picture.clone());
+            run::compare(&mut measurement, reference, &picture);
+            eprintln!("{}: {:.2?}", contender.name(), measurement.turn_stages);
+            measurements.0.push(measurement);
         }
     }
-    println!("{}", report::markdown(&measurements, args.size));
+    println!("{}", measurements.markdown());
     if let Some(path) = args.json {
         write_json(&path, &measurements);
     }

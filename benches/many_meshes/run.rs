@@ -12,7 +12,7 @@ use bevy::{
     render::{RenderApp, render_resource::PollType, renderer::RenderDevice},
 };
 use bevy_lean_deferred::LeanDeferred;
-use serde::Serialize;
+use figures::benches::many_meshes::{Measurement, Times};
 
 use crate::{Motion, scene, stages};
 use kit::{
@@ -41,39 +41,11 @@ impl Contender {
     }
 }
 
-/// Milliseconds of CPU time.
-#[derive(Serialize, Clone, Copy, Default)]
-pub struct Times {
-    pub render_world: f64,
-    pub frame: f64,
-}
-
-#[derive(Serialize)]
-pub struct Measurement {
-    pub adapter: String,
-    pub cores: usize,
-    pub meshes: usize,
-    pub contender: String,
-    /// Medians while nothing, a tenth and everything moves.
-    pub steady: Vec<Times>,
-    /// The dearest of the frames after the emissive mesh appeared, after it went and its target expired, and after the
-    /// camera turned around: medians over the events.
-    pub emissive: Times,
-    pub expiry: Times,
-    pub turn: Times,
-    /// Of the frame in which the camera has turned: milliseconds of each stage, by its name.
-    pub turn_stages: Vec<(&'static str, f64)>,
-    /// Against forward.
-    pub psnr: f64,
-    pub flip: f64,
-}
-
-impl Measurement {
-    pub fn compare(&mut self, reference: &Picture, picture: &Picture) {
-        let difference = metrics::difference(reference, picture);
-        self.psnr = difference.psnr;
-        self.flip = difference.flip;
-    }
+/// Adds what `picture` differs from forward's.
+pub fn compare(measurement: &mut Measurement, reference: &Picture, picture: &Picture) {
+    let difference = metrics::difference(reference, picture);
+    measurement.psnr = Some(difference.psnr);
+    measurement.flip = Some(difference.flip);
 }
 
 /// When extraction began.
@@ -258,7 +230,9 @@ pub fn measure(
         .zip(pictures)
         .map(|((((stage, contender), steady), seen), picture)| {
             let measurement = Measurement {
-                adapter: stage.headless.adapter(),
+                device: stage.headless.adapter_and_driver(),
+                size: Some(size.to_array()),
+                frames: Some(frames),
                 cores,
                 meshes,
                 contender: contender.name().into(),
@@ -267,8 +241,8 @@ pub fn measure(
                 expiry: median(&seen.expiry),
                 turn: median(&seen.turn),
                 turn_stages: stages::medians(&seen.stages),
-                psnr: f64::NAN,
-                flip: f64::NAN,
+                psnr: None,
+                flip: None,
             };
             (measurement, picture)
         })

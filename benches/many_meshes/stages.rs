@@ -58,12 +58,14 @@ pub fn times(render_app: &SubApp, began: Instant) -> StageTimes {
 }
 
 /// The median of each, with its name.
-pub fn medians(times: &[StageTimes]) -> Vec<(&'static str, f64)> {
+pub fn medians(times: &[StageTimes]) -> Vec<(String, f64)> {
     let of = |stage: usize| {
         let mut values: Vec<f64> = times.iter().map(|times| times[stage]).collect();
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
     };
     let names = STAGES.iter().enumerate();
-    names.map(|(stage, (name, _))| (*name, of(stage))).collect()
+    names
+        .map(|(stage, (name, _))| ((*name).into(), of(stage)))
+        .collect()
 }

@@ -23,18 +23,6 @@ pub enum Share {
     Tenth,
 }
 
-/// What an effect finds.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Kind {
-    DiffuseLight,
-    Reflections,
-    Scattering,
-}
-
-impl Kind {
-    pub const ALL: [Self; 3] = [Self::DiffuseLight, Self::Reflections, Self::Scattering];
-}
-
 impl Contender {
     pub fn all() -> Vec<Self> {
         use ScreenSpaceResolution::{Full, Half};
@@ -59,16 +47,6 @@ impl Contender {
 
     pub fn is_plain(self) -> bool {
         self == Self::Plain
-    }
-
-    /// The table that it stands in; `None`: in both.
-    pub fn kind(self) -> Option<Kind> {
-        match self {
-            Self::Plain => None,
-            Self::Occlusion | Self::Gi(..) => Some(Kind::DiffuseLight),
-            Self::Reflections(..) | Self::BevysReflections => Some(Kind::Reflections),
-            Self::Scattering(..) => Some(Kind::Scattering),
-        }
     }
 
     pub fn name(self) -> String {

@@ -5,12 +5,12 @@
 //! Times are of the boxes of `frame_times`; errors of scenes whose light is known in closed form. Both stand in one table.
 
 mod contender;
-mod report;
 mod run;
 
 use argh::FromArgs;
 use bevy::math::UVec2;
 use contender::Contender;
+use figures::benches::{Figures, ScreenSpace};
 use kit::{figures::write_json, size::parse_size};
 
 /// GPU time, bytes and error of effects that find light on the screen.
@@ -62,22 +62,26 @@ fn main() {
         std::process::exit(1);
     });
     let words: Vec<&str> = args.contender.split(';').collect();
-    let contenders = Contender::all()
+    let contenders: Vec<Contender> = Contender::all()
         .into_iter()
-        .filter(|c| c.is_plain() || words.iter().any(|word| c.name().contains(word)));
-    let mut measurements = Vec::new();
-    for contender in contenders {
+        .filter(|c| c.is_plain() || words.iter().any(|word| c.name().contains(word)))
+        .collect();
+    let total = contenders.len();
+    let mut measurements = ScreenSpace::default();
+    for (number, contender) in contenders.into_iter().enumerate() {
+        eprintln!("[{}/{total}] {}", number + 1, contender.name());
         let errors = if args.no_errors {
             Vec::new()
         } else {
             run::errors(contender)
         };
         for size in sizes.iter().copied() {
-            eprintln!("{}×{}: {}", size.x, size.y, contender.name());
-            measurements.push(run::measure(contender, size, &args, errors.clone()));
+            measurements
+                .0
+                .push(run::measure(contender, size, &args, errors.clone()));
         }
     }
-    println!("{}", report::markdown(&measurements, args.frames));
+    println!("{}", measurements.markdown());
     if let Some(path) = args.json {
         write_json(&path, &measurements);
     }

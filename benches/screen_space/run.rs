@@ -5,51 +5,26 @@ use bevy::{
     render::diagnostic::RenderDiagnosticsPlugin,
 };
 use bevy_lean_deferred::prelude::*;
+use figures::benches::screen_space::{KnownError, Measurement};
 use kit::{
     bench_spans::{CAMERA, add_camera_span},
-    gpu_time::{Samples, Time},
+    gpu_time::Samples,
     headless::Headless,
     known_light::{self, Errors},
     known_mirrors, known_slabs,
     scenes::boxes::{self, Boxes},
 };
-use serde::Serialize;
 
 use crate::{
     Args,
-    contender::{Contender, Kind, Share},
+    contender::{Contender, Share},
 };
 
-#[derive(Serialize)]
-pub struct Measurement {
-    pub adapter: String,
-    pub size: UVec2,
-    pub contender: String,
-    /// Of the passes that only the effect has, in order.
-    pub passes: Vec<Time>,
-    pub lighting: Option<Time>,
-    pub camera: Option<Time>,
-    pub bytes: f64,
-    #[serde(skip)]
-    pub kind: Option<Kind>,
-    pub errors: Vec<KnownError>,
-}
-
-/// Root of the mean square, and mean, of what a scene shows against what is known of it.
-#[derive(Serialize, Clone)]
-pub struct KnownError {
-    pub scene: &'static str,
-    pub rmse: f32,
-    pub bias: f32,
-}
-
-impl KnownError {
-    fn new(scene: &'static str, errors: Errors) -> Self {
-        Self {
-            scene,
-            rmse: errors.rmse,
-            bias: errors.bias,
-        }
+fn known_error(scene: &str, errors: Errors) -> KnownError {
+    KnownError {
+        scene: scene.into(),
+        rmse: errors.rmse,
+        bias: errors.bias,
     }
 }
 
@@ -70,7 +45,7 @@ pub fn errors(contender: Contender) -> Vec<KnownError> {
                 ("wall", known_light::wall(size, effect)),
                 ("sphere", known_light::sphere(size, effect)),
             ]
-            .map(|(scene, errors)| KnownError::new(scene, errors))
+            .map(|(scene, errors)| known_error(scene, errors))
             .into()
         }
         Contender::Reflections(..) | Contender::BevysReflections => {
@@ -79,11 +54,11 @@ pub fn errors(contender: Contender) -> Vec<KnownError> {
             let rough = [("0.1", 0.1), ("0.3", 0.3), ("0.5", 0.5)].map(|(scene, roughness)| {
                 let dress = |camera: &mut EntityWorldMut| contender.dress(camera);
                 let (_, errors) = known_mirrors::rough_floor(size, roughness, dress);
-                KnownError::new(scene, errors)
+                known_error(scene, errors)
             });
             [
-                KnownError::new("mirror", mirror.everywhere),
-                KnownError::new("inside", mirror.inside),
+                known_error("mirror", mirror.everywhere),
+                known_error("inside", mirror.inside),
             ]
             .into_iter()
             .chain(rough)
@@ -101,7 +76,7 @@ pub fn errors(contender: Contender) -> Vec<KnownError> {
             let errors = [white, skin[0], skin[1], skin[2]];
             let errors = scenes.into_iter().zip(errors);
             errors
-                .map(|(scene, errors)| KnownError::new(scene, errors))
+                .map(|(scene, errors)| known_error(scene, errors))
                 .collect()
         }
         _ => Vec::new(),
@@ -155,14 +130,14 @@ pub fn measure(
     }
     let spans = contender.spans().iter();
     Measurement {
-        adapter: headless.adapter(),
-        size,
+        device: headless.adapter_and_driver(),
+        frames: Some(args.frames),
+        size: size.to_array(),
         contender: contender.name(),
         passes: spans.filter_map(|name| samples.time(name)).collect(),
         lighting: samples.time("lean_deferred/lighting"),
         camera: samples.time(CAMERA),
         bytes: contender.bytes(),
-        kind: contender.kind(),
         errors,
     }
 }

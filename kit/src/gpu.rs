@@ -1,6 +1,7 @@
 //! A device beside any that Bevy may have, and textures on it.
 
 use bevy::{math::UVec2, tasks::block_on};
+use figures::time::Device;
 
 use crate::device::TestDevice;
 
@@ -19,6 +20,15 @@ pub fn request(wanted: wgpu::Features) -> (wgpu::AdapterInfo, wgpu::Device, wgpu
     }))
     .unwrap_or_else(|error| panic!("no device: {error}"));
     (adapter.get_info(), device, queue)
+}
+
+/// What figures say of an adapter.
+pub fn device_of(adapter: &wgpu::AdapterInfo) -> Device {
+    let driver = format!("{} {}", adapter.driver, adapter.driver_info);
+    Device {
+        adapter: adapter.name.clone(),
+        driver: driver.trim().into(),
+    }
 }
 
 /// A texture of one level.

@@ -6,36 +6,7 @@ use bevy::{
     prelude::*,
     render::{diagnostic::RecordDiagnostics, renderer::RenderContext},
 };
-use serde::{Deserialize, Serialize};
-
-/// Median and spread of a GPU time, in milliseconds.
-#[derive(Serialize, Deserialize, Clone, Copy, Default)]
-pub struct Time {
-    pub median: f64,
-    /// 10th and 90th percentile.
-    pub low: f64,
-    pub high: f64,
-}
-
-impl Time {
-    /// Of times in milliseconds, at least one.
-    pub fn of(mut values: Vec<f64>) -> Self {
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
-        Self {
-            median: at(0.5),
-            low: at(0.1),
-            high: at(0.9),
-        }
-    }
-
-    /// For a table.
-    pub fn text(time: Option<Self>) -> String {
-        time.map_or("–".into(), |t| {
-            format!("{:.3} ({:.3}–{:.3})", t.median, t.low, t.high)
-        })
-    }
-}
+pub use figures::time::Time;
 
 /// GPU times by span name.
 #[derive(Default)]

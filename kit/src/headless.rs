@@ -3,7 +3,10 @@
 use std::time::{Duration, Instant};
 
 use crate::{
-    device::render_plugin, gpu::read_texture, log_watch::LogWatch, shader_files::read_shader_files,
+    device::render_plugin,
+    gpu::{device_of, read_texture},
+    log_watch::LogWatch,
+    shader_files::read_shader_files,
 };
 use bevy::{
     app::{PluginGroupBuilder, PluginsState},
@@ -26,6 +29,7 @@ use bevy::{
     winit::WinitPlugin,
 };
 use bevy_lean_deferred::LeanDeferredPlugins;
+use figures::time::Device;
 
 /// Simulated time between two frames.
 pub const FRAME_TIME: Duration = Duration::from_micros(16_667);
@@ -162,6 +166,12 @@ impl Headless {
     pub fn adapter(&self) -> String {
         let render_world = self.app.sub_app(RenderApp).world();
         render_world.resource::<RenderAdapterInfo>().name.clone()
+    }
+
+    /// The adapter and its driver, for figures.
+    pub fn adapter_and_driver(&self) -> Device {
+        let render_world = self.app.sub_app(RenderApp).world();
+        device_of(render_world.resource::<RenderAdapterInfo>())
     }
 
     /// Whether pipelines are asked for that are not there yet.

@@ -1,0 +1,221 @@
+//! GPU time, bytes and error of ambient occlusion.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Figures, distinct};
+use crate::{
+    plots::{Plot, bars::Bars, points::Points},
+    record::{Record, size_key},
+    table::Table,
+    time::{Device, Time},
+};
+
+#[derive(Serialize, Deserialize, Clone)]
+pub struct Measurement {
+    #[serde(flatten)]
+    pub device: Device,
+    #[serde(default)]
+    pub frames: Option<usize>,
+    pub size: [u32; 2],
+    pub contender: String,
+    pub lean: bool,
+    /// Of the passes that only occlusion has, in order.
+    pub passes: Vec<Time>,
+    /// The lighting pass: it filters and applies occlusion on lean cameras.
+    pub lighting: Option<Time>,
+    /// Prepasses, which Bevy's occlusion needs.
+    pub prepass: Option<Time>,
+    pub camera: Option<Time>,
+    pub bytes: Bytes,
+    /// Share of pixels with occlusion.
+    pub occluded: f64,
+    /// Against the closed form of the wall: root mean square and bias.
+    pub wall: Option<(f64, f64)>,
+    /// Mean on the plane, where there is none.
+    pub plane: Option<f64>,
+}
+
+/// Bytes a pixel, without and with what is read of depth and normals.
+#[derive(Serialize, Deserialize, Clone, Copy)]
+pub struct Bytes {
+    /// Each texture once written and once read.
+    pub compulsory: f64,
+    pub compulsory_with_depth: f64,
+    /// Every texel of every fetch and gather.
+    pub fetched: f64,
+}
+
+#[derive(Serialize, Deserialize, Default)]
+#[serde(transparent)]
+pub struct AmbientOcclusion(pub Vec<Measurement>);
+
+const COLUMNS: [(&str, &str); 10] = [
+    ("contender", "{contender}"),
+    ("gather", "{passes.0 :time}"),
+    ("merge", "{passes.1 :time}"),
+    ("lighting", "{more_lighting :.3}"),
+    ("prepass", "{more_prepass :.3}"),
+    ("all", "{all :.3}"),
+    (
+        "bytes",
+        "{bytes.compulsory :.1} / {bytes.compulsory_with_depth :.1} / {bytes.fetched :.0}",
+    ),
+    ("MB", "{megabytes :.1}"),
+    ("wall", "{wall.0 :.3} ({wall.1 :+.3})"),
+    ("plane", "{plane :.4}"),
+];
+
+impl AmbientOcclusion {
+    pub fn join(&mut self, more: Self) {
+        self.0.extend(more.0);
+    }
+
+    /// What `of` takes more than in the same camera without occlusion.
+    fn more(&self, m: &Measurement, of: fn(&Measurement) -> Option<Time>) -> Option<f64> {
+        let is_without =
+            |o: &&Measurement| o.size == m.size && o.lean == m.lean && o.passes.is_empty();
+        let without = self.0.iter().find(is_without)?;
+        Some(of(m)?.median - of(without).map_or(0.0, |time| time.median))
+    }
+
+    fn own(m: &Measurement) -> f64 {
+        m.passes.iter().map(|time| time.median).sum()
+    }
+
+    fn all(&self, m: &Measurement) -> f64 {
+        let lighting = self.more(m, |m| m.lighting).unwrap_or(0.0);
+        Self::own(m) + lighting + self.more(m, |m| m.prepass).unwrap_or(0.0)
+    }
+
+    fn sizes(&self) -> Vec<[u32; 2]> {
+        let mut sizes = distinct(self.0.iter().map(|m| m.size));
+        sizes.sort_unstable();
+        sizes
+    }
+
+    /// Those with occlusion, of the largest size.
+    fn shown(&self) -> impl Iterator<Item = &Measurement> {
+        let largest = self.sizes().last().copied();
+        let is_shown = move |m: &&Measurement| Some(m.size) == largest && !m.passes.is_empty();
+        self.0.iter().filter(is_shown)
+    }
+
+    fn size_text(&self) -> String {
+        (self.sizes().last()).map_or(String::new(), |[x, y]| format!(", {x}×{y}"))
+    }
+
+    fn speed(&self) -> Plot {
+        let mut points = Points::new(
+            "GPU time with all that it needs (ms)",
+            "RMSE of occlusion before a tall wall",
+        );
+        for m in self.shown() {
+            if let Some((rmse, _)) = m.wall {
+                points.add(group(m), &short(m), self.all(m), rmse);
+            }
+        }
+        let title = format!(
+            "Speed against error of ambient occlusion{}",
+            self.size_text()
+        );
+        points.plot("speed", title)
+    }
+
+    fn stages(&self) -> Plot {
+        let mut bars = Bars::new("GPU time (ms)", &["gather", "merge", "lighting", "prepass"]);
+        for m in self.shown() {
+            let pass = |index: usize| m.passes.get(index).map_or(0.0, |time| time.median);
+            let [lighting, prepass] = [
+                self.more(m, |m| m.lighting).unwrap_or(0.0),
+                self.more(m, |m| m.prepass).unwrap_or(0.0),
+            ];
+            let parts = vec![pass(0), pass(1), lighting.max(0.0), prepass.max(0.0)];
+            bars.add(m.contender.clone(), parts);
+        }
+        let title = format!("Stages of ambient occlusion{}", self.size_text());
+        bars.plot("stages", title)
+    }
+
+    fn bytes(&self) -> Plot {
+        let stages = ["of its own textures", "depth and normals"];
+        let mut bars = Bars::new(
+            "bytes a pixel, each texture once written and once read",
+            &stages,
+        );
+        for m in self.shown() {
+            let Bytes {
+                compulsory,
+                compulsory_with_depth,
+                ..
+            } = m.bytes;
+            bars.add(
+                m.contender.clone(),
+                vec![compulsory, compulsory_with_depth - compulsory],
+            );
+        }
+        bars.plot("bytes", "Bytes a pixel of ambient occlusion".into())
+    }
+}
+
+fn group(m: &Measurement) -> &'static str {
+    if m.contender.starts_with("Bevy") {
+        "Bevy"
+    } else if m.contender == "naive" {
+        "naive"
+    } else if m.lean {
+        "lean, indirect"
+    } else {
+        "lean, blend on forward"
+    }
+}
+
+/// What its group does not say.
+fn short(m: &Measurement) -> String {
+    let name = m.contender.replace(", indirect", "").replace(", blend", "");
+    name.trim_start_matches("Bevy ").into()
+}
+
+impl Figures for AmbientOcclusion {
+    fn device(&self) -> Device {
+        (self.0.first()).map_or(Device::default(), |m| m.device.clone())
+    }
+
+    fn records(&self) -> Vec<Record> {
+        let record = |m: &Measurement| {
+            let pixels = f64::from(m.size[0]) * f64::from(m.size[1]);
+            Record::new([size_key(m.size), m.contender.clone()], m)
+                .with("own", Self::own(m))
+                .with("merge", serde_json::json!(m.passes.get(1)))
+                .with("applied", self.more(m, |m| m.lighting).unwrap_or(0.0))
+                .with("more_lighting", self.more(m, |m| m.lighting))
+                .with("more_prepass", self.more(m, |m| m.prepass))
+                .with("all", self.all(m))
+                .with("megabytes", m.bytes.compulsory * pixels / 1e6)
+        };
+        self.0.iter().map(record).collect()
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        let records = self.records();
+        let table = |[x, y]: [u32; 2]| {
+            let records = records.iter().filter(|r| r.has(&size_key([x, y]))).cloned();
+            Table::of_each(&records.collect::<Vec<_>>(), &COLUMNS).titled(format!("**{x}×{y}**"))
+        };
+        self.sizes().into_iter().map(table).collect()
+    }
+
+    fn legend(&self) -> String {
+        let frames = self.0.first().and_then(|m| m.frames);
+        format!(
+            "Median{} (10th–90th percentile) in ms. Lighting: what the lighting pass takes more than without occlusion. \
+             Prepass: what Bevy's needs, more than without. Bytes a pixel: each texture once written and once read without \
+             depth and normals / with them / each fetch counted; MB a frame of the first. Wall: RMSE (bias) against the \
+             closed form, radius 0.5 m; plane: mean where there is no occlusion",
+            frames.map_or(String::new(), |n| format!(" of {n} frames"))
+        )
+    }
+
+    fn plots(&self) -> Vec<Plot> {
+        vec![self.speed(), self.stages(), self.bytes()]
+    }
+}

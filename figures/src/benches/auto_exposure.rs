@@ -1,0 +1,258 @@
+//! GPU time, bandwidth and error of auto exposure.
+
+use serde::{Deserialize, Serialize};
+
+use super::Figures;
+use crate::{
+    plots::{Plot, bars::Bars, points::Points},
+    record::{Record, size_key},
+    table::Table,
+    time::{Device, Time},
+};
+
+#[derive(Serialize, Deserialize, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Group {
+    Copy,
+    /// What nothing can be faster than.
+    Bound,
+    Lean,
+    Pyramid,
+    /// From spans around the passes in an app.
+    InApp,
+}
+
+#[derive(Serialize, Deserialize, Clone)]
+pub struct Measurement {
+    pub group: Group,
+    pub contender: String,
+    /// Each dispatch in a pass of its own, in milliseconds; none in an app.
+    pub passes: Vec<Time>,
+    /// All in one pass.
+    pub whole: Option<Time>,
+    /// That the first pass moves: of the pixels that it reads; for copies also of those that it writes.
+    pub bytes: f64,
+    pub luminance: Option<f64>,
+    /// Of the metered luminance, relative to the mean in double precision over the whole picture.
+    pub error: Option<f64>,
+}
+
+impl Measurement {
+    /// That the first pass reaches.
+    fn gigabytes_per_second(&self) -> Option<f64> {
+        let first = self.passes.first().or(self.whole.as_ref())?.median;
+        (self.bytes > 0.0 && first > 0.0).then(|| self.bytes / (first * 1e-3) * 1e-9)
+    }
+}
+
+/// All of a size.
+#[derive(Serialize, Deserialize)]
+pub struct Size {
+    #[serde(flatten)]
+    pub device: Device,
+    #[serde(default)]
+    pub frames: Option<usize>,
+    pub size: [u32; 2],
+    /// Textures that hold the picture.
+    pub pictures: usize,
+    pub measurements: Vec<Measurement>,
+}
+
+#[derive(Serialize, Deserialize, Default)]
+#[serde(transparent)]
+pub struct AutoExposure(pub Vec<Size>);
+
+const COLUMNS: [(&str, &str); 8] = [
+    ("contender", "{contender}"),
+    ("pass 1", "{passes.0 :us}"),
+    ("pass 2", "{passes.1 :us}"),
+    ("pass 3", "{passes.2 :us}"),
+    ("all", "{whole :us}"),
+    ("GB/s", "{gigabytes_per_second :.1}"),
+    ("% of copy", "{percent_of_copy :.1}"),
+    ("relative error", "{error :+.1e}{stops}"),
+];
+
+impl Size {
+    /// Of the faster copy.
+    fn copy(&self) -> f64 {
+        (self.measurements.iter())
+            .filter(|m| m.group == Group::Copy)
+            .filter_map(Measurement::gigabytes_per_second)
+            .fold(0.0, f64::max)
+    }
+
+    fn records(&self) -> impl Iterator<Item = Record> {
+        let copy = self.copy();
+        self.measurements.iter().map(move |m| {
+            let rate = m.gigabytes_per_second();
+            let percent = rate.map(|rate| 100.0 * rate / copy);
+            Record::new([size_key(self.size), m.contender.clone()], m)
+                .with("pictures", self.pictures)
+                .with("meter", serde_json::json!(m.passes.first()))
+                .with("adapt", adapt(m))
+                .with("gigabytes_per_second", rate)
+                .with(
+                    "percent_of_copy",
+                    percent.filter(|percent| percent.is_finite()),
+                )
+                .with("stops", m.error.map(stops))
+        })
+    }
+
+    pub fn table(&self) -> Table {
+        let [x, y] = self.size;
+        let records: Vec<Record> = self.records().collect();
+        Table::of_each(&records, &COLUMNS).titled(format!(
+            "**{x}×{y}**, the picture in {} textures",
+            self.pictures
+        ))
+    }
+}
+
+/// What the passes after the first take, in µs.
+fn adapt(m: &Measurement) -> Option<String> {
+    let later = m.passes.iter().skip(1);
+    let later: Vec<String> = later
+        .map(|time| format!("{:.1}", time.median * 1e3))
+        .collect();
+    (!later.is_empty()).then(|| later.join(" + "))
+}
+
+/// Large errors also in stops.
+fn stops(relative: f64) -> String {
+    if relative.abs() < 1e-3 {
+        String::new()
+    } else {
+        format!(" ({:+.3} stops)", (1.0 + relative).log2())
+    }
+}
+
+impl AutoExposure {
+    pub fn join(&mut self, more: Self) {
+        for size in more.0 {
+            match self.0.iter_mut().find(|own| own.size == size.size) {
+                Some(own) => own.measurements.extend(size.measurements),
+                None => self.0.push(size),
+            }
+        }
+    }
+
+    /// 4K, or else the last.
+    fn shown(&self) -> Option<&Size> {
+        let large = self.0.iter().find(|size| size.size == [3840, 2160]);
+        large.or(self.0.last())
+    }
+
+    fn title(&self, text: &str) -> String {
+        let size = self.shown().map(|size| size.size);
+        size.map_or(text.into(), |[x, y]| format!("{text}, {x}×{y}"))
+    }
+
+    fn metering(&self) -> impl Iterator<Item = &Measurement> {
+        let measurements = self.shown().map_or(&[][..], |size| &size.measurements);
+        let meters = |m: &&Measurement| !matches!(m.group, Group::Copy | Group::Bound);
+        measurements.iter().filter(meters)
+    }
+
+    fn speed(&self) -> Plot {
+        let mut points = Points::new(
+            "GPU time of all passes (µs)",
+            "relative error of the metered luminance",
+        );
+        for m in self.metering() {
+            // The other path of the same settings has the same error, and about the same time.
+            let is_other = |o: &Measurement| {
+                m.contender.strip_suffix(", shared memory")
+                    == o.contender.strip_suffix(", subgroups")
+                    && m.contender.ends_with(", shared memory")
+            };
+            if self.metering().any(is_other) {
+                continue;
+            }
+            if let (Some(whole), Some(error)) = (m.whole, m.error) {
+                let (group, name) = label(m);
+                // Below this the reference is no more exact itself.
+                points.add(group, &name, whole.median * 1e3, error.abs().max(1e-9));
+            }
+        }
+        points.plot("speed", self.title("Speed against error of auto exposure"))
+    }
+
+    fn stages(&self) -> Plot {
+        let mut bars = Bars::new(
+            "GPU time (µs)",
+            &["pass 1", "pass 2", "pass 3", "span in an app"],
+        );
+        for m in self.metering() {
+            let mut parts: Vec<f64> = m.passes.iter().map(|time| time.median * 1e3).collect();
+            parts.resize(3, 0.0);
+            let in_app = m.group == Group::InApp;
+            let span = m
+                .whole
+                .filter(|_| in_app)
+                .map_or(0.0, |time| time.median * 1e3);
+            parts.push(span);
+            bars.add(m.contender.clone(), parts);
+        }
+        bars.plot("stages", self.title("Passes of auto exposure, each alone"))
+    }
+
+    fn bytes(&self) -> Plot {
+        let size = self.shown().map_or([1, 1], |size| size.size);
+        let pixels = f64::from(size[0]) * f64::from(size[1]);
+        let mut bars = Bars::new("bytes a pixel of the picture", &["read by the first pass"]);
+        for m in self.metering() {
+            bars.add(m.contender.clone(), vec![m.bytes / pixels]);
+        }
+        bars.plot("bytes", "Bytes a pixel that auto exposure reads".into())
+    }
+}
+
+/// Group and name of a point.
+fn label(m: &Measurement) -> (&'static str, String) {
+    let name = m.contender.trim_start_matches("in an app: ");
+    let bevys = name.strip_prefix("Bevy, ");
+    let group = match (m.group, bevys) {
+        (Group::InApp, Some(_)) => "Bevy, in an app",
+        (Group::InApp, None) => "lean, in an app",
+        (Group::Pyramid, _) => "pyramid of three passes",
+        _ => "lean",
+    };
+    let name = bevys.unwrap_or(name);
+    let name = name
+        .replace("LogAverage", "log")
+        .replace("LinearAverage", "linear")
+        .replace(", All", "")
+        .replace("pyramid, ", "")
+        .replace(", subgroups", "");
+    (group, name)
+}
+
+impl Figures for AutoExposure {
+    fn device(&self) -> Device {
+        (self.0.first()).map_or(Device::default(), |size| size.device.clone())
+    }
+
+    fn records(&self) -> Vec<Record> {
+        self.0.iter().flat_map(Size::records).collect()
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        self.0.iter().map(Size::table).collect()
+    }
+
+    fn legend(&self) -> String {
+        let frames = self.0.first().and_then(|size| size.frames);
+        format!(
+            "Median{} (10th–90th percentile) in µs; all: the dispatches in one pass. GB/s: bytes of the pixels that the first \
+             pass reads (copies: also of those written) over its time; %: of the faster copy. Error: of the metered \
+             luminance, relative to the mean in double precision over the whole picture. In an app, times are from the span \
+             around both dispatches, and so are GB/s",
+            frames.map_or(String::new(), |n| format!(" of {n} frames"))
+        )
+    }
+
+    fn plots(&self) -> Vec<Plot> {
+        vec![self.speed(), self.stages(), self.bytes()]
+    }
+}

@@ -1,0 +1,186 @@
+//! CPU time of a frame with many meshes.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Figures, distinct};
+use crate::{
+    plots::{Plot, bars::Bars, lines::Lines},
+    record::Record,
+    table::Table,
+    time::Device,
+};
+
+/// Milliseconds of CPU time.
+#[derive(Serialize, Deserialize, Clone, Copy, Default)]
+pub struct Times {
+    pub render_world: f64,
+    pub frame: f64,
+}
+
+#[derive(Serialize, Deserialize, Clone)]
+pub struct Measurement {
+    #[serde(flatten)]
+    pub device: Device,
+    #[serde(default)]
+    pub size: Option<[u32; 2]>,
+    #[serde(default)]
+    pub frames: Option<usize>,
+    pub cores: usize,
+    pub meshes: usize,
+    pub contender: String,
+    /// Medians while nothing, a tenth and everything moves.
+    pub steady: Vec<Times>,
+    /// The dearest of the frames after the emissive mesh appeared, after it went and its target expired, and after the
+    /// camera turned around: medians over the events.
+    pub emissive: Times,
+    pub expiry: Times,
+    pub turn: Times,
+    /// Of the frame in which the camera has turned: milliseconds of each stage, by its name.
+    pub turn_stages: Vec<(String, f64)>,
+    /// Against forward; none for equal pictures.
+    pub psnr: Option<f64>,
+    pub flip: Option<f64>,
+}
+
+impl Measurement {
+    /// With their names in records.
+    fn times(&self) -> Vec<(String, Times)> {
+        let steady = self.steady.iter().enumerate();
+        let steady = steady.map(|(index, times)| (format!("steady_{index}"), *times));
+        let events = [
+            ("emissive", self.emissive),
+            ("expiry", self.expiry),
+            ("turn", self.turn),
+        ];
+        steady
+            .chain(events.map(|(name, times)| (name.into(), times)))
+            .collect()
+    }
+}
+
+#[derive(Serialize, Deserialize, Default)]
+#[serde(transparent)]
+pub struct ManyMeshes(pub Vec<Measurement>);
+
+/// Ratios are to it.
+const PEER: &str = "Bevy deferred";
+
+const MOTIONS: [(&str, &str); 6] = [
+    ("static", "steady_0"),
+    ("a tenth moves", "steady_1"),
+    ("all move", "steady_2"),
+    ("emissive mesh appears", "emissive"),
+    ("its target goes", "expiry"),
+    ("camera turns around", "turn"),
+];
+
+impl ManyMeshes {
+    pub fn join(&mut self, more: Self) {
+        self.0.extend(more.0);
+    }
+
+    /// `what`: `render_world` or `frame`.
+    fn table(&self, what: &str) -> Table {
+        let cells = MOTIONS.map(|(title, name)| {
+            (
+                title,
+                format!("{{{name}.{what} :.2}} (× {{{name}.{what}_ratio :.2}})"),
+            )
+        });
+        let mut columns = vec![("meshes", "{meshes :,}"), ("renderer", "{contender}")];
+        columns.extend(cells.iter().map(|(title, cell)| (*title, cell.as_str())));
+        columns.extend([("PSNR dB", "{psnr :.1}"), ("FLIP", "{flip :.4}")]);
+        Table::of_each(&self.records(), &columns)
+    }
+
+    fn over_meshes(&self) -> Plot {
+        let mut lines = Lines::new("meshes", "CPU time of the render world (ms)");
+        for contender in distinct(self.0.iter().map(|m| m.contender.as_str())) {
+            let of = |time: fn(&Measurement) -> f64| -> Vec<(f64, f64)> {
+                let own = self.0.iter().filter(|m| m.contender == contender);
+                own.map(|m| (m.meshes as f64, time(m))).collect()
+            };
+            let still = of(|m| m.steady.first().map_or(f64::NAN, |t| t.render_world));
+            lines.add(format!("{contender}, static"), still, false);
+            let moving = of(|m| m.steady.last().map_or(f64::NAN, |t| t.render_world));
+            lines.add(format!("{contender}, all move"), moving, true);
+        }
+        lines.plot("meshes", "Cost over the number of meshes".into())
+    }
+
+    fn stages(&self) -> Option<Plot> {
+        let most = self.0.iter().map(|m| m.meshes).max()?;
+        let shown = || self.0.iter().filter(|m| m.meshes == most);
+        let names: Vec<&str> = (shown().next()?.turn_stages.iter())
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let mut bars = Bars::new("CPU time (ms)", &names);
+        for m in shown() {
+            let parts = m.turn_stages.iter().map(|(_, time)| *time);
+            bars.add(m.contender.clone(), parts.collect());
+        }
+        let title = format!("Stages of the render world in the frame of a turn, {most} meshes");
+        Some(bars.plot("stages", title))
+    }
+}
+
+impl Figures for ManyMeshes {
+    fn device(&self) -> Device {
+        (self.0.first()).map_or(Device::default(), |m| m.device.clone())
+    }
+
+    fn records(&self) -> Vec<Record> {
+        let record = |m: &Measurement| {
+            let is_peer = |o: &&Measurement| o.meshes == m.meshes && o.contender == PEER;
+            let peers = self.0.iter().find(is_peer).map(Measurement::times);
+            let mut record = Record::new([m.meshes.to_string(), m.contender.clone()], m);
+            for (index, (name, times)) in m.times().into_iter().enumerate() {
+                let peer = peers.as_ref().and_then(|peers| Some(peers.get(index)?.1));
+                let ratio = |of: fn(&Times) -> f64| peer.map(|peer| of(&times) / of(&peer));
+                let value = serde_json::json!({
+                    "render_world": times.render_world,
+                    "frame": times.frame,
+                    "render_world_ratio": ratio(|times| times.render_world),
+                    "frame_ratio": ratio(|times| times.frame),
+                });
+                record = record.with(&name, value);
+            }
+            if m.contender == "Bevy forward" {
+                // The reference.
+                record = record.with("psnr", None::<f64>).with("flip", None::<f64>);
+            }
+            let stages = m.turn_stages.iter().cloned();
+            let stages = stages
+                .map(|(name, time)| (name, time.into()))
+                .collect::<serde_json::Map<_, _>>();
+            record.with("turn_stages", stages)
+        };
+        self.0.iter().map(record).collect()
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        vec![
+            self.table("render_world").titled("**Render world**"),
+            self.table("frame").titled("**Whole frame**"),
+        ]
+    }
+
+    fn legend(&self) -> String {
+        let first = self.0.first();
+        let cores = first.map_or(0, |m| m.cores);
+        let size = first
+            .and_then(|m| m.size)
+            .map(|[x, y]| format!(", {x}×{y}"));
+        format!(
+            "{cores} cores{}. CPU time in ms; × is to Bevy deferred. Events: the dearest of the frames in which something \
+             follows from them, medians. Errors against forward",
+            size.unwrap_or_default()
+        )
+    }
+
+    fn plots(&self) -> Vec<Plot> {
+        let mut plots = vec![self.over_meshes()];
+        plots.extend(self.stages());
+        plots
+    }
+}

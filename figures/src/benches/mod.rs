@@ -1,0 +1,110 @@
+//! What each bench writes, and what is shown of it.
+
+pub mod ambient_occlusion;
+pub mod auto_exposure;
+pub mod frame_times;
+pub mod light_scaling;
+pub mod many_meshes;
+pub mod screen_space;
+
+use std::path::Path;
+
+use crate::{json::read_json, plots::Plot, record::Record, table::Table, time::Device};
+
+pub use ambient_occlusion::AmbientOcclusion;
+pub use auto_exposure::AutoExposure;
+pub use frame_times::FrameTimes;
+pub use light_scaling::LightScaling;
+pub use many_meshes::ManyMeshes;
+pub use screen_space::ScreenSpace;
+
+/// The figures of one bench.
+pub trait Figures {
+    fn device(&self) -> Device;
+    /// Each measurement by its keys.
+    fn records(&self) -> Vec<Record>;
+    /// What the bench prints.
+    fn tables(&self) -> Vec<Table>;
+    fn plots(&self) -> Vec<Plot>;
+    /// What the tables' columns are.
+    fn legend(&self) -> String;
+
+    /// What the bench prints.
+    fn markdown(&self) -> String {
+        let tables: Vec<String> = self.tables().iter().map(Table::markdown).collect();
+        format!(
+            "{}. {}\n\n{}",
+            self.device(),
+            self.legend(),
+            tables.join("\n")
+        )
+    }
+}
+
+macro_rules! benches {
+    ($($name:literal $kind:ident,)*) => {
+        /// The figures of any bench.
+        pub enum Bench {
+            $($kind($kind),)*
+        }
+
+        impl Bench {
+            /// Of the benches, in the order in which they are shown.
+            pub const NAMES: &[&str] = &[$($name),*];
+
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$kind(_) => $name,)*
+                }
+            }
+
+            /// What the bench of that name wrote.
+            pub fn read(name: &str, path: &Path) -> Result<Self, String> {
+                match name {
+                    $($name => Ok(Self::$kind(read_json(path)?)),)*
+                    _ => Err(format!("there is no bench {name}")),
+                }
+            }
+
+            pub fn figures(&self) -> &dyn Figures {
+                match self {
+                    $(Self::$kind(figures) => figures,)*
+                }
+            }
+
+            /// Adds what another run of the same bench measured.
+            pub fn join(&mut self, other: Self) {
+                match (self, other) {
+                    $((Self::$kind(all), Self::$kind(more)) => all.join(more),)*
+                    _ => unreachable!("files of one name are of one bench"),
+                }
+            }
+        }
+    };
+}
+
+benches! {
+    "frame_times" FrameTimes,
+    "ambient_occlusion" AmbientOcclusion,
+    "screen_space" ScreenSpace,
+    "auto_exposure" AutoExposure,
+    "light_scaling" LightScaling,
+    "many_meshes" ManyMeshes,
+}
+
+impl Bench {
+    pub fn records(&self) -> Vec<Record> {
+        self.figures().records()
+    }
+}
+
+/// Different values, in the order in which they come.
+fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut all = Vec::new();
+    for value in values {
+        if !all.contains(&value) {
+            all.push(value);
+        }
+    }
+    all
+}

@@ -1,0 +1,178 @@
+//! Tables, plots and pages of figures. `figures --help` says what there is.
+
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use argh::FromArgs;
+use bevy_lean_deferred_figures::{
+    docs::Docs,
+    page,
+    report::{Mode, Report, root},
+    store::benches_in,
+};
+
+/// What the benches have measured, as tables, plots, pages and in the docs.
+#[derive(FromArgs)]
+struct Args {
+    #[argh(subcommand)]
+    command: Command,
+}
+
+#[derive(FromArgs)]
+#[argh(subcommand)]
+enum Command {
+    Run(RunArgs),
+    Page(PageArgs),
+    Tables(TablesArgs),
+    Docs(DocsArgs),
+}
+
+/// Runs all benches, and makes a page of their figures.
+#[derive(FromArgs)]
+#[argh(subcommand, name = "run")]
+struct RunArgs {
+    /// small scenes and few frames, for software renderers (the default)
+    #[argh(switch)]
+    quick: bool,
+
+    /// what the figures in the docs are made of; wants a GPU
+    #[argh(switch)]
+    full: bool,
+
+    /// a glTF file of which frames are measured too
+    #[argh(option)]
+    gltf: Option<String>,
+
+    /// only benches with one of these words in their names, comma-separated
+    #[argh(option, default = "String::new()")]
+    only: String,
+
+    /// the folder of what is made, default report
+    #[argh(option, default = "String::from(\"report\")")]
+    out: String,
+}
+
+/// Makes a page of figures.
+#[derive(FromArgs)]
+#[argh(subcommand, name = "page")]
+struct PageArgs {
+    /// the folder with what benches wrote
+    #[argh(option)]
+    from: PathBuf,
+
+    /// the page, default report/index.html
+    #[argh(option, default = "PathBuf::from(\"report/index.html\")")]
+    out: PathBuf,
+
+    /// a folder with a folder of pictures for each bench
+    #[argh(option)]
+    pictures: Option<PathBuf>,
+}
+
+/// Prints the tables of figures, as the benches print them.
+#[derive(FromArgs)]
+#[argh(subcommand, name = "tables")]
+struct TablesArgs {
+    /// the folder with what benches wrote
+    #[argh(option)]
+    from: PathBuf,
+}
+
+/// Brings README and docs up to date from docs/figures.
+#[derive(FromArgs)]
+#[argh(subcommand, name = "docs")]
+struct DocsArgs {
+    /// change nothing, and say what differs
+    #[argh(switch)]
+    check: bool,
+}
+
+fn main() -> ExitCode {
+    let args: Args = argh::from_env();
+    let done = match args.command {
+        Command::Run(args) => run(args),
+        Command::Page(args) => make_page(&args),
+        Command::Tables(args) => tables(&args.from),
+        Command::Docs(args) => docs(args.check),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(args: RunArgs) -> Result<(), String> {
+    if args.quick && args.full {
+        return Err("--quick or --full, not both".into());
+    }
+    let absolute =
+        |path: &str| std::path::absolute(path).map_err(|error| format!("{path}: {error}"));
+    let gltf = args.gltf.as_deref().map(absolute).transpose()?;
+    let words = args.only.split(',').filter(|word| !word.is_empty());
+    let report = Report {
+        mode: if args.full { Mode::Full } else { Mode::Quick },
+        gltf: gltf.map(|path| path.to_string_lossy().into_owned()),
+        only: words.map(Into::into).collect(),
+        folder: absolute(&args.out)?,
+    };
+    let (path, failed) = report.make()?;
+    println!("{}", path.display());
+    if failed.is_empty() {
+        return Ok(());
+    }
+    let logs = report.folder.join("logs");
+    Err(format!(
+        "failed: {} (see {})",
+        failed.join(", "),
+        logs.display()
+    ))
+}
+
+fn make_page(args: &PageArgs) -> Result<(), String> {
+    let html = page::page(&args.from, args.pictures.as_deref())?;
+    let says = |error: std::io::Error| format!("{}: {error}", args.out.display());
+    if let Some(folder) = args.out.parent() {
+        std::fs::create_dir_all(folder).map_err(says)?;
+    }
+    std::fs::write(&args.out, html).map_err(says)?;
+    println!("{}", args.out.display());
+    Ok(())
+}
+
+fn tables(folder: &Path) -> Result<(), String> {
+    for bench in benches_in(folder)? {
+        println!("## {}\n\n{}", bench.name(), bench.figures().markdown());
+    }
+    Ok(())
+}
+
+fn docs(check: bool) -> Result<(), String> {
+    let docs = Docs::new(&root())?;
+    let differences = docs.differences();
+    if !check {
+        docs.write()?;
+    }
+    for waiting in &docs.waiting {
+        let start: String = waiting.replace('\n', " ").chars().take(100).collect();
+        println!("waits for its figures: {start}");
+    }
+    let mut wrong = docs.wrong;
+    if check {
+        wrong.extend(differences);
+    } else {
+        println!("{} lines and plots changed", differences.len());
+    }
+    match wrong.is_empty() {
+        true => Ok(()),
+        false => Err(format!(
+            "{}\n\n{} things are wrong",
+            wrong.join("\n"),
+            wrong.len()
+        )),
+    }
+}

@@ -1,0 +1,16 @@
+//! Plots as SVG.
+
+pub mod bars;
+pub mod light_scaling;
+pub mod lines;
+pub mod points;
+pub mod style;
+
+/// A plot, drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plot {
+    /// Among the plots of its bench.
+    pub name: String,
+    pub title: String,
+    pub svg: String,
+}

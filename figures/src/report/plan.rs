@@ -1,0 +1,173 @@
+//! What is run, and how long it is expected to take.
+
+/// How much is measured.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Mode {
+    /// Small scenes and few frames, for a software renderer.
+    Quick,
+    /// What the figures in the docs are made of. Wants a GPU.
+    Full,
+}
+
+impl Mode {
+    /// Cargo's arguments. Quick takes what the tests have built.
+    pub fn profile(self) -> &'static [&'static str] {
+        match self {
+            Self::Quick => &["--profile", "dev"],
+            Self::Full => &[],
+        }
+    }
+
+    pub fn note(self) -> &'static str {
+        match self {
+            Self::Quick => "quick: small scenes, few frames",
+            Self::Full => "full",
+        }
+    }
+}
+
+/// A bench with its arguments.
+pub struct Step {
+    pub bench: &'static str,
+    pub args: Vec<String>,
+    pub has_pictures: bool,
+    /// In seconds, on two cores without a GPU (quick) or on a large GPU (full). Only the ratios matter once some of it is
+    /// done.
+    pub expected: f64,
+}
+
+/// All benches. With a glTF file, frames of it are measured too.
+pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
+    let step = |bench, args: &[&str], expected| Step {
+        bench,
+        args: args.iter().map(|arg| (*arg).into()).collect(),
+        has_pictures: bench != "auto_exposure",
+        expected,
+    };
+    let mut steps = match mode {
+        Mode::Quick => vec![
+            step(
+                "frame_times",
+                &[
+                    "--scene",
+                    "small_",
+                    "--size",
+                    "480x270",
+                    "--frames",
+                    "6",
+                    "--warm-up",
+                    "3",
+                    "--contender",
+                    "Bevy forward,Bevy deferred,lean,lean 3-tap normal",
+                ],
+                60.0,
+            ),
+            step(
+                "ambient_occlusion",
+                &[
+                    "--small",
+                    "--size",
+                    "320x180",
+                    "--frames",
+                    "6",
+                    "--warm-up",
+                    "3",
+                    "--contender",
+                    "=Medium, indirect;=Medium, indirect, half;Low;High;Ultra;HDAO;=Medium, blend;naive;=Bevy Medium",
+                ],
+                200.0,
+            ),
+            step(
+                "screen_space",
+                &[
+                    "--small",
+                    "--size",
+                    "320x180",
+                    "--frames",
+                    "6",
+                    "--warm-up",
+                    "3",
+                    "--contender",
+                    "ambient;Half;Bevy;scattering, Low, All;scattering, High, All",
+                ],
+                240.0,
+            ),
+            step(
+                "auto_exposure",
+                &[
+                    "--size",
+                    "1280x720",
+                    "--frames",
+                    "12",
+                    "--warm-up",
+                    "3",
+                    "--ring-mb",
+                    "16",
+                ],
+                60.0,
+            ),
+            step(
+                "light_scaling",
+                &[
+                    "--small",
+                    "--sizes",
+                    "320x180",
+                    "--lights",
+                    "16,64,256,1024",
+                    "--frames",
+                    "4",
+                    "--warm-up",
+                    "4",
+                    "--limit-ms",
+                    "1000",
+                ],
+                60.0,
+            ),
+            step(
+                "many_meshes",
+                &[
+                    "--meshes",
+                    "1000,10000",
+                    "--size",
+                    "320x180",
+                    "--frames",
+                    "12",
+                    "--events",
+                    "1",
+                ],
+                90.0,
+            ),
+        ],
+        Mode::Full => vec![
+            step(
+                "frame_times",
+                &["--scene", "boxes_1,boxes_64,boxes_512,boxes_4096,targets_"],
+                400.0,
+            ),
+            step("ambient_occlusion", &[], 300.0),
+            step("screen_space", &[], 240.0),
+            step("auto_exposure", &[], 60.0),
+            step(
+                "light_scaling",
+                &[
+                    "--contender",
+                    "Bevy forward,Bevy deferred,lean,lean per pixel,lean culling by subgroups,lean culling in shared memory",
+                ],
+                300.0,
+            ),
+            step("many_meshes", &[], 120.0),
+        ],
+    };
+    if let Some(file) = gltf {
+        let frames = &mut steps[0];
+        let stem = std::path::Path::new(file).file_stem().unwrap_or_default();
+        let mut scenes = frames.args[1].clone();
+        scenes.push_str(&format!(",{},crowd", stem.to_string_lossy()));
+        frames.args[1] = scenes;
+        frames.args.extend(["--gltf".into(), file.into()]);
+        if mode == Mode::Full {
+            frames.args.extend(["--crowd".into(), file.into()]);
+        }
+    }
+    steps
+}

@@ -1,0 +1,104 @@
+//! A bar, and the time left.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use regex::Regex;
+
+use super::plan::Step;
+
+/// How far the benches are. One says `[3/20]` when it begins the third of twenty things.
+pub struct Progress {
+    bar: ProgressBar,
+    counted: Regex,
+    /// Of all steps.
+    expected: f64,
+    /// Of those that are done.
+    done: f64,
+    /// What those took.
+    took: f64,
+    began: Instant,
+}
+
+/// Steps of the bar.
+const LENGTH: u64 = 1000;
+
+impl Progress {
+    pub fn new(steps: &[Step]) -> Self {
+        let bar = ProgressBar::new(LENGTH);
+        let style = ProgressStyle::with_template("{bar:30} {msg}").expect("it is constant");
+        bar.set_style(style);
+        Self {
+            bar,
+            counted: Regex::new(r"^\[(\d+)/(\d+)\] ?(.*)").expect("it is constant"),
+            expected: steps.iter().map(|step| step.expected).sum(),
+            done: 0.0,
+            took: 0.0,
+            began: Instant::now(),
+        }
+    }
+
+    pub fn begin(&mut self, step: &Step) {
+        self.began = Instant::now();
+        self.show(step, 0.0, "");
+        // Where nobody would see the bar.
+        if self.bar.is_hidden() {
+            eprintln!("{}", self.bar.message());
+        }
+    }
+
+    /// A line that a bench has written.
+    pub fn line(&mut self, step: &Step, line: &str) {
+        if let Some(counted) = self.counted.captures(line) {
+            let [number, of] = [1, 2].map(|group| counted[group].parse().unwrap_or(1.0));
+            let share = (f64::max(number - 1.0, 0.0) / f64::max(of, 1.0)).min(1.0);
+            self.show(step, share, &counted[3]);
+        }
+    }
+
+    pub fn end(&mut self, step: &Step) {
+        self.done += step.expected;
+        self.took += self.began.elapsed().as_secs_f64();
+        let (bench, took) = (step.bench, self.began.elapsed().as_secs());
+        self.bar.suspend(|| eprintln!("{bench}: {took} s"));
+    }
+
+    pub fn finish(self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn show(&self, step: &Step, share: f64, what: &str) {
+        let so_far = self.took + self.began.elapsed().as_secs_f64();
+        let left = left(so_far, self.done + share * step.expected, self.expected);
+        let place = (self.done + share * step.expected) / self.expected.max(1.0);
+        self.bar.set_position((place * LENGTH as f64) as u64);
+        let minutes = left.as_secs().div_ceil(60);
+        let what = if what.is_empty() { "…" } else { what };
+        self.bar
+            .set_message(format!("about {minutes} min left, {}: {what}", step.bench));
+    }
+}
+
+/// The time left, after `so_far` seconds for `done` of `expected` seconds. The less is done, the more is what was expected
+/// believed.
+fn left(so_far: f64, done: f64, expected: f64) -> Duration {
+    let pace = (so_far + BELIEF) / (done + BELIEF);
+    Duration::from_secs_f64((pace * (expected - done)).max(0.0))
+}
+
+/// Seconds after which the measured pace counts as much as the expected one.
+const BELIEF: f64 = 20.0;
+
+#[cfg(test)]
+mod tests {
+    use super::left;
+
+    #[test]
+    fn the_time_left_follows_the_pace() {
+        assert_eq!(left(0.0, 0.0, 600.0).as_secs(), 600);
+        // Twice as slow as expected.
+        let slow = left(600.0, 300.0, 600.0).as_secs();
+        assert!((550..600).contains(&slow), "{slow}");
+        assert_eq!(left(700.0, 600.0, 600.0).as_secs(), 0);
+    }
+}

@@ -1,0 +1,266 @@
+//! Files as the benches write them, old and new: what is read of them, and the tables and plots that they make.
+
+use std::{fs, path::PathBuf};
+
+use bevy_lean_deferred_figures::{
+    benches::Bench,
+    page,
+    store::{Store, benches_in},
+};
+
+/// A folder that goes with the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("figures_{name}_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    fn write(&self, file: &str, text: &str) {
+        fs::write(self.0.join(file), text).unwrap();
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn read(file: &str, json: &str) -> Bench {
+    let folder = Folder::new(file);
+    folder.write(file, json);
+    let mut benches = benches_in(&folder.0).unwrap();
+    assert_eq!(benches.len(), 1);
+    benches.remove(0)
+}
+
+#[track_caller]
+fn has_rows(bench: &Bench, rows: &[&str]) {
+    let markdown = bench.figures().markdown();
+    for row in rows {
+        assert!(markdown.contains(row), "{row}\n{markdown}");
+    }
+    for plot in bench.figures().plots() {
+        assert!(
+            plot.svg.starts_with("<svg") && plot.svg.trim().ends_with("</svg>"),
+            "{}",
+            plot.name
+        );
+    }
+}
+
+const FRAME_TIMES: &str = r#"[
+    {"adapter": "GPU", "scene": "s", "contender": "Bevy forward", "geometry": {"median": 8, "low": 7, "high": 9},
+     "lighting": null, "camera": {"median": 10, "low": 9, "high": 11}, "bytes_written_by_geometry": 12, "bytes_in_all": 12,
+     "psnr": null, "flip": null, "off_by_8": null},
+    {"adapter": "GPU", "scene": "s", "contender": "Bevy depth prepass", "geometry": null,
+     "lighting": null, "camera": null, "bytes_written_by_geometry": 4, "bytes_in_all": 12,
+     "psnr": null, "flip": 0.0, "off_by_8": 0.0},
+    {"adapter": "GPU", "scene": "s", "contender": "Bevy deferred", "geometry": {"median": 4, "low": 4, "high": 4},
+     "lighting": {"median": 2, "low": 2, "high": 2}, "camera": {"median": 9, "low": 9, "high": 9},
+     "bytes_written_by_geometry": 21, "bytes_in_all": 62, "psnr": 58.04, "flip": 0.01, "off_by_8": 0.00008},
+    {"adapter": "GPU", "driver": "D 1", "size": [64, 32], "frames": 4, "scene": "s", "contender": "lean",
+     "geometry": {"median": 1, "low": 1, "high": 1}, "lighting": {"median": 0.5, "low": 0.25, "high": 1},
+     "camera": {"median": 3, "low": 3, "high": 3}, "bytes_written_by_geometry": 12, "bytes_in_all": 32,
+     "psnr": 52.0, "flip": null, "off_by_8": 0.5}
+]"#;
+
+#[test]
+fn frame_times() {
+    let without_sizes =
+        FRAME_TIMES.replace(r#""driver": "D 1", "size": [64, 32], "frames": 4, "#, "");
+    let bench = read("frame_times.json", &without_sizes);
+    has_rows(
+        &bench,
+        &[
+            "| s | Bevy forward | 8.000 (7.000–9.000) | 2.00 | – | – | 10.000 (9.000–11.000) | 12 / 12 | – | – | – |",
+            "| s | Bevy depth prepass | – | – | – | – | – | 4 / 12 | ∞ | 0.0000 | 0.000% |",
+            "| s | lean | 1.000 (1.000–1.000) | 0.25 | 0.500 (0.250–1.000) | 0.250 | 3.000 (3.000–3.000) | 12 / 32 | 52.0 | – \
+             | 50.000% |",
+        ],
+    );
+    let names: Vec<String> = bench
+        .figures()
+        .plots()
+        .into_iter()
+        .map(|plot| plot.name)
+        .collect();
+    assert_eq!(names, ["speed_s", "stages", "bytes"]);
+    assert!(read("frame_times.json", FRAME_TIMES).records()[3].has("64x32"));
+}
+
+#[test]
+fn ambient_occlusion() {
+    let bench = read(
+        "ambient_occlusion.json",
+        r#"[
+        {"adapter": "GPU", "size": [1000, 1000], "contender": "lean camera, none", "lean": true, "passes": [],
+         "lighting": {"median": 0.25, "low": 0, "high": 1}, "prepass": null, "camera": null,
+         "bytes": {"compulsory": 0, "compulsory_with_depth": 0, "fetched": 0}, "occluded": 0, "wall": null, "plane": null},
+        {"adapter": "GPU", "size": [1000, 1000], "contender": "Low, indirect", "lean": true,
+         "passes": [{"median": 0.5, "low": 0.25, "high": 1}], "lighting": {"median": 0.375, "low": 0, "high": 1},
+         "prepass": null, "camera": null, "bytes": {"compulsory": 2, "compulsory_with_depth": 14, "fetched": 145},
+         "occluded": 0.1, "wall": [0.0384, -0.016], "plane": 0}
+    ]"#,
+    );
+    has_rows(
+        &bench,
+        &[
+            "**1000×1000**",
+            "| Low, indirect | 0.500 (0.250–1.000) | – | 0.125 | – | 0.625 | 2.0 / 14.0 / 145 | 2.0 | 0.038 (-0.016) | 0.0000 |",
+        ],
+    );
+}
+
+#[test]
+fn screen_space() {
+    let bench = read(
+        "screen_space.json",
+        r#"[
+        {"adapter": "GPU", "size": [64, 32], "contender": "none", "passes": [],
+         "lighting": {"median": 0.25, "low": 0, "high": 1}, "camera": null, "bytes": 0, "errors": []},
+        {"adapter": "GPU", "size": [64, 32], "contender": "Bevy's reflections",
+         "passes": [{"median": 2, "low": 2, "high": 2}], "lighting": null, "camera": null, "bytes": 40,
+         "errors": [{"scene": "inside", "rmse": 0.167, "bias": -0.044}, {"scene": "0.3", "rmse": 0.25, "bias": 0.5}]},
+        {"adapter": "GPU", "size": [64, 32], "contender": "reflections, Low, Half",
+         "passes": [{"median": 0.5, "low": 0, "high": 1}, {"median": 0.25, "low": 0, "high": 1}],
+         "lighting": {"median": 0.5, "low": 0, "high": 1}, "camera": null, "bytes": 49.7, "errors": []}
+    ]"#,
+    );
+    has_rows(
+        &bench,
+        &[
+            "**64×32**, reflections\n\n| contender | passes | lighting | all | camera | bytes | inside | 0.3 |",
+            "| Bevy's reflections | 2.000 | – | 2.000 | – | 40.0 | 0.167 (-0.044) | 0.250 (+0.500) |",
+            "| reflections, Low, Half | 0.500 + 0.250 | 0.250 | 1.000 | – | 49.7 | – | – |",
+        ],
+    );
+    assert!(!bench.figures().markdown().contains("scattering"));
+}
+
+#[test]
+fn auto_exposure() {
+    let bench = read(
+        "auto_exposure.json",
+        r#"[{"adapter": "GPU", "size": [1000, 1000], "pictures": 4, "measurements": [
+        {"group": "Copy", "contender": "copy", "passes": [{"median": 0.016, "low": 0.015, "high": 0.02}],
+         "whole": {"median": 0.016, "low": 0.015, "high": 0.02}, "bytes": 16000000, "luminance": null, "error": null},
+        {"group": "Lean", "contender": "LogAverage, All", "passes": [{"median": 0.016, "low": 0.016, "high": 0.016}],
+         "whole": {"median": 0.02, "low": 0.02, "high": 0.02}, "bytes": 8000000, "luminance": 1, "error": -0.5}
+    ]}]"#,
+    );
+    has_rows(
+        &bench,
+        &[
+            "**1000×1000**, the picture in 4 textures",
+            "| copy | 16.0 (15.0–20.0) | – | – | 16.0 (15.0–20.0) | 1000.0 | 100.0 | – |",
+            "| 500.0 | 50.0 | -5.0e-1 (-1.000 stops) |",
+        ],
+    );
+}
+
+#[test]
+fn many_meshes() {
+    let measurement = |contender: &str, time: f64, psnr: &str| {
+        let times = format!(r#"{{"render_world": {time}, "frame": {}}}"#, 2.0 * time);
+        format!(
+            r#"{{"adapter": "GPU", "cores": 2, "meshes": 1000, "contender": "{contender}",
+            "steady": [{times}, {times}, {times}], "emissive": {times}, "expiry": {times}, "turn": {times},
+            "turn_stages": [["queue", 0.5]], "psnr": {psnr}, "flip": 0.0}}"#
+        )
+    };
+    let all = [
+        ("Bevy forward", 2.0, "null"),
+        ("Bevy deferred", 4.0, "67.3"),
+        ("lean", 3.0, "64.7"),
+    ];
+    let all = all.map(|(contender, time, psnr)| measurement(contender, time, psnr));
+    let bench = read("many_meshes.json", &format!("[{}]", all.join(",")));
+    has_rows(
+        &bench,
+        &[
+            "| 1,000 | lean | 3.00 (× 0.75) | 3.00 (× 0.75) |",
+            "| 1,000 | lean | 6.00 (× 0.75) |",
+            "| 1,000 | Bevy forward | 2.00 (× 0.50) | 2.00 (× 0.50) | 2.00 (× 0.50) | 2.00 (× 0.50) | 2.00 (× 0.50) \
+             | 2.00 (× 0.50) | – | – |",
+        ],
+    );
+    let queue = bench.records()[2].value("turn_stages.queue").cloned();
+    assert_eq!(queue, Some(serde_json::json!(0.5)));
+}
+
+#[test]
+fn light_scaling() {
+    let point = |lights: u32, contender: &str, stage: &str, left_out: &str| {
+        format!(
+            r#"{{"size": [64, 32], "arrangement": "spread", "lights": {lights}, "contender": "{contender}",
+            "left_out": {left_out}, "frames": 4, "stage": {stage}, "camera": null, "frame": null, "psnr": null,
+            "grids": [], "longest_list": {lights}, "lists_grew": false}}"#
+        )
+    };
+    let points = [
+        point(
+            16,
+            "Bevy deferred",
+            r#"{"median": 2, "low": 1, "high": 3}"#,
+            "null",
+        ),
+        point(64, "Bevy deferred", "null", r#""16 lights took 500 ms""#),
+        point(
+            16,
+            "lean",
+            r#"{"median": 0.5, "low": 0.5, "high": 0.5}"#,
+            "null",
+        ),
+        point(
+            64,
+            "lean",
+            r#"{"median": 0.75, "low": 0.5, "high": 1}"#,
+            "null",
+        ),
+    ];
+    let json = format!(r#"{{"adapter": "GPU", "points": [{}]}}"#, points.join(","));
+    has_rows(
+        &read("light_scaling.json", &json),
+        &[
+            "| 64×32 | spread | 16 | 2.000 (1.000–3.000) | 0.500 (0.500–0.500) | 0.250 | – | – | – | 16 |",
+            "| 64×32 | spread | 64 | not measured | 0.750 (0.500–1.000) | – | – | – | – | 64 |",
+            "- 64x32 spread 64 Bevy deferred: not measured, 16 lights took 500 ms.",
+        ],
+    );
+}
+
+#[test]
+fn a_folder_makes_a_page() {
+    let folder = Folder::new("page");
+    folder.write("frame_times.json", FRAME_TIMES);
+    let more = FRAME_TIMES.replace(r#""scene": "s""#, r#""scene": "t <b>""#);
+    folder.write("frame_times_more.json", &more);
+    folder.write("other.json", "{");
+    folder.write("run.json", r#"{"date": "2026-01-02", "commit": "abcdef"}"#);
+    let html = page::page(&folder.0, None).unwrap();
+    for part in [
+        "2026-01-02",
+        "abcdef",
+        "GPU",
+        "<td>s<",
+        "<td>t &lt;b&gt;<",
+        "<svg",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+    folder.write("frame_times.json", "{");
+    assert!(page::page(&folder.0, None).is_err());
+}
+
+/// Those of the repository: what `docs` is made of can be read.
+#[test]
+fn figures_of_the_docs() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs/figures");
+    let store = Store::of_machines(&folder).unwrap();
+    let lights = store.bench("h200/light_scaling").unwrap();
+    assert!(lights.figures().plots()[0].svg.contains("4.3 TB/s"));
+}
