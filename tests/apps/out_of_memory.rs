@@ -1,6 +1,8 @@
 //! Textures of this crate that do not fit into memory: Bevy renders the camera, one message says what did not fit, and the camera is lean
 //! again once it does. In processes of their own, because it is logged as an error.
 
+use std::sync::Barrier;
+
 use bevy::{prelude::*, render::RenderApp};
 use bevy_lean_deferred::{prelude::*, view::OutOfMemory};
 use kit::{
@@ -32,6 +34,30 @@ fn scene(s: &mut SceneBuilder) -> Entity {
         Transform::from_xyz(0.0, 0.4, 1.2),
     ));
     s.default_camera(())
+}
+
+/// Textures are made while other threads compile shaders, within scopes that end in any order.
+#[test]
+fn error_scopes_belong_to_threads() {
+    let headless = Headless::new(SIZE);
+    let device = headless.device().wgpu_device();
+    let step = Barrier::new(2);
+    std::thread::scope(|threads| {
+        threads.spawn(|| {
+            let first = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+            step.wait();
+            step.wait();
+            drop(first);
+            step.wait();
+        });
+        threads.spawn(|| {
+            step.wait();
+            let second = device.push_error_scope(wgpu::ErrorFilter::Validation);
+            step.wait();
+            step.wait();
+            drop(second);
+        });
+    });
 }
 
 fn make_scarce(headless: &mut Headless, labels: Option<&'static str>) {
