@@ -1,7 +1,7 @@
 //! Textures of this crate that do not fit into memory: Bevy renders the camera, one message says what did not fit, and the camera is lean
 //! again once it does. In processes of their own, because it is logged as an error.
 
-use std::sync::Barrier;
+use std::sync::mpsc;
 
 use bevy::{prelude::*, render::RenderApp};
 use bevy_lean_deferred::{prelude::*, view::OutOfMemory};
@@ -41,22 +41,19 @@ fn scene(s: &mut SceneBuilder) -> Entity {
 fn error_scopes_belong_to_threads() {
     let headless = Headless::new(SIZE);
     let device = headless.device().wgpu_device();
-    let step = Barrier::new(2);
+    let (has_begun, wait_for_begun) = mpsc::channel();
+    let (has_ended, wait_for_end) = mpsc::channel::<()>();
     std::thread::scope(|threads| {
-        threads.spawn(|| {
-            let first = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-            step.wait();
-            step.wait();
-            drop(first);
-            step.wait();
-        });
-        threads.spawn(|| {
-            step.wait();
+        let first = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        threads.spawn(move || {
             let second = device.push_error_scope(wgpu::ErrorFilter::Validation);
-            step.wait();
-            step.wait();
+            has_begun.send(()).expect("it is waited for");
+            wait_for_end.recv().expect_err("nothing is sent");
             drop(second);
         });
+        wait_for_begun.recv().expect("the thread has begun");
+        drop(first);
+        drop(has_ended);
     });
 }
 
