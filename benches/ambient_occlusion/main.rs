@@ -95,12 +95,13 @@ fn main() {
             );
             let measurement = run::measure(contender, size, &args, &mut truths);
             measurements.0.push(measurement);
+            // After each of them, so that an interrupted run leaves what it has.
+            if let Some(path) = &args.json {
+                write_json(path, &measurements);
+            }
         }
     }
     println!("{}", measurements.markdown());
-    if let Some(path) = args.json {
-        write_json(&path, &measurements);
-    }
 }
 
 fn is_meant(name: &str, word: &str) -> bool {

@@ -93,11 +93,12 @@ fn main() {
         eprintln!("[{}/{total}] {}×{}", number + 1, size.x, size.y);
         let measured = measure(size, &args).unwrap_or_else(|error| fail(error));
         figures.0.push(measured);
+        // After each of them, so that an interrupted run leaves what it has.
+        if let Some(path) = &args.json {
+            write_json(path, &figures);
+        }
     }
     println!("{}", figures.markdown());
-    if let Some(path) = args.json {
-        write_json(&path, &figures);
-    }
 }
 
 /// All contenders at one size.

@@ -9,11 +9,13 @@ mod run;
 mod scenes;
 mod special;
 
+use std::{sync::Arc, thread::JoinHandle};
+
 use argh::FromArgs;
 use bevy::math::UVec2;
 use figures::benches::{Figures, FrameTimes};
-use kit::{figures::write_json, size::parse_size};
-use run::Contender;
+use kit::{figures::write_json, headless::Picture, size::parse_size};
+use run::{Contender, Difference};
 use scenes::BenchScene;
 
 /// GPU time, bytes and error of a frame: Bevy forward, Bevy deferred, this crate.
@@ -94,35 +96,67 @@ fn main() {
         })
         .sum::<usize>();
     let mut measurements = FrameTimes::default();
+    let mut comparisons = Comparisons::default();
+    let keep = |measurements: &FrameTimes| {
+        // After each of them, so that an interrupted run leaves what it has.
+        if let Some(path) = &args.json {
+            write_json(path, measurements);
+        }
+    };
     for scene in &scenes {
         let mut reference = None;
         for contender in contenders.iter().filter(|c| is_measured(scene, **c)) {
+            let number = measurements.0.len();
             eprintln!(
                 "[{}/{total}] {}: {}",
-                measurements.0.len() + 1,
+                number + 1,
                 scene.name,
                 contender.name()
             );
-            let (mut measurement, picture) =
+            let (measurement, picture) =
                 run::measure(scene, *contender, args.size, args.warm_up, args.frames);
+            eprintln!("{}", FrameTimes::row(&measurement));
+            measurements.0.push(measurement);
             if let Some(folder) = &args.pictures {
                 let file = format!("{}_{}.png", scene.name, contender.name().replace(' ', "_"));
                 picture.save(std::path::Path::new(folder).join(file));
             }
+            let picture = Arc::new(picture);
             match &reference {
                 None if *contender == Contender::Forward => reference = Some(picture),
                 None => {}
                 Some(reference) => {
-                    run::compare(&mut measurement, reference, &picture, !args.no_flip);
+                    comparisons.start(number, reference.clone(), picture, !args.no_flip);
                 }
             }
-            eprintln!("{}", FrameTimes::row(&measurement));
-            measurements.0.push(measurement);
+            comparisons.take(&mut measurements, JoinHandle::is_finished);
+            keep(&measurements);
         }
     }
-
+    comparisons.take(&mut measurements, |_| true);
+    keep(&measurements);
     println!("{}", measurements.markdown());
-    if let Some(path) = args.json {
-        write_json(&path, &measurements);
+}
+
+/// Pictures are compared while others are rendered: FLIP takes seconds at 4K, and no time of the GPU.
+#[derive(Default)]
+struct Comparisons(Vec<(usize, JoinHandle<Difference>)>);
+
+impl Comparisons {
+    fn start(&mut self, number: usize, reference: Arc<Picture>, picture: Arc<Picture>, flip: bool) {
+        let compare = move || Difference::of(&reference, &picture, flip);
+        self.0.push((number, std::thread::spawn(compare)));
+    }
+
+    /// Writes what `is_due` says into its measurement, and waits for it.
+    fn take(
+        &mut self,
+        measurements: &mut FrameTimes,
+        is_due: impl Fn(&JoinHandle<Difference>) -> bool,
+    ) {
+        for (number, comparison) in self.0.extract_if(.., |(_, comparison)| is_due(comparison)) {
+            let difference = comparison.join().expect("pictures have one size");
+            difference.write_into(&mut measurements.0[number]);
+        }
     }
 }

@@ -118,12 +118,25 @@ impl Contender {
     }
 }
 
-/// Adds what `picture` differs from forward's.
-pub fn compare(measurement: &mut Measurement, reference: &Picture, picture: &Picture, flip: bool) {
-    let difference = metrics::pixel_difference(reference, picture);
-    measurement.psnr = Some(difference.psnr);
-    measurement.off_by_8 = Some(difference.off_by_8);
-    measurement.flip = flip.then(|| metrics::flip(reference, picture));
+/// What a picture differs from forward's.
+pub struct Difference {
+    pixels: metrics::Difference,
+    flip: Option<f64>,
+}
+
+impl Difference {
+    pub fn of(reference: &Picture, picture: &Picture, flip: bool) -> Self {
+        Self {
+            pixels: metrics::pixel_difference(reference, picture),
+            flip: flip.then(|| metrics::flip(reference, picture)),
+        }
+    }
+
+    pub fn write_into(&self, measurement: &mut Measurement) {
+        measurement.psnr = Some(self.pixels.psnr);
+        measurement.off_by_8 = Some(self.pixels.off_by_8);
+        measurement.flip = self.flip;
+    }
 }
 
 /// Renders `warm_up` frames, then measures `frames`.

@@ -85,9 +85,10 @@ fn main() {
             eprintln!("{}: {:.2?}", contender.name(), measurement.turn_stages);
             measurements.0.push(measurement);
         }
+        // After each of them, so that an interrupted run leaves what it has.
+        if let Some(path) = &args.json {
+            write_json(path, &measurements);
+        }
     }
     println!("{}", measurements.markdown());
-    if let Some(path) = args.json {
-        write_json(&path, &measurements);
-    }
 }

@@ -79,10 +79,11 @@ fn main() {
             measurements
                 .0
                 .push(run::measure(contender, size, &args, errors.clone()));
+            // After each of them, so that an interrupted run leaves what it has.
+            if let Some(path) = &args.json {
+                write_json(path, &measurements);
+            }
         }
     }
     println!("{}", measurements.markdown());
-    if let Some(path) = args.json {
-        write_json(&path, &measurements);
-    }
 }
