@@ -3,7 +3,11 @@
 use bevy::{
     anti_alias::{fxaa::Fxaa, taa::TemporalAntiAliasing},
     camera::{ScalingMode, Viewport, visibility::RenderLayers},
-    core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    core_pipeline::{
+        oit::OrderIndependentTransparencySettings,
+        prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    },
+    light::VolumetricFog,
     pbr::{DistanceFog, FogFalloff},
     post_process::{bloom::Bloom, dof::DepthOfField},
     prelude::*,
@@ -168,7 +172,7 @@ fn toggle_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
 
 /// What Bevy itself has for cameras.
 fn change_bevy(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
-    match random.below(7) {
+    match random.below(9) {
         0 => toggle::<Bloom>(&mut stage.entity(camera)),
         1 => toggle::<Fxaa>(&mut stage.entity(camera)),
         2 => toggle::<DepthOfField>(&mut stage.entity(camera)),
@@ -191,6 +195,8 @@ fn change_bevy(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
             });
             format!("ambient light: {brightness}")
         }
+        6 => toggle::<VolumetricFog>(&mut stage.entity(camera)),
+        7 => toggle::<OrderIndependentTransparencySettings>(&mut stage.entity(camera)),
         _ => {
             let clear_color = [
                 ClearColorConfig::Default,

@@ -10,6 +10,7 @@ mod held;
 mod run;
 mod scene;
 mod stage;
+mod surroundings;
 
 use held::{Coming, left_by};
 use kit::own_process::in_own_process;

@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use kit::{held::Held, held_back::HeldBack, log_watch, random::Random};
 
-use crate::{cameras, checks, held::assert_it_does_not_climb, scene, stage::Stage};
+use crate::{cameras, checks, held::assert_it_does_not_climb, scene, stage::Stage, surroundings};
 
 /// Numbers are looked at each so many frames.
 const NUMBERS: usize = 16;
@@ -63,10 +63,10 @@ pub fn run(run: &Run) {
         }
         if run.changes_in(frame) {
             for _ in 0..random.below(3) {
-                let change = if random.below(2) == 0 {
-                    scene::change(&mut stage, &mut random)
-                } else {
-                    cameras::change(&mut stage, &mut random)
+                let change = match random.below(5) {
+                    0 | 1 => scene::change(&mut stage, &mut random),
+                    2 | 3 => cameras::change(&mut stage, &mut random),
+                    _ => surroundings::change(&mut stage, &mut random),
                 };
                 if run.is_verbose {
                     println!("frame {frame}: {change}");

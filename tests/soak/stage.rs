@@ -3,6 +3,7 @@
 use bevy::{
     camera::{Camera3dDepthTextureUsage, RenderTarget},
     light::{DirectionalLightShadowMap, PointLightShadowMap},
+    mesh::skinning::SkinnedMesh,
     prelude::*,
     render::render_resource::TextureUsages,
 };
@@ -27,6 +28,8 @@ pub struct Stage {
     pub meshes: Vec<Entity>,
     pub lights: Vec<Entity>,
     pub cameras: Vec<Entity>,
+    /// Probes, decals, and meshes with joints or morph targets.
+    pub surroundings: Vec<Entity>,
     /// What cameras render to, and how large each is.
     pub targets: Vec<(Handle<Image>, UVec2)>,
     /// For materials.
@@ -58,6 +61,7 @@ impl Stage {
             meshes: Vec::new(),
             lights: Vec::new(),
             cameras: Vec::new(),
+            surroundings: Vec::new(),
             targets: vec![(first, size), (second, size)],
             images,
         };
@@ -94,6 +98,18 @@ impl Stage {
         let all: Vec<Entity> = all.into_iter().flat_map(std::mem::take).collect();
         for entity in all {
             self.world().despawn(entity);
+        }
+        for entity in std::mem::take(&mut self.surroundings) {
+            self.despawn_with_joints(entity);
+        }
+    }
+
+    pub fn despawn_with_joints(&mut self, entity: Entity) {
+        let joints = self.entity(entity).take::<SkinnedMesh>();
+        self.world().despawn(entity);
+        // The others are children of the first.
+        if let Some(first) = joints.and_then(|skin| skin.joints.first().copied()) {
+            self.world().despawn(first);
         }
     }
 
