@@ -1,13 +1,25 @@
 //! A device beside any that Bevy may have, and textures on it.
 
+use std::sync::OnceLock;
+
 use bevy::{math::UVec2, tasks::block_on};
 use figures::time::Device;
 
 use crate::device::TestDevice;
 
+/// Keeps the drivers in memory until the process ends. The loader lets go of them with the last instance, and NVIDIA's, loaded anew for
+/// each app, no longer fits into the memory that threads have for such libraries after some 40 of them.
+pub fn keep_drivers_loaded() {
+    static INSTANCE: OnceLock<wgpu::Instance> = OnceLock::new();
+    INSTANCE.get_or_init(|| {
+        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+    });
+}
+
 /// The device that the environment names, with all its limits and those of the `wanted` features that it has, as far as
 /// [`TestDevice`] goes.
 pub fn request(wanted: wgpu::Features) -> (wgpu::AdapterInfo, wgpu::Device, wgpu::Queue) {
+    keep_drivers_loaded();
     let chosen = TestDevice::chosen();
     let instance =
         wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());

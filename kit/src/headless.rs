@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::{
     device::render_plugin,
-    gpu::{device_of, read_texture},
+    gpu::{device_of, keep_drivers_loaded, read_texture},
     log_watch::LogWatch,
     shader_files::read_shader_files,
 };
@@ -101,6 +101,7 @@ impl Headless {
         read_shader_files(&mut app);
         configure(&mut app);
 
+        keep_drivers_loaded();
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }
