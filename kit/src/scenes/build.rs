@@ -333,7 +333,7 @@ impl SceneBuilder<'_> {
     }
 
     /// A checkerboard as a decal, slanted over the middle of the scene.
-    pub fn decal(&mut self, scale: Vec3) {
+    pub fn decal(&mut self, scale: Vec3) -> Entity {
         let checker = self.checker([240, 60, 40, 255], [40, 60, 240, 90]);
         self.spawn((
             ClusteredDecal {
@@ -343,7 +343,7 @@ impl SceneBuilder<'_> {
             Transform::from_xyz(0.0, 0.5, 0.5)
                 .with_rotation(Quat::from_rotation_x(-1.2))
                 .with_scale(scale),
-        ));
+        ))
     }
 
     /// A 2 × 2 × 2 irradiance volume, in the layout that Bevy reads (six faces stacked two by three).
