@@ -59,7 +59,8 @@ mod tests {
     #[test]
     fn links_lead_somewhere() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let page = "[a](src/lib.rs) [b](src/lib.rs#x) [c](https://example.org) [d](#here) ![e](none.svg)";
+        let page =
+            "[a](src/lib.rs) [b](src/lib.rs#x) [c](https://example.org) [d](#here) ![e](none.svg)";
         let dead = dead(root, "README.md", page, |_| false);
         assert_eq!(dead, ["README.md: links to none.svg, which is not there"]);
     }
