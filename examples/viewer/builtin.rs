@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use kit::example::model::LoadingModel;
+use kit::example::model::{LoadingModel, ShownModel};
 
 /// A row of balls from rough dielectric to smooth metal on a floor.
 pub fn spawn(
@@ -11,6 +11,7 @@ pub fn spawn(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     commands.spawn((
+        ShownModel,
         Mesh3d(meshes.add(Plane3d::default().mesh().size(9.0, 5.0))),
         MeshMaterial3d(materials.add(StandardMaterial {
             base_color: Color::srgb(0.45, 0.43, 0.4),
@@ -22,6 +23,7 @@ pub fn spawn(
     for row in 0..2 {
         for column in 0..6 {
             commands.spawn((
+                ShownModel,
                 Mesh3d(ball.clone()),
                 MeshMaterial3d(materials.add(StandardMaterial {
                     base_color: Color::hsl(column as f32 * 55.0, 0.65, 0.55),

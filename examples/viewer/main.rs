@@ -2,6 +2,9 @@
 //!
 //! `cargo run --example viewer -- [FILE] [--headless OUT.png] [--help]`
 //!
+//! Drag a .gltf or .glb file onto the window to show it. A file that cannot be shown leaves the old one there, and the text says why.
+//! On Wayland `winit` 0.30 reports no dropped files: unset `WAYLAND_DISPLAY`, to run under X11.
+//!
 //! | key | does |
 //! |---|---|
 //! | 1, 2, 3 | Bevy forward, Bevy deferred, lean |
@@ -11,6 +14,7 @@
 //! | E | environment light on / off |
 //! | H | text on / off |
 //! | mouse | left: orbit, right: pan, wheel: zoom |
+//! | file, dropped onto the window | is shown in place of the model |
 //! | Esc | quit |
 
 mod builtin;
@@ -19,18 +23,20 @@ mod renderer;
 mod sky;
 
 use argh::FromArgs;
-use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin};
+use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin, ui::IsDefaultUiCamera};
 use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 use kit::{
-    example::{choices, model, run},
+    example::{choices, dropped_model::DroppedModelPlugin, model, run},
     headless::Headless,
+    renderer::Renderer,
     size::parse_size,
 };
-use renderer::{Renderer, ViewerSettings};
+use renderer::ViewerSettings;
 use sky::SkyFiles;
 
-/// Shows a glTF or GLB file, or a built-in scene, through Bevy forward, Bevy deferred, or bevy_lean_deferred.
+/// Shows a glTF or GLB file, or a built-in scene, through Bevy forward, Bevy deferred, or bevy_lean_deferred. Drag another file
+/// onto the window to show that.
 #[derive(FromArgs)]
 struct Args {
     /// the file to show; a built-in scene when left out
@@ -52,6 +58,10 @@ struct Args {
     /// width x height of the picture or window, default 1280x720
     #[argh(option, default = "UVec2::new(1280, 720)", from_str_fn(parse_size))]
     size: UVec2,
+
+    /// show the text in the picture of --headless too
+    #[argh(switch)]
+    text: bool,
 
     /// frames before the picture is taken, default 8
     #[argh(option, default = "8")]
@@ -107,11 +117,19 @@ fn main() -> AppExit {
         Some(path) => {
             let headless = Headless::with(args.size, |app| {
                 app.add_plugins(viewer);
+                if args.text {
+                    app.add_plugins(overlay::OverlayPlugin);
+                }
             });
             run::write_picture(headless, path, args.frames)
         }
         None => run::windowed("bevy_lean_deferred viewer", args.size)
-            .add_plugins((PanOrbitCameraPlugin, viewer, overlay::OverlayPlugin))
+            .add_plugins((
+                PanOrbitCameraPlugin,
+                viewer,
+                DroppedModelPlugin,
+                overlay::OverlayPlugin,
+            ))
             .add_systems(Update, renderer::read_keys)
             .run(),
     }
@@ -157,6 +175,7 @@ fn spawn_camera(mut commands: Commands) {
         Camera3d::default(),
         bevy::camera::Hdr,
         Msaa::Off,
+        IsDefaultUiCamera,
         PanOrbitCamera {
             button_orbit: MouseButton::Left,
             button_pan: MouseButton::Right,

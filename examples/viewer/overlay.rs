@@ -5,8 +5,11 @@ use core::fmt::Write;
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 use bevy_lean_deferred::LeanStatus;
 
-use crate::renderer::{Renderer, ViewerSettings};
-use kit::example::gpu_times;
+use crate::renderer::ViewerSettings;
+use kit::{
+    example::{dropped_model::DropMessage, gpu_times, model::ModelPath},
+    renderer::Renderer,
+};
 
 pub struct OverlayPlugin;
 
@@ -38,6 +41,8 @@ fn update_text(
     settings: Res<ViewerSettings>,
     diagnostics: Res<DiagnosticsStore>,
     status: Query<&LeanStatus>,
+    model: Res<ModelPath>,
+    drop: Option<Res<DropMessage>>,
     mut text: Single<&mut Text, With<OverlayText>>,
 ) {
     text.0.clear();
@@ -45,9 +50,14 @@ fn update_text(
         return;
     }
     let out = &mut text.0;
+    let _ = writeln!(out, "{}", model.0.as_deref().unwrap_or("built-in scene"));
+    if let Some(message) = drop.as_ref().and_then(|drop| drop.0.as_deref()) {
+        let _ = writeln!(out, "> {message}");
+    }
     let _ = match settings.renderer {
-        Renderer::Forward => writeln!(out, "Bevy forward"),
-        Renderer::BevyDeferred => writeln!(out, "Bevy deferred"),
+        Renderer::Forward | Renderer::BevyDeferred => {
+            writeln!(out, "{}", settings.renderer.name())
+        }
         Renderer::Lean => writeln!(
             out,
             "{}, geometric normal {:?}{}",
@@ -60,7 +70,7 @@ fn update_text(
     };
     let _ = writeln!(
         out,
-        "1 forward  2 deferred  3 lean  D debug view  N normal  L sun  E environment  H text"
+        "1 forward  2 deferred  3 lean  D debug view  N normal  L sun  E environment  H text  drag a file here to show it"
     );
     for (name, milliseconds) in gpu_times::all(&diagnostics).into_iter().take(12) {
         if milliseconds < 0.0005 {

@@ -1,40 +1,15 @@
 //! Switching between the renderers.
 
-use core::str::FromStr;
-
-use bevy::{
-    core_pipeline::{
-        prepass::{DeferredPrepass, DepthPrepass},
-        tonemapping::Tonemapping,
-    },
-    prelude::*,
-};
+use bevy::{core_pipeline::tonemapping::Tonemapping, prelude::*};
 use bevy_lean_deferred::prelude::*;
 
-use kit::example::{
-    choices::{next, next_or_none},
-    opaque_method::OpaqueMethod,
+use kit::{
+    example::{
+        choices::{next, next_or_none},
+        opaque_method::OpaqueMethod,
+    },
+    renderer::Renderer,
 };
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Renderer {
-    Forward,
-    BevyDeferred,
-    Lean,
-}
-
-impl FromStr for Renderer {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "forward" => Ok(Self::Forward),
-            "deferred" => Ok(Self::BevyDeferred),
-            "lean" => Ok(Self::Lean),
-            _ => Err("expected forward, deferred or lean".into()),
-        }
-    }
-}
 
 /// What the keys change.
 #[derive(Resource, Clone)]
@@ -94,19 +69,14 @@ pub fn apply_settings(
     mut method: OpaqueMethod,
 ) {
     let mut camera = commands.entity(*camera);
-    camera.remove::<(LeanDeferred, DepthPrepass, DeferredPrepass)>();
-    match settings.renderer {
-        Renderer::Forward => {}
-        Renderer::BevyDeferred => {
-            camera.insert((DepthPrepass, DeferredPrepass));
-        }
-        Renderer::Lean => {
-            camera.insert(LeanDeferred {
-                geometric_normal: settings.geometric_normal,
-                debug_view: settings.debug_view,
-                ..default()
-            });
-        }
+    settings.renderer.prepare_camera(&mut camera);
+    method.set(settings.renderer == Renderer::BevyDeferred);
+    if settings.renderer == Renderer::Lean {
+        camera.insert(LeanDeferred {
+            geometric_normal: settings.geometric_normal,
+            debug_view: settings.debug_view,
+            ..default()
+        });
     }
     let shows_data = settings.renderer == Renderer::Lean && settings.debug_view.is_some();
     camera.insert(if shows_data {
@@ -114,6 +84,4 @@ pub fn apply_settings(
     } else {
         Tonemapping::TonyMcMapface
     });
-
-    method.set(settings.renderer == Renderer::BevyDeferred);
 }

@@ -2,6 +2,7 @@
 
 mod changing_settings;
 mod compiling;
+mod dropped_model;
 mod fallback;
 mod history;
 mod lost_device;

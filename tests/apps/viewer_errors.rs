@@ -20,7 +20,7 @@ fn viewer() -> PathBuf {
 }
 
 /// A new empty folder for files of the test `name`.
-fn folder(name: &str) -> PathBuf {
+pub(crate) fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     if folder.exists() {
         std::fs::remove_dir_all(&folder).expect("an old folder can be removed");
@@ -59,7 +59,7 @@ fn assert_fails(folder: &Path, file: &str, why: &str) {
 }
 
 /// A triangle with the first of `materials`.
-fn gltf(materials: &str) -> String {
+pub(crate) fn gltf(materials: &str) -> String {
     format!(
         r#"{{
     "asset": {{ "version": "2.0" }},
@@ -79,7 +79,7 @@ fn gltf(materials: &str) -> String {
     )
 }
 
-fn write(folder: &Path, file: &str, content: &str) {
+pub(crate) fn write(folder: &Path, file: &str, content: &str) {
     std::fs::write(folder.join(file), content).expect("a file can be written");
 }
 

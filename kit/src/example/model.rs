@@ -1,10 +1,9 @@
 //! Loading a glTF file, and standing the camera before it.
-//!
 
 use bevy::{
-    asset::RecursiveDependencyLoadState,
+    asset::{AssetLoadError, RecursiveDependencyLoadState},
     camera::primitives::Aabb,
-    gltf::GltfAssetLabel,
+    gltf::{GltfAssetLabel, GltfLoaderSettings},
     prelude::*,
     world_serialization::{WorldAsset, WorldAssetRoot},
 };
@@ -30,6 +29,16 @@ pub struct Viewpoint {
 /// What is being loaded, and is to be framed after that; none for meshes that are there already.
 #[derive(Resource)]
 pub struct LoadingModel(pub Option<Handle<WorldAsset>>);
+
+/// The model, or a part of a built-in scene: what goes when another file is shown.
+#[derive(Component)]
+pub struct ShownModel;
+
+/// What is wrong with a file of which nothing can be seen.
+pub const NO_MESH: &str = "its first scene holds no mesh";
+
+/// Meshes have their bounds that many frames after they were loaded, at the latest.
+pub const FRAMES_UNTIL_BOUNDS: u32 = 20;
 
 /// Says what is wrong with the model's file before a window opens.
 pub fn check_file(path: &str) -> Result<(), String> {
@@ -57,11 +66,25 @@ pub fn spawn_model(mut commands: Commands, path: Res<ModelPath>, asset_server: R
     let Some(path) = &path.0 else {
         return;
     };
+    let scene = load(&asset_server, path);
+    commands.spawn((ShownModel, WorldAssetRoot(scene.clone())));
+    commands.insert_resource(LoadingModel(Some(scene)));
+}
+
+/// The first scene of a file, without its cameras.
+pub fn load(asset_server: &AssetServer, path: &str) -> Handle<WorldAsset> {
     // Assets are found relative to a folder of their own; the user means the working directory.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
-    let scene = asset_server.load(GltfAssetLabel::Scene(0).from_asset(path));
-    commands.spawn(WorldAssetRoot(scene.clone()));
-    commands.insert_resource(LoadingModel(Some(scene)));
+    asset_server
+        .load_builder()
+        .with_settings(|settings: &mut GltfLoaderSettings| settings.load_cameras = false)
+        .load(GltfAssetLabel::Scene(0).from_asset(path))
+}
+
+/// Of an error; a backtrace may follow it.
+pub fn first_line(error: &AssetLoadError) -> String {
+    let text = error.to_string();
+    text.lines().next().unwrap_or_default().into()
 }
 
 /// Once everything is loaded, frames it; quits with an error if it cannot be loaded.
@@ -89,35 +112,44 @@ pub fn watch_loading(
             Some(RecursiveDependencyLoadState::Loaded) => {}
             // Also if only a texture is missing: Bevy does not draw materials that lack one.
             Some(RecursiveDependencyLoadState::Failed(error)) => {
-                // A backtrace may follow the first line.
-                quit(error.to_string().lines().next().unwrap_or_default());
+                quit(&first_line(&error));
                 return;
             }
             _ => return,
         }
     }
-    if bounds.is_empty() {
+    let (transform, orbit) = &mut *camera;
+    if !frame(bounds.iter(), transform, orbit, *viewpoint) {
         *frames_without_mesh += 1;
-        if *frames_without_mesh > 20 {
-            quit("its first scene holds no mesh");
+        if *frames_without_mesh > FRAMES_UNTIL_BOUNDS {
+            quit(NO_MESH);
         }
         return;
     }
+    commands.remove_resource::<LoadingModel>();
+    commands.insert_resource(SceneReady);
+}
 
+/// Stands the camera before all meshes. Whether there are any.
+pub fn frame<'a>(
+    bounds: impl Iterator<Item = (&'a Aabb, &'a GlobalTransform)>,
+    transform: &mut Transform,
+    orbit: &mut PanOrbitCamera,
+    viewpoint: Viewpoint,
+) -> bool {
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for (aabb, transform) in &bounds {
-        let center = transform.transform_point(aabb.center.into());
-        let radius = transform.radius_vec3a(aabb.half_extents);
+    for (aabb, place) in bounds {
+        let center = place.transform_point(aabb.center.into());
+        let radius = place.radius_vec3a(aabb.half_extents);
         low = low.min(center - radius);
         high = high.max(center + radius);
     }
+    if low.x > high.x {
+        return false;
+    }
     let (center, radius) = ((low + high) / 2.0, (high - low).length() * 0.5);
-    let distance = radius * 1.5;
-
-    let (transform, orbit) = &mut *camera;
-    stand(transform, orbit, center, *viewpoint, distance);
-    commands.remove_resource::<LoadingModel>();
-    commands.insert_resource(SceneReady);
+    stand(transform, orbit, center, viewpoint, radius * 1.5);
+    true
 }
 
 /// Turns an orbiting camera to `focus`.
