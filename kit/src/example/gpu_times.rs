@@ -21,6 +21,27 @@ pub fn text(diagnostics: &DiagnosticsStore, name: &str) -> String {
         .map_or("-".into(), |milliseconds| format!("{milliseconds:.3} ms"))
 }
 
+/// The mean time of one span in milliseconds, whichever other spans it lies in.
+pub fn mean(diagnostics: &DiagnosticsStore, name: &str) -> Option<f64> {
+    let is_it = |path: &str| {
+        let around = path.strip_suffix(name);
+        around.is_some_and(|around| around.is_empty() || around.ends_with('/'))
+    };
+    diagnostics
+        .iter()
+        .filter(|diagnostic| span(diagnostic).is_some_and(is_it))
+        .find_map(Diagnostic::average)
+}
+
+/// Forgets all times so far.
+pub fn forget(diagnostics: &mut DiagnosticsStore) {
+    for diagnostic in diagnostics.iter_mut() {
+        if span(diagnostic).is_some() {
+            diagnostic.clear_history();
+        }
+    }
+}
+
 fn span(diagnostic: &Diagnostic) -> Option<&str> {
     diagnostic
         .path()

@@ -1,12 +1,16 @@
-//! The scene of the benches, live: 1600 meshes under hundreds of moving point lights.
+//! The scene of the benches, live: 1600 meshes under hundreds of moving point lights. The text keeps the GPU time that each renderer
+//! took for the meshes and their light when it was last on, with the number of lights that there were.
 //!
 //! `cargo run --example many_lights -- [--lights N] [--headless OUT.png] [--help]`
 //!
 //! | key | does |
 //! |---|---|
-//! | Space | lean on / off |
+//! | 1, 2, 3 | Bevy forward, Bevy deferred, lean |
+//! | Space | the next of them |
 //! | Up, Down | twice / half as many lights |
 //! | Esc | quit |
+
+mod times;
 
 use argh::FromArgs;
 use bevy::{
@@ -14,16 +18,22 @@ use bevy::{
     light::cluster::GlobalClusterSettings,
     prelude::*,
     render::diagnostic::RenderDiagnosticsPlugin,
+    ui::IsDefaultUiCamera,
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    bench_spans,
     example::{
-        gpu_times,
+        choices::next,
+        opaque_method::OpaqueMethod,
         run::{self, SceneReady},
+        text_panel::{TextPanel, spawn_text_panel},
     },
     headless::Headless,
+    renderer::Renderer,
     scenes::boxes::{self, Boxes},
 };
+use times::GpuTimes;
 
 /// The scene of the benches, live.
 #[derive(FromArgs)]
@@ -36,15 +46,23 @@ struct Args {
     #[argh(switch)]
     small: bool,
 
+    /// forward, deferred or lean (the default)
+    #[argh(option, default = "Renderer::Lean")]
+    renderer: Renderer,
+
     /// render without a window, write this PNG and quit
     #[argh(option)]
     headless: Option<String>,
+
+    /// with --headless: time the other renderers before
+    #[argh(switch)]
+    compare: bool,
 }
 
 #[derive(Resource, Clone, Copy)]
 struct Settings {
     boxes: Boxes,
-    lean: bool,
+    renderer: Renderer,
 }
 
 fn main() -> AppExit {
@@ -54,7 +72,10 @@ fn main() -> AppExit {
     } else {
         Boxes::full(args.lights)
     };
-    let settings = Settings { boxes, lean: true };
+    let settings = Settings {
+        boxes,
+        renderer: args.renderer,
+    };
     match &args.headless {
         None => {
             let mut app = App::new();
@@ -63,12 +84,29 @@ fn main() -> AppExit {
             app.run()
         }
         Some(path) => {
-            let headless = Headless::with(UVec2::new(1280, 720), |app| {
+            let mut headless = Headless::with(UVec2::new(1280, 720), |app| {
                 add_scene(app, settings);
             });
-            run::write_picture(headless, path, 0)
+            if args.compare
+                && let Err(exit) = time_others(&mut headless, args.renderer)
+            {
+                return exit;
+            }
+            run::write_picture(headless, path, times::FRAMES)
         }
     }
+}
+
+/// Has each renderer render some frames, and at last `chosen`.
+fn time_others(headless: &mut Headless, chosen: Renderer) -> Result<(), AppExit> {
+    run::make_ready(headless)?;
+    let others = Renderer::ALL.into_iter().filter(|other| *other != chosen);
+    for renderer in others.chain([chosen]) {
+        headless.world().resource_mut::<Settings>().renderer = renderer;
+        headless.settle();
+        headless.frames(times::FRAMES);
+    }
+    Ok(())
 }
 
 fn add_scene(app: &mut App, settings: Settings) {
@@ -78,11 +116,20 @@ fn add_scene(app: &mut App, settings: Settings) {
     ))
     .insert_resource(settings)
     .insert_resource(SceneReady)
-    .add_systems(Startup, setup)
+    .init_resource::<GpuTimes>()
+    .add_systems(Startup, (setup, spawn_text_panel))
     .add_systems(
         Update,
-        (read_keys, move_lights, apply_settings, update_text).chain(),
+        (
+            read_keys,
+            move_lights,
+            apply_settings.run_if(resource_changed::<Settings>),
+            times::measure,
+            update_text,
+        )
+            .chain(),
     );
+    bench_spans::add_bench_spans(app);
 }
 
 fn setup(
@@ -98,16 +145,8 @@ fn setup(
         Camera3d::default(),
         bevy::camera::Hdr,
         Msaa::Off,
+        IsDefaultUiCamera,
         boxes::camera_transform(settings.boxes),
-    ));
-    commands.spawn((
-        Text::default(),
-        Node {
-            position_type: PositionType::Absolute,
-            top: px(8),
-            left: px(10),
-            ..default()
-        },
     ));
 }
 
@@ -119,17 +158,21 @@ fn read_keys(
     let Some(keys) = keys else {
         return;
     };
-    if keys.just_pressed(KeyCode::Space) {
-        settings.lean = !settings.lean;
-    }
-    if keys.just_pressed(KeyCode::ArrowUp) {
-        settings.boxes.point_lights = (settings.boxes.point_lights * 2).clamp(1, 16_384);
-    }
-    if keys.just_pressed(KeyCode::ArrowDown) {
-        settings.boxes.point_lights /= 2;
-    }
-    if keys.just_pressed(KeyCode::Escape) {
-        exit.write(AppExit::Success);
+    for key in keys.get_just_pressed() {
+        match key {
+            KeyCode::Digit1 => settings.renderer = Renderer::Forward,
+            KeyCode::Digit2 => settings.renderer = Renderer::BevyDeferred,
+            KeyCode::Digit3 => settings.renderer = Renderer::Lean,
+            KeyCode::Space => settings.renderer = next(&Renderer::ALL, settings.renderer),
+            KeyCode::ArrowUp => {
+                settings.boxes.point_lights = (settings.boxes.point_lights * 2).clamp(1, 16_384);
+            }
+            KeyCode::ArrowDown => settings.boxes.point_lights /= 2,
+            KeyCode::Escape => {
+                exit.write(AppExit::Success);
+            }
+            _ => {}
+        }
     }
 }
 
@@ -138,16 +181,11 @@ fn apply_settings(
     settings: Res<Settings>,
     camera: Single<Entity, With<Camera3d>>,
     lights: Query<Entity, With<PointLight>>,
+    mut method: OpaqueMethod,
 ) {
-    if !settings.is_changed() {
-        return;
-    }
     let mut camera = commands.entity(*camera);
-    if settings.lean {
-        camera.insert(LeanDeferred::default());
-    } else {
-        camera.remove::<LeanDeferred>();
-    }
+    settings.renderer.prepare_camera(&mut camera);
+    method.set(settings.renderer == Renderer::BevyDeferred);
     if lights.iter().len() != settings.boxes.point_lights as usize {
         for light in &lights {
             commands.entity(light).despawn();
@@ -167,26 +205,23 @@ fn move_lights(time: Res<Time>, mut lights: Query<&mut Transform, With<PointLigh
     }
 }
 
+const EXPLANATION: &str =
+    "GPU time to draw and light all meshes, from when each renderer was last on";
+const KEYS: &str = "1 forward  2 deferred  3 lean  Space next  Up/Down lights  Esc quit";
+
 fn update_text(
     settings: Res<Settings>,
+    times: Res<GpuTimes>,
     diagnostics: Res<DiagnosticsStore>,
-    mut text: Single<&mut Text>,
+    mut text: Single<&mut Text, With<TextPanel>>,
 ) {
     let fps = diagnostics
         .get(&FrameTimeDiagnosticsPlugin::FPS)
         .and_then(|fps| fps.smoothed())
         .unwrap_or_default();
-    let gpu = |name| gpu_times::text(&diagnostics, name);
     text.0 = format!(
-        "{} lights, {} (Space), {fps:.0} frames a second\nG-buffer {}, lighting {}, opaque {}",
+        "{} point lights, {fps:.0} frames a second\n{}{EXPLANATION}\n{KEYS}",
         settings.boxes.point_lights,
-        if settings.lean {
-            "lean"
-        } else {
-            "Bevy forward"
-        },
-        gpu("lean_deferred/gbuffer"),
-        gpu("lean_deferred/lighting"),
-        gpu("main_opaque_pass_3d"),
+        times.table(settings.renderer),
     );
 }

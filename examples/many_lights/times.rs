@@ -1,0 +1,84 @@
+//! What each renderer took for how many lights.
+
+use core::fmt::Write;
+
+use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+use bevy_lean_deferred::LeanStatus;
+
+use crate::Settings;
+use kit::{example::gpu_times, renderer::Renderer};
+
+/// Frames after a change whose GPU times are those of frames before it, or of shaders and lists of lights that are not there yet.
+const LATE_FRAMES: usize = 8;
+
+/// Frames after which there is a time.
+pub const FRAMES: usize = LATE_FRAMES + 4;
+
+/// GPU times in milliseconds, means of the frames since the last change.
+#[derive(Clone, Copy)]
+struct Measured {
+    lights: u32,
+    all: f64,
+    lighting: Option<f64>,
+}
+
+/// The last times of each renderer.
+#[derive(Resource, Default)]
+pub struct GpuTimes {
+    measured: [Option<Measured>; Renderer::ALL.len()],
+    frames_since_change: usize,
+}
+
+pub fn measure(
+    settings: Res<Settings>,
+    status: Query<&LeanStatus>,
+    mut diagnostics: ResMut<DiagnosticsStore>,
+    mut times: ResMut<GpuTimes>,
+) {
+    let is_waiting = settings.renderer == Renderer::Lean
+        && status.iter().any(|status| *status != LeanStatus::Lean);
+    if settings.is_changed() || is_waiting {
+        times.frames_since_change = 0;
+    }
+    times.frames_since_change += 1;
+    if times.frames_since_change <= LATE_FRAMES {
+        gpu_times::forget(&mut diagnostics);
+        return;
+    }
+    let (geometry, lighting) = settings.renderer.spans();
+    let Some(geometry) = gpu_times::mean(&diagnostics, geometry) else {
+        return;
+    };
+    // None of Bevy's forward pass: it lights what it draws.
+    let lighting = lighting.and_then(|span| gpu_times::mean(&diagnostics, span));
+    times.measured[settings.renderer as usize] = Some(Measured {
+        lights: settings.boxes.point_lights,
+        all: geometry + lighting.unwrap_or(0.0),
+        lighting,
+    });
+}
+
+impl GpuTimes {
+    /// A line for each renderer, with a mark before that which is on.
+    pub fn table(&self, on: Renderer) -> String {
+        let mut table = String::new();
+        for (key, renderer) in (1..).zip(Renderer::ALL) {
+            let mark = if renderer == on { '>' } else { ' ' };
+            let _ = write!(table, "{mark} {key} {:<13}  ", renderer.name());
+            let _ = match self.measured[renderer as usize] {
+                None => writeln!(table, "    -"),
+                Some(Measured {
+                    lights,
+                    all,
+                    lighting,
+                }) => {
+                    let lighting = lighting.map_or(String::new(), |time| {
+                        format!(", lighting alone {time:.3} ms")
+                    });
+                    writeln!(table, "{lights:>5} lights: {all:8.3} ms{lighting}")
+                }
+            };
+        }
+        table
+    }
+}
