@@ -33,3 +33,4 @@ pub mod random_values;
 pub mod scenes;
 pub mod shader_files;
 pub mod size;
+pub mod skipped;
