@@ -107,7 +107,6 @@ impl Plugin for LeanAutoExposurePlugin {
         removal::remove_with::<MeteredExposure, ExposureReadback>(render_app);
         render_app
             .init_gpu_resource::<prepare::ExposureUniforms>()
-            .init_resource::<active::Warnings>()
             .add_systems(
                 RenderStartup,
                 (

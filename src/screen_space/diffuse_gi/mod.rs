@@ -82,7 +82,6 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         removal::remove_with::<ActiveLeanView, ViewGi>(render_app);
         removal::remove_with::<ViewGi, (GiBindings, ForwardLight)>(render_app);
         render_app
-            .init_resource::<active::Warnings>()
             .init_gpu_resource::<prepare::GiUniforms>()
             .add_systems(
                 RenderStartup,

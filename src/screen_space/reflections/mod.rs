@@ -95,7 +95,6 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         >(render_app);
         removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
         render_app
-            .init_resource::<active::Warnings>()
             .init_gpu_resource::<prepare::ReflectionUniforms>()
             .add_systems(
                 RenderStartup,
