@@ -24,7 +24,7 @@ pub(super) const SUBSURFACE_PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba3
 /// Of the light, whose coarser ones scattering makes.
 pub(crate) const LEVELS: usize = 8;
 
-const LABEL: &str = "lean_deferred/subsurface/light";
+const LABEL: &str = "lean_deferred/lighting/subsurface_light";
 
 /// Where the buffer of the tiles has these. Their count and the materials of the frame come first.
 const TILES: u64 = 257;
@@ -48,12 +48,12 @@ impl SubsurfaceLight {
             light: StorageTexture::new(device, LABEL, size, SUBSURFACE_LIGHT_FORMAT),
             picture: StorageTexture::new(
                 device,
-                "lean_deferred/subsurface/picture",
+                "lean_deferred/lighting/subsurface_picture",
                 size,
                 SUBSURFACE_PICTURE_FORMAT,
             ),
             tiles: device.create_buffer(&BufferDescriptor {
-                label: Some("lean_deferred/subsurface/tiles"),
+                label: Some("lean_deferred/lighting/scattering_tiles"),
                 size: 4 * (TILES + 2 * u64::from(tile_count.element_product())),
                 usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
                 mapped_at_creation: false,

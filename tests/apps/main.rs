@@ -4,6 +4,7 @@ mod changing_settings;
 mod compiling;
 mod fallback;
 mod history;
+mod labels;
 mod lost_device;
 mod memory;
 mod out_of_memory;

@@ -31,7 +31,7 @@ use crate::{
     view::{ActiveLeanView, DiffuseLight, LightExchange},
 };
 
-const LABEL: &str = "lean_deferred/diffuse_gi/forward_light";
+const LABEL: &str = "lean_deferred/screen_space/diffuse_gi/forward_light";
 /// Pixels a side of a workgroup.
 const SIDE: u32 = 8;
 

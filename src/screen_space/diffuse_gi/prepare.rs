@@ -76,14 +76,14 @@ pub struct ViewGi {
 
 impl ViewGi {
     fn new(device: &RenderDevice, texture_size: UVec2, frames: Succession) -> Self {
-        let levels = "lean_deferred/diffuse_gi/levels";
+        let levels = "lean_deferred/screen_space/diffuse_gi/levels";
         let light = |label| StorageTexture::new(device, label, texture_size, LIGHT_FORMAT);
         Self {
             levels: [(); 2]
                 .map(|()| StorageTexture::new(device, levels, texture_size, LEVELS_FORMAT)),
             current: 0,
-            gathered: light("lean_deferred/diffuse_gi/gathered"),
-            output: light("lean_deferred/diffuse_gi/output"),
+            gathered: light("lean_deferred/screen_space/diffuse_gi/gathered"),
+            output: light("lean_deferred/screen_space/diffuse_gi/output"),
             texture_size,
             viewport_size: UVec2::ZERO,
             debug_view: None,
@@ -157,8 +157,12 @@ pub(super) fn prepare_gi(
             }
             _ => {
                 let make = || ViewGi::new(&device, size, Succession::new(now, cuts));
-                let Some(new) = memory.fit(&device, entity, "lean_deferred/diffuse_gi", make)
-                else {
+                let Some(new) = memory.fit(
+                    &device,
+                    entity,
+                    "lean_deferred/screen_space/diffuse_gi",
+                    make,
+                ) else {
                     found.0 = None;
                     commands.entity(entity).remove::<ViewGi>();
                     continue;

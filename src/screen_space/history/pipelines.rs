@@ -52,7 +52,7 @@ pub(super) fn init_history_pipelines(
         ],
     );
     let means = layout(
-        "lean_deferred/screen_space/history_means",
+        "lean_deferred/screen_space/history/means",
         ShaderStages::COMPUTE,
         [
             (COLOR_TEXTURE, floats()),

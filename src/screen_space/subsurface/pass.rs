@@ -18,7 +18,7 @@ use super::{
 };
 use crate::gpu::{tiles, timed::timed};
 
-const LABEL: &str = "lean_deferred/subsurface";
+const LABEL: &str = "lean_deferred/screen_space/subsurface";
 /// Workgroups that share the listed tiles, however many there are: enough for any GPU. An indirect dispatch would need one
 /// of its own before it, in which its size is made sure of.
 const WORKGROUPS: u32 = 4096;
