@@ -9,11 +9,9 @@ use bevy::{
 };
 
 use super::settings::LeanAmbientOcclusion;
-use crate::{
-    gpu::tiles,
-    shader_library::reconstruction::position::{
-        ProjectionKind, pixels_per_metre, projection_of, view_from_pixel,
-    },
+use crate::shader_library::{
+    reconstruction::position::{ProjectionKind, pixels_per_metre, projection_of, view_from_pixel},
+    tiles,
 };
 
 /// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a

@@ -15,10 +15,8 @@ use super::{
     view_entries::{push_array_entry, view_entry},
 };
 use crate::{
-    gpu::{
-        bind_group_cache::{CachedBindGroup, Entries},
-        tiles,
-    },
+    gpu::bind_group_cache::{CachedBindGroup, Entries},
+    shader_library::tiles,
     view::{ActiveLeanView, LightExchange},
 };
 

@@ -13,7 +13,8 @@ use bevy::{
 
 use super::ViewLighting;
 use crate::{
-    gpu::{storage_texture::StorageTexture, tiles},
+    gpu::storage_texture::StorageTexture,
+    shader_library::tiles,
     view::{ActiveLeanView, LightExchange, OutOfMemory, ScattersLight},
 };
 

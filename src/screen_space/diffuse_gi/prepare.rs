@@ -28,17 +28,14 @@ use super::{
 };
 use crate::{
     gbuffer::GBufferTextures,
-    gpu::{
-        bind_group_cache::CachedBindGroup,
-        storage_texture::StorageTexture,
-        tiles::{self, RowOrder},
-    },
+    gpu::{bind_group_cache::CachedBindGroup, storage_texture::StorageTexture},
     screen_space::{
         LastFrame,
         debug_view::{DebugShown, Shows},
         pattern::turn_of,
         succession::{FrameNumber, Succession},
     },
+    shader_library::tiles::{self, RowOrder},
     view::{ActiveLeanView, CameraCuts, DiffuseLight, IndirectDiffuse, LightExchange, OutOfMemory},
 };
 

@@ -31,13 +31,13 @@ use crate::{
     gpu::{
         bind_group_cache::{CachedBindGroup, Entries},
         storage_texture::StorageTexture,
-        tiles::{self, RowOrder},
     },
     screen_space::{
         LastFrame, ViewHistory,
         debug_view::{DebugShown, Shows},
         pattern::turn_of,
     },
+    shader_library::tiles::{self, RowOrder},
     view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LightExchange, OutOfMemory},
 };
 

@@ -16,7 +16,7 @@ use super::{
     active::ActiveScattering,
     prepare::{DOWN, UP, ViewSubsurface},
 };
-use crate::gpu::{tiles, timed::timed};
+use crate::{gpu::timed::timed, shader_library::tiles};
 
 const LABEL: &str = "lean_deferred/screen_space/subsurface";
 /// Workgroups that share the listed tiles, however many there are: enough for any GPU. An indirect dispatch would need one
