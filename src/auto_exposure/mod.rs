@@ -15,7 +15,8 @@ mod active;
 pub mod adaptation;
 #[doc(hidden)]
 pub mod binding_numbers;
-mod key;
+#[doc(hidden)]
+pub mod key;
 #[doc(hidden)]
 pub mod luminance;
 mod overlay;

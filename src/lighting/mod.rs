@@ -27,7 +27,8 @@ mod light_layer_table;
 mod light_layers;
 mod pass;
 mod pipeline;
-mod subsurface_light;
+#[doc(hidden)]
+pub mod subsurface_light;
 mod tile_list;
 mod variants;
 mod view_entries;

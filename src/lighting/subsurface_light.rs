@@ -1,5 +1,5 @@
 //! The textures of the light that enters surfaces beneath which it scatters, and the list of the tiles that have some, for
-//! those that scatter it. Twin of `subsurface_light.wgsl`.
+//! those that scatter it.
 
 use bevy::{
     prelude::*,
@@ -28,7 +28,7 @@ pub(crate) const LEVELS: usize = 8;
 const LABEL: &str = "lean_deferred/lighting/subsurface_light";
 
 /// Where the buffer of the tiles has these. Their count and the materials of the frame come first.
-const TILES: u64 = 257;
+pub const TILES: u64 = 257;
 
 /// On a view with [`ScattersLight`], for as long as it is lean. Layouts of words: `subsurface_light.wgsl`.
 #[derive(Component)]
