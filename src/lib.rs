@@ -37,6 +37,8 @@
 //! A camera without [`LeanDeferred`] renders as Bevy renders it. So does one that cannot be rendered lean (MSAA, no HDR, a
 //! device that lacks something), after one warning that says why; [`LeanStatus`] says it too.
 
+#![warn(missing_docs)]
+
 extern crate alloc;
 
 pub mod ambient_occlusion;

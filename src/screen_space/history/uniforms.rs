@@ -10,9 +10,9 @@ use crate::{
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct HistoryView {
-    pub view_from_pixel: Mat4,
-    pub viewport_origin: UVec2,
-    pub viewport_size: UVec2,
+    view_from_pixel: Mat4,
+    viewport_origin: UVec2,
+    viewport_size: UVec2,
 }
 
 impl HistoryView {
