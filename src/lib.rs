@@ -1,5 +1,8 @@
 //! A leaner renderer for any Bevy 3D camera, switched on by components.
 //!
+//! Add the plugins, and put [`LeanDeferred`] on a camera. It shows the picture of Bevy's forward renderer, and moves fewer bytes
+//! for it: 8 a pixel in the G-buffer beside depth, where Bevy's own has 17.
+//!
 //! ```no_run
 //! use bevy::prelude::*;
 //! use bevy_lean_deferred::prelude::*;
@@ -12,30 +15,45 @@
 //!     .run();
 //! ```
 //!
+//! | component | effect | for |
+//! |---|---|---|
+//! | [`LeanDeferred`] | packed G-buffer, lighting in one compute pass | 3D cameras |
+//! | [`LeanAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
+//! | [`LeanScreenSpaceGi`] | diffuse light from one surface to another | cameras with [`LeanDeferred`] |
+//! | [`LeanScreenSpaceReflections`] | reflections of the picture, smooth and rough | cameras with [`LeanDeferred`] |
+//! | [`LeanSubsurfaceScattering`] | light that scatters beneath surfaces | cameras with [`LeanDeferred`] |
+//! | [`LeanAutoExposure`] | exposure from the picture's luminance | HDR cameras, 2D too |
+//! | [`CameraCut`] | the camera jumps: effects forget its last frame | all of these |
+//!
+//! Each can be added, changed and removed at run time; without it nothing is allocated, bound or run for it.
+//! [`GBufferMaterial`](gbuffer::GBufferMaterial) takes custom materials into the G-buffer,
+//! [`ShadingExtension`](shading_extension::ShadingExtension) adds shading models to `StandardMaterial`.
+//!
 //! # The frame of a camera with [`LeanDeferred`]
 //!
 //! 1. **G-buffer** ([`gbuffer`]): opaque and alpha-masked meshes are rasterised once, into two 32-bit targets and the
-//!    view's depth: 8 bytes a pixel beside depth. Those that need more (emission, clearcoat, motion, … :
-//!    [`GBufferTargets`](gbuffer::GBufferTargets)) come after, in a pass with optional targets, which exist only while
-//!    something visible writes them. What no target has bits for
-//!    ([`GBufferMaterial`](gbuffer::GBufferMaterial)) stays in Bevy's forward passes on the same camera.
+//!    view's depth. Those that need more (emission, clearcoat, motion, … : [`GBufferTargets`](gbuffer::GBufferTargets)) come
+//!    after, in a pass with optional targets, which exist only while something visible writes them. What no target has bits
+//!    for stays in Bevy's forward passes on the same camera.
 //! 2. **Lighting** ([`lighting`]): one compute pass lights every pixel as Bevy's forward pass does and writes the view's HDR
-//!    texture. Tiles with special surfaces have a dispatch of their own. Where there are many lights, those that cannot reach a
-//!    tile are left out for all of it ([`LightCulling`]). What the view does not have (fog, probes, shadows, decals, …) is
-//!    neither compiled in nor bound.
+//!    texture. Tiles with special surfaces have a dispatch of their own. What the view does not have (fog, probes, shadows,
+//!    decals, …) is neither compiled in nor bound.
 //! 3. Bevy goes on: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
 //!
-//! Any camera may have [`LeanAmbientOcclusion`]: in the lighting pass of lean ones, multiplied onto the picture of others. And any
-//! HDR camera [`LeanAutoExposure`], between anti-aliasing and post-processing. Lean ones may have [`LeanScreenSpaceGi`]: light
-//! that surfaces send to one another, and [`LeanScreenSpaceReflections`]: what they mirror, both found between G-buffer and
-//! lighting. After it light scatters beneath surfaces that let it in ([`LeanSubsurfaceScattering`]).
+//! Occlusion, diffuse GI and reflections run between 1 and 2, subsurface scattering after 2, auto exposure after anti-aliasing
+//! and before post-processing.
 //!
-//! Data flows one way: component ([`view`]) → extract → the decision which views are lean ([`lean`]) → queue and prepare →
-//! bind → pass. The GPU time of each pass is recorded under `lean_deferred/…`, visible with Bevy's
-//! `RenderDiagnosticsPlugin`.
+//! # Which cameras
 //!
-//! A camera without [`LeanDeferred`] renders as Bevy renders it. So does one that cannot be rendered lean (MSAA, no HDR, a
-//! device that lacks something), after one warning that says why; [`LeanStatus`] says it too.
+//! A camera without these components renders as Bevy renders it. So does one with [`LeanDeferred`] that has MSAA or no HDR, or whose
+//! device lacks compute shaders, `Rgba16Float` storage textures or seven colour attachments: one warning says why, and
+//! [`LeanStatus`] says it to the app. `Hdr` and `Msaa::Off` are set when the component is added, and given back with it.
+//!
+//! # GPU times
+//!
+//! Each pass is recorded under `lean_deferred/…`; add Bevy's `RenderDiagnosticsPlugin` to read the times from its
+//! `DiagnosticsStore`. Pipelines and textures have the same labels in graphics debuggers.
+//! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the picture.
 
 #![warn(missing_docs)]
 
@@ -97,7 +115,8 @@ pub mod prelude {
 }
 
 plugin_group! {
-    /// All effects of this crate; each is a plugin that works without the others. Add it after `DefaultPlugins`.
+    /// All effects of this crate. Add it after `DefaultPlugins`. Each plugin can be added alone, too; diffuse GI and reflections do
+    /// nothing without [`LeanDeferredPlugin`].
     pub struct LeanDeferredPlugins {
         :LeanDeferredPlugin,
         :LeanAmbientOcclusionPlugin,

@@ -1,12 +1,29 @@
-//! Ambient occlusion in one channel, from depth.
+//! Ambient occlusion: what neighbouring surfaces hide from the light that comes from everywhere, found from depth.
 //!
-//! - `settings.rs`: the component. `support.rs`: what the device can do.
-//! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-//! - `active.rs`: whether and how a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-//! - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
-//! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
-//! - `hbao.wgsl`, `hdao.wgsl`: the kernels. `gather.wgsl`: their entry points.
-//! - `filter.wgsl`: the 3×3 filter, for `merge.wgsl` and the lighting pass.
+//! Put [`LeanAmbientOcclusion`] on any `Camera3d`. It needs no prepass: it reads the depth that the opaque meshes leave.
+//!
+//! 1. A pass gathers occlusion into a texture of one channel, by horizons ([`OcclusionKernel::Hbao`]) or by valleys of depth
+//!    ([`OcclusionKernel::Hdao`]), at full or half resolution.
+//! 2. A 3×3 filter removes the pattern of 2×2 pixels in which samples are laid out ([`OcclusionFilter`]).
+//! 3. The occlusion reaches the picture ([`OcclusionApplication`]):
+//!
+//! | application | default for cameras | what it darkens |
+//! |---|---|---|
+//! | `Indirect` | with [`LeanDeferred`](crate::LeanDeferred) | ambient light, environment maps, probes, irradiance volumes; in the lighting pass |
+//! | `MultiplicativeBlend` | without | the whole picture after the opaque meshes, direct light too |
+//!
+//! The samples are the same in every frame: there is no noise, and TAA is not needed. Passes are timed as
+//! `lean_deferred/ambient_occlusion/gather` and `…/merge`.
+//!
+//! A device that cannot store the texture's format from compute shaders draws it instead ([`OcclusionSupport`]).
+
+// - `settings.rs`: the component. `support.rs`: what the device can do.
+// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
+// - `active.rs`: whether and how a view gets it in this frame. `prepare.rs`: what the passes need of the view.
+// - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
+// - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
+// - `hbao.wgsl`, `hdao.wgsl`: the kernels. `gather.wgsl`: their entry points.
+// - `filter.wgsl`: the 3×3 filter, for `merge.wgsl` and the lighting pass.
 
 mod active;
 #[doc(hidden)]
@@ -65,7 +82,8 @@ pub(crate) fn load_shader_library(app: &mut App) {
     load_shader_library!(app, "filter.wgsl");
 }
 
-/// Ambient occlusion, for cameras with [`LeanAmbientOcclusion`].
+/// Ambient occlusion, for cameras with [`LeanAmbientOcclusion`]. Part of
+/// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
 #[derive(Default)]
 pub struct LeanAmbientOcclusionPlugin;
 

@@ -11,6 +11,23 @@ use crate::view::overrides::{CameraEffect, Need};
 /// meshes leave, and needs no prepass. No MSAA (switched off when the component is added, given back when it is removed).
 /// Adding or removing it at run time switches the effect and frees what it held.
 ///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn spawn_camera(mut commands: Commands) {
+///     commands.spawn((
+///         Camera3d::default(),
+///         // With it, occlusion darkens indirect light alone; without it, the whole picture.
+///         LeanDeferred::default(),
+///         LeanAmbientOcclusion {
+///             radius: 1.0,
+///             quality: OcclusionQuality::High,
+///             ..default()
+///         },
+///     ));
+/// }
+/// ```
+///
 /// Occlusion is stored as occlusion (0 = none) in one channel, so that rounding errs towards none and open surfaces
 /// stay exactly as they were.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]

@@ -1,14 +1,27 @@
 //! Auto exposure: the picture's luminance, reduced in two dispatches, and an exposure that follows it.
 //!
-//! - `settings.rs`: the components. `support.rs`: what the device can do.
-//! - `state.rs`: the exposure of a camera on the GPU, and cuts. `readback.rs`: its way back, for cameras that ask.
-//! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-//! - `active.rs`: whether and how a view is metered in this frame. `prepare.rs`: what the passes need of the view.
-//! - `pass.rs`: the passes.
-//! - `meter.wgsl`, `adapt.wgsl`: the shaders. `reduction.wgsl`: the sum of a workgroup. `bindings.wgsl`, `binding_numbers.rs`: what
-//!   they bind, and where.
-//! - `overlay.{rs,wgsl}`: what is metered, shown over the picture. `pattern.wgsl`: how much a pixel counts.
-//! - `luminance.{wgsl,rs}`, `adaptation.{wgsl,rs}`: binding-free maths, twice.
+//! Put [`LeanAutoExposure`] on any HDR camera, 3D or 2D. Each frame, after anti-aliasing and before bloom:
+//!
+//! 1. *meter*: workgroups sum up the luminance of the camera's viewport, with the weights of [`MeteringPattern`], by the mean of
+//!    [`Metering`]; with a [`LuminanceTrim`] they count it in a histogram.
+//! 2. *adapt*: one workgroup adds up these sums and moves the exposure towards its target, in stops a second. The solution is exact:
+//!    its path is the same at any frame rate.
+//!
+//! Bevy's tonemapping applies the exposure. It stays on the GPU; [`MeteredExposure`] on the camera reads it back, some frames later.
+//! [`CameraCut`](crate::CameraCut) starts it adapted anew.
+//!
+//! The passes are timed together as `lean_deferred/auto_exposure`. Where the device lacks what they need ([`ExposureSupport`]) the
+//! effect is off, and one warning says why.
+
+// - `settings.rs`: the components. `support.rs`: what the device can do.
+// - `state.rs`: the exposure of a camera on the GPU, and cuts. `readback.rs`: its way back, for cameras that ask.
+// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
+// - `active.rs`: whether and how a view is metered in this frame. `prepare.rs`: what the passes need of the view.
+// - `pass.rs`: the passes.
+// - `meter.wgsl`, `adapt.wgsl`: the shaders. `reduction.wgsl`: the sum of a workgroup. `bindings.wgsl`, `binding_numbers.rs`: what
+//   they bind, and where.
+// - `overlay.{rs,wgsl}`: what is metered, shown over the picture. `pattern.wgsl`: how much a pixel counts.
+// - `luminance.{wgsl,rs}`, `adaptation.{wgsl,rs}`: binding-free maths, twice.
 
 mod active;
 #[doc(hidden)]
@@ -66,7 +79,8 @@ use crate::{
     view::{SharedPlugin, can_build, overrides, removal},
 };
 
-/// Auto exposure, for cameras with [`LeanAutoExposure`].
+/// Auto exposure, for cameras with [`LeanAutoExposure`]. Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it
+/// after `DefaultPlugins`.
 #[derive(Default)]
 pub struct LeanAutoExposurePlugin;
 

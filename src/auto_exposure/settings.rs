@@ -13,9 +13,27 @@ use crate::view::{
 /// one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`. The first frame
 /// starts adapted. To read what was measured, add [`MeteredExposure`].
 ///
-/// Not a number counts as no pixel; negative luminance counts as 0, and everything above 65504 as that. A black view
-/// has the largest exposure; one that has nothing to be metered keeps the target that it had. Settings that are not
-/// numbers count as their defaults.
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn spawn_camera(mut commands: Commands) {
+///     commands.spawn((
+///         Camera3d::default(),
+///         LeanAutoExposure {
+///             pattern: MeteringPattern::CenterWeighted,
+///             // One stop darker than middle grey.
+///             compensation: -1.0,
+///             min_exposure: -4.0,
+///             max_exposure: 4.0,
+///             ..default()
+///         },
+///     ));
+/// }
+/// ```
+///
+/// Pixels that are NaN are left out; negative luminance counts as 0, and everything above 65504 as that. A black view
+/// has the largest exposure; one that has nothing to be metered keeps the target that it had. Settings that are NaN count as
+/// their defaults.
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CameraCuts)]
@@ -187,7 +205,7 @@ pub enum ReductionPath {
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct MeteredExposure {
-    /// Mean luminance before the exposure, by the camera's metering.
+    /// Mean luminance before the exposure, by the camera's metering, in the units of the HDR picture.
     pub luminance: f32,
     /// The exposure in stops that the picture had.
     pub exposure: f32,

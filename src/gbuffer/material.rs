@@ -22,22 +22,71 @@ use crate::{
 /// A [`Material`] that can be drawn into the packed G-buffer.
 ///
 /// Implement it for your own material, add [`GBufferMaterialPlugin`] for it, and its meshes go through the G-buffer of
-/// every [`LeanDeferred`](crate::LeanDeferred) camera; without, Bevy's forward pass draws them there. The fragment
-/// shader runs in Bevy's prepass pipeline: it gets `bevy_pbr::prepass_io::VertexOutput`, the material's own bind
-/// group, and returns what `bevy_lean_deferred::gbuffer::pack::pack_pbr_input` makes of a `PbrInput` and that:
+/// every [`LeanDeferred`](crate::LeanDeferred) camera; without, Bevy's forward pass draws them there.
+///
+/// ```no_run
+/// use bevy::{prelude::*, reflect::TypePath, render::render_resource::AsBindGroup, shader::ShaderRef};
+/// use bevy_lean_deferred::prelude::*;
+///
+/// /// Dark rings around a mesh, by height.
+/// #[derive(Asset, AsBindGroup, TypePath, Clone)]
+/// struct Rings {
+///     /// Colour, linear, and rings a metre.
+///     #[uniform(0)]
+///     rings: Vec4,
+/// }
+///
+/// impl Material for Rings {
+///     fn fragment_shader() -> ShaderRef {
+///         "shaders/rings.wgsl".into()
+///     }
+/// }
+///
+/// impl GBufferMaterial for Rings {
+///     // The same file: `PREPASS_PIPELINE` is defined where it draws into the G-buffer.
+///     fn gbuffer_fragment_shader() -> ShaderRef {
+///         "shaders/rings.wgsl".into()
+///     }
+///
+///     // It emits nothing and has no special shading model: the base targets suffice.
+///     fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
+///         Some(GBufferNeeds::BASE)
+///     }
+/// }
+///
+/// fn setup(
+///     mut commands: Commands,
+///     mut meshes: ResMut<Assets<Mesh>>,
+///     mut materials: ResMut<Assets<Rings>>,
+/// ) {
+///     commands.spawn((Camera3d::default(), LeanDeferred::default(), Transform::from_xyz(0.0, 0.0, 4.0)));
+///     commands.spawn(DirectionalLight::default());
+///     commands.spawn((
+///         Mesh3d(meshes.add(Sphere::new(1.0))),
+///         MeshMaterial3d(materials.add(Rings { rings: Vec4::new(0.8, 0.3, 0.1, 4.0) })),
+///     ));
+/// }
+///
+/// App::new()
+///     .add_plugins((
+///         DefaultPlugins,
+///         LeanDeferredPlugins,
+///         MaterialPlugin::<Rings>::default(),
+///         GBufferMaterialPlugin::<Rings>::default(),
+///     ))
+///     .add_systems(Startup, setup)
+///     .run();
+/// ```
 ///
 /// ```wgsl
-/// #import bevy_pbr::{prepass_io::VertexOutput, pbr_fragment::pbr_input_from_standard_material}
-/// #import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, apply_discards, pack_pbr_input}
-///
-/// @fragment
-/// fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferOutput {
-///     var pbr_input = pbr_input_from_standard_material(in, is_front);
-///     pbr_input.material.base_color.b = 1.0;
-///     apply_discards(in, &pbr_input);
-///     return pack_pbr_input(pbr_input, in);
-/// }
+#[doc = include_str!("custom_material.wgsl")]
 /// ```
+///
+/// # The shader
+///
+/// It runs in Bevy's prepass pipeline: it gets `bevy_pbr::prepass_io::VertexOutput` and the material's own bind group, and
+/// returns what `bevy_lean_deferred::gbuffer::pack::pack_pbr_input` makes of a `PbrInput` and that. Alpha masks and the crossfade of
+/// visibility ranges need `apply_discards` of the same module before it.
 ///
 /// The shader is compiled once without optional targets, and if the material needs some, with `GBUFFER_EMISSIVE`,
 /// `GBUFFER_SPECIALIZATION`, `GBUFFER_MOTION` and `GBUFFER_VISIBILITY_MASK` for those that its mesh needs and the view
@@ -191,7 +240,64 @@ pub(super) fn material_texture_defs() -> Vec<ShaderDefVal> {
 }
 
 /// A [`MaterialExtension`] of [`StandardMaterial`] whose [`ExtendedMaterial`] can be drawn into the packed G-buffer.
-/// See [`GBufferMaterial`].
+///
+/// ```
+/// use bevy::{
+///     pbr::{ExtendedMaterial, MaterialExtension},
+///     prelude::*,
+///     reflect::TypePath,
+///     render::render_resource::AsBindGroup,
+///     shader::ShaderRef,
+/// };
+/// use bevy_lean_deferred::prelude::*;
+///
+/// /// A blue tint.
+/// #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
+/// struct Tint {
+///     /// From 0 (none) to 1. Bindings up to 99 are those of `StandardMaterial`.
+///     #[uniform(100)]
+///     strength: f32,
+/// }
+///
+/// impl MaterialExtension for Tint {
+///     fn fragment_shader() -> ShaderRef {
+///         "shaders/tint.wgsl".into()
+///     }
+/// }
+///
+/// impl GBufferMaterialExtension for Tint {
+///     fn gbuffer_fragment_shader() -> ShaderRef {
+///         "shaders/tint_gbuffer.wgsl".into()
+///     }
+/// }
+///
+/// type TintedMaterial = ExtendedMaterial<StandardMaterial, Tint>;
+///
+/// fn add_plugins(app: &mut App) {
+///     app.add_plugins((
+///         MaterialPlugin::<TintedMaterial>::default(),
+///         GBufferMaterialPlugin::<TintedMaterial>::default(),
+///     ));
+/// }
+/// ```
+///
+/// ```wgsl
+/// // assets/shaders/tint_gbuffer.wgsl
+/// #import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, apply_discards, pack_pbr_input}
+/// #import bevy_pbr::{pbr_fragment::pbr_input_from_standard_material, prepass_io::VertexOutput}
+///
+/// @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> strength: f32;
+///
+/// @fragment
+/// fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferOutput {
+///     var pbr_input = pbr_input_from_standard_material(in, is_front);
+///     pbr_input.material.base_color.b = mix(pbr_input.material.base_color.b, 1.0, strength);
+///     apply_discards(in, &pbr_input);
+///     return pack_pbr_input(pbr_input, in);
+/// }
+/// ```
+///
+/// [`GBufferMaterial`] says more of the shader.
 pub trait GBufferMaterialExtension: MaterialExtension {
     /// The fragment shader for the G-buffer. The default ignores the extension.
     fn gbuffer_fragment_shader() -> ShaderRef {

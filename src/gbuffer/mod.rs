@@ -1,19 +1,42 @@
-//! The packed G-buffer: 64 bits a pixel beside depth, and 32 more for each optional target that a visible mesh needs, with
-//! 8 that say which of these a surface has.
+//! The packed G-buffer: what lighting needs to know of each pixel's surface, in 64 bits beside depth.
 //!
-//! - `targets.rs`: the optional targets.
-//! - `material.rs`: which materials and meshes it carries, and what they need.
-//! - `special.rs`, `moving.rs`: which meshes need more than their material says.
-//! - `demand.rs`: what all visible meshes of a view need together.
-//! - `lookup.rs`: what a mesh needs.
-//! - `phase.rs`, `phase_item.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
-//! - `queue.rs`, `placement.rs`: which meshes go there.
-//! - `offer.rs`, `bevy_phases.rs`: Bevy queues the others; how meshes get out of Bevy's phases and back.
-//! - `visibility_masks.rs`: the layers of meshes, as data for their draws.
-//! - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them. `depth_copy.rs`: depth, for others.
-//! - `usage.rs`: what a camera has of them, for users.
-//! - `resolve_motion.{rs,wgsl}`: motion vectors into Bevy's texture. `binding_numbers.rs`: where it has what it binds.
-//! - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
+//! | target | format | bytes a pixel | holds | there is one |
+//! |---|---|---|---|---|
+//! | surface | `R32Uint` | 4 | albedo (square roots, 7 + 8 + 7 bits), metallic (5), material occlusion (5) | always |
+//! | normal | `R32Uint` | 4 | octahedral shading normal (12 + 12), perceptual roughness (8) | always |
+//! | written | `R8Uint` | 1 | which of the following hold a word of this surface | with any of them |
+//! | emissive | `R32Uint` | 4 | light that is emitted or baked into a lightmap (9 + 9 + 9, shared exponent 5) | while a visible mesh writes it |
+//! | specialization | `R32Uint` | 4 | specular constant, shading model with its arguments, flags | while a visible mesh writes it |
+//! | motion | `R32Uint` | 4 | where the surface was in the last frame (two half floats) | as above, with `MotionVectorPrepass` |
+//! | visibility mask | `R32Uint` | 4 | render layers of the mesh, one bit each | as above, where a light has layers of its own |
+//!
+//! The last four are [`GBufferTargets`]. [`GBufferUsage`], on each lean camera, tells which of them it has and how many bytes they take.
+//!
+//! # Which meshes
+//!
+//! All opaque and alpha-masked ones whose material has a place in it. For each material
+//! [`GBufferMaterial::gbuffer_needs`] decides: [`GBufferNeeds`], or `None`. Bevy's forward pass draws the others on the same camera, against
+//! the same depth. `StandardMaterial` is registered; for your own materials implement [`GBufferMaterial`] (or
+//! [`GBufferMaterialExtension`]) and add [`GBufferMaterialPlugin`].
+//!
+//! # Order
+//!
+//! The systems of [`GBufferPasses`] draw it in `Core3d`, before [`LightingPasses`](crate::lighting::LightingPasses). Render-world systems find
+//! the textures in [`GBufferTextures`] on the view. The passes are timed as `lean_deferred/gbuffer`.
+
+// - `targets.rs`: the optional targets.
+// - `material.rs`: which materials and meshes it carries, and what they need. `custom_material.wgsl`: the shader of its example.
+// - `special.rs`, `moving.rs`: which meshes need more than their material says.
+// - `demand.rs`: what all visible meshes of a view need together.
+// - `lookup.rs`: what a mesh needs.
+// - `phase.rs`, `phase_item.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
+// - `queue.rs`, `placement.rs`: which meshes go there.
+// - `offer.rs`, `bevy_phases.rs`: Bevy queues the others; how meshes get out of Bevy's phases and back.
+// - `visibility_masks.rs`: the layers of meshes, as data for their draws.
+// - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them. `depth_copy.rs`: depth, for others.
+// - `usage.rs`: what a camera has of them, for users.
+// - `resolve_motion.{rs,wgsl}`: motion vectors into Bevy's texture. `binding_numbers.rs`: where it has what it binds.
+// - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
 
 mod bevy_phases;
 #[doc(hidden)]

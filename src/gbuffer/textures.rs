@@ -22,11 +22,11 @@ use crate::view::{ActiveLeanView, GBufferTargets, OutOfMemory};
 /// The targets of one view, as large as its render target.
 #[derive(Component, Clone)]
 pub struct GBufferTextures {
-    /// Albedo, metallic, occlusion.
+    /// Albedo, metallic, occlusion; `R32Uint`.
     pub surface: CachedTexture,
-    /// Normal, roughness; [`NO_GEOMETRY`] where no mesh was drawn.
+    /// Normal, roughness; [`NO_GEOMETRY`] where no mesh was drawn; `R32Uint`.
     pub normal: CachedTexture,
-    /// Which of the optional targets hold a word of the surface, on a view that has some.
+    /// Which of the optional targets hold a word of the surface, on a view that has some; `R8Uint`.
     pub written: Option<CachedTexture>,
     /// The optional targets that the view has in this frame, in the order of their bits.
     optional: Vec<(GBufferTargets, CachedTexture)>,

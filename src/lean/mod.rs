@@ -1,10 +1,15 @@
-//! The decision, in each frame, which cameras with [`LeanDeferred`] are rendered lean: put together from what the stages
-//! below offer.
+//! The decision, in each frame, which cameras with [`LeanDeferred`] are rendered lean.
 //!
-//! - `decision.rs`: per camera and frame, lean or Bevy's forward, with one warning per reason.
-//! - `support.rs`: what the device must offer, in one function.
-//! - `statuses.rs`: what the camera is doing, for the main world.
-//! - `foreign_depth.rs`: whether other renderers than Bevy's for meshes draw depth.
+//! A camera is lean if it is HDR without MSAA and `DeferredPrepass`, no light has soft shadows, the device has what
+//! [`missing_capabilities`] lists, its textures fit into memory and its shaders are compiled. Else Bevy renders it. [`LeanStatus`] tells
+//! the app, and one warning for each reason tells the log.
+//!
+//! In the render world [`LeanDeferredSupport`] says what the device can do, from `RenderStartup` on.
+
+// - `decision.rs`: per camera and frame, lean or Bevy's forward, with one warning per reason.
+// - `support.rs`: what the device must offer, in one function.
+// - `statuses.rs`: what the camera is doing, for the main world.
+// - `foreign_depth.rs`: whether other renderers than Bevy's for meshes draw depth.
 
 mod decision;
 mod foreign_depth;
@@ -34,7 +39,9 @@ use crate::{
     },
 };
 
-/// The packed G-buffer and compute lighting, for cameras with [`LeanDeferred`].
+/// The packed G-buffer and compute lighting, for cameras with [`LeanDeferred`]; subsurface scattering, and
+/// [`ExtendedStandardMaterial`](crate::shading_extension::ExtendedStandardMaterial). Part of
+/// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
 #[derive(Default)]
 pub struct LeanDeferredPlugin;
 

@@ -1,20 +1,29 @@
-//! The lighting pass: one compute dispatch over the packed G-buffer, and a second one over the tiles that have special surfaces.
+//! The lighting pass: one compute dispatch over the packed G-buffer, in workgroups of 8×8 pixels, and a second one over the tiles
+//! that have special surfaces.
 //!
-//! - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
-//! - `variants.rs`: what it is compiled with for special surfaces.
-//! - `tile_list.{rs,wgsl}`: where on the screen these are.
-//! - `light_layers.{rs,wgsl}`, `light_layer_table.rs`: which lights affect which meshes, and the table in which the
-//!   shader finds that.
-//! - `pipeline.rs`: layouts and pipelines.
-//! - `inputs.rs`, `buffers.rs`: what it reads. `binding_numbers.rs`, `bindings.rs`, `view_entries.rs`: what of that it binds, and
-//!   where; made anew only when something of it changed.
-//! - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
-//! - `pass.rs`: the dispatches.
-//! - `lighting.wgsl`, `shade.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader. `visibility.wgsl`: ambient occlusion in it.
-//!   `debug_view.wgsl`: channels of the G-buffer in place of light.
-//! - `lights/`: light from each kind of source, diffuse and specular apart. `lit.wgsl`, `shading_point.wgsl`, `brdf.wgsl`: what
-//!   they share. `found_light.wgsl`: what other effects have found. `reach.wgsl`, `clustered_lights.wgsl`: the lights that can
-//!   reach a tile, and the loop over them.
+//! It lights each pixel as Bevy's forward pass does, by the same formulas: directional, point, spot and rectangular lights, shadow maps and
+//! contact shadows, environment maps, reflection probes, irradiance volumes, lightmaps, clustered decals, ambient light, fog. Its
+//! shader is compiled for what the view has of these, and binds nothing else. [`LightCulling`](crate::LightCulling) says how it passes by
+//! lights that do not reach a pixel.
+//!
+//! Systems that must run before or after it in `Core3d` order themselves by [`LightingPasses`]. It is timed as
+//! `lean_deferred/lighting`.
+
+// - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
+// - `variants.rs`: what it is compiled with for special surfaces.
+// - `tile_list.{rs,wgsl}`: where on the screen these are.
+// - `light_layers.{rs,wgsl}`, `light_layer_table.rs`: which lights affect which meshes, and the table in which the
+//   shader finds that.
+// - `pipeline.rs`: layouts and pipelines.
+// - `inputs.rs`, `buffers.rs`: what it reads. `binding_numbers.rs`, `bindings.rs`, `view_entries.rs`: what of that it binds, and
+//   where; made anew only when something of it changed.
+// - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
+// - `pass.rs`: the dispatches.
+// - `lighting.wgsl`, `shade.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader. `visibility.wgsl`: ambient occlusion in it.
+//   `debug_view.wgsl`: channels of the G-buffer in place of light.
+// - `lights/`: light from each kind of source, diffuse and specular apart. `lit.wgsl`, `shading_point.wgsl`, `brdf.wgsl`: what
+//   they share. `found_light.wgsl`: what other effects have found. `reach.wgsl`, `clustered_lights.wgsl`: the lights that can
+//   reach a tile, and the loop over them.
 
 #[doc(hidden)]
 pub mod binding_numbers;

@@ -1,11 +1,22 @@
-//! What effects find on the screen: in the surfaces of this frame, and in the light of the last one.
+//! Effects that find light on the screen: in the surfaces of this frame, and in the light of the last one.
 //!
-//! - `succession.rs`: which frames of a view follow one another. `reprojection.rs`: where the last one had what this one shows.
-//! - `history/`: the last frame of a view, for those that ask for it.
-//! - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
-//! - `subsurface/`: light that scatters beneath surfaces.
-//! - `debug_view/`: what an effect has found, in place of the picture.
-//! - `resolution.rs`: how many pixels share what effects find. `pattern.rs`: how the directions in which they look turn.
+//! | component | finds | reads the last frame |
+//! |---|---|---|
+//! | [`LeanScreenSpaceGi`] | diffuse light that surfaces send to one another | yes |
+//! | [`LeanScreenSpaceReflections`] | what surfaces mirror | yes |
+//! | [`LeanSubsurfaceScattering`] | where light leaves that entered a surface elsewhere | no |
+//!
+//! All are for cameras with [`LeanDeferred`](crate::LeanDeferred). Lighting mixes the first two with environment maps, probes and ambient
+//! light, in whose place they are seen. They know only what the picture shows. The last frame does not count after a
+//! [`CameraCut`](crate::CameraCut), a pause, or a change of size or of the kind of projection. With `MotionVectorPrepass` on the camera they find
+//! what moves where it was; without, its light is a frame behind it.
+
+// - `succession.rs`: which frames of a view follow one another. `reprojection.rs`: where the last one had what this one shows.
+// - `history/`: the last frame of a view, for those that ask for it.
+// - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
+// - `subsurface/`: light that scatters beneath surfaces.
+// - `debug_view/`: what an effect has found, in place of the picture.
+// - `resolution.rs`: how many pixels share what effects find. `pattern.rs`: how the directions in which they look turn.
 
 #[doc(hidden)]
 pub mod debug_view;

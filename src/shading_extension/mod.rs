@@ -1,7 +1,11 @@
 //! Shading models that a `StandardMaterial` does not have, as an extension of it.
 //!
-//! - `extension.wgsl`: its bindings.
-//! - `forward.wgsl`, `gbuffer.wgsl`: the fragment shaders of cameras without and with `LeanDeferred`.
+//! [`ExtendedStandardMaterial`] is a `StandardMaterial` with a [`ShadingExtension`]: rim light or subsurface scattering. It is drawn on all
+//! cameras; those with [`LeanDeferred`](crate::LeanDeferred) have it in the G-buffer. [`ShadingExtensionPlugin`], part of
+//! [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), registers it.
+
+// - `extension.wgsl`: its bindings.
+// - `forward.wgsl`, `gbuffer.wgsl`: the fragment shaders of cameras without and with `LeanDeferred`.
 
 use bevy::{
     asset::{AssetPath, embedded_asset, embedded_path},

@@ -4,6 +4,16 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
 /// Put on a camera at a cut, when it jumps to another place or scene: nothing of its last frame counts in the next one.
 /// Exposure starts adapted, and effects that read the last frame do without. Removed at the end of the frame.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn jump(mut commands: Commands, mut camera: Single<(Entity, &mut Transform), With<Camera3d>>) {
+///     let (entity, transform) = &mut *camera;
+///     transform.translation = Vec3::new(50.0, 2.0, 0.0);
+///     commands.entity(*entity).insert(CameraCut);
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct CameraCut;

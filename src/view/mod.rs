@@ -1,11 +1,22 @@
-//! The ground floor: what a view is, as the app wants it and in this frame. All stages read it, and it reads none of them.
+//! What a view is: as the app wants it, in components of the camera, and in this frame, in components of the render world.
 //!
-//! - `settings.rs`, `status.rs`: [`LeanDeferred`] and [`LeanStatus`], the components of cameras.
-//! - `active.rs`: [`ActiveLeanView`], what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
-//! - `schedule.rs`: when stages run. `cut.rs`: when the last frame says nothing of this one.
-//! - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
-//! - `overrides.rs`: what effects change about a camera, and give back. `removal.rs`: what goes with a component.
-//! - `out_of_memory.rs`: textures that do not fit. `warn_once.rs`: why an effect is off, once for each camera.
+//! | of | type | says |
+//! |---|---|---|
+//! | cameras | [`LeanDeferred`] | that this camera is to be lean, and how |
+//! | cameras | [`LeanStatus`] | whether it is, or why not |
+//! | cameras | [`CameraCut`] | that it jumps in this frame |
+//! | views of the render world | [`ActiveLeanView`] | that it is lean in this frame, and what its G-buffer has |
+//!
+//! Systems of the render world order themselves by [`LeanViewSystems`], passes in `Core3d` by [`GBufferPasses`] and [`LightingPasses`].
+
+// The ground floor: all stages read it, and it reads none of them.
+//
+// - `settings.rs`, `status.rs`: `LeanDeferred` and `LeanStatus`, the components of cameras.
+// - `active.rs`: `ActiveLeanView`, what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
+// - `schedule.rs`: when stages run. `cut.rs`: when the last frame says nothing of this one.
+// - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
+// - `overrides.rs`: what effects change about a camera, and give back. `removal.rs`: what goes with a component.
+// - `out_of_memory.rs`: textures that do not fit. `warn_once.rs`: why an effect is off, once for each camera.
 
 mod active;
 mod cut;

@@ -15,6 +15,35 @@ use super::{
 /// Adding or removing the component at run time switches the camera over and frees what it held.
 /// What the camera is doing is in [`LeanStatus`], what its targets cost in [`GBufferUsage`](crate::gbuffer::GBufferUsage).
 ///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn spawn_camera(mut commands: Commands) {
+///     commands.spawn((
+///         Camera3d::default(),
+///         LeanDeferred::default(),
+///         Transform::from_xyz(0.0, 2.0, 5.0).looking_at(Vec3::ZERO, Vec3::Y),
+///     ));
+/// }
+///
+/// /// Back to Bevy's renderer, and to this one again.
+/// fn toggle(mut commands: Commands, camera: Single<(Entity, Has<LeanDeferred>), With<Camera3d>>) {
+///     let (camera, is_lean) = *camera;
+///     if is_lean {
+///         commands.entity(camera).remove::<LeanDeferred>();
+///     } else {
+///         commands.entity(camera).insert(LeanDeferred::default());
+///     }
+/// }
+///
+/// /// Shows a channel of the G-buffer in place of the picture.
+/// fn show_normals(mut cameras: Query<&mut LeanDeferred>) {
+///     for mut lean in &mut cameras {
+///         lean.debug_view = Some(DebugChannel::Normal);
+///     }
+/// }
+/// ```
+///
 /// Needs HDR (`Hdr` is added with the component) and no MSAA (switched off then). Removing the component gives back what
 /// the camera had, unless another effect needs it or the app has set it since. A camera that
 /// breaks these later, that also has `DeferredPrepass`, or a device that lacks something, is rendered as Bevy has

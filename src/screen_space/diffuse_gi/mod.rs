@@ -1,12 +1,22 @@
-//! Light that surfaces send to one another, and what they hide of the sky: in one march over depth.
+//! Diffuse global illumination: light that surfaces send to one another, and what they hide of the sky, in one march over depth
+//! (Mayaux 2018, "Horizon-based indirect lighting").
 //!
-//! - `settings.rs`: the component.
-//! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-//! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-//! - `pass.rs`: the three passes. `levels.wgsl`: depth, and the light of the last frame, as this one sees it.
-//!   `gather.wgsl`: what falls onto each texel. `filter.wgsl`: what sixteen texels have found, together.
-//! - `forward_light.{rs,wgsl}`: the light of what Bevy's forward passes draw.
-//! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
+//! Put [`LeanScreenSpaceGi`] beside [`LeanDeferred`](crate::LeanDeferred). Three passes run between G-buffer and lighting:
+//!
+//! 1. *levels* brings the diffuse light of the last frame to where this frame shows its surfaces, at four levels of detail.
+//! 2. *gather* marches over depth from each texel. Those of 4×4 texels take different directions.
+//! 3. *filter* joins what these sixteen have found.
+//!
+//! Lighting adds the light, and takes the hidden part of the hemisphere from environment maps, irradiance volumes and ambient light.
+//! The passes are timed as `lean_deferred/diffuse_gi/levels`, `…/gather` and `…/filter`.
+
+// - `settings.rs`: the component.
+// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
+// - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
+// - `pass.rs`: the three passes. `levels.wgsl`: depth, and the light of the last frame, as this one sees it.
+//   `gather.wgsl`: what falls onto each texel. `filter.wgsl`: what sixteen texels have found, together.
+// - `forward_light.{rs,wgsl}`: the light of what Bevy's forward passes draw.
+// - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
 
 mod active;
 #[doc(hidden)]
@@ -52,7 +62,9 @@ use crate::{
     },
 };
 
-/// Diffuse GI, for cameras with [`LeanScreenSpaceGi`].
+/// Diffuse GI, for cameras with [`LeanScreenSpaceGi`]. Does nothing without
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after
+/// `DefaultPlugins`.
 #[derive(Default)]
 pub struct LeanScreenSpaceGiPlugin;
 

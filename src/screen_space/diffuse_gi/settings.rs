@@ -19,6 +19,22 @@ use crate::{
 /// is a frame behind it.
 ///
 /// Adding or removing it at run time switches the effect and frees what it held.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn spawn_camera(mut commands: Commands) {
+///     commands.spawn((
+///         Camera3d::default(),
+///         LeanDeferred::default(),
+///         LeanScreenSpaceGi {
+///             radius: 6.0,
+///             quality: ScreenSpaceGiQuality::High,
+///             ..default()
+///         },
+///     ));
+/// }
+/// ```
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LeanScreenSpaceGi {

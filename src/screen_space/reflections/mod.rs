@@ -1,13 +1,24 @@
-//! What surfaces mirror: rays through the depth of this frame, into the light of the last one.
+//! Screen-space reflections: rays through the depth of this frame, into the light of the last one.
 //!
-//! - `settings.rs`: the component.
-//! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-//! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-//! - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`.
-//!   `trace.wgsl`: a ray for each texel, by `march.wgsl`. `resolve.wgsl`: what each pixel mirrors, of what the rays around it
-//!   have found.
-//! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `surface.wgsl`: what mirrors, and
-//!   what the last frame showed of it.
+//! Put [`LeanScreenSpaceReflections`] beside [`LeanDeferred`](crate::LeanDeferred). It keeps the picture of each frame, as it is after
+//! Bevy's transparent pass, for the next one. Between G-buffer and lighting three passes read it:
+//!
+//! 1. *cells* notes how near and how far the surfaces of each cell of pixels are.
+//! 2. *trace* sends a ray from each texel, from cell to cell and then from pixel to pixel: along the mirror direction, or on rough surfaces along
+//!    one of the sixteen directions of the lobe (GGX) that neighbours share.
+//! 3. *resolve* weighs for each pixel what the rays around it have met.
+//!
+//! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. The
+//! passes are timed as `lean_deferred/screen_space/history`, `lean_deferred/reflections/cells`, `…/trace` and `…/resolve`.
+
+// - `settings.rs`: the component.
+// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
+// - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
+// - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`.
+//   `trace.wgsl`: a ray for each texel, by `march.wgsl`. `resolve.wgsl`: what each pixel mirrors, of what the rays around it
+//   have found.
+// - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `surface.wgsl`: what mirrors, and
+//   what the last frame showed of it.
 
 mod active;
 #[doc(hidden)]
@@ -56,7 +67,9 @@ use crate::{
     },
 };
 
-/// Reflections, for cameras with [`LeanScreenSpaceReflections`].
+/// Reflections, for cameras with [`LeanScreenSpaceReflections`]. Does nothing without
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after
+/// `DefaultPlugins`.
 #[derive(Default)]
 pub struct LeanScreenSpaceReflectionsPlugin;
 

@@ -19,6 +19,37 @@ use crate::{
 /// ones.
 ///
 /// Adding or removing it at run time switches the effect and frees what it held.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn spawn_camera(mut commands: Commands) {
+///     commands.spawn((
+///         Camera3d::default(),
+///         LeanDeferred::default(),
+///         LeanScreenSpaceReflections {
+///             max_roughness: 0.5,
+///             resolution: ScreenSpaceResolution::Full,
+///             ..default()
+///         },
+///     ));
+/// }
+///
+/// fn spawn_wet_floor(
+///     mut commands: Commands,
+///     mut meshes: ResMut<Assets<Mesh>>,
+///     mut materials: ResMut<Assets<StandardMaterial>>,
+/// ) {
+///     commands.spawn((
+///         Mesh3d(meshes.add(Plane3d::default().mesh().size(10.0, 10.0))),
+///         MeshMaterial3d(materials.add(StandardMaterial {
+///             base_color: Color::srgb(0.05, 0.05, 0.06),
+///             perceptual_roughness: 0.1,
+///             ..default()
+///         })),
+///     ));
+/// }
+/// ```
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LeanScreenSpaceReflections {
@@ -77,7 +108,7 @@ impl ScreenSpaceReflectionsQuality {
     /// All of them, cheapest first.
     pub const ALL: [Self; 3] = [Self::Low, Self::Medium, Self::High];
 
-    /// Of a ray from a rough surface.
+    /// The most steps of a ray from a rough surface.
     pub fn rough_steps(self) -> u32 {
         match self {
             Self::Low => 32,
@@ -86,7 +117,7 @@ impl ScreenSpaceReflectionsQuality {
         }
     }
 
-    /// Of a ray from a smooth one.
+    /// The most steps of a ray from a smooth surface, of a perceptual roughness below 0.2.
     pub fn smooth_steps(self) -> u32 {
         match self {
             Self::Low => 128,
@@ -95,7 +126,7 @@ impl ScreenSpaceReflectionsQuality {
         }
     }
 
-    /// That make the lobe of a rough surface.
+    /// Rays that make the lobe of a rough surface.
     pub fn rough_rays(self) -> u32 {
         match self {
             Self::Low => 8,

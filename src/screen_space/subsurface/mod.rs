@@ -1,21 +1,24 @@
-//! Light that scatters beneath surfaces, after lighting: what enters a surface leaves it elsewhere.
+//! Subsurface scattering, after lighting: light that enters a surface leaves it elsewhere, by Burley's profile (Christensen and
+//! Burley 2015, "Approximate Reflectance Profiles for Efficient Subsurface Scattering").
 //!
-//! Lighting writes the diffuse light of surfaces whose shading model is
-//! [`Subsurface`](crate::gbuffer::ShadingModel::Subsurface) apart (`lighting/subsurface_light.rs`), in the tiles that have some.
-//! The passes go over these tiles alone, and add to the picture what scattering changes; so until they are compiled, and where
-//! light leaves where it entered, the picture stays as it is.
+//! Give a mesh an [`ExtendedStandardMaterial`](crate::shading_extension::ExtendedStandardMaterial) with
+//! [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension::Subsurface). Cameras with
+//! [`LeanDeferred`](crate::LeanDeferred) scatter its light without being told; [`LeanSubsurfaceScattering`] on the camera has the quality.
 //!
-//! What enters is brought into ever coarser levels, and back: on the way, each level keeps a share of what it has, so that it
-//! is spread by this level's kernel, about two texels wide (Strengert, Kraus and Ertl 2006, "Pyramid Methods in GPU-Based Image
-//! Processing"). The shares are such that all kernels together are the profile.
-//!
-//! - `settings.rs`: the component. `support.rs`: what the device can do.
-//! - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-//! - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-//! - `pass.rs`: the passes. `down.wgsl`: to the next coarser level. `up.wgsl`: to the
-//!   next finer one, and at last to the picture.
-//! - `profile.{rs,wgsl}`: the shares. `texel.wgsl`: what a pass goes over.
-//! - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
+//! Lighting writes the diffuse light of such surfaces apart, in the tiles that have some. The passes go over these tiles alone, and
+//! add to the picture what scattering changes. Until they are compiled, and where light leaves where it entered, the picture
+//! stays as it is. What enters is brought into ever coarser levels, and back: on the way, each level keeps a share of what it has, so
+//! that it is spread by this level's kernel, about two texels wide (Strengert, Kraus and Ertl 2006, "Pyramid Methods in GPU-Based
+//! Image Processing"). All kernels together are the profile.
+
+// - `settings.rs`: the component. `support.rs`: what the device can do.
+// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
+// - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
+// - `pass.rs`: the passes. `down.wgsl`: to the next coarser level. `up.wgsl`: to the
+//   next finer one, and at last to the picture.
+// - `profile.{rs,wgsl}`: the shares. `texel.wgsl`: what a pass goes over.
+// - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
+// - The light comes from `lighting/subsurface_light.rs`.
 
 mod active;
 #[doc(hidden)]

@@ -9,6 +9,41 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 /// light that would stays on the surface, so that none is lost; so thin parts do not let light through.
 ///
 /// A frame has no noise, and needs no other frame.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn spawn_bust(
+///     mut commands: Commands,
+///     mut meshes: ResMut<Assets<Mesh>>,
+///     mut materials: ResMut<Assets<ExtendedStandardMaterial>>,
+/// ) {
+///     commands.spawn((
+///         Mesh3d(meshes.add(Sphere::new(0.1))),
+///         MeshMaterial3d(materials.add(ExtendedStandardMaterial {
+///             base: Color::srgb(0.85, 0.7, 0.6).into(),
+///             // Skin: red light goes furthest, 5 mm.
+///             extension: ShadingExtension::Subsurface {
+///                 color: LinearRgba::rgb(1.0, 0.35, 0.2).into(),
+///                 mean_free_path: 0.005,
+///                 albedo: SubsurfaceAlbedo::AfterScattering,
+///             },
+///         })),
+///     ));
+/// }
+///
+/// fn spawn_camera(mut commands: Commands) {
+///     commands.spawn((
+///         Camera3d::default(),
+///         LeanDeferred::default(),
+///         // Only to change how: the default scatters without it.
+///         LeanSubsurfaceScattering {
+///             quality: SubsurfaceScatteringQuality::Low,
+///             ..default()
+///         },
+///     ));
+/// }
+/// ```
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LeanSubsurfaceScattering {
