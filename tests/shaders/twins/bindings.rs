@@ -16,6 +16,9 @@ use super::{
     shipped::{self, Place},
 };
 
+/// Files whose bindings have nothing in Rust: an example of the documentation, whose Rust is there too.
+const NOT_COMPARED: [&str; 1] = ["gbuffer/custom_material.wgsl"];
+
 /// A binding's number, and where it is declared, if in the crate.
 type Binding = (u32, Option<Place>);
 
@@ -62,7 +65,7 @@ fn compare(file: &str, group: usize, ours: &[(&str, u32)]) -> Vec<Place> {
 
 /// The numbers that the derive of `AsBindGroup` gives, with and without bindless materials.
 fn numbers_of_shading_extension() -> [(&'static str, u32); 3] {
-    let mut headless = Headless::new(UVec2::splat(8));
+    let headless = Headless::new(UVec2::splat(8));
     let entries = ShadingExtension::bind_group_layout_entries(headless.device(), true);
     let [own] = &entries[..] else {
         panic!("it has one binding");
@@ -135,6 +138,9 @@ fn bindings_have_the_numbers_of_their_names() {
         compare("shading_extension/", 3, &numbers_of_shading_extension()),
     ];
     let compared: BTreeSet<Place> = compared.into_iter().flatten().collect();
-    // All that any shader declares.
-    assert_eq!(shipped::bindings(), compared);
+    let left_out: Vec<Place> = (shipped::bindings().difference(&compared))
+        .filter(|(file, _)| !NOT_COMPARED.contains(&file.as_str()))
+        .cloned()
+        .collect();
+    assert!(left_out.is_empty(), "nothing compares {left_out:?}");
 }
