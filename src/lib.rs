@@ -1,7 +1,7 @@
 //! A leaner renderer for any Bevy 3D camera, switched on by components.
 //!
 //! Add the plugins, and put [`LeanDeferred`] on a camera. It shows the picture of Bevy's forward renderer, and moves fewer bytes
-//! for it: 8 a pixel in the G-buffer beside depth, where Bevy's own has 17.
+//! for it: 8 a pixel in the G-buffer beside depth; that of Bevy's deferred renderer has 17.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -21,7 +21,7 @@
 //! | [`LeanAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
 //! | [`LeanScreenSpaceGi`] | diffuse light from one surface to another | cameras with [`LeanDeferred`] |
 //! | [`LeanScreenSpaceReflections`] | reflections of the picture, smooth and rough | cameras with [`LeanDeferred`] |
-//! | [`LeanSubsurfaceScattering`] | light that scatters beneath surfaces | cameras with [`LeanDeferred`] |
+//! | [`LeanSubsurfaceScattering`] | how light scatters beneath surfaces | cameras with [`LeanDeferred`] |
 //! | [`LeanAutoExposure`] | exposure from the picture's luminance | HDR cameras, 2D too |
 //! | [`CameraCut`] | the camera jumps: effects forget its last frame | all of these |
 //!

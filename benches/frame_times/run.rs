@@ -21,6 +21,7 @@ use kit::{
     hdr::{change_views, even_texture},
     headless::{Headless, Picture},
     metrics,
+    renderer::Renderer,
 };
 
 /// A way to render the scene.
@@ -75,23 +76,18 @@ impl Contender {
         )
     }
 
-    /// Bytes a pixel that the geometry stage must write, and that it and lighting must move in all: each target once
-    /// written, once read, formats as declared (depth 4, HDR colour 8).
-    /// Motion vectors have 4.
+    /// As [`Renderer::bytes_per_pixel`]. Motion vectors have 4.
     fn bytes_per_pixel(self, gbuffer: u32, motion: bool) -> (u32, u32) {
         let motion = if motion { 4 } else { 0 };
         let (written, moved) = match self {
-            Self::Forward => (8 + 4, 8 + 4),
+            Self::Forward => Renderer::Forward.bytes_per_pixel(gbuffer),
             Self::DepthOnly => (4, 4 + 8),
-            // G-buffer 16, lighting id 1, depth 4; copies of the id (1 read, 2 written) and of depth (4 + 4);
-            // lighting reads 16 + 2 + 4 and writes 8.
-            Self::BevyDeferred => (16 + 1 + 4, 21 + 3 + 8 + 22 + 8),
-            // G-buffer, depth 4; lighting reads both and writes 8. Optional targets count as if all pixels wrote them.
+            Self::BevyDeferred => Renderer::BevyDeferred.bytes_per_pixel(gbuffer),
             // The resolve of motion reads depth and normal, and in the place of lighting the target.
-            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => (
-                gbuffer + 4,
-                2 * (gbuffer + 4) + 8 + self.exchanged_bytes() + 2 * motion,
-            ),
+            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => {
+                let (written, moved) = Renderer::Lean.bytes_per_pixel(gbuffer);
+                (written, moved + self.exchanged_bytes() + 2 * motion)
+            }
         };
         (written + motion, moved + motion)
     }
@@ -108,12 +104,10 @@ impl Contender {
     /// Names of the GPU spans of the geometry stage and of the lighting stage.
     fn spans(self) -> (&'static str, Option<&'static str>) {
         match self {
-            Self::Forward => (bench_spans::OPAQUE, None),
+            Self::Forward => Renderer::Forward.spans(),
             Self::DepthOnly => (bench_spans::PREPASS, None),
-            Self::BevyDeferred => (bench_spans::PREPASS, Some(bench_spans::DEFERRED_LIGHTING)),
-            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => {
-                ("lean_deferred/gbuffer", Some("lean_deferred/lighting"))
-            }
+            Self::BevyDeferred => Renderer::BevyDeferred.spans(),
+            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => Renderer::Lean.spans(),
         }
     }
 }

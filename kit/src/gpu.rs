@@ -19,12 +19,8 @@ pub fn keep_drivers_loaded() {
 /// The device that the environment names, with all its limits and those of the `wanted` features that it has, as far as
 /// [`TestDevice`] goes.
 pub fn request(wanted: wgpu::Features) -> (wgpu::AdapterInfo, wgpu::Device, wgpu::Queue) {
-    keep_drivers_loaded();
     let chosen = TestDevice::chosen();
-    let instance =
-        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let adapter = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-        .unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
+    let adapter = request_adapter().unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
     let (device, queue) = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
         required_features: wanted & chosen.features(adapter.features()),
         required_limits: chosen.limits(adapter.limits()),
@@ -32,6 +28,18 @@ pub fn request(wanted: wgpu::Features) -> (wgpu::AdapterInfo, wgpu::Device, wgpu
     }))
     .unwrap_or_else(|error| panic!("no device: {error}"));
     (adapter.get_info(), device, queue)
+}
+
+/// Whether a GPU renders, rather than a driver in software.
+pub fn is_there() -> bool {
+    request_adapter().is_ok_and(|adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu)
+}
+
+fn request_adapter() -> Result<wgpu::Adapter, wgpu::RequestAdapterError> {
+    keep_drivers_loaded();
+    let instance =
+        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
 }
 
 /// What figures say of an adapter.

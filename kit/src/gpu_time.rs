@@ -30,6 +30,18 @@ impl Samples {
         }
     }
 
+    /// Frame by frame, all spans together that `is_wanted` picks; none if there is none.
+    pub fn sum(&self, is_wanted: impl Fn(&str) -> bool) -> Option<Time> {
+        let mut frames: Vec<f64> = Vec::new();
+        for (_, times) in self.0.iter().filter(|(name, _)| is_wanted(name)) {
+            frames.resize(frames.len().max(times.len()), 0.0);
+            for (frame, time) in frames.iter_mut().zip(times) {
+                *frame += time;
+            }
+        }
+        (!frames.is_empty()).then(|| Time::of(frames))
+    }
+
     pub fn time(&self, name: &str) -> Option<Time> {
         Some(Time::of(self.0.get(name)?.clone()))
     }

@@ -281,6 +281,23 @@ impl Picture {
         Self { size, rgba }
     }
 
+    /// Its left half, and the right half of another picture of the same size, with a line between them.
+    pub fn split(&self, right: &Self) -> Self {
+        assert_eq!(self.size, right.size);
+        let middle = self.size.x as usize / 2;
+        let mut rgba = self.rgba.clone();
+        let row_bytes = self.size.x as usize * 4;
+        for (row, other) in (rgba.chunks_mut(row_bytes)).zip(right.rgba.chunks(row_bytes)) {
+            row[middle * 4..].copy_from_slice(&other[middle * 4..]);
+            row[middle.saturating_sub(1) * 4..][..4].fill(255);
+            row[middle * 4..][..4].fill(255);
+        }
+        Self {
+            size: self.size,
+            rgba,
+        }
+    }
+
     /// Writes a PNG; panics if that fails.
     pub fn save(&self, path: impl AsRef<std::path::Path>) {
         let path = path.as_ref();

@@ -20,6 +20,8 @@ use kit::{
 const FORWARD: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e01");
 const GBUFFER: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e02");
 
+const RINGS: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e03");
+
 const GBUFFER_FILE: &str = "stripes_gbuffer.wgsl";
 
 /// What both shaders do to the base colour.
@@ -82,6 +84,29 @@ impl GBufferMaterialExtension for Stripes {
     }
 }
 
+/// The material that the documentation of `GBufferMaterial` has.
+#[derive(Asset, AsBindGroup, TypePath, Clone)]
+struct Rings {
+    #[uniform(0)]
+    rings: Vec4,
+}
+
+impl Material for Rings {
+    fn fragment_shader() -> ShaderRef {
+        RINGS.into()
+    }
+}
+
+impl GBufferMaterial for Rings {
+    fn gbuffer_fragment_shader() -> ShaderRef {
+        RINGS.into()
+    }
+
+    fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
+        Some(GBufferNeeds::BASE)
+    }
+}
+
 type StripedMaterial = ExtendedMaterial<StandardMaterial, Stripes>;
 
 /// A striped ball on a floor, and the camera that sees them.
@@ -94,28 +119,35 @@ fn ball(registers: bool, gbuffer_main: &str) -> (Headless, Entity) {
     });
     set_shader(&mut headless, FORWARD, FORWARD_MAIN, "stripes.wgsl");
     set_shader(&mut headless, GBUFFER, gbuffer_main, GBUFFER_FILE);
-    let mut scene = SceneBuilder {
-        headless: &mut headless,
-    };
-    scene.floor();
-    scene.sun(true);
-    let material = scene.add::<StripedMaterial>(StripedMaterial {
+    let material = StripedMaterial {
         base: Color::srgb(0.8, 0.5, 0.3).into(),
         extension: Stripes { width: 0.3 },
-    });
+    };
+    let camera = spawn_ball(&mut headless, material);
+    (headless, camera)
+}
+
+fn spawn_ball<M: Material>(headless: &mut Headless, material: M) -> Entity {
+    let mut scene = SceneBuilder { headless };
+    scene.floor();
+    scene.sun(true);
+    let material = scene.add::<M>(material);
     let mesh = scene.add::<Mesh>(Sphere::new(1.0).mesh().uv(32, 16));
     scene.spawn((
         Mesh3d(mesh),
         MeshMaterial3d(material),
         Transform::from_xyz(0.0, 1.0, 0.0),
     ));
-    let camera = scene.default_camera(());
-    (headless, camera)
+    scene.default_camera(())
 }
 
 fn set_shader(headless: &mut Headless, handle: Handle<Shader>, main: &str, file: &str) {
+    insert_shader(headless, handle, format!("{main}{STRIPES}"), file);
+}
+
+fn insert_shader(headless: &mut Headless, handle: Handle<Shader>, source: String, file: &str) {
     let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
-    let shader = Shader::from_wgsl(format!("{main}{STRIPES}"), file);
+    let shader = Shader::from_wgsl(source, file);
     shaders
         .insert(handle.id(), shader)
         .expect("a place for a constant handle");
@@ -157,6 +189,26 @@ fn is_in_gbuffer(headless: &mut Headless, camera: Entity) -> bool {
 fn registered_material_goes_through_the_gbuffer() {
     in_own_process(|| {
         let (mut headless, camera) = ball(true, GBUFFER_MAIN);
+        let psnr = psnr(&mut headless, camera);
+        assert!(psnr >= 45.0, "{psnr} dB");
+        assert!(is_in_gbuffer(&mut headless, camera));
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+#[test]
+fn documented_material_goes_through_the_gbuffer() {
+    in_own_process(|| {
+        let mut headless = Headless::with(UVec2::new(160, 120), |app| {
+            app.add_plugins((
+                MaterialPlugin::<Rings>::default(),
+                GBufferMaterialPlugin::<Rings>::default(),
+            ));
+        });
+        let source = include_str!("../../src/gbuffer/custom_material.wgsl").into();
+        insert_shader(&mut headless, RINGS, source, "rings.wgsl");
+        let rings = Vec4::new(0.8, 0.3, 0.1, 4.0);
+        let camera = spawn_ball(&mut headless, Rings { rings });
         let psnr = psnr(&mut headless, camera);
         assert!(psnr >= 45.0, "{psnr} dB");
         assert!(is_in_gbuffer(&mut headless, camera));

@@ -1,11 +1,12 @@
 //! README and docs, brought up to date from figures, or checked.
 //!
 //! Three things are made: tables between `<!-- table: NAME -->` and `<!-- /table -->` ([`tables`]), numbers in sentences
-//! ([`claims`]), and plots. `waiting = true` says of one of them that its figures are not in the folder yet: it stays as it is, and that is
+//! ([`claims`]), and plots ([`links`]). Links that lead nowhere are told. `waiting = true` says of one of them that its figures are not in the folder yet: it stays as it is, and that is
 //! told, until they are. What has figures that no bench measures is told in [`elsewhere`]: all other figures must be made.
 
 pub mod claims;
 pub mod elsewhere;
+mod links;
 pub mod tables;
 
 use std::{
@@ -115,6 +116,7 @@ impl Docs {
         docs.make_tables(&tables.table, &store);
         docs.make_claims(&claims.claim, &store);
         docs.draw_plots(&tables.plot, &store);
+        docs.show_plots();
         let made = |page: &Page| -> Vec<Range<usize>> {
             let own = claims.claim.iter().filter(|claim| claim.file == page.name);
             let claims = own.flat_map(|claim| claim.places(&page.text));
@@ -182,6 +184,21 @@ impl Docs {
                 Ok(None) => {}
                 Err(error) => self.wrong.push(format!("{}: {error}", plot.file)),
             }
+        }
+    }
+
+    /// Puts plots into pages, and tells links that lead nowhere.
+    fn show_plots(&mut self) {
+        for page in &mut self.pages {
+            let folder = match page.name.starts_with("docs/") {
+                true => "figures/",
+                false => "docs/figures/",
+            };
+            let is_drawn = |file: &str| self.plots.contains_key(&format!("{FOLDER}/{file}"));
+            page.text = links::fill(&page.text, folder, is_drawn);
+            let is_made = |file: &str| self.plots.contains_key(file);
+            let dead = links::dead(&self.root, &page.name, &page.text, is_made);
+            self.wrong.extend(dead);
         }
     }
 

@@ -3,7 +3,7 @@
 //!
 //! Give a mesh an [`ExtendedStandardMaterial`](crate::shading_extension::ExtendedStandardMaterial) with
 //! [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension::Subsurface). Cameras with
-//! [`LeanDeferred`](crate::LeanDeferred) scatter its light without being told; [`LeanSubsurfaceScattering`] on the camera has the quality.
+//! [`LeanDeferred`] scatter its light without being told; [`LeanSubsurfaceScattering`] on the camera has the quality.
 //!
 //! Lighting writes the diffuse light of such surfaces apart, in the tiles that have some. The passes go over these tiles alone, and
 //! add to the picture what scattering changes. Until they are compiled, and where light leaves where it entered, the picture

@@ -1,0 +1,71 @@
+//! The command line.
+
+use argh::FromArgs;
+use bevy::prelude::*;
+use kit::size::parse_size;
+use street::Detail;
+
+/// A street by night, or a glTF or GLB file, through everything the crate has.
+#[derive(FromArgs)]
+pub struct Args {
+    /// a glTF or GLB file in place of the street
+    #[argh(option)]
+    model: Option<String>,
+
+    /// render without a window, write this PNG and others beside it, print a table and quit
+    #[argh(option)]
+    headless: Option<String>,
+
+    /// width x height of the pictures or the window, default 1280x720, 960x540 without a GPU
+    #[argh(option, from_str_fn(parse_size))]
+    size: Option<UVec2>,
+
+    /// frames that each time is the median of, default 20, 3 without a GPU
+    #[argh(option)]
+    frames: Option<usize>,
+
+    /// point lights on strings, default 3000
+    #[argh(option)]
+    bulbs: Option<usize>,
+
+    /// people, default 36
+    #[argh(option)]
+    figures: Option<usize>,
+
+    /// half of the street, with fewer lights and people and coarser textures: the default without a GPU, and what the web page has
+    #[argh(switch)]
+    small: bool,
+
+    /// all of the street, also without a GPU
+    #[argh(switch)]
+    full: bool,
+}
+
+impl Args {
+    /// Without a GPU everything takes a hundred times as long.
+    pub fn fill_in(self, has_gpu: bool) -> Wanted {
+        let small = self.small || !(has_gpu || self.full);
+        let detail = if small { Detail::SMALL } else { Detail::FULL };
+        let size = if has_gpu { [1280, 720] } else { [960, 540] };
+        Wanted {
+            model: self.model,
+            headless: self.headless,
+            size: self.size.unwrap_or(size.into()),
+            frames: self.frames.unwrap_or(if has_gpu { 20 } else { 3 }),
+            detail: Detail {
+                bulbs: self.bulbs.unwrap_or(detail.bulbs),
+                figures: self.figures.unwrap_or(detail.figures),
+                ..detail
+            },
+        }
+    }
+}
+
+/// What to show, and how.
+pub struct Wanted {
+    pub model: Option<String>,
+    pub headless: Option<String>,
+    pub size: UVec2,
+    pub frames: usize,
+    pub detail: Detail,
+}

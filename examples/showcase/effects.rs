@@ -1,0 +1,128 @@
+//! The effects, one by one.
+
+use bevy::{camera::Exposure, prelude::*};
+use bevy_lean_deferred::prelude::*;
+use street::Viewpoint;
+
+/// What a lean camera has beside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    AmbientOcclusion,
+    DiffuseGi,
+    Reflections,
+    SubsurfaceScattering,
+    AutoExposure,
+}
+
+impl Effect {
+    pub const ALL: [Self; 5] = [
+        Self::AmbientOcclusion,
+        Self::DiffuseGi,
+        Self::Reflections,
+        Self::SubsurfaceScattering,
+        Self::AutoExposure,
+    ];
+
+    pub fn component(self) -> &'static str {
+        match self {
+            Self::AmbientOcclusion => "LeanAmbientOcclusion",
+            Self::DiffuseGi => "LeanScreenSpaceGi",
+            Self::Reflections => "LeanScreenSpaceReflections",
+            Self::SubsurfaceScattering => "LeanSubsurfaceScattering",
+            Self::AutoExposure => "LeanAutoExposure",
+        }
+    }
+
+    /// As files and command lines name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AmbientOcclusion => "ambient_occlusion",
+            Self::DiffuseGi => "diffuse_gi",
+            Self::Reflections => "reflections",
+            Self::SubsurfaceScattering => "subsurface",
+            Self::AutoExposure => "auto_exposure",
+        }
+    }
+
+    pub fn key(self) -> KeyCode {
+        match self {
+            Self::AmbientOcclusion => KeyCode::KeyO,
+            Self::DiffuseGi => KeyCode::KeyG,
+            Self::Reflections => KeyCode::KeyR,
+            Self::SubsurfaceScattering => KeyCode::KeyS,
+            Self::AutoExposure => KeyCode::KeyE,
+        }
+    }
+
+    /// From where it is seen best.
+    pub fn viewpoint(self) -> Viewpoint {
+        match self {
+            Self::AmbientOcclusion | Self::DiffuseGi => Viewpoint::STALL,
+            Self::Reflections => Viewpoint::PUDDLE,
+            Self::SubsurfaceScattering => Viewpoint::CATS,
+            Self::AutoExposure => Viewpoint::STREET,
+        }
+    }
+
+    /// The exposure of a picture that shows it, where it is not the scene's.
+    pub fn exposure(self) -> Option<Exposure> {
+        // As set for the sun that has gone.
+        (self == Self::AutoExposure).then_some(Exposure { ev100: 8.0 })
+    }
+
+    pub fn switch(self, camera: &mut EntityCommands, is_on: bool) {
+        match (self, is_on) {
+            (Self::AmbientOcclusion, true) => {
+                camera.insert(LeanAmbientOcclusion::default());
+            }
+            (Self::AmbientOcclusion, false) => {
+                camera.remove::<LeanAmbientOcclusion>();
+            }
+            (Self::DiffuseGi, true) => {
+                camera.insert(LeanScreenSpaceGi::default());
+            }
+            (Self::DiffuseGi, false) => {
+                camera.remove::<LeanScreenSpaceGi>();
+            }
+            (Self::Reflections, true) => {
+                camera.insert(LeanScreenSpaceReflections::default());
+            }
+            (Self::Reflections, false) => {
+                camera.remove::<LeanScreenSpaceReflections>();
+            }
+            // Materials ask for it: it is on where it is not switched off.
+            (Self::SubsurfaceScattering, is_on) => {
+                camera.insert(LeanSubsurfaceScattering {
+                    quality: match is_on {
+                        true => default(),
+                        false => SubsurfaceScatteringQuality::Off,
+                    },
+                    ..default()
+                });
+            }
+            (Self::AutoExposure, true) => {
+                camera.insert(LeanAutoExposure {
+                    // A night is to look like one.
+                    target: 0.1,
+                    ..default()
+                });
+            }
+            (Self::AutoExposure, false) => {
+                camera.remove::<LeanAutoExposure>();
+            }
+        }
+    }
+
+    /// Whether a GPU span is of this effect.
+    pub fn owns(self, span: &str) -> bool {
+        let Some(pass) = span.strip_prefix("lean_deferred/") else {
+            return false;
+        };
+        let folder = match self {
+            // What is kept of a frame is kept for reflections.
+            Self::Reflections if pass.ends_with("history") => return true,
+            effect => effect.name(),
+        };
+        pass.split('/').any(|part| part == folder)
+    }
+}

@@ -1,0 +1,229 @@
+//! Without a window: pictures, and a table of what they cost.
+
+use std::path::{Path, PathBuf};
+
+use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::diagnostic::RenderDiagnosticsPlugin};
+use bevy_lean_deferred::prelude::*;
+use figures::{table::Table, time::Time};
+use indicatif::{ProgressBar, ProgressStyle};
+use kit::{
+    bench_spans::{self, add_bench_spans},
+    example::run,
+    gpu_time::Samples,
+    headless::{Headless, Picture},
+    metrics::difference,
+    renderer::Renderer,
+};
+
+use crate::{effects::Effect, settings::Settings};
+
+/// Light has bounced, and exposure has come to rest.
+const FRAMES_OF_EFFECTS: usize = 10;
+
+/// What apps need that are measured.
+pub fn prepare(app: &mut App) {
+    app.add_plugins(RenderDiagnosticsPlugin);
+    add_bench_spans(app);
+}
+
+/// Writes `path` and, beside it, a picture of each effect; prints the tables. Times are medians of `frames`.
+pub fn write(headless: Headless, path: &str, frames: usize) -> AppExit {
+    let mut report = Report {
+        headless,
+        path: path.into(),
+        frames,
+        bar: bar(),
+    };
+    match report.write() {
+        Ok(()) => AppExit::Success,
+        Err(exit) => exit,
+    }
+}
+
+fn bar() -> ProgressBar {
+    let pictures = Renderer::ALL.len() + 1 + 2 * Effect::ALL.len();
+    let bar = ProgressBar::new(pictures as u64 + 1);
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}");
+    bar.with_style(style.expect("it is constant"))
+}
+
+struct Report {
+    headless: Headless,
+    path: PathBuf,
+    frames: usize,
+    bar: ProgressBar,
+}
+
+/// A picture, and the times of its frames.
+struct Shot {
+    picture: Picture,
+    samples: Samples,
+}
+
+impl Report {
+    fn write(&mut self) -> Result<(), AppExit> {
+        self.step("the scene");
+        run::make_ready(&mut self.headless)?;
+        let renderers = self.renderers()?;
+        let effects = self.effects()?;
+        self.bar.finish_and_clear();
+        println!("{}\n{}", renderers.markdown(), effects.markdown());
+        Ok(())
+    }
+
+    /// Says what is being done.
+    fn step(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+        if self.bar.is_hidden() {
+            let (at, of) = (self.bar.position() + 1, self.bar.length().unwrap_or(0));
+            eprintln!("[{at}/{of}] {what}");
+        }
+        self.bar.inc(1);
+    }
+
+    /// Each renderer without effects, and lean with all of them beside forward.
+    fn renderers(&mut self) -> Result<Table, AppExit> {
+        let mut rows = Vec::new();
+        let mut forward = None;
+        for renderer in Renderer::ALL {
+            let shot = self.shoot(renderer.name(), |settings| {
+                settings.renderer = renderer;
+                settings.effects.clear();
+            });
+            let reference = forward.get_or_insert_with(|| shot.picture.clone());
+            rows.push(self.row(renderer, &shot, reference));
+            if renderer == Renderer::Lean {
+                self.save("parity", &reference.split(&shot.picture))?;
+            }
+        }
+        let all = self.shoot("all effects", |settings| {
+            settings.effects = Effect::ALL.into();
+            // What it would hide, GI hides.
+            settings.toggle(Effect::AmbientOcclusion);
+            settings.toggle(Effect::AutoExposure);
+        });
+        if let Some(forward) = forward {
+            self.save("", &forward.split(&all.picture))?;
+        }
+        let (size, device) = (self.headless.size, self.headless.adapter_and_driver());
+        let lights = self.lights();
+        let columns = [
+            "renderer", "geometry", "lighting", "camera", "bytes", "PSNR dB", "FLIP",
+        ];
+        Ok(Table {
+            title: format!(
+                "{}×{}, {lights} point and spot lights, {device}: median (10th–90th percentile) of {} frames in ms; \
+                 bytes a pixel written by geometry / moved by geometry and lighting; errors against forward",
+                size.x, size.y, self.frames
+            ),
+            columns: columns.map(Into::into).into(),
+            rows,
+            notes: vec![
+                "Lean is without effects here, as forward has none of them.".into(),
+                "Camera: all passes, those of shadow maps and post-processing too.".into(),
+            ],
+        })
+    }
+
+    fn row(&mut self, renderer: Renderer, shot: &Shot, reference: &Picture) -> Vec<String> {
+        let world = self.headless.world();
+        let mut usage = world.query::<&GBufferUsage>();
+        let gbuffer = usage.iter(world).map(GBufferUsage::bytes_per_pixel).sum();
+        let (written, moved) = renderer.bytes_per_pixel(gbuffer);
+        let (geometry, lighting) = renderer.spans();
+        let time = |span| Time::text(shot.samples.time(span));
+        let mut row = vec![
+            renderer.name().into(),
+            time(geometry),
+            lighting.map_or("–".into(), time),
+            time(bench_spans::CAMERA),
+            format!("{written} / {moved}"),
+        ];
+        if renderer == Renderer::Forward {
+            row.extend(["–".into(), "–".into()]);
+        } else {
+            let difference = difference(reference, &shot.picture);
+            row.extend([
+                format!("{:.1}", difference.psnr),
+                format!("{:.4}", difference.flip),
+            ]);
+        }
+        row
+    }
+
+    /// Each effect, off and on.
+    fn effects(&mut self) -> Result<Table, AppExit> {
+        let mut rows = Vec::new();
+        for effect in Effect::ALL {
+            let show = |is_on: bool| {
+                move |settings: &mut Settings| {
+                    settings.viewpoint = effect.viewpoint();
+                    settings.exposure = effect.exposure();
+                    settings.effects = if is_on { vec![effect] } else { Vec::new() };
+                }
+            };
+            let off = self.shoot(&format!("{} off", effect.component()), show(false));
+            let on = self.shoot(effect.component(), show(true));
+            let file = self.save(effect.name(), &off.picture.split(&on.picture))?;
+            let time = on.samples.sum(|span| effect.owns(span));
+            rows.push(vec![
+                format!("`{}`", effect.component()),
+                Time::text(time),
+                file,
+            ]);
+        }
+        Ok(Table {
+            title: "Effects, each alone on a lean camera: left off, right on".into(),
+            columns: ["effect", "its passes", "picture"].map(Into::into).into(),
+            rows,
+            notes: Vec::new(),
+        })
+    }
+
+    fn shoot(&mut self, what: &str, change: impl FnOnce(&mut Settings)) -> Shot {
+        self.step(what);
+        change(&mut self.headless.world().resource_mut::<Settings>());
+        // What settings ask for is there in the frame after.
+        self.headless.frames(2);
+        self.headless.settle();
+        let has_effects = !self
+            .headless
+            .world()
+            .resource::<Settings>()
+            .effects
+            .is_empty();
+        self.headless
+            .frames(if has_effects { FRAMES_OF_EFFECTS } else { 0 });
+        let mut samples = Samples::default();
+        for _ in 0..self.frames {
+            self.headless.frames(1);
+            samples.take(self.headless.app.world().resource::<DiagnosticsStore>());
+        }
+        Shot {
+            picture: self.headless.capture(),
+            samples,
+        }
+    }
+
+    /// Beside the first picture, with more in its name; says where.
+    fn save(&self, more: &str, picture: &Picture) -> Result<String, AppExit> {
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+        let name = match more {
+            "" => format!("{stem}.png"),
+            more => format!("{stem}_{more}.png"),
+        };
+        let path = self.path.parent().unwrap_or(Path::new("")).join(name);
+        let path = path.to_string_lossy().into_owned();
+        picture.try_save(&path).map_err(|error| {
+            eprintln!("error: cannot write {path}: {error}");
+            AppExit::error()
+        })?;
+        Ok(path)
+    }
+
+    fn lights(&mut self) -> usize {
+        let world = self.headless.world();
+        let mut lights = world.query_filtered::<(), Or<(With<PointLight>, With<SpotLight>)>>();
+        lights.iter(world).count()
+    }
+}

@@ -1,0 +1,58 @@
+//! Textures, made in code.
+
+mod facades;
+mod grounds;
+mod leaves;
+mod noise;
+mod signs;
+mod texture;
+
+use bevy::prelude::*;
+
+/// Colour, roughness and bumps of something that tiles.
+#[derive(Clone)]
+pub struct Tile {
+    pub color: Handle<Image>,
+    /// Roughness in G, metallic in B.
+    pub roughness: Handle<Image>,
+    pub normal: Handle<Image>,
+}
+
+/// All of them.
+pub struct Textures {
+    /// 8 m of asphalt with puddles.
+    pub asphalt: Tile,
+    /// 2 m of slabs.
+    pub paving: Tile,
+    /// 2 m of bricks.
+    pub bricks: Tile,
+    /// 2 m of roller shutter.
+    pub shutter: Tile,
+    /// Rooms behind windows.
+    pub windows: Vec<Handle<Image>>,
+    /// Made-up letters, four below one another.
+    pub signs: Vec<Handle<Image>>,
+    /// Stripes of an awning.
+    pub stripes: Handle<Image>,
+    /// A bunch of leaves, cut out by alpha.
+    pub leaves: Handle<Image>,
+}
+
+impl Textures {
+    /// What tiles has `size` texels on a side.
+    pub fn new(images: &mut Assets<Image>, size: u32) -> Self {
+        Self {
+            asphalt: grounds::asphalt(images, size),
+            paving: grounds::paving(images, size),
+            bricks: facades::bricks(images, size),
+            shutter: facades::shutter(images, size / 2),
+            windows: (0..WINDOWS).map(|n| facades::window(images, n)).collect(),
+            signs: (0..SIGNS).map(|n| signs::letters(images, n)).collect(),
+            stripes: signs::stripes(images),
+            leaves: leaves::bunch(images, size / 2),
+        }
+    }
+}
+
+const WINDOWS: u64 = 6;
+const SIGNS: u64 = 10;

@@ -1,0 +1,32 @@
+//! Where cameras look from.
+
+use bevy::prelude::*;
+
+/// A place to look from, and what is in the middle of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewpoint {
+    pub eye: Vec3,
+    pub target: Vec3,
+}
+
+impl Viewpoint {
+    /// Down the street.
+    pub const STREET: Self = Self::new([0.5, 1.75, 7.2], [-0.1, 2.3, -8.0]);
+    /// A stall and the corner behind it: what hides the sky, and what shines on what.
+    pub const STALL: Self = Self::new([-0.2, 1.6, -2.3], [-3.7, 0.85, -5.0]);
+    /// Low over a puddle.
+    pub const PUDDLE: Self = Self::new([-0.2, 0.7, 3.0], [0.1, 1.3, -8.0]);
+    /// The cats before the gate.
+    pub const CATS: Self = Self::new([2.0, 1.25, 3.4], [2.9, 0.95, 1.2]);
+
+    const fn new(eye: [f32; 3], target: [f32; 3]) -> Self {
+        Self {
+            eye: Vec3::from_array(eye),
+            target: Vec3::from_array(target),
+        }
+    }
+
+    pub fn transform(self) -> Transform {
+        Transform::from_translation(self.eye).looking_at(self.target, Vec3::Y)
+    }
+}
