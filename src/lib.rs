@@ -55,6 +55,8 @@
 //! `DiagnosticsStore`. Pipelines and textures have the same labels in graphics debuggers.
 //! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the picture.
 
+#![warn(missing_docs)]
+
 extern crate alloc;
 
 pub mod ambient_occlusion;

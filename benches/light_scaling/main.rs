@@ -5,6 +5,7 @@
 //! Prints a Markdown table; `--json FILE` writes the same figures. Times come from timestamp queries of the GPU.
 
 mod contender;
+mod plan;
 mod run;
 mod scene;
 
@@ -12,7 +13,8 @@ use argh::FromArgs;
 use contender::Contender;
 use figures::benches::{Figures, LightScaling};
 use kit::{figures::write_json, size::parse_size};
-use run::{Plan, References};
+use plan::Plan;
+use run::References;
 
 /// How the cost of lighting grows with the number of lights: Bevy forward, Bevy deferred, this crate.
 #[derive(FromArgs)]

@@ -10,7 +10,7 @@ use kit::{
     scenes::boxes::{self, Boxes, LightField},
 };
 
-use crate::{contender::Contender, run::Plan};
+use crate::{contender::Contender, plan::Plan};
 
 /// Where the lights are.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]

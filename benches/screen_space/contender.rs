@@ -68,19 +68,19 @@ impl Contender {
             Self::Plain => &[],
             Self::Occlusion => &["lean_deferred/ambient_occlusion/gather"],
             Self::Gi(..) => &[
-                "lean_deferred/diffuse_gi/levels",
-                "lean_deferred/diffuse_gi/gather",
-                "lean_deferred/diffuse_gi/filter",
+                "lean_deferred/screen_space/diffuse_gi/levels",
+                "lean_deferred/screen_space/diffuse_gi/gather",
+                "lean_deferred/screen_space/diffuse_gi/filter",
             ],
             Self::Reflections(..) => &[
                 "lean_deferred/screen_space/history",
-                "lean_deferred/reflections/cells",
-                "lean_deferred/reflections/trace",
-                "lean_deferred/reflections/resolve",
+                "lean_deferred/screen_space/reflections/cells",
+                "lean_deferred/screen_space/reflections/trace",
+                "lean_deferred/screen_space/reflections/resolve",
             ],
             Self::BevysReflections => &["ssr"],
             Self::Scattering(SubsurfaceScatteringQuality::Off, _) => &[],
-            Self::Scattering(..) => &["lean_deferred/subsurface"],
+            Self::Scattering(..) => &["lean_deferred/screen_space/subsurface"],
         }
     }
 

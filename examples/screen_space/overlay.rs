@@ -43,9 +43,9 @@ fn update_text(
             gi.quality,
             gi.resolution,
             gi.radius,
-            time("lean_deferred/diffuse_gi/levels"),
-            time("lean_deferred/diffuse_gi/gather"),
-            time("lean_deferred/diffuse_gi/filter"),
+            time("lean_deferred/screen_space/diffuse_gi/levels"),
+            time("lean_deferred/screen_space/diffuse_gi/gather"),
+            time("lean_deferred/screen_space/diffuse_gi/filter"),
         ),
     };
     let mirrors = match settings.mirrors {
@@ -55,9 +55,9 @@ fn update_text(
             "LeanScreenSpaceReflections {quality:?}, {:?}: history {}, cells {}, trace {}, resolve {}",
             gi.resolution,
             time("lean_deferred/screen_space/history"),
-            time("lean_deferred/reflections/cells"),
-            time("lean_deferred/reflections/trace"),
-            time("lean_deferred/reflections/resolve"),
+            time("lean_deferred/screen_space/reflections/cells"),
+            time("lean_deferred/screen_space/reflections/trace"),
+            time("lean_deferred/screen_space/reflections/resolve"),
         ),
     };
     text.0 = format!(

@@ -2,17 +2,13 @@
 
 use bevy::render::{
     RenderPlugin,
-    renderer::RenderDevice,
     settings::{RenderCreation, WgpuSettings, WgpuSettingsPriority},
 };
-use bevy_lean_deferred::screen_space::subsurface::missing_for_scattering;
 use wgpu::{Features, Limits};
-
-use crate::{gpu, own_process::in_own_process};
 
 /// With arrays of textures, of which each invocation may read another: Bevy has decals, textures of lights and several
 /// environment maps only with these.
-const BINDING_ARRAYS: Features = Features::TEXTURE_BINDING_ARRAY
+pub(crate) const BINDING_ARRAYS: Features = Features::TEXTURE_BINDING_ARRAY
     .union(Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING);
 
 /// Bevy's forward pass alone asks for more textures and samplers in the fragment stage than the 16 that WebGPU grants to all, with the
@@ -107,29 +103,5 @@ pub fn render_plugin(synchronous_pipeline_compilation: bool) -> RenderPlugin {
         render_creation: render_creation(),
         synchronous_pipeline_compilation,
         ..Default::default()
-    }
-}
-
-/// Whether a device with these limits scatters light beneath surfaces. Says so where it does not.
-pub fn has_room_for_scattering(limits: &Limits) -> bool {
-    let missing = missing_for_scattering(limits);
-    if let Some(missing) = missing {
-        println!("skipped: subsurface scattering: {missing}");
-    }
-    missing.is_none()
-}
-
-/// As [`in_own_process`], where lighting has room for scattering.
-pub fn where_light_scatters<F: FnOnce()>(body: F) {
-    let (_, device, _) = gpu::request(Features::empty());
-    if has_room_for_scattering(&device.limits()) {
-        in_own_process(body);
-    }
-}
-
-/// Says that a part of a test shows nothing here, where the device has no binding arrays. `tests/drivers.sh` counts such lines.
-pub fn skips_without_binding_arrays(device: &RenderDevice, part: &str) {
-    if !device.features().contains(BINDING_ARRAYS) {
-        println!("skipped: {part}: the device has no binding arrays");
     }
 }

@@ -34,3 +34,4 @@ pub mod renderer;
 pub mod scenes;
 pub mod shader_files;
 pub mod size;
+pub mod skipped;

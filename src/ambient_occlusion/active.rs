@@ -72,16 +72,6 @@ impl LeanAmbientOcclusion {
     }
 }
 
-/// Why cameras are without.
-#[derive(Resource)]
-pub(super) struct Warnings(WarnOnce<&'static str>);
-
-impl Default for Warnings {
-    fn default() -> Self {
-        Self(WarnOnce::new("LeanAmbientOcclusion"))
-    }
-}
-
 /// Inserts or removes [`ActiveOcclusion`]. A view keeps its occlusion until that of new settings is compiled. Cameras
 /// that are switched off lose it, and so what they hold on the GPU.
 pub(super) fn decide_active_occlusion(
@@ -89,7 +79,8 @@ pub(super) fn decide_active_occlusion(
     support: Option<Res<OcclusionSupport>>,
     pipelines: Option<ResMut<OcclusionPipelines>>,
     pipeline_cache: Res<PipelineCache>,
-    (mut warnings, memory): (ResMut<Warnings>, Res<OutOfMemory>),
+    memory: Res<OutOfMemory>,
+    mut warnings: Local<WarnOnce<&'static str>>,
     mut views: Query<
         (
             Entity,
@@ -105,7 +96,7 @@ pub(super) fn decide_active_occlusion(
     cameras: Query<&MainEntity, With<LeanAmbientOcclusion>>,
     switched_off: Query<Entity, (With<ActiveOcclusion>, Without<ExtractedView>)>,
 ) {
-    warnings.0.keep_only(cameras.iter());
+    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveOcclusion>();
     }
@@ -114,7 +105,8 @@ pub(super) fn decide_active_occlusion(
     };
     for (entity, view, msaa, settings, (lean, active_lean), has_fog, current) in &mut views {
         let reason = (msaa.samples() > 1).then_some("its Msaa is not Off");
-        (warnings.0).tell(view.retained_view_entity.main_entity, reason);
+        let camera = view.retained_view_entity.main_entity;
+        warnings.tell("LeanAmbientOcclusion", camera, reason);
         let is_for_lighting = active_lean.is_some() && settings.is_for_lighting();
         // Whoever finds the light of surfaces finds what they hide too.
         let is_found =

@@ -111,7 +111,6 @@ impl Plugin for LeanAmbientOcclusionPlugin {
             render_app,
         );
         render_app
-            .init_resource::<active::Warnings>()
             .init_gpu_resource::<OcclusionUniforms>()
             .init_gpu_resource::<OcclusionSupport>()
             .add_systems(

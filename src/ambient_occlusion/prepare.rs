@@ -28,9 +28,8 @@ use super::{
     uniforms::{OcclusionView, fog_parameters, workgroups},
 };
 use crate::{
-    gbuffer::GBufferTextures,
-    gpu::{bind_group_cache::CachedBindGroup, tiles::RowOrder},
-    view::OutOfMemory,
+    gbuffer::GBufferTextures, gpu::bind_group_cache::CachedBindGroup,
+    shader_library::tiles::RowOrder, view::OutOfMemory,
 };
 
 /// The uniforms of all views.

@@ -9,11 +9,9 @@ use bevy::{
 };
 
 use super::settings::LeanAmbientOcclusion;
-use crate::{
-    gpu::tiles,
-    shader_library::reconstruction::position::{
-        ProjectionKind, pixels_per_metre, projection_of, view_from_pixel,
-    },
+use crate::shader_library::{
+    reconstruction::position::{ProjectionKind, pixels_per_metre, projection_of, view_from_pixel},
+    tiles,
 };
 
 /// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
@@ -28,25 +26,27 @@ const EDGE: f32 = 0.1;
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct OcclusionView {
-    pub view_from_pixel: Mat4,
-    pub view_from_world: Mat4,
-    pub edge: Vec4,
-    pub fog: Vec4,
-    pub pixels_per_metre: Vec2,
+    view_from_pixel: Mat4,
+    pub(super) view_from_world: Mat4,
+    edge: Vec4,
+    pub(super) fog: Vec4,
+    pixels_per_metre: Vec2,
+    /// Pixels.
     pub viewport_origin: UVec2,
-    pub viewport_size: UVec2,
+    viewport_size: UVec2,
+    /// Texels of the occlusion texture.
     pub texture_size: UVec2,
-    pub radius: f32,
-    pub largest_radius_in_pixels: f32,
-    pub intensity: f32,
-    pub sin_bias: f32,
-    pub inverse_falloff: f32,
-    pub thickness: f32,
-    pub direct_light_affect: f32,
-    pub turn: f32,
-    pub row_stride: u32,
-    pub slices: u32,
-    pub steps: u32,
+    radius: f32,
+    largest_radius_in_pixels: f32,
+    intensity: f32,
+    sin_bias: f32,
+    inverse_falloff: f32,
+    thickness: f32,
+    direct_light_affect: f32,
+    pub(super) turn: f32,
+    pub(super) row_stride: u32,
+    slices: u32,
+    steps: u32,
 }
 
 impl OcclusionView {

@@ -25,16 +25,6 @@ pub struct ViewExposurePipelines {
     pub(super) passes: PassPipelines,
 }
 
-/// Why cameras are without.
-#[derive(Resource)]
-pub(super) struct Warnings(WarnOnce<&'static str>);
-
-impl Default for Warnings {
-    fn default() -> Self {
-        Self(WarnOnce::new("LeanAutoExposure"))
-    }
-}
-
 /// Inserts or removes [`ViewExposurePipelines`]. A view keeps the pipelines that it has until those of new settings are
 /// compiled: without any, the picture would flash. Cameras that are switched off lose them, and so what they hold on the
 /// GPU, but for their history.
@@ -42,7 +32,7 @@ pub(super) fn queue_exposure_pipelines(
     mut commands: Commands,
     support: Res<ExposureSupport>,
     pipelines: Option<ResMut<ExposurePipelines>>,
-    mut warnings: ResMut<Warnings>,
+    mut warnings: Local<WarnOnce<&'static str>>,
     pipeline_cache: Res<PipelineCache>,
     images: Res<RenderAssets<GpuImage>>,
     mut views: Query<(
@@ -55,7 +45,7 @@ pub(super) fn queue_exposure_pipelines(
     cameras: Query<&MainEntity, With<LeanAutoExposure>>,
     switched_off: Query<Entity, (With<ViewExposurePipelines>, Without<ExtractedCamera>)>,
 ) {
-    warnings.0.keep_only(cameras.iter());
+    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ViewExposurePipelines>();
     }
@@ -64,7 +54,7 @@ pub(super) fn queue_exposure_pipelines(
     };
     for (entity, camera, extracted, settings, current) in &mut views {
         let reason = (!extracted.hdr).then_some("it has no Hdr component");
-        warnings.0.tell(*camera, reason);
+        warnings.tell("LeanAutoExposure", *camera, reason);
         if reason.is_some() {
             if current.is_some() {
                 commands.entity(entity).remove::<ViewExposurePipelines>();

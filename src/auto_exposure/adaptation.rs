@@ -1,4 +1,4 @@
-//! How exposure follows the metered luminance; twin of `adaptation.wgsl`, under the same names.
+//! How exposure follows the metered luminance.
 
 /// What of a distance of `stops` to the target is covered after `seconds`: constant `speed` (stops a second) down to
 /// `transition` stops, exponential from there. Solved exactly, so that neither the frame rate nor a long frame matters.

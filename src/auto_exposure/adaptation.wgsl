@@ -1,4 +1,4 @@
-// How exposure follows the metered luminance. Without bindings; twin of `adaptation.rs`, under the same names.
+// How exposure follows the metered luminance. Without bindings.
 #define_import_path bevy_lean_deferred::auto_exposure::adaptation
 
 /// What of a distance of `stops` to the target is covered after `seconds`: constant `speed` (stops a second) down to

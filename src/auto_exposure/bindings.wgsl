@@ -3,7 +3,7 @@
 
 #import bevy_render::view::View
 
-/// Pixels that a workgroup reads if it reads all; twin of `TILE` in `key.rs`.
+/// Pixels that a workgroup reads if it reads all.
 const TILE: vec2<u32> = vec2(64u, 128u);
 
 /// Settings, and what the passes know of a view.

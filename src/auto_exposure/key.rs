@@ -4,10 +4,10 @@ use bevy::{math::UVec2, shader::ShaderDefVal};
 
 use super::{ExposureSampling, LeanAutoExposure, Metering, MeteringPattern};
 
-/// Pixels that a workgroup of the first pass reads if it reads all; twin of `TILE` in `bindings.wgsl`.
-const TILE: UVec2 = UVec2::new(64, 128);
-/// Twin of `BINS` in `bindings.wgsl`.
-const BINS: u64 = 256;
+/// Pixels that a workgroup of the first pass reads if it reads all.
+pub const TILE: UVec2 = UVec2::new(64, 128);
+/// Bins of the histogram.
+pub const BINS: u64 = 256;
 
 /// What the shaders are compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

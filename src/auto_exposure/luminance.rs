@@ -1,4 +1,4 @@
-//! The luminance of a pixel, safe against anything a picture may hold; twin of `luminance.wgsl`, under the same names.
+//! The luminance of a pixel, safe against anything a picture may hold.
 
 use bevy::math::Vec3;
 

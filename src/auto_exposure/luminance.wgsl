@@ -1,4 +1,4 @@
-// The luminance of a pixel, safe against anything a picture may hold. Without bindings; twin of `luminance.rs`.
+// The luminance of a pixel, safe against anything a picture may hold. Without bindings.
 #define_import_path bevy_lean_deferred::auto_exposure::luminance
 
 /// ITU-R BT.709-6, 3.2.

@@ -28,7 +28,8 @@ mod active;
 pub mod adaptation;
 #[doc(hidden)]
 pub mod binding_numbers;
-mod key;
+#[doc(hidden)]
+pub mod key;
 #[doc(hidden)]
 pub mod luminance;
 mod overlay;
@@ -121,7 +122,6 @@ impl Plugin for LeanAutoExposurePlugin {
         removal::remove_with::<MeteredExposure, ExposureReadback>(render_app);
         render_app
             .init_gpu_resource::<prepare::ExposureUniforms>()
-            .init_resource::<active::Warnings>()
             .add_systems(
                 RenderStartup,
                 (

@@ -2,6 +2,16 @@
 
 use crate::gpu::bindings::binding_numbers;
 
+/// Of `pack.wgsl`.
+pub mod pack {
+    /// The bind group of the masks. Bevy's prepass pipelines have an empty one there.
+    pub const VISIBILITY_MASK_GROUP: usize = 1;
+
+    super::binding_numbers! {
+        MESH_VISIBILITY_MASK = 0,
+    }
+}
+
 /// Of `resolve_motion.wgsl`.
 pub mod resolve_motion {
     super::binding_numbers! {

@@ -14,8 +14,8 @@ use bevy::{
 };
 
 use super::{
-    material::material_texture_defs,
-    visibility_masks::{VISIBILITY_MASK_GROUP, visibility_mask_layout},
+    binding_numbers::pack::VISIBILITY_MASK_GROUP, material::material_texture_defs,
+    visibility_masks::visibility_mask_layout,
 };
 use crate::view::GBufferTargets;
 

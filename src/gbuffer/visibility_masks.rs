@@ -9,17 +9,19 @@ use bevy::{
     render::{
         render_phase::{RenderCommand, RenderCommandResult, SetItemPipeline, TrackedRenderPass},
         render_resource::{
-            BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
-            DynamicUniformBuffer, PipelineCache, ShaderStages, binding_types::uniform_buffer,
+            BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, DynamicUniformBuffer,
+            PipelineCache, ShaderStages, binding_types::uniform_buffer,
         },
         renderer::{RenderDevice, RenderQueue},
     },
 };
 
-use super::{phase::DrawnGBufferPhases, phase_item::GBufferItem};
-
-/// The bind group of the masks. Bevy's prepass pipelines have an empty one there.
-pub(super) const VISIBILITY_MASK_GROUP: usize = 1;
+use super::{
+    binding_numbers::pack::{MESH_VISIBILITY_MASK, VISIBILITY_MASK_GROUP},
+    phase::DrawnGBufferPhases,
+    phase_item::GBufferItem,
+};
+use crate::gpu::bindings::layout;
 
 /// Bevy's `DrawPrepass`, with the mask of the batch in place of the empty bind group.
 pub(super) type DrawWithVisibilityMask = (
@@ -94,9 +96,10 @@ impl VisibilityMasks {
 
 /// What a pipeline that writes masks binds as [`VISIBILITY_MASK_GROUP`].
 pub(super) fn visibility_mask_layout() -> BindGroupLayoutDescriptor {
-    BindGroupLayoutDescriptor::new(
+    layout(
         "lean_deferred/gbuffer/visibility_mask",
-        &BindGroupLayoutEntries::single(ShaderStages::FRAGMENT, uniform_buffer::<u32>(true)),
+        ShaderStages::FRAGMENT,
+        [(MESH_VISIBILITY_MASK, uniform_buffer::<u32>(true))],
     )
 }
 
@@ -125,7 +128,7 @@ pub(super) fn upload_visibility_masks(
         device.create_bind_group(
             "lean_deferred/gbuffer/visibility_mask",
             &pipeline_cache.get_bind_group_layout(&visibility_mask_layout()),
-            &BindGroupEntries::single(binding),
+            &BindGroupEntries::with_indices(((MESH_VISIBILITY_MASK, binding),)),
         )
     });
     masks.is_uploaded = true;

@@ -8,7 +8,6 @@
 //! - `storage_texture.rs`: what a pass writes and another one reads.
 //! - `subgroups.rs`: whether the device has them, and how small they get.
 //! - `timed.rs`: passes whose time is recorded.
-//! - `tiles.rs`: the tiles of compute passes, and the order in which they are walked over.
 
 pub(crate) mod bind_group_cache;
 pub(crate) mod bindings;
@@ -17,5 +16,4 @@ pub(crate) mod pipeline_watch;
 pub(crate) mod recovery;
 pub(crate) mod storage_texture;
 pub(crate) mod subgroups;
-pub(crate) mod tiles;
 pub(crate) mod timed;

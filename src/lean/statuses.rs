@@ -12,32 +12,25 @@ use bevy::{
 
 use crate::view::{LeanDeferred, LeanOffReason, LeanStatus, warn_once::WarnOnce};
 
+const EFFECT: &str = "LeanDeferred";
+
 /// In the render world: what was decided for each camera in this frame.
-#[derive(Resource)]
+#[derive(Resource, Default)]
 pub(super) struct LeanStatuses {
     statuses: MainEntityHashMap<LeanStatus>,
     warnings: WarnOnce<LeanOffReason>,
 }
 
-impl Default for LeanStatuses {
-    fn default() -> Self {
-        Self {
-            statuses: default(),
-            warnings: WarnOnce::new("LeanDeferred"),
-        }
-    }
-}
-
 impl LeanStatuses {
     pub(super) fn off(&mut self, camera: MainEntity, reason: LeanOffReason) {
         let warning = reason.is_of_camera().then(|| reason.clone());
-        self.warnings.tell(camera, warning);
+        self.warnings.tell(EFFECT, camera, warning);
         self.statuses.insert(camera, LeanStatus::Off(reason));
     }
 
     /// A camera that nothing speaks against; `failure` is the cause why a pipeline that it waits for does not compile.
     pub(super) fn on(&mut self, camera: MainEntity, is_active: bool, failure: Option<Arc<str>>) {
-        self.warnings.tell(camera, None);
+        self.warnings.tell(EFFECT, camera, None);
         let status = match (is_active, failure) {
             (true, _) => LeanStatus::Lean,
             (false, None) => LeanStatus::Compiling,

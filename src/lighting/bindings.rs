@@ -1,45 +1,23 @@
 //! Bind groups of the lighting pass.
 
 use bevy::{
-    ecs::{query::QueryData, system::SystemParam},
-    light::IrradianceVolume,
-    pbr::{
-        AreaLightLuts, Bluenoise, DfgLut, FogMeta, GlobalClusterableObjectMeta, LightMeta,
-        LightProbesBuffer, RenderViewLightProbes, ScreenSpaceAmbientOcclusionResources,
-        ShadowSamplers, ViewClusterBindings, ViewContactShadowsUniformOffset, ViewFogUniformOffset,
-        ViewLightProbesUniformOffset, ViewLightsUniformOffset, ViewShadowBindings,
-        contact_shadows::ContactShadowsBuffer,
-        decal::clustered::{DecalsBuffer, RenderClusteredDecals},
-        resources::{AtmosphereSampler, AtmosphereTextures},
-    },
     prelude::*,
     render::{
-        globals::GlobalsBuffer,
-        render_asset::RenderAssets,
         render_resource::{BindGroup, IntoBinding, TextureView, TextureViewId},
         renderer::RenderDevice,
-        texture::{FallbackImage, FallbackImageZero, GpuImage},
-        view::{ViewDepthTexture, ViewTarget, ViewUniformOffset, ViewUniforms},
     },
 };
 
 use super::{
-    ViewLighting,
     binding_numbers::{list, targets},
-    buffers::LightingBuffers,
-    features::ViewEnvironmentMaps,
+    inputs::{LightingResources, LitView, LitViewItem},
     pipeline::{INDIRECT_LIGHT, LightingLayouts, LightingPipelines, target_binding},
-    subsurface_light::SubsurfaceLight,
     view_entries::{push_array_entry, view_entry},
 };
 use crate::{
-    ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
-    gbuffer::GBufferTextures,
-    gpu::{
-        bind_group_cache::{CachedBindGroup, Entries},
-        tiles,
-    },
-    view::{ActiveLeanView, DiffuseLight, IndirectDiffuse, IndirectSpecular, LightExchange},
+    gpu::bind_group_cache::{CachedBindGroup, Entries},
+    shader_library::tiles,
+    view::{ActiveLeanView, LightExchange},
 };
 
 /// The bind groups of one view, and what the dispatch needs beside them.
@@ -87,68 +65,6 @@ impl ViewLightingBindings {
         self.fill_list.clear();
         self.read_list.clear();
     }
-}
-
-/// What lighting reads of a view.
-#[derive(QueryData)]
-#[query_data(mutable)]
-pub(super) struct LitView {
-    pub(super) lighting: &'static mut ViewLighting,
-    pub(super) gbuffer: &'static GBufferTextures,
-    pub(super) depth: &'static ViewDepthTexture,
-    pub(super) target: &'static ViewTarget,
-    pub(super) shadows: &'static ViewShadowBindings,
-    pub(super) clusters: &'static ViewClusterBindings,
-    pub(super) ssao: Option<&'static ScreenSpaceAmbientOcclusionResources>,
-    pub(super) occlusion: Option<&'static ViewOcclusion>,
-    pub(super) occlusion_texture: Option<&'static OcclusionTexture>,
-    pub(super) diffuse_light: Option<&'static DiffuseLight>,
-    pub(super) subsurface_light: Option<&'static SubsurfaceLight>,
-    pub(super) indirect_specular: Option<&'static IndirectSpecular>,
-    pub(super) indirect_diffuse: Option<&'static IndirectDiffuse>,
-    pub(super) atmosphere: Option<&'static AtmosphereTextures>,
-    pub(super) environment_maps: Option<&'static ViewEnvironmentMaps>,
-    pub(super) irradiance_volumes: Option<&'static RenderViewLightProbes<IrradianceVolume>>,
-    pub(super) view_offset: &'static ViewUniformOffset,
-    pub(super) lights_offset: &'static ViewLightsUniformOffset,
-    pub(super) probes_offset: &'static ViewLightProbesUniformOffset,
-    pub(super) fog_offset: Option<&'static ViewFogUniformOffset>,
-    pub(super) contact_shadows_offset: Option<&'static ViewContactShadowsUniformOffset>,
-}
-
-impl LitViewItem<'_, '_> {
-    /// The texture of one kind of light that an effect has found.
-    fn found_light(&self, kind: LightExchange) -> Option<&TextureView> {
-        match kind {
-            LightExchange::INDIRECT_SPECULAR => self.indirect_specular?.0.as_ref(),
-            _ => self.indirect_diffuse?.0.as_ref(),
-        }
-    }
-}
-
-/// What lighting reads of the scene.
-#[derive(SystemParam)]
-pub(super) struct LightingResources<'w> {
-    pub(super) buffers: Res<'w, LightingBuffers>,
-    pub(super) view_uniforms: Res<'w, ViewUniforms>,
-    pub(super) lights: Res<'w, LightMeta>,
-    pub(super) shadow_samplers: Res<'w, ShadowSamplers>,
-    pub(super) clustered: Res<'w, GlobalClusterableObjectMeta>,
-    pub(super) globals: Res<'w, GlobalsBuffer>,
-    pub(super) probes: Res<'w, LightProbesBuffer>,
-    pub(super) fog: Res<'w, FogMeta>,
-    pub(super) contact_shadows: Res<'w, ContactShadowsBuffer>,
-    pub(super) atmosphere_sampler: Option<Res<'w, AtmosphereSampler>>,
-    pub(super) blue_noise: Res<'w, Bluenoise>,
-    pub(super) area_light_luts: Res<'w, AreaLightLuts>,
-    pub(super) dfg_lut: Res<'w, DfgLut>,
-    pub(super) decals_buffer: Res<'w, DecalsBuffer>,
-    pub(super) decals: Res<'w, RenderClusteredDecals>,
-    pub(super) images: Res<'w, RenderAssets<GpuImage>>,
-    pub(super) fallback: Res<'w, FallbackImage>,
-    pub(super) fallback_zero: Res<'w, FallbackImageZero>,
-    pub(super) occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
-    pub(super) occlusion_uniforms: Option<Res<'w, OcclusionUniforms>>,
 }
 
 /// Makes the bind groups of the active views, where something they bind has changed.

@@ -14,8 +14,10 @@ use bevy::{
 
 use super::ViewLighting;
 use crate::{
-    gpu::tiles::{self, RowOrder},
-    shader_library::reconstruction::position::edge_of,
+    shader_library::{
+        reconstruction::position::edge_of,
+        tiles::{self, RowOrder},
+    },
     view::ActiveLeanView,
 };
 

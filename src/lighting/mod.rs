@@ -15,8 +15,8 @@
 // - `light_layers.{rs,wgsl}`, `light_layer_table.rs`: which lights affect which meshes, and the table in which the
 //   shader finds that.
 // - `pipeline.rs`: layouts and pipelines.
-// - `binding_numbers.rs`, `buffers.rs`, `bindings.rs`, `view_entries.rs`: what it binds and where; made anew only when
-//   something of it changed.
+// - `inputs.rs`, `buffers.rs`: what it reads. `binding_numbers.rs`, `bindings.rs`, `view_entries.rs`: what of that it binds, and
+//   where; made anew only when something of it changed.
 // - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
 // - `pass.rs`: the dispatches.
 // - `lighting.wgsl`, `shade.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader. `visibility.wgsl`: ambient occlusion in it.
@@ -31,11 +31,13 @@ mod bindings;
 mod buffers;
 mod diffuse_light;
 mod features;
+mod inputs;
 mod light_layer_table;
 mod light_layers;
 mod pass;
 mod pipeline;
-mod subsurface_light;
+#[doc(hidden)]
+pub mod subsurface_light;
 mod tile_list;
 mod variants;
 mod view_entries;

@@ -11,9 +11,7 @@ use bevy::{
 
 use super::{ViewLighting, subsurface_light::SubsurfaceLight};
 use crate::{
-    gbuffer::GBufferTextures,
-    gpu::{tiles, timed::timed},
-    view::ActiveLeanView,
+    gbuffer::GBufferTextures, gpu::timed::timed, shader_library::tiles, view::ActiveLeanView,
 };
 
 /// Lights the G-buffer of a view into its main texture.

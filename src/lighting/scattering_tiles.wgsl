@@ -1,5 +1,4 @@
-// Writes the light that enters surfaces beneath which it scatters, and lists the tiles that have some. Twin of
-// `subsurface_light.rs`.
+// Writes the light that enters surfaces beneath which it scatters, and lists the tiles that have some.
 #define_import_path bevy_lean_deferred::lighting::scattering_tiles
 
 #ifdef SCATTERS_LIGHT

@@ -1,5 +1,5 @@
 //! The textures of the light that enters surfaces beneath which it scatters, and the list of the tiles that have some, for
-//! those that scatter it. Twin of `subsurface_light.wgsl`.
+//! those that scatter it.
 
 use bevy::{
     prelude::*,
@@ -13,7 +13,8 @@ use bevy::{
 
 use super::ViewLighting;
 use crate::{
-    gpu::{storage_texture::StorageTexture, tiles},
+    gpu::storage_texture::StorageTexture,
+    shader_library::tiles,
     view::{ActiveLeanView, LightExchange, OutOfMemory, ScattersLight},
 };
 
@@ -24,10 +25,10 @@ pub(super) const SUBSURFACE_PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba3
 /// Of the light, whose coarser ones scattering makes.
 pub(crate) const LEVELS: usize = 8;
 
-const LABEL: &str = "lean_deferred/subsurface/light";
+const LABEL: &str = "lean_deferred/lighting/subsurface_light";
 
 /// Where the buffer of the tiles has these. Their count and the materials of the frame come first.
-const TILES: u64 = 257;
+pub const TILES: u64 = 257;
 
 /// On a view with [`ScattersLight`], for as long as it is lean. Layouts of words: `subsurface_light.wgsl`.
 #[derive(Component)]
@@ -48,12 +49,12 @@ impl SubsurfaceLight {
             light: StorageTexture::new(device, LABEL, size, SUBSURFACE_LIGHT_FORMAT),
             picture: StorageTexture::new(
                 device,
-                "lean_deferred/subsurface/picture",
+                "lean_deferred/lighting/subsurface_picture",
                 size,
                 SUBSURFACE_PICTURE_FORMAT,
             ),
             tiles: device.create_buffer(&BufferDescriptor {
-                label: Some("lean_deferred/subsurface/tiles"),
+                label: Some("lean_deferred/lighting/scattering_tiles"),
                 size: 4 * (TILES + 2 * u64::from(tile_count.element_product())),
                 usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
                 mapped_at_creation: false,

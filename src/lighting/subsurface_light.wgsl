@@ -1,5 +1,4 @@
-// The light that enters surfaces beneath which it scatters, as lighting writes it and scattering reads it; twin of
-// `subsurface_light.rs`, under the same names.
+// The light that enters surfaces beneath which it scatters, as lighting writes it and scattering reads it.
 #define_import_path bevy_lean_deferred::lighting::subsurface_light
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_light, unpack_light}
@@ -14,7 +13,7 @@ const LEAST_ALBEDO: f32 = 0.04;
 /// material has the number), and the tiles; then, for each tile of the view, whether it had light in the last frame.
 const COUNT: u32 = 0u;
 const MATERIALS: u32 = 1u;
-const TILES: u32 = 257u;
+const TILES: u32 = MATERIALS + MOST_MATERIALS + 1u;
 /// Materials of a frame that are told apart.
 const MOST_MATERIALS: u32 = 255u;
 

@@ -1,5 +1,5 @@
 //! The list of the tiles that have special surfaces, which the first dispatch fills on the GPU, and the indirect dispatch over
-//! it. Twin of `tile_list.wgsl`.
+//! it.
 
 use bevy::render::{
     render_resource::{

@@ -1,4 +1,4 @@
-// The list of the tiles that have special surfaces. Twin of `tile_list.rs`.
+// The list of the tiles that have special surfaces.
 #define_import_path bevy_lean_deferred::lighting::tile_list
 
 #import bevy_lean_deferred::gbuffer::layout::specialization

@@ -11,7 +11,7 @@ use bevy::{
 
 use super::{
     binding_numbers::{arrays, view},
-    bindings::{LightingResources, LitViewItem},
+    inputs::{LightingResources, LitViewItem},
 };
 use crate::gpu::bind_group_cache::Entries;
 

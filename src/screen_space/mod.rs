@@ -18,7 +18,8 @@
 // - `debug_view/`: what an effect has found, in place of the picture.
 // - `resolution.rs`: how many pixels share what effects find. `pattern.rs`: how the directions in which they look turn.
 
-mod debug_view;
+#[doc(hidden)]
+pub mod debug_view;
 pub mod diffuse_gi;
 #[doc(hidden)]
 pub mod history;

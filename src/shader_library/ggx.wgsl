@@ -1,4 +1,4 @@
-// The lobe of a rough mirror. In tangent space: z is the normal. Without bindings; twin of `ggx.rs`, under the same names.
+// The lobe of a rough mirror. In tangent space: z is the normal. Without bindings.
 #define_import_path bevy_lean_deferred::ggx
 
 const PI: f32 = 3.14159265358979;

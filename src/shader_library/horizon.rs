@@ -1,4 +1,4 @@
-//! What a pair of horizons hides of the hemisphere, weighted by the cosine; twin of `horizon.wgsl`, under the same names.
+//! What a pair of horizons hides of the hemisphere, weighted by the cosine.
 
 use core::f32::consts::PI;
 

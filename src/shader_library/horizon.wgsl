@@ -1,4 +1,4 @@
-// What a pair of horizons hides of the hemisphere, weighted by the cosine. Without bindings; twin of `horizon.rs`.
+// What a pair of horizons hides of the hemisphere, weighted by the cosine. Without bindings.
 #define_import_path bevy_lean_deferred::horizon
 
 const HALF_PI: f32 = 1.57079633;

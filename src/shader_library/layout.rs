@@ -1,4 +1,4 @@
-//! The bit table of the packed G-buffer: twin of `layout.wgsl`, under the same names.
+//! The bit table of the packed G-buffer.
 //!
 //! | word | target | bits, low to high |
 //! |---|---|---|
@@ -52,15 +52,21 @@ pub const SHARED_LAYERS: usize = 31;
 /// Bytes a pixel of the base targets, depth not counted.
 pub const BASE_BYTES_PER_PIXEL: u32 = 8;
 
-const ALBEDO_R_MAX: f32 = 127.0;
-const ALBEDO_G_MAX: f32 = 255.0;
-const ALBEDO_B_MAX: f32 = 127.0;
-const FIVE_BIT_MAX: f32 = 31.0;
-const ROUGHNESS_MAX: f32 = 255.0;
+/// The largest code of red.
+pub const ALBEDO_R_MAX: f32 = 127.0;
+/// Of green.
+pub const ALBEDO_G_MAX: f32 = 255.0;
+/// Of blue.
+pub const ALBEDO_B_MAX: f32 = 127.0;
+/// Of five bits.
+pub const FIVE_BIT_MAX: f32 = 31.0;
+/// Of roughness.
+pub const ROUGHNESS_MAX: f32 = 255.0;
 
 /// Steps of one octahedral axis. Even, so that 0 is a code and the axes and flat floors are stored exactly.
 pub const NORMAL_STEPS: f32 = 4094.0;
-const HALF_STEPS: f32 = 2047.0;
+/// Half as many.
+pub const HALF_STEPS: f32 = 2047.0;
 
 /// A bit for each layer; one more for all from [`SHARED_LAYERS`] on, so that none is lost. The word itself is what
 /// shaders read.

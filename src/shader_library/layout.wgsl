@@ -1,4 +1,4 @@
-// The bit table of the packed G-buffer; twin of `layout.rs`, under the same names.
+// The packed G-buffer. The bit table is in `layout.rs`.
 //
 // | word | target          | bits, low to high                                         |
 // |------|-----------------|-----------------------------------------------------------|

@@ -3,12 +3,13 @@
 //! - `layout.{rs,wgsl}`, `layout/`: the words of the G-buffer.
 //! - `reconstruction/`: from depth back to positions, normals and motion.
 //! - `horizon.{rs,wgsl}`: what a pair of horizons hides. `ggx.{rs,wgsl}`: the lobe of a rough mirror.
-//! - `pattern.wgsl`: which texels of a picture look where. `tiles.wgsl`: the 8×8 tiles of compute passes; the Rust side is `gpu/tiles.rs`.
+//! - `pattern.wgsl`: which texels of a picture look where. `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, and their order.
 
 pub mod ggx;
 pub mod horizon;
 pub mod layout;
 pub mod reconstruction;
+pub mod tiles;
 
 use bevy::{prelude::*, shader::load_shader_library};
 

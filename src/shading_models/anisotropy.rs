@@ -1,4 +1,4 @@
-//! Highlights stretched along a tangent. Twin of `anisotropy.wgsl`.
+//! Highlights stretched along a tangent.
 //!
 //! | bits, low to high | |
 //! |---|---|
@@ -12,7 +12,7 @@ use bevy::math::{Vec2, Vec3};
 use crate::shader_library::layout::{is_divisor, quantize};
 
 /// Where `tangents` takes another frame. Not at 0, where walls are: passes may differ in a normal's last bits.
-const FRAME_SEAM: f32 = -0.3;
+pub const FRAME_SEAM: f32 = -0.3;
 
 /// Two tangents of a unit vector (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 fn tangents(n: Vec3) -> [Vec3; 2] {

@@ -1,4 +1,4 @@
-// Highlights stretched along a tangent. Twin of `anisotropy.rs`, which has the bit table, under the same names.
+// Highlights stretched along a tangent. The bit table is in `anisotropy.rs`.
 #define_import_path bevy_lean_deferred::shading_models::anisotropy
 
 #import bevy_lean_deferred::gbuffer::layout::{is_divisor, quantize}

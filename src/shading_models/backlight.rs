@@ -1,4 +1,4 @@
-//! Light that falls on the back shines through: Bevy's diffuse transmission. Twin of `backlight.wgsl`.
+//! Light that falls on the back shines through: Bevy's diffuse transmission.
 //!
 //! | bits, low to high | |
 //! |---|---|
@@ -10,8 +10,10 @@
 
 use crate::shader_library::layout::quantize;
 
-const THICKNESS_STEPS: f32 = 16.0;
-const LEAST_THICKNESS_LOG: f32 = -20.0;
+/// Steps of a factor of 2.
+pub const THICKNESS_STEPS: f32 = 16.0;
+/// The base-2 logarithm of the least thickness in metres.
+pub const LEAST_THICKNESS_LOG: f32 = -20.0;
 
 /// Packs the arguments of backlight: transmission 0 to 1, thickness in metres.
 pub fn pack_backlight(transmission: f32, thickness: f32, receives_shadows: bool) -> u32 {

@@ -1,4 +1,4 @@
-// Light that falls on the back shines through. Twin of `backlight.rs`, which has the bit table, under the same names.
+// Light that falls on the back shines through. The bit table is in `backlight.rs`.
 #define_import_path bevy_lean_deferred::shading_models::backlight
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize}

@@ -1,4 +1,4 @@
-//! A second, clear layer. Twin of `clearcoat.wgsl`.
+//! A second, clear layer.
 //!
 //! | bits, low to high | |
 //! |---|---|

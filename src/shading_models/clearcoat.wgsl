@@ -1,4 +1,4 @@
-// A second, clear layer. Twin of `clearcoat.rs`, which has the bit table, under the same names.
+// A second, clear layer. The bit table is in `clearcoat.rs`.
 #define_import_path bevy_lean_deferred::shading_models::clearcoat
 
 #import bevy_lean_deferred::gbuffer::layout::quantize

@@ -1,4 +1,4 @@
-//! Light caught along the silhouette. Twin of `rim.wgsl`.
+//! Light caught along the silhouette.
 //!
 //! | bits, low to high | |
 //! |---|---|

@@ -1,4 +1,4 @@
-// Light caught along the silhouette. Twin of `rim.rs`, which has the bit table, under the same names.
+// Light caught along the silhouette. The bit table is in `rim.rs`.
 #define_import_path bevy_lean_deferred::shading_models::rim
 
 #import bevy_lean_deferred::gbuffer::layout::{quantize, quantize_roots}

@@ -1,4 +1,4 @@
-//! Light that enters scatters and leaves elsewhere: `screen_space/subsurface/` scatters it. Twin of `subsurface.wgsl`.
+//! Light that enters scatters and leaves elsewhere: `screen_space/subsurface/` scatters it.
 //!
 //! | bits, low to high | |
 //! |---|---|
@@ -13,10 +13,11 @@ use bevy::math::Vec3;
 
 use crate::shader_library::layout::{quantize, quantize_roots};
 
-const LEAST_PATH_LOG: f32 = -13.287_713;
+/// The base-2 logarithm of the shortest mean free path in metres.
+pub const LEAST_PATH_LOG: f32 = -13.287_713;
 
 /// Largest codes of the colour.
-const STEPS: Vec3 = Vec3::new(15.0, 7.0, 7.0);
+pub const STEPS: Vec3 = Vec3::new(15.0, 7.0, 7.0);
 
 /// Packs the arguments of subsurface scattering: colour 0 to 1, mean free path in metres, and whether the base colour is
 /// applied before light scatters.

@@ -1,4 +1,4 @@
-// Light that enters scatters and leaves elsewhere. Twin of `subsurface.rs`, which has the bit table, under the same names.
+// Light that enters scatters and leaves elsewhere. The bit table is in `subsurface.rs`.
 #define_import_path bevy_lean_deferred::shading_models::subsurface
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize, quantize_roots}

@@ -1,4 +1,4 @@
-//! The base colour, whatever the light. Twin of `unlit.wgsl`.
+//! The base colour, whatever the light.
 //!
 //! Such surfaces have no specular constant, shadows or lightmap: all bits of the word but those of the shading model and the
 //! fog hold the colour, 8 + 8 + 8 (square roots) and a shared exponent of 4.

@@ -1,4 +1,4 @@
-// The base colour, whatever the light. Twin of `unlit.rs`, which has the bits, under the same names.
+// The base colour, whatever the light. The bits are in `unlit.rs`.
 #define_import_path bevy_lean_deferred::shading_models::unlit
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize_roots}

@@ -62,9 +62,8 @@ use crate::{
     gpu::{
         pipeline_watch::{self, PipelineWatch},
         subgroups::Subgroups,
-        tiles::RowOrder,
     },
-    shader_library,
+    shader_library::{self, tiles::RowOrder},
 };
 
 /// What more than one effect needs, whichever of them are added. Added by each of them, once.

@@ -82,7 +82,7 @@ impl OutOfMemory {
 fn make_huge(device: &RenderDevice) {
     let limits = device.limits();
     device.create_texture(&TextureDescriptor {
-        label: Some("lean_deferred/huge"),
+        label: Some("lean_deferred/view/huge"),
         size: Extent3d {
             width: limits.max_texture_dimension_2d,
             height: limits.max_texture_dimension_2d,

@@ -115,7 +115,7 @@ impl LightingVariant {
         }
     }
 
-    /// The number by which shaders know it; that of the plain one is 0. Twin of `variant_of` in `tile_list.wgsl`, which knows
+    /// The number by which shaders know it; that of the plain one is 0. `variant_of` in `tile_list.wgsl` finds it; it knows
     /// those only that are lit in a way of their own: [`unscattered`](Self::unscattered) ones.
     pub(crate) fn index(self) -> u32 {
         self.shading_model as u32 | (u32::from(self.lightmapped) << 3)

@@ -9,31 +9,25 @@ use bevy::{
 
 /// What users have been told of, by camera.
 pub(crate) struct WarnOnce<R> {
-    effect: &'static str,
     told: MainEntityHashMap<R>,
 }
 
-impl<R: Display + PartialEq> WarnOnce<R> {
-    pub(crate) fn new(effect: &'static str) -> Self {
-        Self {
-            effect,
-            told: default(),
-        }
+impl<R> Default for WarnOnce<R> {
+    fn default() -> Self {
+        Self { told: default() }
     }
+}
 
-    /// Called in each frame in which `camera` is rendered, with the reason why the effect is off. Warns if that is
-    /// another one than in the last of these frames.
-    pub(crate) fn tell(&mut self, camera: MainEntity, reason: Option<R>) {
+impl<R: Display + PartialEq> WarnOnce<R> {
+    /// Called in each frame in which `camera` is rendered, with the reason why its `effect` is off. Warns if that is another one
+    /// than in the last of these frames.
+    pub(crate) fn tell(&mut self, effect: &str, camera: MainEntity, reason: Option<R>) {
         let Some(reason) = reason else {
             self.told.remove(&camera);
             return;
         };
         if self.told.get(&camera) != Some(&reason) {
-            warn!(
-                "{} on camera {} is off: {reason}.",
-                self.effect,
-                camera.id()
-            );
+            warn!("{effect} on camera {} is off: {reason}.", camera.id());
             self.told.insert(camera, reason);
         }
     }
@@ -51,17 +45,17 @@ mod tests {
 
     #[test]
     fn what_was_told_is_forgotten_with_the_camera_and_with_the_cause() {
-        let mut warnings = WarnOnce::new("An effect");
+        let mut warnings = WarnOnce::default();
         let [one, other] =
             [1, 2].map(|index| MainEntity::from(Entity::from_raw_u32(index).unwrap()));
-        warnings.tell(one, Some("a reason"));
-        warnings.tell(other, Some("a reason"));
+        warnings.tell("An effect", one, Some("a reason"));
+        warnings.tell("An effect", other, Some("a reason"));
         assert_eq!(warnings.told.len(), 2);
         warnings.keep_only([other].iter());
         assert_eq!(warnings.told.len(), 1);
-        warnings.tell(other, Some("another reason"));
+        warnings.tell("An effect", other, Some("another reason"));
         assert_eq!(warnings.told[&other], "another reason");
-        warnings.tell(other, None);
+        warnings.tell("An effect", other, None);
         assert!(warnings.told.is_empty());
     }
 }

@@ -5,6 +5,7 @@ mod compiling;
 mod dropped_model;
 mod fallback;
 mod history;
+mod labels;
 mod lost_device;
 mod memory;
 mod out_of_memory;

@@ -19,11 +19,11 @@ use bevy_lean_deferred::{
     },
 };
 use kit::{
-    device::has_room_for_scattering,
     headless::Headless,
     held::Held,
     known_slabs::{patterned, slab, step},
     lean::{active_lean_views, build, set_lean},
+    skipped::has_room_for_scattering,
 };
 
 /// Once nothing changes any more; buffers, which Bevy grows as it likes, are not compared.

@@ -158,7 +158,7 @@ fn diffuse_light() {
 fn diffuse_gi() {
     in_own_process(|| {
         check(
-            "lean_deferred/diffuse_gi",
+            "lean_deferred/screen_space/diffuse_gi",
             (LeanDeferred::default(), LeanScreenSpaceGi::default()),
         );
     });
@@ -168,7 +168,7 @@ fn diffuse_gi() {
 fn reflections() {
     in_own_process(|| {
         check(
-            "lean_deferred/reflections",
+            "lean_deferred/screen_space/reflections",
             (
                 LeanDeferred::default(),
                 LeanScreenSpaceReflections::default(),
@@ -192,14 +192,19 @@ fn history() {
 
 #[test]
 fn scattering() {
-    in_own_process(|| check("lean_deferred/subsurface/light", LeanDeferred::default()));
+    in_own_process(|| {
+        check(
+            "lean_deferred/lighting/subsurface_light",
+            LeanDeferred::default(),
+        )
+    });
 }
 
 #[test]
 fn scattered_light() {
     in_own_process(|| {
         check(
-            "lean_deferred/subsurface/scattered",
+            "lean_deferred/screen_space/subsurface/scattered",
             LeanDeferred::default(),
         )
     });

@@ -10,11 +10,11 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    device::skips_without_binding_arrays,
     headless::Headless,
     lean::{build, judge, report, set_lean, settled, show},
     own_process::in_own_process,
     scenes::{self, LEAST_PSNR, Scene},
+    skipped::skips_without_binding_arrays,
 };
 
 const SIZE: UVec2 = UVec2::new(320, 240);

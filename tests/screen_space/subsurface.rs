@@ -3,11 +3,11 @@
 use bevy::{camera::ScalingMode, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    device::where_light_scatters,
     known_balls::ball,
     known_light::{Seen, camera, errors, show},
     known_slabs::{SKIN, beside, edge, patterned, slab, step, stored_paths},
     scenes::SceneBuilder,
+    skipped::where_light_scatters,
 };
 
 const SIZE: UVec2 = UVec2::new(320, 192);

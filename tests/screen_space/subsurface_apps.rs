@@ -10,13 +10,13 @@ use bevy_lean_deferred::{
     lighting::SubsurfaceLight, prelude::*, screen_space::subsurface::ViewSubsurface,
 };
 use kit::{
-    device::where_light_scatters,
     headless::Headless,
     known_light::{Seen, camera, look, see, show},
     known_slabs::{SKIN, patterned, slab, step},
     lean::{build, change_cameras},
     log_watch,
     scenes::SceneBuilder,
+    skipped::where_light_scatters,
 };
 
 use SubsurfaceScatteringQuality::{High, Low, Off};

@@ -1,12 +1,14 @@
 //! How the cost of lighting grows with the number of lights.
 
+mod plot;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{Figures, distinct};
 use crate::{
     json::figure,
-    plots::{self, Plot},
+    plots::Plot,
     record::{Record, size_key},
     table::Table,
     time::{Device, Time},
@@ -201,6 +203,6 @@ impl Figures for LightScaling {
     }
 
     fn plots(&self) -> Vec<Plot> {
-        vec![plots::light_scaling::plot(self)]
+        vec![plot::plot(self)]
     }
 }

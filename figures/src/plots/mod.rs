@@ -1,7 +1,6 @@
-//! Plots as SVG.
+//! Plots as SVG, of any bench. One that a single bench has is beside that bench.
 
 pub mod bars;
-pub mod light_scaling;
 pub mod lines;
 pub mod points;
 pub mod style;

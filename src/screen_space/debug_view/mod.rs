@@ -1,6 +1,9 @@
 //! What an effect has found, shown in place of the picture: after the last frame has been kept, of which it is to be no part,
 //! and before post-processing.
 
+#[doc(hidden)]
+pub mod binding_numbers;
+
 use core::marker::PhantomData;
 
 use bevy::{
@@ -24,6 +27,8 @@ use bevy::{
     },
 };
 
+use binding_numbers::FOUND_TEXTURE;
+
 use super::history::HistoryPasses;
 use crate::{
     gpu::{
@@ -35,7 +40,6 @@ use crate::{
 };
 
 const LABEL: &str = "lean_deferred/screen_space/debug_view";
-const FOUND_TEXTURE: u32 = 0;
 
 /// Draws what is shown, in [`Core3d`].
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]

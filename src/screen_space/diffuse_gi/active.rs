@@ -27,23 +27,13 @@ pub struct ActiveGi {
     pub(super) passes: GiPasses,
 }
 
-/// Why cameras are without.
-#[derive(Resource)]
-pub(super) struct Warnings(WarnOnce<&'static str>);
-
-impl Default for Warnings {
-    fn default() -> Self {
-        Self(WarnOnce::new("LeanScreenSpaceGi"))
-    }
-}
-
 /// Inserts or removes [`ActiveGi`], and what it asks of lighting. While the shaders of new settings compile, a view keeps
 /// those that it had. Cameras that are switched off lose it, and so what they hold on the GPU.
 pub(super) fn decide_active_gi(
     mut commands: Commands,
     pipelines: Option<ResMut<GiPipelines>>,
     cache: Res<PipelineCache>,
-    mut warnings: ResMut<Warnings>,
+    mut warnings: Local<WarnOnce<&'static str>>,
     views: Query<
         (
             Entity,
@@ -58,7 +48,7 @@ pub(super) fn decide_active_gi(
     cameras: Query<&MainEntity, With<LeanScreenSpaceGi>>,
     switched_off: Query<Entity, (With<ActiveGi>, Without<ExtractedCamera>)>,
 ) {
-    warnings.0.keep_only(cameras.iter());
+    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveGi>();
     }
@@ -67,7 +57,8 @@ pub(super) fn decide_active_gi(
     };
     for (entity, view, settings, is_lean, motion, (was_lean, current)) in &views {
         let reason = (!is_lean).then_some("it has no LeanDeferred");
-        (warnings.0).tell(view.retained_view_entity.main_entity, reason);
+        let camera = view.retained_view_entity.main_entity;
+        warnings.tell("LeanScreenSpaceGi", camera, reason);
         let key = GiKey {
             samples: settings.quality.samples(),
             divisor: settings.resolution.divisor(),
@@ -79,9 +70,8 @@ pub(super) fn decide_active_gi(
             key,
             passes: pipelines.specialize(&cache, key),
         });
-        let stand_in = current
-            .filter(|last| (last.key.motion, last.key.projection) == (motion, key.projection));
-        let active = [wanted, stand_in.copied()]
+        let stand_in = current.filter(|last| last.key.binds_like(key)).copied();
+        let active = [wanted, stand_in]
             .into_iter()
             .flatten()
             .find(|active| is_lean && active.passes.are_compiled(&cache));

@@ -28,12 +28,11 @@ use crate::{
         bind_group_cache::FoundLayout, bindings::layout, picture_bind_groups::PictureBindGroups,
         timed::timed_dispatch,
     },
+    shader_library::tiles,
     view::{ActiveLeanView, DiffuseLight, LightExchange},
 };
 
-const LABEL: &str = "lean_deferred/diffuse_gi/forward_light";
-/// Pixels a side of a workgroup.
-const SIDE: u32 = 8;
+const LABEL: &str = "lean_deferred/screen_space/diffuse_gi/forward_light";
 
 /// Made when the first view asks for it.
 #[derive(Resource)]
@@ -154,7 +153,7 @@ pub(super) fn add_forward_light(
         return;
     };
     if lean.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
-        let workgroups = gi.viewport_size.map(|side| side.div_ceil(SIDE));
+        let workgroups = tiles::count(gi.viewport_size);
         timed_dispatch(&mut ctx, LABEL, pipeline, (group, gi.offset), workgroups);
     }
 }

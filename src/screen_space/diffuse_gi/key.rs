@@ -29,4 +29,9 @@ impl GiKey {
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
     }
+
+    /// Whether what is bound is the same.
+    pub(super) fn binds_like(self, other: Self) -> bool {
+        (self.motion, self.projection) == (other.motion, other.projection)
+    }
 }

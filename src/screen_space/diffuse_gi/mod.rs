@@ -8,7 +8,7 @@
 //! 3. *filter* joins what these sixteen have found.
 //!
 //! Lighting adds the light, and takes the hidden part of the hemisphere from environment maps, irradiance volumes and ambient light.
-//! The passes are timed as `lean_deferred/diffuse_gi/levels`, `…/gather` and `…/filter`.
+//! The passes are timed as `lean_deferred/screen_space/diffuse_gi/levels`, `…/gather` and `…/filter`.
 
 // - `settings.rs`: the component.
 // - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
@@ -94,7 +94,6 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         removal::remove_with::<ActiveLeanView, ViewGi>(render_app);
         removal::remove_with::<ViewGi, (GiBindings, ForwardLight)>(render_app);
         render_app
-            .init_resource::<active::Warnings>()
             .init_gpu_resource::<prepare::GiUniforms>()
             .add_systems(
                 RenderStartup,

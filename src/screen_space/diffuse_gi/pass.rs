@@ -20,9 +20,9 @@ use crate::{
 
 /// Labels of the passes, in order.
 const PASSES: [&str; 3] = [
-    "lean_deferred/diffuse_gi/levels",
-    "lean_deferred/diffuse_gi/gather",
-    "lean_deferred/diffuse_gi/filter",
+    "lean_deferred/screen_space/diffuse_gi/levels",
+    "lean_deferred/screen_space/diffuse_gi/gather",
+    "lean_deferred/screen_space/diffuse_gi/filter",
 ];
 
 /// Finds what surfaces send to one another, for the lighting pass.

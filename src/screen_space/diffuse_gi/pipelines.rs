@@ -75,13 +75,13 @@ pub(super) fn init_gi_pipelines(
         .chain((0..LEVEL_COUNT).map(|level| (LEVEL_0 + level, stored(LEVELS_FORMAT))))
         .chain(motion.then(|| (MOTION_TEXTURE, floats())));
         layout(
-            "lean_deferred/diffuse_gi/levels",
+            "lean_deferred/screen_space/diffuse_gi/levels",
             ShaderStages::COMPUTE,
             entries,
         )
     };
     let gather_layout = layout(
-        "lean_deferred/diffuse_gi/gather",
+        "lean_deferred/screen_space/diffuse_gi/gather",
         ShaderStages::COMPUTE,
         [
             view(),
@@ -92,7 +92,7 @@ pub(super) fn init_gi_pipelines(
         ],
     );
     let filter_layout = layout(
-        "lean_deferred/diffuse_gi/filter",
+        "lean_deferred/screen_space/diffuse_gi/filter",
         ShaderStages::COMPUTE,
         [
             view(),
@@ -137,17 +137,17 @@ impl GiPipelines {
         let [levels, gather, filter] = &self.shaders;
         let passes = GiPasses {
             levels: queue(
-                "lean_deferred/diffuse_gi/levels",
+                "lean_deferred/screen_space/diffuse_gi/levels",
                 levels,
                 self.levels_layout(key),
             ),
             gather: queue(
-                "lean_deferred/diffuse_gi/gather",
+                "lean_deferred/screen_space/diffuse_gi/gather",
                 gather,
                 &self.gather_layout,
             ),
             filter: queue(
-                "lean_deferred/diffuse_gi/filter",
+                "lean_deferred/screen_space/diffuse_gi/filter",
                 filter,
                 &self.filter_layout,
             ),

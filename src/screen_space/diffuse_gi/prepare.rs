@@ -28,17 +28,14 @@ use super::{
 };
 use crate::{
     gbuffer::GBufferTextures,
-    gpu::{
-        bind_group_cache::CachedBindGroup,
-        storage_texture::StorageTexture,
-        tiles::{self, RowOrder},
-    },
+    gpu::{bind_group_cache::CachedBindGroup, storage_texture::StorageTexture},
     screen_space::{
         LastFrame,
         debug_view::{DebugShown, Shows},
         pattern::turn_of,
         succession::{FrameNumber, Succession},
     },
+    shader_library::tiles::{self, RowOrder},
     view::{ActiveLeanView, CameraCuts, DiffuseLight, IndirectDiffuse, LightExchange, OutOfMemory},
 };
 
@@ -76,14 +73,14 @@ pub struct ViewGi {
 
 impl ViewGi {
     fn new(device: &RenderDevice, texture_size: UVec2, frames: Succession) -> Self {
-        let levels = "lean_deferred/diffuse_gi/levels";
+        let levels = "lean_deferred/screen_space/diffuse_gi/levels";
         let light = |label| StorageTexture::new(device, label, texture_size, LIGHT_FORMAT);
         Self {
             levels: [(); 2]
                 .map(|()| StorageTexture::new(device, levels, texture_size, LEVELS_FORMAT)),
             current: 0,
-            gathered: light("lean_deferred/diffuse_gi/gathered"),
-            output: light("lean_deferred/diffuse_gi/output"),
+            gathered: light("lean_deferred/screen_space/diffuse_gi/gathered"),
+            output: light("lean_deferred/screen_space/diffuse_gi/output"),
             texture_size,
             viewport_size: UVec2::ZERO,
             debug_view: None,
@@ -157,8 +154,12 @@ pub(super) fn prepare_gi(
             }
             _ => {
                 let make = || ViewGi::new(&device, size, Succession::new(now, cuts));
-                let Some(new) = memory.fit(&device, entity, "lean_deferred/diffuse_gi", make)
-                else {
+                let Some(new) = memory.fit(
+                    &device,
+                    entity,
+                    "lean_deferred/screen_space/diffuse_gi",
+                    make,
+                ) else {
                     found.0 = None;
                     commands.entity(entity).remove::<ViewGi>();
                     continue;

@@ -22,22 +22,22 @@ const LARGEST_METRES: f32 = 1e9;
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct GiView {
-    pub view_from_pixel: Mat4,
-    pub view_from_world: Mat4,
-    pub last_pixel_from_view: Mat4,
-    pub pixels_per_metre: Vec2,
-    pub edge: Vec2,
-    pub viewport_origin: UVec2,
-    pub viewport_size: UVec2,
-    pub texture_size: UVec2,
-    pub radius: f32,
-    pub largest_radius_in_pixels: f32,
-    pub inverse_falloff: f32,
-    pub sin_bias: f32,
-    pub intensity: f32,
-    pub exposure_ratio: f32,
-    pub turn: f32,
-    pub row_stride: u32,
+    view_from_pixel: Mat4,
+    view_from_world: Mat4,
+    last_pixel_from_view: Mat4,
+    pixels_per_metre: Vec2,
+    edge: Vec2,
+    viewport_origin: UVec2,
+    pub(super) viewport_size: UVec2,
+    pub(super) texture_size: UVec2,
+    radius: f32,
+    largest_radius_in_pixels: f32,
+    inverse_falloff: f32,
+    sin_bias: f32,
+    intensity: f32,
+    exposure_ratio: f32,
+    pub(super) turn: f32,
+    pub(super) row_stride: u32,
 }
 
 impl GiView {

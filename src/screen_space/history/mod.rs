@@ -4,13 +4,15 @@
 //! An effect inserts [`ReadsHistory`] on its views, and finds [`ViewHistory`] there. It is valid while each frame follows the
 //! one before: not after a cut, a pause, a change of size, or of the kind of projection.
 //!
-//! - `prepare.rs`: the textures, and whether they are valid. `pipelines.rs`, `pass.rs`, `levels.wgsl`: what fills them.
+//! - `prepare.rs`: the textures, and whether they are valid. `uniforms.rs`, `pipelines.rs`, `pass.rs`, `levels.wgsl`: what fills
+//!   them.
 
 #[doc(hidden)]
 pub mod binding_numbers;
 mod pass;
 mod pipelines;
 mod prepare;
+mod uniforms;
 
 use bevy::{
     asset::embedded_asset,
@@ -25,8 +27,9 @@ use bevy::{
     },
 };
 
+pub use prepare::ViewHistory;
 pub(super) use prepare::prepare_histories;
-pub use prepare::{HistoryView, ViewHistory};
+pub use uniforms::HistoryView;
 
 use super::succession::SuccessionPlugin;
 use crate::view::{SharedPlugin, depth_usage::extend_depth_usage, removal};

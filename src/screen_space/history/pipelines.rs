@@ -12,7 +12,7 @@ use bevy::{
 
 use super::{
     binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, LEVEL_1, LEVEL_2, LEVEL_3, VIEW},
-    prepare::HistoryView,
+    uniforms::HistoryView,
 };
 use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
 
@@ -52,7 +52,7 @@ pub(super) fn init_history_pipelines(
         ],
     );
     let means = layout(
-        "lean_deferred/screen_space/history_means",
+        "lean_deferred/screen_space/history/means",
         ShaderStages::COMPUTE,
         [
             (COLOR_TEXTURE, floats()),

@@ -6,8 +6,7 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         render_resource::{
-            BindGroup, DynamicUniformBuffer, IntoBinding, PipelineCache, ShaderType, Texture,
-            TextureView,
+            BindGroup, DynamicUniformBuffer, IntoBinding, PipelineCache, Texture, TextureView,
         },
         renderer::{RenderDevice, RenderQueue},
         view::{ExtractedView, ViewDepthTexture, ViewTarget},
@@ -18,6 +17,7 @@ use super::{
     ReadsHistory,
     binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, VIEW},
     pipelines::{FORMAT, HistoryPipelines, LEVELS},
+    uniforms::HistoryView,
 };
 use crate::{
     gpu::{
@@ -25,7 +25,6 @@ use crate::{
         storage_texture::StorageTexture,
     },
     screen_space::succession::{FrameNumber, LastFrame, Succession},
-    shader_library::reconstruction::position::view_from_pixel,
     view::{CameraCuts, OutOfMemory},
 };
 
@@ -33,15 +32,6 @@ const LABEL: &str = "lean_deferred/screen_space/history";
 const LEVEL_COUNT: usize = (LEVELS[0] + LEVELS[1]) as usize;
 /// Texels a side that a workgroup reads.
 const SIDE: u32 = 16;
-
-/// What the passes know of a view.
-#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
-#[reflect(no_auto_register)]
-pub struct HistoryView {
-    pub view_from_pixel: Mat4,
-    pub viewport_origin: UVec2,
-    pub viewport_size: UVec2,
-}
 
 /// The uniforms of all views.
 #[derive(Resource, Default)]
@@ -184,11 +174,7 @@ pub(in crate::screen_space) fn prepare_histories(
                 made.insert(new)
             }
         };
-        history.offset = writer.write(&HistoryView {
-            view_from_pixel: view_from_pixel(now.clip_from_view, size),
-            viewport_origin: now.viewport.min,
-            viewport_size: size,
-        });
+        history.offset = writer.write(&HistoryView::new(&now));
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }

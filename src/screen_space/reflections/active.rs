@@ -28,23 +28,13 @@ pub struct ActiveReflections {
     pub(super) passes: ReflectionPasses,
 }
 
-/// Why cameras are without.
-#[derive(Resource)]
-pub(super) struct Warnings(WarnOnce<&'static str>);
-
-impl Default for Warnings {
-    fn default() -> Self {
-        Self(WarnOnce::new("LeanScreenSpaceReflections"))
-    }
-}
-
 /// Inserts or removes [`ActiveReflections`], and what it asks of others. While the shaders of new settings compile, a view
 /// keeps those that it had. Cameras that are switched off lose it, and so what they hold on the GPU.
 pub(super) fn decide_active_reflections(
     mut commands: Commands,
     pipelines: Option<ResMut<ReflectionPipelines>>,
     cache: Res<PipelineCache>,
-    mut warnings: ResMut<Warnings>,
+    mut warnings: Local<WarnOnce<&'static str>>,
     views: Query<
         (
             Entity,
@@ -59,7 +49,7 @@ pub(super) fn decide_active_reflections(
     cameras: Query<&MainEntity, With<LeanScreenSpaceReflections>>,
     switched_off: Query<Entity, (With<ActiveReflections>, Without<ExtractedCamera>)>,
 ) {
-    warnings.0.keep_only(cameras.iter());
+    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveReflections>();
     }
@@ -68,7 +58,8 @@ pub(super) fn decide_active_reflections(
     };
     for (entity, view, settings, is_lean, motion, (last, current)) in &views {
         let reason = (!is_lean).then_some("it has no LeanDeferred");
-        (warnings.0).tell(view.retained_view_entity.main_entity, reason);
+        let camera = view.retained_view_entity.main_entity;
+        warnings.tell("LeanScreenSpaceReflections", camera, reason);
         let key = ReflectionKey {
             quality: settings.quality,
             divisor: settings.resolution.divisor(),

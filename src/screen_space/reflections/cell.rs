@@ -1,6 +1,7 @@
-//! The nearest and the furthest depth of a cell, in a word: twin of `cell.wgsl`, under the same names, where the documentation is.
+//! The nearest and the furthest depth of a cell, in a word. The documentation is in `cell.wgsl`.
 
-const FIRST: u32 = (0x3f80_0000 >> 12) - 0xffff;
+/// The bits that are kept of the least depth.
+pub const FIRST: u32 = (0x3f80_0000 >> 12) - 0xffff;
 
 fn code_of(depth: f32, more: u32) -> u32 {
     let bits = depth.max(0.0).to_bits() + more;

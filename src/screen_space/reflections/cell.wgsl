@@ -1,4 +1,4 @@
-// The nearest and the furthest depth of a cell, in a word. Without bindings; twin of `cell.rs`, under the same names.
+// The nearest and the furthest depth of a cell, in a word. Without bindings.
 #define_import_path bevy_lean_deferred::screen_space::reflections::cell
 
 /// Of a number's bits, those of depths from 2⁻³² to 1 that are kept begin here: 5 of its exponent, 11 of its mantissa.

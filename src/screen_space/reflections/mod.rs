@@ -9,7 +9,7 @@
 //! 3. *resolve* weighs for each pixel what the rays around it have met.
 //!
 //! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. The
-//! passes are timed as `lean_deferred/screen_space/history`, `lean_deferred/reflections/cells`, `…/trace` and `…/resolve`.
+//! passes are timed as `lean_deferred/screen_space/history`, `lean_deferred/screen_space/reflections/cells`, `…/trace` and `…/resolve`.
 
 // - `settings.rs`: the component.
 // - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
@@ -108,7 +108,6 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         >(render_app);
         removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
         render_app
-            .init_resource::<active::Warnings>()
             .init_gpu_resource::<prepare::ReflectionUniforms>()
             .add_systems(
                 RenderStartup,

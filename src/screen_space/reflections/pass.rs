@@ -19,9 +19,9 @@ use crate::{
 
 /// Labels of the passes, in order.
 const PASSES: [&str; 3] = [
-    "lean_deferred/reflections/cells",
-    "lean_deferred/reflections/trace",
-    "lean_deferred/reflections/resolve",
+    "lean_deferred/screen_space/reflections/cells",
+    "lean_deferred/screen_space/reflections/trace",
+    "lean_deferred/screen_space/reflections/resolve",
 ];
 
 /// Finds what surfaces mirror, for the lighting pass.

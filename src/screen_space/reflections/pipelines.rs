@@ -87,7 +87,7 @@ pub(super) fn init_reflection_pipelines(mut commands: Commands, asset_server: Re
 impl Fixtures {
     fn new(device: &RenderDevice) -> Self {
         let nothing: Texture = device.create_texture(&TextureDescriptor {
-            label: Some("lean_deferred/reflections/nothing"),
+            label: Some("lean_deferred/screen_space/reflections/nothing"),
             size: default(),
             mip_level_count: 1,
             sample_count: 1,
@@ -98,14 +98,14 @@ impl Fixtures {
         });
         Self {
             history_sampler: device.create_sampler(&SamplerDescriptor {
-                label: Some("lean_deferred/reflections/history"),
+                label: Some("lean_deferred/screen_space/reflections/history"),
                 mag_filter: FilterMode::Linear,
                 min_filter: FilterMode::Linear,
                 mipmap_filter: MipmapFilterMode::Linear,
                 ..default()
             }),
             depth_sampler: device.create_sampler(&SamplerDescriptor {
-                label: Some("lean_deferred/reflections/depth"),
+                label: Some("lean_deferred/screen_space/reflections/depth"),
                 ..default()
             }),
             nothing: nothing.create_view(&default()),
@@ -143,14 +143,14 @@ fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayo
     };
     ReflectionLayouts([
         found(
-            "lean_deferred/reflections/cells",
+            "lean_deferred/screen_space/reflections/cells",
             vec![
                 (CELLS_OUTPUT, stored(CELLS_FORMAT)),
                 (DEPTH_SAMPLER, sampler(SamplerBindingType::NonFiltering)),
             ],
         ),
         with_surfaces(
-            "lean_deferred/reflections/trace",
+            "lean_deferred/screen_space/reflections/trace",
             vec![
                 (CELLS_TEXTURE, words()),
                 (RAYS_OUTPUT, stored(LIGHT_FORMAT)),
@@ -158,7 +158,7 @@ fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayo
             ],
         ),
         with_surfaces(
-            "lean_deferred/reflections/resolve",
+            "lean_deferred/screen_space/reflections/resolve",
             vec![
                 (RAYS_TEXTURE, floats()),
                 (HITS_TEXTURE, words()),

@@ -31,13 +31,13 @@ use crate::{
     gpu::{
         bind_group_cache::{CachedBindGroup, Entries},
         storage_texture::StorageTexture,
-        tiles::{self, RowOrder},
     },
     screen_space::{
         LastFrame, ViewHistory,
         debug_view::{DebugShown, Shows},
         pattern::turn_of,
     },
+    shader_library::tiles::{self, RowOrder},
     view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LightExchange, OutOfMemory},
 };
 
@@ -69,11 +69,23 @@ impl ViewReflections {
         let texels = view.texture_size;
         let texture = |label, size, format| StorageTexture::new(device, label, size, format);
         Self {
-            cells: texture("lean_deferred/reflections/cells", cells, CELLS_FORMAT),
-            rays: texture("lean_deferred/reflections/rays", texels, LIGHT_FORMAT),
-            hits: texture("lean_deferred/reflections/hits", texels, HITS_FORMAT),
+            cells: texture(
+                "lean_deferred/screen_space/reflections/cells",
+                cells,
+                CELLS_FORMAT,
+            ),
+            rays: texture(
+                "lean_deferred/screen_space/reflections/rays",
+                texels,
+                LIGHT_FORMAT,
+            ),
+            hits: texture(
+                "lean_deferred/screen_space/reflections/hits",
+                texels,
+                HITS_FORMAT,
+            ),
             output: texture(
-                "lean_deferred/reflections/output",
+                "lean_deferred/screen_space/reflections/output",
                 view.viewport_size,
                 LIGHT_FORMAT,
             ),
@@ -163,8 +175,12 @@ pub(super) fn prepare_reflections(
             Some(reflections) if reflections.is_for(&uniform) => reflections.into_inner(),
             _ => {
                 let make = || ViewReflections::new(&device, &uniform);
-                let Some(new) = memory.fit(&device, entity, "lean_deferred/reflections", make)
-                else {
+                let Some(new) = memory.fit(
+                    &device,
+                    entity,
+                    "lean_deferred/screen_space/reflections",
+                    make,
+                ) else {
                     found.0 = None;
                     commands.entity(entity).remove::<ViewReflections>();
                     continue;

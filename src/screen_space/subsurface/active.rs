@@ -12,6 +12,7 @@ use super::{
     key::SubsurfaceKey,
     pipelines::{SubsurfacePasses, SubsurfacePipelines},
     settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality},
+    support::missing_for_scattering,
 };
 use crate::{
     gbuffer::ViewDemands,
@@ -28,29 +29,6 @@ pub struct ActiveScattering {
     pub(super) passes: SubsurfacePasses,
 }
 
-/// Why cameras are without.
-#[derive(Resource)]
-pub(super) struct Warnings(WarnOnce<&'static str>);
-
-impl Default for Warnings {
-    fn default() -> Self {
-        Self(WarnOnce::new("LeanSubsurfaceScattering"))
-    }
-}
-
-/// What the device lacks. Beside what [`LeanDeferred`] needs, lighting writes one more storage buffer and, with
-/// [`LeanScreenSpaceGi`](crate::LeanScreenSpaceGi), four storage textures.
-#[doc(hidden)]
-pub fn missing_for_scattering(limits: &wgpu::Limits) -> Option<&'static str> {
-    if limits.max_storage_buffers_per_shader_stage < 9 {
-        Some("the device has fewer than 9 storage buffers for a shader stage")
-    } else if limits.max_storage_textures_per_shader_stage < 4 {
-        Some("the device has fewer than 4 storage textures for a shader stage")
-    } else {
-        None
-    }
-}
-
 /// Inserts or removes [`ActiveScattering`], and what it asks of lighting. While the shaders of new settings compile, a view
 /// keeps those that it had. Cameras that are switched off lose it.
 pub(super) fn decide_active_scattering(
@@ -58,7 +36,7 @@ pub(super) fn decide_active_scattering(
     pipelines: Option<ResMut<SubsurfacePipelines>>,
     (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
     demands: Res<ViewDemands>,
-    mut warnings: ResMut<Warnings>,
+    mut warnings: Local<WarnOnce<&'static str>>,
     views: Query<
         (
             Entity,
@@ -80,7 +58,7 @@ pub(super) fn decide_active_scattering(
     cameras: Query<&MainEntity, Or<(With<LeanDeferred>, With<LeanSubsurfaceScattering>)>>,
     switched_off: Query<Entity, (With<ActiveScattering>, Without<ExtractedCamera>)>,
 ) {
-    warnings.0.keep_only(cameras.iter());
+    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveScattering>();
     }
@@ -95,7 +73,8 @@ pub(super) fn decide_active_scattering(
             }
             _ => missing_for_scattering(&device.limits()).filter(|_| is_asked),
         };
-        (warnings.0).tell(view.retained_view_entity.main_entity, reason);
+        let camera = view.retained_view_entity.main_entity;
+        warnings.tell("LeanSubsurfaceScattering", camera, reason);
         let settings = settings.copied().unwrap_or_default();
         let key = SubsurfaceKey::new(settings.quality, projection_of(view.clip_from_view));
         let wanted = key

@@ -11,7 +11,7 @@
 //! that it is spread by this level's kernel, about two texels wide (Strengert, Kraus and Ertl 2006, "Pyramid Methods in GPU-Based
 //! Image Processing"). All kernels together are the profile.
 
-// - `settings.rs`: the component.
+// - `settings.rs`: the component. `support.rs`: what the device can do.
 // - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 // - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
 // - `pass.rs`: the passes. `down.wgsl`: to the next coarser level. `up.wgsl`: to the
@@ -30,14 +30,14 @@ mod prepare;
 #[doc(hidden)]
 pub mod profile;
 mod settings;
+mod support;
 mod uniforms;
 
 pub use settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
-    active::{ActiveScattering, missing_for_scattering},
-    prepare::ViewSubsurface,
+    active::ActiveScattering, prepare::ViewSubsurface, support::missing_for_scattering,
     uniforms::SubsurfaceView,
 };
 
@@ -84,7 +84,6 @@ impl Plugin for SubsurfacePlugin {
         removal::remove_with::<ActiveScattering, (ViewSubsurface, ScattersLight)>(render_app);
         removal::remove_with::<SubsurfaceLight, ViewSubsurface>(render_app);
         render_app
-            .init_resource::<active::Warnings>()
             .init_gpu_resource::<prepare::SubsurfaceUniforms>()
             .add_systems(
                 RenderStartup,

@@ -16,9 +16,9 @@ use super::{
     active::ActiveScattering,
     prepare::{DOWN, UP, ViewSubsurface},
 };
-use crate::gpu::{tiles, timed::timed};
+use crate::{gpu::timed::timed, shader_library::tiles};
 
-const LABEL: &str = "lean_deferred/subsurface";
+const LABEL: &str = "lean_deferred/screen_space/subsurface";
 /// Workgroups that share the listed tiles, however many there are: enough for any GPU. An indirect dispatch would need one
 /// of its own before it, in which its size is made sure of.
 const WORKGROUPS: u32 = 4096;

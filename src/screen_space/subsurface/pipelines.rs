@@ -98,21 +98,21 @@ impl SubsurfaceLayouts {
         let output = (OUTPUT_TEXTURE, stored(TextureFormat::Rgba16Float));
         Self {
             first: found(
-                "lean_deferred/subsurface/first",
+                "lean_deferred/screen_space/subsurface/first",
                 &[view, tiles, light, level],
             ),
             down: found(
-                "lean_deferred/subsurface/down",
+                "lean_deferred/screen_space/subsurface/down",
                 &[view, tiles, light, level, next],
             ),
             up: found(
-                "lean_deferred/subsurface/up",
+                "lean_deferred/screen_space/subsurface/up",
                 &[
                     view, tiles, light, scattered, coarser, level, normal, entering,
                 ],
             ),
             picture: found(
-                "lean_deferred/subsurface/picture",
+                "lean_deferred/screen_space/subsurface/picture",
                 &[view, tiles, light, scattered, normal, picture, output],
             ),
         }

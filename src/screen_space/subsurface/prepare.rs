@@ -33,7 +33,7 @@ use crate::{
 };
 
 /// The coarsest level of the light: what scatters there is its mean.
-const LABEL: &str = "lean_deferred/subsurface/scattered";
+const LABEL: &str = "lean_deferred/screen_space/subsurface/scattered";
 const COARSEST: usize = SUBSURFACE_LEVELS - 1;
 /// The finer ones of the two levels that each pass down writes, and the level that each pass up writes.
 pub(super) const DOWN: [usize; 3] = [2, 4, 6];

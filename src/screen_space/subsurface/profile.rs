@@ -1,10 +1,11 @@
-//! Twin of `profile.wgsl`, under the same names, and the profile itself.
+//! The shares of a pyramid's levels, for tests, and the profile itself.
 
 use bevy::math::{Vec2, Vec3};
 
 /// Mean free paths within which light counts as having left.
 pub const REACH: f32 = 10.0;
-const SHORTEST: f32 = 1e-4;
+/// Pixels that are too few to divide by.
+pub const SHORTEST: f32 = 1e-4;
 
 /// The logarithm of the share of light, less than 0, that levels from this one on spread, of paths so many pixels long. The
 /// level is 1 at least: it has less of it than would follow from the others, whose kernels are all of one shape.

@@ -1,6 +1,5 @@
 // Burley's normalised diffusion (Christensen and Burley 2015, "Approximate Reflectance Profiles for Efficient Subsurface
-// Scattering"), R(r) = (exp(-r / d) + exp(-r / 3d)) / (8π d r), as a mixture of the kernels that a pyramid has. Twin of
-// `profile.rs`, under the same names.
+// Scattering"), R(r) = (exp(-r / d) + exp(-r / 3d)) / (8π d r), as a mixture of the kernels that a pyramid has.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::profile
 
 /// Mean free paths within which light counts as having left.

@@ -12,13 +12,13 @@ use crate::{
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct SubsurfaceView {
-    pub view_from_world: Mat4,
-    pub center: Vec2,
-    pub pixels_per_metre: Vec2,
-    pub viewport_origin: UVec2,
-    pub viewport_size: UVec2,
-    pub level: u32,
-    pub largest_radius: f32,
+    view_from_world: Mat4,
+    center: Vec2,
+    pixels_per_metre: Vec2,
+    viewport_origin: UVec2,
+    viewport_size: UVec2,
+    level: u32,
+    largest_radius: f32,
 }
 
 impl SubsurfaceView {

@@ -1,4 +1,4 @@
-//! Light with a shared exponent; twin of `light.wgsl`.
+//! Light with a shared exponent.
 //!
 //! The format is that of the graphics APIs' RGB9E5 (Segal, Akeley 2010, "OpenGL 3.3", `EXT_texture_shared_exponent`,
 //! after Ward 1991, "Real Pixels"): mantissas R 9, G 9, B 9, exponent 5, low to high. From 1.6e-5 to 65504 the error is

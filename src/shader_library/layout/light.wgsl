@@ -1,4 +1,4 @@
-// Light with a shared exponent; twin of `light.rs`, under the same names.
+// Light with a shared exponent.
 //
 // Mantissas R 9, G 9, B 9, exponent 5, low to high, as in the graphics APIs' RGB9E5.
 #define_import_path bevy_lean_deferred::gbuffer::layout::light

@@ -1,4 +1,4 @@
-//! Motion vectors of two half floats; twin of `motion.wgsl`.
+//! Motion vectors of two half floats.
 //!
 //! x low, y high. They are what Bevy's `Rg16Float` motion vectors hold, so that nothing is rounded twice: 16-bit snorm,
 //! with as many bits, would round anew (by up to 1.5e-5 of the picture) and could not hold motions beyond ±1.

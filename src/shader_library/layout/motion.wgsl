@@ -1,4 +1,4 @@
-// Motion vectors of two half floats; twin of `motion.rs`, under the same names.
+// Motion vectors of two half floats.
 //
 // x low, y high, as `pack2x16float` has them.
 #define_import_path bevy_lean_deferred::gbuffer::layout::motion

@@ -1,4 +1,4 @@
-//! What of a surface is not at its default: twin of `specialization.wgsl`.
+//! What of a surface is not at its default.
 //!
 //! | bits, low to high | |
 //! |---|---|
@@ -16,11 +16,12 @@
 
 use super::quantize;
 
-const REFLECTANCE_STEPS: f32 = 126.0;
+/// Steps of the specular constant.
+pub const REFLECTANCE_STEPS: f32 = 126.0;
 /// The largest specular constant that is stored.
 pub const LARGEST_REFLECTANCE: f32 = 2.0;
 /// The code of the default, 0.5.
-const DEFAULT_REFLECTANCE: u32 = 63;
+pub const DEFAULT_REFLECTANCE: u32 = 63;
 
 /// A surface without fog.
 pub const NO_FOG: u32 = 1 << 11;
@@ -35,7 +36,8 @@ pub const LIGHTMAP_INCIDENT: u32 = 1 << 13;
 /// It holds emitted light and what the surface reflects of a lightmap's.
 pub const LIGHTMAP_REFLECTED: u32 = 2 << 13;
 
-const ARGUMENTS_SHIFT: u32 = 15;
+/// Where the arguments of the shading model begin.
+pub const ARGUMENTS_SHIFT: u32 = 15;
 /// Bits of a shading model's arguments.
 pub const ARGUMENT_BITS: u32 = 17;
 

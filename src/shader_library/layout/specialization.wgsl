@@ -1,4 +1,4 @@
-// What of a surface is not at its default; twin of `specialization.rs`, which has the bit table, under the same names.
+// What of a surface is not at its default. The bit table is in `specialization.rs`.
 #define_import_path bevy_lean_deferred::gbuffer::layout::specialization
 
 #import bevy_lean_deferred::gbuffer::layout::quantize

@@ -1,4 +1,4 @@
-//! From depth to the motion of surfaces at rest: twin of `motion.wgsl`, under the same names.
+//! From depth to the motion of surfaces at rest.
 
 use bevy::math::{Mat4, Vec2, Vec4};
 

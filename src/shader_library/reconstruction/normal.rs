@@ -1,4 +1,4 @@
-//! The normal of the surface itself, from depth: twin of `normal.wgsl`, under the same names. It is here for
+//! The normal of the surface itself, from depth. It is here for
 //! tests and measurements; only the device's is used to render.
 
 use bevy::math::{Mat4, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};

@@ -1,4 +1,4 @@
-//! From depth to positions: twin of `position.wgsl`, under the same names, and which projections have a cheaper form.
+//! From depth to positions, and which projections have a cheaper form.
 
 use bevy::math::{Mat4, UVec2, Vec2, Vec3, Vec3Swizzles, Vec4, Vec4Swizzles};
 

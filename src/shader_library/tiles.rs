@@ -4,7 +4,7 @@ use bevy::{prelude::*, render::renderer::RenderAdapterInfo};
 use wgpu::DeviceType;
 
 /// Pixels a side of the square that one workgroup covers.
-pub(crate) const SIDE: u32 = 8;
+pub const SIDE: u32 = 8;
 
 /// Workgroups that cover `size` pixels.
 pub(crate) fn count(size: UVec2) -> UVec2 {

@@ -5,11 +5,11 @@ use plotters::{
     style::text_anchor::{HPos, VPos},
 };
 
-use super::{
+use super::{LightScaling, Point, stage};
+use crate::plots::{
     Plot,
     style::{self, Area, Drawn, Symbol},
 };
-use crate::benches::light_scaling::{LightScaling, Point, stage};
 
 /// Of one panel, in pixels.
 const PANEL: (u32, u32) = (620, 420);
@@ -17,7 +17,7 @@ const PANEL: (u32, u32) = (620, 420);
 /// What lighting must move: depth and two words of G-buffer read, colour written.
 const BYTES_A_PIXEL: f64 = 4.0 + 8.0 + 8.0;
 
-pub fn plot(figures: &LightScaling) -> Plot {
+pub(super) fn plot(figures: &LightScaling) -> Plot {
     let bandwidth = figures.bandwidth;
     let mut sizes: Vec<[u32; 2]> = figures.points.iter().map(|p| p.size).collect();
     sizes.sort_unstable();

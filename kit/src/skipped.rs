@@ -1,0 +1,31 @@
+//! What tests cannot show on the chosen device: they say so. `tests/drivers.sh` counts such lines.
+
+use bevy::render::renderer::RenderDevice;
+use bevy_lean_deferred::screen_space::subsurface::missing_for_scattering;
+use wgpu::{Features, Limits};
+
+use crate::{device::BINDING_ARRAYS, gpu, own_process::in_own_process};
+
+/// Whether a device with these limits scatters light beneath surfaces. Says so where it does not.
+pub fn has_room_for_scattering(limits: &Limits) -> bool {
+    let missing = missing_for_scattering(limits);
+    if let Some(missing) = missing {
+        println!("skipped: subsurface scattering: {missing}");
+    }
+    missing.is_none()
+}
+
+/// As [`in_own_process`], where lighting has room for scattering.
+pub fn where_light_scatters<F: FnOnce()>(body: F) {
+    let (_, device, _) = gpu::request(Features::empty());
+    if has_room_for_scattering(&device.limits()) {
+        in_own_process(body);
+    }
+}
+
+/// Says that a part of a test shows nothing here, where the device has no binding arrays.
+pub fn skips_without_binding_arrays(device: &RenderDevice, part: &str) {
+    if !device.features().contains(BINDING_ARRAYS) {
+        println!("skipped: {part}: the device has no binding arrays");
+    }
+}

@@ -1,0 +1,28 @@
+//! What the shader knows of a view.
+
+use bevy::{prelude::*, render::render_resource::ShaderType};
+
+use crate::{
+    screen_space::succession::LastFrame, shader_library::reconstruction::position::view_from_pixel,
+};
+
+/// What the passes know of a view.
+#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(no_auto_register)]
+pub struct HistoryView {
+    view_from_pixel: Mat4,
+    viewport_origin: UVec2,
+    viewport_size: UVec2,
+}
+
+impl HistoryView {
+    /// What is kept of the frame `now`.
+    pub(super) fn new(now: &LastFrame) -> Self {
+        let size = now.viewport.size();
+        Self {
+            view_from_pixel: view_from_pixel(now.clip_from_view, size),
+            viewport_origin: now.viewport.min,
+            viewport_size: size,
+        }
+    }
+}

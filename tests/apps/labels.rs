@@ -1,0 +1,67 @@
+//! Passes, pipelines, textures and GPU times are found in a capture by the folder that makes them.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// All files below `folder` whose names end in `.rs`.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("it is a folder") {
+        let path = entry.expect("it can be read").path();
+        if path.is_dir() {
+            found.extend(files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// The labels in the files below `folder`, with the folder of each file, as from there.
+fn labels(folder: &str) -> BTreeSet<(PathBuf, String)> {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let mut found = BTreeSet::new();
+    for path in files(&top) {
+        let file = path.strip_prefix(&top).expect("it is below");
+        let text = fs::read_to_string(&path).expect("it is text");
+        for after in text.split("\"lean_deferred/").skip(1) {
+            let label = after.split('"').next().unwrap_or_default();
+            // Some look for all of them.
+            if !label.is_empty() {
+                found.insert((file.parent().expect("it is a file").into(), label.into()));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn labels_are_the_paths_of_their_folders() {
+    let labels = labels("src");
+    for (folder, label) in &labels {
+        assert!(
+            Path::new(label).starts_with(folder),
+            "lean_deferred/{label} in {}",
+            folder.display()
+        );
+    }
+    assert!(labels.len() > 50, "{} labels were found", labels.len());
+}
+
+/// A time that nothing has is a dash, and nobody notices.
+#[test]
+fn times_that_are_shown_are_taken() {
+    let taken: BTreeSet<String> = labels("src").into_iter().map(|(_, label)| label).collect();
+    for shown in ["benches", "examples", "kit"].map(labels) {
+        for (folder, label) in shown {
+            assert!(
+                taken.contains(&label),
+                "{}: nothing has the label lean_deferred/{label}",
+                folder.display()
+            );
+        }
+    }
+}

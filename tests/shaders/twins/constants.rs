@@ -1,0 +1,235 @@
+//! Constants that stand in Rust and in WGSL have one value.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use bevy::{
+    math::{UVec2, Vec3},
+    reflect::enums::Enum,
+};
+use bevy_lean_deferred::{
+    auto_exposure::{key, luminance},
+    gbuffer::{GBufferTargets, ShadingModel},
+    lighting::subsurface_light,
+    screen_space::{reflections::cell, subsurface::profile},
+    shader_library::{
+        layout::{self, light, motion, specialization},
+        reconstruction::position,
+        tiles,
+    },
+    shading_models::{anisotropy, backlight, subsurface, unlit},
+};
+use naga::{Expression, Handle, Literal, Module, TypeInner};
+
+use super::shipped::{self, Place, folder_of};
+
+/// The numbers of a constant: one, or those of a vector.
+trait Numbers {
+    fn numbers(self) -> Vec<f64>;
+}
+
+impl Numbers for u32 {
+    fn numbers(self) -> Vec<f64> {
+        vec![self.into()]
+    }
+}
+
+impl Numbers for u64 {
+    fn numbers(self) -> Vec<f64> {
+        vec![self as f64]
+    }
+}
+
+impl Numbers for f32 {
+    fn numbers(self) -> Vec<f64> {
+        vec![self.into()]
+    }
+}
+
+impl Numbers for UVec2 {
+    fn numbers(self) -> Vec<f64> {
+        self.to_array().map(f64::from).into()
+    }
+}
+
+impl Numbers for Vec3 {
+    fn numbers(self) -> Vec<f64> {
+        self.to_array().map(f64::from).into()
+    }
+}
+
+/// The constants of Rust by the WGSL file that has them too, under the same names.
+fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
+    let mut found = BTreeMap::new();
+    macro_rules! constants {
+        ($file:literal: $module:ident::{$($name:ident),*}) => {
+            $(found.insert(
+                ($file.to_string(), stringify!($name).to_string()),
+                $module::$name.numbers(),
+            );)*
+        };
+    }
+    constants!("shader_library/layout.wgsl": layout::{
+        ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX, FIVE_BIT_MAX, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY
+    });
+    constants!("shader_library/layout/light.wgsl": light::{LARGEST_LIGHT});
+    constants!("shader_library/layout/motion.wgsl": motion::{LARGEST_MOTION});
+    constants!("shader_library/layout/specialization.wgsl": specialization::{
+        REFLECTANCE_STEPS, LARGEST_REFLECTANCE, DEFAULT_REFLECTANCE, NO_FOG, NO_SHADOWS, LIGHTMAP_BITS,
+        LIGHTMAP_NONE, LIGHTMAP_INCIDENT, LIGHTMAP_REFLECTED, ARGUMENTS_SHIFT
+    });
+    constants!("shader_library/reconstruction/position.wgsl": position::{SMALLEST_DEPTH});
+    constants!("shader_library/tiles.wgsl": tiles::{SIDE});
+    constants!("shading_models/anisotropy.wgsl": anisotropy::{FRAME_SEAM});
+    constants!("shading_models/backlight.wgsl": backlight::{THICKNESS_STEPS, LEAST_THICKNESS_LOG});
+    constants!("shading_models/subsurface.wgsl": subsurface::{LEAST_PATH_LOG, STEPS});
+    constants!("shading_models/unlit.wgsl": unlit::{LARGEST_UNLIT});
+    constants!("auto_exposure/bindings.wgsl": key::{TILE, BINS});
+    constants!("auto_exposure/luminance.wgsl": luminance::{WEIGHTS, LARGEST, LOWEST_LOG});
+    constants!("lighting/subsurface_light.wgsl": subsurface_light::{TILES});
+    constants!("screen_space/reflections/cell.wgsl": cell::{FIRST});
+    constants!("screen_space/subsurface/profile.wgsl": profile::{REACH, SHORTEST});
+    found
+}
+
+/// The numbers that Rust's enums and flags stand for in WGSL.
+fn numbers_of_rust() -> BTreeMap<Place, Vec<f64>> {
+    const SHADING_MODELS: [ShadingModel; 7] = [
+        ShadingModel::Plain,
+        ShadingModel::Subsurface,
+        ShadingModel::Anisotropy,
+        ShadingModel::Rim,
+        ShadingModel::Clearcoat,
+        ShadingModel::Backlight,
+        ShadingModel::Unlit,
+    ];
+    let [first, ..] = SHADING_MODELS;
+    let info = first.get_represented_enum_info().expect("it is an enum");
+    assert_eq!(info.variant_len(), SHADING_MODELS.len());
+    let models = SHADING_MODELS.map(|model| {
+        let file = "shader_library/layout/specialization.wgsl".to_string();
+        let place = (file, model.variant_name().to_uppercase());
+        (place, (model as u32).numbers())
+    });
+    let targets = GBufferTargets::all().iter_names().map(|(name, target)| {
+        let file = "shader_library/layout.wgsl".to_string();
+        let place = (file, format!("{name}_WRITTEN"));
+        (place, u32::from(target.bits()).numbers())
+    });
+    models.into_iter().chain(targets).collect()
+}
+
+fn literals(module: &Module, expression: Handle<Expression>, numbers: &mut Vec<f64>) {
+    match &module.global_expressions[expression] {
+        Expression::Literal(literal) => numbers.push(match *literal {
+            Literal::F32(number) => number.into(),
+            Literal::U32(number) => number.into(),
+            Literal::I32(number) => number.into(),
+            Literal::AbstractFloat(number) => number,
+            Literal::AbstractInt(number) => number as f64,
+            other => panic!("{other:?} is no number"),
+        }),
+        Expression::Compose { components, .. } => {
+            for component in components {
+                literals(module, *component, numbers);
+            }
+        }
+        Expression::Splat { size, value } => {
+            for _ in 0..*size as usize {
+                literals(module, *value, numbers);
+            }
+        }
+        Expression::Constant(constant) => {
+            literals(module, module.constants[*constant].init, numbers);
+        }
+        other => panic!("{other:?} is not worked out"),
+    }
+}
+
+/// Whether all that a declaration is made of is in `fixed`: names of constants begin with a capital.
+fn is_fixed(declaration: &str, fixed: &BTreeMap<&String, &String>) -> bool {
+    let (_, value) = declaration.split_once('=').expect("it has a value");
+    let mut names = value
+        .split(|c: char| !c.is_alphanumeric() && c != '_')
+        .filter(|word| word.starts_with(|c: char| c.is_uppercase()));
+    !value.contains("#{") && names.all(|name| fixed.contains_key(&name.to_string()))
+}
+
+/// What naga makes of all constants that do not depend on definitions.
+fn constants_of_wgsl() -> BTreeMap<Place, Vec<f64>> {
+    let mut of_files: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+    for ((file, name), declaration) in shipped::constants() {
+        of_files.entry(file).or_default().insert(name, declaration);
+    }
+    let mut found = BTreeMap::new();
+    for (file, declarations) in &of_files {
+        let mut fixed = BTreeMap::new();
+        // Each time, those that are made of the ones before.
+        for _ in declarations {
+            let more = declarations.iter();
+            let more: Vec<_> = more.filter(|(_, text)| is_fixed(text, &fixed)).collect();
+            fixed.extend(more);
+        }
+        let source: Vec<&str> = fixed.into_values().map(String::as_str).collect();
+        let module = naga::front::wgsl::parse_str(&source.join("\n"))
+            .unwrap_or_else(|error| panic!("{file}: {error}"));
+        for (_, constant) in module.constants.iter() {
+            let inner = &module.types[constant.ty].inner;
+            // Tables that only shaders have.
+            if matches!(inner, TypeInner::Array { .. } | TypeInner::Matrix { .. }) {
+                continue;
+            }
+            let name = constant.name.clone().expect("constants have names");
+            let mut numbers = Vec::new();
+            literals(&module, constant.init, &mut numbers);
+            found.insert((file.clone(), name), numbers);
+        }
+    }
+    found
+}
+
+#[test]
+fn constants_have_one_value() {
+    let in_wgsl = constants_of_wgsl();
+    let in_rust = constants_of_rust();
+    let all: BTreeMap<Place, Vec<f64>> = in_rust.into_iter().chain(numbers_of_rust()).collect();
+    for (place, numbers) in &all {
+        assert_eq!(in_wgsl.get(place), Some(numbers), "{place:?}");
+    }
+
+    let of_folders = shipped::rust_constants();
+    let left_out: BTreeSet<Place> = (shipped::constants())
+        .into_keys()
+        .filter(|(file, name)| of_folders.contains(&(folder_of(file), name.clone())))
+        .filter(|place| !all.contains_key(place))
+        .collect();
+    assert!(
+        left_out.is_empty(),
+        "Rust beside these has constants of the same names: {left_out:#?}"
+    );
+}
+
+/// What other constants rely on.
+#[test]
+fn constants_fit_one_another() {
+    let constants = constants_of_wgsl();
+    let number = |file: &str, name: &str| {
+        let place: Place = (file.into(), name.into());
+        constants[&place][0]
+    };
+
+    // The number of a material fits into its bits.
+    let file = "lighting/subsurface_light.wgsl";
+    assert!(number(file, "MOST_MATERIALS") <= number(file, "MATERIAL_BITS"));
+    // A row of the dispatch over the list of tiles is as wide as any device allows.
+    let limits = wgpu::Limits::downlevel_defaults();
+    let widest = f64::from(limits.max_compute_workgroups_per_dimension);
+    assert!(number("lighting/tile_list.wgsl", "COLUMNS") <= widest);
+    // Nothing is darker than the first bin of the histogram, and its bins reach 2 to the power of 16.
+    let (file, lowest) = (
+        "auto_exposure/bindings.wgsl",
+        f64::from(luminance::LOWEST_LOG),
+    );
+    assert_eq!(number(file, "LOG_OF_FIRST_BIN"), lowest);
+    let stops = number(file, "BINS") / number(file, "BINS_PER_STOP");
+    assert!((stops - (16.0 - lowest)).abs() < 1e-5, "{stops} stops");
+}

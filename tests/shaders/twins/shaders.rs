@@ -1,0 +1,231 @@
+//! The shipped shaders, put together so that each of their bindings is in one of them.
+
+use std::{collections::BTreeMap, sync::OnceLock};
+
+use bevy::shader::Shader;
+use naga::Module;
+
+use super::{
+    super::permutations::{Definitions, Modules, definition},
+    shipped::{self, Place},
+};
+
+/// What `naga_oil` appends to names, before the path of the module and an `X`.
+const DECORATION: &str = "X_naga_oil_mod_X";
+
+/// A shader of the crate, with the definitions under which what is looked for is in it.
+pub struct Composed {
+    file: &'static str,
+    pub module: Module,
+    /// The crate's files by their import paths.
+    files: BTreeMap<String, String>,
+}
+
+impl Composed {
+    fn new(source: &'static str, file: &'static str, definitions: &[&str]) -> Self {
+        let definitions: Definitions = definitions.iter().map(|text| definition(text)).collect();
+        let module = Modules::new()
+            .compose(&Shader::from_wgsl(source, file), definitions)
+            .unwrap_or_else(|error| panic!("{file}: {error}"));
+        let files = shipped::import_paths();
+        Self {
+            file,
+            module,
+            files,
+        }
+    }
+
+    /// The import path of the module from which `name` is, if it is not from the shader itself.
+    pub fn import_path(&self, name: &str) -> Option<String> {
+        let (_, module) = name.split_once(DECORATION)?;
+        Some(decoded(module.strip_suffix('X').expect("it ends in X")))
+    }
+
+    /// Where what is called `name` here is declared; `None` if that is in Bevy.
+    pub fn place(&self, name: &str) -> Option<Place> {
+        let file = match self.import_path(name) {
+            Some(path) => self.files.get(&path)?.clone(),
+            None => self.file.into(),
+        };
+        Some((file, written(name).into()))
+    }
+}
+
+/// As it was written.
+pub fn written(name: &str) -> &str {
+    name.split(DECORATION).next().unwrap_or(name)
+}
+
+/// That path is in base 32 (RFC 4648, section 6), without padding.
+fn decoded(text: &str) -> String {
+    let (mut bytes, mut bits, mut count) = (Vec::new(), 0u32, 0);
+    for letter in text.bytes() {
+        let value = match letter {
+            b'A'..=b'Z' => letter - b'A',
+            b'2'..=b'7' => letter - b'2' + 26,
+            _ => panic!("{text} is not in base 32"),
+        };
+        bits = (bits << 5) | u32::from(value);
+        count += 5;
+        if count >= 8 {
+            count -= 8;
+            bytes.push((bits >> count) as u8);
+            bits &= (1 << count) - 1;
+        }
+    }
+    String::from_utf8(bytes).expect("paths are UTF-8")
+}
+
+macro_rules! shader {
+    ($file:literal, $($definition:literal),*) => {
+        Composed::new(include_str!(concat!("../../../src/", $file)), $file, &[$($definition),*])
+    };
+}
+
+/// With what lights everything, and `more`.
+fn lighting(more: &[&str]) -> Composed {
+    const MOST: [&str; 32] = [
+        "DEPTH_PREPASS",
+        "DIFFUSE_LIGHT",
+        "INDIRECT_SPECULAR",
+        "INDIRECT_DIFFUSE",
+        "INDIRECT_LIGHT",
+        "AVAILABLE_STORAGE_BUFFER_BINDINGS=16",
+        "GBUFFER_WRITTEN",
+        "ENVIRONMENT_MAP",
+        "IRRADIANCE_VOLUME",
+        "IRRADIANCE_VOLUMES_ARE_USABLE",
+        "MULTIPLE_LIGHT_PROBES_IN_ARRAY",
+        "CONTACT_SHADOWS",
+        "DISTANCE_FOG",
+        "ATMOSPHERE",
+        "SHADOWS",
+        "CLUSTERED_LIGHTS",
+        "SPOT_LIGHTS",
+        "SPHERE_LIGHTS",
+        "DIRECTIONAL_SHADOW_MAPS",
+        "CLUSTERED_SHADOW_MAPS",
+        "POINT_SHADOW_MAPS",
+        "SPOT_SHADOW_MAPS",
+        "SHADOW_FILTER_METHOD_TEMPORAL",
+        "BLUE_NOISE_TEXTURE",
+        "DFG_LUT",
+        "AREA_LIGHT_LUTS",
+        "CLUSTERED_DECALS_ARE_USABLE",
+        "LIGHT_TEXTURES",
+        "VERTEX_TANGENTS",
+        "VIEW_PROJECTION_PERSPECTIVE",
+        "GEOMETRIC_NORMAL",
+        "APPLIES_VISIBILITY",
+    ];
+    let shows_light = !more.contains(&"DEBUG_VIEW");
+    let light = shows_light.then_some(&"SHOWS_LIGHT");
+    let definitions: Vec<&str> = MOST.iter().chain(light).chain(more).copied().collect();
+    Composed::new(
+        include_str!("../../../src/lighting/lighting.wgsl"),
+        "lighting/lighting.wgsl",
+        &definitions,
+    )
+}
+
+/// All of them.
+pub fn all() -> &'static [Composed] {
+    static ALL: OnceLock<Vec<Composed>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        vec![
+            lighting(&[
+                "LIGHT_LAYERS",
+                "GBUFFER_VISIBILITY_MASK",
+                "GBUFFER_EMISSIVE",
+                "GBUFFER_SPECIALIZATION",
+                "LISTED_VARIANTS",
+                "LEAN_AMBIENT_OCCLUSION",
+                "SCATTERS_LIGHT",
+            ]),
+            lighting(&["SCREEN_SPACE_AMBIENT_OCCLUSION"]),
+            lighting(&[
+                "GBUFFER_SPECIALIZATION",
+                "VISITED_VARIANTS",
+                "STANDARD_MATERIAL_CLEARCOAT",
+            ]),
+            lighting(&["GBUFFER_MOTION", "DEBUG_VIEW", "DEBUG_MOTION"]),
+            shader!(
+                "ambient_occlusion/gather.wgsl",
+                "COMPUTE",
+                "SHADING_NORMALS",
+                "DIVISOR=1",
+                "SLICES=1",
+                "STEPS=1"
+            ),
+            shader!("ambient_occlusion/merge.wgsl",),
+            shader!("auto_exposure/meter.wgsl", "HISTOGRAM", "MASK", "STRIDE=1"),
+            shader!("auto_exposure/adapt.wgsl",),
+            shader!("auto_exposure/overlay.wgsl", "OVERLAY", "MASK"),
+            shader!("screen_space/diffuse_gi/levels.wgsl", "DIVISOR=2", "MOTION"),
+            shader!(
+                "screen_space/diffuse_gi/gather.wgsl",
+                "DIVISOR=1",
+                "SLICES=1",
+                "STEPS=1"
+            ),
+            shader!("screen_space/diffuse_gi/filter.wgsl", "DIVISOR=1"),
+            shader!("screen_space/diffuse_gi/forward_light.wgsl",),
+            shader!("screen_space/history/levels.wgsl",),
+            shader!("screen_space/history/levels.wgsl", "OF_LEVEL"),
+            shader!("screen_space/reflections/cells.wgsl", "DIVISOR=1"),
+            shader!(
+                "screen_space/reflections/trace.wgsl",
+                "DIVISOR=2",
+                "ROUGH_STEPS=1",
+                "SMOOTH_STEPS=1",
+                "ROUGH_RAYS=8",
+                "MOTION",
+                "SPECIALIZATION"
+            ),
+            shader!(
+                "screen_space/reflections/resolve.wgsl",
+                "DIVISOR=2",
+                "PIXELS=16",
+                "INVOCATIONS=256",
+                "SIDE_SQUARED=144",
+                "MEANS_SQUARED=81"
+            ),
+            shader!("screen_space/subsurface/down.wgsl", "LISTED"),
+            shader!("screen_space/subsurface/down.wgsl",),
+            shader!("screen_space/subsurface/up.wgsl",),
+            shader!("screen_space/subsurface/up.wgsl", "PICTURE"),
+            shader!("screen_space/debug_view/debug_view.wgsl", "SHOWS_HIT"),
+            shader!("screen_space/debug_view/debug_view.wgsl", "SHOWS_LIGHT"),
+            shader!("gbuffer/resolve_motion.wgsl", "GBUFFER_MOTION"),
+            shader!("gbuffer/resolve_motion.wgsl", "LATE"),
+            shader!(
+                "gbuffer/gbuffer.wgsl",
+                "PREPASS_PIPELINE",
+                "PREPASS_FRAGMENT",
+                "VERTEX_OUTPUT_INSTANCE_INDEX",
+                "VERTEX_POSITIONS",
+                "VERTEX_NORMALS",
+                "NORMAL_PREPASS_OR_DEFERRED_PREPASS",
+                "MOTION_VECTOR_PREPASS_OR_DEFERRED_PREPASS",
+                "DEFERRED_PREPASS",
+                "GBUFFER_WRITTEN",
+                "GBUFFER_VISIBILITY_MASK",
+                "MATERIAL_BIND_GROUP=3",
+                "AVAILABLE_STORAGE_BUFFER_BINDINGS=16"
+            ),
+            shader!("shading_extension/extension.wgsl", "MATERIAL_BIND_GROUP=3"),
+            shader!(
+                "shading_extension/extension.wgsl",
+                "MATERIAL_BIND_GROUP=3",
+                "BINDLESS"
+            ),
+        ]
+    })
+}
+
+/// Those whose files begin so, as from `src`.
+pub fn of(file: &str) -> impl Iterator<Item = &'static Composed> {
+    all()
+        .iter()
+        .filter(move |composed| composed.file.starts_with(file))
+}

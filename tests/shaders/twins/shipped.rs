@@ -1,0 +1,108 @@
+//! What all shipped WGSL declares, whatever is defined: read from its text.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// Where something is declared: the file, as from `src`, and its name.
+pub type Place = (String, String);
+
+fn src() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// The files below `folder` whose names end in `extension`, as from `src`, and their texts without comments.
+fn files(folder: &Path, extension: &str) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).expect("it is a folder") {
+        let path = entry.expect("it can be read").path();
+        if path.is_dir() {
+            found.extend(files(&path, extension));
+        } else if path.extension().is_some_and(|found| found == extension) {
+            let text = fs::read_to_string(&path).expect("it is text");
+            let lines = text.lines();
+            let code: Vec<&str> = lines
+                .map(|line| line.split("//").next().unwrap_or_default())
+                .collect();
+            let name = path.strip_prefix(src()).expect("it is below src");
+            found.insert(name.display().to_string(), code.join("\n"));
+        }
+    }
+    found
+}
+
+pub fn wgsl() -> BTreeMap<String, String> {
+    files(&src(), "wgsl")
+}
+
+/// The files by the names under which others import them.
+pub fn import_paths() -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for (file, text) in wgsl() {
+        let mut lines = text.lines();
+        if let Some(path) = lines.find_map(|line| line.strip_prefix("#define_import_path ")) {
+            found.insert(path.trim().to_string(), file);
+        }
+    }
+    found
+}
+
+/// What begins with a letter and goes on with letters, digits and `_`.
+fn name_at(text: &str) -> String {
+    let text = text.trim_start();
+    let end = text.find(|c: char| !c.is_alphanumeric() && c != '_');
+    text[..end.unwrap_or(text.len())].to_string()
+}
+
+/// All variables that are bound.
+pub fn bindings() -> BTreeSet<Place> {
+    let mut found = BTreeSet::new();
+    for (file, text) in wgsl() {
+        for after in text.split("@binding(").skip(1) {
+            let (_, after) = after.split_once("var").expect("a binding is a variable's");
+            // Its address space, if it has one.
+            let name = match after.strip_prefix('<') {
+                Some(space) => space.split_once('>').expect("brackets are closed").1,
+                None => after,
+            };
+            found.insert((file.clone(), name_at(name)));
+        }
+    }
+    found
+}
+
+/// The declarations of all constants, as they are written.
+pub fn constants() -> BTreeMap<Place, String> {
+    let mut found = BTreeMap::new();
+    for (file, text) in wgsl() {
+        for after in format!("\n{text}").split("\nconst ").skip(1) {
+            let (declaration, _) = after.split_once(';').expect("declarations end");
+            let place = (file.clone(), name_at(after));
+            found.insert(place, format!("const {declaration};"));
+        }
+    }
+    found
+}
+
+/// The names of the constants of Rust, by the folder of their file.
+pub fn rust_constants() -> BTreeSet<Place> {
+    let mut found = BTreeSet::new();
+    for (file, text) in files(&src(), "rs") {
+        for line in text.lines() {
+            let visible = line.split_once("const ");
+            if let Some((before, after)) = visible
+                && (before.is_empty() || (before.starts_with("pub") && !before.contains("fn")))
+            {
+                found.insert((folder_of(&file), name_at(after)));
+            }
+        }
+    }
+    found
+}
+
+pub fn folder_of(file: &str) -> String {
+    let parent = Path::new(file).parent().expect("it is in a folder");
+    parent.display().to_string()
+}
