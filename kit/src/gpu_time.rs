@@ -2,15 +2,27 @@
 
 use bevy::{
     diagnostic::DiagnosticsStore,
-    platform::collections::HashMap,
+    platform::{collections::HashMap, time::Instant},
     prelude::*,
     render::{diagnostic::RecordDiagnostics, renderer::RenderContext},
 };
 pub use figures::time::Time;
 
 /// GPU times by span name.
-#[derive(Default)]
-pub struct Samples(HashMap<String, Vec<f64>>);
+pub struct Samples {
+    times: HashMap<String, Vec<f64>>,
+    /// Spans that are no longer opened keep their last value for ever.
+    began: Instant,
+}
+
+impl Default for Samples {
+    fn default() -> Self {
+        Self {
+            times: HashMap::default(),
+            began: Instant::now(),
+        }
+    }
+}
 
 impl Samples {
     /// Notes the newest value of each span.
@@ -19,13 +31,15 @@ impl Samples {
             let Some(name) = diagnostic.path().as_str().strip_suffix("/elapsed_gpu") else {
                 continue;
             };
-            if let Some(value) = diagnostic.value() {
+            let measured = diagnostic.measurement();
+            if let Some(measured) = measured.filter(|measured| measured.time > self.began) {
                 let name = name.trim_start_matches("render/");
                 let name = name.strip_prefix("bench/camera/").unwrap_or(name);
                 let name = name.strip_prefix("bench/prepass/").unwrap_or(name);
                 // It may have run within any stage of Bevy's that the bench has a span around.
                 let name = name.find("lean_deferred/").map_or(name, |at| &name[at..]);
-                self.0.entry(name.to_owned()).or_default().push(value);
+                let times = self.times.entry(name.to_owned()).or_default();
+                times.push(measured.value);
             }
         }
     }
@@ -33,7 +47,7 @@ impl Samples {
     /// Frame by frame, all spans together that `is_wanted` picks; none if there is none.
     pub fn sum(&self, is_wanted: impl Fn(&str) -> bool) -> Option<Time> {
         let mut frames: Vec<f64> = Vec::new();
-        for (_, times) in self.0.iter().filter(|(name, _)| is_wanted(name)) {
+        for (_, times) in self.times.iter().filter(|(name, _)| is_wanted(name)) {
             frames.resize(frames.len().max(times.len()), 0.0);
             for (frame, time) in frames.iter_mut().zip(times) {
                 *frame += time;
@@ -43,7 +57,7 @@ impl Samples {
     }
 
     pub fn time(&self, name: &str) -> Option<Time> {
-        Some(Time::of(self.0.get(name)?.clone()))
+        Some(Time::of(self.times.get(name)?.clone()))
     }
 }
 

@@ -134,9 +134,7 @@ impl House {
         let half = lot.width() / 2.0 - 0.5;
         let back = -0.9;
         if random.f32() < 0.3 {
-            let middle = lot.at(0.0, (STOREY - 0.1) / 2.0, -0.15);
-            self.shutter
-                .rectangle(middle, lot.right() * half, Vec3::Y * (STOREY - 0.1) / 2.0);
+            self.roller_shutter(lot, half);
             return;
         }
         // The room: floor, ceiling and a back with shelves of light.
@@ -180,6 +178,21 @@ impl House {
                 0 => self.wood.turned_cuboid(middle, size, turn),
                 1 => self.gold.ball(middle, size / 2.0, 16),
                 _ => self.concrete.turned_cuboid(middle, size, turn),
+            }
+        }
+    }
+
+    /// Slats that stand out along their middles.
+    fn roller_shutter(&mut self, lot: Lot, half: f32) {
+        const SLAT: f32 = 0.1;
+        let count = ((STOREY - 0.1) / SLAT) as u32;
+        for slat in 0..count {
+            let up = |share: f32| (slat as f32 + share) * SLAT;
+            for (from, to) in [((0.0, -0.17), (0.5, -0.15)), ((0.5, -0.15), (1.0, -0.17))] {
+                let low = lot.at(0.0, up(from.0), from.1);
+                let high = lot.at(0.0, up(to.0), to.1);
+                self.shutter
+                    .rectangle((low + high) / 2.0, lot.right() * half, (high - low) / 2.0);
             }
         }
     }

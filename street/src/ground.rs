@@ -26,7 +26,8 @@ pub fn spawn(stage: &mut Stage, materials: &Materials, detail: Detail) {
         let from = Vec3::new(side * KERB, -0.2, detail.far);
         let kerb = Vec3::new(side * (KERB + 0.15), KERB_HEIGHT, detail.near);
         kerbs.cuboid(from, kerb);
-        let half = (HALF_WIDTH - KERB - 0.15) / 2.0;
+        // Some way under the houses.
+        let half = (HALF_WIDTH + 0.6 - KERB - 0.15) / 2.0;
         pavement.rectangle(
             middle + Vec3::new(side * (KERB + 0.15 + half), KERB_HEIGHT - 0.003, 0.0),
             Vec3::X * half,

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_lean_deferred::prelude::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo};
 
 use crate::{
+    sky::EXPOSURE,
     stage::Stage,
     textures::{Textures, Tile},
 };
@@ -58,12 +59,12 @@ pub const LIGHTS: [LinearRgba; COLORS] = [
     LinearRgba::rgb(0.15, 1.0, 0.35),
 ];
 
-/// Emits so many nits times a colour.
+/// Looks as bright as so many nits times a colour do with the exposure of [`sky::air`](crate::sky::air). Whatever the exposure is:
+/// Bevy's deferred renderer knows no other emission, and is to be compared.
 pub fn emission(color: LinearRgba, nits: f32) -> StandardMaterial {
     StandardMaterial {
         base_color: Color::BLACK,
-        emissive: color * nits,
-        emissive_exposure_weight: 1.0,
+        emissive: color * nits * EXPOSURE.exposure(),
         perceptual_roughness: 0.4,
         ..default()
     }
@@ -118,7 +119,7 @@ impl Materials {
             shutter: add(StandardMaterial {
                 metallic: 1.0,
                 anisotropy_strength: 0.7,
-                ..tiled(&textures.shutter, 2.0, Color::linear_rgb(0.5, 0.52, 0.55))
+                ..rough(0.42, 0.43, 0.45, 0.38)
             }),
             glass: add(StandardMaterial {
                 base_color: Color::linear_rgba(0.02, 0.03, 0.03, 0.1),

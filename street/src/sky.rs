@@ -15,10 +15,13 @@ use half::f16;
 /// Of the sky, where nothing is in front.
 pub const COLOR: Color = Color::linear_rgb(0.006, 0.008, 0.02);
 
+/// How bright a night is to a camera.
+pub const EXPOSURE: Exposure = Exposure { ev100: 4.6 };
+
 /// What a camera needs beside its transform: how bright a night is to it, and its fog.
 pub fn air() -> impl Bundle {
     (
-        Exposure { ev100: 4.6 },
+        EXPOSURE,
         DistanceFog {
             color: Color::linear_rgb(0.012, 0.013, 0.022),
             falloff: FogFalloff::Exponential { density: 0.012 },

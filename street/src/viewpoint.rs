@@ -17,7 +17,7 @@ impl Viewpoint {
     /// Low over a puddle.
     pub const PUDDLE: Self = Self::new([-0.2, 0.7, 3.0], [0.1, 1.3, -8.0]);
     /// The cats before the gate.
-    pub const CATS: Self = Self::new([2.0, 1.25, 3.4], [2.9, 0.95, 1.2]);
+    pub const CATS: Self = Self::new([2.35, 1.35, 2.9], [3.15, 1.12, 1.2]);
 
     const fn new(eye: [f32; 3], target: [f32; 3]) -> Self {
         Self {

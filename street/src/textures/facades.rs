@@ -30,26 +30,13 @@ pub fn bricks(images: &mut Assets<Image>, size: u32) -> Tile {
     })
 }
 
-/// 2 m of the slats of a roller shutter, 10 cm each.
-pub fn shutter(images: &mut Assets<Image>, size: u32) -> Tile {
-    tile(images, size, 2.0, |uv| {
-        let slat = (uv.y * 20.0).fract();
-        let scratch = octaves(uv * Vec2::new(1.0, 1.0), 64, 2, 31);
-        Texel {
-            color: Vec3::splat(0.75 + 0.2 * scratch),
-            roughness: 0.3 + 0.15 * scratch,
-            height: 0.012 * (core::f32::consts::PI * slat).sin(),
-        }
-    })
-}
-
 /// A room behind a window: curtains, a lamp, shelves.
 pub fn window(images: &mut Assets<Image>, number: u64) -> Handle<Image> {
     let mut random = fastrand::Rng::with_seed(0x0057_1d05 + number);
     let curtain = 0.08 + 0.3 * random.f32();
     let lamp = Vec2::new(0.25 + 0.5 * random.f32(), 0.2 + 0.2 * random.f32());
     let shelf = 0.55 + 0.3 * random.f32();
-    let warm = Vec3::new(1.0, 0.62 + 0.2 * random.f32(), 0.25 + 0.3 * random.f32());
+    let warm = Vec3::new(1.0, 0.42 + 0.2 * random.f32(), 0.1 + 0.2 * random.f32());
     let size = UVec2::new(64, 128);
     let texels = places_of(size)
         .map(|uv| {

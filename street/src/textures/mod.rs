@@ -26,8 +26,6 @@ pub struct Textures {
     pub paving: Tile,
     /// 2 m of bricks.
     pub bricks: Tile,
-    /// 2 m of roller shutter.
-    pub shutter: Tile,
     /// Rooms behind windows.
     pub windows: Vec<Handle<Image>>,
     /// Made-up letters, four below one another.
@@ -45,7 +43,6 @@ impl Textures {
             asphalt: grounds::asphalt(images, size),
             paving: grounds::paving(images, size),
             bricks: facades::bricks(images, size),
-            shutter: facades::shutter(images, size / 2),
             windows: (0..WINDOWS).map(|n| facades::window(images, n)).collect(),
             signs: (0..SIGNS).map(|n| signs::letters(images, n)).collect(),
             stripes: signs::stripes(images),
