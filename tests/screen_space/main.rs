@@ -1,6 +1,8 @@
 //! Effects that find light on the screen, beside closed forms.
 
 mod diffuse_gi;
+mod energy;
+mod hostile;
 mod mirrors;
 mod motion;
 mod reflections;
