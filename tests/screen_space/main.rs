@@ -10,4 +10,5 @@ mod scenes;
 mod settings;
 mod subsurface;
 mod subsurface_apps;
+mod subsurface_views;
 mod views;
