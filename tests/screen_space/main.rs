@@ -2,6 +2,7 @@
 
 mod diffuse_gi;
 mod energy;
+mod hard_cases;
 mod hostile;
 mod mirrors;
 mod motion;
