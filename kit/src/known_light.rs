@@ -74,6 +74,20 @@ impl Seen {
         }
     }
 
+    /// The part inside of `rect`.
+    pub fn within(&self, rect: URect) -> Self {
+        let width = self.light.size.x;
+        let rows = rect.min.y..rect.max.y;
+        let places =
+            rows.flat_map(|y| (rect.min.x..rect.max.x).map(move |x| (y * width + x) as usize));
+        let (texels, rays) = places.map(|i| (self.light.texels[i], self.rays[i])).unzip();
+        let size = rect.size();
+        Self {
+            light: Light { size, texels },
+            rays,
+        }
+    }
+
     /// Into the folder that `LIGHT_PICTURES` names, if it does: light times `scale`, gray.
     pub fn save(&self, name: &str, scale: f32) {
         let Some(folder) = std::env::var_os("LIGHT_PICTURES") else {
@@ -161,10 +175,12 @@ impl Errors {
     }
 }
 
-/// Two faces of this albedo that meet at the bottom, 90° apart, under a sky of 1, seen from above. Relative errors near the
-/// bottom, beside how far the faces are in the picture: with all bounces ρL(1 − F) / (1 − ρF), where F = ½.
-pub fn groove(size: UVec2, albedo: f32, effect: impl Bundle) -> Errors {
-    let (_, seen) = show(size, CONVERGED, |s| {
+/// Of the hemisphere of a groove's face, the part that the other face takes.
+const OF_OTHER_FACE: f32 = 0.5;
+
+/// Two faces of this albedo that meet at the bottom, 90° apart, under a sky of 1, seen from above.
+pub fn groove_app(size: UVec2, albedo: f32, effect: impl Bundle) -> Headless {
+    build(size, |s| {
         let face = Plane3d::default().mesh().size(40.0, 20.0);
         for side in [-1.0_f32, 1.0] {
             let turned = Quat::from_rotation_x(side * core::f32::consts::FRAC_PI_4);
@@ -174,14 +190,34 @@ pub fn groove(size: UVec2, albedo: f32, effect: impl Bundle) -> Errors {
         }
         let above = Transform::from_xyz(0.0, 8.0, 0.0).looking_at(Vec3::ZERO, Vec3::NEG_Z);
         camera(s, above, 1.0, effect);
-    });
-    let truth = albedo * 0.5 / (1.0 - albedo * 0.5);
-    seen.save("groove", 0.5 / truth);
+    })
+}
+
+/// What a groove sends out after so many bounces of its sky's light: ρL(1 − F) (1 + ρF + …), by all of them ρL(1 − F) / (1 − ρF).
+pub fn groove_light(albedo: f32, bounces: Option<i32>) -> f32 {
+    let of_sky = albedo * (1.0 - OF_OTHER_FACE);
+    let again = albedo * OF_OTHER_FACE;
+    let lost = bounces.map_or(0.0, |bounces| again.powi(bounces + 1));
+    of_sky * (1.0 - lost) / (1.0 - again)
+}
+
+/// Relative errors near the bottom of a groove, beside how far the faces are in the picture.
+pub fn groove_errors(seen: &Seen, truth: f32) -> Errors {
+    let size = seen.light.size;
     let (middle, near) = (size.y / 2, 3..=6);
     let pixels = (0..size.y)
         .filter(|y| near.contains(&y.abs_diff(middle)))
         .flat_map(|y| (size.x / 4..3 * size.x / 4).map(move |x| UVec2::new(x, y)));
     Errors::of(pixels.map(|pixel| seen.at(pixel) / truth - 1.0))
+}
+
+/// Relative errors of a groove that has all bounces.
+pub fn groove(size: UVec2, albedo: f32, effect: impl Bundle) -> Errors {
+    let mut headless = groove_app(size, albedo, effect);
+    let seen = see(&mut headless, CONVERGED);
+    let truth = groove_light(albedo, None);
+    seen.save("groove", 0.5 / truth);
+    groove_errors(&seen, truth)
 }
 
 /// What a floor of albedo 0.5 sends out beside what glows with 1, less what is expected where something is: shares of πL.

@@ -12,6 +12,7 @@ use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, target_image},
     held_back::HeldBack,
+    known_slabs::{SKIN, slab},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{SceneBuilder, build::default_camera_transform},
@@ -247,61 +248,101 @@ fn effects_show_the_frame_that_they_are_of() {
             camera.insert((DepthPrepass, NormalPrepass));
         });
         walk.settle();
-        let mut watch = |name: &str, change: &dyn Fn(&mut EntityWorldMut)| {
+        // Scatters light on lean cameras that are not told otherwise.
+        let mut s = SceneBuilder {
+            headless: &mut walk.headless,
+        };
+        let ball = s.add::<Mesh>(Sphere::new(0.5));
+        let skin = s.add::<ExtendedStandardMaterial>(slab(SKIN, 0.05));
+        let place = Transform::from_xyz(0.0, 0.5, 2.6);
+        s.spawn((Mesh3d(ball), MeshMaterial3d(skin), place));
+        walk.settle();
+        let watch = |walk: &mut Walk, name: &str, change: &dyn Fn(&mut EntityWorldMut)| {
             change(&mut walk.headless.world().entity_mut(walk.tested));
             walk.watch(name, WITH_EFFECTS);
         };
-        watch("occlusion", &|camera| {
+        let scattering = |quality| LeanSubsurfaceScattering {
+            quality,
+            ..default()
+        };
+        watch(&mut walk, "occlusion", &|camera| {
             camera.insert(LeanAmbientOcclusion::default());
         });
-        watch("occlusion of another quality", &|camera| {
+        watch(&mut walk, "occlusion of another quality", &|camera| {
             camera.insert(LeanAmbientOcclusion {
                 quality: OcclusionQuality::Low,
                 ..default()
             });
         });
-        watch("lean, with occlusion", &|camera| {
-            camera.insert(LeanDeferred::default());
+        watch(&mut walk, "lean, with occlusion", &|camera| {
+            let off = scattering(SubsurfaceScatteringQuality::Off);
+            camera.insert((LeanDeferred::default(), off));
         });
-        watch("reflections", &|camera| {
+        watch(&mut walk, "scattering", &|camera| {
+            camera.insert(scattering(SubsurfaceScatteringQuality::High));
+        });
+        watch(&mut walk, "scattering of another quality", &|camera| {
+            camera.insert(scattering(SubsurfaceScatteringQuality::Low));
+        });
+        watch(&mut walk, "reflections", &|camera| {
             camera.insert(LeanScreenSpaceReflections::default());
         });
-        watch("diffuse GI", &|camera| {
+        watch(&mut walk, "diffuse GI", &|camera| {
             camera.insert(LeanScreenSpaceGi::default());
         });
-        watch("reflections at full resolution", &|camera| {
+        watch(&mut walk, "reflections at full resolution", &|camera| {
             camera.insert(LeanScreenSpaceReflections {
                 resolution: ScreenSpaceResolution::Full,
                 ..default()
             });
         });
-        // Hardly brighter or darker, so that the pictures may be compared.
+        // On both, and as dark whatever is metered: a frame without it is four times as bright as the one beside it.
         let exposure = LeanAutoExposure {
             instant: true,
-            min_exposure: -0.2,
-            max_exposure: 0.2,
+            min_exposure: -2.0,
+            max_exposure: -2.0,
             ..default()
         };
-        watch("exposure", &|camera| {
+        walk.both(|camera| {
             camera.insert(exposure.clone());
         });
-        watch("exposure metered otherwise", &|camera| {
-            camera.insert(LeanAutoExposure {
-                pattern: MeteringPattern::CenterWeighted,
-                ..exposure.clone()
+        walk.watch("exposure", WITH_EFFECTS);
+        for (name, settings) in [
+            (
+                "exposure metered otherwise",
+                LeanAutoExposure {
+                    pattern: MeteringPattern::CenterWeighted,
+                    ..exposure.clone()
+                },
+            ),
+            (
+                "exposure of a histogram",
+                LeanAutoExposure {
+                    trim: Some(LuminanceTrim {
+                        low: 0.1,
+                        high: 0.1,
+                    }),
+                    ..exposure.clone()
+                },
+            ),
+        ] {
+            watch(&mut walk, name, &|camera| {
+                camera.insert(settings.clone());
             });
-        });
-        watch("forward with exposure", &|camera| {
+        }
+        watch(&mut walk, "forward with exposure", &|camera| {
             camera.remove::<LeanDeferred>();
         });
-        watch("nothing", &|camera| {
+        walk.both(|camera| {
             camera.remove::<(
                 LeanAmbientOcclusion,
                 LeanScreenSpaceGi,
                 LeanScreenSpaceReflections,
+                LeanSubsurfaceScattering,
                 LeanAutoExposure,
             )>();
         });
+        walk.watch("nothing", WITH_EFFECTS);
     });
 }
 

@@ -12,9 +12,10 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    device::render_creation,
+    device::{render_creation, where_light_scatters},
     headless::{Headless, Picture},
-    lean::{active_lean_views, build},
+    known_slabs::{SKIN, slab},
+    lean::{active_lean_views, build, change_cameras},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::SceneBuilder,
@@ -77,9 +78,19 @@ fn lose_device(headless: &mut Headless) {
 
 /// Whether a camera with `effects` shows the same before and after.
 fn survives(name: &str, effects: impl Bundle) -> Headless {
+    survives_with(name, |_| {}, effects)
+}
+
+/// As [`survives`], with more in the scene.
+fn survives_with(
+    name: &str,
+    more: impl FnOnce(&mut SceneBuilder),
+    effects: impl Bundle,
+) -> Headless {
     let mut camera = Entity::PLACEHOLDER;
     let mut headless = build(SIZE, |s| {
         scene(s);
+        more(s);
         camera = s.default_camera(bevy::camera::visibility::RenderLayers::from_layers(&[0, 1]));
     });
     let images = images(&mut headless);
@@ -163,6 +174,29 @@ fn what_is_found_on_the_screen_survives() {
                 LeanScreenSpaceReflections::default(),
             ),
         );
+    });
+}
+
+#[test]
+fn scattering_survives() {
+    where_light_scatters(|| {
+        let ball = |s: &mut SceneBuilder| {
+            let mesh = s.add::<Mesh>(Sphere::new(0.5));
+            let material = s.add::<ExtendedStandardMaterial>(slab(SKIN, 0.1));
+            let place = Transform::from_xyz(-0.6, 0.5, 1.6);
+            s.spawn((Mesh3d(mesh), MeshMaterial3d(material), place));
+        };
+        let mut headless = survives_with("scattering", ball, LeanDeferred::default());
+        let with = settled(&mut headless);
+        change_cameras(&mut headless, |camera| {
+            camera.insert(LeanSubsurfaceScattering {
+                quality: SubsurfaceScatteringQuality::Off,
+                ..default()
+            });
+        });
+        let difference = pixel_difference(&with, &settled(&mut headless));
+        println!("without scattering: {difference}");
+        assert!(difference.largest > 8);
     });
 }
 

@@ -65,8 +65,14 @@ fn make_scarce(headless: &mut Headless, labels: Option<&'static str>) {
 
 /// Shows `effects` on a camera, then with no room for their textures with these labels, then with room again.
 fn check(label: &'static str, effects: impl Bundle + Clone) {
+    check_beside(label, (), effects);
+}
+
+/// As [`check`], of a camera that has `others`, for which there is room.
+fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle + Clone) {
     let mut camera = Entity::PLACEHOLDER;
     let mut headless = build(SIZE, |s| camera = scene(s));
+    headless.world().entity_mut(camera).insert(others);
     let forward = settled(&mut headless);
     headless.world().entity_mut(camera).insert(effects.clone());
     let lean = settled(&mut headless);
@@ -141,6 +147,19 @@ fn occlusion_of_a_lean_camera() {
             "lean_deferred/ambient_occlusion",
             (LeanDeferred::default(), LeanAmbientOcclusion::default()),
         );
+    });
+}
+
+/// Exposure makes no texture: it stays with a camera that has room for nothing else, and meters what Bevy renders.
+#[test]
+fn exposure_of_a_lean_camera() {
+    in_own_process(|| {
+        let exposure = LeanAutoExposure {
+            instant: true,
+            ..default()
+        };
+        let effects = (LeanDeferred::default(), LeanScreenSpaceGi::default());
+        check_beside("lean_deferred/", exposure, effects);
     });
 }
 

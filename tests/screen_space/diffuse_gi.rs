@@ -1,9 +1,16 @@
 //! Diffuse GI beside what light does between simple shapes.
 
-use bevy::prelude::*;
+use bevy::{
+    camera::{ScalingMode, SubCameraView},
+    prelude::*,
+};
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    known_light::{CONVERGED, Seen, camera, errors, groove, look, show, sphere, surface, wall},
+    known_light::{
+        CONVERGED, Seen, camera, errors, groove, groove_app, groove_errors, groove_light, look,
+        look_at_once, see, show, sphere, surface, wall,
+    },
+    lean::change_cameras,
     own_process::in_own_process,
 };
 
@@ -27,6 +34,59 @@ fn a_groove_is_as_bright_as_its_bounces_make_it() {
             println!("albedo {albedo}: {found:.3?}, occlusion alone {dark:+.3}");
             assert!(found.bias.abs() < 0.05 && found.rmse < 0.06);
             assert!(dark < -0.2, "occlusion alone is too dark");
+        }
+    });
+}
+
+/// The frame after a cut has the sky's light alone, and each one after it another bounce.
+#[test]
+fn each_frame_is_another_bounce() {
+    in_own_process(|| {
+        let mut headless = groove_app(LARGE, 0.5, gi());
+        see(&mut headless, 1);
+        change_cameras(&mut headless, |camera| {
+            camera.insert(CameraCut);
+        });
+        for bounces in 0..4 {
+            let seen = look_at_once(&mut headless);
+            let found = groove_errors(&seen, groove_light(0.5, Some(bounces)));
+            println!("{bounces} bounces: {found:.4?}");
+            assert!(found.bias.abs() < 0.05 && found.rmse < 0.06);
+        }
+    });
+}
+
+/// In an orthographic view, and in the lower left of a larger picture.
+#[test]
+fn light_is_right_in_any_projection() {
+    in_own_process(|| {
+        let orthographic = || {
+            Projection::Orthographic(OrthographicProjection {
+                scaling_mode: ScalingMode::FixedVertical {
+                    viewport_height: 3.2,
+                },
+                ..OrthographicProjection::default_3d()
+            })
+        };
+        let off_center = || Camera {
+            sub_camera_view: Some(SubCameraView {
+                full_size: LARGE * 3 / 2,
+                offset: Vec2::new(40.0, 170.0),
+                size: LARGE,
+            }),
+            ..default()
+        };
+        for (name, found) in [
+            ("wall, orthographic", wall(LARGE, (gi(), orthographic()))),
+            ("wall, off-centre", wall(LARGE, (gi(), off_center()))),
+            (
+                "sphere, orthographic",
+                sphere(LARGE, (gi(), orthographic())),
+            ),
+            ("sphere, off-centre", sphere(LARGE, (gi(), off_center()))),
+        ] {
+            println!("{name}: {found:.4?} of πL");
+            assert!(found.rmse < 0.04 && found.bias.abs() < 0.02);
         }
     });
 }

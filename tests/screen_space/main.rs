@@ -1,6 +1,9 @@
 //! Effects that find light on the screen, beside closed forms.
 
 mod diffuse_gi;
+mod energy;
+mod hard_cases;
+mod hostile;
 mod mirrors;
 mod motion;
 mod reflections;
@@ -8,4 +11,5 @@ mod scenes;
 mod settings;
 mod subsurface;
 mod subsurface_apps;
+mod subsurface_views;
 mod views;

@@ -4,7 +4,7 @@ use bevy::{mesh::skinning::SkinnedMesh, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::Headless,
-    known_light::{camera, errors, look, look_at_once, see, surface},
+    known_light::{Seen, camera, errors, look, look_at_once, see, surface},
     known_mirrors::{compare, metal, mirror_app, show_mirror},
     lean::{build, change_cameras},
     own_process::in_own_process,
@@ -223,6 +223,61 @@ fn light_stays_where_it_is_while_the_camera_pans() {
             "from frame to frame {from_frame_to_frame:.4}, to the camera at rest {lag:.4} ({bias:+.4}) of the pillars' light"
         );
         assert!(from_frame_to_frame < 0.005 && lag < 0.0025 && bias.abs() < 1e-3);
+    });
+}
+
+/// A wall with a pattern in a floor of metal, seen by a camera that pans to and fro: at the same place of the mirror image the
+/// light is the same from frame to frame, and that of the camera at rest.
+#[test]
+fn mirror_images_stay_where_they_are_while_the_camera_pans() {
+    in_own_process(|| {
+        let pose = |frame: usize| {
+            let angle = 0.12 * (frame as f32 * 0.1).sin();
+            let from = Vec3::new(3.2 * angle.sin(), 1.1, 3.2 * angle.cos());
+            looking(from, 0.35)
+        };
+        // Of the wall, where neither the ball nor the box is before its mirror image.
+        let places: Vec<Vec3> = (0..24 * 24)
+            .map(|i| Vec2::new((i % 24) as f32, (i / 24) as f32) / 24.0)
+            .map(|at| Vec3::new(0.7 * at.x - 0.25, -(0.15 + 1.2 * at.y), -1.5))
+            .collect();
+        for (roughness, most) in [(0.0, [0.004, 0.002]), (0.3, [0.012, 0.003])] {
+            let mut headless = mirror_app(SMALL, roughness, |camera| {
+                camera.insert((reflections(), pose(0)));
+            });
+            let mut last = see(&mut headless, 8);
+            let light = |headless: &mut Headless, seen: &Seen| -> Vec<Option<f32>> {
+                let places = places.iter();
+                places
+                    .map(|place| light_at(headless, seen, *place))
+                    .collect()
+            };
+            let mut before = light(&mut headless, &last);
+            let mut differences = Vec::new();
+            for frame in 1..=60 {
+                change_cameras(&mut headless, |camera| {
+                    camera.insert(pose(frame));
+                });
+                last = look_at_once(&mut headless);
+                let now = light(&mut headless, &last);
+                let pairs = before.iter().zip(&now);
+                differences.extend(pairs.filter_map(|(before, now)| Some((*now)? - (*before)?)));
+                before = now;
+            }
+            headless.frames(8);
+            let still = look(&mut headless);
+            let at_rest = light(&mut headless, &still);
+            let lag = before.iter().zip(&at_rest);
+            let lag = lag.filter_map(|(moving, still)| Some((*moving)? - (*still)?));
+            let ((from_frame_to_frame, _), (lag, bias)) =
+                (errors(differences.iter().copied()), errors(lag));
+            println!(
+                "roughness {roughness}: from frame to frame {from_frame_to_frame:.4}, to the camera at rest {lag:.4} ({bias:+.4}); {} places",
+                differences.len()
+            );
+            assert!(differences.len() > 60 * 200);
+            assert!(from_frame_to_frame < most[0] && lag < most[1] && bias.abs() < 1e-3);
+        }
     });
 }
 

@@ -4,13 +4,13 @@ use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
     hdr::light,
-    known_light::{Seen, camera, show, surface},
+    known_light::{show, surface},
     known_mirrors::{metal, mirror, rough_floor, with_bevys_reflections},
     own_process::in_own_process,
     scenes::SceneBuilder,
 };
 
-use super::scenes::{SIZE, SMALL, floor, glowing, looking, reflections};
+use super::scenes::{self, SIZE, SMALL, floor, floor_light, glowing, range, reflections};
 
 fn at_resolution(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
@@ -61,34 +61,7 @@ fn a_rough_floor_shows_the_lobe_of_a_quad() {
 
 /// A floor of metal between what glows with `glow`, in a sky of `sky`.
 fn courtyard(s: &mut SceneBuilder, roughness: f32, glow: f32, sky: f32) -> Entity {
-    let floor = Plane3d::default().mesh().size(30.0, 30.0);
-    s.mesh(floor, metal(roughness), Transform::default());
-    for (x, z) in [(-1.2, -0.6), (0.2, -1.4), (1.3, -0.2)] {
-        s.mesh(
-            Cuboid::new(0.6, 1.2, 0.6),
-            surface(0.0, glow),
-            Transform::from_xyz(x, 0.6, z).with_rotation(Quat::from_rotation_y(x)),
-        );
-    }
-    let ball = Sphere::new(0.3).mesh().ico(8).expect("few subdivisions");
-    s.mesh(ball, surface(0.0, glow), Transform::from_xyz(0.3, 0.3, 0.3));
-    let from = looking(Vec3::new(0.0, 1.3, 3.2), 0.2);
-    let shown = Camera {
-        clear_color: ClearColorConfig::Custom(Color::linear_rgb(sky, sky, sky)),
-        ..default()
-    };
-    camera(s, from, sky, (shown, reflections()))
-}
-
-/// The light of the floor that is no further than its rim.
-fn floor_light(seen: &Seen) -> Vec<f32> {
-    let near = floor(seen).filter(|(place, _)| place.xz().length() < 10.0);
-    near.map(|(_, light)| light).collect()
-}
-
-fn range(light: &[f32]) -> (f32, f32) {
-    let least = light.iter().copied().fold(f32::INFINITY, f32::min);
-    (least, light.iter().copied().fold(0.0, f32::max))
+    scenes::courtyard(s, metal(roughness), surface(0.0, glow), sky, reflections())
 }
 
 #[test]
@@ -143,31 +116,6 @@ fn what_is_still_stays() {
             let most = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             println!("roughness {roughness}: at most {most:.5} from frame to frame");
             assert!(most < 2e-3, "roughness {roughness}: {most}");
-        }
-    });
-}
-
-/// What is not a number, or as bright as numbers go, is bounded before it is mirrored.
-#[test]
-fn hostile_light_is_bounded() {
-    in_own_process(|| {
-        for color in [f32::NAN, f32::INFINITY, 1e38, 65504.0] {
-            let (_, seen) = show(SMALL, 8, |s| {
-                courtyard(s, 0.4, 1.0, 0.4);
-                let hostile = StandardMaterial {
-                    base_color: Color::linear_rgba(color, color, color, 0.9),
-                    alpha_mode: AlphaMode::Blend,
-                    unlit: true,
-                    ..default()
-                };
-                let card = Rectangle::new(0.5, 0.5);
-                s.mesh(card, hostile, Transform::from_xyz(0.2, 0.6, -0.9));
-            });
-            let light = floor_light(&seen);
-            let broken = light.iter().filter(|x| !x.is_finite()).count();
-            // The card itself is before a few pixels of it.
-            println!("{color}: {broken} of {}", light.len());
-            assert!(broken < light.len() / 20);
         }
     });
 }

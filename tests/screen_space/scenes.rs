@@ -8,7 +8,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::Headless,
-    known_light::{Seen, look_at_once, surface},
+    known_light::{Seen, camera, look_at_once, surface},
     scenes::SceneBuilder,
 };
 
@@ -50,6 +50,41 @@ pub fn looking(eye: Vec3, height: f32) -> Transform {
 pub fn floor(seen: &Seen) -> impl Iterator<Item = (Vec3, f32)> {
     let places = seen.on_plane(Vec3::ZERO, Vec3::Y);
     places.map(|(_, place, light)| (place, light))
+}
+
+/// A floor of one material between things of another, in a sky of `sky`.
+pub fn courtyard(
+    s: &mut SceneBuilder,
+    floor: StandardMaterial,
+    things: StandardMaterial,
+    sky: f32,
+    effects: impl Bundle,
+) -> Entity {
+    let plane = Plane3d::default().mesh().size(30.0, 30.0);
+    s.mesh(plane, floor, Transform::default());
+    for (x, z) in [(-1.2, -0.6), (0.2, -1.4), (1.3, -0.2)] {
+        let place = Transform::from_xyz(x, 0.6, z).with_rotation(Quat::from_rotation_y(x));
+        s.mesh(Cuboid::new(0.6, 1.2, 0.6), things.clone(), place);
+    }
+    let ball = Sphere::new(0.3).mesh().ico(8).expect("few subdivisions");
+    s.mesh(ball, things, Transform::from_xyz(0.3, 0.3, 0.3));
+    let from = looking(Vec3::new(0.0, 1.3, 3.2), 0.2);
+    let shown = Camera {
+        clear_color: ClearColorConfig::Custom(Color::linear_rgb(sky, sky, sky)),
+        ..default()
+    };
+    camera(s, from, sky, (shown, effects))
+}
+
+/// The light of the floor that is no further than its rim.
+pub fn floor_light(seen: &Seen) -> Vec<f32> {
+    let near = floor(seen).filter(|(place, _)| place.xz().length() < 10.0);
+    near.map(|(_, light)| light).collect()
+}
+
+pub fn range(light: &[f32]) -> (f32, f32) {
+    let least = light.iter().copied().fold(f32::INFINITY, f32::min);
+    (least, light.iter().copied().fold(0.0, f32::max))
 }
 
 /// The direction of what a floor mirrors to `eye` at `place`.

@@ -3,7 +3,10 @@
 use bevy::{
     camera::{ScalingMode, Viewport},
     prelude::*,
-    render::RenderApp,
+    render::{
+        RenderApp,
+        render_resource::{PipelineCache, PipelineDescriptor},
+    },
 };
 use bevy_lean_deferred::{
     prelude::*,
@@ -11,11 +14,15 @@ use bevy_lean_deferred::{
 };
 use kit::{
     headless::Headless,
+    known_light::{Seen, look_at_once, see, surface},
+    known_mirrors::metal,
     lean::{build, change_cameras},
     log_watch,
     own_process::in_own_process,
     scenes::SceneBuilder,
 };
+
+use super::scenes::{courtyard, gi, reflections};
 
 const SIZE: UVec2 = UVec2::new(96, 72);
 
@@ -77,6 +84,127 @@ fn it_comes_and_goes() {
         }
         log_watch::assert_validation_layer_silent();
     });
+}
+
+/// What of these effects has been asked for to be compiled.
+fn pipelines(headless: &Headless) -> Vec<String> {
+    let render_world = headless.app.sub_app(RenderApp).world();
+    let pipelines = render_world.resource::<PipelineCache>().pipelines();
+    let labels = pipelines.filter_map(|pipeline| match &pipeline.descriptor {
+        PipelineDescriptor::ComputePipelineDescriptor(compute) => compute.label.clone(),
+        PipelineDescriptor::RenderPipelineDescriptor(render) => render.label.clone(),
+    });
+    let of_effects = ["diffuse_gi", "reflections", "screen_space", "subsurface"];
+    labels
+        .map(String::from)
+        .filter(|label| {
+            let folder = label.strip_prefix("lean_deferred/");
+            folder.is_some_and(|folder| of_effects.iter().any(|effect| folder.starts_with(effect)))
+        })
+        .collect()
+}
+
+/// Without the components nothing of them is compiled.
+#[test]
+fn cameras_without_compile_nothing() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            s.solids();
+            s.sun(true);
+            s.default_camera(LeanDeferred::default());
+        });
+        headless.settle();
+        assert_eq!(pipelines(&headless), [""; 0]);
+        change_cameras(&mut headless, |camera| {
+            camera.insert(both());
+        });
+        headless.settle();
+        let with = pipelines(&headless);
+        println!("{with:?}");
+        assert!(with.len() >= 8);
+    });
+}
+
+/// However often effects are switched: frames without show what a camera shows that never had them, and those with what follows
+/// a cut, so that nothing of an older frame is in them.
+#[test]
+fn pictures_do_not_depend_on_what_was_switched_before() {
+    in_own_process(|| {
+        type Change = fn(&mut EntityWorldMut);
+        let effects: [(&str, Change); 3] = [
+            ("diffuse GI", |camera| {
+                camera.insert(gi());
+            }),
+            ("reflections", |camera| {
+                camera.insert(reflections());
+            }),
+            ("both", |camera| {
+                camera.insert((gi(), reflections()));
+            }),
+        ];
+        let mut headless = build(SIZE, |s| {
+            let floor = StandardMaterial {
+                metallic: 0.5,
+                ..metal(0.2)
+            };
+            courtyard(s, floor, surface(0.5, 0.3), 0.4, ());
+        });
+        let without = see(&mut headless, 2);
+        for (name, insert) in effects {
+            change_cameras(&mut headless, insert);
+            let steady = see(&mut headless, 24);
+            change_cameras(&mut headless, |camera| {
+                camera.insert(CameraCut);
+            });
+            let after_cut = [(); 3].map(|()| look_at_once(&mut headless));
+            change_cameras(&mut headless, |camera| {
+                camera.remove::<(LeanScreenSpaceGi, LeanScreenSpaceReflections)>();
+            });
+            assert_eq!(
+                most_off(&look_at_once(&mut headless), &without),
+                0.0,
+                "{name}"
+            );
+            let mut most = [0.0_f32; 2];
+            for shown in [1, 0, 2, 0, 0, 3, 0, 1, 0, 1] {
+                for expected in &after_cut[..shown] {
+                    change_cameras(&mut headless, insert);
+                    most[1] = most[1].max(most_off(&look_at_once(&mut headless), expected));
+                }
+                if shown == 0 {
+                    change_cameras(&mut headless, |camera| {
+                        camera.remove::<(LeanScreenSpaceGi, LeanScreenSpaceReflections)>();
+                    });
+                    most[0] = most[0].max(most_off(&look_at_once(&mut headless), &without));
+                }
+            }
+            change_cameras(&mut headless, insert);
+            let again = see(&mut headless, 24);
+            let (off, same) = (most_off(&steady, &without), most_off(&steady, &again));
+            println!(
+                "{name}: without off by {:.5}, with {:.5}; at last {same:.5}; it changes {off:.3}",
+                most[0], most[1]
+            );
+            assert!(
+                off > 0.05 && most[0] == 0.0 && most[1] < 1e-3 && same < 1e-3,
+                "{name}"
+            );
+            change_cameras(&mut headless, |camera| {
+                camera.remove::<(LeanScreenSpaceGi, LeanScreenSpaceReflections)>();
+            });
+            headless.settle();
+        }
+    });
+}
+
+fn most_off(a: &Seen, b: &Seen) -> f32 {
+    let pairs = a
+        .light
+        .texels
+        .iter()
+        .flatten()
+        .zip(b.light.texels.iter().flatten());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 #[test]

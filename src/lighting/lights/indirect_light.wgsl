@@ -1,6 +1,6 @@
 // Light from everywhere: lightmaps, irradiance volumes, environment maps with reflection probes, ambient light; in Bevy's
 // order, in which the first that gives diffuse light is the last but for ambient light. Where other effects have found what
-// the surface mirrors, or what shines on it, their light takes the place of that.
+// the surface mirrors, or what shines on it, their light takes the place of that: none is counted twice, and none is lost.
 #define_import_path bevy_lean_deferred::lighting::lights::indirect_light
 
 #import bevy_lean_deferred::lighting::lights::found_light::FoundLight
@@ -57,20 +57,42 @@ fn add_indirect_light(
     add_environment(point, pbr, &ranges, found_diffuse, found.confidence, lit);
 #endif
     if !is_lightmapped || lights.ambient_light_affects_lightmapped_meshes != 0u {
-        add_ambient_light(point, pbr.diffuse_occlusion, found.confidence, lit);
+        add_ambient_light(point, pbr, found.confidence, lit);
     }
 #ifdef INDIRECT_LIGHT
-    add_found_light(point, found, is_lightmapped, lit);
+    add_found_light(point, pbr.specular_occlusion, found, is_lightmapped, lit);
 #endif
+}
+
+/// How much of the environment a surface can mirror, of which `visible` is left by occlusion: with reflections the smoother it
+/// is the more its own rays tell what hides it.
+fn mirrorable(visible: vec3<f32>, perceptual_roughness: f32) -> vec3<f32> {
+#ifdef INDIRECT_SPECULAR
+    return mix(vec3(1.0), visible, perceptual_roughness);
+#else
+    return visible;
+#endif
+}
+
+/// How much of it a surface mirrors that mirrors something else with `confidence`: what hides it is first of all that.
+fn unhidden(visible: vec3<f32>, perceptual_roughness: f32, confidence: f32) -> vec3<f32> {
+    return min(mirrorable(visible, perceptual_roughness), vec3(1.0 - confidence));
 }
 
 /// As Bevy's `ambient_light`.
 fn add_ambient_light(
     point: ptr<function, ShadingPoint>,
-    occlusion: vec3<f32>,
+    pbr: PbrInput,
     confidence: f32,
     lit: ptr<function, Lit>,
 ) {
+    let occlusion = pbr.diffuse_occlusion;
+#ifdef INDIRECT_DIFFUSE
+    // As of environment maps: the light of what hides it is found.
+    let visible = vec3(pbr.specular_occlusion);
+#else
+    let visible = occlusion;
+#endif
     let color = lights.ambient_color.rgb;
     // Of all pixels: ambient light is off.
     if all(color == vec3(0.0)) {
@@ -79,7 +101,7 @@ fn add_ambient_light(
     let diffuse = EnvBRDFApprox((*point).diffuse_color, F_AB(1.0, (*point).NdotV));
     let specular = EnvBRDFApprox((*point).F_normal, (*point).F_ab) * (*point).F_grazing;
     (*lit).diffuse += diffuse * color * occlusion;
-    (*lit).specular += specular * color * occlusion * (1.0 - confidence);
+    (*lit).specular += specular * color * unhidden(visible, (*point).perceptual_roughness, confidence);
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     if transmits(point) {
         (*lit).diffuse += EnvBRDFApprox((*point).transmitted_color, F_AB(1.0, 1.0)) * color;
@@ -129,28 +151,37 @@ fn coat_fresnel(point: ptr<function, ShadingPoint>) -> f32 {
 #endif
 
 #ifdef INDIRECT_LIGHT
-/// What other effects have found. Lightmaps have the diffuse part.
+/// What other effects have found. Lightmaps have the diffuse part. The environment is `visible` in the mirrored direction: what
+/// hides it, and is not found to be mirrored, shines as the surfaces around do on the mean.
 fn add_found_light(
     point: ptr<function, ShadingPoint>,
+    visible: f32,
     found: FoundLight,
     is_lightmapped: bool,
     lit: ptr<function, Lit>,
 ) {
     let response = environment_response(point);
+    var roughness = (*point).perceptual_roughness;
     var diffuse = response.diffuse * found.irradiance * found.material_visibility;
     var specular = response.specular;
+    // Of the base beneath a coat, which mirrors nothing that is found.
+    var below = vec3(0.0);
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    // It is the coat that mirrors it.
     if (*point).clearcoat > 0.0 {
         let fresnel = coat_fresnel(point);
-        diffuse *= 1.0 - fresnel;
+        let passed = 1.0 - fresnel;
+        roughness = (*point).clearcoat_perceptual_roughness;
+        diffuse *= passed;
         specular = vec3(fresnel);
+        below = response.specular * (passed * passed * (1.0 - visible));
     }
 #endif
+    let hidden = 1.0 - found.confidence - unhidden(vec3(visible), roughness, found.confidence).x;
+    let around = found.irradiance / max(1.0 - found.visibility, 1e-3);
     if !is_lightmapped {
         (*lit).diffuse += diffuse;
     }
-    (*lit).specular += specular * found.radiance * found.confidence;
+    (*lit).specular += specular * found.radiance * found.confidence + (specular * hidden + below) * around;
 }
 #endif
 
@@ -181,7 +212,7 @@ fn add_environment(
     let response = environment_response(point);
     var diffuse = response.diffuse * irradiance;
     var specular = response.specular * radiances.radiance;
-    let unfound = 1.0 - confidence;
+    let visible = vec3(pbr.specular_occlusion);
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     if (*point).clearcoat > 0.0 {
         let fresnel = coat_fresnel(point);
@@ -192,15 +223,16 @@ fn add_environment(
         let coat = compute_radiances(layer, ranges, (*point).position, true).radiance;
         let passed = 1.0 - fresnel;
         diffuse *= passed;
-        specular = specular * (passed * passed) + coat * (fresnel * unfound);
+        specular = specular * (passed * passed) * visible
+            + coat * fresnel * unhidden(visible, layer.perceptual_roughness, confidence);
     } else {
-        specular *= unfound;
+        specular *= unhidden(visible, (*point).perceptual_roughness, confidence);
     }
 #else
-    specular *= unfound;
+    specular *= unhidden(visible, (*point).perceptual_roughness, confidence);
 #endif
     (*lit).diffuse += diffuse * pbr.diffuse_occlusion;
-    (*lit).specular += specular * pbr.specular_occlusion;
+    (*lit).specular += specular;
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     if transmits(point) {
         // What Bevy does not take for reflected there, with a look-up value of 0.1.

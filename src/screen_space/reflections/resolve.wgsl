@@ -201,7 +201,10 @@ fn radius_at(receiver: Receiver, first: i32) -> f32 {
             count += 1.0;
         }
     }
-    return select(1e9, sum / max(count, 1.0), count > 0.0);
+    // Where they met nothing, as wide as if that was as far away as the mirror: what others met further beside is in the lobe of
+    // a rough one, and not what a smooth one mirrors.
+    let distance = length(receiver.position);
+    return select(lobe_radius(alpha, distance, distance), sum / max(count, 1.0), count > 0.0);
 }
 
 fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {

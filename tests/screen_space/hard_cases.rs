@@ -1,0 +1,127 @@
+//! What the picture cannot show, or did not show in the last frame: mirrors that face the camera, things that appear, cameras
+//! that are somewhere else at once.
+
+use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
+use kit::{
+    known_light::{camera, errors, look, look_at_once, see, show, surface},
+    known_mirrors::{metal, mirror_app},
+    lean::change_cameras,
+    own_process::in_own_process,
+};
+
+use super::scenes::{SMALL, gi, light_at, reflections, with_motion};
+
+/// A mirror that faces the camera sends its rays back to it: they meet the backs of what stands between, of which the picture
+/// has the fronts alone, and so show the environment; and the inner side of a wall beside, which the picture has.
+#[test]
+fn a_mirror_that_faces_the_camera_shows_no_fronts() {
+    in_own_process(|| {
+        const EYE: Vec3 = Vec3::new(0.0, 1.2, 3.0);
+        const MIRROR_Z: f32 = -3.0;
+        const WALL_X: f32 = 1.6;
+        const SKY: f32 = 0.3;
+        // With a pixel that looks straight ahead, whose ray comes back to itself.
+        let size = SMALL + 1;
+        let picture = |effect: bool| {
+            let (headless, seen) = show(size, 8, |s| {
+                let mirror = Transform::from_xyz(0.0, EYE.y, MIRROR_Z);
+                s.mesh(Rectangle::new(4.0, 3.0), metal(0.0), mirror);
+                let inner = Quat::from_rotation_y(-core::f32::consts::FRAC_PI_2);
+                let wall = Transform::from_xyz(WALL_X, EYE.y, -2.0).with_rotation(inner);
+                s.mesh(Rectangle::new(2.0, 2.0), surface(0.0, 0.8), wall);
+                for (x, y) in [(-0.6, 1.2), (0.0, 0.7), (0.3, 1.7)] {
+                    let place = Transform::from_xyz(x, y, 0.0);
+                    s.mesh(Cuboid::from_length(0.3), surface(0.0, 1.0), place);
+                }
+                let camera = camera(s, Transform::from_translation(EYE), SKY, ());
+                if effect {
+                    s.world().entity_mut(camera).insert((gi(), reflections()));
+                }
+            });
+            (headless, seen)
+        };
+        let ((_, without), (mut headless, seen)) = (picture(false), picture(true));
+        seen.save("facing", 0.8);
+        assert!(seen.light.texels.iter().flatten().all(|x| x.is_finite()));
+        let (mut walls, mut missed, mut skies, mut most) = (0, 0, 0, 0.0_f32);
+        for (pixel, place, light) in seen.on_plane(Vec3::Z * MIRROR_Z, Vec3::Z) {
+            // The mirror, and nothing before it: a white metal shows the sky.
+            if place.x.abs() > 1.95 || (without.at(pixel) - SKY).abs() > 0.02 {
+                continue;
+            }
+            let direction = (place - EYE) * Vec3::new(1.0, 1.0, -1.0);
+            let met = place + direction * ((WALL_X - place.x) / direction.x);
+            let is_on = |rim: f32| {
+                direction.x > 0.0
+                    && met.z < -1.0 + rim
+                    && (met.y - EYE.y).abs() < 1.0 + rim
+                    && place.x < WALL_X
+            };
+            // But for two pixels about its outline, and before the edge where the two meet.
+            let beside = WALL_X - place.x;
+            if (0.0..0.08).contains(&beside) {
+                continue;
+            }
+            if is_on(-0.08) && light_at(&mut headless, &seen, met).is_some() {
+                walls += 1;
+                missed += i32::from((light - 0.8).abs() > 0.02);
+            } else if !is_on(0.08) {
+                skies += 1;
+                most = most.max((light - without.at(pixel)).abs());
+            }
+        }
+        println!(
+            "{missed} of {walls} pixels do not mirror the wall; {skies} others are off by {most:.4} at most"
+        );
+        assert!(walls > 300 && skies > 5000 && missed < walls / 50 && most < 2e-3);
+    });
+}
+
+/// Four frames after a jump the picture is the one that a camera shows which has always been there.
+#[test]
+fn a_jump_without_a_cut_leaves_no_trail() {
+    in_own_process(|| {
+        for motion in [false, true] {
+            let mut headless = mirror_app(SMALL, 0.0, |camera| {
+                camera.insert((gi(), reflections(), DepthPrepass));
+                with_motion(motion, camera);
+            });
+            let floor_is_half_diffuse = StandardMaterial {
+                metallic: 0.5,
+                ..metal(0.1)
+            };
+            let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
+            for (_, material) in materials.iter_mut() {
+                if material.metallic > 0.0 {
+                    *material = floor_is_half_diffuse.clone();
+                }
+            }
+            let poses = [
+                Transform::from_xyz(0.0, 1.1, 3.2),
+                Transform::from_xyz(2.2, 0.6, 1.6),
+                Transform::from_xyz(-0.4, 2.4, 2.0),
+                Transform::from_xyz(0.0, 1.1, -3.4),
+            ];
+            see(&mut headless, 16);
+            for (i, pose) in poses.into_iter().enumerate().cycle().skip(1).take(4) {
+                let middle = Vec3::new(0.0, 0.35, 0.0);
+                change_cameras(&mut headless, |camera| {
+                    camera.insert(pose.looking_at(middle, Vec3::Y));
+                });
+                let frames = [(); 5].map(|()| look_at_once(&mut headless));
+                headless.frames(16);
+                let still = look(&mut headless);
+                let off = frames.each_ref().map(|seen| {
+                    let pairs = seen.light.texels.iter().zip(&still.light.texels);
+                    errors(pairs.map(|(now, still)| now[1] - still[1])).0
+                });
+                let pairs = frames[4].light.texels.iter().zip(&still.light.texels);
+                let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
+                println!(
+                    "motion vectors {motion}, to {i}: off by {off:.4?}, at last {most:.4} at most"
+                );
+                assert!(off[0] > 0.01 && off[4] < 1e-3 && most < 0.02);
+            }
+        }
+    });
+}

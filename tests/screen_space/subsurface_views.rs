@@ -1,0 +1,233 @@
+//! Light that scatters beneath surfaces: what of the picture that is, and how it is seen.
+
+use bevy::{camera::Viewport, prelude::*};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    device::where_light_scatters,
+    known_light::{Seen, camera, show},
+    known_slabs::{SKIN, beside, patterned, slab, step, stored_paths},
+    scenes::SceneBuilder,
+};
+
+use SubsurfaceScatteringQuality::{High, Off};
+
+const SIZE: UVec2 = UVec2::new(320, 192);
+const WHITE: LinearRgba = LinearRgba::WHITE;
+
+fn with(quality: SubsurfaceScatteringQuality) -> LeanSubsurfaceScattering {
+    LeanSubsurfaceScattering {
+        quality,
+        ..default()
+    }
+}
+
+fn ahead(metres: f32) -> Transform {
+    Transform::from_xyz(0.0, 0.0, metres)
+}
+
+fn lamp(s: &mut SceneBuilder, place: Vec3) {
+    let light = PointLight {
+        intensity: 30_000.0,
+        ..default()
+    };
+    s.spawn((light, Transform::from_translation(place)));
+}
+
+/// All channels of two pictures, side by side.
+fn channels<'a>(a: &'a Seen, b: &'a Seen) -> impl Iterator<Item = (f32, f32)> + use<'a> {
+    let texels = a.light.texels.iter().flatten();
+    texels
+        .copied()
+        .zip(b.light.texels.iter().flatten().copied())
+}
+
+fn most_off(a: &Seen, b: &Seen) -> f32 {
+    channels(a, b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f32::max)
+}
+
+/// The highlight of a lamp over an edge of dark and white: what reflectance adds to the picture is the same with scattering as
+/// without, while what is diffuse gets soft.
+#[test]
+fn highlights_stay_sharp() {
+    where_light_scatters(|| {
+        let picture = |reflectance, quality| {
+            let (_, seen) = show(SIZE, 2, |s| {
+                let mut material = slab(SKIN, 0.08);
+                material.base.reflectance = reflectance;
+                material.base.perceptual_roughness = 0.25;
+                patterned(s, material, default(), step);
+                lamp(s, Vec3::new(0.1, 0.1, 1.0));
+                camera(s, ahead(2.0), 0.0, with(quality));
+            });
+            seen.save(&format!("highlight_{reflectance}_{quality:?}"), 0.5);
+            seen
+        };
+        let [off, on] = [Off, High].map(|quality| [0.0, 0.5].map(|x| picture(x, quality)));
+        let specular = |[without, with]: &[Seen; 2]| -> Vec<f32> {
+            channels(with, without)
+                .map(|(with, without)| with - without)
+                .collect()
+        };
+        let (before, after) = (specular(&off), specular(&on));
+        let brightest = before.iter().copied().fold(0.0, f32::max);
+        // Half floats of the picture, in which it is the difference of two.
+        let rounding = |i: usize| {
+            on[1].light.texels[i / 4][i % 4].max(off[1].light.texels[i / 4][i % 4]) / 1024.0
+        };
+        let worst = before.iter().zip(&after).enumerate();
+        let worst = worst.map(|(i, (before, after))| (before - after).abs() - rounding(i));
+        let worst = worst.fold(0.0, f32::max);
+        let softened = most_off(&off[0], &on[0]);
+        println!(
+            "at most {brightest:.3}, off by {worst:.5} beyond rounding; diffuse light changes by {softened:.3}"
+        );
+        assert!(brightest > 0.5 && softened > 0.1 && worst < 1e-3);
+    });
+}
+
+/// The edge of light on a slab, by fields of view from afar and near, in small and large pictures, and in a part of one.
+#[test]
+fn the_edge_is_right_in_any_view() {
+    where_light_scatters(|| {
+        let mut all_right = true;
+        let whole = |size: UVec2| URect::from_corners(UVec2::ZERO, size);
+        let part = URect::from_corners(UVec2::new(57, 31), UVec2::new(57, 31) + SIZE);
+        let cases = [
+            ("20 degrees", SIZE, whole(SIZE), 20.0, 4.7, 0.08),
+            ("90 degrees", SIZE, whole(SIZE), 90.0, 0.83, 0.08),
+            ("half the size", SIZE / 2, whole(SIZE / 2), 45.0, 2.0, 0.16),
+            ("larger", SIZE * 3 / 2, whole(SIZE * 3 / 2), 45.0, 2.0, 0.08),
+            ("a viewport", UVec2::new(400, 300), part, 45.0, 2.0, 0.08),
+        ];
+        for (name, size, viewport, degrees, metres, path) in cases {
+            let (_, seen) = show(size, 2, |s| {
+                patterned(s, slab(WHITE, path), default(), step);
+                let shown = Camera {
+                    viewport: Some(Viewport {
+                        physical_position: viewport.min,
+                        physical_size: viewport.size(),
+                        ..default()
+                    }),
+                    ..default()
+                };
+                let projection = Projection::Perspective(PerspectiveProjection {
+                    fov: f32::to_radians(degrees),
+                    ..default()
+                });
+                camera(s, ahead(metres), 1.0, (shown, projection, with(High)));
+            });
+            let seen = seen.within(viewport);
+            seen.save(&format!("edge_{name}"), 0.9);
+            let found = beside(&seen, Vec3::Z, stored_paths(WHITE, path))[0];
+            println!("{name}: {found:.4?}");
+            all_right &= found.rmse < 0.01 && found.bias.abs() < 0.002;
+        }
+        assert!(all_right);
+    });
+}
+
+const BALL: f32 = 0.35;
+/// Half of the size of hairs, and where they are: of about half a pixel, about the middle of one, of one and of two.
+const HAIRS: [(Vec3, Vec3); 4] = [
+    (Vec3::new(0.002, 0.6, 0.002), Vec3::new(-0.6947, 0.0, 0.0)),
+    (Vec3::new(0.004, 0.6, 0.004), Vec3::new(-0.55, 0.0, 0.0)),
+    (Vec3::new(0.008, 0.6, 0.008), Vec3::new(0.6, 0.0, 0.0)),
+    (Vec3::new(0.008, 0.6, 0.008), Vec3::new(0.1, 0.0, 0.8)),
+];
+
+/// A lit ball and hairs before a dark slab of the same material: no light leaves their outlines.
+#[test]
+fn outlines_have_no_halo() {
+    where_light_scatters(|| {
+        let path = 0.03;
+        let picture = |quality| {
+            let (_, seen) = show(SIZE, 2, |s| {
+                patterned(s, slab(SKIN, path), ahead(-1.5), |_| 0.0);
+                let ball = Sphere::new(BALL).mesh().ico(20).expect("few subdivisions");
+                let parts = HAIRS.map(|(half, at)| (Cuboid::from_size(2.0 * half).into(), at));
+                let material = s.add::<ExtendedStandardMaterial>(slab(SKIN, path));
+                for (mesh, at) in parts.into_iter().chain([(ball, Vec3::ZERO)]) {
+                    let mesh = s.add::<Mesh>(mesh);
+                    let place = Transform::from_translation(at);
+                    s.spawn((Mesh3d(mesh), MeshMaterial3d(material.clone()), place));
+                }
+                lamp(s, Vec3::new(-1.0, 0.6, 1.2));
+                camera(s, ahead(2.0), 0.0, with(quality));
+            });
+            seen.save(&format!("outlines_{quality:?}"), 0.9);
+            seen
+        };
+        let [off, on] = [Off, High].map(picture);
+        let (mut outside, mut halo, mut changed) = (0, 0.0_f32, 0.0_f32);
+        let mut sums = [[0.0_f32; 2]; HAIRS.len()];
+        for (i, ray) in off.rays().iter().enumerate() {
+            let (before, after) = (off.light.texels[i], on.light.texels[i]);
+            let most = [0, 1, 2].map(|c| (after[c] - before[c]).abs());
+            let most = most.into_iter().fold(0.0, f32::max);
+            let hair = HAIRS.iter().position(|(half, at)| {
+                // A little more than the hair: what is a fraction of a pixel in it.
+                let bounds = bevy::math::bounding::Aabb3d::new(*at, *half + 1e-4);
+                let cast = bevy::math::bounding::RayCast3d::from_ray(*ray, 100.0);
+                cast.aabb_intersection_at(&bounds).is_some()
+            });
+            let shows_ball = ray.origin.cross(*ray.direction).length() < BALL + 1e-3;
+            if let Some(hair) = hair {
+                sums[hair][0] += before[1];
+                sums[hair][1] += after[1];
+            } else if shows_ball {
+                changed = changed.max(most);
+            } else {
+                outside += 1;
+                halo = halo.max(most);
+            }
+        }
+        println!(
+            "{outside} pixels outside change by {halo}, the ball by {changed:.3} at most; hairs' sums {sums:.3?}"
+        );
+        assert!(outside > 20_000 && changed > 0.05);
+        assert_eq!(halo, 0.0);
+        for [before, after] in sums {
+            assert!(before > 1.0 && (after / before - 1.0).abs() < 0.02);
+        }
+    });
+}
+
+/// Paths as long as the picture is high, bounded or not: even light stays, and an edge of it makes nothing brighter than
+/// light is or darker than none.
+#[test]
+fn paths_may_be_longer_than_the_picture() {
+    where_light_scatters(|| {
+        let picture = |quality, largest_radius, light: fn(Vec2) -> f32| {
+            let (_, seen) = show(SIZE / 2, 2, |s| {
+                patterned(s, slab(WHITE, 1.0), default(), light);
+                let effect = LeanSubsurfaceScattering {
+                    largest_radius,
+                    ..with(quality)
+                };
+                camera(s, ahead(0.5), 1.0, effect);
+            });
+            seen
+        };
+        let [even, half_lit] =
+            [|_| 0.7, step as fn(Vec2) -> f32].map(|light| picture(Off, 0.0, light));
+        for largest_radius in [256.0, 1e4, f32::INFINITY] {
+            let most = most_off(&even, &picture(High, largest_radius, |_| 0.7));
+            let edge = picture(High, largest_radius, step);
+            let light: Vec<f32> = edge.light.texels.iter().map(|texel| texel[1]).collect();
+            let (least, brightest) = super::scenes::range(&light);
+            let changed = most_off(&half_lit, &edge);
+            let mean = |seen: &Seen| {
+                seen.light.texels.iter().map(|texel| texel[1]).sum::<f32>()
+                    / seen.light.texels.len() as f32
+            };
+            let means = [mean(&half_lit), mean(&edge)];
+            println!(
+                "up to {largest_radius} pixels: even light off by {most:.5}; an edge {least:.4} to {brightest:.4}, changed by {changed:.3}, mean {means:.4?}"
+            );
+            assert!(most < 1e-3 && least >= 0.0 && brightest <= 1.001 && changed > 0.1);
+            assert!((means[1] - means[0]).abs() < 0.03);
+        }
+    });
+}
