@@ -3,13 +3,15 @@
 
 use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use kit::{
-    known_light::{camera, errors, look, look_at_once, see, show, surface},
+    known_light::{Seen, camera, errors, look, look_at_once, see, show, surface},
     known_mirrors::{metal, mirror_app},
-    lean::change_cameras,
+    lean::{build, change_cameras},
     own_process::in_own_process,
 };
 
-use super::scenes::{SMALL, gi, light_at, reflections, with_motion};
+use super::scenes::{
+    EYE, SMALL, floor, gi, light_at, looking, reflections, spawn_floor, with_motion,
+};
 
 /// A mirror that faces the camera sends its rays back to it: they meet the backs of what stands between, of which the picture
 /// has the fronts alone, and so show the environment; and the inner side of a wall beside, which the picture has.
@@ -74,6 +76,100 @@ fn a_mirror_that_faces_the_camera_shows_no_fronts() {
             "{missed} of {walls} pixels do not mirror the wall; {skies} others are off by {most:.4} at most"
         );
         assert!(walls > 300 && skies > 5000 && missed < walls / 50 && most < 2e-3);
+    });
+}
+
+/// A box is before a wall from one frame to the next, dark before one that glows or the other way around: in its first frame it sends
+/// nothing, or for this frame a part of what was there; then its own light.
+#[test]
+fn what_appears_has_no_light_of_what_was_there() {
+    in_own_process(|| {
+        type Effect<'a> = &'a dyn Fn(&mut EntityWorldMut);
+        let mirrors = |camera: &mut EntityWorldMut| {
+            camera.insert(reflections());
+        };
+        let shines = |camera: &mut EntityWorldMut| {
+            camera.insert(gi());
+        };
+        let cases: [(&str, StandardMaterial, Effect, f32); 2] = [
+            ("mirror", metal(0.0), &mirrors, 0.05),
+            ("diffuse", surface(0.5, 0.0), &shines, 0.002),
+        ];
+        let mut all_right = true;
+        for (name, material, effect, least) in cases {
+            for glow in [0.0, 1.0] {
+                for motion in [false, true] {
+                    let mut thing = Entity::PLACEHOLDER;
+                    let mut headless = build(SMALL, |s| {
+                        spawn_floor(s, material.clone(), 0.0);
+                        let wall = Transform::from_xyz(0.0, 0.5, -0.8);
+                        s.mesh(Rectangle::new(3.0, 1.0), surface(0.0, 1.0 - glow), wall);
+                        let place = Transform::from_xyz(0.0, 0.3, 0.0);
+                        thing = s.mesh(Cuboid::new(0.8, 0.6, 0.4), surface(0.0, glow), place);
+                        let camera = camera(s, looking(EYE, 0.2), 0.0, ());
+                        let mut camera = s.world().entity_mut(camera);
+                        effect(&mut camera);
+                        with_motion(motion, &mut camera);
+                    });
+                    // What it takes to draw it is there.
+                    headless.settle();
+                    headless
+                        .world()
+                        .entity_mut(thing)
+                        .insert(Visibility::Hidden);
+                    let before = see(&mut headless, 12);
+                    headless
+                        .world()
+                        .entity_mut(thing)
+                        .insert(Visibility::Visible);
+                    // The first frame that shows it.
+                    let shows = |seen: &Seen| (seen.at(SMALL / 2) - glow).abs() < 0.01;
+                    let first = [(); 4]
+                        .iter()
+                        .find_map(|()| Some(look_at_once(&mut headless)).filter(shows));
+                    let first = first.expect("it shows");
+                    let [second, third] = [(); 2].map(|()| look_at_once(&mut headless));
+                    let frames = [first, second, third];
+                    headless.frames(12);
+                    let still = look(&mut headless);
+                    for (i, seen) in frames.iter().enumerate() {
+                        seen.save(&format!("appears_{name}_{glow}_{motion}_{i}"), 1.0);
+                        assert!(seen.light.texels.iter().flatten().all(|x| x.is_finite()));
+                    }
+                    // In front of it, where it matters.
+                    let sums = |seen: &Seen| -> Vec<f32> {
+                        let near = floor(seen).zip(floor(&before)).zip(floor(&still));
+                        let near = near.filter(|(((place, _), (_, before)), (_, still))| {
+                            place.z > 0.22 && (before - still).abs() > least
+                        });
+                        near.map(|(((_, light), _), _)| light).collect()
+                    };
+                    let [first, second, third] = frames.each_ref().map(sums);
+                    let last = sums(&still);
+                    let mean = |light: &[f32]| errors(light.iter().copied()).1;
+                    let off = |light: &[f32]| errors(light.iter().zip(&last).map(|(a, b)| a - b)).0;
+                    println!(
+                        "{name}, glows with {glow}, motion vectors {motion}: {} pixels, {:.4} before, then {:.4}, {:.4}, {:.4}, and {:.4}; off by {:.4}, {:.4}",
+                        last.len(),
+                        mean(&sums(&before)),
+                        mean(&first),
+                        mean(&second),
+                        mean(&third),
+                        mean(&last),
+                        off(&second),
+                        off(&third),
+                    );
+                    assert!(last.len() > 100);
+                    // All it ever sends is no more, but for outlines. With motion vectors things may have come nearer: what was no
+                    // further behind than the thickness of things is taken for it, for this frame.
+                    // Diffuse GI at so few pixels takes the wall for what is before it: 0.03 of its light on the floor, for this frame too.
+                    let most = if motion { 0.35 } else { 0.05 };
+                    all_right &= mean(&first) < most + mean(&last) * (1.0 - glow);
+                    all_right &= off(&second) < 0.05 && off(&third) < 0.02;
+                }
+            }
+        }
+        assert!(all_right);
     });
 }
 
