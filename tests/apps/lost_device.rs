@@ -12,13 +12,14 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    device::{render_creation, where_light_scatters},
+    device::render_creation,
     headless::{Headless, Picture},
     known_slabs::{SKIN, slab},
     lean::{active_lean_views, build, change_cameras},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::SceneBuilder,
+    skipped::where_light_scatters,
 };
 
 const SIZE: UVec2 = UVec2::new(160, 120);

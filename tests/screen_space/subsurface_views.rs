@@ -3,10 +3,10 @@
 use bevy::{camera::Viewport, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    device::where_light_scatters,
     known_light::{Seen, camera, show},
     known_slabs::{SKIN, beside, patterned, slab, step, stored_paths},
     scenes::SceneBuilder,
+    skipped::where_light_scatters,
 };
 
 use SubsurfaceScatteringQuality::{High, Off};

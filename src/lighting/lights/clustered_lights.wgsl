@@ -97,6 +97,8 @@ var<workgroup> least_cluster: atomic<u32>;
 var<workgroup> most_cluster: atomic<u32>;
 var<workgroup> least_depth: atomic<u32>;
 var<workgroup> most_depth: atomic<u32>;
+/// The four above, as one invocation reads them for all: browsers want to see that all go the same way.
+var<workgroup> found: vec4<u32>;
 /// A bit for each invocation: the light that it looks at may reach the tile. There are three, so that one is cleared while
 /// another is filled and the third may still be read.
 var<workgroup> reaching: array<array<atomic<u32>, 2>, 3>;
@@ -130,12 +132,21 @@ fn add_clustered_lights(
             atomicMax(&most_depth, bits);
         }
         workgroupBarrier();
-        let current = atomicLoad(&least_cluster);
+        if invocation == 0u {
+            found = vec4(
+                atomicLoad(&least_cluster),
+                atomicLoad(&most_cluster),
+                atomicLoad(&least_depth),
+                atomicLoad(&most_depth),
+            );
+        }
+        let all = workgroupUniformLoad(&found);
+        let current = all.x;
         if current == NO_CLUSTER {
             break;
         }
-        let is_last = current == atomicLoad(&most_cluster);
-        let depths = vec2(atomicLoad(&least_depth), atomicLoad(&most_depth));
+        let is_last = current == all.y;
+        let depths = all.zw;
         let bounds = box_of_tile(corner, bitcast<vec2<f32>>(depths));
         let is_here = left == current;
         left = select(left, NO_CLUSTER, is_here);
