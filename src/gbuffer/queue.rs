@@ -216,7 +216,9 @@ pub(super) fn queue_gbuffer_meshes(
         // In the order of the entities, as Bevy queues: it decides which is drawn first, and so what hides what.
         waiting.sort_unstable_by_key(|(_, entity)| *entity);
         for (render_entity, entity) in &waiting {
-            if visible.entity_pair_is_visible(*render_entity, *entity) {
+            // Bevy's own look-up by both entities misses some where meshes are something else too, as lights are: only such
+            // have entities in the render world, and its list is in the order of the main world's.
+            if visible_pair(visible, *entity) == Some((*render_entity, *entity)) {
                 sorter.sort((render_entity, entity), Holder::Bevy);
             }
         }

@@ -1,10 +1,13 @@
 //! Which meshes a change makes lean views look at: those that it concerns. Bevy is not made to look at any.
 
 use bevy::{
-    core_pipeline::prepass::MotionVectorPrepass,
+    core_pipeline::{core_3d::Opaque3d, prepass::MotionVectorPrepass},
     light::NotShadowReceiver,
     prelude::*,
-    render::{Render, RenderApp, RenderSystems, camera::DirtySpecializations, view::ExtractedView},
+    render::{
+        Render, RenderApp, RenderSystems, camera::DirtySpecializations,
+        render_phase::ViewBinnedRenderPhases, view::ExtractedView,
+    },
 };
 use bevy_lean_deferred::{gbuffer::SortedMeshes, view::ActiveLeanView};
 use kit::{
@@ -216,6 +219,53 @@ fn a_camera_that_becomes_lean_does_not_trouble_bevy() {
         for (_, asked) in watched {
             assert_eq!(asked.views, 0);
         }
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// Meshes that are lights as well, one in two, on a camera that becomes lean for the first time: they wait for their pipelines, and
+/// are in the G-buffer after that, as all others are. Such meshes alone have entities in the render world.
+#[test]
+fn meshes_that_are_lights_do_not_stay_forward() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            s.floor();
+            for n in 0..24 {
+                let place = Vec3::new((n % 6) as f32 - 2.5, 0.3, (n / 6) as f32 - 2.0);
+                let material = StandardMaterial {
+                    emissive: LinearRgba::rgb(1.0, 0.5, 0.1 * n as f32),
+                    ..default()
+                };
+                let mesh = s.mesh(
+                    Cuboid::from_length(0.5),
+                    material,
+                    Transform::from_translation(place),
+                );
+                if n % 2 == 0 {
+                    s.world().entity_mut(mesh).insert(PointLight::default());
+                }
+            }
+            let place = Transform::from_xyz(0.0, 4.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y);
+            s.camera(place, ());
+        });
+        headless.settle();
+        let drawn_forward = |headless: &Headless| {
+            let world = headless.app.sub_app(RenderApp).world();
+            let phases = world.resource::<ViewBinnedRenderPhases<Opaque3d>>();
+            let batches = phases.values().map(|phase| {
+                phase.multidrawable_meshes.len()
+                    + phase.batchable_meshes.len()
+                    + phase.unbatchable_meshes.len()
+            });
+            batches.sum::<usize>()
+        };
+        assert!(drawn_forward(&headless) > 0, "the camera is forward");
+        set_lean(&mut headless, true);
+        headless.frames(2);
+        headless.settle();
+        headless.frames(4);
+        assert_eq!(active_lean_views(&mut headless), 1);
+        assert_eq!(drawn_forward(&headless), 0, "batches are left to forward");
         log_watch::assert_validation_layer_silent();
     });
 }
