@@ -1,0 +1,57 @@
+#!/bin/sh
+# Builds the page into examples/web/www-built, to be served by anything: `python3 -m http.server --directory examples/web/www-built`.
+#
+#   sh examples/web/build.sh
+#
+# It needs the target wasm32-unknown-unknown, which it adds by rustup where there is one, and wasm-bindgen-cli of the version that
+# Cargo.lock has, which it builds into a cache folder. `CARGO` names another cargo, `WASM_BINDGEN` another wasm-bindgen; `WEB_TARGET` the
+# target folder, `WEB_OUT` where the page goes. `WEB_PROFILE=quick` builds in less time what is larger and slower. wasm-opt is run if it
+# is there.
+set -eu
+cd "$(dirname "$0")"
+cargo=${CARGO:-cargo}
+profile=${WEB_PROFILE:-release}
+target=${WEB_TARGET:-$PWD/target}
+out=${WEB_OUT:-$PWD/www-built}
+cache="${XDG_CACHE_HOME:-$HOME/.cache}/bevy_lean_deferred/web"
+
+fail() {
+    echo "$*" >&2
+    exit 1
+}
+
+"$cargo" --version >/dev/null 2>&1 || fail "There is no $cargo: install Rust (https://rustup.rs), or name another one by CARGO."
+
+# The target. A compiler from elsewhere than rustup has it, or not.
+sysroot=$("${RUSTC:-rustc}" --print sysroot)
+if [ -z "${CARGO:-}" ] && [ ! -e "$sysroot/lib/rustlib/wasm32-unknown-unknown/lib" ]; then
+    command -v rustup >/dev/null || fail "This Rust has no target wasm32-unknown-unknown, and there is no rustup to add it.
+Debian has it as libstd-rust-dev-wasm32; CARGO names another cargo that has it."
+    rustup target add wasm32-unknown-unknown || fail "rustup could not add the target wasm32-unknown-unknown."
+fi
+
+# In the version that the lock file has: both sides of the glue must agree.
+[ -e Cargo.lock ] || "$cargo" generate-lockfile
+version=$(sed -n '/^name = "wasm-bindgen"$/{n;s/^version = "\(.*\)"$/\1/p;}' Cargo.lock)
+[ -n "$version" ] || fail "Cargo.lock has no wasm-bindgen."
+bindgen=${WASM_BINDGEN:-$cache/wasm-bindgen-$version/bin/wasm-bindgen}
+if ! "$bindgen" --version >/dev/null 2>&1; then
+    "${HOST_CARGO:-cargo}" install wasm-bindgen-cli --locked --version "$version" --root "$cache/wasm-bindgen-$version" ||
+        fail "wasm-bindgen-cli $version could not be installed."
+fi
+
+"$cargo" build --profile "$profile" --target wasm32-unknown-unknown --target-dir "$target"
+
+rm -rf "$out"
+mkdir -p "$out"
+"$bindgen" --target web --no-typescript --out-dir "$out" --out-name app \
+    "$target/wasm32-unknown-unknown/$profile/bevy_lean_deferred_web.wasm"
+if [ "$profile" = release ] && command -v wasm-opt >/dev/null; then
+    wasm-opt -Os --all-features "$out/app_bg.wasm" -o "$out/smaller.wasm" && mv "$out/smaller.wasm" "$out/app_bg.wasm"
+    rm -f "$out/smaller.wasm"
+fi
+cp page/* "$out/"
+
+bytes=$(wc -c <"$out/app_bg.wasm")
+zipped=$(gzip -9 -c "$out/app_bg.wasm" | wc -c)
+echo "$out: app_bg.wasm has $bytes bytes, $zipped by gzip"

@@ -1,0 +1,200 @@
+//! Which shaders there are, and the definitions that they are composed under: those of `tests/shaders`.
+
+use std::collections::HashSet;
+
+use naga_oil::compose::ShaderDefValue;
+
+use super::{
+    Definitions,
+    covering::{Factor, covering_rows},
+    factors::{
+        EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_MERGE,
+        implications, occurs,
+    },
+};
+
+/// A shader's path in `src`, and its definitions.
+type Shader = (&'static str, Vec<Definitions>);
+
+/// The definition that `text` stands for: a name, or a name, `=` and a number.
+fn definition(text: &str) -> (String, ShaderDefValue) {
+    match text.split_once('=') {
+        Some((name, value)) => {
+            let value = value.parse().expect("the value is a number");
+            (name.to_string(), ShaderDefValue::UInt(value))
+        }
+        None => (text.to_string(), ShaderDefValue::Bool(true)),
+    }
+}
+
+/// What a person may read of definitions.
+pub fn describe(definitions: &Definitions) -> String {
+    let mut names: Vec<String> = definitions
+        .iter()
+        .map(|(name, value)| match value {
+            ShaderDefValue::UInt(value) => format!("{name}={value}"),
+            _ => name.clone(),
+        })
+        .collect();
+    names.sort();
+    names.join(", ")
+}
+
+/// What no device that `wgpu` 29 makes in a browser has: binding arrays, and subgroups (it does not ask browsers for them).
+const NOT_IN_BROWSERS: [&str; 7] = [
+    "BINDLESS",
+    "CLUSTERED_DECALS_ARE_USABLE",
+    "LIGHT_CULLING_BY_SUBGROUPS",
+    "LIGHT_TEXTURES",
+    "MULTIPLE_LIGHTMAPS_IN_ARRAY",
+    "MULTIPLE_LIGHT_PROBES_IN_ARRAY",
+    "SUBGROUPS",
+];
+
+/// Rows of `factors` in which any two choices meet, and random ones, with those that are `always` there.
+fn rows(factors: &[Factor], always: &str) -> Vec<Definitions> {
+    let always: Vec<&'static str> = always.to_string().leak().split_whitespace().collect();
+    let mut permutations: Vec<Definitions> = Vec::new();
+    for row in covering_rows(factors) {
+        let mut definitions: Definitions = row
+            .iter()
+            .copied()
+            .flatten()
+            .flat_map(|name| implications(name).iter().chain([name]))
+            .chain(&always)
+            .filter(|name| !NOT_IN_BROWSERS.contains(name))
+            .map(|name| definition(name))
+            .collect();
+        if definitions.keys().any(|name| name.starts_with("GBUFFER_")) {
+            definitions.extend([definition("GBUFFER_WRITTEN")]);
+        }
+        let names: HashSet<String> = definitions.keys().cloned().collect();
+        definitions.retain(|name, _| occurs(name, |other| names.contains(other)));
+        if !permutations.contains(&definitions) {
+            permutations.push(definitions);
+        }
+    }
+    permutations
+}
+
+/// All combinations of `choices`, each of which is names apart by spaces, with those that are `always` there.
+fn combinations(always: &str, choices: &[&[&str]]) -> Vec<Definitions> {
+    let mut all: Vec<Vec<&str>> = vec![always.split_whitespace().collect()];
+    for choice in choices {
+        all = all
+            .iter()
+            .flat_map(|row| {
+                choice
+                    .iter()
+                    .map(move |more| row.iter().copied().chain(more.split_whitespace()).collect())
+            })
+            .collect();
+    }
+    all.iter()
+        .map(|row| row.iter().map(|text| definition(text)).collect())
+        .collect()
+}
+
+const PROJECTIONS: &[&str] = &["", "PROJECTION_PERSPECTIVE", "PROJECTION_ORTHOGRAPHIC"];
+const MOTION: &[&str] = &["", "MOTION"];
+
+/// WebGPU's least, and as many as SwiftShader and most browsers have.
+const LIGHTING_ALWAYS: [&str; 2] = [
+    "DEPTH_PREPASS SHOWS_LIGHT AVAILABLE_STORAGE_BUFFER_BINDINGS=8",
+    "DEPTH_PREPASS SHOWS_LIGHT AVAILABLE_STORAGE_BUFFER_BINDINGS=10",
+];
+
+const GBUFFER_ALWAYS: &str = "PREPASS_PIPELINE PREPASS_FRAGMENT VERTEX_OUTPUT_INSTANCE_INDEX VERTEX_POSITIONS \
+    NORMAL_PREPASS_OR_DEFERRED_PREPASS MOTION_VECTOR_PREPASS_OR_DEFERRED_PREPASS DEFERRED_PREPASS MATERIAL_BIND_GROUP=3 \
+    AVAILABLE_STORAGE_BUFFER_BINDINGS=8";
+
+/// All of them.
+pub fn all() -> Vec<Shader> {
+    let mut shaders = passes();
+    shaders.extend(screen_space());
+    shaders
+}
+
+fn passes() -> Vec<Shader> {
+    let lighting = LIGHTING_ALWAYS
+        .map(|always| rows(LIGHTING, always))
+        .concat();
+    let resolve = "PREPASS_PIPELINE AVAILABLE_STORAGE_BUFFER_BINDINGS=8";
+    let gather = [
+        "DIVISOR=1 SLICES=1 STEPS=6",
+        "DIVISOR=2 SLICES=2 STEPS=8",
+        "DIVISOR=1",
+    ];
+    let exposure = || {
+        ["STRIDE=1", "STRIDE=2", "STRIDE=4"]
+            .map(|stride| rows(EXPOSURE, stride))
+            .concat()
+    };
+    vec![
+        ("lighting/lighting.wgsl", lighting),
+        ("gbuffer/gbuffer.wgsl", rows(GBUFFER, GBUFFER_ALWAYS)),
+        ("gbuffer/resolve_motion.wgsl", rows(MOTION_RESOLVE, resolve)),
+        (
+            "ambient_occlusion/gather.wgsl",
+            gather.map(|values| rows(OCCLUSION_GATHER, values)).concat(),
+        ),
+        ("ambient_occlusion/merge.wgsl", rows(OCCLUSION_MERGE, "")),
+        ("auto_exposure/meter.wgsl", exposure()),
+        ("auto_exposure/adapt.wgsl", exposure()),
+        ("auto_exposure/overlay.wgsl", exposure()),
+    ]
+}
+
+fn screen_space() -> Vec<Shader> {
+    let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2"];
+    let sides: &[&str] = &[
+        "DIVISOR=1 SIDE_SQUARED=361 MEANS_SQUARED=256",
+        "DIVISOR=2 SIDE_SQUARED=144 MEANS_SQUARED=81",
+    ];
+    let special: &[&str] = &["", "SPECIALIZATION"];
+    let orthographic: &[&str] = &["", "PROJECTION_ORTHOGRAPHIC"];
+    let shown: &[&str] = &[
+        "SHOWS_LIGHT",
+        "SHOWS_BARE_LIGHT",
+        "SHOWS_ALPHA",
+        "SHOWS_ONE_MINUS_ALPHA",
+        "SHOWS_HIT",
+    ];
+    let gi = combinations("SLICES=2 STEPS=3", &[divisors, PROJECTIONS]);
+    let mirrors = || {
+        let samples = "ROUGH_STEPS=4 SMOOTH_STEPS=8 ROUGH_RAYS=8 PIXELS=16 INVOCATIONS=256";
+        combinations(samples, &[sides, MOTION, special, PROJECTIONS])
+    };
+    let up: &[&[&str]] = &[&["", "PICTURE"], &["", "DRAWN_OUT"], orthographic];
+    vec![
+        (
+            "screen_space/diffuse_gi/levels.wgsl",
+            combinations("", &[divisors, MOTION, PROJECTIONS]),
+        ),
+        ("screen_space/diffuse_gi/gather.wgsl", gi),
+        (
+            "screen_space/diffuse_gi/forward_light.wgsl",
+            combinations("", &[PROJECTIONS]),
+        ),
+        (
+            "screen_space/diffuse_gi/filter.wgsl",
+            combinations("", &[divisors, PROJECTIONS]),
+        ),
+        ("screen_space/reflections/cells.wgsl", mirrors()),
+        ("screen_space/reflections/trace.wgsl", mirrors()),
+        ("screen_space/reflections/resolve.wgsl", mirrors()),
+        (
+            "screen_space/subsurface/down.wgsl",
+            combinations("", &[&["", "LISTED"], orthographic]),
+        ),
+        ("screen_space/subsurface/up.wgsl", combinations("", up)),
+        (
+            "screen_space/history/levels.wgsl",
+            combinations("", &[&["", "OF_LEVEL"]]),
+        ),
+        (
+            "screen_space/debug_view/debug_view.wgsl",
+            combinations("", &[shown]),
+        ),
+    ]
+}

@@ -1,0 +1,83 @@
+//! What the page shows and tests wait for: frames, their time, what is still compiled, what renders the camera.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+use std::sync::Mutex;
+
+use bevy::{
+    prelude::*,
+    render::{Render, RenderApp, RenderSystems, render_resource::PipelineCache},
+};
+use bevy_lean_deferred::prelude::*;
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use crate::camera::View;
+
+static FRAMES: AtomicU32 = AtomicU32::new(0);
+static COMPILING: AtomicU32 = AtomicU32::new(0);
+/// The bits of a float.
+static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
+static RENDERER: Mutex<String> = Mutex::new(String::new());
+
+/// How many frames of which the newest counts in [`frame_milliseconds`]: one part of so many.
+const SMOOTHING: f32 = 16.0;
+
+/// Frames since the start.
+#[wasm_bindgen]
+pub fn frames() -> u32 {
+    FRAMES.load(Ordering::Relaxed)
+}
+
+/// From one frame to the next, smoothed.
+#[wasm_bindgen]
+pub fn frame_milliseconds() -> f32 {
+    f32::from_bits(MILLISECONDS.load(Ordering::Relaxed))
+}
+
+/// Pipelines that are not ready yet.
+#[wasm_bindgen]
+pub fn compiling() -> u32 {
+    COMPILING.load(Ordering::Relaxed)
+}
+
+/// What renders the camera: "Bevy forward", or the state of lean rendering.
+#[wasm_bindgen]
+pub fn renderer() -> String {
+    RENDERER.lock().map(|name| name.clone()).unwrap_or_default()
+}
+
+pub fn plugin(app: &mut App) {
+    app.add_systems(Last, (count_frames, name_renderer));
+    if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+        render_app.add_systems(Render, count_pipelines.in_set(RenderSystems::Cleanup));
+    }
+}
+
+fn count_frames(time: Res<Time<Real>>) {
+    let last = frame_milliseconds();
+    let this = time.delta_secs() * 1000.0;
+    // The first frames load everything.
+    let mean = if FRAMES.fetch_add(1, Ordering::Relaxed) < 3 {
+        this
+    } else {
+        last + (this - last) / SMOOTHING
+    };
+    MILLISECONDS.store(mean.to_bits(), Ordering::Relaxed);
+}
+
+fn name_renderer(camera: Single<Option<Ref<LeanStatus>>, With<View>>) {
+    let name = match &*camera {
+        Some(status) if status.is_changed() => status.to_string(),
+        Some(_) => return,
+        None => "Bevy forward".to_string(),
+    };
+    if let Ok(mut renderer) = RENDERER.lock()
+        && *renderer != name
+    {
+        *renderer = name;
+    }
+}
+
+fn count_pipelines(cache: Res<PipelineCache>) {
+    let waiting = cache.waiting_pipelines().count();
+    COMPILING.store(waiting as u32, Ordering::Relaxed);
+}

@@ -1,0 +1,108 @@
+//! What the page switches: components of the camera, while the app runs.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use bevy::prelude::*;
+use bevy_lean_deferred::prelude::*;
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use crate::{camera::View, motion::Motion};
+
+/// A name of the page, and what it does to a camera.
+struct Switch {
+    name: &'static str,
+    insert: fn(&mut EntityCommands),
+    remove: fn(&mut EntityCommands),
+}
+
+/// A switch that stands for a component.
+const fn component<C: Component + Default>(name: &'static str) -> Switch {
+    Switch {
+        name,
+        insert: |camera| {
+            camera.insert(C::default());
+        },
+        remove: |camera| {
+            camera.remove::<C>();
+        },
+    }
+}
+
+const SWITCHES: [Switch; 6] = [
+    component::<LeanDeferred>("lean"),
+    component::<LeanAmbientOcclusion>("ambient-occlusion"),
+    component::<LeanScreenSpaceGi>("diffuse-gi"),
+    component::<LeanScreenSpaceReflections>("reflections"),
+    // Materials ask for it: it is on where it is not switched off.
+    Switch {
+        name: "subsurface-scattering",
+        insert: |camera| {
+            camera.remove::<LeanSubsurfaceScattering>();
+        },
+        remove: |camera| {
+            camera.insert(no_scattering());
+        },
+    },
+    Switch {
+        name: "auto-exposure",
+        insert: |camera| {
+            // A night is to look like one.
+            camera.insert(LeanAutoExposure {
+                target: 0.1,
+                ..default()
+            });
+        },
+        remove: |camera| {
+            camera.remove::<LeanAutoExposure>();
+        },
+    },
+];
+
+/// What Bevy's forward renderer has of scattering.
+pub fn no_scattering() -> LeanSubsurfaceScattering {
+    LeanSubsurfaceScattering {
+        quality: SubsurfaceScatteringQuality::Off,
+        ..default()
+    }
+}
+
+/// Beside those of the camera: whether everything moves.
+const MOTION: &str = "motion";
+
+/// A bit for each of [`SWITCHES`], and one for [`MOTION`]. The page writes it between frames.
+static ON: AtomicU32 = AtomicU32::new(0);
+
+/// Switches something on or off. False if nothing has that name.
+#[wasm_bindgen]
+pub fn set_switch(name: &str, on: bool) -> bool {
+    let mut names = SWITCHES.iter().map(|switch| switch.name).chain([MOTION]);
+    let Some(index) = names.position(|other| other == name) else {
+        return false;
+    };
+    if on {
+        ON.fetch_or(1 << index, Ordering::Relaxed);
+    } else {
+        ON.fetch_and(!(1 << index), Ordering::Relaxed);
+    }
+    true
+}
+
+/// Brings the camera and [`Motion`] to what the page says.
+pub fn apply(
+    mut commands: Commands,
+    camera: Single<Entity, With<View>>,
+    mut motion: ResMut<Motion>,
+    mut applied: Local<u32>,
+) {
+    let on = ON.load(Ordering::Relaxed);
+    let mut camera = commands.entity(*camera);
+    for (index, switch) in SWITCHES.iter().enumerate() {
+        match (on >> index & 1, *applied >> index & 1) {
+            (1, 0) => (switch.insert)(&mut camera),
+            (0, 1) => (switch.remove)(&mut camera),
+            _ => {}
+        }
+    }
+    motion.set_if_neq(Motion(on >> SWITCHES.len() & 1 == 1));
+    *applied = on;
+}
