@@ -1,7 +1,8 @@
 // What the crate's technique replaces: occlusion in the alpha of four half-precision channels, nine fetches to blur it,
 // and a merge in the shader.
-#import bevy_lean_deferred::ambient_occlusion::bindings::{depth_at, view}
+#import bevy_lean_deferred::ambient_occlusion::bindings::{depth_at, depth_texture, view}
 #import bevy_lean_deferred::ambient_occlusion::hbao::hbao
+#import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, depths_around}
 
 #ifdef GATHER
 @group(0) @binding(4) var output_texture: texture_storage_2d<rgba16float, write>;
@@ -14,7 +15,10 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>) {
     let depth = depth_at(vec2<i32>(id.xy));
     var occlusion = 0.0;
     if depth > 0.0 {
-        occlusion = hbao((id.x & 1u) | ((id.y & 1u) << 1u), vec2<i32>(id.xy), depth);
+        let pixel = vec2<i32>(id.xy);
+        let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
+        let around = depths_around(depth_texture, in_depth, pixel, false);
+        occlusion = hbao((id.x & 1u) | ((id.y & 1u) << 1u), pixel, depth, around);
     }
     textureStore(output_texture, id.xy, vec4(1.0, 1.0, 1.0, 1.0 - occlusion));
 }

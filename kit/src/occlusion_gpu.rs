@@ -15,7 +15,7 @@ use bevy_lean_deferred::ambient_occlusion::{
 };
 use draw::Target;
 use naga_oil::compose::ShaderDefValue;
-use shaders::{GATHER, MERGE, filter_definitions, gather_definitions};
+use shaders::{GATHER, MERGE, filter_definitions, gather_definitions, shares_depths};
 pub use textures::half;
 
 use super::gpu;
@@ -134,6 +134,9 @@ impl OcclusionGpu {
         match path {
             Path::Compute => {
                 defs.insert("COMPUTE".into(), ShaderDefValue::Bool(true));
+                if shares_depths(settings) {
+                    defs.insert("SHARED_DEPTHS".into(), ShaderDefValue::Bool(true));
+                }
                 let layout = self.layout(wgpu::ShaderStages::COMPUTE, Some(format), false);
                 let mut entries = common.to_vec();
                 entries.push(wgpu::BindGroupEntry {

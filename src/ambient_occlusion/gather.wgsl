@@ -1,11 +1,14 @@
 // Finds the occlusion of each texel: as a compute pass, or as a fragment pass where the format cannot be stored to.
-#import bevy_lean_deferred::ambient_occlusion::bindings::{depth_at, view}
+#import bevy_lean_deferred::ambient_occlusion::bindings::{depth_at, depth_texture, is_in_view, view}
 #import bevy_lean_deferred::gbuffer::layout::is_finite
 
 #ifdef HDAO
 #import bevy_lean_deferred::ambient_occlusion::hdao::hdao
 #else
 #import bevy_lean_deferred::ambient_occlusion::hbao::hbao
+#import bevy_lean_deferred::reconstruction::normal_from_depth::{
+    DepthView, DepthsAround, OUTSIDE, depth_or_outside, depths_around,
+}
 #endif
 
 /// Where the pixels of each phase lie in the 2×2 pattern: neighbours along an axis look in rather different directions.
@@ -18,18 +21,66 @@ fn phase_at(texel: vec2<u32>) -> u32 {
     return select(2u - x, 3u * x, (texel.y & 1u) == 0u);
 }
 
-fn occlusion_at(texel: vec2<u32>, phase: u32) -> f32 {
+#ifdef HDAO
+fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
     let pixel = vec2<i32>(texel * #{DIVISOR}u);
     let depth = depth_at(pixel);
     // Sky, and what is not a number.
     if !(depth > 0.0) {
         return 0.0;
     }
-#ifdef HDAO
-    let occlusion = hdao(pixel, depth);
+    return hdao(pixel, depth);
+}
+#else ifdef SHARED_DEPTHS
+/// Depths of a workgroup's pixels and of two more on each side; `OUTSIDE` where there is no surface.
+const SIDE: i32 = 20;
+var<workgroup> depths: array<f32, 400>;
+
+/// The first pixel of the workgroup.
+var<private> corner: vec2<i32>;
+
+fn read_depths(invocation: u32) {
+    let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
+    let is_inside = is_in_view(corner - 2) && is_in_view(corner + SIDE - 3);
+    for (var i = i32(invocation); i < SIDE * SIDE; i += 64) {
+        let pixel = corner - 2 + vec2(i % SIDE, i / SIDE);
+        depths[i] = depth_or_outside(depth_texture, in_depth, pixel, is_inside);
+    }
+    workgroupBarrier();
+}
+
+fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
+    let pixel = vec2<i32>(texel);
+    let place = pixel - corner + 2;
+    let i = place.x + SIDE * place.y;
+    let depth = depths[i];
+    if depth == OUTSIDE {
+        return 0.0;
+    }
+    let around = DepthsAround(
+        vec2(depths[i - 1], depths[i - 2]),
+        vec2(depths[i + 1], depths[i + 2]),
+        vec2(depths[i - SIDE], depths[i - 2 * SIDE]),
+        vec2(depths[i + SIDE], depths[i + 2 * SIDE]),
+    );
+    return hbao(phase, pixel, depth, around);
+}
 #else
-    let occlusion = hbao(phase, pixel, depth);
+fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
+    let pixel = vec2<i32>(texel * #{DIVISOR}u);
+    let depth = depth_at(pixel);
+    // Sky, and what is not a number.
+    if !(depth > 0.0) {
+        return 0.0;
+    }
+    let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
+    let is_inside = is_in_view(pixel - 2) && is_in_view(pixel + 2);
+    return hbao(phase, pixel, depth, depths_around(depth_texture, in_depth, pixel, is_inside));
+}
 #endif
+
+fn occlusion_at(texel: vec2<u32>, phase: u32) -> f32 {
+    let occlusion = occlusion_of(texel, phase);
     return select(0.0, saturate(occlusion), is_finite(occlusion));
 }
 
@@ -45,6 +96,10 @@ fn compute(
     @builtin(local_invocation_index) invocation: u32,
 ) {
     let block = 2u * pixel_in_view(tile.xy, tiles.xy, view.row_stride, invocation);
+#ifdef SHARED_DEPTHS
+    corner = vec2<i32>(2u * pixel_in_view(tile.xy, tiles.xy, view.row_stride, 0u));
+    read_depths(invocation);
+#endif
     for (var phase = 0u; phase < 4u; phase++) {
         let texel = block + place_of(phase);
         if all(texel < view.texture_size) {

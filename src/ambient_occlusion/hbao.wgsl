@@ -2,10 +2,10 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::hbao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
-    depth_at, depth_texture, direction_to_viewer, is_in_view, largest_side, radius_at, view, view_position,
+    depth_at, direction_to_viewer, is_in_view, largest_side, radius_at, reconstructed, view, view_position,
 }
 #import bevy_lean_deferred::horizon::{PI, side_occlusion, slice_normal, tangents}
-#import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, geometric_normal}
+#import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthsAround, geometric_normal}
 
 #ifdef SHADING_NORMALS
 #import bevy_lean_deferred::ambient_occlusion::bindings::normal_texture
@@ -31,9 +31,26 @@ fn steps_on_each_side() -> u32 {
 }
 #endif
 
-/// One side of a slice.
+/// Whole numbers near 0 stand in the lowest bits of this plus them.
+const ROUNDER: f32 = 12582912.0;
+
+/// The nearest whole numbers, as both.
+struct Rounded {
+    whole: vec2<i32>,
+    number: vec2<f32>,
+}
+
+/// By an addition: conversions take four times as long. The bits that are set are set already; compilers do not know, and so do not
+/// take the sum apart.
+fn rounded(x: vec2<f32>) -> Rounded {
+    let bits = bitcast<vec2<u32>>(x + ROUNDER) | vec2(0x4b000000u);
+    return Rounded(vec2<i32>(bits) - bitcast<i32>(ROUNDER), bitcast<vec2<f32>>(bits) - ROUNDER);
+}
+
+/// A slice.
 struct March {
     pixel: vec2<i32>,
+    center: vec2<f32>,
     position: vec3<f32>,
     to_viewer: vec3<f32>,
     geometric: vec3<f32>,
@@ -42,26 +59,27 @@ struct March {
     /// Pixels to the radius along that side.
     reach: f32,
     inverse_radius_squared: f32,
-    /// Where the first step stands between two, 0 to 1.
+    /// Where the first step ahead stands between two, 0 to 1.
     offset: f32,
-    /// No sample can lie outside of the view.
-    is_inside: bool,
 }
 
-/// Cosine of the angle between the viewer and the highest sample; `base` if none is above the surface.
-fn horizon(march: March, base: f32) -> f32 {
+/// Cosine of the angle between the viewer and the highest sample on one `side`, 1 or -1; `base` if none is above the surface.
+/// `is_inside` says that no sample can lie outside of the view: then nothing keeps them from being read all at once.
+fn horizon(march: March, side: f32, base: f32, is_inside: bool) -> f32 {
     let steps = steps_on_each_side();
+    let offset = select(fract(march.offset + 0.5), march.offset, side > 0.0);
     var highest = base;
     for (var i = 0u; i < steps; i++) {
         // Closer together near the pixel, and never the pixel itself nor the one before.
-        let t = (f32(i) + march.offset) / f32(steps);
+        let t = (f32(i) + offset) / f32(steps);
         let distance = max(march.reach * (0.5 * t + 0.5 * t * t), f32(i + 1u));
-        let sample = march.pixel + vec2<i32>(round(march.direction * distance));
-        if !march.is_inside && !is_in_view(sample) {
+        let step = rounded(side * march.direction * distance);
+        let sample = march.pixel + step.whole;
+        if !is_inside && !is_in_view(sample) {
             continue;
         }
         let depth = depth_at(sample);
-        let delta = view_position(sample, depth) - march.position;
+        let delta = reconstructed(vec3(march.center + step.number, depth)) - march.position;
         let distance_squared = dot(delta, delta);
         let inverse_distance = inverseSqrt(distance_squared);
         let nearness = 1.0 - distance_squared * march.inverse_radius_squared;
@@ -69,7 +87,7 @@ fn horizon(march: March, base: f32) -> f32 {
         let elevation = dot(delta, march.geometric) * inverse_distance;
         let cosine = dot(delta, march.to_viewer) * inverse_distance;
         // The sky is no occluder, though projections with a far plane place it there.
-        let counts = elevation > view.sin_bias && weight > 0.0 && depth > 0.0;
+        let counts = elevation > view.sin_bias && depth > 0.0;
         let height = select(base, mix(base, cosine, weight), counts);
 #ifdef THIN
         highest = max(height, mix(height, highest, view.thickness));
@@ -80,8 +98,13 @@ fn horizon(march: March, base: f32) -> f32 {
     return highest;
 }
 
+/// Ahead and behind.
+fn horizons(march: March, bases: vec2<f32>, is_inside: bool) -> vec2<f32> {
+    return vec2(horizon(march, 1.0, bases.x, is_inside), horizon(march, -1.0, bases.y, is_inside));
+}
+
 /// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the 2×2 pattern: those of `phase` 0 to 3.
-fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
+fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let position = view_position(pixel, depth);
     let radius = radius_at(position);
     let reach = largest_side(radius.pixels);
@@ -96,14 +119,11 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
 
     var march: March;
     march.pixel = pixel;
+    march.center = vec2<f32>(pixel) + 0.5;
     march.position = position;
     march.to_viewer = to_viewer;
-    let in_depth = DepthView(
-        view.view_from_pixel, vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size),
-    );
-    march.geometric = geometric_normal(depth_texture, in_depth, pixel, position, to_viewer, depth, is_inside);
+    march.geometric = geometric_normal(view.view_from_pixel, march.center, position, to_viewer, depth, around);
     march.inverse_radius_squared = 1.0 / (radius.metres * radius.metres);
-    march.is_inside = is_inside;
 
     var normal = march.geometric;
 #ifdef SHADING_NORMALS
@@ -142,13 +162,14 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32) -> f32 {
         march.reach = largest_side(on_screen);
         march.direction = on_screen / march.reach;
         march.offset = fract(0.125 + 0.25 * f32(phase + block) + 0.618 * f32(slice) + view.turn);
-        let ahead = horizon(march, bases.x);
-        march.direction = -march.direction;
-        march.offset = fract(march.offset + 0.5);
-        let behind = horizon(march, bases.y);
-
-        occlusion += side_occlusion(lobe, bases.x, ahead, 1.0)
-            + side_occlusion(lobe, bases.y, behind, -1.0);
+        var highest: vec2<f32>;
+        if is_inside {
+            highest = horizons(march, bases, true);
+        } else {
+            highest = horizons(march, bases, false);
+        }
+        occlusion += side_occlusion(lobe, bases.x, highest.x, 1.0)
+            + side_occlusion(lobe, bases.y, highest.y, -1.0);
     }
     return occlusion / f32(slices);
 }

@@ -36,6 +36,11 @@ impl GatherKey {
         self.reduced().shading_normals
     }
 
+    /// Whether a workgroup of the compute pass reads the depths of its pixels once for all: where it has all of them.
+    pub(super) fn shares_depths(self) -> bool {
+        self.kernel == OcclusionKernel::Hbao && self.divisor == 1
+    }
+
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
         let mut defs: Vec<ShaderDefVal> = vec![ShaderDefVal::UInt("DIVISOR".into(), self.divisor)];
         if let Some((slices, steps)) = self.samples {

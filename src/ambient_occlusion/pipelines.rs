@@ -163,6 +163,9 @@ impl OcclusionPipelines {
         let shader = self.gather_shader.clone();
         let pipeline = if compute {
             shader_defs.push("COMPUTE".into());
+            if key.shares_depths() {
+                shader_defs.push("SHARED_DEPTHS".into());
+            }
             GatherPipeline::Compute(pipeline_cache.queue_compute_pipeline(
                 ComputePipelineDescriptor {
                     label,

@@ -18,8 +18,8 @@ use bevy::{
 use bevy_lean_deferred::DebugChannel;
 use covering::{Factor, covering_rows};
 use factors::{
-    EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_MERGE, implications,
-    occurs,
+    EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
+    OCCLUSION_MERGE, implications, occurs,
 };
 use kit::headless::Headless;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -223,6 +223,9 @@ fn motion_resolve_permutations_validate() {
     );
 }
 
+/// What is defined where a workgroup of ambient occlusion shares depths.
+const SHARES_DEPTHS: [&str; 2] = ["COMPUTE", "SHARED_DEPTHS"];
+
 #[test]
 fn occlusion_permutations_validate() {
     let values: [&[_]; 3] = [
@@ -231,14 +234,20 @@ fn occlusion_permutations_validate() {
         // Read from the uniform.
         &[("DIVISOR", 1)],
     ];
+    let gathers: [(_, &[_]); 2] = [
+        (OCCLUSION_GATHER, &[]),
+        (OCCLUSION_GATHER_SHARED, &SHARES_DEPTHS),
+    ];
     for values in values {
-        check_permutations(
-            include_str!("../../src/ambient_occlusion/gather.wgsl"),
-            "src/ambient_occlusion/gather.wgsl",
-            OCCLUSION_GATHER,
-            &[],
-            values,
-        );
+        for (factors, always) in gathers {
+            check_permutations(
+                include_str!("../../src/ambient_occlusion/gather.wgsl"),
+                "src/ambient_occlusion/gather.wgsl",
+                factors,
+                always,
+                values,
+            );
+        }
     }
     check_permutations(
         include_str!("../../src/ambient_occlusion/merge.wgsl"),
@@ -309,7 +318,8 @@ fn assert_all_tried(path: &str, pipeline: &str, tried: &HashSet<&str>) {
 #[test]
 fn every_definition_of_the_occlusion_shaders_is_tried() {
     let values = ["SLICES", "STEPS", "DIVISOR"];
-    let tried = &tried(OCCLUSION_GATHER, &values) | &tried(OCCLUSION_MERGE, &[]);
+    let tried = &(&tried(OCCLUSION_GATHER, &values) | &tried(OCCLUSION_MERGE, &[]))
+        | &tried(OCCLUSION_GATHER_SHARED, &SHARES_DEPTHS);
     let pipelines = include_str!("../../src/ambient_occlusion/pipelines.rs");
     assert_all_tried("pipelines.rs", pipelines, &tried);
 }

@@ -140,6 +140,11 @@ pub(super) fn gather_definitions(
     defs
 }
 
+/// Whether the crate's compute pass reads depths once for a workgroup.
+pub(super) fn shares_depths(settings: &LeanAmbientOcclusion) -> bool {
+    settings.kernel == OcclusionKernel::Hbao && settings.resolution == OcclusionResolution::Full
+}
+
 /// As the crate compiles the filter, for its debug view.
 pub(super) fn filter_definitions(
     settings: &LeanAmbientOcclusion,

@@ -4,7 +4,7 @@
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, is_finite, unpack_normal}
 #import bevy_lean_deferred::horizon::{PI, SliceNormal, side_occlusion, slice_normal, tangents}
 #import bevy_lean_deferred::pattern::turn_of
-#import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, geometric_normal}
+#import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, depths_around, geometric_normal}
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
     Entry, depth_texture, edge_step, levels, normal_texture, output_texture, unpack_entry, view, view_position,
 }
@@ -134,11 +134,10 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     }
     receiver.inverse_radius_squared = 1.0 / (metres * metres);
 
-    let in_depth = DepthView(
-        view.view_from_pixel, vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size),
-    );
+    let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
     receiver.geometric = geometric_normal(
-        depth_texture, in_depth, pixel, receiver.position, receiver.to_viewer, depth, false,
+        view.view_from_pixel, vec2<f32>(pixel) + 0.5, receiver.position, receiver.to_viewer, depth,
+        depths_around(depth_texture, in_depth, pixel, false),
     );
     var normal = receiver.geometric;
     let word = textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;

@@ -136,7 +136,11 @@ fn march(ray: Ray, direction: vec3<f32>, spread: f32, steps: u32) -> Met {
             let middle = 0.5 * (u + next);
             let middle_z = 0.5 * (z + next_z);
             let pixel = clamp(vec2<i32>(ray.start.xy + ray.step.xy * middle), vec2(0), last);
-            let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
+            // Of a single pixel it is known already.
+            var depth = depths.x;
+            if side >= FIRST_SIDE {
+                depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
+            }
             is_in_front = middle_z > depth;
             if was_in_front && !is_in_front {
                 let inside = depth_inside(pixel, depth, middle_z, direction);

@@ -5,7 +5,9 @@
     DIVISOR, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, to_viewer, unpack_hit,
     view, view_position,
 }
-#import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, rotated, smoothness}
+#import bevy_lean_deferred::screen_space::reflections::surface::{
+    last_light, mirror_at, mirror_of, normal_word_at, rotated, smoothness,
+}
 
 /// Pixels a side of a workgroup, and their texels.
 const PIXELS: i32 = #{PIXELS};
@@ -247,12 +249,17 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     for (var read = i; read < SIDE * SIDE; read += INVOCATIONS) {
         let texel = corner + vec2(read % SIDE, read / SIDE);
         let inside = clamp(texel, vec2(0), last);
-        let mirror = mirror_at(inside * DIVISOR);
-        lights[read] = pack_halves(textureLoad(rays_texture, inside, 0));
-        hits[read] = textureLoad(hits_texture, inside, 0).r;
+        // All are asked for before any is waited for.
+        let word = normal_word_at(inside * DIVISOR);
+        let light = textureLoad(rays_texture, inside, 0);
+        let hit = textureLoad(hits_texture, inside, 0).r;
+        let depth = depth_in_view(inside * DIVISOR);
+        let mirror = mirror_of(inside * DIVISOR, word);
+        lights[read] = pack_halves(light);
+        hits[read] = hit;
         // What is beyond the rim counts for nothing.
         let counts = all(texel == inside) && smoothness(mirror.roughness) > 0.0;
-        mirrors[read] = vec4(mirror.normal, select(0.0, depth_in_view(inside * DIVISOR), counts));
+        mirrors[read] = vec4(mirror.normal, select(0.0, depth, counts));
         if counts {
             mirrors_any = 1u;
         }

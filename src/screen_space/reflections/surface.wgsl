@@ -30,13 +30,21 @@ struct Mirror {
 const NO_MIRROR: f32 = 2.0;
 
 fn mirror_at(pixel: vec2<i32>) -> Mirror {
-    let place = vec2<i32>(view.viewport_origin) + pixel;
-    let word = textureLoad(normal_texture, place, 0).r;
+    return mirror_of(pixel, normal_word_at(pixel));
+}
+
+fn normal_word_at(pixel: vec2<i32>) -> u32 {
+    return textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
+}
+
+/// Of a word that has been read already.
+fn mirror_of(pixel: vec2<i32>, word: u32) -> Mirror {
     if word == NO_GEOMETRY {
         return Mirror(vec3(0.0, 0.0, 1.0), NO_MIRROR);
     }
     var mirror = Mirror(unpack_normal(word), unpack_roughness(word));
 #ifdef SPECIALIZATION
+    let place = vec2<i32>(view.viewport_origin) + pixel;
     if (textureLoad(written_texture, place, 0).r & SPECIALIZATION_WRITTEN) != 0u {
         let word = textureLoad(specialization_texture, place, 0).r;
         let model = unpack_shading_model(word);

@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::reconstruction::normal_from_depth
 
 #import bevy_lean_deferred::reconstruction::{
-    normal::{normal_from_positions, straighter_side},
+    normal::{normal_from_positions, normal_from_slope, straighter_side},
     position::view_position,
 }
 
@@ -11,16 +11,19 @@ const OUTSIDE: f32 = 1e9;
 
 /// Where in a depth texture a view is. Pixels count from the view's corner.
 struct DepthView {
-    /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
-    view_from_pixel: mat4x4<f32>,
     origin: vec2<i32>,
     size: vec2<i32>,
 }
 
-fn position_in(view: DepthView, pixel: vec2<i32>, depth: f32) -> vec3<f32> {
-    return view_position(view.view_from_pixel, vec3(vec2<f32>(pixel) + 0.5, depth));
+/// Depths one and two pixels from a pixel along the axes; `OUTSIDE` where there is no surface.
+struct DepthsAround {
+    left: vec2<f32>,
+    right: vec2<f32>,
+    top: vec2<f32>,
+    bottom: vec2<f32>,
 }
 
+/// `is_inside` says that the pixel does not lie outside of the view.
 fn depth_or_outside(depths: texture_depth_2d, view: DepthView, pixel: vec2<i32>, is_inside: bool) -> f32 {
     if !is_inside && !(all(pixel >= vec2(0)) && all(pixel < view.size)) {
         return OUTSIDE;
@@ -30,16 +33,33 @@ fn depth_or_outside(depths: texture_depth_2d, view: DepthView, pixel: vec2<i32>,
     return select(OUTSIDE, depth, depth > 0.0);
 }
 
+/// `is_inside` says that none of them lies outside of the view.
+fn depths_around(depths: texture_depth_2d, view: DepthView, pixel: vec2<i32>, is_inside: bool) -> DepthsAround {
+    let x = vec2(1, 0);
+    let y = vec2(0, 1);
+    return DepthsAround(
+        vec2(
+            depth_or_outside(depths, view, pixel - x, is_inside),
+            depth_or_outside(depths, view, pixel - 2 * x, is_inside),
+        ),
+        vec2(
+            depth_or_outside(depths, view, pixel + x, is_inside),
+            depth_or_outside(depths, view, pixel + 2 * x, is_inside),
+        ),
+        vec2(
+            depth_or_outside(depths, view, pixel - y, is_inside),
+            depth_or_outside(depths, view, pixel - 2 * y, is_inside),
+        ),
+        vec2(
+            depth_or_outside(depths, view, pixel + y, is_inside),
+            depth_or_outside(depths, view, pixel + 2 * y, is_inside),
+        ),
+    );
+}
+
 /// Depth of the neighbour's neighbour; the neighbour's where there is none, which leaves nearness alone to choose by.
-fn second_depth(
-    depths: texture_depth_2d,
-    view: DepthView,
-    pixel: vec2<i32>,
-    first: f32,
-    is_inside: bool,
-) -> f32 {
-    let second = depth_or_outside(depths, view, pixel, is_inside);
-    return select(second, first, second == OUTSIDE);
+fn second_depth(depths: vec2<f32>) -> f32 {
+    return select(depths.y, depths.x, depths.y == OUTSIDE);
 }
 
 /// Depth of the neighbour on the chosen side. What stands before both sides, or has none, is a ridge or too thin to have
@@ -49,37 +69,39 @@ fn depth_on_side(center: f32, before: f32, after: f32, side: f32) -> f32 {
     return select(select(before, after, side > 0.0), center, faces_viewer);
 }
 
-/// The unit normal of the surface at `pixel`, where its `position` is and `depth` is known, towards the viewer. Nine taps:
-/// see `straighter_side`. `is_inside` says that none of them lies outside of the view.
+/// The unit normal of the surface at the `center` of a pixel, where its `position` is and the depths are known, towards the viewer.
+/// Nine taps: see `straighter_side`.
 fn geometric_normal(
-    depths: texture_depth_2d,
-    view: DepthView,
-    pixel: vec2<i32>,
+    view_from_pixel: mat4x4<f32>,
+    center: vec2<f32>,
     position: vec3<f32>,
     to_viewer: vec3<f32>,
     depth: f32,
-    is_inside: bool,
+    around: DepthsAround,
 ) -> vec3<f32> {
-    let x = vec2(1, 0);
-    let y = vec2(0, 1);
-    let left = depth_or_outside(depths, view, pixel - x, is_inside);
-    let right = depth_or_outside(depths, view, pixel + x, is_inside);
-    let top = depth_or_outside(depths, view, pixel - y, is_inside);
-    let bottom = depth_or_outside(depths, view, pixel + y, is_inside);
     let h = straighter_side(
         depth,
-        left, second_depth(depths, view, pixel - 2 * x, left, is_inside),
-        right, second_depth(depths, view, pixel + 2 * x, right, is_inside),
+        around.left.x, second_depth(around.left),
+        around.right.x, second_depth(around.right),
     );
     let v = straighter_side(
         depth,
-        top, second_depth(depths, view, pixel - 2 * y, top, is_inside),
-        bottom, second_depth(depths, view, pixel + 2 * y, bottom, is_inside),
+        around.top.x, second_depth(around.top),
+        around.bottom.x, second_depth(around.bottom),
     );
+    let horizontal = depth_on_side(depth, around.left.x, around.right.x, h);
+    let vertical = depth_on_side(depth, around.top.x, around.bottom.x, v);
+#ifdef PROJECTION_PERSPECTIVE
+    return normal_from_slope(view_from_pixel, vec3(center, depth), vec2((horizontal - depth) * h, (vertical - depth) * v));
+#else ifdef PROJECTION_ORTHOGRAPHIC
+    return normal_from_slope(view_from_pixel, vec3(center, depth), vec2((horizontal - depth) * h, (vertical - depth) * v));
+#else
     let n = normal_from_positions(
         position,
-        position_in(view, pixel + i32(h) * x, depth_on_side(depth, left, right, h)), h,
-        position_in(view, pixel + i32(v) * y, depth_on_side(depth, top, bottom, v)), v,
+        view_position(view_from_pixel, vec3(center + vec2(h, 0.0), horizontal)), h,
+        view_position(view_from_pixel, vec3(center + vec2(0.0, v), vertical)), v,
     );
+    // A mirrored projection turns the order of the taps, and the normal, around.
     return select(n, -n, dot(n, to_viewer) < 0.0);
+#endif
 }

@@ -158,11 +158,21 @@ pub const OCCLUSION_GATHER: &[Factor] = &[
     ],
     optional!("FLOAT16"),
     optional!("COMPUTE"),
-    &[
-        &["PROJECTION_PERSPECTIVE"],
-        &["PROJECTION_ORTHOGRAPHIC"],
-        &[],
-    ],
+    OCCLUSION_PROJECTIONS,
+];
+
+/// The same, where depths are shared.
+pub const OCCLUSION_GATHER_SHARED: &[Factor] = &[
+    optional!("SHADING_NORMALS"),
+    optional!("THIN"),
+    optional!("FLOAT16"),
+    OCCLUSION_PROJECTIONS,
+];
+
+const OCCLUSION_PROJECTIONS: Factor = &[
+    &["PROJECTION_PERSPECTIVE"],
+    &["PROJECTION_ORTHOGRAPHIC"],
+    &[],
 ];
 
 /// What `OcclusionPipelines::merge` makes of them.

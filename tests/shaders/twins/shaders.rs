@@ -152,6 +152,7 @@ pub fn all() -> &'static [Composed] {
             shader!(
                 "ambient_occlusion/gather.wgsl",
                 "COMPUTE",
+                "SHARED_DEPTHS",
                 "SHADING_NORMALS",
                 "DIVISOR=1",
                 "SLICES=1",
