@@ -5,6 +5,7 @@
 //! name = "frame times"
 //! from = "h200/frame_times"
 //! only = ["boxes_64", "FlightHelmet"]
+//! without = ["lean writing diffuse light"]
 //!
 //! [[table]]                               # rows and columns as wanted
 //! name = "occlusion"
@@ -36,6 +37,9 @@ pub struct TableOfDocs {
     /// Of a bench's own table: those in whose first cells these stand, in this order. All, where there are none.
     #[serde(default)]
     only: Vec<String>,
+    /// Of a bench's own table: rows that have one of these cells are left out.
+    #[serde(default)]
+    without: Vec<String>,
     /// Which of the bench's own tables.
     #[serde(default)]
     number: usize,
@@ -63,6 +67,7 @@ impl TableOfDocs {
         }
         let mut table = tables.swap_remove(self.number);
         table.title.clear();
+        (table.rows).retain(|row| !row.iter().any(|cell| self.without.contains(cell)));
         if !self.only.is_empty() {
             let rows = core::mem::take(&mut table.rows);
             for only in &self.only {
