@@ -18,7 +18,7 @@ logs="$cache/logs"
 mkdir -p "$logs"
 
 all="mesa22-4 mesa22-8 mesa22-16 mesa25 swiftshader webgpu own"
-topics="${TOPICS:-shaders gbuffer pictures ambient_occlusion auto_exposure screen_space apps}"
+topics="${TOPICS:-shaders gbuffer pictures ambient_occlusion auto_exposure screen_space apps soak}"
 # One test binary may take so many seconds.
 limit="${LIMIT:-3600}"
 

@@ -3,8 +3,11 @@
 use bevy::{
     prelude::*,
     reflect::{
-        PartialReflect, ReflectMut,
-        enums::{DynamicEnum, DynamicVariant, VariantType},
+        PartialReflect, ReflectMut, TypeInfo,
+        enums::{DynamicEnum, DynamicVariant, Enum, VariantInfo},
+        list::List,
+        structs::DynamicStruct,
+        tuple::DynamicTuple,
     },
 };
 
@@ -21,6 +24,8 @@ const HOSTILE: [f32; 9] = [
     1e-38,
     65504.0,
 ];
+
+const HOSTILE_COUNTS: [u32; 4] = [0, 1, 1000, u32::MAX];
 
 /// What values may be.
 #[derive(Clone, Copy)]
@@ -42,6 +47,18 @@ impl Values<'_> {
         } else {
             present * random.range(-2.0, 2.0).exp()
         }
+    }
+
+    fn count(&self, random: &mut Random) -> u32 {
+        if self.hostile > 0 && random.below(self.hostile) == 0 {
+            HOSTILE_COUNTS[random.below(HOSTILE_COUNTS.len())]
+        } else {
+            1 + random.below(8) as u32
+        }
+    }
+
+    fn image(&self, random: &mut Random) -> Option<Handle<Image>> {
+        (!self.images.is_empty()).then(|| self.images[random.below(self.images.len())].clone())
     }
 
     /// Other values for one or two fields of what is a struct.
@@ -69,8 +86,13 @@ impl Values<'_> {
         } else if let Some(flag) = value.try_downcast_mut::<bool>() {
             *flag = random.below(2) == 0;
         } else if let Some(image) = value.try_downcast_mut::<Option<Handle<Image>>>() {
-            *image = (random.below(2) == 0 && !self.images.is_empty())
-                .then(|| self.images[random.below(self.images.len())].clone());
+            *image = self.image(random).filter(|_| random.below(2) == 0);
+        } else if let Some(image) = value.try_downcast_mut::<Handle<Image>>() {
+            if let Some(other) = self.image(random) {
+                *image = other;
+            }
+        } else if let Some(count) = value.try_downcast_mut::<u32>() {
+            *count = self.count(random);
         } else if let Some(color) = value.try_downcast_mut::<Color>() {
             let [red, green, blue, alpha] = [0; 4].map(|_| self.number(1.0, random));
             *color = Color::linear_rgba(red, green, blue, alpha);
@@ -84,27 +106,87 @@ impl Values<'_> {
                     }
                 }
                 ReflectMut::Enum(choice) => self.choose(choice, random),
+                ReflectMut::List(list) => self.fill(list, random),
                 _ => {}
             }
         }
     }
 
-    /// One of the variants that have no fields, or the present one with other values.
-    fn choose(&self, choice: &mut dyn bevy::reflect::enums::Enum, random: &mut Random) {
-        let Some(info) = choice.get_represented_enum_info() else {
+    /// One of the variants, or the present one with other values where its fields are of types that this cannot make.
+    fn choose(&self, choice: &mut dyn Enum, random: &mut Random) {
+        let info = choice.get_represented_enum_info();
+        let index = random.below(info.map_or(1, |info| info.variant_len()));
+        let variant = info.and_then(|info| info.variant_at(index));
+        if let Some(other) = variant.and_then(|variant| self.variant(variant, random)) {
+            choice.apply(&other);
             return;
-        };
-        let Some(variant) = info.variant_at(random.below(info.variant_len())) else {
-            return;
-        };
-        if variant.variant_type() == VariantType::Unit {
-            choice.apply(&DynamicEnum::new(variant.name(), DynamicVariant::Unit));
-        } else if variant.name() == choice.variant_name() {
-            for index in 0..choice.field_len() {
-                if let Some(field) = choice.field_at_mut(index) {
-                    self.set(field, random);
-                }
+        }
+        for index in 0..choice.field_len() {
+            if let Some(field) = choice.field_at_mut(index) {
+                self.set(field, random);
             }
+        }
+    }
+
+    /// Up to four values, in place of all there are.
+    fn fill(&self, list: &mut dyn List, random: &mut Random) {
+        let info = list.get_represented_list_info();
+        let Some(item) = info.and_then(|info| info.item_info()) else {
+            return;
+        };
+        _ = list.drain();
+        for _ in 0..random.below(5) {
+            if let Some(value) = self.made(item, random) {
+                list.push(value);
+            }
+        }
+    }
+
+    fn variant(&self, info: &VariantInfo, random: &mut Random) -> Option<DynamicEnum> {
+        let fields = match info {
+            VariantInfo::Unit(_) => DynamicVariant::Unit,
+            VariantInfo::Tuple(info) => {
+                let mut fields = DynamicTuple::default();
+                for field in info.iter() {
+                    fields.insert_boxed(self.made(field.type_info()?, random)?);
+                }
+                DynamicVariant::Tuple(fields)
+            }
+            VariantInfo::Struct(info) => {
+                let mut fields = DynamicStruct::default();
+                for field in info.iter() {
+                    fields.insert_boxed(field.name(), self.made(field.type_info()?, random)?);
+                }
+                DynamicVariant::Struct(fields)
+            }
+        };
+        Some(DynamicEnum::new(info.name(), fields))
+    }
+
+    /// A value of a type, where its fields are all of types that this knows.
+    fn made(&self, info: &TypeInfo, random: &mut Random) -> Option<Box<dyn PartialReflect>> {
+        if info.is::<f32>() {
+            return Some(Box::new(self.number(1.0, random)));
+        } else if info.is::<u32>() {
+            return Some(Box::new(self.count(random)));
+        } else if info.is::<bool>() {
+            return Some(Box::new(random.below(2) == 0));
+        } else if info.is::<Handle<Image>>() {
+            return Some(Box::new(self.image(random)?));
+        }
+        match info {
+            TypeInfo::Struct(info) => {
+                let mut made = DynamicStruct::default();
+                for field in info.iter() {
+                    made.insert_boxed(field.name(), self.made(field.type_info()?, random)?);
+                }
+                Some(Box::new(made))
+            }
+            TypeInfo::Enum(info) => {
+                let variant = info.variant_at(random.below(info.variant_len()))?;
+                Some(Box::new(self.variant(variant, random)?))
+            }
+            _ => None,
         }
     }
 }

@@ -17,7 +17,7 @@ use kit::{
     metrics::pixel_difference,
     own_process::in_own_process,
     random::Random,
-    random_values::toggle,
+    random_values::{Values, toggle},
     scenes::{SceneBuilder, build::default_camera_transform},
 };
 
@@ -41,6 +41,17 @@ impl Setting {
         };
         s.solids();
         s.sun(false);
+        let skin = s.add::<ExtendedStandardMaterial>(ExtendedStandardMaterial {
+            base: default(),
+            extension: ShadingExtension::Subsurface {
+                color: Color::WHITE,
+                mean_free_path: 0.1,
+                albedo: default(),
+            },
+        });
+        let ball = s.add::<Mesh>(Sphere::new(0.4));
+        let place = Transform::from_xyz(0.3, 0.4, 1.2);
+        s.spawn((Mesh3d(ball), MeshMaterial3d(skin), place));
         let mask = s.add::<Image>(target_image(UVec2::new(8, 8)));
         let other = s.add::<Image>(target_image(SIZE));
         let cameras = [0, 1, 2].map(|order| {
@@ -68,7 +79,11 @@ impl Setting {
         for (order, camera) in self.cameras.into_iter().enumerate() {
             let target = self.images[usize::from(order == 2)].clone();
             let mut camera = self.headless.world().entity_mut(camera);
-            camera.remove::<(LeanScreenSpaceGi, LeanScreenSpaceReflections)>();
+            camera.remove::<(
+                LeanScreenSpaceGi,
+                LeanScreenSpaceReflections,
+                LeanSubsurfaceScattering,
+            )>();
             camera.insert((
                 Hdr,
                 Msaa::Off,
@@ -97,6 +112,13 @@ impl Setting {
             let handle = &self.images[image];
             _ = (self.headless.world().resource_mut::<Assets<Image>>())
                 .insert(handle, target_image(size));
+            // Bevy does not see a target of another size by itself, and viewports may not fit into it.
+            for camera in self.cameras {
+                let mut camera = self.headless.world().entity_mut(camera);
+                if let Some(mut projection) = camera.get_mut::<Projection>() {
+                    projection.set_changed();
+                }
+            }
         }
     }
 
@@ -110,39 +132,21 @@ impl Setting {
     /// Makes one change to one camera, or to a target. Returns what it was.
     fn change(&mut self, random: &mut Random) -> String {
         let camera = self.cameras[random.below(3)];
-        let mask = self.mask.clone();
+        let images = [self.mask.clone(), Handle::default()];
         let mut entity = self.headless.world().entity_mut(camera);
-        let mut change = String::new();
-        match random.below(10) {
-            0..4 => {
-                if let Some(mut settings) = entity.get_mut::<LeanAmbientOcclusion>() {
-                    change_occlusion(&mut settings, random);
-                    change = format!("{:?}", *settings);
-                }
-            }
-            4..6 => {
-                if let Some(mut settings) = entity.get_mut::<LeanAutoExposure>() {
-                    change_exposure(&mut settings, &mask, random);
-                    change = format!("{:?}", *settings);
-                }
-            }
-            6 => {
-                if let Some(mut settings) = entity.get_mut::<LeanDeferred>() {
-                    change_lean(&mut settings, random);
-                    change = format!("{:?}", *settings);
-                }
-            }
-            7 => change = change_components(&mut entity, random),
+        let change = match random.below(10) {
+            0..7 => change_settings(&mut entity, &images, random).unwrap_or_default(),
+            7 => change_components(&mut entity, random),
             8 => {
                 let mut camera = entity.get_mut::<Camera>().expect("it is one");
                 camera.is_active = random.below(2) == 0;
-                change = format!("active: {}", camera.is_active);
+                format!("active: {}", camera.is_active)
             }
             _ => {
                 let image = random.below(2);
                 let size = SIZES[random.below(3)];
                 self.resize(image, size);
-                change = format!("image {image} has {size}");
+                let change = format!("image {image} has {size}");
                 if random.below(3) == 0 {
                     let mut entity = self.headless.world().entity_mut(camera);
                     let mut camera = entity.get_mut::<Camera>().expect("it is one");
@@ -150,118 +154,46 @@ impl Setting {
                         physical_size: UVec2::new(17, 9).min(size),
                         ..default()
                     });
-                    change = format!("{change}, viewport {:?}", camera.viewport);
+                    format!("{change}, viewport {:?}", camera.viewport)
+                } else {
+                    change
                 }
             }
-        }
+        };
         format!("{camera}: {change}")
     }
 }
 
-fn change_occlusion(settings: &mut LeanAmbientOcclusion, random: &mut Random) {
-    fn one_of<T: Copy>(random: &mut Random, values: &[T]) -> T {
-        values[random.below(values.len())]
+/// Some of the settings of one of this crate's components, if the camera has that. Fields of all kinds change, each to any variant.
+fn change_settings(
+    camera: &mut EntityWorldMut,
+    images: &[Handle<Image>],
+    random: &mut Random,
+) -> Option<String> {
+    let values = Values {
+        hostile: 0,
+        images,
+        kept: &[],
+    };
+    macro_rules! change {
+        ($settings:ty) => {{
+            let mut settings = camera.get_mut::<$settings>()?;
+            values.change(&mut *settings, random);
+            format!("{:?}", *settings)
+        }};
     }
-    match random.below(15) {
-        0 => settings.radius = random.range(0.0, 2.0),
-        1 => settings.intensity = random.range(0.0, 2.0),
-        2 => settings.bias = random.range(0.0, 0.5),
-        3 => settings.falloff = random.unit(),
-        4 => settings.thickness = one_of(random, &[1.0, 0.5]),
-        5 => settings.kernel = one_of(random, &[OcclusionKernel::Hbao, OcclusionKernel::Hdao]),
-        6 => settings.quality = one_of(random, &OcclusionQuality::PRESETS),
-        7 => {
-            settings.normals = one_of(
-                random,
-                &[OcclusionNormals::Shading, OcclusionNormals::Geometric],
-            );
-        }
-        8 => {
-            settings.resolution = one_of(
-                random,
-                &[OcclusionResolution::Full, OcclusionResolution::Half],
-            );
-        }
-        9 => settings.filter = one_of(random, &OcclusionFilter::ALL),
-        10 => {
-            settings.application = one_of(
-                random,
-                &[
-                    OcclusionApplication::Auto,
-                    OcclusionApplication::MultiplicativeBlend,
-                    OcclusionApplication::Indirect,
-                ],
-            );
-        }
-        11 => settings.multibounce ^= true,
-        12 => settings.direct_light_affect = one_of(random, &[0.0, 1.0]),
-        13 => settings.debug_view ^= true,
-        _ => {
-            settings.format = match settings.format {
-                OcclusionFormat::Unorm8 => OcclusionFormat::Float16,
-                OcclusionFormat::Float16 => OcclusionFormat::Unorm8,
-            }
-        }
-    }
-}
-
-fn change_exposure(settings: &mut LeanAutoExposure, mask: &Handle<Image>, random: &mut Random) {
-    match random.below(9) {
-        0 => {
-            settings.metering = match settings.metering {
-                Metering::LogAverage => Metering::LinearAverage,
-                Metering::LinearAverage => Metering::LogAverage,
-            }
-        }
-        1 => {
-            settings.pattern = match random.below(5) {
-                0 => MeteringPattern::Average,
-                1 => MeteringPattern::CenterWeighted,
-                2 => MeteringPattern::Spot { radius: 0.2 },
-                3 => MeteringPattern::Mask(mask.clone()),
-                _ => MeteringPattern::Mask(Handle::default()),
-            }
-        }
-        2 => {
-            settings.trim = (random.below(2) == 0).then_some(LuminanceTrim {
-                low: 0.1,
-                high: 0.1,
-            });
-        }
-        3 => {
-            settings.sampling = [
-                ExposureSampling::All,
-                ExposureSampling::Quarter,
-                ExposureSampling::Sixteenth,
-            ][random.below(3)];
-        }
-        4 => {
-            settings.reduction = [
-                ReductionPath::Auto,
-                ReductionPath::Subgroup,
-                ReductionPath::SharedMemory,
-            ][random.below(3)];
-        }
-        5 => settings.overlay ^= true,
-        6 => settings.instant ^= true,
-        7 => settings.compensation_curve = vec![Vec2::new(random.unit(), 1.0)],
-        _ => settings.compensation = random.range(-2.0, 2.0),
-    }
-}
-
-fn change_lean(settings: &mut LeanDeferred, random: &mut Random) {
-    match random.below(3) {
-        0 => settings.geometric_normal = GeometricNormal::ALL[random.below(3)],
-        1 => settings.light_layers ^= true,
-        _ => {
-            let channel = DebugChannel::ALL[random.below(DebugChannel::ALL.len())];
-            settings.debug_view = (random.below(2) == 0).then_some(channel);
-        }
-    }
+    Some(match random.below(10) {
+        0..3 => change!(LeanAmbientOcclusion),
+        3..5 => change!(LeanAutoExposure),
+        5 => change!(LeanDeferred),
+        6 => change!(LeanScreenSpaceGi),
+        7 => change!(LeanScreenSpaceReflections),
+        _ => change!(LeanSubsurfaceScattering),
+    })
 }
 
 fn change_components(camera: &mut EntityWorldMut, random: &mut Random) -> String {
-    match random.below(8) {
+    match random.below(9) {
         0 => toggle::<LeanDeferred>(camera),
         1 => toggle::<LeanAmbientOcclusion>(camera),
         2 => toggle::<LeanAutoExposure>(camera),
@@ -269,6 +201,7 @@ fn change_components(camera: &mut EntityWorldMut, random: &mut Random) -> String
         4 => toggle::<Hdr>(camera),
         5 => toggle::<LeanScreenSpaceGi>(camera),
         6 => toggle::<LeanScreenSpaceReflections>(camera),
+        7 => toggle::<LeanSubsurfaceScattering>(camera),
         _ => {
             let msaa = [Msaa::Off, Msaa::Sample4][random.below(2)];
             camera.insert(msaa);

@@ -90,7 +90,7 @@ fn large_pictures_are_as_exact() {
     let gpu = ExposureGpu::new();
     let size = UVec2::splat(8192);
     if gpu.device.limits().max_texture_dimension_2d < size.x {
-        println!("this device has no textures of {size}");
+        println!("skipped: a picture of {size}: the device has no such textures");
         return;
     }
     // Repeats after 8 rows, so that the mean is that of 8 rows.
