@@ -5,10 +5,13 @@ use std::{
         Arc,
         atomic::{AtomicBool, Ordering},
     },
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use bevy::tasks::AsyncComputeTaskPool;
+
+/// Bevy itself waits for a pipeline of its upscaling, and would for ever.
+const LONGEST: Duration = Duration::from_secs(20);
 
 /// While it lives, no thread has time to compile a pipeline. For apps that do not compile synchronously.
 pub struct HeldBack(Arc<AtomicBool>);
@@ -17,10 +20,11 @@ impl HeldBack {
     pub fn new() -> Self {
         let is_over = Arc::new(AtomicBool::new(false));
         let pool = AsyncComputeTaskPool::get();
+        let began = Instant::now();
         for _ in 0..pool.thread_num() {
             let is_over = is_over.clone();
             pool.spawn(async move {
-                while !is_over.load(Ordering::Relaxed) {
+                while !is_over.load(Ordering::Relaxed) && began.elapsed() < LONGEST {
                     std::thread::sleep(Duration::from_millis(1));
                 }
             })

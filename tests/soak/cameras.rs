@@ -2,15 +2,17 @@
 
 use bevy::{
     anti_alias::{fxaa::Fxaa, taa::TemporalAntiAliasing},
-    camera::{ScalingMode, Viewport, visibility::RenderLayers},
+    camera::{ScalingMode, SubCameraView, Viewport, visibility::RenderLayers},
     core_pipeline::{
+        Skybox,
         oit::OrderIndependentTransparencySettings,
         prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
     },
     light::VolumetricFog,
-    pbr::{DistanceFog, FogFalloff},
+    pbr::{DistanceFog, FogFalloff, ScreenSpaceAmbientOcclusion, ScreenSpaceReflections},
     post_process::{bloom::Bloom, dof::DepthOfField},
     prelude::*,
+    render::occlusion_culling::OcclusionCulling,
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
@@ -18,7 +20,7 @@ use kit::{
     random_values::{Values, toggle, toggle_between},
 };
 
-use crate::stage::{SIZES, Stage};
+use crate::stage::{SIZES, STEADY, Stage};
 
 const MOST_CAMERAS: usize = 3;
 
@@ -41,7 +43,7 @@ pub fn change(stage: &mut Stage, random: &mut Random) -> String {
             "a camera goes".into()
         }
         2 => {
-            let target = random.below(stage.targets.len());
+            let target = random.below(STEADY);
             let size = SIZES[random.below(SIZES.len())];
             stage.resize(target, size);
             format!("target {target} has {size}")
@@ -54,27 +56,35 @@ pub fn change(stage: &mut Stage, random: &mut Random) -> String {
 }
 
 /// A camera that has from its beginning what Bevy 0.19.1 cannot take from a living one: without `MotionVectorPrepass` a pipeline of
-/// its background still writes that texture. None has `OcclusionCulling`: on targets of one pixel Bevy binds a texture of its depth
-/// pyramid twice, to be written.
+/// its background still writes that texture. What fails in Bevy on targets of a few pixels is on one that stays as it is: there Bevy
+/// binds the texture of a depth pyramid twice, to be written.
 fn add_camera(stage: &mut Stage, random: &mut Random) -> String {
-    let target = random.below(stage.targets.len());
+    let kind = random.below(8);
+    let target = if kind < 3 {
+        STEADY
+    } else {
+        random.below(STEADY)
+    };
     stage.add_camera(target);
     let camera = stage.cameras[stage.cameras.len() - 1];
-    let kind = random.below(5);
     let mut entity = stage.entity(camera);
     match kind {
-        0 => _ = entity.insert(DepthPrepass),
-        1 => _ = entity.insert((DepthPrepass, NormalPrepass, MotionVectorPrepass)),
-        2 => _ = entity.insert(TemporalAntiAliasing::default()),
-        3 => _ = entity.insert(DeferredPrepass),
+        0 => _ = entity.insert((ScreenSpaceAmbientOcclusion::default(), Msaa::Off)),
+        1 => _ = entity.insert((DepthPrepass, OcclusionCulling)),
+        2 => _ = entity.insert((ScreenSpaceReflections::default(), Msaa::Off)),
+        3 => _ = entity.insert(DepthPrepass),
+        4 => _ = entity.insert((DepthPrepass, NormalPrepass, MotionVectorPrepass)),
+        5 => _ = entity.insert((DepthPrepass, DeferredPrepass)),
+        6 => _ = entity.insert((TemporalAntiAliasing::default(), Msaa::Off)),
         _ => {}
     }
     format!("a camera comes, of kind {kind}")
 }
 
 fn change_view(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
+    let is_steady = stage.is_steady(camera);
     let mut entity = stage.entity(camera);
-    match random.below(7) {
+    match random.below(8) {
         0 | 1 => {
             let mut to = Transform::from_xyz(
                 random.range(-4.0, 4.0),
@@ -90,6 +100,7 @@ fn change_view(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
             settings.is_active ^= true;
             format!("active: {}", settings.is_active)
         }
+        3 if is_steady => String::new(),
         3 => {
             let viewport = (random.below(3) > 0).then(|| Viewport {
                 physical_position: UVec2::new(random.below(20) as u32, random.below(20) as u32),
@@ -121,6 +132,20 @@ fn change_view(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
             let layers = RenderLayers::from_layers(&[0, random.below(3)]);
             entity.insert(layers.clone());
             format!("layers of a camera: {layers:?}")
+        }
+        6 => {
+            // Off the centre, and of another shape than the target.
+            let part = (random.below(2) == 0).then(|| SubCameraView {
+                full_size: UVec2::new(100, 80),
+                offset: Vec2::new(random.range(-60.0, 60.0), random.range(-60.0, 60.0)),
+                size: UVec2::new(20 + random.below(80) as u32, 20 + random.below(80) as u32),
+            });
+            let description = format!("{part:?}");
+            entity
+                .get_mut::<Camera>()
+                .expect("it is one")
+                .sub_camera_view = part;
+            description
         }
         _ => {
             let order = random.below(4) as isize;
@@ -172,7 +197,7 @@ fn toggle_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
 
 /// What Bevy itself has for cameras.
 fn change_bevy(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
-    match random.below(9) {
+    match random.below(10) {
         0 => toggle::<Bloom>(&mut stage.entity(camera)),
         1 => toggle::<Fxaa>(&mut stage.entity(camera)),
         2 => toggle::<DepthOfField>(&mut stage.entity(camera)),
@@ -196,7 +221,15 @@ fn change_bevy(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
             format!("ambient light: {brightness}")
         }
         6 => toggle::<VolumetricFog>(&mut stage.entity(camera)),
-        7 => toggle::<OrderIndependentTransparencySettings>(&mut stage.entity(camera)),
+        7 => {
+            let sky = Skybox {
+                image: Some(stage.builder().cube_map()),
+                brightness: 800.0,
+                ..default()
+            };
+            toggle_between(&mut stage.entity(camera), sky)
+        }
+        8 => toggle::<OrderIndependentTransparencySettings>(&mut stage.entity(camera)),
         _ => {
             let clear_color = [
                 ClearColorConfig::Default,

@@ -40,10 +40,10 @@ pub fn check(stage: &mut Stage, frame: usize, beside: bool) {
     }
 }
 
-/// Pixels with anything that is not a number, of each light.
+/// Pixels with anything that is not a finite number.
 fn wrong_numbers(light: &Light) -> impl Iterator<Item = usize> {
     let texels = light.texels.iter().enumerate();
-    texels.filter_map(|(i, texel)| texel.iter().any(|x| x.is_nan()).then_some(i))
+    texels.filter_map(|(i, texel)| texel.iter().any(|x| !x.is_finite()).then_some(i))
 }
 
 /// Where this camera renders what, in metres⁻¹; 0 where nothing is.

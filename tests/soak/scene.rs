@@ -1,16 +1,19 @@
 //! Changes to meshes, materials and lights.
 
 use bevy::{
+    asset::RenderAssetUsages,
     camera::visibility::{NoFrustumCulling, RenderLayers},
     light::{NotShadowCaster, NotShadowReceiver},
-    mesh::VertexAttributeValues,
+    material::OpaqueRendererMethod,
+    mesh::{PrimitiveTopology, VertexAttributeValues},
+    pbr::Lightmap,
     prelude::*,
     render::render_resource::Face,
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
     random::Random,
-    random_values::{Values, toggle},
+    random_values::{Values, toggle, toggle_between},
 };
 
 use crate::stage::Stage;
@@ -55,7 +58,7 @@ fn transform(random: &mut Random) -> Transform {
 
 /// A shape, perhaps one that nobody would make on purpose, and what it is.
 fn mesh(random: &mut Random) -> (Mesh, String) {
-    let (shape, flaw) = (random.below(5), random.below(10));
+    let (shape, flaw) = (random.below(5), random.below(12));
     let mut mesh: Mesh = match shape {
         0 => Cuboid::default().into(),
         1 => Sphere::new(0.6).mesh().uv(16, 8),
@@ -87,6 +90,20 @@ fn mesh(random: &mut Random) -> (Mesh, String) {
             let count = mesh.count_vertices();
             mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.5, 1.0, 0.2, 0.8]; count]);
         }
+        7 => {
+            mesh = Mesh::new(
+                PrimitiveTopology::TriangleList,
+                RenderAssetUsages::default(),
+            )
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, Vec::<[f32; 3]>::new())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, Vec::<[f32; 3]>::new())
+        }
+        // Lightmaps want these.
+        8 | 9 => {
+            if let Some(uvs) = mesh.attribute(Mesh::ATTRIBUTE_UV_0).cloned() {
+                mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs);
+            }
+        }
         _ => {}
     }
     (mesh, format!("shape {shape}, flaw {flaw}"))
@@ -108,6 +125,9 @@ fn standard_material(stage: &Stage, random: &mut Random) -> StandardMaterial {
     }
     if random.below(4) == 0 {
         material.alpha_mode = AlphaMode::Mask(random.unit());
+    }
+    if random.below(6) == 0 {
+        material.opaque_render_method = OpaqueRendererMethod::Forward;
     }
     material
 }
@@ -181,7 +201,7 @@ fn change_mesh(stage: &mut Stage, random: &mut Random) -> String {
     let Some(entity) = one_of(random, &stage.meshes) else {
         return String::new();
     };
-    match random.below(7) {
+    match random.below(8) {
         0 => {
             let (mesh, what) = mesh(random);
             let mesh = stage.builder().add::<Mesh>(mesh);
@@ -215,6 +235,14 @@ fn change_mesh(stage: &mut Stage, random: &mut Random) -> String {
         }
         4 => toggle::<NotShadowReceiver>(&mut stage.entity(entity)),
         5 => toggle::<NotShadowCaster>(&mut stage.entity(entity)),
+        6 => {
+            let lightmap = Lightmap {
+                image: stage.images[random.below(stage.images.len())].clone(),
+                bicubic_sampling: random.below(2) == 0,
+                ..default()
+            };
+            toggle_between(&mut stage.entity(entity), lightmap)
+        }
         _ => toggle::<NoFrustumCulling>(&mut stage.entity(entity)),
     }
 }

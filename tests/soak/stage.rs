@@ -21,6 +21,9 @@ pub const SIZES: [UVec2; 5] = [
     UVec2::new(1, 1),
 ];
 
+/// Which target keeps its size.
+pub const STEADY: usize = 2;
+
 pub struct Stage {
     pub headless: Headless,
     /// Cameras have effects of this crate.
@@ -44,10 +47,8 @@ impl Stage {
                 .insert_resource(PointLightShadowMap { size: 64 });
         });
         let first = headless.target.clone();
-        let second = headless
-            .world()
-            .resource_mut::<Assets<Image>>()
-            .add(target_image(size));
+        let mut images = headless.world().resource_mut::<Assets<Image>>();
+        let [second, steady] = [0; 2].map(|_| images.add(target_image(size)));
         let mut s = SceneBuilder {
             headless: &mut headless,
         };
@@ -62,7 +63,7 @@ impl Stage {
             lights: Vec::new(),
             cameras: Vec::new(),
             surroundings: Vec::new(),
-            targets: vec![(first, size), (second, size)],
+            targets: vec![(first, size), (second, size), (steady, size)],
             images,
         };
         stage.fill();
@@ -130,6 +131,13 @@ impl Stage {
             self.entity(camera).insert(LeanDeferred::default());
         }
         self.cameras.push(camera);
+    }
+
+    /// Whether a camera's target keeps its size.
+    pub fn is_steady(&mut self, camera: Entity) -> bool {
+        let steady = self.targets[STEADY].0.clone();
+        let target = self.entity(camera).get::<RenderTarget>().cloned();
+        target.is_some_and(|target| target.as_image() == Some(&steady))
     }
 
     /// Gives a target another size.
