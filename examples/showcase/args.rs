@@ -12,6 +12,10 @@ pub struct Args {
     #[argh(option)]
     model: Option<String>,
 
+    /// a glTF or GLB file whose first figure, a fox say, walks among the people of the street
+    #[argh(option)]
+    figure: Option<String>,
+
     /// render without a window, write this PNG and others beside it, print a table and quit
     #[argh(option)]
     headless: Option<String>,
@@ -49,6 +53,7 @@ impl Args {
         let size = if has_gpu { [1280, 720] } else { [960, 540] };
         Wanted {
             model: self.model,
+            figure: self.figure,
             headless: self.headless,
             size: self.size.unwrap_or(size.into()),
             frames: self.frames.unwrap_or(if has_gpu { 20 } else { 3 }),
@@ -64,6 +69,7 @@ impl Args {
 /// What to show, and how.
 pub struct Wanted {
     pub model: Option<String>,
+    pub figure: Option<String>,
     pub headless: Option<String>,
     pub size: UVec2,
     pub frames: usize,

@@ -1,6 +1,6 @@
 //! A street by night through everything the crate has: thousands of lights, neon, wet asphalt, people under umbrellas. Or any glTF.
 //!
-//! `cargo run --example showcase -- [--model FILE] [--headless OUT.png] [--help]`
+//! `cargo run --example showcase -- [--model FILE | --figure FILE] [--headless OUT.png] [--help]`
 //!
 //! | key | does |
 //! |---|---|
@@ -16,6 +16,7 @@
 //! on this machine.
 
 mod args;
+mod companions;
 mod effects;
 mod overlay;
 mod report;
@@ -33,12 +34,15 @@ use kit::{
 fn main() -> AppExit {
     let args: args::Args = argh::from_env();
     let args = args.fill_in(gpu::is_there());
-    if let Err(message) = args.model.as_deref().map_or(Ok(()), model::check_file) {
-        eprintln!("error: {message}");
-        return AppExit::error();
+    for file in [&args.model, &args.figure].into_iter().flatten() {
+        if let Err(message) = model::check_file(file) {
+            eprintln!("error: {message}");
+            return AppExit::error();
+        }
     }
     let scene = scene::ScenePlugin {
         model: model::ModelPath(args.model.clone()),
+        figure: args.figure.clone(),
         detail: args.detail,
     };
     match &args.headless {

@@ -15,11 +15,13 @@ use kit::{
 };
 use street::{Detail, StreetPlugin, sky};
 
-use crate::settings::Settings;
+use crate::{companions::CompanionsPlugin, settings::Settings};
 
 /// What is shown, and the camera that looks at it.
 pub struct ScenePlugin {
     pub model: ModelPath,
+    /// Who walks among the people.
+    pub figure: Option<String>,
     pub detail: Detail,
 }
 
@@ -31,12 +33,15 @@ impl Plugin for ScenePlugin {
             app.add_plugins(StreetPlugin {
                 detail: self.detail,
             })
-            .insert_resource(SceneReady)
             .add_systems(Startup, (prepare_camera, reserve_clusters))
             .add_systems(
                 Update,
                 stand.run_if(resource_exists_and_changed::<Settings>),
             );
+            match self.figure.clone() {
+                Some(path) => _ = app.add_plugins(CompanionsPlugin { path }),
+                None => _ = app.insert_resource(SceneReady),
+            }
         } else {
             app.insert_resource(model::Viewpoint {
                 yaw: 0.45,

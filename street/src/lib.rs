@@ -22,7 +22,14 @@ pub mod viewpoint;
 
 use bevy::{light::DirectionalLightShadowMap, prelude::*};
 
-pub use crate::{detail::Detail, figures::walk::Walking, viewpoint::Viewpoint};
+pub use crate::{
+    detail::Detail,
+    figures::{
+        NEAREST,
+        walk::{Walker, Walking},
+    },
+    viewpoint::Viewpoint,
+};
 use crate::{materials::Materials, stage::Stage, textures::Textures};
 
 /// Spawns the street at startup, and lets its people walk. Cameras are the app's: see [`Viewpoint`] and [`sky::air`].

@@ -11,9 +11,9 @@ const NUMBERS: usize = 16;
 /// And beside forward, mesh by mesh.
 const TWINS: usize = 64;
 /// All goes, and begins anew.
-const EPOCH: usize = 128;
+const EPOCH: usize = 64;
 
-/// What the environment may say: `SOAK_SEED`, `SOAK_FRAMES` (500), `SOAK_ONLY` (numbers of frames that change anything, separated
+/// What the environment may say: `SOAK_SEED`, `SOAK_FRAMES` (128), `SOAK_ONLY` (numbers of frames that change anything, separated
 /// by commas), `SOAK_FORWARD` (Bevy alone), `SOAK_VERBOSE` (each change is printed).
 pub struct Run {
     pub seed: u64,
@@ -34,7 +34,7 @@ impl Run {
         let only = std::env::var("SOAK_ONLY").ok();
         Self {
             seed: number("SOAK_SEED").map_or(seed, |seed| seed as u64),
-            frames: number("SOAK_FRAMES").unwrap_or(500),
+            frames: number("SOAK_FRAMES").unwrap_or(128),
             only: only.map(|only| only.split(',').filter_map(|f| f.parse().ok()).collect()),
             is_lean: std::env::var_os("SOAK_FORWARD").is_none(),
             is_verbose: std::env::var_os("SOAK_VERBOSE").is_some(),

@@ -8,6 +8,7 @@ use bevy::{
         TextureViewDimension,
     },
 };
+use half::f16;
 
 /// A blue sky over a brown ground, with a bright window of cloud.
 pub fn made_up_sky() -> Image {
@@ -27,9 +28,13 @@ pub fn made_up_sky() -> Image {
                     _ => Vec3::new(-u, -v, -1.0),
                 }
                 .normalize();
-                for channel in sky_color(direction).extend(1.0).to_array() {
-                    data.extend_from_slice(&half_bits(channel).to_le_bytes());
-                }
+                let texel = sky_color(direction).extend(1.0).to_array();
+                data.extend(
+                    texel
+                        .map(f16::from_f32)
+                        .map(f16::to_le_bytes)
+                        .as_flattened(),
+                );
             }
         }
     }
@@ -63,14 +68,4 @@ fn sky_color(direction: Vec3) -> Vec3 {
         ground.lerp(horizon * 0.5, (1.0 + direction.y * 4.0).clamp(0.0, 1.0))
     };
     base + Vec3::splat(2.5) * ((cloud - 0.8) * 8.0).clamp(0.0, 1.0)
-}
-
-/// An IEEE half of a number from 0 to 65504, rounded down; subnormals become 0.
-fn half_bits(x: f32) -> u16 {
-    let bits = x.to_bits();
-    let exponent = (bits >> 23) as i32 - 127 + 15;
-    if exponent <= 0 {
-        return 0;
-    }
-    ((exponent as u16) << 10) | ((bits >> 13) & 0x3ff) as u16
 }

@@ -20,7 +20,7 @@ use body::JOINTS;
 use walk::Walker;
 
 /// Nearer than this nobody comes to the cameras, in metres along z.
-const NEAREST: f32 = 4.6;
+pub const NEAREST: f32 = 4.6;
 
 pub fn spawn(stage: &mut Stage, materials: &Materials, detail: Detail) {
     let meshes = [false, true].map(|holds| stage.meshes.add(body::mesh(holds)));

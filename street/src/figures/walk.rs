@@ -16,10 +16,10 @@ const STRIDE: f32 = 1.35;
 #[derive(Resource, Clone, Copy)]
 pub struct Walking(pub f32);
 
-/// Someone who walks from one end of the street to the other, and from its beginning again.
+/// Someone, or some animal, who walks from one end of the street to the other, and from its beginning again.
 #[derive(Component, Clone, Copy)]
 pub struct Walker {
-    /// X and y.
+    /// X and y, in metres.
     pub lane: Vec2,
     pub towards_us: bool,
     /// In metres a second.
@@ -32,6 +32,7 @@ pub struct Walker {
 }
 
 impl Walker {
+    /// Where they are now, turned the way they walk.
     pub fn transform(self) -> Transform {
         let length = self.near - self.far;
         let way = self.way.rem_euclid(length);
@@ -53,14 +54,22 @@ pub struct HoldsUmbrella(pub bool);
 pub fn walk(
     time: Res<Time>,
     walking: Option<Res<Walking>>,
-    mut walkers: Query<(&mut Walker, &mut Transform, &Joints, &HoldsUmbrella)>,
+    mut walkers: Query<(
+        &mut Walker,
+        &mut Transform,
+        Option<(&Joints, &HoldsUmbrella)>,
+    )>,
     mut joints: Query<&mut Transform, Without<Walker>>,
 ) {
     let pace = walking.map_or(1.0, |walking| walking.0);
-    for (mut walker, mut transform, bones, holds) in &mut walkers {
+    for (mut walker, mut transform, body) in &mut walkers {
         walker.way += pace * walker.speed * time.delta_secs();
         let scale = transform.scale;
         *transform = walker.transform().with_scale(scale);
+        // Others are animated by their files.
+        let Some((bones, holds)) = body else {
+            continue;
+        };
         let phase = TAU * walker.way / STRIDE;
         // Each step lifts the body twice a stride.
         transform.translation.y += 0.02 * (2.0 * phase).cos() - 0.02;
