@@ -10,6 +10,7 @@ use bevy::{
         tuple::DynamicTuple,
     },
 };
+use bevy_lean_deferred::prelude::*;
 
 use crate::random::Random;
 
@@ -59,6 +60,25 @@ impl Values<'_> {
 
     fn image(&self, random: &mut Random) -> Option<Handle<Image>> {
         (!self.images.is_empty()).then(|| self.images[random.below(self.images.len())].clone())
+    }
+
+    /// Other values for one of this crate's components, of any kind. What it has then; none if the camera has no such component.
+    pub fn change_lean(&self, camera: &mut EntityWorldMut, random: &mut Random) -> Option<String> {
+        macro_rules! change {
+            ($settings:ty) => {{
+                let mut settings = camera.get_mut::<$settings>()?;
+                self.change(&mut *settings, random);
+                format!("{:?}", *settings)
+            }};
+        }
+        Some(match random.below(6) {
+            0 => change!(LeanDeferred),
+            1 => change!(LeanAmbientOcclusion),
+            2 => change!(LeanAutoExposure),
+            3 => change!(LeanScreenSpaceGi),
+            4 => change!(LeanScreenSpaceReflections),
+            _ => change!(LeanSubsurfaceScattering),
+        })
     }
 
     /// Other values for one or two fields of what is a struct.

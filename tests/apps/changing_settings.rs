@@ -132,10 +132,17 @@ impl Setting {
     /// Makes one change to one camera, or to a target. Returns what it was.
     fn change(&mut self, random: &mut Random) -> String {
         let camera = self.cameras[random.below(3)];
-        let images = [self.mask.clone(), Handle::default()];
+        let values = Values {
+            hostile: 0,
+            images: &[self.mask.clone(), Handle::default()],
+            kept: &[],
+        };
         let mut entity = self.headless.world().entity_mut(camera);
         let change = match random.below(10) {
-            0..7 => change_settings(&mut entity, &images, random).unwrap_or_default(),
+            0..7 => {
+                let change = values.change_lean(&mut entity, random);
+                change.unwrap_or_default()
+            }
             7 => change_components(&mut entity, random),
             8 => {
                 let mut camera = entity.get_mut::<Camera>().expect("it is one");
@@ -162,34 +169,6 @@ impl Setting {
         };
         format!("{camera}: {change}")
     }
-}
-
-/// Some of the settings of one of this crate's components, if the camera has that. Fields of all kinds change, each to any variant.
-fn change_settings(
-    camera: &mut EntityWorldMut,
-    images: &[Handle<Image>],
-    random: &mut Random,
-) -> Option<String> {
-    let values = Values {
-        hostile: 0,
-        images,
-        kept: &[],
-    };
-    macro_rules! change {
-        ($settings:ty) => {{
-            let mut settings = camera.get_mut::<$settings>()?;
-            values.change(&mut *settings, random);
-            format!("{:?}", *settings)
-        }};
-    }
-    Some(match random.below(10) {
-        0..3 => change!(LeanAmbientOcclusion),
-        3..5 => change!(LeanAutoExposure),
-        5 => change!(LeanDeferred),
-        6 => change!(LeanScreenSpaceGi),
-        7 => change!(LeanScreenSpaceReflections),
-        _ => change!(LeanSubsurfaceScattering),
-    })
 }
 
 fn change_components(camera: &mut EntityWorldMut, random: &mut Random) -> String {

@@ -162,24 +162,8 @@ fn change_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
         images: &[],
         kept: &[],
     };
-    let mut entity = stage.entity(camera);
-    macro_rules! change {
-        ($settings:ty) => {
-            if let Some(mut settings) = entity.get_mut::<$settings>() {
-                values.change(&mut *settings, random);
-                return format!("{:?}", *settings);
-            }
-        };
-    }
-    match random.below(6) {
-        0 => change!(LeanDeferred),
-        1 => change!(LeanAmbientOcclusion),
-        2 => change!(LeanAutoExposure),
-        3 => change!(LeanScreenSpaceGi),
-        4 => change!(LeanScreenSpaceReflections),
-        _ => change!(LeanSubsurfaceScattering),
-    }
-    "settings that are not there".into()
+    let change = values.change_lean(&mut stage.entity(camera), random);
+    change.unwrap_or("settings that are not there".into())
 }
 
 fn toggle_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {

@@ -33,27 +33,27 @@ fn depth_or_outside(depths: texture_depth_2d, view: DepthView, pixel: vec2<i32>,
     return select(OUTSIDE, depth, depth > 0.0);
 }
 
+/// One and two pixels from `pixel`, a `step` each.
+fn depths_along(
+    depths: texture_depth_2d,
+    view: DepthView,
+    pixel: vec2<i32>,
+    step: vec2<i32>,
+    is_inside: bool,
+) -> vec2<f32> {
+    return vec2(
+        depth_or_outside(depths, view, pixel + step, is_inside),
+        depth_or_outside(depths, view, pixel + 2 * step, is_inside),
+    );
+}
+
 /// `is_inside` says that none of them lies outside of the view.
 fn depths_around(depths: texture_depth_2d, view: DepthView, pixel: vec2<i32>, is_inside: bool) -> DepthsAround {
-    let x = vec2(1, 0);
-    let y = vec2(0, 1);
     return DepthsAround(
-        vec2(
-            depth_or_outside(depths, view, pixel - x, is_inside),
-            depth_or_outside(depths, view, pixel - 2 * x, is_inside),
-        ),
-        vec2(
-            depth_or_outside(depths, view, pixel + x, is_inside),
-            depth_or_outside(depths, view, pixel + 2 * x, is_inside),
-        ),
-        vec2(
-            depth_or_outside(depths, view, pixel - y, is_inside),
-            depth_or_outside(depths, view, pixel - 2 * y, is_inside),
-        ),
-        vec2(
-            depth_or_outside(depths, view, pixel + y, is_inside),
-            depth_or_outside(depths, view, pixel + 2 * y, is_inside),
-        ),
+        depths_along(depths, view, pixel, vec2(-1, 0), is_inside),
+        depths_along(depths, view, pixel, vec2(1, 0), is_inside),
+        depths_along(depths, view, pixel, vec2(0, -1), is_inside),
+        depths_along(depths, view, pixel, vec2(0, 1), is_inside),
     );
 }
 
@@ -91,10 +91,11 @@ fn geometric_normal(
     );
     let horizontal = depth_on_side(depth, around.left.x, around.right.x, h);
     let vertical = depth_on_side(depth, around.top.x, around.bottom.x, v);
+    let slope = vec2((horizontal - depth) * h, (vertical - depth) * v);
 #ifdef PROJECTION_PERSPECTIVE
-    return normal_from_slope(view_from_pixel, vec3(center, depth), vec2((horizontal - depth) * h, (vertical - depth) * v));
+    return normal_from_slope(view_from_pixel, vec3(center, depth), slope);
 #else ifdef PROJECTION_ORTHOGRAPHIC
-    return normal_from_slope(view_from_pixel, vec3(center, depth), vec2((horizontal - depth) * h, (vertical - depth) * v));
+    return normal_from_slope(view_from_pixel, vec3(center, depth), slope);
 #else
     let n = normal_from_positions(
         position,
