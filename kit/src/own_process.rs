@@ -10,13 +10,43 @@ const ALONE: &str = "LEAN_TEST_ALONE";
 /// alone. To be called from the test itself, with a closure.
 pub fn in_own_process<F: FnOnce()>(body: F) {
     let name = test_name::<F>();
-    if std::env::var_os(ALONE).is_some_and(|alone| alone == *name) {
+    if is_alone(name) {
+        body();
+    } else {
+        run_alone(name, &[]);
+    }
+}
+
+/// As [`in_own_process`], once for each value, one after another: the environment's variable has it there.
+pub fn in_own_processes<F: FnOnce()>(
+    variable: &str,
+    values: impl IntoIterator<Item = String>,
+    body: F,
+) {
+    let name = test_name::<F>();
+    if is_alone(name) {
         return body();
     }
+    for value in values {
+        println!("{name}, {variable}={value}");
+        run_alone(name, &[(variable, value)]);
+    }
+}
+
+fn is_alone(name: &str) -> bool {
+    std::env::var_os(ALONE).is_some_and(|alone| alone == *name)
+}
+
+fn run_alone(name: &str, environment: &[(&str, String)]) {
     let program = std::env::current_exe().expect("a test is a program");
     let output = Command::new(program)
         .args([name, "--exact", "--nocapture"])
         .env(ALONE, name)
+        .envs(
+            environment
+                .iter()
+                .map(|(variable, value)| (variable, value)),
+        )
         .output()
         .expect("it runs again");
     let text = String::from_utf8_lossy(&output.stdout);

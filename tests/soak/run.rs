@@ -1,6 +1,9 @@
 //! One run, and how it is shrunk.
 
-use std::process::{Command, Stdio};
+use std::{
+    ops::Range,
+    process::{Command, Stdio},
+};
 
 use kit::{held::Held, held_back::HeldBack, log_watch, random::Random};
 
@@ -12,29 +15,57 @@ const NUMBERS: usize = 16;
 const TWINS: usize = 64;
 /// All goes, and begins anew.
 const EPOCH: usize = 64;
+/// So many frames share a process: llvmpipe keeps up to 35 MB of each until the process ends. Two epochs, so that the second shows what
+/// the first has left.
+const LEG: usize = 2 * EPOCH;
 
-/// What the environment may say: `SOAK_SEED`, `SOAK_FRAMES` (128), `SOAK_ONLY` (numbers of frames that change anything, separated
-/// by commas), `SOAK_FORWARD` (Bevy alone), `SOAK_VERBOSE` (each change is printed).
+/// Which frames the environment asks for: `500`, or `128..256`.
+pub const FRAMES: &str = "SOAK_FRAMES";
+
+/// What the environment may say: `SOAK_SEED`, [`SOAK_FRAMES`](FRAMES) (500), `SOAK_ONLY` (numbers of frames that change anything,
+/// separated by commas), `SOAK_FORWARD` (Bevy alone), `SOAK_VERBOSE` (each change is printed).
 pub struct Run {
     pub seed: u64,
-    frames: usize,
+    frames: Range<usize>,
     only: Option<Vec<usize>>,
     is_lean: bool,
     is_verbose: bool,
 }
 
-fn number(name: &str) -> Option<usize> {
-    let value = std::env::var(name).ok()?;
-    let number = value.parse();
-    Some(number.unwrap_or_else(|_| panic!("{name} is a number, not {value}")))
+fn number(name: &str, text: &str) -> usize {
+    let number = text.parse();
+    number.unwrap_or_else(|_| panic!("{name}: {text} is no number"))
+}
+
+fn frames() -> Range<usize> {
+    let text = std::env::var(FRAMES).unwrap_or_else(|_| "500".into());
+    let (start, end) = text.split_once("..").unwrap_or(("0", &text));
+    number(FRAMES, start)..number(FRAMES, end)
+}
+
+fn legs_of(frames: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let end = frames.end;
+    frames
+        .step_by(LEG)
+        .map(move |start| start..(start + LEG).min(end))
+}
+
+fn text(frames: &Range<usize>) -> String {
+    format!("{}..{}", frames.start, frames.end)
+}
+
+/// The frames that are asked for, in parts for a process each. They are independent: each begins anew.
+pub fn legs() -> impl Iterator<Item = String> {
+    legs_of(frames()).map(|leg| text(&leg))
 }
 
 impl Run {
     pub fn of_environment(seed: u64) -> Self {
         let only = std::env::var("SOAK_ONLY").ok();
+        let asked = std::env::var("SOAK_SEED").ok();
         Self {
-            seed: number("SOAK_SEED").map_or(seed, |seed| seed as u64),
-            frames: number("SOAK_FRAMES").unwrap_or(128),
+            seed: asked.map_or(seed, |asked| number("SOAK_SEED", &asked) as u64),
+            frames: frames(),
             only: only.map(|only| only.split(',').filter_map(|f| f.parse().ok()).collect()),
             is_lean: std::env::var_os("SOAK_FORWARD").is_none(),
             is_verbose: std::env::var_os("SOAK_VERBOSE").is_some(),
@@ -51,7 +82,7 @@ pub fn run(run: &Run) {
     let mut stage = Stage::new(run.is_lean, is_synchronous);
     let mut held: Vec<Held> = Vec::new();
     let mut held_back: Option<(HeldBack, usize)> = None;
-    for frame in 0..run.frames {
+    for frame in run.frames.clone() {
         let mut random = Random::new((run.seed << 32) + frame as u64);
         if !is_synchronous {
             match &mut held_back {
@@ -80,7 +111,7 @@ pub fn run(run: &Run) {
             drop(held_back.take());
             checks::check(&mut stage, frame, frame % TWINS == TWINS - 1);
         }
-        if frame % EPOCH == EPOCH - 1 {
+        if frame % EPOCH == EPOCH - 1 || frame + 1 == run.frames.end {
             drop(held_back.take());
             stage.clear();
             held.push(Held::once_settled(&mut stage.headless));
@@ -93,13 +124,13 @@ pub fn run(run: &Run) {
 }
 
 /// Whether a run with changes in these frames fails, in a process of its own.
-fn fails(seed: u64, frames: usize, only: &[usize], is_lean: bool) -> bool {
+fn fails(seed: u64, frames: &Range<usize>, only: &[usize], is_lean: bool) -> bool {
     let only: Vec<String> = only.iter().map(usize::to_string).collect();
     let mut command = Command::new(std::env::current_exe().expect("a test is a program"));
     command
         .args(["first_seed", "--exact"])
         .env("SOAK_SEED", seed.to_string())
-        .env("SOAK_FRAMES", frames.to_string())
+        .env(FRAMES, text(frames))
         .env("SOAK_ONLY", only.join(","))
         .stdout(Stdio::null())
         .stderr(Stdio::null());
@@ -113,31 +144,37 @@ fn fails(seed: u64, frames: usize, only: &[usize], is_lean: bool) -> bool {
 /// Failure-Inducing Input").
 pub fn shrink(seed: u64) {
     let run = Run::of_environment(seed);
-    let (seed, mut frames) = (run.seed, run.frames);
-    let mut only: Vec<usize> = (0..frames).filter(|frame| run.changes_in(*frame)).collect();
-    if !fails(seed, frames, &only, true) {
-        println!("seed {seed} does not fail within {frames} frames");
+    let seed = run.seed;
+    let changing = |frames: &Range<usize>| -> Vec<usize> {
+        frames.clone().filter(|f| run.changes_in(*f)).collect()
+    };
+    let failing = legs_of(run.frames.clone()).find(|leg| fails(seed, leg, &changing(leg), true));
+    let Some(mut frames) = failing else {
+        println!(
+            "seed {seed} does not fail in the frames {}",
+            text(&run.frames)
+        );
         return;
-    }
+    };
+    let mut only = changing(&frames);
     // The first frame after which it fails.
-    let (mut fine, mut bad) = (0, frames);
-    while fine + 1 < bad {
-        let middle = fine.midpoint(bad);
-        if fails(seed, middle, &only, true) {
-            bad = middle;
+    let mut fine = frames.start;
+    while fine + 1 < frames.end {
+        let middle = fine.midpoint(frames.end);
+        if fails(seed, &(frames.start..middle), &only, true) {
+            frames.end = middle;
         } else {
             fine = middle;
         }
     }
-    frames = bad;
-    only.retain(|frame| *frame < frames);
+    only.retain(|frame| frames.contains(frame));
     let mut part = only.len().div_ceil(2);
     while part > 0 {
         let mut at = 0;
         while at < only.len() {
             let mut fewer = only.clone();
             fewer.drain(at..(at + part).min(only.len()));
-            if fails(seed, frames, &fewer, true) {
+            if fails(seed, &frames, &fewer, true) {
                 only = fewer;
                 println!("{} frames with changes left", only.len());
             } else {
@@ -148,10 +185,11 @@ pub fn shrink(seed: u64) {
     }
     let list: Vec<String> = only.iter().map(usize::to_string).collect();
     println!(
-        "SOAK_SEED={seed} SOAK_FRAMES={frames} SOAK_ONLY={} SOAK_VERBOSE=1 cargo test --test soak first_seed -- --nocapture",
+        "SOAK_SEED={seed} {FRAMES}={} SOAK_ONLY={} SOAK_VERBOSE=1 cargo test --test soak first_seed -- --nocapture",
+        text(&frames),
         list.join(",")
     );
-    if fails(seed, frames, &only, false) {
+    if fails(seed, &frames, &only, false) {
         println!("Bevy alone fails there too (SOAK_FORWARD=1)");
     }
 }
