@@ -26,10 +26,13 @@ use kit::{
     skipped::has_room_for_scattering,
 };
 
-/// Once nothing changes any more; buffers, which Bevy grows as it likes, are not compared.
+/// Once nothing changes any more. Buffers and their bytes, which Bevy grows as it likes, and pipelines, which it keeps, are not
+/// compared.
 fn held(headless: &mut Headless) -> Held {
     Held {
         buffers: 0,
+        bytes: 0,
+        pipelines: 0,
         ..Held::once_settled(headless)
     }
 }
