@@ -95,7 +95,7 @@ select_driver() {
 echo "building the tests"
 flags=$(for topic in $topics; do printf ' --test %s' "$topic"; done)
 # shellcheck disable=SC2086 # a list of flags
-built=$(cargo test --no-run $flags 2>&1 | tee /dev/stderr | sed -n 's/.*(\(.*\))$/\1/p')
+built=$(cargo test --no-run $flags 2>&1 | sed -n -e 'w /dev/stderr' -e 's/.*(\(.*\))$/\1/p')
 # Copies: what is built meanwhile is not run.
 copies="$cache/binaries"
 rm -rf "$copies"

@@ -17,7 +17,8 @@ if [ -z "${LEAN_PASSED:-}" ] || [ -n "${LEAN_SHADERS:-}" ] || [ $# -gt 0 ]; then
 fi
 
 mkdir -p "$LEAN_PASSED"
-built=$(cargo test --no-run 2>&1 | tee /dev/stderr | sed -n 's/^  *Executable .*(\(.*\))$/\1/p')
+# `sed` writes to its own standard error: `tee /dev/stderr` would open it anew, and empty it where it is a file.
+built=$(cargo test --no-run 2>&1 | sed -n -e 'w /dev/stderr' -e 's/^  *Executable .*(\(.*\))$/\1/p')
 # What is not in a binary.
 around=$({
     find assets -type f -exec sha256sum {} + | sort

@@ -46,7 +46,9 @@
 #endif
 
 #ifdef SHADING_MODEL_RIM
-#import bevy_lean_deferred::gbuffer::layout::specialization::{RIM, unpack_arguments, unpack_shading_model}
+#import bevy_lean_deferred::gbuffer::layout::specialization::{
+    RIM, is_lightmapped, unpack_arguments, unpack_shading_model,
+}
 #import bevy_lean_deferred::shading_models::rim::rim_light
 #endif
 
@@ -241,7 +243,8 @@ fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
 #endif
 #ifdef SHADING_MODEL_RIM
     if unpack_shading_model(pixel.specialization_word) == RIM {
-        light += rim_light(pbr, unpack_arguments(pixel.specialization_word));
+        let word = pixel.specialization_word;
+        light += rim_light(pbr, unpack_arguments(word), is_lightmapped(word));
     }
 #endif
     return light;

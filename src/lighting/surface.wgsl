@@ -156,7 +156,7 @@ fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
     if (pixel.written & layout::EMISSIVE_WRITTEN) != 0u {
         light = unpack_light(textureLoad(emissive_texture, pixel.position, 0).r);
     }
-#ifdef LIGHTMAP
+#ifdef LIGHTMAPPED_SURFACES
     // Bevy exposes the light of lightmaps.
     let lightmap = pixel.specialization_word & specialization::LIGHTMAP_BITS;
     if lightmap == specialization::LIGHTMAP_INCIDENT {

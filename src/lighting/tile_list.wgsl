@@ -13,8 +13,7 @@ fn variant_of(word: u32) -> u32 {
         return 0u;
     }
     model = select(model, specialization::PLAIN, model == specialization::SUBSURFACE);
-    let lightmapped = (word & specialization::LIGHTMAP_BITS) != specialization::LIGHTMAP_NONE;
-    return model | select(0u, 8u, lightmapped);
+    return model | select(0u, 8u, specialization::is_lightmapped(word));
 }
 
 #ifdef LISTED_VARIANTS

@@ -39,7 +39,8 @@ pub(super) fn shader_defs(
     );
     define(
         visited.each().any(|variant| variant.is_lightmapped()),
-        "LIGHTMAP",
+        // Not `LIGHTMAP`, by which Bevy's functions know that all surfaces have one.
+        "LIGHTMAPPED_SURFACES",
     );
     defs
 }

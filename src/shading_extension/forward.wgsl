@@ -29,7 +29,12 @@ fn light(pbr: PbrInput, instance_index: u32) -> vec4<f32> {
     var color = apply_pbr_lighting(pbr);
     let extension = extension_of(instance_index);
     if extension.shading_model == RIM {
-        color = vec4(color.rgb + rim_light(pbr, extension.arguments), color.a);
+#ifdef LIGHTMAP
+        let is_lightmapped = true;
+#else
+        let is_lightmapped = false;
+#endif
+        color = vec4(color.rgb + rim_light(pbr, extension.arguments, is_lightmapped), color.a);
     }
     return color;
 }

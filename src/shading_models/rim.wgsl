@@ -42,36 +42,33 @@ fn unpack_rim_exponent(arguments: u32) -> f32 {
 /// `(n · u) (1 - n · v)^exponent color a(v)`, where `u` points up and `a(v)` is the light that comes along the eye's
 /// ray, from behind the surface. Negative products are 0. Colour and exponent
 /// come from packed `arguments`. Exposed, as what `apply_pbr_lighting` returns.
-fn rim_light(in: PbrInput, arguments: u32) -> vec3<f32> {
+fn rim_light(in: PbrInput, arguments: u32, is_lightmapped: bool) -> vec3<f32> {
     let color = unpack_rim_color(arguments);
     let exponent = unpack_rim_exponent(arguments);
     // Shading normals may turn away from the viewer: no more than a whole rim there.
     let fresnel = pow(1.0 - saturate(dot(in.N, in.V)), exponent);
     let up = saturate(in.N.y);
-    let light = color * (up * fresnel) * in.diffuse_occlusion * light_from(-in.V, in);
+    let light = color * (up * fresnel) * in.diffuse_occlusion * light_from(-in.V, in, is_lightmapped);
     return view.exposure * light;
 }
 
 /// Mean light from around a direction: ambient light, and either irradiance volumes or environment maps, as Bevy picks
 /// them for diffuse light.
-fn light_from(direction: vec3<f32>, in: PbrInput) -> vec3<f32> {
+fn light_from(direction: vec3<f32>, in: PbrInput, is_lightmapped: bool) -> vec3<f32> {
     let view_z = (view.view_from_world * in.world_position).z;
     let cluster = clustering::view_fragment_cluster_index(in.frag_coord.xy, view_z, in.is_orthographic);
     var ranges = clustering::unpack_clusterable_object_index_ranges(cluster);
 
     var light = vec3(0.0);
-    var found_diffuse = false;
-#ifdef LIGHTMAP
-    found_diffuse = true;
-    if lights.ambient_light_affects_lightmapped_meshes != 0u {
+    var found_diffuse = is_lightmapped;
+    if !is_lightmapped || lights.ambient_light_affects_lightmapped_meshes != 0u {
         light += lights.ambient_color.rgb;
     }
-#else
-    light += lights.ambient_color.rgb;
 #ifdef IRRADIANCE_VOLUME
-    light += irradiance_volume_light(in.world_position.xyz, direction, &ranges);
-    found_diffuse = true;
-#endif
+    if !found_diffuse {
+        light += irradiance_volume_light(in.world_position.xyz, direction, &ranges);
+        found_diffuse = true;
+    }
 #endif
 #ifdef ENVIRONMENT_MAP
     // At full roughness, so that the radiance that comes along with the irradiance is cheap.

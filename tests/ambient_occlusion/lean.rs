@@ -251,7 +251,7 @@ fn infinitely_far_surfaces_are_open() {
     let mut stage = Stage::new(|scene| {
         chalk(scene);
         scene.world().insert_resource(ClearColor(Color::BLACK));
-        let far = 1e37;
+        let far = 1e16;
         let wall = Plane3d::new(Vec3::Z, Vec2::splat(3.0 * far));
         let wall = Mesh::from(wall).translated_by(Vec3::new(0.0, 0.0, -far));
         let wall = scene.mesh(wall, StandardMaterial::default(), Transform::default());
@@ -266,7 +266,8 @@ fn infinitely_far_surfaces_are_open() {
         // So that geometry is known by the G-buffer, not by its depth.
         bevy::core_pipeline::prepass::DepthPrepass,
         Projection::from(PerspectiveProjection {
-            near: 1e-9,
+            // So that the wall's depth, which is this by its distance, is too small for a float.
+            near: 1e-30,
             ..Default::default()
         }),
         // Above the boxes, over which the far wall is seen.

@@ -17,7 +17,7 @@ use kit::{
     lean::{build, judge, report, set_lean, settled, show},
     metrics::difference,
     own_process::in_own_process,
-    scenes::{LEAST_PSNR, SceneBuilder},
+    scenes::{LEAST_PSNR, SceneBuilder, special_materials::put_lightmaps},
 };
 
 const SIZE: UVec2 = UVec2::new(320, 240);
@@ -170,6 +170,35 @@ fn rims_match_forward() {
             RIMS,
             |base| base.emissive = LinearRgba::rgb(0.0, 0.1, 0.05),
             GBufferTargets::EMISSIVE.union(GBufferTargets::SPECIALIZATION),
+        )]);
+    });
+}
+
+/// Surfaces without a lightmap have their light from all around, though tiles have others with one.
+#[test]
+fn rims_before_lightmaps_match_forward() {
+    in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
+        show(headless, |s| {
+            scene(s, Surroundings::IrradianceVolume, RIMS, |_| {});
+            let wall = s.mesh(
+                Rectangle::new(12.0, 6.0),
+                StandardMaterial {
+                    lightmap_exposure: 1500.0,
+                    ..default()
+                },
+                Transform::from_xyz(0.0, 3.0, -1.5),
+            );
+            put_lightmaps(s, &[wall], false);
+        });
+        let forward = settled(headless);
+        set_lean(headless, true);
+        let lean = settled(headless);
+        report([judge(
+            "rim_before_lightmap",
+            &forward,
+            &lean,
+            LEAST_RIM_PSNR,
         )]);
     });
 }

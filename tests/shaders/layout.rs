@@ -270,8 +270,9 @@ fn device_and_twin_pack_alike() {
         found.len(),
         found[..found.len().min(10)].join("\n")
     );
+    // Of all fields of the words: albedo's three, metallic, occlusion, normal, roughness.
     assert!(
-        tie_count < inputs.len() / 1000,
+        tie_count < inputs.len() * 7 / 1000,
         "{tie_count} ties are too many to be ties"
     );
 }

@@ -6,7 +6,7 @@ mod forward_materials;
 mod lights;
 pub mod materials;
 pub mod meshes;
-mod special_materials;
+pub mod special_materials;
 mod views;
 
 pub use build::SceneBuilder;

@@ -3,7 +3,10 @@
 
 use bevy::{
     core_pipeline::Skybox,
-    light::{AmbientLight, NotShadowReceiver, PointLight, SpotLight, TransmittedShadowReceiver},
+    light::{
+        AmbientLight, EnvironmentMapLight, IrradianceVolume, NotShadowReceiver, PointLight,
+        SpotLight, TransmittedShadowReceiver,
+    },
     mesh::UvChannel,
     pbr::{ContactShadows, DistanceFog, FogFalloff, Lightmap, ScreenSpaceAmbientOcclusion},
     prelude::*,
@@ -225,6 +228,25 @@ pub const SCENES: &[Scene] = &[
         s.default_camera(light);
     })
     .needs_binding_arrays(),
+    // The floor, which has no lightmap, takes from both what the balls do not.
+    Scene::new("lightmapped_specials_irradiance_volume", |s| {
+        lightmapped(s, false);
+        let volume = s.irradiance_volume(1500.0);
+        s.probe(IrradianceVolume {
+            affects_lightmapped_meshes: false,
+            ..volume
+        });
+        s.default_camera(());
+    }),
+    Scene::new("lightmapped_specials_environment_map_apart", |s| {
+        lightmapped(s, false);
+        let light = s.environment_map(1500.0);
+        s.default_camera(EnvironmentMapLight {
+            affects_lightmapped_mesh_diffuse: false,
+            ..light
+        });
+    })
+    .needs_binding_arrays(),
 ];
 
 /// One of each.
@@ -299,12 +321,17 @@ fn gallery_of(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) -> V
 /// The gallery, with a lightmap on each ball.
 fn lightmapped(s: &mut SceneBuilder, bicubic_sampling: bool) {
     let balls = gallery_of(s, |material| material.lightmap_exposure = 1500.0);
-    with_second_uvs(s, &balls);
+    put_lightmaps(s, &balls, bicubic_sampling);
+}
+
+/// Puts one lightmap on meshes with coordinates.
+pub fn put_lightmaps(s: &mut SceneBuilder, entities: &[Entity], bicubic_sampling: bool) {
+    with_second_uvs(s, entities);
     let image = s.image(16, TextureFormat::Rgba8UnormSrgb, |u, v| {
         [(u * 255.0) as u8, (v * 255.0) as u8, 60, 255]
     });
-    for ball in balls {
-        s.world().entity_mut(ball).insert(Lightmap {
+    for &entity in entities {
+        s.world().entity_mut(entity).insert(Lightmap {
             image: image.clone(),
             bicubic_sampling,
             ..default()

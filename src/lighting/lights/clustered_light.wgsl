@@ -151,7 +151,7 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: pt
 #else
     var reflection = response(point, L);
 #endif
-#ifdef LIGHTMAP
+#ifdef LIGHTMAPPED_SURFACES
     let adds_diffuse =
         (flags & mesh_view_types::POINT_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
     if (*point).is_lightmapped && !adds_diffuse {
@@ -206,7 +206,7 @@ fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<fu
     if strength == 0.0 {
         return;
     }
-#ifdef LIGHTMAP
+#ifdef LIGHTMAPPED_SURFACES
     let adds_diffuse =
         (flags & mesh_view_types::POINT_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
     if (*point).is_lightmapped && !adds_diffuse {

@@ -117,7 +117,7 @@ fn add_directional_lights(
             continue;
         }
 #endif
-#ifdef LIGHTMAP
+#ifdef LIGHTMAPPED_SURFACES
         let adds_diffuse = !(*point).is_lightmapped || (view_bindings::lights.directional_lights[id].flags
             & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
 #else

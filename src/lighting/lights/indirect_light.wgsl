@@ -9,7 +9,7 @@
 #import bevy_pbr::{
     clustered_forward::{ClusterableObjectIndexRanges, unpack_clusterable_object_index_ranges},
     lighting::{EnvBRDFApprox, F_AB},
-    mesh_view_bindings::lights,
+    mesh_view_bindings::{light_probes, lights},
     pbr_types::PbrInput,
 }
 
@@ -38,7 +38,7 @@ fn add_indirect_light(
 ) {
     var found_diffuse = false;
     var is_lightmapped = false;
-#ifdef LIGHTMAP
+#ifdef LIGHTMAPPED_SURFACES
     is_lightmapped = (*point).is_lightmapped;
     found_diffuse = is_lightmapped;
     if is_lightmapped {
@@ -238,7 +238,13 @@ fn add_environment(
         // What Bevy does not take for reflected there, with a look-up value of 0.1.
         let transmitted = 1.0 - (0.1 + 0.1);
         let back = LayerLightingInput(-(*point).N, -(*point).N, 1.0, 1.0, 1.0);
-        let light = compute_radiances(back, ranges, (*point).position, false).irradiance;
+        var is_left_out = false;
+#ifdef LIGHTMAPPED_SURFACES
+        // Bevy asks each probe whether it affects surfaces with lightmaps: the view's map answers for all of them.
+        is_left_out = (*point).is_lightmapped
+            && light_probes.view_environment_map_affects_lightmapped_mesh_diffuse == 0u;
+#endif
+        let light = compute_radiances(back, ranges, (*point).position, is_left_out).irradiance;
         (*lit).diffuse += transmitted * light * (*point).transmitted_color;
     }
 #endif

@@ -55,7 +55,7 @@ struct ShadingPoint {
     /// Once it is known.
     geometric_normal: vec3<f32>,
 #endif
-#ifdef LIGHTMAP
+#ifdef LIGHTMAPPED_SURFACES
     is_lightmapped: bool,
 #endif
 #ifdef STANDARD_MATERIAL_CLEARCOAT
@@ -121,9 +121,8 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.view_fresnel = fifth_power(1.0 - point.NdotV);
     point.view_smith = smith(point.roughness, point.NdotV);
     point.receives_shadows = (pbr.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
-#ifdef LIGHTMAP
-    let lightmap = pixel.specialization_word & specialization::LIGHTMAP_BITS;
-    point.is_lightmapped = lightmap != specialization::LIGHTMAP_NONE;
+#ifdef LIGHTMAPPED_SURFACES
+    point.is_lightmapped = specialization::is_lightmapped(pixel.specialization_word);
 #endif
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     point.clearcoat = material.clearcoat;

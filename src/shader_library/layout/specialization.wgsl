@@ -48,6 +48,11 @@ fn unpack_shading_model(word: u32) -> u32 {
     return (word >> 8u) & 7u;
 }
 
+/// Whether the surface has a lightmap.
+fn is_lightmapped(word: u32) -> bool {
+    return (word & LIGHTMAP_BITS) != LIGHTMAP_NONE;
+}
+
 /// Puts arguments into a packed word.
 fn with_arguments(word: u32, arguments: u32) -> u32 {
     return word | (arguments << ARGUMENTS_SHIFT);

@@ -120,16 +120,16 @@ const WHAT_IS_LIT: Factor = &[
     &["VISITED_VARIANTS", "SHADING_MODEL_RIM"],
     &["VISITED_VARIANTS", "STANDARD_MATERIAL_CLEARCOAT"],
     &["VISITED_VARIANTS", "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION"],
-    &["VISITED_VARIANTS", "LIGHTMAP"],
+    &["VISITED_VARIANTS", "LIGHTMAPPED_SURFACES"],
     &[
         "VISITED_VARIANTS",
-        "LIGHTMAP",
+        "LIGHTMAPPED_SURFACES",
         "STANDARD_MATERIAL_ANISOTROPY",
         "SHADING_MODEL_RIM",
     ],
     &[
         "VISITED_VARIANTS",
-        "LIGHTMAP",
+        "LIGHTMAPPED_SURFACES",
         "STANDARD_MATERIAL_ANISOTROPY",
         "SHADING_MODEL_RIM",
         "STANDARD_MATERIAL_CLEARCOAT",
@@ -339,7 +339,7 @@ pub fn implications(name: &str) -> &'static [&'static str] {
         // Decals are bound in arrays, on the devices on which light probes are too.
         "CLUSTERED_DECALS_ARE_USABLE" => &["MULTIPLE_LIGHT_PROBES_IN_ARRAY"],
         "VERTEX_UVS_A" | "VERTEX_UVS_B" => &["VERTEX_UVS"],
-        "LIGHTMAP" => &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
+        "LIGHTMAP" | "LIGHTMAPPED_SURFACES" => &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
         "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION" => &[
             "STANDARD_MATERIAL_DIFFUSE_OR_SPECULAR_TRANSMISSION",
             "GBUFFER_SPECIALIZATION",
@@ -369,8 +369,6 @@ pub fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
             has("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED")
         }
         "SHOWS_LIGHT" => !has("DEBUG_VIEW") && !has("OCCLUSION_DEBUG_VIEW"),
-        // Without arrays Bevy's own `environment_map.wgsl` does not compile for lightmaps.
-        "ENVIRONMENT_MAP" => !has("LIGHTMAP") || has("MULTIPLE_LIGHT_PROBES_IN_ARRAY"),
         _ => true,
     }
 }
