@@ -4,6 +4,7 @@
 // have plain surfaces only, and lists the others; the second, compiled for the kinds of special surfaces that the view
 // has (VISITED_VARIANTS), goes over that list.
 #import bevy_lean_deferred::gbuffer::layout
+#import bevy_lean_deferred::gbuffer::layout::light::within_halfs
 #import bevy_lean_deferred::lighting::bindings::{
     normal_texture, output_texture, surface_texture, uniforms,
 }
@@ -118,7 +119,8 @@ fn main(
 
 /// Writes what the pixel at `place` shows.
 fn light_tile(pixel: Pixel, place: vec2<u32>, corner: vec2<u32>, invocation: u32, member: u32) {
-    let shaded = shade(pixel, uniforms.viewport_origin + corner, member);
+    var shaded = shade(pixel, uniforms.viewport_origin + corner, member);
+    shaded.color = vec4(within_halfs(shaded.color.rgb), shaded.color.a);
 #ifdef SCATTERS_LIGHT
     write_entering_light(pixel, shaded, place, corner, invocation);
 #endif

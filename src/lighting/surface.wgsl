@@ -56,10 +56,19 @@ fn position_at(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
 #ifdef GEOMETRIC_NORMAL
 /// Further from any surface than the other side of an axis can be, so that that is chosen.
 const OUTSIDE: f32 = 1e9;
+/// The cosine of the angle by which normal maps and smooth normals turn away from the surface at most.
+const LEAST_AGREEMENT: f32 = 0.5;
 
 /// World-space normal of the surface at `pixel`, unit length, facing the viewer. `depth` is the pixel's.
 fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     return (view.world_from_view * vec4(view_geometric_normal(pixel, depth), 0.0)).xyz;
+}
+
+/// The normal by which shadow maps are biased: the surface's, or `N`, the shading normal, where the two have little in common. There
+/// depth misleads: parts that are a pixel high have no neighbours of their own.
+fn shadow_normal(pixel: vec2<i32>, depth: f32, N: vec3<f32>) -> vec3<f32> {
+    let normal = world_geometric_normal(pixel, depth);
+    return select(N, normal, dot(normal, N) > LEAST_AGREEMENT);
 }
 
 /// Depth at `pixel`, `OUTSIDE` beyond the viewport.

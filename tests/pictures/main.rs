@@ -4,6 +4,7 @@
 //! `kit/src/own_process.rs`.
 
 mod atmosphere;
+mod bright_light;
 mod coming_from_deferred;
 mod custom_material;
 mod foreign_depth;

@@ -90,12 +90,16 @@ fn check_beside_twin(stage: &mut Stage, camera: Entity, frame: usize) {
     if let (Some(shown), Some(forward)) = (&shown, &forward_light) {
         let is_finite = |i: &usize| forward.texels[*i].iter().all(|x| x.is_finite());
         let mut alone = wrong_numbers(shown).filter(is_finite);
-        let first = alone.next();
-        assert!(
-            first.is_none(),
-            "frame {frame}: camera {camera} has no number at {first:?}, and {} more",
-            alone.count()
-        );
+        if let Some(first) = alone.next() {
+            save("shown", shown);
+            save("forward", forward);
+            panic!(
+                "frame {frame}: camera {camera} has no number at pixel {first} and at {} more: {:?}, and forward {:?}",
+                alone.count(),
+                shown.texels[first],
+                forward.texels[first]
+            );
+        }
     }
     if let (Some(lean), Some(forward)) = (&lean_light, &forward_light) {
         let other = other_light(lean, forward);

@@ -79,7 +79,8 @@ fn mesh(random: &mut Random) -> (Mesh, String) {
                 }
             }
         }
-        4 => mesh = mesh.scaled_by(Vec3::splat(1e6)),
+        // Ever larger ones lie elsewhere with each driver: their corners are all that is exact.
+        4 => mesh = mesh.scaled_by(Vec3::splat(1e4)),
         5 => {
             mesh = mesh.scaled_by(Vec3::new(1.0, 0.0, 1.0));
             // Else some are of no length, and what forward makes of those is up to the driver.

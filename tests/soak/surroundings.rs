@@ -2,7 +2,7 @@
 
 use bevy::{
     asset::RenderAssetUsages,
-    light::LightProbe,
+    light::{ClusteredDecal, LightProbe},
     mesh::{morph::MeshMorphWeights, skinning::SkinnedMesh},
     prelude::*,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
@@ -79,7 +79,15 @@ fn spawn_probe(stage: &mut Stage, random: &mut Random) -> String {
     format!("a probe of {intensity} comes, volume: {is_volume}")
 }
 
+/// The only one: which of two lies on top is chance in Bevy 0.19.1, whose clusters list them in whatever order the GPU comes to them.
 fn spawn_decal(stage: &mut Stage, random: &mut Random) -> String {
+    let world = stage.headless.world();
+    let mut decals = world.query_filtered::<Entity, With<ClusteredDecal>>();
+    let there: Vec<Entity> = decals.iter(world).collect();
+    for decal in there {
+        stage.surroundings.retain(|entity| *entity != decal);
+        stage.world().despawn(decal);
+    }
     if !has_room(stage, random) {
         return String::new();
     }

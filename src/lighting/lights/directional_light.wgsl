@@ -18,7 +18,7 @@
 #ifdef DIRECTIONAL_SHADOW_MAPS
 #import bevy_lean_deferred::gbuffer::layout::unpack_normal
 #import bevy_lean_deferred::lighting::lights::shadow_maps::directional_shadow
-#import bevy_lean_deferred::lighting::surface::{Pixel, position_at, world_geometric_normal}
+#import bevy_lean_deferred::lighting::surface::{Pixel, position_at, shadow_normal}
 #endif
 
 #ifdef CONTACT_SHADOWS
@@ -97,7 +97,7 @@ fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShad
             continue;
         }
         if !knows_normal {
-            normal = world_geometric_normal(pixel.position, pixel.depth);
+            normal = shadow_normal(pixel.position, pixel.depth, N);
             knows_normal = true;
         }
         (*shadows).visibility[id] = directional_shadow(id, position, normal, in_view.z, pixel.position);

@@ -2,6 +2,7 @@
 #define_import_path bevy_lean_deferred::lighting::lights::found_light
 
 #import bevy_lean_deferred::gbuffer::layout::is_nan
+#import bevy_lean_deferred::gbuffer::layout::light::LARGEST_HALF
 #import bevy_lean_deferred::lighting::bindings::uniforms
 #import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_pbr::mesh_view_bindings::view
@@ -15,8 +16,6 @@
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
-
-const LARGEST_HALF: f32 = 65504.0;
 
 /// In cd/m², before exposure.
 struct FoundLight {

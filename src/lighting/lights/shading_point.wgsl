@@ -10,7 +10,7 @@
 }
 
 #ifdef GEOMETRIC_NORMAL
-#import bevy_lean_deferred::lighting::surface::world_geometric_normal
+#import bevy_lean_deferred::lighting::surface::shadow_normal
 #endif
 
 #ifdef GBUFFER_SPECIALIZATION
@@ -159,7 +159,7 @@ fn transmits(point: ptr<function, ShadingPoint>) -> bool {
 /// Found when it is first asked for: in many a pixel no light that casts shadows shines on the surface.
 fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
     if !(*point).knows_geometric_normal {
-        (*point).geometric_normal = world_geometric_normal((*point).pixel, (*point).depth);
+        (*point).geometric_normal = shadow_normal((*point).pixel, (*point).depth, (*point).N);
         (*point).knows_geometric_normal = true;
     }
     return (*point).geometric_normal;

@@ -11,6 +11,7 @@
     texel::{pixels_per_metre_at, to_viewer},
 }
 #ifdef PICTURE
+#import bevy_lean_deferred::gbuffer::layout::light::within_halfs
 #import bevy_lean_deferred::lighting::subsurface_light::unpack_receiver
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{output_texture, picture_texture}
 #import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_groups, listed_texel}
@@ -164,7 +165,7 @@ fn show(pixel: vec2<i32>) {
     // Where that is nothing, or not a number, the picture stays as it is.
     if any(added != vec3(0.0)) && all(abs(added) < vec3(1e30)) {
         let receiver = unpack_receiver(textureLoad(picture_texture, pixel, 0));
-        let color = receiver.color.rgb + receiver.leaving * added;
+        let color = within_halfs(receiver.color.rgb + receiver.leaving * added);
         textureStore(output_texture, vec2<i32>(view.viewport_origin) + pixel, vec4(color, receiver.color.a));
     }
 }

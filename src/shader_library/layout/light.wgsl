@@ -1,4 +1,4 @@
-// Light with a shared exponent.
+// Light with a shared exponent, and in half floats.
 //
 // Mantissas R 9, G 9, B 9, exponent 5, low to high, as in the graphics APIs' RGB9E5.
 #define_import_path bevy_lean_deferred::gbuffer::layout::light
@@ -7,6 +7,8 @@
 
 /// Largest value of a channel. Brighter ones are clamped.
 const LARGEST_LIGHT: f32 = 65408.0;
+/// Largest half float.
+const LARGEST_HALF: f32 = 65504.0;
 
 /// 2 to the power of `n`, exactly, for -126 to 127.
 fn power_of_two(n: i32) -> f32 {
@@ -32,4 +34,10 @@ fn pack_light(color: vec3<f32>) -> u32 {
 fn unpack_light(word: u32) -> vec3<f32> {
     let mantissas = vec3(word & 0x1ffu, (word >> 9u) & 0x1ffu, (word >> 18u) & 0x1ffu);
     return vec3<f32>(mantissas) * power_of_two(i32(word >> 27u) - 24);
+}
+
+/// Light for a texture of half floats: brighter light becomes the largest of them, as in colour attachments, which storage textures
+/// turn into infinity. What is not a number stays so.
+fn within_halfs(color: vec3<f32>) -> vec3<f32> {
+    return select(color, sign(color) * LARGEST_HALF, abs(color) > vec3(LARGEST_HALF));
 }
