@@ -2,9 +2,10 @@
 //!
 //! Scenes of the parity suite are lit twice in one shader, which writes how far the two are apart.
 
-use bevy::prelude::*;
+use bevy::{prelude::*, render::renderer::RenderDevice};
 use bevy_lean_deferred::LeanDeferred;
 use kit::{
+    device::BINDING_ARRAYS,
     hdr::settled_light,
     headless::{Headless, Picture, small_shadow_maps},
     lean::{change_cameras, report, show},
@@ -18,8 +19,15 @@ const SIZE: UVec2 = UVec2::new(160, 120);
 /// The part of the pixels of a scene that must be within 1e-4 of what is expected, or 1e-5 of white.
 const LEAST_SHARE: f64 = 0.999;
 
+/// Which surfaces Bevy's functions are compiled for.
+#[derive(Clone, Copy, PartialEq)]
+enum Surfaces {
+    Usual,
+    Lightmapped,
+}
+
 /// The lighting shader that compares in place of showing light.
-fn comparing_shader() -> String {
+fn comparing_shader(surfaces: Surfaces) -> String {
     let shader = include_str!("../../src/lighting/lighting.wgsl");
     let shown = "textureStore(output_texture, pixel.position, shaded.color);";
     assert_eq!(shader.matches(shown).count(), 1, "what lighting writes");
@@ -28,13 +36,17 @@ fn comparing_shader() -> String {
     let (imports, functions) = include_str!("oracle.wgsl")
         .split_once("/// What Bevy makes")
         .expect("imports, then functions");
-    format!("{imports}{shader}/// What Bevy makes{functions}")
+    let definition = match surfaces {
+        Surfaces::Usual => "",
+        Surfaces::Lightmapped => "#define LIGHTMAP\n",
+    };
+    format!("{definition}{imports}{shader}/// What Bevy makes{functions}")
 }
 
-fn app() -> Headless {
+fn app(surfaces: Surfaces) -> Headless {
     Headless::with(SIZE, |app| {
         small_shadow_maps(app);
-        replace_shader(app, "lighting/lighting.wgsl", comparing_shader());
+        replace_shader(app, "lighting/lighting.wgsl", comparing_shader(surfaces));
     })
 }
 
@@ -94,7 +106,7 @@ fn compare(
 }
 
 fn compare_all(scenes: impl IntoIterator<Item = &'static Scene>) {
-    let mut headless = app();
+    let mut headless = app(Surfaces::Usual);
     report((scenes.into_iter()).map(|scene| compare(&mut headless, scene.name, scene.build)));
 }
 
@@ -111,8 +123,24 @@ fn materials_are_lit_as_bevy_has_it() {
 /// Scenes with special materials, of which `keep` leaves those that are to be compared: Bevy's functions, compiled for
 /// several kinds at once, light some wrongly.
 fn compare_special(keep: fn(&mut StandardMaterial)) {
-    let mut headless = app();
-    report(scenes::SPECIAL_MATERIALS.iter().map(|scene| {
+    let scenes = scenes::SPECIAL_MATERIALS.iter();
+    let lightmapped = scenes
+        .clone()
+        .filter(|scene| scene.name.starts_with("lightmapped"));
+    compare_kept(Surfaces::Usual, keep, scenes);
+    compare_kept(Surfaces::Lightmapped, keep, lightmapped);
+}
+
+fn compare_kept(
+    surfaces: Surfaces,
+    keep: fn(&mut StandardMaterial),
+    scenes: impl Iterator<Item = &'static Scene>,
+) {
+    let mut headless = app(surfaces);
+    let device = headless.world().resource::<RenderDevice>();
+    let has_arrays = device.features().contains(BINDING_ARRAYS);
+    let scenes = scenes.filter(|scene| has_arrays || !scene.needs_binding_arrays);
+    report(scenes.map(|scene| {
         compare(&mut headless, scene.name, |s| {
             (scene.build)(s);
             let mut materials = s.world().resource_mut::<Assets<StandardMaterial>>();

@@ -8,7 +8,7 @@
 }
 
 #ifdef GEOMETRIC_NORMAL
-#import bevy_lean_deferred::lighting::surface::world_geometric_normal
+#import bevy_lean_deferred::lighting::surface::shadow_normal
 #endif
 
 #ifdef GBUFFER_SPECIALIZATION
@@ -33,7 +33,7 @@
 fn expected(pixel: Pixel) -> vec4<f32> {
     var pbr = pbr_input_from_gbuffer(pixel);
 #ifdef GEOMETRIC_NORMAL
-    pbr.world_normal = world_geometric_normal(pixel.position, pixel.depth);
+    pbr.world_normal = shadow_normal(pixel.position, pixel.depth, pbr.N);
 #endif
 #ifdef CLUSTERED_DECALS_ARE_USABLE
     apply_decals(&pbr);
@@ -52,17 +52,15 @@ fn expected(pixel: Pixel) -> vec4<f32> {
     // Bevy's anisotropic highlight of strength 0 is not the isotropic one.
     is_known = oracle_words::unpack_shading_model(word) == oracle_words::ANISOTROPY;
 #endif
+    var is_lightmapped = false;
+#ifdef LIGHTMAPPED_SURFACES
+    is_lightmapped = oracle_words::is_lightmapped(word);
+#endif
+    // Bevy takes all surfaces for lightmapped ones, or none.
 #ifdef LIGHTMAP
-    // Bevy takes all surfaces for lightmapped ones.
-    if (word & oracle_words::LIGHTMAP_BITS) == oracle_words::LIGHTMAP_NONE {
-#ifdef ENVIRONMENT_MAP
-        is_known = false;
-#endif
-#ifdef IRRADIANCE_VOLUME
-        is_known = false;
-#endif
-        is_known = is_known && lights.ambient_light_affects_lightmapped_meshes != 0u;
-    }
+    is_known = is_known && is_lightmapped;
+#else
+    is_known = is_known && !is_lightmapped;
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #ifdef ENVIRONMENT_MAP
@@ -80,7 +78,7 @@ fn expected(pixel: Pixel) -> vec4<f32> {
 #endif
 #ifdef SHADING_MODEL_RIM
     if oracle_words::unpack_shading_model(word) == oracle_words::RIM {
-        let rim = rim_light(pbr, oracle_words::unpack_arguments(word));
+        let rim = rim_light(pbr, oracle_words::unpack_arguments(word), is_lightmapped);
         color = vec4(color.rgb + rim, color.a);
     }
 #endif

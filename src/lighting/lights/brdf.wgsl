@@ -51,19 +51,24 @@ fn gather(gathered: ptr<function, Gathered>, response: Response, color: vec3<f32
 #endif
 }
 
+/// Brighter light is bounded, so that none of it is none: infinity times 0 is not a number.
+const BRIGHTEST: f32 = 1e30;
+
 /// What leaves the surface of all that it gathered.
 fn lit_of(point: ptr<function, ShadingPoint>, gathered: Gathered) -> Lit {
     let normal = (*point).F_normal;
+    let specular = min(gathered.specular, vec3(BRIGHTEST));
+    let fresnel = min(gathered.fresnel, vec3(BRIGHTEST));
     // (1 - cos)⁵ leads from the reflectance at normal incidence to that at grazing angles (Schlick 1994).
-    let boundary = normal * gathered.specular + ((*point).F_grazing - normal) * gathered.fresnel;
+    let boundary = normal * specular + ((*point).F_grazing - normal) * fresnel;
     var lit: Lit;
-    lit.diffuse = (*point).diffuse_color * gathered.diffuse * INVERSE_PI;
+    lit.diffuse = (*point).diffuse_color * min(gathered.diffuse, vec3(BRIGHTEST)) * INVERSE_PI;
     lit.specular = (*point).multiscatter * boundary;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    lit.specular += gathered.coat;
+    lit.specular += min(gathered.coat, vec3(BRIGHTEST));
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    lit.diffuse += (*point).transmitted_color * gathered.transmitted * INVERSE_PI;
+    lit.diffuse += (*point).transmitted_color * min(gathered.transmitted, vec3(BRIGHTEST)) * INVERSE_PI;
 #endif
     return lit;
 }
