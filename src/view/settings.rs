@@ -95,7 +95,8 @@ impl CameraEffect for LeanDeferred {
 /// Ways to reconstruct the geometric normal of a pixel from the depth buffer.
 ///
 /// All find two tangents from neighbouring depths and cross them; they differ in how they keep neighbours from
-/// across an edge out. `docs/accuracy.md` and `docs/frame_times.md` have their errors and times.
+/// across an edge out. Where the result is more than 60° from the shading normal, shadows are biased by that: parts a pixel high have no
+/// neighbour of their own surface. `docs/accuracy.md` and `docs/frame_times.md` have their errors and times.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum GeometricNormal {

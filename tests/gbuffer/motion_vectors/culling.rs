@@ -51,14 +51,25 @@ fn hidden_scene(s: &mut SceneBuilder, camera: impl Bundle) {
     s.world().entity_mut(wall).insert(Wall);
 }
 
+/// The hidden scene, first without culling, then with: forward, which is filmed first, then shows what is to be seen on every driver.
+/// On some (Mesa 25's llvmpipe, SwiftShader) Bevy's own culling is a frame late.
+fn culled_after_forward<C: Bundle>(camera: impl Fn() -> C) -> impl FnMut(&mut SceneBuilder) {
+    let mut is_lean = false;
+    move |s| {
+        hidden_scene(s, camera());
+        if is_lean {
+            let mut cameras = s.world().query_filtered::<Entity, With<Camera3d>>();
+            let camera = cameras.single(s.world()).expect("one camera");
+            s.world().entity_mut(camera).insert(OcclusionCulling);
+        }
+        is_lean = true;
+    }
+}
+
 #[test]
 fn occlusion_culling() {
     in_own_process(|| {
-        let case = Case::new(
-            "occlusion_culling",
-            |s| hidden_scene(s, (taa(), OcclusionCulling)),
-            uncover,
-        );
+        let case = Case::new("occlusion_culling", culled_after_forward(taa), uncover);
         let (errors, _) = Case { frames: 16, ..case }.measure();
         assert!(errors.largest_share <= 1.0, "{errors:?}");
     });
@@ -80,10 +91,11 @@ fn what_only_the_prepass_can_do_is_left_to_it() {
         .measure();
         assert_eq!(errors.unequal, 0, "{errors:?}");
         // Without a copy of depth the second phase of culling cannot be told from the first.
+        let mut make = culled_after_forward(|| MotionVectorPrepass);
         let case = Case::new(
             "culling_without_depth",
             |s| {
-                hidden_scene(s, (MotionVectorPrepass, OcclusionCulling));
+                make(s);
                 // Bevy's culling reads it, but asks for that only where there is a `DepthPrepass`.
                 let mut cameras = s.world().query::<&mut Camera3d>();
                 let mut camera = cameras.single_mut(s.world()).expect("one camera");
