@@ -1,10 +1,14 @@
 //! What tests cannot show on the chosen device: they say so. `tests/drivers.sh` counts such lines.
 
-use bevy::render::renderer::RenderDevice;
+use bevy::render::{
+    RenderApp,
+    batching::gpu_preprocessing::{GpuPreprocessingMode, GpuPreprocessingSupport},
+    renderer::RenderDevice,
+};
 use bevy_lean_deferred::screen_space::subsurface::missing_for_scattering;
 use wgpu::{Features, Limits};
 
-use crate::{device::BINDING_ARRAYS, gpu, own_process::in_own_process};
+use crate::{device::BINDING_ARRAYS, gpu, headless::Headless, own_process::in_own_process};
 
 /// Whether a device with these limits scatters light beneath surfaces. Says so where it does not.
 pub fn has_room_for_scattering(limits: &Limits) -> bool {
@@ -28,4 +32,17 @@ pub fn skips_without_binding_arrays(device: &RenderDevice, part: &str) {
     if !device.features().contains(BINDING_ARRAYS) {
         println!("skipped: {part}: the device has no binding arrays");
     }
+}
+
+/// Whether the device can leave out what it finds to be hidden. Says so where it cannot.
+pub fn culls_what_is_hidden(headless: &Headless) -> bool {
+    let world = headless.app.sub_app(RenderApp).world();
+    let support = world.resource::<GpuPreprocessingSupport>();
+    let culls = support.max_supported_mode == GpuPreprocessingMode::Culling;
+    if !culls {
+        println!(
+            "skipped: occlusion culling: the device cannot draw as many meshes as it finds itself"
+        );
+    }
+    culls
 }

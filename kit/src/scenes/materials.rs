@@ -69,12 +69,7 @@ pub const SCENES: &[Scene] = &[
     }),
     Scene::new("alpha_mask_shadow", |s| {
         holes(s, AlphaMode::Mask(0.5), true)
-    })
-    .allow(
-        40.0,
-        "what is one pixel wide, as seen through small holes, has no geometric normal in the depth buffer; it offsets \
-         the shadow look-up",
-    ),
+    }),
     Scene::new("double_sided", |s| backs(s, true, false, true)),
     Scene::new("double_sided_normal_map", |s| backs(s, true, true, false)),
     Scene::new("double_sided_normal_map_shadow", |s| {

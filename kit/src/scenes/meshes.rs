@@ -35,12 +35,22 @@ pub const SCENES: &[Scene] = &[
     Scene::new("many_instances_shadow", |s| {
         instances(s, || ());
         lit(s);
+    }),
+    // A pixel to three high: depth has no neighbour in the middle of which the surface's normal could be told.
+    Scene::new("shadows_on_edge", |s| {
+        s.floor();
+        let eye = default_camera_transform().translation;
+        for i in 0..8 {
+            let step = i as f32;
+            s.mesh(
+                Plane3d::default().mesh().size(0.6, 1.0),
+                Color::srgb(0.9, 0.8, 0.7),
+                Transform::from_xyz(step * 0.7 - 2.6, eye.y - 0.08 - 0.03 * step, -0.5),
+            );
+        }
+        lit(s);
     })
-    .allow(
-        42.0,
-        "what is one pixel wide, as between far boxes, has no geometric normal in the depth buffer; it offsets the \
-         shadow look-up",
-    ),
+    .allow(50.0, "stricter: where these shadow themselves it is 47.8 dB"),
     Scene::new("no_automatic_batching", |s| {
         instances(s, || NoAutomaticBatching);
         unshadowed(s);
@@ -171,7 +181,7 @@ pub const SCENES: &[Scene] = &[
         lit(s);
     })
     .allow(
-        38.0,
+        42.0,
         "dithered pixels have no neighbours of their own surface to find the geometric normal from; it offsets the \
          shadow look-up",
     ),
