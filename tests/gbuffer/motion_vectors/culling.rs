@@ -53,13 +53,12 @@ fn hidden_scene(s: &mut SceneBuilder, camera: impl Bundle) {
     s.world().entity_mut(wall).insert(Wall);
 }
 
-/// The hidden scene, first without culling, then with: forward, which is filmed first, then shows what is to be seen on every driver.
-/// On some (Mesa 25's llvmpipe, SwiftShader) Bevy's own culling is a frame late.
-fn culled_after_forward<C: Bundle>(camera: impl Fn() -> C) -> impl FnMut(&mut SceneBuilder) {
+/// The hidden scene, with culling; of forward, which is filmed first, only where `culls_forward`. Without, it shows what is to be seen.
+fn culled<C: Bundle>(camera: impl Fn() -> C, culls_forward: bool) -> impl FnMut(&mut SceneBuilder) {
     let mut is_lean = false;
     move |s| {
         hidden_scene(s, camera());
-        if is_lean {
+        if is_lean || culls_forward {
             let mut cameras = s.world().query_filtered::<Entity, With<Camera3d>>();
             let camera = cameras.single(s.world()).expect("one camera");
             s.world().entity_mut(camera).insert(OcclusionCulling);
@@ -74,7 +73,7 @@ fn occlusion_culling() {
         if !culls_what_is_hidden(&build(SIZE, |_| {})) {
             return;
         }
-        let case = Case::new("occlusion_culling", culled_after_forward(taa), uncover);
+        let case = Case::new("occlusion_culling", culled(taa, false), uncover);
         let (errors, _) = Case { frames: 16, ..case }.measure();
         assert!(errors.largest_share <= 1.0, "{errors:?}");
     });
@@ -98,25 +97,32 @@ fn what_only_the_prepass_can_do_is_left_to_it() {
         if !culls_what_is_hidden(&build(SIZE, |_| {})) {
             return;
         }
-        // Without a copy of depth the second phase of culling cannot be told from the first.
-        let mut make = culled_after_forward(|| MotionVectorPrepass);
-        let case = Case::new(
-            "culling_without_depth",
-            |s| {
-                make(s);
-                // Bevy's culling reads it, but asks for that only where there is a `DepthPrepass`.
-                let mut cameras = s.world().query::<&mut Camera3d>();
-                let mut camera = cameras.single_mut(s.world()).expect("one camera");
-                camera.depth_texture_usages =
-                    (TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING).into();
-            },
-            uncover,
+        // Without a copy of depth the second phase of culling cannot be told from the first. Bevy reads a depth of which it does not know
+        // when it was written: its own culling may be a frame late, by the driver and the moment.
+        let unequal = [false, true].map(|culls_forward| {
+            let mut make = culled(|| MotionVectorPrepass, culls_forward);
+            let case = Case::new(
+                "culling_without_depth",
+                |s| {
+                    make(s);
+                    // Bevy's culling reads it, but asks for that only where there is a `DepthPrepass`.
+                    let mut cameras = s.world().query::<&mut Camera3d>();
+                    let mut camera = cameras.single_mut(s.world()).expect("one camera");
+                    camera.depth_texture_usages =
+                        (TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING).into();
+                },
+                uncover,
+            );
+            let (errors, _) = Case {
+                resolves: false,
+                ..case
+            }
+            .measure();
+            errors.unequal
+        });
+        assert!(
+            unequal.contains(&0),
+            "neither what is to be seen nor what Bevy's culling shows: {unequal:?} pixels"
         );
-        let (errors, _) = Case {
-            resolves: false,
-            ..case
-        }
-        .measure();
-        assert_eq!(errors.unequal, 0, "{errors:?}");
     });
 }
