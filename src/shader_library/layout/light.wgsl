@@ -36,8 +36,8 @@ fn unpack_light(word: u32) -> vec3<f32> {
     return vec3<f32>(mantissas) * power_of_two(i32(word >> 27u) - 24);
 }
 
-/// Light for a texture of half floats: brighter light becomes the largest of them, as in colour attachments, which storage textures
-/// turn into infinity. What is not a number stays so.
+/// Light for a texture of half floats: brighter light, and infinite light, becomes the largest of them. Else drivers may make infinity of
+/// either, of which bloom makes NaN. What is not a number stays so.
 fn within_halfs(color: vec3<f32>) -> vec3<f32> {
     return select(color, sign(color) * LARGEST_HALF, abs(color) > vec3(LARGEST_HALF));
 }
