@@ -8,7 +8,7 @@ use wgpu::{Features, Limits};
 
 /// With arrays of textures, of which each invocation may read another: Bevy has decals, textures of lights and several
 /// environment maps only with these.
-pub const BINDING_ARRAYS: Features = Features::TEXTURE_BINDING_ARRAY
+pub(crate) const BINDING_ARRAYS: Features = Features::TEXTURE_BINDING_ARRAY
     .union(Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING);
 
 /// Bevy's forward pass alone asks for more textures and samplers in the fragment stage than the 16 that WebGPU grants to all, with the

@@ -27,11 +27,13 @@ pub fn where_light_scatters<F: FnOnce()>(body: F) {
     }
 }
 
-/// Says that a part of a test shows nothing here, where the device has no binding arrays.
-pub fn skips_without_binding_arrays(device: &RenderDevice, part: &str) {
-    if !device.features().contains(BINDING_ARRAYS) {
+/// Whether a part of a test shows nothing here, for want of binding arrays. Says so where it does.
+pub fn skips_without_binding_arrays(device: &RenderDevice, part: &str) -> bool {
+    let skips = !device.features().contains(BINDING_ARRAYS);
+    if skips {
         println!("skipped: {part}: the device has no binding arrays");
     }
+    skips
 }
 
 /// Whether the device can leave out what it finds to be hidden. Says so where it cannot.
