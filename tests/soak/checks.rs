@@ -202,7 +202,8 @@ fn save(name: &str, light: &Light) {
         return;
     };
     let texels = light.texels.iter().flatten();
-    let rgba = texels.map(|x| (x.clamp(0.0, 1.0).sqrt() * 255.0) as u8);
+    // Bright light is to be told apart too.
+    let rgba = texels.map(|x| ((x.max(0.0) / (1.0 + x.max(0.0))).sqrt() * 255.0) as u8);
     let picture = Picture {
         size: light.size,
         rgba: rgba.collect(),
