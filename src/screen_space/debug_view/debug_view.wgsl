@@ -20,9 +20,9 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) vec4<f32> {
 #else ifdef SHOWS_ONE_MINUS_ALPHA
     let color = vec3(1.0 - texel.a);
 #else
-    // See `pack_hit` of reflections: one over metres, and eight bits of something else.
-    let inverse = bitcast<f32>(texel.r & 0xffffff00u);
-    let color = vec3(inverse / (1.0 + inverse));
+    // See `pack_hit` of reflections: metres, and eight bits of something else.
+    let metres = bitcast<f32>(texel.r & 0xffffff00u);
+    let color = vec3(select(1.0 / (1.0 + metres), 0.0, metres == 0.0));
 #endif
     return vec4(color, 1.0);
 }

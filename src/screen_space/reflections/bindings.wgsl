@@ -64,17 +64,17 @@ fn depth_in_view(pixel: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + inside, 0);
 }
 
-/// Where a ray ended: the inverse of the distance at which its mirror image is seen, straight on through the mirror, and in
-/// the lower bits the weight of its direction. 0: nowhere.
-fn pack_hit(inverse_distance: f32, weight: f32) -> u32 {
-    return (bitcast<u32>(inverse_distance) & 0xffffff00u) | u32(saturate(weight) * 255.0 + 0.5);
+/// Where a ray ended: the distance at which its mirror image is seen, straight on through the mirror, in metres, and in the lower
+/// bits the weight of its direction. 0: nowhere.
+fn pack_hit(distance: f32, weight: f32) -> u32 {
+    return (bitcast<u32>(distance) & 0xffffff00u) | u32(saturate(weight) * 255.0 + 0.5);
 }
 
-struct Hit {
-    inverse_distance: f32,
-    weight: f32,
+fn unpack_distance(hit: u32) -> f32 {
+    return bitcast<f32>(hit & 0xffffff00u);
 }
 
-fn unpack_hit(word: u32) -> Hit {
-    return Hit(bitcast<f32>(word & 0xffffff00u), f32(word & 0xffu) / 255.0);
+/// 0 to 255: compared with others only.
+fn unpack_weight(hit: u32) -> f32 {
+    return f32(hit & 0xffu);
 }

@@ -2,8 +2,8 @@
 // together. A smooth one has the light of one place: where its own ray ends, as far away as those beside it went.
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    DIVISOR, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, to_viewer, unpack_hit,
-    view, view_position,
+    DIVISOR, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, to_viewer,
+    unpack_distance, unpack_weight, view, view_position,
 }
 #import bevy_lean_deferred::screen_space::reflections::surface::{
     last_light, mirror_at, mirror_of, normal_word_at, rotated, smoothness,
@@ -23,9 +23,9 @@ const INVOCATIONS: i32 = #{INVOCATIONS};
 const SMOOTH_UP_TO: f32 = 2.0;
 const ROUGH_FROM: f32 = 8.0;
 
-/// Half floats of light and confidence: many workgroups are to find room.
+/// Half floats of light times confidence, and confidence: many workgroups are to find room.
 var<workgroup> lights: array<vec2<u32>, #{SIDE_SQUARED}>;
-/// Normal, and depth: 0 where nothing mirrors.
+/// Normal, and depth: all 0 where nothing mirrors.
 var<workgroup> mirrors: array<vec4<f32>, #{SIDE_SQUARED}>;
 var<workgroup> hits: array<u32, #{SIDE_SQUARED}>;
 /// Light times confidence, and confidence, of 4×4 texels.
@@ -44,6 +44,8 @@ struct Receiver {
     inverse_step: f32,
     /// In view space.
     position: vec3<f32>,
+    /// From where distances of mirror images count, in metres.
+    distance: f32,
     /// In world space.
     normal: vec3<f32>,
     roughness: f32,
@@ -61,8 +63,8 @@ fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
 fn likeness(normal: vec3<f32>, expected: f32, texel: i32, inverse_step: f32) -> f32 {
     let other = mirrors[texel];
     let near = saturate(2.0 - abs(other.w - expected) * inverse_step);
-    let parallel = saturate(8.0 * dot(normal, other.xyz) - 7.0);
-    return select(near * parallel, 0.0, other.w == 0.0);
+    // 0 where there is no normal.
+    return near * saturate(8.0 * dot(normal, other.xyz) - 7.0);
 }
 
 /// How alike the surface of a texel is to the receiver, from which it is `offset` texels away.
@@ -89,15 +91,6 @@ fn lobe_radius(alpha: f32, metres: f32, distance: f32) -> f32 {
 #endif
 }
 
-/// How far a mirror image is behind the mirror, in metres.
-fn metres_of(receiver: Receiver, inverse_distance: f32) -> f32 {
-#ifdef PROJECTION_ORTHOGRAPHIC
-    return 1.0 / inverse_distance;
-#else
-    return 1.0 / inverse_distance - length(receiver.position);
-#endif
-}
-
 /// Light times confidence, and confidence.
 fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     let direction = reflect(-to_viewer(receiver.position), rotated(receiver.normal));
@@ -111,16 +104,16 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
         let corner = vec2(i & 1, i >> 1u);
         let near = select(1.0 - along, along, corner == vec2(1));
         let texel = first + corner.x + SIDE * corner.y;
-        let hit = unpack_hit(hits[texel]);
+        let image = unpack_distance(hits[texel]);
         let alike = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
         let found = unpack_halves(lights[texel]);
-        around += alike * vec4(found.rgb * found.a, found.a);
+        around += alike * found;
         weights_around += alike;
-        if alike == 0.0 || hit.inverse_distance == 0.0 {
+        if alike == 0.0 || image == 0.0 {
             continue;
         }
         // Is a surface there on the way of this pixel's ray?
-        let position = receiver.position + direction * metres_of(receiver, hit.inverse_distance);
+        let position = receiver.position + direction * (image - receiver.distance);
         let seen = view.pixel_from_view * vec4(position, 1.0);
         if !(seen.w > 0.0) {
             continue;
@@ -160,12 +153,12 @@ fn mean_at(texel: i32) -> vec4<f32> {
     let inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
     var weights = 0.0;
     for (var y = -1; y <= 2; y++) {
+        let expected_in_row = depth + slope.y * f32(y);
         for (var x = -1; x <= 2; x++) {
             let other = texel + x + SIDE * y;
-            let expected = depth + dot(slope, vec2(f32(x), f32(y)));
-            let weight = likeness(normal, expected, other, inverse_step) * unpack_hit(hits[other]).weight;
-            let light = unpack_halves(lights[other]);
-            sum += weight * vec4(light.rgb * light.a, light.a);
+            let expected = expected_in_row + slope.x * f32(x);
+            let weight = likeness(normal, expected, other, inverse_step) * unpack_weight(hits[other]);
+            sum += weight * unpack_halves(lights[other]);
             weights += weight;
         }
     }
@@ -195,18 +188,16 @@ fn radius_at(receiver: Receiver, first: i32) -> f32 {
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0; i < 4; i++) {
-        let hit = unpack_hit(hits[first + (i & 1) + SIDE * (i >> 1u)]);
-        if hit.inverse_distance > 0.0 {
-            let metres = metres_of(receiver, hit.inverse_distance);
-            // What is mirrored is about as far away as the mirror: nearer or further is nothing that matters.
-            sum += lobe_radius(alpha, metres, length(receiver.position));
-            count += 1.0;
-        }
+        let image = unpack_distance(hits[first + (i & 1) + SIDE * (i >> 1u)]);
+        sum += image;
+        count += select(0.0, 1.0, image > 0.0);
     }
     // Where they met nothing, as wide as if that was as far away as the mirror: what others met further beside is in the lobe of
     // a rough one, and not what a smooth one mirrors.
     let distance = length(receiver.position);
-    return select(lobe_radius(alpha, distance, distance), sum / max(count, 1.0), count > 0.0);
+    let metres = select(distance, sum / max(count, 1.0) - receiver.distance, count > 0.0);
+    // What is mirrored is about as far away as the mirror: nearer or further is nothing that matters.
+    return lobe_radius(alpha, metres, distance);
 }
 
 fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
@@ -227,6 +218,9 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     receiver.normal = mirror.normal;
     receiver.roughness = mirror.roughness;
     receiver.position = view_position(receiver.at, depth);
+#ifndef PROJECTION_ORTHOGRAPHIC
+    receiver.distance = length(receiver.position);
+#endif
     receiver.slope = slope_at(first);
     receiver.inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
     let along = vec2<f32>(place % DIVISOR) / f32(DIVISOR);
@@ -244,6 +238,11 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
 @compute @workgroup_size(#{INVOCATIONS}, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
+    // Memory holds what ran before.
+    if i == 0 {
+        mirrors_any = 0u;
+    }
+    workgroupBarrier();
     let corner = vec2<i32>(workgroup.xy) * TEXELS - 1;
     let last = vec2<i32>(view.texture_size) - 1;
     for (var read = i; read < SIDE * SIDE; read += INVOCATIONS) {
@@ -255,11 +254,11 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         let hit = textureLoad(hits_texture, inside, 0).r;
         let depth = depth_in_view(inside * DIVISOR);
         let mirror = mirror_of(inside * DIVISOR, word);
-        lights[read] = pack_halves(light);
+        lights[read] = pack_halves(vec4(light.rgb * light.a, light.a));
         hits[read] = hit;
         // What is beyond the rim counts for nothing.
         let counts = all(texel == inside) && smoothness(mirror.roughness) > 0.0;
-        mirrors[read] = vec4(mirror.normal, select(0.0, depth, counts));
+        mirrors[read] = select(vec4(0.0), vec4(mirror.normal, depth), counts);
         if counts {
             mirrors_any = 1u;
         }

@@ -98,7 +98,7 @@ fn found_at(texel: vec2<i32>, turn: u32) -> Found {
 #else
     let image = length(position) + metres;
 #endif
-    found.hit = pack_hit(1.0 / max(image, 1e-6), sample.weight);
+    found.hit = pack_hit(max(image, 1e-6), sample.weight);
     return found;
 }
 
