@@ -36,7 +36,16 @@ fn pack_entry(entry: Entry) -> vec2<u32> {
 }
 
 fn unpack_entry(words: vec2<u32>) -> Entry {
-    return Entry(bitcast<f32>(words.x & ~MATERIAL_BITS), words.x & MATERIAL_BITS, unpack_light(words.y));
+    return Entry(unpack_metres(words.x), unpack_material(words.x), unpack_light(words.y));
+}
+
+/// Of the first word of an entry. Words of one material have the order of their distances.
+fn unpack_metres(word: u32) -> f32 {
+    return bitcast<f32>(word & ~MATERIAL_BITS);
+}
+
+fn unpack_material(word: u32) -> u32 {
+    return word & MATERIAL_BITS;
 }
 
 /// What a pixel shows without scattering, and what becomes of light that has scattered.

@@ -22,6 +22,8 @@ const LABEL: &str = "lean_deferred/screen_space/subsurface";
 /// Workgroups that share the listed tiles, however many there are: enough for any GPU. An indirect dispatch would need one
 /// of its own before it, in which its size is made sure of.
 const WORKGROUPS: u32 = 4096;
+/// Texels a side that a workgroup makes on the way back up.
+const MADE_UP: u32 = 16;
 
 /// The pass, while it is recorded.
 struct Recording<'a, 'p> {
@@ -57,7 +59,7 @@ impl Recording<'_, '_> {
         Some(())
     }
 
-    /// Over all texels of a level, by workgroups that share them.
+    /// Over all texels of a level, by workgroups of [`MADE_UP`] a side that share them.
     fn up(
         &mut self,
         level: usize,
@@ -65,7 +67,8 @@ impl Recording<'_, '_> {
         group: Option<&BindGroup>,
     ) -> Option<()> {
         self.begin(pipeline, group, &[self.view.offsets[level]])?;
-        let count = tiles::count(self.view.size >> level as u32).element_product();
+        let size = self.view.size >> level as u32;
+        let count = size.map(|side| side.div_ceil(MADE_UP)).element_product();
         self.pass.dispatch_workgroups(count.min(WORKGROUPS), 1, 1);
         Some(())
     }

@@ -1,9 +1,9 @@
 // Light that has scattered: some of a texel's light stays with it, the rest is what has scattered in coarser levels around it.
 // So each level spreads some of the light by its own kernel, and all of them together are the profile. Either of the picture, in
 // the listed tiles, or of a whole level and the next coarser one, which is only made here.
-#import bevy_lean_deferred::gbuffer::layout::unpack_normal
+#import bevy_lean_deferred::gbuffer::layout::{light::unpack_light, unpack_normal}
 #import bevy_lean_deferred::lighting::subsurface_light::{
-    Entry, MATERIALS, pack_entry, scattering_distance, unpack_entry,
+    Entry, MATERIALS, pack_entry, scattering_distance, unpack_entry, unpack_material, unpack_metres,
 }
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{light_texture, normal_texture, scattered_texture, tiles, view},
@@ -17,7 +17,6 @@
 #import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_groups, listed_texel}
 #else
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{coarser_texture, entering_texture, level_output}
-#import bevy_lean_deferred::screen_space::subsurface::texel::is_any
 #endif
 
 /// How far the two places are away where a kernel is twice as wide in the square, in texels of the coarser level. By variances
@@ -60,7 +59,7 @@ fn surface_at(place: vec2<i32>, entry: Entry, level: u32) -> Surface {
     let is_known = true;
 #else
     // The middle of a texel may show something else.
-    let is_known = unpack_entry(textureLoad(entering_texture, inside, 0).rg).material == entry.material;
+    let is_known = unpack_material(textureLoad(entering_texture, inside, 0).r) == entry.material;
 #endif
     let word = textureLoad(normal_texture, view.viewport_origin + inside, 0).r;
     surface.normal = toward;
@@ -81,51 +80,61 @@ fn surface_at(place: vec2<i32>, entry: Entry, level: u32) -> Surface {
 }
 
 #ifndef PICTURE
-/// Texels a side of the region of the coarser level that a workgroup makes, and its first one.
-const SIDE: i32 = 8;
+/// Texels a side that a workgroup makes, each by one invocation, and of the coarser level beneath and two around them.
+const MADE: u32 = 16u;
+const SIDE: u32 = 12u;
 
-var<workgroup> region: array<vec2<u32>, 64>;
+var<workgroup> region: array<vec2<u32>, 144>;
+/// 1 if any of the texels has light: all write the same.
+var<workgroup> any_light: u32;
 var<private> region_corner: vec2<i32>;
 /// Whether the coarser level is the one that is made here.
 var<private> is_in_region: bool;
 #endif
 
-/// The entry of the next coarser level.
+/// The words of an entry of the next coarser level.
 fn coarser(place: vec2<i32>) -> vec2<u32> {
 #ifndef PICTURE
     if is_in_region {
-        let inside = clamp(place - region_corner, vec2(0), vec2(SIDE - 1));
-        return region[inside.y * SIDE + inside.x];
+        let inside = clamp(place - region_corner, vec2(0), vec2(i32(SIDE) - 1));
+        return region[inside.y * i32(SIDE) + inside.x];
     }
 #endif
     let inside = clamp(place, vec2(0), vec2<i32>(textureDimensions(scattered_texture)) - 1);
     return select(vec2(0u), textureLoad(scattered_texture, inside, 0).rg, all(inside == place));
 }
 
-/// The mean of what light that has scattered in the coarser level has more than the texel's own, around a place of that level;
-/// in w how much of what is there belongs to the surface.
-fn mean_around(surface: Surface, place: vec2<i32>, at: vec2<f32>) -> vec4<f32> {
+/// The mean of what light that has scattered in the coarser level has more than the texel's own, between the four texels of that
+/// level from `first` on, `along` of the way; in w how much of what is there belongs to the surface. That is `offset` beside the
+/// texel's middle.
+fn mean_between(surface: Surface, first: vec2<i32>, along: vec2<f32>, offset: vec2<f32>) -> vec4<f32> {
     let texel = f32(2u << surface.level);
-    let first = floor(at - 0.5);
-    let along = at - 0.5 - first;
     let longest = max(surface.paths.r, max(surface.paths.g, surface.paths.b));
     let inverse_step = 1.0 / ((STEP * texel + longest) * surface.metres_per_pixel);
-    // The middle of this texel, in those of the coarser level.
-    let middle = (vec2<f32>(place) + 0.5) * 0.5;
     let slope = surface.slope * texel;
-    let expected_at_first = surface.entry.metres + dot(slope, first + 0.5 - middle);
+    let expected_at_first = surface.entry.metres + dot(slope, offset - along);
     var sum = vec4(0.0);
     for (var i = 0; i < 4; i++) {
-        let corner = vec2<f32>(vec2(i & 1, i >> 1u));
-        let near = mix(1.0 - along, along, corner);
-        let other = unpack_entry(coarser(vec2<i32>(first + corner)));
-        let expected = expected_at_first + dot(slope, corner);
-        let is_beside = saturate(2.0 - abs(other.metres - expected) * inverse_step);
-        let weight = near.x * near.y * select(0.0, is_beside, other.material == surface.entry.material);
+        let corner = vec2(i & 1, i >> 1u);
+        let is_second = corner == vec2(1);
+        let near = select(1.0 - along, along, is_second);
+        let words = coarser(first + corner);
+        let way = select(vec2(0.0), slope, is_second);
+        let expected = expected_at_first + way.x + way.y;
+        let is_beside = saturate(2.0 - abs(unpack_metres(words.x) - expected) * inverse_step);
+        let is_alike = unpack_material(words.x) == surface.entry.material;
+        let weight = near.x * near.y * select(0.0, is_beside, is_alike);
         // Of the difference: where there is none, nothing changes.
-        sum += weight * vec4(other.light - surface.entry.light, 1.0);
+        sum += weight * vec4(unpack_light(words.y) - surface.entry.light, 1.0);
     }
     return sum;
+}
+
+/// The same, so many texels of the coarser level beside the middle of the texel at `place`.
+fn mean_beside(surface: Surface, place: vec2<i32>, offset: vec2<f32>) -> vec4<f32> {
+    let at = (vec2<f32>(place) + 0.5) * 0.5 + offset - 0.5;
+    let first = floor(at);
+    return mean_between(surface, vec2<i32>(first), at - first, offset);
 }
 
 /// A circle on a surface that is turned away looks narrow one way. The kernel is as narrow, and drawn out the other way: by two
@@ -144,13 +153,14 @@ fn offset_of(surface: Surface, middle: vec2<f32>) -> vec2<f32> {
 
 /// What scattering adds to the light of a texel.
 fn added_at(place: vec2<i32>, surface: Surface) -> vec3<f32> {
-    let middle = (vec2<f32>(place) + 0.5) * 0.5;
-    let offset = offset_of(surface, middle);
+    let offset = offset_of(surface, (vec2<f32>(place) + 0.5) * 0.5);
     var sum: vec4<f32>;
     if all(offset == vec2(0.0)) {
-        sum = mean_around(surface, place, middle);
+        // The middle is a quarter of a texel from that of the one beneath it.
+        let along = select(vec2(0.25), vec2(0.75), (place & vec2(1)) == vec2(0));
+        sum = mean_between(surface, (place - 1) >> vec2(1u), along, vec2(0.0));
     } else {
-        sum = mean_around(surface, place, middle + offset) + mean_around(surface, place, middle - offset);
+        sum = mean_beside(surface, place, offset) + mean_beside(surface, place, -offset);
     }
     return share_beyond(f32(surface.level), surface.paths * surface.facing) * sum.rgb / max(sum.a, 1e-4);
 }
@@ -199,39 +209,49 @@ fn store(place: vec2<i32>, words: vec2<u32>) {
     }
 }
 
-/// Of the 8×8 texels from `corner` on.
+/// Of the texels from `corner` on.
 fn make(corner: vec2<i32>, invocation: u32) {
-    let index = vec2<i32>(vec2(invocation & 7u, invocation >> 3u));
-    let place = corner + index;
+    let place = corner + vec2<i32>(vec2(invocation % MADE, invocation / MADE));
     let inside = min(place, vec2<i32>(textureDimensions(light_texture)) - 1);
     let words = select(vec2(0u), textureLoad(light_texture, inside, 0).rg, all(inside == place));
-    if !is_any(words.x != 0u, invocation) {
+    if words.x != 0u {
+        any_light = 1u;
+    }
+    if workgroupUniformLoad(&any_light) == 0u {
         store(place, vec2(0u));
         return;
     }
-    // Four of its texels a side are beneath those of this level; two more on each side are around them.
     region_corner = corner / 2 - 2;
-    let beneath = region_corner + index;
     is_in_region = false;
-    let known = clamp(beneath, vec2(0), vec2<i32>(textureDimensions(coarser_texture)) - 1);
-    let coarser_words = textureLoad(coarser_texture, known, 0).rg;
-    region[invocation] = scattered(beneath, select(vec2(0u), coarser_words, all(known == beneath)), view.level + 1u);
+    if invocation < SIDE * SIDE {
+        let beneath = region_corner + vec2<i32>(vec2(invocation % SIDE, invocation / SIDE));
+        let known = clamp(beneath, vec2(0), vec2<i32>(textureDimensions(coarser_texture)) - 1);
+        let coarser_words = textureLoad(coarser_texture, known, 0).rg;
+        region[invocation] = scattered(beneath, select(vec2(0u), coarser_words, all(known == beneath)), view.level + 1u);
+    }
+    // For the next texels.
+    if invocation == 0u {
+        any_light = 0u;
+    }
     workgroupBarrier();
     is_in_region = true;
     store(place, scattered(place, words, view.level));
 }
 
-@compute @workgroup_size(64, 1, 1)
+@compute @workgroup_size(256, 1, 1)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    let size = textureDimensions(light_texture);
-    let columns = (size.x + 7u) / 8u;
-    let count = columns * ((size.y + 7u) / 8u);
-    for (var group = workgroup.x; group < count; group += workgroups.x) {
-        make(vec2<i32>(8u * vec2(group % columns, group / columns)), invocation);
+    // Memory holds what ran before.
+    if invocation == 0u {
+        any_light = 0u;
+    }
+    workgroupBarrier();
+    let size = (textureDimensions(light_texture) + MADE - 1u) / MADE;
+    for (var group = workgroup.x; group < size.x * size.y; group += workgroups.x) {
+        make(vec2<i32>(MADE * vec2(group % size.x, group / size.x)), invocation);
     }
 }
 #endif
