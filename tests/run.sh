@@ -10,8 +10,8 @@ cd "$(dirname "$0")/.."
 # In debug builds wgpu notes where each of its locks was taken, with a backtrace where those are wanted. Panics have theirs
 # all the same.
 export RUST_LIB_BACKTRACE=0
-# Two apps at a time: each render thread of a software driver takes all cores anyway.
-threads=--test-threads=2
+# Few apps at a time: each render thread of a software driver takes all cores, but no app keeps it busy all the time.
+threads=--test-threads=3
 if [ -z "${LEAN_PASSED:-}" ] || [ -n "${LEAN_SHADERS:-}" ] || [ $# -gt 0 ]; then
     exec cargo test --no-fail-fast "$@" -- $threads
 fi
