@@ -28,23 +28,19 @@ fn listed_texel(group: u32, invocation: u32) -> Texel {
     return Texel(true, vec2<i32>(corner + vec2(invocation & last, (invocation >> side_log) & last)));
 }
 
-var<workgroup> any_flag: atomic<u32>;
-var<workgroup> is_any_set: u32;
+/// All that set it write the same.
+var<workgroup> any_flag: u32;
 
 /// Whether `condition` holds for any invocation of the workgroup. A barrier, also for its other memory.
 fn is_any(condition: bool, invocation: u32) -> bool {
     if invocation == 0u {
-        atomicStore(&any_flag, 0u);
+        any_flag = 0u;
     }
     workgroupBarrier();
     if condition {
-        atomicStore(&any_flag, 1u);
+        any_flag = 1u;
     }
-    workgroupBarrier();
-    if invocation == 0u {
-        is_any_set = atomicLoad(&any_flag);
-    }
-    return workgroupUniformLoad(&is_any_set) != 0u;
+    return workgroupUniformLoad(&any_flag) != 0u;
 }
 
 /// Along the vertical axis, at so many metres.

@@ -17,6 +17,7 @@
 #import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_groups, listed_texel}
 #else
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{coarser_texture, entering_texture, level_output}
+#import bevy_lean_deferred::screen_space::subsurface::texel::is_any
 #endif
 
 /// How far the two places are away where a kernel is twice as wide in the square, in texels of the coarser level. By variances
@@ -85,8 +86,6 @@ const MADE: u32 = 16u;
 const SIDE: u32 = 12u;
 
 var<workgroup> region: array<vec2<u32>, 144>;
-/// 1 if any of the texels has light: all write the same.
-var<workgroup> any_light: u32;
 var<private> region_corner: vec2<i32>;
 /// Whether the coarser level is the one that is made here.
 var<private> is_in_region: bool;
@@ -214,10 +213,7 @@ fn make(corner: vec2<i32>, invocation: u32) {
     let place = corner + vec2<i32>(vec2(invocation % MADE, invocation / MADE));
     let inside = min(place, vec2<i32>(textureDimensions(light_texture)) - 1);
     let words = select(vec2(0u), textureLoad(light_texture, inside, 0).rg, all(inside == place));
-    if words.x != 0u {
-        any_light = 1u;
-    }
-    if workgroupUniformLoad(&any_light) == 0u {
+    if !is_any(words.x != 0u, invocation) {
         store(place, vec2(0u));
         return;
     }
@@ -228,10 +224,6 @@ fn make(corner: vec2<i32>, invocation: u32) {
         let known = clamp(beneath, vec2(0), vec2<i32>(textureDimensions(coarser_texture)) - 1);
         let coarser_words = textureLoad(coarser_texture, known, 0).rg;
         region[invocation] = scattered(beneath, select(vec2(0u), coarser_words, all(known == beneath)), view.level + 1u);
-    }
-    // For the next texels.
-    if invocation == 0u {
-        any_light = 0u;
     }
     workgroupBarrier();
     is_in_region = true;
@@ -244,11 +236,6 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    // Memory holds what ran before.
-    if invocation == 0u {
-        any_light = 0u;
-    }
-    workgroupBarrier();
     let size = (textureDimensions(light_texture) + MADE - 1u) / MADE;
     for (var group = workgroup.x; group < size.x * size.y; group += workgroups.x) {
         make(vec2<i32>(MADE * vec2(group % size.x, group / size.x)), invocation);
