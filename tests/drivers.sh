@@ -5,12 +5,14 @@
 #
 # Drivers: mesa22-4, mesa22-8, mesa22-16 (Mesa 22's llvmpipe with subgroups of 4, 8, 16), mesa25 (it has binding arrays), swiftshader, webgpu
 # (Mesa 22 with no more than WebGPU's default limits and features), own (this machine's GPU, if it has one). Without names: all of them.
-# Filters are names of tests, or parts of them. TOPICS names some of the test binaries, separated by spaces.
+# Filters are names of tests, or parts of them. TOPICS names some of the test binaries, separated by spaces. BINARIES names a folder of
+# test binaries, called as the topics are, that were built elsewhere: for a machine with a GPU and without Rust. THREADS says how many
+# tests run at a time, 2 if not said: each render thread of a software driver takes all cores anyway.
 #
 # What is missing is fetched into a cache folder, never into the system: on Debian 12, from where its packages come from. Each driver's
 # log is kept there too.
 set -eu
-. "$(dirname "$0")/environment.sh"
+[ -n "${BINARIES:-}" ] || . "$(dirname "$0")/environment.sh"
 cd "$(dirname "$0")/.."
 export RUST_LIB_BACKTRACE=0
 cache="${XDG_CACHE_HOME:-$HOME/.cache}/bevy_lean_deferred/drivers"
@@ -92,17 +94,21 @@ select_driver() {
     esac
 }
 
-echo "building the tests"
-flags=$(for topic in $topics; do printf ' --test %s' "$topic"; done)
-# shellcheck disable=SC2086 # a list of flags
-built=$(cargo test --no-run $flags 2>&1 | sed -n -e 'w /dev/stderr' -e 's/.*(\(.*\))$/\1/p')
-# Copies: what is built meanwhile is not run.
 copies="$cache/binaries"
 rm -rf "$copies"
 mkdir -p "$copies"
-for topic in $topics; do
-    cp "$(printf '%s\n' "$built" | grep "/$topic-")" "$copies/$topic"
-done
+if [ -n "${BINARIES:-}" ]; then
+    for topic in $topics; do cp "$BINARIES/$topic" "$copies/"; done
+else
+    echo "building the tests"
+    flags=$(for topic in $topics; do printf ' --test %s' "$topic"; done)
+    # shellcheck disable=SC2086 # a list of flags
+    built=$(cargo test --no-run $flags 2>&1 | sed -n -e 'w /dev/stderr' -e 's/.*(\(.*\))$/\1/p')
+    # Copies: what is built meanwhile is not run.
+    for topic in $topics; do
+        cp "$(printf '%s\n' "$built" | grep "/$topic-")" "$copies/$topic"
+    done
+fi
 
 row() { printf '%-12s %-18s %s\n' "$@"; }
 table="$logs/table.txt"
@@ -117,11 +123,10 @@ for driver in $drivers; do
     for topic in $topics; do
         printf '%s, %s …\r' "$driver" "$topic" >&2
         part="$logs/$driver-$topic.log"
-        # Two apps at a time: each render thread of a software driver takes all cores anyway.
         (
             select_driver "$driver"
             export CARGO_MANIFEST_DIR="$PWD"
-            timeout "$limit" "$copies/$topic" --test-threads=2 --show-output "$@"
+            timeout "$limit" "$copies/$topic" --test-threads="${THREADS:-2}" --show-output "$@"
         ) >"$part" 2>&1 || true
         result=$(sed -n 's/^test result: [a-zA-Z]*\. \([0-9]*\) passed; \([0-9]*\) failed;.*/\1 passed, \2 failed/p' "$part" | tail -n 1)
         skipped=$(grep -a -o 'skipped: .*' "$part" | sort -u | wc -l)

@@ -5,8 +5,8 @@ use bevy::shader::ShaderDefVal;
 use super::settings::ScreenSpaceReflectionsQuality;
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
-/// Pixels a side that a workgroup of the last pass makes.
-pub(super) const RESOLVE_SIDE: u32 = 16;
+/// Invocations of a workgroup of the last pass: as many as WebGPU grants.
+const RESOLVE_INVOCATIONS: u32 = 256;
 
 /// What all passes are compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,16 +22,18 @@ pub(super) struct ReflectionKey {
 
 impl ReflectionKey {
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+        let pixels = self.resolve_side();
         // Texels a side whose mean a workgroup of the last pass makes, and that it reads.
-        let means = RESOLVE_SIDE / self.divisor + self.divisor - 1;
+        let means = pixels / self.divisor + self.divisor - 1;
         let side = means + 3;
         let mut defs = vec![
-            ShaderDefVal::UInt("ROUGH_STEPS".into(), self.quality.rough_steps()),
+            ShaderDefVal::UInt("ROUGH_SEGMENTS".into(), self.quality.rough_segments()),
+            ShaderDefVal::UInt("GROWTH_PERCENT".into(), self.quality.growth_percent()),
             ShaderDefVal::UInt("SMOOTH_STEPS".into(), self.quality.smooth_steps()),
             ShaderDefVal::UInt("ROUGH_RAYS".into(), self.quality.rough_rays()),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
-            ShaderDefVal::UInt("PIXELS".into(), RESOLVE_SIDE),
-            ShaderDefVal::UInt("INVOCATIONS".into(), RESOLVE_SIDE * RESOLVE_SIDE),
+            ShaderDefVal::UInt("PIXELS".into(), pixels),
+            ShaderDefVal::UInt("INVOCATIONS".into(), RESOLVE_INVOCATIONS),
             ShaderDefVal::UInt("SIDE_SQUARED".into(), side * side),
             ShaderDefVal::UInt("MEANS_SQUARED".into(), means * means),
         ];
@@ -43,6 +45,12 @@ impl ReflectionKey {
         }
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
+    }
+
+    /// Pixels a side that a workgroup of the last pass makes: of large ones fewer texels are read twice, and what they read has to fit
+    /// into 16 KiB.
+    pub(super) fn resolve_side(self) -> u32 {
+        if self.divisor == 1 { 16 } else { 32 }
     }
 
     /// Whether what is bound is the same.

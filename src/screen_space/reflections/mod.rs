@@ -4,8 +4,8 @@
 //! Bevy's transparent pass, for the next one. Between G-buffer and lighting three passes read it:
 //!
 //! 1. *cells* notes how near and how far the surfaces of each cell of pixels are.
-//! 2. *trace* sends a ray from each texel, from cell to cell and then from pixel to pixel: along the mirror direction, or on rough surfaces along
-//!    one of the sixteen directions of the lobe (GGX) that neighbours share.
+//! 2. *trace* sends a ray from each texel along one of the sixteen directions of the lobe (GGX) that neighbours share: from cell to cell and
+//!    then from pixel to pixel, or from rough surfaces in segments that grow with the way.
 //! 3. *resolve* weighs for each pixel what the rays around it have met.
 //!
 //! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. The
@@ -15,8 +15,8 @@
 // - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 // - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
 // - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`.
-//   `trace.wgsl`: a ray for each texel, by `march.wgsl`. `resolve.wgsl`: what each pixel mirrors, of what the rays around it
-//   have found.
+//   `trace.wgsl`: a ray (`ray.wgsl`) for each texel, by `smooth_march.wgsl` or `rough_march.wgsl`. `resolve.wgsl`: what each
+//   pixel mirrors, of what the rays around it have found.
 // - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `surface.wgsl`: what mirrors, and
 //   what the last frame showed of it.
 
@@ -83,7 +83,9 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "cell.wgsl");
-        load_shader_library!(app, "march.wgsl");
+        load_shader_library!(app, "ray.wgsl");
+        load_shader_library!(app, "smooth_march.wgsl");
+        load_shader_library!(app, "rough_march.wgsl");
         load_shader_library!(app, "surface.wgsl");
         embedded_asset!(app, "cells.wgsl");
         embedded_asset!(app, "trace.wgsl");

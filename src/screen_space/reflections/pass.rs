@@ -40,7 +40,8 @@ pub(super) fn find_reflections(
         return;
     }
     let steps = PASSES.into_iter().zip(active.passes.0);
-    for (((label, pipeline), group), count) in steps.zip(bindings.groups()).zip(held.workgroups()) {
+    let workgroups = held.workgroups(active.key.resolve_side());
+    for (((label, pipeline), group), count) in steps.zip(bindings.groups()).zip(workgroups) {
         let (Some(pipeline), Some(group)) = (cache.get_compute_pipeline(pipeline), group) else {
             return;
         };

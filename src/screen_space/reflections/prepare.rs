@@ -21,7 +21,6 @@ use super::{
         HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE,
         RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
     },
-    key::RESOLVE_SIDE,
     pipelines::{CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines},
     settings::ScreenSpaceReflectionsDebugView,
     uniforms::ReflectionView,
@@ -100,8 +99,8 @@ impl ViewReflections {
         (self.viewport_size, self.texture_size) == (view.viewport_size, view.texture_size)
     }
 
-    /// Workgroups of the passes.
-    pub(super) fn workgroups(&self) -> [UVec2; 3] {
+    /// Workgroups of the passes, of which each of the last one's makes so many pixels a side.
+    pub(super) fn workgroups(&self, resolve_side: u32) -> [UVec2; 3] {
         let of = |size: UVec2, side: u32| size.map(|length| length.div_ceil(side));
         // Two workgroups share two tiles.
         let tiles = tiles::count(self.texture_size);
@@ -109,7 +108,7 @@ impl ViewReflections {
         [
             cell_count(self.viewport_size),
             tiles,
-            of(self.viewport_size, RESOLVE_SIDE),
+            of(self.viewport_size, resolve_side),
         ]
     }
 

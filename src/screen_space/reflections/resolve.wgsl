@@ -263,22 +263,22 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
             mirrors_any = 1u;
         }
     }
-    let place = vec2(i % PIXELS, i / PIXELS);
-    let pixel = vec2<i32>(workgroup.xy) * PIXELS + place;
-    let is_inside = all(pixel < vec2<i32>(view.viewport_size));
-    if workgroupUniformLoad(&mirrors_any) == 0u {
-        if is_inside {
-            textureStore(output_texture, pixel, vec4(0.0));
-        }
-        return;
-    }
-    if DIVISOR > 1 {
+    let is_empty = workgroupUniformLoad(&mirrors_any) == 0u;
+    if DIVISOR > 1 && !is_empty {
         for (var mean = i; mean < MEANS * MEANS; mean += INVOCATIONS) {
             means[mean] = pack_halves(mean_at((mean % MEANS + 1) + SIDE * (mean / MEANS + 1)));
         }
-        workgroupBarrier();
     }
-    if is_inside {
-        textureStore(output_texture, pixel, light_at(pixel, place));
+    workgroupBarrier();
+    for (var n = i; n < PIXELS * PIXELS; n += INVOCATIONS) {
+        let place = vec2(n % PIXELS, n / PIXELS);
+        let pixel = vec2<i32>(workgroup.xy) * PIXELS + place;
+        if all(pixel < vec2<i32>(view.viewport_size)) {
+            var light = vec4(0.0);
+            if !is_empty {
+                light = light_at(pixel, place);
+            }
+            textureStore(output_texture, pixel, light);
+        }
     }
 }

@@ -89,18 +89,18 @@ impl Default for LeanScreenSpaceReflections {
     }
 }
 
-/// After how many steps a ray is given up: from cell to cell, of 4 to 64 pixels a side, the largest that it can pass at once, and
-/// in them from pixel to pixel. Rays of surfaces smoother than a perceptual roughness of 0.2 look at each pixel; others where
-/// their share of the lobe is as wide as a cell.
+/// How closely a ray looks, and when it is given up. That of a surface of a perceptual roughness up to 0.2 goes from cell to cell, of 4 to 64
+/// pixels a side, the largest that it can pass at once, and in them from pixel to pixel: each is a step. That of a rougher one goes in
+/// segments, at least 4 pixels long and growing with the way as the lobe does.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceReflectionsQuality {
-    /// 32 steps, 128 from smooth surfaces; 8 rays make the lobe of a rough one.
+    /// 128 steps; from rough surfaces 64 segments, up to a quarter of the lobe's radius long, and 8 rays make their lobe.
     Low,
-    /// 64 steps, 256 from smooth surfaces; 16 rays.
+    /// 256 steps; 64 segments up to 0.15 of it, and 16 rays.
     #[default]
     Medium,
-    /// 128 steps, 512 from smooth surfaces; 16 rays.
+    /// 512 steps; 128 segments up to 0.075 of it, and 16 rays.
     High,
 }
 
@@ -108,21 +108,29 @@ impl ScreenSpaceReflectionsQuality {
     /// All of them, cheapest first.
     pub const ALL: [Self; 3] = [Self::Low, Self::Medium, Self::High];
 
-    /// The most steps of a ray from a rough surface.
-    pub fn rough_steps(self) -> u32 {
-        match self {
-            Self::Low => 32,
-            Self::Medium => 64,
-            Self::High => 128,
-        }
-    }
-
-    /// The most steps of a ray from a smooth surface, of a perceptual roughness below 0.2.
+    /// The most steps of a ray from a smooth surface, of a perceptual roughness up to 0.2.
     pub fn smooth_steps(self) -> u32 {
         match self {
             Self::Low => 128,
             Self::Medium => 256,
             Self::High => 512,
+        }
+    }
+
+    /// The most segments of a ray from a rough surface.
+    pub fn rough_segments(self) -> u32 {
+        match self {
+            Self::Low | Self::Medium => 64,
+            Self::High => 128,
+        }
+    }
+
+    /// How long they are, in hundredths of their way times the perceptual roughness squared; they are no shorter than 4 pixels.
+    pub(super) fn growth_percent(self) -> u32 {
+        match self {
+            Self::Low => 50,
+            Self::Medium => 30,
+            Self::High => 15,
         }
     }
 

@@ -7,7 +7,9 @@
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
     DIVISOR, depth_in_view, hits_output, pack_hit, rays_output, to_viewer, view, view_position,
 }
-#import bevy_lean_deferred::screen_space::reflections::march::{march, metres_at, ray_on_screen}
+#import bevy_lean_deferred::screen_space::reflections::ray::{Met, metres_at, ray_on_screen}
+#import bevy_lean_deferred::screen_space::reflections::rough_march
+#import bevy_lean_deferred::screen_space::reflections::smooth_march
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, rotated, smoothness}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
@@ -15,10 +17,13 @@
 const RAYS: u32 = 16u;
 const ROUGH_RAYS: u32 = #{ROUGH_RAYS}u;
 
-/// Perceptual roughness from which on rays need not see every pixel, and so get fewer steps.
+/// Perceptual roughness from which on rays need not see every pixel.
 const ROUGH: f32 = 0.2;
-const ROUGH_STEPS: u32 = #{ROUGH_STEPS}u;
+const ROUGH_SEGMENTS: u32 = #{ROUGH_SEGMENTS}u;
 const SMOOTH_STEPS: u32 = #{SMOOTH_STEPS}u;
+/// By how much the segments of a rough surface's ray grow with its way, in hundredths of its roughness squared: 50 is the radius of
+/// what one of sixteen rays stands for, a quarter of that of the lobe.
+const GROWTH_PERCENT: f32 = f32(#{GROWTH_PERCENT}u);
 
 /// What a ray has found: light and confidence, and the word of its hit.
 struct Found {
@@ -71,9 +76,14 @@ fn found_at(texel: vec2<i32>, turn: u32) -> Found {
     }
     let direction = basis * sample.direction.xy + normal * sample.direction.z;
     let ray = ray_on_screen(start, position, direction);
-    // The radius of what this ray of sixteen stands for, over its way: a quarter of that of the lobe.
-    let spread = select(0.0, 0.5 * alpha, is_rough);
-    let met = march(ray, direction, spread, select(SMOOTH_STEPS, ROUGH_STEPS, is_rough));
+    var met: Met;
+    if is_rough {
+        // Other than those of the rays beside it.
+        let phase = fract(f32(turn) * 0.618034);
+        met = rough_march::march(ray, direction, 0.01 * GROWTH_PERCENT * alpha, phase, ROUGH_SEGMENTS);
+    } else {
+        met = smooth_march::march(ray, direction, SMOOTH_STEPS);
+    }
     if !met.is_hit {
         return found;
     }

@@ -1,0 +1,105 @@
+// A ray through the picture, and what it meets. On screen it is a line, along which depth is affine too.
+#define_import_path bevy_lean_deferred::screen_space::reflections::ray
+
+#import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
+#import bevy_lean_deferred::reconstruction::normal::flatter_slope
+#import bevy_lean_deferred::screen_space::reflections::bindings::{
+    behind, depth_in_view, edge_step, normal_texture, to_viewer, view, view_position,
+}
+
+/// `start + step * u` in (pixel x, pixel y, depth), `u` from 0 to `end`; so a pixel is passed as `u` grows by about 1.
+struct Ray {
+    start: vec3<f32>,
+    step: vec3<f32>,
+    end: f32,
+    /// Metres from the start are `metres * u / (1 - vanishing * u)`.
+    metres: f32,
+    vanishing: f32,
+}
+
+/// What a ray met.
+struct Met {
+    is_hit: bool,
+    u: f32,
+    /// In pixels, and depth.
+    place: vec3<f32>,
+    /// 1 on the front of a surface, 0 as far behind it as it is thick.
+    certainty: f32,
+}
+
+/// Where the line leaves 0 to `size`; never if it goes along.
+fn leaves(start: vec2<f32>, step: vec2<f32>, size: vec2<f32>) -> f32 {
+    let ends = (select(vec2(0.0), size, step > vec2(0.0)) - start) / step;
+    let along = abs(step) < vec2(1e-12);
+    let never = select(ends, vec2(1e9), along);
+    return min(never.x, never.y);
+}
+
+/// The ray from `position`, which is seen at `start`, in a direction of unit length; both in view space.
+fn ray_on_screen(start: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) -> Ray {
+    let here = view.pixel_from_view * vec4(position, 1.0);
+    let towards = view.pixel_from_view * vec4(direction, 0.0);
+    let step = (towards.xyz - start * towards.w) / here.w;
+    var ray: Ray;
+    ray.start = start;
+    ray.metres = 1.0 / max(max(abs(step.x), abs(step.y)), 1e-6);
+    ray.step = step * ray.metres;
+    ray.vanishing = ray.metres * towards.w / here.w;
+    let sides = leaves(start.xy, ray.step.xy, vec2<f32>(view.viewport_size));
+    let planes = leaves(start.zz, ray.step.zz, vec2(1.0));
+    // As far away as anything is.
+    let infinity = select(1e9, 1.0 / ray.vanishing, ray.vanishing > 0.0);
+    ray.end = min(min(sides, planes), infinity);
+    return ray;
+}
+
+/// How far `u` is from the start, in metres.
+fn metres_at(ray: Ray, u: f32) -> f32 {
+    return ray.metres * u / max(1.0 - ray.vanishing * u, 1e-6);
+}
+
+/// What share of the thickness that surfaces have is that of what is at `pixel`: 1 where it faces the viewer, less towards
+/// outlines; 0 where it turns its back to the ray.
+fn share_of_thickness(pixel: vec2<i32>, depth: f32, direction: vec3<f32>) -> f32 {
+    let word = textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
+    // Who is not in the G-buffer may.
+    if word == NO_GEOMETRY {
+        return 1.0;
+    }
+    let normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
+    let facing = dot(normal, to_viewer(view_position(vec2<f32>(pixel) + 0.5, depth)));
+    return select(0.0, saturate(facing), dot(normal, direction) < 0.0);
+}
+
+/// How far behind the front at `pixel` a ray is that enters it at depth `z`, as a share of the thickness: above 1 it passes.
+fn depth_inside(pixel: vec2<i32>, depth: f32, z: f32, direction: vec3<f32>) -> f32 {
+    let tolerance = edge_step(depth, 1.0);
+    let thickness = depth - behind(depth);
+    if z < depth - thickness - tolerance {
+        return 2.0;
+    }
+    let share = share_of_thickness(pixel, depth, direction);
+    let inside = max(depth - z - tolerance, 0.0) / max(thickness * share, 1e-30);
+    return select(inside, 2.0, share == 0.0);
+}
+
+/// Where the ray meets the plane that the depth around `pixel` tells of; `u` is where it passes the pixel, within a `span` of
+/// others that it did not look at, and `certainty` that of a ray that comes from behind something else.
+fn met_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: f32) -> Met {
+    let slope = vec2(
+        flatter_slope(depth_in_view(pixel - vec2(1, 0)), depth, depth_in_view(pixel + vec2(1, 0))),
+        flatter_slope(depth_in_view(pixel - vec2(0, 1)), depth, depth_in_view(pixel + vec2(0, 1))),
+    );
+    let center = vec2<f32>(pixel) + 0.5;
+    let along = ray.step.z - dot(slope, ray.step.xy);
+    let exact = (depth + dot(slope, ray.start.xy - center) - ray.start.z) / along;
+    let is_crossed = abs(exact - u) < 1.0 + span;
+    var met: Met;
+    met.is_hit = true;
+    met.u = clamp(select(u, exact, is_crossed), 0.5, ray.end);
+    // Within the pixel: the next one may show something else.
+    met.place = vec3(ray.start.xy + ray.step.xy * clamp(met.u, u - 0.4, u + 0.4), 0.0);
+    met.place.z = clamp(depth + dot(slope, met.place.xy - center), 0.5 * depth, 2.0 * depth);
+    met.certainty = select(certainty, 1.0, is_crossed);
+    return met;
+}

@@ -1,0 +1,95 @@
+// The way of a rough surface's ray, in segments.
+#define_import_path bevy_lean_deferred::screen_space::reflections::rough_march
+
+#import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_texture, view}
+#import bevy_lean_deferred::screen_space::reflections::cell::unpack_cell
+#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at}
+
+/// Of the shortest segment, in pixels.
+const SHORTEST: f32 = 4.0;
+/// Before nothing segments are longer, at most so many times.
+const LONGER: f32 = 4.0;
+/// Segments that are looked at together: what is read does not depend on what the one before has met, so that all is asked for
+/// before any of it is waited for.
+const TOGETHER: u32 = 4u;
+
+/// Goes along in segments that grow with the way, as long as `growth` times that, and looks at the cells and, where these do not
+/// leave the ray alone, at the pixels in the middle of them, up to the first surface that turns its front to it. `direction` is the
+/// ray's in view space. Neighbours with other `phases`, 0 to 1, have their segments elsewhere, so that what one passes by another
+/// one meets. It is given up after so many `segments`.
+fn march(ray: Ray, direction: vec3<f32>, growth: f32, phase: f32, segments: u32) -> Met {
+    let rows = i32((view.viewport_size.y + 63u) / 64u);
+    let last = vec2<i32>(view.viewport_size) - 1;
+    // Not the pixel itself.
+    var u = 1.0;
+    // What it does not enter from in front it passes behind.
+    var was_in_front = true;
+    var factor = 0.5 + phase;
+    var length = 0.0;
+    var met: Met;
+    for (var i = 0u; i < segments && u < ray.end && !met.is_hit; i += TOGETHER) {
+        length = max(SHORTEST, growth * u) * factor;
+        // The smallest cells that are no shorter.
+        let is_16 = length > 4.0;
+        let is_64 = length > 16.0;
+        let inverse_side = select(select(1.0 / 4.0, 1.0 / 16.0, is_16), 1.0 / 64.0, is_64);
+        let row = vec2(0, rows * select(select(0, 16, is_16), 20, is_64));
+        let middle = ray.start + ray.step * (u + 0.5 * length);
+        let along = ray.step * length;
+        let cell = middle.xy * inverse_side;
+        let along_cell = along.xy * inverse_side;
+        let word_0 = textureLoad(cells_texture, vec2<i32>(cell) + row, 0).r;
+        let word_1 = textureLoad(cells_texture, vec2<i32>(cell + along_cell) + row, 0).r;
+        let word_2 = textureLoad(cells_texture, vec2<i32>(cell + 2.0 * along_cell) + row, 0).r;
+        let word_3 = textureLoad(cells_texture, vec2<i32>(cell + 3.0 * along_cell) + row, 0).r;
+        let cell_0 = unpack_cell(word_0);
+        let cell_1 = unpack_cell(word_1);
+        let cell_2 = unpack_cell(word_2);
+        let cell_3 = unpack_cell(word_3);
+        let z = middle.z + vec4(0.0, 1.0, 2.0, 3.0) * along.z;
+        let half_z = 0.5 * abs(along.z);
+        let is_in_front = z - half_z > vec4(cell_0.x, cell_1.x, cell_2.x, cell_3.x);
+        let is_behind = z + half_z < vec4(cell_0.y, cell_1.y, cell_2.y, cell_3.y);
+        if all(is_in_front) {
+            was_in_front = true;
+            u += f32(TOGETHER) * length;
+            factor = min(2.0 * factor, LONGER);
+            continue;
+        }
+        let passes = all(is_in_front | is_behind);
+        if !passes && factor > 1.5 {
+            // Once more, in shorter ones.
+            factor = 1.0;
+            continue;
+        }
+        if passes {
+            was_in_front = is_in_front.w;
+        } else {
+            for (var n = 0u; n < TOGETHER; n++) {
+                let from_start = u + f32(n) * length;
+                var stays_in_front = is_in_front[n];
+                if was_in_front && !is_in_front[n] && !is_behind[n] && from_start < ray.end {
+                    let at = min(from_start + 0.5 * length, ray.end);
+                    let pixel = clamp(vec2<i32>(ray.start.xy + ray.step.xy * at), vec2(0), last);
+                    let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
+                    stays_in_front = z[n] > depth;
+                    if !stays_in_front {
+                        let inside = depth_inside(pixel, depth, z[n], direction);
+                        if inside < 1.0 {
+                            met = Met(true, at, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
+                            break;
+                        }
+                    }
+                }
+                was_in_front = stays_in_front;
+            }
+        }
+        u += f32(TOGETHER) * length;
+        factor = 1.0;
+    }
+    // Here, where rays that ended at different times are together again.
+    if met.is_hit {
+        met = met_at(ray, vec2<i32>(met.place.xy), met.place.z, met.u, length, met.certainty);
+    }
+    return met;
+}

@@ -1,0 +1,91 @@
+// The way of a smooth surface's ray, from cell to cell and from pixel to pixel.
+#define_import_path bevy_lean_deferred::screen_space::reflections::smooth_march
+
+#import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_texture, view}
+#import bevy_lean_deferred::screen_space::reflections::cell::unpack_cell
+#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at}
+
+/// Pixels a side of the smallest and the largest cells, and how many times larger the next ones are. Pixels come before the
+/// smallest.
+const FIRST_SIDE: f32 = 4.0;
+const STEP_OF_SIDES: f32 = 4.0;
+const LAST_SIDE: f32 = 64.0;
+/// Into the next cell, in pixels: more than numbers are rounded by.
+const INTO: f32 = 1.0 / 256.0;
+
+/// Goes through the largest cells that leave the ray alone, up to the first surface that turns its front to it (Uludag 2014,
+/// "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. It is given up after so many `steps`.
+fn march(ray: Ray, direction: vec3<f32>, steps: u32) -> Met {
+    let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
+    let inverse_step = 1.0 / step;
+    let ends_from = -ray.start.xy * inverse_step;
+    let is_forward = step > vec2(0.0);
+    let forwards = vec2<f32>(is_forward);
+    // Of the last cell in a larger one.
+    let last_of_four = select(vec2(0), vec2(3), is_forward);
+    let start = ray.start.xy + select(vec2(-INTO), vec2(INTO), is_forward);
+    let rows = i32((view.viewport_size.y + 63u) / 64u);
+    let last = vec2<i32>(view.viewport_size) - 1;
+    var side = FIRST_SIDE;
+    var inverse_side = 1.0 / FIRST_SIDE;
+    // Not the pixel itself.
+    var u = 1.0;
+    var z = ray.start.z + ray.step.z;
+    // What it does not enter from in front it passes behind.
+    var was_in_front = true;
+    var met: Met;
+    for (var i = 0u; i < steps && u < ray.end; i++) {
+        let place = floor((start + ray.step.xy * u) * inverse_side);
+        let cell = vec2<i32>(place);
+        let is_pixel = side < FIRST_SIDE;
+        // Both are waited for together, since rays of a subgroup are in both.
+        var depth = 0.0;
+        var word = 0u;
+        if is_pixel {
+            depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + min(cell, last), 0);
+        } else {
+            let row = select(select(20, 16, side < LAST_SIDE), 0, side == FIRST_SIDE);
+            word = textureLoad(cells_texture, cell + vec2(0, row * rows), 0).r;
+        }
+        let ends = (place + forwards) * (side * inverse_step) + ends_from;
+        let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
+        let next_z = ray.start.z + ray.step.z * next;
+        // Nothing passes behind a single pixel without a look at how thick it is.
+        let depths = select(unpack_cell(word), vec2(depth, -1.0), is_pixel);
+        var is_in_front = min(z, next_z) > depths.x;
+        var passes = is_in_front || max(z, next_z) < depths.y;
+        if !passes && is_pixel {
+            let middle = 0.5 * (u + next);
+            let middle_z = 0.5 * (z + next_z);
+            is_in_front = middle_z > depth;
+            if was_in_front && !is_in_front {
+                let pixel = clamp(vec2<i32>(ray.start.xy + ray.step.xy * middle), vec2(0), last);
+                let inside = depth_inside(pixel, depth, middle_z, direction);
+                if inside < 1.0 {
+                    met = Met(true, middle, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
+                    break;
+                }
+            }
+            passes = true;
+        }
+        if passes {
+            u = next;
+            z = next_z;
+            was_in_front = is_in_front;
+            // Into larger cells only where one begins.
+            let crosses_x = ends.x < ends.y;
+            let crossed = select(cell.y ^ last_of_four.y, cell.x ^ last_of_four.x, crosses_x);
+            let rises = (crossed & 3) == 0 && side < LAST_SIDE;
+            side *= select(1.0, STEP_OF_SIDES, rises);
+            inverse_side *= select(1.0, 1.0 / STEP_OF_SIDES, rises);
+        } else {
+            side *= 1.0 / STEP_OF_SIDES;
+            inverse_side *= STEP_OF_SIDES;
+        }
+    }
+    // Here, where rays that ended at different times are together again.
+    if met.is_hit {
+        met = met_at(ray, vec2<i32>(met.place.xy), met.place.z, met.u, 1.0, met.certainty);
+    }
+    return met;
+}
