@@ -55,16 +55,16 @@ fn diffuse_gi_composes() {
 #[test]
 fn reflections_compose() {
     let divisors: &[&str] = &[
-        "DIVISOR=1 SIDE_SQUARED=361 MEANS_SQUARED=256",
-        "DIVISOR=2 SIDE_SQUARED=144 MEANS_SQUARED=81",
+        "DIVISOR=1 PIXELS=16 SIDE_SQUARED=361 MEANS_SQUARED=256",
+        "DIVISOR=2 PIXELS=32 SIDE_SQUARED=400 MEANS_SQUARED=289",
     ];
     let motion: &[&str] = &["", "MOTION"];
     let special: &[&str] = &["", "SPECIALIZATION"];
     let samples = [
-        "ROUGH_STEPS=4",
+        "ROUGH_SEGMENTS=4",
+        "GROWTH_PERCENT=30",
         "SMOOTH_STEPS=8",
         "ROUGH_RAYS=8",
-        "PIXELS=16",
         "INVOCATIONS=256",
     ];
     let choices = [divisors, motion, special, &PROJECTIONS];

@@ -177,7 +177,8 @@ pub fn all() -> &'static [Composed] {
             shader!(
                 "screen_space/reflections/trace.wgsl",
                 "DIVISOR=2",
-                "ROUGH_STEPS=1",
+                "ROUGH_SEGMENTS=1",
+                "GROWTH_PERCENT=30",
                 "SMOOTH_STEPS=1",
                 "ROUGH_RAYS=8",
                 "MOTION",
@@ -186,10 +187,10 @@ pub fn all() -> &'static [Composed] {
             shader!(
                 "screen_space/reflections/resolve.wgsl",
                 "DIVISOR=2",
-                "PIXELS=16",
+                "PIXELS=32",
                 "INVOCATIONS=256",
-                "SIDE_SQUARED=144",
-                "MEANS_SQUARED=81"
+                "SIDE_SQUARED=400",
+                "MEANS_SQUARED=289"
             ),
             shader!("screen_space/subsurface/down.wgsl", "LISTED"),
             shader!("screen_space/subsurface/down.wgsl",),

@@ -148,8 +148,8 @@ fn passes() -> Vec<Shader> {
 fn screen_space() -> Vec<Shader> {
     let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2"];
     let sides: &[&str] = &[
-        "DIVISOR=1 SIDE_SQUARED=361 MEANS_SQUARED=256",
-        "DIVISOR=2 SIDE_SQUARED=144 MEANS_SQUARED=81",
+        "DIVISOR=1 PIXELS=16 SIDE_SQUARED=361 MEANS_SQUARED=256",
+        "DIVISOR=2 PIXELS=32 SIDE_SQUARED=400 MEANS_SQUARED=289",
     ];
     let special: &[&str] = &["", "SPECIALIZATION"];
     let orthographic: &[&str] = &["", "PROJECTION_ORTHOGRAPHIC"];
@@ -162,7 +162,7 @@ fn screen_space() -> Vec<Shader> {
     ];
     let gi = combinations("SLICES=2 STEPS=3", &[divisors, PROJECTIONS]);
     let mirrors = || {
-        let samples = "ROUGH_STEPS=4 SMOOTH_STEPS=8 ROUGH_RAYS=8 PIXELS=16 INVOCATIONS=256";
+        let samples = "ROUGH_SEGMENTS=4 GROWTH_PERCENT=30 SMOOTH_STEPS=8 ROUGH_RAYS=8 INVOCATIONS=256";
         combinations(samples, &[sides, MOTION, special, PROJECTIONS])
     };
     let up: &[&[&str]] = &[&["", "PICTURE"], &["", "DRAWN_OUT"], orthographic];
