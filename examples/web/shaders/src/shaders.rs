@@ -8,8 +8,8 @@ use super::{
     Definitions,
     covering::{Factor, covering_rows},
     factors::{
-        EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_MERGE,
-        implications, occurs,
+        EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
+        OCCLUSION_MERGE, implications, occurs,
     },
 };
 
@@ -115,6 +115,16 @@ pub fn all() -> Vec<Shader> {
     shaders
 }
 
+/// Those that gather each pixel's occlusion alone, and those whose workgroups share depths.
+fn occlusion_gathers(values: &str) -> Vec<Definitions> {
+    let sharing = format!("{values} COMPUTE SHARED_DEPTHS");
+    [
+        rows(OCCLUSION_GATHER, values),
+        rows(OCCLUSION_GATHER_SHARED, &sharing),
+    ]
+    .concat()
+}
+
 fn passes() -> Vec<Shader> {
     let lighting = LIGHTING_ALWAYS
         .map(|always| rows(LIGHTING, always))
@@ -136,7 +146,7 @@ fn passes() -> Vec<Shader> {
         ("gbuffer/resolve_motion.wgsl", rows(MOTION_RESOLVE, resolve)),
         (
             "ambient_occlusion/gather.wgsl",
-            gather.map(|values| rows(OCCLUSION_GATHER, values)).concat(),
+            gather.map(occlusion_gathers).concat(),
         ),
         ("ambient_occlusion/merge.wgsl", rows(OCCLUSION_MERGE, "")),
         ("auto_exposure/meter.wgsl", exposure()),
@@ -162,7 +172,8 @@ fn screen_space() -> Vec<Shader> {
     ];
     let gi = combinations("SLICES=2 STEPS=3", &[divisors, PROJECTIONS]);
     let mirrors = || {
-        let samples = "ROUGH_SEGMENTS=4 GROWTH_PERCENT=30 SMOOTH_STEPS=8 ROUGH_RAYS=8 INVOCATIONS=256";
+        let samples =
+            "ROUGH_SEGMENTS=4 GROWTH_PERCENT=30 SMOOTH_STEPS=8 ROUGH_RAYS=8 INVOCATIONS=256";
         combinations(samples, &[sides, MOTION, special, PROJECTIONS])
     };
     let up: &[&[&str]] = &[&["", "PICTURE"], &["", "DRAWN_OUT"], orthographic];
