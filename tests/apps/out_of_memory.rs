@@ -113,7 +113,7 @@ fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle +
     }
     let difference = pixel_difference(&lean, &settled(&mut headless));
     // Light that goes to and fro comes to rest after many frames.
-    assert!(difference.largest <= 2, "{label}: {difference}");
+    assert!(difference.largest <= 1, "{label}: {difference}");
     assert!(log_watch::messages_with("Caught rendering error").is_empty());
     log_watch::assert_validation_layer_silent();
 }

@@ -103,8 +103,8 @@ fn check_beside_twin(stage: &mut Stage, camera: Entity, frame: usize) {
     }
     if let (Some(lean), Some(forward)) = (&lean_light, &forward_light) {
         let other = other_light(lean, forward);
-        // Where outlines meet bright light, a few; and at the edges of shadows, whose bias follows the surface's own normal.
-        let allowed = 8 + lean.texels.len() / 64;
+        // Where outlines meet bright light, a few.
+        let allowed = 8 + lean.texels.len() / 100;
         if other.len() > allowed {
             save("lean", lean);
             save("forward", forward);
