@@ -19,7 +19,7 @@ use bevy_lean_deferred::DebugChannel;
 use covering::{Factor, covering_rows};
 use factors::{
     EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
-    OCCLUSION_MERGE, implications, occurs,
+    OCCLUSION_MERGE, SHARES_DEPTHS, implications, occurs,
 };
 use kit::headless::Headless;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -222,9 +222,6 @@ fn motion_resolve_permutations_validate() {
         &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", 16)],
     );
 }
-
-/// What is defined where a workgroup of ambient occlusion shares depths.
-const SHARES_DEPTHS: [&str; 2] = ["COMPUTE", "SHARED_DEPTHS"];
 
 #[test]
 fn occlusion_permutations_validate() {

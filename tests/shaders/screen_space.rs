@@ -65,7 +65,6 @@ fn reflections_compose() {
         "GROWTH_PERCENT=30",
         "SMOOTH_STEPS=8",
         "ROUGH_RAYS=8",
-        "INVOCATIONS=256",
     ];
     let choices = [divisors, motion, special, &PROJECTIONS];
     check!("reflections/cells.wgsl", &samples, &choices);

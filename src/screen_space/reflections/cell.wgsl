@@ -1,5 +1,15 @@
-// The nearest and the furthest depth of a cell, in a word. Without bindings.
+// Cells of pixels: where they stand, and the nearest and the furthest depth of one in a word. Without bindings.
 #define_import_path bevy_lean_deferred::screen_space::reflections::cell
+
+/// Cells of 4, of 16 and of 64 pixels a side stand one below the other. These are the rows before the latter two, for each row of the
+/// largest.
+const ROWS_BEFORE_16: u32 = 16u;
+const ROWS_BEFORE_64: u32 = 20u;
+
+/// Rows of the largest cells in a picture so high.
+fn largest_rows(height: u32) -> u32 {
+    return (height + 63u) / 64u;
+}
 
 /// Of a number's bits, those of depths from 2⁻³² to 1 that are kept begin here: 5 of its exponent, 11 of its mantissa.
 const FIRST: u32 = (0x3f800000u >> 12u) - 0xffffu;

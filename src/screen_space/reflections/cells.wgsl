@@ -3,7 +3,7 @@
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
     behind, cells_output, depth_sampler, depth_texture, edge_step, view,
 }
-#import bevy_lean_deferred::screen_space::reflections::cell::pack_cell
+#import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, pack_cell}
 
 var<workgroup> cells_4: array<vec2<f32>, 256>;
 var<workgroup> cells_16: array<vec2<f32>, 16>;
@@ -64,7 +64,7 @@ fn main(
             cell = joined(cell, cells_4[first + n % 4u + 16u * (n / 4u)]);
         }
         cells_16[i] = cell;
-        store(vec2(0u, workgroups.y * 16u) + workgroup.xy * 4u + place, cell);
+        store(vec2(0u, workgroups.y * ROWS_BEFORE_16) + workgroup.xy * 4u + place, cell);
     }
     workgroupBarrier();
     if i == 0u {
@@ -72,6 +72,6 @@ fn main(
         for (var n = 0u; n < 16u; n++) {
             cell = joined(cell, cells_16[n]);
         }
-        store(vec2(0u, workgroups.y * 20u) + workgroup.xy, cell);
+        store(vec2(0u, workgroups.y * ROWS_BEFORE_64) + workgroup.xy, cell);
     }
 }

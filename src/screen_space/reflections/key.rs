@@ -5,9 +5,6 @@ use bevy::shader::ShaderDefVal;
 use super::settings::ScreenSpaceReflectionsQuality;
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
-/// Invocations of a workgroup of the last pass: as many as WebGPU grants.
-const RESOLVE_INVOCATIONS: u32 = 256;
-
 /// What all passes are compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ReflectionKey {
@@ -33,7 +30,6 @@ impl ReflectionKey {
             ShaderDefVal::UInt("ROUGH_RAYS".into(), self.quality.rough_rays()),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
             ShaderDefVal::UInt("PIXELS".into(), pixels),
-            ShaderDefVal::UInt("INVOCATIONS".into(), RESOLVE_INVOCATIONS),
             ShaderDefVal::UInt("SIDE_SQUARED".into(), side * side),
             ShaderDefVal::UInt("MEANS_SQUARED".into(), means * means),
         ];

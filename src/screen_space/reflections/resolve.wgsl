@@ -16,7 +16,7 @@ const TEXELS: i32 = PIXELS / DIVISOR;
 const MEANS: i32 = TEXELS + DIVISOR - 1;
 /// Texels a side that are read: of each mean, one before and two after.
 const SIDE: i32 = MEANS + 3;
-const INVOCATIONS: i32 = #{INVOCATIONS};
+const INVOCATIONS: i32 = 256;
 
 /// Radius of a lobe where it meets a surface, in pixels, up to which it is taken for a single place, and from which on it
 /// is the mean of rays.
@@ -235,7 +235,7 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     return vec4(light.rgb / max(light.a, 1e-6), light.a * fade);
 }
 
-@compute @workgroup_size(#{INVOCATIONS}, 1, 1)
+@compute @workgroup_size(256, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
     // Memory holds what ran before.
@@ -268,8 +268,8 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         for (var mean = i; mean < MEANS * MEANS; mean += INVOCATIONS) {
             means[mean] = pack_halves(mean_at((mean % MEANS + 1) + SIDE * (mean / MEANS + 1)));
         }
+        workgroupBarrier();
     }
-    workgroupBarrier();
     for (var n = i; n < PIXELS * PIXELS; n += INVOCATIONS) {
         let place = vec2(n % PIXELS, n / PIXELS);
         let pixel = vec2<i32>(workgroup.xy) * PIXELS + place;

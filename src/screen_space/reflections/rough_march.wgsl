@@ -1,8 +1,8 @@
 // The way of a rough surface's ray, in segments.
 #define_import_path bevy_lean_deferred::screen_space::reflections::rough_march
 
-#import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_texture, view}
-#import bevy_lean_deferred::screen_space::reflections::cell::unpack_cell
+#import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_in_view, view}
+#import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
 #import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at}
 
 /// Of the shortest segment, in pixels.
@@ -18,7 +18,7 @@ const TOGETHER: u32 = 4u;
 /// ray's in view space. Neighbours with other `phases`, 0 to 1, have their segments elsewhere, so that what one passes by another
 /// one meets. It is given up after so many `segments`.
 fn march(ray: Ray, direction: vec3<f32>, growth: f32, phase: f32, segments: u32) -> Met {
-    let rows = i32((view.viewport_size.y + 63u) / 64u);
+    let rows = largest_rows(view.viewport_size.y);
     let last = vec2<i32>(view.viewport_size) - 1;
     // Not the pixel itself.
     var u = 1.0;
@@ -33,7 +33,7 @@ fn march(ray: Ray, direction: vec3<f32>, growth: f32, phase: f32, segments: u32)
         let is_16 = length > 4.0;
         let is_64 = length > 16.0;
         let inverse_side = select(select(1.0 / 4.0, 1.0 / 16.0, is_16), 1.0 / 64.0, is_64);
-        let row = vec2(0, rows * select(select(0, 16, is_16), 20, is_64));
+        let row = vec2(0, i32(rows * select(select(0u, ROWS_BEFORE_16, is_16), ROWS_BEFORE_64, is_64)));
         let middle = ray.start + ray.step * (u + 0.5 * length);
         let along = ray.step * length;
         let cell = middle.xy * inverse_side;
@@ -71,7 +71,7 @@ fn march(ray: Ray, direction: vec3<f32>, growth: f32, phase: f32, segments: u32)
                 if was_in_front && !is_in_front[n] && !is_behind[n] && from_start < ray.end {
                     let at = min(from_start + 0.5 * length, ray.end);
                     let pixel = clamp(vec2<i32>(ray.start.xy + ray.step.xy * at), vec2(0), last);
-                    let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
+                    let depth = depth_in_view(pixel);
                     stays_in_front = z[n] > depth;
                     if !stays_in_front {
                         let inside = depth_inside(pixel, depth, z[n], direction);

@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::screen_space::reflections::smooth_march
 
 #import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_texture, view}
-#import bevy_lean_deferred::screen_space::reflections::cell::unpack_cell
+#import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
 #import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at}
 
 /// Pixels a side of the smallest and the largest cells, and how many times larger the next ones are. Pixels come before the
@@ -24,7 +24,7 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32) -> Met {
     // Of the last cell in a larger one.
     let last_of_four = select(vec2(0), vec2(3), is_forward);
     let start = ray.start.xy + select(vec2(-INTO), vec2(INTO), is_forward);
-    let rows = i32((view.viewport_size.y + 63u) / 64u);
+    let rows = largest_rows(view.viewport_size.y);
     let last = vec2<i32>(view.viewport_size) - 1;
     var side = FIRST_SIDE;
     var inverse_side = 1.0 / FIRST_SIDE;
@@ -44,8 +44,8 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32) -> Met {
         if is_pixel {
             depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + min(cell, last), 0);
         } else {
-            let row = select(select(20, 16, side < LAST_SIDE), 0, side == FIRST_SIDE);
-            word = textureLoad(cells_texture, cell + vec2(0, row * rows), 0).r;
+            let before = select(select(ROWS_BEFORE_64, ROWS_BEFORE_16, side < LAST_SIDE), 0u, side == FIRST_SIDE);
+            word = textureLoad(cells_texture, cell + vec2(0, i32(before * rows)), 0).r;
         }
         let ends = (place + forwards) * (side * inverse_step) + ends_from;
         let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);

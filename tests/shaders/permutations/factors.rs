@@ -161,7 +161,10 @@ pub const OCCLUSION_GATHER: &[Factor] = &[
     OCCLUSION_PROJECTIONS,
 ];
 
-/// The same, where depths are shared.
+/// What is defined where a workgroup of ambient occlusion shares depths.
+pub const SHARES_DEPTHS: [&str; 2] = ["COMPUTE", "SHARED_DEPTHS"];
+
+/// The same as [`OCCLUSION_GATHER`], where depths are shared.
 pub const OCCLUSION_GATHER_SHARED: &[Factor] = &[
     optional!("SHADING_NORMALS"),
     optional!("THIN"),

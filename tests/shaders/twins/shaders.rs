@@ -188,7 +188,6 @@ pub fn all() -> &'static [Composed] {
                 "screen_space/reflections/resolve.wgsl",
                 "DIVISOR=2",
                 "PIXELS=32",
-                "INVOCATIONS=256",
                 "SIDE_SQUARED=400",
                 "MEANS_SQUARED=289"
             ),

@@ -9,7 +9,7 @@ use super::{
     covering::{Factor, covering_rows},
     factors::{
         EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
-        OCCLUSION_MERGE, implications, occurs,
+        OCCLUSION_MERGE, SHARES_DEPTHS, implications, occurs,
     },
 };
 
@@ -117,7 +117,7 @@ pub fn all() -> Vec<Shader> {
 
 /// Those that gather each pixel's occlusion alone, and those whose workgroups share depths.
 fn occlusion_gathers(values: &str) -> Vec<Definitions> {
-    let sharing = format!("{values} COMPUTE SHARED_DEPTHS");
+    let sharing = format!("{values} {}", SHARES_DEPTHS.join(" "));
     [
         rows(OCCLUSION_GATHER, values),
         rows(OCCLUSION_GATHER_SHARED, &sharing),
@@ -172,8 +172,7 @@ fn screen_space() -> Vec<Shader> {
     ];
     let gi = combinations("SLICES=2 STEPS=3", &[divisors, PROJECTIONS]);
     let mirrors = || {
-        let samples =
-            "ROUGH_SEGMENTS=4 GROWTH_PERCENT=30 SMOOTH_STEPS=8 ROUGH_RAYS=8 INVOCATIONS=256";
+        let samples = "ROUGH_SEGMENTS=4 GROWTH_PERCENT=30 SMOOTH_STEPS=8 ROUGH_RAYS=8";
         combinations(samples, &[sides, MOTION, special, PROJECTIONS])
     };
     let up: &[&[&str]] = &[&["", "PICTURE"], &["", "DRAWN_OUT"], orthographic];
