@@ -4,13 +4,15 @@ use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
     hdr::light,
-    known_light::{show, surface},
+    known_light::{camera, show, surface},
     known_mirrors::{metal, mirror, rough_floor, with_bevys_reflections},
     own_process::in_own_process,
     scenes::SceneBuilder,
 };
 
-use super::scenes::{self, SIZE, SMALL, floor, floor_light, glowing, range, reflections};
+use super::scenes::{
+    self, EYE, SIZE, SMALL, floor, floor_light, glowing, looking, range, reflections, spawn_floor,
+};
 
 fn at_resolution(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
@@ -94,6 +96,41 @@ fn there_are_no_seams() {
             let (least, most) = range(&floor_light(&seen));
             println!("roughness {roughness}: {least:.4} to {most:.4}");
             assert!(least > 0.39 && most < 1.01 && most > 0.9);
+        }
+    });
+}
+
+/// Rays that go in segments meet walls that stand at an angle to the picture, however thin these are: in a room that nothing stands in,
+/// thickness does not matter.
+#[test]
+fn rays_of_rough_floors_miss_no_walls() {
+    in_own_process(|| {
+        let sum = |quality, roughness, thickness| {
+            let (_, seen) = show(SIZE, 4, |s| {
+                spawn_floor(s, metal(roughness), 0.0);
+                let back = Transform::from_xyz(0.0, 1.5, -2.0);
+                s.mesh(Cuboid::new(3.4, 3.0, 0.2), surface(0.0, 1.0), back);
+                for x in [-1.6, 1.6] {
+                    let side = Transform::from_xyz(x, 1.5, 0.0);
+                    s.mesh(Cuboid::new(0.2, 3.0, 4.0), surface(0.0, 1.0), side);
+                }
+                let effect = LeanScreenSpaceReflections {
+                    quality,
+                    thickness,
+                    ..reflections()
+                };
+                camera(s, looking(EYE, 0.5), 0.0, effect);
+            });
+            seen.save(&format!("room_{quality:?}_{roughness}_{thickness}"), 1.0);
+            let in_room = floor(&seen).filter(|(place, _)| place.x.abs() < 1.4 && place.z > -1.8);
+            in_room.map(|(_, light)| light).sum::<f32>()
+        };
+        for quality in ScreenSpaceReflectionsQuality::ALL {
+            for roughness in [0.3, 0.6] {
+                let [thin, thick] = [0.05, 100.0].map(|metres| sum(quality, roughness, metres));
+                println!("{quality:?}, roughness {roughness}: {:.4}", thin / thick);
+                assert!(thick > 0.0 && thin / thick > 0.99);
+            }
         }
     });
 }

@@ -62,6 +62,7 @@ fn reflections_compose() {
     let special: &[&str] = &["", "SPECIALIZATION"];
     let samples = [
         "ROUGH_SEGMENTS=4",
+        "SHORTEST_SEGMENT=8",
         "GROWTH_PERCENT=30",
         "SMOOTH_STEPS=8",
         "ROUGH_RAYS=8",

@@ -25,6 +25,7 @@ impl ReflectionKey {
         let side = means + 3;
         let mut defs = vec![
             ShaderDefVal::UInt("ROUGH_SEGMENTS".into(), self.quality.rough_segments()),
+            ShaderDefVal::UInt("SHORTEST_SEGMENT".into(), self.quality.shortest_segment()),
             ShaderDefVal::UInt("GROWTH_PERCENT".into(), self.quality.growth_percent()),
             ShaderDefVal::UInt("SMOOTH_STEPS".into(), self.quality.smooth_steps()),
             ShaderDefVal::UInt("ROUGH_RAYS".into(), self.quality.rough_rays()),

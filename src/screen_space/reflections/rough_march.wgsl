@@ -6,12 +6,50 @@
 #import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at}
 
 /// Of the shortest segment, in pixels.
-const SHORTEST: f32 = 4.0;
+const SHORTEST: f32 = f32(#{SHORTEST_SEGMENT}u);
 /// Before nothing segments are longer, at most so many times.
 const LONGER: f32 = 4.0;
 /// Segments that are looked at together: what is read does not depend on what the one before has met, so that all is asked for
 /// before any of it is waited for.
 const TOGETHER: u32 = 4u;
+
+/// The longest segments that are halved down to a pixel are 2 to this pixels long.
+const HALVINGS: u32 = 8u;
+
+fn pixel_on(ray: Ray, u: f32) -> vec2<i32> {
+    return clamp(vec2<i32>(ray.start.xy + ray.step.xy * u), vec2(0), vec2<i32>(view.viewport_size) - 1);
+}
+
+/// What a ray meets on its way from `front`, where it is in front of what is seen, to `back`, where it is behind `depth_at_back`. A
+/// wall that it meets at an angle may be far in front of it there already, so the way is halved to where it goes behind: if that is
+/// further than surfaces are thick even there, it passes an edge, and meets nothing.
+fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_back: f32) -> Met {
+    var before = front;
+    var after = back;
+    var u = back;
+    var depth = depth_at_back;
+    var met: Met;
+    for (var i = 0u; i <= HALVINGS; i++) {
+        let z = ray.start.z + ray.step.z * u;
+        if z > depth {
+            before = u;
+        } else {
+            after = u;
+            let pixel = pixel_on(ray, u);
+            let inside = depth_inside(pixel, depth, z, direction);
+            if inside < 1.0 {
+                met = Met(true, u, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
+                break;
+            }
+        }
+        if after - before <= 1.0 {
+            break;
+        }
+        u = 0.5 * (before + after);
+        depth = depth_in_view(pixel_on(ray, u));
+    }
+    return met;
+}
 
 /// Goes along in segments that grow with the way, as long as `growth` times that, and looks at the cells and, where these do not
 /// leave the ray alone, at the pixels in the middle of them, up to the first surface that turns its front to it. `direction` is the
@@ -19,7 +57,6 @@ const TOGETHER: u32 = 4u;
 /// one meets. It is given up after so many `segments`.
 fn march(ray: Ray, direction: vec3<f32>, growth: f32, phase: f32, segments: u32) -> Met {
     let rows = largest_rows(view.viewport_size.y);
-    let last = vec2<i32>(view.viewport_size) - 1;
     // Not the pixel itself.
     var u = 1.0;
     // What it does not enter from in front it passes behind.
@@ -56,33 +93,32 @@ fn march(ray: Ray, direction: vec3<f32>, growth: f32, phase: f32, segments: u32)
             factor = min(2.0 * factor, LONGER);
             continue;
         }
-        let passes = all(is_in_front | is_behind);
-        if !passes && factor > 1.5 {
+        // It goes behind something, or might do so, or come out from there.
+        let enters = vec4(was_in_front, is_in_front.xyz) & is_behind;
+        let looks = any(enters | !(is_in_front | is_behind));
+        if looks && factor > 1.5 {
             // Once more, in shorter ones.
             factor = 1.0;
             continue;
         }
-        if passes {
-            was_in_front = is_in_front.w;
-        } else {
+        if looks {
+            let at = min(vec4(u) + length * vec4(0.5, 1.5, 2.5, 3.5), vec4(ray.end));
+            let depths = vec4(
+                depth_in_view(pixel_on(ray, at.x)), depth_in_view(pixel_on(ray, at.y)),
+                depth_in_view(pixel_on(ray, at.z)), depth_in_view(pixel_on(ray, at.w)),
+            );
+            let stays_in_front = is_in_front | (ray.start.z + ray.step.z * at > depths);
             for (var n = 0u; n < TOGETHER; n++) {
-                let from_start = u + f32(n) * length;
-                var stays_in_front = is_in_front[n];
-                if was_in_front && !is_in_front[n] && !is_behind[n] && from_start < ray.end {
-                    let at = min(from_start + 0.5 * length, ray.end);
-                    let pixel = clamp(vec2<i32>(ray.start.xy + ray.step.xy * at), vec2(0), last);
-                    let depth = depth_in_view(pixel);
-                    stays_in_front = z[n] > depth;
-                    if !stays_in_front {
-                        let inside = depth_inside(pixel, depth, z[n], direction);
-                        if inside < 1.0 {
-                            met = Met(true, at, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
-                            break;
-                        }
+                if was_in_front && !stays_in_front[n] {
+                    met = met_between(ray, direction, max(at[n] - length, 1.0), at[n], depths[n]);
+                    if met.is_hit {
+                        break;
                     }
                 }
-                was_in_front = stays_in_front;
+                was_in_front = stays_in_front[n];
             }
+        } else {
+            was_in_front = is_in_front.w;
         }
         u += f32(TOGETHER) * length;
         factor = 1.0;

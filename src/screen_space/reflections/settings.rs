@@ -91,16 +91,17 @@ impl Default for LeanScreenSpaceReflections {
 
 /// How closely a ray looks, and when it is given up. That of a surface of a perceptual roughness up to 0.2 goes from cell to cell, of 4 to 64
 /// pixels a side, the largest that it can pass at once, and in them from pixel to pixel: each is a step. That of a rougher one goes in
-/// segments, at least 4 pixels long and growing with the way as the lobe does.
+/// segments that grow with the way as the lobe does; where it goes behind something in one, that is halved down to a pixel.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceReflectionsQuality {
-    /// 128 steps; from rough surfaces 64 segments, up to a quarter of the lobe's radius long, and 8 rays make their lobe.
+    /// 128 steps; from rough surfaces 64 segments of 8 pixels, or a quarter of the lobe's radius where that is longer, and 8 rays make
+    /// their lobe.
     Low,
-    /// 256 steps; 64 segments up to 0.15 of it, and 16 rays.
+    /// 256 steps; 64 segments of 8 pixels, or 0.22 of the radius, and 16 rays.
     #[default]
     Medium,
-    /// 512 steps; 128 segments up to 0.075 of it, and 16 rays.
+    /// 512 steps; 128 segments of 4 pixels, or 0.075 of the radius, and 16 rays.
     High,
 }
 
@@ -125,11 +126,19 @@ impl ScreenSpaceReflectionsQuality {
         }
     }
 
-    /// How long they are, in hundredths of their way times the perceptual roughness squared; they are no shorter than 4 pixels.
+    /// The shortest of them, in pixels.
+    pub(super) fn shortest_segment(self) -> u32 {
+        match self {
+            Self::Low | Self::Medium => 8,
+            Self::High => 4,
+        }
+    }
+
+    /// How long they are, in hundredths of their way times the perceptual roughness squared.
     pub(super) fn growth_percent(self) -> u32 {
         match self {
             Self::Low => 50,
-            Self::Medium => 30,
+            Self::Medium => 45,
             Self::High => 15,
         }
     }

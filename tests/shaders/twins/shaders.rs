@@ -178,6 +178,7 @@ pub fn all() -> &'static [Composed] {
                 "screen_space/reflections/trace.wgsl",
                 "DIVISOR=2",
                 "ROUGH_SEGMENTS=1",
+                "SHORTEST_SEGMENT=8",
                 "GROWTH_PERCENT=30",
                 "SMOOTH_STEPS=1",
                 "ROUGH_RAYS=8",

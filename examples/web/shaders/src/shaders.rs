@@ -172,7 +172,7 @@ fn screen_space() -> Vec<Shader> {
     ];
     let gi = combinations("SLICES=2 STEPS=3", &[divisors, PROJECTIONS]);
     let mirrors = || {
-        let samples = "ROUGH_SEGMENTS=4 GROWTH_PERCENT=30 SMOOTH_STEPS=8 ROUGH_RAYS=8";
+        let samples = "ROUGH_SEGMENTS=4 SHORTEST_SEGMENT=8 GROWTH_PERCENT=30 SMOOTH_STEPS=8 ROUGH_RAYS=8";
         combinations(samples, &[sides, MOTION, special, PROJECTIONS])
     };
     let up: &[&[&str]] = &[&["", "PICTURE"], &["", "DRAWN_OUT"], orthographic];
