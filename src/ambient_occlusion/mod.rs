@@ -71,8 +71,8 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        GBufferPasses, LeanViewSystems, LightingPasses, SharedPlugin, can_build,
-        depth_usage::extend_depth_usage, overrides, removal,
+        GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses, SharedPlugin,
+        can_build, depth_usage::extend_depth_usage, overrides, removal,
     },
 };
 
@@ -147,6 +147,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                         .before(LightingPasses),
                     pass::occlusion_after_opaque
                         .in_set(Core3dSystems::MainPass)
+                        .in_set(OpaquePicturePasses)
                         .after(main_opaque_pass_3d)
                         .before(main_transmissive_pass_3d)
                         .before(main_transparent_pass_3d),

@@ -7,13 +7,15 @@
 //! | cameras | [`CameraCut`] | that it jumps in this frame |
 //! | views of the render world | [`ActiveLeanView`] | that it is lean in this frame, and what its G-buffer has |
 //!
-//! Systems of the render world order themselves by [`LeanViewSystems`], passes in `Core3d` by [`GBufferPasses`] and [`LightingPasses`].
+//! Systems of the render world order themselves by [`LeanViewSystems`], passes in `Core3d` by [`GBufferPasses`],
+//! [`LightingPasses`] and [`OpaquePicturePasses`].
 
 // The ground floor: all stages read it, and it reads none of them.
 //
 // - `settings.rs`, `status.rs`: `LeanDeferred` and `LeanStatus`, the components of cameras.
 // - `active.rs`: `ActiveLeanView`, what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
-// - `schedule.rs`: when stages run. `cut.rs`: when the last frame says nothing of this one.
+// - `schedule.rs`: when stages run. `opaque_picture.rs`: which of them come first after the opaque pass.
+// - `cut.rs`: when the last frame says nothing of this one.
 // - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
 // - `overrides.rs`: what effects change about a camera, and give back. `removal.rs`: what goes with a component.
 // - `out_of_memory.rs`: textures that do not fit. `warn_once.rs`: why an effect is off, once for each camera.
@@ -22,6 +24,7 @@ mod active;
 mod cut;
 pub(crate) mod depth_usage;
 mod exchange;
+mod opaque_picture;
 mod out_of_memory;
 pub(crate) mod overrides;
 pub(crate) mod removal;
@@ -42,7 +45,7 @@ pub use exchange::{
 };
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
-pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses};
+pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
 pub use settings::{DebugChannel, GeometricNormal, LeanDeferred, LightCulling};
 pub use status::{LeanOffReason, LeanStatus};
 pub use surfaces::{GBufferTargets, ShadingModel};
@@ -50,6 +53,7 @@ pub(crate) use surfaces::{LightingVariant, LightingVariants};
 
 use bevy::{
     asset::io::embedded::EmbeddedAssetRegistry,
+    core_pipeline::schedule::Core3d,
     pbr::PbrPlugin,
     prelude::*,
     render::{
@@ -57,6 +61,8 @@ use bevy::{
         extract_component::ExtractComponentPlugin,
     },
 };
+
+use opaque_picture::FirstAfter;
 
 use crate::{
     gpu::{
@@ -98,7 +104,10 @@ impl Plugin for SharedPlugin {
                 out_of_memory::forget_cameras
                     .in_set(RenderSystems::PrepareAssets)
                     .before(LeanViewSystems),
-            );
+            )
+            .edit_schedule(Core3d, |schedule| {
+                schedule.add_build_pass(FirstAfter::opaque_pass());
+            });
     }
 
     fn finish(&self, app: &mut App) {

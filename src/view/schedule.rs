@@ -13,3 +13,8 @@ pub struct GBufferPasses;
 /// The passes that light it, in `Core3d`.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LightingPasses;
+
+/// The passes that change or read the picture as opaque meshes left it, in `Core3d`. They run before all others that follow Bevy's opaque
+/// pass, such as that of its atmosphere.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+pub struct OpaquePicturePasses;

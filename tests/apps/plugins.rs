@@ -2,6 +2,7 @@
 
 mod broken_shaders;
 mod order;
+mod passes;
 
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;

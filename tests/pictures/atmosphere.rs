@@ -8,9 +8,11 @@ use bevy::{
     prelude::*,
     render::{RenderApp, renderer::RenderAdapterInfo},
 };
+use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::Headless,
-    lean::{judge, report, set_lean, settled},
+    lean::{change_cameras, judge, report, set_lean, settled},
+    metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder},
 };
@@ -22,8 +24,8 @@ fn crashes(headless: &Headless) -> bool {
     adapter.device_type == DeviceType::Cpu && adapter.driver_info.starts_with("Mesa 22")
 }
 
-/// The solids under a sun that stands `elevation` radians over the horizon.
-fn build(elevation: f32) -> Option<Headless> {
+/// What `spawn` makes under a sun that stands `elevation` radians over the horizon, in air in which a unit of length is so many metres.
+fn build(elevation: f32, metres: f32, spawn: impl Fn(&mut SceneBuilder)) -> Option<Headless> {
     let mut headless = Headless::new(UVec2::new(320, 240));
     if crashes(&headless) {
         println!("skipped: atmosphere: Mesa 22 crashes in Bevy's own passes");
@@ -32,7 +34,7 @@ fn build(elevation: f32) -> Option<Headless> {
     let mut scene = SceneBuilder {
         headless: &mut headless,
     };
-    scene.solids();
+    spawn(&mut scene);
     scene.spawn((
         DirectionalLight {
             illuminance: lux::RAW_SUNLIGHT,
@@ -42,7 +44,10 @@ fn build(elevation: f32) -> Option<Headless> {
         Transform::from_rotation(Quat::from_euler(EulerRot::YXZ, 0.6, -elevation, 0.0)),
     ));
     let medium = scene.add::<ScatteringMedium>(ScatteringMedium::default());
-    scene.spawn(Atmosphere::earth(medium));
+    let air = Atmosphere::earth(medium);
+    let ground = Vec3::NEG_Y * air.inner_radius / metres;
+    let placed = Transform::from_translation(ground).with_scale(Vec3::splat(1.0 / metres));
+    scene.spawn((air, placed));
     scene.default_camera((
         AtmosphereSettings::default(),
         bevy::camera::Exposure { ev100: 13.0 },
@@ -54,12 +59,50 @@ fn build(elevation: f32) -> Option<Headless> {
 fn atmosphere_matches_forward() {
     in_own_process(|| {
         report([0.05, 0.8].into_iter().filter_map(|elevation| {
-            let mut headless = build(elevation)?;
+            let mut headless = build(elevation, 1.0, |scene| scene.solids())?;
             let forward = settled(&mut headless);
             set_lean(&mut headless, true);
             let lean = settled(&mut headless);
             let name = format!("atmosphere_{elevation}");
             Some(judge(&name, &forward, &lean, LEAST_PSNR))
         }));
+    });
+}
+
+/// Where meshes are black all light is that of the air in front of them, which they do not hide.
+#[test]
+fn occlusion_does_not_darken_the_air() {
+    in_own_process(|| {
+        let shown = |color: Color| {
+            let spawn = |scene: &mut SceneBuilder| {
+                let material = StandardMaterial {
+                    base_color: color,
+                    unlit: true,
+                    ..default()
+                };
+                let floor = Plane3d::default().mesh().size(12.0, 12.0);
+                scene.mesh(floor, material.clone(), Transform::default());
+                for x in [-1.0, 0.0, 1.0] {
+                    let place = Transform::from_xyz(x, 0.4, 0.0);
+                    scene.mesh(Cuboid::new(0.8, 0.8, 0.8), material.clone(), place);
+                }
+            };
+            let mut headless = build(0.8, 2000.0, spawn)?;
+            let without = settled(&mut headless);
+            change_cameras(&mut headless, |camera| {
+                camera.insert(LeanAmbientOcclusion::default());
+            });
+            let with = settled(&mut headless);
+            let middle = without.rgba[without.rgba.len() / 2 + 160 * 4..][..3].to_vec();
+            println!("{middle:?} in the middle");
+            Some((pixel_difference(&without, &with), middle))
+        };
+        let Some((black, air)) = shown(Color::BLACK) else {
+            return;
+        };
+        assert!(air[2] > 40, "there is air: {air:?}");
+        assert_eq!(black.largest, 0, "{black}");
+        let (white, _) = shown(Color::linear_rgb(0.05, 0.05, 0.05)).expect("it is shown again");
+        assert!(white.largest > 8, "there is occlusion: {white}");
     });
 }

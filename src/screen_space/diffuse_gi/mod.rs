@@ -58,7 +58,7 @@ use crate::{
     gpu::recovery,
     view::{
         ActiveLeanView, GBufferPasses, IndirectDiffuse, LeanViewSystems, LightingPasses,
-        ReadsDiffuseLight, SharedPlugin, can_build, overrides, removal,
+        OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin, can_build, overrides, removal,
     },
 };
 
@@ -124,6 +124,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
                         .after(GBufferPasses)
                         .before(LightingPasses),
                     forward_light::add_forward_light
+                        .in_set(OpaquePicturePasses)
                         .after(main_opaque_pass_3d)
                         .before(main_transparent_pass_3d),
                 )

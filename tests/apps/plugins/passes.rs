@@ -1,0 +1,58 @@
+//! The order of passes in Bevy's frame.
+
+use bevy::{
+    core_pipeline::{core_3d::main_opaque_pass_3d, schedule::Core3d},
+    ecs::schedule::{NodeId, SystemKey},
+    prelude::*,
+    render::RenderApp,
+};
+use bevy_lean_deferred::view::OpaquePicturePasses;
+
+use super::{SIZE, solids};
+use kit::headless::Headless;
+
+/// The systems in a set.
+fn members(schedule: &Schedule, set: impl SystemSet) -> Vec<SystemKey> {
+    let systems = schedule.graph().systems_in_set(set.intern());
+    systems.expect("it was built").iter().copied().collect()
+}
+
+/// Bevy's atmosphere draws the air in front of opaque meshes by a system that has no public name. Occlusion darkens what is behind it.
+#[test]
+fn passes_of_the_opaque_picture_come_before_the_air() {
+    let (mut headless, _) = solids(Headless::new(SIZE));
+    headless.frames(3);
+    let schedules = headless
+        .app
+        .sub_app(RenderApp)
+        .world()
+        .resource::<Schedules>();
+    let schedule = schedules.get(Core3d).expect("it renders");
+    let order: Vec<SystemKey> = schedule
+        .systems()
+        .expect("it ran")
+        .map(|(key, _)| key)
+        .collect();
+    let place = |key| {
+        order
+            .iter()
+            .position(|other| *other == key)
+            .expect("it runs")
+    };
+
+    let ours = members(schedule, OpaquePicturePasses);
+    assert_eq!(ours.len(), 2, "of occlusion, of GI");
+    let graph = schedule.graph();
+    let opaque = main_opaque_pass_3d.into_system_set();
+    let opaque = graph.system_sets.get_key(opaque.intern()).expect("it runs");
+    // Those that asked for it by the name of the pass, and not by a set.
+    let following = graph.dependency().graph().neighbors(NodeId::Set(opaque));
+    let others: Vec<SystemKey> = following
+        .filter_map(|node| node.as_system())
+        .filter(|key| !ours.contains(key))
+        .collect();
+    assert!(!others.is_empty(), "Bevy's atmosphere is one");
+    for other in others {
+        assert!(ours.iter().all(|one| place(*one) < place(other)));
+    }
+}
