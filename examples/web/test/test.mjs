@@ -107,6 +107,9 @@ async function test() {
   check(renderer === 'lean', `the camera is ${renderer}`);
   await settle();
   await capture('lean');
+  await capture('lean again');
+  const still = await psnr('lean', 'lean again');
+  check(still > SAME, `nothing moves in lean: ${still.toFixed(1)} dB from one picture to the next`);
   const near = await psnr('forward', 'lean');
   check(near >= NEAR, `lean is at ${near.toFixed(1)} dB from forward, ${NEAR} are asked for`);
 
@@ -116,6 +119,9 @@ async function test() {
     const changed = await psnr('lean', effect);
     check(changed < CHANGED, `${effect} changes the picture: ${changed.toFixed(1)} dB from lean`);
     await toggle(false, effect);
+    await capture(`after ${effect}`);
+    const left = await psnr('lean', `after ${effect}`);
+    check(left > SAME, `${effect} leaves nothing behind: ${left.toFixed(1)} dB from lean before`);
   }
 
   await toggle(true, ...EFFECTS);
