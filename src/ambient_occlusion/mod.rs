@@ -56,10 +56,9 @@ pub(crate) use prepare::OcclusionUniforms;
 use bevy::{
     asset::embedded_asset,
     core_pipeline::{
-        core_3d::{main_opaque_pass_3d, main_transparent_pass_3d, prepare_core_3d_depth_textures},
+        core_3d::prepare_core_3d_depth_textures,
         schedule::{Core3d, Core3dSystems},
     },
-    pbr::main_transmissive_pass_3d,
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
@@ -145,12 +144,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                         .in_set(Core3dSystems::MainPass)
                         .after(GBufferPasses)
                         .before(LightingPasses),
-                    pass::occlusion_after_opaque
-                        .in_set(Core3dSystems::MainPass)
-                        .in_set(OpaquePicturePasses)
-                        .after(main_opaque_pass_3d)
-                        .before(main_transmissive_pass_3d)
-                        .before(main_transparent_pass_3d),
+                    pass::occlusion_after_opaque.in_set(OpaquePicturePasses),
                 ),
             );
     }

@@ -53,7 +53,10 @@ pub(crate) use surfaces::{LightingVariant, LightingVariants};
 
 use bevy::{
     asset::io::embedded::EmbeddedAssetRegistry,
-    core_pipeline::schedule::Core3d,
+    core_pipeline::{
+        core_3d::main_opaque_pass_3d,
+        schedule::{Core3d, Core3dSystems},
+    },
     pbr::PbrPlugin,
     prelude::*,
     render::{
@@ -106,7 +109,13 @@ impl Plugin for SharedPlugin {
                     .before(LeanViewSystems),
             )
             .edit_schedule(Core3d, |schedule| {
-                schedule.add_build_pass(FirstAfter::opaque_pass());
+                schedule
+                    .add_build_pass(FirstAfter::opaque_pass())
+                    .configure_sets(
+                        OpaquePicturePasses
+                            .in_set(Core3dSystems::MainPass)
+                            .after(main_opaque_pass_3d),
+                    );
             });
     }
 

@@ -126,11 +126,17 @@ mod tests {
         ran.0.push("follower");
     }
 
+    /// What ran, in order.
+    fn run(mut schedule: Schedule) -> Vec<&'static str> {
+        let mut world = World::new();
+        world.init_resource::<Ran>();
+        schedule.run(&mut world);
+        core::mem::take(&mut world.resource_mut::<Ran>().0)
+    }
+
     /// Systems that follow were added before and after, and one of them is asked to run before the first ones.
     #[test]
     fn first_systems_run_before_all_that_follow() {
-        let mut world = World::new();
-        world.init_resource::<Ran>();
         let mut schedule = Schedule::new(Frame);
         schedule
             .add_build_pass(FirstAfter {
@@ -149,23 +155,17 @@ mod tests {
                 follower::<2>.after(opaque),
                 follower::<3>.after(follower::<0>),
             ));
-        schedule.run(&mut world);
-        let ran = &world.resource::<Ran>().0;
-        let expected = ["before", "opaque", "asked", "first"].map(String::from);
-        let followers = vec![String::from("follower"); 4];
-        assert_eq!(*ran, [expected.to_vec(), followers].concat());
+        let first = ["before", "opaque", "asked", "first"];
+        assert_eq!(run(schedule), [&first[..], &["follower"; 4]].concat());
     }
 
-    /// Cameras in 2D have no such passes.
+    /// Where an app has neither the system nor any that are to be first.
     #[test]
     fn a_schedule_without_them_is_left_alone() {
-        let mut world = World::new();
-        world.init_resource::<Ran>();
         let mut schedule = Schedule::new(Frame);
         schedule
             .add_build_pass(FirstAfter::opaque_pass())
             .add_systems((follower::<0>, opaque).chain());
-        schedule.run(&mut world);
-        assert_eq!(world.resource::<Ran>().0, ["follower", "opaque"]);
+        assert_eq!(run(schedule), ["follower", "opaque"]);
     }
 }

@@ -6,7 +6,7 @@ use std::sync::mpsc;
 use bevy::{prelude::*, render::RenderApp};
 use bevy_lean_deferred::{prelude::*, view::OutOfMemory};
 use kit::{
-    headless::Headless,
+    headless::{Headless, Picture},
     lean::{build, settled},
     log_watch,
     metrics::pixel_difference,
@@ -16,8 +16,12 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
-/// Light that goes to and fro from frame to frame has come to rest after so many.
-const FRAMES_TO_REST: usize = 32;
+/// The picture once light that goes to and fro from frame to frame has come to rest.
+fn at_rest(headless: &mut Headless) -> Picture {
+    headless.settle();
+    headless.frames(32);
+    settled(headless)
+}
 
 fn scene(s: &mut SceneBuilder) -> Entity {
     s.solids();
@@ -78,9 +82,7 @@ fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle +
     headless.world().entity_mut(camera).insert(others);
     let forward = settled(&mut headless);
     headless.world().entity_mut(camera).insert(effects.clone());
-    headless.settle();
-    headless.frames(FRAMES_TO_REST);
-    let lean = settled(&mut headless);
+    let lean = at_rest(&mut headless);
     assert!(pixel_difference(&forward, &lean).largest > 0, "{label}");
 
     headless.world().entity_mut(camera).remove::<Effects>();
@@ -116,8 +118,7 @@ fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle +
         entity.get_mut::<Camera>().expect("it is one").is_active = is_active;
         headless.frame();
     }
-    headless.frames(FRAMES_TO_REST);
-    let difference = pixel_difference(&lean, &settled(&mut headless));
+    let difference = pixel_difference(&lean, &at_rest(&mut headless));
     assert_eq!(difference.largest, 0, "{label}: {difference}");
     assert!(log_watch::messages_with("Caught rendering error").is_empty());
     log_watch::assert_validation_layer_silent();

@@ -41,10 +41,7 @@ pub use {
 
 use bevy::{
     asset::embedded_asset,
-    core_pipeline::{
-        core_3d::{main_opaque_pass_3d, main_transparent_pass_3d},
-        schedule::{Core3d, Core3dSystems},
-    },
+    core_pipeline::schedule::{Core3d, Core3dSystems},
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
@@ -121,14 +118,11 @@ impl Plugin for LeanScreenSpaceGiPlugin {
                 Core3d,
                 (
                     pass::find_diffuse_light
+                        .in_set(Core3dSystems::MainPass)
                         .after(GBufferPasses)
                         .before(LightingPasses),
-                    forward_light::add_forward_light
-                        .in_set(OpaquePicturePasses)
-                        .after(main_opaque_pass_3d)
-                        .before(main_transparent_pass_3d),
-                )
-                    .in_set(Core3dSystems::MainPass),
+                    forward_light::add_forward_light.in_set(OpaquePicturePasses),
+                ),
             );
     }
 }

@@ -53,6 +53,11 @@ fn ray_on_screen(start: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) ->
     return ray;
 }
 
+/// The pixel that the ray passes at `u`.
+fn pixel_on(ray: Ray, u: f32) -> vec2<i32> {
+    return clamp(vec2<i32>(ray.start.xy + ray.step.xy * u), vec2(0), vec2<i32>(view.viewport_size) - 1);
+}
+
 /// How far `u` is from the start, in metres.
 fn metres_at(ray: Ray, u: f32) -> f32 {
     return ray.metres * u / max(1.0 - ray.vanishing * u, 1e-6);

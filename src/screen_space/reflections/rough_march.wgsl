@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_in_view, view}
 #import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at}
+#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at, pixel_on}
 
 /// Of the shortest segment, in pixels.
 const SHORTEST: f32 = f32(#{SHORTEST_SEGMENT}u);
@@ -16,10 +16,6 @@ const TOGETHER: u32 = 4u;
 /// The longest segments that are halved down to a pixel are 2 to this pixels long.
 const HALVINGS: u32 = 8u;
 
-fn pixel_on(ray: Ray, u: f32) -> vec2<i32> {
-    return clamp(vec2<i32>(ray.start.xy + ray.step.xy * u), vec2(0), vec2<i32>(view.viewport_size) - 1);
-}
-
 /// What a ray meets on its way from `front`, where it is in front of what is seen, to `back`, where it is behind `depth_at_back`. A
 /// wall that it meets at an angle may be far in front of it there already, so the way is halved to where it goes behind: if that is
 /// further than surfaces are thick even there, it passes an edge, and meets nothing.
@@ -27,6 +23,7 @@ fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
     var before = front;
     var after = back;
     var u = back;
+    var pixel = pixel_on(ray, u);
     var depth = depth_at_back;
     var met: Met;
     for (var i = 0u; i <= HALVINGS; i++) {
@@ -35,7 +32,6 @@ fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
             before = u;
         } else {
             after = u;
-            let pixel = pixel_on(ray, u);
             let inside = depth_inside(pixel, depth, z, direction);
             if inside < 1.0 {
                 met = Met(true, u, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
@@ -46,7 +42,8 @@ fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
             break;
         }
         u = 0.5 * (before + after);
-        depth = depth_in_view(pixel_on(ray, u));
+        pixel = pixel_on(ray, u);
+        depth = depth_in_view(pixel);
     }
     return met;
 }

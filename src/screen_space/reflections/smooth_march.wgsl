@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_texture, view}
 #import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at}
+#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at, pixel_on}
 
 /// Pixels a side of the smallest and the largest cells, and how many times larger the next ones are. Pixels come before the
 /// smallest.
@@ -59,7 +59,7 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32) -> Met {
             let middle_z = 0.5 * (z + next_z);
             is_in_front = middle_z > depth;
             if was_in_front && !is_in_front {
-                let pixel = clamp(vec2<i32>(ray.start.xy + ray.step.xy * middle), vec2(0), last);
+                let pixel = pixel_on(ray, middle);
                 let inside = depth_inside(pixel, depth, middle_z, direction);
                 if inside < 1.0 {
                     met = Met(true, middle, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
