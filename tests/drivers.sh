@@ -6,7 +6,7 @@
 # Drivers: mesa22-4, mesa22-8, mesa22-16 (Mesa 22's llvmpipe with subgroups of 4, 8, 16), mesa25 (it has binding arrays), swiftshader, webgpu
 # (Mesa 22 with no more than WebGPU's default limits and features), own (this machine's GPU, if it has one). Without names: all of them.
 # Filters are names of tests, or parts of them. TOPICS names some of the test binaries, separated by spaces. BINARIES names a folder of
-# test binaries, called as the topics are, that were built elsewhere: for a machine with a GPU and without Rust. THREADS says how many
+# test binaries, called as the topics are, and the viewer, that were built elsewhere: for a machine with a GPU and without Rust. THREADS says how many
 # tests run at a time, 2 if not said: each render thread of a software driver takes all cores anyway.
 #
 # What is missing is fetched into a cache folder, never into the system: on Debian 12, from where its packages come from. Each driver's
@@ -94,11 +94,14 @@ select_driver() {
     esac
 }
 
-copies="$cache/binaries"
-rm -rf "$copies"
-mkdir -p "$copies"
+# As cargo has them: some tests of apps call the viewer.
+copies="$cache/binaries/deps"
+examples="$cache/binaries/examples"
+rm -rf "$cache/binaries"
+mkdir -p "$copies" "$examples"
 if [ -n "${BINARIES:-}" ]; then
     for topic in $topics; do cp "$BINARIES/$topic" "$copies/"; done
+    [ ! -e "$BINARIES/viewer" ] || cp "$BINARIES/viewer" "$examples/"
 else
     echo "building the tests"
     flags=$(for topic in $topics; do printf ' --test %s' "$topic"; done)
@@ -108,6 +111,11 @@ else
     for topic in $topics; do
         cp "$(printf '%s\n' "$built" | grep "/$topic-")" "$copies/$topic"
     done
+    case " $topics " in *" apps "*)
+        cargo build --example viewer
+        cp "$(dirname "$(printf '%s\n' "$built" | head -n 1)")/../examples/viewer" "$examples/"
+        ;;
+    esac
 fi
 
 row() { printf '%-12s %-18s %s\n' "$@"; }
