@@ -54,10 +54,7 @@ fn diffuse_gi_composes() {
 
 #[test]
 fn reflections_compose() {
-    let divisors: &[&str] = &[
-        "DIVISOR=1 PIXELS=16 SIDE_SQUARED=361 MEANS_SQUARED=256",
-        "DIVISOR=2 PIXELS=32 SIDE_SQUARED=400 MEANS_SQUARED=289",
-    ];
+    let divisors: &[&str] = &["DIVISOR=1 ROUGH_STEP=1", "DIVISOR=2 ROUGH_STEP=2"];
     let motion: &[&str] = &["", "MOTION"];
     let special: &[&str] = &["", "SPECIALIZATION"];
     let samples = [
@@ -65,11 +62,12 @@ fn reflections_compose() {
         "SHORTEST_SEGMENT=8",
         "GROWTH_PERCENT=30",
         "SMOOTH_STEPS=8",
-        "ROUGH_RAYS=8",
     ];
     let choices = [divisors, motion, special, &PROJECTIONS];
     check!("reflections/cells.wgsl", &samples, &choices);
-    check!("reflections/trace.wgsl", &samples, &choices);
+    let shown: &[&str] = &["", "SHOWN"];
+    let traced = [divisors, motion, special, &PROJECTIONS, shown];
+    check!("reflections/trace.wgsl", &samples, &traced);
     check!("reflections/resolve.wgsl", &samples, &choices);
 }
 

@@ -63,11 +63,13 @@ pub(super) fn decide_active_reflections(
         let key = ReflectionKey {
             quality: settings.quality,
             divisor: settings.resolution.divisor(),
+            rough_step: settings.quality.rough_step(view.viewport.w),
             motion,
             // Those of the last frame: where the target is new, coats mirror a frame later.
             specialization: last
                 .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
             projection: projection_of(view.clip_from_view),
+            shown: settings.debug_view.is_some(),
         };
         let wanted = is_lean.then(|| ActiveReflections {
             settings: *settings,

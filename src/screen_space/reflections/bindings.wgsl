@@ -27,6 +27,14 @@
 
 /// Pixels a side of a texel of rays.
 const DIVISOR: i32 = #{DIVISOR};
+/// Perceptual roughness from which on rays need not see every pixel, and are `ROUGH_STEP` texels apart.
+const ROUGH: f32 = 0.2;
+const ROUGH_STEP: i32 = #{ROUGH_STEP};
+
+/// Texels from one ray to the next, each way, of surfaces of this perceptual roughness: those whose place is a multiple of it have one.
+fn step_of_rays(roughness: f32) -> i32 {
+    return select(1, ROUGH_STEP, roughness > ROUGH);
+}
 
 /// View-space position of a point of the picture, in pixels.
 fn view_position(at: vec2<f32>, depth: f32) -> vec3<f32> {
@@ -64,17 +72,17 @@ fn depth_in_view(pixel: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + inside, 0);
 }
 
-/// Where a ray ended: the distance at which its mirror image is seen, straight on through the mirror, in metres, and in the lower
-/// bits the weight of its direction. 0: nowhere.
+/// Where a ray ended: the distance at which its mirror image is seen, straight on through the mirror, in metres (0: nowhere), and
+/// in the lower bits the weight of its direction. The lowest is for who reads it.
 fn pack_hit(distance: f32, weight: f32) -> u32 {
-    return (bitcast<u32>(distance) & 0xffffff00u) | u32(saturate(weight) * 255.0 + 0.5);
+    return (bitcast<u32>(distance) & 0xffffff00u) | (u32(saturate(weight) * 127.0 + 0.5) << 1u);
 }
 
 fn unpack_distance(hit: u32) -> f32 {
     return bitcast<f32>(hit & 0xffffff00u);
 }
 
-/// 0 to 255: compared with others only.
+/// 0 to 127: compared with others only.
 fn unpack_weight(hit: u32) -> f32 {
-    return f32(hit & 0xffu);
+    return f32((hit >> 1u) & 0x7fu);
 }

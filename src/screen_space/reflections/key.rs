@@ -10,29 +10,26 @@ use crate::shader_library::reconstruction::position::ProjectionKind;
 pub(super) struct ReflectionKey {
     pub(super) quality: ScreenSpaceReflectionsQuality,
     pub(super) divisor: u32,
+    /// From one ray of rough surfaces to the next, in texels.
+    pub(super) rough_step: u32,
     /// The view has motion vectors.
     pub(super) motion: bool,
     /// The view may have special surfaces.
     pub(super) specialization: bool,
     pub(super) projection: ProjectionKind,
+    /// What rays have found is shown: then it is written where there is no ray, too.
+    pub(super) shown: bool,
 }
 
 impl ReflectionKey {
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let pixels = self.resolve_side();
-        // Texels a side whose mean a workgroup of the last pass makes, and that it reads.
-        let means = pixels / self.divisor + self.divisor - 1;
-        let side = means + 3;
         let mut defs = vec![
             ShaderDefVal::UInt("ROUGH_SEGMENTS".into(), self.quality.rough_segments()),
             ShaderDefVal::UInt("SHORTEST_SEGMENT".into(), self.quality.shortest_segment()),
             ShaderDefVal::UInt("GROWTH_PERCENT".into(), self.quality.growth_percent()),
             ShaderDefVal::UInt("SMOOTH_STEPS".into(), self.quality.smooth_steps()),
-            ShaderDefVal::UInt("ROUGH_RAYS".into(), self.quality.rough_rays()),
+            ShaderDefVal::UInt("ROUGH_STEP".into(), self.rough_step),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
-            ShaderDefVal::UInt("PIXELS".into(), pixels),
-            ShaderDefVal::UInt("SIDE_SQUARED".into(), side * side),
-            ShaderDefVal::UInt("MEANS_SQUARED".into(), means * means),
         ];
         if self.motion {
             defs.push("MOTION".into());
@@ -40,14 +37,16 @@ impl ReflectionKey {
         if self.specialization {
             defs.push("SPECIALIZATION".into());
         }
+        if self.shown {
+            defs.push("SHOWN".into());
+        }
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
     }
 
-    /// Pixels a side that a workgroup of the last pass makes: of large ones fewer texels are read twice, and what they read has to fit
-    /// into 16 KiB.
+    /// Pixels a side that a workgroup of the last pass makes: those of 16×16 texels.
     pub(super) fn resolve_side(self) -> u32 {
-        if self.divisor == 1 { 16 } else { 32 }
+        16 * self.divisor
     }
 
     /// Whether what is bound is the same.

@@ -2,21 +2,24 @@
 // together. A smooth one has the light of one place: where its own ray ends, as far away as those beside it went.
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    DIVISOR, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, to_viewer,
-    unpack_distance, unpack_weight, view, view_position,
+    DIVISOR, ROUGH_STEP, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, step_of_rays,
+    to_viewer, unpack_distance, unpack_weight, view, view_position,
 }
 #import bevy_lean_deferred::screen_space::reflections::surface::{
-    last_light, mirror_at, mirror_of, normal_word_at, rotated, smoothness,
+    last_light, mirror_of, normal_word_at, rotated, smoothness,
 }
 
-/// Pixels a side of a workgroup, and their texels.
-const PIXELS: i32 = #{PIXELS};
-const TEXELS: i32 = PIXELS / DIVISOR;
-/// Texels a side whose mean is made: those of its pixels, and where they share texels one more.
-const MEANS: i32 = TEXELS + DIVISOR - 1;
-/// Texels a side that are read: of each mean, one before and two after.
-const SIDE: i32 = MEANS + 3;
-const INVOCATIONS: i32 = 256;
+/// Texels a side of a workgroup, and invocations.
+const TEXELS: i32 = 16;
+const INVOCATIONS: i32 = TEXELS * TEXELS;
+/// Texels from one mean of rays to the next, and means a side: those around all pixels.
+const MEAN_STEP: i32 = ROUGH_STEP;
+const MEANS: i32 = TEXELS / MEAN_STEP + 1;
+/// Texels a side that are read: for each mean, one ray before and two after.
+const BEFORE: i32 = ROUGH_STEP;
+const SIDE: i32 = BEFORE + TEXELS + 1 + 2 * ROUGH_STEP;
+/// The first of the texels whose pixels are made.
+const FIRST_MADE: i32 = BEFORE * (1 + SIDE);
 
 /// Radius of a lobe where it meets a surface, in pixels, up to which it is taken for a single place, and from which on it
 /// is the mean of rays.
@@ -24,12 +27,14 @@ const SMOOTH_UP_TO: f32 = 2.0;
 const ROUGH_FROM: f32 = 8.0;
 
 /// Half floats of light times confidence, and confidence: many workgroups are to find room.
-var<workgroup> lights: array<vec2<u32>, #{SIDE_SQUARED}>;
+var<workgroup> lights: array<vec2<u32>, SIDE * SIDE>;
 /// Normal, and depth: all 0 where nothing mirrors.
-var<workgroup> mirrors: array<vec4<f32>, #{SIDE_SQUARED}>;
-var<workgroup> hits: array<u32, #{SIDE_SQUARED}>;
-/// Light times confidence, and confidence, of 4×4 texels.
-var<workgroup> means: array<vec2<u32>, #{MEANS_SQUARED}>;
+var<workgroup> mirrors: array<vec4<f32>, SIDE * SIDE>;
+/// With a bit for those of rough surfaces, whose rays are further apart.
+var<workgroup> hits: array<u32, SIDE * SIDE>;
+const IS_ROUGH: u32 = 1u;
+/// Light times confidence, and confidence, of 4×4 rays.
+var<workgroup> means: array<vec2<u32>, MEANS * MEANS>;
 
 /// 1 if any of them mirrors: all write the same.
 var<workgroup> mirrors_any: u32;
@@ -42,10 +47,6 @@ struct Receiver {
     slope: vec2<f32>,
     /// Of the step in depth that separates surfaces a texel apart.
     inverse_step: f32,
-    /// In view space.
-    position: vec3<f32>,
-    /// From where distances of mirror images count, in metres.
-    distance: f32,
     /// In world space.
     normal: vec3<f32>,
     roughness: f32,
@@ -59,9 +60,8 @@ fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
     return vec4(unpack2x16float(words.x), unpack2x16float(words.y));
 }
 
-/// How alike the surface of a texel is to one with this normal, which there would have the depth `expected`: 0 to 1.
-fn likeness(normal: vec3<f32>, expected: f32, texel: i32, inverse_step: f32) -> f32 {
-    let other = mirrors[texel];
+/// How alike a surface, normal and depth, is to one with this normal, which there would have the depth `expected`: 0 to 1.
+fn likeness(normal: vec3<f32>, expected: f32, other: vec4<f32>, inverse_step: f32) -> f32 {
     let near = saturate(2.0 - abs(other.w - expected) * inverse_step);
     // 0 where there is no normal.
     return near * saturate(8.0 * dot(normal, other.xyz) - 7.0);
@@ -70,7 +70,7 @@ fn likeness(normal: vec3<f32>, expected: f32, texel: i32, inverse_step: f32) -> 
 /// How alike the surface of a texel is to the receiver, from which it is `offset` texels away.
 fn likeness_of(receiver: Receiver, texel: i32, offset: vec2<f32>) -> f32 {
     let expected = receiver.depth + dot(receiver.slope, offset);
-    return likeness(receiver.normal, expected, texel, receiver.inverse_step);
+    return likeness(receiver.normal, expected, mirrors[texel], receiver.inverse_step);
 }
 
 /// From texel to texel.
@@ -82,38 +82,57 @@ fn slope_at(texel: i32) -> vec2<f32> {
     );
 }
 
-/// How wide a lobe of roughness `alpha` is on screen, at so many metres on its way, in pixels.
-fn lobe_radius(alpha: f32, metres: f32, distance: f32) -> f32 {
+/// How wide a lobe of a roughness squared of 1 is on screen, at so many metres on its way and so far from the camera, in pixels.
+fn lobe_width(metres: f32, distance: f32) -> f32 {
 #ifdef PROJECTION_ORTHOGRAPHIC
-    return 2.0 * alpha * metres * abs(view.pixels_per_metre.y);
+    return 2.0 * metres * abs(view.pixels_per_metre.y);
 #else
-    return 2.0 * alpha * metres * abs(view.pixels_per_metre.y) / max(distance, 1e-6);
+    return 2.0 * metres * abs(view.pixels_per_metre.y) / max(distance, 1e-6);
 #endif
+}
+
+/// What the rays of the texels around have found themselves, for outlines: light times confidence, and confidence.
+fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
+    var sum = vec4(0.0);
+    var weights = 1e-12;
+    for (var i = 0; i < 4; i++) {
+        let corner = vec2<f32>(vec2(i & 1, i >> 1u));
+        let texel = first + (i & 1) + SIDE * (i >> 1u);
+        // Of rough surfaces a ray beside it may be the only one.
+        let near = max(1.0 - abs(corner - along), vec2(1e-3));
+        let alike = likeness_of(receiver, texel, corner - along);
+        let weight = select(0.0, near.x * near.y * alike, hits[texel] > IS_ROUGH);
+        sum += weight * unpack_halves(lights[texel]);
+        weights += weight;
+    }
+    return sum / weights;
 }
 
 /// Light times confidence, and confidence.
 fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
-    let direction = reflect(-to_viewer(receiver.position), rotated(receiver.normal));
-    let alpha = receiver.roughness * receiver.roughness;
+    let origin = view_position(receiver.at, receiver.depth);
+    let direction = reflect(-to_viewer(origin), rotated(receiver.normal));
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let distance_to_viewer = 0.0;
+#else
+    let distance_to_viewer = length(origin);
+#endif
     var sum = vec4(0.0);
     var weights = 0.0;
-    // What they have found themselves, for outlines.
-    var around = vec4(0.0);
-    var weights_around = 1e-6;
     for (var i = 0; i < 4; i++) {
         let corner = vec2(i & 1, i >> 1u);
         let near = select(1.0 - along, along, corner == vec2(1));
+        if near.x * near.y == 0.0 {
+            continue;
+        }
         let texel = first + corner.x + SIDE * corner.y;
         let image = unpack_distance(hits[texel]);
         let alike = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
-        let found = unpack_halves(lights[texel]);
-        around += alike * found;
-        weights_around += alike;
         if alike == 0.0 || image == 0.0 {
             continue;
         }
         // Is a surface there on the way of this pixel's ray?
-        let position = receiver.position + direction * (image - receiver.distance);
+        let position = origin + direction * (image - distance_to_viewer);
         let seen = view.pixel_from_view * vec4(position, 1.0);
         if !(seen.w > 0.0) {
             continue;
@@ -125,17 +144,19 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
         let way = abs(at.xy - receiver.at);
         let is_away = max(way.x, way.y) > 1.5;
         let match_weight = alike * select(0.0, saturate(2.0 - abs(depth - at.z) / max(step, 1e-30)), is_away);
-        sum += vec4(position, found.a) * match_weight;
+        sum += vec4(position, unpack2x16float(lights[texel].y).y) * match_weight;
         weights += match_weight;
     }
     if !(weights > 0.02) {
-        return around / weights_around;
+        // For outlines.
+        return light_around(receiver, first, along);
     }
     let mean = sum / weights;
     let seen = view.pixel_from_view * vec4(mean.xyz, 1.0);
     let at = seen.xyz / seen.w;
-    let metres = distance(mean.xyz, receiver.position);
-    let level = log2(max(2.0 * lobe_radius(alpha, metres, -mean.z), 1.0));
+    let metres = distance(mean.xyz, origin);
+    let alpha = receiver.roughness * receiver.roughness;
+    let level = log2(max(2.0 * alpha * lobe_width(metres, -mean.z), 1.0));
     let light = last_light(at, mean.xyz, level);
     let confidence = mean.w * light.w;
     return vec4(light.rgb * confidence, confidence);
@@ -151,13 +172,15 @@ fn mean_at(texel: i32) -> vec4<f32> {
     let normal = mirrors[texel].xyz;
     let slope = slope_at(texel);
     let inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
+    let apart = select(1, ROUGH_STEP, (hits[texel] & IS_ROUGH) != 0u);
+    let slope_apart = slope * f32(apart);
     var weights = 0.0;
     for (var y = -1; y <= 2; y++) {
-        let expected_in_row = depth + slope.y * f32(y);
+        let expected_in_row = depth + slope_apart.y * f32(y);
         for (var x = -1; x <= 2; x++) {
-            let other = texel + x + SIDE * y;
-            let expected = expected_in_row + slope.x * f32(x);
-            let weight = likeness(normal, expected, other, inverse_step) * unpack_weight(hits[other]);
+            let other = texel + apart * (x + SIDE * y);
+            let expected = expected_in_row + slope_apart.x * f32(x);
+            let weight = likeness(normal, expected, mirrors[other], inverse_step) * unpack_weight(hits[other]);
             sum += weight * unpack_halves(lights[other]);
             weights += weight;
         }
@@ -165,26 +188,33 @@ fn mean_at(texel: i32) -> vec4<f32> {
     return sum / max(weights, 1e-6);
 }
 
-/// Light times confidence, and confidence: between the means around the pixel.
-fn rough_light(receiver: Receiver, first: i32, mean: i32, along: vec2<f32>) -> vec4<f32> {
-    if DIVISOR == 1 {
-        return mean_at(first);
-    }
+/// Light times confidence, and confidence: between the means around the pixel. A mean is of 4×4 rays, and so between them each of
+/// those that make a lobe weighs alike.
+fn rough_light(receiver: Receiver, place: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
+    let corner = place / MEAN_STEP;
+    let mean = corner.x + MEANS * corner.y;
+    let texel = MEAN_STEP * (corner.x + SIDE * corner.y) + FIRST_MADE;
+    let along_means = (vec2<f32>(place % MEAN_STEP) + along) / f32(MEAN_STEP);
     var sum = vec4(0.0);
-    var weights = 1e-6;
+    var weights = 0.0;
     for (var i = 0; i < 4; i++) {
         let corner = vec2(i & 1, i >> 1u);
-        let near = select(1.0 - along, along, corner == vec2(1));
-        let weight = near.x * near.y * likeness_of(receiver, first + corner.x + SIDE * corner.y, vec2<f32>(corner) - along);
+        let near = select(1.0 - along_means, along_means, corner == vec2(1));
+        let offset = f32(MEAN_STEP) * (vec2<f32>(corner) - along_means);
+        let alike = likeness_of(receiver, texel + MEAN_STEP * (corner.x + SIDE * corner.y), offset);
+        let weight = near.x * near.y * alike;
         sum += weight * unpack_halves(means[mean + corner.x + MEANS * corner.y]);
         weights += weight;
+    }
+    // What is narrower than means are apart.
+    if weights < 0.02 {
+        return light_around(receiver, first, along);
     }
     return sum / weights;
 }
 
-/// How wide the lobe is on screen where the rays beside it ended, in pixels.
-fn radius_at(receiver: Receiver, first: i32) -> f32 {
-    let alpha = receiver.roughness * receiver.roughness;
+/// How wide the lobe of a texel is on screen where the rays beside it ended, in pixels, for a roughness squared of 1.
+fn width_at(first: i32, position: vec3<f32>) -> f32 {
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0; i < 4; i++) {
@@ -192,47 +222,54 @@ fn radius_at(receiver: Receiver, first: i32) -> f32 {
         sum += image;
         count += select(0.0, 1.0, image > 0.0);
     }
+    let distance = length(position);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let begin = 0.0;
+#else
+    let begin = distance;
+#endif
     // Where they met nothing, as wide as if that was as far away as the mirror: what others met further beside is in the lobe of
     // a rough one, and not what a smooth one mirrors.
-    let distance = length(receiver.position);
-    let metres = select(distance, sum / max(count, 1.0) - receiver.distance, count > 0.0);
+    let metres = select(distance, sum / max(count, 1.0) - begin, count > 0.0);
     // What is mirrored is about as far away as the mirror: nearer or further is nothing that matters.
-    return lobe_radius(alpha, metres, distance);
+    return lobe_width(metres, distance);
 }
 
+/// `place` is that of the pixel in the workgroup.
 fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     let depth = depth_in_view(pixel);
-    if !(depth > 0.0) || view.exposure_ratio == 0.0 {
-        return vec4(0.0);
-    }
-    let mirror = mirror_at(pixel);
+    let mirror = mirror_of(pixel, normal_word_at(pixel));
     let fade = smoothness(mirror.roughness) * view.intensity;
-    if fade == 0.0 {
+    if !(depth > 0.0) || fade == 0.0 {
         return vec4(0.0);
     }
     let texel = place / DIVISOR;
-    let first = (texel.x + 1) + SIDE * (texel.y + 1);
+    let first = texel.x + SIDE * texel.y + FIRST_MADE;
     var receiver: Receiver;
     receiver.at = vec2<f32>(pixel) + 0.5;
     receiver.depth = depth;
     receiver.normal = mirror.normal;
     receiver.roughness = mirror.roughness;
-    receiver.position = view_position(receiver.at, depth);
-#ifndef PROJECTION_ORTHOGRAPHIC
-    receiver.distance = length(receiver.position);
-#endif
     receiver.slope = slope_at(first);
     receiver.inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
     let along = vec2<f32>(place % DIVISOR) / f32(DIVISOR);
-    let roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius_at(receiver, first));
+    let alpha = mirror.roughness * mirror.roughness;
+    let radius = alpha * width_at(first, view_position(receiver.at, depth));
+    let roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius);
     var light = vec4(0.0);
     if roughness < 1.0 {
         light += (1.0 - roughness) * smooth_light(receiver, first, along);
     }
     if roughness > 0.0 {
-        light += roughness * rough_light(receiver, first, texel.x + MEANS * texel.y, along);
+        light += roughness * rough_light(receiver, texel, first, along);
     }
     return vec4(light.rgb / max(light.a, 1e-6), light.a * fade);
+}
+
+/// Of the pixels of a workgroup the one with this number, 16×2 of them together: what a subgroup of 32 writes at once is to fill squares
+/// of 2×2 pixels, else it takes twice to three times as long.
+fn nth_pixel(n: i32) -> vec2<i32> {
+    return vec2(n % 16 + n / 32 % DIVISOR * 16, n / (32 * DIVISOR) * 2 + n / 16 % 2);
 }
 
 @compute @workgroup_size(256, 1, 1)
@@ -243,10 +280,10 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         mirrors_any = 0u;
     }
     workgroupBarrier();
-    let corner = vec2<i32>(workgroup.xy) * TEXELS - 1;
+    let corner = vec2<i32>(workgroup.xy) * TEXELS;
     let last = vec2<i32>(view.texture_size) - 1;
     for (var read = i; read < SIDE * SIDE; read += INVOCATIONS) {
-        let texel = corner + vec2(read % SIDE, read / SIDE);
+        let texel = corner + vec2(read % SIDE, read / SIDE) - BEFORE;
         let inside = clamp(texel, vec2(0), last);
         // All are asked for before any is waited for.
         let word = normal_word_at(inside * DIVISOR);
@@ -254,25 +291,28 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         let hit = textureLoad(hits_texture, inside, 0).r;
         let depth = depth_in_view(inside * DIVISOR);
         let mirror = mirror_of(inside * DIVISOR, word);
-        lights[read] = pack_halves(vec4(light.rgb * light.a, light.a));
-        hits[read] = hit;
         // What is beyond the rim counts for nothing.
         let counts = all(texel == inside) && smoothness(mirror.roughness) > 0.0;
+        // Where there is no ray, the textures hold anything.
+        let apart = step_of_rays(mirror.roughness);
+        let has_ray = counts && depth > 0.0 && all(texel % apart == vec2(0));
+        lights[read] = select(vec2(0u), pack_halves(vec4(light.rgb * light.a, light.a)), has_ray);
+        hits[read] = select(0u, hit, has_ray) | select(0u, IS_ROUGH, apart > 1);
         mirrors[read] = select(vec4(0.0), vec4(mirror.normal, depth), counts);
         if counts {
             mirrors_any = 1u;
         }
     }
-    let is_empty = workgroupUniformLoad(&mirrors_any) == 0u;
-    if DIVISOR > 1 && !is_empty {
+    let is_empty = workgroupUniformLoad(&mirrors_any) == 0u || view.exposure_ratio == 0.0;
+    if !is_empty {
         for (var mean = i; mean < MEANS * MEANS; mean += INVOCATIONS) {
-            means[mean] = pack_halves(mean_at((mean % MEANS + 1) + SIDE * (mean / MEANS + 1)));
+            means[mean] = pack_halves(mean_at(MEAN_STEP * (mean % MEANS + SIDE * (mean / MEANS)) + FIRST_MADE));
         }
         workgroupBarrier();
     }
-    for (var n = i; n < PIXELS * PIXELS; n += INVOCATIONS) {
-        let place = vec2(n % PIXELS, n / PIXELS);
-        let pixel = vec2<i32>(workgroup.xy) * PIXELS + place;
+    for (var n = i; n < INVOCATIONS * DIVISOR * DIVISOR; n += INVOCATIONS) {
+        let place = nth_pixel(n);
+        let pixel = corner * DIVISOR + place;
         if all(pixel < vec2<i32>(view.viewport_size)) {
             var light = vec4(0.0);
             if !is_empty {

@@ -95,15 +95,19 @@ impl Default for LeanScreenSpaceReflections {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceReflectionsQuality {
-    /// 128 steps; from rough surfaces 64 segments of 8 pixels, or a quarter of the lobe's radius where that is longer, and 8 rays make
-    /// their lobe.
+    /// 128 steps; of rough surfaces one of 2×2 texels sends a ray, in 64 segments of 8 pixels, or half of the lobe's radius where that
+    /// is longer.
     Low,
-    /// 256 steps; 64 segments of 8 pixels, or 0.22 of the radius, and 16 rays.
+    /// 256 steps; 64 segments of 8 pixels, or 0.22 of the radius. In views of 1440 rows or more one of 2×2 texels of rough surfaces sends
+    /// a ray, in others each does.
     #[default]
     Medium,
-    /// 512 steps; 128 segments of 4 pixels, or 0.075 of the radius, and 16 rays.
+    /// 512 steps; each texel sends a ray, in 128 segments of 4 pixels, or 0.075 of the radius.
     High,
 }
+
+/// From so many rows on as many pixels are as small a part of the picture as half of them are below.
+const MANY_ROWS: u32 = 1440;
 
 impl ScreenSpaceReflectionsQuality {
     /// All of them, cheapest first.
@@ -137,17 +141,18 @@ impl ScreenSpaceReflectionsQuality {
     /// How long they are, in hundredths of their way times the perceptual roughness squared.
     pub(super) fn growth_percent(self) -> u32 {
         match self {
-            Self::Low => 50,
+            Self::Low => 100,
             Self::Medium => 45,
             Self::High => 15,
         }
     }
 
-    /// Rays that make the lobe of a rough surface.
-    pub fn rough_rays(self) -> u32 {
+    /// From one ray of rough surfaces to the next, in texels each way, in a view of so many rows.
+    pub fn rough_step(self, rows: u32) -> u32 {
         match self {
-            Self::Low => 8,
-            Self::Medium | Self::High => 16,
+            Self::Low => 2,
+            Self::Medium if rows >= MANY_ROWS => 2,
+            Self::Medium | Self::High => 1,
         }
     }
 }

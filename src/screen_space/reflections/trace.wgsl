@@ -1,11 +1,12 @@
 // Finds what each texel mirrors: one ray of the lobe of its surface, another one for each of 4×4 texels, through the depth
-// of this frame into the light of the last one. Of rough surfaces every other texel does.
+// of this frame into the light of the last one. Of rough surfaces one of ROUGH_STEP texels each way does.
 #import bevy_lean_deferred::ggx::sample_lobe
 #import bevy_lean_deferred::gbuffer::layout::is_finite
 #import bevy_lean_deferred::horizon::tangents
 #import bevy_lean_deferred::pattern::turn_of
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    DIVISOR, depth_in_view, hits_output, pack_hit, rays_output, to_viewer, view, view_position,
+    DIVISOR, ROUGH, depth_in_view, hits_output, pack_hit, rays_output, step_of_rays, to_viewer, view,
+    view_position,
 }
 #import bevy_lean_deferred::screen_space::reflections::ray::{Met, metres_at, ray_on_screen}
 #import bevy_lean_deferred::screen_space::reflections::rough_march
@@ -13,12 +14,9 @@
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, rotated, smoothness}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
-/// Rays that make a lobe together: those of 4×4 texels, or of every other one of them.
+/// Rays that make a lobe together: those of 4×4 texels, or of as many that are further apart.
 const RAYS: u32 = 16u;
-const ROUGH_RAYS: u32 = #{ROUGH_RAYS}u;
 
-/// Perceptual roughness from which on rays need not see every pixel.
-const ROUGH: f32 = 0.2;
 const ROUGH_SEGMENTS: u32 = #{ROUGH_SEGMENTS}u;
 const SMOOTH_STEPS: u32 = #{SMOOTH_STEPS}u;
 /// By how much the segments of a rough surface's ray grow with its way, in hundredths of its roughness squared: 50 is the radius of
@@ -27,15 +25,14 @@ const GROWTH_PERCENT: f32 = f32(#{GROWTH_PERCENT}u);
 
 /// What a ray has found: light and confidence, and the word of its hit.
 struct Found {
+    has_ray: bool,
     light: vec4<f32>,
     hit: u32,
 }
 
-/// Two random numbers from 0 to 1 for each of so many rays, 8 or 16 (Hammersley 1960, "Monte Carlo methods for solving
-/// multivariable problems").
-fn numbers_of(ray: u32, rays: u32) -> vec2<f32> {
-    let mirrored = reverseBits(ray) >> select(28u, 29u, rays == 8u);
-    let pair = (vec2(f32(ray), f32(mirrored)) + 0.5) / f32(rays);
+/// Two random numbers from 0 to 1 for each of them (Hammersley 1960, "Monte Carlo methods for solving multivariable problems").
+fn numbers_of(ray: u32) -> vec2<f32> {
+    let pair = (vec2(f32(ray), f32(reverseBits(ray) >> 28u)) + 0.5) / f32(RAYS);
     return fract(pair + view.turn * vec2(1.0, 0.754877));
 }
 
@@ -45,7 +42,7 @@ fn rim_fade(at: vec2<f32>) -> f32 {
     return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
 }
 
-fn found_at(texel: vec2<i32>, turn: u32) -> Found {
+fn found_at(texel: vec2<i32>) -> Found {
     var found: Found;
     let pixel = texel * DIVISOR;
     let depth = depth_in_view(pixel);
@@ -58,10 +55,12 @@ fn found_at(texel: vec2<i32>, turn: u32) -> Found {
     }
     let start = vec3(vec2<f32>(pixel) + 0.5, depth);
     let is_rough = mirror.roughness > ROUGH;
-    let rays = select(RAYS, ROUGH_RAYS, is_rough);
-    if turn >= rays {
+    let apart = step_of_rays(mirror.roughness);
+    if any(texel % apart != vec2(0)) {
         return found;
     }
+    found.has_ray = true;
+    let turn = turn_of(vec2<u32>(texel / apart) & vec2(3u));
     let position = view_position(start.xy, depth);
     let V = to_viewer(position);
     let normal = rotated(mirror.normal);
@@ -69,7 +68,7 @@ fn found_at(texel: vec2<i32>, turn: u32) -> Found {
     // Shading normals may lean away from the viewer.
     let local = vec3(V * basis, max(dot(V, normal), 1e-3));
     let alpha = mirror.roughness * mirror.roughness;
-    let sample = sample_lobe(normalize(local), alpha, numbers_of(turn, rays));
+    let sample = sample_lobe(normalize(local), alpha, numbers_of(turn));
     found.hit = pack_hit(0.0, sample.weight);
     if sample.weight == 0.0 {
         return found;
@@ -96,7 +95,7 @@ fn found_at(texel: vec2<i32>, turn: u32) -> Found {
 #else
     let wide = metres * scale / max(-hit.z, 1e-6);
 #endif
-    let level = 0.5 * log2(max(wide * wide / (f32(rays) * sample.density), 1.0));
+    let level = 0.5 * log2(max(wide * wide / (f32(RAYS) * sample.density), 1.0));
     let seen = last_light(met.place, hit, level);
     let confidence = seen.w * met.certainty * rim_fade(met.place.xy);
     if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
@@ -118,13 +117,18 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    // Texels of one colour of a chessboard share a workgroup: those of the others have nothing to do where all is rough.
-    let color = workgroup.x & 1u;
-    let pair = (invocation & 1u) | (((invocation & 1u) ^ color) << 1u);
-    let tile = vec2((workgroup.x & 0xfffffffeu) + (invocation >> 5u), workgroup.y);
-    let texel = pixel_in_view(tile, workgroups.xy, view.row_stride, pair | ((invocation << 1u) & 0x3cu));
+    // A workgroup has one of 2×2 texels each in four tiles: three of four have nothing to do where all is rough.
+    let tile = vec2((workgroup.x & 0xfffffffcu) + (invocation >> 4u), workgroup.y);
+    let place = ((invocation & 15u) << 2u) | (workgroup.x & 3u);
+    let texel = pixel_in_view(tile, workgroups.xy, view.row_stride, place);
     if all(texel < view.texture_size) {
-        let found = found_at(vec2<i32>(texel), turn_of(texel & vec2(3u)));
+        let found = found_at(vec2<i32>(texel));
+#ifndef SHOWN
+        // What is there otherwise nobody reads.
+        if !found.has_ray {
+            return;
+        }
+#endif
         textureStore(rays_output, texel, found.light);
         textureStore(hits_output, texel, vec4(found.hit));
     }

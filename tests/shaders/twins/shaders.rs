@@ -173,7 +173,11 @@ pub fn all() -> &'static [Composed] {
             shader!("screen_space/diffuse_gi/forward_light.wgsl",),
             shader!("screen_space/history/levels.wgsl",),
             shader!("screen_space/history/levels.wgsl", "OF_LEVEL"),
-            shader!("screen_space/reflections/cells.wgsl", "DIVISOR=1"),
+            shader!(
+                "screen_space/reflections/cells.wgsl",
+                "DIVISOR=1",
+                "ROUGH_STEP=1"
+            ),
             shader!(
                 "screen_space/reflections/trace.wgsl",
                 "DIVISOR=2",
@@ -181,16 +185,14 @@ pub fn all() -> &'static [Composed] {
                 "SHORTEST_SEGMENT=8",
                 "GROWTH_PERCENT=30",
                 "SMOOTH_STEPS=1",
-                "ROUGH_RAYS=8",
+                "ROUGH_STEP=2",
                 "MOTION",
                 "SPECIALIZATION"
             ),
             shader!(
                 "screen_space/reflections/resolve.wgsl",
                 "DIVISOR=2",
-                "PIXELS=32",
-                "SIDE_SQUARED=400",
-                "MEANS_SQUARED=289"
+                "ROUGH_STEP=2"
             ),
             shader!("screen_space/subsurface/down.wgsl", "LISTED"),
             shader!("screen_space/subsurface/down.wgsl",),

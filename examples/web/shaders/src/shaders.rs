@@ -158,8 +158,8 @@ fn passes() -> Vec<Shader> {
 fn screen_space() -> Vec<Shader> {
     let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2"];
     let sides: &[&str] = &[
-        "DIVISOR=1 PIXELS=16 SIDE_SQUARED=361 MEANS_SQUARED=256",
-        "DIVISOR=2 PIXELS=32 SIDE_SQUARED=400 MEANS_SQUARED=289",
+        "DIVISOR=1 ROUGH_STEP=1",
+        "DIVISOR=2 ROUGH_STEP=2",
     ];
     let special: &[&str] = &["", "SPECIALIZATION"];
     let orthographic: &[&str] = &["", "PROJECTION_ORTHOGRAPHIC"];
@@ -171,9 +171,9 @@ fn screen_space() -> Vec<Shader> {
         "SHOWS_HIT",
     ];
     let gi = combinations("SLICES=2 STEPS=3", &[divisors, PROJECTIONS]);
-    let mirrors = || {
-        let samples = "ROUGH_SEGMENTS=4 SHORTEST_SEGMENT=8 GROWTH_PERCENT=30 SMOOTH_STEPS=8 ROUGH_RAYS=8";
-        combinations(samples, &[sides, MOTION, special, PROJECTIONS])
+    let mirrors = |shown: &[&str]| {
+        let samples = "ROUGH_SEGMENTS=4 SHORTEST_SEGMENT=8 GROWTH_PERCENT=30 SMOOTH_STEPS=8";
+        combinations(samples, &[sides, MOTION, special, PROJECTIONS, shown])
     };
     let up: &[&[&str]] = &[&["", "PICTURE"], &["", "DRAWN_OUT"], orthographic];
     vec![
@@ -190,9 +190,9 @@ fn screen_space() -> Vec<Shader> {
             "screen_space/diffuse_gi/filter.wgsl",
             combinations("", &[divisors, PROJECTIONS]),
         ),
-        ("screen_space/reflections/cells.wgsl", mirrors()),
-        ("screen_space/reflections/trace.wgsl", mirrors()),
-        ("screen_space/reflections/resolve.wgsl", mirrors()),
+        ("screen_space/reflections/cells.wgsl", mirrors(&[""])),
+        ("screen_space/reflections/trace.wgsl", mirrors(&["", "SHOWN"])),
+        ("screen_space/reflections/resolve.wgsl", mirrors(&[""])),
         (
             "screen_space/subsurface/down.wgsl",
             combinations("", &[&["", "LISTED"], orthographic]),
