@@ -6,8 +6,8 @@
 # Drivers: mesa22-4, mesa22-8, mesa22-16 (Mesa 22's llvmpipe with subgroups of 4, 8, 16), mesa25 (it has binding arrays), swiftshader, webgpu
 # (Mesa 22 with no more than WebGPU's default limits and features), own (this machine's GPU, if it has one). Without names: all of them.
 # Filters are names of tests, or parts of them. TOPICS names some of the test binaries, separated by spaces. BINARIES names a folder of
-# test binaries, called as the topics are, and the viewer, that were built elsewhere: for a machine with a GPU and without Rust. THREADS says how many
-# tests run at a time, 2 if not said: each render thread of a software driver takes all cores anyway.
+# test binaries, called as the topics are, and the viewer, that were built elsewhere: for a machine with a GPU and without Rust. THREADS
+# says how many tests run at a time, 2 if not said: each render thread of a software driver takes all cores anyway.
 #
 # What is missing is fetched into a cache folder, never into the system: on Debian 12, from where its packages come from. Each driver's
 # log is kept there too.

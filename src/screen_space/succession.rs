@@ -23,6 +23,16 @@ pub struct LastFrame {
     pub exposure: f32,
 }
 
+/// The part of the target that is drawn.
+pub(super) fn drawn_part(
+    view: &ExtractedView,
+    resolution: Option<&MainPassResolutionOverride>,
+) -> URect {
+    let corner = view.viewport.xy();
+    let size = resolution.map_or(view.viewport.zw(), |resolution| resolution.0);
+    URect::from_corners(corner, corner + size)
+}
+
 impl LastFrame {
     /// That of a view in the frame that is being prepared.
     pub(super) fn of(
@@ -30,12 +40,10 @@ impl LastFrame {
         resolution: Option<&MainPassResolutionOverride>,
         exposure: f32,
     ) -> Self {
-        let viewport = view.viewport;
-        let size = resolution.map_or(viewport.zw(), |resolution| resolution.0);
         Self {
             clip_from_view: view.clip_from_view,
             world_from_view: view.world_from_view.to_matrix(),
-            viewport: URect::from_corners(viewport.xy(), viewport.xy() + size),
+            viewport: drawn_part(view, resolution),
             exposure,
         }
     }

@@ -241,41 +241,57 @@ fn mirror_images_stay_where_they_are_while_the_camera_pans() {
             .map(|i| Vec2::new((i % 24) as f32, (i / 24) as f32) / 24.0)
             .map(|at| Vec3::new(0.7 * at.x - 0.25, -(0.15 + 1.2 * at.y), -1.5))
             .collect();
-        for (roughness, most) in [(0.0, [0.004, 0.002]), (0.3, [0.012, 0.003])] {
+        let light = |headless: &mut Headless, seen: &Seen| -> Vec<Option<f32>> {
+            let places = places.iter();
+            places
+                .map(|place| light_at(headless, seen, *place))
+                .collect()
+        };
+        type Lights = Vec<Option<f32>>;
+        let less = |some: &Lights, other: &Lights| -> Vec<f32> {
+            let pairs = some.iter().zip(other);
+            pairs
+                .filter_map(|(some, other)| Some((*some)? - (*other)?))
+                .collect()
+        };
+        let smooth = (0.0, ScreenSpaceReflectionsQuality::Medium, [0.004, 0.006]);
+        let rough =
+            ScreenSpaceReflectionsQuality::ALL.map(|quality| (0.3, quality, [0.013, 0.007]));
+        for (roughness, quality, most) in [smooth].into_iter().chain(rough) {
             let mut headless = mirror_app(SMALL, roughness, |camera| {
-                camera.insert((reflections(), pose(0)));
+                let effect = LeanScreenSpaceReflections {
+                    quality,
+                    ..reflections()
+                };
+                camera.insert((effect, pose(0)));
             });
-            let mut last = see(&mut headless, 8);
-            let light = |headless: &mut Headless, seen: &Seen| -> Vec<Option<f32>> {
-                let places = places.iter();
-                places
-                    .map(|place| light_at(headless, seen, *place))
-                    .collect()
-            };
-            let mut before = light(&mut headless, &last);
-            let mut differences = Vec::new();
+            let first = see(&mut headless, 8);
+            let mut before = light(&mut headless, &first);
+            let [mut differences, mut lags] = [Vec::new(), Vec::new()];
             for frame in 1..=60 {
                 change_cameras(&mut headless, |camera| {
                     camera.insert(pose(frame));
                 });
-                last = look_at_once(&mut headless);
-                let now = light(&mut headless, &last);
-                let pairs = before.iter().zip(&now);
-                differences.extend(pairs.filter_map(|(before, now)| Some((*now)? - (*before)?)));
-                before = now;
+                let moving = look_at_once(&mut headless);
+                let moving = light(&mut headless, &moving);
+                differences.extend(less(&moving, &before));
+                before = moving;
+                // At rest for a while, now and then.
+                if frame % 10 == 0 {
+                    headless.frames(8);
+                    let still = look(&mut headless);
+                    let still = light(&mut headless, &still);
+                    lags.extend(less(&before, &still));
+                    before = still;
+                }
             }
-            headless.frames(8);
-            let still = look(&mut headless);
-            let at_rest = light(&mut headless, &still);
-            let lag = before.iter().zip(&at_rest);
-            let lag = lag.filter_map(|(moving, still)| Some((*moving)? - (*still)?));
-            let ((from_frame_to_frame, _), (lag, bias)) =
-                (errors(differences.iter().copied()), errors(lag));
+            let places = differences.len();
+            let (from_frame_to_frame, _) = errors(differences);
+            let (lag, bias) = errors(lags);
             println!(
-                "roughness {roughness}: from frame to frame {from_frame_to_frame:.4}, to the camera at rest {lag:.4} ({bias:+.4}); {} places",
-                differences.len()
+                "roughness {roughness}, {quality:?}: from frame to frame {from_frame_to_frame:.4}, to the camera at rest {lag:.4} ({bias:+.4}); {places} places",
             );
-            assert!(differences.len() > 60 * 200);
+            assert!(places > 60 * 200);
             assert!(from_frame_to_frame < most[0] && lag < most[1] && bias.abs() < 1e-3);
         }
     });

@@ -11,7 +11,8 @@ use kit::{
 };
 
 use super::scenes::{
-    self, EYE, SIZE, SMALL, floor, floor_light, glowing, looking, range, reflections, spawn_floor,
+    self, EYE, SIZE, SMALL, TALL, floor, floor_light, glowing, looking, range, reflections,
+    spawn_floor,
 };
 
 fn at_resolution(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflections {
@@ -57,6 +58,22 @@ fn a_rough_floor_shows_the_lobe_of_a_quad() {
                 println!("{roughness}, {resolution:?}: {found:.4?}, Bevy's {bevys:.4?}");
                 assert!(found.rmse < 0.5 * bevys.rmse);
             }
+        }
+    });
+}
+
+/// In pictures of so many rows a ray of a rough floor stands for 4×4 pixels.
+#[test]
+fn rough_floors_of_large_pictures_need_fewer_rays() {
+    in_own_process(|| {
+        assert_eq!(reflections().quality.rough_step(TALL.y), 2);
+        for (roughness, most) in [(0.3, 0.06), (0.5, 0.055)] {
+            let (seen, found) = rough_floor(TALL, roughness, |camera| {
+                camera.insert(reflections());
+            });
+            seen.save(&format!("rough_tall_{roughness}"), 1.0);
+            println!("{roughness}: {found:.4?}");
+            assert!(found.rmse < most);
         }
     });
 }

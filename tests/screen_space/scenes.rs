@@ -14,6 +14,8 @@ use kit::{
 
 pub const SIZE: UVec2 = UVec2::new(480, 360);
 pub const SMALL: UVec2 = UVec2::new(192, 144);
+/// As high as large pictures.
+pub const TALL: UVec2 = UVec2::new(1440, 1440);
 
 /// Where cameras are that a test does not place.
 pub const EYE: Vec3 = Vec3::new(0.0, 1.2, 3.0);

@@ -1,6 +1,7 @@
 //! Per camera and frame: whether reflections are found, and by which shaders.
 
 use bevy::{
+    camera::MainPassResolutionOverride,
     core_pipeline::prepass::MotionVectorPrepass,
     prelude::*,
     render::{
@@ -12,10 +13,10 @@ use bevy::{
 use super::{
     key::ReflectionKey,
     pipelines::{ReflectionPasses, ReflectionPipelines},
-    settings::LeanScreenSpaceReflections,
+    settings::{LeanScreenSpaceReflections, ScreenSpaceReflectionsDebugView},
 };
 use crate::{
-    screen_space::ReadsHistory,
+    screen_space::{ReadsHistory, succession::drawn_part},
     shader_library::reconstruction::position::projection_of,
     view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LeanDeferred, warn_once::WarnOnce},
 };
@@ -42,6 +43,7 @@ pub(super) fn decide_active_reflections(
             &LeanScreenSpaceReflections,
             Has<LeanDeferred>,
             Has<MotionVectorPrepass>,
+            Option<&MainPassResolutionOverride>,
             (Option<&ActiveLeanView>, Option<&ActiveReflections>),
         ),
         (With<Camera3d>, With<ExtractedCamera>),
@@ -56,20 +58,22 @@ pub(super) fn decide_active_reflections(
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, view, settings, is_lean, motion, (last, current)) in &views {
+    for (entity, view, settings, is_lean, motion, resolution, (last, current)) in &views {
         let reason = (!is_lean).then_some("it has no LeanDeferred");
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceReflections", camera, reason);
         let key = ReflectionKey {
             quality: settings.quality,
             divisor: settings.resolution.divisor(),
-            rough_step: settings.quality.rough_step(view.viewport.w),
+            rough_step: settings
+                .quality
+                .rough_step(drawn_part(view, resolution).height()),
             motion,
             // Those of the last frame: where the target is new, coats mirror a frame later.
             specialization: last
                 .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
             projection: projection_of(view.clip_from_view),
-            shown: settings.debug_view.is_some(),
+            shown: settings.debug_view == Some(ScreenSpaceReflectionsDebugView::Hit),
         };
         let wanted = is_lean.then(|| ActiveReflections {
             settings: *settings,

@@ -102,7 +102,7 @@ impl ViewReflections {
     /// Workgroups of the passes, of which each of the last one's makes so many pixels a side.
     pub(super) fn workgroups(&self, resolve_side: u32) -> [UVec2; 3] {
         let of = |size: UVec2, side: u32| size.map(|length| length.div_ceil(side));
-        // Four workgroups share four tiles.
+        // Up to four workgroups share as many tiles.
         let tiles = tiles::count(self.texture_size);
         let tiles = tiles.with_x(tiles.x.next_multiple_of(4));
         [

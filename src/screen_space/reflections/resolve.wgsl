@@ -12,14 +12,14 @@
 /// Texels a side of a workgroup, and invocations.
 const TEXELS: i32 = 16;
 const INVOCATIONS: i32 = TEXELS * TEXELS;
-/// Texels from one mean of rays to the next, and means a side: those around all pixels.
-const MEAN_STEP: i32 = ROUGH_STEP;
-const MEANS: i32 = TEXELS / MEAN_STEP + 1;
+/// Pixels a side.
+const PIXELS: i32 = TEXELS * DIVISOR;
+/// Means of rays a side, as far apart as the rays of rough surfaces: those around all pixels.
+const MEANS: i32 = TEXELS / ROUGH_STEP + 1;
 /// Texels a side that are read: for each mean, one ray before and two after.
-const BEFORE: i32 = ROUGH_STEP;
-const SIDE: i32 = BEFORE + TEXELS + 1 + 2 * ROUGH_STEP;
+const SIDE: i32 = TEXELS + 1 + 3 * ROUGH_STEP;
 /// The first of the texels whose pixels are made.
-const FIRST_MADE: i32 = BEFORE * (1 + SIDE);
+const FIRST_MADE: i32 = ROUGH_STEP * (1 + SIDE);
 
 /// Radius of a lobe where it meets a surface, in pixels, up to which it is taken for a single place, and from which on it
 /// is the mean of rays.
@@ -191,17 +191,21 @@ fn mean_at(texel: i32) -> vec4<f32> {
 /// Light times confidence, and confidence: between the means around the pixel. A mean is of 4×4 rays, and so between them each of
 /// those that make a lobe weighs alike.
 fn rough_light(receiver: Receiver, place: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
-    let corner = place / MEAN_STEP;
+    let corner = place / ROUGH_STEP;
     let mean = corner.x + MEANS * corner.y;
-    let texel = MEAN_STEP * (corner.x + SIDE * corner.y) + FIRST_MADE;
-    let along_means = (vec2<f32>(place % MEAN_STEP) + along) / f32(MEAN_STEP);
+    let texel = ROUGH_STEP * (corner.x + SIDE * corner.y) + FIRST_MADE;
+    let along_means = (vec2<f32>(place % ROUGH_STEP) + along) / f32(ROUGH_STEP);
     var sum = vec4(0.0);
     var weights = 0.0;
     for (var i = 0; i < 4; i++) {
         let corner = vec2(i & 1, i >> 1u);
         let near = select(1.0 - along_means, along_means, corner == vec2(1));
-        let offset = f32(MEAN_STEP) * (vec2<f32>(corner) - along_means);
-        let alike = likeness_of(receiver, texel + MEAN_STEP * (corner.x + SIDE * corner.y), offset);
+        // At full resolution one of them counts.
+        if near.x * near.y == 0.0 {
+            continue;
+        }
+        let offset = f32(ROUGH_STEP) * (vec2<f32>(corner) - along_means);
+        let alike = likeness_of(receiver, texel + ROUGH_STEP * (corner.x + SIDE * corner.y), offset);
         let weight = near.x * near.y * alike;
         sum += weight * unpack_halves(means[mean + corner.x + MEANS * corner.y]);
         weights += weight;
@@ -266,12 +270,6 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     return vec4(light.rgb / max(light.a, 1e-6), light.a * fade);
 }
 
-/// Of the pixels of a workgroup the one with this number, 16×2 of them together: what a subgroup of 32 writes at once is to fill squares
-/// of 2×2 pixels, else it takes twice to three times as long.
-fn nth_pixel(n: i32) -> vec2<i32> {
-    return vec2(n % 16 + n / 32 % DIVISOR * 16, n / (32 * DIVISOR) * 2 + n / 16 % 2);
-}
-
 @compute @workgroup_size(256, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
@@ -283,7 +281,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let corner = vec2<i32>(workgroup.xy) * TEXELS;
     let last = vec2<i32>(view.texture_size) - 1;
     for (var read = i; read < SIDE * SIDE; read += INVOCATIONS) {
-        let texel = corner + vec2(read % SIDE, read / SIDE) - BEFORE;
+        let texel = corner + vec2(read % SIDE, read / SIDE) - ROUGH_STEP;
         let inside = clamp(texel, vec2(0), last);
         // All are asked for before any is waited for.
         let word = normal_word_at(inside * DIVISOR);
@@ -306,12 +304,12 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let is_empty = workgroupUniformLoad(&mirrors_any) == 0u || view.exposure_ratio == 0.0;
     if !is_empty {
         for (var mean = i; mean < MEANS * MEANS; mean += INVOCATIONS) {
-            means[mean] = pack_halves(mean_at(MEAN_STEP * (mean % MEANS + SIDE * (mean / MEANS)) + FIRST_MADE));
+            means[mean] = pack_halves(mean_at(ROUGH_STEP * (mean % MEANS + SIDE * (mean / MEANS)) + FIRST_MADE));
         }
         workgroupBarrier();
     }
-    for (var n = i; n < INVOCATIONS * DIVISOR * DIVISOR; n += INVOCATIONS) {
-        let place = nth_pixel(n);
+    for (var n = i; n < PIXELS * PIXELS; n += INVOCATIONS) {
+        let place = vec2(n % PIXELS, n / PIXELS);
         let pixel = corner * DIVISOR + place;
         if all(pixel < vec2<i32>(view.viewport_size)) {
             var light = vec4(0.0);

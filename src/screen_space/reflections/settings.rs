@@ -106,7 +106,7 @@ pub enum ScreenSpaceReflectionsQuality {
     High,
 }
 
-/// From so many rows on as many pixels are as small a part of the picture as half of them are below.
+/// In a picture of so many rows or more, 4×4 pixels are no larger a part of it than 2×2 are in one of 720.
 const MANY_ROWS: u32 = 1440;
 
 impl ScreenSpaceReflectionsQuality {

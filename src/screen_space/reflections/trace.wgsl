@@ -5,7 +5,7 @@
 #import bevy_lean_deferred::horizon::tangents
 #import bevy_lean_deferred::pattern::turn_of
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    DIVISOR, ROUGH, depth_in_view, hits_output, pack_hit, rays_output, step_of_rays, to_viewer, view,
+    DIVISOR, ROUGH, ROUGH_STEP, depth_in_view, hits_output, pack_hit, rays_output, step_of_rays, to_viewer, view,
     view_position,
 }
 #import bevy_lean_deferred::screen_space::reflections::ray::{Met, metres_at, ray_on_screen}
@@ -16,6 +16,9 @@
 
 /// Rays that make a lobe together: those of 4×4 texels, or of as many that are further apart.
 const RAYS: u32 = 16u;
+
+/// Texels of rough surfaces for which one sends a ray.
+const SHARED: u32 = u32(ROUGH_STEP * ROUGH_STEP);
 
 const ROUGH_SEGMENTS: u32 = #{ROUGH_SEGMENTS}u;
 const SMOOTH_STEPS: u32 = #{SMOOTH_STEPS}u;
@@ -117,9 +120,12 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    // A workgroup has one of 2×2 texels each in four tiles: three of four have nothing to do where all is rough.
-    let tile = vec2((workgroup.x & 0xfffffffcu) + (invocation >> 4u), workgroup.y);
-    let place = ((invocation & 15u) << 2u) | (workgroup.x & 3u);
+    // So many workgroups share as many tiles: each has one of ROUGH_STEP texels each way, and all but the first of them have
+    // nothing to do where all is rough.
+    let of_tile = 64u / SHARED;
+    let nth = workgroup.x % SHARED;
+    let tile = vec2(workgroup.x - nth + invocation / of_tile, workgroup.y);
+    let place = invocation % of_tile * SHARED + nth;
     let texel = pixel_in_view(tile, workgroups.xy, view.row_stride, place);
     if all(texel < view.texture_size) {
         let found = found_at(vec2<i32>(texel));
