@@ -89,6 +89,9 @@ select_driver() {
     own)
         # What the loader finds by itself, but for software.
         ls /dev/dri/render* /dev/nvidia0 2>/dev/null | grep -q . || return 1
+        # Nothing is installed there.
+        ls /usr/share/vulkan/explicit_layer.d /etc/vulkan/explicit_layer.d ${VK_LAYER_PATH:-} 2>/dev/null |
+            grep -q khronos_validation || export LEAN_TEST_LAYER=none
         ;;
     *) echo "drivers.sh: no driver is called $1; there are: $all" >&2 && exit 2 ;;
     esac

@@ -77,8 +77,18 @@ impl OcclusionGpu {
         }
     }
 
+    /// The path that the crate takes on this device.
+    pub fn path(&self) -> Path {
+        let stores = wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
+        if self.device.features().contains(stores) {
+            Path::Compute
+        } else {
+            Path::Raster
+        }
+    }
+
     pub fn run(&self, settings: &LeanAmbientOcclusion, image: &DepthImage) -> Occlusion {
-        self.run_by(Path::Compute, settings, image)
+        self.run_by(self.path(), settings, image)
     }
 
     pub fn run_by(

@@ -44,6 +44,12 @@ fn eight_bits_are_enough() {
 #[test]
 fn raster_and_compute_passes_agree() {
     let gpu = OcclusionGpu::new();
+    if gpu.path() == Path::Raster {
+        println!(
+            "skipped: occlusion by compute: the device has no storage textures of its formats"
+        );
+        return;
+    }
     let seen = corner().seen();
     for kernel in [OcclusionKernel::Hbao, OcclusionKernel::Hdao] {
         for resolution in [OcclusionResolution::Full, OcclusionResolution::Half] {

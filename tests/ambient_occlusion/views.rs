@@ -221,7 +221,7 @@ pub fn difference(result: &[f32], reference: &[f32]) -> Errors {
 
 /// As `OcclusionGpu::run`; panics if anything that comes out is not a number from 0 to 1.
 pub fn run(gpu: &OcclusionGpu, settings: &LeanAmbientOcclusion, image: &DepthImage) -> Occlusion {
-    run_by(Path::Compute, gpu, settings, image)
+    run_by(gpu.path(), gpu, settings, image)
 }
 
 pub fn run_by(

@@ -12,6 +12,7 @@ use kit::{
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::SceneBuilder,
+    skipped::where_light_scatters,
 };
 
 const SIZE: UVec2 = UVec2::new(96, 64);
@@ -217,7 +218,7 @@ fn history() {
 
 #[test]
 fn scattering() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         check(
             "lean_deferred/lighting/subsurface_light",
             LeanDeferred::default(),
@@ -227,7 +228,7 @@ fn scattering() {
 
 #[test]
 fn scattered_light() {
-    in_own_process(|| {
+    where_light_scatters(|| {
         check(
             "lean_deferred/screen_space/subsurface/scattered",
             LeanDeferred::default(),

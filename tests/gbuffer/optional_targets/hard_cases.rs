@@ -154,7 +154,7 @@ fn bright_and_broken_emission_matches_forward() {
             LinearRgba::rgb(-2.0, 0.3, 0.3),
             LinearRgba::rgb(1e-6, 1e-6, 1e-6),
         ];
-        report([compare("bright_emission", |s| {
+        let bright = |s: &mut SceneBuilder| {
             s.floor();
             for (i, emissive) in emissive.into_iter().enumerate() {
                 let x = i as f32 - 1.5;
@@ -175,8 +175,13 @@ fn bright_and_broken_emission_matches_forward() {
             }
             s.sun(false);
             s.default_camera(ambient());
-        })
-        .map(|_| ())]);
+        };
+        let forward = settled(&mut build(SIZE, bright));
+        if !forward.rgba.chunks(4).any(|pixel| pixel == [255; 4]) {
+            println!("skipped: emission beyond half floats: forward's own is black on this device");
+            return;
+        }
+        report([compare("bright_emission", bright).map(|_| ())]);
     });
 }
 
