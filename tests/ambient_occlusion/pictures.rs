@@ -160,29 +160,42 @@ fn cameras_of_one_target_have_their_own() {
         stage.keep_colors(*camera);
     }
     let before = stage.picture();
-    for (i, camera) in cameras.iter().enumerate() {
-        stage
-            .entity(*camera)
-            .insert(LeanAmbientOcclusion::default());
+    // Of different kinds.
+    let occlusion = [
+        LeanAmbientOcclusion::default(),
+        LeanAmbientOcclusion {
+            kernel: OcclusionKernel::Hdao,
+            resolution: OcclusionResolution::Half,
+            ..default()
+        },
+    ];
+    let put = |stage: &mut Stage, i: usize| {
+        let mut camera = stage.entity(cameras[i]);
+        camera.insert(occlusion[i].clone());
+        if i == 0 {
+            camera.insert(LeanDeferred::default());
+        }
+    };
+    let alone = [0, 1].map(|i| {
+        put(&mut stage, i);
         let after = stage.picture();
         let changed = rects.map(|rect| after.within(rect).different(&before.within(rect)));
         println!("camera {i}: changed pixels {changed:?}");
         assert!(changed[i] > 500 && changed[1 - i] == 0);
-        stage.entity(*camera).remove::<LeanAmbientOcclusion>();
-    }
-    // Of different kinds at once.
-    stage
-        .entity(cameras[0])
-        .insert((LeanDeferred::default(), LeanAmbientOcclusion::default()));
-    stage.entity(cameras[1]).insert(LeanAmbientOcclusion {
-        kernel: OcclusionKernel::Hdao,
-        resolution: OcclusionResolution::Half,
-        ..default()
+        stage
+            .entity(cameras[i])
+            .remove::<(LeanAmbientOcclusion, LeanDeferred)>();
+        after
     });
-    let after = stage.picture();
-    let changed = rects.map(|rect| after.within(rect).different(&before.within(rect)));
-    println!("lean and forward: changed pixels {changed:?}");
-    assert!(changed.iter().all(|changed| *changed > 500));
+    for i in [0, 1] {
+        put(&mut stage, i);
+    }
+    let both = stage.picture();
+    for (rect, alone) in rects.into_iter().zip(alone) {
+        let changed = both.within(rect).different(&alone.within(rect));
+        println!("beside another camera: changed pixels {changed}");
+        assert_eq!(changed, 0);
+    }
     log_watch::assert_validation_layer_silent();
 }
 
