@@ -171,7 +171,7 @@ fn cameras_of_one_target_have_their_own() {
     ];
     let put = |stage: &mut Stage, i: usize| {
         let mut camera = stage.entity(cameras[i]);
-        camera.insert(occlusion[i].clone());
+        camera.insert(occlusion[i]);
         if i == 0 {
             camera.insert(LeanDeferred::default());
         }
