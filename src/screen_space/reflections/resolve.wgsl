@@ -200,10 +200,6 @@ fn rough_light(receiver: Receiver, place: vec2<i32>, first: i32, along: vec2<f32
     for (var i = 0; i < 4; i++) {
         let corner = vec2(i & 1, i >> 1u);
         let near = select(1.0 - along_means, along_means, corner == vec2(1));
-        // At full resolution one of them counts.
-        if near.x * near.y == 0.0 {
-            continue;
-        }
         let offset = f32(ROUGH_STEP) * (vec2<f32>(corner) - along_means);
         let alike = likeness_of(receiver, texel + ROUGH_STEP * (corner.x + SIDE * corner.y), offset);
         let weight = near.x * near.y * alike;
