@@ -256,7 +256,7 @@ fn mirror_images_stay_where_they_are_while_the_camera_pans() {
         };
         let smooth = (0.0, ScreenSpaceReflectionsQuality::Medium, [0.004, 0.006]);
         let rough =
-            ScreenSpaceReflectionsQuality::ALL.map(|quality| (0.3, quality, [0.013, 0.007]));
+            ScreenSpaceReflectionsQuality::ALL.map(|quality| (0.3, quality, [0.012, 0.007]));
         for (roughness, quality, most) in [smooth].into_iter().chain(rough) {
             let mut headless = mirror_app(SMALL, roughness, |camera| {
                 let effect = LeanScreenSpaceReflections {

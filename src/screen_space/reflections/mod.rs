@@ -5,8 +5,7 @@
 //!
 //! 1. *cells* notes how near and how far the surfaces of each cell of pixels are.
 //! 2. *trace* sends a ray from each texel along one of the sixteen directions of the lobe (GGX) that neighbours share, from cell to cell and
-//!    then from pixel to pixel; or, of rough surfaces, in segments that grow with the way, and in large
-//!    pictures from one of 2×2 texels.
+//!    then from pixel to pixel; or, of rough surfaces, in segments that grow with the way, and in large pictures from one of 2×2 texels.
 //! 3. *resolve* weighs for each pixel what the rays around it have met.
 //!
 //! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. The
