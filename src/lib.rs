@@ -1,7 +1,7 @@
 //! A leaner renderer for any Bevy 3D camera, switched on by components.
 //!
-//! Add the plugins, and put [`LeanDeferred`] on a camera. It shows the picture of Bevy's forward renderer, and moves fewer bytes
-//! for it: 8 a pixel in the G-buffer beside depth; that of Bevy's deferred renderer has 17.
+//! Add the plugins, and put [`LeanDeferred`] on a camera. It shows the picture of Bevy's forward renderer from a G-buffer half the
+//! size of Bevy deferred's: 8 bytes a pixel beside depth, where that has 17.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -22,7 +22,7 @@
 //! | [`LeanScreenSpaceGi`] | diffuse light from one surface to another | cameras with [`LeanDeferred`] |
 //! | [`LeanScreenSpaceReflections`] | reflections of the picture, smooth and rough | cameras with [`LeanDeferred`] |
 //! | [`LeanSubsurfaceScattering`] | how light scatters beneath surfaces | cameras with [`LeanDeferred`] |
-//! | [`LeanAutoExposure`] | exposure from the picture's luminance | HDR cameras, 2D too |
+//! | [`LeanAutoExposure`] | exposure from the picture's luminance | 3D and 2D cameras; adds `Hdr` |
 //! | [`CameraCut`] | the camera jumps: effects forget its last frame | all of these |
 //!
 //! Each can be added, changed and removed at run time; without it nothing is allocated, bound or run for it.
@@ -45,9 +45,10 @@
 //!
 //! # Which cameras
 //!
-//! A camera without these components renders as Bevy renders it. So does one with [`LeanDeferred`] that has MSAA or no HDR, or whose
-//! device lacks compute shaders, `Rgba16Float` storage textures or seven colour attachments: one warning says why, and
-//! [`LeanStatus`] says it to the app. `Hdr` and `Msaa::Off` are set when the component is added, and given back with it.
+//! A camera without these components renders as Bevy renders it. So does one whose settings or whose device lack what a component
+//! needs; `docs/reliability.md` lists that for each component. One warning says why, and [`LeanStatus`] says it to the app of
+//! cameras with [`LeanDeferred`]. `Hdr` and `Msaa::Off` are set when the component is added, and given back with it. While shaders
+//! compile, in the first frames, Bevy renders the camera.
 //!
 //! # GPU times
 //!

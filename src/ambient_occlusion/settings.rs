@@ -39,26 +39,26 @@ pub struct LeanAmbientOcclusion {
     /// Factor on the occlusion, from 0. 1 (the default) is the physical amount.
     pub intensity: f32,
     /// Angle above the surface, in radians, below which nothing counts: keeps noise of depth and normals out of flat
-    /// regions. 0 to 0.5. Default 0.02.
+    /// regions. 0 to π/2; more than 0.5 is hardly of use. Default 0.02.
     pub bias: f32,
     /// Share of the squared radius over which occluders fade out, 0 (hard edge) to 1. Default 0.1.
     pub falloff: f32,
-    /// 1: whatever is in front of a surface reaches back without end, as a height field does. Below that, horizons
-    /// sink again behind thin parts, by `1 - thickness` a step (Jimenez et al. 2016). Default 1.
+    /// How far back what is in front of a surface reaches, 0 to 1. 1 (the default): without end, as a height field does. Below that,
+    /// horizons sink again behind thin parts, by `1 - thickness` a step (Jimenez et al. 2016).
     pub thickness: f32,
     /// How occlusion is found. Default [`OcclusionKernel::Hbao`].
     pub kernel: OcclusionKernel,
     /// How many samples are taken. Only of [`OcclusionKernel::Hbao`]. Default [`OcclusionQuality::Medium`].
     pub quality: OcclusionQuality,
-    /// Default [`OcclusionNormals::Shading`], where there is a G-buffer.
+    /// About which normal occlusion is weighted. Default [`OcclusionNormals::Shading`], where there is a G-buffer.
     pub normals: OcclusionNormals,
-    /// Default [`OcclusionResolution::Full`].
+    /// How many pixels share an occlusion value. Default [`OcclusionResolution::Full`].
     pub resolution: OcclusionResolution,
     /// The 3×3 filter that removes the samples' 2×2 pattern. Default [`OcclusionFilter::BinomialEdgeAware`].
     pub filter: OcclusionFilter,
-    /// Default [`OcclusionFormat::Unorm8`].
+    /// How occlusion is stored. Default [`OcclusionFormat::Unorm8`].
     pub format: OcclusionFormat,
-    /// Default [`OcclusionApplication::Auto`].
+    /// How occlusion reaches the picture. Default [`OcclusionApplication::Auto`].
     pub application: OcclusionApplication,
     /// Light that bounces between bright walls lifts their occlusion and tints it (Jimenez et al. 2016). Only of
     /// [`OcclusionApplication::Indirect`]. Default true.

@@ -108,7 +108,8 @@ impl GBufferMaterial for StandardMaterial {
     /// Opaque and alpha-masked materials fit, except with what no target has bits for: an explicit
     /// `OpaqueRendererMethod::Forward`, specular transmission, a coloured specular tint, clearcoat and anisotropy on a
     /// normal map, clearcoat with one of its own, two of clearcoat, anisotropy and diffuse transmission at once, a depth bias, and values
-    /// out of range.
+    /// out of range. Nor does anisotropy fit where Bevy is built without its feature `pbr_anisotropy_texture`, which is not a default
+    /// one: there Bevy shades it in another way.
     fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
         if self.opaque_render_method == OpaqueRendererMethod::Forward
             || self.specular_transmission != 0.0

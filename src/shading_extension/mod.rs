@@ -67,11 +67,12 @@ pub enum ShadingExtension {
         /// When the base colour is applied.
         albedo: SubsurfaceAlbedo,
     },
-    /// Ambient and environment light from behind, caught along the silhouette of what faces up.
+    /// Ambient and environment light from behind, caught along the silhouette of what faces up (Mitchell, Francke and Eng 2007,
+    /// "Illustrative Rendering in Team Fortress 2").
     Rim {
         /// Factor on the light, each channel from 0 (none) to 1 (all of it).
         color: Color,
-        /// 1 to 16. Less is a wider rim; Mitchell et al. 2007 use 4.
+        /// 1 to 16. Less is a wider rim; Mitchell, Francke and Eng use 4.
         exponent: f32,
     },
 }

@@ -46,8 +46,8 @@ use super::{
 ///
 /// Needs HDR (`Hdr` is added with the component) and no MSAA (switched off then). Removing the component gives back what
 /// the camera had, unless another effect needs it or the app has set it since. A camera that
-/// breaks these later, that also has `DeferredPrepass`, or a device that lacks something, is rendered as Bevy has
-/// it, with one warning that names the reason.
+/// breaks these later, or whose device lacks something, is rendered as Bevy has it, with one warning that names the
+/// reason. `docs/reliability.md` lists all that is needed.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(LeanStatus)]
@@ -117,6 +117,10 @@ impl GeometricNormal {
 }
 
 /// How point and spot lights that do not reach a pixel are passed by. The picture is the same.
+///
+/// Bevy sorts lights into clusters (Olsson, Billeter and Assarsson 2012, "Clustered Deferred and Forward Shading"). Within one the
+/// pixels of a tile may find the lights that reach it together (Olsson and Assarsson 2011, "Tiled Shading"; spot lights by Wronski
+/// 2017, "Cull that cone!").
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum LightCulling {

@@ -23,9 +23,9 @@ use bevy::{prelude::*, render::render_resource::TextureFormat};
 pub enum LeanStatus {
     /// It was rendered through the G-buffer.
     Lean,
-    /// Bevy's forward passes render it until its lighting shaders are compiled.
+    /// Bevy renders it until its lighting shaders are compiled.
     Compiling,
-    /// Bevy's forward passes render it, or nothing does.
+    /// Bevy renders it, or nothing does.
     Off(LeanOffReason),
 }
 
@@ -46,6 +46,7 @@ impl fmt::Display for LeanStatus {
 }
 
 /// Why a camera with [`LeanDeferred`](super::LeanDeferred) is not rendered lean. Shown, it completes the sentence "It is off: …".
+/// `docs/reliability.md` lists what a camera and its device need.
 #[derive(Reflect, Clone, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 #[non_exhaustive]

@@ -5,7 +5,8 @@ use crate::{
     view::overrides::{CameraEffect, Need},
 };
 
-/// Light that surfaces send to one another: what the picture shows of it, from the last frame.
+/// Light that surfaces send to one another: what the picture shows of it, from the last frame (Mayaux 2018, "Horizon-based indirect
+/// lighting").
 ///
 /// For cameras with [`LeanDeferred`](crate::LeanDeferred). What a surface sends out in all directions (ambient and diffuse
 /// light, transmitted light, emission) falls onto those around it in the next frame, and there is part of what it sends out
@@ -44,13 +45,13 @@ pub struct LeanScreenSpaceGi {
     /// Factor on the light, 0 to 1. 1 (the default) is the physical amount.
     pub intensity: f32,
     /// Angle above the surface, in radians, below which nothing counts: keeps noise of depth and normals out of flat
-    /// regions. 0 to 0.5. Default 0.02.
+    /// regions. 0 to π/2; more than 0.5 is hardly of use. Default 0.02.
     pub bias: f32,
     /// Share of the squared radius over which surfaces fade out, 0 (hard edge) to 1. Default 0.5.
     pub falloff: f32,
     /// How many samples are taken. Default [`ScreenSpaceGiQuality::Medium`].
     pub quality: ScreenSpaceGiQuality,
-    /// Default [`ScreenSpaceResolution::Half`].
+    /// How many pixels share a texel, for which light is found. Default [`ScreenSpaceResolution::Half`].
     pub resolution: ScreenSpaceResolution,
     /// What is shown in place of the picture. Default `None`, the picture.
     pub debug_view: Option<ScreenSpaceGiDebugView>,

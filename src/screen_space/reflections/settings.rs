@@ -18,6 +18,10 @@ use crate::{
 /// it. Without `MotionVectorPrepass` the light of what moves is a frame behind it. Anisotropic surfaces mirror as isotropic
 /// ones.
 ///
+/// Rays pass through empty cells of depth (Uludag 2014, "Hi-Z Screen-Space Cone-Traced Reflections"), in directions of the microfacets
+/// that the viewer sees (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps"). Neighbours share theirs, after
+/// Stachowiak 2015, "Stochastic Screen-Space Reflections".
+///
 /// Adding or removing it at run time switches the effect and frees what it held.
 ///
 /// ```
@@ -56,8 +60,8 @@ pub struct LeanScreenSpaceReflections {
     /// How far surfaces reach behind their front, in metres: what passes further behind is not mirrored. More than 0. Default
     /// 0.25.
     pub thickness: f32,
-    /// Perceptual roughness, 0 to 1, of surfaces that mirror nothing of the picture. Those within a quarter of it fade.
-    /// Default 0.8.
+    /// Perceptual roughness from which on surfaces mirror nothing of the picture, 0 to 1.25. From three quarters of it on they fade:
+    /// with more than 1 the roughest ones mirror too. Default 0.8.
     pub max_roughness: f32,
     /// Share of the viewport's height, from its rim, over which reflections fade. 0 to 0.5. Default 0.05.
     pub edge_fade: f32,
@@ -65,7 +69,7 @@ pub struct LeanScreenSpaceReflections {
     pub intensity: f32,
     /// How far rays go. Default [`ScreenSpaceReflectionsQuality::Medium`].
     pub quality: ScreenSpaceReflectionsQuality,
-    /// How many rays there are. Default [`ScreenSpaceResolution::Half`].
+    /// How many pixels share a texel, which sends a ray. Default [`ScreenSpaceResolution::Half`].
     pub resolution: ScreenSpaceResolution,
     /// What is shown in place of the picture. Default `None`, the picture.
     pub debug_view: Option<ScreenSpaceReflectionsDebugView>,
