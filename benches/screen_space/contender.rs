@@ -164,10 +164,11 @@ fn scattering_bytes(quality: SubsurfaceScatteringQuality) -> f64 {
     if quality == SubsurfaceScatteringQuality::Off {
         return 0.0;
     }
-    // Light is 8, the picture and what becomes of light 16; each level is written, read to make the next one, and read to
-    // scatter it; what has scattered is written and read in all but the first and the last; the picture is written.
-    let levels = 0.25 + 0.0625 + 0.015_625;
-    3.0 * 8.0 * (1.0 + levels) - 8.0 + 2.0 * 8.0 * levels + 2.0 * 16.0 + 8.0
+    // Light is 8, the picture and what becomes of light 16; the picture's light and every second level are written, read to make
+    // the next level, and read to scatter them, the levels between are only scattered; what has scattered is written and read
+    // in these; the picture is written.
+    let (between, second) = (0.25 + 0.015_625, 0.0625);
+    3.0 * 8.0 * (1.0 + second) + 2.0 * 8.0 * between + 2.0 * 8.0 * between + 2.0 * 16.0 + 8.0
 }
 
 /// Metres.

@@ -47,7 +47,7 @@ pub use crate::view::LightingPasses;
 pub(crate) use features::{LightingKey, SceneFeatures};
 pub(crate) use pipeline::LightingPipelines;
 pub(crate) use subsurface_light::{
-    LEVELS as SUBSURFACE_LEVELS, SUBSURFACE_LIGHT_FORMAT, prepare_subsurface_light,
+    BLOCK_LOG as SUBSURFACE_BLOCK_LOG, SUBSURFACE_LIGHT_FORMAT, prepare_subsurface_light,
 };
 #[doc(hidden)]
 pub use {

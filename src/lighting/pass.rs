@@ -55,7 +55,7 @@ pub(super) fn lighting_pass(
             list.clear(ctx.command_encoder());
         }
         if let Some(subsurface) = subsurface {
-            subsurface.clear_list(ctx.command_encoder());
+            subsurface.clear_tiles(ctx.command_encoder());
         }
         let mut pass = ctx
             .command_encoder()

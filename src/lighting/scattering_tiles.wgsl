@@ -1,20 +1,19 @@
-// Writes the light that enters surfaces beneath which it scatters, and lists the tiles that have some.
+// Writes the light that enters surfaces beneath which it scatters, and notes which tiles have some.
 #define_import_path bevy_lean_deferred::lighting::scattering_tiles
 
 #ifdef SCATTERS_LIGHT
 #import bevy_lean_deferred::gbuffer::layout::specialization
 #import bevy_lean_deferred::lighting::bindings::{
-    scattering_tiles, subsurface_light_texture, subsurface_picture_texture, uniforms,
+    scattering_tiles, subsurface_light_texture, subsurface_picture_texture,
 }
 #import bevy_lean_deferred::lighting::shade::Shaded
 #import bevy_lean_deferred::lighting::subsurface_light::{
-    COUNT, Entry, MATERIALS, MOST_MATERIALS, Receiver, TILES, pack_entry, pack_receiver,
+    BLOCK_LOG, COUNT, Entry, MASKS, MATERIALS, MOST_MATERIALS, Receiver, pack_entry, pack_receiver, tile_bit,
 }
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at}
 
 /// The arguments of a material of the tile and 1, the largest; 0: no light scatters.
 var<workgroup> light_scatters: atomic<u32>;
-var<workgroup> light_is_written: u32;
 /// Those arguments and 1, and the material's number: for most tiles the only one.
 var<workgroup> common_material: vec2<u32>;
 
@@ -40,11 +39,18 @@ fn number_of(arguments: u32) -> u32 {
     return number;
 }
 
-/// To be called by all invocations of a tile. Tiles that had such light and have none any more are listed once more, without.
+/// The number of its block, row by row.
+fn block_of(corner: vec2<u32>, blocks: vec2<u32>) -> u32 {
+    let block = corner >> vec2(BLOCK_LOG);
+    return block.y * blocks.x + block.x;
+}
+
+/// Writes the light of the tile, notes it in its block, and lists the block if it was the first one. To be called by all invocations
+/// of a tile. Tiles without such light keep what they had: nobody reads it.
 fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: vec2<u32>, invocation: u32) {
-    let word = pixel.specialization_word;
-    let arguments = specialization::unpack_arguments(word);
-    let scatters = pixel.has_geometry && specialization::unpack_shading_model(word) == specialization::SUBSURFACE;
+    let arguments = specialization::unpack_arguments(pixel.specialization_word);
+    let scatters = pixel.has_geometry
+        && specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE;
     if invocation == 0u {
         atomicStore(&light_scatters, 0u);
     }
@@ -53,37 +59,38 @@ fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: 
         atomicMax(&light_scatters, arguments + 1u);
     }
     workgroupBarrier();
+    let blocks = textureDimensions(subsurface_light_texture) >> vec2(BLOCK_LOG);
+    let block = block_of(corner, blocks);
+    var noted = 1u;
     if invocation == 0u {
         let first = atomicLoad(&light_scatters);
-        let has_light = u32(first != 0u);
-        if has_light != 0u {
-            common_material = vec2(first, number_of(first - 1u));
+        var number = 0u;
+        if first != 0u {
+            // What was there is looked at last: memory has time to answer.
+            noted = atomicOr(&scattering_tiles[MASKS + block], tile_bit(corner));
+            number = number_of(first - 1u);
         }
-        let tiles_in_row = (uniforms.viewport_size.x + 7u) / 8u;
-        let capacity = (arrayLength(&scattering_tiles) - TILES) / 2u;
-        let tile = corner.y / 8u * tiles_in_row + corner.x / 8u;
-        let had_light = &scattering_tiles[TILES + capacity + tile];
-        light_is_written = has_light | atomicLoad(had_light);
-        if light_is_written != 0u {
-            let index = atomicAdd(&scattering_tiles[COUNT], 1u);
-            atomicStore(&scattering_tiles[TILES + index], corner.x | (corner.y << 16u));
-            atomicStore(had_light, has_light);
-        }
+        common_material = vec2(first, number);
     }
-    if workgroupUniformLoad(&light_is_written) == 0u {
+    let usual = workgroupUniformLoad(&common_material);
+    if usual.x == 0u {
         return;
     }
     var entry = vec2(0u);
     if scatters {
-        var material = common_material.y;
-        if common_material.x != arguments + 1u {
+        var material = usual.y;
+        if usual.x != arguments + 1u {
             material = number_of(arguments);
         }
         let metres = -position_at(pixel.position, pixel.depth).z;
         entry = pack_entry(Entry(metres, material, shaded.entering));
-        let receiver = Receiver(shaded.color, shaded.leaving, arguments);
+        let receiver = Receiver(shaded.color, shaded.leaving, pixel.normal_word);
         textureStore(subsurface_picture_texture, place, pack_receiver(receiver));
     }
     textureStore(subsurface_light_texture, place, vec4(entry, 0u, 0u));
+    if noted == 0u {
+        let number = atomicAdd(&scattering_tiles[COUNT], 1u);
+        atomicStore(&scattering_tiles[MASKS + blocks.x * blocks.y + number], block);
+    }
 }
 #endif

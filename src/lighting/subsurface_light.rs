@@ -1,5 +1,5 @@
-//! The textures of the light that enters surfaces beneath which it scatters, and the list of the tiles that have some, for
-//! those that scatter it.
+//! The textures of the light that enters surfaces beneath which it scatters, and the tiles that have some, for those that scatter
+//! it.
 
 use bevy::{
     prelude::*,
@@ -23,17 +23,22 @@ pub(crate) const SUBSURFACE_LIGHT_FORMAT: TextureFormat = TextureFormat::Rg32Uin
 /// Of the picture: colour, what is left of scattered light, and the arguments of the shading model.
 pub(super) const SUBSURFACE_PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 /// Of the light, whose coarser ones scattering makes.
-pub(crate) const LEVELS: usize = 8;
+pub(crate) const LEVELS: usize = 6;
+/// Pixels a side of a texel of the coarsest level that there is, though it is in no texture.
+const COARSEST_TEXEL: u32 = 128;
+/// 2 to the power of this is how many pixels a side a block of tiles has.
+pub const BLOCK_LOG: u32 = 5;
 
 const LABEL: &str = "lean_deferred/lighting/subsurface_light";
 
-/// Where the buffer of the tiles has these. Their count and the materials of the frame come first.
-pub const TILES: u64 = 257;
+/// Where the buffer of the tiles has the masks of its blocks. How many blocks are listed and the materials of the frame come first.
+pub const MASKS: u64 = 257;
 
 /// On a view with [`ScattersLight`], for as long as it is lean. Layouts of words: `subsurface_light.wgsl`.
 #[derive(Component)]
 pub struct SubsurfaceLight {
-    /// What enters, from the corner of the viewport; zeros wherever nothing does. A multiple of the coarsest level's texel.
+    /// What enters, from the corner of the viewport, in tiles that have some; others have what they had in former frames. A multiple
+    /// of the coarsest level's texel.
     pub(crate) light: StorageTexture<LEVELS>,
     /// Of the pixels whose light scatters.
     pub(crate) picture: StorageTexture,
@@ -55,7 +60,7 @@ impl SubsurfaceLight {
             ),
             tiles: device.create_buffer(&BufferDescriptor {
                 label: Some("lean_deferred/lighting/scattering_tiles"),
-                size: 4 * (TILES + 2 * u64::from(tile_count.element_product())),
+                size: 4 * (MASKS + 2 * blocks_of(size)),
                 usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
@@ -68,9 +73,9 @@ impl SubsurfaceLight {
         size_of(self.tile_count)
     }
 
-    /// Before lighting lists tiles and materials.
-    pub(super) fn clear_list(&self, encoder: &mut CommandEncoder) {
-        encoder.clear_buffer(&self.tiles, 0, Some(4 * TILES));
+    /// Before lighting notes tiles and materials.
+    pub(super) fn clear_tiles(&self, encoder: &mut CommandEncoder) {
+        encoder.clear_buffer(&self.tiles, 0, Some(4 * (MASKS + blocks_of(self.size()))));
     }
 
     /// All that it holds on the GPU but for the list.
@@ -80,8 +85,12 @@ impl SubsurfaceLight {
 }
 
 fn size_of(tile_count: UVec2) -> UVec2 {
-    let texel = 1 << (LEVELS - 1);
-    (tile_count * tiles::SIDE).map(|length| length.next_multiple_of(texel))
+    (tile_count * tiles::SIDE).map(|length| length.next_multiple_of(COARSEST_TEXEL))
+}
+
+/// How many blocks of tiles textures of this size have.
+fn blocks_of(size: UVec2) -> u64 {
+    u64::from((size >> BLOCK_LOG).element_product())
 }
 
 /// Gives each view whose lighting writes it its textures, and takes them from other lean views. With [`ActiveLeanView`] they

@@ -9,17 +9,27 @@
 /// Less of the base colour counts as that much where it is applied after scattering.
 const LEAST_ALBEDO: f32 = 0.04;
 
-/// Where the buffer of the tiles has how many there are, by the number of each material of the frame its arguments and 1 (0: no
-/// material has the number), and the tiles; then, for each tile of the view, whether it had light in the last frame.
+/// Where the buffer of the tiles has how many blocks are listed; by the number of each material of the frame its arguments and 1 (0:
+/// no material has the number); for each block of the textures, row by row, which of its tiles have such light; and the listed
+/// blocks, in any order: those with any.
 const COUNT: u32 = 0u;
 const MATERIALS: u32 = 1u;
-const TILES: u32 = MATERIALS + MOST_MATERIALS + 1u;
+const MASKS: u32 = MATERIALS + MOST_MATERIALS + 1u;
 /// Materials of a frame that are told apart.
 const MOST_MATERIALS: u32 = 255u;
 
 /// The low bits of the first word of an entry: which material it is. The rest is a distance, which thereby is off by at most
 /// 2 to the power of -16 of itself.
 const MATERIAL_BITS: u32 = 0xffu;
+
+/// A block has 4×4 tiles: 2 to the power of this pixels a side.
+const BLOCK_LOG: u32 = 5u;
+
+/// The bit, in the mask of its block, of the tile that this pixel is in.
+fn tile_bit(pixel: vec2<u32>) -> u32 {
+    let tile = (pixel >> vec2(3u)) & vec2(3u);
+    return 1u << (4u * tile.y + tile.x);
+}
 
 /// What the light of a pixel or texel is and where.
 struct Entry {
@@ -53,8 +63,8 @@ struct Receiver {
     color: vec4<f32>,
     /// What fog and the base colour leave of that light, 0 to 1.
     leaving: vec3<f32>,
-    /// Of the shading model.
-    arguments: u32,
+    /// As the G-buffer has it.
+    normal_word: u32,
 }
 
 fn pack_receiver(receiver: Receiver) -> vec4<u32> {
@@ -62,7 +72,7 @@ fn pack_receiver(receiver: Receiver) -> vec4<u32> {
         pack2x16float(receiver.color.rg),
         pack2x16float(receiver.color.ba),
         pack_light(receiver.leaving),
-        receiver.arguments,
+        receiver.normal_word,
     );
 }
 

@@ -252,7 +252,7 @@ fn nothing_of_effects_is_made_anew() {
         let first = groups();
         // GI has two of each, for this frame's levels are the next one's last, and leaves nothing to occlusion; Bevy has two main
         // textures; scattering one for each of its dispatches, and two for the last.
-        let scattering = if has_room { 9 } else { 0 };
+        let scattering = if has_room { 7 } else { 0 };
         let expected = if lean {
             [0, 6, 3, 3, scattering]
         } else {

@@ -78,12 +78,15 @@ fn subsurface_scattering_composes() {
         &[],
         &[&["", "LISTED"], &["", "PROJECTION_ORTHOGRAPHIC"]]
     );
-    let choices: &[&[&str]] = &[
-        &["", "PICTURE"],
-        &["", "DRAWN_OUT"],
-        &["", "PROJECTION_ORTHOGRAPHIC"],
-    ];
-    check!("subsurface/up.wgsl", &[], choices);
+    let drawn_out: &[&str] = &["", "DRAWN_OUT"];
+    let projections: &[&str] = &["", "PROJECTION_ORTHOGRAPHIC"];
+    check!("subsurface/turn.wgsl", &[], &[drawn_out, projections]);
+    check!(
+        "subsurface/up.wgsl",
+        &["UP"],
+        &[&["", "LISTED"], drawn_out, projections]
+    );
+    check!("subsurface/picture.wgsl", &["PICTURE"], &[projections]);
 }
 
 #[test]

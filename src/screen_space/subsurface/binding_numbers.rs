@@ -14,4 +14,5 @@ binding_numbers! {
     PICTURE_TEXTURE = 8,
     OUTPUT_TEXTURE = 9,
     ENTERING_TEXTURE = 10,
+    LAST_OUTPUT = 11,
 }

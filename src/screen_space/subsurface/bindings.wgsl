@@ -4,7 +4,7 @@
 #import bevy_lean_deferred::screen_space::subsurface::view::SubsurfaceView
 
 @group(0) @binding(0) var<uniform> view: SubsurfaceView;
-/// The tiles whose light scatters: `lighting/subsurface_light.wgsl`.
+/// The tiles whose light scatters, as `lighting/subsurface_light.wgsl` says.
 @group(0) @binding(1) var<storage, read> tiles: array<u32>;
 /// The light that enters surfaces, of the next finer level or, to be scattered, of this one.
 @group(0) @binding(2) var light_texture: texture_2d<u32>;
@@ -13,7 +13,9 @@
 /// The light that enters surfaces, of that level, where what has scattered is of the one after it.
 @group(0) @binding(4) var coarser_texture: texture_2d<u32>;
 @group(0) @binding(5) var level_output: texture_storage_2d<rg32uint, write>;
+/// Of the levels that follow.
 @group(0) @binding(6) var next_output: texture_storage_2d<rg32uint, write>;
+@group(0) @binding(11) var last_output: texture_storage_2d<rg32uint, write>;
 @group(0) @binding(7) var normal_texture: texture_2d<u32>;
 /// The light that enters surfaces, of the picture: where there is none, normals are not of this frame.
 @group(0) @binding(10) var entering_texture: texture_2d<u32>;

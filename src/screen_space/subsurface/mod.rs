@@ -5,8 +5,8 @@
 //! [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension::Subsurface). Cameras with
 //! [`LeanDeferred`] scatter its light without being told; [`LeanSubsurfaceScattering`] on the camera has the quality.
 //!
-//! Lighting writes the diffuse light of such surfaces apart, in the tiles that have some. The passes go over these tiles alone, and
-//! add to the picture what scattering changes. Until they are compiled, and where light leaves where it entered, the picture
+//! Lighting writes the diffuse light of such surfaces apart, in the tiles that have some. The passes go over the blocks of tiles
+//! with any, and add to the picture what scattering changes. Until they are compiled, and where light leaves where it entered, the picture
 //! stays as it is. What enters is brought into ever coarser levels, and back: on the way, each level keeps a share of what it has, so
 //! that it is spread by this level's kernel, about two texels wide (Strengert, Kraus and Ertl 2006, "Pyramid Methods in GPU-Based
 //! Image Processing"). All kernels together are the profile.
@@ -14,9 +14,10 @@
 // - `settings.rs`: the component. `support.rs`: what the device can do.
 // - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 // - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-// - `pass.rs`: the passes. `down.wgsl`: to the next coarser level. `up.wgsl`: to the
-//   next finer one, and at last to the picture.
-// - `profile.{rs,wgsl}`: the shares. `texel.wgsl`: what a pass goes over.
+// - `pass.rs`: the passes. `down.wgsl`: to coarser levels. `turn.wgsl`: to the coarsest one and back. `up.wgsl`: to finer ones.
+//   `picture.wgsl`: to the picture.
+// - `mean.wgsl`: a texel of a coarser level. `scattered.wgsl`: what scatters to a finer one. `profile.{rs,wgsl}`: the shares.
+// - `texel.wgsl`: what passes go over. `entries.wgsl`: what a workgroup keeps of that.
 // - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
 // - The light comes from `lighting/subsurface_light.rs`.
 
@@ -72,8 +73,13 @@ impl Plugin for SubsurfacePlugin {
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "profile.wgsl");
         load_shader_library!(app, "texel.wgsl");
+        load_shader_library!(app, "entries.wgsl");
+        load_shader_library!(app, "mean.wgsl");
+        load_shader_library!(app, "scattered.wgsl");
         embedded_asset!(app, "down.wgsl");
+        embedded_asset!(app, "turn.wgsl");
         embedded_asset!(app, "up.wgsl");
+        embedded_asset!(app, "picture.wgsl");
         app.register_type::<LeanSubsurfaceScattering>()
             .add_plugins(ExtractComponentPlugin::<LeanSubsurfaceScattering>::default());
 

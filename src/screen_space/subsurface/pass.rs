@@ -1,5 +1,5 @@
-//! The passes, after lighting: the light in ever coarser levels, and from the coarsest one back to the picture. Finer levels
-//! only of the tiles that lighting has listed.
+//! The passes, after lighting: the light in ever coarser levels, and from the coarsest one back to the picture. The finest levels
+//! only of the blocks that lighting has listed.
 
 use bevy::{
     prelude::*,
@@ -12,18 +12,13 @@ use bevy::{
     },
 };
 
-use super::{
-    active::ActiveScattering,
-    prepare::{DOWN, UP, ViewSubsurface},
-};
-use crate::{gpu::timed::timed, shader_library::tiles};
+use super::{active::ActiveScattering, prepare::ViewSubsurface};
+use crate::{gpu::timed::timed, lighting::SUBSURFACE_BLOCK_LOG};
 
 const LABEL: &str = "lean_deferred/screen_space/subsurface";
-/// Workgroups that share the listed tiles, however many there are: enough for any GPU. An indirect dispatch would need one
+/// Workgroups that share the listed blocks, however many there are: enough for any GPU. An indirect dispatch would need one
 /// of its own before it, in which its size is made sure of.
 const WORKGROUPS: u32 = 4096;
-/// Texels a side that a workgroup makes on the way back up.
-const MADE_UP: u32 = 16;
 
 /// The pass, while it is recorded.
 struct Recording<'a, 'p> {
@@ -33,69 +28,35 @@ struct Recording<'a, 'p> {
 }
 
 impl Recording<'_, '_> {
-    /// `None` if something is missing: then nothing more is to be done.
-    fn begin(
+    /// The pass with this number. `None` if something is missing: then nothing more is to be done.
+    fn dispatch(
         &mut self,
+        number: usize,
         pipeline: CachedComputePipelineId,
         group: Option<&BindGroup>,
-        offsets: &[u32],
+        workgroups: UVec2,
     ) -> Option<()> {
         let pipeline = self.cache.get_compute_pipeline(pipeline)?;
         self.pass.set_pipeline(pipeline);
-        self.pass.set_bind_group(0, group?, offsets);
-        Some(())
-    }
-
-    /// Over the texels of a level in the listed tiles.
-    fn tiles(
-        &mut self,
-        level: usize,
-        pipeline: CachedComputePipelineId,
-        group: Option<&BindGroup>,
-    ) -> Option<()> {
-        self.begin(pipeline, group, &[self.view.offsets[level]])?;
-        let tiles = tiles::count(self.view.size).element_product();
-        self.pass.dispatch_workgroups(tiles.min(WORKGROUPS), 1, 1);
-        Some(())
-    }
-
-    /// Over all texels of a level, by workgroups of [`MADE_UP`] a side that share them.
-    fn up(
-        &mut self,
-        level: usize,
-        pipeline: CachedComputePipelineId,
-        group: Option<&BindGroup>,
-    ) -> Option<()> {
-        self.begin(pipeline, group, &[self.view.offsets[level]])?;
-        let size = self.view.size >> level as u32;
-        let count = size.map(|side| side.div_ceil(MADE_UP)).element_product();
-        self.pass.dispatch_workgroups(count.min(WORKGROUPS), 1, 1);
-        Some(())
-    }
-
-    /// Over all texels of a level.
-    fn level(
-        &mut self,
-        level: usize,
-        pipeline: CachedComputePipelineId,
-        group: Option<&BindGroup>,
-    ) -> Option<()> {
-        self.begin(pipeline, group, &[self.view.offsets[level]])?;
-        let count = tiles::count(self.view.size >> level as u32);
-        self.pass.dispatch_workgroups(count.x, count.y, 1);
+        self.pass
+            .set_bind_group(0, group?, &[self.view.offsets[number]]);
+        self.pass.dispatch_workgroups(workgroups.x, workgroups.y, 1);
         Some(())
     }
 
     fn all(&mut self, active: &ActiveScattering, picture: Option<&BindGroup>) -> Option<()> {
         let (passes, view) = (active.passes, self.view);
-        self.tiles(1, passes.first, view.first.get())?;
-        for (level, group) in DOWN.into_iter().zip(&view.down) {
-            self.level(level, passes.down, group.get())?;
-        }
-        for (level, group) in UP.into_iter().zip(&view.up) {
-            self.up(level, passes.up, group.get())?;
-        }
-        self.tiles(0, passes.picture, picture)
+        let blocks = (view.size >> SUBSURFACE_BLOCK_LOG).element_product();
+        // As many as a list may need at most, `each` for one of its blocks.
+        let listed = |each: u32| UVec2::new((each * blocks).min(WORKGROUPS), 1);
+        // Workgroups that make so many texels a side of a level.
+        let whole = |level: u32, made: u32| (view.size >> level).map(|side| side.div_ceil(made));
+        self.dispatch(0, passes.first, view.first.get(), listed(1))?;
+        self.dispatch(1, passes.down, view.down.get(), whole(3, 8))?;
+        self.dispatch(2, passes.turn, view.turn.get(), whole(5, 8))?;
+        self.dispatch(3, passes.up, view.up.get(), whole(3, 16))?;
+        self.dispatch(4, passes.last, view.last.get(), listed(1))?;
+        self.dispatch(5, passes.picture, picture, listed(4))
     }
 }
 

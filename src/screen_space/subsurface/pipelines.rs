@@ -18,7 +18,7 @@ use bevy::{
 
 use super::{
     binding_numbers::{
-        COARSER_TEXTURE, ENTERING_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT,
+        COARSER_TEXTURE, ENTERING_TEXTURE, LAST_OUTPUT, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT,
         NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
     },
     key::SubsurfaceKey,
@@ -32,21 +32,32 @@ use crate::{
 /// The pipelines of one key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SubsurfacePasses {
-    /// To the first level, of the listed tiles.
+    /// Levels 1 and 2, of the listed blocks.
     pub(super) first: CachedComputePipelineId,
-    /// To two more levels.
+    /// Levels 3, 4 and 5.
     pub(super) down: CachedComputePipelineId,
-    /// From two levels further.
+    /// Levels 6 and 7, and back to level 5.
+    pub(super) turn: CachedComputePipelineId,
+    /// Back to level 3.
     pub(super) up: CachedComputePipelineId,
-    /// Up to the picture, of the listed tiles.
+    /// Back to level 1, of the listed blocks.
+    pub(super) last: CachedComputePipelineId,
+    /// Back to the picture, of the listed blocks.
     pub(super) picture: CachedComputePipelineId,
 }
 
 impl SubsurfacePasses {
     pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
-        [self.first, self.down, self.up, self.picture]
-            .into_iter()
-            .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
+        [
+            self.first,
+            self.down,
+            self.turn,
+            self.up,
+            self.last,
+            self.picture,
+        ]
+        .into_iter()
+        .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
     }
 }
 
@@ -54,6 +65,8 @@ impl SubsurfacePasses {
 pub(super) struct SubsurfaceLayouts {
     pub(super) first: FoundLayout,
     pub(super) down: FoundLayout,
+    pub(super) turn: FoundLayout,
+    /// Of both passes from two levels further.
     pub(super) up: FoundLayout,
     pub(super) picture: FoundLayout,
 }
@@ -62,7 +75,9 @@ pub(super) struct SubsurfaceLayouts {
 #[derive(Resource)]
 pub(super) struct SubsurfacePipelines {
     down: Handle<Shader>,
+    turn: Handle<Shader>,
     up: Handle<Shader>,
+    picture: Handle<Shader>,
     layouts: OnceLock<SubsurfaceLayouts>,
     by_key: HashMap<SubsurfaceKey, SubsurfacePasses>,
 }
@@ -71,7 +86,9 @@ pub(super) fn init_subsurface_pipelines(mut commands: Commands, asset_server: Re
     let assets = asset_server.as_ref();
     commands.insert_resource(SubsurfacePipelines {
         down: load_embedded_asset!(assets, "down.wgsl"),
+        turn: load_embedded_asset!(assets, "turn.wgsl"),
         up: load_embedded_asset!(assets, "up.wgsl"),
+        picture: load_embedded_asset!(assets, "picture.wgsl"),
         layouts: OnceLock::new(),
         by_key: HashMap::default(),
     });
@@ -90,6 +107,7 @@ impl SubsurfaceLayouts {
         let light = (LIGHT_TEXTURE, words());
         let level = (LEVEL_OUTPUT, stored(SUBSURFACE_LIGHT_FORMAT));
         let next = (NEXT_OUTPUT, stored(SUBSURFACE_LIGHT_FORMAT));
+        let last = (LAST_OUTPUT, stored(SUBSURFACE_LIGHT_FORMAT));
         let coarser = (COARSER_TEXTURE, words());
         let scattered = (SCATTERED_TEXTURE, words());
         let normal = (NORMAL_TEXTURE, words());
@@ -99,11 +117,15 @@ impl SubsurfaceLayouts {
         Self {
             first: found(
                 "lean_deferred/screen_space/subsurface/first",
-                &[view, tiles, light, level],
+                &[view, tiles, light, level, next],
             ),
             down: found(
                 "lean_deferred/screen_space/subsurface/down",
-                &[view, tiles, light, level, next],
+                &[view, tiles, light, level, next, last],
+            ),
+            turn: found(
+                "lean_deferred/screen_space/subsurface/turn",
+                &[view, tiles, light, level, normal, entering],
             ),
             up: found(
                 "lean_deferred/screen_space/subsurface/up",
@@ -113,7 +135,7 @@ impl SubsurfaceLayouts {
             ),
             picture: found(
                 "lean_deferred/screen_space/subsurface/picture",
-                &[view, tiles, light, scattered, normal, picture, output],
+                &[view, tiles, light, scattered, picture, output],
             ),
         }
     }
@@ -146,11 +168,18 @@ impl SubsurfacePipelines {
                 ..default()
             })
         };
+        let drawn_out = key.drawn_out();
         let passes = SubsurfacePasses {
             first: queue(&self.down, &layouts.first, &["LISTED"]),
             down: queue(&self.down, &layouts.down, &[]),
-            up: queue(&self.up, &layouts.up, key.drawn_out()),
-            picture: queue(&self.up, &layouts.picture, &["PICTURE"]),
+            turn: queue(&self.turn, &layouts.turn, drawn_out),
+            up: queue(&self.up, &layouts.up, &[&["UP"], drawn_out].concat()),
+            last: queue(
+                &self.up,
+                &layouts.up,
+                &[&["UP", "LISTED"], drawn_out].concat(),
+            ),
+            picture: queue(&self.picture, &layouts.picture, &["PICTURE"]),
         };
         self.by_key.insert(key, passes);
         passes

@@ -15,7 +15,7 @@ use bevy::{
 use super::{
     active::ActiveScattering,
     binding_numbers::{
-        COARSER_TEXTURE, ENTERING_TEXTURE, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT,
+        COARSER_TEXTURE, ENTERING_TEXTURE, LAST_OUTPUT, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT,
         NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
     },
     pipelines::SubsurfacePipelines,
@@ -27,17 +27,14 @@ use crate::{
         bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
         storage_texture::StorageTexture,
     },
-    lighting::{SUBSURFACE_LEVELS, SUBSURFACE_LIGHT_FORMAT, SubsurfaceLight},
+    lighting::{SUBSURFACE_BLOCK_LOG, SUBSURFACE_LIGHT_FORMAT, SubsurfaceLight},
     screen_space::LastFrame,
     view::{ActiveLeanView, OutOfMemory},
 };
 
-/// The coarsest level of the light: what scatters there is its mean.
 const LABEL: &str = "lean_deferred/screen_space/subsurface/scattered";
-const COARSEST: usize = SUBSURFACE_LEVELS - 1;
-/// The finer ones of the two levels that each pass down writes, and the level that each pass up writes.
-pub(super) const DOWN: [usize; 3] = [2, 4, 6];
-pub(super) const UP: [usize; 3] = [5, 3, 1];
+/// The finest level that each pass writes, in their order; the last one writes the picture.
+pub(super) const PASSES: [usize; 6] = [1, 3, 5, 3, 1, 0];
 
 /// The uniforms of all views, one for each level.
 #[derive(Resource, Default)]
@@ -46,14 +43,16 @@ pub(super) struct SubsurfaceUniforms(DynamicUniformBuffer<SubsurfaceView>);
 /// On a view whose light scatters.
 #[derive(Component)]
 pub struct ViewSubsurface {
-    /// Light that has scattered, from level 1 on; of every other level.
-    scattered: StorageTexture<{ COARSEST - 2 }>,
+    /// Light that has scattered, of levels 1, 3 and 5; those between them are made where they are needed.
+    scattered: StorageTexture<5>,
     pub(super) size: UVec2,
-    /// Of each level.
-    pub(super) offsets: [u32; SUBSURFACE_LEVELS],
+    /// Of the uniforms of each pass.
+    pub(super) offsets: [u32; PASSES.len()],
     pub(super) first: CachedBindGroup,
-    pub(super) down: [CachedBindGroup; DOWN.len()],
-    pub(super) up: [CachedBindGroup; UP.len()],
+    pub(super) down: CachedBindGroup,
+    pub(super) turn: CachedBindGroup,
+    pub(super) up: CachedBindGroup,
+    pub(super) last: CachedBindGroup,
     pub(super) picture: PictureBindGroups,
 }
 
@@ -65,18 +64,19 @@ impl ViewSubsurface {
             offsets: default(),
             first: default(),
             down: default(),
+            turn: default(),
             up: default(),
+            last: default(),
             picture: default(),
         }
     }
 
     /// Those that stay from frame to frame as long as nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        let groups = [&self.first].into_iter();
-        let groups = groups.chain(&self.down).chain(&self.up);
+        let groups = [&self.first, &self.down, &self.turn, &self.up, &self.last];
         self.picture
             .all()
-            .chain(groups.filter_map(CachedBindGroup::get))
+            .chain(groups.into_iter().filter_map(CachedBindGroup::get))
     }
 
     /// What it holds on the GPU beside [`SubsurfaceLight`].
@@ -100,7 +100,7 @@ pub(super) fn prepare_subsurface(
         Option<&mut ViewSubsurface>,
     )>,
 ) {
-    let count = views.iter().len() * SUBSURFACE_LEVELS;
+    let count = views.iter().len() * PASSES.len();
     let Some(mut writer) = (uniforms.0).get_writer(count, &device, &queue) else {
         return;
     };
@@ -125,9 +125,10 @@ pub(super) fn prepare_subsurface(
                 made.insert(new)
             }
         };
-        held.offsets = core::array::from_fn(|level| {
+        let blocks = size >> SUBSURFACE_BLOCK_LOG;
+        held.offsets = PASSES.map(|level| {
             let settings = &active.settings;
-            writer.write(&SubsurfaceView::new(settings, &now, level as u32))
+            writer.write(&SubsurfaceView::new(settings, &now, blocks, level as u32))
         });
         if let Some(made) = made {
             commands.entity(entity).insert(made);
@@ -158,35 +159,40 @@ pub(super) fn prepare_subsurface_bind_groups(
             scattered,
             first,
             down,
+            turn,
             up,
+            last,
             picture,
             ..
         } = &mut *held;
-        let scattered = &*scattered;
         let light = &subsurface.light.levels;
-        // By level: the coarsest one's is what enters there.
-        let scattered_at = |level: usize| match level {
-            COARSEST => &light[COARSEST],
-            _ => &scattered.levels[level - 1],
-        };
+        let scattered_at = |level: usize| &scattered.levels[level - 1];
         let tiles = || subsurface.tiles.as_entire_binding();
         let normal = &gbuffer.normal.default_view;
         first.update(&device, &layouts.first, |entries| {
             entries.push(VIEW, uniforms.clone())?;
             entries.push(TILES, tiles())?;
             entries.push(LIGHT_TEXTURE, light[0].into_binding())?;
-            entries.push(LEVEL_OUTPUT, light[1].into_binding())
+            entries.push(LEVEL_OUTPUT, light[1].into_binding())?;
+            entries.push(NEXT_OUTPUT, light[2].into_binding())
         });
-        for (level, group) in DOWN.into_iter().zip(down) {
-            group.update(&device, &layouts.down, |entries| {
-                entries.push(VIEW, uniforms.clone())?;
-                entries.push(TILES, tiles())?;
-                entries.push(LIGHT_TEXTURE, light[level - 1].into_binding())?;
-                entries.push(LEVEL_OUTPUT, light[level].into_binding())?;
-                entries.push(NEXT_OUTPUT, light[level + 1].into_binding())
-            });
-        }
-        for (level, group) in UP.into_iter().zip(up) {
+        down.update(&device, &layouts.down, |entries| {
+            entries.push(VIEW, uniforms.clone())?;
+            entries.push(TILES, tiles())?;
+            entries.push(LIGHT_TEXTURE, light[2].into_binding())?;
+            entries.push(LEVEL_OUTPUT, light[3].into_binding())?;
+            entries.push(NEXT_OUTPUT, light[4].into_binding())?;
+            entries.push(LAST_OUTPUT, light[5].into_binding())
+        });
+        turn.update(&device, &layouts.turn, |entries| {
+            entries.push(VIEW, uniforms.clone())?;
+            entries.push(TILES, tiles())?;
+            entries.push(LIGHT_TEXTURE, light[5].into_binding())?;
+            entries.push(LEVEL_OUTPUT, scattered_at(5).into_binding())?;
+            entries.push(NORMAL_TEXTURE, normal.into_binding())?;
+            entries.push(ENTERING_TEXTURE, light[0].into_binding())
+        });
+        for (level, group) in [(3, up), (1, last)] {
             group.update(&device, &layouts.up, |entries| {
                 entries.push(VIEW, uniforms.clone())?;
                 entries.push(TILES, tiles())?;
@@ -203,7 +209,6 @@ pub(super) fn prepare_subsurface_bind_groups(
             entries.push(TILES, tiles())?;
             entries.push(LIGHT_TEXTURE, light[0].into_binding())?;
             entries.push(SCATTERED_TEXTURE, scattered_at(1).into_binding())?;
-            entries.push(NORMAL_TEXTURE, normal.into_binding())?;
             entries.push(PICTURE_TEXTURE, subsurface.picture.view.into_binding())?;
             entries.push(OUTPUT_TEXTURE, output.into_binding())
         });

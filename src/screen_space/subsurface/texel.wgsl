@@ -1,31 +1,36 @@
-// The texels of listed tiles, and where texels are.
+// Which tiles and blocks of the picture have light that scatters, and where texels are.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::texel
 
-#import bevy_lean_deferred::lighting::subsurface_light::{COUNT, TILES}
+#import bevy_lean_deferred::lighting::subsurface_light::{BLOCK_LOG, COUNT, MASKS, tile_bit}
 #import bevy_lean_deferred::screen_space::subsurface::bindings::{tiles, view}
 
-struct Texel {
-    exists: bool,
-    place: vec2<i32>,
+/// How many blocks are listed. The workgroups of a pass share them.
+fn count_of_blocks() -> u32 {
+    return tiles[COUNT];
 }
 
-/// How many groups of 64 texels of this level the listed tiles have. The workgroups of a pass share them.
-fn count_of_groups() -> u32 {
-    let each = 1u << (2u * view.level);
-    return (tiles[COUNT] + each - 1u) / each;
+/// Which block it is, from the corner of the viewport.
+fn listed_block(number: u32) -> vec2<i32> {
+    let block = tiles[MASKS + view.blocks.x * view.blocks.y + number];
+    return vec2<i32>(vec2(block % view.blocks.x, block / view.blocks.x));
 }
 
-/// One of the level that this pass writes, of a listed tile, which has 8, 4, 2 or 1 of them a side.
-fn listed_texel(group: u32, invocation: u32) -> Texel {
-    let side_log = 3u - view.level;
-    let index = (group << (2u * view.level)) + (invocation >> (2u * side_log));
-    if index >= tiles[COUNT] {
-        return Texel(false, vec2(0));
+/// The tiles of a block that have light.
+fn mask_of(block: vec2<i32>) -> u32 {
+    if any(block < vec2(0)) || any(block >= vec2<i32>(view.blocks)) {
+        return 0u;
     }
-    let tile = tiles[TILES + index];
-    let corner = vec2(tile & 0xffffu, tile >> 16u) >> vec2(view.level);
-    let last = (1u << side_log) - 1u;
-    return Texel(true, vec2<i32>(corner + vec2(invocation & last, (invocation >> side_log) & last)));
+    return tiles[MASKS + u32(block.y) * view.blocks.x + u32(block.x)];
+}
+
+/// Whether the block has any light. In textures, others have that of former frames.
+fn is_listed(block: vec2<i32>) -> bool {
+    return mask_of(block) != 0u;
+}
+
+/// Whether lighting has written what light enters at this pixel. In other tiles there is that of former frames.
+fn is_written(pixel: vec2<i32>) -> bool {
+    return (mask_of(pixel >> vec2(BLOCK_LOG)) & tile_bit(vec2<u32>(pixel))) != 0u;
 }
 
 /// All that set it write the same.

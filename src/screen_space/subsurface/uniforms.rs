@@ -17,13 +17,19 @@ pub struct SubsurfaceView {
     pixels_per_metre: Vec2,
     viewport_origin: UVec2,
     viewport_size: UVec2,
+    blocks: UVec2,
     level: u32,
     largest_radius: f32,
 }
 
 impl SubsurfaceView {
-    /// What `settings` make of a view, for a pass that writes `level`.
-    pub fn new(settings: &LeanSubsurfaceScattering, now: &LastFrame, level: u32) -> Self {
+    /// What `settings` make of a view with so many blocks of tiles, for a pass that writes `level`.
+    pub fn new(
+        settings: &LeanSubsurfaceScattering,
+        now: &LastFrame,
+        blocks: UVec2,
+        level: u32,
+    ) -> Self {
         let size = now.viewport.size();
         let ahead = now.clip_from_view * Vec4::new(0.0, 0.0, -1.0, 1.0);
         let ndc = Vec2::new(ahead.x, ahead.y) / ahead.w;
@@ -33,6 +39,7 @@ impl SubsurfaceView {
             pixels_per_metre: pixels_per_metre(now.clip_from_view, size) * Vec2::new(1.0, -1.0),
             viewport_origin: now.viewport.min,
             viewport_size: size,
+            blocks,
             level,
             largest_radius: up_to(LARGEST_RADIUS, settings.largest_radius),
         }

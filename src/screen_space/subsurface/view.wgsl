@@ -11,6 +11,8 @@ struct SubsurfaceView {
     pixels_per_metre: vec2<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
+    /// Of 32×32 pixels, that the textures have.
+    blocks: vec2<u32>,
     /// The finest level that a pass writes: its texels are 2 to the power of it pixels wide.
     level: u32,
     /// Pixels from which light comes at most.

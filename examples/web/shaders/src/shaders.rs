@@ -172,7 +172,7 @@ fn screen_space() -> Vec<Shader> {
         let samples = "ROUGH_SEGMENTS=4 SHORTEST_SEGMENT=8 GROWTH_PERCENT=30 SMOOTH_STEPS=8";
         combinations(samples, &[sides, MOTION, special, PROJECTIONS, shown])
     };
-    let up: &[&[&str]] = &[&["", "PICTURE"], &["", "DRAWN_OUT"], orthographic];
+    let drawn_out: &[&str] = &["", "DRAWN_OUT"];
     vec![
         (
             "screen_space/diffuse_gi/levels.wgsl",
@@ -197,7 +197,18 @@ fn screen_space() -> Vec<Shader> {
             "screen_space/subsurface/down.wgsl",
             combinations("", &[&["", "LISTED"], orthographic]),
         ),
-        ("screen_space/subsurface/up.wgsl", combinations("", up)),
+        (
+            "screen_space/subsurface/turn.wgsl",
+            combinations("", &[drawn_out, orthographic]),
+        ),
+        (
+            "screen_space/subsurface/up.wgsl",
+            combinations("UP", &[&["", "LISTED"], drawn_out, orthographic]),
+        ),
+        (
+            "screen_space/subsurface/picture.wgsl",
+            combinations("PICTURE", &[orthographic]),
+        ),
         (
             "screen_space/history/levels.wgsl",
             combinations("", &[&["", "OF_LEVEL"]]),

@@ -1,0 +1,55 @@
+// A texel of the next coarser level.
+#define_import_path bevy_lean_deferred::screen_space::subsurface::mean
+
+#import bevy_lean_deferred::gbuffer::layout::light::unpack_light
+#import bevy_lean_deferred::lighting::subsurface_light::{
+    Entry, pack_entry, unpack_material, unpack_metres,
+}
+#import bevy_lean_deferred::screen_space::subsurface::{
+    entries::{Square, distance_in, entry_at},
+    texel::pixels_per_metre_at,
+}
+
+/// The step between surfaces: in texels of the coarser level, as much as one has that is turned away by 60 degrees, and in mean
+/// free paths.
+const STEP: vec2<f32> = vec2(2.0, 10.0);
+/// Further than the word of any entry.
+const NOTHING: u32 = 0xffffffffu;
+
+/// The texel of `level` as the mean of 4×4 entries of the next finer level, by the weights 1, 3, 3, 1 each way (Burt and Adelson
+/// 1983, "The Laplacian Pyramid as a Compact Image Code", have five such), of the nearest surface of its own 2×2 and its material.
+fn mean_of(finer: Square, texel: vec2<i32>, level: u32) -> vec2<u32> {
+    let first = 2 * texel - 1;
+    // Words have the order of distances.
+    var nearest = NOTHING;
+    for (var i = 0; i < 4; i++) {
+        let word = entry_at(finer, first + 1 + vec2(i & 1, i >> 1u)).x;
+        nearest = min(nearest, select(word, NOTHING, unpack_material(word) == 0u));
+    }
+    if nearest == NOTHING {
+        return vec2(0u);
+    }
+    let material = unpack_material(nearest);
+    let nearest_metres = unpack_metres(nearest);
+    let width = f32(1u << level) / pixels_per_metre_at(nearest_metres);
+    let paths = distance_in(material);
+    let longest = max(paths.r, max(paths.g, paths.b));
+    let step = min(STEP.x * width, STEP.y * longest);
+    var metres = 0.0;
+    var light = vec3(0.0);
+    var weights = 0.0;
+    for (var y = 0; y < 4; y++) {
+        for (var x = 0; x < 4; x++) {
+            let words = entry_at(finer, first + vec2(x, y));
+            let near = select(1.0, 3.0, x % 3 != 0) * select(1.0, 3.0, y % 3 != 0);
+            // From the nearest: the sum of large distances would be rounded.
+            let behind = unpack_metres(words.x) - nearest_metres;
+            let is_beside = unpack_material(words.x) == material && abs(behind) < step;
+            let weight = select(0.0, near, is_beside);
+            metres += weight * behind;
+            light += weight * unpack_light(words.y);
+            weights += weight;
+        }
+    }
+    return pack_entry(Entry(nearest_metres + metres / weights, material, light / weights));
+}
