@@ -3,8 +3,8 @@
 
 #import bevy_render::view::View
 
-/// Pixels that a workgroup reads if it reads all.
-const TILE: vec2<u32> = vec2(64u, 128u);
+/// Columns of pixels that a workgroup reads if it reads all.
+const TILE_WIDTH: u32 = 64u;
 
 /// Settings, and what the passes know of a view.
 struct ExposureView {
@@ -28,6 +28,8 @@ struct ExposureView {
     /// Counts camera cuts.
     cuts: u32,
     curve_points: u32,
+    /// Rows that a workgroup reads if it reads all: a multiple of 32.
+    tile_height: u32,
     /// (metered logarithm, stops) in each.
     curve: array<vec4<f32>, 16>,
 }

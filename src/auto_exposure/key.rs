@@ -4,8 +4,12 @@ use bevy::{math::UVec2, shader::ShaderDefVal};
 
 use super::{ExposureSampling, LeanAutoExposure, Metering, MeteringPattern};
 
-/// Pixels that a workgroup of the first pass reads if it reads all.
-pub const TILE: UVec2 = UVec2::new(64, 128);
+/// Columns of pixels that a workgroup of the first pass reads if it reads all.
+pub const TILE_WIDTH: u32 = 64;
+/// Rows that it may read. Few workgroups would leave parts of a large GPU idle; many leave much to the second pass.
+const TILE_HEIGHTS: [u32; 2] = [64, 128];
+/// As many partial sums as the second pass adds up at once.
+const MOST_WORKGROUPS: u32 = 1024;
 /// Bins of the histogram.
 pub const BINS: u64 = 256;
 
@@ -56,11 +60,8 @@ impl ExposureKey {
 
     /// Of the first pass.
     pub fn workgroups(self, viewport_size: UVec2) -> UVec2 {
-        let tile = TILE * self.sampling.stride();
-        UVec2::new(
-            viewport_size.x.div_ceil(tile.x),
-            viewport_size.y.div_ceil(tile.y),
-        )
+        let height = tile_height(viewport_size, self.sampling);
+        workgroups_with(height, viewport_size, self.sampling)
     }
 
     /// Bytes that the first pass leaves for the second: partial sums, or the histogram.
@@ -105,4 +106,25 @@ impl ExposureKey {
         );
         defs
     }
+}
+
+/// How many workgroups read so many rows each.
+fn workgroups_with(height: u32, viewport_size: UVec2, sampling: ExposureSampling) -> UVec2 {
+    let tile = UVec2::new(TILE_WIDTH, height) * sampling.stride();
+    UVec2::new(
+        viewport_size.x.div_ceil(tile.x),
+        viewport_size.y.div_ceil(tile.y),
+    )
+}
+
+/// How many rows a workgroup of the first pass reads: as few as leave no more partial sums than the second one adds up at once.
+pub(super) fn tile_height(viewport_size: UVec2, sampling: ExposureSampling) -> u32 {
+    let [.., most] = TILE_HEIGHTS;
+    TILE_HEIGHTS
+        .into_iter()
+        .find(|height| {
+            let workgroups = workgroups_with(*height, viewport_size, sampling);
+            workgroups.element_product() <= MOST_WORKGROUPS
+        })
+        .unwrap_or(most)
 }

@@ -1,7 +1,7 @@
 // The first pass: reads each pixel of the viewport once, or one in some, and leaves one partial sum for each workgroup,
 // or what it adds to the histogram.
 #import bevy_lean_deferred::auto_exposure::bindings::{
-    BINS, BINS_PER_STOP, FULL_WEIGHT, LOG_OF_FIRST_BIN, TILE, picture, view,
+    BINS, BINS_PER_STOP, FULL_WEIGHT, LOG_OF_FIRST_BIN, TILE_WIDTH, picture, view,
 }
 #import bevy_lean_deferred::auto_exposure::luminance::{log_luminance, luminance}
 #import bevy_lean_deferred::auto_exposure::pattern::pattern_weight
@@ -132,9 +132,9 @@ fn meter(
 #endif
     // 16×16 pixels at a time, along a Z-order curve, so that those of a subgroup lie together in memory. Eight such squares are
     // read before any is looked at: memory is slow to answer, but answers many at once.
-    let corner = tile.xy * TILE + place_in_square(invocation);
+    let corner = tile.xy * vec2(TILE_WIDTH, view.tile_height) + place_in_square(invocation);
     var sum = vec2(0.0);
-    for (var y = 0u; y < TILE.y; y += 32u) {
+    for (var y = 0u; y < view.tile_height; y += 32u) {
         let a = corner + vec2(0u, y);
         let b = corner + vec2(0u, y + 16u);
         let a0 = color_at(a);

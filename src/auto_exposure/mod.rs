@@ -1,6 +1,6 @@
 //! Auto exposure: the picture's luminance, reduced in two dispatches, and an exposure that follows it.
 //!
-//! Put [`LeanAutoExposure`] on any HDR camera, 3D or 2D. Each frame, after anti-aliasing and before bloom:
+//! Put [`LeanAutoExposure`] on any camera, 3D or 2D; it adds `Hdr`. Each frame, after anti-aliasing and before bloom:
 //!
 //! 1. *meter*: workgroups sum up the luminance of the camera's viewport, with the weights of [`MeteringPattern`], by the mean of
 //!    [`Metering`]; with a [`LuminanceTrim`] they count it in a histogram.

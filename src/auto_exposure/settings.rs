@@ -7,7 +7,7 @@ use crate::view::{
 
 /// Measures the luminance of the picture and adapts the exposure to it over time.
 ///
-/// For HDR cameras, 3D or 2D, with or without [`LeanDeferred`](crate::LeanDeferred). `Hdr` is added with the component, and
+/// For cameras, 3D or 2D, with or without [`LeanDeferred`](crate::LeanDeferred). `Hdr` is added with the component, and
 /// removed with it unless something else needs it. Measured is the camera's own viewport, after anti-aliasing and before
 /// bloom and other post-processing; applied is the exposure in tonemapping, where Bevy's `AutoExposure` applies it too: use
 /// one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`. The first frame
@@ -44,31 +44,31 @@ pub struct LeanAutoExposure {
     pub pattern: MeteringPattern,
     /// Leaves the darkest and the brightest pixels out. Default none: it costs a histogram.
     pub trim: Option<LuminanceTrim>,
-    /// The luminance that the metered one is brought to, before tonemapping. More than 0. Default 0.18, middle grey
+    /// The luminance that the metered one is brought to, before tonemapping. More than 0, up to 65504. Default 0.18, middle grey
     /// (Bevy's `AutoExposure` has 1).
     pub target: f32,
-    /// Added to the exposure, in stops. Default 0.
+    /// Added to the exposure, in stops, -64 to 64. Default 0.
     pub compensation: f32,
-    /// Added to the exposure too: points of (metered luminance as its base-2 logarithm, stops), in rising order and
-    /// connected by straight lines; the first 16 count. Default none.
+    /// Added to the exposure too: points of (metered luminance as its base-2 logarithm, stops), both -64 to 64, in rising
+    /// order and connected by straight lines; the first 16 count. Default none.
     pub compensation_curve: Vec<Vec2>,
-    /// Least exposure in stops, without the compensation. Default -8.
+    /// Least exposure in stops, without the compensation: -64 to 64, and never more than the largest. Default -8.
     pub min_exposure: f32,
-    /// Largest exposure in stops, without the compensation. Default 8.
+    /// Largest exposure in stops, without the compensation, -64 to 64. Default 8.
     pub max_exposure: f32,
-    /// How fast the exposure falls when the scene becomes brighter, in stops a second. Default 3, as Bevy's and as eyes:
+    /// How fast the exposure falls when the scene becomes brighter, in stops a second, 0 to 65504. Default 3, as Bevy's and as eyes:
     /// they take to light sooner than to the dark.
     pub speed_brighten: f32,
-    /// How fast it rises when the scene becomes darker, in stops a second. Default 1.
+    /// How fast it rises when the scene becomes darker, in stops a second, 0 to 65504. Default 1.
     pub speed_darken: f32,
     /// Nearer to its target than this many stops, the exposure approaches it exponentially, so that it comes to rest
-    /// without a jerk; 0 keeps the speed to the end. Default 1.5.
+    /// without a jerk; 0 keeps the speed to the end; up to 65504. Default 1.5.
     pub transition: f32,
     /// No adaptation: each frame has its own exposure. Default false.
     pub instant: bool,
     /// How many pixels are read. Default [`ExposureSampling::All`].
     pub sampling: ExposureSampling,
-    /// Default [`ReductionPath::Auto`].
+    /// How a workgroup adds its pixels up. Default [`ReductionPath::Auto`].
     pub reduction: ReductionPath,
     /// Shows over the tonemapped picture how much each pixel counts, and on a scale of stops the exposure (white) and where it
     /// is heading (green). Default false.

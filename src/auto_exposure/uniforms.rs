@@ -2,7 +2,10 @@
 
 use bevy::{prelude::*, render::render_resource::ShaderType};
 
-use super::settings::{LeanAutoExposure, MeteringPattern};
+use super::{
+    key::tile_height,
+    settings::{LeanAutoExposure, MeteringPattern},
+};
 
 /// Points of a compensation curve that count.
 const CURVE_POINTS: usize = 16;
@@ -31,6 +34,7 @@ pub struct ExposureView {
     instant: u32,
     cuts: u32,
     curve_points: u32,
+    tile_height: u32,
     curve: [Vec4; CURVE_POINTS],
 }
 
@@ -73,6 +77,7 @@ impl ExposureView {
             instant: settings.instant.into(),
             cuts,
             curve_points: settings.compensation_curve.len().min(CURVE_POINTS) as u32,
+            tile_height: tile_height(viewport_size, settings.sampling),
             curve,
         }
     }
