@@ -17,7 +17,8 @@
 // - `schedule.rs`: when stages run. `opaque_picture.rs`: which of them come first after the opaque pass.
 // - `cut.rs`: when the last frame says nothing of this one.
 // - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
-// - `overrides.rs`: what effects change about a camera, and give back. `removal.rs`: what goes with a component.
+// - `overrides/`: what effects change about a camera and the others of its target, and give back.
+// - `removal.rs`: what goes with a component.
 // - `out_of_memory.rs`: textures that do not fit. `warn_once.rs`: why an effect is off, once for each camera.
 
 mod active;
@@ -92,7 +93,13 @@ impl Plugin for SharedPlugin {
         app.init_resource::<overrides::CameraNeeds>()
             .register_type::<CameraCut>()
             .add_plugins(ExtractComponentPlugin::<CameraCuts>::default())
-            .add_systems(Last, cut::count_cuts)
+            .add_systems(
+                Last,
+                (
+                    cut::count_cuts,
+                    overrides::fit_partners.run_if(overrides::are_cameras_changed),
+                ),
+            )
             .add_observer(overrides::override_new_camera)
             .add_observer(overrides::keep_ticks_young);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

@@ -45,7 +45,8 @@ use super::{
 /// ```
 ///
 /// Needs HDR (`Hdr` is added with the component) and no MSAA (switched off then). Removing the component gives back what
-/// the camera had, unless another effect needs it or the app has set it since. A camera that
+/// the camera had, unless another effect needs it or the app has set it since. Other cameras of its target that had the
+/// same get the same, so that they go on sharing a picture. A camera that
 /// breaks these later, or whose device lacks something, is rendered as Bevy has it, with one warning that names the
 /// reason. `docs/reliability.md` lists all that is needed.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]

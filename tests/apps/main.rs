@@ -10,6 +10,7 @@ mod lost_device;
 mod memory;
 mod out_of_memory;
 mod plugins;
+mod shared_targets;
 mod steady_state;
 mod switching;
 #[cfg(target_os = "linux")]

@@ -14,6 +14,7 @@ mod light_layers;
 mod light_parts;
 mod live_changes;
 mod oracle;
+mod overlays;
 mod packing_loss;
 mod parity;
 mod resolution_override;

@@ -1,0 +1,180 @@
+//! What was changed about a camera.
+
+use bevy::{
+    camera::{CameraMainTextureUsages, Hdr},
+    ecs::{
+        change_detection::{CheckChangeTicks, Tick},
+        component::Components,
+    },
+    prelude::*,
+    render::render_resource::TextureUsages,
+};
+
+use super::needs::{Need, is_needed};
+
+/// On a camera: what was changed about it, and when. What has changed again since is the app's own.
+#[derive(Component, Default)]
+pub(crate) struct CameraOverrides {
+    /// What it had before it was switched off.
+    msaa: Option<(Msaa, Tick)>,
+    /// It was added.
+    hdr: Option<Tick>,
+    /// [`APART`] was added.
+    usages: Option<Tick>,
+}
+
+/// Cameras whose main textures have different usages do not share them. Bevy never asks for this one.
+const APART: TextureUsages = TextureUsages::COPY_DST;
+
+/// What the app wants of a camera.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct AppSettings {
+    pub(super) msaa: Msaa,
+    pub(super) hdr: bool,
+    pub(super) usages: TextureUsages,
+}
+
+impl CameraOverrides {
+    /// Changes the record of `camera`, and with it the camera.
+    pub(super) fn change(
+        camera: &mut EntityWorldMut,
+        change: impl FnOnce(&mut Self, &mut EntityWorldMut),
+    ) {
+        let mut overrides = camera.take::<Self>().unwrap_or_default();
+        change(&mut overrides, camera);
+        if overrides.msaa.is_some() || overrides.hdr.is_some() || overrides.usages.is_some() {
+            camera.insert(overrides);
+        }
+    }
+
+    /// Makes the camera fit, unless it does.
+    pub(super) fn fit(&mut self, camera: &mut EntityWorldMut, need: Need) {
+        match need {
+            Need::WithoutMsaa => {
+                if let Some(mut msaa) = camera.get_mut::<Msaa>()
+                    && *msaa != Msaa::Off
+                {
+                    let before = *msaa;
+                    *msaa = Msaa::Off;
+                    self.msaa = Some((before, msaa.last_changed()));
+                }
+            }
+            Need::Hdr => {
+                if !camera.contains::<Hdr>() {
+                    camera.insert(Hdr);
+                    self.hdr = last_changed::<Hdr>(camera.as_readonly());
+                }
+            }
+            Need::OwnTexture => {
+                if let Some(mut usages) = camera.get_mut::<CameraMainTextureUsages>()
+                    && !usages.0.contains(APART)
+                {
+                    usages.0 |= APART;
+                    self.usages = Some(usages.last_changed());
+                }
+            }
+        }
+    }
+
+    /// Gives back what nothing needs any more.
+    pub(super) fn give_back(&mut self, camera: &mut EntityWorldMut) {
+        if !is_needed(camera, Need::WithoutMsaa) {
+            let before = self.msaa_before(camera.as_readonly());
+            self.msaa = None;
+            if let Some(before) = before {
+                camera.insert(before);
+            }
+        }
+        if !is_needed(camera, Need::Hdr) {
+            let was_added = self.has_added_hdr(camera.as_readonly());
+            self.hdr = None;
+            if was_added
+                && !something_requires_hdr(camera.as_readonly(), camera.world().components())
+            {
+                camera.remove::<Hdr>();
+            }
+        }
+        if !is_needed(camera, Need::OwnTexture) {
+            let was_added = self.has_added_usage(camera.as_readonly());
+            self.usages = None;
+            if was_added && let Some(mut usages) = camera.get_mut::<CameraMainTextureUsages>() {
+                usages.0 -= APART;
+            }
+        }
+    }
+
+    /// Whether what `camera` needs was changed for that, and is as it was changed.
+    pub(super) fn holds(&self, camera: EntityRef, need: Need) -> bool {
+        match need {
+            Need::WithoutMsaa => self.msaa_before(camera).is_some(),
+            Need::Hdr => self.has_added_hdr(camera),
+            Need::OwnTexture => self.has_added_usage(camera),
+        }
+    }
+
+    fn msaa_before(&self, camera: EntityRef) -> Option<Msaa> {
+        let (before, when) = self.msaa?;
+        let is_untouched = last_changed::<Msaa>(camera) == Some(when)
+            // Two changes within one system have one tick.
+            && camera.get() == Some(&Msaa::Off);
+        is_untouched.then_some(before)
+    }
+
+    fn has_added_hdr(&self, camera: EntityRef) -> bool {
+        self.hdr.is_some() && last_changed::<Hdr>(camera) == self.hdr
+    }
+
+    fn has_added_usage(&self, camera: EntityRef) -> bool {
+        self.usages.is_some() && last_changed::<CameraMainTextureUsages>(camera) == self.usages
+    }
+}
+
+impl AppSettings {
+    /// None for what is no camera.
+    pub(super) fn of(camera: EntityRef, components: &Components) -> Option<Self> {
+        let overrides = camera.get::<CameraOverrides>();
+        let msaa = *camera.get::<Msaa>()?;
+        let usages = camera.get::<CameraMainTextureUsages>()?.0;
+        let holds = |need| overrides.is_some_and(|overrides| overrides.holds(camera, need));
+        Some(Self {
+            msaa: (overrides.and_then(|overrides| overrides.msaa_before(camera))).unwrap_or(msaa),
+            hdr: camera.contains::<Hdr>()
+                && (!holds(Need::Hdr) || something_requires_hdr(camera, components)),
+            usages: if holds(Need::OwnTexture) {
+                usages - APART
+            } else {
+                usages
+            },
+        })
+    }
+}
+
+/// Ticks are compared with those of components, which Bevy keeps from growing too old.
+pub(crate) fn keep_ticks_young(
+    check: On<CheckChangeTicks>,
+    mut cameras: Query<&mut CameraOverrides>,
+) {
+    for mut overrides in &mut cameras {
+        let CameraOverrides { msaa, hdr, usages } = overrides.bypass_change_detection();
+        let msaa = msaa.as_mut().map(|(_, tick)| tick);
+        for tick in msaa.into_iter().chain(hdr).chain(usages) {
+            tick.check_tick(*check);
+        }
+    }
+}
+
+fn last_changed<C: Component>(camera: EntityRef) -> Option<Tick> {
+    Some(camera.get_change_ticks::<C>()?.changed)
+}
+
+/// Whether another component, such as Bevy's `Bloom`, was promised that `Hdr` is there.
+fn something_requires_hdr(camera: EntityRef, components: &Components) -> bool {
+    let Some(hdr) = components.component_id::<Hdr>() else {
+        return false;
+    };
+    camera.archetype().components().iter().any(|id| {
+        components
+            .get_info(*id)
+            .is_some_and(|info| info.required_components().iter_ids().any(|id| id == hdr))
+    })
+}

@@ -1,0 +1,261 @@
+//! Cameras that draw over the picture of another one look as if both had been given the same settings by hand, whichever
+//! of them has an effect.
+
+use bevy::{
+    camera::{
+        Camera3dDepthLoadOp, CameraMainTextureUsages, CameraOutputMode, Hdr,
+        visibility::RenderLayers,
+    },
+    core_pipeline::tonemapping::{DebandDither, Tonemapping},
+    prelude::*,
+    render::render_resource::TextureUsages,
+};
+use bevy_lean_deferred::prelude::*;
+use kit::{
+    headless::{Headless, Picture},
+    lean::{active_lean_views, build, judge, report},
+    metrics::pixel_difference,
+    own_process::in_own_process,
+    scenes::{
+        LEAST_PSNR, SceneBuilder,
+        build::{ambient, default_camera_transform},
+    },
+};
+
+const SIZE: UVec2 = UVec2::new(320, 240);
+
+/// What a second camera shows over the first one's picture, moving.
+#[derive(Component, Clone, Copy, PartialEq, Debug)]
+enum Overlay {
+    /// A sprite, half transparent, and a disc.
+    Flat,
+    /// As [`Flat`](Self::Flat), by a camera without MSAA whose own picture is blended over the first one's.
+    FlatApart,
+    /// A ball, in part behind what the first one shows.
+    Solid,
+}
+
+/// What moves in front of the second camera.
+#[derive(Component)]
+struct Moving;
+
+/// The world's camera, and the one over it, as Bevy spawns them: without HDR, and with MSAA.
+fn scene(overlay: Overlay) -> (Headless, [Entity; 2]) {
+    let mut cameras = [Entity::PLACEHOLDER; 2];
+    let headless = build(SIZE, |s| {
+        s.solids();
+        s.sun(true);
+        let target = s.headless.render_target();
+        cameras[0] = s.spawn((
+            Camera3d::default(),
+            target.clone(),
+            // One without, so that no picture is tonemapped twice.
+            (Tonemapping::None, DebandDither::Disabled),
+            default_camera_transform(),
+            ambient(),
+        ));
+        let over = Camera {
+            order: 1,
+            clear_color: ClearColorConfig::None,
+            ..default()
+        };
+        cameras[1] = s.spawn((over, target));
+        match overlay {
+            Overlay::Solid => solid(s, cameras[1]),
+            _ => flat(s, cameras[1], overlay == Overlay::FlatApart),
+        }
+    });
+    (headless, cameras)
+}
+
+fn solid(s: &mut SceneBuilder, camera: Entity) {
+    let layer = RenderLayers::layer(1);
+    let lamp = s.sun(false);
+    s.world().entity_mut(lamp).insert(layer.clone());
+    let clay = StandardMaterial::from_color(Color::srgb(0.9, 0.3, 0.6));
+    let ball = s.mesh(Sphere::new(0.7), clay, Transform::default());
+    s.world().entity_mut(ball).insert((Moving, layer.clone()));
+    s.world().entity_mut(camera).insert((
+        Camera3d {
+            depth_load_op: Camera3dDepthLoadOp::Load,
+            ..default()
+        },
+        (Tonemapping::None, DebandDither::Disabled),
+        default_camera_transform(),
+        layer,
+    ));
+}
+
+fn flat(s: &mut SceneBuilder, camera: Entity, apart: bool) {
+    s.spawn((
+        Sprite::from_color(Color::srgba(0.2, 0.9, 0.4, 0.5), Vec2::new(60.0, 30.0)),
+        Moving,
+    ));
+    let disc = s.add::<Mesh>(Circle::new(18.0));
+    let material = s.add::<ColorMaterial>(Color::srgb(0.9, 0.2, 0.2));
+    s.spawn((
+        Mesh2d(disc),
+        MeshMaterial2d(material),
+        Transform::from_xyz(40.0, 30.0, 1.0),
+    ));
+    let mut camera = s.world().entity_mut(camera);
+    camera.insert(Camera2d);
+    if apart {
+        camera.insert(Msaa::Off);
+        let mut camera = camera.get_mut::<Camera>().expect("it is one");
+        camera.clear_color = ClearColorConfig::Custom(Color::NONE);
+    }
+}
+
+/// The last of some frames in which the overlay moves.
+fn moved(headless: &mut Headless, overlay: Overlay) -> Picture {
+    headless.settle();
+    let film = headless.film(6, |world, frame| {
+        let mut moving = world.query_filtered::<&mut Transform, With<Moving>>();
+        let step = frame as f32;
+        for mut transform in moving.iter_mut(world) {
+            transform.translation = match overlay {
+                Overlay::Solid => Vec3::new(0.5 * step - 2.0, 0.6, -0.4),
+                _ => Vec3::new(24.0 * step - 60.0, -20.0, 0.0),
+            };
+        }
+    });
+    film.into_iter().next_back().expect("it has frames")
+}
+
+type Change = fn(&mut EntityWorldMut);
+
+/// Judges the picture with `effect` on a camera against that of cameras with the settings that it brings, made by hand.
+fn compare(
+    name: &str,
+    overlay: Overlay,
+    on: usize,
+    effect: Change,
+    by_hand: (Change, bool),
+) -> Result<(), String> {
+    let (mut headless, cameras) = scene(overlay);
+    let before = moved(&mut headless, overlay);
+    effect(&mut headless.world().entity_mut(cameras[on]));
+    let with = moved(&mut headless, overlay);
+    let lean = active_lean_views(&mut headless);
+
+    let (mut headless, cameras) = scene(overlay);
+    let (settings, with_effect) = by_hand;
+    for camera in cameras {
+        settings(&mut headless.world().entity_mut(camera));
+    }
+    if overlay == Overlay::FlatApart {
+        let usages = CameraMainTextureUsages::default().with(TextureUsages::COPY_DST);
+        headless.world().entity_mut(cameras[1]).insert(usages);
+    }
+    if with_effect {
+        effect(&mut headless.world().entity_mut(cameras[on]));
+    }
+    let expected = moved(&mut headless, overlay);
+    if !with_effect {
+        assert_eq!(lean, 1, "{name}");
+    }
+    let name = format!("overlay_{name}_{overlay:?}_on_{on}");
+    // What Bevy shows of cameras as it spawns them, but for their edges and for what blending in linear light changes.
+    println!(
+        "{name}: Bevy alone {}",
+        pixel_difference(&before, &expected)
+    );
+    judge(&name, &expected, &with, LEAST_PSNR)
+}
+
+fn hdr_without_msaa(camera: &mut EntityWorldMut) {
+    camera.insert((Hdr, Msaa::Off));
+}
+
+fn make_lean(camera: &mut EntityWorldMut) {
+    camera.insert(LeanDeferred::default());
+}
+
+#[test]
+fn over_a_lean_camera() {
+    in_own_process(|| {
+        report(
+            [Overlay::Flat, Overlay::FlatApart, Overlay::Solid]
+                .map(|overlay| compare("lean", overlay, 0, make_lean, (hdr_without_msaa, false))),
+        );
+    });
+}
+
+#[test]
+fn a_lean_camera_over_another() {
+    in_own_process(|| {
+        let by_hand: (Change, bool) = (hdr_without_msaa, false);
+        report([compare("lean", Overlay::Solid, 1, make_lean, by_hand)]);
+    });
+}
+
+/// The first does not write to the target itself.
+#[test]
+fn over_a_lean_camera_that_skips_its_output() {
+    in_own_process(|| {
+        let skip = |camera: &mut EntityWorldMut| {
+            let mut camera = camera.get_mut::<Camera>().expect("it is one");
+            if camera.order == 0 {
+                camera.output_mode = CameraOutputMode::Skip;
+            }
+        };
+        report([Overlay::Flat, Overlay::Solid].map(|overlay| {
+            let picture = |change: &dyn Fn(&mut EntityWorldMut, usize)| {
+                let (mut headless, cameras) = scene(overlay);
+                for (index, camera) in cameras.into_iter().enumerate() {
+                    let mut camera = headless.world().entity_mut(camera);
+                    skip(&mut camera);
+                    change(&mut camera, index);
+                }
+                moved(&mut headless, overlay)
+            };
+            let expected = picture(&|camera, _| hdr_without_msaa(camera));
+            let with = picture(&|camera, index| {
+                if index == 0 {
+                    make_lean(camera);
+                }
+            });
+            judge(
+                &format!("overlay_skip_{overlay:?}"),
+                &expected,
+                &with,
+                LEAST_PSNR,
+            )
+        }));
+    });
+}
+
+#[test]
+fn over_cameras_with_other_effects() {
+    in_own_process(|| {
+        let occlusion: Change = |camera| {
+            camera.insert(LeanAmbientOcclusion {
+                intensity: 2.0,
+                ..default()
+            });
+        };
+        let exposure: Change = |camera| {
+            camera.insert(LeanAutoExposure {
+                instant: true,
+                ..default()
+            });
+        };
+        let without_msaa: Change = |camera| {
+            camera.insert(Msaa::Off);
+        };
+        let hdr: Change = |camera| {
+            camera.insert(Hdr);
+        };
+        report(
+            [Overlay::Flat, Overlay::Solid]
+                .into_iter()
+                .flat_map(|overlay| {
+                    [
+                        compare("occlusion", overlay, 0, occlusion, (without_msaa, true)),
+                        compare("exposure", overlay, 0, exposure, (hdr, true)),
+                    ]
+                }),
+        );
+    });
+}
