@@ -4,6 +4,7 @@ use bevy::{
     pbr::DistanceFog,
     prelude::*,
     render::{
+        camera::ExtractedCamera,
         render_resource::{CachedRenderPipelineId, PipelineCache},
         sync_world::MainEntity,
         view::ExtractedView,
@@ -18,7 +19,10 @@ use super::{
 };
 use crate::{
     shader_library::reconstruction::position::projection_of,
-    view::{ActiveLeanView, LeanDeferred, LightExchange, OutOfMemory, warn_once::WarnOnce},
+    view::{
+        ActiveLeanView, LeanDeferred, LeanOffReason, LightExchange, OutOfMemory,
+        warn_once::WarnOnce,
+    },
 };
 
 /// On a view of the render world: this frame it has ambient occlusion.
@@ -80,11 +84,11 @@ pub(super) fn decide_active_occlusion(
     pipelines: Option<ResMut<OcclusionPipelines>>,
     pipeline_cache: Res<PipelineCache>,
     memory: Res<OutOfMemory>,
-    mut warnings: Local<WarnOnce<&'static str>>,
+    mut warnings: Local<WarnOnce<LeanOffReason>>,
     mut views: Query<
         (
             Entity,
-            &ExtractedView,
+            (&ExtractedCamera, &ExtractedView),
             &Msaa,
             &LeanAmbientOcclusion,
             (Option<&LeanDeferred>, Option<&ActiveLeanView>),
@@ -103,8 +107,11 @@ pub(super) fn decide_active_occlusion(
     let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
         return;
     };
-    for (entity, view, msaa, settings, (lean, active_lean), has_fog, current) in &mut views {
-        let reason = (msaa.samples() > 1).then_some("its Msaa is not Off");
+    for (entity, (camera, view), msaa, settings, (lean, active_lean), has_fog, current) in
+        &mut views
+    {
+        let reason = LeanOffReason::against_reading_depth(camera, msaa);
+        let is_off = reason.is_some() || memory.label(entity).is_some();
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanAmbientOcclusion", camera, reason);
         let is_for_lighting = active_lean.is_some() && settings.is_for_lighting();
@@ -112,7 +119,6 @@ pub(super) fn decide_active_occlusion(
         let is_found =
             active_lean.is_some_and(|lean| lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE));
         let shows_channel = lean.is_some_and(LeanDeferred::shows_channel);
-        let is_off = reason.is_some() || memory.label(entity).is_some();
         if is_off || is_found || (is_for_lighting && shows_channel) {
             if current.is_some() {
                 commands.entity(entity).remove::<ActiveOcclusion>();

@@ -8,7 +8,8 @@ use crate::view::overrides::{CameraEffect, Need};
 /// Darkens what neighbouring surfaces hide from the light that comes from everywhere.
 ///
 /// Works on any `Camera3d`, with or without [`LeanDeferred`](crate::LeanDeferred): it reads the depth that the opaque
-/// meshes leave, and needs no prepass. No MSAA (switched off when the component is added, given back when it is removed).
+/// meshes leave, and needs no prepass. No MSAA (switched off when the component is added, given back when it is removed); the schedule is
+/// `Core3d`, and the viewport has all of depth.
 /// Adding or removing it at run time switches the effect and frees what it held.
 ///
 /// ```

@@ -39,8 +39,9 @@ fn reason_against(
     deferred_prepass: bool,
     soft_shadows: bool,
 ) -> Option<LeanOffReason> {
-    if msaa.samples() > 1 {
-        Some(LeanOffReason::Msaa)
+    let of_depth = LeanOffReason::against_reading_depth(camera, msaa);
+    if of_depth.is_some() {
+        of_depth
     } else if !camera.hdr {
         Some(LeanOffReason::NotHdr)
     } else if view.target_format != TextureFormat::Rgba16Float {

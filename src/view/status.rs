@@ -2,7 +2,13 @@
 
 use core::fmt;
 
-use bevy::{prelude::*, render::render_resource::TextureFormat};
+use bevy::{
+    camera::Viewport,
+    core_pipeline::schedule::Core3d,
+    ecs::schedule::ScheduleLabel,
+    prelude::*,
+    render::{camera::ExtractedCamera, render_resource::TextureFormat},
+};
 
 /// On a camera with [`LeanDeferred`](super::LeanDeferred): whether the last frame was rendered lean, or why it was not. Added and removed with
 /// it.
@@ -56,6 +62,10 @@ pub enum LeanOffReason {
     NotRendered,
     /// Its `Msaa` is not `Off`.
     Msaa,
+    /// Its `CameraRenderGraph` is not `Core3d`, where the passes of this crate are.
+    Schedule,
+    /// Its `Viewport::depth` is not `0.0..1.0`: depth does not tell where surfaces are.
+    ViewportDepth,
     /// It has no `Hdr`.
     NotHdr,
     /// Its main texture has this format.
@@ -78,6 +88,8 @@ impl fmt::Display for LeanOffReason {
         match self {
             Self::NotRendered => write!(f, "it was not rendered"),
             Self::Msaa => write!(f, "its Msaa is not Off"),
+            Self::Schedule => write!(f, "its CameraRenderGraph is not Core3d"),
+            Self::ViewportDepth => write!(f, "its viewport's depth is not 0 to 1"),
             Self::NotHdr => write!(f, "it has no Hdr component"),
             Self::Format(format) => write!(
                 f,
@@ -100,6 +112,20 @@ impl fmt::Display for LeanOffReason {
 }
 
 impl LeanOffReason {
+    /// What speaks against effects that find surfaces by the depth of `camera`.
+    pub(crate) fn against_reading_depth(camera: &ExtractedCamera, msaa: &Msaa) -> Option<Self> {
+        let is_whole = |viewport: &Viewport| viewport.depth == (0.0..1.0);
+        if msaa.samples() > 1 {
+            Some(Self::Msaa)
+        } else if camera.schedule != Core3d.intern() {
+            Some(Self::Schedule)
+        } else if !camera.viewport.as_ref().is_none_or(is_whole) {
+            Some(Self::ViewportDepth)
+        } else {
+            None
+        }
+    }
+
     /// Whether cameras are warned of it one by one. Of the others there is a message elsewhere.
     pub(crate) fn is_of_camera(&self) -> bool {
         !matches!(

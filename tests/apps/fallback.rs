@@ -2,11 +2,20 @@
 //! in a process of its own.
 
 use bevy::{
-    camera::Hdr,
-    core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
-    pbr::{ExtractedDirectionalLight, ExtractedPointLight},
+    camera::{Hdr, Viewport},
+    core_pipeline::{
+        core_3d::main_opaque_pass_3d,
+        prepass::{DeferredPrepass, DepthPrepass},
+        tonemapping::tonemapping,
+        upscaling::upscaling,
+    },
+    ecs::schedule::ScheduleLabel,
+    pbr::{
+        ExtractedDirectionalLight, ExtractedPointLight, clear_indirect_parameters_metadata,
+        early_gpu_preprocess, main_build_indirect_parameters, unpack_bins,
+    },
     prelude::*,
-    render::{Render, RenderApp, RenderSystems},
+    render::{Render, RenderApp, RenderSystems, camera::CameraRenderGraph},
 };
 use bevy_lean_deferred::{lean::LeanDeferredSupport, prelude::*};
 use kit::{
@@ -29,28 +38,56 @@ fn scene() -> (Headless, Entity) {
     (headless, camera)
 }
 
-/// Renders the solids with a camera made by `spoil` from the usual one, without and with `LeanDeferred`.
-fn pictures(spoil: fn(&mut EntityWorldMut)) -> (Picture, Picture) {
+/// Renders the solids with a camera made by `spoil` from the usual one, without and with an effect.
+fn pictures<E: Component + Default>(spoil: fn(&mut EntityWorldMut)) -> (Picture, Picture) {
     let (mut headless, camera) = scene();
+    let render_app = headless.app.sub_app_mut(RenderApp);
+    render_app.add_schedule(own_frame());
     spoil(&mut headless.world().entity_mut(camera));
     headless.settle();
     let without = headless.capture();
 
-    headless
-        .world()
-        .entity_mut(camera)
-        .insert(LeanDeferred::default());
+    headless.world().entity_mut(camera).insert(E::default());
     // Adding the component makes the camera fit; what comes after does not.
     spoil(&mut headless.world().entity_mut(camera));
     headless.settle();
     (without, headless.capture())
 }
 
-fn assert_falls_back(spoil: fn(&mut EntityWorldMut), reason: &str) {
-    let (without, with) = pictures(spoil);
+fn assert_effect_is_off<E: Component + Default>(spoil: fn(&mut EntityWorldMut), reason: &str) {
+    let (without, with) = pictures::<E>(spoil);
+    let first = &without.rgba[..4];
+    let is_empty = without.rgba.chunks(4).all(|pixel| pixel == first);
+    assert!(!is_empty, "nothing is seen");
     assert!(without.rgba == with.rgba, "the picture is not Bevy's");
     let warnings = log_watch::messages_with(reason);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
+}
+
+fn assert_falls_back(spoil: fn(&mut EntityWorldMut), reason: &str) {
+    assert_effect_is_off::<LeanDeferred>(spoil, reason);
+}
+
+/// A frame of an app's own.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct OwnFrame;
+
+/// Bevy's forward pass, and what it cannot do without.
+fn own_frame() -> Schedule {
+    let mut schedule = Schedule::new(OwnFrame);
+    schedule.add_systems(
+        (
+            clear_indirect_parameters_metadata,
+            unpack_bins,
+            early_gpu_preprocess,
+            main_build_indirect_parameters,
+            main_opaque_pass_3d,
+            tonemapping,
+            upscaling,
+        )
+            .chain(),
+    );
+    schedule
 }
 
 #[test]
@@ -86,6 +123,52 @@ fn deferred_prepass() {
             },
             "it has DeferredPrepass",
         );
+    });
+}
+
+fn squeeze_depth(camera: &mut EntityWorldMut) {
+    if let Some(mut camera) = camera.get_mut::<Camera>() {
+        camera.viewport = Some(Viewport {
+            physical_size: SIZE,
+            depth: 0.0..0.5,
+            ..default()
+        });
+    }
+}
+
+const SQUEEZED: &str = "its viewport's depth is not 0 to 1";
+
+#[test]
+fn depth_of_the_viewport() {
+    in_own_process(|| {
+        assert_falls_back(squeeze_depth, SQUEEZED);
+    });
+}
+
+#[test]
+fn occlusion_with_the_depth_of_the_viewport() {
+    in_own_process(|| {
+        assert_effect_is_off::<LeanAmbientOcclusion>(squeeze_depth, SQUEEZED);
+    });
+}
+
+fn leave_core_3d(camera: &mut EntityWorldMut) {
+    camera.insert(CameraRenderGraph::new(OwnFrame));
+}
+
+const OWN_SCHEDULE: &str = "its CameraRenderGraph is not Core3d";
+
+#[test]
+fn own_schedule() {
+    in_own_process(|| {
+        assert_falls_back(leave_core_3d, OWN_SCHEDULE);
+    });
+}
+
+#[test]
+fn occlusion_in_an_own_schedule() {
+    in_own_process(|| {
+        assert_effect_is_off::<LeanAmbientOcclusion>(leave_core_3d, OWN_SCHEDULE);
     });
 }
 
