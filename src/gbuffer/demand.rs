@@ -15,11 +15,25 @@ use crate::view::Demand;
 /// finds textures and pipelines as they were.
 const LINGERING_FRAMES: u32 = 120;
 
+/// What a mesh needs, and what else says where it goes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct MeshDemand {
+    pub(super) demand: Demand,
+    pub(super) is_alpha_masked: bool,
+}
+
+impl MeshDemand {
+    /// Nothing that a view may come to have concerns the mesh.
+    fn is_plain(self) -> bool {
+        self.demand.is_empty() && !self.is_alpha_masked
+    }
+}
+
 /// The demand of one view. Of each mesh it is the largest that there can be, whether the view has a use for all of it
 /// or not: see [`Demand::on`].
 #[derive(Default)]
 pub(super) struct ViewDemand {
-    by_mesh: MainEntityHashMap<Demand>,
+    by_mesh: MainEntityHashMap<MeshDemand>,
     /// How many meshes have each demand.
     counts: HashMap<Demand, usize>,
     /// For how many more frames each demand of before is met.
@@ -27,20 +41,20 @@ pub(super) struct ViewDemand {
 }
 
 impl ViewDemand {
-    /// The meshes that need more than the base targets and plain lighting.
-    pub(super) fn each(&self) -> impl Iterator<Item = (MainEntity, Demand)> {
+    /// The meshes that need more than the base targets and plain lighting, and those that are alpha-masked.
+    pub(super) fn each(&self) -> impl Iterator<Item = (MainEntity, MeshDemand)> {
         self.by_mesh.iter().map(|(mesh, demand)| (*mesh, *demand))
     }
 
     /// Records what `mesh` needs, in place of what it needed before.
-    pub(super) fn insert(&mut self, mesh: MainEntity, demand: Demand) {
+    pub(super) fn insert(&mut self, mesh: MainEntity, demand: MeshDemand) {
         if self.by_mesh.get(&mesh) == Some(&demand) {
             return;
         }
         self.remove(mesh);
-        if !demand.is_empty() {
+        if !demand.is_plain() {
             self.by_mesh.insert(mesh, demand);
-            *self.counts.entry(demand).or_default() += 1;
+            *self.counts.entry(demand.demand).or_default() += 1;
         }
     }
 
@@ -49,7 +63,7 @@ impl ViewDemand {
         if self.by_mesh.is_empty() {
             return;
         }
-        let Some(demand) = self.by_mesh.remove(&mesh) else {
+        let Some(MeshDemand { demand, .. }) = self.by_mesh.remove(&mesh) else {
             return;
         };
         if let Some(count) = self.counts.get_mut(&demand) {

@@ -1,12 +1,13 @@
 //! Where a mesh goes on a view, and which meshes a change of the view concerns.
 
+use super::demand::MeshDemand;
 use crate::view::{ActiveLeanView, Demand, GBufferTargets};
 
 /// Which meshes a change of their view concerns.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum ViewChange {
     None,
-    /// Those that need more than the base targets and plain lighting, where their [`Placement`] is another.
+    /// Those that need more than the base targets and plain lighting, and alpha-masked ones, where their [`Placement`] is another.
     Demand,
     All,
 }
@@ -46,9 +47,10 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    pub(super) fn of(demand: Demand, view: &ActiveLeanView) -> Self {
-        let demand = demand.on(view);
-        let is_extended = !demand.targets.is_empty() || view.extends_all();
+    /// Alpha-masked meshes hide opaque ones at the same depth, in Bevy's passes too: they are drawn after all of these.
+    pub(super) fn of(mesh: MeshDemand, view: &ActiveLeanView) -> Self {
+        let demand = mesh.demand.on(view);
+        let is_extended = !demand.targets.is_empty() || mesh.is_alpha_masked || view.extends_all();
         Self {
             demand,
             is_met: view.demand().contains(demand),

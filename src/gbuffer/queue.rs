@@ -28,7 +28,7 @@ use bevy::{
 
 use super::{
     bevy_phases::{BevyPhases, BevyViewPhases},
-    demand::{ViewDemand, ViewDemands},
+    demand::{MeshDemand, ViewDemand, ViewDemands},
     lookup::{MeshLookup, MeshToQueue, RecentKinds},
     offer::{BevyPipelines, Offer, Offers},
     phase::{GBufferPhases, GBufferViewPhases},
@@ -310,7 +310,18 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
         let phase_type =
             BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), self.gpu_preprocessing);
+        let alpha_masked = matches!(
+            mesh.material.properties.render_phase_type,
+            RenderPhaseType::AlphaMask
+        );
         let needs = lookup.gbuffer_needs(entity, &mesh, self.view_key);
+        let needs = needs.map(|(demand, shader)| {
+            let demand = MeshDemand {
+                demand,
+                is_alpha_masked: alpha_masked,
+            };
+            (demand, shader)
+        });
         match &needs {
             Some((demand, _)) => self.demand.insert(entity, *demand),
             None => self.demand.remove(entity),
@@ -321,10 +332,6 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
 
         let placement = Placement::of(demand, active);
-        let alpha_masked = matches!(
-            mesh.material.properties.render_phase_type,
-            RenderPhaseType::AlphaMask
-        );
         let output = MeshOutput {
             pass: placement.pass,
             targets: placement.demand.targets,

@@ -4,14 +4,18 @@ use bevy::{
     camera::ScalingMode, core_pipeline::tonemapping::Tonemapping, prelude::*,
     render::batching::NoAutomaticBatching,
 };
-
+use bevy_lean_deferred::prelude::*;
 use kit::{
-    headless::Headless,
+    headless::{Headless, Picture},
     lean::{build, judge, report, set_lean, settled},
     own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder, build::material},
 };
 
+use super::{forward_draws, usage};
+
+/// Frames for which a view keeps what no mesh needs any more.
+const LINGERING: usize = 124;
 /// Pixels of a pair.
 const CELL: UVec2 = UVec2::new(28, 24);
 
@@ -35,6 +39,16 @@ impl Kind {
             unbatchable: true,
             ..self
         }
+    }
+
+    fn material(&self) -> StandardMaterial {
+        let mut sample = material((0.6, 0.4, 0.3), 0.0, 0.5);
+        (self.change)(&mut sample);
+        sample
+    }
+
+    fn is_masked(&self) -> bool {
+        self.material().alpha_mode != AlphaMode::Opaque
     }
 }
 
@@ -75,21 +89,49 @@ const KINDS: [Kind; 11] = [
     Kind::new("unbatchable clearcoat", clearcoat).unbatchable(),
 ];
 
+/// A card of a kind in the cell of a pair.
+fn card(s: &mut SceneBuilder, kind: &Kind, size: f32, place: Vec3) -> Entity {
+    let mut sample = kind.material();
+    // Those in front are of another colour.
+    if size < 0.9 {
+        sample.base_color = Color::srgb(0.2, 0.4, 0.7);
+    }
+    let card = s.mesh(
+        Rectangle::new(size, size),
+        sample,
+        Transform::from_translation(place),
+    );
+    if kind.unbatchable {
+        s.world().entity_mut(card).insert(NoAutomaticBatching);
+    }
+    card
+}
+
 /// A card behind, and a smaller one in front of it, for each pair of kinds.
 fn pairs(s: &mut SceneBuilder) {
     for (row, behind) in KINDS.iter().enumerate() {
         for (column, front) in KINDS.iter().enumerate() {
-            for (kind, size, z) in [(behind, 0.9, 0.0), (front, 0.5, 0.2)] {
-                let mut sample = material((0.6, 0.4, 0.3), 0.0, 0.5);
-                (kind.change)(&mut sample);
-                let card = s.mesh(
-                    Rectangle::new(size, size),
-                    sample,
-                    Transform::from_xyz(column as f32, -(row as f32), z),
-                );
-                if kind.unbatchable {
-                    s.world().entity_mut(card).insert(NoAutomaticBatching);
-                }
+            let place = Vec3::new(column as f32, -(row as f32), 0.0);
+            card(s, behind, 0.9, place);
+            card(s, front, 0.5, place + Vec3::Z * 0.2);
+        }
+    }
+    s.sun(false);
+}
+
+/// Marks the opaque cards beneath others.
+#[derive(Component)]
+struct Beneath;
+
+/// Opaque cards, and smaller alpha-masked ones that lie on them in the same plane. Bevy draws these last.
+fn coplanar_pairs(s: &mut SceneBuilder) {
+    for (row, behind) in KINDS.iter().enumerate() {
+        for (column, front) in KINDS.iter().enumerate() {
+            if front.is_masked() && !behind.is_masked() {
+                let place = Vec3::new(column as f32, -(row as f32), 0.0);
+                card(s, front, 0.5, place);
+                let beneath = card(s, behind, 0.9, place);
+                s.world().entity_mut(beneath).insert(Beneath);
             }
         }
     }
@@ -121,17 +163,89 @@ fn compare(headless: &mut Headless) {
     let forward = settled(headless);
     set_lean(headless, true);
     let lean = settled(headless);
-    let mut results = vec![judge("overlaps", &forward, &lean, LEAST_PSNR)];
+    report(judge_pairs(&forward, &lean));
+}
+
+fn judge_pairs(forward: &Picture, lean: &Picture) -> Vec<Result<(), String>> {
+    let mut results = vec![judge("overlaps", forward, lean, LEAST_PSNR)];
     for (row, behind) in KINDS.iter().enumerate() {
         for (column, front) in KINDS.iter().enumerate() {
             let min = UVec2::new(column as u32, row as u32) * CELL;
             let rect = URect::from_corners(min, min + CELL);
             let name = format!("{} on {}", front.name, behind.name);
-            let [forward, lean] = [&forward, &lean].map(|picture| picture.crop(rect));
+            let [forward, lean] = [forward, lean].map(|picture| picture.crop(rect));
             results.push(judge(&name, &forward, &lean, LEAST_PSNR));
         }
     }
-    report(results);
+    results
+}
+
+fn show_beneath(headless: &mut Headless, visibility: Visibility) {
+    let world = headless.world();
+    let mut cards = world.query_filtered::<&mut Visibility, With<Beneath>>();
+    for mut card in cards.iter_mut(world) {
+        *card = visibility;
+    }
+}
+
+/// What is beneath needs targets that the view has from then on: those on top, which lay there before, must come after it.
+#[test]
+fn alpha_masked_ones_lie_on_top_at_the_same_depth() {
+    in_own_process(|| {
+        let mut headless = build(CELL * KINDS.len() as u32, |s| {
+            coplanar_pairs(s);
+            camera(s, ());
+        });
+        let with = settled(&mut headless);
+        show_beneath(&mut headless, Visibility::Hidden);
+        let without = settled(&mut headless);
+        set_lean(&mut headless, true);
+        let mut results = judge_pairs(&without, &settled(&mut headless));
+        show_beneath(&mut headless, Visibility::Visible);
+        results.extend(judge_pairs(&with, &settled(&mut headless)));
+        // Until its targets have gone.
+        show_beneath(&mut headless, Visibility::Hidden);
+        headless.frames(LINGERING);
+        results.extend(judge_pairs(&without, &settled(&mut headless)));
+        report(results);
+    });
+}
+
+/// Plain alpha-masked meshes alone move between the passes.
+#[test]
+fn plain_alpha_masked_ones_follow_the_targets() {
+    in_own_process(|| {
+        let mut headless = build(CELL * KINDS.len() as u32, |s| {
+            let place = Vec3::ZERO;
+            card(s, &Kind::new("masked", masked), 0.5, place);
+            let beneath = card(s, &Kind::new("emissive", emissive), 0.9, place);
+            s.world().entity_mut(beneath).insert(Beneath);
+            s.sun(false);
+            camera(s, ());
+        });
+        let with = settled(&mut headless);
+        show_beneath(&mut headless, Visibility::Hidden);
+        let without = settled(&mut headless);
+        set_lean(&mut headless, true);
+        let mut results = Vec::new();
+        for _ in 0..2 {
+            results.push(judge(
+                "alone",
+                &without,
+                &settled(&mut headless),
+                LEAST_PSNR,
+            ));
+            assert_eq!(usage(&mut headless).targets, GBufferTargets::empty());
+            show_beneath(&mut headless, Visibility::Visible);
+            let lean = settled(&mut headless);
+            results.push(judge("on top", &with, &lean, LEAST_PSNR));
+            assert_eq!(usage(&mut headless).targets, GBufferTargets::EMISSIVE);
+            assert!(!forward_draws(&headless));
+            show_beneath(&mut headless, Visibility::Hidden);
+            headless.frames(LINGERING);
+        }
+        report(results);
+    });
 }
 
 #[test]
