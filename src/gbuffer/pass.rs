@@ -1,7 +1,7 @@
 //! The raster passes: first the meshes that write the base targets alone, then, while the view has optional targets,
-//! those that write them. Each mesh writes the optional targets that it needs, and one more, which says which these are:
-//! a pixel's words of others were left by what lies behind, and are not read. Where the passes stand in the frame depends
-//! on the view:
+//! those that write them, and all alpha-masked ones, which hide opaque ones at the same depth. Each mesh writes the
+//! optional targets that it needs, and one more, which says which these are: a pixel's words of others were left by what
+//! lies behind, and are not read. Where the passes stand in the frame depends on the view:
 //!
 //! - No prepass: once, after Bevy has built the indirect draws for the main passes.
 //! - A depth prepass, which something else asked for: in its place, so that what reads depth between prepass and main
@@ -23,7 +23,7 @@ use bevy::{
 use super::{
     phase::DrawnGBufferPhases,
     resolve_motion::ViewMotionResolve,
-    textures::{GBufferTextures, initial_load},
+    textures::{GBufferTextures, initial_load, is_cleared},
 };
 use crate::{gpu::timed::timed, view::ActiveLeanView};
 
@@ -103,10 +103,15 @@ fn draw(
 
     let viewport =
         Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
-    let mut base_load = if is_first {
-        initial_load(active)
-    } else {
-        LoadOp::Load
+    // Whoever is the first to ask for depth has it cleared.
+    let mut first_depth = is_first.then(|| depth.get_attachment(StoreOp::Store));
+    let mut base_load = match &first_depth {
+        Some(depth) => initial_load(active, is_cleared(depth)),
+        None => LoadOp::Load,
+    };
+    let mut depth_attachment = || {
+        let first = first_depth.take();
+        first.unwrap_or_else(|| depth.get_attachment(StoreOp::Store))
     };
     let has_optional = !active.targets.is_empty();
 
@@ -117,7 +122,7 @@ fn draw(
             let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
                 label: Some("lean_deferred/gbuffer"),
                 color_attachments: &textures.base_attachments(base_load),
-                depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+                depth_stencil_attachment: Some(depth_attachment()),
                 ..default()
             });
             base_load = LoadOp::Load;
@@ -130,7 +135,7 @@ fn draw(
             let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
                 label: Some("lean_deferred/gbuffer/extended"),
                 color_attachments: &textures.all_attachments(base_load, is_first),
-                depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+                depth_stencil_attachment: Some(depth_attachment()),
                 ..default()
             });
             if let Some(viewport) = &viewport {

@@ -7,8 +7,8 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         render_resource::{
-            LoadOp, Operations, RenderPassColorAttachment, StoreOp, TextureDescriptor,
-            TextureDimension, TextureUsages,
+            LoadOp, Operations, RenderPassColorAttachment, RenderPassDepthStencilAttachment,
+            StoreOp, TextureDescriptor, TextureDimension, TextureUsages,
         },
         renderer::RenderDevice,
         texture::{CachedTexture, TextureCache},
@@ -91,9 +91,14 @@ fn attachment(texture: &CachedTexture, load: LoadOp<wgpu::Color>) -> RenderPassC
     }
 }
 
-/// How the G-buffer starts into its first pass.
-pub(super) fn initial_load(view: &ActiveLeanView) -> LoadOp<wgpu::Color> {
-    if view.depth_tells_geometry {
+/// Whether depth is as it was cleared: nobody has drawn into it in this frame.
+pub(super) fn is_cleared(depth: &RenderPassDepthStencilAttachment) -> bool {
+    (depth.depth_ops).is_some_and(|ops| matches!(ops.load, LoadOp::Clear(_)))
+}
+
+/// How the G-buffer starts into its first pass. What others have drawn into depth before tells of nothing that is in it.
+pub(super) fn initial_load(view: &ActiveLeanView, depth_is_cleared: bool) -> LoadOp<wgpu::Color> {
+    if view.depth_tells_geometry && depth_is_cleared {
         // SAFETY: no pixel is read that the pass has not written: lighting looks at depth first, which is cleared, and
         // which each fragment that writes the G-buffer also writes.
         LoadOp::DontCare(unsafe { wgpu::LoadOpDontCare::enabled() })

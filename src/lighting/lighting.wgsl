@@ -47,18 +47,14 @@ fn read_pixel(place: vec2<u32>) -> Pixel {
     pixel.position = vec2<i32>(uniforms.viewport_origin + place);
     pixel.depth = textureLoad(depth_texture, pixel.position, 0);
 #ifdef DEPTH_TELLS_GEOMETRY
-    // The G-buffer was not cleared: without depth it holds anything.
+    // The G-buffer may not have been cleared: without depth it holds anything.
     if pixel.depth == 0.0 {
         return pixel;
     }
 #endif
     pixel.normal_word = textureLoad(normal_texture, pixel.position, 0).r;
     pixel.surface_word = textureLoad(surface_texture, pixel.position, 0).r;
-#ifdef DEPTH_TELLS_GEOMETRY
-    pixel.has_geometry = true;
-#else
     pixel.has_geometry = pixel.normal_word != layout::NO_GEOMETRY;
-#endif
 #ifdef GBUFFER_WRITTEN
     // Cleared in each frame.
     pixel.written = textureLoad(written_texture, pixel.position, 0).r;

@@ -6,8 +6,8 @@
 //! shader is compiled for what the view has of these, and binds nothing else. [`LightCulling`](crate::LightCulling) says how it passes by
 //! lights that do not reach a pixel.
 //!
-//! Systems that must run before or after it in `Core3d` order themselves by [`LightingPasses`]. It is timed as
-//! `lean_deferred/lighting`.
+//! Systems that must run before or after it in `Core3d` order themselves by [`LightingPasses`]. All others of Bevy's main pass run after it.
+//! It is timed as `lean_deferred/lighting`.
 
 // - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
 // - `variants.rs`: what it is compiled with for special surfaces.

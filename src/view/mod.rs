@@ -14,7 +14,8 @@
 //
 // - `settings.rs`, `status.rs`: `LeanDeferred` and `LeanStatus`, the components of cameras.
 // - `active.rs`: `ActiveLeanView`, what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
-// - `schedule.rs`: when stages run. `opaque_picture.rs`: which of them come first after the opaque pass.
+// - `schedule.rs`: when stages run. `opaque_picture.rs`: which of them come first after the opaque pass. `main_pass.rs`: which come first
+//   in the main pass.
 // - `cut.rs`: when the last frame says nothing of this one.
 // - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
 // - `overrides/`: what effects change about a camera and the others of its target, and give back.
@@ -25,6 +26,7 @@ mod active;
 mod cut;
 pub(crate) mod depth_usage;
 mod exchange;
+mod main_pass;
 mod opaque_picture;
 mod out_of_memory;
 pub(crate) mod overrides;
@@ -66,6 +68,7 @@ use bevy::{
     },
 };
 
+use main_pass::FirstWithin;
 use opaque_picture::FirstAfter;
 
 use crate::{
@@ -118,6 +121,7 @@ impl Plugin for SharedPlugin {
             .edit_schedule(Core3d, |schedule| {
                 schedule
                     .add_build_pass(FirstAfter::opaque_pass())
+                    .add_build_pass(FirstWithin::main_pass())
                     .configure_sets(
                         OpaquePicturePasses
                             .in_set(Core3dSystems::MainPass)

@@ -34,7 +34,7 @@ impl FirstAfter {
 }
 
 /// Those that were put into `set` by name.
-fn systems_in(graph: &ScheduleGraph, set: InternedSystemSet) -> Vec<SystemKey> {
+pub(super) fn systems_in(graph: &ScheduleGraph, set: InternedSystemSet) -> Vec<SystemKey> {
     let Some(set) = graph.system_sets.get_key(set) else {
         return Vec::new();
     };
@@ -42,7 +42,7 @@ fn systems_in(graph: &ScheduleGraph, set: InternedSystemSet) -> Vec<SystemKey> {
     children.filter_map(|child| child.as_system()).collect()
 }
 
-fn is_before(graph: &DiGraph<SystemKey>, one: SystemKey, other: SystemKey) -> bool {
+pub(super) fn is_before(graph: &DiGraph<SystemKey>, one: SystemKey, other: SystemKey) -> bool {
     let mut seen = vec![one];
     let mut next = 0;
     while let Some(&system) = seen.get(next) {

@@ -10,7 +10,9 @@ pub struct LeanViewSystems;
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct GBufferPasses;
 
-/// The passes that light it, in `Core3d`.
+/// The passes that light it, in `Core3d`. They run before all other systems of `Core3dSystems::MainPass` that are not asked to run before
+/// them: a renderer that draws colour and depth before Bevy's opaque pass comes after them there. One that is in no set must be, too, or
+/// before [`GBufferPasses`]. What prepares anything that lighting reads must be asked to run before.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LightingPasses;
 

@@ -2,24 +2,30 @@
 
 use bevy::{
     camera::visibility::{VisibilityClass, add_visibility_class},
-    core_pipeline::schedule::{Core3d, Core3dSystems},
+    core_pipeline::{
+        core_3d::main_opaque_pass_3d,
+        schedule::{Core3d, Core3dSystems},
+    },
     prelude::*,
     render::{
         RenderApp,
         extract_component::{ExtractComponent, ExtractComponentPlugin},
         render_resource::StoreOp,
         renderer::{RenderContext, RenderDevice, ViewQuery},
-        view::ViewDepthTexture,
+        view::{ViewDepthTexture, ViewTarget},
     },
 };
-use bevy_lean_deferred::view::ActiveLeanView;
+use bevy_lean_deferred::{LeanDeferredPlugins, view::ActiveLeanView};
 use kit::{
     headless::{Headless, Picture},
-    lean::{active_lean_views, set_lean},
+    lean::{active_lean_views, judge, report, set_lean, settled},
     log_watch,
     metrics::difference,
     own_process::in_own_process,
-    scenes::{SceneBuilder, build::ambient},
+    scenes::{
+        LEAST_PSNR, SceneBuilder,
+        build::{ambient, default_camera_transform},
+    },
 };
 
 const SIZE: UVec2 = UVec2::new(320, 240);
@@ -34,11 +40,23 @@ struct Curtain;
 #[derive(Resource)]
 struct CurtainPipeline(wgpu::RenderPipeline);
 
+/// Draws colour and depth.
+#[derive(Resource)]
+struct WallPipeline(wgpu::RenderPipeline);
+
+/// The curtain is before all else, the wall among the solids.
 const SHADER: &str = "
+override depth: f32;
+
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     let corner = vec2(f32(index & 1u), f32(index >> 1u));
-    return vec4(4.0 * corner - 1.0, 0.9, 1.0);
+    return vec4(4.0 * corner - 1.0, depth, 1.0);
+}
+
+@fragment
+fn fragment() -> @location(0) vec4<f32> {
+    return vec4(0.1, 0.6, 0.2, 1.0);
 }";
 
 fn install(app: &mut App) {
@@ -52,20 +70,27 @@ fn install(app: &mut App) {
     );
 }
 
-fn make_pipeline(headless: &mut Headless) {
+fn make_pipeline(
+    headless: &mut Headless,
+    depth: f64,
+    targets: &[Option<wgpu::ColorTargetState>],
+) -> wgpu::RenderPipeline {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let device = world.resource::<RenderDevice>().wgpu_device();
     let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
         source: wgpu::ShaderSource::Wgsl(SHADER.into()),
     });
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: None,
         layout: None,
         vertex: wgpu::VertexState {
             module: &shader,
             entry_point: None,
-            compilation_options: Default::default(),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &[("depth", depth)],
+                ..default()
+            },
             buffers: &[],
         },
         primitive: Default::default(),
@@ -77,11 +102,20 @@ fn make_pipeline(headless: &mut Headless) {
             bias: Default::default(),
         }),
         multisample: Default::default(),
-        fragment: None,
+        fragment: (!targets.is_empty()).then(|| wgpu::FragmentState {
+            module: &shader,
+            entry_point: None,
+            compilation_options: Default::default(),
+            targets,
+        }),
         multiview_mask: None,
         cache: None,
-    });
-    world.insert_resource(CurtainPipeline(pipeline));
+    })
+}
+
+fn insert_pipeline<R: Resource>(headless: &mut Headless, pipeline: R) {
+    let render_app = headless.app.sub_app_mut(RenderApp);
+    render_app.insert_resource(pipeline);
 }
 
 /// Over the left half.
@@ -103,10 +137,32 @@ fn draw_curtain(
     pass.draw(0..3, 0..1);
 }
 
+/// Over the left half. No camera knows of it by what it sees.
+fn draw_wall(
+    view: ViewQuery<(&ViewDepthTexture, &ViewTarget)>,
+    pipeline: Res<WallPipeline>,
+    mut ctx: RenderContext,
+) {
+    let (depth, target) = view.into_inner();
+    let color = target.get_color_attachment();
+    let depth = depth.get_attachment(StoreOp::Store);
+    let mut pass = ctx
+        .command_encoder()
+        .begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(color)],
+            depth_stencil_attachment: Some(depth),
+            ..default()
+        });
+    pass.set_pipeline(&pipeline.0);
+    pass.set_scissor_rect(0, 0, SIZE.x / 2, SIZE.y);
+    pass.draw(0..3, 0..1);
+}
+
 /// Pictures before the curtain, behind it, and after it.
 fn pictures(lean: bool) -> [Picture; 3] {
     let mut headless = Headless::with(SIZE, install);
-    make_pipeline(&mut headless);
+    let pipeline = make_pipeline(&mut headless, 0.9, &[]);
+    insert_pipeline(&mut headless, CurtainPipeline(pipeline));
     let mut scene = SceneBuilder {
         headless: &mut headless,
     };
@@ -140,6 +196,73 @@ fn what_others_draw_into_depth_is_left_alone() {
             assert!(difference.psnr >= 45.0, "{moment}: {difference}");
         }
         log_watch::assert_validation_layer_silent();
+    });
+}
+
+fn before_prepass(app: &mut App) {
+    let render_app = app.sub_app_mut(RenderApp);
+    render_app.add_systems(Core3d, draw_wall.before(Core3dSystems::Prepass));
+}
+
+/// Where Bevy's renderer of meshlets draws, too.
+fn before_opaque(app: &mut App) {
+    let render_app = app.sub_app_mut(RenderApp);
+    render_app.add_systems(
+        Core3d,
+        draw_wall
+            .in_set(Core3dSystems::MainPass)
+            .before(main_opaque_pass_3d),
+    );
+}
+
+/// Compares pictures of a wall that is drawn by what is added `before` this crate's plugins, and `after` them.
+fn assert_wall_is_forwards(before: fn(&mut App), after: fn(&mut App)) {
+    let mut app = App::new();
+    app.add_plugins(Headless::default_plugins());
+    before(&mut app);
+    app.add_plugins(LeanDeferredPlugins);
+    let mut headless = Headless::from_app(SIZE, app, after);
+    let target = Some(wgpu::TextureFormat::Rgba16Float.into());
+    let pipeline = make_pipeline(&mut headless, 0.017, &[target]);
+    insert_pipeline(&mut headless, WallPipeline(pipeline));
+    let mut scene = SceneBuilder {
+        headless: &mut headless,
+    };
+    scene.solids();
+    scene.sun(false);
+    // Sees nothing but the floor at first, which leaves words of it at all pixels.
+    let from_above = Transform::from_xyz(0.0, 1.0, 4.0).looking_to(Vec3::NEG_Y, Vec3::X);
+    let camera = scene.camera(from_above, ambient());
+    set_lean(&mut headless, true);
+    headless.settle();
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert(default_camera_transform());
+    let lean = settled(&mut headless);
+    assert_eq!(active_lean_views(&mut headless), 1);
+    set_lean(&mut headless, false);
+    let forward = settled(&mut headless);
+    let [red, green, ..] = forward.rgba[..] else {
+        unreachable!("there is a pixel")
+    };
+    assert!(green > red + 50, "the wall is in the corner");
+    report([judge("wall", &forward, &lean, LEAST_PSNR)]);
+}
+
+fn nothing(_: &mut App) {}
+
+#[test]
+fn what_others_draw_before_all_else_stays() {
+    in_own_process(|| assert_wall_is_forwards(nothing, before_prepass));
+}
+
+/// In whichever order systems were added.
+#[test]
+fn what_others_draw_before_the_opaque_pass_comes_after_lighting() {
+    in_own_process(|| {
+        assert_wall_is_forwards(before_opaque, nothing);
+        assert_wall_is_forwards(nothing, before_opaque);
     });
 }
 
