@@ -84,9 +84,11 @@ pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> V
 
     let limits = device.limits();
     for (have, need, name) in [
+        // Lighting writes the picture; what it writes for GI and scattering, and the levels that effects make at once, need three more.
+        // Every device has them that has any.
         (
             limits.max_storage_textures_per_shader_stage,
-            1,
+            4,
             "max_storage_textures_per_shader_stage",
         ),
         // Bevy keeps lights and clusters in storage buffers only from 3 on; the compute pass has no other path. Decals,

@@ -2,7 +2,7 @@
 //! back.
 
 use bevy::{
-    camera::{CameraMainTextureUsages, Hdr, RenderTarget},
+    camera::{CameraMainTextureUsages, Hdr, RenderTarget, Viewport},
     core_pipeline::tonemapping::Tonemapping,
     prelude::*,
     render::render_resource::TextureUsages,
@@ -117,6 +117,36 @@ impl Stage {
         let usages = world.get::<CameraMainTextureUsages>(camera).unwrap();
         usages.0.contains(TextureUsages::COPY_DST)
     }
+}
+
+/// A split screen: neither is drawn over the other, and the one without an effect stays as Bevy has it.
+#[test]
+fn cameras_beside_one_another_stay_as_they_are() {
+    let mut stage = Stage::new();
+    let half = UVec2::new(SIZE.x / 2, SIZE.y);
+    let cameras = [0, 1].map(|index| {
+        let camera = stage.spawn(index, Camera3d::default());
+        let physical_position = UVec2::new(half.x * index as u32, 0);
+        stage.act(camera, move |camera| {
+            camera.entry::<Camera>().and_modify(move |mut camera| {
+                camera.viewport = Some(Viewport {
+                    physical_position,
+                    physical_size: half,
+                    ..default()
+                });
+            });
+        });
+        camera
+    });
+    stage.insert(cameras[0], LeanDeferred::default());
+    stage.assert(&cameras[..1], LEAN);
+    stage.assert(&cameras[1..], BEVYS);
+    // Over all of it, the second one is drawn over the first.
+    stage.act(cameras[1], |camera| {
+        let mut camera = camera.entry::<Camera>();
+        camera.and_modify(|mut camera| camera.viewport = None);
+    });
+    stage.assert(&cameras, LEAN);
 }
 
 #[test]

@@ -33,6 +33,8 @@ struct Tie {
 struct Seat {
     camera: Entity,
     target: NormalizedRenderTarget,
+    /// What it covers of the target; `None`: all of it.
+    viewport: Option<URect>,
     settings: AppSettings,
     space: Option<CompositingSpace>,
     order: isize,
@@ -49,6 +51,10 @@ impl Seat {
         Some(Self {
             camera: camera.id(),
             target: camera.get::<RenderTarget>()?.normalize(primary_window)?,
+            viewport: rendered.viewport.as_ref().map(|viewport| {
+                let corner = viewport.physical_position;
+                URect::from_corners(corner, corner.saturating_add(viewport.physical_size))
+            }),
             settings: AppSettings::of(camera, world.components())?,
             space: camera.get().copied(),
             order: rendered.order,
@@ -61,6 +67,15 @@ impl Seat {
                 })
                 .collect(),
         })
+    }
+
+    /// Whether one is drawn over the other. Those of a split screen are not, and stay as they are.
+    fn overlaps(&self, other: &Self) -> bool {
+        self.target == other.target
+            && match (self.viewport, other.viewport) {
+                (Some(one), Some(other)) => !one.intersect(other).is_empty(),
+                _ => true,
+            }
     }
 
     /// None if only one of them has `Hdr`: they were never drawn over one another.
@@ -93,7 +108,7 @@ impl Seat {
     /// The cameras that this one has ties with, of which some are as before.
     fn partners<'a>(&self, leaders: &[&'a Self], before: &[Tie]) -> Vec<(Tie, &'a Self)> {
         (leaders.iter())
-            .filter(|other| self.camera != other.camera && self.target == other.target)
+            .filter(|other| self.camera != other.camera && self.overlaps(other))
             .filter_map(|&other| {
                 let tie = before.iter().find(|tie| tie.with == other.camera);
                 Some((tie.copied().or_else(|| self.tie(other))?, other))
