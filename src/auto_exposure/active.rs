@@ -1,6 +1,8 @@
 //! Per camera and frame: whether and how it is metered.
 
 use bevy::{
+    core_pipeline::schedule::{Core2d, Core3d},
+    ecs::schedule::ScheduleLabel,
     prelude::*,
     render::{
         camera::ExtractedCamera, render_asset::RenderAssets, render_resource::PipelineCache,
@@ -23,6 +25,17 @@ pub struct ViewExposurePipelines {
     /// `Some` if the key has one.
     pub(super) mask: Option<Handle<Image>>,
     pub(super) passes: PassPipelines,
+}
+
+/// Why a camera cannot be metered.
+fn reason_against(camera: &ExtractedCamera) -> Option<&'static str> {
+    if !camera.hdr {
+        Some("it has no Hdr component")
+    } else if camera.schedule != Core3d.intern() && camera.schedule != Core2d.intern() {
+        Some("its CameraRenderGraph is neither Core3d nor Core2d")
+    } else {
+        None
+    }
 }
 
 /// Inserts or removes [`ViewExposurePipelines`]. A view keeps the pipelines that it has until those of new settings are
@@ -53,7 +66,7 @@ pub(super) fn queue_exposure_pipelines(
         return;
     };
     for (entity, camera, extracted, settings, current) in &mut views {
-        let reason = (!extracted.hdr).then_some("it has no Hdr component");
+        let reason = reason_against(extracted);
         warnings.tell("LeanAutoExposure", *camera, reason);
         if reason.is_some() {
             if current.is_some() {

@@ -45,6 +45,7 @@ mod view_entries;
 pub use crate::view::LightingPasses;
 // For tests and benches.
 pub(crate) use features::{LightingKey, SceneFeatures};
+pub(crate) use pass::lighting_pass;
 pub(crate) use pipeline::LightingPipelines;
 pub(crate) use subsurface_light::{
     BLOCK_LOG as SUBSURFACE_BLOCK_LOG, SUBSURFACE_LIGHT_FORMAT, prepare_subsurface_light,

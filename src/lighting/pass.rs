@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Lights the G-buffer of a view into its main texture.
-pub(super) fn lighting_pass(
+pub(crate) fn lighting_pass(
     view: ViewQuery<
         (&ViewLighting, &ViewTarget, Option<&SubsurfaceLight>),
         (With<ActiveLeanView>, With<GBufferTextures>),

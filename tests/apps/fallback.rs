@@ -172,6 +172,16 @@ fn occlusion_in_an_own_schedule() {
     });
 }
 
+#[test]
+fn exposure_in_an_own_schedule() {
+    in_own_process(|| {
+        assert_effect_is_off::<LeanAutoExposure>(
+            leave_core_3d,
+            "its CameraRenderGraph is neither Core3d nor Core2d",
+        );
+    });
+}
+
 /// Which lights ask for percentage-closer soft shadows. Their components have no field for that without Bevy's feature
 /// `experimental_pbr_pcss`, but in the render world it is there.
 #[derive(Resource, Clone, Copy, Default, PartialEq, Debug)]

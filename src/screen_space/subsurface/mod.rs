@@ -58,7 +58,7 @@ use bevy::{
 
 use crate::{
     gpu::recovery,
-    lighting::{SubsurfaceLight, prepare_subsurface_light},
+    lighting::{SubsurfaceLight, lighting_pass, prepare_subsurface_light},
     view::{LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin, removal},
 };
 
@@ -114,7 +114,8 @@ impl Plugin for SubsurfacePlugin {
             .add_systems(
                 Core3d,
                 pass::scatter_light
-                    .after(LightingPasses)
+                    .in_set(LightingPasses)
+                    .after(lighting_pass)
                     .before(main_opaque_pass_3d)
                     .in_set(Core3dSystems::MainPass),
             );
