@@ -14,8 +14,7 @@
 //
 // - `settings.rs`, `status.rs`: `LeanDeferred` and `LeanStatus`, the components of cameras.
 // - `active.rs`: `ActiveLeanView`, what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
-// - `schedule.rs`: when stages run. `opaque_picture.rs`: which of them come first after the opaque pass. `main_pass.rs`: which come first
-//   in the main pass.
+// - `schedule.rs`: when stages run. `first_passes.rs`: which of them come first among others.
 // - `cut.rs`: when the last frame says nothing of this one.
 // - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
 // - `overrides/`: what effects change about a camera and the others of its target, and give back.
@@ -26,8 +25,7 @@ mod active;
 mod cut;
 pub(crate) mod depth_usage;
 mod exchange;
-mod main_pass;
-mod opaque_picture;
+mod first_passes;
 mod out_of_memory;
 pub(crate) mod overrides;
 pub(crate) mod removal;
@@ -68,8 +66,7 @@ use bevy::{
     },
 };
 
-use main_pass::FirstWithin;
-use opaque_picture::FirstAfter;
+use first_passes::FirstPasses;
 
 use crate::{
     gpu::{
@@ -120,8 +117,7 @@ impl Plugin for SharedPlugin {
             )
             .edit_schedule(Core3d, |schedule| {
                 schedule
-                    .add_build_pass(FirstAfter::opaque_pass())
-                    .add_build_pass(FirstWithin::main_pass())
+                    .add_build_pass(FirstPasses::of_core_3d())
                     .configure_sets(
                         OpaquePicturePasses
                             .in_set(Core3dSystems::MainPass)
