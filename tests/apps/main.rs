@@ -1,5 +1,6 @@
 //! Apps as a whole: plugins in any order, settings that come and go, what is warned of, what is held.
 
+mod actions;
 mod changing_settings;
 mod compiling;
 mod dropped_model;

@@ -15,21 +15,11 @@ use kit::{
     own_process::in_own_process,
 };
 
+use crate::actions;
+
 const SIZE: UVec2 = UVec2::new(32, 24);
 const BEVYS: (Msaa, bool) = (Msaa::Sample4, false);
 const LEAN: (Msaa, bool) = (Msaa::Off, true);
-
-type Action = Box<dyn FnOnce(&mut Commands) + Send + Sync>;
-
-/// What the app does next, in `Update`.
-#[derive(Resource, Default)]
-struct Actions(Vec<Action>);
-
-fn run_actions(mut commands: Commands, mut actions: ResMut<Actions>) {
-    for action in actions.0.drain(..) {
-        action(&mut commands);
-    }
-}
 
 struct Stage {
     headless: Headless,
@@ -39,10 +29,7 @@ struct Stage {
 
 impl Stage {
     fn new() -> Self {
-        let mut headless = Headless::with(SIZE, |app| {
-            app.init_resource::<Actions>()
-                .add_systems(Update, run_actions);
-        });
+        let mut headless = Headless::with(SIZE, actions::add_actions);
         let mut images = headless.world().resource_mut::<Assets<Image>>();
         let other_target = images.add(target_image(SIZE)).into();
         Self {
@@ -74,9 +61,7 @@ impl Stage {
         camera: Entity,
         action: impl FnOnce(&mut EntityCommands) + Send + Sync + 'static,
     ) {
-        let action = move |commands: &mut Commands| action(&mut commands.entity(camera));
-        let mut actions = self.headless.world().resource_mut::<Actions>();
-        actions.0.push(Box::new(action));
+        actions::act(&mut self.headless, camera, action);
         self.headless.frames(1);
     }
 

@@ -19,21 +19,11 @@ use kit::{
     own_process::in_own_process, scenes::SceneBuilder,
 };
 
+use crate::actions::{self, Action};
+
 const SIZE: UVec2 = UVec2::new(96, 64);
 /// Longer than shaders take to be compiled.
 const PATIENCE: Duration = Duration::from_secs(100);
-
-type Action = Box<dyn FnOnce(&mut Commands) + Send + Sync>;
-
-/// What the app does next, in `Update`.
-#[derive(Resource, Default)]
-struct Actions(Vec<Action>);
-
-fn run_actions(mut commands: Commands, mut actions: ResMut<Actions>) {
-    for action in actions.0.drain(..) {
-        action(&mut commands);
-    }
-}
 
 struct Stage {
     headless: Headless,
@@ -52,10 +42,7 @@ impl Stage {
             Headless::default_plugins().set(render_plugin(synchronous_pipeline_compilation)),
             LeanDeferredPlugins,
         ));
-        let mut headless = Headless::from_app(SIZE, app, |app| {
-            app.init_resource::<Actions>()
-                .add_systems(Update, run_actions);
-        });
+        let mut headless = Headless::from_app(SIZE, app, actions::add_actions);
         let mut scene = SceneBuilder {
             headless: &mut headless,
         };
@@ -66,10 +53,7 @@ impl Stage {
     }
 
     fn act(&mut self, action: impl FnOnce(&mut EntityCommands) + Send + Sync + 'static) {
-        let camera = self.camera;
-        let action = move |commands: &mut Commands| action(&mut commands.entity(camera));
-        let mut actions = self.headless.world().resource_mut::<Actions>();
-        actions.0.push(Box::new(action));
+        actions::act(&mut self.headless, self.camera, action);
         self.headless.frames(3);
         let errors = log_watch::messages_with("Caught rendering error");
         assert!(errors.is_empty(), "{errors:?}");
@@ -288,12 +272,7 @@ fn the_status_tells_what_the_camera_does() {
     );
 
     let mut expect = |bundle: Action, status: LeanStatus| {
-        stage
-            .headless
-            .world()
-            .resource_mut::<Actions>()
-            .0
-            .push(bundle);
+        actions::queue(&mut stage.headless, bundle);
         let start = Instant::now();
         while stage.status().as_ref() != Some(&status) {
             assert!(start.elapsed() < PATIENCE, "{:?}", stage.status());
