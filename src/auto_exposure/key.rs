@@ -119,12 +119,11 @@ fn workgroups_with(height: u32, viewport_size: UVec2, sampling: ExposureSampling
 
 /// How many rows a workgroup of the first pass reads: as few as leave no more partial sums than the second one adds up at once.
 pub(super) fn tile_height(viewport_size: UVec2, sampling: ExposureSampling) -> u32 {
-    let [.., most] = TILE_HEIGHTS;
-    TILE_HEIGHTS
-        .into_iter()
-        .find(|height| {
-            let workgroups = workgroups_with(*height, viewport_size, sampling);
-            workgroups.element_product() <= MOST_WORKGROUPS
-        })
-        .unwrap_or(most)
+    let [low, high] = TILE_HEIGHTS;
+    let workgroups = workgroups_with(low, viewport_size, sampling);
+    if workgroups.element_product() <= MOST_WORKGROUPS {
+        low
+    } else {
+        high
+    }
 }

@@ -2,7 +2,7 @@
 // whole level, three more.
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{level_output, light_texture, next_output},
-    entries::{Square, count_of, entries, is_within, read_materials, texel_of},
+    entries::{Square, count_of, entries, is_within, keep, read_materials, texel_of},
     mean::mean_of,
 }
 #ifdef LISTED
@@ -14,7 +14,7 @@
 
 const INVOCATIONS: i32 = 256;
 
-/// What a workgroup makes has a rim that only the next level needs.
+// What a workgroup makes has a rim that only the next level needs.
 #ifdef LISTED
 /// The light of a pixel.
 fn words_at(pixel: vec2<i32>) -> vec2<u32> {
@@ -30,9 +30,7 @@ fn make(block: vec2<i32>, invocation: i32) {
         words[i] = words_at(texel_of(read, invocation + i * INVOCATIONS));
     }
     for (var i = 0; i < 6; i++) {
-        if invocation + i * INVOCATIONS < count_of(read) {
-            entries[invocation + i * INVOCATIONS] = words[i];
-        }
+        keep(read, invocation + i * INVOCATIONS, words[i]);
     }
     workgroupBarrier();
     for (var i = invocation; i < count_of(first); i += INVOCATIONS) {
@@ -99,9 +97,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         words[i] = words_at(texel_of(read, invocation + i * INVOCATIONS));
     }
     for (var i = 0; i < 4; i++) {
-        if invocation + i * INVOCATIONS < count_of(read) {
-            entries[invocation + i * INVOCATIONS] = words[i];
-        }
+        keep(read, invocation + i * INVOCATIONS, words[i]);
     }
     workgroupBarrier();
     if invocation < count_of(first) {

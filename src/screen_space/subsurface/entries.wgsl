@@ -47,6 +47,13 @@ fn texel_of(square: Square, index: i32) -> vec2<i32> {
     return square.corner + vec2(index % square.side, index / square.side);
 }
 
+/// Keeps what has been read of the texel with this number, if the square has so many.
+fn keep(square: Square, index: i32, words: vec2<u32>) {
+    if index < count_of(square) {
+        entries[square.start + index] = words;
+    }
+}
+
 /// Of a texel in the square.
 fn entry_at(square: Square, texel: vec2<i32>) -> vec2<u32> {
     let inside = texel - square.corner;

@@ -3,7 +3,7 @@
 #import bevy_lean_deferred::lighting::subsurface_light::{tile_bit, unpack_entry, unpack_material, unpack_receiver}
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{light_texture, output_texture, picture_texture, scattered_texture, view},
-    entries::{Square, count_of, entries, read_materials, texel_of},
+    entries::{Square, keep, read_materials, texel_of},
     scattered::{added_at, normal_of, surface_with},
     texel::{count_of_blocks, is_listed, listed_block, mask_of, to_viewer},
 }
@@ -54,9 +54,7 @@ fn main(
         let is_written = (mask_of(block) & tile_bit(vec2<u32>(pixel))) != 0u;
         // What the last ones have read.
         workgroupBarrier();
-        if invocation < count_of(coarser) {
-            entries[invocation] = coarser_words;
-        }
+        keep(coarser, invocation, coarser_words);
         workgroupBarrier();
         if is_written && unpack_material(written.entering.x) != 0u {
             show(pixel, written, coarser);

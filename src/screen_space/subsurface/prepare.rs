@@ -34,7 +34,7 @@ use crate::{
 
 const LABEL: &str = "lean_deferred/screen_space/subsurface/scattered";
 /// The finest level that each pass writes, in their order; the last one writes the picture.
-pub(super) const PASSES: [usize; 6] = [1, 3, 5, 3, 1, 0];
+pub(super) const PASSES: [u32; 6] = [1, 3, 5, 3, 1, 0];
 
 /// The uniforms of all views, one for each level.
 #[derive(Resource, Default)]
@@ -128,7 +128,7 @@ pub(super) fn prepare_subsurface(
         let blocks = size >> SUBSURFACE_BLOCK_LOG;
         held.offsets = PASSES.map(|level| {
             let settings = &active.settings;
-            writer.write(&SubsurfaceView::new(settings, &now, blocks, level as u32))
+            writer.write(&SubsurfaceView::new(settings, &now, blocks, level))
         });
         if let Some(made) = made {
             commands.entity(entity).insert(made);

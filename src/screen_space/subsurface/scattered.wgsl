@@ -45,7 +45,7 @@ struct Surface {
     slope: vec2<f32>,
 }
 
-/// Of the surface at `pixel`, with fractions, in the way to the viewer `toward`, with this word of its normal.
+/// The normal of this word, in view space, of a surface to which the viewer is in the direction `toward`.
 fn normal_of(word: u32, toward: vec3<f32>) -> vec3<f32> {
     let normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
     // Shading normals may lean away from the viewer.

@@ -2,7 +2,7 @@
 // is read here. Each workgroup makes of the coarsest what its own texels are reached by.
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{level_output, light_texture},
-    entries::{Square, count_of, entries, entry_at, read_materials, texel_of},
+    entries::{Square, count_of, entries, entry_at, keep, read_materials, texel_of},
     mean::mean_of,
     scattered::{scattered, shown_at},
     texel::is_any,
@@ -54,9 +54,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         return;
     }
     for (var i = 0; i < 6; i++) {
-        if invocation + i * INVOCATIONS < count_of(read) {
-            entries[invocation + i * INVOCATIONS] = words[i];
-        }
+        keep(read, invocation + i * INVOCATIONS, words[i]);
     }
     workgroupBarrier();
     for (var i = invocation; i < count_of(next); i += INVOCATIONS) {

@@ -2,7 +2,7 @@
 // here, around the texels of each workgroup. Either of a whole level, or of the listed blocks.
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{coarser_texture, level_output, light_texture, scattered_texture, view},
-    entries::{Square, count_of, entries, read_materials, texel_of},
+    entries::{Square, count_of, entries, keep, read_materials, texel_of},
     scattered::{scattered, shown_at},
 }
 #ifdef LISTED
@@ -11,7 +11,8 @@
 #import bevy_lean_deferred::screen_space::subsurface::texel::is_any
 #endif
 
-/// Texels a side that a workgroup makes, each by one invocation. The listed blocks have as many in the first level.
+/// Texels a side that a workgroup makes, each by one invocation. The listed blocks have as many in the first level, and the whole level
+/// has a multiple of them: the textures are as large as texels of the coarsest level need.
 const MADE: u32 = 16u;
 
 /// What has scattered two levels further.
@@ -37,14 +38,10 @@ fn make(corner: vec2<i32>, index: u32) {
     let coarser = Square(0, 12, corner / 2 - 2);
     let coarsest = Square(count_of(coarser), 10, coarser.corner / 2 - 2);
     let texel = corner + vec2<i32>(vec2(index % MADE, index / MADE));
-    let inside = min(texel, vec2<i32>(textureDimensions(light_texture)) - 1);
-    let is_there = all(inside == texel);
-    let words = select(vec2(0u), textureLoad(light_texture, inside, 0).rg, is_there);
+    let words = textureLoad(light_texture, texel, 0).rg;
 #ifndef LISTED
     if !is_any(words.x != 0u, index) {
-        if is_there {
-            textureStore(level_output, texel, vec4(0u));
-        }
+        textureStore(level_output, texel, vec4(0u));
         return;
     }
 #endif
@@ -55,17 +52,13 @@ fn make(corner: vec2<i32>, index: u32) {
     let shown_beneath = shown_at(beneath, view.level + 1u);
     // What the last ones have read.
     workgroupBarrier();
-    if invocation < count_of(coarsest) {
-        entries[coarsest.start + invocation] = coarsest_words;
-    }
+    keep(coarsest, invocation, coarsest_words);
     workgroupBarrier();
     if invocation < count_of(coarser) {
         entries[coarser.start + invocation] = scattered(beneath, coarser_words, shown_beneath, view.level + 1u, coarsest);
     }
     workgroupBarrier();
-    if is_there {
-        textureStore(level_output, texel, vec4(scattered(texel, words, shown, view.level, coarser), 0u, 0u));
-    }
+    textureStore(level_output, texel, vec4(scattered(texel, words, shown, view.level, coarser), 0u, 0u));
 }
 
 @compute @workgroup_size(256, 1, 1)
