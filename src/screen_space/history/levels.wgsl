@@ -3,6 +3,7 @@
 // dispatches: the first makes four levels of the picture, the second (OF_LEVEL) three more of the last of these.
 #import bevy_lean_deferred::gbuffer::layout::is_nan
 #import bevy_lean_deferred::reconstruction::position::view_position
+#import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
 
 /// Pixels count from the viewport's corner.
 struct HistoryView {
@@ -93,10 +94,12 @@ fn store(level: u32, place: vec2<u32>, texel: vec4<f32>) {
 /// 256 invocations read 16×16 texels, level 0 here, and make what is above them.
 @compute @workgroup_size(256, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
-    let place = workgroup.xy * 16u + vec2(i % 16u, i / 16u);
+    // Those of a subgroup lie together in memory, which takes them faster than rows.
+    let in_square = place_in_tile(i & 63u) + SIDE * vec2((i >> 6u) & 1u, i >> 7u);
+    let place = workgroup.xy * 16u + in_square;
     let texel = texel_at(place);
     store(0u, place, texel);
-    shares[i] = share_of(texel);
+    shares[in_square.x + 16u * in_square.y] = share_of(texel);
     var first = 0u;
     var side = 16u;
     for (var level = 1u; level < 4u; level++) {
