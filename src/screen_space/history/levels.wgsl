@@ -94,7 +94,7 @@ fn store(level: u32, place: vec2<u32>, texel: vec4<f32>) {
 /// 256 invocations read 16×16 texels, level 0 here, and make what is above them.
 @compute @workgroup_size(256, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
-    // Those of a subgroup lie together in memory, which takes them faster than rows.
+    // The texels of a subgroup are a square: memory takes that faster than rows.
     let in_square = place_in_tile(i & 63u) + SIDE * vec2((i >> 6u) & 1u, i >> 7u);
     let place = workgroup.xy * 16u + in_square;
     let texel = texel_at(place);

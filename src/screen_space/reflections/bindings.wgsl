@@ -27,13 +27,19 @@
 
 /// Pixels a side of a texel of rays.
 const DIVISOR: i32 = #{DIVISOR};
-/// Perceptual roughness from which on rays need not see every pixel, and are `ROUGH_STEP` texels apart.
+/// Perceptual roughness from which on rays go in segments from the start, and are `ROUGH_STEP` texels apart.
 const ROUGH: f32 = 0.2;
 const ROUGH_STEP: i32 = #{ROUGH_STEP};
 
-/// Texels from one ray to the next, each way, of surfaces of this perceptual roughness: those whose place is a multiple of it have one.
+/// Texels from one ray to the next, each way, of surfaces of this perceptual roughness: 1 or 2.
 fn step_of_rays(roughness: f32) -> i32 {
     return select(1, ROUGH_STEP, roughness > ROUGH);
+}
+
+/// Whether a texel has a ray where these are so many texels apart.
+fn sends_ray(texel: vec2<i32>, apart: i32) -> bool {
+    // Division by what is not constant is slow.
+    return all((texel & vec2(apart - 1)) == vec2(0));
 }
 
 /// View-space position of a point of the picture, in pixels.

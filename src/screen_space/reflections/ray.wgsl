@@ -17,6 +17,15 @@ struct Ray {
     vanishing: f32,
 }
 
+/// Where a ray is on its way.
+struct Way {
+    u: f32,
+    /// What it does not enter from in front it passes behind.
+    is_in_front: bool,
+    /// How far it went at once.
+    span: f32,
+}
+
 /// What a ray met.
 struct Met {
     is_hit: bool,

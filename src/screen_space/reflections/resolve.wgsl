@@ -2,8 +2,8 @@
 // together. A smooth one has the light of one place: where its own ray ends, as far away as those beside it went.
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    DIVISOR, ROUGH_STEP, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, step_of_rays,
-    to_viewer, unpack_distance, unpack_weight, view, view_position,
+    DIVISOR, ROUGH_STEP, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, sends_ray,
+    step_of_rays, to_viewer, unpack_distance, unpack_weight, view, view_position,
 }
 #import bevy_lean_deferred::screen_space::reflections::surface::{
     last_light, mirror_of, normal_word_at, rotated, smoothness,
@@ -266,6 +266,51 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     return vec4(light.rgb / max(light.a, 1e-6), light.a * fade);
 }
 
+/// What the textures hold of a texel that the workgroup reads.
+struct Texel {
+    normal: u32,
+    depth: f32,
+    light: vec4<f32>,
+    hit: u32,
+}
+
+/// Where texel `read` of the workgroup is. `corner` is the first one whose pixels it makes.
+fn place_of(corner: vec2<i32>, read: i32) -> vec2<i32> {
+    return corner + vec2(read % SIDE, read / SIDE) - ROUGH_STEP;
+}
+
+/// The nearest one in the picture.
+fn nearest_inside(texel: vec2<i32>) -> vec2<i32> {
+    return clamp(texel, vec2(0), vec2<i32>(view.texture_size) - 1);
+}
+
+fn texel_at(corner: vec2<i32>, read: i32) -> Texel {
+    let texel = nearest_inside(place_of(corner, read));
+    var known: Texel;
+    known.normal = normal_word_at(texel * DIVISOR);
+    known.depth = depth_in_view(texel * DIVISOR);
+    known.light = textureLoad(rays_texture, texel, 0);
+    known.hit = textureLoad(hits_texture, texel, 0).r;
+    return known;
+}
+
+fn keep(corner: vec2<i32>, read: i32, known: Texel) {
+    let texel = place_of(corner, read);
+    let mirror = mirror_of(nearest_inside(texel) * DIVISOR, known.normal);
+    // What is beyond the rim counts for nothing.
+    let counts = all(texel == nearest_inside(texel)) && smoothness(mirror.roughness) > 0.0;
+    // Where there is no ray, the textures hold anything.
+    let apart = step_of_rays(mirror.roughness);
+    let has_ray = counts && known.depth > 0.0 && sends_ray(texel, apart);
+    let light = vec4(known.light.rgb * known.light.a, known.light.a);
+    lights[read] = select(vec2(0u), pack_halves(light), has_ray);
+    hits[read] = select(0u, known.hit, has_ray) | select(0u, IS_ROUGH, apart > 1);
+    mirrors[read] = select(vec4(0.0), vec4(mirror.normal, known.depth), counts);
+    if counts {
+        mirrors_any = 1u;
+    }
+}
+
 @compute @workgroup_size(256, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
@@ -275,27 +320,15 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     workgroupBarrier();
     let corner = vec2<i32>(workgroup.xy) * TEXELS;
-    let last = vec2<i32>(view.texture_size) - 1;
-    for (var read = i; read < SIDE * SIDE; read += INVOCATIONS) {
-        let texel = corner + vec2(read % SIDE, read / SIDE) - ROUGH_STEP;
-        let inside = clamp(texel, vec2(0), last);
-        // All are asked for before any is waited for.
-        let word = normal_word_at(inside * DIVISOR);
-        let light = textureLoad(rays_texture, inside, 0);
-        let hit = textureLoad(hits_texture, inside, 0).r;
-        let depth = depth_in_view(inside * DIVISOR);
-        let mirror = mirror_of(inside * DIVISOR, word);
-        // What is beyond the rim counts for nothing.
-        let counts = all(texel == inside) && smoothness(mirror.roughness) > 0.0;
-        // Where there is no ray, the textures hold anything.
-        let apart = step_of_rays(mirror.roughness);
-        let has_ray = counts && depth > 0.0 && all(texel % apart == vec2(0));
-        lights[read] = select(vec2(0u), pack_halves(vec4(light.rgb * light.a, light.a)), has_ray);
-        hits[read] = select(0u, hit, has_ray) | select(0u, IS_ROUGH, apart > 1);
-        mirrors[read] = select(vec4(0.0), vec4(mirror.normal, depth), counts);
-        if counts {
-            mirrors_any = 1u;
-        }
+    // Asked for before any is waited for.
+    let first = texel_at(corner, i);
+    let second = texel_at(corner, i + INVOCATIONS);
+    if i + 2 * INVOCATIONS < SIDE * SIDE {
+        keep(corner, i + 2 * INVOCATIONS, texel_at(corner, i + 2 * INVOCATIONS));
+    }
+    keep(corner, i, first);
+    if i + INVOCATIONS < SIDE * SIDE {
+        keep(corner, i + INVOCATIONS, second);
     }
     let is_empty = workgroupUniformLoad(&mirrors_any) == 0u || view.exposure_ratio == 0.0;
     if !is_empty {

@@ -1,9 +1,9 @@
-// The way of a rough surface's ray, in segments.
+// The way of a ray in segments: that of a rough surface's, and the rest of a smooth one's that has had its steps.
 #define_import_path bevy_lean_deferred::screen_space::reflections::rough_march
 
 #import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_in_view, view}
 #import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at, pixel_on}
+#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, Way, depth_inside, pixel_on}
 
 /// Of the shortest segment, in pixels.
 const SHORTEST: f32 = f32(#{SHORTEST_SEGMENT}u);
@@ -18,8 +18,9 @@ const HALVINGS: u32 = 8u;
 
 /// What a ray meets on its way from `front`, where it is in front of what is seen, to `back`, where it is behind `depth_at_back`. A
 /// wall that it meets at an angle may be far in front of it there already, so the way is halved to where it goes behind: if that is
-/// further than surfaces are thick even there, it passes an edge, and meets nothing.
-fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_back: f32) -> Met {
+/// further than surfaces are thick even there, it passes an edge, and meets nothing. If the hit is to be `exact`, the way is halved
+/// further, to the pixel where the ray goes in.
+fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_back: f32, exact: bool) -> Met {
     var before = front;
     var after = back;
     var u = back;
@@ -35,7 +36,9 @@ fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
             let inside = depth_inside(pixel, depth, z, direction);
             if inside < 1.0 {
                 met = Met(true, u, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
-                break;
+                if !exact {
+                    break;
+                }
             }
         }
         if after - before <= 1.0 {
@@ -51,13 +54,21 @@ fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
 /// Goes along in segments that grow with the way, as long as `growth` times that, and looks at the cells and, where these do not
 /// leave the ray alone, at the pixels in the middle of them, up to the first surface that turns its front to it. `direction` is the
 /// ray's in view space. Neighbours with other `phases`, 0 to 1, have their segments elsewhere, so that what one passes by another
-/// one meets. It is given up after so many `segments`.
-fn march(ray: Ray, direction: vec3<f32>, growth: f32, phase: f32, segments: u32) -> Met {
+/// one meets. It goes on from where it is on its `way`, and is given up after so many `segments`. The ray of a smooth surface
+/// ends at an exact pixel.
+fn march(
+    ray: Ray,
+    direction: vec3<f32>,
+    growth: f32,
+    phase: f32,
+    segments: u32,
+    is_smooth: bool,
+    way: ptr<function, Way>,
+) -> Met {
     let rows = largest_rows(view.viewport_size.y);
-    // Not the pixel itself.
-    var u = 1.0;
-    // What it does not enter from in front it passes behind.
-    var was_in_front = true;
+    let begin = (*way).u;
+    var u = begin;
+    var was_in_front = (*way).is_in_front;
     var factor = 0.5 + phase;
     var length = 0.0;
     var met: Met;
@@ -107,7 +118,7 @@ fn march(ray: Ray, direction: vec3<f32>, growth: f32, phase: f32, segments: u32)
             let stays_in_front = is_in_front | (ray.start.z + ray.step.z * at > depths);
             for (var n = 0u; n < TOGETHER; n++) {
                 if was_in_front && !stays_in_front[n] {
-                    met = met_between(ray, direction, max(at[n] - length, 1.0), at[n], depths[n]);
+                    met = met_between(ray, direction, max(at[n] - length, begin), at[n], depths[n], is_smooth);
                     if met.is_hit {
                         break;
                     }
@@ -120,9 +131,6 @@ fn march(ray: Ray, direction: vec3<f32>, growth: f32, phase: f32, segments: u32)
         u += f32(TOGETHER) * length;
         factor = 1.0;
     }
-    // Here, where rays that ended at different times are together again.
-    if met.is_hit {
-        met = met_at(ray, vec2<i32>(met.place.xy), met.place.z, met.u, length, met.certainty);
-    }
+    *way = Way(u, was_in_front, select(length, 1.0, is_smooth));
     return met;
 }

@@ -95,18 +95,18 @@ impl Default for LeanScreenSpaceReflections {
 
 /// How closely a ray looks, and when it is given up. That of a surface of a perceptual roughness up to 0.2 goes from cell to cell, of 4 to 64
 /// pixels a side, the largest that it can pass at once, and in them from pixel to pixel: each is a step. That of a rougher one goes in
-/// segments that grow with the way as the lobe does; where it goes behind something in one, that is halved down to a pixel.
+/// segments that grow with the way as the lobe does; where it goes behind something in one, that is halved down to a pixel. So does the
+/// rest of a smooth surface's ray that has had its steps.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceReflectionsQuality {
-    /// 128 steps; of rough surfaces one of 2×2 texels sends a ray, in 64 segments of 8 pixels, or half of the lobe's radius where that
-    /// is longer.
+    /// 48 steps; of rough surfaces one of 2×2 texels sends a ray, in 64 segments of 8 pixels, or 0.22 of the lobe's radius where that is
+    /// longer.
     Low,
-    /// 256 steps; 64 segments of 8 pixels, or 0.22 of the radius. In views of 1440 rows or more one of 2×2 texels of rough surfaces sends
-    /// a ray, in others each does.
+    /// 64 steps; in views of less than 1440 rows each texel of rough surfaces sends a ray. Else as `Low`.
     #[default]
     Medium,
-    /// 512 steps; each texel sends a ray, in 128 segments of 4 pixels, or 0.075 of the radius.
+    /// 128 steps; each texel sends a ray, in 128 segments of 4 pixels, or 0.075 of the radius.
     High,
 }
 
@@ -117,16 +117,16 @@ impl ScreenSpaceReflectionsQuality {
     /// All of them, cheapest first.
     pub const ALL: [Self; 3] = [Self::Low, Self::Medium, Self::High];
 
-    /// The most steps of a ray from a smooth surface, of a perceptual roughness up to 0.2.
+    /// The most steps of a ray from a smooth surface, of a perceptual roughness up to 0.2, before it goes on in segments.
     pub fn smooth_steps(self) -> u32 {
         match self {
-            Self::Low => 128,
-            Self::Medium => 256,
-            Self::High => 512,
+            Self::Low => 48,
+            Self::Medium => 64,
+            Self::High => 128,
         }
     }
 
-    /// The most segments of a ray from a rough surface.
+    /// The most segments of a ray from a rough surface, or of the rest of one from a smooth surface.
     pub fn rough_segments(self) -> u32 {
         match self {
             Self::Low | Self::Medium => 64,
@@ -145,8 +145,7 @@ impl ScreenSpaceReflectionsQuality {
     /// How long they are, in hundredths of their way times the perceptual roughness squared.
     pub(super) fn growth_percent(self) -> u32 {
         match self {
-            Self::Low => 100,
-            Self::Medium => 45,
+            Self::Low | Self::Medium => 45,
             Self::High => 15,
         }
     }

@@ -1,21 +1,23 @@
 // The way of a smooth surface's ray, from cell to cell and from pixel to pixel.
 #define_import_path bevy_lean_deferred::screen_space::reflections::smooth_march
 
-#import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_texture, view}
+#import bevy_lean_deferred::screen_space::reflections::bindings::{behind, cells_texture, depth_texture, view}
 #import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, depth_inside, met_at, pixel_on}
+#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, Way, depth_inside, pixel_on}
 
 /// Pixels a side of the smallest and the largest cells, and how many times larger the next ones are. Pixels come before the
 /// smallest.
 const FIRST_SIDE: f32 = 4.0;
 const STEP_OF_SIDES: f32 = 4.0;
 const LAST_SIDE: f32 = 64.0;
+/// More than the depth of sky, as cells have it.
+const NEAREST_TO_SKY: f32 = 1e-9;
 /// Into the next cell, in pixels: more than numbers are rounded by.
 const INTO: f32 = 1.0 / 256.0;
 
 /// Goes through the largest cells that leave the ray alone, up to the first surface that turns its front to it (Uludag 2014,
-/// "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. It is given up after so many `steps`.
-fn march(ray: Ray, direction: vec3<f32>, steps: u32) -> Met {
+/// "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. After so many `steps` it stops on its `way`.
+fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) -> Met {
     let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
     let inverse_step = 1.0 / step;
     let ends_from = -ray.start.xy * inverse_step;
@@ -28,11 +30,9 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32) -> Met {
     let last = vec2<i32>(view.viewport_size) - 1;
     var side = FIRST_SIDE;
     var inverse_side = 1.0 / FIRST_SIDE;
-    // Not the pixel itself.
-    var u = 1.0;
-    var z = ray.start.z + ray.step.z;
-    // What it does not enter from in front it passes behind.
-    var was_in_front = true;
+    var u = (*way).u;
+    var z = ray.start.z + ray.step.z * u;
+    var was_in_front = (*way).is_in_front;
     var met: Met;
     for (var i = 0u; i < steps && u < ray.end; i++) {
         let place = floor((start + ray.step.xy * u) * inverse_side);
@@ -50,10 +50,14 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32) -> Met {
         let ends = (place + forwards) * (side * inverse_step) + ends_from;
         let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
         let next_z = ray.start.z + ray.step.z * next;
-        // Nothing passes behind a single pixel without a look at how thick it is.
+        // Nothing that was in front passes behind a single pixel without a look at how thick that is.
         let depths = select(unpack_cell(word), vec2(depth, -1.0), is_pixel);
         var is_in_front = min(z, next_z) > depths.x;
-        var passes = is_in_front || max(z, next_z) < depths.y;
+        // Where it is behind something already, it stays there as long as it is behind all fronts, however near they are: its depth is
+        // moved as theirs are in cells. Cells with sky have the least depth that is told from 0.
+        let nearest = max(z, next_z);
+        let reached = select(max(behind(nearest), NEAREST_TO_SKY), nearest, was_in_front);
+        var passes = is_in_front || reached < depths.y;
         if !passes && is_pixel {
             let middle = 0.5 * (u + next);
             let middle_z = 0.5 * (z + next_z);
@@ -83,9 +87,6 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32) -> Met {
             inverse_side *= STEP_OF_SIDES;
         }
     }
-    // Here, where rays that ended at different times are together again.
-    if met.is_hit {
-        met = met_at(ray, vec2<i32>(met.place.xy), met.place.z, met.u, 1.0, met.certainty);
-    }
+    *way = Way(u, was_in_front, 1.0);
     return met;
 }

@@ -5,10 +5,10 @@
 #import bevy_lean_deferred::horizon::tangents
 #import bevy_lean_deferred::pattern::turn_of
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    DIVISOR, ROUGH, ROUGH_STEP, depth_in_view, hits_output, pack_hit, rays_output, step_of_rays, to_viewer, view,
-    view_position,
+    DIVISOR, ROUGH, ROUGH_STEP, depth_in_view, hits_output, pack_hit, rays_output, sends_ray, step_of_rays, to_viewer,
+    view, view_position,
 }
-#import bevy_lean_deferred::screen_space::reflections::ray::{Met, metres_at, ray_on_screen}
+#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Way, met_at, metres_at, ray_on_screen}
 #import bevy_lean_deferred::screen_space::reflections::rough_march
 #import bevy_lean_deferred::screen_space::reflections::smooth_march
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, rotated, smoothness}
@@ -22,7 +22,7 @@ const SHARED: u32 = u32(ROUGH_STEP * ROUGH_STEP);
 
 const ROUGH_SEGMENTS: u32 = #{ROUGH_SEGMENTS}u;
 const SMOOTH_STEPS: u32 = #{SMOOTH_STEPS}u;
-/// By how much the segments of a rough surface's ray grow with its way, in hundredths of its roughness squared: 50 is the radius of
+/// By how much the segments of a ray grow with its way, in hundredths of its roughness squared: 50 is the radius of
 /// what one of sixteen rays stands for, a quarter of that of the lobe.
 const GROWTH_PERCENT: f32 = f32(#{GROWTH_PERCENT}u);
 
@@ -58,12 +58,11 @@ fn found_at(texel: vec2<i32>) -> Found {
     }
     let start = vec3(vec2<f32>(pixel) + 0.5, depth);
     let is_rough = mirror.roughness > ROUGH;
-    let apart = step_of_rays(mirror.roughness);
-    if any(texel % apart != vec2(0)) {
+    if !sends_ray(texel, step_of_rays(mirror.roughness)) {
         return found;
     }
     found.has_ray = true;
-    let turn = turn_of(vec2<u32>(texel / apart) & vec2(3u));
+    let turn = turn_of(vec2<u32>(select(texel, texel / ROUGH_STEP, is_rough)) & vec2(3u));
     let position = view_position(start.xy, depth);
     let V = to_viewer(position);
     let normal = rotated(mirror.normal);
@@ -79,16 +78,24 @@ fn found_at(texel: vec2<i32>) -> Found {
     let direction = basis * sample.direction.xy + normal * sample.direction.z;
     let ray = ray_on_screen(start, position, direction);
     var met: Met;
-    if is_rough {
+    // Not the pixel itself.
+    var way = Way(1.0, true, 0.0);
+    if !is_rough {
+        met = smooth_march::march(ray, direction, SMOOTH_STEPS, &way);
+    }
+    // Rough surfaces' rays go in segments from the start. Those of smooth ones that have had their steps go on in them: few, but all
+    // others would wait for them.
+    if !met.is_hit && way.u < ray.end {
         // Other than those of the rays beside it.
         let phase = fract(f32(turn) * 0.618034);
-        met = rough_march::march(ray, direction, 0.01 * GROWTH_PERCENT * alpha, phase, ROUGH_SEGMENTS);
-    } else {
-        met = smooth_march::march(ray, direction, SMOOTH_STEPS);
+        let growth = 0.01 * GROWTH_PERCENT * alpha;
+        met = rough_march::march(ray, direction, growth, phase, ROUGH_SEGMENTS, !is_rough, &way);
     }
     if !met.is_hit {
         return found;
     }
+    // Here, where rays that ended at different times are together again.
+    met = met_at(ray, vec2<i32>(met.place.xy), met.place.z, met.u, way.span, met.certainty);
     let hit = view_position(met.place.xy, met.place.z);
     let metres = metres_at(ray, met.u);
     // As wide as the share of this ray in the lobe.
