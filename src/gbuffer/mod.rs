@@ -155,6 +155,7 @@ impl Plugin for GBufferPlugin {
                 (
                     resolve_motion::init_motion_resolve_pipelines,
                     visibility_masks::forget_uploaded_visibility_masks,
+                    special::forget_lightmapped_meshes,
                 ),
             )
             .add_systems(

@@ -2,6 +2,7 @@
 
 use bevy::{
     camera::visibility::{RenderLayers, ViewVisibility},
+    ecs::entity_disabling::Disabled,
     light::NotShadowReceiver,
     pbr::{Lightmap, MeshPipelineKey},
     prelude::*,
@@ -65,6 +66,26 @@ impl SpecialMeshes {
         Some(key)
     }
 
+    /// Whether that changes something.
+    fn set_without_shadows(&mut self, mesh: MainEntity, is_without: bool) -> bool {
+        if is_without {
+            self.without_shadows.insert(mesh)
+        } else {
+            self.without_shadows.remove(&mesh)
+        }
+    }
+
+    /// Puts `mesh` on the layers of a mask. Whether that changes something.
+    fn put_on(&mut self, mesh: MainEntity, mask: u32) -> bool {
+        let before = self.visibility_mask(mesh);
+        if mask == DEFAULT_VISIBILITY_MASK {
+            self.visibility_masks.remove(&mesh);
+        } else {
+            self.visibility_masks.insert(mesh, mask);
+        }
+        before != mask
+    }
+
     /// The layers that `mesh` is on.
     pub(crate) fn visibility_mask(&self, mesh: MainEntity) -> u32 {
         let mask = self.visibility_masks.get(&mesh);
@@ -80,40 +101,48 @@ pub(super) fn extract_special_meshes(
     mut removed_receivers: Extract<RemovedComponents<NotShadowReceiver>>,
     layers: Extract<Query<(Entity, &RenderLayers), Changed<RenderLayers>>>,
     mut removed_layers: Extract<RemovedComponents<RenderLayers>>,
+    // What changed while they were disabled no query has told.
+    mut enabled: Extract<RemovedComponents<Disabled>>,
+    all: Extract<Query<(Has<NotShadowReceiver>, Option<&RenderLayers>)>>,
 ) {
-    for entity in removed_receivers.read() {
-        let mesh = MainEntity::from(entity);
-        if special.without_shadows.remove(&mesh) {
-            changed.insert(mesh);
-        }
-    }
+    let without = removed_receivers.read().map(|entity| (entity, false));
     // What was removed and inserted in one frame is there.
-    for entity in &receivers {
+    for (entity, is_without) in without.chain(receivers.iter().map(|entity| (entity, true))) {
         let mesh = MainEntity::from(entity);
-        if special.without_shadows.insert(mesh) {
+        if special.set_without_shadows(mesh, is_without) {
             changed.insert(mesh);
         }
     }
 
     for entity in removed_layers.read() {
         let mesh = MainEntity::from(entity);
-        if special.visibility_masks.remove(&mesh).is_some() {
+        if special.put_on(mesh, DEFAULT_VISIBILITY_MASK) {
             changed.insert(mesh);
         }
     }
     for (entity, layers) in &layers {
         let mesh = MainEntity::from(entity);
-        let mask = visibility_mask(layers);
-        if special.visibility_mask(mesh) == mask {
-            continue;
+        if special.put_on(mesh, visibility_mask(layers)) {
+            changed.insert(mesh);
         }
-        if mask == DEFAULT_VISIBILITY_MASK {
-            special.visibility_masks.remove(&mesh);
-        } else {
-            special.visibility_masks.insert(mesh, mask);
-        }
-        changed.insert(mesh);
     }
+
+    for entity in enabled.read() {
+        let Ok((is_without_shadows, layers)) = all.get(entity) else {
+            continue;
+        };
+        let mesh = MainEntity::from(entity);
+        let mask = layers.map_or(DEFAULT_VISIBILITY_MASK, visibility_mask);
+        let receives_otherwise = special.set_without_shadows(mesh, is_without_shadows);
+        if special.put_on(mesh, mask) || receives_otherwise {
+            changed.insert(mesh);
+        }
+    }
+}
+
+/// On a new device Bevy's list, which is made anew there, is empty.
+pub(super) fn forget_lightmapped_meshes(mut special: ResMut<SpecialMeshes>) {
+    special.lightmapped.clear();
 }
 
 /// Keeps the same lightmapped meshes as Bevy's private `extract_lightmaps`, by its rules, because by that list Bevy picks

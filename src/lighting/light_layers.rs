@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use bevy::{
     camera::visibility::RenderLayers,
-    ecs::system::SystemParam,
+    ecs::{entity_disabling::Disabled, system::SystemParam},
     light::{ClusteredDecal, LightProbe, RectLight},
     prelude::*,
     render::{
@@ -116,7 +116,8 @@ type LightQuery<'w, 's, Filter> = Query<
     (AnyLight, Filter),
 >;
 
-/// Lights that have lost their layers, or a component that made them lights.
+/// Lights that have lost their layers, or a component that made them lights; and what was disabled, of whose changes meanwhile no query
+/// has told.
 #[derive(SystemParam)]
 pub(super) struct FormerLights<'w, 's> {
     layers: RemovedComponents<'w, 's, RenderLayers>,
@@ -126,6 +127,7 @@ pub(super) struct FormerLights<'w, 's> {
     rect: RemovedComponents<'w, 's, RectLight>,
     decal: RemovedComponents<'w, 's, ClusteredDecal>,
     probe: RemovedComponents<'w, 's, LightProbe>,
+    enabled: RemovedComponents<'w, 's, Disabled>,
 }
 
 impl FormerLights<'_, '_> {
@@ -138,6 +140,7 @@ impl FormerLights<'_, '_> {
             rect,
             decal,
             probe,
+            enabled,
         } = self;
         (layers.read())
             .chain(point.read())
@@ -146,6 +149,7 @@ impl FormerLights<'_, '_> {
             .chain(rect.read())
             .chain(decal.read())
             .chain(probe.read())
+            .chain(enabled.read())
     }
 }
 

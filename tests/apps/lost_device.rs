@@ -15,10 +15,10 @@ use kit::{
     device::render_creation,
     headless::{Headless, Picture},
     known_slabs::{SKIN, slab},
-    lean::{active_lean_views, build, change_cameras},
+    lean::{active_lean_views, build, change_cameras, set_lean},
     metrics::pixel_difference,
     own_process::in_own_process,
-    scenes::SceneBuilder,
+    scenes::{SceneBuilder, special_materials::put_lightmaps},
     skipped::where_light_scatters,
 };
 
@@ -226,5 +226,34 @@ fn exposure_survives() {
         let world = headless.world();
         let after = cameras.single(world).expect("there is one");
         assert_eq!(before, *after);
+    });
+}
+
+/// Bevy forgets which meshes have lightmaps, so these are lit without, until they come into sight again. Lean as forward.
+#[test]
+fn lightmapped_meshes_are_lit_as_bevy_has_them() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            scene(s);
+            let material = StandardMaterial {
+                lightmap_exposure: 3000.0,
+                ..default()
+            };
+            let place = Transform::from_xyz(-0.6, 0.5, 1.6);
+            let ball = s.mesh(Sphere::new(0.5), material, place);
+            put_lightmaps(s, &[ball], false);
+            s.default_camera(LeanDeferred::default());
+        });
+        let images = images(&mut headless);
+        settled(&mut headless);
+        lose_device(&mut headless);
+        restore(&images, &mut headless);
+        let lean = settled(&mut headless);
+        assert_eq!(active_lean_views(&mut headless), 1);
+        set_lean(&mut headless, false);
+        let forward = settled(&mut headless);
+        let difference = pixel_difference(&forward, &lean);
+        println!("{difference}");
+        assert!(difference.psnr > 45.0);
     });
 }

@@ -3,8 +3,8 @@
 //! processes of their own, because no error may be logged.
 
 use bevy::{
-    camera::visibility::RenderLayers, light::NotShadowReceiver, pbr::Lightmap, prelude::*,
-    render::render_resource::TextureFormat,
+    camera::visibility::RenderLayers, ecs::entity_disabling::Disabled, light::NotShadowReceiver,
+    pbr::Lightmap, prelude::*, render::render_resource::TextureFormat,
 };
 use bevy_lean_deferred::LeanDeferred;
 use kit::{
@@ -242,5 +242,55 @@ fn cameras_switched_in_every_frame() {
             assert!(difference.psnr > 45.0, "frame {frame}: {difference}");
         }
         log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// Meshes and lights of a pool, which are spawned disabled, are as they would be otherwise once they are enabled.
+#[test]
+fn what_was_disabled_is_as_any_other() {
+    in_own_process(|| {
+        let picture = |disabled: bool| {
+            let mut pool = Vec::new();
+            let mut headless = build(SIZE, |s| {
+                scene(s);
+                let lit = [(-0.8, true), (0.8, false)].map(|(x, is_layered)| {
+                    let place = Transform::from_xyz(x, 0.4, -1.5);
+                    let ball = s.mesh(Sphere::new(0.4), Color::WHITE, place);
+                    let mut ball = s.world().entity_mut(ball);
+                    if is_layered {
+                        ball.insert(RenderLayers::layer(1));
+                    } else {
+                        ball.insert(NotShadowReceiver);
+                    }
+                    ball.id()
+                });
+                let lamp = s.spawn((
+                    PointLight {
+                        intensity: 200_000.0,
+                        ..default()
+                    },
+                    RenderLayers::layer(1),
+                    Transform::from_xyz(0.0, 1.5, 2.0),
+                ));
+                pool.extend(lit);
+                pool.push(lamp);
+                for &entity in pool.iter().filter(|_| disabled) {
+                    s.world().entity_mut(entity).insert(Disabled);
+                }
+            });
+            set_lean(&mut headless, true);
+            headless.settle();
+            headless.frames(BEFORE);
+            for &entity in &pool {
+                headless.world().entity_mut(entity).remove::<Disabled>();
+            }
+            headless.settle();
+            headless.frames(BEFORE);
+            assert_eq!(active_lean_views(&mut headless), 1);
+            headless.capture()
+        };
+        let difference = pixel_difference(&picture(false), &picture(true));
+        println!("{difference}");
+        assert_eq!(difference.largest, 0);
     });
 }
