@@ -85,18 +85,15 @@ pub(super) fn decide_active_occlusion(
     pipeline_cache: Res<PipelineCache>,
     memory: Res<OutOfMemory>,
     mut warnings: Local<WarnOnce<LeanOffReason>>,
-    mut views: Query<
-        (
-            Entity,
-            (&ExtractedCamera, &ExtractedView),
-            &Msaa,
-            &LeanAmbientOcclusion,
-            (Option<&LeanDeferred>, Option<&ActiveLeanView>),
-            Has<DistanceFog>,
-            Option<&mut ActiveOcclusion>,
-        ),
-        With<Camera3d>,
-    >,
+    mut views: Query<(
+        Entity,
+        (&ExtractedCamera, &ExtractedView, Has<Camera3d>),
+        &Msaa,
+        &LeanAmbientOcclusion,
+        (Option<&LeanDeferred>, Option<&ActiveLeanView>),
+        Has<DistanceFog>,
+        Option<&mut ActiveOcclusion>,
+    )>,
     cameras: Query<&MainEntity, With<LeanAmbientOcclusion>>,
     switched_off: Query<Entity, (With<ActiveOcclusion>, Without<ExtractedView>)>,
 ) {
@@ -107,10 +104,11 @@ pub(super) fn decide_active_occlusion(
     let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
         return;
     };
-    for (entity, (camera, view), msaa, settings, (lean, active_lean), has_fog, current) in
+    for (entity, (camera, view, is_3d), msaa, settings, (lean, active_lean), has_fog, current) in
         &mut views
     {
-        let reason = LeanOffReason::against_reading_depth(camera, msaa);
+        let reason = LeanOffReason::against_reading_depth(camera, msaa)
+            .or_else(|| (!is_3d).then_some(LeanOffReason::Schedule));
         let is_off = reason.is_some() || memory.label(entity).is_some();
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanAmbientOcclusion", camera, reason);

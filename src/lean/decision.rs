@@ -111,7 +111,7 @@ pub(super) fn decide_active_views(
             &ExtractedCamera,
             &ExtractedView,
             &Msaa,
-            &Camera3d,
+            Option<&Camera3d>,
             Option<&RenderLayers>,
             Option<&RenderExtractedVisibleEntities>,
         ),
@@ -151,12 +151,17 @@ pub(super) fn decide_active_views(
         &mut views
     {
         let (camera, view, msaa, camera_3d, layers, visible) = camera;
+        let main_entity = view.retained_view_entity.main_entity;
+        let Some(camera_3d) = camera_3d else {
+            statuses.off(main_entity, LeanOffReason::Schedule);
+            continue;
+        };
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
         let reason = reason_against(camera, view, msaa, deferred, soft_shadows)
             .or_else(|| Some(LeanOffReason::OutOfMemory(memory.label(entity)?.into())));
         if let Some(reason) = reason {
-            statuses.off(view.retained_view_entity.main_entity, reason);
+            statuses.off(main_entity, reason);
             commands
                 .entity(entity)
                 .remove::<(ActiveLeanView, ViewLighting)>();

@@ -62,7 +62,7 @@ pub enum LeanOffReason {
     NotRendered,
     /// Its `Msaa` is not `Off`.
     Msaa,
-    /// Its `CameraRenderGraph` is not `Core3d`, where the passes of this crate are.
+    /// Its `CameraRenderGraph` is not `Core3d`, where the passes of this crate are; or it is no `Camera3d`.
     Schedule,
     /// Its `Viewport::depth` is not `0.0..1.0`: depth does not tell where surfaces are.
     ViewportDepth,

@@ -6,6 +6,7 @@ use bevy::{
     core_pipeline::{
         core_3d::main_opaque_pass_3d,
         prepass::{DeferredPrepass, DepthPrepass},
+        schedule::Core2d,
         tonemapping::tonemapping,
         upscaling::upscaling,
     },
@@ -33,6 +34,11 @@ fn scene() -> (Headless, Entity) {
     let headless = build(SIZE, |s| {
         s.solids();
         s.sun(true);
+        // Other cameras do not see it.
+        s.spawn(Sprite::from_color(
+            Color::srgb(0.7, 0.3, 0.2),
+            Vec2::splat(40.0),
+        ));
         camera = s.default_camera(());
     });
     (headless, camera)
@@ -169,6 +175,30 @@ fn own_schedule() {
 fn occlusion_in_an_own_schedule() {
     in_own_process(|| {
         assert_effect_is_off::<LeanAmbientOcclusion>(leave_core_3d, OWN_SCHEDULE);
+    });
+}
+
+/// A camera of sprites.
+fn make_2d(camera: &mut EntityWorldMut) {
+    camera.remove::<Camera3d>().insert((
+        Camera2d,
+        CameraRenderGraph::new(Core2d),
+        Projection::from(OrthographicProjection::default_2d()),
+        Transform::default(),
+    ));
+}
+
+#[test]
+fn of_sprites() {
+    in_own_process(|| {
+        assert_falls_back(make_2d, OWN_SCHEDULE);
+    });
+}
+
+#[test]
+fn occlusion_of_sprites() {
+    in_own_process(|| {
+        assert_effect_is_off::<LeanAmbientOcclusion>(make_2d, OWN_SCHEDULE);
     });
 }
 
