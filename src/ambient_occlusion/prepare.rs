@@ -28,8 +28,10 @@ use super::{
     uniforms::{OcclusionView, fog_parameters, workgroups},
 };
 use crate::{
-    gbuffer::GBufferTextures, gpu::bind_group_cache::CachedBindGroup,
-    shader_library::tiles::RowOrder, view::OutOfMemory,
+    gbuffer::GBufferTextures,
+    gpu::bind_group_cache::CachedBindGroup,
+    shader_library::{reconstruction::position::without_scale, tiles::RowOrder},
+    view::OutOfMemory,
 };
 
 /// The uniforms of all views.
@@ -72,12 +74,11 @@ pub(super) fn write_occlusion_uniforms(
                     physical_size: camera.physical_target_size.unwrap_or(UVec2::ONE),
                     ..default()
                 });
-        let mut uniform = OcclusionView::new(
-            &active.settings,
-            view.clip_from_view,
-            viewport.physical_size,
-        );
-        uniform.view_from_world = view.world_from_view.to_matrix().inverse();
+        let (clip_from_view, world_from_view) =
+            without_scale(view.clip_from_view, view.world_from_view.to_matrix());
+        let mut uniform =
+            OcclusionView::new(&active.settings, clip_from_view, viewport.physical_size);
+        uniform.view_from_world = world_from_view.inverse();
         uniform.fog = fog_parameters(fog);
         uniform.viewport_origin = viewport.physical_position;
         uniform.row_stride = row_order.stride(workgroups(uniform.texture_size).y);

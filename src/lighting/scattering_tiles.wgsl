@@ -11,6 +11,7 @@
     BLOCK_LOG, COUNT, Entry, MASKS, MATERIALS, MOST_MATERIALS, Receiver, pack_entry, pack_receiver, tile_bit,
 }
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at}
+#import bevy_pbr::mesh_view_bindings::view
 
 /// The arguments of a material of the tile and 1, the largest; 0: no light scatters.
 var<workgroup> light_scatters: atomic<u32>;
@@ -82,7 +83,8 @@ fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: 
         if usual.x != arguments + 1u {
             material = number_of(arguments);
         }
-        let metres = -position_at(pixel.position, pixel.depth).z;
+        // However the camera is scaled.
+        let metres = -position_at(pixel.position, pixel.depth).z * length(view.world_from_view[2].xyz);
         entry = pack_entry(Entry(metres, material, shaded.entering));
         let receiver = Receiver(shaded.color, shaded.leaving, pixel.normal_word);
         textureStore(subsurface_picture_texture, place, pack_receiver(receiver));

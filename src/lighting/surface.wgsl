@@ -61,7 +61,8 @@ const LEAST_AGREEMENT: f32 = 0.5;
 
 /// World-space normal of the surface at `pixel`, unit length, facing the viewer. `depth` is the pixel's.
 fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
-    return (view.world_from_view * vec4(view_geometric_normal(pixel, depth), 0.0)).xyz;
+    // The camera may be scaled: normals turn by the transposed inverse.
+    return normalize((vec4(view_geometric_normal(pixel, depth), 0.0) * view.view_from_world).xyz);
 }
 
 /// The normal by which shadow maps are biased: the surface's, or `N`, the shading normal, where the two have little in common. There

@@ -8,14 +8,17 @@ use bevy::{
     render::{Render, RenderApp, RenderSystems, view::ExtractedView},
 };
 
-use crate::{shader_library::reconstruction::position::projection_of, view::CameraCuts};
+use crate::{
+    shader_library::reconstruction::position::{projection_of, without_scale},
+    view::CameraCuts,
+};
 
 /// What a frame was seen with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LastFrame {
     /// With the jitter that it had.
     pub clip_from_view: Mat4,
-    /// Where the camera was.
+    /// Where the camera was, without its scale: view space is in metres.
     pub world_from_view: Mat4,
     /// The part of the target that was drawn: its corner and size in pixels.
     pub viewport: URect,
@@ -40,9 +43,11 @@ impl LastFrame {
         resolution: Option<&MainPassResolutionOverride>,
         exposure: f32,
     ) -> Self {
+        let (clip_from_view, world_from_view) =
+            without_scale(view.clip_from_view, view.world_from_view.to_matrix());
         Self {
-            clip_from_view: view.clip_from_view,
-            world_from_view: view.world_from_view.to_matrix(),
+            clip_from_view,
+            world_from_view,
             viewport: drawn_part(view, resolution),
             exposure,
         }

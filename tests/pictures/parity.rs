@@ -11,7 +11,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::Headless,
-    lean::{build, judge, report, set_lean, settled, show},
+    lean::{build, change_cameras, judge, report, set_lean, settled, show},
     own_process::in_own_process,
     scenes::{self, LEAST_PSNR, Scene},
     skipped::skips_without_binding_arrays,
@@ -248,5 +248,40 @@ fn removing_the_component_gives_back_forward() {
             assert!(lean.rgba != before.rgba, "{name} was never lean");
             assert!(after.rgba == before.rgba, "{name} is not as before");
         }
+    });
+}
+
+/// Cameras that are children of something scaled: shadows are biased by normals of unit length, and tiles pass by no light.
+#[test]
+fn scaled_cameras_match_forward() {
+    in_own_process(|| {
+        report([0.2, 3.0].map(|scale| {
+            let mut headless = build(SIZE, |s| {
+                s.solids();
+                s.sun(true);
+                for i in 0..24 {
+                    let angle = i as f32 * 0.7;
+                    s.spawn((
+                        PointLight {
+                            intensity: 30_000.0,
+                            range: 2.0,
+                            ..default()
+                        },
+                        Transform::from_xyz(3.0 * angle.cos(), 0.8, 2.0 * angle.sin()),
+                    ));
+                }
+                let from = Transform::from_xyz(3.0, 2.5, 5.0).looking_at(Vec3::Y * 0.5, Vec3::Y);
+                s.camera(from.with_scale(Vec3::splat(scale)), ());
+            });
+            let forward = settled(&mut headless);
+            change_cameras(&mut headless, |camera| {
+                camera.insert(LeanDeferred {
+                    light_culling: LightCulling::SharedMemory,
+                    ..default()
+                });
+            });
+            let lean = settled(&mut headless);
+            judge(&format!("scaled_{scale}"), &forward, &lean, LEAST_PSNR)
+        }));
     });
 }

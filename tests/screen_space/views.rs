@@ -187,3 +187,36 @@ fn debug_views_show_what_was_found() {
         assert!(off < 1e-3, "the picture is off by {off}");
     });
 }
+
+/// A child of something scaled shows what others do: effects are in metres, and normals of unit length.
+#[test]
+fn scaled_cameras_show_what_others_do() {
+    in_own_process(|| {
+        let picture = |scale: f32, occlusion: bool| {
+            let mut headless = build(SMALL, |s| {
+                spawn_floor(s, metal(0.2), 0.0);
+                s.solids();
+                s.sun(false);
+                let from = looking(Vec3::new(1.0, 1.5, 4.0), 0.5).with_scale(Vec3::splat(scale));
+                let camera = s.camera(from, LeanDeferred::default());
+                let mut camera = s.world().entity_mut(camera);
+                if occlusion {
+                    camera.insert(LeanAmbientOcclusion::default());
+                } else {
+                    camera.insert((gi(), reflections()));
+                }
+            });
+            headless.settle();
+            headless.frames(12);
+            headless.capture()
+        };
+        for occlusion in [false, true] {
+            let usual = picture(1.0, occlusion);
+            for scale in [0.4, 3.0] {
+                let difference = pixel_difference(&usual, &picture(scale, occlusion));
+                println!("scale {scale}, occlusion {occlusion}: {difference}");
+                assert!(difference.psnr > 50.0);
+            }
+        }
+    });
+}

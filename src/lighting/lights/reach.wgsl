@@ -14,6 +14,8 @@ struct Box {
     most: vec3<f32>,
     /// What positions may be off by.
     slack: f32,
+    /// Metres that view space's axes are long, the shortest and the longest: other than 1 where the camera is scaled.
+    scale: vec2<f32>,
 }
 
 /// Around all points of the tile, whose first pixel is `corner`, with depths between these.
@@ -46,10 +48,13 @@ fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>) -> Box {
     }
 #endif
 #endif
+    let axes = view.world_from_view;
+    let lengths = vec3(length(axes[0].xyz), length(axes[1].xyz), length(axes[2].xyz));
+    let scale = vec2(min(lengths.x, min(lengths.y, lengths.z)), max(lengths.x, max(lengths.y, lengths.z)));
     // World positions lose digits far from the origin; distances do with both.
-    let origin = abs(view.world_position);
+    let origin = abs(view.world_position) / scale.x;
     let farthest = max(max(origin.x, origin.y), max(origin.z, max(abs(least.z), abs(most.z))));
-    return Box(least, most, 2e-6 * farthest);
+    return Box(least, most, 2e-6 * farthest, scale);
 }
 
 /// False if the light with this index gives nothing to any surface in the box.
@@ -59,8 +64,10 @@ fn may_reach(bounds: Box, id: u32) -> bool {
     let away = max(max(bounds.least - center, center - bounds.most) - bounds.slack, vec3(0.0));
     let inverse_square_range = (*light).color_inverse_square_range.w;
     // Not if one of these is not a number, either.
-    let is_near = dot(away, away) * inverse_square_range < 1.0001;
-    if !is_near || !is_spot_light((*light).flags) {
+    let is_near = dot(away, away) * bounds.scale.x * bounds.scale.x * inverse_square_range < 1.0001;
+    // Where view space is longer one way than another, a cone is none there.
+    let is_even = bounds.scale.y < 1.0001 * bounds.scale.x;
+    if !is_near || !is_even || !is_spot_light((*light).flags) {
         return is_near;
     }
     return cone_meets(bounds, id, center);
@@ -73,7 +80,7 @@ fn cone_meets(bounds: Box, id: u32, apex: vec3<f32>) -> bool {
     // Where `data.z cosine + data.w` is 0.
     let cosine = -data.w / data.z;
     let world = spot_direction(data.xy, (*light).flags);
-    let direction = (view.view_from_world * vec4(world, 0.0)).xyz;
+    let direction = normalize((view.view_from_world * vec4(world, 0.0)).xyz);
     let to_sphere = 0.5 * (bounds.least + bounds.most) - apex;
     let radius = 0.5 * length(bounds.most - bounds.least) + bounds.slack;
     let along = dot(to_sphere, direction);

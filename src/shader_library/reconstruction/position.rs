@@ -73,6 +73,26 @@ pub fn projection_of(clip_from_view: Mat4) -> ProjectionKind {
     }
 }
 
+/// `clip_from_view` and `world_from_view` of the same view in a view space in metres, however its camera is scaled, as children of what is
+/// scaled are. The sheer that children of turned ones may have is left out. Those of cameras without scale stay as they are.
+pub fn without_scale(clip_from_view: Mat4, world_from_view: Mat4) -> (Mat4, Mat4) {
+    let (scale, rotation, translation) = world_from_view.to_scale_rotation_translation();
+    let is_scaled = (scale - Vec3::ONE).abs().max_element() > 1e-5;
+    // Also false of what is not a number.
+    let is_regular = scale.abs().min_element() > 0.0 && scale.is_finite();
+    if !(is_scaled && is_regular) {
+        return (clip_from_view, world_from_view);
+    }
+    let mut clip = clip_from_view * Mat4::from_scale(scale.recip());
+    if clip_from_view.z_axis.w != 0.0 {
+        // A multiple is the same projection: the one whose kind is known.
+        clip *= scale.z;
+        clip.z_axis.w = clip_from_view.z_axis.w;
+    }
+    let world = Mat4::from_rotation_translation(rotation, translation);
+    (clip, world)
+}
+
 /// Scaled so that the short cuts of [`view_position`] hold: rays end at z = -1 in perspective, w is 1 in orthographic
 /// views.
 pub fn normalized(view_from: Mat4) -> Mat4 {
@@ -120,5 +140,44 @@ pub fn edge_of(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {
         // Depth less this constant is inverse to the distance, and a pixel is as many metres as the distance is long.
         let constant = -clip_from_view.z_axis.z;
         Vec2::new(step, -step * constant)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Quat;
+
+    use super::*;
+
+    #[test]
+    fn what_is_scaled_is_seen_where_it_was() {
+        let perspective = Mat4::perspective_infinite_reverse_rh(0.9, 1.5, 0.1);
+        let orthographic = Mat4::orthographic_rh(-3.0, 3.0, -2.0, 2.0, 50.0, 0.0);
+        let turn = Quat::from_euler(bevy::math::EulerRot::XYZ, 0.3, -1.1, 0.4);
+        let place = Vec3::new(4.0, -2.0, 7.0);
+        for clip_from_view in [perspective, orthographic] {
+            for scale in [
+                Vec3::splat(3.0),
+                Vec3::splat(0.01),
+                Vec3::new(-2.0, 0.5, 1.5),
+            ] {
+                let world_from_view = Mat4::from_scale_rotation_translation(scale, turn, place);
+                let (clip, world) = without_scale(clip_from_view, world_from_view);
+                assert_eq!(projection_of(clip), projection_of(clip_from_view));
+                assert!((world.determinant() - 1.0).abs() < 1e-5);
+                for at in [Vec3::new(0.4, 0.3, -2.0), Vec3::new(-1.0, 0.6, -9.0)] {
+                    let there = world_from_view.as_dmat4().transform_point3(at.as_dvec3());
+                    let in_view = world.as_dmat4().inverse().transform_point3(there);
+                    let seen = clip_from_view.as_dmat4().project_point3(at.as_dvec3());
+                    let found = clip.as_dmat4().project_point3(in_view);
+                    assert!(seen.abs_diff_eq(found, 1e-5), "{seen} and {found}");
+                }
+            }
+            let rigid = Mat4::from_rotation_translation(turn, place);
+            assert_eq!(
+                without_scale(clip_from_view, rigid),
+                (clip_from_view, rigid)
+            );
+        }
     }
 }

@@ -26,6 +26,7 @@ const BINDINGS: &str = "
 struct View {
     view_from_clip: mat4x4<f32>,
     view_from_world: mat4x4<f32>,
+    world_from_view: mat4x4<f32>,
     world_position: vec3<f32>,
     main_pass_viewport: vec4<f32>,
 }
@@ -49,18 +50,19 @@ const KERNEL: &str = "
 #import bevy_lean_deferred::lighting::lights::reach::{box_of_tile, may_reach}
 #import bevy_pbr::mesh_view_bindings as bindings
 
-fn row(input: array<u32, 53>, first: u32) -> vec4<f32> {
+fn row(input: array<u32, 69>, first: u32) -> vec4<f32> {
     var words = input;
     return bitcast<vec4<f32>>(vec4(words[first], words[first + 1u], words[first + 2u], words[first + 3u]));
 }
 
-fn matrix(input: array<u32, 53>, first: u32) -> mat4x4<f32> {
+fn matrix(input: array<u32, 69>, first: u32) -> mat4x4<f32> {
     return mat4x4(row(input, first), row(input, first + 4u), row(input, first + 8u), row(input, first + 12u));
 }
 
-fn kernel(input: array<u32, 53>) -> array<u32, 1> {
+fn kernel(input: array<u32, 69>) -> array<u32, 1> {
     bindings::view.view_from_clip = matrix(input, 0u);
     bindings::view.view_from_world = matrix(input, 16u);
+    bindings::view.world_from_view = matrix(input, 53u);
     bindings::view.world_position = row(input, 32u).xyz;
     bindings::view.main_pass_viewport = row(input, 36u);
     bindings::clustered_lights.data[0].light_custom_data = row(input, 40u);
@@ -95,11 +97,20 @@ struct Case {
     cone: Option<(f32, f32)>,
     camera: Vec3,
     turn: Quat,
+    /// Of the camera.
+    scale: Vec3,
 }
 
 fn direction() -> impl Strategy<Value = Vec3> {
     [-1.0..1.0f32, -1.0..1.0f32, -1.0..1.0f32]
         .prop_map(|v| Vec3::from(v).try_normalize().unwrap_or(Vec3::Y))
+}
+
+/// Of cameras that are children of something scaled.
+fn scale() -> impl Strategy<Value = Vec3> {
+    let even = (-3.0..3.0f32).prop_map(|log| Vec3::splat(log.exp2()));
+    let uneven = [0.3..3.0f32, 0.3..3.0f32, -3.0..-0.3f32].prop_map(Vec3::from);
+    prop_oneof![8 => Just(Vec3::ONE), 3 => even, 1 => uneven]
 }
 
 fn case() -> impl Strategy<Value = Case> {
@@ -115,10 +126,10 @@ fn case() -> impl Strategy<Value = Case> {
     (
         (tile, pixel, [depth(), depth()], depth()),
         (-6.0..9.0f32, 0.0..1.3f32, direction(), cone),
-        (camera, direction(), 0.0..3.0f32),
+        (camera, direction(), 0.0..3.0f32, scale()),
     )
         .prop_map(
-            |((tile, pixel, depths, depth), light, (camera, axis, angle))| Case {
+            |((tile, pixel, depths, depth), light, (camera, axis, angle, scale))| Case {
                 tile,
                 pixel,
                 depths,
@@ -129,6 +140,7 @@ fn case() -> impl Strategy<Value = Case> {
                 cone: light.3,
                 camera,
                 turn: Quat::from_axis_angle(axis, angle),
+                scale,
             },
         )
 }
@@ -204,7 +216,8 @@ impl Setting {
         };
         let surfaces = seen.iter().map(found).collect();
 
-        let world_from_view = Mat4::from_rotation_translation(case.turn, case.camera);
+        let world_from_view =
+            Mat4::from_scale_rotation_translation(case.scale, case.turn, case.camera);
         let beside = position(case.tile + case.pixel, share(case.depth));
         let beside = world_from_view.as_dmat4().transform_point3(beside);
         let light = beside + (case.direction * case.range * case.distance).as_dvec3();
@@ -244,8 +257,8 @@ impl Setting {
         })
     }
 
-    fn words(&self, case: &Case) -> [u32; 53] {
-        let mut words = [0; 53];
+    fn words(&self, case: &Case) -> [u32; 69] {
+        let mut words = [0; 69];
         let mut put = |first: usize, numbers: &[f32]| {
             for (word, number) in words[first..].iter_mut().zip(numbers) {
                 *word = number.to_bits();
@@ -253,6 +266,7 @@ impl Setting {
         };
         put(0, &self.view_from_clip.to_cols_array());
         put(16, &self.world_from_view.inverse().to_cols_array());
+        put(53, &self.world_from_view.to_cols_array());
         put(32, &case.camera.to_array());
         put(36, &VIEWPORT);
         put(44, &self.light.to_array());
@@ -281,7 +295,7 @@ fn function(source: &str, name: &str) -> String {
     source[begin..begin + length + 3].into()
 }
 
-fn kernel(compute: &Compute, kind: ProjectionKind) -> Kernel<'_, 53, 1> {
+fn kernel(compute: &Compute, kind: ProjectionKind) -> Kernel<'_, 69, 1> {
     const CLUSTERED_LIGHT: &str = include_str!("../../../src/lighting/lights/clustered_light.wgsl");
     let spot_direction = function(CLUSTERED_LIGHT, "spot_direction").replace(
         "mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE",
@@ -329,7 +343,7 @@ fn check(name: &str, clip_from_view: Mat4, least_passed_by: f64) {
             .iter()
             .map(|case| Setting::new(case, clip_from_view))
             .collect();
-        let words: Vec<[u32; 53]> = cases
+        let words: Vec<[u32; 69]> = cases
             .iter()
             .zip(&settings)
             .map(|(case, setting)| setting.words(case))
