@@ -99,10 +99,8 @@ fn up_to(largest: f32, x: f32) -> f32 {
 /// Texels of the occlusion texture.
 fn texture_size(settings: &LeanAmbientOcclusion, viewport_size: UVec2) -> UVec2 {
     let divisor = settings.resolution.divisor();
-    UVec2::new(
-        viewport_size.x.div_ceil(divisor),
-        viewport_size.y.div_ceil(divisor),
-    )
+    // Viewports may be empty.
+    viewport_size.map(|side| side.div_ceil(divisor).max(1))
 }
 
 /// Of the gather: each finds four tiles of `texture_size` texels.

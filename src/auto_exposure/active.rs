@@ -4,15 +4,13 @@ use bevy::{
     core_pipeline::schedule::{Core2d, Core3d},
     ecs::schedule::ScheduleLabel,
     prelude::*,
-    render::{
-        camera::ExtractedCamera, render_asset::RenderAssets, render_resource::PipelineCache,
-        sync_world::MainEntity, texture::GpuImage,
-    },
+    render::{camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity},
 };
 
 use super::{
     key::ExposureKey,
     pipelines::{ExposurePipelines, PassPipelines},
+    prepare::Masks,
     settings::{LeanAutoExposure, MeteringPattern},
     support::ExposureSupport,
 };
@@ -47,7 +45,7 @@ pub(super) fn queue_exposure_pipelines(
     pipelines: Option<ResMut<ExposurePipelines>>,
     mut warnings: Local<WarnOnce<&'static str>>,
     pipeline_cache: Res<PipelineCache>,
-    images: Res<RenderAssets<GpuImage>>,
+    (masks, mut mask_warnings): (Masks, Local<WarnOnce<&'static str>>),
     mut views: Query<(
         Entity,
         &MainEntity,
@@ -59,6 +57,7 @@ pub(super) fn queue_exposure_pipelines(
     switched_off: Query<Entity, (With<ViewExposurePipelines>, Without<ExtractedCamera>)>,
 ) {
     warnings.keep_only(cameras.iter());
+    mask_warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ViewExposurePipelines>();
     }
@@ -74,10 +73,12 @@ pub(super) fn queue_exposure_pipelines(
             }
             continue;
         }
-        let mask = match &settings.pattern {
-            MeteringPattern::Mask(mask) if images.get(mask).is_some() => Some(mask),
-            _ => None,
+        let found = match &settings.pattern {
+            MeteringPattern::Mask(mask) => masks.get(mask).map(|image| image.map(|_| mask)),
+            _ => Ok(None),
         };
+        mask_warnings.tell("The metering mask", *camera, found.err());
+        let mask = found.unwrap_or_default();
         let subgroups = support.uses_subgroups(settings);
         let key = ExposureKey::new(settings, subgroups, mask.is_some());
         let passes = pipelines.get(key, &pipeline_cache);

@@ -196,7 +196,8 @@ pub(super) fn exposure_overlay(
     timed(&mut ctx, "lean_deferred/auto_exposure/overlay", |ctx| {
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("lean_deferred/auto_exposure/overlay"),
-            color_attachments: &[Some(target.get_color_attachment())],
+            // Tonemapping has resolved what was sampled several times.
+            color_attachments: &[Some(target.get_unsampled_color_attachment())],
             ..default()
         });
         if let Some(viewport) = &camera.viewport {

@@ -9,7 +9,7 @@ use bevy::{
         render_asset::RenderAssets,
         render_resource::{
             BindGroup, Buffer, BufferDescriptor, BufferUsages, DynamicUniformBuffer, IntoBinding,
-            TextureViewId,
+            TextureDimension, TextureSampleType, TextureViewDimension, TextureViewId,
         },
         renderer::{RenderDevice, RenderQueue},
         texture::{FallbackImage, GpuImage},
@@ -95,6 +95,8 @@ pub(super) fn write_exposure_uniforms(
                 (UVec2::ZERO, UVec2::new(picture.width(), picture.height()))
             }
         };
+        // Viewports may be empty.
+        let size = size.max(UVec2::ONE);
         let mut new = None;
         let view = match view {
             Some(view) => view.into_inner(),
@@ -192,12 +194,38 @@ pub(super) fn prepare_exposure_bind_groups(
 /// The images that cameras are metered by.
 #[derive(SystemParam)]
 pub(super) struct Masks<'w> {
+    device: Res<'w, RenderDevice>,
     images: Res<'w, RenderAssets<GpuImage>>,
     fallback: Res<'w, FallbackImage>,
 }
 
 impl Masks<'_> {
-    /// The mask of `pipelines` and its sampler, if there is one. All pixels count if it has been unloaded.
+    /// An image, if it is loaded; or why it is no mask.
+    pub(super) fn get(&self, mask: &Handle<Image>) -> Result<Option<&GpuImage>, &'static str> {
+        let Some(image) = self.images.get(mask) else {
+            return Ok(None);
+        };
+        let texture = &image.texture_descriptor;
+        let viewed = image.texture_view_descriptor.as_ref();
+        let is_picture = texture.dimension == TextureDimension::D2
+            && texture.size.depth_or_array_layers == 1
+            && texture.sample_count == 1
+            && matches!(
+                viewed.and_then(|view| view.dimension),
+                None | Some(TextureViewDimension::D2)
+            );
+        let aspect = viewed.map(|view| view.aspect);
+        let kind = (texture.format).sample_type(aspect, Some(self.device.features()));
+        if !is_picture {
+            Err("it is no plain picture")
+        } else if kind != Some(TextureSampleType::Float { filterable: true }) {
+            Err("this device cannot filter its format")
+        } else {
+            Ok(Some(image))
+        }
+    }
+
+    /// The mask of `pipelines` and its sampler, if there is one. All pixels count if it has been unloaded, or replaced by what is none.
     pub(super) fn push(
         &self,
         pipelines: &ViewExposurePipelines,
@@ -206,7 +234,8 @@ impl Masks<'_> {
         let Some(mask) = &pipelines.mask else {
             return Some(());
         };
-        let image = self.images.get(mask).unwrap_or(&self.fallback.d2);
+        let found = self.get(mask).ok().flatten();
+        let image = found.unwrap_or(&self.fallback.d2);
         entries.push(MASK, image.texture_view.into_binding())?;
         entries.push(MASK_SAMPLER, image.sampler.into_binding())
     }

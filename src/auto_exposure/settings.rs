@@ -127,8 +127,8 @@ pub enum MeteringPattern {
         /// As a share of the viewport's height, more than 0.
         radius: f32,
     },
-    /// The red channel of a texture stretched over the viewport, of any size and filtered as its sampler says. While it is
-    /// loading, all pixels count.
+    /// The red channel of a texture stretched over the viewport, of any size and filtered as its sampler says. A plain 2D
+    /// image of a format that the device filters. While it is loading, and where it is no such image, all pixels count.
     Mask(Handle<Image>),
 }
 

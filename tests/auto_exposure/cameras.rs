@@ -1,9 +1,11 @@
 //! Auto exposure on cameras of an app.
 
 use bevy::{
+    asset::RenderAssetUsages,
     camera::{ClearColorConfig, Hdr, Viewport},
     core_pipeline::tonemapping::{DebandDither, Tonemapping},
     prelude::*,
+    render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
 use bevy_lean_deferred::{
     CameraCut,
@@ -12,7 +14,7 @@ use bevy_lean_deferred::{
 };
 
 use crate::instant;
-use kit::{headless::Headless, log_watch};
+use kit::{headless::Headless, log_watch, own_process::in_own_process};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 
@@ -315,11 +317,11 @@ fn masks_are_assets() {
     assert!((before.luminance - 2.0).abs() < 1e-3);
     // Nothing counts: what was metered stays.
     let black = Image::new_fill(
-        bevy::render::render_resource::Extent3d::default(),
-        bevy::render::render_resource::TextureDimension::D2,
+        Extent3d::default(),
+        TextureDimension::D2,
         &[0],
-        bevy::render::render_resource::TextureFormat::R8Unorm,
-        bevy::asset::RenderAssetUsages::RENDER_WORLD,
+        TextureFormat::R8Unorm,
+        RenderAssetUsages::RENDER_WORLD,
     );
     headless
         .world()
@@ -332,6 +334,80 @@ fn masks_are_assets() {
     println!("masked: {masked:?}");
     assert!((masked.luminance - 2.0).abs() < 1e-3);
     log_watch::assert_validation_layer_silent();
+}
+
+/// One warning, and all pixels count.
+#[test]
+fn images_that_are_no_masks_are_named() {
+    for (name, layers, format) in [
+        (
+            "this device cannot filter its format",
+            1,
+            TextureFormat::R8Uint,
+        ),
+        ("it is no plain picture", 2, TextureFormat::R8Unorm),
+    ] {
+        let mut headless = Headless::new(SIZE);
+        let camera = camera(&mut headless, 2.0, instant());
+        let size = Extent3d {
+            depth_or_array_layers: layers,
+            ..default()
+        };
+        let (dimension, usage) = (TextureDimension::D2, RenderAssetUsages::RENDER_WORLD);
+        let image = Image::new_fill(size, dimension, &[0], format, usage);
+        let mask = headless.world().resource_mut::<Assets<Image>>().add(image);
+        let settings = LeanAutoExposure {
+            pattern: MeteringPattern::Mask(mask),
+            overlay: true,
+            ..instant()
+        };
+        headless.world().entity_mut(camera).insert(settings);
+        let metered = metered(&mut headless, camera);
+        assert!((metered.luminance - 2.0).abs() < 1e-3, "{name}");
+        let warnings = log_watch::messages_with(name);
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+/// Exposure asks for no `Msaa::Off`: its overlay lies on the resolved picture.
+#[test]
+fn the_overlay_lies_on_what_was_sampled_several_times() {
+    let settings = LeanAutoExposure {
+        overlay: true,
+        ..instant()
+    };
+    let pictures = [Msaa::Off, Msaa::Sample4].map(|msaa| {
+        let mut headless = Headless::new(UVec2::new(160, 90));
+        let camera = camera(&mut headless, 0.5, settings.clone());
+        headless.world().entity_mut(camera).insert(msaa);
+        headless.settle();
+        headless.frames(3);
+        headless.capture()
+    });
+    assert!(pictures[0] == pictures[1]);
+    log_watch::assert_validation_layer_silent();
+}
+
+/// The part of a split screen that has just been closed. In a process of its own, since Bevy's own passes there are invalid in Vulkan.
+#[test]
+fn viewports_may_be_empty() {
+    in_own_process(|| {
+        let mut headless = Headless::new(SIZE);
+        let camera = camera_of(Camera2d, &mut headless, 2.0, instant());
+        for width in [SIZE.x, 0, SIZE.x] {
+            let mut entity = headless.world().entity_mut(camera);
+            let mut camera = entity.get_mut::<Camera>().expect("it is one");
+            camera.viewport = Some(Viewport {
+                physical_size: UVec2::new(width, SIZE.y),
+                ..default()
+            });
+            headless.settle();
+            headless.frames(3);
+        }
+        let metered = metered(&mut headless, camera);
+        assert!((metered.luminance - 2.0).abs() < 1e-3);
+    });
 }
 
 /// Uncounted pixels are darker, the scale's marks stand where exposure and target are, and without it the picture is as before.
