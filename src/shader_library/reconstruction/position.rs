@@ -74,7 +74,7 @@ pub fn projection_of(clip_from_view: Mat4) -> ProjectionKind {
 }
 
 /// `clip_from_view` and `world_from_view` of the same view in a view space in metres, however its camera is scaled, as children of what is
-/// scaled are. The sheer that children of turned ones may have is left out. Those of cameras without scale stay as they are.
+/// scaled are. The shear that children of turned ones may have is left out. Those of cameras without scale stay as they are.
 pub fn without_scale(clip_from_view: Mat4, world_from_view: Mat4) -> (Mat4, Mat4) {
     let (scale, rotation, translation) = world_from_view.to_scale_rotation_translation();
     let is_scaled = (scale - Vec3::ONE).abs().max_element() > 1e-5;
