@@ -107,8 +107,7 @@ pub(super) fn decide_active_occlusion(
     for (entity, (camera, view, is_3d), msaa, settings, (lean, active_lean), has_fog, current) in
         &mut views
     {
-        let reason = LeanOffReason::against_reading_depth(camera, msaa)
-            .or_else(|| (!is_3d).then_some(LeanOffReason::Schedule));
+        let reason = LeanOffReason::against_reading_depth(camera, is_3d, msaa);
         let is_off = reason.is_some() || memory.label(entity).is_some();
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanAmbientOcclusion", camera, reason);

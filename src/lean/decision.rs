@@ -35,11 +35,12 @@ use crate::{
 fn reason_against(
     camera: &ExtractedCamera,
     view: &ExtractedView,
+    is_3d: bool,
     msaa: &Msaa,
     deferred_prepass: bool,
     soft_shadows: bool,
 ) -> Option<LeanOffReason> {
-    let of_depth = LeanOffReason::against_reading_depth(camera, msaa);
+    let of_depth = LeanOffReason::against_reading_depth(camera, is_3d, msaa);
     if of_depth.is_some() {
         of_depth
     } else if !camera.hdr {
@@ -57,7 +58,7 @@ fn reason_against(
 
 /// How a view that can be lean is drawn. `can_resolve_motion` is asked with whether meshes are drawn twice.
 fn draw_order(
-    camera: &Camera3d,
+    depth_load_op: Option<&Camera3dDepthLoadOp>,
     (depth, normal, motion): (bool, bool, bool),
     occlusion_culling: bool,
     has_light_layers: bool,
@@ -69,7 +70,7 @@ fn draw_order(
         && !normal
         && (depth || !culls_in_two_phases)
         && can_resolve_motion(culls_in_two_phases);
-    let starts_at_zero = matches!(camera.depth_load_op, Camera3dDepthLoadOp::Clear(0.0));
+    let starts_at_zero = matches!(depth_load_op, Some(Camera3dDepthLoadOp::Clear(0.0)));
     ActiveLeanView {
         draws_in_prepass,
         keeps_prepass: normal || (motion && !resolves_motion),
@@ -152,13 +153,10 @@ pub(super) fn decide_active_views(
     {
         let (camera, view, msaa, camera_3d, layers, visible) = camera;
         let main_entity = view.retained_view_entity.main_entity;
-        let Some(camera_3d) = camera_3d else {
-            statuses.off(main_entity, LeanOffReason::Schedule);
-            continue;
-        };
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
-        let reason = reason_against(camera, view, msaa, deferred, soft_shadows)
+        let is_3d = camera_3d.is_some();
+        let reason = reason_against(camera, view, is_3d, msaa, deferred, soft_shadows)
             .or_else(|| Some(LeanOffReason::OutOfMemory(memory.label(entity)?.into())));
         if let Some(reason) = reason {
             statuses.off(main_entity, reason);
@@ -176,7 +174,7 @@ pub(super) fn decide_active_views(
         };
 
         let mut order = draw_order(
-            camera_3d,
+            camera_3d.map(|camera| &camera.depth_load_op),
             (depth, normal, motion),
             occlusion_culling && !no_indirect,
             scene.has_light_layers(settings, layers),

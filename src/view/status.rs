@@ -62,8 +62,10 @@ pub enum LeanOffReason {
     NotRendered,
     /// Its `Msaa` is not `Off`.
     Msaa,
-    /// Its `CameraRenderGraph` is not `Core3d`, where the passes of this crate are; or it is no `Camera3d`.
+    /// Its `CameraRenderGraph` is not `Core3d`, where the passes of this crate are.
     Schedule,
+    /// It has no `Camera3d`.
+    NotCamera3d,
     /// Its `Viewport::depth` is not `0.0..1.0`: depth does not tell where surfaces are.
     ViewportDepth,
     /// It has no `Hdr`.
@@ -89,6 +91,7 @@ impl fmt::Display for LeanOffReason {
             Self::NotRendered => write!(f, "it was not rendered"),
             Self::Msaa => write!(f, "its Msaa is not Off"),
             Self::Schedule => write!(f, "its CameraRenderGraph is not Core3d"),
+            Self::NotCamera3d => write!(f, "it has no Camera3d component"),
             Self::ViewportDepth => write!(f, "its viewport's depth is not 0 to 1"),
             Self::NotHdr => write!(f, "it has no Hdr component"),
             Self::Format(format) => write!(
@@ -113,9 +116,15 @@ impl fmt::Display for LeanOffReason {
 
 impl LeanOffReason {
     /// What speaks against effects that find surfaces by the depth of `camera`.
-    pub(crate) fn against_reading_depth(camera: &ExtractedCamera, msaa: &Msaa) -> Option<Self> {
+    pub(crate) fn against_reading_depth(
+        camera: &ExtractedCamera,
+        is_3d: bool,
+        msaa: &Msaa,
+    ) -> Option<Self> {
         let is_whole = |viewport: &Viewport| viewport.depth == (0.0..1.0);
-        if msaa.samples() > 1 {
+        if !is_3d {
+            Some(Self::NotCamera3d)
+        } else if msaa.samples() > 1 {
             Some(Self::Msaa)
         } else if camera.schedule != Core3d.intern() {
             Some(Self::Schedule)

@@ -18,11 +18,12 @@ use bevy::{
     prelude::*,
     render::{Render, RenderApp, RenderSystems, camera::CameraRenderGraph},
 };
-use bevy_lean_deferred::{lean::LeanDeferredSupport, prelude::*};
+use bevy_lean_deferred::{lean::LeanDeferredSupport, lighting::ViewLighting, prelude::*};
 use kit::{
     headless::{Headless, Picture},
     lean::{active_lean_views, build},
     log_watch,
+    metrics::pixel_difference,
     own_process::in_own_process,
 };
 
@@ -178,6 +179,9 @@ fn occlusion_in_an_own_schedule() {
     });
 }
 
+const NOT_3D: &str = "it has no Camera3d component";
+const NOT_LEAN: &str = "it has no LeanDeferred";
+
 /// A camera of sprites.
 fn make_2d(camera: &mut EntityWorldMut) {
     camera.remove::<Camera3d>().insert((
@@ -191,14 +195,65 @@ fn make_2d(camera: &mut EntityWorldMut) {
 #[test]
 fn of_sprites() {
     in_own_process(|| {
-        assert_falls_back(make_2d, OWN_SCHEDULE);
+        assert_falls_back(make_2d, NOT_3D);
     });
 }
 
 #[test]
 fn occlusion_of_sprites() {
     in_own_process(|| {
-        assert_effect_is_off::<LeanAmbientOcclusion>(make_2d, OWN_SCHEDULE);
+        assert_effect_is_off::<LeanAmbientOcclusion>(make_2d, NOT_3D);
+    });
+}
+
+#[test]
+fn reflections_of_sprites() {
+    in_own_process(|| {
+        assert_effect_is_off::<LeanScreenSpaceReflections>(make_2d, NOT_LEAN);
+    });
+}
+
+#[test]
+fn gi_of_sprites() {
+    in_own_process(|| {
+        assert_effect_is_off::<LeanScreenSpaceGi>(make_2d, NOT_LEAN);
+    });
+}
+
+/// A camera that stops being one of meshes while it is lean, and becomes one again.
+#[test]
+fn what_loses_its_camera_3d() {
+    in_own_process(|| {
+        let (mut headless, camera) = scene();
+        headless.world().entity_mut(camera).insert((
+            LeanDeferred::default(),
+            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceReflections::default(),
+            LeanScreenSpaceGi::default(),
+        ));
+        headless.settle();
+        let before = headless.capture();
+        for _ in 0..2 {
+            assert_eq!(active_lean_views(&mut headless), 1);
+            headless.world().entity_mut(camera).remove::<Camera3d>();
+            headless.frames(3);
+            assert_eq!(active_lean_views(&mut headless), 0);
+            let render_world = headless.app.sub_app_mut(RenderApp).world_mut();
+            let mut kept = render_world.query_filtered::<Entity, With<ViewLighting>>();
+            assert_eq!(kept.iter(render_world).count(), 0);
+
+            headless
+                .world()
+                .entity_mut(camera)
+                .insert(Camera3d::default());
+            headless.settle();
+        }
+        let difference = pixel_difference(&before, &headless.capture());
+        println!("{difference}");
+        assert!(difference.psnr > 45.0);
+        // Of each time that it was none.
+        let warnings = log_watch::messages_with(NOT_3D);
+        assert_eq!(warnings.len(), 4, "{warnings:?}");
     });
 }
 

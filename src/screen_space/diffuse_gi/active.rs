@@ -43,7 +43,7 @@ pub(super) fn decide_active_gi(
             Has<MotionVectorPrepass>,
             (Has<ActiveLeanView>, Option<&ActiveGi>),
         ),
-        (With<Camera3d>, With<ExtractedCamera>),
+        With<ExtractedCamera>,
     >,
     cameras: Query<&MainEntity, With<LeanScreenSpaceGi>>,
     switched_off: Query<Entity, (With<ActiveGi>, Without<ExtractedCamera>)>,

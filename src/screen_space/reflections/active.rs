@@ -46,7 +46,7 @@ pub(super) fn decide_active_reflections(
             Option<&MainPassResolutionOverride>,
             (Option<&ActiveLeanView>, Option<&ActiveReflections>),
         ),
-        (With<Camera3d>, With<ExtractedCamera>),
+        With<ExtractedCamera>,
     >,
     cameras: Query<&MainEntity, With<LeanScreenSpaceReflections>>,
     switched_off: Query<Entity, (With<ActiveReflections>, Without<ExtractedCamera>)>,

@@ -46,7 +46,6 @@ pub(super) fn decide_active_scattering(
             Option<&ActiveScattering>,
         ),
         (
-            With<Camera3d>,
             With<ExtractedCamera>,
             Or<(
                 With<LeanDeferred>,
