@@ -83,10 +83,14 @@ fn subsurface_scattering_composes() {
     check!("subsurface/turn.wgsl", &[], &[drawn_out, projections]);
     check!(
         "subsurface/up.wgsl",
-        &["UP"],
+        &["UNPACKED"],
         &[&["", "LISTED"], drawn_out, projections]
     );
-    check!("subsurface/picture.wgsl", &["PICTURE"], &[projections]);
+    check!(
+        "subsurface/picture.wgsl",
+        &["PICTURE", "UNPACKED"],
+        &[projections]
+    );
 }
 
 #[test]

@@ -2,7 +2,7 @@
 // whole level, three more.
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{level_output, light_texture, next_output},
-    entries::{Square, count_of, entries, is_within, keep, read_materials, texel_of},
+    entries::{Square, count_of, is_within, keep, read_materials, texel_of},
     mean::mean_of,
 }
 #ifdef LISTED
@@ -36,7 +36,7 @@ fn make(block: vec2<i32>, invocation: i32) {
     for (var i = invocation; i < count_of(first); i += INVOCATIONS) {
         let texel = texel_of(first, i);
         let words = mean_of(read, texel, 1u);
-        entries[first.start + i] = words;
+        keep(first, i, words);
         if is_within(first, 1, texel) {
             textureStore(level_output, texel, vec4(words, 0u, 0u));
         }
@@ -102,7 +102,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     workgroupBarrier();
     if invocation < count_of(first) {
         let made = mean_of(read, texel, 3u);
-        entries[first.start + invocation] = made;
+        keep(first, invocation, made);
         if is_within(first, 3, texel) {
             textureStore(level_output, texel, vec4(made, 0u, 0u));
         }
@@ -110,7 +110,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     workgroupBarrier();
     if invocation < count_of(second) {
         let made = mean_of(first, next, 4u);
-        entries[second.start + invocation] = made;
+        keep(second, invocation, made);
         if is_within(second, 1, next) {
             textureStore(next_output, next, vec4(made, 0u, 0u));
         }

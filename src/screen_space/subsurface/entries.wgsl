@@ -2,32 +2,44 @@
 // looked at: memory is slow to answer, but answers many at once.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::entries
 
+#import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::lighting::subsurface_light::{MATERIALS, MOST_MATERIALS, scattering_distance}
 #import bevy_lean_deferred::screen_space::subsurface::bindings::tiles
 
-// As many as the pass needs. WebGPU promises 16 KiB.
-#ifdef PICTURE
-const MOST_ENTRIES: u32 = 100u;
-#else ifdef UP
-const MOST_ENTRIES: u32 = 244u;
+/// What is kept of an entry: its first word, as `lighting/subsurface_light.wgsl` packs it, and its light.
+struct Kept {
+    word: u32,
+    light: vec3<f32>,
+}
+
+// As many entries as the passes need. WebGPU promises 16 KiB: where there is room, light is unpacked, since it is read more often
+// than kept, and so are the distances of the materials of the frame.
+#ifdef UNPACKED
+/// The word, and the bits of the light: four words are read at once.
+var<workgroup> entries: array<vec4<u32>, 244>;
+var<workgroup> distances: array<vec3<f32>, MOST_MATERIALS + 1u>;
 #else
-const MOST_ENTRIES: u32 = 1768u;
-#endif
-
-/// The words of entries, as `lighting/subsurface_light.wgsl` packs them.
-var<workgroup> entries: array<vec2<u32>, MOST_ENTRIES>;
-
-/// The materials of the frame, as the buffer of the tiles has them.
+var<workgroup> entries: array<vec2<u32>, 1768>;
 var<workgroup> materials: array<u32, MOST_MATERIALS + 1u>;
+#endif
 
 /// To be called by 256 invocations, before a barrier.
 fn read_materials(invocation: u32) {
-    materials[invocation] = tiles[MATERIALS + invocation];
+    let known = tiles[MATERIALS + invocation];
+#ifdef UNPACKED
+    distances[invocation] = scattering_distance(known);
+#else
+    materials[invocation] = known;
+#endif
 }
 
 /// How far light of each channel scatters in the material with this number, in metres.
 fn distance_in(material: u32) -> vec3<f32> {
+#ifdef UNPACKED
+    return distances[material];
+#else
     return scattering_distance(materials[material]);
+#endif
 }
 
 /// Texels of a level, row by row from `start` on.
@@ -47,18 +59,44 @@ fn texel_of(square: Square, index: i32) -> vec2<i32> {
     return square.corner + vec2(index % square.side, index / square.side);
 }
 
-/// Keeps what has been read of the texel with this number, if the square has so many.
+/// Where the entry of a texel in the square is.
+fn place_of(square: Square, texel: vec2<i32>) -> i32 {
+    let inside = texel - square.corner;
+    return square.start + inside.y * square.side + inside.x;
+}
+
+#ifdef UNPACKED
+/// Keeps the words of the texel with this number, if the square has so many.
+fn keep(square: Square, index: i32, words: vec2<u32>) {
+    if index < count_of(square) {
+        entries[square.start + index] = vec4(words.x, bitcast<vec3<u32>>(unpack_light(words.y)));
+    }
+}
+
+/// Of a texel in the square.
+fn kept_at(square: Square, texel: vec2<i32>) -> Kept {
+    let words = entries[place_of(square, texel)];
+    return Kept(words.x, bitcast<vec3<f32>>(words.yzw));
+}
+#else
+/// Keeps the words of the texel with this number, if the square has so many.
 fn keep(square: Square, index: i32, words: vec2<u32>) {
     if index < count_of(square) {
         entries[square.start + index] = words;
     }
 }
 
-/// Of a texel in the square.
-fn entry_at(square: Square, texel: vec2<i32>) -> vec2<u32> {
-    let inside = texel - square.corner;
-    return entries[square.start + inside.y * square.side + inside.x];
+/// The words of a texel in the square.
+fn words_kept_at(square: Square, texel: vec2<i32>) -> vec2<u32> {
+    return entries[place_of(square, texel)];
 }
+
+/// Of a texel in the square.
+fn kept_at(square: Square, texel: vec2<i32>) -> Kept {
+    let words = words_kept_at(square, texel);
+    return Kept(words.x, unpack_light(words.y));
+}
+#endif
 
 /// Whether it is in the square, and not within `rim` of its outline.
 fn is_within(square: Square, rim: i32, texel: vec2<i32>) -> bool {

@@ -1,12 +1,11 @@
 // A texel of the next coarser level.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::mean
 
-#import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::lighting::subsurface_light::{
     Entry, pack_entry, unpack_material, unpack_metres,
 }
 #import bevy_lean_deferred::screen_space::subsurface::{
-    entries::{Square, distance_in, entry_at},
+    entries::{Square, distance_in, kept_at},
     texel::pixels_per_metre_at,
 }
 
@@ -23,7 +22,7 @@ fn mean_of(finer: Square, texel: vec2<i32>, level: u32) -> vec2<u32> {
     // Words have the order of distances.
     var nearest = NOTHING;
     for (var i = 0; i < 4; i++) {
-        let word = entry_at(finer, first + 1 + vec2(i & 1, i >> 1u)).x;
+        let word = kept_at(finer, first + 1 + vec2(i & 1, i >> 1u)).word;
         nearest = min(nearest, select(word, NOTHING, unpack_material(word) == 0u));
     }
     if nearest == NOTHING {
@@ -40,14 +39,14 @@ fn mean_of(finer: Square, texel: vec2<i32>, level: u32) -> vec2<u32> {
     var weights = 0.0;
     for (var y = 0; y < 4; y++) {
         for (var x = 0; x < 4; x++) {
-            let words = entry_at(finer, first + vec2(x, y));
+            let kept = kept_at(finer, first + vec2(x, y));
             let near = select(1.0, 3.0, x % 3 != 0) * select(1.0, 3.0, y % 3 != 0);
             // From the nearest: the sum of large distances would be rounded.
-            let behind = unpack_metres(words.x) - nearest_metres;
-            let is_beside = unpack_material(words.x) == material && abs(behind) < step;
+            let behind = unpack_metres(kept.word) - nearest_metres;
+            let is_beside = unpack_material(kept.word) == material && abs(behind) < step;
             let weight = select(0.0, near, is_beside);
             metres += weight * behind;
-            light += weight * unpack_light(words.y);
+            light += weight * kept.light;
             weights += weight;
         }
     }

@@ -173,13 +173,13 @@ impl SubsurfacePipelines {
             first: queue(&self.down, &layouts.first, &["LISTED"]),
             down: queue(&self.down, &layouts.down, &[]),
             turn: queue(&self.turn, &layouts.turn, drawn_out),
-            up: queue(&self.up, &layouts.up, &[&["UP"], drawn_out].concat()),
+            up: queue(&self.up, &layouts.up, &[&["UNPACKED"], drawn_out].concat()),
             last: queue(
                 &self.up,
                 &layouts.up,
-                &[&["UP", "LISTED"], drawn_out].concat(),
+                &[&["UNPACKED", "LISTED"], drawn_out].concat(),
             ),
-            picture: queue(&self.picture, &layouts.picture, &["PICTURE"]),
+            picture: queue(&self.picture, &layouts.picture, &["PICTURE", "UNPACKED"]),
         };
         self.by_key.insert(key, passes);
         passes

@@ -2,13 +2,13 @@
 // So each level spreads some of the light by its own kernel, and all of them together are the profile.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::scattered
 
-#import bevy_lean_deferred::gbuffer::layout::{light::unpack_light, unpack_normal}
+#import bevy_lean_deferred::gbuffer::layout::unpack_normal
 #import bevy_lean_deferred::lighting::subsurface_light::{
     Entry, pack_entry, unpack_entry, unpack_material, unpack_metres,
 }
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::view,
-    entries::{Square, distance_in, entry_at},
+    entries::{Square, distance_in, kept_at},
     profile::{REACH, share_beyond},
     texel::{pixels_per_metre_at, to_viewer},
 }
@@ -83,14 +83,14 @@ fn mean_between(surface: Surface, coarser: Square, first: vec2<i32>, along: vec2
         let corner = vec2(i & 1, i >> 1u);
         let is_second = corner == vec2(1);
         let near = select(1.0 - along, along, is_second);
-        let words = entry_at(coarser, first + corner);
+        let kept = kept_at(coarser, first + corner);
         let way = select(vec2(0.0), slope, is_second);
         let expected = expected_at_first + way.x + way.y;
-        let is_beside = saturate(2.0 - abs(unpack_metres(words.x) - expected) * inverse_step);
-        let is_alike = unpack_material(words.x) == surface.entry.material;
+        let is_beside = saturate(2.0 - abs(unpack_metres(kept.word) - expected) * inverse_step);
+        let is_alike = unpack_material(kept.word) == surface.entry.material;
         let weight = near.x * near.y * select(0.0, is_beside, is_alike);
         // Of the difference: where there is none, nothing changes.
-        sum += weight * vec4(unpack_light(words.y) - surface.entry.light, 1.0);
+        sum += weight * vec4(kept.light - surface.entry.light, 1.0);
     }
     return sum;
 }

@@ -2,7 +2,7 @@
 // is read here. Each workgroup makes of the coarsest what its own texels are reached by.
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{level_output, light_texture},
-    entries::{Square, count_of, entries, entry_at, keep, read_materials, texel_of},
+    entries::{Square, count_of, keep, read_materials, texel_of, words_kept_at},
     mean::mean_of,
     scattered::{scattered, shown_at},
     texel::is_any,
@@ -58,15 +58,16 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     workgroupBarrier();
     for (var i = invocation; i < count_of(next); i += INVOCATIONS) {
-        entries[next.start + i] = mean_of(read, texel_of(next, i), 6u);
+        keep(next, i, mean_of(read, texel_of(next, i), 6u));
     }
     workgroupBarrier();
     if is_maker {
-        entries[coarsest.start + invocation] = mean_of(next, texel_of(coarsest, invocation), 7u);
+        keep(coarsest, invocation, mean_of(next, texel_of(coarsest, invocation), 7u));
     }
     workgroupBarrier();
     if is_maker {
-        entries[coarser.start + invocation] = scattered(beneath, entry_at(next, beneath), shown_beneath, 6u, coarsest);
+        let words = words_kept_at(next, beneath);
+        keep(coarser, invocation, scattered(beneath, words, shown_beneath, 6u, coarsest));
     }
     workgroupBarrier();
     if is_maker {

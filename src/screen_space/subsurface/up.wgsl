@@ -2,7 +2,7 @@
 // here, around the texels of each workgroup. Either of a whole level, or of the listed blocks.
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{coarser_texture, level_output, light_texture, scattered_texture, view},
-    entries::{Square, count_of, entries, keep, read_materials, texel_of},
+    entries::{Square, count_of, keep, read_materials, texel_of},
     scattered::{scattered, shown_at},
 }
 #ifdef LISTED
@@ -55,7 +55,8 @@ fn make(corner: vec2<i32>, index: u32) {
     keep(coarsest, invocation, coarsest_words);
     workgroupBarrier();
     if invocation < count_of(coarser) {
-        entries[coarser.start + invocation] = scattered(beneath, coarser_words, shown_beneath, view.level + 1u, coarsest);
+        let made = scattered(beneath, coarser_words, shown_beneath, view.level + 1u, coarsest);
+        keep(coarser, invocation, made);
     }
     workgroupBarrier();
     textureStore(level_output, texel, vec4(scattered(texel, words, shown, view.level, coarser), 0u, 0u));
