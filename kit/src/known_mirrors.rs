@@ -257,8 +257,23 @@ pub fn with_bevys_reflections(camera: &mut EntityWorldMut) {
     });
 }
 
-/// A quad that glows with 1, upright on a floor of metal.
-const QUAD: Vec2 = Vec2::new(1.6, 0.9);
+/// A quad that glows, upright above a floor.
+#[derive(Clone, Copy)]
+pub struct GlowingQuad {
+    pub size: Vec2,
+    /// Of its lower edge.
+    pub height: f32,
+    pub light: f32,
+}
+
+impl GlowingQuad {
+    /// It stands on the floor.
+    const WALL: Self = Self {
+        size: Vec2::new(1.6, 0.9),
+        height: 0.0,
+        light: 1.0,
+    };
+}
 
 /// What a rough metal floor shows of a glowing quad that stands on it. Differences of light, of which the quad has 1.
 pub fn rough_floor(
@@ -266,11 +281,21 @@ pub fn rough_floor(
     roughness: f32,
     dress: impl FnOnce(&mut EntityWorldMut),
 ) -> (Seen, Errors) {
+    rough_floor_under(GlowingQuad::WALL, size, roughness, dress)
+}
+
+/// What a rough metal floor shows of `quad`.
+pub fn rough_floor_under(
+    quad: GlowingQuad,
+    size: UVec2,
+    roughness: f32,
+    dress: impl FnOnce(&mut EntityWorldMut),
+) -> (Seen, Errors) {
     let mut headless = build(size, |s| {
         s.mesh(
-            Rectangle::from_size(QUAD),
-            surface(0.0, 1.0),
-            Transform::from_xyz(0.0, QUAD.y / 2.0, 0.0),
+            Rectangle::from_size(quad.size),
+            surface(0.0, quad.light),
+            Transform::from_xyz(0.0, quad.height + quad.size.y / 2.0, 0.0),
         );
         let floor = Plane3d::default().mesh().size(12.0, 12.0);
         s.mesh(floor, metal(roughness), Transform::default());
@@ -294,7 +319,7 @@ pub fn rough_floor(
                 && place.x.abs() < 1.5
         })
         .map(|(pixel, place, found)| {
-            let off = found - lobe_of_quad(place, eye, roughness);
+            let off = found - lobe_of_quad(quad, place, eye, roughness);
             let first = (pixel.y * size.x + pixel.x) as usize;
             for i in (0..9).map(|i| first + i % 3 + i / 3 * size.x as usize) {
                 if let Some(texel) = texels.get_mut(i) {
@@ -304,14 +329,14 @@ pub fn rough_floor(
             off
         })
         .collect();
-    seen.like(texels)
-        .save(&format!("rough_{roughness}_difference"), 1.0);
+    let name = format!("rough_{roughness}_{}_difference", quad.height);
+    seen.like(texels).save(&name, 1.0);
     (seen, Errors::of(differences))
 }
 
-/// Light that a metal floor sends from `place` to `eye`, of a quad that glows with 1: the integral of GGX over the quad, by
+/// Light that a metal floor sends from `place` to `eye`, of a glowing quad: the integral of GGX over the quad, by
 /// Smith's correlated shadowing, Fresnel 1.
-fn lobe_of_quad(place: Vec3, eye: Vec3, roughness: f32) -> f32 {
+fn lobe_of_quad(quad: GlowingQuad, place: Vec3, eye: Vec3, roughness: f32) -> f32 {
     // By directions of the lobe, over the visible microfacets: exact also where it is narrow.
     let view = (eye - place).normalize();
     // Tangent space: y of the world is z.
@@ -326,11 +351,12 @@ fn lobe_of_quad(place: Vec3, eye: Vec3, roughness: f32) -> f32 {
             let direction = Vec3::new(l.x, l.z, -l.y);
             let distance = -place.z / direction.z;
             let at = place + direction * distance;
-            let hits = distance > 0.0 && at.x.abs() < QUAD.x / 2.0 && (0.0..QUAD.y).contains(&at.y);
+            let up = quad.height..quad.height + quad.size.y;
+            let hits = distance > 0.0 && at.x.abs() < quad.size.x / 2.0 && up.contains(&at.y);
             if hits { sample.weight } else { 0.0 }
         })
         .sum();
-    sum / (side * side) as f32
+    quad.light * sum / (side * side) as f32
 }
 
 /// How much of light from everywhere a rough metal sends on: so much less than 1 as it loses by light that goes between

@@ -5,7 +5,9 @@ use bevy_lean_deferred::prelude::*;
 use kit::{
     hdr::light,
     known_light::{camera, show, surface},
-    known_mirrors::{metal, mirror, rough_floor, with_bevys_reflections},
+    known_mirrors::{
+        GlowingQuad, metal, mirror, rough_floor, rough_floor_under, with_bevys_reflections,
+    },
     own_process::in_own_process,
     scenes::SceneBuilder,
 };
@@ -58,6 +60,36 @@ fn a_rough_floor_shows_the_lobe_of_a_quad() {
                 println!("{roughness}, {resolution:?}: {found:.4?}, Bevy's {bevys:.4?}");
                 assert!(found.rmse < 0.5 * bevys.rmse);
             }
+        }
+    });
+}
+
+/// Around the mirror image of a bulb a floor shows its lobe, and no square of those rays that met it.
+#[test]
+fn a_rough_floor_shows_the_lobe_of_a_bulb() {
+    in_own_process(|| {
+        let bulb = GlowingQuad {
+            size: Vec2::splat(0.1),
+            height: 0.35,
+            light: 8.0,
+        };
+        for (roughness, most) in [
+            (0.15, 0.092),
+            (0.2, 0.058),
+            (0.25, 0.076),
+            (0.3, 0.053),
+            (0.4, 0.042),
+        ] {
+            let (seen, found) = rough_floor_under(bulb, SIZE, roughness, |camera| {
+                camera.insert(LeanScreenSpaceReflections {
+                    // Rays that pass behind it are not to meet it.
+                    thickness: 0.02,
+                    ..reflections()
+                });
+            });
+            seen.save(&format!("bulb_{roughness}"), 1.0);
+            println!("{roughness}: {found:.4?}");
+            assert!(found.rmse < most);
         }
     });
 }

@@ -1,5 +1,5 @@
-// What each pixel mirrors, of what the rays around it have found. A rough mirror has the mean of sixteen, which make a lobe
-// together. A smooth one has the light of one place: where its own ray ends, as far away as those beside it went.
+// What each pixel mirrors, of what the rays around it have found. A rough mirror has the mean of 5×5, whose sixteen
+// directions make a lobe. A smooth one has the light of one place: where its own ray ends, as far away as those beside it went.
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
     DIVISOR, ROUGH_STEP, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, sends_ray,
@@ -16,10 +16,13 @@ const INVOCATIONS: i32 = TEXELS * TEXELS;
 const PIXELS: i32 = TEXELS * DIVISOR;
 /// Means of rays a side, as far apart as the rays of rough surfaces: those around all pixels.
 const MEANS: i32 = TEXELS / ROUGH_STEP + 1;
-/// Texels a side that are read: for each mean, one ray before and two after.
-const SIDE: i32 = TEXELS + 1 + 3 * ROUGH_STEP;
+/// Rays that a mean is of, each way from its own. The outer ones weigh half as much: each of the four directions that rays have along an
+/// axis then weighs alike, and what a ray has met has no hard edges.
+const REACH: i32 = 2;
+/// Texels a side that are read: those of all means.
+const SIDE: i32 = TEXELS + 1 + 2 * REACH * ROUGH_STEP;
 /// The first of the texels whose pixels are made.
-const FIRST_MADE: i32 = ROUGH_STEP * (1 + SIDE);
+const FIRST_MADE: i32 = REACH * ROUGH_STEP * (1 + SIDE);
 
 /// Radius of a lobe where it meets a surface, in pixels, up to which it is taken for a single place, and from which on it
 /// is the mean of rays.
@@ -28,12 +31,12 @@ const ROUGH_FROM: f32 = 8.0;
 
 /// Half floats of light times confidence, and confidence: many workgroups are to find room.
 var<workgroup> lights: array<vec2<u32>, SIDE * SIDE>;
-/// Normal, and depth: all 0 where nothing mirrors.
-var<workgroup> mirrors: array<vec4<f32>, SIDE * SIDE>;
+/// Normal, and the bits of depth: all 0 where nothing mirrors.
+var<workgroup> mirrors: array<vec2<u32>, SIDE * SIDE>;
 /// With a bit for those of rough surfaces, whose rays are further apart.
 var<workgroup> hits: array<u32, SIDE * SIDE>;
 const IS_ROUGH: u32 = 1u;
-/// Light times confidence, and confidence, of 4×4 rays.
+/// Light times confidence, and confidence, of 5×5 rays.
 var<workgroup> means: array<vec2<u32>, MEANS * MEANS>;
 
 /// 1 if any of them mirrors: all write the same.
@@ -56,15 +59,31 @@ fn pack_halves(x: vec4<f32>) -> vec2<u32> {
     return vec2(pack2x16float(x.xy), pack2x16float(x.zw));
 }
 
+/// Unit length, in ten bits a component.
+fn pack_direction(direction: vec3<f32>) -> u32 {
+    let codes = vec3<u32>(direction * 511.0 + 512.5);
+    return codes.x | (codes.y << 10u) | (codes.z << 20u);
+}
+
+fn unpack_direction(word: u32) -> vec3<f32> {
+    let codes = vec3(word & 0x3ffu, (word >> 10u) & 0x3ffu, word >> 20u);
+    return (vec3<f32>(codes) - 512.0) * (1.0 / 511.0);
+}
+
+/// Of a texel of the workgroup.
+fn depth_of(texel: i32) -> f32 {
+    return bitcast<f32>(mirrors[texel].y);
+}
+
 fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
     return vec4(unpack2x16float(words.x), unpack2x16float(words.y));
 }
 
-/// How alike a surface, normal and depth, is to one with this normal, which there would have the depth `expected`: 0 to 1.
-fn likeness(normal: vec3<f32>, expected: f32, other: vec4<f32>, inverse_step: f32) -> f32 {
-    let near = saturate(2.0 - abs(other.w - expected) * inverse_step);
-    // 0 where there is no normal.
-    return near * saturate(8.0 * dot(normal, other.xyz) - 7.0);
+/// How alike a surface of `mirrors` is to one with this normal, which there would have the depth `expected`: 0 to 1.
+fn likeness(normal: vec3<f32>, expected: f32, other: vec2<u32>, inverse_step: f32) -> f32 {
+    let near = saturate(2.0 - abs(bitcast<f32>(other.y) - expected) * inverse_step);
+    let turned = saturate(8.0 * dot(normal, unpack_direction(other.x)) - 7.0);
+    return select(0.0, near * turned, other.x != 0u);
 }
 
 /// How alike the surface of a texel is to the receiver, from which it is `offset` texels away.
@@ -75,10 +94,10 @@ fn likeness_of(receiver: Receiver, texel: i32, offset: vec2<f32>) -> f32 {
 
 /// From texel to texel.
 fn slope_at(texel: i32) -> vec2<f32> {
-    let depth = mirrors[texel].w;
+    let depth = depth_of(texel);
     return vec2(
-        flatter_slope(mirrors[texel - 1].w, depth, mirrors[texel + 1].w),
-        flatter_slope(mirrors[texel - SIDE].w, depth, mirrors[texel + SIDE].w),
+        flatter_slope(depth_of(texel - 1), depth, depth_of(texel + 1)),
+        flatter_slope(depth_of(texel - SIDE), depth, depth_of(texel + SIDE)),
     );
 }
 
@@ -164,23 +183,25 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
 
 /// Light times confidence, and confidence, of the rays around a texel.
 fn mean_at(texel: i32) -> vec4<f32> {
-    let depth = mirrors[texel].w;
+    let depth = depth_of(texel);
     var sum = vec4(0.0);
     if depth == 0.0 {
         return sum;
     }
-    let normal = mirrors[texel].xyz;
+    let normal = unpack_direction(mirrors[texel].x);
     let slope = slope_at(texel);
     let inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
     let apart = select(1, ROUGH_STEP, (hits[texel] & IS_ROUGH) != 0u);
     let slope_apart = slope * f32(apart);
     var weights = 0.0;
-    for (var y = -1; y <= 2; y++) {
+    for (var y = -REACH; y <= REACH; y++) {
         let expected_in_row = depth + slope_apart.y * f32(y);
-        for (var x = -1; x <= 2; x++) {
+        let share_of_row = f32(2 - ((y * y) >> 2u));
+        for (var x = -REACH; x <= REACH; x++) {
             let other = texel + apart * (x + SIDE * y);
             let expected = expected_in_row + slope_apart.x * f32(x);
-            let weight = likeness(normal, expected, mirrors[other], inverse_step) * unpack_weight(hits[other]);
+            let share = share_of_row * f32(2 - ((x * x) >> 2u));
+            let weight = share * likeness(normal, expected, mirrors[other], inverse_step) * unpack_weight(hits[other]);
             sum += weight * unpack_halves(lights[other]);
             weights += weight;
         }
@@ -188,8 +209,8 @@ fn mean_at(texel: i32) -> vec4<f32> {
     return sum / max(weights, 1e-6);
 }
 
-/// Light times confidence, and confidence: between the means around the pixel. A mean is of 4×4 rays, and so between them each of
-/// those that make a lobe weighs alike.
+/// Light times confidence, and confidence: between the means around the pixel. In each of them those that make a lobe weigh
+/// alike, and so they do between them.
 fn rough_light(receiver: Receiver, place: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
     let corner = place / ROUGH_STEP;
     let mean = corner.x + MEANS * corner.y;
@@ -276,7 +297,7 @@ struct Texel {
 
 /// Where texel `read` of the workgroup is. `corner` is the first one whose pixels it makes.
 fn place_of(corner: vec2<i32>, read: i32) -> vec2<i32> {
-    return corner + vec2(read % SIDE, read / SIDE) - ROUGH_STEP;
+    return corner + vec2(read % SIDE, read / SIDE) - REACH * ROUGH_STEP;
 }
 
 /// The nearest one in the picture.
@@ -305,7 +326,8 @@ fn keep(corner: vec2<i32>, read: i32, known: Texel) {
     let light = vec4(known.light.rgb * known.light.a, known.light.a);
     lights[read] = select(vec2(0u), pack_halves(light), has_ray);
     hits[read] = select(0u, known.hit, has_ray) | select(0u, IS_ROUGH, apart > 1);
-    mirrors[read] = select(vec4(0.0), vec4(mirror.normal, known.depth), counts);
+    let word = select(0u, pack_direction(mirror.normal), counts);
+    mirrors[read] = vec2(word, select(0u, bitcast<u32>(known.depth), counts));
     if counts {
         mirrors_any = 1u;
     }

@@ -8,7 +8,7 @@ use crate::{
 /// What surfaces mirror of the picture: rays through this frame's depth, into the light of the last frame.
 ///
 /// For cameras with [`LeanDeferred`](crate::LeanDeferred). A smooth mirror shows one place, found for each pixel; a rough
-/// one the mean of sixteen rays of its lobe (GGX), shared by neighbours. Nothing is random from frame to frame unless
+/// one the mean of rays in sixteen directions of its lobe (GGX), shared by neighbours. Nothing is random from frame to frame unless
 /// the camera's projection is jittered, as TAA does. Lighting mixes it with environment maps, reflection probes and ambient
 /// light, in the place of which it is seen: with the same Fresnel, roughness and energy terms, and with or without them.
 ///
