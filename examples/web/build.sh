@@ -36,7 +36,9 @@ version=$(sed -n '/^name = "wasm-bindgen"$/{n;s/^version = "\(.*\)"$/\1/p;}' Car
 [ -n "$version" ] || fail "Cargo.lock has no wasm-bindgen."
 bindgen=${WASM_BINDGEN:-$cache/wasm-bindgen-$version/bin/wasm-bindgen}
 if ! "$bindgen" --version >/dev/null 2>&1; then
-    "${HOST_CARGO:-cargo}" install wasm-bindgen-cli --locked --version "$version" --root "$cache/wasm-bindgen-$version" ||
+    set -- install wasm-bindgen-cli --version "$version" --root "$cache/wasm-bindgen-$version"
+    # What its lock file names may be gone.
+    "${HOST_CARGO:-cargo}" "$@" --locked || "${HOST_CARGO:-cargo}" "$@" ||
         fail "wasm-bindgen-cli $version could not be installed."
 fi
 
