@@ -197,9 +197,13 @@ pub fn all() -> &'static [Composed] {
             shader!("screen_space/subsurface/down.wgsl", "LISTED"),
             shader!("screen_space/subsurface/down.wgsl",),
             shader!("screen_space/subsurface/turn.wgsl",),
-            shader!("screen_space/subsurface/up.wgsl", "UP"),
-            shader!("screen_space/subsurface/up.wgsl", "UP", "LISTED"),
-            shader!("screen_space/subsurface/picture.wgsl", "PICTURE"),
+            shader!("screen_space/subsurface/up.wgsl", "UNPACKED"),
+            shader!("screen_space/subsurface/up.wgsl", "UNPACKED", "LISTED"),
+            shader!(
+                "screen_space/subsurface/picture.wgsl",
+                "PICTURE",
+                "UNPACKED"
+            ),
             shader!("screen_space/debug_view/debug_view.wgsl", "SHOWS_HIT"),
             shader!("screen_space/debug_view/debug_view.wgsl", "SHOWS_LIGHT"),
             shader!("gbuffer/resolve_motion.wgsl", "GBUFFER_MOTION"),

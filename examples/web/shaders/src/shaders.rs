@@ -203,11 +203,11 @@ fn screen_space() -> Vec<Shader> {
         ),
         (
             "screen_space/subsurface/up.wgsl",
-            combinations("UP", &[&["", "LISTED"], drawn_out, orthographic]),
+            combinations("UNPACKED", &[&["", "LISTED"], drawn_out, orthographic]),
         ),
         (
             "screen_space/subsurface/picture.wgsl",
-            combinations("PICTURE", &[orthographic]),
+            combinations("PICTURE UNPACKED", &[orthographic]),
         ),
         (
             "screen_space/history/levels.wgsl",
