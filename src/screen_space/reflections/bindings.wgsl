@@ -47,6 +47,18 @@ fn view_position(at: vec2<f32>, depth: f32) -> vec3<f32> {
     return reconstruction::view_position(view.view_from_pixel, vec3(at, depth));
 }
 
+/// Where a position in view space (`w` is 1) or a direction (0) is seen: in pixels and depth, homogeneous.
+fn homogeneous_pixel(position: vec3<f32>, w: f32) -> vec4<f32> {
+    let m = view.pixel_from_view;
+#ifdef PROJECTION_PERSPECTIVE
+    // What is left out is 0.
+    let xy = position.xy * vec2(m[0].x, m[1].y) + position.z * m[2].xy;
+    return vec4(xy, position.z * m[2].z + w * m[3].z, position.z * m[2].w);
+#else
+    return m * vec4(position, w);
+#endif
+}
+
 /// Towards where the camera is from `position`, unit length.
 fn to_viewer(position: vec3<f32>) -> vec3<f32> {
 #ifdef PROJECTION_ORTHOGRAPHIC

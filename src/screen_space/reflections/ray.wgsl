@@ -4,7 +4,7 @@
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    behind, depth_in_view, edge_step, normal_texture, to_viewer, view, view_position,
+    behind, depth_in_view, edge_step, homogeneous_pixel, normal_texture, to_viewer, view, view_position,
 }
 
 /// `start + step * u` in (pixel x, pixel y, depth), `u` from 0 to `end`; so a pixel is passed as `u` grows by about 1.
@@ -46,8 +46,8 @@ fn leaves(start: vec2<f32>, step: vec2<f32>, size: vec2<f32>) -> f32 {
 
 /// The ray from `position`, which is seen at `start`, in a direction of unit length; both in view space.
 fn ray_on_screen(start: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) -> Ray {
-    let here = view.pixel_from_view * vec4(position, 1.0);
-    let towards = view.pixel_from_view * vec4(direction, 0.0);
+    let here = homogeneous_pixel(position, 1.0);
+    let towards = homogeneous_pixel(direction, 0.0);
     let step = (towards.xyz - start * towards.w) / here.w;
     var ray: Ray;
     ray.start = start;

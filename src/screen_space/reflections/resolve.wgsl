@@ -2,7 +2,7 @@
 // directions make a lobe. A smooth one has the light of one place: where its own ray ends, as far away as those beside it went.
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    DIVISOR, ROUGH_STEP, depth_in_view, edge_step, hits_texture, output_texture, rays_texture, sends_ray,
+    DIVISOR, ROUGH_STEP, depth_in_view, depth_texture, edge_step, homogeneous_pixel, hits_texture, output_texture, rays_texture, sends_ray,
     step_of_rays, to_viewer, unpack_distance, unpack_weight, view, view_position,
 }
 #import bevy_lean_deferred::screen_space::reflections::surface::{
@@ -31,8 +31,9 @@ const ROUGH_FROM: f32 = 8.0;
 
 /// Half floats of light times confidence, and confidence: many workgroups are to find room.
 var<workgroup> lights: array<vec2<u32>, SIDE * SIDE>;
-/// Normal, and the bits of depth: all 0 where nothing mirrors.
-var<workgroup> mirrors: array<vec2<u32>, SIDE * SIDE>;
+/// Normals in half floats, and depths: 0 where nothing mirrors.
+var<workgroup> normals: array<vec2<u32>, SIDE * SIDE>;
+var<workgroup> depths: array<f32, SIDE * SIDE>;
 /// With a bit for those of rough surfaces, whose rays are further apart.
 var<workgroup> hits: array<u32, SIDE * SIDE>;
 const IS_ROUGH: u32 = 1u;
@@ -59,45 +60,29 @@ fn pack_halves(x: vec4<f32>) -> vec2<u32> {
     return vec2(pack2x16float(x.xy), pack2x16float(x.zw));
 }
 
-/// Unit length, in ten bits a component.
-fn pack_direction(direction: vec3<f32>) -> u32 {
-    let codes = vec3<u32>(direction * 511.0 + 512.5);
-    return codes.x | (codes.y << 10u) | (codes.z << 20u);
-}
-
-fn unpack_direction(word: u32) -> vec3<f32> {
-    let codes = vec3(word & 0x3ffu, (word >> 10u) & 0x3ffu, word >> 20u);
-    return (vec3<f32>(codes) - 512.0) * (1.0 / 511.0);
-}
-
-/// Of a texel of the workgroup.
-fn depth_of(texel: i32) -> f32 {
-    return bitcast<f32>(mirrors[texel].y);
-}
-
 fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
     return vec4(unpack2x16float(words.x), unpack2x16float(words.y));
 }
 
-/// How alike a surface of `mirrors` is to one with this normal, which there would have the depth `expected`: 0 to 1.
-fn likeness(normal: vec3<f32>, expected: f32, other: vec2<u32>, inverse_step: f32) -> f32 {
-    let near = saturate(2.0 - abs(bitcast<f32>(other.y) - expected) * inverse_step);
-    let turned = saturate(8.0 * dot(normal, unpack_direction(other.x)) - 7.0);
-    return select(0.0, near * turned, other.x != 0u);
+/// How alike the surface of a texel is to one with this normal, which there would have the depth `expected`: 0 to 1.
+fn likeness(normal: vec3<f32>, expected: f32, texel: i32, inverse_step: f32) -> f32 {
+    let near = saturate(2.0 - abs(depths[texel] - expected) * inverse_step);
+    // Without a normal it is like nothing.
+    return near * saturate(8.0 * dot(normal, unpack_halves(normals[texel]).xyz) - 7.0);
 }
 
 /// How alike the surface of a texel is to the receiver, from which it is `offset` texels away.
 fn likeness_of(receiver: Receiver, texel: i32, offset: vec2<f32>) -> f32 {
     let expected = receiver.depth + dot(receiver.slope, offset);
-    return likeness(receiver.normal, expected, mirrors[texel], receiver.inverse_step);
+    return likeness(receiver.normal, expected, texel, receiver.inverse_step);
 }
 
 /// From texel to texel.
 fn slope_at(texel: i32) -> vec2<f32> {
-    let depth = depth_of(texel);
+    let depth = depths[texel];
     return vec2(
-        flatter_slope(depth_of(texel - 1), depth, depth_of(texel + 1)),
-        flatter_slope(depth_of(texel - SIDE), depth, depth_of(texel + SIDE)),
+        flatter_slope(depths[texel - 1], depth, depths[texel + 1]),
+        flatter_slope(depths[texel - SIDE], depth, depths[texel + SIDE]),
     );
 }
 
@@ -127,6 +112,41 @@ fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     return sum / weights;
 }
 
+/// Where a ray is seen: linear in the metres of its way.
+struct Line {
+    first: vec4<f32>,
+    along: vec4<f32>,
+}
+
+/// In pixels, and depth.
+fn seen_at(line: Line, metres: f32) -> vec3<f32> {
+    let seen = line.first + line.along * metres;
+    // What is behind the camera is nowhere.
+    return select(vec3(-1e9), seen.xyz / seen.w, seen.w > 0.0);
+}
+
+/// Whether a surface is there on the way of the pixel's ray: 0 to 1.
+fn match_at(receiver: Receiver, at: vec3<f32>) -> f32 {
+    let pixel = min(vec2<u32>(at.xy), vec2<u32>(view.viewport_size) - 1u);
+    let depth = textureLoad(depth_texture, vec2<u32>(view.viewport_origin) + pixel, 0);
+    // What is a pixel away may be the mirror itself, which would see its own light for ever.
+    let way = abs(at.xy - receiver.at);
+    let is_away = max(way.x, way.y) > 1.5;
+    let off = abs(depth - at.z) / max(edge_step(depth, 1.0), 1e-30);
+    return select(0.0, saturate(2.0 - off), is_away);
+}
+
+/// What ray `i` of the four around the pixel has met: metres on the way of the pixel's own, confidence, and how much it counts.
+fn ray_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance_to_viewer: f32) -> vec3<f32> {
+    let corner = vec2(i & 1, i >> 1u);
+    let near = select(1.0 - along, along, corner == vec2(1));
+    let texel = first + corner.x + SIDE * corner.y;
+    let image = unpack_distance(hits[texel]);
+    let alike = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
+    let confidence = unpack2x16float(lights[texel].y).y;
+    return vec3(image - distance_to_viewer, confidence, select(0.0, alike, image != 0.0));
+}
+
 /// Light times confidence, and confidence.
 fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     let origin = view_position(receiver.at, receiver.depth);
@@ -136,75 +156,72 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
 #else
     let distance_to_viewer = length(origin);
 #endif
-    var sum = vec4(0.0);
+    let line = Line(homogeneous_pixel(origin, 1.0), homogeneous_pixel(direction, 0.0));
+    // Metres, and confidence.
+    var sum = vec2(0.0);
     var weights = 0.0;
     for (var i = 0; i < 4; i++) {
-        let corner = vec2(i & 1, i >> 1u);
-        let near = select(1.0 - along, along, corner == vec2(1));
-        if near.x * near.y == 0.0 {
-            continue;
+        let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
+        sum += ray.xy * ray.z;
+        weights += ray.z;
+    }
+    var mean = sum / max(weights, 1e-6);
+    var at = seen_at(line, mean.x);
+    // Most often all have met the same surface, and between them the pixel's own ray meets it too.
+    if weights > 0.02 && match_at(receiver, at) < 1.0 {
+        // Else what those have met on whose surface it is.
+        sum = vec2(0.0);
+        weights = 0.0;
+        for (var i = 0; i < 4; i++) {
+            let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
+            if ray.z > 0.0 {
+                let weight = ray.z * match_at(receiver, seen_at(line, ray.x));
+                sum += ray.xy * weight;
+                weights += weight;
+            }
         }
-        let texel = first + corner.x + SIDE * corner.y;
-        let image = unpack_distance(hits[texel]);
-        let alike = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
-        if alike == 0.0 || image == 0.0 {
-            continue;
-        }
-        // Is a surface there on the way of this pixel's ray?
-        let position = origin + direction * (image - distance_to_viewer);
-        let seen = view.pixel_from_view * vec4(position, 1.0);
-        if !(seen.w > 0.0) {
-            continue;
-        }
-        let at = seen.xyz / seen.w;
-        let depth = depth_in_view(vec2<i32>(floor(at.xy)));
-        let step = edge_step(depth, 1.0);
-        // What is a pixel away may be the mirror itself, which would see its own light for ever.
-        let way = abs(at.xy - receiver.at);
-        let is_away = max(way.x, way.y) > 1.5;
-        let match_weight = alike * select(0.0, saturate(2.0 - abs(depth - at.z) / max(step, 1e-30)), is_away);
-        sum += vec4(position, unpack2x16float(lights[texel].y).y) * match_weight;
-        weights += match_weight;
+        mean = sum / max(weights, 1e-6);
+        at = seen_at(line, mean.x);
     }
     if !(weights > 0.02) {
         // For outlines.
         return light_around(receiver, first, along);
     }
-    let mean = sum / weights;
-    let seen = view.pixel_from_view * vec4(mean.xyz, 1.0);
-    let at = seen.xyz / seen.w;
-    let metres = distance(mean.xyz, origin);
+    let position = origin + direction * mean.x;
     let alpha = receiver.roughness * receiver.roughness;
-    let level = log2(max(2.0 * alpha * lobe_width(metres, -mean.z), 1.0));
-    let light = last_light(at, mean.xyz, level);
-    let confidence = mean.w * light.w;
+    let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
+    let light = last_light(at, position, level);
+    let confidence = mean.y * light.w;
     return vec4(light.rgb * confidence, confidence);
 }
 
 /// Light times confidence, and confidence, of the rays around a texel.
 fn mean_at(texel: i32) -> vec4<f32> {
-    let depth = depth_of(texel);
+    let depth = depths[texel];
     var sum = vec4(0.0);
     if depth == 0.0 {
         return sum;
     }
-    let normal = unpack_direction(mirrors[texel].x);
+    let normal = unpack_halves(normals[texel]).xyz;
     let slope = slope_at(texel);
     let inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
     let apart = select(1, ROUGH_STEP, (hits[texel] & IS_ROUGH) != 0u);
     let slope_apart = slope * f32(apart);
     var weights = 0.0;
+    // Goes along, since products of integers are slow.
+    var other = texel - REACH * apart * (1 + SIDE);
     for (var y = -REACH; y <= REACH; y++) {
         let expected_in_row = depth + slope_apart.y * f32(y);
         let share_of_row = f32(2 - ((y * y) >> 2u));
         for (var x = -REACH; x <= REACH; x++) {
-            let other = texel + apart * (x + SIDE * y);
             let expected = expected_in_row + slope_apart.x * f32(x);
             let share = share_of_row * f32(2 - ((x * x) >> 2u));
-            let weight = share * likeness(normal, expected, mirrors[other], inverse_step) * unpack_weight(hits[other]);
+            let weight = share * likeness(normal, expected, other, inverse_step) * unpack_weight(hits[other]);
             sum += weight * unpack_halves(lights[other]);
             weights += weight;
+            other += apart;
         }
+        other += apart * (SIDE - 2 * REACH - 1);
     }
     return sum / max(weights, 1e-6);
 }
@@ -212,10 +229,10 @@ fn mean_at(texel: i32) -> vec4<f32> {
 /// Light times confidence, and confidence: between the means around the pixel. In each of them those that make a lobe weigh
 /// alike, and so they do between them.
 fn rough_light(receiver: Receiver, place: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
-    let corner = place / ROUGH_STEP;
+    let corner = vec2<i32>(vec2<u32>(place) / u32(ROUGH_STEP));
     let mean = corner.x + MEANS * corner.y;
     let texel = ROUGH_STEP * (corner.x + SIDE * corner.y) + FIRST_MADE;
-    let along_means = (vec2<f32>(place % ROUGH_STEP) + along) / f32(ROUGH_STEP);
+    let along_means = (vec2<f32>(vec2<u32>(place) % u32(ROUGH_STEP)) + along) / f32(ROUGH_STEP);
     var sum = vec4(0.0);
     var weights = 0.0;
     for (var i = 0; i < 4; i++) {
@@ -264,7 +281,7 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     if !(depth > 0.0) || fade == 0.0 {
         return vec4(0.0);
     }
-    let texel = place / DIVISOR;
+    let texel = vec2<i32>(vec2<u32>(place) / u32(DIVISOR));
     let first = texel.x + SIDE * texel.y + FIRST_MADE;
     var receiver: Receiver;
     receiver.at = vec2<f32>(pixel) + 0.5;
@@ -273,7 +290,7 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     receiver.roughness = mirror.roughness;
     receiver.slope = slope_at(first);
     receiver.inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
-    let along = vec2<f32>(place % DIVISOR) / f32(DIVISOR);
+    let along = vec2<f32>(vec2<u32>(place) % u32(DIVISOR)) / f32(DIVISOR);
     let alpha = mirror.roughness * mirror.roughness;
     let radius = alpha * width_at(first, view_position(receiver.at, depth));
     let roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius);
@@ -297,7 +314,7 @@ struct Texel {
 
 /// Where texel `read` of the workgroup is. `corner` is the first one whose pixels it makes.
 fn place_of(corner: vec2<i32>, read: i32) -> vec2<i32> {
-    return corner + vec2(read % SIDE, read / SIDE) - REACH * ROUGH_STEP;
+    return corner + vec2<i32>(vec2(u32(read) % u32(SIDE), u32(read) / u32(SIDE))) - REACH * ROUGH_STEP;
 }
 
 /// The nearest one in the picture.
@@ -326,8 +343,8 @@ fn keep(corner: vec2<i32>, read: i32, known: Texel) {
     let light = vec4(known.light.rgb * known.light.a, known.light.a);
     lights[read] = select(vec2(0u), pack_halves(light), has_ray);
     hits[read] = select(0u, known.hit, has_ray) | select(0u, IS_ROUGH, apart > 1);
-    let word = select(0u, pack_direction(mirror.normal), counts);
-    mirrors[read] = vec2(word, select(0u, bitcast<u32>(known.depth), counts));
+    normals[read] = select(vec2(0u), pack_halves(vec4(mirror.normal, 0.0)), counts);
+    depths[read] = select(0.0, known.depth, counts);
     if counts {
         mirrors_any = 1u;
     }
@@ -360,7 +377,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         workgroupBarrier();
     }
     for (var n = i; n < PIXELS * PIXELS; n += INVOCATIONS) {
-        let place = vec2(n % PIXELS, n / PIXELS);
+        let place = vec2<i32>(vec2(u32(n) % u32(PIXELS), u32(n) / u32(PIXELS)));
         let pixel = corner * DIVISOR + place;
         if all(pixel < vec2<i32>(view.viewport_size)) {
             var light = vec4(0.0);
