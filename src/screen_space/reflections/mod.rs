@@ -16,7 +16,7 @@
 // - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
 // - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`.
 //   `trace.wgsl`: a ray (`ray.wgsl`) for each texel, by `smooth_march.wgsl` or `rough_march.wgsl`. `resolve.wgsl`: what each
-//   pixel mirrors, of what the rays around it have found.
+//   pixel mirrors, of what the rays around it (`texels.wgsl`) have found, by `smooth_light.wgsl` or `rough_light.wgsl`.
 // - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `surface.wgsl`: what mirrors, and
 //   what the last frame showed of it.
 
@@ -87,6 +87,9 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         load_shader_library!(app, "smooth_march.wgsl");
         load_shader_library!(app, "rough_march.wgsl");
         load_shader_library!(app, "surface.wgsl");
+        load_shader_library!(app, "texels.wgsl");
+        load_shader_library!(app, "smooth_light.wgsl");
+        load_shader_library!(app, "rough_light.wgsl");
         embedded_asset!(app, "cells.wgsl");
         embedded_asset!(app, "trace.wgsl");
         embedded_asset!(app, "resolve.wgsl");

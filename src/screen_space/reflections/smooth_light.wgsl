@@ -1,0 +1,93 @@
+// What a smooth surface mirrors: the light of one place, where the pixel's own ray ends, as far away as those beside it went.
+#define_import_path bevy_lean_deferred::screen_space::reflections::smooth_light
+
+#import bevy_lean_deferred::screen_space::reflections::bindings::{
+    depth_texture, edge_step, homogeneous_pixel, to_viewer, unpack_distance, view, view_position,
+}
+#import bevy_lean_deferred::screen_space::reflections::surface::{last_light, rotated}
+#import bevy_lean_deferred::screen_space::reflections::texels::{
+    Receiver, SIDE, hits, light_around, lights, likeness_of, lobe_width,
+}
+
+/// Where a ray is seen: linear in the metres of its way.
+struct Line {
+    first: vec4<f32>,
+    along: vec4<f32>,
+}
+
+/// In pixels, and depth.
+fn seen_at(line: Line, metres: f32) -> vec3<f32> {
+    let seen = line.first + line.along * metres;
+    // What is behind the camera is nowhere.
+    return select(vec3(-1e9), seen.xyz / seen.w, seen.w > 0.0);
+}
+
+/// Whether a surface is there on the way of the pixel's ray: 0 to 1.
+fn match_at(receiver: Receiver, at: vec3<f32>) -> f32 {
+    let pixel = min(vec2<u32>(at.xy), vec2<u32>(view.viewport_size) - 1u);
+    let depth = textureLoad(depth_texture, vec2<u32>(view.viewport_origin) + pixel, 0);
+    // What is a pixel away may be the mirror itself, which would see its own light for ever.
+    let way = abs(at.xy - receiver.at);
+    let is_away = max(way.x, way.y) > 1.5;
+    let off = abs(depth - at.z) / max(edge_step(depth, 1.0), 1e-30);
+    return select(0.0, saturate(2.0 - off), is_away);
+}
+
+/// What ray `i` of the four around the pixel has met: metres on the way of the pixel's own, confidence, and how much it counts.
+fn ray_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance_to_viewer: f32) -> vec3<f32> {
+    let corner = vec2(i & 1, i >> 1u);
+    let near = select(1.0 - along, along, corner == vec2(1));
+    let texel = first + corner.x + SIDE * corner.y;
+    let image = unpack_distance(hits[texel]);
+    let alike = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
+    let confidence = unpack2x16float(lights[texel].y).y;
+    return vec3(image - distance_to_viewer, confidence, select(0.0, alike, image != 0.0));
+}
+
+/// Light times confidence, and confidence.
+fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
+    let origin = view_position(receiver.at, receiver.depth);
+    let direction = reflect(-to_viewer(origin), rotated(receiver.normal));
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let distance_to_viewer = 0.0;
+#else
+    let distance_to_viewer = length(origin);
+#endif
+    let line = Line(homogeneous_pixel(origin, 1.0), homogeneous_pixel(direction, 0.0));
+    // Metres, and confidence.
+    var sum = vec2(0.0);
+    var weights = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
+        sum += ray.xy * ray.z;
+        weights += ray.z;
+    }
+    var mean = sum / max(weights, 1e-6);
+    var at = seen_at(line, mean.x);
+    // Most often all have met the same surface, and between them the pixel's own ray meets it too.
+    if weights > 0.02 && match_at(receiver, at) < 1.0 {
+        // Else what those have met on whose surface it is.
+        sum = vec2(0.0);
+        weights = 0.0;
+        for (var i = 0; i < 4; i++) {
+            let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
+            if ray.z > 0.0 {
+                let weight = ray.z * match_at(receiver, seen_at(line, ray.x));
+                sum += ray.xy * weight;
+                weights += weight;
+            }
+        }
+        mean = sum / max(weights, 1e-6);
+        at = seen_at(line, mean.x);
+    }
+    if !(weights > 0.02) {
+        // For outlines.
+        return light_around(receiver, first, along);
+    }
+    let position = origin + direction * mean.x;
+    let alpha = receiver.roughness * receiver.roughness;
+    let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
+    let light = last_light(at, position, level);
+    let confidence = mean.y * light.w;
+    return vec4(light.rgb * confidence, confidence);
+}
