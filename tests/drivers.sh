@@ -121,6 +121,27 @@ else
     esac
 fi
 
+# Runs the tests of a binary in processes of their own, and says of all of them what one process says of its tests.
+each_alone() { # binary, filters…
+    binary=$1
+    shift
+    passed=0 broken=""
+    ignored=$("$binary" "$@" --ignored --list 2>/dev/null)
+    for test in $("$binary" "$@" --list 2>/dev/null | sed -n 's/: test$//p'); do
+        ! printf '%s\n' "$ignored" | grep -q -x -F "$test: test" || continue
+        if timeout 600 "$binary" --exact "$test" --show-output; then
+            passed=$((passed + 1))
+        else
+            [ $? -le 101 ] || echo "ended the process: $test"
+            broken="$broken $test"
+        fi
+    done
+    printf '\nfailures:\n'
+    # shellcheck disable=SC2086 # a list of names
+    [ -z "$broken" ] || printf '    %s\n' $broken
+    echo "test result: alone. $passed passed; $(echo "$broken" | wc -w) failed;"
+}
+
 row() { printf '%-12s %-18s %s\n' "$@"; }
 table="$logs/table.txt"
 row driver topic "passed, failed, parts skipped" >"$table"
@@ -137,14 +158,18 @@ for driver in $drivers; do
         (
             select_driver "$driver"
             export CARGO_MANIFEST_DIR="$PWD"
-            timeout "$limit" "$copies/$topic" --test-threads="${THREADS:-2}" --show-output "$@"
+            timeout "$limit" "$copies/$topic" --test-threads="${THREADS:-2}" --show-output "$@" || {
+                code=$?
+                # A driver that ends the process takes all of its tests along.
+                [ $code -le 101 ] || [ $code -eq 124 ] || each_alone "$copies/$topic" "$@"
+            }
         ) >"$part" 2>&1 || true
         result=$(sed -n 's/^test result: [a-zA-Z]*\. \([0-9]*\) passed; \([0-9]*\) failed;.*/\1 passed, \2 failed/p' "$part" | tail -n 1)
         skipped=$(grep -a -o 'skipped: .*' "$part" | sort -u | wc -l)
         row "$driver" "$topic" "${result:-crashed or ran past $limit s}, $skipped skipped" | tee -a "$table"
         {
             sed -n '/^failures:$/,/^test result/s/^    \([a-z_:0-9]*\)$/    failed: \1/p' "$part" | sort -u
-            grep -a -o 'skipped: .*' "$part" | sort -u | sed 's/^/    /'
+            grep -a -E -o '(skipped|ended the process): .*' "$part" | sort -u | sed 's/^/    /'
         } | tee -a "$table"
     done
 done
