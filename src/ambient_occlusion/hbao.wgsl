@@ -2,10 +2,12 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::hbao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
-    depth_at, direction_to_viewer, is_in_view, largest_side, radius_at, reconstructed, view, view_position,
+    depth_texture, direction_to_viewer, is_in_view, largest_side, radius_at, view, view_position,
 }
 #import bevy_lean_deferred::horizon::{PI, side_occlusion, slice_normal, tangents}
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthsAround, geometric_normal}
+#import bevy_lean_deferred::reconstruction::position::{position_on, ray_at, ray_step}
+#import bevy_lean_deferred::rounding::{ROUNDER, rounded}
 
 #ifdef SHADING_NORMALS
 #import bevy_lean_deferred::ambient_occlusion::bindings::normal_texture
@@ -31,34 +33,23 @@ fn steps_on_each_side() -> u32 {
 }
 #endif
 
-/// Whole numbers near 0 stand in the lowest bits of this plus them.
-const ROUNDER: f32 = 12582912.0;
-
-/// The nearest whole numbers, as both.
-struct Rounded {
-    whole: vec2<i32>,
-    number: vec2<f32>,
-}
-
-/// By an addition: conversions take four times as long. The bits that are set are set already; compilers do not know, and so do not
-/// take the sum apart.
-fn rounded(x: vec2<f32>) -> Rounded {
-    let bits = bitcast<vec2<u32>>(x + ROUNDER) | vec2(0x4b000000u);
-    return Rounded(vec2<i32>(bits) - bitcast<i32>(ROUNDER), bitcast<vec2<f32>>(bits) - ROUNDER);
-}
-
 /// A slice.
 struct March {
+    /// Less the bits of `ROUNDER`.
     pixel: vec2<i32>,
-    center: vec2<f32>,
+    /// The same in the texture.
+    texel: vec2<i32>,
+    /// `ray_at` its centre.
+    ray: vec2<f32>,
     position: vec3<f32>,
     to_viewer: vec3<f32>,
     geometric: vec3<f32>,
     /// On screen; its longer side is a pixel long.
     direction: vec2<f32>,
-    /// Pixels to the radius along that side.
-    reach: f32,
-    inverse_radius_squared: f32,
+    /// `steps.x` x² + `steps.y` x is how many pixels step x is away along that side: they lie closer together near the pixel.
+    steps: vec2<f32>,
+    /// How much samples weigh less by the square of their distance.
+    decline: f32,
     /// Where the first step ahead stands between two, 0 to 1.
     offset: f32,
 }
@@ -68,34 +59,34 @@ struct March {
 fn horizon(march: March, side: f32, base: f32, is_inside: bool) -> f32 {
     let steps = steps_on_each_side();
     let offset = select(fract(march.offset + 0.5), march.offset, side > 0.0);
-    var highest = base;
+    // Above `base`.
+    var highest = 0.0;
     for (var i = 0u; i < steps; i++) {
-        // Closer together near the pixel, and never the pixel itself nor the one before.
-        let t = (f32(i) + offset) / f32(steps);
-        let distance = max(march.reach * (0.5 * t + 0.5 * t * t), f32(i + 1u));
+        // Never the pixel itself, nor the one before.
+        let x = f32(i) + offset;
+        let distance = max((march.steps.x * x + march.steps.y) * x, f32(i + 1u));
         let step = rounded(side * march.direction * distance);
-        let sample = march.pixel + step.whole;
-        if !is_inside && !is_in_view(sample) {
+        if !is_inside && !is_in_view(march.pixel + step.bits) {
             continue;
         }
-        let depth = depth_at(sample);
-        let delta = reconstructed(vec3(march.center + step.number, depth)) - march.position;
+        let depth = textureLoad(depth_texture, march.texel + step.bits, 0);
+        let ray = march.ray + ray_step(view.view_from_pixel, step.number);
+        let delta = position_on(view.view_from_pixel, ray, depth) - march.position;
         let distance_squared = dot(delta, delta);
         let inverse_distance = inverseSqrt(distance_squared);
-        let nearness = 1.0 - distance_squared * march.inverse_radius_squared;
-        let weight = saturate(nearness * view.inverse_falloff);
+        let weight = saturate(view.inverse_falloff - distance_squared * march.decline);
         let elevation = dot(delta, march.geometric) * inverse_distance;
-        let cosine = dot(delta, march.to_viewer) * inverse_distance;
+        let above = dot(delta, march.to_viewer) * inverse_distance - base;
         // The sky is no occluder, though projections with a far plane place it there.
         let counts = elevation > view.sin_bias && depth > 0.0;
-        let height = select(base, mix(base, cosine, weight), counts);
+        let height = select(0.0, above * weight, counts);
 #ifdef THIN
         highest = max(height, mix(height, highest, view.thickness));
 #else
         highest = max(height, highest);
 #endif
     }
-    return highest;
+    return base + highest;
 }
 
 /// Ahead and behind.
@@ -118,12 +109,14 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let is_inside = is_in_view(pixel - margin) && is_in_view(pixel + margin);
 
     var march: March;
-    march.pixel = pixel;
-    march.center = vec2<f32>(pixel) + 0.5;
+    march.pixel = pixel - bitcast<i32>(ROUNDER);
+    march.texel = march.pixel + vec2<i32>(view.viewport_origin);
+    let center = vec2<f32>(pixel) + 0.5;
+    march.ray = ray_at(view.view_from_pixel, center);
     march.position = position;
     march.to_viewer = to_viewer;
-    march.geometric = geometric_normal(view.view_from_pixel, march.center, position, to_viewer, depth, around);
-    march.inverse_radius_squared = 1.0 / (radius.metres * radius.metres);
+    march.geometric = geometric_normal(view.view_from_pixel, center, position, to_viewer, depth, around);
+    march.decline = view.inverse_falloff / (radius.metres * radius.metres);
 
     var normal = march.geometric;
 #ifdef SHADING_NORMALS
@@ -159,8 +152,10 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
         let bases = vec2(-surface.sine, surface.sine);
 
         let on_screen = radius.pixels * vec2(direction.x, -direction.y);
-        march.reach = largest_side(on_screen);
-        march.direction = on_screen / march.reach;
+        let side = largest_side(on_screen);
+        march.direction = on_screen / side;
+        let part = 0.5 / f32(steps_on_each_side());
+        march.steps = side * part * vec2(2.0 * part, 1.0);
         march.offset = fract(0.125 + 0.25 * f32(phase + block) + 0.618 * f32(slice) + view.turn);
         var highest: vec2<f32>;
         if is_inside {

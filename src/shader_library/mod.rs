@@ -17,6 +17,7 @@ use bevy::{prelude::*, shader::load_shader_library};
 pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "tiles.wgsl");
     load_shader_library!(app, "pattern.wgsl");
+    load_shader_library!(app, "rounding.wgsl");
     load_shader_library!(app, "ggx.wgsl");
     load_shader_library!(app, "horizon.wgsl");
     load_shader_library!(app, "layout.wgsl");

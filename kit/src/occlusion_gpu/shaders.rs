@@ -14,7 +14,7 @@ use naga_oil::compose::{
 use super::OcclusionGpu;
 
 /// The modules that `gather.wgsl` and `merge.wgsl` import, in the order of their own imports.
-const MODULES: [(&str, &str); 11] = [
+const MODULES: [(&str, &str); 12] = [
     (
         "layout.wgsl",
         include_str!("../../../src/shader_library/layout.wgsl"),
@@ -38,6 +38,10 @@ const MODULES: [(&str, &str); 11] = [
     (
         "horizon.wgsl",
         include_str!("../../../src/shader_library/horizon.wgsl"),
+    ),
+    (
+        "rounding.wgsl",
+        include_str!("../../../src/shader_library/rounding.wgsl"),
     ),
     (
         "normal_from_depth.wgsl",

@@ -2,7 +2,6 @@
 #define_import_path bevy_lean_deferred::screen_space::diffuse_gi::bindings
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_light, unpack_light}
-#import bevy_lean_deferred::reconstruction::position as reconstruction
 #import bevy_lean_deferred::screen_space::diffuse_gi::view::GiView
 
 @group(0) @binding(0) var<uniform> view: GiView;
@@ -41,11 +40,6 @@ fn pack_entry(entry: Entry) -> vec4<u32> {
 
 fn unpack_entry(words: vec2<u32>) -> Entry {
     return Entry(bitcast<f32>(words.x), unpack_light(words.y));
-}
-
-/// View-space position of a point of the picture, in pixels.
-fn view_position(at: vec2<f32>, depth: f32) -> vec3<f32> {
-    return reconstruction::view_position(view.view_from_pixel, vec3(at, depth));
 }
 
 /// The step in depth that separates surfaces so many pixels apart.

@@ -5,8 +5,10 @@
 #import bevy_lean_deferred::horizon::{PI, SliceNormal, side_occlusion, slice_normal, tangents}
 #import bevy_lean_deferred::pattern::turn_of
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, depths_around, geometric_normal}
+#import bevy_lean_deferred::reconstruction::position::{position_on, ray_at, ray_step}
+#import bevy_lean_deferred::rounding::{ROUNDER, rounded}
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
-    Entry, depth_texture, edge_step, levels, normal_texture, output_texture, unpack_entry, view, view_position,
+    Entry, depth_texture, edge_step, levels, normal_texture, output_texture, unpack_entry, view,
 }
 #import bevy_lean_deferred::tiles::pixel_in_view
 
@@ -19,41 +21,51 @@ const LAST_LEVEL: i32 = 3;
 
 /// The receiver.
 struct Receiver {
+    /// Less the bits of `ROUNDER`.
     texel: vec2<i32>,
+    /// `ray_at` where its depth was taken.
+    ray: vec2<f32>,
     position: vec3<f32>,
     to_viewer: vec3<f32>,
     geometric: vec3<f32>,
-    inverse_radius_squared: f32,
+    /// How much surfaces weigh less by the square of their distance.
+    decline: f32,
 }
 
-/// Where a texel's depth was taken, in pixels.
-fn place_of(texel: vec2<i32>) -> vec2<f32> {
-    return vec2<f32>(texel * DIVISOR) + 0.5;
+/// Where the surface of this depth is, `texels` from the receiver.
+fn delta_to(receiver: Receiver, texels: vec2<f32>, depth: f32) -> vec3<f32> {
+    let ray = receiver.ray + ray_step(view.view_from_pixel, texels * f32(DIVISOR));
+    return position_on(view.view_from_pixel, ray, depth) - receiver.position;
 }
 
 /// Height of the horizon that a surface at `delta` from the receiver makes: a cosine; `base` if it is none.
 fn height_of(receiver: Receiver, base: f32, delta: vec3<f32>) -> f32 {
     let distance_squared = dot(delta, delta);
     let inverse_distance = inverseSqrt(distance_squared);
-    let nearness = 1.0 - distance_squared * receiver.inverse_radius_squared;
-    let weight = saturate(nearness * view.inverse_falloff);
+    let weight = saturate(view.inverse_falloff - distance_squared * receiver.decline);
     let elevation = dot(delta, receiver.geometric) * inverse_distance;
     let cosine = dot(delta, receiver.to_viewer) * inverse_distance;
     let counts = elevation > view.sin_bias && weight > 0.0;
     return select(base, mix(base, cosine, weight), counts);
 }
 
-/// The surface at `texel`, half of the `gap` to the next sample further out: it ends somewhere between the two. As depth
-/// is affine on screen, two depths tell of a plane.
-fn further_out(receiver: Receiver, texel: vec2<i32>, depth: f32, direction: vec2<f32>, gap: f32) -> vec3<f32> {
-    let step = vec2<i32>(round(direction));
-    let inside = clamp(texel + step, vec2(0), vec2<i32>(view.texture_size) - 1);
+/// The surface at `texel`, which is `texels` from the receiver, half of the `gap` to the next sample further out: it ends somewhere
+/// between the two. As depth is affine on screen, two depths tell of a plane.
+fn further_out(
+    receiver: Receiver,
+    texel: vec2<i32>,
+    texels: vec2<f32>,
+    depth: f32,
+    direction: vec2<f32>,
+    gap: f32,
+) -> vec3<f32> {
+    let step = round(direction);
+    let inside = clamp(texel + vec2<i32>(step), vec2(0), vec2<i32>(view.texture_size) - 1);
     let beside = bitcast<f32>(textureLoad(levels, inside, 0).r);
     let slope = beside - depth;
     let is_surface = beside > 0.0 && abs(slope) < edge_step(depth, f32(DIVISOR));
     let way = select(0.0, 0.5 * gap, is_surface);
-    let at = place_of(texel) + vec2<f32>(step * DIVISOR) * way;
-    return view_position(at, max(depth + slope * way, 0.5 * depth)) - receiver.position;
+    return delta_to(receiver, texels + step * way, max(depth + slope * way, 0.5 * depth));
 }
 
 /// The light of a surface, from about as many texels as there are to the next sample.
@@ -85,7 +97,8 @@ fn march(
         let t = (f32(i) + offset) / f32(STEPS);
         let distance = max(reach * t * t, f32(i + 1u));
         let gap = max(reach * (2.0 * t + 1.0 / f32(STEPS)) / f32(STEPS), 1.0);
-        let texel = receiver.texel + vec2<i32>(round(direction * distance));
+        let step = rounded(direction * distance);
+        let texel = receiver.texel + step.bits;
         if any(texel < vec2(0)) || any(texel >= vec2<i32>(view.texture_size)) {
             break;
         }
@@ -94,10 +107,9 @@ fn march(
         if !(entry.depth > 0.0) {
             continue;
         }
-        let delta = view_position(place_of(texel), entry.depth) - receiver.position;
-        var height = height_of(receiver, base, delta);
+        var height = height_of(receiver, base, delta_to(receiver, step.number, entry.depth));
         if height > highest {
-            let end = further_out(receiver, texel, entry.depth, direction, gap);
+            let end = further_out(receiver, texel, step.number, entry.depth, direction, gap);
             height = max(height, height_of(receiver, base, end));
             highest = height;
             let covered = side_occlusion(lobe, base, height, side);
@@ -116,8 +128,10 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     }
     let pixel = texel * DIVISOR;
     var receiver: Receiver;
-    receiver.texel = texel;
-    receiver.position = view_position(vec2<f32>(pixel) + 0.5, depth);
+    receiver.texel = texel - bitcast<i32>(ROUNDER);
+    let center = vec2<f32>(pixel) + 0.5;
+    receiver.ray = ray_at(view.view_from_pixel, center);
+    receiver.position = position_on(view.view_from_pixel, receiver.ray, depth);
 #ifdef PROJECTION_ORTHOGRAPHIC
     receiver.to_viewer = vec3(0.0, 0.0, 1.0);
     var pixels = view.radius * view.pixels_per_metre;
@@ -132,11 +146,11 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     if !(max(abs(pixels.x), abs(pixels.y)) > f32(DIVISOR)) {
         return vec4(0.0);
     }
-    receiver.inverse_radius_squared = 1.0 / (metres * metres);
+    receiver.decline = view.inverse_falloff / (metres * metres);
 
     let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
     receiver.geometric = geometric_normal(
-        view.view_from_pixel, vec2<f32>(pixel) + 0.5, receiver.position, receiver.to_viewer, depth,
+        view.view_from_pixel, center, receiver.position, receiver.to_viewer, depth,
         depths_around(depth_texture, in_depth, pixel, false),
     );
     var normal = receiver.geometric;

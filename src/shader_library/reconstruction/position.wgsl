@@ -18,20 +18,46 @@ fn homogeneous_position(view_from: mat4x4<f32>, p: vec3<f32>) -> vec4<f32> {
     return view_from * vec4(p, 1.0);
 }
 
+/// By how much `ray_at` changes over so many pixels.
+fn ray_step(view_from: mat4x4<f32>, pixels: vec2<f32>) -> vec2<f32> {
+#ifdef PROJECTION_PERSPECTIVE
+    return pixels * vec2(view_from[0][0], view_from[1][1]);
+#else ifdef PROJECTION_ORTHOGRAPHIC
+    return pixels * vec2(view_from[0][0], view_from[1][1]);
+#else
+    return pixels;
+#endif
+}
+
+/// What all positions that are seen at a place have in common. It is linear in the place.
+fn ray_at(view_from: mat4x4<f32>, place: vec2<f32>) -> vec2<f32> {
+#ifdef PROJECTION_PERSPECTIVE
+    return ray_step(view_from, place) + view_from[3].xy;
+#else ifdef PROJECTION_ORTHOGRAPHIC
+    return ray_step(view_from, place) + view_from[3].xy;
+#else
+    return place;
+#endif
+}
+
+/// The view-space position of this depth on `ray_at`.
+fn position_on(view_from: mat4x4<f32>, ray: vec2<f32>, depth: f32) -> vec3<f32> {
+    let m = view_from;
+#ifdef PROJECTION_PERSPECTIVE
+    return vec3(ray, m[3].z) / (m[2].w * depth + m[3].w);
+#else ifdef PROJECTION_ORTHOGRAPHIC
+    // Temporal jitter shears.
+    return vec3(ray, m[3].z) + depth * m[2].xyz;
+#else
+    let position = homogeneous_position(m, vec3(ray, depth));
+    return position.xyz / position.w;
+#endif
+}
+
 /// As `homogeneous_position`, divided by w. Cheaper where the projection is known to be of a common kind, and `view_from`
 /// normalised by `reconstruction::position::normalized`: what is left out then is 0 in such matrices, or 1 where they divide.
 fn view_position(view_from: mat4x4<f32>, p: vec3<f32>) -> vec3<f32> {
-    let m = view_from;
-#ifdef PROJECTION_PERSPECTIVE
-    let ray = vec3(p.xy * vec2(m[0][0], m[1][1]) + m[3].xy, m[3].z);
-    return ray / (m[2].w * p.z + m[3].w);
-#else ifdef PROJECTION_ORTHOGRAPHIC
-    // Temporal jitter shears.
-    return vec3(p.xy * vec2(m[0][0], m[1][1]), 0.0) + p.z * m[2].xyz + m[3].xyz;
-#else
-    let position = homogeneous_position(m, p);
-    return position.xyz / position.w;
-#endif
+    return position_on(view_from, ray_at(view_from, p.xy), p.z);
 }
 
 #ifdef PROJECTION_PERSPECTIVE
