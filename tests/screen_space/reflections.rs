@@ -76,6 +76,7 @@ fn a_rough_floor_shows_the_lobe_of_a_bulb() {
         for (roughness, most) in [
             (0.15, 0.092),
             (0.2, 0.058),
+            (0.21, 0.085),
             (0.25, 0.076),
             (0.3, 0.053),
             (0.4, 0.042),

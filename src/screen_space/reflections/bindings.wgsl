@@ -27,8 +27,9 @@
 
 /// Pixels a side of a texel of rays.
 const DIVISOR: i32 = #{DIVISOR};
-/// Perceptual roughness from which on rays go in segments from the start, and are `ROUGH_STEP` texels apart.
-const ROUGH: f32 = 0.2;
+/// Perceptual roughness from which on rays go in segments from the start, and are `ROUGH_STEP` texels apart: between two of those that
+/// the G-buffer holds, so that rounding makes no difference.
+const ROUGH: f32 = 51.5 / 255.0;
 const ROUGH_STEP: i32 = #{ROUGH_STEP};
 
 /// Texels from one ray to the next, each way, of surfaces of this perceptual roughness: 1 or 2.
