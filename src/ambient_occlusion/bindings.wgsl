@@ -25,14 +25,9 @@ fn depth_at(pixel: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
 }
 
-/// View-space position of a point of the picture, in pixels, and depth.
-fn reconstructed(p: vec3<f32>) -> vec3<f32> {
-    return reconstruction::view_position(view.view_from_pixel, p);
-}
-
 /// View-space position of the centre of `pixel`.
 fn view_position(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
-    return reconstructed(vec3(vec2<f32>(pixel) + 0.5, depth));
+    return reconstruction::view_position(view.view_from_pixel, vec3(vec2<f32>(pixel) + 0.5, depth));
 }
 
 /// Unit vector from `position` to the viewer.

@@ -152,10 +152,10 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
         let bases = vec2(-surface.sine, surface.sine);
 
         let on_screen = radius.pixels * vec2(direction.x, -direction.y);
-        let side = largest_side(on_screen);
-        march.direction = on_screen / side;
+        let longer_side = largest_side(on_screen);
+        march.direction = on_screen / longer_side;
         let part = 0.5 / f32(steps_on_each_side());
-        march.steps = side * part * vec2(2.0 * part, 1.0);
+        march.steps = longer_side * part * vec2(2.0 * part, 1.0);
         march.offset = fract(0.125 + 0.25 * f32(phase + block) + 0.618 * f32(slice) + view.turn);
         var highest: vec2<f32>;
         if is_inside {

@@ -24,6 +24,7 @@ fn seen_at(line: Line, metres: f32) -> vec3<f32> {
 
 /// Whether a surface is there on the way of the pixel's ray: 0 to 1.
 fn match_at(receiver: Receiver, at: vec3<f32>) -> f32 {
+    // As `depth_in_view`, in fewer instructions: what is below 0 becomes 0 where it becomes unsigned.
     let pixel = min(vec2<u32>(at.xy), vec2<u32>(view.viewport_size) - 1u);
     let depth = textureLoad(depth_texture, vec2<u32>(view.viewport_origin) + pixel, 0);
     // What is a pixel away may be the mirror itself, which would see its own light for ever.
