@@ -73,6 +73,14 @@ impl Contender {
                 },
             ),
             more(
+                "Medium, indirect, wide",
+                true,
+                LeanAmbientOcclusion {
+                    filter: OcclusionFilter::WideEdgeAware,
+                    ..base
+                },
+            ),
+            more(
                 "Medium, indirect, half",
                 true,
                 LeanAmbientOcclusion {
@@ -189,9 +197,9 @@ impl Contender {
                 };
                 let half = settings.resolution == OcclusionResolution::Half;
                 let share = if half { 0.25 } else { 1.0 };
-                let edge_aware = matches!(
+                let wide = matches!(
                     settings.filter,
-                    OcclusionFilter::BinomialEdgeAware | OcclusionFilter::FlatEdgeAware
+                    OcclusionFilter::Wide | OcclusionFilter::WideEdgeAware
                 );
                 let shading = self.lean
                     && settings.normals == OcclusionNormals::Shading
@@ -212,17 +220,20 @@ impl Contender {
                     occluded * 2.0 * picture
                 };
                 let merge_depth = if self.lean { 0.0 } else { 4.0 };
-                let filter_depths = match (edge_aware, half) {
-                    (false, _) => 0.0,
-                    (true, false) => 12.0 + 4.0,
-                    (true, true) => 16.0 + 4.0,
+                // And what tells a pixel's plane.
+                let filter_depths = match (settings.filter.is_edge_aware(), half, wide) {
+                    (false, ..) => 0.0,
+                    (true, true, _) => 16.0 + 4.0,
+                    (true, false, false) => 12.0 + 4.0,
+                    (true, false, true) => 24.0 + 4.0,
                 };
+                let filter_texels = if wide && !half { 36.0 } else { 16.0 };
                 let own = texel * share * 2.0 + blend;
                 Bytes {
                     compulsory: own,
                     compulsory_with_depth: own + share * (4.0 + normal) + 4.0,
                     fetched: share * (texel + 4.0 * samples + normal)
-                        + 16.0 * texel
+                        + filter_texels * texel
                         + 4.0 * filter_depths
                         + merge_depth
                         + blend,

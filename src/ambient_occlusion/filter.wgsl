@@ -1,10 +1,10 @@
-// The 3×3 filter (4×4 from half resolution), read with four gathers; for the merge pass and the lighting pass.
+// The filter of 3×3 or 5×5 texels (4×4 from half resolution), read with gathers; for the merge pass and the lighting pass.
 #define_import_path bevy_lean_deferred::ambient_occlusion::filter
 
 #import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 
-/// Corners of the four gathers, in texels from the first one's centre. A gather's parts are the texels (0, 1), (1, 1),
+/// Four texels, of which `first` is the one with the least coordinates. A gather's parts are the texels (0, 1), (1, 1),
 /// (1, 0), (0, 0) from there.
 fn gather_at(occlusion: texture_2d<f32>, nearest: sampler, first: vec2<i32>) -> vec4<f32> {
     let place = vec2<f32>(first + 1) / vec2<f32>(textureDimensions(occlusion));
@@ -60,7 +60,7 @@ fn filtered_occlusion(
     // 1 2 1 after linear interpolation: both classes of texels weigh the same, so the 2×2 pattern goes here too.
     let base = pixel >> vec2(1u);
     let odd = vec2<f32>(pixel & vec2(1)) * 0.5;
-    let least = 1e-3;
+    var mean = 0.0;
     for (var i = 0; i < 4; i++) {
         let corner = vec2(2 * (i & 1) - 1, 2 * (i >> 1u) - 1);
         let values = gather_at(occlusion, nearest, base + corner);
@@ -69,9 +69,32 @@ fn filtered_occlusion(
             let ramp = mix(vec2(1.0) - abs(vec2<f32>(texel)) * 0.5, 1.0 - abs(vec2<f32>(texel) - 1.0) * 0.5, odd);
             let clipped = max(ramp, vec2(0.0));
             var weight = clipped.x * clipped.y;
+            // The weights' sum is 4.
+            mean += 0.25 * weight * values[j];
 #ifdef OCCLUSION_EDGE_AWARE
             let offset = 2 * (base + texel) - pixel;
-            weight *= edge_weight(plane, depth_in_view(depth, view, pixel + offset), offset) + least;
+            weight *= edge_weight(plane, depth_in_view(depth, view, pixel + offset), offset) + 1e-3;
+#endif
+            sum += weight * values[j];
+            weights += weight;
+        }
+    }
+    // Few texels of the same surface do not look in all directions: where less than half is left, what they find beyond the mean
+    // of all counts less. So no pixel is black because one texel is.
+    sum = mix(min(sum, mean * weights), sum, saturate(0.5 * weights));
+#else ifdef OCCLUSION_WIDE
+    // 1 2 2 2 1 along each axis, and 0 for the sixth texel of three gathers.
+    for (var i = 0; i < 9; i++) {
+        let corner = 2 * vec2(i % 3, i / 3) - 2;
+        let values = gather_at(occlusion, nearest, pixel + corner);
+        for (var j = 0; j < 4; j++) {
+            let offset = corner + vec2(i32(j == 1 || j == 2), i32(j < 2));
+            let along = min(3 - abs(offset), vec2(2));
+            var weight = f32(along.x * along.y);
+#ifdef OCCLUSION_EDGE_AWARE
+            if along.x * along.y > 0 && any(offset != vec2(0)) {
+                weight *= edge_weight(plane, depth_in_view(depth, view, pixel + offset), offset);
+            }
 #endif
             sum += weight * values[j];
             weights += weight;

@@ -11,7 +11,7 @@
 }
 #endif
 
-/// Where the pixels of each phase lie in the 2×2 pattern: neighbours along an axis look in rather different directions.
+/// Where the pixels of each phase lie in a block of 2×2: neighbours along an axis look in rather different directions.
 fn place_of(phase: u32) -> vec2<u32> {
     return vec2(phase & 1u, u32(phase == 1u || phase == 2u));
 }

@@ -94,7 +94,7 @@ fn horizons(march: March, bases: vec2<f32>, is_inside: bool) -> vec2<f32> {
     return vec2(horizon(march, 1.0, bases.x, is_inside), horizon(march, -1.0, bases.y, is_inside));
 }
 
-/// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the 2×2 pattern: those of `phase` 0 to 3.
+/// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the pattern: those of `phase` 0 to 3.
 fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let position = view_position(pixel, depth);
     let radius = radius_at(position);
@@ -130,17 +130,25 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     }
 #endif
 
-    // The steps are spread over 4×4 texels: what is left of that pattern after the filter is a fine dither, not stripes.
+    // The steps are spread over 4×4 texels, and with a wide filter the directions too. What a narrow one leaves of that pattern is
+    // a fine dither, not stripes.
     let quad = (vec2<u32>(pixel) / (2u * #{DIVISOR}u)) & vec2(1u);
     let block = quad.x + 2u * quad.y;
+#ifdef WIDE_PATTERN
+    let turn = f32(phase) + 0.25 * f32(block) + view.turn;
+    let offset = 0.125 + 0.25 * f32(phase + 2u * block) + 0.0625 * f32(block) + view.turn;
+#else
+    let turn = f32(phase) + view.turn;
+    let offset = 0.125 + 0.25 * f32(phase + block) + view.turn;
+#endif
 
     let basis = tangents(to_viewer);
     let slices = slice_count();
     var occlusion = 0.0;
     for (var slice = 0u; slice < slices; slice++) {
-        let turn = (f32(slice) + 0.25 * (f32(phase) + view.turn)) / f32(slices);
+        let angle = PI * (f32(slice) + 0.25 * turn) / f32(slices);
         // Evenly about the view direction, not on the screen: so perspective is exact off its centre too.
-        let tangent = basis * vec2(cos(PI * turn), sin(PI * turn));
+        let tangent = basis * vec2(cos(angle), sin(angle));
 #ifdef PROJECTION_ORTHOGRAPHIC
         let direction = tangent.xy;
 #else
@@ -156,7 +164,7 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
         march.direction = on_screen / longer_side;
         let part = 0.5 / f32(steps_on_each_side());
         march.steps = longer_side * part * vec2(2.0 * part, 1.0);
-        march.offset = fract(0.125 + 0.25 * f32(phase + block) + 0.618 * f32(slice) + view.turn);
+        march.offset = fract(offset + 0.618 * f32(slice));
         var highest: vec2<f32>;
         if is_inside {
             highest = horizons(march, bases, true);

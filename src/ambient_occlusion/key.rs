@@ -16,6 +16,8 @@ pub(super) struct GatherKey {
     pub(super) shading_normals: bool,
     /// Horizons sink behind thin parts.
     pub(super) thin: bool,
+    /// Directions are spread over 4×4 pixels, as a wide filter brings them together; else over 2×2.
+    pub(super) wide: bool,
     pub(super) divisor: u32,
     pub(super) format: OcclusionFormat,
     pub(super) projection: ProjectionKind,
@@ -28,6 +30,7 @@ impl GatherKey {
             self.samples = None;
             self.shading_normals = false;
             self.thin = false;
+            self.wide = false;
         }
         self
     }
@@ -55,6 +58,7 @@ impl GatherKey {
         define(self.kernel == OcclusionKernel::Hdao, "HDAO");
         define(self.shading_normals, "SHADING_NORMALS");
         define(self.thin, "THIN");
+        define(self.wide, "WIDE_PATTERN");
         define(self.format == OcclusionFormat::Float16, "FLOAT16");
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
@@ -65,6 +69,7 @@ impl GatherKey {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct FilterKey {
     flat: bool,
+    wide: bool,
     edge_aware: bool,
     half: bool,
 }
@@ -75,6 +80,7 @@ impl From<&LeanAmbientOcclusion> for FilterKey {
         Self {
             // From half resolution there is one set of weights.
             flat: settings.filter.is_flat() && !half,
+            wide: settings.filter.is_wide() && !half,
             edge_aware: settings.filter.is_edge_aware(),
             half,
         }
@@ -85,6 +91,7 @@ impl FilterKey {
     pub(crate) fn shader_defs(self) -> impl Iterator<Item = ShaderDefVal> {
         [
             (self.flat, "OCCLUSION_FLAT"),
+            (self.wide, "OCCLUSION_WIDE"),
             (self.edge_aware, "OCCLUSION_EDGE_AWARE"),
             (self.half, "OCCLUSION_HALF"),
         ]

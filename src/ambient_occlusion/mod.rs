@@ -4,7 +4,7 @@
 //!
 //! 1. A pass gathers occlusion into a texture of one channel, by horizons ([`OcclusionKernel::Hbao`]) or by valleys of depth
 //!    ([`OcclusionKernel::Hdao`]), at full or half resolution.
-//! 2. A 3×3 filter removes the pattern of 2×2 pixels in which samples are laid out ([`OcclusionFilter`]).
+//! 2. A filter removes the pattern of 2×2 or 4×4 pixels in which samples are laid out ([`OcclusionFilter`]).
 //! 3. The occlusion reaches the picture ([`OcclusionApplication`]):
 //!
 //! | application | default for cameras | what it darkens |
@@ -23,7 +23,7 @@
 // - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
 // - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
 // - `hbao.wgsl`, `hdao.wgsl`: the kernels. `gather.wgsl`: their entry points.
-// - `filter.wgsl`: the 3×3 filter, for `merge.wgsl` and the lighting pass.
+// - `filter.wgsl`: the filter, for `merge.wgsl` and the lighting pass.
 
 mod active;
 #[doc(hidden)]

@@ -55,7 +55,7 @@ pub struct LeanAmbientOcclusion {
     pub normals: OcclusionNormals,
     /// How many pixels share an occlusion value. Default [`OcclusionResolution::Full`].
     pub resolution: OcclusionResolution,
-    /// The 3×3 filter that removes the samples' 2×2 pattern. Default [`OcclusionFilter::BinomialEdgeAware`].
+    /// What removes the samples' pattern. Default [`OcclusionFilter::BinomialEdgeAware`].
     pub filter: OcclusionFilter,
     /// How occlusion is stored. Default [`OcclusionFormat::Unorm8`].
     pub format: OcclusionFormat,
@@ -112,8 +112,8 @@ pub enum OcclusionKernel {
     Hdao,
 }
 
-/// How many samples [`OcclusionKernel::Hbao`] takes a pixel. Each slice has two sides, and a 2×2 block of pixels takes
-/// four times the slices, which the filter brings together.
+/// How many samples [`OcclusionKernel::Hbao`] takes a pixel. Each slice has two sides, and a block of pixels takes
+/// different slices, 2×2 of them or 4×4, which the filter brings together.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionQuality {
@@ -190,7 +190,8 @@ impl OcclusionResolution {
     }
 }
 
-/// The weights of the 3×3 filter, read with four gathers.
+/// The weights of the filter that removes the samples' pattern, in which pixels look in different directions. From
+/// [half resolution](OcclusionResolution::Half) there is one set of weights for all of them.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionFilter {
@@ -198,28 +199,43 @@ pub enum OcclusionFilter {
     Binomial,
     /// √2 2 √2 / 2 2.34 2 / √2 2 √2: flatter.
     Flat,
+    /// 1 2 2 2 1 along each axis: removes any 4×4 pattern exactly, so samples are laid out in one, with four times as many
+    /// directions. For surfaces so near to the camera that the others show their few directions and steps. Takes longer.
+    Wide,
     /// As `Binomial`, without neighbours from across a step in depth.
     #[default]
     BinomialEdgeAware,
     /// As `Flat`, without neighbours from across a step in depth.
     FlatEdgeAware,
+    /// As `Wide`, without neighbours from across a step in depth.
+    WideEdgeAware,
 }
 
 impl OcclusionFilter {
     /// All of them.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 6] = [
         Self::Binomial,
         Self::Flat,
+        Self::Wide,
         Self::BinomialEdgeAware,
         Self::FlatEdgeAware,
+        Self::WideEdgeAware,
     ];
 
     pub(super) fn is_flat(self) -> bool {
         matches!(self, Self::Flat | Self::FlatEdgeAware)
     }
 
-    pub(super) fn is_edge_aware(self) -> bool {
-        matches!(self, Self::BinomialEdgeAware | Self::FlatEdgeAware)
+    pub(super) fn is_wide(self) -> bool {
+        matches!(self, Self::Wide | Self::WideEdgeAware)
+    }
+
+    /// Whether neighbours from across a step in depth are left out.
+    pub fn is_edge_aware(self) -> bool {
+        matches!(
+            self,
+            Self::BinomialEdgeAware | Self::FlatEdgeAware | Self::WideEdgeAware
+        )
     }
 }
 

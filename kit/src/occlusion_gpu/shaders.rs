@@ -4,7 +4,8 @@ use std::{borrow::Cow, collections::HashMap};
 
 use bevy::math::Mat4;
 use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionQuality, OcclusionResolution,
+    LeanAmbientOcclusion, OcclusionFilter as Filter, OcclusionFormat, OcclusionKernel,
+    OcclusionQuality, OcclusionResolution,
 };
 use bevy_lean_deferred::shader_library::reconstruction::position::projection_of;
 use naga_oil::compose::{
@@ -136,12 +137,18 @@ pub(super) fn gather_definitions(
     let flags = [
         (settings.kernel == OcclusionKernel::Hdao, "HDAO"),
         (settings.thickness < 1.0, "THIN"),
+        (has_wide_pattern(settings), "WIDE_PATTERN"),
         (settings.format == OcclusionFormat::Float16, "FLOAT16"),
     ];
     insert_flags(&mut defs, &flags);
     let projection = projection_of(clip_from_view).shader_def();
     defs.extend(projection.map(|name| (name.into(), ShaderDefValue::Bool(true))));
     defs
+}
+
+fn has_wide_pattern(settings: &LeanAmbientOcclusion) -> bool {
+    settings.resolution == OcclusionResolution::Full
+        && matches!(settings.filter, Filter::Wide | Filter::WideEdgeAware)
 }
 
 /// Whether the crate's compute pass reads depths once for a workgroup.
@@ -153,7 +160,6 @@ pub(super) fn shares_depths(settings: &LeanAmbientOcclusion) -> bool {
 pub(super) fn filter_definitions(
     settings: &LeanAmbientOcclusion,
 ) -> HashMap<String, ShaderDefValue> {
-    use bevy_lean_deferred::ambient_occlusion::OcclusionFilter as Filter;
     let half = settings.resolution == OcclusionResolution::Half;
     let filter = settings.filter;
     let mut defs = HashMap::new();
@@ -164,10 +170,8 @@ pub(super) fn filter_definitions(
             !half && matches!(filter, Filter::Flat | Filter::FlatEdgeAware),
             "OCCLUSION_FLAT",
         ),
-        (
-            matches!(filter, Filter::BinomialEdgeAware | Filter::FlatEdgeAware),
-            "OCCLUSION_EDGE_AWARE",
-        ),
+        (has_wide_pattern(settings), "OCCLUSION_WIDE"),
+        (filter.is_edge_aware(), "OCCLUSION_EDGE_AWARE"),
     ];
     insert_flags(&mut defs, &flags);
     defs

@@ -143,6 +143,8 @@ const OCCLUSION_FILTERS: Factor = &[
     &["OCCLUSION_FLAT"],
     &["OCCLUSION_EDGE_AWARE"],
     &["OCCLUSION_FLAT", "OCCLUSION_EDGE_AWARE"],
+    &["OCCLUSION_WIDE"],
+    &["OCCLUSION_WIDE", "OCCLUSION_EDGE_AWARE"],
     &["OCCLUSION_HALF"],
     &["OCCLUSION_HALF", "OCCLUSION_EDGE_AWARE"],
 ];
@@ -154,6 +156,8 @@ pub const OCCLUSION_GATHER: &[Factor] = &[
         &["SHADING_NORMALS", "THIN"],
         &[],
         &["THIN"],
+        &["WIDE_PATTERN"],
+        &["WIDE_PATTERN", "SHADING_NORMALS", "THIN"],
         &["HDAO"],
     ],
     optional!("FLOAT16"),
@@ -168,6 +172,7 @@ pub const SHARES_DEPTHS: [&str; 2] = ["COMPUTE", "SHARED_DEPTHS"];
 pub const OCCLUSION_GATHER_SHARED: &[Factor] = &[
     optional!("SHADING_NORMALS"),
     optional!("THIN"),
+    optional!("WIDE_PATTERN"),
     optional!("FLOAT16"),
     OCCLUSION_PROJECTIONS,
 ];
