@@ -35,6 +35,11 @@ pub fn is_there() -> bool {
     request_adapter().is_ok_and(|adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu)
 }
 
+/// Whether SwiftShader renders.
+pub fn is_swiftshader() -> bool {
+    request_adapter().is_ok_and(|adapter| adapter.get_info().name.contains("SwiftShader"))
+}
+
 fn request_adapter() -> Result<wgpu::Adapter, wgpu::RequestAdapterError> {
     keep_drivers_loaded();
     let instance =

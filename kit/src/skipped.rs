@@ -36,6 +36,15 @@ pub fn skips_without_binding_arrays(device: &RenderDevice, part: &str) -> bool {
     skips
 }
 
+/// What a test allows: `there` on SwiftShader, for a reason that is said, and `elsewhere` on all others.
+pub fn on_swiftshader<T>(there: T, elsewhere: T, reason: &str) -> T {
+    if !gpu::is_swiftshader() {
+        return elsewhere;
+    }
+    println!("skipped: the usual bound: {reason}");
+    there
+}
+
 /// Whether the device can leave out what it finds to be hidden. Says so where it cannot.
 pub fn culls_what_is_hidden(headless: &Headless) -> bool {
     let world = headless.app.sub_app(RenderApp).world();

@@ -86,11 +86,17 @@ impl ExposureKey {
 
     /// What both shaders are compiled with.
     pub fn shader_defs(self) -> Vec<ShaderDefVal> {
+        let log_average = self.metering == Metering::LogAverage;
+        let weighted = self.pattern != PatternKey::Average;
         let mut defs = vec![ShaderDefVal::UInt("STRIDE".into(), self.sampling.stride())];
         defs.extend(
             [
-                (self.metering == Metering::LogAverage, "LOG_AVERAGE"),
-                (self.pattern != PatternKey::Average, "WEIGHTED"),
+                (log_average, "LOG_AVERAGE"),
+                (weighted, "WEIGHTED"),
+                (
+                    log_average && !weighted && !self.histogram,
+                    "LOG_OF_PRODUCTS",
+                ),
                 (
                     self.pattern == PatternKey::CenterWeighted,
                     "CENTER_WEIGHTED",

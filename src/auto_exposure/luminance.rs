@@ -8,6 +8,8 @@ pub const WEIGHTS: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 pub const LARGEST: f32 = 65504.0;
 /// Base-2 logarithms below this, and so black, count as this.
 pub const LOWEST_LOG: f32 = -14.0;
+/// The luminance with that logarithm.
+pub const SMALLEST: f32 = 6.103_515_6e-5;
 
 /// Luminance 0 to [`LARGEST`]; -1 for what is not a number.
 pub fn luminance(color: Vec3) -> f32 {

@@ -6,13 +6,18 @@ const WEIGHTS: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
 const LARGEST: f32 = 65504.0;
 /// Base-2 logarithms below this, and so black, count as this.
 const LOWEST_LOG: f32 = -14.0;
+/// The luminance with that logarithm.
+const SMALLEST: f32 = 6.103515625e-5;
 
-/// Luminance 0 to `LARGEST`; -1 for what is not a number. Looks at the bits, because comparisons with NaN may be
-/// optimised away.
+/// Looks at the bits, because comparisons with NaN may be optimised away.
+fn is_nan(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u;
+}
+
+/// Luminance 0 to `LARGEST`; -1 for what is not a number.
 fn luminance(color: vec3<f32>) -> f32 {
     let y = dot(color, WEIGHTS);
-    let is_nan = (bitcast<u32>(y) & 0x7fffffffu) > 0x7f800000u;
-    return select(clamp(y, 0.0, LARGEST), -1.0, is_nan);
+    return select(clamp(y, 0.0, LARGEST), -1.0, is_nan(y));
 }
 
 /// Base-2 logarithm, at least `LOWEST_LOG`.

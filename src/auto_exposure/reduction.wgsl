@@ -9,8 +9,6 @@ var<workgroup> shared_x: array<f32, 256>;
 var<workgroup> shared_y: array<f32, 256>;
 
 #ifdef SUBGROUPS
-var<workgroup> shared_count: u32;
-
 struct Place {
     invocation: u32,
     in_subgroup: u32,
@@ -23,37 +21,34 @@ struct Place {
 }
 #endif
 
-/// Sums the first `count` entries into the first. `count` is the same for all invocations.
-fn sum_shared(invocation: u32, count: u32) {
-    for (var n = count; n > 1u; n = (n + 1u) / 2u) {
-        let half = (n + 1u) / 2u;
-        if invocation < n - half {
-            shared_x[invocation] += shared_x[invocation + half];
-            shared_y[invocation] += shared_y[invocation + half];
-        }
-        workgroupBarrier();
-    }
-}
-
 /// The sum of `value` over the workgroup; called in uniform control flow.
 fn workgroup_sum(place: Place, value: vec2<f32>) -> vec2<f32> {
     // What was there before has been read.
     workgroupBarrier();
 #ifdef SUBGROUPS
-    let sum = subgroupAdd(value);
+    let own = subgroupAdd(value);
     if place.in_subgroup == 0u {
-        shared_x[place.subgroup] = sum.x;
-        shared_y[place.subgroup] = sum.y;
+        shared_x[place.subgroup] = own.x;
+        shared_y[place.subgroup] = own.y;
     }
-    if place.invocation == 0u {
-        shared_count = place.subgroups;
+    workgroupBarrier();
+    // They are few: each invocation adds them up.
+    var sum = vec2(0.0);
+    for (var i = 0u; i < place.subgroups; i++) {
+        sum += vec2(shared_x[i], shared_y[i]);
     }
-    sum_shared(place.invocation, workgroupUniformLoad(&shared_count));
+    return sum;
 #else
     shared_x[place.invocation] = value.x;
     shared_y[place.invocation] = value.y;
     workgroupBarrier();
-    sum_shared(place.invocation, WORKGROUP);
-#endif
+    for (var half = WORKGROUP / 2u; half > 0u; half /= 2u) {
+        if place.invocation < half {
+            shared_x[place.invocation] += shared_x[place.invocation + half];
+            shared_y[place.invocation] += shared_y[place.invocation + half];
+        }
+        workgroupBarrier();
+    }
     return vec2(shared_x[0], shared_y[0]);
+#endif
 }

@@ -12,6 +12,7 @@ use kit::{
     lean::{change_cameras, show},
     own_process::in_own_process,
     scenes::{self, Scene},
+    skipped::on_swiftshader,
 };
 
 const SIZE: UVec2 = UVec2::new(96, 72);
@@ -98,6 +99,7 @@ fn check_scene(headless: &mut Headless, scene: &Scene) {
         .any(|name| scene.name.starts_with(name));
     let adds_up = !NOT_LIGHT_ALONE.contains(&scene.name);
     let parts = diffuse.texels.iter().zip(&specular.texels);
+    let mut otherwise = 0;
     for (i, ((whole, (diffuse, specular)), read)) in
         whole.texels.iter().zip(parts).zip(read).enumerate()
     {
@@ -123,11 +125,10 @@ fn check_scene(headless: &mut Headless, scene: &Scene) {
                 + 4.0 * HALF_ROUNDING * rounded.max_element()
                 + 2.0 * LEAST_HALF;
             let off = (read - expected).abs().max_element();
-            assert!(
-                off <= allowed,
-                "{}: {read} is read, {expected} is shown",
-                at()
-            );
+            if off > allowed {
+                println!("{}: {read} is read, {expected} is shown", at());
+                otherwise += 1;
+            }
         }
         for channel in 0..3 {
             let sum = diffuse[channel] + specular[channel];
@@ -139,6 +140,10 @@ fn check_scene(headless: &mut Headless, scene: &Scene) {
                 at()
             );
         }
+    }
+    if otherwise > 0 {
+        let most = on_swiftshader(1, 0, "diffuse light of a pixel");
+        assert!(otherwise <= most, "{}: {otherwise} pixels", scene.name);
     }
     change_views(headless, |view| {
         view.remove::<ReadsDiffuseLight>();

@@ -14,7 +14,7 @@ use kit::{
     lean::{build, change_cameras, judge, report, set_lean, settled, show},
     own_process::in_own_process,
     scenes::{self, LEAST_PSNR, Scene},
-    skipped::skips_without_binding_arrays,
+    skipped::{on_swiftshader, skips_without_binding_arrays},
 };
 
 const SIZE: UVec2 = UVec2::new(320, 240);
@@ -41,7 +41,15 @@ fn compare(headless: &mut Headless, scene: &Scene) -> Result<(), String> {
     } else {
         format!("{}_{}x{}", scene.name, size.x, size.y)
     };
-    judge(&name, &forward, &lean, scene.least_psnr)
+    let least_psnr = match scene.name {
+        // Bevy's own deferred path has 16.1 dB there.
+        "one_metre_to_one_kilometre" => {
+            on_swiftshader(16.0, scene.least_psnr, "depth across large triangles")
+        }
+        "taa" => on_swiftshader(44.5, scene.least_psnr, "TAA"),
+        _ => scene.least_psnr,
+    };
+    judge(&name, &forward, &lean, least_psnr)
 }
 
 /// An app with shadow maps as large as Bevy has them.

@@ -9,6 +9,7 @@ use kit::{
     compute::{Compute, WgslModule},
     known_mirrors::sent_on,
     random::Random,
+    skipped::on_swiftshader,
 };
 
 const CELL: WgslModule = WgslModule {
@@ -97,6 +98,7 @@ fn lobes_are_their_twins() {
         .collect();
     let bits: Vec<[u32; 6]> = inputs.iter().map(|input| input.map(f32::to_bits)).collect();
     let outputs: Vec<[u32; 5]> = Compute::new().kernel(&[GGX], SAMPLE).run(&bits);
+    let most = on_swiftshader(0.012, 2e-3, "weights of lobes, by sines that are 5e-5 off");
     let mut largest = 0.0_f32;
     for ([x, y, z, alpha, u, v], output) in inputs.iter().zip(outputs) {
         let twin = sample_lobe(Vec3::new(*x, *y, *z), *alpha, Vec2::new(*u, *v));
@@ -105,7 +107,7 @@ fn lobes_are_their_twins() {
         largest = largest.max(direction.distance(twin.direction));
         // On the horizon one may be above it and the other below.
         if twin.direction.z.abs() > 1e-3 {
-            assert!((weight - twin.weight).abs() < 2e-3, "{weight}, {twin:?}");
+            assert!((weight - twin.weight).abs() < most, "{weight}, {twin:?}");
             let ratio = density / twin.density;
             assert!(
                 (0.95..1.05).contains(&ratio) || density > 1e4,

@@ -12,6 +12,7 @@ use kit::{
     log_watch,
     own_process::in_own_process,
     scenes::meshes::{morphed, skinned},
+    skipped::on_swiftshader,
 };
 
 use super::{
@@ -154,7 +155,12 @@ fn teleporting_camera() {
             |world, frame| turn_camera(world, if frame == 4 { 2.5 } else { 0.0 }),
         )
         .measure();
-        assert!(errors.largest_share <= 1.0, "{errors:?}");
+        let most = on_swiftshader(
+            f32::INFINITY,
+            1.0,
+            "motion where the divisor of a former place is next to 0",
+        );
+        assert!(errors.largest_share <= most, "{errors:?}");
     });
 }
 

@@ -321,7 +321,7 @@ pub const MOTION_RESOLVE: &[Factor] = &[optional!("LATE"), optional!("GBUFFER_MO
 
 /// What `ExposureKey::shader_defs` makes of the settings of auto exposure.
 pub const EXPOSURE: &[Factor] = &[
-    optional!("LOG_AVERAGE"),
+    &[&[], &["LOG_AVERAGE"], &["LOG_AVERAGE", "LOG_OF_PRODUCTS"]],
     &[
         &[],
         &["WEIGHTED", "CENTER_WEIGHTED"],

@@ -84,7 +84,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     constants!("shading_models/subsurface.wgsl": subsurface::{LEAST_PATH_LOG, STEPS});
     constants!("shading_models/unlit.wgsl": unlit::{LARGEST_UNLIT});
     constants!("auto_exposure/bindings.wgsl": key::{TILE_WIDTH, BINS});
-    constants!("auto_exposure/luminance.wgsl": luminance::{WEIGHTS, LARGEST, LOWEST_LOG});
+    constants!("auto_exposure/luminance.wgsl": luminance::{WEIGHTS, LARGEST, LOWEST_LOG, SMALLEST});
     constants!("lighting/subsurface_light.wgsl": subsurface_light::{BLOCK_LOG, MASKS});
     constants!("screen_space/reflections/cell.wgsl": cell::{FIRST});
     constants!("screen_space/subsurface/profile.wgsl": profile::{REACH, SHORTEST});
