@@ -99,6 +99,7 @@ fn lobes_are_their_twins() {
     let bits: Vec<[u32; 6]> = inputs.iter().map(|input| input.map(f32::to_bits)).collect();
     let outputs: Vec<[u32; 5]> = Compute::new().kernel(&[GGX], SAMPLE).run(&bits);
     let most = on_swiftshader(0.012, 2e-3, "weights of lobes, by sines that are 5e-5 off");
+    let least = on_swiftshader(0.02, 1e-3, "lobes near the horizon, by such sines");
     let mut largest = 0.0_f32;
     for ([x, y, z, alpha, u, v], output) in inputs.iter().zip(outputs) {
         let twin = sample_lobe(Vec3::new(*x, *y, *z), *alpha, Vec2::new(*u, *v));
@@ -106,7 +107,7 @@ fn lobes_are_their_twins() {
         let direction = Vec3::new(dx, dy, dz);
         largest = largest.max(direction.distance(twin.direction));
         // On the horizon one may be above it and the other below.
-        if twin.direction.z.abs() > 1e-3 {
+        if twin.direction.z.abs() > least {
             assert!((weight - twin.weight).abs() < most, "{weight}, {twin:?}");
             let ratio = density / twin.density;
             assert!(
