@@ -12,6 +12,7 @@ use crate::{
 use kit::{
     exposure_gpu::{ExposureGpu, Meter},
     exposure_reference as reference,
+    skipped::on_swiftshader,
 };
 
 const SIZES: [UVec2; 10] = [
@@ -51,6 +52,7 @@ fn every_pixel_counts_once() {
         "{}, subgroups of {} to {}",
         gpu.adapter.name, gpu.adapter.subgroup_min_size, gpu.adapter.subgroup_max_size
     );
+    let most = on_swiftshader(1e-5, 3e-6, "logarithms that cancel");
     for (name, texel) in EASY.into_iter().chain(HOSTILE) {
         let (mut worst, mut apart) = (0.0f64, 0.0f64);
         for size in SIZES {
@@ -80,7 +82,7 @@ fn every_pixel_counts_once() {
         }
         println!("{name}: off by up to {worst:.1e}, paths {apart:.1e} apart");
         assert!(worst <= 1e-5);
-        assert!(apart <= 3e-6);
+        assert!(apart <= most);
     }
 }
 
