@@ -197,10 +197,7 @@ impl Contender {
                 };
                 let half = settings.resolution == OcclusionResolution::Half;
                 let share = if half { 0.25 } else { 1.0 };
-                let wide = matches!(
-                    settings.filter,
-                    OcclusionFilter::Wide | OcclusionFilter::WideEdgeAware
-                );
+                let wide = settings.has_wide_pattern();
                 let shading = self.lean
                     && settings.normals == OcclusionNormals::Shading
                     && settings.kernel == OcclusionKernel::Hbao;
@@ -227,7 +224,7 @@ impl Contender {
                     (true, false, false) => 12.0 + 4.0,
                     (true, false, true) => 24.0 + 4.0,
                 };
-                let filter_texels = if wide && !half { 36.0 } else { 16.0 };
+                let filter_texels = if wide { 36.0 } else { 16.0 };
                 let own = texel * share * 2.0 + blend;
                 Bytes {
                     compulsory: own,

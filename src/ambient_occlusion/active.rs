@@ -14,7 +14,7 @@ use bevy::{
 use super::{
     key::{GatherKey, MergeKey},
     pipelines::{GatherPipeline, OcclusionPipelines},
-    settings::{LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals, OcclusionResolution},
+    settings::{LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals},
     support::OcclusionSupport,
 };
 use crate::{
@@ -128,7 +128,7 @@ pub(super) fn decide_active_occlusion(
             // After the opaque meshes, the G-buffer's are those of what forward has drawn over.
             shading_normals: is_for_lighting && settings.normals == OcclusionNormals::Shading,
             thin: settings.thickness < 1.0,
-            wide: settings.filter.is_wide() && settings.resolution == OcclusionResolution::Full,
+            wide: settings.has_wide_pattern(),
             divisor: settings.resolution.divisor(),
             format: settings.format,
             projection: projection_of(view.clip_from_view),

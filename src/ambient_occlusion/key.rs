@@ -80,7 +80,7 @@ impl From<&LeanAmbientOcclusion> for FilterKey {
         Self {
             // From half resolution there is one set of weights.
             flat: settings.filter.is_flat() && !half,
-            wide: settings.filter.is_wide() && !half,
+            wide: settings.has_wide_pattern(),
             edge_aware: settings.filter.is_edge_aware(),
             half,
         }

@@ -72,6 +72,14 @@ pub struct LeanAmbientOcclusion {
     pub debug_view: bool,
 }
 
+impl LeanAmbientOcclusion {
+    /// Whether directions are spread over 4×4 pixels, for a wide filter of them: from half resolution there is one filter.
+    #[doc(hidden)]
+    pub fn has_wide_pattern(&self) -> bool {
+        self.filter.is_wide() && self.resolution == OcclusionResolution::Full
+    }
+}
+
 impl CameraEffect for LeanAmbientOcclusion {
     const NEEDS: &'static [Need] = &[Need::WithoutMsaa];
 }
@@ -226,7 +234,8 @@ impl OcclusionFilter {
         matches!(self, Self::Flat | Self::FlatEdgeAware)
     }
 
-    pub(super) fn is_wide(self) -> bool {
+    /// Whether 5×5 pixels are brought together.
+    pub fn is_wide(self) -> bool {
         matches!(self, Self::Wide | Self::WideEdgeAware)
     }
 

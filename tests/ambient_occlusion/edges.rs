@@ -28,13 +28,6 @@ fn named(settings: &LeanAmbientOcclusion) -> String {
     format!("{kernel:?}, {resolution:?}, {filter:?}")
 }
 
-fn is_wide(settings: &LeanAmbientOcclusion) -> bool {
-    matches!(
-        settings.filter,
-        OcclusionFilter::Wide | OcclusionFilter::WideEdgeAware
-    )
-}
-
 /// The largest occlusion of a part of a view.
 fn largest(seen: &Seen, occlusion: &[f32], part: impl Fn(Option<&Hit>) -> bool) -> f32 {
     let pixels = seen.buffer.hits.iter().zip(occlusion);
@@ -63,7 +56,7 @@ fn thin_poles_have_no_halo() {
             };
             let [wide, narrow] = [true, false].map(|wide| {
                 kinds_and_filters()
-                    .filter(|settings| is_wide(settings) == wide)
+                    .filter(|settings| settings.filter.is_wide() == wide)
                     .map(halo_of)
                     .fold(0.0, f32::max)
             });
@@ -139,7 +132,7 @@ fn the_sky_is_free_and_takes_nothing_away() {
             );
             assert_eq!(in_sky, 0.0);
             let bound = match settings.resolution {
-                OcclusionResolution::Full if is_wide(&settings) => of_wide,
+                OcclusionResolution::Full if settings.filter.is_wide() => of_wide,
                 OcclusionResolution::Full => of_full,
                 OcclusionResolution::Half => of_half,
             };

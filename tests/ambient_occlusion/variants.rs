@@ -137,8 +137,7 @@ fn filters_remove_the_pattern_and_keep_edges() {
             ..DEFAULT()
         };
         // Narrow filters leave some of what the steps of 4×4 pixels differ by.
-        let is_wide = matches!(filter, Filter::Wide | Filter::WideEdgeAware);
-        let side = if is_wide { 4 } else { 2 };
+        let side = if filter.is_wide() { 4 } else { 2 };
         let occlusion = run(&gpu, &settings, &wall.image).filtered;
         let onto_brink = brink.errors(&run(&gpu, &settings, &brink.image).filtered);
         let found = [

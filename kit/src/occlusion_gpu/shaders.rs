@@ -137,18 +137,13 @@ pub(super) fn gather_definitions(
     let flags = [
         (settings.kernel == OcclusionKernel::Hdao, "HDAO"),
         (settings.thickness < 1.0, "THIN"),
-        (has_wide_pattern(settings), "WIDE_PATTERN"),
+        (settings.has_wide_pattern(), "WIDE_PATTERN"),
         (settings.format == OcclusionFormat::Float16, "FLOAT16"),
     ];
     insert_flags(&mut defs, &flags);
     let projection = projection_of(clip_from_view).shader_def();
     defs.extend(projection.map(|name| (name.into(), ShaderDefValue::Bool(true))));
     defs
-}
-
-fn has_wide_pattern(settings: &LeanAmbientOcclusion) -> bool {
-    settings.resolution == OcclusionResolution::Full
-        && matches!(settings.filter, Filter::Wide | Filter::WideEdgeAware)
 }
 
 /// Whether the crate's compute pass reads depths once for a workgroup.
@@ -170,7 +165,7 @@ pub(super) fn filter_definitions(
             !half && matches!(filter, Filter::Flat | Filter::FlatEdgeAware),
             "OCCLUSION_FLAT",
         ),
-        (has_wide_pattern(settings), "OCCLUSION_WIDE"),
+        (settings.has_wide_pattern(), "OCCLUSION_WIDE"),
         (filter.is_edge_aware(), "OCCLUSION_EDGE_AWARE"),
     ];
     insert_flags(&mut defs, &flags);
