@@ -76,6 +76,7 @@ impl Contender {
                 "lean_deferred/screen_space/history",
                 "lean_deferred/screen_space/reflections/cells",
                 "lean_deferred/screen_space/reflections/trace",
+                "lean_deferred/screen_space/reflections/lobes",
                 "lean_deferred/screen_space/reflections/resolve",
             ],
             Self::BevysReflections => &["ssr"],
@@ -84,9 +85,9 @@ impl Contender {
         }
     }
 
-    /// Bytes a pixel that are moved with the effect and not without: each texture once written and once read, but for depth and
-    /// normals.
-    pub fn bytes(self) -> f64 {
+    /// Bytes a pixel of a picture of so many rows that are moved with the effect and not without: each texture once written and once
+    /// read, but for depth and normals.
+    pub fn bytes(self, rows: u32) -> f64 {
         match self {
             Self::Plain => 0.0,
             Self::Occlusion => 2.0,
@@ -100,16 +101,14 @@ impl Contender {
                 let levels = 1.0 + 0.25 + 0.0625 + 0.015_625;
                 4.0 + 4.0 + texels * 8.0 * (2.0 * levels + 1.0 + 2.0 + 2.0)
             }
-            // The picture is read, and written with its levels; they are read where rays end; cells are 8 bytes, rays 12; what is
-            // found is written and read.
-            Self::Reflections(_, resolution) => {
-                let texels = match resolution {
-                    ScreenSpaceResolution::Full => 1.0,
-                    ScreenSpaceResolution::Half => 0.25,
-                };
+            // The picture is read, and written with its levels; they are read where rays end; cells are 8 bytes, surfaces, rays and
+            // lobes 28; what is found is written and read.
+            Self::Reflections(quality, resolution) => {
+                let side = reflections(quality, resolution).texel_side(rows);
+                let texels = 1.0 / f64::from(side * side);
                 let levels = 1.0 + 0.25 + 0.0625 + 0.015_625;
                 let cells = 0.0625 + 0.003_906;
-                8.0 + 8.0 * levels + 8.0 + 2.0 * 8.0 * cells + 2.0 * 12.0 * texels + 2.0 * 8.0
+                8.0 + 8.0 * levels + 8.0 + 2.0 * 8.0 * cells + 2.0 * 28.0 * texels + 2.0 * 8.0
             }
             // The picture is read, where it is and where rays end, and written; so is the G-buffer.
             Self::BevysReflections => 3.0 * 8.0 + 16.0,
@@ -138,11 +137,7 @@ impl Contender {
                 });
             }
             Self::Reflections(quality, resolution) => {
-                camera.insert(LeanScreenSpaceReflections {
-                    quality,
-                    resolution,
-                    ..default()
-                });
+                camera.insert(reflections(quality, resolution));
             }
             Self::BevysReflections => with_bevys_reflections(camera),
             Self::Scattering(quality, share) => {
@@ -156,6 +151,17 @@ impl Contender {
                 }
             }
         }
+    }
+}
+
+fn reflections(
+    quality: ScreenSpaceReflectionsQuality,
+    resolution: ScreenSpaceResolution,
+) -> LeanScreenSpaceReflections {
+    LeanScreenSpaceReflections {
+        quality,
+        resolution,
+        ..default()
     }
 }
 

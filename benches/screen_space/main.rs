@@ -74,15 +74,18 @@ fn main() {
     }
     for (number, contender) in contenders.into_iter().enumerate() {
         eprintln!("[{}/{total}] {}", number + 1, contender.name());
-        let errors = if args.no_errors {
-            Vec::new()
-        } else {
-            run::errors(contender)
-        };
+        let mut known = None;
         for size in sizes.iter().copied() {
+            let size_of_errors = run::size_of_errors(contender, size);
+            let errors = match known.take().filter(|(of, _)| *of == size_of_errors) {
+                Some((_, errors)) => errors,
+                None if args.no_errors => Vec::new(),
+                None => run::errors(contender, size_of_errors),
+            };
             measurements
                 .0
                 .push(run::measure(contender, size, &args, errors.clone()));
+            known = Some((size_of_errors, errors));
             // After each of them, so that an interrupted run leaves what it has.
             if let Some(path) = &args.json {
                 write_json(path, &measurements);

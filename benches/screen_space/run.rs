@@ -28,8 +28,18 @@ fn known_error(scene: &str, errors: Errors) -> KnownError {
     }
 }
 
-/// Of effects whose light is known.
-pub fn errors(contender: Contender) -> Vec<KnownError> {
+/// The size of the pictures whose errors stand for pictures of this size. Texels of reflections are larger in large ones.
+pub fn size_of_errors(contender: Contender, size: UVec2) -> UVec2 {
+    match contender {
+        Contender::Gi(..) => UVec2::splat(512),
+        Contender::Scattering(..) => UVec2::new(320, 192),
+        _ if size.y < 1440 => UVec2::new(480, 360),
+        _ => UVec2::splat(1440),
+    }
+}
+
+/// Of effects whose light is known, in pictures of this size.
+pub fn errors(contender: Contender, size: UVec2) -> Vec<KnownError> {
     match contender {
         Contender::Gi(quality, resolution) => {
             let effect = LeanScreenSpaceGi {
@@ -39,7 +49,6 @@ pub fn errors(contender: Contender) -> Vec<KnownError> {
                 resolution,
                 ..default()
             };
-            let size = UVec2::splat(512);
             [
                 ("groove", known_light::groove(size, 0.5, effect)),
                 ("wall", known_light::wall(size, effect)),
@@ -49,7 +58,6 @@ pub fn errors(contender: Contender) -> Vec<KnownError> {
             .into()
         }
         Contender::Reflections(..) | Contender::BevysReflections => {
-            let size = UVec2::new(480, 360);
             let mirror = known_mirrors::mirror(size, |camera| contender.dress(camera));
             let rough = [("0.1", 0.1), ("0.3", 0.3), ("0.5", 0.5)].map(|(scene, roughness)| {
                 let dress = |camera: &mut EntityWorldMut| contender.dress(camera);
@@ -65,7 +73,6 @@ pub fn errors(contender: Contender) -> Vec<KnownError> {
             .collect()
         }
         Contender::Scattering(quality, Share::All) => {
-            let size = UVec2::new(320, 192);
             let effect = LeanSubsurfaceScattering {
                 quality,
                 ..default()
@@ -137,7 +144,7 @@ pub fn measure(
         passes: spans.filter_map(|name| samples.time(name)).collect(),
         lighting: samples.time("lean_deferred/lighting"),
         camera: samples.time(CAMERA),
-        bytes: contender.bytes(),
+        bytes: contender.bytes(size.y),
         errors,
     }
 }

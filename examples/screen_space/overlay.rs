@@ -52,11 +52,12 @@ fn update_text(
         Mirrors::Off => "no reflections".into(),
         Mirrors::Bevy => format!("Bevy's ScreenSpaceReflections: {}", time("ssr")),
         quality => format!(
-            "LeanScreenSpaceReflections {quality:?}, {:?}: history {}, cells {}, trace {}, resolve {}",
+            "LeanScreenSpaceReflections {quality:?}, {:?}: history {}, cells {}, trace {}, lobes {}, resolve {}",
             gi.resolution,
             time("lean_deferred/screen_space/history"),
             time("lean_deferred/screen_space/reflections/cells"),
             time("lean_deferred/screen_space/reflections/trace"),
+            time("lean_deferred/screen_space/reflections/lobes"),
             time("lean_deferred/screen_space/reflections/resolve"),
         ),
     };

@@ -24,11 +24,11 @@ impl ScreenSpaceResolution {
             Self::Half => 2,
         }
     }
+}
 
-    /// Texels of a viewport.
-    pub(super) fn texels(self, viewport_size: UVec2) -> UVec2 {
-        viewport_size
-            .map(|side| side.div_ceil(self.divisor()))
-            .max(UVec2::ONE)
-    }
+/// Texels of so many pixels a side in a viewport.
+pub(super) fn texels(viewport_size: UVec2, divisor: u32) -> UVec2 {
+    viewport_size
+        .map(|side| side.div_ceil(divisor))
+        .max(UVec2::ONE)
 }

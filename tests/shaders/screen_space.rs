@@ -54,7 +54,7 @@ fn diffuse_gi_composes() {
 
 #[test]
 fn reflections_compose() {
-    let divisors: &[&str] = &["DIVISOR=1 ROUGH_STEP=1", "DIVISOR=2 ROUGH_STEP=2"];
+    let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2", "DIVISOR=4"];
     let motion: &[&str] = &["", "MOTION"];
     let special: &[&str] = &["", "SPECIALIZATION"];
     let samples = [
@@ -69,6 +69,9 @@ fn reflections_compose() {
     let traced = [divisors, motion, special, &PROJECTIONS, shown];
     check!("reflections/trace.wgsl", &samples, &traced);
     check!("reflections/resolve.wgsl", &samples, &choices);
+    let lobes: &[&str] = &["LOBES"];
+    let choices = [divisors, special, &PROJECTIONS, lobes];
+    check!("reflections/lobes.wgsl", &samples, &choices);
 }
 
 #[test]

@@ -111,7 +111,7 @@ impl Kind {
     fn passes(self) -> &'static [&'static str] {
         match self {
             Self::DiffuseLight => &["levels", "gather", "filter", "lighting"],
-            Self::Reflections => &["history", "cells", "trace", "resolve", "lighting"],
+            Self::Reflections => &["history", "cells", "trace", "lobes", "resolve", "lighting"],
             Self::Scattering => &["scattering", "lighting"],
         }
     }

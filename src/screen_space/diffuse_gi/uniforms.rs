@@ -9,6 +9,7 @@ use crate::{
     screen_space::{
         LastFrame,
         reprojection::{exposure_ratio, last_pixel_from_view, up_to},
+        resolution,
     },
     shader_library::reconstruction::position::{edge_of, pixels_per_metre, view_from_pixel},
 };
@@ -54,7 +55,7 @@ impl GiView {
             edge: edge_of(clip_from_view, size),
             viewport_origin: now.viewport.min,
             viewport_size: size,
-            texture_size: settings.resolution.texels(size),
+            texture_size: resolution::texels(size, settings.resolution.divisor()),
             radius: up_to(LARGEST_METRES, settings.radius),
             largest_radius_in_pixels: (LARGEST_RADIUS * size.y as f32).max(1.0),
             // So that 0 is a hard edge, but no division by it.

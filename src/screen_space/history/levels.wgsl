@@ -91,32 +91,47 @@ fn store(level: u32, place: vec2<u32>, texel: vec4<f32>) {
 #endif
 }
 
-/// 256 invocations read 16×16 texels, level 0 here, and make what is above them.
-@compute @workgroup_size(256, 1, 1)
+/// Stores it, and keeps its share.
+fn keep(corner: vec2<u32>, in_square: vec2<u32>, texel: vec4<f32>) {
+    store(0u, corner + in_square, texel);
+    shares[in_square.x + 16u * in_square.y] = share_of(texel);
+}
+
+/// The means of 2×2 of the `side` times `side` shares from `first` on. Of constants compilers make less than of a loop.
+fn make_level(level: u32, first: u32, side: u32, workgroup: vec2<u32>, i: u32) {
+    workgroupBarrier();
+    let half_side = side / 2u;
+    if i < half_side * half_side {
+        let place = vec2(i % half_side, i / half_side);
+        let corner = first + 2u * (place.x + side * place.y);
+        let sum = shares[corner] + shares[corner + 1u] + shares[corner + side] + shares[corner + side + 1u];
+        let mean = 0.25 * sum;
+        // The last one is 2×2, which nobody reads.
+        if level < 3u {
+            shares[first + side * side + i] = mean;
+        }
+        store(level, workgroup * half_side + place, mean);
+    }
+}
+
+/// 64 invocations read 16×16 texels, level 0 here, and make what is above them: a workgroup of few waits less for its last one.
+@compute @workgroup_size(64, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
     // The texels of a subgroup are a square: memory takes that faster than rows.
-    let in_square = place_in_tile(i & 63u) + SIDE * vec2((i >> 6u) & 1u, i >> 7u);
-    let place = workgroup.xy * 16u + in_square;
-    let texel = texel_at(place);
-    store(0u, place, texel);
-    shares[in_square.x + 16u * in_square.y] = share_of(texel);
-    var first = 0u;
-    var side = 16u;
-    for (var level = 1u; level < 4u; level++) {
-        workgroupBarrier();
-        let half_side = side / 2u;
-        if i < half_side * half_side {
-            let place = vec2(i % half_side, i / half_side);
-            let corner = first + 2u * (place.x + side * place.y);
-            let sum = shares[corner] + shares[corner + 1u] + shares[corner + side] + shares[corner + side + 1u];
-            let mean = sum / 4.0;
-            // The last one is 2×2, which nobody reads.
-            if level < 3u {
-                shares[first + side * side + i] = mean;
-            }
-            store(level, workgroup.xy * half_side + place, mean);
-        }
-        first += side * side;
-        side = half_side;
-    }
+    let in_tile = place_in_tile(i);
+    let right = in_tile + vec2(SIDE, 0u);
+    let below = in_tile + vec2(0u, SIDE);
+    let corner = workgroup.xy * 16u;
+    // Asked for before any is waited for.
+    let texel_0 = texel_at(corner + in_tile);
+    let texel_1 = texel_at(corner + right);
+    let texel_2 = texel_at(corner + below);
+    let texel_3 = texel_at(corner + in_tile + SIDE);
+    keep(corner, in_tile, texel_0);
+    keep(corner, right, texel_1);
+    keep(corner, below, texel_2);
+    keep(corner, in_tile + SIDE, texel_3);
+    make_level(1u, 0u, 16u, workgroup.xy, i);
+    make_level(2u, 256u, 8u, workgroup.xy, i);
+    make_level(3u, 320u, 4u, workgroup.xy, i);
 }

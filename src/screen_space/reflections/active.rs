@@ -62,12 +62,11 @@ pub(super) fn decide_active_reflections(
         let reason = (!is_lean).then_some("it has no LeanDeferred");
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceReflections", camera, reason);
+        let rows = drawn_part(view, resolution).height();
         let key = ReflectionKey {
             quality: settings.quality,
-            divisor: settings.resolution.divisor(),
-            rough_step: settings
-                .quality
-                .rough_step(drawn_part(view, resolution).height()),
+            divisor: settings.texel_side(rows),
+            shortest_segment: settings.shortest_segment(rows),
             motion,
             // Those of the last frame: where the target is new, coats mirror a frame later.
             specialization: last

@@ -19,4 +19,8 @@ binding_numbers! {
     HITS_OUTPUT = 13,
     OUTPUT_TEXTURE = 14,
     DEPTH_SAMPLER = 15,
+    LOBES_TEXTURE = 16,
+    LOBES_OUTPUT = 17,
+    SURFACES_TEXTURE = 18,
+    SURFACES_OUTPUT = 19,
 }

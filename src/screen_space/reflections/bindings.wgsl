@@ -22,26 +22,18 @@
 @group(0) @binding(11) var hits_texture: texture_2d<u32>;
 @group(0) @binding(12) var rays_output: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(13) var hits_output: texture_storage_2d<r32uint, write>;
+/// The surface of each texel: its normal, as the G-buffer has it, and its depth; 0 if it
+/// sends no ray.
+@group(0) @binding(18) var surfaces_texture: texture_2d<u32>;
+@group(0) @binding(19) var surfaces_output: texture_storage_2d<rg32uint, write>;
+/// Light times confidence, and confidence, of the lobe of each texel.
+@group(0) @binding(16) var lobes_texture: texture_2d<f32>;
+@group(0) @binding(17) var lobes_output: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(14) var output_texture: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(15) var depth_sampler: sampler;
 
 /// Pixels a side of a texel of rays.
 const DIVISOR: i32 = #{DIVISOR};
-/// Perceptual roughness from which on rays go in segments from the start, and are `ROUGH_STEP` texels apart: between two of those that
-/// the G-buffer holds, so that rounding makes no difference.
-const ROUGH: f32 = 51.5 / 255.0;
-const ROUGH_STEP: i32 = #{ROUGH_STEP};
-
-/// Texels from one ray to the next, each way, of surfaces of this perceptual roughness: 1 or 2.
-fn step_of_rays(roughness: f32) -> i32 {
-    return select(1, ROUGH_STEP, roughness > ROUGH);
-}
-
-/// Whether a texel has a ray where these are so many texels apart.
-fn sends_ray(texel: vec2<i32>, apart: i32) -> bool {
-    // Division by what is not constant is slow.
-    return all((texel & vec2(apart - 1)) == vec2(0));
-}
 
 /// View-space position of a point of the picture, in pixels.
 fn view_position(at: vec2<f32>, depth: f32) -> vec3<f32> {
@@ -92,7 +84,7 @@ fn depth_in_view(pixel: vec2<i32>) -> f32 {
 }
 
 /// Where a ray ended: the distance at which its mirror image is seen, straight on through the mirror, in metres (0: nowhere), and
-/// in the lower bits the weight of its direction. The lowest is for who reads it.
+/// in the lower bits the weight of its direction.
 fn pack_hit(distance: f32, weight: f32) -> u32 {
     return (bitcast<u32>(distance) & 0xffffff00u) | (u32(saturate(weight) * 127.0 + 0.5) << 1u);
 }

@@ -9,9 +9,10 @@ use crate::shader_library::reconstruction::position::ProjectionKind;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ReflectionKey {
     pub(super) quality: ScreenSpaceReflectionsQuality,
+    /// Pixels a side of a texel.
     pub(super) divisor: u32,
-    /// From one ray of rough surfaces to the next, in texels.
-    pub(super) rough_step: u32,
+    /// The shortest segment of a ray, in pixels.
+    pub(super) shortest_segment: u32,
     /// The view has motion vectors.
     pub(super) motion: bool,
     /// The view may have special surfaces.
@@ -25,10 +26,9 @@ impl ReflectionKey {
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
         let mut defs = vec![
             ShaderDefVal::UInt("ROUGH_SEGMENTS".into(), self.quality.rough_segments()),
-            ShaderDefVal::UInt("SHORTEST_SEGMENT".into(), self.quality.shortest_segment()),
+            ShaderDefVal::UInt("SHORTEST_SEGMENT".into(), self.shortest_segment),
             ShaderDefVal::UInt("GROWTH_PERCENT".into(), self.quality.growth_percent()),
             ShaderDefVal::UInt("SMOOTH_STEPS".into(), self.quality.smooth_steps()),
-            ShaderDefVal::UInt("ROUGH_STEP".into(), self.rough_step),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
         ];
         if self.motion {
@@ -42,11 +42,6 @@ impl ReflectionKey {
         }
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
-    }
-
-    /// Pixels a side that a workgroup of the last pass makes: those of 16×16 texels.
-    pub(super) fn resolve_side(self) -> u32 {
-        16 * self.divisor
     }
 
     /// Whether what is bound is the same.

@@ -1,22 +1,24 @@
 //! Screen-space reflections: rays through the depth of this frame, into the light of the last one.
 //!
 //! Put [`LeanScreenSpaceReflections`] beside [`LeanDeferred`](crate::LeanDeferred). It keeps the picture of each frame, as it is after
-//! Bevy's transparent pass, for the next one. Between G-buffer and lighting three passes read it:
+//! Bevy's transparent pass, for the next one. Between G-buffer and lighting four passes read it:
 //!
 //! 1. *cells* notes how near and how far the surfaces of each cell of pixels are.
 //! 2. *trace* sends a ray from each texel along one of the sixteen directions of the lobe (GGX) that neighbours share, from cell to cell and
-//!    then from pixel to pixel; or, of rough surfaces, in segments that grow with the way, and in large pictures from one of 2×2 texels.
-//! 3. *resolve* weighs for each pixel what the rays around it have met.
+//!    then from pixel to pixel; or, of rough surfaces, in segments that grow with the way.
+//! 3. *lobes* takes the mean of the rays around each texel.
+//! 4. *resolve* finds for each pixel what it mirrors, of the rays or the lobes around it.
 //!
 //! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. The
-//! passes are timed as `lean_deferred/screen_space/history`, `lean_deferred/screen_space/reflections/cells`, `…/trace` and `…/resolve`.
+//! passes are timed as `lean_deferred/screen_space/history`, `lean_deferred/screen_space/reflections/cells`, `…/trace`, `…/lobes` and `…/resolve`.
 
 // - `settings.rs`: the component.
 // - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 // - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-// - `pass.rs`: the three passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`.
-//   `trace.wgsl`: a ray (`ray.wgsl`) for each texel, by `smooth_march.wgsl` or `rough_march.wgsl`. `resolve.wgsl`: what each
-//   pixel mirrors, of what the rays around it (`texels.wgsl`) have found, by `smooth_light.wgsl` or `rough_light.wgsl`.
+// - `pass.rs`: the four passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`.
+//   `trace.wgsl`: a ray (`ray.wgsl`) for each texel, by `smooth_march.wgsl` or `rough_march.wgsl`. `lobes.wgsl`: the
+//   mean of the rays around each texel. `resolve.wgsl`: what each pixel (`receiver.wgsl`) mirrors, by `smooth_light.wgsl` or
+//   `rough_light.wgsl`. Both of the latter passes know texels by `texels.wgsl`.
 // - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `surface.wgsl`: what mirrors, and
 //   what the last frame showed of it.
 
@@ -88,10 +90,12 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         load_shader_library!(app, "rough_march.wgsl");
         load_shader_library!(app, "surface.wgsl");
         load_shader_library!(app, "texels.wgsl");
+        load_shader_library!(app, "receiver.wgsl");
         load_shader_library!(app, "smooth_light.wgsl");
         load_shader_library!(app, "rough_light.wgsl");
         embedded_asset!(app, "cells.wgsl");
         embedded_asset!(app, "trace.wgsl");
+        embedded_asset!(app, "lobes.wgsl");
         embedded_asset!(app, "resolve.wgsl");
         app.register_type::<LeanScreenSpaceReflections>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());

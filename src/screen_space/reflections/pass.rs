@@ -18,9 +18,10 @@ use crate::{
 };
 
 /// Labels of the passes, in order.
-const PASSES: [&str; 3] = [
+pub(super) const PASSES: [&str; 4] = [
     "lean_deferred/screen_space/reflections/cells",
     "lean_deferred/screen_space/reflections/trace",
+    "lean_deferred/screen_space/reflections/lobes",
     "lean_deferred/screen_space/reflections/resolve",
 ];
 
@@ -40,7 +41,7 @@ pub(super) fn find_reflections(
         return;
     }
     let steps = PASSES.into_iter().zip(active.passes.0);
-    let workgroups = held.workgroups(active.key.resolve_side());
+    let workgroups = held.workgroups();
     for (((label, pipeline), group), count) in steps.zip(bindings.groups()).zip(workgroups) {
         let (Some(pipeline), Some(group)) = (cache.get_compute_pipeline(pipeline), group) else {
             return;

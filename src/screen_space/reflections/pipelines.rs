@@ -18,15 +18,18 @@ use bevy::{
         },
         renderer::RenderDevice,
     },
+    shader::ShaderDefVal,
 };
 
 use super::{
     binding_numbers::{
         CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_SAMPLER, DEPTH_TEXTURE, HISTORY_SAMPLER,
-        HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE,
-        RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
+        HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, LOBES_OUTPUT, LOBES_TEXTURE, MOTION_TEXTURE,
+        NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE,
+        SURFACES_OUTPUT, SURFACES_TEXTURE, VIEW, WRITTEN_TEXTURE,
     },
     key::ReflectionKey,
+    pass::PASSES,
     uniforms::ReflectionView,
 };
 use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
@@ -35,12 +38,17 @@ use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
 pub(super) const CELLS_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Of light and confidence.
 pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
+/// Of the surfaces that send rays.
+pub(super) const SURFACES_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 /// Of where rays ended.
 pub(super) const HITS_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
+/// What the shader of each pass is compiled by beside the key.
+const DEFS: [&[&str]; PASSES.len()] = [&[], &[], &["LOBES"], &[]];
+
 /// The pipelines of one key, in the order of the passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct ReflectionPasses(pub(super) [CachedComputePipelineId; 3]);
+pub(super) struct ReflectionPasses(pub(super) [CachedComputePipelineId; PASSES.len()]);
 
 impl ReflectionPasses {
     pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
@@ -51,7 +59,7 @@ impl ReflectionPasses {
 }
 
 /// The layouts of the passes, in their order.
-pub(super) struct ReflectionLayouts(pub(super) [FoundLayout; 3]);
+pub(super) struct ReflectionLayouts(pub(super) [FoundLayout; PASSES.len()]);
 
 /// What is bound the same for all views.
 pub(super) struct Fixtures {
@@ -64,7 +72,7 @@ pub(super) struct Fixtures {
 /// The pipelines by key, and what they bind: made when the first view asks for them.
 #[derive(Resource)]
 pub(super) struct ReflectionPipelines {
-    shaders: [Handle<Shader>; 3],
+    shaders: [Handle<Shader>; PASSES.len()],
     /// By whether there is motion, and whether there are special surfaces.
     layouts: HashMap<(bool, bool), ReflectionLayouts>,
     fixtures: OnceLock<Fixtures>,
@@ -76,6 +84,7 @@ pub(super) fn init_reflection_pipelines(mut commands: Commands, asset_server: Re
         shaders: [
             load_embedded_asset!(asset_server.as_ref(), "cells.wgsl"),
             load_embedded_asset!(asset_server.as_ref(), "trace.wgsl"),
+            load_embedded_asset!(asset_server.as_ref(), "lobes.wgsl"),
             load_embedded_asset!(asset_server.as_ref(), "resolve.wgsl"),
         ],
         layouts: HashMap::default(),
@@ -118,12 +127,11 @@ fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayo
     let floats = || texture_2d(TextureSampleType::Float { filterable: false });
     let filtered = || texture_2d(TextureSampleType::Float { filterable: true });
     let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
-    // What all passes read, and what those that look at surfaces do.
-    let always: [(u32, BindGroupLayoutEntryBuilder); 2] = [
-        (VIEW, uniform_buffer::<ReflectionView>(true)),
-        (DEPTH_TEXTURE, texture_depth_2d()),
-    ];
-    let surfaces: Vec<_> = [
+    let view = (VIEW, uniform_buffer::<ReflectionView>(true));
+    let depth = (DEPTH_TEXTURE, texture_depth_2d());
+    // What passes read that look at the G-buffer and at the last frame's light.
+    let scene: Vec<_> = [
+        depth,
         (NORMAL_TEXTURE, words()),
         (HISTORY_TEXTURE, filtered()),
         (HISTORY_SAMPLER, sampler(SamplerBindingType::Filtering)),
@@ -133,36 +141,51 @@ fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayo
     .chain(special.then(|| (WRITTEN_TEXTURE, words())))
     .chain(special.then(|| (SPECIALIZATION_TEXTURE, words())))
     .collect();
-    let found = |label: &'static str, entries: Vec<(u32, BindGroupLayoutEntryBuilder)>| {
-        let entries = always.into_iter().chain(entries);
+    // What rays have found.
+    let texels = [
+        (SURFACES_TEXTURE, words()),
+        (RAYS_TEXTURE, floats()),
+        (HITS_TEXTURE, words()),
+    ];
+    let found = |label: &'static str, parts: &[&[(u32, BindGroupLayoutEntryBuilder)]]| {
+        let entries = parts.iter().copied().flatten().copied();
+        let entries = [view].into_iter().chain(entries);
         FoundLayout::new(cache, layout(label, ShaderStages::COMPUTE, entries))
-    };
-    let with_surfaces = |label, entries: Vec<_>| {
-        let surfaces = surfaces.iter().copied();
-        found(label, surfaces.chain(entries).collect())
     };
     ReflectionLayouts([
         found(
             "lean_deferred/screen_space/reflections/cells",
-            vec![
+            &[&[
+                depth,
                 (CELLS_OUTPUT, stored(CELLS_FORMAT)),
                 (DEPTH_SAMPLER, sampler(SamplerBindingType::NonFiltering)),
-            ],
+            ]],
         ),
-        with_surfaces(
+        found(
             "lean_deferred/screen_space/reflections/trace",
-            vec![
-                (CELLS_TEXTURE, words()),
-                (RAYS_OUTPUT, stored(LIGHT_FORMAT)),
-                (HITS_OUTPUT, stored(HITS_FORMAT)),
+            &[
+                &scene,
+                &[
+                    (CELLS_TEXTURE, words()),
+                    (SURFACES_OUTPUT, stored(SURFACES_FORMAT)),
+                    (RAYS_OUTPUT, stored(LIGHT_FORMAT)),
+                    (HITS_OUTPUT, stored(HITS_FORMAT)),
+                ],
             ],
         ),
-        with_surfaces(
+        found(
+            "lean_deferred/screen_space/reflections/lobes",
+            &[&texels, &[(LOBES_OUTPUT, stored(LIGHT_FORMAT))]],
+        ),
+        found(
             "lean_deferred/screen_space/reflections/resolve",
-            vec![
-                (RAYS_TEXTURE, floats()),
-                (HITS_TEXTURE, words()),
-                (OUTPUT_TEXTURE, stored(LIGHT_FORMAT)),
+            &[
+                &scene,
+                &texels,
+                &[
+                    (LOBES_TEXTURE, floats()),
+                    (OUTPUT_TEXTURE, stored(LIGHT_FORMAT)),
+                ],
             ],
         ),
     ])
@@ -194,11 +217,12 @@ impl ReflectionPipelines {
             .or_insert_with(|| layouts(cache, binds.0, binds.1));
         let passes = ReflectionPasses(core::array::from_fn(|pass| {
             let layout = layouts.0[pass].descriptor();
+            let more = DEFS[pass].iter().copied().map(ShaderDefVal::from);
             cache.queue_compute_pipeline(ComputePipelineDescriptor {
                 label: Some(layout.label.clone()),
                 layout: vec![layout.clone()],
                 shader: self.shaders[pass].clone(),
-                shader_defs: key.shader_defs(),
+                shader_defs: key.shader_defs().into_iter().chain(more).collect(),
                 entry_point: Some("main".into()),
                 ..default()
             })

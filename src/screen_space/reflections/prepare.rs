@@ -18,10 +18,15 @@ use super::{
     active::ActiveReflections,
     binding_numbers::{
         CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_SAMPLER, DEPTH_TEXTURE, HISTORY_SAMPLER,
-        HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE,
-        RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE, VIEW, WRITTEN_TEXTURE,
+        HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, LOBES_OUTPUT, LOBES_TEXTURE, MOTION_TEXTURE,
+        NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE,
+        SURFACES_OUTPUT, SURFACES_TEXTURE, VIEW, WRITTEN_TEXTURE,
     },
-    pipelines::{CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines},
+    pass::PASSES,
+    pipelines::{
+        CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines,
+        SURFACES_FORMAT,
+    },
     settings::ScreenSpaceReflectionsDebugView,
     uniforms::ReflectionView,
 };
@@ -42,6 +47,9 @@ use crate::{
 
 /// Pixels a side of the largest cells.
 const LARGEST_CELL: u32 = 64;
+/// Texels a side whose lobes a workgroup makes, and pixels a side whose light one makes. As `texels.wgsl` has them.
+const LOBES_SIDE: u32 = 16;
+const PIXELS_SIDE: u32 = 16;
 
 /// The uniforms of all views.
 #[derive(Resource, Default)]
@@ -51,8 +59,10 @@ pub(super) struct ReflectionUniforms(DynamicUniformBuffer<ReflectionView>);
 #[derive(Component)]
 pub struct ViewReflections {
     cells: StorageTexture,
+    surfaces: StorageTexture,
     rays: StorageTexture,
     hits: StorageTexture,
+    lobes: StorageTexture,
     output: StorageTexture,
     viewport_size: UVec2,
     texture_size: UVec2,
@@ -73,6 +83,11 @@ impl ViewReflections {
                 cells,
                 CELLS_FORMAT,
             ),
+            surfaces: texture(
+                "lean_deferred/screen_space/reflections/surfaces",
+                texels,
+                SURFACES_FORMAT,
+            ),
             rays: texture(
                 "lean_deferred/screen_space/reflections/rays",
                 texels,
@@ -82,6 +97,11 @@ impl ViewReflections {
                 "lean_deferred/screen_space/reflections/hits",
                 texels,
                 HITS_FORMAT,
+            ),
+            lobes: texture(
+                "lean_deferred/screen_space/reflections/lobes",
+                texels,
+                LIGHT_FORMAT,
             ),
             output: texture(
                 "lean_deferred/screen_space/reflections/output",
@@ -99,24 +119,29 @@ impl ViewReflections {
         (self.viewport_size, self.texture_size) == (view.viewport_size, view.texture_size)
     }
 
-    /// Workgroups of the passes, of which each of the last one's makes so many pixels a side.
-    pub(super) fn workgroups(&self, resolve_side: u32) -> [UVec2; 3] {
+    /// Workgroups of the passes.
+    pub(super) fn workgroups(&self) -> [UVec2; PASSES.len()] {
         let of = |size: UVec2, side: u32| size.map(|length| length.div_ceil(side));
-        // Up to four workgroups share as many tiles.
-        let tiles = tiles::count(self.texture_size);
-        let tiles = tiles.with_x(tiles.x.next_multiple_of(4));
         [
             cell_count(self.viewport_size),
-            tiles,
-            of(self.viewport_size, resolve_side),
+            tiles::count(self.texture_size),
+            of(self.texture_size, LOBES_SIDE),
+            of(self.viewport_size, PIXELS_SIDE),
         ]
     }
 
     /// All that it holds on the GPU.
     pub fn textures(&self) -> impl Iterator<Item = &Texture> {
-        [&self.cells, &self.rays, &self.hits, &self.output]
-            .into_iter()
-            .map(|held| &held.texture)
+        [
+            &self.cells,
+            &self.surfaces,
+            &self.rays,
+            &self.hits,
+            &self.lobes,
+            &self.output,
+        ]
+        .into_iter()
+        .map(|held| &held.texture)
     }
 }
 
@@ -165,7 +190,8 @@ pub(super) fn prepare_reflections(
             continue;
         }
         let now = LastFrame::of(view, resolution, camera.exposure);
-        let mut uniform = ReflectionView::new(&active.settings, &now, history.last());
+        let mut uniform =
+            ReflectionView::new(&active.settings, active.key.divisor, &now, history.last());
         uniform.history_size = history.size().as_vec2();
         uniform.row_stride = row_order.stride(tiles::count(uniform.texture_size).y);
         uniform.turn = turn_of(&frame, jitters);
@@ -198,11 +224,11 @@ pub(super) fn prepare_reflections(
 
 /// On a view whose reflections are found: the bind groups of its passes.
 #[derive(Component, Default)]
-pub struct ReflectionBindings([CachedBindGroup; 3]);
+pub struct ReflectionBindings([CachedBindGroup; PASSES.len()]);
 
 impl ReflectionBindings {
     /// In the order of the passes.
-    pub(super) fn groups(&self) -> [Option<&BindGroup>; 3] {
+    pub(super) fn groups(&self) -> [Option<&BindGroup>; PASSES.len()] {
         self.0.each_ref().map(CachedBindGroup::get)
     }
 
@@ -239,12 +265,9 @@ pub(super) fn prepare_reflection_bind_groups(
             Some(bindings) => bindings.into_inner(),
             None => made.insert(ReflectionBindings::default()),
         };
-        let always = |entries: &mut Entries| {
+        let scene = |entries: &mut Entries| {
             entries.push(VIEW, uniforms.clone())?;
-            entries.push(DEPTH_TEXTURE, depth.view().into_binding())
-        };
-        let surfaces = |entries: &mut Entries| {
-            always(entries)?;
+            entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
             entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
             entries.push(HISTORY_TEXTURE, history.view().into_binding())?;
             entries.push(HISTORY_SAMPLER, fixtures.history_sampler.into_binding())?;
@@ -266,22 +289,34 @@ pub(super) fn prepare_reflection_bind_groups(
             }
             Some(())
         };
-        let [cells, trace, resolve] = &mut bindings.0;
+        let texels = |entries: &mut Entries| {
+            entries.push(SURFACES_TEXTURE, held.surfaces.view.into_binding())?;
+            entries.push(RAYS_TEXTURE, held.rays.view.into_binding())?;
+            entries.push(HITS_TEXTURE, held.hits.view.into_binding())
+        };
+        let [cells, trace, lobes, resolve] = &mut bindings.0;
         cells.update(&device, &layouts[0], |entries| {
-            always(entries)?;
+            entries.push(VIEW, uniforms.clone())?;
+            entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
             entries.push(CELLS_OUTPUT, held.cells.view.into_binding())?;
             entries.push(DEPTH_SAMPLER, fixtures.depth_sampler.into_binding())
         });
         trace.update(&device, &layouts[1], |entries| {
-            surfaces(entries)?;
+            scene(entries)?;
             entries.push(CELLS_TEXTURE, held.cells.view.into_binding())?;
+            entries.push(SURFACES_OUTPUT, held.surfaces.view.into_binding())?;
             entries.push(RAYS_OUTPUT, held.rays.view.into_binding())?;
             entries.push(HITS_OUTPUT, held.hits.view.into_binding())
         });
-        resolve.update(&device, &layouts[2], |entries| {
-            surfaces(entries)?;
-            entries.push(RAYS_TEXTURE, held.rays.view.into_binding())?;
-            entries.push(HITS_TEXTURE, held.hits.view.into_binding())?;
+        lobes.update(&device, &layouts[2], |entries| {
+            entries.push(VIEW, uniforms.clone())?;
+            texels(entries)?;
+            entries.push(LOBES_OUTPUT, held.lobes.view.into_binding())
+        });
+        resolve.update(&device, &layouts[3], |entries| {
+            scene(entries)?;
+            texels(entries)?;
+            entries.push(LOBES_TEXTURE, held.lobes.view.into_binding())?;
             entries.push(OUTPUT_TEXTURE, held.output.view.into_binding())
         });
         if let Some(made) = made {

@@ -51,35 +51,41 @@ fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
     return met;
 }
 
-/// Goes along in segments that grow with the way, as long as `growth` times that, and looks at the cells and, where these do not
-/// leave the ray alone, at the pixels in the middle of them, up to the first surface that turns its front to it. `direction` is the
-/// ray's in view space. Neighbours with other `phases`, 0 to 1, have their segments elsewhere, so that what one passes by another
-/// one meets. It goes on from where it is on its `way`, and is given up after so many `segments`. The ray of a smooth surface
-/// ends at an exact pixel.
-fn march(
-    ray: Ray,
-    direction: vec3<f32>,
-    growth: f32,
-    phase: f32,
+/// A ray on its way in segments.
+struct March {
+    u: f32,
+    is_in_front: bool,
+    /// How much longer than they grow to the next segments are.
+    factor: f32,
+    /// Of the last one.
+    length: f32,
+    /// How many there have been.
     segments: u32,
-    is_smooth: bool,
-    way: ptr<function, Way>,
-) -> Met {
+}
+
+/// Where a ray goes behind something: in front of it at `front`, and behind `depth` at `back`.
+struct Crossing {
+    is_one: bool,
+    front: f32,
+    back: f32,
+    depth: f32,
+}
+
+/// Goes on to where the ray next goes behind something: looks at the cells and, where these do not leave the ray alone, at the pixels
+/// in the middle of the segments. `begin` is where the way in segments began.
+fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<function, March>) -> Crossing {
     let rows = largest_rows(view.viewport_size.y);
-    let begin = (*way).u;
-    var u = begin;
-    var was_in_front = (*way).is_in_front;
-    var factor = 0.5 + phase;
-    var length = 0.0;
-    var met: Met;
-    for (var i = 0u; i < segments && u < ray.end && !met.is_hit; i += TOGETHER) {
-        length = max(SHORTEST, growth * u) * factor;
+    var now = *march;
+    var crossing: Crossing;
+    while now.segments < segments && now.u < ray.end && !crossing.is_one {
+        let length = max(SHORTEST, growth * now.u) * now.factor;
+        now.length = length;
         // The smallest cells that are no shorter.
         let is_16 = length > 4.0;
         let is_64 = length > 16.0;
         let inverse_side = select(select(1.0 / 4.0, 1.0 / 16.0, is_16), 1.0 / 64.0, is_64);
         let row = vec2(0, i32(rows * select(select(0u, ROWS_BEFORE_16, is_16), ROWS_BEFORE_64, is_64)));
-        let middle = ray.start + ray.step * (u + 0.5 * length);
+        let middle = ray.start + ray.step * (now.u + 0.5 * length);
         let along = ray.step * length;
         let cell = middle.xy * inverse_side;
         let along_cell = along.xy * inverse_side;
@@ -95,42 +101,71 @@ fn march(
         let half_z = 0.5 * abs(along.z);
         let is_in_front = z - half_z > vec4(cell_0.x, cell_1.x, cell_2.x, cell_3.x);
         let is_behind = z + half_z < vec4(cell_0.y, cell_1.y, cell_2.y, cell_3.y);
-        if all(is_in_front) {
-            was_in_front = true;
-            u += f32(TOGETHER) * length;
-            factor = min(2.0 * factor, LONGER);
-            continue;
-        }
         // It goes behind something, or might do so, or come out from there.
-        let enters = vec4(was_in_front, is_in_front.xyz) & is_behind;
+        let enters = vec4(now.is_in_front, is_in_front.xyz) & is_behind;
         let looks = any(enters | !(is_in_front | is_behind));
-        if looks && factor > 1.5 {
+        if looks && now.factor > 1.5 {
             // Once more, in shorter ones.
-            factor = 1.0;
+            now.segments += TOGETHER;
+            now.factor = 1.0;
             continue;
         }
+        var passed = TOGETHER;
         if looks {
-            let at = min(vec4(u) + length * vec4(0.5, 1.5, 2.5, 3.5), vec4(ray.end));
+            let at = min(vec4(now.u) + length * vec4(0.5, 1.5, 2.5, 3.5), vec4(ray.end));
             let depths = vec4(
                 depth_in_view(pixel_on(ray, at.x)), depth_in_view(pixel_on(ray, at.y)),
                 depth_in_view(pixel_on(ray, at.z)), depth_in_view(pixel_on(ray, at.w)),
             );
             let stays_in_front = is_in_front | (ray.start.z + ray.step.z * at > depths);
             for (var n = 0u; n < TOGETHER; n++) {
-                if was_in_front && !stays_in_front[n] {
-                    met = met_between(ray, direction, max(at[n] - length, begin), at[n], depths[n], is_smooth);
-                    if met.is_hit {
-                        break;
-                    }
+                if now.is_in_front && !stays_in_front[n] {
+                    crossing = Crossing(true, max(at[n] - length, begin), at[n], depths[n]);
+                    passed = n + 1u;
                 }
-                was_in_front = stays_in_front[n];
+                now.is_in_front = stays_in_front[n];
+                if crossing.is_one {
+                    break;
+                }
             }
         } else {
-            was_in_front = is_in_front.w;
+            now.is_in_front = is_in_front.w;
         }
-        u += f32(TOGETHER) * length;
-        factor = 1.0;
+        now.u += f32(passed) * length;
+        now.segments += passed;
+        now.factor = select(1.0, min(2.0 * now.factor, LONGER), all(is_in_front));
     }
-    *way = Way(u, was_in_front, select(length, 1.0, is_smooth));
+    *march = now;
+    return crossing;
+}
+
+/// Goes along in segments that grow with the way, as long as `growth` times that, up to the first surface that turns its front to the
+/// ray. `direction` is the ray's in view space. Neighbours with other `phases`, 0 to 1, have their segments elsewhere, so that what one
+/// passes by another one meets. It goes on from where it is on its `way`, and is given up after so many `segments`. The ray of a smooth
+/// surface ends at an exact pixel.
+fn march(
+    ray: Ray,
+    direction: vec3<f32>,
+    growth: f32,
+    phase: f32,
+    segments: u32,
+    is_smooth: bool,
+    way: ptr<function, Way>,
+) -> Met {
+    let begin = (*way).u;
+    var march = March(begin, (*way).is_in_front, 0.5 + phase, 0.0, 0u);
+    var met: Met;
+    loop {
+        // Rays that run together go on together, and are halved together.
+        let crossing = next_crossing(ray, begin, growth, segments, &march);
+        if !crossing.is_one {
+            break;
+        }
+        met = met_between(ray, direction, crossing.front, crossing.back, crossing.depth, is_smooth);
+        if met.is_hit {
+            break;
+        }
+    }
+    *way = Way(march.u, march.is_in_front, select(march.length, 1.0, is_smooth));
     return met;
 }

@@ -69,7 +69,8 @@ pub struct LeanScreenSpaceReflections {
     pub intensity: f32,
     /// How far rays go. Default [`ScreenSpaceReflectionsQuality::Medium`].
     pub quality: ScreenSpaceReflectionsQuality,
-    /// How many pixels share a texel, which sends a ray. Default [`ScreenSpaceResolution::Half`].
+    /// How many pixels share a texel, which sends a ray: see [`texel_side`](Self::texel_side). Default
+    /// [`ScreenSpaceResolution::Half`].
     pub resolution: ScreenSpaceResolution,
     /// What is shown in place of the picture. Default `None`, the picture.
     pub debug_view: Option<ScreenSpaceReflectionsDebugView>,
@@ -93,6 +94,23 @@ impl Default for LeanScreenSpaceReflections {
     }
 }
 
+impl LeanScreenSpaceReflections {
+    /// Pixels a side of a texel, which sends a ray, in a view of so many rows: 1, 2 or 4. That of the resolution, and twice that with
+    /// `Low`, and with `Medium` from 1440 rows on.
+    pub fn texel_side(&self, rows: u32) -> u32 {
+        self.resolution.divisor() * self.quality.texel_step(rows)
+    }
+
+    /// The shortest segment of a ray, in pixels.
+    pub(super) fn shortest_segment(&self, rows: u32) -> u32 {
+        let pixels = match self.quality {
+            ScreenSpaceReflectionsQuality::Low | ScreenSpaceReflectionsQuality::Medium => 8,
+            ScreenSpaceReflectionsQuality::High => 4,
+        };
+        pixels * self.quality.texel_step(rows)
+    }
+}
+
 /// How closely a ray looks, and when it is given up. That of a surface of a perceptual roughness up to 0.2 goes from cell to cell, of 4 to 64
 /// pixels a side, the largest that it can pass at once, and in them from pixel to pixel: each is a step. That of a rougher one goes in
 /// segments that grow with the way as the lobe does; where it goes behind something in one, that is halved down to a pixel. So does the
@@ -100,13 +118,13 @@ impl Default for LeanScreenSpaceReflections {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceReflectionsQuality {
-    /// 48 steps; of rough surfaces one of 2×2 texels sends a ray, in 64 segments of 8 pixels, or 0.22 of the lobe's radius where that is
-    /// longer.
+    /// 48 steps, or 48 segments of 16 pixels, or 0.22 of the lobe's radius where that is longer. Texels are twice as large each way.
     Low,
-    /// 64 steps; in views of less than 1440 rows each texel of rough surfaces sends a ray. Else as `Low`.
+    /// 64 steps, or 48 segments of 8 pixels, or 0.22 of the radius. In views of 1440 rows or more texels and segments are as large as with
+    /// `Low`.
     #[default]
     Medium,
-    /// 128 steps; each texel sends a ray, in 128 segments of 4 pixels, or 0.075 of the radius.
+    /// 128 steps, or 96 segments of 4 pixels, or 0.075 of the radius.
     High,
 }
 
@@ -129,16 +147,8 @@ impl ScreenSpaceReflectionsQuality {
     /// The most segments of a ray from a rough surface, or of the rest of one from a smooth surface.
     pub fn rough_segments(self) -> u32 {
         match self {
-            Self::Low | Self::Medium => 64,
-            Self::High => 128,
-        }
-    }
-
-    /// The shortest of them, in pixels.
-    pub(super) fn shortest_segment(self) -> u32 {
-        match self {
-            Self::Low | Self::Medium => 8,
-            Self::High => 4,
+            Self::Low | Self::Medium => 48,
+            Self::High => 96,
         }
     }
 
@@ -150,8 +160,8 @@ impl ScreenSpaceReflectionsQuality {
         }
     }
 
-    /// From one ray of rough surfaces to the next, in texels each way, in a view of so many rows.
-    pub fn rough_step(self, rows: u32) -> u32 {
+    /// How many times larger texels are each way than those of the resolution, in a view of so many rows.
+    fn texel_step(self, rows: u32) -> u32 {
         match self {
             Self::Low => 2,
             Self::Medium if rows >= MANY_ROWS => 2,

@@ -4,10 +4,14 @@
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
     depth_texture, edge_step, homogeneous_pixel, to_viewer, unpack_distance, view, view_position,
 }
+#import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, light_around, likeness_of, lobe_width}
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, rotated}
-#import bevy_lean_deferred::screen_space::reflections::texels::{
-    Receiver, SIDE, hits, light_around, lights, likeness_of, lobe_width,
-}
+#import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, hits, lights}
+
+/// The gap where it is not to be looked at.
+const NOTHING_NEAR: f32 = 9.0;
+/// How often the way between two rays is narrowed down.
+const NARROWINGS: i32 = 3;
 
 /// Where a ray is seen: linear in the metres of its way.
 struct Line {
@@ -22,16 +26,41 @@ fn seen_at(line: Line, metres: f32) -> vec3<f32> {
     return select(vec3(-1e9), seen.xyz / seen.w, seen.w > 0.0);
 }
 
-/// Whether a surface is there on the way of the pixel's ray: 0 to 1.
-fn match_at(receiver: Receiver, at: vec3<f32>) -> f32 {
+/// How far the pixel's ray is in front of what is seen where it is, in the steps that separate surfaces a pixel apart.
+fn gap_at(receiver: Receiver, at: vec3<f32>) -> f32 {
     // As `depth_in_view`, in fewer instructions: what is below 0 becomes 0 where it becomes unsigned.
     let pixel = min(vec2<u32>(at.xy), vec2<u32>(view.viewport_size) - 1u);
     let depth = textureLoad(depth_texture, vec2<u32>(view.viewport_origin) + pixel, 0);
     // What is a pixel away may be the mirror itself, which would see its own light for ever.
     let way = abs(at.xy - receiver.at);
     let is_away = max(way.x, way.y) > 1.5;
-    let off = abs(depth - at.z) / max(edge_step(depth, 1.0), 1e-30);
-    return select(0.0, saturate(2.0 - off), is_away);
+    return select(NOTHING_NEAR, (at.z - depth) / max(edge_step(depth, 1.0), 1e-30), is_away);
+}
+
+/// Whether a surface is there on the way of the pixel's ray: 0 to 1.
+fn match_of(gap: f32) -> f32 {
+    return saturate(2.0 - abs(gap));
+}
+
+/// Metres to where the pixel's ray meets a surface between `front`, where it is in front of what is seen, and `back`, where it is
+/// behind it: metres and gap each (regula falsi). Less than 0 if it meets none.
+fn metres_between(receiver: Receiver, line: Line, front: vec2<f32>, back: vec2<f32>) -> f32 {
+    var before = front;
+    var after = back;
+    for (var i = 0; i < NARROWINGS && 0.0 <= before.x && before.x < after.x; i++) {
+        let share = clamp(before.y / (before.y - after.y), 0.1, 0.9);
+        let metres = mix(before.x, after.x, share);
+        let gap = gap_at(receiver, seen_at(line, metres));
+        if match_of(gap) > 0.5 {
+            return metres;
+        }
+        if gap > 0.0 {
+            before = vec2(metres, gap);
+        } else {
+            after = vec2(metres, gap);
+        }
+    }
+    return -1.0;
 }
 
 /// What ray `i` of the four around the pixel has met: metres on the way of the pixel's own, confidence, and how much it counts.
@@ -66,20 +95,37 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var mean = sum / max(weights, 1e-6);
     var at = seen_at(line, mean.x);
     // Most often all have met the same surface, and between them the pixel's own ray meets it too.
-    if weights > 0.02 && match_at(receiver, at) < 1.0 {
+    if weights > 0.02 && match_of(gap_at(receiver, at)) < 1.0 {
         // Else what those have met on whose surface it is.
         sum = vec2(0.0);
         weights = 0.0;
+        // The last place in front of what is seen and the first one behind it: metres and gap.
+        var front = vec2(-1.0, 0.0);
+        var back = vec2(0.0);
         for (var i = 0; i < 4; i++) {
             let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
             if ray.z > 0.0 {
-                let weight = ray.z * match_at(receiver, seen_at(line, ray.x));
+                let gap = gap_at(receiver, seen_at(line, ray.x));
+                let weight = ray.z * match_of(gap);
                 sum += ray.xy * weight;
                 weights += weight;
+                if gap > 0.0 && ray.x > front.x {
+                    front = vec2(ray.x, gap);
+                }
+                if gap <= 0.0 && (back.x == 0.0 || ray.x < back.x) {
+                    back = vec2(ray.x, gap);
+                }
             }
         }
+        let confidence = mean.y;
         mean = sum / max(weights, 1e-6);
         at = seen_at(line, mean.x);
+        // Or what bends between them.
+        if !(weights > 0.02 && match_of(gap_at(receiver, at)) > 0.5) {
+            mean = vec2(metres_between(receiver, line, front, back), confidence);
+            weights = select(0.0, 1.0, mean.x >= 0.0);
+            at = seen_at(line, mean.x);
+        }
     }
     if !(weights > 0.02) {
         // For outlines.

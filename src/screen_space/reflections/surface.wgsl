@@ -29,10 +29,6 @@ struct Mirror {
 /// Rougher than anything.
 const NO_MIRROR: f32 = 2.0;
 
-fn mirror_at(pixel: vec2<i32>) -> Mirror {
-    return mirror_of(pixel, normal_word_at(pixel));
-}
-
 fn normal_word_at(pixel: vec2<i32>) -> u32 {
     return textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
 }

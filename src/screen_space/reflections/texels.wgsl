@@ -1,41 +1,50 @@
-// What a workgroup that makes the light of pixels knows of the texels around them: their surfaces, and what their rays have found.
+// What a workgroup knows of texels: their surfaces, and what their rays have found. Either of those whose lobes it makes (LOBES), or
+// of those around the pixels whose light it makes.
 #define_import_path bevy_lean_deferred::screen_space::reflections::texels
 
+#import bevy_lean_deferred::gbuffer::layout::unpack_normal
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
-#import bevy_lean_deferred::screen_space::reflections::bindings::{ROUGH_STEP, unpack_distance, view}
+#import bevy_lean_deferred::screen_space::reflections::bindings::{
+    DIVISOR, edge_step, hits_texture, rays_texture, surfaces_texture, view,
+}
 
-/// Texels a side of a workgroup, and invocations.
-const TEXELS: i32 = 16;
-const INVOCATIONS: i32 = TEXELS * TEXELS;
-/// Rays that a mean is of, each way from its own. The outer ones weigh half as much: each of the four directions that rays have along an
-/// axis then weighs alike, and what a ray has met has no hard edges.
-const REACH: i32 = 2;
-/// Texels a side that are read: those of all means.
-const SIDE: i32 = TEXELS + 1 + 2 * REACH * ROUGH_STEP;
-/// The first of the texels whose pixels are made.
-const FIRST_MADE: i32 = REACH * ROUGH_STEP * (1 + SIDE);
+#ifdef LOBES
+/// Texels a side that something is made of.
+const MADE: i32 = 16;
+/// Texels around them that are read too: a lobe is of so many rays each way from its own.
+const RIM: i32 = 2;
+const INVOCATIONS: i32 = 256;
+#else
+/// Pixels a side whose light is made.
+const PIXELS: i32 = 16;
+/// Texels a side that something is made of: those around the pixels.
+const MADE: i32 = PIXELS / DIVISOR + 1;
+/// Texels around them that are read too, for their slopes.
+const RIM: i32 = 1;
+/// Of fewer texels fewer: then they wait less for each other.
+const INVOCATIONS: i32 = 256 / DIVISOR;
+#endif
+const SIDE: i32 = MADE + 2 * RIM;
+/// The first texel that something is made of.
+const FIRST_MADE: i32 = RIM * (1 + SIDE);
 
 /// Half floats of light times confidence, and confidence: many workgroups are to find room.
 var<workgroup> lights: array<vec2<u32>, SIDE * SIDE>;
-/// Normals in half floats, and depths: 0 where nothing mirrors.
+/// Normals in half floats, and depths: 0 where there is no ray.
 var<workgroup> normals: array<vec2<u32>, SIDE * SIDE>;
 var<workgroup> depths: array<f32, SIDE * SIDE>;
-/// With a bit for those of rough surfaces, whose rays are further apart.
+/// See `pack_hit`; 0 where there is no ray.
 var<workgroup> hits: array<u32, SIDE * SIDE>;
-const IS_ROUGH: u32 = 1u;
 
-/// The pixel whose light is made.
-struct Receiver {
-    /// In pixels.
-    at: vec2<f32>,
-    depth: f32,
-    /// From texel to texel.
-    slope: vec2<f32>,
-    /// Of the step in depth that separates surfaces a texel apart.
-    inverse_step: f32,
-    /// In world space.
-    normal: vec3<f32>,
-    roughness: f32,
+/// 1 if any of them sends a ray: all write the same.
+var<workgroup> mirrors_any: u32;
+
+/// What the textures hold of a texel.
+struct Texel {
+    place: vec2<i32>,
+    surface: vec2<u32>,
+    light: vec4<f32>,
+    hit: u32,
 }
 
 fn pack_halves(x: vec4<f32>) -> vec2<u32> {
@@ -46,17 +55,42 @@ fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
     return vec4(unpack2x16float(words.x), unpack2x16float(words.y));
 }
 
+/// The nearest one in the picture.
+fn nearest_inside(texel: vec2<i32>) -> vec2<i32> {
+    return clamp(texel, vec2(0), vec2<i32>(view.texture_size) - 1);
+}
+
+/// Texel `read` of the workgroup. `corner` is the first one that something is made of.
+fn texel_at(corner: vec2<i32>, read: i32) -> Texel {
+    var known: Texel;
+    known.place = corner + vec2<i32>(vec2(u32(read) % u32(SIDE), u32(read) / u32(SIDE))) - RIM;
+    let texel = nearest_inside(known.place);
+    known.surface = textureLoad(surfaces_texture, texel, 0).rg;
+    known.light = textureLoad(rays_texture, texel, 0);
+    known.hit = textureLoad(hits_texture, texel, 0).r;
+    return known;
+}
+
+/// Keeps it, and says whether it counts: beyond the rim of the picture nothing does, and where there is no ray the other textures
+/// hold anything.
+fn keep(read: i32, known: Texel) -> bool {
+    let counts = all(known.place == nearest_inside(known.place)) && known.surface.y != 0u;
+    let light = vec4(known.light.rgb * known.light.a, known.light.a);
+    lights[read] = select(vec2(0u), pack_halves(light), counts);
+    hits[read] = select(0u, known.hit, counts);
+    normals[read] = select(vec2(0u), pack_halves(vec4(unpack_normal(known.surface.x), 0.0)), counts);
+    depths[read] = select(0.0, bitcast<f32>(known.surface.y), counts);
+    if counts {
+        mirrors_any = 1u;
+    }
+    return counts;
+}
+
 /// How alike the surface of a texel is to one with this normal, which there would have the depth `expected`: 0 to 1.
 fn likeness(normal: vec3<f32>, expected: f32, texel: i32, inverse_step: f32) -> f32 {
     let near = saturate(2.0 - abs(depths[texel] - expected) * inverse_step);
     // Without a normal it is like nothing.
     return near * saturate(8.0 * dot(normal, unpack_halves(normals[texel]).xyz) - 7.0);
-}
-
-/// How alike the surface of a texel is to the receiver, from which it is `offset` texels away.
-fn likeness_of(receiver: Receiver, texel: i32, offset: vec2<f32>) -> f32 {
-    let expected = receiver.depth + dot(receiver.slope, offset);
-    return likeness(receiver.normal, expected, texel, receiver.inverse_step);
 }
 
 /// From texel to texel.
@@ -68,50 +102,7 @@ fn slope_at(texel: i32) -> vec2<f32> {
     );
 }
 
-/// How wide a lobe of a roughness squared of 1 is on screen, at so many metres on its way and so far from the camera, in pixels.
-fn lobe_width(metres: f32, distance: f32) -> f32 {
-#ifdef PROJECTION_ORTHOGRAPHIC
-    return 2.0 * metres * abs(view.pixels_per_metre.y);
-#else
-    return 2.0 * metres * abs(view.pixels_per_metre.y) / max(distance, 1e-6);
-#endif
-}
-
-/// How wide the lobe of a texel is on screen where the rays beside it ended, in pixels, for a roughness squared of 1.
-fn width_at(first: i32, position: vec3<f32>) -> f32 {
-    var sum = 0.0;
-    var count = 0.0;
-    for (var i = 0; i < 4; i++) {
-        let image = unpack_distance(hits[first + (i & 1) + SIDE * (i >> 1u)]);
-        sum += image;
-        count += select(0.0, 1.0, image > 0.0);
-    }
-    let distance = length(position);
-#ifdef PROJECTION_ORTHOGRAPHIC
-    let begin = 0.0;
-#else
-    let begin = distance;
-#endif
-    // Where they met nothing, as wide as if that was as far away as the mirror: what others met further beside is in the lobe of
-    // a rough one, and not what a smooth one mirrors.
-    let metres = select(distance, sum / max(count, 1.0) - begin, count > 0.0);
-    // What is mirrored is about as far away as the mirror: nearer or further is nothing that matters.
-    return lobe_width(metres, distance);
-}
-
-/// What the rays of the texels around have found themselves, for outlines: light times confidence, and confidence.
-fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
-    var sum = vec4(0.0);
-    var weights = 1e-12;
-    for (var i = 0; i < 4; i++) {
-        let corner = vec2<f32>(vec2(i & 1, i >> 1u));
-        let texel = first + (i & 1) + SIDE * (i >> 1u);
-        // Of rough surfaces a ray beside it may be the only one.
-        let near = max(1.0 - abs(corner - along), vec2(1e-3));
-        let alike = likeness_of(receiver, texel, corner - along);
-        let weight = select(0.0, near.x * near.y * alike, hits[texel] > IS_ROUGH);
-        sum += weight * unpack_halves(lights[texel]);
-        weights += weight;
-    }
-    return sum / weights;
+/// Of the step in depth that separates surfaces a texel apart.
+fn inverse_step_at(depth: f32) -> f32 {
+    return 1.0 / edge_step(depth, f32(DIVISOR));
 }

@@ -1,35 +1,40 @@
 // Finds what each texel mirrors: one ray of the lobe of its surface, another one for each of 4×4 texels, through the depth
-// of this frame into the light of the last one. Of rough surfaces one of ROUGH_STEP texels each way does.
+// of this frame into the light of the last one.
 #import bevy_lean_deferred::ggx::sample_lobe
 #import bevy_lean_deferred::gbuffer::layout::is_finite
 #import bevy_lean_deferred::horizon::tangents
 #import bevy_lean_deferred::pattern::turn_of
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    DIVISOR, ROUGH, ROUGH_STEP, depth_in_view, hits_output, pack_hit, rays_output, sends_ray, step_of_rays, to_viewer,
-    view, view_position,
+    DIVISOR, depth_in_view, hits_output, pack_hit, rays_output, surfaces_output, to_viewer, view, view_position,
 }
 #import bevy_lean_deferred::screen_space::reflections::ray::{Met, Way, met_at, metres_at, ray_on_screen}
 #import bevy_lean_deferred::screen_space::reflections::rough_march
 #import bevy_lean_deferred::screen_space::reflections::smooth_march
-#import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_at, rotated, smoothness}
+#import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_of, normal_word_at, rotated, smoothness}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
-/// Rays that make a lobe together: those of 4×4 texels, or of as many that are further apart.
+/// Rays that make a lobe together: those of 4×4 texels.
 const RAYS: u32 = 16u;
 
-/// Texels of rough surfaces for which one sends a ray.
-const SHARED: u32 = u32(ROUGH_STEP * ROUGH_STEP);
+/// Perceptual roughness from which on rays go in segments from the start: between two of those that the G-buffer holds, so that
+/// rounding makes no difference.
+const ROUGH: f32 = 51.5 / 255.0;
 
 const ROUGH_SEGMENTS: u32 = #{ROUGH_SEGMENTS}u;
 const SMOOTH_STEPS: u32 = #{SMOOTH_STEPS}u;
 /// By how much the segments of a ray grow with its way, in hundredths of its roughness squared: 50 is the radius of
 /// what one of sixteen rays stands for, a quarter of that of the lobe.
 const GROWTH_PERCENT: f32 = f32(#{GROWTH_PERCENT}u);
+/// By how much they grow at least: so most rays get out of the picture before they are given up.
+const LEAST_GROWTH: f32 = 0.03;
 
-/// What a ray has found: light and confidence, and the word of its hit.
+/// What a ray has found.
 struct Found {
-    has_ray: bool,
+    /// Of the mirror: the word of its normal, and its depth; 0 if there is no ray.
+    surface: vec2<u32>,
+    /// With confidence.
     light: vec4<f32>,
+    /// See `pack_hit`.
     hit: u32,
 }
 
@@ -52,17 +57,15 @@ fn found_at(texel: vec2<i32>) -> Found {
     if !(depth > 0.0) || view.exposure_ratio == 0.0 {
         return found;
     }
-    let mirror = mirror_at(pixel);
+    let word = normal_word_at(pixel);
+    let mirror = mirror_of(pixel, word);
     if smoothness(mirror.roughness) == 0.0 {
         return found;
     }
     let start = vec3(vec2<f32>(pixel) + 0.5, depth);
     let is_rough = mirror.roughness > ROUGH;
-    if !sends_ray(texel, step_of_rays(mirror.roughness)) {
-        return found;
-    }
-    found.has_ray = true;
-    let turn = turn_of(vec2<u32>(select(texel, texel / ROUGH_STEP, is_rough)) & vec2(3u));
+    found.surface = vec2(word, bitcast<u32>(depth));
+    let turn = turn_of(vec2<u32>(texel) & vec2(3u));
     let position = view_position(start.xy, depth);
     let V = to_viewer(position);
     let normal = rotated(mirror.normal);
@@ -88,7 +91,7 @@ fn found_at(texel: vec2<i32>) -> Found {
     if !met.is_hit && way.u < ray.end {
         // Other than those of the rays beside it.
         let phase = fract(f32(turn) * 0.618034);
-        let growth = 0.01 * GROWTH_PERCENT * alpha;
+        let growth = max(0.01 * GROWTH_PERCENT * alpha, LEAST_GROWTH);
         met = rough_march::march(ray, direction, growth, phase, ROUGH_SEGMENTS, !is_rough, &way);
     }
     if !met.is_hit {
@@ -127,18 +130,13 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    // So many workgroups share as many tiles: each has one of ROUGH_STEP texels each way, and all but the first of them have
-    // nothing to do where all is rough.
-    let of_tile = 64u / SHARED;
-    let nth = workgroup.x % SHARED;
-    let tile = vec2(workgroup.x - nth + invocation / of_tile, workgroup.y);
-    let place = invocation % of_tile * SHARED + nth;
-    let texel = pixel_in_view(tile, workgroups.xy, view.row_stride, place);
+    let texel = pixel_in_view(workgroup.xy, workgroups.xy, view.row_stride, invocation);
     if all(texel < view.texture_size) {
         let found = found_at(vec2<i32>(texel));
+        textureStore(surfaces_output, texel, vec4(found.surface, 0u, 0u));
 #ifndef SHOWN
         // What is there otherwise nobody reads.
-        if !found.has_ray {
+        if found.surface.y == 0u {
             return;
         }
 #endif

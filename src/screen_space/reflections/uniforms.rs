@@ -7,6 +7,7 @@ use crate::{
     screen_space::{
         LastFrame,
         reprojection::{exposure_ratio, last_distance, last_pixel_from_view, pixels_of, up_to},
+        resolution,
     },
     shader_library::reconstruction::position::{
         ProjectionKind, STEEPEST, edge_of, pixels_per_metre, projection_of, view_from_pixel,
@@ -43,9 +44,10 @@ pub struct ReflectionView {
 }
 
 impl ReflectionView {
-    /// What `settings` make of a frame after the `last` one.
+    /// What `settings` make of a frame after the `last` one, with texels of `divisor` pixels a side.
     pub fn new(
         settings: &LeanScreenSpaceReflections,
+        divisor: u32,
         now: &LastFrame,
         last: Option<&LastFrame>,
     ) -> Self {
@@ -66,7 +68,7 @@ impl ReflectionView {
             history_size: Vec2::ONE,
             viewport_origin: now.viewport.min,
             viewport_size: size,
-            texture_size: settings.resolution.texels(size),
+            texture_size: resolution::texels(size, divisor),
             edge_metres: STEEPEST / pixels_per_metre.y.abs(),
             thickness,
             edge_fade: up_to(0.5, settings.edge_fade) * size.y as f32,

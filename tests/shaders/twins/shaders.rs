@@ -173,11 +173,7 @@ pub fn all() -> &'static [Composed] {
             shader!("screen_space/diffuse_gi/forward_light.wgsl",),
             shader!("screen_space/history/levels.wgsl",),
             shader!("screen_space/history/levels.wgsl", "OF_LEVEL"),
-            shader!(
-                "screen_space/reflections/cells.wgsl",
-                "DIVISOR=1",
-                "ROUGH_STEP=1"
-            ),
+            shader!("screen_space/reflections/cells.wgsl", "DIVISOR=1"),
             shader!(
                 "screen_space/reflections/trace.wgsl",
                 "DIVISOR=2",
@@ -185,15 +181,11 @@ pub fn all() -> &'static [Composed] {
                 "SHORTEST_SEGMENT=8",
                 "GROWTH_PERCENT=30",
                 "SMOOTH_STEPS=1",
-                "ROUGH_STEP=2",
                 "MOTION",
                 "SPECIALIZATION"
             ),
-            shader!(
-                "screen_space/reflections/resolve.wgsl",
-                "DIVISOR=2",
-                "ROUGH_STEP=2"
-            ),
+            shader!("screen_space/reflections/lobes.wgsl", "DIVISOR=4", "LOBES"),
+            shader!("screen_space/reflections/resolve.wgsl", "DIVISOR=2"),
             shader!("screen_space/subsurface/down.wgsl", "LISTED"),
             shader!("screen_space/subsurface/down.wgsl",),
             shader!("screen_space/subsurface/turn.wgsl",),

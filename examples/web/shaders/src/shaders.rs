@@ -157,7 +157,7 @@ fn passes() -> Vec<Shader> {
 
 fn screen_space() -> Vec<Shader> {
     let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2"];
-    let sides: &[&str] = &["DIVISOR=1 ROUGH_STEP=1", "DIVISOR=2 ROUGH_STEP=2"];
+    let sides: &[&str] = &["DIVISOR=1", "DIVISOR=2", "DIVISOR=4"];
     let special: &[&str] = &["", "SPECIALIZATION"];
     let orthographic: &[&str] = &["", "PROJECTION_ORTHOGRAPHIC"];
     let shown: &[&str] = &[
@@ -192,6 +192,7 @@ fn screen_space() -> Vec<Shader> {
             "screen_space/reflections/trace.wgsl",
             mirrors(&["", "SHOWN"]),
         ),
+        ("screen_space/reflections/lobes.wgsl", mirrors(&["LOBES"])),
         ("screen_space/reflections/resolve.wgsl", mirrors(&[""])),
         (
             "screen_space/subsurface/down.wgsl",

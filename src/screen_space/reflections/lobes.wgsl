@@ -1,0 +1,61 @@
+// What a lobe of each texel shows: the mean of 5×5 rays, its own and its neighbours', whose sixteen directions make a lobe (after
+// Stachowiak 2015, "Stochastic Screen-Space Reflections"). The outer rays weigh half as much: each of the four directions that rays
+// have along an axis then weighs alike, and what a ray has met has no hard edges.
+#import bevy_lean_deferred::screen_space::reflections::bindings::{lobes_output, unpack_weight}
+#import bevy_lean_deferred::screen_space::reflections::texels::{
+    FIRST_MADE, INVOCATIONS, MADE, RIM, SIDE, depths, hits, inverse_step_at, keep, lights, likeness, mirrors_any, normals,
+    slope_at, texel_at, unpack_halves,
+}
+
+/// Light times confidence, and confidence, of the rays around a texel.
+fn lobe_at(texel: i32) -> vec4<f32> {
+    let depth = depths[texel];
+    let normal = unpack_halves(normals[texel]).xyz;
+    let slope = slope_at(texel);
+    let inverse_step = inverse_step_at(depth);
+    var sum = vec4(0.0);
+    var weights = 0.0;
+    // Goes along, since products of integers are slow.
+    var other = texel - RIM * (1 + SIDE);
+    for (var y = -RIM; y <= RIM; y++) {
+        let expected_in_row = depth + slope.y * f32(y);
+        let share_of_row = f32(2 - ((y * y) >> 2u));
+        for (var x = -RIM; x <= RIM; x++) {
+            let expected = expected_in_row + slope.x * f32(x);
+            let share = share_of_row * f32(2 - ((x * x) >> 2u));
+            let weight = share * likeness(normal, expected, other, inverse_step) * unpack_weight(hits[other]);
+            sum += weight * unpack_halves(lights[other]);
+            weights += weight;
+            other++;
+        }
+        other += SIDE - 2 * RIM - 1;
+    }
+    return sum / max(weights, 1e-6);
+}
+
+@compute @workgroup_size(INVOCATIONS, 1, 1)
+fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
+    let i = i32(invocation);
+    // Memory holds what ran before.
+    if i == 0 {
+        mirrors_any = 0u;
+    }
+    workgroupBarrier();
+    let corner = vec2<i32>(workgroup.xy) * MADE;
+    // Asked for before any is waited for.
+    let first = texel_at(corner, i);
+    let second = texel_at(corner, i + INVOCATIONS);
+    keep(i, first);
+    if i + INVOCATIONS < SIDE * SIDE {
+        keep(i + INVOCATIONS, second);
+    }
+    if workgroupUniformLoad(&mirrors_any) == 0u {
+        return;
+    }
+    let place = vec2<i32>(vec2(invocation % u32(MADE), invocation / u32(MADE)));
+    let made = place.x + SIDE * place.y + FIRST_MADE;
+    // Nobody reads others.
+    if depths[made] > 0.0 {
+        textureStore(lobes_output, corner + place, lobe_at(made));
+    }
+}

@@ -1,0 +1,72 @@
+// The pixel whose light is made, and what the rays of the texels around it tell of it.
+#define_import_path bevy_lean_deferred::screen_space::reflections::receiver
+
+#import bevy_lean_deferred::screen_space::reflections::bindings::{unpack_distance, view}
+#import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, hits, likeness, lights, unpack_halves}
+
+struct Receiver {
+    /// In pixels.
+    at: vec2<f32>,
+    depth: f32,
+    /// From texel to texel.
+    slope: vec2<f32>,
+    /// Of the step in depth that separates surfaces a texel apart.
+    inverse_step: f32,
+    /// In world space.
+    normal: vec3<f32>,
+    roughness: f32,
+}
+
+/// How alike the surface of a texel is to the receiver, from which it is `offset` texels away.
+fn likeness_of(receiver: Receiver, texel: i32, offset: vec2<f32>) -> f32 {
+    let expected = receiver.depth + dot(receiver.slope, offset);
+    return likeness(receiver.normal, expected, texel, receiver.inverse_step);
+}
+
+/// How wide a lobe of a roughness squared of 1 is on screen, at so many metres on its way and so far from the camera, in pixels.
+fn lobe_width(metres: f32, distance: f32) -> f32 {
+#ifdef PROJECTION_ORTHOGRAPHIC
+    return 2.0 * metres * abs(view.pixels_per_metre.y);
+#else
+    return 2.0 * metres * abs(view.pixels_per_metre.y) / max(distance, 1e-6);
+#endif
+}
+
+/// How wide the lobe of a texel is on screen where the rays beside it ended, in pixels, for a roughness squared of 1.
+fn width_at(first: i32, position: vec3<f32>) -> f32 {
+    var sum = 0.0;
+    var count = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let image = unpack_distance(hits[first + (i & 1) + SIDE * (i >> 1u)]);
+        sum += image;
+        count += select(0.0, 1.0, image > 0.0);
+    }
+    let distance = length(position);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let begin = 0.0;
+#else
+    let begin = distance;
+#endif
+    // Where they met nothing, as wide as if that was as far away as the mirror: what others met further beside is in the lobe of
+    // a rough one, and not what a smooth one mirrors.
+    let metres = select(distance, sum / max(count, 1.0) - begin, count > 0.0);
+    // What is mirrored is about as far away as the mirror: nearer or further is nothing that matters.
+    return lobe_width(metres, distance);
+}
+
+/// What the rays of the texels around have found themselves, for outlines: light times confidence, and confidence.
+fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
+    var sum = vec4(0.0);
+    var weights = 1e-12;
+    for (var i = 0; i < 4; i++) {
+        let corner = vec2<f32>(vec2(i & 1, i >> 1u));
+        let texel = first + (i & 1) + SIDE * (i >> 1u);
+        // The one furthest away may be the only one of its surface.
+        let near = max(1.0 - abs(corner - along), vec2(1e-3));
+        let alike = likeness_of(receiver, texel, corner - along);
+        let weight = select(0.0, near.x * near.y * alike, hits[texel] != 0u);
+        sum += weight * unpack_halves(lights[texel]);
+        weights += weight;
+    }
+    return sum / weights;
+}
