@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::screen_space::reflections::rough_light
 
 #import bevy_lean_deferred::screen_space::reflections::bindings::lobes_texture
-#import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, light_around, likeness_of}
+#import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, likeness_of}
 #import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, nearest_inside, pack_halves, unpack_halves}
 
 /// Light times confidence, and confidence, of the lobes of texels.
@@ -20,18 +20,15 @@ fn keep_lobe(read: i32, lobe: vec4<f32>, counts: bool) {
 /// Light times confidence, and confidence. In each lobe its directions weigh alike, and so they do between them.
 fn rough_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var sum = vec4(0.0);
-    var weights = 0.0;
+    var weights = 1e-12;
     for (var i = 0; i < 4; i++) {
         let corner = vec2(i & 1, i >> 1u);
-        let near = select(1.0 - along, along, corner == vec2(1));
+        // The one furthest away may be the only one of its surface.
+        let near = max(select(1.0 - along, along, corner == vec2(1)), vec2(1e-3));
         let texel = first + corner.x + SIDE * corner.y;
         let weight = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
         sum += weight * unpack_halves(lobes[texel]);
         weights += weight;
-    }
-    // What is narrower than texels.
-    if weights < 0.02 {
-        return light_around(receiver, first, along);
     }
     return sum / weights;
 }
