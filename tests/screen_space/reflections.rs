@@ -28,7 +28,7 @@ fn at_resolution(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflection
 fn a_mirror_shows_what_is_above_it() {
     in_own_process(|| {
         for (resolution, least) in [
-            (ScreenSpaceResolution::Half, 40.0),
+            (ScreenSpaceResolution::Half, 60.0),
             (ScreenSpaceResolution::Full, 55.0),
         ] {
             let found = mirror(SIZE, |camera| {
