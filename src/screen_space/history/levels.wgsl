@@ -114,7 +114,7 @@ fn make_level(level: u32, first: u32, side: u32, workgroup: vec2<u32>, i: u32) {
     }
 }
 
-/// 64 invocations read 16×16 texels, level 0 here, and make what is above them: a workgroup of few waits less for its last one.
+/// 64 invocations read 16×16 texels, level 0 here, and make what is above them.
 @compute @workgroup_size(64, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
     // The texels of a subgroup are a square: memory takes that faster than rows.

@@ -3,9 +3,10 @@
 // have along an axis then weighs alike, and what a ray has met has no hard edges.
 #import bevy_lean_deferred::screen_space::reflections::bindings::{lobes_output, unpack_weight}
 #import bevy_lean_deferred::screen_space::reflections::texels::{
-    FIRST_MADE, INVOCATIONS, MADE, RIM, SIDE, depths, hits, inverse_step_at, keep, lights, likeness, mirrors_any, normals,
-    slope_at, texel_at, unpack_halves,
+    FIRST_MADE, INVOCATIONS, MADE, RIM, SIDE, depths, hits, inverse_step_at, keep, lights, likeness, normals, slope_at,
+    texel_at, unpack_halves,
 }
+#import bevy_lean_deferred::workgroup::is_any
 
 /// Light times confidence, and confidence, of the rays around a texel.
 fn lobe_at(texel: i32) -> vec4<f32> {
@@ -36,20 +37,15 @@ fn lobe_at(texel: i32) -> vec4<f32> {
 @compute @workgroup_size(INVOCATIONS, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
-    // Memory holds what ran before.
-    if i == 0 {
-        mirrors_any = 0u;
-    }
-    workgroupBarrier();
     let corner = vec2<i32>(workgroup.xy) * MADE;
     // Asked for before any is waited for.
     let first = texel_at(corner, i);
     let second = texel_at(corner, i + INVOCATIONS);
-    keep(i, first);
+    var counts = keep(i, first);
     if i + INVOCATIONS < SIDE * SIDE {
-        keep(i + INVOCATIONS, second);
+        counts |= keep(i + INVOCATIONS, second);
     }
-    if workgroupUniformLoad(&mirrors_any) == 0u {
+    if !is_any(counts, invocation) {
         return;
     }
     let place = vec2<i32>(vec2(invocation % u32(MADE), invocation / u32(MADE)));

@@ -23,6 +23,19 @@ fn likeness_of(receiver: Receiver, texel: i32, offset: vec2<f32>) -> f32 {
     return likeness(receiver.normal, expected, texel, receiver.inverse_step);
 }
 
+/// Texel `i` of the four around the pixel, of which `first` is the first.
+fn texel_beside(first: i32, i: i32) -> i32 {
+    return first + (i & 1) + SIDE * (i >> 1u);
+}
+
+/// How much texel `i` of these counts for the receiver, which is `along` of the way between them.
+fn weight_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>) -> f32 {
+    let corner = vec2(i & 1, i >> 1u);
+    // The one furthest away may be the only one of its surface.
+    let near = max(select(1.0 - along, along, corner == vec2(1)), vec2(1e-3));
+    return near.x * near.y * likeness_of(receiver, texel_beside(first, i), vec2<f32>(corner) - along);
+}
+
 /// How wide a lobe of a roughness squared of 1 is on screen, at so many metres on its way and so far from the camera, in pixels.
 fn lobe_width(metres: f32, distance: f32) -> f32 {
 #ifdef PROJECTION_ORTHOGRAPHIC
@@ -37,7 +50,7 @@ fn width_at(first: i32, position: vec3<f32>) -> f32 {
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0; i < 4; i++) {
-        let image = unpack_distance(hits[first + (i & 1) + SIDE * (i >> 1u)]);
+        let image = unpack_distance(hits[texel_beside(first, i)]);
         sum += image;
         count += select(0.0, 1.0, image > 0.0);
     }
@@ -59,12 +72,8 @@ fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var sum = vec4(0.0);
     var weights = 1e-12;
     for (var i = 0; i < 4; i++) {
-        let corner = vec2<f32>(vec2(i & 1, i >> 1u));
-        let texel = first + (i & 1) + SIDE * (i >> 1u);
-        // The one furthest away may be the only one of its surface.
-        let near = max(1.0 - abs(corner - along), vec2(1e-3));
-        let alike = likeness_of(receiver, texel, corner - along);
-        let weight = select(0.0, near.x * near.y * alike, hits[texel] != 0u);
+        let texel = texel_beside(first, i);
+        let weight = select(0.0, weight_beside(receiver, first, i, along), hits[texel] != 0u);
         sum += weight * unpack_halves(lights[texel]);
         weights += weight;
     }

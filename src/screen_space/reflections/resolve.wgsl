@@ -6,9 +6,10 @@
 #import bevy_lean_deferred::screen_space::reflections::smooth_light::smooth_light
 #import bevy_lean_deferred::screen_space::reflections::surface::{mirror_of, normal_word_at, smoothness}
 #import bevy_lean_deferred::screen_space::reflections::texels::{
-    FIRST_MADE, INVOCATIONS, PIXELS, SIDE, inverse_step_at, keep, mirrors_any, slope_at, texel_at,
+    FIRST_MADE, INVOCATIONS, PIXELS, SIDE, inverse_step_at, keep, slope_at, texel_at,
 }
 #import bevy_lean_deferred::tiles::place_in_tile
+#import bevy_lean_deferred::workgroup::is_any
 
 /// Radius of a lobe where it meets a surface, in pixels, up to which it is taken for a single place, and from which on it
 /// is the mean of rays.
@@ -49,19 +50,16 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
 @compute @workgroup_size(INVOCATIONS, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
-    // Memory holds what ran before.
-    if i == 0 {
-        mirrors_any = 0u;
-    }
-    workgroupBarrier();
     let corner = vec2<i32>(workgroup.xy) * PIXELS;
+    var mirrors = false;
     for (var read = i; read < SIDE * SIDE; read += INVOCATIONS) {
         let texel = texel_at(corner / DIVISOR, read);
         let lobe = lobe_at(texel.place);
         let counts = keep(read, texel);
         keep_lobe(read, lobe, counts);
+        mirrors |= counts;
     }
-    let is_empty = workgroupUniformLoad(&mirrors_any) == 0u;
+    let is_empty = !is_any(mirrors, invocation);
     for (var n = i; n < PIXELS * PIXELS; n += INVOCATIONS) {
         // By tiles of 8×8: those that run together are a square.
         let place = vec2<i32>(place_in_tile(u32(n) % 64u)) + 8 * vec2((n >> 6u) & 1, n >> 7u);

@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::screen_space::reflections::rough_light
 
 #import bevy_lean_deferred::screen_space::reflections::bindings::lobes_texture
-#import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, likeness_of}
+#import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, texel_beside, weight_beside}
 #import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, nearest_inside, pack_halves, unpack_halves}
 
 /// Light times confidence, and confidence, of the lobes of texels.
@@ -22,12 +22,8 @@ fn rough_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var sum = vec4(0.0);
     var weights = 1e-12;
     for (var i = 0; i < 4; i++) {
-        let corner = vec2(i & 1, i >> 1u);
-        // The one furthest away may be the only one of its surface.
-        let near = max(select(1.0 - along, along, corner == vec2(1)), vec2(1e-3));
-        let texel = first + corner.x + SIDE * corner.y;
-        let weight = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
-        sum += weight * unpack_halves(lobes[texel]);
+        let weight = weight_beside(receiver, first, i, along);
+        sum += weight * unpack_halves(lobes[texel_beside(first, i)]);
         weights += weight;
     }
     return sum / weights;

@@ -4,9 +4,11 @@
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
     depth_texture, edge_step, homogeneous_pixel, to_viewer, unpack_distance, view, view_position,
 }
-#import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, light_around, likeness_of, lobe_width}
+#import bevy_lean_deferred::screen_space::reflections::receiver::{
+    Receiver, light_around, likeness_of, lobe_width, texel_beside,
+}
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, rotated}
-#import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, hits, lights}
+#import bevy_lean_deferred::screen_space::reflections::texels::{hits, lights}
 
 /// The gap where it is not to be looked at.
 const NOTHING_NEAR: f32 = 9.0;
@@ -67,11 +69,49 @@ fn metres_between(receiver: Receiver, line: Line, front: vec2<f32>, back: vec2<f
 fn ray_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance_to_viewer: f32) -> vec3<f32> {
     let corner = vec2(i & 1, i >> 1u);
     let near = select(1.0 - along, along, corner == vec2(1));
-    let texel = first + corner.x + SIDE * corner.y;
+    let texel = texel_beside(first, i);
     let image = unpack_distance(hits[texel]);
     let alike = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
     let confidence = unpack2x16float(lights[texel].y).y;
     return vec3(image - distance_to_viewer, confidence, select(0.0, alike, image != 0.0));
+}
+
+/// Where the pixel's ray ends if what those beside it have met differs: on whose surface it is, or on what bends between them. As
+/// `ray_beside` has it; what bends has the `confidence` of all.
+fn place_of_some(
+    receiver: Receiver,
+    line: Line,
+    first: i32,
+    along: vec2<f32>,
+    distance_to_viewer: f32,
+    confidence: f32,
+) -> vec3<f32> {
+    var sum = vec2(0.0);
+    var weights = 0.0;
+    // The last place in front of what is seen and the first one behind it: metres and gap.
+    var front = vec2(-1.0, 0.0);
+    var back = vec2(0.0);
+    for (var i = 0; i < 4; i++) {
+        let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
+        if ray.z > 0.0 {
+            let gap = gap_at(receiver, seen_at(line, ray.x));
+            let weight = ray.z * match_of(gap);
+            sum += ray.xy * weight;
+            weights += weight;
+            if gap > 0.0 && ray.x > front.x {
+                front = vec2(ray.x, gap);
+            }
+            if gap <= 0.0 && (back.x == 0.0 || ray.x < back.x) {
+                back = vec2(ray.x, gap);
+            }
+        }
+    }
+    let mean = sum / max(weights, 1e-6);
+    if weights > 0.02 && match_of(gap_at(receiver, seen_at(line, mean.x))) > 0.5 {
+        return vec3(mean, weights);
+    }
+    let metres = metres_between(receiver, line, front, back);
+    return vec3(metres, confidence, select(0.0, 1.0, metres >= 0.0));
 }
 
 /// Light times confidence, and confidence.
@@ -96,36 +136,10 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var at = seen_at(line, mean.x);
     // Most often all have met the same surface, and between them the pixel's own ray meets it too.
     if weights > 0.02 && match_of(gap_at(receiver, at)) < 1.0 {
-        // Else what those have met on whose surface it is.
-        sum = vec2(0.0);
-        weights = 0.0;
-        // The last place in front of what is seen and the first one behind it: metres and gap.
-        var front = vec2(-1.0, 0.0);
-        var back = vec2(0.0);
-        for (var i = 0; i < 4; i++) {
-            let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
-            if ray.z > 0.0 {
-                let gap = gap_at(receiver, seen_at(line, ray.x));
-                let weight = ray.z * match_of(gap);
-                sum += ray.xy * weight;
-                weights += weight;
-                if gap > 0.0 && ray.x > front.x {
-                    front = vec2(ray.x, gap);
-                }
-                if gap <= 0.0 && (back.x == 0.0 || ray.x < back.x) {
-                    back = vec2(ray.x, gap);
-                }
-            }
-        }
-        let confidence = mean.y;
-        mean = sum / max(weights, 1e-6);
+        let place = place_of_some(receiver, line, first, along, distance_to_viewer, mean.y);
+        mean = place.xy;
+        weights = place.z;
         at = seen_at(line, mean.x);
-        // Or what bends between them.
-        if !(weights > 0.02 && match_of(gap_at(receiver, at)) > 0.5) {
-            mean = vec2(metres_between(receiver, line, front, back), confidence);
-            weights = select(0.0, 1.0, mean.x >= 0.0);
-            at = seen_at(line, mean.x);
-        }
     }
     if !(weights > 0.02) {
         // For outlines.

@@ -36,9 +36,6 @@ var<workgroup> depths: array<f32, SIDE * SIDE>;
 /// See `pack_hit`; 0 where there is no ray.
 var<workgroup> hits: array<u32, SIDE * SIDE>;
 
-/// 1 if any of them sends a ray: all write the same.
-var<workgroup> mirrors_any: u32;
-
 /// What the textures hold of a texel.
 struct Texel {
     place: vec2<i32>,
@@ -80,9 +77,6 @@ fn keep(read: i32, known: Texel) -> bool {
     hits[read] = select(0u, known.hit, counts);
     normals[read] = select(vec2(0u), pack_halves(vec4(unpack_normal(known.surface.x), 0.0)), counts);
     depths[read] = select(0.0, bitcast<f32>(known.surface.y), counts);
-    if counts {
-        mirrors_any = 1u;
-    }
     return counts;
 }
 

@@ -33,21 +33,6 @@ fn is_written(pixel: vec2<i32>) -> bool {
     return (mask_of(pixel >> vec2(BLOCK_LOG)) & tile_bit(vec2<u32>(pixel))) != 0u;
 }
 
-/// All that set it write the same.
-var<workgroup> any_flag: u32;
-
-/// Whether `condition` holds for any invocation of the workgroup. A barrier, also for its other memory.
-fn is_any(condition: bool, invocation: u32) -> bool {
-    if invocation == 0u {
-        any_flag = 0u;
-    }
-    workgroupBarrier();
-    if condition {
-        any_flag = 1u;
-    }
-    return workgroupUniformLoad(&any_flag) != 0u;
-}
-
 /// Along the vertical axis, at so many metres.
 fn pixels_per_metre_at(metres: f32) -> f32 {
 #ifdef PROJECTION_ORTHOGRAPHIC

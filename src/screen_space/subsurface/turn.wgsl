@@ -5,8 +5,8 @@
     entries::{Square, count_of, keep, read_materials, texel_of, words_kept_at},
     mean::mean_of,
     scattered::{scattered, shown_at},
-    texel::is_any,
 }
+#import bevy_lean_deferred::workgroup::is_any
 
 const INVOCATIONS: i32 = 256;
 /// Texels a side that a workgroup makes.

@@ -8,7 +8,7 @@
 #ifdef LISTED
 #import bevy_lean_deferred::screen_space::subsurface::texel::{count_of_blocks, is_listed, listed_block}
 #else
-#import bevy_lean_deferred::screen_space::subsurface::texel::is_any
+#import bevy_lean_deferred::workgroup::is_any
 #endif
 
 /// Texels a side that a workgroup makes, each by one invocation. The listed blocks have as many in the first level, and the whole level
