@@ -254,7 +254,7 @@ fn nothing_of_effects_is_made_anew() {
         // textures; scattering one for each of its dispatches, and two for the last.
         let scattering = if has_room { 7 } else { 0 };
         let expected = if lean {
-            [0, 6, 3, 3, scattering]
+            [0, 6, 4, 3, scattering]
         } else {
             [2, 0, 0, 0, 0]
         };
