@@ -15,7 +15,7 @@ use bevy_lean_deferred::ambient_occlusion::{
 };
 use draw::Target;
 use naga_oil::compose::ShaderDefValue;
-use shaders::{GATHER, MERGE, filter_definitions, gather_definitions, shares_depths};
+use shaders::{filter_definitions, gather, gather_definitions, merge, shares_depths};
 pub use textures::half;
 
 use super::gpu;
@@ -61,7 +61,7 @@ pub struct OcclusionGpu {
     queue: wgpu::Queue,
     nearest: wgpu::Sampler,
     /// By source and definitions: composing takes longer than running.
-    shaders: Mutex<HashMap<(&'static str, Vec<String>), wgpu::ShaderModule>>,
+    shaders: Mutex<HashMap<(String, Vec<String>), wgpu::ShaderModule>>,
 }
 
 impl OcclusionGpu {
@@ -159,7 +159,7 @@ impl OcclusionGpu {
                         .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                             label: None,
                             layout: Some(&self.pipeline_layout(&layout)),
-                            module: &self.shader(GATHER, defs),
+                            module: &self.shader(&gather(), defs),
                             entry_point: Some("compute"),
                             compilation_options: Default::default(),
                             cache: None,
@@ -176,7 +176,7 @@ impl OcclusionGpu {
                 self.draw(
                     &mut encoder,
                     (&layout, &group),
-                    self.shader(GATHER, defs),
+                    self.shader(&gather(), defs),
                     Target::Color(&stored_view, format),
                     None,
                 );
@@ -199,7 +199,7 @@ impl OcclusionGpu {
         self.draw(
             &mut encoder,
             (&layout, &group),
-            self.shader(MERGE, filter_definitions(settings)),
+            self.shader(&merge(), filter_definitions(settings)),
             Target::Color(
                 &shown.create_view(&Default::default()),
                 wgpu::TextureFormat::R32Float,

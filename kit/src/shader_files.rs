@@ -1,7 +1,7 @@
 //! Shaders in place of those that are compiled in: from a folder, so that what is edited in WGSL is seen without building
 //! anything, or made by a test.
 
-use std::path::PathBuf;
+use std::{borrow::Cow, path::PathBuf};
 
 use bevy::{platform::collections::HashMap, prelude::*, shader::Shader};
 
@@ -24,6 +24,18 @@ pub fn read_shader_files(app: &mut App) {
     if let Some(folder) = std::env::var_os(VARIABLE) {
         replacements(app).folder = Some(folder.into());
     }
+}
+
+/// The shader at `path` in `src`: from that folder, or as it is compiled in.
+pub fn shader_file(path: &str, compiled_in: &'static str) -> Cow<'static, str> {
+    let Some(folder) = std::env::var_os(VARIABLE) else {
+        return compiled_in.into();
+    };
+    let file = PathBuf::from(folder).join(path);
+    let source = std::fs::read_to_string(&file);
+    source
+        .unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+        .into()
 }
 
 /// Has the shader at `path` in `src` replaced by `source`. To be called before the app's first frame.

@@ -13,85 +13,63 @@ use naga_oil::compose::{
 };
 
 use super::OcclusionGpu;
+use crate::shader_files::shader_file;
+
+/// A shader's path in `src`, and its source.
+macro_rules! shader {
+    ($path:literal) => {
+        ($path, include_str!(concat!("../../../src/", $path)))
+    };
+}
+
+type Source = (&'static str, &'static str);
 
 /// The modules that `gather.wgsl` and `merge.wgsl` import, in the order of their own imports.
-const MODULES: [(&str, &str); 12] = [
-    (
-        "layout.wgsl",
-        include_str!("../../../src/shader_library/layout.wgsl"),
-    ),
-    (
-        "tiles.wgsl",
-        include_str!("../../../src/shader_library/tiles.wgsl"),
-    ),
-    (
-        "position.wgsl",
-        include_str!("../../../src/shader_library/reconstruction/position.wgsl"),
-    ),
-    (
-        "normal.wgsl",
-        include_str!("../../../src/shader_library/reconstruction/normal.wgsl"),
-    ),
-    (
-        "view.wgsl",
-        include_str!("../../../src/ambient_occlusion/view.wgsl"),
-    ),
-    (
-        "horizon.wgsl",
-        include_str!("../../../src/shader_library/horizon.wgsl"),
-    ),
-    (
-        "rounding.wgsl",
-        include_str!("../../../src/shader_library/rounding.wgsl"),
-    ),
-    (
-        "normal_from_depth.wgsl",
-        include_str!("../../../src/shader_library/reconstruction/normal_from_depth.wgsl"),
-    ),
-    (
-        "bindings.wgsl",
-        include_str!("../../../src/ambient_occlusion/bindings.wgsl"),
-    ),
-    (
-        "hbao.wgsl",
-        include_str!("../../../src/ambient_occlusion/hbao.wgsl"),
-    ),
-    (
-        "hdao.wgsl",
-        include_str!("../../../src/ambient_occlusion/hdao.wgsl"),
-    ),
-    (
-        "filter.wgsl",
-        include_str!("../../../src/ambient_occlusion/filter.wgsl"),
-    ),
+const MODULES: [Source; 12] = [
+    shader!("shader_library/layout.wgsl"),
+    shader!("shader_library/tiles.wgsl"),
+    shader!("shader_library/reconstruction/position.wgsl"),
+    shader!("shader_library/reconstruction/normal.wgsl"),
+    shader!("ambient_occlusion/view.wgsl"),
+    shader!("shader_library/horizon.wgsl"),
+    shader!("shader_library/rounding.wgsl"),
+    shader!("shader_library/reconstruction/normal_from_depth.wgsl"),
+    shader!("ambient_occlusion/bindings.wgsl"),
+    shader!("ambient_occlusion/hbao.wgsl"),
+    shader!("ambient_occlusion/hdao.wgsl"),
+    shader!("ambient_occlusion/filter.wgsl"),
 ];
-pub(super) const GATHER: &str = include_str!("../../../src/ambient_occlusion/gather.wgsl");
-pub(super) const MERGE: &str = include_str!("../../../src/ambient_occlusion/merge.wgsl");
+const GATHER: Source = shader!("ambient_occlusion/gather.wgsl");
+const MERGE: Source = shader!("ambient_occlusion/merge.wgsl");
+
+pub(super) fn gather() -> Cow<'static, str> {
+    shader_file(GATHER.0, GATHER.1)
+}
+
+pub(super) fn merge() -> Cow<'static, str> {
+    shader_file(MERGE.0, MERGE.1)
+}
 
 impl OcclusionGpu {
     pub(super) fn shader(
         &self,
-        source: &'static str,
+        source: &str,
         defs: HashMap<String, ShaderDefValue>,
     ) -> wgpu::ShaderModule {
         let mut key: Vec<String> = defs.iter().map(|def| format!("{def:?}")).collect();
         key.sort();
         let mut shaders = self.shaders.lock().expect("no test panics in here");
-        let shader = shaders.entry((source, key));
+        let shader = shaders.entry((source.to_owned(), key));
         shader.or_insert_with(|| self.compose(source, defs)).clone()
     }
 
-    fn compose(
-        &self,
-        source: &'static str,
-        defs: HashMap<String, ShaderDefValue>,
-    ) -> wgpu::ShaderModule {
+    fn compose(&self, source: &str, defs: HashMap<String, ShaderDefValue>) -> wgpu::ShaderModule {
         let mut composer = Composer::default();
         composer.validate = false;
         for (path, source) in MODULES {
             let added = composer
                 .add_composable_module(ComposableModuleDescriptor {
-                    source,
+                    source: &shader_file(path, source),
                     file_path: path,
                     ..Default::default()
                 })
