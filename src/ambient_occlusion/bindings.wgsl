@@ -39,20 +39,25 @@ fn direction_to_viewer(position: vec3<f32>) -> vec3<f32> {
 #endif
 }
 
-/// Radius at `position` in metres, and in pixels along each axis, which are negative where the projection mirrors.
+/// The radius somewhere.
 struct Radius {
-    metres: f32,
+    /// Along each axis, negative where the projection mirrors.
     pixels: vec2<f32>,
+    /// By how much it is shorter than it should be, for its pixels would be too many: 1 or more.
+    excess: f32,
 }
 
-fn radius_at(position: vec3<f32>) -> Radius {
-#ifdef PROJECTION_ORTHOGRAPHIC
-    let pixels = view.radius * view.pixels_per_metre;
+/// At the surface at this `position` and `depth`.
+fn radius_at(position: vec3<f32>, depth: f32) -> Radius {
+#ifdef PROJECTION_PERSPECTIVE
+    let nearness = view.edge.x * depth + view.edge.y;
+#else ifdef PROJECTION_ORTHOGRAPHIC
+    let nearness = 1.0;
 #else
-    let pixels = view.radius * view.pixels_per_metre / max(-position.z, 1e-6);
+    let nearness = 1.0 / max(-position.z, 1e-6);
 #endif
-    let shrink = min(view.largest_radius_in_pixels / largest_side(pixels), 1.0);
-    return Radius(view.radius * shrink, pixels * shrink);
+    let pixels = view.radius_in_pixels * min(nearness, view.largest_nearness);
+    return Radius(pixels, max(nearness / view.largest_nearness, 1.0));
 }
 
 fn largest_side(pixels: vec2<f32>) -> f32 {

@@ -2,12 +2,12 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::hbao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
-    depth_texture, direction_to_viewer, is_in_view, largest_side, radius_at, view, view_position,
+    depth_texture, direction_to_viewer, is_in_view, largest_side, radius_at, view,
 }
-#import bevy_lean_deferred::horizon::{PI, side_occlusion, slice_normal, tangents}
+#import bevy_lean_deferred::horizon::{side_occlusion, slice_normal, tangents}
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthsAround, geometric_normal}
-#import bevy_lean_deferred::reconstruction::position::{position_on, ray_at, ray_step}
-#import bevy_lean_deferred::rounding::{ROUNDER, rounded}
+#import bevy_lean_deferred::reconstruction::position::{position_on, ray_at, ray_step, ray_slope}
+#import bevy_lean_deferred::rounding::{Start, rounded, start_at}
 
 #ifdef SHADING_NORMALS
 #import bevy_lean_deferred::ambient_occlusion::bindings::normal_texture
@@ -35,10 +35,7 @@ fn steps_on_each_side() -> u32 {
 
 /// A slice.
 struct March {
-    /// Less the bits of `ROUNDER`.
-    pixel: vec2<i32>,
-    /// The same in the texture.
-    texel: vec2<i32>,
+    pixel: Start,
     /// `ray_at` its centre.
     ray: vec2<f32>,
     position: vec3<f32>,
@@ -57,20 +54,24 @@ struct March {
 /// Cosine of the angle between the viewer and the highest sample on one `side`, 1 or -1; `base` if none is above the surface.
 /// `is_inside` says that no sample can lie outside of the view: then nothing keeps them from being read all at once.
 fn horizon(march: March, side: f32, base: f32, is_inside: bool) -> f32 {
-    let steps = steps_on_each_side();
+    // Few pixels are near the rim of the view: for them the loop is not unrolled a second time.
+    let steps = select(view.steps, steps_on_each_side(), is_inside);
     let offset = select(fract(march.offset + 0.5), march.offset, side > 0.0);
+    // The distance of the first, and how much it grows with each.
+    let at_first = (march.steps.x * offset + march.steps.y) * offset;
+    let growth = 2.0 * march.steps.x * offset + march.steps.y;
     // Above `base`.
     var highest = 0.0;
     for (var i = 0u; i < steps; i++) {
+        let x = f32(i);
         // Never the pixel itself, nor the one before.
-        let x = f32(i) + offset;
-        let distance = max((march.steps.x * x + march.steps.y) * x, f32(i + 1u));
-        let step = rounded(side * march.direction * distance);
-        if !is_inside && !is_in_view(march.pixel + step.bits) {
+        let distance = max(at_first + x * growth + x * x * march.steps.x, x + 1.0);
+        let sample = rounded(march.pixel, march.direction, side * distance);
+        if !is_inside && !is_in_view(sample.place) {
             continue;
         }
-        let depth = textureLoad(depth_texture, march.texel + step.bits, 0);
-        let ray = march.ray + ray_step(view.view_from_pixel, step.number);
+        let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + sample.place, 0);
+        let ray = march.ray + ray_step(view.view_from_pixel, sample.step);
         let delta = position_on(view.view_from_pixel, ray, depth) - march.position;
         let distance_squared = dot(delta, delta);
         let inverse_distance = inverseSqrt(distance_squared);
@@ -89,6 +90,14 @@ fn horizon(march: March, side: f32, base: f32, is_inside: bool) -> f32 {
     return base + highest;
 }
 
+/// By an angle; cosine and sine, of both.
+fn turned(rotation: vec2<f32>, angle: vec2<f32>) -> vec2<f32> {
+    return vec2(
+        rotation.x * angle.x - rotation.y * angle.y,
+        rotation.x * angle.y + rotation.y * angle.x,
+    );
+}
+
 /// Ahead and behind.
 fn horizons(march: March, bases: vec2<f32>, is_inside: bool) -> vec2<f32> {
     return vec2(horizon(march, 1.0, bases.x, is_inside), horizon(march, -1.0, bases.y, is_inside));
@@ -96,8 +105,10 @@ fn horizons(march: March, bases: vec2<f32>, is_inside: bool) -> vec2<f32> {
 
 /// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the pattern: those of `phase` 0 to 3.
 fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
-    let position = view_position(pixel, depth);
-    let radius = radius_at(position);
+    let center = vec2<f32>(pixel) + 0.5;
+    let ray = ray_at(view.view_from_pixel, center);
+    let position = position_on(view.view_from_pixel, ray, depth);
+    let radius = radius_at(position, depth);
     let reach = largest_side(radius.pixels);
     // Also true of what is not a number.
     if !(reach > 1.0) {
@@ -105,18 +116,19 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     }
     // On the screen's rim directions are stretched, at most by the ratio of the ray's length to its depth.
     let to_viewer = direction_to_viewer(position);
-    let margin = i32(max(reach / max(to_viewer.z, 0.1), f32(steps_on_each_side()))) + 2;
-    let is_inside = is_in_view(pixel - margin) && is_in_view(pixel + margin);
+    let margin = max(reach / max(to_viewer.z, 0.1), f32(steps_on_each_side())) + 2.0;
+    let half_size = 0.5 * vec2<f32>(view.viewport_size);
+    let is_inside = all(abs(center - half_size) + margin < half_size);
 
     var march: March;
-    march.pixel = pixel - bitcast<i32>(ROUNDER);
-    march.texel = march.pixel + vec2<i32>(view.viewport_origin);
-    let center = vec2<f32>(pixel) + 0.5;
-    march.ray = ray_at(view.view_from_pixel, center);
+    march.pixel = start_at(pixel);
+    march.ray = ray;
     march.position = position;
     march.to_viewer = to_viewer;
-    march.geometric = geometric_normal(view.view_from_pixel, center, position, to_viewer, depth, around);
-    march.decline = view.inverse_falloff / (radius.metres * radius.metres);
+    march.geometric = geometric_normal(
+        view.view_from_pixel, view.pixels_per_ray, center, position, to_viewer, depth, around,
+    );
+    march.decline = view.decline * radius.excess * radius.excess;
 
     var normal = march.geometric;
 #ifdef SHADING_NORMALS
@@ -135,25 +147,22 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let quad = (vec2<u32>(pixel) / (2u * #{DIVISOR}u)) & vec2(1u);
     let block = quad.x + 2u * quad.y;
 #ifdef WIDE_PATTERN
-    let turn = f32(phase) + 0.25 * f32(block) + view.turn;
+    var rotation = turned(view.rotations[phase].xy, view.rotations[block].zw);
     let offset = 0.125 + 0.25 * f32(phase + 2u * block) + 0.0625 * f32(block) + view.turn;
 #else
-    let turn = f32(phase) + view.turn;
+    var rotation = view.rotations[phase].xy;
     let offset = 0.125 + 0.25 * f32(phase + block) + view.turn;
 #endif
 
     let basis = tangents(to_viewer);
+    let slope = ray_slope(view.view_from_pixel, ray, position);
     let slices = slice_count();
     var occlusion = 0.0;
     for (var slice = 0u; slice < slices; slice++) {
-        let angle = PI * (f32(slice) + 0.25 * turn) / f32(slices);
         // Evenly about the view direction, not on the screen: so perspective is exact off its centre too.
-        let tangent = basis * vec2(cos(angle), sin(angle));
-#ifdef PROJECTION_ORTHOGRAPHIC
-        let direction = tangent.xy;
-#else
-        let direction = tangent.xy - tangent.z * position.xy / position.z;
-#endif
+        let tangent = basis * rotation;
+        rotation = turned(rotation, view.slice_rotation);
+        let direction = tangent.xy - tangent.z * slope;
         let lobe = slice_normal(normal, to_viewer, tangent);
         let surface = slice_normal(march.geometric, to_viewer, tangent);
         // The surface's own horizons.

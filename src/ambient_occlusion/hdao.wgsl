@@ -42,7 +42,7 @@ fn heights(corner: vec2<i32>, depths: vec4<f32>) -> vec4<f32> {
 /// Occlusion of a pixel, 0 to 1.
 fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     let position = view_position(pixel, depth);
-    let radius = radius_at(position);
+    let radius = radius_at(position, depth);
     let reach = largest_side(radius.pixels);
     if !(reach > 1.0) {
         return 0.0;
@@ -62,8 +62,8 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     let around = view_position(pixel, depth + step).z - view_position(pixel, depth - step).z;
     let metres = abs(around) / (2.0 * step);
 #endif
-    let pixels_per_metre = reach / radius.metres;
-    let inverse_radius_squared = 1.0 / (radius.metres * radius.metres);
+    let inverse_radius = radius.excess / view.radius;
+    let pixels_per_metre = reach * inverse_radius;
 
     var blocks = BLOCKS;
     var parts = PARTS;
@@ -75,7 +75,7 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
         let there = block(pixel - corner - 1).zwxy;
         let rise = heights(pixel + corner, here) - position.z;
         let opposite_rise = heights(pixel - corner - 1, there.zwxy).zwxy - position.z;
-        let nearness = 1.0 - max(rise * rise, opposite_rise * opposite_rise) * inverse_radius_squared;
+        let nearness = 1.0 - max(rise * rise, opposite_rise * opposite_rise) * inverse_radius * inverse_radius;
         let weight = saturate(nearness * view.inverse_falloff);
         let valley = 0.5 * (here + there - 2.0 * depth) * metres;
         for (var j = 0u; j < 4u; j++) {

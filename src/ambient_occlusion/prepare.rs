@@ -84,7 +84,7 @@ pub(super) fn write_occlusion_uniforms(
         uniform.row_stride = row_order.stride(workgroups(uniform.texture_size).y);
         if is_jittered {
             // The golden section spreads any number of frames.
-            uniform.turn = (frame.0 % 1024) as f32 * 0.618_034 % 1.0;
+            uniform.set_turn((frame.0 % 1024) as f32 * 0.618_034 % 1.0);
         }
         let view = ViewOcclusion {
             offset: writer.write(&uniform),

@@ -1,6 +1,6 @@
 //! What the shaders know of a view.
 
-use core::f32::consts::FRAC_PI_2;
+use core::f32::consts::{FRAC_PI_2, PI};
 
 use bevy::{
     pbr::{DistanceFog, FogFalloff},
@@ -10,7 +10,9 @@ use bevy::{
 
 use super::settings::LeanAmbientOcclusion;
 use crate::shader_library::{
-    reconstruction::position::{ProjectionKind, pixels_per_metre, projection_of, view_from_pixel},
+    reconstruction::position::{
+        ProjectionKind, pixels_per_metre, pixels_per_ray, projection_of, view_from_pixel,
+    },
     tiles,
 };
 
@@ -30,20 +32,24 @@ pub struct OcclusionView {
     pub(super) view_from_world: Mat4,
     edge: Vec4,
     pub(super) fog: Vec4,
-    pixels_per_metre: Vec2,
+    rotations: [Vec4; 4],
+    slice_rotation: Vec2,
+    pixels_per_ray: Vec2,
+    radius_in_pixels: Vec2,
     /// Pixels.
     pub viewport_origin: UVec2,
     viewport_size: UVec2,
     /// Texels of the occlusion texture.
     pub texture_size: UVec2,
     radius: f32,
-    largest_radius_in_pixels: f32,
+    largest_nearness: f32,
     intensity: f32,
     sin_bias: f32,
     inverse_falloff: f32,
+    decline: f32,
     thickness: f32,
     direct_light_affect: f32,
-    pub(super) turn: f32,
+    turn: f32,
     pub(super) row_stride: u32,
     slices: u32,
     steps: u32,
@@ -69,24 +75,46 @@ impl OcclusionView {
         } else {
             Vec4::new(m.z_axis.w, m.w_axis.w, step / m.z_axis.w.abs(), 0.0)
         };
-        Self {
+        let radius_in_pixels = radius * pixels_per_metre(clip_from_view, viewport_size);
+        let largest_radius = (LARGEST_RADIUS * viewport_size.y as f32).max(1.0);
+        // So that 0 is a hard edge, but no division by it.
+        let inverse_falloff = 1.0 / settings.falloff.clamp(1e-4, 1.0);
+        let mut view = Self {
             view_from_pixel,
             edge,
-            pixels_per_metre: pixels_per_metre(clip_from_view, viewport_size),
+            slice_rotation: Vec2::from_angle(PI / slices as f32),
+            pixels_per_ray: pixels_per_ray(view_from_pixel),
+            radius_in_pixels,
             viewport_size,
             texture_size: texture_size(settings, viewport_size),
             radius,
-            largest_radius_in_pixels: (LARGEST_RADIUS * viewport_size.y as f32).max(1.0),
+            largest_nearness: up_to(
+                f32::MAX,
+                largest_radius / radius_in_pixels.abs().max_element(),
+            ),
             intensity: up_to(f32::MAX, settings.intensity),
             sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
-            // So that 0 is a hard edge, but no division by it.
-            inverse_falloff: 1.0 / settings.falloff.clamp(1e-4, 1.0),
+            inverse_falloff,
+            decline: up_to(f32::MAX, inverse_falloff / (radius * radius)),
             thickness: settings.thickness.clamp(0.0, 1.0),
             direct_light_affect: settings.direct_light_affect.clamp(0.0, 1.0),
             row_stride: 1,
             slices,
             steps,
             ..default()
+        };
+        view.set_turn(0.0);
+        view
+    }
+
+    /// The part of the pattern that changes from frame to frame, 0 to 1.
+    pub(super) fn set_turn(&mut self, turn: f32) {
+        self.turn = turn;
+        for (i, rotation) in self.rotations.iter_mut().enumerate() {
+            let quarter = 0.25 * PI / self.slices as f32;
+            let phase = Vec2::from_angle(quarter * (i as f32 + turn));
+            let block = Vec2::from_angle(quarter * 0.25 * i as f32);
+            *rotation = phase.extend(block.x).extend(block.y);
         }
     }
 }

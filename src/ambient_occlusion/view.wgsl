@@ -11,22 +11,32 @@ struct OcclusionView {
     edge: vec4<f32>,
     /// Extinction of distance fog: a, b of its mode; alpha; mode.
     fog: vec4<f32>,
-    /// At a distance of one metre; in orthographic views anywhere. Negative along axes that the projection mirrors.
-    pixels_per_metre: vec2<f32>,
+    /// Cosine and sine of how far the directions of each phase are turned; and of how much further with a wide filter, in each block of
+    /// texels.
+    rotations: array<vec4<f32>, 4>,
+    /// The same of the angle between a slice and the next.
+    slice_rotation: vec2<f32>,
+    /// From one to the next whole `reconstruction::position::ray_at`.
+    pixels_per_ray: vec2<f32>,
+    /// The radius at a distance of one metre; in orthographic views anywhere. Negative along axes that the projection mirrors.
+    radius_in_pixels: vec2<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
     /// Texels of the occlusion texture.
     texture_size: vec2<u32>,
     /// Metres.
     radius: f32,
-    largest_radius_in_pixels: f32,
+    /// 1 / the distance at which it has as many pixels as it may.
+    largest_nearness: f32,
     intensity: f32,
     sin_bias: f32,
     inverse_falloff: f32,
+    /// How much samples weigh less by the square of their distance, where the radius is what it should be.
+    decline: f32,
     thickness: f32,
     /// How far direct light is darkened too, 0 to 1.
     direct_light_affect: f32,
-    /// Parts of the pattern's turn and step that change from frame to frame, 0 to 1; 0 without TAA.
+    /// The part of the pattern's steps that changes from frame to frame, 0 to 1; 0 without TAA.
     turn: f32,
     row_stride: u32,
     /// Of `OcclusionQuality::Custom`; those of the presets are compiled in.

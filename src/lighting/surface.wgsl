@@ -5,7 +5,7 @@
 #import bevy_lean_deferred::lighting::bindings::uniforms
 #import bevy_lean_deferred::reconstruction::{
     normal::{nearer_side, normal_from_positions, normal_from_slope, straighter_side},
-    position::{SMALLEST_DEPTH, ndc_of_fragment, view_position},
+    position::{SMALLEST_DEPTH, ndc_of_fragment, ray_at, view_position},
 }
 #import bevy_pbr::{
     mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
@@ -106,7 +106,8 @@ fn view_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     let viewport = view.main_pass_viewport;
     let ndc = ndc_of_fragment(vec2<f32>(pixel) + 0.5, viewport);
     let per_ndc = slope * viewport.zw * vec2(0.5, -0.5);
-    return normal_from_slope(view.view_from_clip, vec3(ndc, depth), per_ndc);
+    let m = view.view_from_clip;
+    return normal_from_slope(m, ray_at(m, ndc), depth, per_ndc / vec2(m[0][0], m[1][1]));
 #else
     let position = position_at(pixel, depth);
     let n = normal_from_positions(

@@ -26,9 +26,12 @@ struct SliceNormal {
 /// `to_viewer` and `tangent` are the plane's axes, of unit length.
 fn slice_normal(normal: vec3<f32>, to_viewer: vec3<f32>, tangent: vec3<f32>) -> SliceNormal {
     let projected = vec2(dot(normal, to_viewer), dot(normal, tangent));
-    let size = length(projected);
-    let unit = select(vec2(1.0, 0.0), projected / size, size > 1e-6);
-    return SliceNormal(size, unit.x, unit.y);
+    let squared = dot(projected, projected);
+    if !(squared > 1e-12) {
+        return SliceNormal(0.0, 1.0, 0.0);
+    }
+    let inverse = inverseSqrt(squared);
+    return SliceNormal(squared * inverse, projected.x * inverse, projected.y * inverse);
 }
 
 /// Cosine-weighted light of one side of a slice between the viewer's direction and the angle whose cosine is `c`, in

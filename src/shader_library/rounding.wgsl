@@ -4,16 +4,26 @@
 /// Whole numbers near 0 stand in the lowest bits of this plus them.
 const ROUNDER: f32 = 12582912.0;
 
-/// Two whole numbers, as integers and as they are.
-struct Rounded {
-    /// More than they are by the bits of `ROUNDER`: who adds them to something can have that be as much less.
-    bits: vec2<i32>,
-    number: vec2<f32>,
+/// A whole place, up to 2²¹ from 0, that steps lead away from: `ROUNDER` plus it, twice. Compilers do not know that both are the same,
+/// and so do not take sums with them apart.
+struct Start {
+    added: vec2<f32>,
+    taken_off: vec2<f32>,
 }
 
-/// The nearest whole numbers, up to 2²² from 0. The bits that are set are set already; compilers do not know, and so do not take the
-/// sum apart.
-fn rounded(x: vec2<f32>) -> Rounded {
-    let bits = bitcast<vec2<u32>>(x + ROUNDER) | vec2(0x4b000000u);
-    return Rounded(vec2<i32>(bits), bitcast<vec2<f32>>(bits) - ROUNDER);
+fn start_at(place: vec2<i32>) -> Start {
+    return Start(bitcast<vec2<f32>>(place + bitcast<i32>(ROUNDER)), vec2<f32>(place) + ROUNDER);
+}
+
+/// Whole places.
+struct Rounded {
+    place: vec2<i32>,
+    /// From the start to there.
+    step: vec2<f32>,
+}
+
+/// The place that is nearest to so many times `direction` from `start`.
+fn rounded(start: Start, direction: vec2<f32>, distance: f32) -> Rounded {
+    let sum = fma(direction, vec2(distance), start.added);
+    return Rounded(bitcast<vec2<i32>>(sum) - bitcast<i32>(ROUNDER), sum - start.taken_off);
 }

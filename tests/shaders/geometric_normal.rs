@@ -62,7 +62,7 @@ fn kernel(bits: array<u32, 21>) -> array<u32, 3> {
         vec4(b[8], b[9], b[10], b[11]), vec4(b[12], b[13], b[14], b[15]),
     );
     let n = bitcast<vec3<u32>>(normal_from_slope(
-        view_from, vec3(b[16], b[17], b[18]), vec2(b[19], b[20]),
+        view_from, vec2(b[16], b[17]), b[18], vec2(b[19], b[20]),
     ));
     return array(n.x, n.y, n.z);
 }";
@@ -274,6 +274,7 @@ fn any_depths_give_unit_normals() {
 /// Planes seen through a lens: where, and how depth changes there; with the true normal, which faces the viewer.
 fn random_planes(clip_from_view: DMat4, count: usize) -> Vec<([f32; 5], DVec3)> {
     let view_from_clip = clip_from_view.inverse();
+    let scale = DVec2::new(view_from_clip.x_axis.x, view_from_clip.y_axis.y);
     let mut random = Random::new(7);
     let mut planes = Vec::new();
     while planes.len() < count {
@@ -304,8 +305,9 @@ fn random_planes(clip_from_view: DMat4, count: usize) -> Vec<([f32; 5], DVec3)> 
         let slope = DVec2::new(
             depth_at(ndc + DVec2::X * step) - depth,
             depth_at(ndc + DVec2::Y * step) - depth,
-        ) / step;
-        let input = [ndc.x, ndc.y, depth, slope.x, slope.y].map(|x| x as f32);
+        ) / (step * scale);
+        let ray = ndc * scale + view_from_clip.w_axis.truncate().truncate();
+        let input = [ray.x, ray.y, depth, slope.x, slope.y].map(|x| x as f32);
         planes.push((input, normal));
     }
     planes
@@ -348,8 +350,8 @@ fn slopes_of_depth_give_the_normals_of_planes() {
         let mut worst = 0f64;
         for ((input, truth), device) in planes.iter().zip(kernel.run(&inputs)) {
             let [x, y, depth, slope_x, slope_y] = *input;
-            let p = Vec3::new(x, y, depth);
-            let twin = normal_from_slope(view_from_clip, kind, p, Vec2::new(slope_x, slope_y));
+            let (ray, slope) = (Vec2::new(x, y), Vec2::new(slope_x, slope_y));
+            let twin = normal_from_slope(view_from_clip, kind, ray, depth, slope);
             let device = Vec3::from_array(device.map(f32::from_bits));
             for n in [device, twin] {
                 worst = worst.max(n.as_dvec3().distance(*truth));
@@ -371,11 +373,11 @@ fn hostile_slopes_give_unit_normals() {
         let inputs: Vec<[u32; 21]> = (0..343)
             .map(|i| {
                 let hostile = [1, 7, 49].map(|place| HOSTILE[i / place % 7]);
-                let p = [0.3, -0.4].into_iter().chain(hostile);
+                let input = [0.3, -0.4].into_iter().chain(hostile);
                 let mut words = [0; 21];
                 for (word, x) in words
                     .iter_mut()
-                    .zip(view_from_clip.to_cols_array().into_iter().chain(p))
+                    .zip(view_from_clip.to_cols_array().into_iter().chain(input))
                 {
                     *word = x.to_bits();
                 }

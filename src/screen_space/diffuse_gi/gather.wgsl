@@ -6,7 +6,7 @@
 #import bevy_lean_deferred::pattern::turn_of
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, depths_around, geometric_normal}
 #import bevy_lean_deferred::reconstruction::position::{position_on, ray_at, ray_step}
-#import bevy_lean_deferred::rounding::{ROUNDER, rounded}
+#import bevy_lean_deferred::rounding::{Start, rounded, start_at}
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
     Entry, depth_texture, edge_step, levels, normal_texture, output_texture, unpack_entry, view,
 }
@@ -21,8 +21,7 @@ const LAST_LEVEL: i32 = 3;
 
 /// The receiver.
 struct Receiver {
-    /// Less the bits of `ROUNDER`.
-    texel: vec2<i32>,
+    texel: Start,
     /// `ray_at` where its depth was taken.
     ray: vec2<f32>,
     position: vec3<f32>,
@@ -97,8 +96,8 @@ fn march(
         let t = (f32(i) + offset) / f32(STEPS);
         let distance = max(reach * t * t, f32(i + 1u));
         let gap = max(reach * (2.0 * t + 1.0 / f32(STEPS)) / f32(STEPS), 1.0);
-        let step = rounded(direction * distance);
-        let texel = receiver.texel + step.bits;
+        let sample = rounded(receiver.texel, direction, distance);
+        let texel = sample.place;
         if any(texel < vec2(0)) || any(texel >= vec2<i32>(view.texture_size)) {
             break;
         }
@@ -107,9 +106,9 @@ fn march(
         if !(entry.depth > 0.0) {
             continue;
         }
-        var height = height_of(receiver, base, delta_to(receiver, step.number, entry.depth));
+        var height = height_of(receiver, base, delta_to(receiver, sample.step, entry.depth));
         if height > highest {
-            let end = further_out(receiver, texel, step.number, entry.depth, direction, gap);
+            let end = further_out(receiver, texel, sample.step, entry.depth, direction, gap);
             height = max(height, height_of(receiver, base, end));
             highest = height;
             let covered = side_occlusion(lobe, base, height, side);
@@ -128,7 +127,7 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     }
     let pixel = texel * DIVISOR;
     var receiver: Receiver;
-    receiver.texel = texel - bitcast<i32>(ROUNDER);
+    receiver.texel = start_at(texel);
     let center = vec2<f32>(pixel) + 0.5;
     receiver.ray = ray_at(view.view_from_pixel, center);
     receiver.position = position_on(view.view_from_pixel, receiver.ray, depth);
@@ -150,7 +149,7 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
 
     let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
     receiver.geometric = geometric_normal(
-        view.view_from_pixel, center, receiver.position, receiver.to_viewer, depth,
+        view.view_from_pixel, view.pixels_per_ray, center, receiver.position, receiver.to_viewer, depth,
         depths_around(depth_texture, in_depth, pixel, false),
     );
     var normal = receiver.geometric;

@@ -11,7 +11,9 @@ use crate::{
         reprojection::{exposure_ratio, last_pixel_from_view, up_to},
         resolution,
     },
-    shader_library::reconstruction::position::{edge_of, pixels_per_metre, view_from_pixel},
+    shader_library::reconstruction::position::{
+        edge_of, pixels_per_metre, pixels_per_ray, view_from_pixel,
+    },
 };
 
 /// The largest radius on screen, as a share of the viewport's height.
@@ -27,6 +29,7 @@ pub struct GiView {
     view_from_world: Mat4,
     last_pixel_from_view: Mat4,
     pixels_per_metre: Vec2,
+    pixels_per_ray: Vec2,
     edge: Vec2,
     viewport_origin: UVec2,
     pub(super) viewport_size: UVec2,
@@ -46,12 +49,14 @@ impl GiView {
     pub fn new(settings: &LeanScreenSpaceGi, now: &LastFrame, last: Option<&LastFrame>) -> Self {
         let clip_from_view = now.clip_from_view;
         let size = now.viewport.size();
+        let view_from_pixel = view_from_pixel(clip_from_view, size);
         Self {
-            view_from_pixel: view_from_pixel(clip_from_view, size),
+            view_from_pixel,
             view_from_world: now.world_from_view.inverse(),
             last_pixel_from_view: last
                 .map_or(Mat4::IDENTITY, |last| last_pixel_from_view(now, last)),
             pixels_per_metre: pixels_per_metre(clip_from_view, size),
+            pixels_per_ray: pixels_per_ray(view_from_pixel),
             edge: edge_of(clip_from_view, size),
             viewport_origin: now.viewport.min,
             viewport_size: size,

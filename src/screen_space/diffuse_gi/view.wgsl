@@ -10,6 +10,8 @@ struct GiView {
     last_pixel_from_view: mat4x4<f32>,
     /// At a distance of one metre; in orthographic views anywhere. Negative along axes that the projection mirrors.
     pixels_per_metre: vec2<f32>,
+    /// From one to the next whole `reconstruction::position::ray_at`.
+    pixels_per_ray: vec2<f32>,
     /// The step in depth that separates surfaces a pixel apart is `edge.x * depth + edge.y`.
     edge: vec2<f32>,
     viewport_origin: vec2<u32>,

@@ -1,7 +1,7 @@
 //! The normal of the surface itself, from depth. It is here for
 //! tests and measurements; only the device's is used to render.
 
-use bevy::math::{Mat4, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
+use bevy::math::{Mat4, Vec2, Vec3, Vec4Swizzles};
 
 use super::position::ProjectionKind;
 
@@ -53,21 +53,24 @@ pub fn normal_from_positions(
     (n / largest).normalize()
 }
 
-/// The unit normal that faces the viewer, from the slope of depth along the axes of normalised device coordinates: at
-/// `p`, whose z is depth. For the kinds of projection for which `view_position` is cheaper, with the same matrix; all but
+/// The unit normal that faces the viewer, from the slope of depth along the axes of `ray_at`: at `ray` and `depth`. For the kinds of projection for which `view_position` is cheaper, with the same matrix; all but
 /// [`ProjectionKind::Perspective`] is taken for orthographic. Falls back to facing the viewer where the slope is not
 /// finite.
-pub fn normal_from_slope(view_from: Mat4, kind: ProjectionKind, p: Vec3, slope: Vec2) -> Vec3 {
+pub fn normal_from_slope(
+    view_from: Mat4,
+    kind: ProjectionKind,
+    ray: Vec2,
+    depth: f32,
+    slope: Vec2,
+) -> Vec3 {
     let m = view_from;
-    let scale = Vec2::new(m.x_axis.x, m.y_axis.y);
     let n = if kind == ProjectionKind::Perspective {
-        let ray = p.xy() * scale + m.w_axis.xy();
-        let q = m.z_axis.w * p.z + m.w_axis.w;
-        let across = m.z_axis.w * slope / scale;
-        -across.extend((q - across.dot(ray)) / m.w_axis.z)
+        let q = m.z_axis.w * depth + m.w_axis.w;
+        let across = m.z_axis.w * slope;
+        let z = m.w_axis.z;
+        -(across * (z * z)).extend((q - across.dot(ray)) * z)
     } else {
-        let across = slope / scale;
-        (-m.z_axis.z * across).extend(1.0 + m.z_axis.xy().dot(across))
+        (-m.z_axis.z * slope).extend(1.0 + m.z_axis.xy().dot(slope))
     };
     let size = n.abs().element_sum();
     if !(size > 0.0 && size < 1e30) {

@@ -50,21 +50,19 @@ fn normal_from_positions(
     return normalize(n / largest);
 }
 
-/// The unit normal that faces the viewer, from the slope of depth along the axes of normalised device coordinates: at
-/// `p`, whose z is depth. For the kinds of projection for which `view_position` is cheaper, with the same matrix; on a
+/// The unit normal that faces the viewer, from the slope of depth along the axes of `reconstruction::position::ray_at`: at
+/// `ray` and `depth`. For the kinds of projection for which `view_position` is cheaper, with the same matrix; on a
 /// plane the slope is the same everywhere. Falls back to facing the viewer where the slope is not finite.
-fn normal_from_slope(view_from: mat4x4<f32>, p: vec3<f32>, slope: vec2<f32>) -> vec3<f32> {
+fn normal_from_slope(view_from: mat4x4<f32>, ray: vec2<f32>, depth: f32, slope: vec2<f32>) -> vec3<f32> {
     let m = view_from;
 #ifdef PROJECTION_PERSPECTIVE
     // Points are rays divided by q, which is affine on screen: n · ray = q on a plane whose n · point is 1, and so n is
     // what the slope of q makes it. It faces away from the viewer.
-    let ray = p.xy * vec2(m[0][0], m[1][1]) + m[3].xy;
-    let q = m[2].w * p.z + m[3].w;
-    let across = m[2].w * slope / vec2(m[0][0], m[1][1]);
-    let n = -vec3(across, (q - dot(across, ray)) / m[3].z);
+    let q = m[2].w * depth + m[3].w;
+    let across = m[2].w * slope;
+    let n = -vec3(across * (m[3].z * m[3].z), (q - dot(across, ray)) * m[3].z);
 #else
-    let across = slope / vec2(m[0][0], m[1][1]);
-    let n = vec3(-m[2].z * across, 1.0 + dot(m[2].xy, across));
+    let n = vec3(-m[2].z * slope, 1.0 + dot(m[2].xy, slope));
 #endif
     // Scaled first: far away depth has no square in f32.
     let size = abs(n.x) + abs(n.y) + abs(n.z);

@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::reconstruction::{
     normal::{normal_from_positions, normal_from_slope, straighter_side},
-    position::view_position,
+    position::{ray_at, view_position},
 }
 
 /// Further from any surface than the other side of an axis can be, so that that is chosen.
@@ -70,9 +70,10 @@ fn depth_on_side(center: f32, before: f32, after: f32, side: f32) -> f32 {
 }
 
 /// The unit normal of the surface at the `center` of a pixel, where its `position` is and the depths are known, towards the viewer.
-/// Nine taps: see `straighter_side`.
+/// `pixels_per_ray` are the pixels from one to the next whole `ray_at`. Nine taps: see `straighter_side`.
 fn geometric_normal(
     view_from_pixel: mat4x4<f32>,
+    pixels_per_ray: vec2<f32>,
     center: vec2<f32>,
     position: vec3<f32>,
     to_viewer: vec3<f32>,
@@ -93,9 +94,9 @@ fn geometric_normal(
     let vertical = depth_on_side(depth, around.top.x, around.bottom.x, v);
     let slope = vec2((horizontal - depth) * h, (vertical - depth) * v);
 #ifdef PROJECTION_PERSPECTIVE
-    return normal_from_slope(view_from_pixel, vec3(center, depth), slope);
+    return normal_from_slope(view_from_pixel, ray_at(view_from_pixel, center), depth, slope * pixels_per_ray);
 #else ifdef PROJECTION_ORTHOGRAPHIC
-    return normal_from_slope(view_from_pixel, vec3(center, depth), slope);
+    return normal_from_slope(view_from_pixel, ray_at(view_from_pixel, center), depth, slope * pixels_per_ray);
 #else
     let n = normal_from_positions(
         position,

@@ -114,6 +114,11 @@ pub fn view_from_pixel(clip_from_view: Mat4, viewport_size: UVec2) -> Mat4 {
     normalized(clip_from_view.inverse() * ndc_from_pixel)
 }
 
+/// Pixels from one to the next whole `ray_at`, of [`view_from_pixel`]. Of projections of no kind that is known it means nothing.
+pub fn pixels_per_ray(view_from_pixel: Mat4) -> Vec2 {
+    Vec2::new(view_from_pixel.x_axis.x, view_from_pixel.y_axis.y).recip()
+}
+
 /// Pixels that a metre takes at a distance of one metre; in orthographic views anywhere. Negative along axes that the
 /// projection mirrors.
 pub fn pixels_per_metre(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {

@@ -54,6 +54,18 @@ fn position_on(view_from: mat4x4<f32>, ray: vec2<f32>, depth: f32) -> vec3<f32> 
 #endif
 }
 
+/// x and y of a view-space position, which is on `ray_at`, for each metre of its z; 0 where all rays run alike.
+fn ray_slope(view_from: mat4x4<f32>, ray: vec2<f32>, position: vec3<f32>) -> vec2<f32> {
+#ifdef PROJECTION_PERSPECTIVE
+    // Rays end at z = -1.
+    return -ray;
+#else ifdef PROJECTION_ORTHOGRAPHIC
+    return vec2(0.0);
+#else
+    return position.xy / position.z;
+#endif
+}
+
 /// As `homogeneous_position`, divided by w. Cheaper where the projection is known to be of a common kind, and `view_from`
 /// normalised by `reconstruction::position::normalized`: what is left out then is 0 in such matrices, or 1 where they divide.
 fn view_position(view_from: mat4x4<f32>, p: vec3<f32>) -> vec3<f32> {
