@@ -15,6 +15,9 @@
 /// is the mean of rays.
 const SMOOTH_UP_TO: f32 = 2.0;
 const ROUGH_FROM: f32 = 8.0;
+/// The same where it is not certain which place that is: a single ray would show as a speck.
+const UNCERTAIN_UP_TO: f32 = 0.25;
+const UNCERTAIN_FROM: f32 = 1.0;
 
 /// `place` is that of the pixel in the workgroup.
 fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
@@ -36,10 +39,14 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     let along = vec2<f32>(vec2<u32>(place) % u32(DIVISOR)) / f32(DIVISOR);
     let alpha = mirror.roughness * mirror.roughness;
     let radius = alpha * width_at(first, view_position(receiver.at, depth));
-    let roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius);
+    var roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius);
     var light = vec4(0.0);
     if roughness < 1.0 {
-        light += (1.0 - roughness) * smooth_light(receiver, first, along);
+        let found = smooth_light(receiver, first, along);
+        if !found.is_certain {
+            roughness = max(roughness, smoothstep(UNCERTAIN_UP_TO, UNCERTAIN_FROM, radius));
+        }
+        light += (1.0 - roughness) * found.light;
     }
     if roughness > 0.0 {
         light += roughness * rough_light(receiver, first, along);

@@ -14,6 +14,27 @@
 const NOTHING_NEAR: f32 = 9.0;
 /// How often the way between two rays is narrowed down.
 const NARROWINGS: i32 = 3;
+/// By what share of the longest the ways of rays differ that have met one surface.
+const SPREAD: f32 = 0.2;
+
+/// What a ray beside the pixel has met.
+struct Beside {
+    /// On the way of the pixel's own; 0 if it met nothing.
+    metres: f32,
+    confidence: f32,
+    /// How much it counts: not at all if it met nothing.
+    weight: f32,
+    /// It is of the same mirror.
+    is_alike: bool,
+}
+
+/// The light of a pixel.
+struct SmoothLight {
+    /// Times confidence, and confidence.
+    light: vec4<f32>,
+    /// The rays around have met one surface, and the pixel's own ray meets it too.
+    is_certain: bool,
+}
 
 /// Where a ray is seen: linear in the metres of its way.
 struct Line {
@@ -65,19 +86,24 @@ fn metres_between(receiver: Receiver, line: Line, front: vec2<f32>, back: vec2<f
     return -1.0;
 }
 
-/// What ray `i` of the four around the pixel has met: metres on the way of the pixel's own, confidence, and how much it counts.
-fn ray_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance_to_viewer: f32) -> vec3<f32> {
+/// Ray `i` of the four around the pixel.
+fn ray_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance_to_viewer: f32) -> Beside {
     let corner = vec2(i & 1, i >> 1u);
     let near = select(1.0 - along, along, corner == vec2(1));
     let texel = texel_beside(first, i);
     let image = unpack_distance(hits[texel]);
-    let alike = near.x * near.y * likeness_of(receiver, texel, vec2<f32>(corner) - along);
-    let confidence = unpack2x16float(lights[texel].y).y;
-    return vec3(image - distance_to_viewer, confidence, select(0.0, alike, image != 0.0));
+    let has_met = image != 0.0;
+    let alike = likeness_of(receiver, texel, vec2<f32>(corner) - along);
+    return Beside(
+        select(0.0, image - distance_to_viewer, has_met),
+        unpack2x16float(lights[texel].y).y,
+        select(0.0, near.x * near.y * alike, has_met),
+        alike > 0.5,
+    );
 }
 
-/// Where the pixel's ray ends if what those beside it have met differs: on whose surface it is, or on what bends between them. As
-/// `ray_beside` has it; what bends has the `confidence` of all.
+/// Where the pixel's ray ends if what those beside it have met differs: on whose surface it is, or on what bends between them. Metres,
+/// confidence and weight; what bends has the `confidence` of all.
 fn place_of_some(
     receiver: Receiver,
     line: Line,
@@ -93,16 +119,16 @@ fn place_of_some(
     var back = vec2(0.0);
     for (var i = 0; i < 4; i++) {
         let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
-        if ray.z > 0.0 {
-            let gap = gap_at(receiver, seen_at(line, ray.x));
-            let weight = ray.z * match_of(gap);
-            sum += ray.xy * weight;
+        if ray.weight > 0.0 {
+            let gap = gap_at(receiver, seen_at(line, ray.metres));
+            let weight = ray.weight * match_of(gap);
+            sum += vec2(ray.metres, ray.confidence) * weight;
             weights += weight;
-            if gap > 0.0 && ray.x > front.x {
-                front = vec2(ray.x, gap);
+            if gap > 0.0 && ray.metres > front.x {
+                front = vec2(ray.metres, gap);
             }
-            if gap <= 0.0 && (back.x == 0.0 || ray.x < back.x) {
-                back = vec2(ray.x, gap);
+            if gap <= 0.0 && (back.x == 0.0 || ray.metres < back.x) {
+                back = vec2(ray.metres, gap);
             }
         }
     }
@@ -114,8 +140,7 @@ fn place_of_some(
     return vec3(metres, confidence, select(0.0, 1.0, metres >= 0.0));
 }
 
-/// Light times confidence, and confidence.
-fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
+fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight {
     let origin = view_position(receiver.at, receiver.depth);
     let direction = reflect(-to_viewer(origin), rotated(receiver.normal));
 #ifdef PROJECTION_ORTHOGRAPHIC
@@ -127,15 +152,21 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     // Metres, and confidence.
     var sum = vec2(0.0);
     var weights = 0.0;
+    var shortest = 1e9;
+    var longest = 0.0;
     for (var i = 0; i < 4; i++) {
         let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
-        sum += ray.xy * ray.z;
-        weights += ray.z;
+        sum += vec2(ray.metres, ray.confidence) * ray.weight;
+        weights += ray.weight;
+        shortest = select(shortest, min(shortest, ray.metres), ray.is_alike);
+        longest = select(longest, max(longest, ray.metres), ray.is_alike);
     }
     var mean = sum / max(weights, 1e-6);
     var at = seen_at(line, mean.x);
     // Most often all have met the same surface, and between them the pixel's own ray meets it too.
-    if weights > 0.02 && match_of(gap_at(receiver, at)) < 1.0 {
+    let is_met = weights > 0.02 && match_of(gap_at(receiver, at)) == 1.0;
+    let is_certain = is_met && longest - shortest < SPREAD * longest;
+    if weights > 0.02 && !is_met {
         let place = place_of_some(receiver, line, first, along, distance_to_viewer, mean.y);
         mean = place.xy;
         weights = place.z;
@@ -143,12 +174,12 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     }
     if !(weights > 0.02) {
         // For outlines.
-        return light_around(receiver, first, along);
+        return SmoothLight(light_around(receiver, first, along), false);
     }
     let position = origin + direction * mean.x;
     let alpha = receiver.roughness * receiver.roughness;
     let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
     let light = last_light(at, position, level);
     let confidence = mean.y * light.w;
-    return vec4(light.rgb * confidence, confidence);
+    return SmoothLight(vec4(light.rgb * confidence, confidence), is_certain);
 }
