@@ -5,6 +5,8 @@ use std::{borrow::Cow, path::PathBuf};
 
 use bevy::{platform::collections::HashMap, prelude::*, shader::Shader};
 
+use crate::compute::WgslModule;
+
 /// Names the folder, `src` of the crate or a copy of it.
 const VARIABLE: &str = "LEAN_SHADERS";
 
@@ -26,11 +28,12 @@ pub fn read_shader_files(app: &mut App) {
     }
 }
 
-/// The shader at `path` in `src`: from that folder, or as it is compiled in.
-pub fn shader_file(path: &str, compiled_in: &'static str) -> Cow<'static, str> {
+/// The source of a module: from that folder, or as it is compiled in.
+pub fn shader_file(module: &WgslModule) -> Cow<'static, str> {
     let Some(folder) = std::env::var_os(VARIABLE) else {
-        return compiled_in.into();
+        return module.source.into();
     };
+    let path = module.path.strip_prefix("src/").unwrap_or(module.path);
     let file = PathBuf::from(folder).join(path);
     let source = std::fs::read_to_string(&file);
     source

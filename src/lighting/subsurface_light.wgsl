@@ -1,7 +1,7 @@
 // The light that enters surfaces beneath which it scatters, as lighting writes it and scattering reads it.
 #define_import_path bevy_lean_deferred::lighting::subsurface_light
 
-#import bevy_lean_deferred::gbuffer::layout::light::{pack_light, unpack_light}
+#import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, pack_light, unpack_halves, unpack_light}
 #import bevy_lean_deferred::shading_models::subsurface::{
     unpack_subsurface_color, unpack_subsurface_path,
 }
@@ -68,17 +68,11 @@ struct Receiver {
 }
 
 fn pack_receiver(receiver: Receiver) -> vec4<u32> {
-    return vec4(
-        pack2x16float(receiver.color.rg),
-        pack2x16float(receiver.color.ba),
-        pack_light(receiver.leaving),
-        receiver.normal_word,
-    );
+    return vec4(pack_halves(receiver.color), pack_light(receiver.leaving), receiver.normal_word);
 }
 
 fn unpack_receiver(words: vec4<u32>) -> Receiver {
-    let color = vec4(unpack2x16float(words.x), unpack2x16float(words.y));
-    return Receiver(color, unpack_light(words.z), words.w);
+    return Receiver(unpack_halves(words.xy), unpack_light(words.z), words.w);
 }
 
 /// How far light of each channel scatters in a material that is `known` as the buffer of the tiles has it: the `d` of its

@@ -13,19 +13,19 @@ use naga_oil::compose::{
 };
 
 use super::OcclusionGpu;
-use crate::shader_files::shader_file;
+use crate::{compute::WgslModule, shader_files::shader_file};
 
-/// A shader's path in `src`, and its source.
 macro_rules! shader {
     ($path:literal) => {
-        ($path, include_str!(concat!("../../../src/", $path)))
+        WgslModule {
+            path: concat!("src/", $path),
+            source: include_str!(concat!("../../../src/", $path)),
+        }
     };
 }
 
-type Source = (&'static str, &'static str);
-
 /// The modules that `gather.wgsl` and `merge.wgsl` import, in the order of their own imports.
-const MODULES: [Source; 12] = [
+const MODULES: [WgslModule; 12] = [
     shader!("shader_library/layout.wgsl"),
     shader!("shader_library/tiles.wgsl"),
     shader!("shader_library/reconstruction/position.wgsl"),
@@ -39,15 +39,13 @@ const MODULES: [Source; 12] = [
     shader!("ambient_occlusion/hdao.wgsl"),
     shader!("ambient_occlusion/filter.wgsl"),
 ];
-const GATHER: Source = shader!("ambient_occlusion/gather.wgsl");
-const MERGE: Source = shader!("ambient_occlusion/merge.wgsl");
 
 pub(super) fn gather() -> Cow<'static, str> {
-    shader_file(GATHER.0, GATHER.1)
+    shader_file(&shader!("ambient_occlusion/gather.wgsl"))
 }
 
 pub(super) fn merge() -> Cow<'static, str> {
-    shader_file(MERGE.0, MERGE.1)
+    shader_file(&shader!("ambient_occlusion/merge.wgsl"))
 }
 
 impl OcclusionGpu {
@@ -66,11 +64,11 @@ impl OcclusionGpu {
     fn compose(&self, source: &str, defs: HashMap<String, ShaderDefValue>) -> wgpu::ShaderModule {
         let mut composer = Composer::default();
         composer.validate = false;
-        for (path, source) in MODULES {
+        for module in MODULES {
             let added = composer
                 .add_composable_module(ComposableModuleDescriptor {
-                    source: &shader_file(path, source),
-                    file_path: path,
+                    source: &shader_file(&module),
+                    file_path: module.path,
                     ..Default::default()
                 })
                 .map(|_| ());

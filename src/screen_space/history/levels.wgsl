@@ -2,6 +2,7 @@
 // the one before, the sum of the light of surfaces, and their share: so the sky is no part of what they show from afar. Two
 // dispatches: the first makes four levels of the picture, the second (OF_LEVEL) three more of the last of these.
 #import bevy_lean_deferred::gbuffer::layout::is_nan
+#import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, unpack_halves}
 #import bevy_lean_deferred::reconstruction::position::view_position
 #import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
 
@@ -34,15 +35,6 @@ const NO_SURFACE: f32 = 65504.0;
 
 /// Of 16×16 texels, then of 8×8, then of 4×4; in half floats, as the textures have them.
 var<workgroup> shares: array<vec2<u32>, 336>;
-
-fn keep_share(i: u32, share: vec4<f32>) {
-    shares[i] = vec2(pack2x16float(share.xy), pack2x16float(share.zw));
-}
-
-fn kept_share(i: u32) -> vec4<f32> {
-    let words = shares[i];
-    return vec4(unpack2x16float(words.x), unpack2x16float(words.y));
-}
 
 /// What a level says of a texel: light of surfaces, and their share.
 fn share_of(texel: vec4<f32>) -> vec4<f32> {
@@ -103,7 +95,7 @@ fn store(level: u32, place: vec2<u32>, texel: vec4<f32>) {
 /// Stores it, and keeps its share.
 fn keep(corner: vec2<u32>, in_square: vec2<u32>, texel: vec4<f32>) {
     store(0u, corner + in_square, texel);
-    keep_share(in_square.x + 16u * in_square.y, share_of(texel));
+    shares[in_square.x + 16u * in_square.y] = pack_halves(share_of(texel));
 }
 
 /// The means of 2×2 of the `side` times `side` shares from `first` on. Of constants compilers make less than of a loop.
@@ -113,12 +105,12 @@ fn make_level(level: u32, first: u32, side: u32, workgroup: vec2<u32>, i: u32) {
     if i < half_side * half_side {
         let place = vec2(i % half_side, i / half_side);
         let corner = first + 2u * (place.x + side * place.y);
-        let above = kept_share(corner) + kept_share(corner + 1u);
-        let below = kept_share(corner + side) + kept_share(corner + side + 1u);
+        let above = unpack_halves(shares[corner]) + unpack_halves(shares[corner + 1u]);
+        let below = unpack_halves(shares[corner + side]) + unpack_halves(shares[corner + side + 1u]);
         let mean = 0.25 * (above + below);
         // The last one is 2×2, which nobody reads.
         if level < 3u {
-            keep_share(first + side * side + i, mean);
+            shares[first + side * side + i] = pack_halves(mean);
         }
         store(level, workgroup * half_side + place, mean);
     }

@@ -1,10 +1,11 @@
 // What a lobe of each texel shows: the mean of 5×5 rays, its own and its neighbours', whose sixteen directions make a lobe (after
 // Stachowiak 2015, "Stochastic Screen-Space Reflections"). The outer rays weigh half as much: each of the four directions that rays
 // have along an axis then weighs alike, and what a ray has met has no hard edges.
+#import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
 #import bevy_lean_deferred::screen_space::reflections::bindings::{lobes_output, unpack_weight}
 #import bevy_lean_deferred::screen_space::reflections::texels::{
     FIRST_MADE, INVOCATIONS, MADE, RIM, SIDE, depths, hits, inverse_step_at, keep, lights, likeness, normals, slope_at,
-    texel_at, unpack_halves,
+    texel_at,
 }
 #import bevy_lean_deferred::workgroup::is_any
 

@@ -1,8 +1,9 @@
 // The pixel whose light is made, and what the rays of the texels around it tell of it.
 #define_import_path bevy_lean_deferred::screen_space::reflections::receiver
 
+#import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
 #import bevy_lean_deferred::screen_space::reflections::bindings::{unpack_distance, view}
-#import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, hits, likeness, lights, unpack_halves}
+#import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, hits, likeness, lights}
 
 struct Receiver {
     /// In pixels.

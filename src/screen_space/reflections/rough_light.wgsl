@@ -1,9 +1,10 @@
 // What a rough surface mirrors: what lies between the lobes of the texels around it.
 #define_import_path bevy_lean_deferred::screen_space::reflections::rough_light
 
+#import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, unpack_halves}
 #import bevy_lean_deferred::screen_space::reflections::bindings::lobes_texture
 #import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, texel_beside, weight_beside}
-#import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, nearest_inside, pack_halves, unpack_halves}
+#import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, nearest_inside}
 
 /// Light times confidence, and confidence, of the lobes of texels.
 var<workgroup> lobes: array<vec2<u32>, SIDE * SIDE>;

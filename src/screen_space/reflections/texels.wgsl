@@ -2,7 +2,7 @@
 // of those around the pixels whose light it makes.
 #define_import_path bevy_lean_deferred::screen_space::reflections::texels
 
-#import bevy_lean_deferred::gbuffer::layout::unpack_normal
+#import bevy_lean_deferred::gbuffer::layout::{light::{pack_halves, unpack_halves}, unpack_normal}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
     DIVISOR, edge_step, hits_texture, rays_texture, surfaces_texture, view,
@@ -42,14 +42,6 @@ struct Texel {
     surface: vec2<u32>,
     light: vec4<f32>,
     hit: u32,
-}
-
-fn pack_halves(x: vec4<f32>) -> vec2<u32> {
-    return vec2(pack2x16float(x.xy), pack2x16float(x.zw));
-}
-
-fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
-    return vec4(unpack2x16float(words.x), unpack2x16float(words.y));
 }
 
 /// The nearest one in the picture.

@@ -38,6 +38,15 @@ fn unpack_light(word: u32) -> vec3<f32> {
     return numbers * power_of_two(i32(word >> 27u) - 24);
 }
 
+/// Four half floats.
+fn pack_halves(x: vec4<f32>) -> vec2<u32> {
+    return vec2(pack2x16float(x.xy), pack2x16float(x.zw));
+}
+
+fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
+    return vec4(unpack2x16float(words.x), unpack2x16float(words.y));
+}
+
 /// Light for a texture of half floats: brighter light, and infinite light, becomes the largest of them. Else drivers may make infinity of
 /// either, of which bloom makes NaN. What is not a number stays so.
 fn within_halfs(color: vec3<f32>) -> vec3<f32> {
