@@ -41,7 +41,7 @@ pub use settings::{
 #[doc(hidden)]
 pub use {
     active::ActiveReflections,
-    prepare::{ReflectionBindings, ViewReflections},
+    prepare::{ReflectionBindings, ViewReflections, WORKGROUP_SIDE},
     uniforms::ReflectionView,
 };
 

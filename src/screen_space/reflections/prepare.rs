@@ -47,9 +47,8 @@ use crate::{
 
 /// Pixels a side of the largest cells.
 const LARGEST_CELL: u32 = 64;
-/// Texels a side whose lobes a workgroup makes, and pixels a side whose light one makes. As `texels.wgsl` has them.
-const LOBES_SIDE: u32 = 16;
-const PIXELS_SIDE: u32 = 16;
+/// Texels a side whose lobes a workgroup makes, and pixels a side whose light one makes. Twin of that in `texels.wgsl`.
+pub const WORKGROUP_SIDE: u32 = 16;
 
 /// The uniforms of all views.
 #[derive(Resource, Default)]
@@ -121,12 +120,12 @@ impl ViewReflections {
 
     /// Workgroups of the passes.
     pub(super) fn workgroups(&self) -> [UVec2; PASSES.len()] {
-        let of = |size: UVec2, side: u32| size.map(|length| length.div_ceil(side));
+        let of = |size: UVec2| size.map(|length| length.div_ceil(WORKGROUP_SIDE));
         [
             cell_count(self.viewport_size),
             tiles::count(self.texture_size),
-            of(self.texture_size, LOBES_SIDE),
-            of(self.viewport_size, PIXELS_SIDE),
+            of(self.texture_size),
+            of(self.viewport_size),
         ]
     }
 

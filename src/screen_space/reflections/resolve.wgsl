@@ -6,7 +6,7 @@
 #import bevy_lean_deferred::screen_space::reflections::smooth_light::smooth_light
 #import bevy_lean_deferred::screen_space::reflections::surface::{mirror_of, normal_word_at, smoothness}
 #import bevy_lean_deferred::screen_space::reflections::texels::{
-    FIRST_MADE, INVOCATIONS, PIXELS, SIDE, inverse_step_at, keep, slope_at, texel_at,
+    FIRST_MADE, INVOCATIONS, SIDE, WORKGROUP_SIDE, inverse_step_at, keep, slope_at, texel_at,
 }
 #import bevy_lean_deferred::tiles::place_in_tile
 #import bevy_lean_deferred::workgroup::is_any
@@ -57,7 +57,7 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
 @compute @workgroup_size(INVOCATIONS, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
-    let corner = vec2<i32>(workgroup.xy) * PIXELS;
+    let corner = vec2<i32>(workgroup.xy) * WORKGROUP_SIDE;
     var mirrors = false;
     for (var read = i; read < SIDE * SIDE; read += INVOCATIONS) {
         let texel = texel_at(corner / DIVISOR, read);
@@ -67,7 +67,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         mirrors |= counts;
     }
     let is_empty = !is_any(mirrors, invocation);
-    for (var n = i; n < PIXELS * PIXELS; n += INVOCATIONS) {
+    for (var n = i; n < WORKGROUP_SIDE * WORKGROUP_SIDE; n += INVOCATIONS) {
         // By tiles of 8×8: those that run together are a square.
         let place = vec2<i32>(place_in_tile(u32(n) % 64u)) + 8 * vec2((n >> 6u) & 1, n >> 7u);
         let pixel = corner + place;

@@ -8,17 +8,18 @@
     DIVISOR, edge_step, hits_texture, rays_texture, surfaces_texture, view,
 }
 
+/// Texels a side whose lobes a workgroup makes, and pixels a side whose light one makes.
+const WORKGROUP_SIDE: i32 = 16;
+
 #ifdef LOBES
 /// Texels a side that something is made of.
-const MADE: i32 = 16;
+const MADE: i32 = WORKGROUP_SIDE;
 /// Texels around them that are read too: a lobe is of so many rays each way from its own.
 const RIM: i32 = 2;
 const INVOCATIONS: i32 = 256;
 #else
-/// Pixels a side whose light is made.
-const PIXELS: i32 = 16;
 /// Texels a side that something is made of: those around the pixels.
-const MADE: i32 = PIXELS / DIVISOR + 1;
+const MADE: i32 = WORKGROUP_SIDE / DIVISOR + 1;
 /// Texels around them that are read too, for their slopes.
 const RIM: i32 = 1;
 /// Of fewer texels fewer: then they wait less for each other.

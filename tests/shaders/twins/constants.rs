@@ -10,7 +10,10 @@ use bevy_lean_deferred::{
     auto_exposure::{key, luminance},
     gbuffer::{GBufferTargets, ShadingModel},
     lighting::subsurface_light,
-    screen_space::{reflections::cell, subsurface::profile},
+    screen_space::{
+        reflections::{self, cell},
+        subsurface::profile,
+    },
     shader_library::{
         layout::{self, light, motion, specialization},
         reconstruction::position,
@@ -87,6 +90,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     constants!("auto_exposure/luminance.wgsl": luminance::{WEIGHTS, LARGEST, LOWEST_LOG, SMALLEST});
     constants!("lighting/subsurface_light.wgsl": subsurface_light::{BLOCK_LOG, MASKS});
     constants!("screen_space/reflections/cell.wgsl": cell::{FIRST});
+    constants!("screen_space/reflections/texels.wgsl": reflections::{WORKGROUP_SIDE});
     constants!("screen_space/subsurface/profile.wgsl": profile::{REACH, SHORTEST});
     found
 }
