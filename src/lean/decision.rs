@@ -138,8 +138,8 @@ pub(super) fn decide_active_views(
     };
     if let LeanDeferredSupport::Missing(missing) = &*support {
         for (_, (_, view, ..), ..) in &views {
-            let camera = view.retained_view_entity.main_entity;
-            statuses.off(camera, LeanOffReason::Device(missing.clone()));
+            let main_entity = view.retained_view_entity.main_entity;
+            statuses.off(main_entity, LeanOffReason::Device(missing.clone()));
         }
         return;
     }
@@ -169,7 +169,7 @@ pub(super) fn decide_active_views(
             (lighting, view_keys.get(&view.retained_view_entity))
         else {
             commands.entity(entity).insert(ViewLighting::default());
-            statuses.on(view.retained_view_entity.main_entity, false, None);
+            statuses.on(main_entity, false, None);
             continue;
         };
 
@@ -241,8 +241,7 @@ pub(super) fn decide_active_views(
             .pipelines
             .iter()
             .find_map(|(_, id)| pipeline_watch.failure(*id));
-        let camera = view.retained_view_entity.main_entity;
-        statuses.on(camera, compiled.is_some(), failure);
+        statuses.on(main_entity, compiled.is_some(), failure);
         if let Some(active) = compiled {
             active_now.insert(view.retained_view_entity, active);
             if current != Some(&active) {
