@@ -1,23 +1,12 @@
 //! Runs functions of the crate's WGSL modules on the device, over arrays of words.
 
-use std::borrow::Cow;
-
+use crate::wgsl::{WgslModule, compile, numbers};
 use bevy::tasks::block_on;
-use naga_oil::compose::{
-    ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue,
-};
 
 /// Invocations of a workgroup, twin of `WORKGROUP` in [`entry_point`].
 const WORKGROUP: usize = 64;
 /// Workgroups in a row of the dispatch: every device can do as many.
 const WORKGROUPS_IN_ROW: usize = 65_535;
-
-/// A module of the crate, as shipped.
-pub struct WgslModule {
-    /// For error messages.
-    pub path: &'static str,
-    pub source: &'static str,
-}
 
 /// A device of its own, beside any that Bevy may have.
 pub struct Compute {
@@ -59,17 +48,8 @@ impl Compute {
         source: &str,
         definitions: &[(&str, u32)],
     ) -> Kernel<'_, INPUT, OUTPUT> {
-        let module = compose(
-            modules,
-            &format!("{source}\n{}", entry_point(INPUT, OUTPUT)),
-            definitions,
-        );
-        let shader = self
-            .device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("kernel"),
-                source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
-            });
+        let source = format!("{source}\n{}", entry_point(INPUT, OUTPUT));
+        let shader = compile(&self.device, modules, &source, numbers(definitions));
         let pipeline = self
             .device
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -184,31 +164,4 @@ fn main(
 }}
 "
     )
-}
-
-/// `source` with what it imports from `modules`, compiled with `defs`.
-pub fn compose(modules: &[WgslModule], source: &str, defs: &[(&str, u32)]) -> naga::Module {
-    let mut composer = Composer::default();
-    let report = |composer: &Composer, error: ComposerError| -> ! {
-        panic!("{}", error.emit_to_string(composer))
-    };
-    for module in modules {
-        if let Err(error) = composer.add_composable_module(ComposableModuleDescriptor {
-            source: module.source,
-            file_path: module.path,
-            ..Default::default()
-        }) {
-            report(&composer, error);
-        }
-    }
-    let composed = composer.make_naga_module(NagaModuleDescriptor {
-        source,
-        file_path: "kernel.wgsl",
-        shader_defs: defs
-            .iter()
-            .map(|(name, value)| (name.to_string(), ShaderDefValue::UInt(*value)))
-            .collect(),
-        ..Default::default()
-    });
-    composed.unwrap_or_else(|error| report(&composer, error))
 }

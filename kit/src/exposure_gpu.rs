@@ -1,59 +1,44 @@
 //! Runs the shipped shaders of auto exposure on the device, over pictures made on the CPU.
 
-use std::{borrow::Cow, collections::HashMap, sync::Mutex};
+use std::{collections::HashMap, sync::Mutex};
 
 use bevy::{
     math::{UVec2, Vec3},
     render::render_resource::encase::{StorageBuffer, UniformBuffer},
-    shader::ShaderDefVal,
 };
 use bevy_lean_deferred::auto_exposure::{
     ExposureKey, ExposureState, ExposureView, LeanAutoExposure, MeteringPattern, adapt_layout,
     binding_numbers as numbers, meter_layout,
 };
 use half::f16;
-use naga_oil::compose::{
-    ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
-};
 
 use super::gpu;
+use crate::{
+    shader_files::shader_file,
+    wgsl::{WgslModule, compile, definitions_of, key_of, wgsl},
+};
 
 /// The modules that the shaders import, in the order of their own imports.
-const MODULES: [(&str, &str); 7] = [
-    (
-        "tiles.wgsl",
-        include_str!("../../src/shader_library/tiles.wgsl"),
-    ),
-    ("bevy_view.wgsl", BEVY_VIEW),
-    (
-        "bindings.wgsl",
-        include_str!("../../src/auto_exposure/bindings.wgsl"),
-    ),
-    (
-        "luminance.wgsl",
-        include_str!("../../src/auto_exposure/luminance.wgsl"),
-    ),
-    (
-        "pattern.wgsl",
-        include_str!("../../src/auto_exposure/pattern.wgsl"),
-    ),
-    (
-        "adaptation.wgsl",
-        include_str!("../../src/auto_exposure/adaptation.wgsl"),
-    ),
-    (
-        "reduction.wgsl",
-        include_str!("../../src/auto_exposure/reduction.wgsl"),
-    ),
+const MODULES: [WgslModule; 7] = [
+    wgsl!("shader_library/tiles.wgsl"),
+    BEVY_VIEW,
+    wgsl!("auto_exposure/bindings.wgsl"),
+    wgsl!("auto_exposure/luminance.wgsl"),
+    wgsl!("auto_exposure/pattern.wgsl"),
+    wgsl!("auto_exposure/adaptation.wgsl"),
+    wgsl!("auto_exposure/reduction.wgsl"),
 ];
 /// In place of Bevy's, as far as the shaders know it.
-const BEVY_VIEW: &str = "
+const BEVY_VIEW: WgslModule = WgslModule {
+    path: "Bevy's view",
+    source: "
 #define_import_path bevy_render::view
 struct ColorGrading { exposure: f32 }
 struct View { color_grading: ColorGrading }
-";
-const METER: &str = include_str!("../../src/auto_exposure/meter.wgsl");
-const ADAPT: &str = include_str!("../../src/auto_exposure/adapt.wgsl");
+",
+};
+const METER: WgslModule = wgsl!("auto_exposure/meter.wgsl");
+const ADAPT: WgslModule = wgsl!("auto_exposure/adapt.wgsl");
 
 /// Bytes of Bevy's view that are bound.
 const BEVY_VIEW_SIZE: u64 = 4096;
@@ -63,7 +48,7 @@ pub struct ExposureGpu {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub adapter: wgpu::AdapterInfo,
-    /// By source and definitions: composing takes longer than running.
+    /// By path and definitions: composing takes longer than running.
     shaders: Mutex<HashMap<(&'static str, Vec<String>), wgpu::ShaderModule>>,
 }
 
@@ -190,51 +175,15 @@ impl ExposureGpu {
         readback.get_mapped_range(..).to_vec()
     }
 
-    fn shader(&self, source: &'static str, key: ExposureKey) -> wgpu::ShaderModule {
-        let defs: HashMap<String, ShaderDefValue> = key
-            .shader_defs()
-            .into_iter()
-            .map(|def| match def {
-                ShaderDefVal::Bool(name, value) => (name, ShaderDefValue::Bool(value)),
-                ShaderDefVal::Int(name, value) => (name, ShaderDefValue::Int(value)),
-                ShaderDefVal::UInt(name, value) => (name, ShaderDefValue::UInt(value)),
-            })
-            .collect();
-        let mut name: Vec<String> = defs.iter().map(|def| format!("{def:?}")).collect();
-        name.sort();
+    fn shader(&self, module: &WgslModule, key: ExposureKey) -> wgpu::ShaderModule {
+        let definitions = definitions_of(key.shader_defs());
         let mut shaders = self
             .shaders
             .lock()
             .expect("no test panics while it composes");
-        let shader = shaders.entry((source, name));
+        let shader = shaders.entry((module.path, key_of(&definitions)));
         shader
-            .or_insert_with(|| {
-                let mut composer =
-                    Composer::default().with_capabilities(naga::valid::Capabilities::SUBGROUP);
-                for (path, module) in MODULES {
-                    let added = composer.add_composable_module(ComposableModuleDescriptor {
-                        source: module,
-                        file_path: path,
-                        ..Default::default()
-                    });
-                    if let Err(error) = added.map(|_| ()) {
-                        panic!("{}", error.emit_to_string(&composer));
-                    }
-                }
-                let module = composer
-                    .make_naga_module(NagaModuleDescriptor {
-                        source,
-                        file_path: "exposure.wgsl",
-                        shader_defs: defs,
-                        ..Default::default()
-                    })
-                    .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
-                self.device
-                    .create_shader_module(wgpu::ShaderModuleDescriptor {
-                        label: None,
-                        source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
-                    })
-            })
+            .or_insert_with(|| compile(&self.device, &MODULES, &shader_file(module), definitions))
             .clone()
     }
 
@@ -308,8 +257,8 @@ impl<'a> Meter<'a> {
             gpu.pipeline(&layout, &gpu.shader(source, key), entry_point)
         };
         let pipelines = [
-            pipeline(&meter_layout(key).entries, METER, "meter"),
-            pipeline(&adapt_layout().entries, ADAPT, "sum_and_adapt"),
+            pipeline(&meter_layout(key).entries, &METER, "meter"),
+            pipeline(&adapt_layout().entries, &ADAPT, "sum_and_adapt"),
         ];
         Self::with_pipelines(
             gpu,

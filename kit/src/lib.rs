@@ -35,3 +35,4 @@ pub mod scenes;
 pub mod shader_files;
 pub mod size;
 pub mod skipped;
+pub mod wgsl;

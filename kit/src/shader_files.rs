@@ -5,7 +5,7 @@ use std::{borrow::Cow, path::PathBuf};
 
 use bevy::{platform::collections::HashMap, prelude::*, shader::Shader};
 
-use crate::compute::WgslModule;
+use crate::wgsl::WgslModule;
 
 /// Names the folder, `src` of the crate or a copy of it.
 const VARIABLE: &str = "LEAN_SHADERS";
@@ -30,10 +30,10 @@ pub fn read_shader_files(app: &mut App) {
 
 /// The source of a module: from that folder, or as it is compiled in.
 pub fn shader_file(module: &WgslModule) -> Cow<'static, str> {
-    let Some(folder) = std::env::var_os(VARIABLE) else {
+    let (Some(folder), Some(path)) = (std::env::var_os(VARIABLE), module.path.strip_prefix("src/"))
+    else {
         return module.source.into();
     };
-    let path = module.path.strip_prefix("src/").unwrap_or(module.path);
     let file = PathBuf::from(folder).join(path);
     let source = std::fs::read_to_string(&file);
     source

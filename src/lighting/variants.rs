@@ -63,7 +63,7 @@ impl LightingVariants {
 #[cfg(test)]
 mod tests {
     use bevy::math::Vec3;
-    use kit::compute::{Compute, WgslModule};
+    use kit::{compute::Compute, shipped_wgsl};
 
     use super::LightingVariant;
     use crate::{
@@ -114,26 +114,11 @@ fn kernel(word: array<u32, 1>) -> array<u32, 1> {
 
         let compute = Compute::new();
         let modules = [
-            WgslModule {
-                path: "layout.wgsl",
-                source: include_str!("../shader_library/layout.wgsl"),
-            },
-            WgslModule {
-                path: "specialization.wgsl",
-                source: include_str!("../shader_library/layout/specialization.wgsl"),
-            },
-            WgslModule {
-                path: "view.wgsl",
-                source: include_str!("../ambient_occlusion/view.wgsl"),
-            },
-            WgslModule {
-                path: "bindings.wgsl",
-                source: include_str!("bindings.wgsl"),
-            },
-            WgslModule {
-                path: "tile_list.wgsl",
-                source: include_str!("tile_list.wgsl"),
-            },
+            shipped_wgsl!("shader_library/layout.wgsl"),
+            shipped_wgsl!("shader_library/layout/specialization.wgsl"),
+            shipped_wgsl!("ambient_occlusion/view.wgsl"),
+            shipped_wgsl!("lighting/bindings.wgsl"),
+            shipped_wgsl!("lighting/tile_list.wgsl"),
         ];
         let kernel = compute.kernel::<1, 1>(&modules, KERNEL);
         let words: Vec<_> = pixels.iter().map(|(word, _)| [*word]).collect();

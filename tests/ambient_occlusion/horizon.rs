@@ -7,15 +7,9 @@ use bevy_lean_deferred::shader_library::horizon::{
     SliceNormal, arc, segment, side_occlusion, slice_normal,
 };
 
-use kit::{
-    compute::{Compute, WgslModule},
-    random::Random,
-};
+use kit::{compute::Compute, random::Random, shipped_wgsl, wgsl::WgslModule};
 
-const MODULE: WgslModule = WgslModule {
-    path: "src/shader_library/horizon.wgsl",
-    source: include_str!("../../src/shader_library/horizon.wgsl"),
-};
+const MODULE: WgslModule = shipped_wgsl!("shader_library/horizon.wgsl");
 
 const SEGMENT: &str = "
 #import bevy_lean_deferred::horizon::segment

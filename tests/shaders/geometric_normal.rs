@@ -11,16 +11,10 @@ use bevy_lean_deferred::shader_library::reconstruction::{
     },
     position::{ProjectionKind, projection_of},
 };
-use kit::{
-    compute::{Compute, WgslModule},
-    random::Random,
-};
+use kit::{compute::Compute, random::Random, shipped_wgsl, wgsl::WgslModule};
 use scenes::{HEIGHT, Lens, WIDTH};
 
-const MODULE: WgslModule = WgslModule {
-    path: "src/shader_library/reconstruction/normal.wgsl",
-    source: include_str!("../../src/shader_library/reconstruction/normal.wgsl"),
-};
+const MODULE: WgslModule = shipped_wgsl!("shader_library/reconstruction/normal.wgsl");
 
 const SIDES: &str = "
 #import bevy_lean_deferred::reconstruction::normal::{flatter_slope, nearer_side, straighter_side}

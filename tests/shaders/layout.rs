@@ -7,14 +7,13 @@ use accuracy::angle;
 use bevy::math::Vec3;
 use bevy_lean_deferred::gbuffer::layout::{self, NO_GEOMETRY, NORMAL_STEPS, Surface};
 use kit::{
-    compute::{Compute, Kernel, WgslModule},
+    compute::{Compute, Kernel},
     random::Random,
+    shipped_wgsl,
+    wgsl::WgslModule,
 };
 
-const MODULE: WgslModule = WgslModule {
-    path: "src/shader_library/layout.wgsl",
-    source: include_str!("../../src/shader_library/layout.wgsl"),
-};
+const MODULE: WgslModule = shipped_wgsl!("shader_library/layout.wgsl");
 
 /// Floats of a [`Surface`], as the kernels below pass them.
 const FIELDS: usize = 9;

@@ -10,23 +10,16 @@ use bevy::math::Vec3;
 use bevy_lean_deferred::gbuffer::layout::{self, light, specialization};
 use forms::{FORMS, Form, VALUES};
 use kit::{
-    compute::{Compute, Kernel, WgslModule},
+    compute::{Compute, Kernel},
     random::Random,
+    shipped_wgsl,
+    wgsl::WgslModule,
 };
 
 const MODULES: [WgslModule; 16] = [
-    WgslModule {
-        path: "src/shader_library/layout.wgsl",
-        source: include_str!("../../src/shader_library/layout.wgsl"),
-    },
-    WgslModule {
-        path: "src/shader_library/layout/light.wgsl",
-        source: include_str!("../../src/shader_library/layout/light.wgsl"),
-    },
-    WgslModule {
-        path: "src/shader_library/layout/specialization.wgsl",
-        source: include_str!("../../src/shader_library/layout/specialization.wgsl"),
-    },
+    shipped_wgsl!("shader_library/layout.wgsl"),
+    shipped_wgsl!("shader_library/layout/light.wgsl"),
+    shipped_wgsl!("shader_library/layout/specialization.wgsl"),
     stand_in("#define_import_path bevy_pbr::pbr_types"),
     stand_in("#define_import_path bevy_pbr::mesh_types"),
     stand_in("#define_import_path bevy_pbr::clustered_forward"),
@@ -34,30 +27,12 @@ const MODULES: [WgslModule; 16] = [
     stand_in("#define_import_path bevy_pbr::environment_map"),
     stand_in("#define_import_path bevy_pbr::lighting"),
     stand_in("#define_import_path bevy_pbr::irradiance_volume"),
-    WgslModule {
-        path: "src/shading_models/anisotropy.wgsl",
-        source: include_str!("../../src/shading_models/anisotropy.wgsl"),
-    },
-    WgslModule {
-        path: "src/shading_models/clearcoat.wgsl",
-        source: include_str!("../../src/shading_models/clearcoat.wgsl"),
-    },
-    WgslModule {
-        path: "src/shading_models/backlight.wgsl",
-        source: include_str!("../../src/shading_models/backlight.wgsl"),
-    },
-    WgslModule {
-        path: "src/shading_models/rim.wgsl",
-        source: include_str!("../../src/shading_models/rim.wgsl"),
-    },
-    WgslModule {
-        path: "src/shading_models/subsurface.wgsl",
-        source: include_str!("../../src/shading_models/subsurface.wgsl"),
-    },
-    WgslModule {
-        path: "src/shading_models/unlit.wgsl",
-        source: include_str!("../../src/shading_models/unlit.wgsl"),
-    },
+    shipped_wgsl!("shading_models/anisotropy.wgsl"),
+    shipped_wgsl!("shading_models/clearcoat.wgsl"),
+    shipped_wgsl!("shading_models/backlight.wgsl"),
+    shipped_wgsl!("shading_models/rim.wgsl"),
+    shipped_wgsl!("shading_models/subsurface.wgsl"),
+    shipped_wgsl!("shading_models/unlit.wgsl"),
 ];
 
 /// For a module that only lighting imports.

@@ -9,28 +9,13 @@ use bevy_lean_deferred::shader_library::reconstruction::{
         projection_of, view_position,
     },
 };
-use kit::{
-    compute::{Compute, WgslModule},
-    random::Random,
-};
+use kit::{compute::Compute, random::Random, shipped_wgsl, wgsl::WgslModule};
 
 const MODULES: [WgslModule; 4] = [
-    WgslModule {
-        path: "layout.wgsl",
-        source: include_str!("../../src/shader_library/layout.wgsl"),
-    },
-    WgslModule {
-        path: "layout/motion.wgsl",
-        source: include_str!("../../src/shader_library/layout/motion.wgsl"),
-    },
-    WgslModule {
-        path: "reconstruction/position.wgsl",
-        source: include_str!("../../src/shader_library/reconstruction/position.wgsl"),
-    },
-    WgslModule {
-        path: "reconstruction/motion.wgsl",
-        source: include_str!("../../src/shader_library/reconstruction/motion.wgsl"),
-    },
+    shipped_wgsl!("shader_library/layout.wgsl"),
+    shipped_wgsl!("shader_library/layout/motion.wgsl"),
+    shipped_wgsl!("shader_library/reconstruction/position.wgsl"),
+    shipped_wgsl!("shader_library/reconstruction/motion.wgsl"),
 ];
 
 const READ: &str = "

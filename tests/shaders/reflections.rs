@@ -6,20 +6,12 @@ use bevy_lean_deferred::{
     shader_library::ggx::sample_lobe,
 };
 use kit::{
-    compute::{Compute, WgslModule},
-    known_mirrors::sent_on,
-    random::Random,
-    skipped::on_swiftshader,
+    compute::Compute, known_mirrors::sent_on, random::Random, shipped_wgsl,
+    skipped::on_swiftshader, wgsl::WgslModule,
 };
 
-const CELL: WgslModule = WgslModule {
-    path: "src/screen_space/reflections/cell.wgsl",
-    source: include_str!("../../src/screen_space/reflections/cell.wgsl"),
-};
-const GGX: WgslModule = WgslModule {
-    path: "src/shader_library/ggx.wgsl",
-    source: include_str!("../../src/shader_library/ggx.wgsl"),
-};
+const CELL: WgslModule = shipped_wgsl!("screen_space/reflections/cell.wgsl");
+const GGX: WgslModule = shipped_wgsl!("shader_library/ggx.wgsl");
 
 const PACK: &str = "
 #import bevy_lean_deferred::screen_space::reflections::cell::{pack_cell, unpack_cell}

@@ -5,19 +5,7 @@ use bevy_lean_deferred::{
     screen_space::subsurface::profile::share_beyond,
     shader_library::layout::light::{pack_light, unpack_light},
 };
-use kit::{
-    compute::{Compute, WgslModule},
-    random::Random,
-};
-
-macro_rules! module {
-    ($path:literal) => {
-        WgslModule {
-            path: concat!("src/", $path),
-            source: include_str!(concat!("../../src/", $path)),
-        }
-    };
-}
+use kit::{compute::Compute, random::Random, shipped_wgsl};
 
 const SHARE: &str = "
 #import bevy_lean_deferred::screen_space::subsurface::profile::share_beyond
@@ -40,7 +28,7 @@ fn levels_have_the_same_shares() {
         .collect();
     inputs.extend((0..7).flat_map(|level| hostile.map(|path| [level as f32, path, path, 1.0])));
     let words: Vec<[u32; 4]> = inputs.iter().map(|input| input.map(f32::to_bits)).collect();
-    let modules = [module!("screen_space/subsurface/profile.wgsl")];
+    let modules = [shipped_wgsl!("screen_space/subsurface/profile.wgsl")];
     let outputs: Vec<[u32; 3]> = Compute::new().kernel(&modules, SHARE).run(&words);
     for ([level, r, g, b], found) in inputs.into_iter().zip(outputs) {
         let expected = share_beyond(level, Vec3::new(r, g, b));
@@ -87,10 +75,10 @@ fn entries_hold_what_they_should() {
         })
         .collect();
     let modules = [
-        module!("shader_library/layout.wgsl"),
-        module!("shader_library/layout/light.wgsl"),
-        module!("shading_models/subsurface.wgsl"),
-        module!("lighting/subsurface_light.wgsl"),
+        shipped_wgsl!("shader_library/layout.wgsl"),
+        shipped_wgsl!("shader_library/layout/light.wgsl"),
+        shipped_wgsl!("shading_models/subsurface.wgsl"),
+        shipped_wgsl!("lighting/subsurface_light.wgsl"),
     ];
     let outputs: Vec<[u32; 7]> = Compute::new().kernel(&modules, ENTRY).run(&words);
     for (([metres, r, g, b], _), found) in inputs.into_iter().zip(outputs) {

@@ -1,26 +1,19 @@
 //! The tiles that have special surfaces are listed, and no others.
 
-use std::{borrow::Cow, collections::BTreeSet};
+use std::collections::BTreeSet;
 
 use kit::{
-    compute::{Compute, WgslModule, compose},
+    compute::Compute,
     random::Random,
+    shipped_wgsl,
+    wgsl::{WgslModule, compile, numbers},
 };
 use wgpu::BufferUsages;
 
 const MODULES: [WgslModule; 3] = [
-    WgslModule {
-        path: "src/shader_library/layout.wgsl",
-        source: include_str!("../../src/shader_library/layout.wgsl"),
-    },
-    WgslModule {
-        path: "src/shader_library/layout/specialization.wgsl",
-        source: include_str!("../../src/shader_library/layout/specialization.wgsl"),
-    },
-    WgslModule {
-        path: "src/lighting/tile_list.wgsl",
-        source: include_str!("../../src/lighting/tile_list.wgsl"),
-    },
+    shipped_wgsl!("shader_library/layout.wgsl"),
+    shipped_wgsl!("shader_library/layout/specialization.wgsl"),
+    shipped_wgsl!("lighting/tile_list.wgsl"),
 ];
 
 const TILE: usize = 64;
@@ -73,11 +66,8 @@ fn pipeline(
     layout: &wgpu::PipelineLayout,
     source: &str,
 ) -> wgpu::ComputePipeline {
-    let module = compose(&MODULES, source, &[("LISTED_VARIANTS", 1)]);
-    let shader = (compute.device).create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
-        source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
-    });
+    let definitions = numbers(&[("LISTED_VARIANTS", 1)]);
+    let shader = compile(&compute.device, &MODULES, source, definitions);
     (compute.device).create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
         layout: Some(layout),

@@ -1,11 +1,10 @@
 //! Drawing over a texture, and what that binds.
 
-use std::collections::HashMap;
-
 use bevy::math::UVec2;
 use bevy_lean_deferred::ambient_occlusion::binding_numbers as numbers;
 
 use super::OcclusionGpu;
+use crate::wgsl::Definitions;
 
 const FULLSCREEN: &str = r"
 @vertex
@@ -111,7 +110,7 @@ impl OcclusionGpu {
             Target::Color(_, format) => Some(wgpu::ColorTargetState::from(format)),
             Target::Depth(_) => None,
         };
-        let vertex = self.shader(FULLSCREEN, HashMap::new());
+        let vertex = self.shader(FULLSCREEN, Definitions::new());
         let pipeline = self
             .device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {

@@ -1,6 +1,6 @@
 //! The shipped shaders, composed as the crate composes them.
 
-use std::{borrow::Cow, collections::HashMap};
+use std::borrow::Cow;
 
 use bevy::math::Mat4;
 use bevy_lean_deferred::ambient_occlusion::{
@@ -8,86 +8,44 @@ use bevy_lean_deferred::ambient_occlusion::{
     OcclusionQuality, OcclusionResolution,
 };
 use bevy_lean_deferred::shader_library::reconstruction::position::projection_of;
-use naga_oil::compose::{
-    ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
-};
+use naga_oil::compose::ShaderDefValue;
 
 use super::OcclusionGpu;
-use crate::{compute::WgslModule, shader_files::shader_file};
-
-macro_rules! shader {
-    ($path:literal) => {
-        WgslModule {
-            path: concat!("src/", $path),
-            source: include_str!(concat!("../../../src/", $path)),
-        }
-    };
-}
+use crate::{
+    shader_files::shader_file,
+    wgsl::{Definitions, WgslModule, compile, key_of, numbers, wgsl},
+};
 
 /// The modules that `gather.wgsl` and `merge.wgsl` import, in the order of their own imports.
 const MODULES: [WgslModule; 12] = [
-    shader!("shader_library/layout.wgsl"),
-    shader!("shader_library/tiles.wgsl"),
-    shader!("shader_library/reconstruction/position.wgsl"),
-    shader!("shader_library/reconstruction/normal.wgsl"),
-    shader!("ambient_occlusion/view.wgsl"),
-    shader!("shader_library/horizon.wgsl"),
-    shader!("shader_library/rounding.wgsl"),
-    shader!("shader_library/reconstruction/normal_from_depth.wgsl"),
-    shader!("ambient_occlusion/bindings.wgsl"),
-    shader!("ambient_occlusion/hbao.wgsl"),
-    shader!("ambient_occlusion/hdao.wgsl"),
-    shader!("ambient_occlusion/filter.wgsl"),
+    wgsl!("shader_library/layout.wgsl"),
+    wgsl!("shader_library/tiles.wgsl"),
+    wgsl!("shader_library/reconstruction/position.wgsl"),
+    wgsl!("shader_library/reconstruction/normal.wgsl"),
+    wgsl!("ambient_occlusion/view.wgsl"),
+    wgsl!("shader_library/horizon.wgsl"),
+    wgsl!("shader_library/rounding.wgsl"),
+    wgsl!("shader_library/reconstruction/normal_from_depth.wgsl"),
+    wgsl!("ambient_occlusion/bindings.wgsl"),
+    wgsl!("ambient_occlusion/hbao.wgsl"),
+    wgsl!("ambient_occlusion/hdao.wgsl"),
+    wgsl!("ambient_occlusion/filter.wgsl"),
 ];
 
 pub(super) fn gather() -> Cow<'static, str> {
-    shader_file(&shader!("ambient_occlusion/gather.wgsl"))
+    shader_file(&wgsl!("ambient_occlusion/gather.wgsl"))
 }
 
 pub(super) fn merge() -> Cow<'static, str> {
-    shader_file(&shader!("ambient_occlusion/merge.wgsl"))
+    shader_file(&wgsl!("ambient_occlusion/merge.wgsl"))
 }
 
 impl OcclusionGpu {
-    pub(super) fn shader(
-        &self,
-        source: &str,
-        defs: HashMap<String, ShaderDefValue>,
-    ) -> wgpu::ShaderModule {
-        let mut key: Vec<String> = defs.iter().map(|def| format!("{def:?}")).collect();
-        key.sort();
+    pub(super) fn shader(&self, source: &str, definitions: Definitions) -> wgpu::ShaderModule {
         let mut shaders = self.shaders.lock().expect("no test panics in here");
-        let shader = shaders.entry((source.to_owned(), key));
-        shader.or_insert_with(|| self.compose(source, defs)).clone()
-    }
-
-    fn compose(&self, source: &str, defs: HashMap<String, ShaderDefValue>) -> wgpu::ShaderModule {
-        let mut composer = Composer::default();
-        composer.validate = false;
-        for module in MODULES {
-            let added = composer
-                .add_composable_module(ComposableModuleDescriptor {
-                    source: &shader_file(&module),
-                    file_path: module.path,
-                    ..Default::default()
-                })
-                .map(|_| ());
-            if let Err(error) = added {
-                panic!("{}", error.emit_to_string(&composer));
-            }
-        }
-        let composed = composer.make_naga_module(NagaModuleDescriptor {
-            source,
-            file_path: "occlusion.wgsl",
-            shader_defs: defs,
-            ..Default::default()
-        });
-        let module = composed.unwrap_or_else(|error| panic!("{}", error.emit_to_string(&composer)));
-        self.device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: None,
-                source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
-            })
+        let shader = shaders.entry((source.to_owned(), key_of(&definitions)));
+        let module = shader.or_insert_with(|| compile(&self.device, &MODULES, source, definitions));
+        module.clone()
     }
 }
 
@@ -95,7 +53,7 @@ impl OcclusionGpu {
 pub(super) fn gather_definitions(
     settings: &LeanAmbientOcclusion,
     clip_from_view: Mat4,
-) -> HashMap<String, ShaderDefValue> {
+) -> Definitions {
     let divisor = if settings.resolution == OcclusionResolution::Half {
         2
     } else {
@@ -106,10 +64,7 @@ pub(super) fn gather_definitions(
     if !matches!(settings.quality, OcclusionQuality::Custom { .. }) {
         values.extend([("SLICES", slices), ("STEPS", steps)]);
     }
-    let mut defs: HashMap<_, _> = values
-        .into_iter()
-        .map(|(name, value)| (name.to_string(), ShaderDefValue::UInt(value)))
-        .collect();
+    let mut defs = numbers(&values);
     let flags = [
         (settings.kernel == OcclusionKernel::Hdao, "HDAO"),
         (settings.thickness < 1.0, "THIN"),
@@ -128,12 +83,10 @@ pub(super) fn shares_depths(settings: &LeanAmbientOcclusion) -> bool {
 }
 
 /// As the crate compiles the filter, for its debug view.
-pub(super) fn filter_definitions(
-    settings: &LeanAmbientOcclusion,
-) -> HashMap<String, ShaderDefValue> {
+pub(super) fn filter_definitions(settings: &LeanAmbientOcclusion) -> Definitions {
     let half = settings.resolution == OcclusionResolution::Half;
     let filter = settings.filter;
-    let mut defs = HashMap::new();
+    let mut defs = Definitions::new();
     let flags = [
         (true, "DEBUG_VIEW"),
         (half, "OCCLUSION_HALF"),
@@ -148,7 +101,7 @@ pub(super) fn filter_definitions(
     defs
 }
 
-fn insert_flags(defs: &mut HashMap<String, ShaderDefValue>, flags: &[(bool, &str)]) {
+fn insert_flags(defs: &mut Definitions, flags: &[(bool, &str)]) {
     for (condition, name) in flags {
         if *condition {
             defs.insert((*name).into(), ShaderDefValue::Bool(true));

@@ -1,7 +1,5 @@
 //! Textures, written and read.
 
-use std::collections::HashMap;
-
 use bevy::math::UVec2;
 use half::f16;
 
@@ -9,7 +7,7 @@ use super::{
     DepthImage, OcclusionGpu,
     draw::{Target, float_texture, layout_entry},
 };
-use crate::gpu;
+use crate::{gpu, wgsl::Definitions};
 
 /// Draws a depth buffer: copies into one are not allowed.
 const DEPTH_WRITER: &str = r"
@@ -67,7 +65,7 @@ impl OcclusionGpu {
         self.draw(
             &mut encoder,
             (&layout, &group),
-            self.shader(DEPTH_READER, HashMap::new()),
+            self.shader(DEPTH_READER, Definitions::new()),
             target,
             None,
         );
@@ -130,7 +128,7 @@ impl OcclusionGpu {
         self.draw(
             &mut encoder,
             (&layout, &group),
-            self.shader(DEPTH_WRITER, HashMap::new()),
+            self.shader(DEPTH_WRITER, Definitions::new()),
             Target::Depth(&depth.create_view(&Default::default())),
             None,
         );

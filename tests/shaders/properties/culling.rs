@@ -7,7 +7,11 @@ use bevy::math::{DMat4, DVec2, DVec3, Mat4, Quat, UVec2, Vec2, Vec3, Vec4, Vec4S
 use bevy_lean_deferred::shader_library::reconstruction::position::{
     ProjectionKind, ndc_of_fragment, projection_of, view_position,
 };
-use kit::compute::{Compute, Kernel, WgslModule};
+use kit::{
+    compute::{Compute, Kernel},
+    shipped_wgsl,
+    wgsl::WgslModule,
+};
 use proptest::{
     prelude::*,
     test_runner::{Config, TestCaseError, TestRunner},
@@ -310,18 +314,9 @@ fn kernel(compute: &Compute, kind: ProjectionKind) -> Kernel<'_, 69, 1> {
     let modules = [
         module("bindings.wgsl", BINDINGS),
         module("clustered_light.wgsl", clustered_light.leak()),
-        module(
-            "position.wgsl",
-            include_str!("../../../src/shader_library/reconstruction/position.wgsl"),
-        ),
-        module(
-            "tiles.wgsl",
-            include_str!("../../../src/shader_library/tiles.wgsl"),
-        ),
-        module(
-            "reach.wgsl",
-            include_str!("../../../src/lighting/lights/reach.wgsl"),
-        ),
+        shipped_wgsl!("shader_library/reconstruction/position.wgsl"),
+        shipped_wgsl!("shader_library/tiles.wgsl"),
+        shipped_wgsl!("lighting/lights/reach.wgsl"),
     ];
     let defs: Vec<(&str, u32)> = kind.shader_def().map(|def| (def, 1)).into_iter().collect();
     compute.kernel_with(&modules, KERNEL, &defs)
