@@ -18,7 +18,7 @@ use crate::{scenes::BenchScene, special};
 use kit::{
     bench_spans::{self, add_bench_spans},
     gpu_time::Samples,
-    hdr::{change_views, even_texture},
+    hdr::{change_views, even_specular, even_texture},
     headless::{Headless, Picture},
     metrics,
     renderer::Renderer,
@@ -216,12 +216,15 @@ pub fn measure(
 
 /// Has lighting write its diffuse light, or take light that an effect has found: some of it everywhere.
 fn exchange_light(headless: &mut Headless, exchange: LightExchange) {
-    let found = (exchange == LightExchange::INDIRECT)
-        .then(|| even_texture(headless, headless.size, [0.1, 0.1, 0.1, 0.5]));
+    let found = (exchange == LightExchange::INDIRECT).then(|| {
+        let texel = [0.1, 0.1, 0.1, 0.5];
+        let specular = even_specular(headless, headless.size, texel);
+        (specular, even_texture(headless, headless.size, texel))
+    });
     change_views(headless, |view| match &found {
-        Some(found) => {
-            view.insert(IndirectSpecular(Some(found.clone())));
-            view.insert(IndirectDiffuse(Some(found.clone())));
+        Some((specular, diffuse)) => {
+            view.insert(IndirectSpecular(Some(specular.clone())));
+            view.insert(IndirectDiffuse(Some(diffuse.clone())));
         }
         None => {
             view.insert(ReadsDiffuseLight);

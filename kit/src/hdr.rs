@@ -17,7 +17,9 @@ use bevy::{
         view::{ExtractedView, ViewTarget},
     },
 };
-use bevy_lean_deferred::screen_space::DebugViewPasses;
+use bevy_lean_deferred::{
+    screen_space::DebugViewPasses, shader_library::layout::indirect_specular,
+};
 use half::f16;
 
 use crate::{headless::Headless, lean::begin_phase};
@@ -140,8 +142,35 @@ pub fn next_light(headless: &mut Headless) -> Light {
 
 /// An `Rgba16Float` texture whose texels are all alike.
 pub fn even_texture(headless: &Headless, size: UVec2, texel: [f32; 4]) -> TextureView {
-    let world = headless.app.sub_app(RenderApp).world();
     let bytes = texel.map(|x| f16::from_f32(x).to_le_bytes()).concat();
+    let bytes = bytes.repeat(size.element_product() as usize);
+    texture_of(headless, size, TextureFormat::Rgba16Float, &bytes)
+}
+
+/// What pixels mirror, all alike: light, and confidence in the last channel. As `IndirectSpecular` has it.
+pub fn even_specular(headless: &Headless, viewport_size: UVec2, texel: [f32; 4]) -> TextureView {
+    specular_texture(headless, viewport_size, |_| texel.into())
+}
+
+/// The same, of each pixel.
+pub fn specular_texture(
+    headless: &Headless,
+    viewport_size: UVec2,
+    specular: impl Fn(UVec2) -> Vec4,
+) -> TextureView {
+    let words = indirect_specular::pack_specular(viewport_size, specular);
+    let bytes: Vec<u8> = words.into_iter().flat_map(u32::to_le_bytes).collect();
+    let size = indirect_specular::texture_size(viewport_size);
+    texture_of(headless, size, TextureFormat::R32Uint, &bytes)
+}
+
+fn texture_of(
+    headless: &Headless,
+    size: UVec2,
+    format: TextureFormat,
+    bytes: &[u8],
+) -> TextureView {
+    let world = headless.app.sub_app(RenderApp).world();
     let texture = world.resource::<RenderDevice>().create_texture_with_data(
         world.resource::<RenderQueue>(),
         &TextureDescriptor {
@@ -154,12 +183,12 @@ pub fn even_texture(headless: &Headless, size: UVec2, texel: [f32; 4]) -> Textur
             mip_level_count: 1,
             sample_count: 1,
             dimension: TextureDimension::D2,
-            format: TextureFormat::Rgba16Float,
+            format,
             usage: TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         },
         TextureDataOrder::default(),
-        &bytes.repeat(size.element_product() as usize),
+        bytes,
     );
     texture.create_view(&default())
 }

@@ -163,7 +163,14 @@ fn update_bind_groups(
     for (slot, output) in bindings.targets.iter_mut().zip(outputs) {
         slot.0 = Some(output.id());
         slot.1.update(device, &layouts.targets, |entries| {
-            push_target_entries(entries, layouts, view, resources, output)
+            push_target_entries(
+                entries,
+                layouts,
+                (pipelines, device),
+                view,
+                resources,
+                output,
+            )
         })?;
     }
     Some(())
@@ -173,6 +180,7 @@ fn update_bind_groups(
 fn push_target_entries(
     entries: &mut Entries,
     layouts: &LightingLayouts,
+    (pipelines, device): (&LightingPipelines, &RenderDevice),
     view: &LitViewItem,
     resources: &LightingResources,
     output: &TextureView,
@@ -188,7 +196,7 @@ fn push_target_entries(
     entries.push(targets::OUTPUT_TEXTURE, output.into_binding())?;
     entries.push(targets::UNIFORMS, resources.buffers.uniforms.binding()?)?;
     if layouts.has_occlusion() {
-        let pipelines = resources.occlusion_pipelines.as_ref()?;
+        let samplers = resources.occlusion_pipelines.as_ref()?;
         // Without the texture, nothing that could find occlusion is compiled: there is none.
         let texture = match view.occlusion_texture {
             Some(texture) => &texture.0.default_view,
@@ -200,7 +208,7 @@ fn push_target_entries(
         )?;
         entries.push(
             targets::NEAREST_SAMPLER,
-            pipelines.nearest_sampler.into_binding(),
+            samplers.nearest_sampler.into_binding(),
         )?;
         entries.push(targets::OCCLUSION_TEXTURE, texture.into_binding())?;
     }
@@ -236,9 +244,12 @@ fn push_target_entries(
     }
     for (found, binding) in INDIRECT_LIGHT {
         if layouts.exchange.contains(found) {
-            let light = view.found_light(found);
             // Of zeros: nothing is found, nothing is hidden.
-            let light = light.unwrap_or(&resources.fallback_zero.texture_view);
+            let nothing = || match found {
+                LightExchange::INDIRECT_SPECULAR => pipelines.nothing_mirrored(device),
+                _ => &resources.fallback_zero.texture_view,
+            };
+            let light = view.found_light(found).unwrap_or_else(nothing);
             entries.push(binding, light.into_binding())?;
         }
     }

@@ -7,7 +7,9 @@ use bevy_lean_deferred::{
     view::{IndirectDiffuse, IndirectSpecular},
 };
 use kit::{
-    hdr::{Light, change_views, even_texture, light, settled_light},
+    hdr::{
+        Light, change_views, even_specular, even_texture, light, settled_light, specular_texture,
+    },
     headless::Headless,
     lean::{active_lean_views, build, change_cameras},
     log_watch,
@@ -68,7 +70,7 @@ fn stage(sky: bool, special: [f32; 2]) -> Headless {
 }
 
 fn find_specular(headless: &mut Headless, texel: [f32; 4]) {
-    let texture = even_texture(headless, SIZE, texel);
+    let texture = even_specular(headless, SIZE, texel);
     change_views(headless, |view| {
         view.insert(IndirectSpecular(Some(texture.clone())));
     });
@@ -129,6 +131,29 @@ fn what_is_mirrored_takes_the_place_of_the_sky() {
         let pairs = || brighter.texels.iter().zip(&sky.texels);
         assert!(pairs().filter(|pair| more(*pair)).count() > 2000);
         assert!(pairs().all(|(bright, sky)| bright[1] >= sky[1] * 0.999));
+    });
+}
+
+/// Pixels side by side, of which some mirror something and others nothing.
+#[test]
+fn each_pixel_mirrors_its_own() {
+    in_own_process(|| {
+        let mut headless = stage(true, SPECIAL);
+        let texels = [[0.0; 4], [0.5, 0.7, 0.4, 1.0], [0.1, 0.4, 0.6, 0.4]];
+        let expected = texels.map(|texel| {
+            find_specular(&mut headless, texel);
+            settled_light(&mut headless)
+        });
+        let which = |pixel: UVec2| ((pixel.x * 7 + pixel.y * 13 + pixel.x * pixel.y) % 3) as usize;
+        let texture = specular_texture(&headless, SIZE, |pixel| texels[which(pixel)].into());
+        change_views(&mut headless, |view| {
+            view.insert(IndirectSpecular(Some(texture.clone())));
+        });
+        let mixed = settled_light(&mut headless);
+        for (i, texel) in mixed.texels.iter().enumerate() {
+            let pixel = UVec2::new(i as u32 % SIZE.x, i as u32 / SIZE.x);
+            assert_eq!(*texel, expected[which(pixel)].texels[i], "{pixel}");
+        }
     });
 }
 
@@ -210,17 +235,17 @@ fn what_is_not_there_or_not_a_number_changes_nothing() {
         let lit = settled_light(&mut headless);
         assert!(lit.texels.iter().flatten().all(|x| !x.is_nan()));
 
-        // One texel stands for all.
-        find_specular(&mut headless, [0.5, 0.2, 0.1, 0.7]);
+        // Of diffuse light one texel stands for all. What is mirrored in another view is not shown.
+        find_specular(&mut headless, [0.0; 4]);
         find_diffuse(&mut headless, [0.2, 0.3, 0.1, 0.4]);
         let full = settled_light(&mut headless);
-        let specular = even_texture(&headless, UVec2::ONE, [0.5, 0.2, 0.1, 0.7]);
+        let specular = even_specular(&headless, 2 * SIZE, [0.5, 0.2, 0.1, 0.7]);
         let diffuse = even_texture(&headless, UVec2::ONE, [0.2, 0.3, 0.1, 0.4]);
         change_views(&mut headless, |view| {
             view.insert(IndirectSpecular(Some(specular.clone())));
             view.insert(IndirectDiffuse(Some(diffuse.clone())));
         });
-        assert!(settled_light(&mut headless) == full, "a single texel");
+        assert!(settled_light(&mut headless) == full, "of other sizes");
         change_views(&mut headless, |view| {
             view.remove::<(IndirectSpecular, IndirectDiffuse)>();
         });
@@ -242,7 +267,7 @@ fn the_picture_stays_while_lighting_compiles() {
             SPECIAL,
         );
         let without = settled_light(&mut headless);
-        let texture = even_texture(&headless, SIZE, [0.5, 0.2, 0.1, 0.7]);
+        let texture = even_specular(&headless, SIZE, [0.5, 0.2, 0.1, 0.7]);
         let mut states = vec![without];
         for frame in 0..40 {
             change_views(&mut headless, |view| {

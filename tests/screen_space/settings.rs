@@ -313,3 +313,50 @@ fn views_may_be_anything() {
         log_watch::assert_validation_layer_silent();
     });
 }
+
+/// The light of a view of so many rows, in the first frame that has them and when all is compiled; and how high the textures of its
+/// reflections are then.
+fn with_rows(headless: &mut Headless, rows: u32) -> ([Seen; 2], Vec<u32>) {
+    change_cameras(headless, |camera| {
+        let mut camera = camera.get_mut::<Camera>().expect("it is one");
+        camera.viewport = Some(Viewport {
+            physical_size: UVec2::new(64, rows),
+            ..default()
+        });
+    });
+    let seen = [look_at_once(headless), see(headless, 24)];
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query::<&ViewReflections>();
+    let view = views.single(world).expect("there are reflections");
+    (
+        seen,
+        view.textures().map(|texture| texture.height()).collect(),
+    )
+}
+
+/// A view that grows to as many rows as make its texels larger, and shrinks again.
+#[test]
+fn texels_grow_and_shrink_with_the_view() {
+    in_own_process(|| {
+        let mut headless = build(UVec2::new(64, 1500), |s| {
+            let effects = (gi(), reflections());
+            courtyard(s, metal(0.2), surface(0.5, 0.3), 0.4, effects);
+        });
+        see(&mut headless, 2);
+        let shown = [1438, 1442, 1438].map(|rows| {
+            let (seen, heights) = with_rows(&mut headless, rows);
+            let side = reflections().texel_side(rows);
+            assert!(heights.contains(&rows.div_ceil(side)), "{heights:?}");
+            let mut light = seen
+                .iter()
+                .flat_map(|seen| seen.light.texels.iter().flatten());
+            assert!(light.all(|x| x.is_finite() && *x < 2.0), "{rows} rows");
+            seen
+        });
+        let [[_, before], _, [_, after]] = &shown;
+        let off = most_off(before, after);
+        println!("off by {off}");
+        assert!(off < 1e-3);
+        log_watch::assert_validation_layer_silent();
+    });
+}
