@@ -92,11 +92,11 @@ impl Contender {
         (written + motion, moved + motion)
     }
 
-    /// A word of diffuse light; two times four half floats.
+    /// A word of diffuse light; five bytes of what is mirrored and four half floats.
     fn exchanged_bytes(self) -> u32 {
         match self {
             Self::LeanExchange(LightExchange::DIFFUSE_LIGHT) => 4,
-            Self::LeanExchange(_) => 16,
+            Self::LeanExchange(_) => 5 + 8,
             _ => 0,
         }
     }
