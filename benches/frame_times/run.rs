@@ -18,7 +18,7 @@ use crate::{scenes::BenchScene, special};
 use kit::{
     bench_spans::{self, add_bench_spans},
     gpu_time::Samples,
-    hdr::{change_views, even_specular, even_texture},
+    hdr::{change_views, even_texture},
     headless::{Headless, Picture},
     metrics,
     renderer::Renderer,
@@ -92,11 +92,11 @@ impl Contender {
         (written + motion, moved + motion)
     }
 
-    /// A word of diffuse light; five bytes of what is mirrored and four half floats.
+    /// A word of diffuse light; two times four half floats.
     fn exchanged_bytes(self) -> u32 {
         match self {
             Self::LeanExchange(LightExchange::DIFFUSE_LIGHT) => 4,
-            Self::LeanExchange(_) => 5 + 8,
+            Self::LeanExchange(_) => 16,
             _ => 0,
         }
     }
@@ -216,15 +216,12 @@ pub fn measure(
 
 /// Has lighting write its diffuse light, or take light that an effect has found: some of it everywhere.
 fn exchange_light(headless: &mut Headless, exchange: LightExchange) {
-    let found = (exchange == LightExchange::INDIRECT).then(|| {
-        let texel = [0.1, 0.1, 0.1, 0.5];
-        let specular = even_specular(headless, headless.size, texel);
-        (specular, even_texture(headless, headless.size, texel))
-    });
+    let found = (exchange == LightExchange::INDIRECT)
+        .then(|| even_texture(headless, headless.size, [0.1, 0.1, 0.1, 0.5]));
     change_views(headless, |view| match &found {
-        Some((specular, diffuse)) => {
-            view.insert(IndirectSpecular(Some(specular.clone())));
-            view.insert(IndirectDiffuse(Some(diffuse.clone())));
+        Some(found) => {
+            view.insert(IndirectSpecular(Some(found.clone())));
+            view.insert(IndirectDiffuse(Some(found.clone())));
         }
         None => {
             view.insert(ReadsDiffuseLight);

@@ -102,13 +102,13 @@ impl Contender {
                 4.0 + 4.0 + texels * 8.0 * (2.0 * levels + 1.0 + 2.0 + 2.0)
             }
             // The picture is read, and written with its levels; they are read where rays end; cells are 8 bytes, surfaces, rays and
-            // lobes 28; what is found is 5.
+            // lobes 28; what is found is written and read.
             Self::Reflections(quality, resolution) => {
                 let side = reflections(quality, resolution).texel_side(rows);
                 let texels = 1.0 / f64::from(side * side);
                 let levels = 1.0 + 0.25 + 0.0625 + 0.015_625;
                 let cells = 0.0625 + 0.003_906;
-                8.0 + 8.0 * levels + 8.0 + 2.0 * 8.0 * cells + 2.0 * 28.0 * texels + 2.0 * 5.0
+                8.0 + 8.0 * levels + 8.0 + 2.0 * 8.0 * cells + 2.0 * 28.0 * texels + 2.0 * 8.0
             }
             // The picture is read, where it is and where rays end, and written; so is the G-buffer.
             Self::BevysReflections => 3.0 * 8.0 + 16.0,

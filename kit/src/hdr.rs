@@ -17,9 +17,7 @@ use bevy::{
         view::{ExtractedView, ViewTarget},
     },
 };
-use bevy_lean_deferred::{
-    screen_space::DebugViewPasses, shader_library::layout::indirect_specular,
-};
+use bevy_lean_deferred::screen_space::DebugViewPasses;
 use half::f16;
 
 use crate::{headless::Headless, lean::begin_phase};
@@ -142,39 +140,25 @@ pub fn next_light(headless: &mut Headless) -> Light {
 
 /// An `Rgba16Float` texture whose texels are all alike.
 pub fn even_texture(headless: &Headless, size: UVec2, texel: [f32; 4]) -> TextureView {
-    let bytes = texel.map(|x| f16::from_f32(x).to_le_bytes()).concat();
-    let bytes = bytes.repeat(size.element_product() as usize);
-    texture_of(headless, size, TextureFormat::Rgba16Float, &bytes)
+    float_texture(headless, size, |_| texel)
 }
 
-/// What pixels mirror, all alike: light, and confidence in the last channel. As `IndirectSpecular` has it.
-pub fn even_specular(headless: &Headless, viewport_size: UVec2, texel: [f32; 4]) -> TextureView {
-    specular_texture(headless, viewport_size, |_| texel.into())
-}
-
-/// The same, of each pixel.
-pub fn specular_texture(
-    headless: &Headless,
-    viewport_size: UVec2,
-    specular: impl Fn(UVec2) -> Vec4,
-) -> TextureView {
-    let words = indirect_specular::pack_specular(viewport_size, specular);
-    let bytes: Vec<u8> = words.into_iter().flat_map(u32::to_le_bytes).collect();
-    let size = indirect_specular::texture_size(viewport_size);
-    texture_of(headless, size, TextureFormat::R32Uint, &bytes)
-}
-
-fn texture_of(
+/// An `Rgba16Float` texture.
+pub fn float_texture(
     headless: &Headless,
     size: UVec2,
-    format: TextureFormat,
-    bytes: &[u8],
+    texel: impl Fn(UVec2) -> [f32; 4],
 ) -> TextureView {
     let world = headless.app.sub_app(RenderApp).world();
+    let texels = (0..size.element_product()).map(|i| texel(UVec2::new(i % size.x, i / size.x)));
+    let bytes: Vec<u8> = texels
+        .flatten()
+        .flat_map(|x| f16::from_f32(x).to_le_bytes())
+        .collect();
     let texture = world.resource::<RenderDevice>().create_texture_with_data(
         world.resource::<RenderQueue>(),
         &TextureDescriptor {
-            label: Some("kit/even"),
+            label: Some("kit/floats"),
             size: Extent3d {
                 width: size.x,
                 height: size.y,
@@ -183,12 +167,12 @@ fn texture_of(
             mip_level_count: 1,
             sample_count: 1,
             dimension: TextureDimension::D2,
-            format,
+            format: TextureFormat::Rgba16Float,
             usage: TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         },
         TextureDataOrder::default(),
-        bytes,
+        &bytes,
     );
     texture.create_view(&default())
 }

@@ -54,18 +54,3 @@ impl<const LEVELS: usize> StorageTexture<LEVELS> {
         }
     }
 }
-
-/// A texel of `R32Uint`, 0, to be read where there is nothing else.
-pub(crate) fn zero_word(device: &RenderDevice, label: &'static str) -> TextureView {
-    let texture = device.create_texture(&TextureDescriptor {
-        label: Some(label),
-        size: UVec2::ONE.to_extents(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: TextureFormat::R32Uint,
-        usage: TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
-    texture.create_view(&TextureViewDescriptor::default())
-}

@@ -163,14 +163,7 @@ fn update_bind_groups(
     for (slot, output) in bindings.targets.iter_mut().zip(outputs) {
         slot.0 = Some(output.id());
         slot.1.update(device, &layouts.targets, |entries| {
-            push_target_entries(
-                entries,
-                layouts,
-                (pipelines, device),
-                view,
-                resources,
-                output,
-            )
+            push_target_entries(entries, layouts, view, resources, output)
         })?;
     }
     Some(())
@@ -180,7 +173,6 @@ fn update_bind_groups(
 fn push_target_entries(
     entries: &mut Entries,
     layouts: &LightingLayouts,
-    (pipelines, device): (&LightingPipelines, &RenderDevice),
     view: &LitViewItem,
     resources: &LightingResources,
     output: &TextureView,
@@ -196,7 +188,7 @@ fn push_target_entries(
     entries.push(targets::OUTPUT_TEXTURE, output.into_binding())?;
     entries.push(targets::UNIFORMS, resources.buffers.uniforms.binding()?)?;
     if layouts.has_occlusion() {
-        let samplers = resources.occlusion_pipelines.as_ref()?;
+        let pipelines = resources.occlusion_pipelines.as_ref()?;
         // Without the texture, nothing that could find occlusion is compiled: there is none.
         let texture = match view.occlusion_texture {
             Some(texture) => &texture.0.default_view,
@@ -208,7 +200,7 @@ fn push_target_entries(
         )?;
         entries.push(
             targets::NEAREST_SAMPLER,
-            samplers.nearest_sampler.into_binding(),
+            pipelines.nearest_sampler.into_binding(),
         )?;
         entries.push(targets::OCCLUSION_TEXTURE, texture.into_binding())?;
     }
@@ -244,12 +236,9 @@ fn push_target_entries(
     }
     for (found, binding) in INDIRECT_LIGHT {
         if layouts.exchange.contains(found) {
+            let light = view.found_light(found);
             // Of zeros: nothing is found, nothing is hidden.
-            let nothing = || match found {
-                LightExchange::INDIRECT_SPECULAR => pipelines.nothing_mirrored(device),
-                _ => &resources.fallback_zero.texture_view,
-            };
-            let light = view.found_light(found).unwrap_or_else(nothing);
+            let light = light.unwrap_or(&resources.fallback_zero.texture_view);
             entries.push(binding, light.into_binding())?;
         }
     }

@@ -52,7 +52,7 @@ struct LightLayersTable {
 @group(2) @binding(18) var<storage, read_write> scattering_tiles: array<atomic<u32>>;
 #endif
 #ifdef INDIRECT_SPECULAR
-@group(2) @binding(14) var indirect_specular_texture: texture_2d<u32>;
+@group(2) @binding(14) var indirect_specular_texture: texture_2d<f32>;
 #endif
 #ifdef INDIRECT_DIFFUSE
 @group(2) @binding(15) var indirect_diffuse_texture: texture_2d<f32>;

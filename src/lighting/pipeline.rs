@@ -1,23 +1,18 @@
 //! Layouts and pipelines of the lighting pass.
 
-use std::sync::OnceLock;
-
 use bevy::{
     asset::load_embedded_asset,
     pbr::{MeshPipeline, MeshPipelineKey, MeshPipelineViewLayoutKey},
     platform::collections::HashMap,
     prelude::*,
-    render::{
-        render_resource::{
-            BindGroupLayoutDescriptor, CachedComputePipelineId, ComputePipelineDescriptor,
-            PipelineCache, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
-            TextureSampleType, TextureView,
-            binding_types::{
-                sampler, storage_buffer_read_only, storage_buffer_sized, texture_2d,
-                texture_storage_2d, uniform_buffer,
-            },
+    render::render_resource::{
+        BindGroupLayoutDescriptor, CachedComputePipelineId, ComputePipelineDescriptor,
+        PipelineCache, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
+        TextureSampleType,
+        binding_types::{
+            sampler, storage_buffer_read_only, storage_buffer_sized, texture_2d,
+            texture_storage_2d, uniform_buffer,
         },
-        renderer::RenderDevice,
     },
     shader::ShaderDefVal,
 };
@@ -34,7 +29,7 @@ use super::{
 };
 use crate::{
     ambient_occlusion::OcclusionView,
-    gpu::{bind_group_cache::FoundLayout, bindings::layout, storage_texture::zero_word},
+    gpu::{bind_group_cache::FoundLayout, bindings::layout},
     view::{GBufferTargets, GeometricNormal, LightCulling, LightExchange},
 };
 
@@ -85,7 +80,6 @@ pub(crate) struct LightingPipelines {
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
     pub(super) filling_list: FoundLayout,
     pub(super) reading_list: FoundLayout,
-    nothing_mirrored: OnceLock<TextureView>,
 }
 
 pub(super) fn init_lighting_pipelines(
@@ -100,7 +94,6 @@ pub(super) fn init_lighting_pipelines(
         by_key: HashMap::default(),
         filling_list: FoundLayout::new(&pipeline_cache, filling_layout()),
         reading_list: FoundLayout::new(&pipeline_cache, reading_layout()),
-        nothing_mirrored: OnceLock::new(),
     });
 }
 
@@ -172,10 +165,7 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
     }
     for (found, binding) in INDIRECT_LIGHT {
         if key.exchange.contains(found) {
-            let light = match found {
-                LightExchange::INDIRECT_SPECULAR => words(),
-                _ => texture_2d(TextureSampleType::Float { filterable: false }),
-            };
+            let light = texture_2d(TextureSampleType::Float { filterable: false });
             entries.push((binding, light));
         }
     }
@@ -192,12 +182,6 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
 }
 
 impl LightingPipelines {
-    /// In the place of [`IndirectSpecular`](crate::view::IndirectSpecular)'s texture where there is none.
-    pub(super) fn nothing_mirrored(&self, device: &RenderDevice) -> &TextureView {
-        self.nothing_mirrored
-            .get_or_init(|| zero_word(device, "lean_deferred/lighting/nothing_mirrored"))
-    }
-
     /// The pipeline for `key`; it may still be compiling.
     pub(crate) fn specialize(
         &mut self,

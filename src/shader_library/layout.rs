@@ -21,7 +21,6 @@
 //!   rounding each axis on its own.
 //! - Values that cannot be stored are clamped; NaN becomes 0, a normal without a direction becomes +Y.
 
-pub mod indirect_specular;
 pub mod light;
 pub mod motion;
 pub mod specialization;

@@ -24,7 +24,6 @@ pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "horizon.wgsl");
     load_shader_library!(app, "layout.wgsl");
     load_shader_library!(app, "layout/light.wgsl");
-    load_shader_library!(app, "layout/indirect_specular.wgsl");
     load_shader_library!(app, "layout/motion.wgsl");
     load_shader_library!(app, "layout/specialization.wgsl");
     load_shader_library!(app, "reconstruction/position.wgsl");

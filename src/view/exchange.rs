@@ -48,10 +48,10 @@ pub struct DiffuseLight(pub CachedTexture);
 /// An effect finds what surfaces of this view mirror. Lighting mixes it with the environment maps, reflection probes and
 /// ambient light that it finds itself, with the same Fresnel and roughness terms.
 ///
-/// In the texture, `R32Uint`, laid out for the viewport as [`indirect_specular`](crate::shader_library::layout::indirect_specular) says:
-/// radiance from about the mirrored direction, as rough as the surface is (its coat, if it has one), exposed as this frame is,
-/// off by at most 1/511 of the brightest channel; and the confidence, 0 to 1 in steps of 1/255, with which it takes the place of the others.
-/// What is there was seen, so that ambient occlusion does not darken it. Without a texture, or with one of another size, nothing is found.
+/// In the texture, of a format with floats and as large as the viewport: radiance from about the mirrored direction, as
+/// rough as the surface is (its coat, if it has one), exposed as this frame is; and, in alpha, the confidence, 0 to 1, with
+/// which it takes the place of the others. What is there was seen, so that ambient occlusion does not darken it. Without a
+/// texture nothing is found.
 #[derive(Component, Clone, Debug, Default)]
 pub struct IndirectSpecular(pub Option<TextureView>);
 

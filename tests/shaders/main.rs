@@ -1,7 +1,6 @@
 //! The shipped WGSL: what it stores and computes beside its Rust twins, and that all of it composes.
 
 mod geometric_normal;
-mod indirect_specular;
 mod layout;
 mod layout_optional;
 mod permutations;

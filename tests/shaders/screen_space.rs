@@ -100,9 +100,9 @@ fn subsurface_scattering_composes() {
 fn history_and_debug_views_compose() {
     check!("history/levels.wgsl", &[], &[&["", "OF_LEVEL"]]);
     let shown: &[&str] = &[
-        "SHOWS_SPECULAR SHOWS_SPECULAR_LIGHT",
-        "SHOWS_SPECULAR SHOWS_SPECULAR_CONFIDENCE",
+        "SHOWS_LIGHT",
         "SHOWS_BARE_LIGHT",
+        "SHOWS_ALPHA",
         "SHOWS_ONE_MINUS_ALPHA",
         "SHOWS_HIT",
     ];

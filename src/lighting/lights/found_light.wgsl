@@ -1,18 +1,17 @@
 // Indirect light that other effects have found for the pixel.
 #define_import_path bevy_lean_deferred::lighting::lights::found_light
 
+#import bevy_lean_deferred::gbuffer::layout::is_nan
+#import bevy_lean_deferred::gbuffer::layout::light::LARGEST_HALF
 #import bevy_lean_deferred::lighting::bindings::uniforms
 #import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_pbr::mesh_view_bindings::view
 
 #ifdef INDIRECT_SPECULAR
-#import bevy_lean_deferred::gbuffer::layout::indirect_specular::{texture_size, unpack_specular}
 #import bevy_lean_deferred::lighting::bindings::indirect_specular_texture
 #endif
 
 #ifdef INDIRECT_DIFFUSE
-#import bevy_lean_deferred::gbuffer::layout::is_nan
-#import bevy_lean_deferred::gbuffer::layout::light::LARGEST_HALF
 #import bevy_lean_deferred::lighting::bindings::indirect_diffuse_texture
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
@@ -40,7 +39,7 @@ fn found_light(pixel: Pixel, material_visibility: vec3<f32>) -> FoundLight {
     let place = pixel.position - vec2<i32>(uniforms.viewport_origin);
 #endif
 #ifdef INDIRECT_SPECULAR
-    let specular = indirect_specular(vec2<u32>(place));
+    let specular = finite(textureLoad(indirect_specular_texture, inside(place, indirect_specular_texture), 0));
     found.radiance = specular.rgb / view.exposure;
     found.confidence = saturate(specular.a);
 #endif
@@ -52,17 +51,6 @@ fn found_light(pixel: Pixel, material_visibility: vec3<f32>) -> FoundLight {
     return found;
 }
 
-#ifdef INDIRECT_SPECULAR
-/// Light and confidence. Nothing where the texture is one of a single texel, or of another frame.
-fn indirect_specular(place: vec2<u32>) -> vec4<f32> {
-    if any(textureDimensions(indirect_specular_texture) != texture_size(uniforms.viewport_size)) {
-        return vec4(0.0);
-    }
-    return unpack_specular(indirect_specular_texture, place);
-}
-#endif
-
-#ifdef INDIRECT_DIFFUSE
 /// The pixel itself, but where the texture is one of a single texel, or of another frame.
 fn inside(place: vec2<i32>, texture: texture_2d<f32>) -> vec2<i32> {
     return clamp(place, vec2(0), vec2<i32>(textureDimensions(texture)) - 1);
@@ -74,6 +62,7 @@ fn finite(texel: vec4<f32>) -> vec4<f32> {
     return clamp(number, vec4(0.0), vec4(LARGEST_HALF));
 }
 
+#ifdef INDIRECT_DIFFUSE
 fn indirect_diffuse(place: vec2<i32>, depth: f32) -> vec4<f32> {
     let size = textureDimensions(indirect_diffuse_texture);
     if all(size >= uniforms.viewport_size) || any(size != (uniforms.viewport_size + 1u) / 2u) {

@@ -4,5 +4,4 @@ use crate::gpu::bindings::binding_numbers;
 
 binding_numbers! {
     FOUND_TEXTURE = 0,
-    VIEW = 1,
 }

@@ -4,7 +4,7 @@
 #[doc(hidden)]
 pub mod binding_numbers;
 
-use core::{iter::once, marker::PhantomData};
+use core::marker::PhantomData;
 
 use bevy::{
     asset::{embedded_asset, load_embedded_asset},
@@ -18,18 +18,16 @@ use bevy::{
         Render, RenderApp, RenderStartup, RenderSystems,
         camera::ExtractedCamera,
         render_resource::{
-            BindGroupLayoutEntryBuilder, CachedRenderPipelineId, ColorTargetState, ColorWrites,
-            FragmentState, IntoBinding, PipelineCache, RenderPassDescriptor,
-            RenderPipelineDescriptor, ShaderStages, TextureFormat, TextureSampleType, TextureView,
-            binding_types::{texture_2d, uniform_buffer},
+            CachedRenderPipelineId, ColorTargetState, ColorWrites, FragmentState, IntoBinding,
+            PipelineCache, RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages,
+            TextureFormat, TextureSampleType, TextureView, binding_types::texture_2d,
         },
         renderer::{RenderContext, RenderDevice, ViewQuery},
-        view::{ExtractedView, ViewTarget, ViewUniform, ViewUniformOffset, ViewUniforms},
+        view::{ExtractedView, ViewTarget},
     },
-    shader::ShaderDefVal,
 };
 
-use binding_numbers::{FOUND_TEXTURE, VIEW};
+use binding_numbers::FOUND_TEXTURE;
 
 use super::history::HistoryPasses;
 use crate::{
@@ -50,12 +48,12 @@ pub struct DebugViewPasses;
 /// What of a texture is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Shows {
-    /// Words of `layout/indirect_specular.wgsl`: light times confidence.
-    SpecularLight,
-    /// Of the same: confidence, grey.
-    SpecularConfidence,
+    /// Red, green and blue, times alpha.
+    Light,
     /// Red, green and blue alone.
     BareLight,
+    /// Grey.
+    Alpha,
     /// 1 less alpha, grey.
     OneMinusAlpha,
     /// Words of reflections' hits: 1 / (1 + metres), grey, and black for none.
@@ -63,37 +61,21 @@ pub(super) enum Shows {
 }
 
 impl Shows {
-    fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let shown = match self {
-            Self::SpecularLight => "SHOWS_SPECULAR_LIGHT",
-            Self::SpecularConfidence => "SHOWS_SPECULAR_CONFIDENCE",
+    fn shader_def(self) -> &'static str {
+        match self {
+            Self::Light => "SHOWS_LIGHT",
             Self::BareLight => "SHOWS_BARE_LIGHT",
+            Self::Alpha => "SHOWS_ALPHA",
             Self::OneMinusAlpha => "SHOWS_ONE_MINUS_ALPHA",
             Self::Hit => "SHOWS_HIT",
-        };
-        let specular = self.is_specular().then_some("SHOWS_SPECULAR");
-        once(shown)
-            .chain(specular)
-            .map(ShaderDefVal::from)
-            .collect()
-    }
-
-    /// Whether its texture does not tell the size of the viewport.
-    fn is_specular(self) -> bool {
-        matches!(self, Self::SpecularLight | Self::SpecularConfidence)
-    }
-
-    fn sample_type(self) -> TextureSampleType {
-        if self.is_specular() || self == Self::Hit {
-            TextureSampleType::Uint
-        } else {
-            TextureSampleType::Float { filterable: false }
         }
     }
 
-    fn bindings(self) -> impl Iterator<Item = (u32, BindGroupLayoutEntryBuilder)> {
-        let view = || (VIEW, uniform_buffer::<ViewUniform>(true));
-        once((FOUND_TEXTURE, texture_2d(self.sample_type()))).chain(self.is_specular().then(view))
+    fn sample_type(self) -> TextureSampleType {
+        match self {
+            Self::Hit => TextureSampleType::Uint,
+            _ => TextureSampleType::Float { filterable: false },
+        }
     }
 }
 
@@ -173,15 +155,15 @@ impl DebugViewPipelines {
     fn get(&mut self, cache: &PipelineCache, key: Key) -> (CachedRenderPipelineId, &FoundLayout) {
         let (format, shows) = key;
         let (pipeline, layout) = self.by_key.entry(key).or_insert_with(|| {
-            let bindings = layout(LABEL, ShaderStages::FRAGMENT, shows.bindings());
-            let layout = FoundLayout::new(cache, bindings);
+            let found = [(FOUND_TEXTURE, texture_2d(shows.sample_type()))];
+            let layout = FoundLayout::new(cache, layout(LABEL, ShaderStages::FRAGMENT, found));
             let pipeline = cache.queue_render_pipeline(RenderPipelineDescriptor {
                 label: Some(LABEL.into()),
                 layout: vec![layout.descriptor().clone()],
                 vertex: self.fullscreen.to_vertex_state(),
                 fragment: Some(FragmentState {
                     shader: self.shader.clone(),
-                    shader_defs: shows.shader_defs(),
+                    shader_defs: vec![shows.shader_def().into()],
                     entry_point: Some("fragment".into()),
                     targets: vec![Some(ColorTargetState {
                         format,
@@ -202,8 +184,6 @@ impl DebugViewPipelines {
 struct DebugView<V> {
     pipeline: CachedRenderPipelineId,
     group: CachedBindGroup,
-    /// Of the view's uniform, where that is bound.
-    offset: Option<u32>,
     of: PhantomData<V>,
 }
 
@@ -212,18 +192,12 @@ fn prepare_debug_views<V: DebugShown>(
     device: Res<RenderDevice>,
     cache: Res<PipelineCache>,
     pipelines: Option<ResMut<DebugViewPipelines>>,
-    uniforms: Res<ViewUniforms>,
-    mut views: Query<(
-        Entity,
-        &V,
-        (&ExtractedView, &ViewUniformOffset),
-        Option<&mut DebugView<V>>,
-    )>,
+    mut views: Query<(Entity, &V, &ExtractedView, Option<&mut DebugView<V>>)>,
 ) {
-    let (Some(mut pipelines), Some(uniforms)) = (pipelines, uniforms.uniforms.binding()) else {
+    let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, held, (view, offset), shown) in &mut views {
+    for (entity, held, view, shown) in &mut views {
         let Some((shows, texture)) = held.shown() else {
             if shown.is_some() {
                 commands.entity(entity).remove::<DebugView<V>>();
@@ -237,18 +211,12 @@ fn prepare_debug_views<V: DebugShown>(
             None => made.insert(DebugView {
                 pipeline,
                 group: CachedBindGroup::default(),
-                offset: None,
                 of: PhantomData,
             }),
         };
         shown.pipeline = pipeline;
-        shown.offset = shows.is_specular().then_some(offset.offset);
         (shown.group).update(&device, layout, |entries| {
-            entries.push(FOUND_TEXTURE, texture.into_binding())?;
-            if shows.is_specular() {
-                entries.push(VIEW, uniforms.clone())?;
-            }
-            Some(())
+            entries.push(FOUND_TEXTURE, texture.into_binding())
         });
         if let Some(made) = made {
             commands.entity(entity).insert(made);
@@ -277,7 +245,7 @@ fn show<V: DebugShown>(
             pass.set_camera_viewport(viewport);
         }
         pass.set_render_pipeline(pipeline);
-        pass.set_bind_group(0, group, shown.offset.as_slice());
+        pass.set_bind_group(0, group, &[]);
         pass.draw(0..3, 0..1);
     });
 }

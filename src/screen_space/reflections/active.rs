@@ -5,8 +5,8 @@ use bevy::{
     core_pipeline::prepass::MotionVectorPrepass,
     prelude::*,
     render::{
-        camera::ExtractedCamera, render_resource::PipelineCache, renderer::RenderDevice,
-        sync_world::MainEntity, view::ExtractedView,
+        camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity,
+        view::ExtractedView,
     },
 };
 
@@ -17,9 +17,7 @@ use super::{
 };
 use crate::{
     screen_space::{ReadsHistory, succession::drawn_part},
-    shader_library::{
-        layout::indirect_specular::texture_size, reconstruction::position::projection_of,
-    },
+    shader_library::reconstruction::position::projection_of,
     view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LeanDeferred, warn_once::WarnOnce},
 };
 
@@ -36,7 +34,7 @@ pub struct ActiveReflections {
 pub(super) fn decide_active_reflections(
     mut commands: Commands,
     pipelines: Option<ResMut<ReflectionPipelines>>,
-    (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
+    cache: Res<PipelineCache>,
     mut warnings: Local<WarnOnce<&'static str>>,
     views: Query<
         (
@@ -61,18 +59,10 @@ pub(super) fn decide_active_reflections(
         return;
     };
     for (entity, view, settings, is_lean, motion, resolution, (last, current)) in &views {
-        let size = drawn_part(view, resolution).size();
-        let reason = if !is_lean {
-            Some("it has no LeanDeferred")
-        } else if texture_size(size).y > device.limits().max_texture_dimension_2d {
-            // What is mirrored takes a quarter more.
-            Some("its view has more rows than four fifths of a texture's")
-        } else {
-            None
-        };
+        let reason = (!is_lean).then_some("it has no LeanDeferred");
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceReflections", camera, reason);
-        let rows = size.y;
+        let rows = drawn_part(view, resolution).height();
         let key = ReflectionKey {
             quality: settings.quality,
             divisor: settings.texel_side(rows),
@@ -84,7 +74,7 @@ pub(super) fn decide_active_reflections(
             projection: projection_of(view.clip_from_view),
             shown: settings.debug_view == Some(ScreenSpaceReflectionsDebugView::Hit),
         };
-        let wanted = reason.is_none().then(|| ActiveReflections {
+        let wanted = is_lean.then(|| ActiveReflections {
             settings: *settings,
             key,
             passes: pipelines.specialize(&cache, key),
@@ -93,7 +83,7 @@ pub(super) fn decide_active_reflections(
         let active = [wanted, stand_in]
             .into_iter()
             .flatten()
-            .find(|active| reason.is_none() && active.passes.are_compiled(&cache));
+            .find(|active| is_lean && active.passes.are_compiled(&cache));
         match active {
             Some(active) => {
                 let mut view = commands.entity(entity);

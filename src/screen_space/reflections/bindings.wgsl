@@ -29,8 +29,7 @@
 /// Light times confidence, and confidence, of the lobe of each texel.
 @group(0) @binding(16) var lobes_texture: texture_2d<f32>;
 @group(0) @binding(17) var lobes_output: texture_storage_2d<rgba16float, write>;
-/// What each pixel mirrors: see `layout/indirect_specular.wgsl`.
-@group(0) @binding(14) var output_texture: texture_storage_2d<r32uint, write>;
+@group(0) @binding(14) var output_texture: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(15) var depth_sampler: sampler;
 
 /// Pixels a side of a texel of rays.

@@ -10,8 +10,8 @@ use bevy::{
         render_resource::{
             BindGroupLayoutEntryBuilder, CachedComputePipelineId, ComputePipelineDescriptor,
             FilterMode, MipmapFilterMode, PipelineCache, Sampler, SamplerBindingType,
-            SamplerDescriptor, ShaderStages, StorageTextureAccess, TextureFormat,
-            TextureSampleType, TextureView,
+            SamplerDescriptor, ShaderStages, StorageTextureAccess, Texture, TextureDescriptor,
+            TextureDimension, TextureFormat, TextureSampleType, TextureUsages, TextureView,
             binding_types::{
                 sampler, texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer,
             },
@@ -32,14 +32,12 @@ use super::{
     pass::PASSES,
     uniforms::ReflectionView,
 };
-use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout, storage_texture::zero_word};
+use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
 
 /// Of the nearest and the furthest depth, in a word.
 pub(super) const CELLS_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Of light and confidence.
 pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
-/// Of what each pixel mirrors: `layout/indirect_specular.wgsl`.
-pub(super) const OUTPUT_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Of the surfaces that send rays.
 pub(super) const SURFACES_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 /// Of where rays ended.
@@ -97,6 +95,16 @@ pub(super) fn init_reflection_pipelines(mut commands: Commands, asset_server: Re
 
 impl Fixtures {
     fn new(device: &RenderDevice) -> Self {
+        let nothing: Texture = device.create_texture(&TextureDescriptor {
+            label: Some("lean_deferred/screen_space/reflections/nothing"),
+            size: default(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::R32Uint,
+            usage: TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
         Self {
             history_sampler: device.create_sampler(&SamplerDescriptor {
                 label: Some("lean_deferred/screen_space/reflections/history"),
@@ -109,7 +117,7 @@ impl Fixtures {
                 label: Some("lean_deferred/screen_space/reflections/depth"),
                 ..default()
             }),
-            nothing: zero_word(device, "lean_deferred/screen_space/reflections/nothing"),
+            nothing: nothing.create_view(&default()),
         }
     }
 }
@@ -176,7 +184,7 @@ fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayo
                 &texels,
                 &[
                     (LOBES_TEXTURE, floats()),
-                    (OUTPUT_TEXTURE, stored(OUTPUT_FORMAT)),
+                    (OUTPUT_TEXTURE, stored(LIGHT_FORMAT)),
                 ],
             ],
         ),

@@ -24,8 +24,8 @@ use super::{
     },
     pass::PASSES,
     pipelines::{
-        CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, OUTPUT_FORMAT, ReflectionLayouts,
-        ReflectionPipelines, SURFACES_FORMAT,
+        CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines,
+        SURFACES_FORMAT,
     },
     settings::ScreenSpaceReflectionsDebugView,
     uniforms::ReflectionView,
@@ -41,10 +41,7 @@ use crate::{
         debug_view::{DebugShown, Shows},
         pattern::turn_of,
     },
-    shader_library::{
-        layout::indirect_specular,
-        tiles::{self, RowOrder},
-    },
+    shader_library::tiles::{self, RowOrder},
     view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LightExchange, OutOfMemory},
 };
 
@@ -107,8 +104,8 @@ impl ViewReflections {
             ),
             output: texture(
                 "lean_deferred/screen_space/reflections/output",
-                indirect_specular::texture_size(view.viewport_size),
-                OUTPUT_FORMAT,
+                view.viewport_size,
+                LIGHT_FORMAT,
             ),
             viewport_size: view.viewport_size,
             texture_size: view.texture_size,
@@ -150,10 +147,8 @@ impl ViewReflections {
 impl DebugShown for ViewReflections {
     fn shown(&self) -> Option<(Shows, &TextureView)> {
         Some(match self.debug_view? {
-            ScreenSpaceReflectionsDebugView::Light => (Shows::SpecularLight, &self.output.view),
-            ScreenSpaceReflectionsDebugView::Confidence => {
-                (Shows::SpecularConfidence, &self.output.view)
-            }
+            ScreenSpaceReflectionsDebugView::Light => (Shows::Light, &self.output.view),
+            ScreenSpaceReflectionsDebugView::Confidence => (Shows::Alpha, &self.output.view),
             ScreenSpaceReflectionsDebugView::Hit => (Shows::Hit, &self.hits.view),
         })
     }

@@ -1,9 +1,5 @@
 // What each pixel mirrors, of what the rays around it have found. A rough mirror has what lies between the lobes around it. A smooth
 // one has the light of one place: where its own ray ends, as far away as those beside it went.
-#import bevy_lean_deferred::gbuffer::layout::indirect_specular::{
-    confidence_of, confidence_place, light_place, pack_confidences, place_in_square,
-}
-#import bevy_lean_deferred::gbuffer::layout::light::pack_light
 #import bevy_lean_deferred::screen_space::reflections::bindings::{DIVISOR, depth_in_view, output_texture, view, view_position}
 #import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, width_at}
 #import bevy_lean_deferred::screen_space::reflections::rough_light::{keep_lobe, lobe_at, rough_light}
@@ -22,11 +18,6 @@ const ROUGH_FROM: f32 = 8.0;
 /// The same where it is not certain which place that is: a single ray would show as a speck.
 const UNCERTAIN_UP_TO: f32 = 0.25;
 const UNCERTAIN_FROM: f32 = 1.0;
-
-/// Squares of 2×2 pixels a side of what a workgroup makes.
-const SQUARES_SIDE: i32 = WORKGROUP_SIDE / 2;
-/// Confidences of the pixels of a square after those of another.
-var<workgroup> confidences: array<f32, WORKGROUP_SIDE * WORKGROUP_SIDE>;
 
 /// `place` is that of the pixel in the workgroup.
 fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
@@ -80,23 +71,12 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         // By tiles of 8×8: those that run together are a square.
         let place = vec2<i32>(place_in_tile(u32(n) % 64u)) + 8 * vec2((n >> 6u) & 1, n >> 7u);
         let pixel = corner + place;
-        var specular = vec4(0.0);
-        if !is_empty && all(pixel < vec2<i32>(view.viewport_size)) {
-            specular = light_at(pixel, place);
+        if all(pixel < vec2<i32>(view.viewport_size)) {
+            var light = vec4(0.0);
+            if !is_empty {
+                light = light_at(pixel, place);
+            }
+            textureStore(output_texture, pixel, light);
         }
-        let confidence = confidence_of(specular);
-        let square = vec2<u32>(place) / 2u;
-        confidences[4u * (square.x + u32(SQUARES_SIDE) * square.y) + place_in_square(vec2<u32>(place))] = confidence;
-        // What nobody reads is not written.
-        if confidence > 0.0 {
-            textureStore(output_texture, light_place(vec2<u32>(pixel)), vec4(pack_light(specular.rgb)));
-        }
-    }
-    workgroupBarrier();
-    for (var n = i; n < SQUARES_SIDE * SQUARES_SIDE; n += INVOCATIONS) {
-        let pixel = vec2<u32>(corner + 2 * vec2(n % SQUARES_SIDE, n / SQUARES_SIDE));
-        let first = 4 * n;
-        let of_square = vec4(confidences[first], confidences[first + 1], confidences[first + 2], confidences[first + 3]);
-        textureStore(output_texture, confidence_place(pixel), vec4(pack_confidences(of_square)));
     }
 }

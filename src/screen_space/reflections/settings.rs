@@ -16,7 +16,7 @@ use crate::{
 /// environment is seen, as without the component. Nor are meshes that Bevy's forward passes draw, unless the camera has
 /// `DepthPrepass`; they mirror nothing. What they and transparent meshes add to the picture in front of what is mirrored is in
 /// it. Without `MotionVectorPrepass` the light of what moves is a frame behind it. Anisotropic surfaces mirror as isotropic
-/// ones. A view with more rows than about four fifths of those of the device's largest texture has no reflections, and says so once.
+/// ones.
 ///
 /// Rays pass through empty cells of depth (Uludag 2014, "Hi-Z Screen-Space Cone-Traced Reflections"), in directions of the microfacets
 /// that the viewer sees (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps"). Neighbours share theirs, after

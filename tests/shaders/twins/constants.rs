@@ -15,7 +15,7 @@ use bevy_lean_deferred::{
         subsurface::profile,
     },
     shader_library::{
-        layout::{self, indirect_specular, light, motion, specialization},
+        layout::{self, light, motion, specialization},
         reconstruction::position,
         tiles,
     },
@@ -75,7 +75,6 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
         ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX, FIVE_BIT_MAX, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY
     });
     constants!("shader_library/layout/light.wgsl": light::{LARGEST_LIGHT});
-    constants!("shader_library/layout/indirect_specular.wgsl": indirect_specular::{BLOCK, CONFIDENCE_ROWS});
     constants!("shader_library/layout/motion.wgsl": motion::{LARGEST_MOTION});
     constants!("shader_library/layout/specialization.wgsl": specialization::{
         REFLECTANCE_STEPS, LARGEST_REFLECTANCE, DEFAULT_REFLECTANCE, NO_FOG, NO_SHADOWS, LIGHTMAP_BITS,
@@ -225,12 +224,6 @@ fn constants_fit_one_another() {
     // The number of a material fits into its bits.
     let file = "lighting/subsurface_light.wgsl";
     assert!(number(file, "MOST_MATERIALS") <= number(file, "MATERIAL_BITS"));
-    // A workgroup writes all confidences of a block.
-    let block = number("shader_library/layout/indirect_specular.wgsl", "BLOCK");
-    assert_eq!(
-        number("screen_space/reflections/texels.wgsl", "WORKGROUP_SIDE"),
-        block
-    );
     // A row of the dispatch over the list of tiles is as wide as any device allows.
     let limits = wgpu::Limits::downlevel_defaults();
     let widest = f64::from(limits.max_compute_workgroups_per_dimension);

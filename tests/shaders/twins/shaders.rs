@@ -197,15 +197,7 @@ pub fn all() -> &'static [Composed] {
                 "UNPACKED"
             ),
             shader!("screen_space/debug_view/debug_view.wgsl", "SHOWS_HIT"),
-            shader!(
-                "screen_space/debug_view/debug_view.wgsl",
-                "SHOWS_BARE_LIGHT"
-            ),
-            shader!(
-                "screen_space/debug_view/debug_view.wgsl",
-                "SHOWS_SPECULAR",
-                "SHOWS_SPECULAR_LIGHT"
-            ),
+            shader!("screen_space/debug_view/debug_view.wgsl", "SHOWS_LIGHT"),
             shader!("gbuffer/resolve_motion.wgsl", "GBUFFER_MOTION"),
             shader!("gbuffer/resolve_motion.wgsl", "LATE"),
             shader!(

@@ -161,9 +161,9 @@ fn screen_space() -> Vec<Shader> {
     let special: &[&str] = &["", "SPECIALIZATION"];
     let orthographic: &[&str] = &["", "PROJECTION_ORTHOGRAPHIC"];
     let shown: &[&str] = &[
-        "SHOWS_SPECULAR SHOWS_SPECULAR_LIGHT",
-        "SHOWS_SPECULAR SHOWS_SPECULAR_CONFIDENCE",
+        "SHOWS_LIGHT",
         "SHOWS_BARE_LIGHT",
+        "SHOWS_ALPHA",
         "SHOWS_ONE_MINUS_ALPHA",
         "SHOWS_HIT",
     ];
