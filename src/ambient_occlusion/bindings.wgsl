@@ -18,7 +18,8 @@
 @group(0) @binding(5) var occlusion_texture: texture_2d<f32>;
 
 fn is_in_view(pixel: vec2<i32>) -> bool {
-    return all(pixel >= vec2(0)) && all(pixel < vec2<i32>(view.viewport_size));
+    // Less than 0 is more than any size.
+    return all(bitcast<vec2<u32>>(pixel) < view.viewport_size);
 }
 
 fn depth_at(pixel: vec2<i32>) -> f32 {

@@ -1,6 +1,7 @@
 // Finds the occlusion of each texel: as a compute pass, or as a fragment pass where the format cannot be stored to.
 #import bevy_lean_deferred::ambient_occlusion::bindings::{depth_at, depth_texture, is_in_view, view}
 #import bevy_lean_deferred::gbuffer::layout::is_finite
+#import bevy_lean_deferred::tiles::place_in_tile
 
 #ifdef HDAO
 #import bevy_lean_deferred::ambient_occlusion::hdao::hdao
@@ -39,12 +40,30 @@ var<workgroup> depths: array<f32, 400>;
 /// The first pixel of the workgroup.
 var<private> corner: vec2<i32>;
 
+fn read_depth(in_depth: DepthView, place: vec2<i32>, is_inside: bool) {
+    depths[place.x + SIDE * place.y] = depth_or_outside(depth_texture, in_depth, corner - 2 + place, is_inside);
+}
+
+/// In three columns and rows of at most eight: no number is divided to find a place.
 fn read_depths(invocation: u32) {
     let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
     let is_inside = is_in_view(corner - 2) && is_in_view(corner + SIDE - 3);
-    for (var i = i32(invocation); i < SIDE * SIDE; i += 64) {
-        let pixel = corner - 2 + vec2(i % SIDE, i / SIDE);
-        depths[i] = depth_or_outside(depth_texture, in_depth, pixel, is_inside);
+    let place = vec2<i32>(place_in_tile(invocation));
+    let is_in_last = place < vec2(SIDE - 16);
+    read_depth(in_depth, place, is_inside);
+    read_depth(in_depth, place + vec2(8, 0), is_inside);
+    read_depth(in_depth, place + vec2(0, 8), is_inside);
+    read_depth(in_depth, place + 8, is_inside);
+    if is_in_last.x {
+        read_depth(in_depth, place + vec2(16, 0), is_inside);
+        read_depth(in_depth, place + vec2(16, 8), is_inside);
+    }
+    if is_in_last.y {
+        read_depth(in_depth, place + vec2(0, 16), is_inside);
+        read_depth(in_depth, place + vec2(8, 16), is_inside);
+    }
+    if all(is_in_last) {
+        read_depth(in_depth, place + 16, is_inside);
     }
     workgroupBarrier();
 }

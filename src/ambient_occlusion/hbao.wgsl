@@ -52,24 +52,20 @@ struct March {
 }
 
 /// Cosine of the angle between the viewer and the highest sample on one `side`, 1 or -1; `base` if none is above the surface.
-/// `is_inside` says that no sample can lie outside of the view: then nothing keeps them from being read all at once.
-fn horizon(march: March, side: f32, base: f32, is_inside: bool) -> f32 {
-    // Few pixels are near the rim of the view: for them the loop is not unrolled a second time.
-    let steps = select(view.steps, steps_on_each_side(), is_inside);
+/// Samples outside of the view are read too, so that nothing keeps them from being read all at once.
+fn horizon(march: March, side: f32, base: f32) -> f32 {
     let offset = select(fract(march.offset + 0.5), march.offset, side > 0.0);
     // The distance of the first, and how much it grows with each.
     let at_first = (march.steps.x * offset + march.steps.y) * offset;
     let growth = 2.0 * march.steps.x * offset + march.steps.y;
     // Above `base`.
     var highest = 0.0;
-    for (var i = 0u; i < steps; i++) {
+    for (var i = 0u; i < steps_on_each_side(); i++) {
         let x = f32(i);
         // Never the pixel itself, nor the one before.
         let distance = max(at_first + x * growth + x * x * march.steps.x, x + 1.0);
         let sample = rounded(march.pixel, march.direction, side * distance);
-        if !is_inside && !is_in_view(sample.place) {
-            continue;
-        }
+        // Beyond the view it may be anything.
         let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + sample.place, 0);
         let ray = march.ray + ray_step(view.view_from_pixel, sample.step);
         let delta = position_on(view.view_from_pixel, ray, depth) - march.position;
@@ -79,7 +75,8 @@ fn horizon(march: March, side: f32, base: f32, is_inside: bool) -> f32 {
         let elevation = dot(delta, march.geometric) * inverse_distance;
         let above = dot(delta, march.to_viewer) * inverse_distance - base;
         // The sky is no occluder, though projections with a far plane place it there.
-        let counts = elevation > view.sin_bias && depth > 0.0;
+        let is_surface = depth > 0.0 && is_in_view(sample.place);
+        let counts = elevation > view.sin_bias && is_surface;
         let height = select(0.0, above * weight, counts);
 #ifdef THIN
         highest = max(height, mix(height, highest, view.thickness));
@@ -98,28 +95,17 @@ fn turned(rotation: vec2<f32>, angle: vec2<f32>) -> vec2<f32> {
     );
 }
 
-/// Ahead and behind.
-fn horizons(march: March, bases: vec2<f32>, is_inside: bool) -> vec2<f32> {
-    return vec2(horizon(march, 1.0, bases.x, is_inside), horizon(march, -1.0, bases.y, is_inside));
-}
-
 /// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the pattern: those of `phase` 0 to 3.
 fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let center = vec2<f32>(pixel) + 0.5;
     let ray = ray_at(view.view_from_pixel, center);
     let position = position_on(view.view_from_pixel, ray, depth);
     let radius = radius_at(position, depth);
-    let reach = largest_side(radius.pixels);
     // Also true of what is not a number.
-    if !(reach > 1.0) {
+    if !(largest_side(radius.pixels) > 1.0) {
         return 0.0;
     }
-    // On the screen's rim directions are stretched, at most by the ratio of the ray's length to its depth.
     let to_viewer = direction_to_viewer(position);
-    let margin = max(reach / max(to_viewer.z, 0.1), f32(steps_on_each_side())) + 2.0;
-    let half_size = 0.5 * vec2<f32>(view.viewport_size);
-    let is_inside = all(abs(center - half_size) + margin < half_size);
-
     var march: March;
     march.pixel = start_at(pixel);
     march.ray = ray;
@@ -174,14 +160,8 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
         let part = 0.5 / f32(steps_on_each_side());
         march.steps = longer_side * part * vec2(2.0 * part, 1.0);
         march.offset = fract(offset + 0.618 * f32(slice));
-        var highest: vec2<f32>;
-        if is_inside {
-            highest = horizons(march, bases, true);
-        } else {
-            highest = horizons(march, bases, false);
-        }
-        occlusion += side_occlusion(lobe, bases.x, highest.x, 1.0)
-            + side_occlusion(lobe, bases.y, highest.y, -1.0);
+        occlusion += side_occlusion(lobe, bases.x, horizon(march, 1.0, bases.x), 1.0)
+            + side_occlusion(lobe, bases.y, horizon(march, -1.0, bases.y), -1.0);
     }
     return occlusion / f32(slices);
 }

@@ -59,15 +59,15 @@ fn normal_from_slope(view_from: mat4x4<f32>, ray: vec2<f32>, depth: f32, slope: 
     // Points are rays divided by q, which is affine on screen: n · ray = q on a plane whose n · point is 1, and so n is
     // what the slope of q makes it. It faces away from the viewer.
     let q = m[2].w * depth + m[3].w;
-    let across = m[2].w * slope;
-    let n = -vec3(across * (m[3].z * m[3].z), (q - dot(across, ray)) * m[3].z);
+    // All of it over q: far away what is left has no square in f32.
+    let across = m[2].w / q * slope;
+    let n = -m[3].z * vec3(across * m[3].z, 1.0 - dot(across, ray));
 #else
     let n = vec3(-m[2].z * slope, 1.0 + dot(m[2].xy, slope));
 #endif
-    // Scaled first: far away depth has no square in f32.
-    let size = abs(n.x) + abs(n.y) + abs(n.z);
-    if !(size > 0.0 && size < 1e30) {
+    let squared = dot(n, n);
+    if !(squared > 0.0 && squared < 1e30) {
         return vec3(0.0, 0.0, 1.0);
     }
-    return normalize(n / size);
+    return n * inverseSqrt(squared);
 }
