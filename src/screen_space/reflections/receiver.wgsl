@@ -16,12 +16,8 @@ struct Receiver {
     /// In world space.
     normal: vec3<f32>,
     roughness: f32,
-}
-
-/// How alike the surface of a texel is to the receiver, from which it is `offset` texels away.
-fn likeness_of(receiver: Receiver, texel: i32, offset: vec2<f32>) -> f32 {
-    let expected = receiver.depth + dot(receiver.slope, offset);
-    return likeness(receiver.normal, expected, texel, receiver.inverse_step);
+    /// How alike it is to the surfaces of the four texels around it: `likeness_beside`.
+    alike: vec4<f32>,
 }
 
 /// Texel `i` of the four around the pixel, of which `first` is the first.
@@ -29,12 +25,19 @@ fn texel_beside(first: i32, i: i32) -> i32 {
     return first + (i & 1) + SIDE * (i >> 1u);
 }
 
-/// How much texel `i` of these counts for the receiver, which is `along` of the way between them.
-fn weight_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>) -> f32 {
+/// How alike its surface is to the receiver, which is `along` of the way between them: 0 to 1.
+fn likeness_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>) -> f32 {
+    let offset = vec2(f32(i & 1), f32(i >> 1u)) - along;
+    let expected = receiver.depth + dot(receiver.slope, offset);
+    return likeness(receiver.normal, expected, texel_beside(first, i), receiver.inverse_step);
+}
+
+/// How much texel `i` of these counts for the receiver.
+fn weight_beside(receiver: Receiver, i: i32, along: vec2<f32>) -> f32 {
     let corner = vec2(i & 1, i >> 1u);
     // The one furthest away may be the only one of its surface.
     let near = max(select(1.0 - along, along, corner == vec2(1)), vec2(1e-3));
-    return near.x * near.y * likeness_of(receiver, texel_beside(first, i), vec2<f32>(corner) - along);
+    return near.x * near.y * receiver.alike[i];
 }
 
 /// How wide a lobe of a roughness squared of 1 is on screen, at so many metres on its way and so far from the camera, in pixels.
@@ -74,7 +77,7 @@ fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var weights = 1e-12;
     for (var i = 0; i < 4; i++) {
         let texel = texel_beside(first, i);
-        let weight = select(0.0, weight_beside(receiver, first, i, along), hits[texel] != 0u);
+        let weight = select(0.0, weight_beside(receiver, i, along), hits[texel] != 0u);
         sum += weight * unpack_halves(lights[texel]);
         weights += weight;
     }

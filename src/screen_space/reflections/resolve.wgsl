@@ -1,14 +1,14 @@
 // What each pixel mirrors, of what the rays around it have found. A rough mirror has what lies between the lobes around it. A smooth
 // one has the light of one place: where its own ray ends, as far away as those beside it went.
-#import bevy_lean_deferred::screen_space::reflections::bindings::{DIVISOR, depth_in_view, output_texture, view, view_position}
-#import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, width_at}
+#import bevy_lean_deferred::screen_space::reflections::bindings::{DIVISOR, depth_texture, output_texture, view, view_position}
+#import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, likeness_beside, width_at}
 #import bevy_lean_deferred::screen_space::reflections::rough_light::{keep_lobe, lobe_at, rough_light}
 #import bevy_lean_deferred::screen_space::reflections::smooth_light::smooth_light
 #import bevy_lean_deferred::screen_space::reflections::surface::{mirror_of, normal_word_at, smoothness}
 #import bevy_lean_deferred::screen_space::reflections::texels::{
     FIRST_MADE, INVOCATIONS, SIDE, WORKGROUP_SIDE, inverse_step_at, keep, slope_at, texel_at,
 }
-#import bevy_lean_deferred::tiles::place_in_tile
+#import bevy_lean_deferred::tiles::{SIDE as TILE, place_in_tile}
 #import bevy_lean_deferred::workgroup::is_any
 
 /// Radius of a lobe where it meets a surface, in pixels, up to which it is taken for a single place, and from which on it
@@ -19,16 +19,18 @@ const ROUGH_FROM: f32 = 8.0;
 const UNCERTAIN_UP_TO: f32 = 0.25;
 const UNCERTAIN_FROM: f32 = 1.0;
 
-/// `place` is that of the pixel in the workgroup.
-fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
-    let depth = depth_in_view(pixel);
+/// Pixels a side of a tile, and tiles a side of what a workgroup makes.
+const TILE_SIDE: i32 = i32(TILE);
+const TILES_SIDE: u32 = u32(WORKGROUP_SIDE / TILE_SIDE);
+
+/// `first` is the first of the four texels around the pixel, which is `along` of the way to the others.
+fn light_at(pixel: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
+    let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
     let mirror = mirror_of(pixel, normal_word_at(pixel));
     let fade = smoothness(mirror.roughness) * view.intensity;
     if !(depth > 0.0) || fade == 0.0 {
         return vec4(0.0);
     }
-    let texel = vec2<i32>(vec2<u32>(place) / u32(DIVISOR));
-    let first = texel.x + SIDE * texel.y + FIRST_MADE;
     var receiver: Receiver;
     receiver.at = vec2<f32>(pixel) + 0.5;
     receiver.depth = depth;
@@ -36,7 +38,10 @@ fn light_at(pixel: vec2<i32>, place: vec2<i32>) -> vec4<f32> {
     receiver.roughness = mirror.roughness;
     receiver.slope = slope_at(first);
     receiver.inverse_step = inverse_step_at(depth);
-    let along = vec2<f32>(vec2<u32>(place) % u32(DIVISOR)) / f32(DIVISOR);
+    // For all that ask, of which there may be two.
+    for (var i = 0; i < 4; i++) {
+        receiver.alike[i] = likeness_beside(receiver, first, i, along);
+    }
     let alpha = mirror.roughness * mirror.roughness;
     let radius = alpha * width_at(first, view_position(receiver.at, depth));
     var roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius);
@@ -67,14 +72,18 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         mirrors |= counts;
     }
     let is_empty = !is_any(mirrors, invocation);
-    for (var n = i; n < WORKGROUP_SIDE * WORKGROUP_SIDE; n += INVOCATIONS) {
-        // By tiles of 8×8: those that run together are a square.
-        let place = vec2<i32>(place_in_tile(u32(n) % 64u)) + 8 * vec2((n >> 6u) & 1, n >> 7u);
-        let pixel = corner + place;
+    // By tiles of 8×8: those that run together are a square. What all of its pixels have in common with those of other tiles is found once.
+    let in_tile = place_in_tile(invocation % 64u);
+    let along = vec2<f32>(in_tile % u32(DIVISOR)) / f32(DIVISOR);
+    let texel = vec2<i32>(in_tile / u32(DIVISOR));
+    let first = texel.x + SIDE * texel.y + FIRST_MADE;
+    for (var tile = invocation / 64u; tile < TILES_SIDE * TILES_SIDE; tile += u32(INVOCATIONS) / 64u) {
+        let beside = vec2<i32>(vec2(tile % TILES_SIDE, tile / TILES_SIDE));
+        let pixel = corner + vec2<i32>(in_tile) + TILE_SIDE * beside;
         if all(pixel < vec2<i32>(view.viewport_size)) {
             var light = vec4(0.0);
             if !is_empty {
-                light = light_at(pixel, place);
+                light = light_at(pixel, first + TILE_SIDE / DIVISOR * (beside.x + SIDE * beside.y), along);
             }
             textureStore(output_texture, pixel, light);
         }

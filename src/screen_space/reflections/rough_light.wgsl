@@ -23,7 +23,7 @@ fn rough_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var sum = vec4(0.0);
     var weights = 1e-12;
     for (var i = 0; i < 4; i++) {
-        let weight = weight_beside(receiver, first, i, along);
+        let weight = weight_beside(receiver, i, along);
         sum += weight * unpack_halves(lobes[texel_beside(first, i)]);
         weights += weight;
     }

@@ -5,7 +5,7 @@
     depth_texture, edge_step, homogeneous_pixel, to_viewer, unpack_distance, view, view_position,
 }
 #import bevy_lean_deferred::screen_space::reflections::receiver::{
-    Receiver, light_around, likeness_of, lobe_width, texel_beside,
+    Receiver, light_around, lobe_width, texel_beside,
 }
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, rotated}
 #import bevy_lean_deferred::screen_space::reflections::texels::{hits, lights}
@@ -93,7 +93,7 @@ fn ray_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance
     let texel = texel_beside(first, i);
     let image = unpack_distance(hits[texel]);
     let has_met = image != 0.0;
-    let alike = likeness_of(receiver, texel, vec2<f32>(corner) - along);
+    let alike = receiver.alike[i];
     return Beside(
         select(0.0, image - distance_to_viewer, has_met),
         unpack2x16float(lights[texel].y).y,
