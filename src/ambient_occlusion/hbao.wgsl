@@ -75,11 +75,12 @@ fn horizon(march: March, side: f32, base: f32) -> f32 {
         let elevation = dot(delta, march.geometric) * inverse_distance;
         let above = dot(delta, march.to_viewer) * inverse_distance - base;
         // The sky is no occluder, though projections with a far plane place it there.
-        let is_surface = depth > 0.0 && is_in_view(sample.place);
-        let counts = elevation > view.sin_bias && is_surface;
+        let is_seen = is_in_view(sample.place);
+        let counts = elevation > view.sin_bias && depth > 0.0 && is_seen;
         let height = select(0.0, above * weight, counts);
 #ifdef THIN
-        highest = max(height, mix(height, highest, view.thickness));
+        // What is not seen does not tell how thick the surfaces before it are.
+        highest = select(highest, max(height, mix(height, highest, view.thickness)), is_seen);
 #else
         highest = max(height, highest);
 #endif
