@@ -38,7 +38,7 @@ fn light_at(pixel: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
     receiver.roughness = mirror.roughness;
     receiver.slope = slope_at(first);
     receiver.inverse_step = inverse_step_at(depth);
-    // For all that ask, of which there may be two.
+    // Smooth and rough light both ask for it.
     for (var i = 0; i < 4; i++) {
         receiver.alike[i] = likeness_beside(receiver, first, i, along);
     }
@@ -72,7 +72,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         mirrors |= counts;
     }
     let is_empty = !is_any(mirrors, invocation);
-    // By tiles of 8×8: those that run together are a square. What all of its pixels have in common with those of other tiles is found once.
+    // By tiles of 8×8: those that run together are a square. Each invocation has the same place in all of its tiles.
     let in_tile = place_in_tile(invocation % 64u);
     let along = vec2<f32>(in_tile % u32(DIVISOR)) / f32(DIVISOR);
     let texel = vec2<i32>(in_tile / u32(DIVISOR));
