@@ -67,6 +67,20 @@ impl Contender {
         match self {
             Self::Plain => &[],
             Self::Occlusion => &["lean_deferred/ambient_occlusion/gather"],
+            Self::Gi(..) => &["lean_deferred/screen_space/diffuse_gi"],
+            Self::Reflections(..) => &[
+                "lean_deferred/screen_space/history",
+                "lean_deferred/screen_space/reflections",
+            ],
+            Self::BevysReflections => &["ssr"],
+            Self::Scattering(SubsurfaceScatteringQuality::Off, _) => &[],
+            Self::Scattering(..) => &["lean_deferred/screen_space/subsurface"],
+        }
+    }
+
+    /// Those passes by their dispatches, where one has several that can be timed one by one.
+    pub fn stages(self) -> &'static [&'static str] {
+        match self {
             Self::Gi(..) => &[
                 "lean_deferred/screen_space/diffuse_gi/levels",
                 "lean_deferred/screen_space/diffuse_gi/gather",
@@ -79,9 +93,7 @@ impl Contender {
                 "lean_deferred/screen_space/reflections/lobes",
                 "lean_deferred/screen_space/reflections/resolve",
             ],
-            Self::BevysReflections => &["ssr"],
-            Self::Scattering(SubsurfaceScatteringQuality::Off, _) => &[],
-            Self::Scattering(..) => &["lean_deferred/screen_space/subsurface"],
+            _ => &[],
         }
     }
 

@@ -1,10 +1,13 @@
 //! One contender at one size.
 
 use bevy::{
-    camera::Hdr, diagnostic::DiagnosticsStore, light::AmbientLight, prelude::*,
-    render::diagnostic::RenderDiagnosticsPlugin,
+    camera::Hdr,
+    diagnostic::DiagnosticsStore,
+    light::AmbientLight,
+    prelude::*,
+    render::{RenderApp, diagnostic::RenderDiagnosticsPlugin},
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{prelude::*, screen_space::TimesEachDispatch};
 use figures::benches::screen_space::{KnownError, Measurement};
 use kit::{
     bench_spans::{CAMERA, add_camera_span},
@@ -90,6 +93,16 @@ pub fn errors(contender: Contender, size: UVec2) -> Vec<KnownError> {
     }
 }
 
+fn sample(headless: &mut Headless, args: &Args) -> Samples {
+    headless.frames(args.warm_up);
+    let mut samples = Samples::default();
+    for _ in 0..args.frames {
+        headless.frames(1);
+        samples.take(headless.app.world().resource::<DiagnosticsStore>());
+    }
+    samples
+}
+
 pub fn measure(
     contender: Contender,
     size: UVec2,
@@ -122,12 +135,7 @@ pub fn measure(
     ));
     contender.dress(&mut camera);
     headless.settle();
-    headless.frames(args.warm_up);
-    let mut samples = Samples::default();
-    for _ in 0..args.frames {
-        headless.frames(1);
-        samples.take(headless.app.world().resource::<DiagnosticsStore>());
-    }
+    let samples = sample(&mut headless, args);
     if let Some(folder) = &args.pictures {
         let name = contender.name().replace([' ', ','], "_");
         let file = format!("{name}_{}x{}.png", size.x, size.y);
@@ -135,13 +143,24 @@ pub fn measure(
             .capture()
             .save(std::path::Path::new(folder).join(file));
     }
-    let spans = contender.spans().iter();
+    let stages = if contender.stages().is_empty() {
+        Samples::default()
+    } else {
+        let render_app = headless.app.sub_app_mut(RenderApp);
+        render_app.insert_resource(TimesEachDispatch);
+        sample(&mut headless, args)
+    };
+    let times = |samples: &Samples, spans: &[&str]| {
+        let times = spans.iter().filter_map(|name| samples.time(name));
+        times.collect()
+    };
     Measurement {
         device: headless.adapter_and_driver(),
         frames: Some(args.frames),
         size: size.to_array(),
         contender: contender.name(),
-        passes: spans.filter_map(|name| samples.time(name)).collect(),
+        passes: times(&samples, contender.spans()),
+        stages: times(&stages, contender.stages()),
         lighting: samples.time("lean_deferred/lighting"),
         camera: samples.time(CAMERA),
         bytes: contender.bytes(size.y),

@@ -39,26 +39,21 @@ fn update_text(
             time("lean_deferred/ambient_occlusion/gather")
         ),
         Effect::Gi => format!(
-            "LeanScreenSpaceGi {:?}, {:?}, {:.1} m: levels {}, gather {}, filter {}",
+            "LeanScreenSpaceGi {:?}, {:?}, {:.1} m: {}",
             gi.quality,
             gi.resolution,
             gi.radius,
-            time("lean_deferred/screen_space/diffuse_gi/levels"),
-            time("lean_deferred/screen_space/diffuse_gi/gather"),
-            time("lean_deferred/screen_space/diffuse_gi/filter"),
+            time("lean_deferred/screen_space/diffuse_gi"),
         ),
     };
     let mirrors = match settings.mirrors {
         Mirrors::Off => "no reflections".into(),
         Mirrors::Bevy => format!("Bevy's ScreenSpaceReflections: {}", time("ssr")),
         quality => format!(
-            "LeanScreenSpaceReflections {quality:?}, {:?}: history {}, cells {}, trace {}, lobes {}, resolve {}",
+            "LeanScreenSpaceReflections {quality:?}, {:?}: {}, last frame {}",
             gi.resolution,
+            time("lean_deferred/screen_space/reflections"),
             time("lean_deferred/screen_space/history"),
-            time("lean_deferred/screen_space/reflections/cells"),
-            time("lean_deferred/screen_space/reflections/trace"),
-            time("lean_deferred/screen_space/reflections/lobes"),
-            time("lean_deferred/screen_space/reflections/resolve"),
         ),
     };
     text.0 = format!(

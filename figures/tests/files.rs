@@ -127,15 +127,16 @@ fn screen_space() {
          "errors": [{"scene": "inside", "rmse": 0.167, "bias": -0.044}, {"scene": "0.3", "rmse": 0.25, "bias": 0.5}]},
         {"adapter": "GPU", "size": [64, 32], "contender": "reflections, Low, Half",
          "passes": [{"median": 0.5, "low": 0, "high": 1}, {"median": 0.25, "low": 0, "high": 1}],
+         "stages": [{"median": 0.5, "low": 0, "high": 1}, {"median": 0.375, "low": 0, "high": 1}],
          "lighting": {"median": 0.5, "low": 0, "high": 1}, "camera": null, "bytes": 49.7, "errors": []}
     ]"#,
     );
     has_rows(
         &bench,
         &[
-            "**64×32**, reflections\n\n| contender | passes | lighting | all | camera | bytes | inside | 0.3 |",
+            "**64×32**, reflections\n\n| contender | stages | lighting | all | camera | bytes | inside | 0.3 |",
             "| Bevy's reflections | 2.000 | – | 2.000 | – | 40.0 | 0.167 (-0.044) | 0.250 (+0.500) |",
-            "| reflections, Low, Half | 0.500 + 0.250 | 0.250 | 1.000 | – | 49.7 | – | – |",
+            "| reflections, Low, Half | 0.500 + 0.375 | 0.250 | 1.000 | – | 49.7 | – | – |",
         ],
     );
     assert!(!bench.figures().markdown().contains("scattering"));

@@ -19,7 +19,7 @@ use super::{
     prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
     uniforms::workgroups,
 };
-use crate::gpu::timed::{timed, timed_dispatch};
+use crate::gpu::timed::{Dispatch, timed, timed_dispatch};
 
 const GATHER: &str = "lean_deferred/ambient_occlusion/gather";
 const MERGE: &str = "lean_deferred/ambient_occlusion/merge";
@@ -71,8 +71,14 @@ fn gather(
     match active.gather? {
         GatherPipeline::Compute(pipeline) => {
             let pipeline = pipeline_cache.get_compute_pipeline(pipeline)?;
-            let count = workgroups(view.texture_size);
-            timed_dispatch(ctx, GATHER, pipeline, (group, view.offset), count);
+            let dispatch = Dispatch {
+                label: GATHER,
+                pipeline,
+                group,
+                offset: view.offset,
+                workgroups: workgroups(view.texture_size),
+            };
+            timed_dispatch(ctx, &dispatch);
         }
         GatherPipeline::Raster(pipeline) => {
             let pipeline = pipeline_cache.get_render_pipeline(pipeline)?;

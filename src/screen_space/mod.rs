@@ -45,3 +45,5 @@ pub use resolution::ScreenSpaceResolution;
 pub use subsurface::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
 #[doc(hidden)]
 pub use succession::LastFrame;
+
+pub use crate::gpu::timed::TimesEachDispatch;

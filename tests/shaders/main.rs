@@ -1,6 +1,7 @@
 //! The shipped WGSL: what it stores and computes beside its Rust twins, and that all of it composes.
 
 mod geometric_normal;
+mod history;
 mod layout;
 mod layout_optional;
 mod permutations;

@@ -21,10 +21,25 @@ pub struct Measurement {
     pub contender: String,
     /// Of the passes that only the effect has, in order.
     pub passes: Vec<Time>,
+    /// Of their dispatches, timed one by one: together longer. None where each pass has one.
+    #[serde(default)]
+    pub stages: Vec<Time>,
     pub lighting: Option<Time>,
     pub camera: Option<Time>,
     pub bytes: f64,
     pub errors: Vec<KnownError>,
+}
+
+impl Measurement {
+    /// The medians of its stages, or of its passes where these are no more.
+    fn parts(&self) -> Vec<f64> {
+        let times = if self.stages.is_empty() {
+            &self.passes
+        } else {
+            &self.stages
+        };
+        times.iter().map(|time| time.median).collect()
+    }
 }
 
 /// Root of the mean square, and mean, of what a scene shows against what is known of it.
@@ -174,7 +189,7 @@ impl ScreenSpace {
         let passes = kind.passes();
         let mut bars = Bars::new("GPU time (ms)", passes);
         for m in self.of_kind(kind) {
-            let mut parts: Vec<f64> = m.passes.iter().map(|time| time.median).collect();
+            let mut parts = m.parts();
             // Bevy's has one pass, which does what four do.
             if kind == Kind::Reflections && parts.len() == 1 {
                 parts = vec![0.0, 0.0, parts[0]];
@@ -220,7 +235,7 @@ impl ScreenSpace {
             .collect();
         let mut columns = vec![
             ("contender", "{contender}"),
-            ("passes", "{parts}"),
+            ("stages", "{parts}"),
             ("lighting", "{more_lighting :.3}"),
             ("all", "{all :.3}"),
             ("camera", "{camera.median :.3}"),
@@ -266,8 +281,8 @@ impl Figures for ScreenSpace {
             .map(|error| (error.scene.clone(), none.clone()))
             .collect();
         let record = |m: &Measurement| {
-            let parts: Vec<String> = (m.passes.iter())
-                .map(|time| format!("{:.3}", time.median))
+            let parts: Vec<String> = (m.parts().iter())
+                .map(|median| format!("{median:.3}"))
                 .collect();
             // Those of other effects are there, too, as what was not measured.
             let mut errors: Map<String, Value> = scenes.clone();
@@ -299,7 +314,7 @@ impl Figures for ScreenSpace {
     fn legend(&self) -> String {
         let frames = self.0.first().and_then(|m| m.frames);
         format!(
-            "Median{} in ms. Lighting: what the lighting pass takes more than without effects. Bytes a pixel: each texture \
+            "Median{} in ms. Stages are timed one by one; together they take less. Lighting: what the lighting pass takes more than without effects. Bytes a pixel: each texture \
              once written and once read, but for depth and normals. RMSE (bias) against what is known: groove (albedo 0.5, \
              of its light), wall and sphere (of πL); a mirror with outlines and without them (inside), and floors by their \
              roughness under a glowing quad (of its light)",

@@ -25,8 +25,10 @@ use super::{
 use crate::{
     gbuffer::GBufferTextures,
     gpu::{
-        bind_group_cache::FoundLayout, bindings::layout, picture_bind_groups::PictureBindGroups,
-        timed::timed_dispatch,
+        bind_group_cache::FoundLayout,
+        bindings::layout,
+        picture_bind_groups::PictureBindGroups,
+        timed::{Dispatch, timed_dispatch},
     },
     shader_library::tiles,
     view::{ActiveLeanView, DiffuseLight, LightExchange},
@@ -153,7 +155,13 @@ pub(super) fn add_forward_light(
         return;
     };
     if lean.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
-        let workgroups = tiles::count(gi.viewport_size);
-        timed_dispatch(&mut ctx, LABEL, pipeline, (group, gi.offset), workgroups);
+        let dispatch = Dispatch {
+            label: LABEL,
+            pipeline,
+            group,
+            offset: gi.offset,
+            workgroups: tiles::count(gi.viewport_size),
+        };
+        timed_dispatch(&mut ctx, &dispatch);
     }
 }

@@ -13,12 +13,16 @@ use super::{
     prepare::{GiBindings, ViewGi},
 };
 use crate::{
-    gpu::timed::timed_dispatch,
+    gpu::{
+        bind_group_cache::CachedBindGroup,
+        timed::{Dispatch, TimesEachDispatch, timed_dispatches},
+    },
     screen_space::succession::FrameNumber,
     view::{ActiveLeanView, LightExchange},
 };
 
-/// Labels of the passes, in order.
+const LABEL: &str = "lean_deferred/screen_space/diffuse_gi";
+/// Labels of the dispatches, in order.
 const PASSES: [&str; 3] = [
     "lean_deferred/screen_space/diffuse_gi/levels",
     "lean_deferred/screen_space/diffuse_gi/gather",
@@ -30,31 +34,40 @@ pub(super) fn find_diffuse_light(
     view: ViewQuery<(&ActiveGi, &ActiveLeanView, &ViewGi, &GiBindings)>,
     cache: Res<PipelineCache>,
     number: Res<FrameNumber>,
+    one_by_one: Option<Res<TimesEachDispatch>>,
     mut ctx: RenderContext,
 ) {
     let (active, lean, gi, bindings) = view.into_inner();
     if !lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE) {
         return;
     }
-    let groups = &bindings.groups[bindings.current];
-    let (Some(levels), Some(gather), Some(filter)) = (
-        groups.levels.get(),
-        groups.gather.get(),
-        groups.filter.get(),
-    ) else {
-        return;
-    };
-    let passes = active.passes;
-    let steps = [
-        (passes.levels, levels),
-        (passes.gather, gather),
-        (passes.filter, filter),
-    ];
-    for ((label, (pipeline, group)), count) in PASSES.into_iter().zip(steps).zip(gi.workgroups()) {
-        let Some(pipeline) = cache.get_compute_pipeline(pipeline) else {
-            return;
-        };
-        timed_dispatch(&mut ctx, label, pipeline, (group, gi.offset), count);
+    if let Some(dispatches) = dispatches(active, gi, bindings, &cache) {
+        timed_dispatches(&mut ctx, LABEL, one_by_one.as_deref(), &dispatches);
+        gi.frames.hold(&number);
     }
-    gi.frames.hold(&number);
+}
+
+/// `None` if something is missing.
+fn dispatches<'a>(
+    active: &ActiveGi,
+    gi: &ViewGi,
+    bindings: &'a GiBindings,
+    cache: &'a PipelineCache,
+) -> Option<[Dispatch<'a>; PASSES.len()]> {
+    let (passes, groups) = (active.passes, &bindings.groups[bindings.current]);
+    let workgroups = gi.workgroups();
+    let pass = |i: usize, pipeline, group: &'a CachedBindGroup| {
+        Some(Dispatch {
+            label: PASSES[i],
+            pipeline: cache.get_compute_pipeline(pipeline)?,
+            group: group.get()?,
+            offset: gi.offset,
+            workgroups: workgroups[i],
+        })
+    };
+    Some([
+        pass(0, passes.levels, &groups.levels)?,
+        pass(1, passes.gather, &groups.gather)?,
+        pass(2, passes.filter, &groups.filter)?,
+    ])
 }

@@ -13,11 +13,12 @@ use super::{
     prepare::{ReflectionBindings, ViewReflections},
 };
 use crate::{
-    gpu::timed::timed_dispatch,
+    gpu::timed::{Dispatch, TimesEachDispatch, timed_dispatches},
     view::{ActiveLeanView, LightExchange},
 };
 
-/// Labels of the passes, in order.
+const LABEL: &str = "lean_deferred/screen_space/reflections";
+/// Labels of the dispatches, in order.
 pub(super) const PASSES: [&str; 4] = [
     "lean_deferred/screen_space/reflections/cells",
     "lean_deferred/screen_space/reflections/trace",
@@ -34,18 +35,34 @@ pub(super) fn find_reflections(
         &ReflectionBindings,
     )>,
     cache: Res<PipelineCache>,
+    one_by_one: Option<Res<TimesEachDispatch>>,
     mut ctx: RenderContext,
 ) {
     let (active, lean, held, bindings) = view.into_inner();
     if !lean.exchange.contains(LightExchange::INDIRECT_SPECULAR) {
         return;
     }
-    let steps = PASSES.into_iter().zip(active.passes.0);
-    let workgroups = held.workgroups();
-    for (((label, pipeline), group), count) in steps.zip(bindings.groups()).zip(workgroups) {
-        let (Some(pipeline), Some(group)) = (cache.get_compute_pipeline(pipeline), group) else {
-            return;
-        };
-        timed_dispatch(&mut ctx, label, pipeline, (group, held.offset), count);
+    if let Some(dispatches) = dispatches(active, held, bindings, &cache) {
+        timed_dispatches(&mut ctx, LABEL, one_by_one.as_deref(), &dispatches);
     }
+}
+
+/// `None` if something is missing.
+fn dispatches<'a>(
+    active: &ActiveReflections,
+    held: &ViewReflections,
+    bindings: &'a ReflectionBindings,
+    cache: &'a PipelineCache,
+) -> Option<[Dispatch<'a>; PASSES.len()]> {
+    let (groups, workgroups) = (bindings.groups(), held.workgroups());
+    let pass = |i: usize| {
+        Some(Dispatch {
+            label: PASSES[i],
+            pipeline: cache.get_compute_pipeline(active.passes.0[i])?,
+            group: groups[i]?,
+            offset: held.offset,
+            workgroups: workgroups[i],
+        })
+    };
+    Some([pass(0)?, pass(1)?, pass(2)?, pass(3)?])
 }
