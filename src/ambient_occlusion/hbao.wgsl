@@ -2,11 +2,11 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::hbao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
-    depth_texture, direction_to_viewer, is_in_view, largest_side, radius_at, view,
+    depth_texture, direction_to_viewer, largest_side, radius_at, view,
 }
 #import bevy_lean_deferred::horizon::{side_occlusion, slice_normal, tangents}
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthsAround, geometric_normal}
-#import bevy_lean_deferred::reconstruction::position::{position_on, ray_at, ray_step, ray_slope}
+#import bevy_lean_deferred::reconstruction::position::{homogeneous_steps, position_on, ray_at, ray_slope, w_at}
 #import bevy_lean_deferred::rounding::{Start, rounded, start_at}
 
 #ifdef SHADING_NORMALS
@@ -36,56 +36,143 @@ fn steps_on_each_side() -> u32 {
 /// A slice.
 struct March {
     pixel: Start,
-    /// `ray_at` its centre.
-    ray: vec2<f32>,
-    position: vec3<f32>,
-    to_viewer: vec3<f32>,
-    geometric: vec3<f32>,
+    /// Twice its place in the texture.
+    twice: vec2<i32>,
+    /// How many pixels of the view there are before it along each axis, and behind it.
+    room_before: vec2<f32>,
+    room_behind: vec2<f32>,
+    depth: f32,
+    /// w of the pixel, and what follows of it, in such a unit that samples weigh less by the square of their distance.
+    w: f32,
+    /// What steps of a pixel to the right, of a pixel downwards and of a depth of 1 raise: w; and, times w of where they lead, how far
+    /// that is towards the viewer, and above the surface.
+    of_w: vec3<f32>,
+    of_viewer: vec3<f32>,
+    of_surface: vec3<f32>,
+    /// The square of how far steps on the screen lead: of x², y² and xy. In perspective, across the direction to the viewer.
+    of_squares: vec3<f32>,
+#ifndef PROJECTION_PERSPECTIVE
+    /// What a depth of 1 adds to that: with x, with y, and squared.
+    of_depth: vec3<f32>,
+#endif
     /// On screen; its longer side is a pixel long.
     direction: vec2<f32>,
-    /// `steps.x` x² + `steps.y` x is how many pixels step x is away along that side: they lie closer together near the pixel.
+    /// `steps.x` x² + `steps.y` x is how many pixels step x is away on both sides: they lie closer together near the pixel.
     steps: vec2<f32>,
-    /// How much samples weigh less by the square of their distance.
-    decline: f32,
-    /// Where the first step ahead stands between two, 0 to 1.
+    /// Where the first step stands between two, 0 to 1.
     offset: f32,
 }
 
-/// Cosine of the angle between the viewer and the highest sample on one `side`, 1 or -1; `base` if none is above the surface.
-/// Samples outside of the view are read too, so that nothing keeps them from being read all at once.
-fn horizon(march: March, side: f32, base: f32) -> f32 {
-    let offset = select(fract(march.offset + 0.5), march.offset, side > 0.0);
-    // The distance of the first, and how much it grows with each.
-    let at_first = (march.steps.x * offset + march.steps.y) * offset;
-    let growth = 2.0 * march.steps.x * offset + march.steps.y;
-    // Above `base`.
-    var highest = 0.0;
+/// Without its direction and steps.
+fn march_from(
+    pixel: vec2<i32>,
+    ray: vec2<f32>,
+    depth: f32,
+    position: vec3<f32>,
+    to_viewer: vec3<f32>,
+    geometric: vec3<f32>,
+    excess: f32,
+) -> March {
+    let origin = vec2<i32>(view.viewport_origin);
+    let of_steps = homogeneous_steps(view.view_from_pixel, position);
+    let to_right = of_steps[0].xyz;
+    let down = of_steps[1].xyz;
+    let metre = 1.0 / (view.decline * excess);
+    var march: March;
+    march.pixel = start_at(pixel, origin);
+    march.twice = 2 * (pixel + origin);
+    march.room_before = vec2<f32>(pixel);
+    march.room_behind = vec2<f32>(view.viewport_size) - 1.0 - march.room_before;
+    march.depth = depth;
+    march.w = w_at(view.view_from_pixel, ray, depth) * metre;
+    march.of_w = metre * vec3(of_steps[0].w, of_steps[1].w, of_steps[2].w);
+    march.of_viewer = vec4(to_viewer, 0.0) * of_steps;
+    march.of_surface = vec4(geometric, 0.0) * of_steps;
+    march.of_squares = vec3(dot(to_right, to_right), dot(down, down), 2.0 * dot(to_right, down));
+#ifdef PROJECTION_PERSPECTIVE
+    let v = march.of_viewer.xy;
+    march.of_squares -= vec3(v * v, 2.0 * v.x * v.y);
+#else
+    let nearer = of_steps[2].xyz;
+    march.of_depth = vec3(2.0 * dot(to_right, nearer), 2.0 * dot(down, nearer), dot(nearer, nearer));
+#endif
+    return march;
+}
+
+/// What a step on the screen raises; one to the other side lowers the first four by as much.
+struct Step {
+    w: f32,
+    to_viewer: f32,
+    above_surface: f32,
+    with_depth: f32,
+    squared: f32,
+}
+
+fn step_of(march: March, pixels: vec2<f32>) -> Step {
+    var step: Step;
+    step.w = dot(march.of_w.xy, pixels);
+    step.to_viewer = dot(march.of_viewer.xy, pixels);
+    step.above_surface = dot(march.of_surface.xy, pixels);
+    let squares = march.of_squares;
+    step.squared = (squares.x * pixels.x + squares.z * pixels.y) * pixels.x + squares.y * pixels.y * pixels.y;
+#ifndef PROJECTION_PERSPECTIVE
+    step.with_depth = dot(march.of_depth.xy, pixels);
+#endif
+    return step;
+}
+
+/// The highest sample so far on one `side`, 1 or -1, with one more of this depth: `highest` and what is returned are above `base`.
+fn higher(march: March, step: Step, side: f32, depth: f32, is_seen: bool, base: f32, highest: f32) -> f32 {
+    let nearer = depth - march.depth;
+    let to_viewer = side * step.to_viewer + march.of_viewer.z * nearer;
+    let above_surface = side * step.above_surface + march.of_surface.z * nearer;
+    // All three are as many times too long.
+#ifdef PROJECTION_PERSPECTIVE
+    let distance_squared = step.squared + to_viewer * to_viewer;
+    let inverse_w = 1.0 / (march.w + march.of_w.z * nearer);
+#else
+    let distance_squared = step.squared + nearer * (side * step.with_depth + march.of_depth.z * nearer);
+    let inverse_w = 1.0 / (march.w + side * step.w + march.of_w.z * nearer);
+#endif
+    let inverse_distance = inverseSqrt(distance_squared);
+    let weight = saturate(view.inverse_falloff - distance_squared * inverse_w * inverse_w);
+    let height = (to_viewer * inverse_distance - base) * weight;
+    // The sky is no occluder, though projections with a far plane place it there.
+    let counts = above_surface * inverse_distance > view.sin_bias && depth > 0.0 && is_seen;
+#ifdef THIN
+    let counted = select(0.0, height, counts);
+    // What is not seen does not tell how thick the surfaces before it are.
+    return select(highest, max(counted, mix(counted, highest, view.thickness)), is_seen);
+#else
+    return select(highest, max(highest, height), counts);
+#endif
+}
+
+/// Cosines of the angles between the viewer and the highest samples ahead and back; `bases` where none is above the surface.
+/// Samples stand in pairs, as far ahead as back: so they have all in common but their depths. Those outside of the view are read too,
+/// so that nothing keeps them from being read all at once.
+fn horizons(march: March, bases: vec2<f32>) -> vec2<f32> {
+    let is_right = march.direction > vec2(0.0);
+    let room_ahead = select(march.room_before, march.room_behind, is_right);
+    let room_back = select(march.room_behind, march.room_before, is_right);
+    // The distance of the first, and how much it grows with each: never the pixel itself, nor the one before.
+    let offset = march.offset;
+    let at_first = max((march.steps.x * offset + march.steps.y) * offset, 1.0);
+    let growth = max(2.0 * march.steps.x * offset + march.steps.y, 1.0);
+    var highest = vec2(0.0);
     for (var i = 0u; i < steps_on_each_side(); i++) {
         let x = f32(i);
-        // Never the pixel itself, nor the one before.
-        let distance = max(at_first + x * growth + x * x * march.steps.x, x + 1.0);
-        let sample = rounded(march.pixel, march.direction, side * distance);
+        let distance = at_first + x * growth + x * x * march.steps.x;
+        let ahead = rounded(march.pixel, march.direction, distance);
         // Beyond the view it may be anything.
-        let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + sample.place, 0);
-        let ray = march.ray + ray_step(view.view_from_pixel, sample.step);
-        let delta = position_on(view.view_from_pixel, ray, depth) - march.position;
-        let distance_squared = dot(delta, delta);
-        let inverse_distance = inverseSqrt(distance_squared);
-        let weight = saturate(view.inverse_falloff - distance_squared * march.decline);
-        let elevation = dot(delta, march.geometric) * inverse_distance;
-        let above = dot(delta, march.to_viewer) * inverse_distance - base;
-        // The sky is no occluder, though projections with a far plane place it there.
-        let is_seen = is_in_view(sample.place);
-        let counts = elevation > view.sin_bias && depth > 0.0 && is_seen;
-        let height = select(0.0, above * weight, counts);
-#ifdef THIN
-        // What is not seen does not tell how thick the surfaces before it are.
-        highest = select(highest, max(height, mix(height, highest, view.thickness)), is_seen);
-#else
-        highest = max(height, highest);
-#endif
+        let depth_ahead = textureLoad(depth_texture, ahead.place, 0);
+        let depth_back = textureLoad(depth_texture, march.twice - ahead.place, 0);
+        let pixels = abs(ahead.step);
+        let step = step_of(march, ahead.step);
+        highest.x = higher(march, step, 1.0, depth_ahead, all(pixels <= room_ahead), bases.x, highest.x);
+        highest.y = higher(march, step, -1.0, depth_back, all(pixels <= room_back), bases.y, highest.y);
     }
-    return base + highest;
+    return bases + highest;
 }
 
 /// By an angle; cosine and sine, of both.
@@ -107,27 +194,21 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
         return 0.0;
     }
     let to_viewer = direction_to_viewer(position);
-    var march: March;
-    march.pixel = start_at(pixel);
-    march.ray = ray;
-    march.position = position;
-    march.to_viewer = to_viewer;
-    march.geometric = geometric_normal(
+    var geometric = geometric_normal(
         view.view_from_pixel, view.pixels_per_ray, center, position, to_viewer, depth, around,
     );
-    march.decline = view.decline * radius.excess * radius.excess;
-
-    var normal = march.geometric;
+    var normal = geometric;
 #ifdef SHADING_NORMALS
     let word = textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
     if word != NO_GEOMETRY {
         normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
         // On outlines depth may tell of another surface; no shading normal leans that far off its own.
-        if dot(normal, march.geometric) < 0.5 {
-            march.geometric = normal;
+        if dot(normal, geometric) < 0.5 {
+            geometric = normal;
         }
     }
 #endif
+    var march = march_from(pixel, ray, depth, position, to_viewer, geometric, radius.excess);
 
     // The steps are spread over 4×4 texels, and with a wide filter the directions too. What a narrow one leaves of that pattern is
     // a fine dither, not stripes.
@@ -135,10 +216,10 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let block = quad.x + 2u * quad.y;
 #ifdef WIDE_PATTERN
     var rotation = turned(view.rotations[phase].xy, view.rotations[block].zw);
-    let offset = 0.125 + 0.25 * f32(phase + 2u * block) + 0.0625 * f32(block) + view.turn;
+    let offset = 0.125 + 0.25 * f32(phase + block) + 0.0625 * f32(block) + view.turn;
 #else
     var rotation = view.rotations[phase].xy;
-    let offset = 0.125 + 0.25 * f32(phase + block) + view.turn;
+    let offset = 0.125 + 0.25 * f32(phase ^ block) + view.turn;
 #endif
 
     let basis = tangents(to_viewer);
@@ -151,7 +232,7 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
         rotation = turned(rotation, view.slice_rotation);
         let direction = tangent.xy - tangent.z * slope;
         let lobe = slice_normal(normal, to_viewer, tangent);
-        let surface = slice_normal(march.geometric, to_viewer, tangent);
+        let surface = slice_normal(geometric, to_viewer, tangent);
         // The surface's own horizons.
         let bases = vec2(-surface.sine, surface.sine);
 
@@ -161,8 +242,8 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
         let part = 0.5 / f32(steps_on_each_side());
         march.steps = longer_side * part * vec2(2.0 * part, 1.0);
         march.offset = fract(offset + 0.618 * f32(slice));
-        occlusion += side_occlusion(lobe, bases.x, horizon(march, 1.0, bases.x), 1.0)
-            + side_occlusion(lobe, bases.y, horizon(march, -1.0, bases.y), -1.0);
+        let found = horizons(march, bases);
+        occlusion += side_occlusion(lobe, bases.x, found.x, 1.0) + side_occlusion(lobe, bases.y, found.y, -1.0);
     }
     return occlusion / f32(slices);
 }

@@ -95,7 +95,8 @@ impl OcclusionView {
             intensity: up_to(f32::MAX, settings.intensity),
             sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
             inverse_falloff,
-            decline: up_to(f32::MAX, inverse_falloff / (radius * radius)),
+            // Divided by; a pixel whose radius is 0 is not looked at.
+            decline: (inverse_falloff.sqrt() / radius).clamp(1e-15, 1e15),
             thickness: settings.thickness.clamp(0.0, 1.0),
             direct_light_affect: settings.direct_light_affect.clamp(0.0, 1.0),
             row_stride: 1,

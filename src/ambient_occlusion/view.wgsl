@@ -31,7 +31,7 @@ struct OcclusionView {
     intensity: f32,
     sin_bias: f32,
     inverse_falloff: f32,
-    /// How much samples weigh less by the square of their distance, where the radius is what it should be.
+    /// Samples weigh less by the square of this times their distance, where the radius is what it should be. Above 0.
     decline: f32,
     thickness: f32,
     /// How far direct light is darkened too, 0 to 1.

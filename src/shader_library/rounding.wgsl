@@ -9,14 +9,19 @@ const ROUNDER: f32 = 12582912.0;
 struct Start {
     added: vec2<f32>,
     taken_off: vec2<f32>,
+    /// Where places count from, less the bits of `ROUNDER`.
+    origin: vec2<i32>,
 }
 
-fn start_at(place: vec2<i32>) -> Start {
-    return Start(bitcast<vec2<f32>>(place + bitcast<i32>(ROUNDER)), vec2<f32>(place) + ROUNDER);
+/// `place` counts from `origin`.
+fn start_at(place: vec2<i32>, origin: vec2<i32>) -> Start {
+    let bits = bitcast<i32>(ROUNDER);
+    return Start(bitcast<vec2<f32>>(place + bits), vec2<f32>(place) + ROUNDER, origin - bits);
 }
 
 /// Whole places.
 struct Rounded {
+    /// With the origin.
     place: vec2<i32>,
     /// From the start to there.
     step: vec2<f32>,
@@ -25,5 +30,5 @@ struct Rounded {
 /// The place that is nearest to so many times `direction` from `start`.
 fn rounded(start: Start, direction: vec2<f32>, distance: f32) -> Rounded {
     let sum = fma(direction, vec2(distance), start.added);
-    return Rounded(bitcast<vec2<i32>>(sum) - bitcast<i32>(ROUNDER), sum - start.taken_off);
+    return Rounded(bitcast<vec2<i32>>(sum) + start.origin, sum - start.taken_off);
 }

@@ -149,6 +149,77 @@ fn kernel(bits: array<u32, 19>) -> array<u32, 4> {{
 }
 
 /// What no depth is at, and no number.
+/// From a position to what is seen beside it.
+#[test]
+fn steps_lead_to_positions_beside() {
+    let compute = Compute::new();
+    let mut random = Random::new(23);
+    for (name, kind, clip_from_view) in with_jitter() {
+        let define = kind
+            .shader_def()
+            .map_or(String::new(), |name| format!("#define {name}"));
+        let source = format!(
+            "{define}
+#import bevy_lean_deferred::reconstruction::position as reconstruction
+{READ}
+fn kernel(bits: array<u32, 22>) -> array<u32, 4> {{
+    var words = bits;
+    var m: mat4x4<f32>;
+    for (var i = 0u; i < 16u; i++) {{
+        m[i / 4u][i % 4u] = number(words[i]);
+    }}
+    let p = vec3(number(words[16]), number(words[17]), number(words[18]));
+    let step = vec3(number(words[19]), number(words[20]), number(words[21]) - p.z);
+    let ray = reconstruction::ray_at(m, p.xy);
+    let position = reconstruction::position_on(m, ray, p.z);
+    let led = reconstruction::homogeneous_steps(m, position) * step;
+    let w = reconstruction::w_at(m, ray, p.z) + led.w;
+    let found = bitcast<vec4<u32>>(vec4(led.xyz / w, w));
+    return array(found.x, found.y, found.z, found.w);
+}}"
+        );
+        let kernel = compute.kernel::<22, 4>(&MODULES, &source);
+        let matrix = view_from_pixel(clip_from_view);
+        let exact = matrix.as_dmat4();
+        let pairs: Vec<[Vec3; 2]> = (0..100_000)
+            .map(|_| {
+                let depth = 10f32.powf(random.range(-4.0, -0.5));
+                let from = Vec3::new(random.range(0.0, SIZE.x), random.range(0.0, SIZE.y), depth);
+                let step = Vec3::new(
+                    random.range(-200.0, 200.0),
+                    random.range(-200.0, 200.0),
+                    0.0,
+                );
+                let to = (from + step.round()).with_z(depth * random.range(0.5, 2.0));
+                [from, to]
+            })
+            .collect();
+        let inputs: Vec<[u32; 22]> = pairs
+            .iter()
+            .map(|[from, to]| {
+                let step = (to - from).with_z(to.z);
+                let numbers = matrix.to_cols_array().into_iter();
+                bits(numbers.chain(from.to_array()).chain(step.to_array()))
+            })
+            .collect();
+        let mut largest = 0.0f64;
+        for ([from, to], device) in pairs.into_iter().zip(kernel.run(&inputs)) {
+            let [x, y, z, w] = device.map(f32::from_bits);
+            let [begin, end] = [from, to].map(|p| exact.project_point3(p.as_dvec3()));
+            let parts = [from, to].map(|p| exact.row(3) * p.as_dvec3().extend(1.0));
+            let digits_lost = parts.map(|w| w.abs().element_sum() / w.element_sum().abs());
+            let digits_lost = digits_lost[0].max(digits_lost[1]);
+            let off = (Vec3::new(x, y, z).as_dvec3() - (end - begin)).length();
+            let error = off / (end - begin).length() / digits_lost;
+            largest = largest.max(error);
+            assert!(error < 1e-5, "{name}, {from} to {to}: off by {error}");
+            let w_error = (f64::from(w) / parts[1].element_sum() - 1.0).abs() / digits_lost;
+            assert!(w_error < 2e-6, "{name}, {to}: w is off by {w_error}");
+        }
+        println!("{name:24} {kind:?}: off by {largest:.1e} of the way at most");
+    }
+}
+
 #[test]
 fn hostile_depths_stay_what_they_are() {
     let compute = Compute::new();

@@ -127,7 +127,7 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     }
     let pixel = texel * DIVISOR;
     var receiver: Receiver;
-    receiver.texel = start_at(texel);
+    receiver.texel = start_at(texel, vec2(0));
     let center = vec2<f32>(pixel) + 0.5;
     receiver.ray = ray_at(view.view_from_pixel, center);
     receiver.position = position_on(view.view_from_pixel, receiver.ray, depth);

@@ -54,6 +54,35 @@ fn position_on(view_from: mat4x4<f32>, ray: vec2<f32>, depth: f32) -> vec3<f32> 
 #endif
 }
 
+/// What the position on `ray_at` of this depth is divided by.
+fn w_at(view_from: mat4x4<f32>, ray: vec2<f32>, depth: f32) -> f32 {
+    let m = view_from;
+#ifdef PROJECTION_PERSPECTIVE
+    return m[2].w * depth + m[3].w;
+#else ifdef PROJECTION_ORTHOGRAPHIC
+    return 1.0;
+#else
+    return homogeneous_position(m, vec3(ray, depth)).w;
+#endif
+}
+
+/// Of steps of a pixel to the right, of a pixel downwards, and of a depth of 1: how far they lead from `position`, times the w of where
+/// they lead; and by how much they raise w. All four are linear in them.
+fn homogeneous_steps(view_from: mat4x4<f32>, position: vec3<f32>) -> mat3x4<f32> {
+    let m = view_from;
+#ifdef PROJECTION_PERSPECTIVE
+    return mat3x4(vec4(m[0].x, 0.0, 0.0, 0.0), vec4(0.0, m[1].y, 0.0, 0.0), m[2].w * vec4(-position, 1.0));
+#else ifdef PROJECTION_ORTHOGRAPHIC
+    return mat3x4(vec4(m[0].x, 0.0, 0.0, 0.0), vec4(0.0, m[1].y, 0.0, 0.0), vec4(m[2].xyz, 0.0));
+#else
+    return mat3x4(
+        vec4(m[0].xyz - m[0].w * position, m[0].w),
+        vec4(m[1].xyz - m[1].w * position, m[1].w),
+        vec4(m[2].xyz - m[2].w * position, m[2].w),
+    );
+#endif
+}
+
 /// x and y of a view-space position, which is on `ray_at`, for each metre of its z; 0 where all rays run alike.
 fn ray_slope(view_from: mat4x4<f32>, ray: vec2<f32>, position: vec3<f32>) -> vec2<f32> {
 #ifdef PROJECTION_PERSPECTIVE
