@@ -10,7 +10,9 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     prelude::*,
-    screen_space::{ViewHistory, diffuse_gi::ViewGi, reflections::ViewReflections},
+    screen_space::{
+        TimesEachDispatch, ViewHistory, diffuse_gi::ViewGi, reflections::ViewReflections,
+    },
 };
 use kit::{
     headless::Headless,
@@ -357,6 +359,25 @@ fn texels_grow_and_shrink_with_the_view() {
         let off = most_off(before, after);
         println!("off by {off}");
         assert!(off < 1e-3);
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// Dispatches in passes of their own find what they find in one.
+#[test]
+fn timed_one_by_one_they_find_the_same() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            let effects = (gi(), reflections());
+            courtyard(s, metal(0.2), surface(0.5, 0.3), 0.4, effects);
+        });
+        let together = see(&mut headless, 24);
+        let render_app = headless.app.sub_app_mut(RenderApp);
+        render_app.insert_resource(TimesEachDispatch);
+        let one_by_one = see(&mut headless, 24);
+        let off = most_off(&together, &one_by_one);
+        println!("off by {off}");
+        assert!(off < 1e-4);
         log_watch::assert_validation_layer_silent();
     });
 }
