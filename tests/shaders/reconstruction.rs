@@ -24,6 +24,13 @@ fn number(bits: u32) -> f32 {
 }
 ";
 
+/// The first words of `bits`, as `m`.
+const READ_MATRIX: &str = "var words = bits;
+    var m: mat4x4<f32>;
+    for (var i = 0u; i < 16u; i++) {
+        m[i / 4u][i % 4u] = number(words[i]);
+    }";
+
 const SIZE: Vec2 = Vec2::new(3840.0, 2160.0);
 
 fn bits<const N: usize>(numbers: impl IntoIterator<Item = f32>) -> [u32; N] {
@@ -78,6 +85,12 @@ fn view_from_pixel(clip_from_view: Mat4) -> Mat4 {
     normalized(clip_from_view.inverse() * ndc_from_pixel)
 }
 
+/// What positions of this kind are compiled with.
+fn define(kind: ProjectionKind) -> String {
+    kind.shader_def()
+        .map_or(String::new(), |name| format!("#define {name}"))
+}
+
 /// As a part of the largest number of `truth`.
 fn relative_error(found: Vec3, truth: DVec3) -> f64 {
     (found.as_dvec3() - truth).abs().max_element() / truth.abs().max_element()
@@ -88,9 +101,7 @@ fn positions_are_those_of_the_full_matrix() {
     let compute = Compute::new();
     let mut random = Random::new(11);
     for (name, kind, clip_from_view) in with_jitter() {
-        let define = kind
-            .shader_def()
-            .map_or(String::new(), |name| format!("#define {name}"));
+        let define = define(kind);
         let z = match kind {
             ProjectionKind::Perspective => "reconstruction::view_z(m, vec4(p.z)).w",
             _ => "reconstruction::view_position(m, p).z",
@@ -100,11 +111,7 @@ fn positions_are_those_of_the_full_matrix() {
 #import bevy_lean_deferred::reconstruction::position as reconstruction
 {READ}
 fn kernel(bits: array<u32, 19>) -> array<u32, 4> {{
-    var words = bits;
-    var m: mat4x4<f32>;
-    for (var i = 0u; i < 16u; i++) {{
-        m[i / 4u][i % 4u] = number(words[i]);
-    }}
+    {READ_MATRIX}
     let p = vec3(number(words[16]), number(words[17]), number(words[18]));
     let position = bitcast<vec3<u32>>(reconstruction::view_position(m, p));
     return array(position.x, position.y, position.z, bitcast<u32>({z}));
@@ -148,26 +155,19 @@ fn kernel(bits: array<u32, 19>) -> array<u32, 4> {{
     }
 }
 
-/// What no depth is at, and no number.
 /// From a position to what is seen beside it.
 #[test]
 fn steps_lead_to_positions_beside() {
     let compute = Compute::new();
     let mut random = Random::new(23);
     for (name, kind, clip_from_view) in with_jitter() {
-        let define = kind
-            .shader_def()
-            .map_or(String::new(), |name| format!("#define {name}"));
+        let define = define(kind);
         let source = format!(
             "{define}
 #import bevy_lean_deferred::reconstruction::position as reconstruction
 {READ}
 fn kernel(bits: array<u32, 22>) -> array<u32, 4> {{
-    var words = bits;
-    var m: mat4x4<f32>;
-    for (var i = 0u; i < 16u; i++) {{
-        m[i / 4u][i % 4u] = number(words[i]);
-    }}
+    {READ_MATRIX}
     let p = vec3(number(words[16]), number(words[17]), number(words[18]));
     let step = vec3(number(words[19]), number(words[20]), number(words[21]) - p.z);
     let ray = reconstruction::ray_at(m, p.xy);
@@ -220,6 +220,7 @@ fn kernel(bits: array<u32, 22>) -> array<u32, 4> {{
     }
 }
 
+/// What no depth is at, and no number.
 #[test]
 fn hostile_depths_stay_what_they_are() {
     let compute = Compute::new();
@@ -227,11 +228,7 @@ fn hostile_depths_stay_what_they_are() {
         "#import bevy_lean_deferred::reconstruction::position::{{SMALLEST_DEPTH, view_position}}
 {READ}
 fn kernel(bits: array<u32, 17>) -> array<u32, 3> {{
-    var words = bits;
-    var m: mat4x4<f32>;
-    for (var i = 0u; i < 16u; i++) {{
-        m[i / 4u][i % 4u] = number(words[i]);
-    }}
+    {READ_MATRIX}
     let p = vec3(0.25, -0.5, max(number(words[16]), SMALLEST_DEPTH));
     let position = bitcast<vec3<u32>>(view_position(m, p));
     return array(position.x, position.y, position.z);
