@@ -315,8 +315,8 @@ impl Figures for ScreenSpace {
         let frames = self.0.first().and_then(|m| m.frames);
         format!(
             "Median{} in ms. Stages are timed one by one; together they take less. Lighting: what the lighting pass takes \
-             more than without effects. Bytes a pixel: each texture once written and once read, but for depth and normals. RMSE (bias) against what is known: groove (albedo 0.5, \
-             of its light), wall and sphere (of πL); a mirror with outlines and without them (inside), and floors by their \
+             more than without effects. Bytes a pixel: each texture once written and once read, but for depth and normals. \
+             RMSE (bias) against what is known: groove (albedo 0.5, of its light), wall and sphere (of πL); a mirror with outlines and without them (inside), and floors by their \
              roughness under a glowing quad (of its light)",
             frames.map_or(String::new(), |n| format!(" of {n} frames"))
         )
