@@ -7,8 +7,8 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         render_resource::{
-            LoadOp, Operations, RenderPassColorAttachment, RenderPassDepthStencilAttachment,
-            StoreOp, TextureDescriptor, TextureDimension, TextureUsages,
+            LoadOp, Operations, RenderPassColorAttachment, StoreOp, TextureDescriptor,
+            TextureDimension, TextureUsages,
         },
         renderer::RenderDevice,
         texture::{CachedTexture, TextureCache},
@@ -20,20 +20,28 @@ use super::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT};
 use crate::view::{ActiveLeanView, GBufferTargets, OutOfMemory};
 
 /// The targets of one view, as large as its render target.
+///
+/// They hold this frame's words of the view from its [`GBufferPasses`](super::GBufferPasses) to the end of its `Core3d` schedule: a pass in
+/// `Core3d` after that set reads them. Before, and once the schedule of the next camera runs, they hold words of another camera or frame:
+/// cameras whose targets are of one size and which need the same optional targets share their textures. A pass that needs them longer
+/// copies them.
+///
+/// `normal` tells which other words may be read.
 #[derive(Component, Clone)]
 pub struct GBufferTextures {
-    /// Albedo, metallic, occlusion; `R32Uint`.
+    /// Albedo, metallic, occlusion; undefined where `normal` has [`NO_GEOMETRY`]; `R32Uint`.
     pub surface: CachedTexture,
-    /// Normal, roughness; [`NO_GEOMETRY`] where no mesh was drawn; `R32Uint`.
+    /// Normal, roughness; [`NO_GEOMETRY`] wherever no lean mesh was drawn, also outside of the viewport; `R32Uint`.
     pub normal: CachedTexture,
-    /// Which of the optional targets hold a word of the surface, on a view that has some; `R8Uint`.
+    /// The [`GBufferTargets`] that hold a word of the surface, as their bits, on a view that has some; 0 where `normal` has
+    /// [`NO_GEOMETRY`]; `R8Uint`.
     pub written: Option<CachedTexture>,
     /// The optional targets that the view has in this frame, in the order of their bits.
     optional: Vec<(GBufferTargets, CachedTexture)>,
 }
 
 impl GBufferTextures {
-    /// The texture of a single optional target, if the view has it in this frame.
+    /// The texture of a single optional target, if the view has it in this frame. Undefined where `written` has not its bit.
     pub fn optional(&self, target: GBufferTargets) -> Option<&CachedTexture> {
         self.optional
             .iter()
@@ -45,26 +53,34 @@ impl GBufferTextures {
         self.optional.iter().map(|(target, _)| *target).collect()
     }
 
-    /// The attachments of the pass that writes the base targets alone.
+    /// The attachments of the pass that writes the base targets alone. If it `is_first` to write them, nothing is drawn yet.
     pub(super) fn base_attachments(
         &self,
-        load: LoadOp<wgpu::Color>,
+        is_first: bool,
     ) -> [Option<RenderPassColorAttachment<'_>>; 2] {
-        [&self.surface, &self.normal].map(|texture| Some(attachment(texture, load)))
+        let (anything, no_geometry) = if is_first {
+            let no_geometry = wgpu::Color {
+                r: f64::from(NO_GEOMETRY),
+                ..default()
+            };
+            (load_anything(), LoadOp::Clear(no_geometry))
+        } else {
+            (LoadOp::Load, LoadOp::Load)
+        };
+        [(&self.surface, anything), (&self.normal, no_geometry)]
+            .map(|(texture, load)| Some(attachment(texture, load)))
     }
 
-    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs. If it
-    /// `is_first` to write the optional ones, none is written yet.
+    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs, if it is the first to write the
+    /// base targets, and the optional ones.
     pub(super) fn all_attachments(
         &self,
-        base_load: LoadOp<wgpu::Color>,
+        is_first_of_base: bool,
         is_first: bool,
     ) -> Vec<Option<RenderPassColorAttachment<'_>>> {
-        let mut attachments = self.base_attachments(base_load).to_vec();
+        let mut attachments = self.base_attachments(is_first_of_base).to_vec();
         let [nothing_written, anything] = if is_first {
-            // SAFETY: no word is read where `written` does not say that a mesh has written it, and that is cleared.
-            let anything = LoadOp::DontCare(unsafe { wgpu::LoadOpDontCare::enabled() });
-            [LoadOp::Clear(wgpu::Color::BLACK), anything]
+            [LoadOp::Clear(wgpu::Color::BLACK), load_anything()]
         } else {
             [LoadOp::Load; 2]
         };
@@ -91,23 +107,10 @@ fn attachment(texture: &CachedTexture, load: LoadOp<wgpu::Color>) -> RenderPassC
     }
 }
 
-/// Whether depth is as it was cleared: nobody has drawn into it in this frame.
-pub(super) fn is_cleared(depth: &RenderPassDepthStencilAttachment) -> bool {
-    (depth.depth_ops).is_some_and(|ops| matches!(ops.load, LoadOp::Clear(_)))
-}
-
-/// How the G-buffer starts into its first pass. What others have drawn into depth before tells of nothing that is in it.
-pub(super) fn initial_load(view: &ActiveLeanView, depth_is_cleared: bool) -> LoadOp<wgpu::Color> {
-    if view.depth_tells_geometry && depth_is_cleared {
-        // SAFETY: no pixel is read that the pass has not written: lighting looks at depth first, which is cleared, and
-        // which each fragment that writes the G-buffer also writes.
-        LoadOp::DontCare(unsafe { wgpu::LoadOpDontCare::enabled() })
-    } else {
-        LoadOp::Clear(wgpu::Color {
-            r: f64::from(NO_GEOMETRY),
-            ..default()
-        })
-    }
+/// For targets whose words are read only where a cleared one, `normal` or `written`, says that a mesh has written them.
+fn load_anything<T>() -> LoadOp<T> {
+    // SAFETY: no word is read that was not written, see above.
+    LoadOp::DontCare(unsafe { wgpu::LoadOpDontCare::enabled() })
 }
 
 fn make_textures(

@@ -3,7 +3,7 @@
 use core::iter::once;
 
 use bevy::{
-    camera::{Camera3dDepthLoadOp, CameraMainTextureUsages, visibility::RenderLayers},
+    camera::{CameraMainTextureUsages, visibility::RenderLayers},
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
     pbr::ViewKeyCache,
     platform::collections::{HashMap, HashSet},
@@ -12,15 +12,11 @@ use bevy::{
         camera::{DirtySpecializations, ExtractedCamera},
         occlusion_culling::OcclusionCulling,
         render_resource::{PipelineCache, TextureFormat, TextureUsages},
-        view::{
-            ExtractedView, NoIndirectDrawing, RenderExtractedVisibleEntities, RetainedViewEntity,
-        },
+        view::{ExtractedView, NoIndirectDrawing, RetainedViewEntity},
     },
 };
 
-use super::{
-    foreign_depth::others_may_draw_depth, statuses::LeanStatuses, support::LeanDeferredSupport,
-};
+use super::{statuses::LeanStatuses, support::LeanDeferredSupport};
 use crate::{
     ambient_occlusion::LeanAmbientOcclusion,
     gbuffer::{MotionResolvePipelines, ViewDemands},
@@ -58,7 +54,6 @@ fn reason_against(
 
 /// How a view that can be lean is drawn. `can_resolve_motion` is asked with whether meshes are drawn twice.
 fn draw_order(
-    depth_load_op: Option<&Camera3dDepthLoadOp>,
     (depth, normal, motion): (bool, bool, bool),
     occlusion_culling: bool,
     has_light_layers: bool,
@@ -70,7 +65,6 @@ fn draw_order(
         && !normal
         && (depth || !culls_in_two_phases)
         && can_resolve_motion(culls_in_two_phases);
-    let starts_at_zero = matches!(depth_load_op, Some(Camera3dDepthLoadOp::Clear(0.0)));
     ActiveLeanView {
         draws_in_prepass,
         keeps_prepass: normal || (motion && !resolves_motion),
@@ -80,7 +74,6 @@ fn draw_order(
         variants: LightingVariants::empty(),
         exchange: LightExchange::empty(),
         culls_in_two_phases,
-        depth_tells_geometry: !draws_in_prepass && starts_at_zero,
     }
 }
 
@@ -112,9 +105,8 @@ pub(super) fn decide_active_views(
             &ExtractedCamera,
             &ExtractedView,
             &Msaa,
-            Option<&Camera3d>,
+            Has<Camera3d>,
             Option<&RenderLayers>,
-            Option<&RenderExtractedVisibleEntities>,
         ),
         (
             Has<DepthPrepass>,
@@ -151,11 +143,10 @@ pub(super) fn decide_active_views(
     for (entity, camera, prepasses, (settings, occlusion, exchange), (lighting, current)) in
         &mut views
     {
-        let (camera, view, msaa, camera_3d, layers, visible) = camera;
+        let (camera, view, msaa, is_3d, layers) = camera;
         let main_entity = view.retained_view_entity.main_entity;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
-        let is_3d = camera_3d.is_some();
         let reason = reason_against(camera, view, is_3d, msaa, deferred, soft_shadows)
             .or_else(|| Some(LeanOffReason::OutOfMemory(memory.label(entity)?.into())));
         if let Some(reason) = reason {
@@ -173,8 +164,7 @@ pub(super) fn decide_active_views(
             continue;
         };
 
-        let mut order = draw_order(
-            camera_3d.map(|camera| &camera.depth_load_op),
+        let order = draw_order(
             (depth, normal, motion),
             occlusion_culling && !no_indirect,
             scene.has_light_layers(settings, layers),
@@ -183,7 +173,6 @@ pub(super) fn decide_active_views(
                     .is_some_and(|pipelines| pipelines.are_ready(&pipeline_cache, in_two_phases))
             },
         );
-        order.depth_tells_geometry &= !others_may_draw_depth(visible);
         let last = active_before.get(&view.retained_view_entity);
         let exchange = if settings.shows_channel() {
             LightExchange::empty()

@@ -42,8 +42,6 @@ pub(crate) struct LightingKey {
     /// Decals, or lights with textures: they share a table.
     pub(super) decals: bool,
     pub(super) debug_view: Option<DebugChannel>,
-    /// Pixels without geometry are known by their depth, not by the cleared G-buffer.
-    pub(super) depth_tells_geometry: bool,
     pub(super) occlusion: Option<OcclusionKey>,
     pub(super) exchange: LightExchange,
     /// Light scatters beneath some surfaces, and is written apart there.
@@ -233,7 +231,6 @@ impl SceneFeatures<'_, '_> {
             rect_lights: !self.rect_lights.is_empty(),
             decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
             debug_view: settings.debug_view,
-            depth_tells_geometry: order.depth_tells_geometry,
             occlusion: occlusion
                 .filter(|_| self.occlusion_pipelines.is_some() && shows_light)
                 // Who finds what shines on surfaces finds what is hidden by it too.

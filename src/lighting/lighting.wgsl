@@ -45,18 +45,16 @@ fn read_pixel(place: vec2<u32>) -> Pixel {
         return pixel;
     }
     pixel.position = vec2<i32>(uniforms.viewport_origin + place);
-    pixel.depth = textureLoad(depth_texture, pixel.position, 0);
-#ifdef DEPTH_TELLS_GEOMETRY
-    // The G-buffer may not have been cleared: without depth it holds anything.
-    if pixel.depth == 0.0 {
+    // Cleared in each frame. Depth does not tell geometry: forward meshes have depth too, and surfaces at `far` have 0.
+    pixel.normal_word = textureLoad(normal_texture, pixel.position, 0).r;
+    pixel.has_geometry = pixel.normal_word != layout::NO_GEOMETRY;
+    // The other words are undefined then.
+    if !pixel.has_geometry {
         return pixel;
     }
-#endif
-    pixel.normal_word = textureLoad(normal_texture, pixel.position, 0).r;
+    pixel.depth = textureLoad(depth_texture, pixel.position, 0);
     pixel.surface_word = textureLoad(surface_texture, pixel.position, 0).r;
-    pixel.has_geometry = pixel.normal_word != layout::NO_GEOMETRY;
 #ifdef GBUFFER_WRITTEN
-    // Cleared in each frame.
     pixel.written = textureLoad(written_texture, pixel.position, 0).r;
 #endif
 #ifdef GBUFFER_SPECIALIZATION

@@ -372,7 +372,6 @@ impl LightingPipelines {
             define(true, target.shader_def());
         }
         define(key.light_layers, "LIGHT_LAYERS");
-        define(key.depth_tells_geometry, "DEPTH_TELLS_GEOMETRY");
         let shows_occlusion = key.occlusion.is_some_and(|occlusion| occlusion.debug_view);
         let shows_channel = key.debug_view.is_some_and(|channel| !channel.is_light());
         define(!shows_channel && !shows_occlusion, "SHOWS_LIGHT");

@@ -28,9 +28,6 @@ pub struct ActiveLeanView {
     pub exchange: LightExchange,
     /// Meshes are drawn twice: those that were visible before, and those that the depth of these does not hide.
     pub culls_in_two_phases: bool,
-    /// At the time of lighting, depth other than 0 means that a lean mesh was drawn there: nothing else that is known writes
-    /// depth before, and it starts at 0. Then the G-buffer needs no clearing, unless depth is found to be drawn into already.
-    pub depth_tells_geometry: bool,
 }
 
 impl ActiveLeanView {

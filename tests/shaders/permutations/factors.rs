@@ -73,7 +73,6 @@ pub const LIGHTING: &[Factor] = &[
         &["SPHERE_LIGHTS"],
         &["SPOT_LIGHTS", "SPHERE_LIGHTS"],
     ],
-    optional!("DEPTH_TELLS_GEOMETRY"),
     optional!("SCATTERS_LIGHT"),
     &[
         &[],
