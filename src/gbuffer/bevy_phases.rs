@@ -3,7 +3,7 @@
 
 use bevy::{
     core_pipeline::{
-        core_3d::{AlphaMask3d, Opaque3d, Opaque3dBatchSetKey, Opaque3dBinKey},
+        core_3d::{AlphaMask3d, Opaque3d, Opaque3dBatchSetKey, Opaque3dBinKey, Transparent3d},
         deferred::Opaque3dDeferred,
         prepass::{
             AlphaMask3dPrepass, Opaque3dPrepass, OpaqueNoLightmap3dBatchSetKey,
@@ -15,19 +15,22 @@ use bevy::{
     pbr::{
         MainPassAlphaMaskDrawFunction, MainPassOpaqueDrawFunction,
         PrepassOpaqueDepthOnlyDrawFunction, SpecializedMaterialViewPipelineCache,
-        SpecializedPrepassMaterialViewPipelineCache,
+        SpecializedPrepassMaterialViewPipelineCache, Transmissive3d,
     },
     prelude::*,
     render::{
+        Extract,
         render_phase::{
             BinnedPhaseItem, BinnedRenderPhase, BinnedRenderPhaseType, ViewBinnedRenderPhases,
+            ViewSortedRenderPhases,
         },
         sync_world::MainEntity,
         view::RetainedViewEntity,
     },
 };
 
-use super::lookup::MeshToQueue;
+use super::{lookup::MeshToQueue, phase::is_extracted};
+use crate::view::LeanDeferred;
 
 /// The phases of all views.
 #[derive(SystemParam)]
@@ -174,6 +177,29 @@ impl BevyViewPhases<'_> {
             if let Some(phase) = &mut self.alpha_mask_prepass {
                 phase.add(key, bin, entities, uniform_index, phase_type);
             }
+        }
+    }
+}
+
+/// After Bevy's systems that keep phases for all active cameras: drops those of lean cameras that are not extracted. Bevy 0.19 keeps them
+/// (bevy#25649), with meshes that go meanwhile, and puts those that stay into them once more.
+pub(super) fn drop_phases_of_views_without_pixels(
+    mut binned: BevyPhases,
+    mut transmissive: Option<ResMut<ViewSortedRenderPhases<Transmissive3d>>>,
+    mut transparent: ResMut<ViewSortedRenderPhases<Transparent3d>>,
+    cameras: Extract<Query<(Entity, &Camera), With<LeanDeferred>>>,
+) {
+    for (entity, camera) in &cameras {
+        if camera.is_active && !is_extracted(camera) {
+            let view = RetainedViewEntity::new(entity.into(), None, 0);
+            binned.opaque.remove(&view);
+            binned.alpha_mask.remove(&view);
+            binned.opaque_prepass.remove(&view);
+            binned.alpha_mask_prepass.remove(&view);
+            if let Some(transmissive) = &mut transmissive {
+                transmissive.remove(&view);
+            }
+            transparent.remove(&view);
         }
     }
 }

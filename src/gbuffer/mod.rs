@@ -82,7 +82,10 @@ pub use {crate::shader_library::layout, queue::SortedMeshes};
 use bevy::{
     asset::embedded_asset,
     core_pipeline::{
-        core_3d::prepare_core_3d_depth_textures,
+        core_3d::{
+            extract_camera_prepass_phase, extract_core_3d_camera_phases,
+            prepare_core_3d_depth_textures,
+        },
         mip_generation::experimental::depth::early_downsample_depth,
         prepass::node::{early_prepass, late_prepass},
         schedule::{Core3d, Core3dSystems},
@@ -163,6 +166,9 @@ impl Plugin for GBufferPlugin {
                 (
                     usage::report_usage,
                     phase::extract_gbuffer_phases,
+                    bevy_phases::drop_phases_of_views_without_pixels
+                        .after(extract_core_3d_camera_phases)
+                        .after(extract_camera_prepass_phase),
                     (
                         special::clear_changed_meshes,
                         special::extract_special_meshes,

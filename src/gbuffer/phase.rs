@@ -183,7 +183,14 @@ impl DrawnGBufferPhases<'_> {
     }
 }
 
-/// Keeps a phase of each kind for every active camera with [`LeanDeferred`], and none for others.
+/// Whether Bevy extracts the camera in this frame. Not while its window is minimised: its target has size 0 then.
+pub(super) fn is_extracted(camera: &Camera) -> bool {
+    let has_pixels = |size: UVec2| size.cmpne(UVec2::ZERO).all();
+    camera.is_active && camera.physical_target_size().is_none_or(has_pixels)
+}
+
+/// Keeps a phase of each kind for every camera with [`LeanDeferred`] that is extracted, and none for others: of what goes while a camera is
+/// not extracted, its phases are not told.
 pub(super) fn extract_gbuffer_phases(
     mut phases: GBufferPhases,
     cameras: Extract<
@@ -194,7 +201,7 @@ pub(super) fn extract_gbuffer_phases(
 ) {
     live.clear();
     for (camera_entity, camera, no_indirect_drawing) in &cameras {
-        if !camera.is_active {
+        if !is_extracted(camera) {
             continue;
         }
         let mode = gpu_preprocessing_support.min(if no_indirect_drawing {

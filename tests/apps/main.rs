@@ -9,6 +9,7 @@ mod history;
 mod labels;
 mod lost_device;
 mod memory;
+mod minimised;
 mod out_of_memory;
 mod plugins;
 mod shared_targets;
