@@ -71,7 +71,7 @@ use crate::{
     gpu::recovery,
     view::{
         GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses, SharedPlugin,
-        can_build, depth_usage::extend_depth_usage, overrides, removal,
+        ViewTextureSystems, can_build, depth_usage::extend_depth_usage, overrides, removal,
     },
 };
 
@@ -130,7 +130,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                         prepare::prepare_occlusion_textures,
                     )
                         .chain()
-                        .in_set(RenderSystems::PrepareResources),
+                        .in_set(ViewTextureSystems),
                     extend_depth_usage::<ActiveOcclusion>(TextureUsages::TEXTURE_BINDING)
                         .in_set(RenderSystems::PrepareResources)
                         .before(prepare_core_3d_depth_textures),

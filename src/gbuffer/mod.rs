@@ -110,7 +110,10 @@ use bevy::{
 
 use crate::{
     shading_models,
-    view::{ActiveLeanView, LeanDeferred, SharedPlugin, depth_usage::extend_depth_usage, removal},
+    view::{
+        ActiveLeanView, LeanDeferred, SharedPlugin, ViewTextureSystems,
+        depth_usage::extend_depth_usage, removal,
+    },
 };
 
 /// Draws the meshes of lean cameras into the packed G-buffer.
@@ -193,7 +196,8 @@ impl Plugin for GBufferPlugin {
                     extend_depth_usage::<ActiveLeanView>(TextureUsages::TEXTURE_BINDING)
                         .in_set(RenderSystems::PrepareResources)
                         .before(prepare_core_3d_depth_textures),
-                    textures::prepare_gbuffer_textures
+                    textures::prepare_gbuffer_textures.in_set(ViewTextureSystems),
+                    textures::fit_gbuffer_textures_to_depth
                         .in_set(RenderSystems::PrepareResources)
                         .after(prepare_core_3d_depth_textures),
                     visibility_masks::upload_visibility_masks

@@ -1,13 +1,14 @@
 //! The targets of the G-buffer.
 
 use bevy::{
+    ecs::system::SystemParam,
     image::ToExtents,
     platform::collections::HashMap,
     prelude::*,
     render::{
         camera::ExtractedCamera,
         render_resource::{
-            LoadOp, Operations, RenderPassColorAttachment, StoreOp, TextureDescriptor,
+            LoadOp, Operations, RenderPassColorAttachment, StoreOp, Texture, TextureDescriptor,
             TextureDimension, TextureUsages,
         },
         renderer::RenderDevice,
@@ -144,17 +145,39 @@ fn make_textures(
     }
 }
 
-/// Gives each active view its targets and takes them from views that are no longer active. Cameras are drawn one after
-/// the other, so those of one size that need the same share them.
-///
-/// They are as large as the depth that they are drawn with. What the camera says may lag behind a target that was resized
-/// or replaced: then Bevy gives cameras of one target one depth, though they say different sizes.
+/// Textures of the sizes that views have asked for in this frame. Cameras are drawn one after the other, so those of one size that need the
+/// same share them.
+#[derive(SystemParam)]
+pub(super) struct SharedTextures<'w, 's> {
+    cache: ResMut<'w, TextureCache>,
+    device: Res<'w, RenderDevice>,
+    memory: ResMut<'w, OutOfMemory>,
+    by_size: Local<'s, HashMap<(UVec2, GBufferTargets), GBufferTextures>>,
+}
+
+impl SharedTextures<'_, '_> {
+    /// `None` if they do not fit into memory.
+    fn get(
+        &mut self,
+        view: Entity,
+        size: UVec2,
+        targets: GBufferTargets,
+    ) -> Option<GBufferTextures> {
+        if let Some(made) = self.by_size.get(&(size, targets)) {
+            return Some(made.clone());
+        }
+        let make = || make_textures(&mut self.cache, &self.device, size, targets);
+        let made = (self.memory).fit(&self.device, view, "lean_deferred/gbuffer", make)?;
+        self.by_size.insert((size, targets), made.clone());
+        Some(made)
+    }
+}
+
+/// Gives each active view its targets and takes them from views that are no longer active.
 pub(super) fn prepare_gbuffer_textures(
     mut commands: Commands,
-    mut texture_cache: ResMut<TextureCache>,
-    render_device: Res<RenderDevice>,
-    mut memory: ResMut<OutOfMemory>,
-    views: Query<(Entity, &ViewDepthTexture, &ActiveLeanView)>,
+    mut textures: SharedTextures,
+    views: Query<(Entity, &ExtractedCamera, &ActiveLeanView)>,
     stale: Query<
         Entity,
         (
@@ -162,25 +185,46 @@ pub(super) fn prepare_gbuffer_textures(
             Or<(Without<ActiveLeanView>, Without<ExtractedCamera>)>,
         ),
     >,
-    mut by_size: Local<HashMap<(UVec2, GBufferTargets), GBufferTextures>>,
 ) {
     for entity in &stale {
         commands.entity(entity).remove::<GBufferTextures>();
     }
-    for (entity, depth, active) in &views {
-        let size = UVec2::new(depth.texture.width(), depth.texture.height());
-        let key = (size, active.targets);
-        let made = by_size.get(&key).cloned().or_else(|| {
-            memory.fit(&render_device, entity, "lean_deferred/gbuffer", || {
-                make_textures(&mut texture_cache, &render_device, size, active.targets)
-            })
-        });
-        let Some(made) = made else {
-            commands.entity(entity).remove::<GBufferTextures>();
+    for (entity, camera, active) in &views {
+        let Some(size) = camera.physical_target_size else {
             continue;
         };
-        by_size.insert(key, made.clone());
-        commands.entity(entity).insert(made);
+        match textures.get(entity, size, active.targets) {
+            Some(made) => commands.entity(entity).insert(made),
+            None => commands.entity(entity).remove::<GBufferTextures>(),
+        };
     }
-    by_size.clear();
+    textures.by_size.clear();
+}
+
+/// Targets must be as large as the depth that they are drawn with. What the camera says may lag behind a target that was resized or
+/// replaced: then Bevy gives cameras of one target one depth, though they say different sizes.
+pub(super) fn fit_gbuffer_textures_to_depth(
+    mut textures: SharedTextures,
+    mut views: Query<(
+        Entity,
+        &ViewDepthTexture,
+        &ActiveLeanView,
+        &mut GBufferTextures,
+    )>,
+    mut commands: Commands,
+) {
+    for (entity, depth, active, mut held) in &mut views {
+        let size = |texture: &Texture| UVec2::new(texture.width(), texture.height());
+        let depth_size = size(&depth.texture);
+        if size(&held.surface.texture) == depth_size {
+            continue;
+        }
+        match textures.get(entity, depth_size, active.targets) {
+            Some(made) => *held = made,
+            None => {
+                commands.entity(entity).remove::<GBufferTextures>();
+            }
+        }
+    }
+    textures.by_size.clear();
 }

@@ -12,6 +12,7 @@ use bevy::{
         camera::{DirtySpecializations, ExtractedCamera},
         occlusion_culling::OcclusionCulling,
         render_resource::{PipelineCache, TextureFormat, TextureUsages},
+        sync_world::MainEntity,
         view::{ExtractedView, NoIndirectDrawing, RetainedViewEntity},
     },
 };
@@ -249,6 +250,23 @@ pub(super) fn decide_active_views(
         }
     }
     *active_before = active_now;
+}
+
+/// Once the textures of all views are made: leaves the views whose textures do not fit to Bevy, before their meshes are queued.
+pub(super) fn withdraw_views_without_memory(
+    mut commands: Commands,
+    memory: Res<OutOfMemory>,
+    mut statuses: ResMut<LeanStatuses>,
+    views: Query<(Entity, &MainEntity), With<ActiveLeanView>>,
+) {
+    for (entity, camera) in &views {
+        if let Some(label) = memory.label(entity) {
+            statuses.off(*camera, LeanOffReason::OutOfMemory(label.into()));
+            commands
+                .entity(entity)
+                .remove::<(ActiveLeanView, ViewLighting)>();
+        }
+    }
 }
 
 /// The lighting pass writes the main texture. Cameras of one target share it only while they ask for the same usages,

@@ -32,8 +32,8 @@ use crate::{
     screen_space::subsurface::SubsurfacePlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
-        DebugChannel, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems, can_build,
-        overrides,
+        DebugChannel, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems,
+        ViewTextureSystems, can_build, overrides,
     },
 };
 
@@ -78,13 +78,18 @@ impl Plugin for LeanDeferredPlugin {
             .add_systems(
                 Render,
                 (
-                    decision::decide_active_views,
-                    decision::make_main_textures_writable,
-                )
-                    .chain()
-                    .in_set(LeanViewSystems)
-                    .in_set(RenderSystems::PrepareAssets)
-                    .after(check_views_need_specialization),
+                    (
+                        decision::decide_active_views,
+                        decision::make_main_textures_writable,
+                    )
+                        .chain()
+                        .in_set(LeanViewSystems)
+                        .in_set(RenderSystems::PrepareAssets)
+                        .after(check_views_need_specialization),
+                    decision::withdraw_views_without_memory
+                        .after(ViewTextureSystems)
+                        .before(RenderSystems::Queue),
+                ),
             );
     }
 }

@@ -82,15 +82,8 @@ pub(super) fn write_lighting_buffers(
         return;
     };
     for (mut lighting, (camera, view), target, resolution_override, _) in &mut views {
-        // Not as the camera has it, which may lag behind a target that is resized or replaced.
-        let texture = target.main_texture();
-        let target_size = UVec2::new(texture.width(), texture.height());
-        let viewport =
-            Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
-        let (origin, size) = match &viewport {
-            Some(viewport) => (viewport.physical_position, viewport.physical_size),
-            None => (UVec2::ZERO, target_size),
-        };
+        let target_size = target_size(target);
+        let (origin, size) = lit_pixels(camera, target, resolution_override);
         let uniform = LightingUniform {
             background: background(camera, &clear_color),
             viewport_origin: origin,
@@ -107,6 +100,26 @@ pub(super) fn write_lighting_buffers(
         });
         lighting.bindings.viewport_size = size;
         lighting.bindings.covers_target = origin == UVec2::ZERO && size == target_size;
+    }
+}
+
+/// Not as the camera has it, which may lag behind a target that is resized or replaced.
+fn target_size(target: &ViewTarget) -> UVec2 {
+    let texture = target.main_texture();
+    UVec2::new(texture.width(), texture.height())
+}
+
+/// The corner and the size of what is lit of a target.
+pub(super) fn lit_pixels(
+    camera: &ExtractedCamera,
+    target: &ViewTarget,
+    resolution_override: Option<&MainPassResolutionOverride>,
+) -> (UVec2, UVec2) {
+    let viewport =
+        Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
+    match &viewport {
+        Some(viewport) => (viewport.physical_position, viewport.physical_size),
+        None => (UVec2::ZERO, target_size(target)),
     }
 }
 

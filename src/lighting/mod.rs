@@ -74,7 +74,7 @@ use bevy::{
 
 use crate::{
     ambient_occlusion,
-    view::{ActiveLeanView, DiffuseLight, LeanDeferred, SharedPlugin, removal},
+    view::{ActiveLeanView, DiffuseLight, LeanDeferred, SharedPlugin, ViewTextureSystems, removal},
 };
 
 /// On a view: everything its lighting pass needs. Dropped with the effect.
@@ -153,12 +153,11 @@ impl Plugin for LightingPlugin {
                 Render,
                 (
                     (
-                        buffers::write_lighting_buffers,
                         diffuse_light::prepare_diffuse_light,
-                        subsurface_light::prepare_subsurface_light
-                            .after(buffers::write_lighting_buffers),
+                        subsurface_light::prepare_subsurface_light,
                     )
-                        .in_set(RenderSystems::PrepareResources),
+                        .in_set(ViewTextureSystems),
+                    buffers::write_lighting_buffers.in_set(RenderSystems::PrepareResources),
                     (
                         light_layer_table::write_light_layers,
                         bindings::prepare_lighting_bind_groups,

@@ -2,16 +2,19 @@
 //! it.
 
 use bevy::{
+    camera::MainPassResolutionOverride,
     prelude::*,
     render::{
+        camera::ExtractedCamera,
         render_resource::{
             Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Texture, TextureFormat,
         },
         renderer::RenderDevice,
+        view::ViewTarget,
     },
 };
 
-use super::ViewLighting;
+use super::buffers::lit_pixels;
 use crate::{
     gpu::storage_texture::StorageTexture,
     shader_library::tiles,
@@ -101,13 +104,17 @@ pub(crate) fn prepare_subsurface_light(
     mut memory: ResMut<OutOfMemory>,
     views: Query<(
         Entity,
-        &ViewLighting,
+        (
+            &ExtractedCamera,
+            &ViewTarget,
+            Option<&MainPassResolutionOverride>,
+        ),
         &ActiveLeanView,
         Has<ScattersLight>,
         Option<&SubsurfaceLight>,
     )>,
 ) {
-    for (entity, lighting, active, scatters, current) in &views {
+    for (entity, (camera, target, resolution), active, scatters, current) in &views {
         // While lighting without it is still compiling, it is kept.
         let is_written = active.exchange.contains(LightExchange::SUBSURFACE_LIGHT);
         if !is_written {
@@ -119,7 +126,8 @@ pub(crate) fn prepare_subsurface_light(
         if !scatters && current.is_some() {
             continue;
         }
-        let tile_count = tiles::count(lighting.bindings.viewport_size).max(UVec2::ONE);
+        let (_, size) = lit_pixels(camera, target, resolution);
+        let tile_count = tiles::count(size).max(UVec2::ONE);
         if current.is_none_or(|current| current.tile_count != tile_count) {
             let make = || SubsurfaceLight::new(&device, tile_count);
             match memory.fit(&device, entity, LABEL, make) {

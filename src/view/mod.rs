@@ -46,6 +46,7 @@ pub use exchange::{
 };
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
+pub(crate) use schedule::ViewTextureSystems;
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
 pub use settings::{DebugChannel, GeometricNormal, LeanDeferred, LightCulling};
 pub use status::{LeanOffReason, LeanStatus};
@@ -108,6 +109,12 @@ impl Plugin for SharedPlugin {
         render_app
             .init_gpu_resource::<PipelineWatch>()
             .init_gpu_resource::<OutOfMemory>()
+            .configure_sets(
+                Render,
+                ViewTextureSystems
+                    .after(RenderSystems::PrepareViews)
+                    .before(RenderSystems::Queue),
+            )
             .add_systems(ExtractSchedule, pipeline_watch::watch_pipelines)
             .add_systems(
                 Render,

@@ -6,6 +6,11 @@ use bevy::prelude::*;
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LeanViewSystems;
 
+/// The systems that make the textures of views; after `RenderSystems::PrepareViews`, before `RenderSystems::Queue`: a lean camera whose
+/// textures do not fit into memory is left to Bevy before its meshes are queued.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct ViewTextureSystems;
+
 /// The passes that draw the G-buffer, in `Core3d`.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct GBufferPasses;

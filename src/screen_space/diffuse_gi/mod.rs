@@ -55,7 +55,8 @@ use crate::{
     gpu::recovery,
     view::{
         ActiveLeanView, GBufferPasses, IndirectDiffuse, LeanViewSystems, LightingPasses,
-        OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin, can_build, overrides, removal,
+        OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin, ViewTextureSystems, can_build,
+        overrides, removal,
     },
 };
 
@@ -106,7 +107,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
                     active::decide_active_gi
                         .in_set(RenderSystems::PrepareAssets)
                         .before(LeanViewSystems),
-                    prepare::prepare_gi.in_set(RenderSystems::PrepareResources),
+                    prepare::prepare_gi.in_set(ViewTextureSystems),
                     (
                         prepare::prepare_gi_bind_groups,
                         forward_light::prepare_forward_light,

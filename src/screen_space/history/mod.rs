@@ -32,9 +32,9 @@ pub(super) use prepare::prepare_histories;
 pub use uniforms::HistoryView;
 
 use super::succession::SuccessionPlugin;
-use crate::view::{SharedPlugin, depth_usage::extend_depth_usage, removal};
+use crate::view::{SharedPlugin, ViewTextureSystems, depth_usage::extend_depth_usage, removal};
 
-/// On a view of the render world: something reads its last frame. To be inserted before `RenderSystems::PrepareResources`,
+/// On a view of the render world: something reads its last frame. To be inserted before `RenderSystems::PrepareViews`,
 /// and removed when nothing does any more.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ReadsHistory;
@@ -72,12 +72,10 @@ impl Plugin for HistoryPlugin {
             .add_systems(
                 Render,
                 (
-                    (
-                        extend_depth_usage::<ReadsHistory>(TextureUsages::TEXTURE_BINDING)
-                            .before(prepare_core_3d_depth_textures),
-                        prepare::prepare_histories.after(prepare_core_3d_depth_textures),
-                    )
-                        .in_set(RenderSystems::PrepareResources),
+                    extend_depth_usage::<ReadsHistory>(TextureUsages::TEXTURE_BINDING)
+                        .in_set(RenderSystems::PrepareResources)
+                        .before(prepare_core_3d_depth_textures),
+                    prepare::prepare_histories.in_set(ViewTextureSystems),
                     prepare::prepare_history_bind_groups.in_set(RenderSystems::PrepareBindGroups),
                 ),
             )

@@ -138,7 +138,7 @@ pub(in crate::screen_space) fn prepare_histories(
         (
             Entity,
             (&ExtractedView, &ExtractedCamera),
-            &ViewDepthTexture,
+            &Msaa,
             Option<&MainPassResolutionOverride>,
             Option<&CameraCuts>,
             Option<&mut ViewHistory>,
@@ -149,9 +149,9 @@ pub(in crate::screen_space) fn prepare_histories(
     let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
-    for (entity, (view, camera), depth, resolution, cuts, history) in &mut views {
+    for (entity, (view, camera), msaa, resolution, cuts, history) in &mut views {
         // Depth cannot be resolved.
-        if depth.texture.sample_count() != 1 {
+        if msaa.samples() != 1 {
             commands.entity(entity).remove::<ViewHistory>();
             continue;
         }

@@ -65,7 +65,7 @@ use crate::{
     gpu::recovery,
     view::{
         ActiveLeanView, GBufferPasses, IndirectSpecular, LeanViewSystems, LightingPasses,
-        SharedPlugin, can_build, overrides, removal,
+        SharedPlugin, ViewTextureSystems, can_build, overrides, removal,
     },
 };
 
@@ -132,7 +132,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
                         .in_set(RenderSystems::PrepareAssets)
                         .before(LeanViewSystems),
                     prepare::prepare_reflections
-                        .in_set(RenderSystems::PrepareResources)
+                        .in_set(ViewTextureSystems)
                         .after(prepare_histories),
                     prepare::prepare_reflection_bind_groups
                         .in_set(RenderSystems::PrepareBindGroups),

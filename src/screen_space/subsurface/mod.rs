@@ -59,7 +59,10 @@ use bevy::{
 use crate::{
     gpu::recovery,
     lighting::{SubsurfaceLight, lighting_pass, prepare_subsurface_light},
-    view::{LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin, removal},
+    view::{
+        LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
+        ViewTextureSystems, removal,
+    },
 };
 
 /// Subsurface scattering, for cameras with [`LeanDeferred`]. Part of
@@ -105,7 +108,7 @@ impl Plugin for SubsurfacePlugin {
                         .in_set(RenderSystems::PrepareAssets)
                         .before(LeanViewSystems),
                     prepare::prepare_subsurface
-                        .in_set(RenderSystems::PrepareResources)
+                        .in_set(ViewTextureSystems)
                         .after(prepare_subsurface_light),
                     prepare::prepare_subsurface_bind_groups
                         .in_set(RenderSystems::PrepareBindGroups),
