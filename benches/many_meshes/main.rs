@@ -1,4 +1,4 @@
-//! CPU time of a frame with many meshes: Bevy forward, Bevy deferred, this crate.
+//! CPU time of a frame with many meshes: Bevy forward, the same with this crate's plugins and no component, Bevy deferred, this crate.
 //!
 //! `cargo bench --profile dev --bench many_meshes -- --help`
 //!
@@ -40,6 +40,10 @@ struct Args {
     #[argh(option, default = "3")]
     events: usize,
 
+    /// every mesh has render layers and receives no shadows, and the camera asks for motion vectors
+    #[argh(switch)]
+    followed: bool,
+
     /// write the figures to this file
     #[argh(option)]
     json: Option<String>,
@@ -73,7 +77,14 @@ fn main() {
     let total = numbers.len();
     for (number, meshes) in numbers.into_iter().enumerate() {
         eprintln!("[{}/{total}] {meshes} meshes", number + 1);
-        let measured = run::measure(meshes, &contenders, args.size, args.frames, args.events);
+        let measured = run::measure(
+            meshes,
+            &contenders,
+            args.size,
+            args.frames,
+            args.events,
+            args.followed,
+        );
         let mut reference = None;
         for (contender, (mut measurement, picture)) in contenders.iter().zip(measured) {
             if let Some(folder) = &args.pictures {

@@ -11,7 +11,7 @@ use bevy::{
     prelude::*,
     render::{RenderApp, render_resource::PollType, renderer::RenderDevice},
 };
-use bevy_lean_deferred::LeanDeferred;
+use bevy_lean_deferred::{LeanDeferred, LeanDeferredPlugins};
 use figures::benches::many_meshes::{Measurement, Times};
 
 use crate::{Motion, scene, stages};
@@ -23,18 +23,23 @@ use kit::{
 /// A way to render the scene.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Contender {
+    /// Without this crate.
     Forward,
+    /// Forward, with the plugins of this crate and no component of it.
+    Unused,
+    /// Without this crate.
     BevyDeferred,
     Lean,
 }
 
 impl Contender {
     /// Forward first: its picture is the reference.
-    pub const ALL: [Self; 3] = [Self::Forward, Self::BevyDeferred, Self::Lean];
+    pub const ALL: [Self; 4] = [Self::Forward, Self::Unused, Self::BevyDeferred, Self::Lean];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Forward => "Bevy forward",
+            Self::Unused => "plugins added, no component",
             Self::BevyDeferred => "Bevy deferred",
             Self::Lean => "lean",
         }
@@ -57,19 +62,27 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(meshes: usize, contender: Contender, size: UVec2) -> Self {
-        let mut headless = Headless::with(size, |app| {
+    fn new(meshes: usize, contender: Contender, size: UVec2, followed: bool) -> Self {
+        let mut app = App::new();
+        app.add_plugins(Headless::default_plugins());
+        if matches!(contender, Contender::Unused | Contender::Lean) {
+            app.add_plugins(LeanDeferredPlugins);
+        }
+        let mut headless = Headless::from_app(size, app, |app| {
             if contender == Contender::BevyDeferred {
                 app.insert_resource(DefaultOpaqueRendererMethod::deferred());
             }
             app.add_systems(Update, scene::move_meshes);
         });
         match contender {
-            Contender::Forward => scene::spawn(&mut headless, meshes, ()),
+            Contender::Forward | Contender::Unused => scene::spawn(&mut headless, meshes, ()),
             Contender::BevyDeferred => {
                 scene::spawn(&mut headless, meshes, (DepthPrepass, DeferredPrepass));
             }
             Contender::Lean => scene::spawn(&mut headless, meshes, LeanDeferred::default()),
+        }
+        if followed {
+            scene::add_followed_components(headless.world());
         }
         let began = Began::default();
         let render_app = headless.app.sub_app_mut(RenderApp);
@@ -167,10 +180,11 @@ pub fn measure(
     size: UVec2,
     frames: usize,
     events: usize,
+    followed: bool,
 ) -> Vec<(Measurement, Picture)> {
     let mut stages: Vec<Stage> = contenders
         .iter()
-        .map(|contender| Stage::new(meshes, *contender, size))
+        .map(|contender| Stage::new(meshes, *contender, size, followed))
         .collect();
     let pictures: Vec<Picture> = stages
         .iter_mut()

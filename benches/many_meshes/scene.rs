@@ -2,7 +2,12 @@
 
 use core::f32::consts::PI;
 
-use bevy::{camera::Hdr, prelude::*};
+use bevy::{
+    camera::{Hdr, visibility::RenderLayers},
+    core_pipeline::prepass::MotionVectorPrepass,
+    light::NotShadowReceiver,
+    prelude::*,
+};
 
 use kit::headless::Headless;
 
@@ -123,6 +128,16 @@ pub fn spawn(headless: &mut Headless, meshes: usize, extra: impl Bundle) {
         .id();
     world.insert_resource(Eye(eye));
     world.insert_resource(Motion::Nothing);
+}
+
+/// What extraction has to follow, on all meshes and on the camera.
+pub fn add_followed_components(world: &mut World) {
+    let mut numbered = world.query_filtered::<Entity, With<Numbered>>();
+    let meshes: Vec<Entity> = numbered.iter(world).collect();
+    let components = (RenderLayers::layer(0), NotShadowReceiver);
+    world.insert_batch(meshes.into_iter().map(|mesh| (mesh, components.clone())));
+    let eye = world.resource::<Eye>().0;
+    world.entity_mut(eye).insert(MotionVectorPrepass);
 }
 
 /// Each of the moving meshes goes up and down by a little.

@@ -26,7 +26,7 @@
 
 // - `targets.rs`: the optional targets.
 // - `material.rs`: which materials and meshes it carries, and what they need. `custom_material.wgsl`: the shader of its example.
-// - `special.rs`, `moving.rs`: which meshes need more than their material says.
+// - `special.rs`, `moving.rs`: which meshes need more than their material says. `extracted.rs`: which have changed.
 // - `demand.rs`: what all visible meshes of a view need together.
 // - `lookup.rs`: what a mesh needs.
 // - `phase.rs`, `phase_item.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
@@ -43,6 +43,7 @@ mod bevy_phases;
 pub mod binding_numbers;
 mod demand;
 mod depth_copy;
+mod extracted;
 mod lookup;
 mod material;
 mod moving;
@@ -91,8 +92,8 @@ use bevy::{
         schedule::{Core3d, Core3dSystems},
     },
     pbr::{
-        DrawPrepass, MeshPipeline, StandardMaterial, main_build_indirect_parameters,
-        queue_material_meshes, queue_prepass_material_meshes,
+        DrawPrepass, MeshExtractionSystems, MeshPipeline, StandardMaterial,
+        main_build_indirect_parameters, queue_material_meshes, queue_prepass_material_meshes,
     },
     prelude::*,
     render::{
@@ -177,7 +178,8 @@ impl Plugin for GBufferPlugin {
                         special::extract_special_meshes,
                         moving::extract_moving_meshes,
                     )
-                        .chain(),
+                        .chain()
+                        .after(MeshExtractionSystems),
                     special::extract_lightmapped_meshes
                         .in_set(DirtySpecializationSystems::CheckForChanges),
                 ),

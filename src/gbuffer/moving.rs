@@ -11,7 +11,7 @@ use bevy::{
     },
 };
 
-use super::special::ChangedMeshes;
+use super::{extracted::ExtractedMeshes, special::ChangedMeshes};
 use crate::view::LeanDeferred;
 
 /// Frames that a mesh goes on writing its motion after it stopped: one that stops and goes, as by the steps of a
@@ -29,11 +29,12 @@ impl MovingMeshes {
     }
 }
 
-/// Has meshes sorted anew in the frame in which they start to move and when they have stopped. Static meshes cost the look
-/// at a change tick.
+/// Has meshes sorted anew in the frame in which they start to move and when they have stopped. Static meshes cost nothing, but where Bevy
+/// does not list those that moved: there, the look at a change tick.
 pub(super) fn extract_moving_meshes(
     mut moving: ResMut<MovingMeshes>,
     mut changed_meshes: ResMut<ChangedMeshes>,
+    mut extracted: ExtractedMeshes,
     cameras: Extract<
         Query<
             &Camera,
@@ -44,17 +45,10 @@ pub(super) fn extract_moving_meshes(
             ),
         >,
     >,
-    changed: Extract<
-        Query<
-            (
-                Entity,
-                &GlobalTransform,
-                &PreviousGlobalTransform,
-                &ViewVisibility,
-            ),
-            (With<Mesh3d>, Changed<GlobalTransform>),
-        >,
+    transforms: Extract<
+        Query<(&GlobalTransform, &PreviousGlobalTransform, &ViewVisibility), With<Mesh3d>>,
     >,
+    changed: Extract<Query<Entity, (With<Mesh3d>, Changed<GlobalTransform>)>>,
 ) {
     if !cameras.iter().any(|camera| camera.is_active) {
         for (mesh, _) in moving.0.drain() {
@@ -69,12 +63,18 @@ pub(super) fn extract_moving_meshes(
         }
         *frames > 0
     });
-    for (mesh, transform, previous, visibility) in &changed {
-        if visibility.get() && transform.affine() != previous.0 {
-            let mesh = MainEntity::from(mesh);
-            if moving.0.insert(mesh, LINGERING_FRAMES).is_none() {
-                changed_meshes.insert(mesh);
-            }
+    let mut look_at = |mesh: MainEntity| {
+        let moves = transforms
+            .get(mesh.id())
+            .is_ok_and(|(transform, previous, visibility)| {
+                visibility.get() && transform.affine() != previous.0
+            });
+        if moves && moving.0.insert(mesh, LINGERING_FRAMES).is_none() {
+            changed_meshes.insert(mesh);
         }
+    };
+    match extracted.iter() {
+        Some(meshes) => meshes.for_each(look_at),
+        None => changed.iter().for_each(|mesh| look_at(mesh.into())),
     }
 }

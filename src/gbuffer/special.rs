@@ -1,5 +1,7 @@
 //! Meshes of which the G-buffer must know more than their material says: what their other components are.
 
+use core::mem::replace;
+
 use bevy::{
     camera::visibility::{RenderLayers, ViewVisibility},
     ecs::entity_disabling::Disabled,
@@ -14,7 +16,7 @@ use bevy::{
 };
 
 use super::layout::{DEFAULT_VISIBILITY_MASK, visibility_mask};
-use crate::view::GBufferTargets;
+use crate::view::{GBufferTargets, LeanDeferred};
 
 /// In the render world: meshes whose components changed what they need of the G-buffer, since the last frame. Lean views
 /// sort them anew; Bevy does not look at them again.
@@ -66,6 +68,12 @@ impl SpecialMeshes {
         Some(key)
     }
 
+    /// Forgets what [`extract_special_meshes`] follows.
+    fn clear_followed(&mut self) {
+        self.without_shadows.clear();
+        self.visibility_masks.clear();
+    }
+
     /// Whether that changes something.
     fn set_without_shadows(&mut self, mesh: MainEntity, is_without: bool) -> bool {
         if is_without {
@@ -93,10 +101,13 @@ impl SpecialMeshes {
     }
 }
 
-/// Follows the components in extraction, whenever the app changed them.
+type SpecialComponents = Or<(With<NotShadowReceiver>, With<RenderLayers>)>;
+
+/// Follows the components in extraction, whenever the app changed them; while no camera is to be lean, it does not.
 pub(super) fn extract_special_meshes(
     mut special: ResMut<SpecialMeshes>,
     mut changed: ResMut<ChangedMeshes>,
+    lean_cameras: Extract<Query<(), With<LeanDeferred>>>,
     receivers: Extract<Query<Entity, Added<NotShadowReceiver>>>,
     mut removed_receivers: Extract<RemovedComponents<NotShadowReceiver>>,
     layers: Extract<Query<(Entity, &RenderLayers), Changed<RenderLayers>>>,
@@ -104,7 +115,34 @@ pub(super) fn extract_special_meshes(
     // What changed while they were disabled no query has told.
     mut enabled: Extract<RemovedComponents<Disabled>>,
     all: Extract<Query<(Has<NotShadowReceiver>, Option<&RenderLayers>)>>,
+    candidates: Extract<
+        Query<(Entity, Has<NotShadowReceiver>, Option<&RenderLayers>), SpecialComponents>,
+    >,
+    mut is_following: Local<bool>,
 ) {
+    let was_following = replace(&mut *is_following, !lean_cameras.is_empty());
+    if !*is_following {
+        if was_following {
+            special.clear_followed();
+        }
+        return;
+    }
+    if !was_following {
+        // All that a camera sees is sorted when it becomes lean.
+        for (entity, is_without_shadows, layers) in &candidates {
+            let mesh = MainEntity::from(entity);
+            special.set_without_shadows(mesh, is_without_shadows);
+            special.put_on(
+                mesh,
+                layers.map_or(DEFAULT_VISIBILITY_MASK, visibility_mask),
+            );
+        }
+        removed_receivers.clear();
+        removed_layers.clear();
+        enabled.clear();
+        return;
+    }
+
     let without = removed_receivers.read().map(|entity| (entity, false));
     // What was removed and inserted in one frame is there.
     for (entity, is_without) in without.chain(receivers.iter().map(|entity| (entity, true))) {
@@ -145,12 +183,14 @@ pub(super) fn forget_lightmapped_meshes(mut special: ResMut<SpecialMeshes>) {
     special.lightmapped.clear();
 }
 
-/// Keeps the same lightmapped meshes as Bevy's private `extract_lightmaps`, by its rules, because by that list Bevy picks
+/// Keeps the same visible lightmapped meshes as Bevy's private `extract_lightmaps`, by its rules, because by that list Bevy picks
 /// the bind group of a mesh: a pipeline made for another one is an error. Bevy does not look at pipelines again when that
-/// changes, so it is asked to.
+/// changes, so it is asked to. While no camera is to be lean, nothing is kept.
 pub(super) fn extract_lightmapped_meshes(
     mut special: ResMut<SpecialMeshes>,
     mut dirty: ResMut<DirtySpecializations>,
+    lean_cameras: Extract<Query<(), With<LeanDeferred>>>,
+    all: Extract<Query<(Entity, &ViewVisibility, &Lightmap)>>,
     lightmaps: Extract<
         Query<
             (Entity, &ViewVisibility, &Lightmap),
@@ -158,13 +198,26 @@ pub(super) fn extract_lightmapped_meshes(
         >,
     >,
     mut removed: Extract<RemovedComponents<Lightmap>>,
+    mut is_following: Local<bool>,
 ) {
-    for (entity, visibility, lightmap) in &lightmaps {
+    let was_following = replace(&mut *is_following, !lean_cameras.is_empty());
+    if !*is_following {
+        if was_following {
+            special.lightmapped.clear();
+        }
+        return;
+    }
+    let mut look_at = |(entity, visibility, lightmap): (Entity, &ViewVisibility, &Lightmap)| {
         let mesh = MainEntity::from(entity);
         if visibility.get() && !special.lightmapped.contains_key(&mesh) {
             special.lightmapped.insert(mesh, lightmap.bicubic_sampling);
             dirty.changed_renderables.insert(mesh);
         }
+    };
+    if was_following {
+        lightmaps.iter().for_each(&mut look_at);
+    } else {
+        all.iter().for_each(&mut look_at);
     }
     for entity in removed.read() {
         let mesh = MainEntity::from(entity);

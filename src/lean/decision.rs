@@ -132,12 +132,16 @@ pub(super) fn decide_active_views(
     if let LeanDeferredSupport::Missing(missing) = &*support {
         for (_, (_, view, ..), ..) in &views {
             let main_entity = view.retained_view_entity.main_entity;
-            statuses.off(main_entity, LeanOffReason::Device(missing.clone()));
+            statuses.off_for(main_entity, LeanOffReason::Device, missing);
         }
         return;
     }
-    let soft_shadows = scene.has_soft_shadows();
-    let lights = scene.lights();
+    // Both look at all lights.
+    let (soft_shadows, lights) = if views.is_empty() {
+        default()
+    } else {
+        (scene.has_soft_shadows(), scene.lights())
+    };
     let mut active_now = HashMap::default();
     let mut candidates = HashSet::<RetainedViewEntity>::default();
 
@@ -148,10 +152,17 @@ pub(super) fn decide_active_views(
         let main_entity = view.retained_view_entity.main_entity;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
-        let reason = reason_against(camera, view, is_3d, msaa, deferred, soft_shadows)
-            .or_else(|| Some(LeanOffReason::OutOfMemory(memory.label(entity)?.into())));
-        if let Some(reason) = reason {
-            statuses.off(main_entity, reason);
+        let reason = reason_against(camera, view, is_3d, msaa, deferred, soft_shadows);
+        let lacking = memory.label(entity);
+        if reason.is_some() || lacking.is_some() {
+            match (reason, lacking) {
+                (Some(reason), _) => statuses.off(main_entity, reason),
+                (None, label) => statuses.off_for(
+                    main_entity,
+                    LeanOffReason::OutOfMemory,
+                    label.unwrap_or_default(),
+                ),
+            }
             commands
                 .entity(entity)
                 .remove::<(ActiveLeanView, ViewLighting)>();
@@ -261,7 +272,7 @@ pub(super) fn withdraw_views_without_memory(
 ) {
     for (entity, camera) in &views {
         if let Some(label) = memory.label(entity) {
-            statuses.off(*camera, LeanOffReason::OutOfMemory(label.into()));
+            statuses.off_for(*camera, LeanOffReason::OutOfMemory, label);
             commands
                 .entity(entity)
                 .remove::<(ActiveLeanView, ViewLighting)>();

@@ -1,6 +1,7 @@
 //! Tells cameras in the main world what they are doing.
 
 use alloc::sync::Arc;
+use core::mem::{discriminant, replace};
 
 use bevy::{
     prelude::*,
@@ -14,29 +15,65 @@ use crate::view::{LeanDeferred, LeanOffReason, LeanStatus, warn_once::WarnOnce};
 
 const EFFECT: &str = "LeanDeferred";
 
-/// In the render world: what was decided for each camera in this frame.
+/// In the render world: what was decided for each camera. It stays from frame to frame, so that nothing is made of what is no news.
 #[derive(Resource, Default)]
 pub(super) struct LeanStatuses {
-    statuses: MainEntityHashMap<LeanStatus>,
+    statuses: MainEntityHashMap<Decided>,
     warnings: WarnOnce<LeanOffReason>,
+}
+
+struct Decided {
+    status: LeanStatus,
+    in_this_frame: bool,
 }
 
 impl LeanStatuses {
     pub(super) fn off(&mut self, camera: MainEntity, reason: LeanOffReason) {
         let warning = reason.is_of_camera().then(|| reason.clone());
         self.warnings.tell(EFFECT, camera, warning);
-        self.statuses.insert(camera, LeanStatus::Off(reason));
+        self.decide(camera, LeanStatus::Off(reason));
+    }
+
+    /// As [`off`](Self::off), for a reason of which cameras are not warned one by one.
+    pub(super) fn off_for(
+        &mut self,
+        camera: MainEntity,
+        reason: fn(String) -> LeanOffReason,
+        text: &str,
+    ) {
+        self.warnings.tell(EFFECT, camera, None);
+        if let Some(known) = self.statuses.get_mut(&camera)
+            && let LeanStatus::Off(known_reason) = &known.status
+            && known_reason.text() == Some(text)
+            && discriminant(known_reason) == discriminant(&reason(String::new()))
+        {
+            known.in_this_frame = true;
+            return;
+        }
+        self.decide(camera, LeanStatus::Off(reason(text.into())));
     }
 
     /// A camera that nothing speaks against; `failure` is the cause why a pipeline that it waits for does not compile.
     pub(super) fn on(&mut self, camera: MainEntity, is_active: bool, failure: Option<Arc<str>>) {
-        self.warnings.tell(EFFECT, camera, None);
-        let status = match (is_active, failure) {
-            (true, _) => LeanStatus::Lean,
-            (false, None) => LeanStatus::Compiling,
-            (false, Some(cause)) => LeanStatus::Off(LeanOffReason::Shader(cause.to_string())),
+        match (is_active, failure) {
+            (false, Some(cause)) => self.off_for(camera, LeanOffReason::Shader, &cause),
+            (is_active, _) => {
+                self.warnings.tell(EFFECT, camera, None);
+                let status = match is_active {
+                    true => LeanStatus::Lean,
+                    false => LeanStatus::Compiling,
+                };
+                self.decide(camera, status);
+            }
+        }
+    }
+
+    fn decide(&mut self, camera: MainEntity, status: LeanStatus) {
+        let decided = Decided {
+            status,
+            in_this_frame: true,
         };
-        self.statuses.insert(camera, status);
+        self.statuses.insert(camera, decided);
     }
 }
 
@@ -46,13 +83,21 @@ pub(super) fn report_statuses(
     mut statuses: ResMut<LeanStatuses>,
     cameras: Query<&MainEntity, With<LeanDeferred>>,
 ) {
+    statuses
+        .statuses
+        .retain(|_, decided| replace(&mut decided.in_this_frame, false));
     for camera in &cameras {
-        let status = statuses.statuses.remove(camera).unwrap_or_default();
-        if let Some(mut reported) = main_world.get_mut::<LeanStatus>(camera.id()) {
-            reported.set_if_neq(status);
+        let Some(mut reported) = main_world.get_mut::<LeanStatus>(camera.id()) else {
+            continue;
+        };
+        match statuses.statuses.get(camera) {
+            Some(decided) if decided.status == *reported => {}
+            Some(decided) => *reported = decided.status.clone(),
+            None => {
+                reported.set_if_neq(LeanStatus::default());
+            }
         }
     }
-    statuses.statuses.clear();
     statuses.warnings.keep_only(cameras.iter());
 }
 
@@ -62,4 +107,33 @@ pub(super) fn remove_status(removed: On<Remove, LeanDeferred>, mut commands: Com
         .queue_silenced(|mut camera: EntityWorldMut| {
             camera.remove::<LeanStatus>();
         });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reason_that_is_no_news_is_not_copied() {
+        let mut statuses = LeanStatuses::default();
+        let camera = MainEntity::from(Entity::from_raw_u32(1).unwrap());
+        let mut text = |reason: fn(String) -> LeanOffReason, text: &str| {
+            statuses.off_for(camera, reason, text);
+            let decided = &statuses.statuses[&camera];
+            assert!(decided.in_this_frame);
+            let LeanStatus::Off(reason) = &decided.status else {
+                panic!("{:?}", decided.status);
+            };
+            let text = reason.text().expect("it has one");
+            (text.as_ptr(), decided.status.clone())
+        };
+        let (first, _) = text(LeanOffReason::Device, "compute shaders");
+        let (second, status) = text(LeanOffReason::Device, "compute shaders");
+        assert_eq!(first, second);
+        let device = LeanOffReason::Device("compute shaders".into());
+        assert_eq!(status, LeanStatus::Off(device));
+        let (_, status) = text(LeanOffReason::Shader, "compute shaders");
+        let shader = LeanOffReason::Shader("compute shaders".into());
+        assert_eq!(status, LeanStatus::Off(shader));
+    }
 }

@@ -3,6 +3,7 @@
 //! Bevy asks the `RenderLayers` of a light which cameras see its light, and which meshes throw its shadows, but not which
 //! meshes it lights. Here it lights those that share a layer with it.
 
+use core::mem::replace;
 use std::collections::BTreeMap;
 
 use bevy::{
@@ -16,7 +17,7 @@ use bevy::{
     },
 };
 
-use crate::shader_library::layout::visibility_mask;
+use crate::{shader_library::layout::visibility_mask, view::LeanDeferred};
 
 /// The mask of what affects all meshes.
 pub(super) const ALL: u32 = !0;
@@ -153,14 +154,23 @@ impl FormerLights<'_, '_> {
     }
 }
 
-/// Follows what has changed.
+/// Follows what has changed; while no camera is to be lean, it does not.
 pub(super) fn extract_light_layers(
     mut light_layers: ResMut<LightLayers>,
+    lean_cameras: Extract<Query<(), With<LeanDeferred>>>,
     changed: Extract<LightQuery<ChangedLight>>,
     all: Extract<LightQuery<()>>,
     mut former: Extract<FormerLights>,
     mut former_lights: Local<Vec<Entity>>,
+    mut is_following: Local<bool>,
 ) {
+    let was_following = replace(&mut *is_following, !lean_cameras.is_empty());
+    if !*is_following {
+        if was_following {
+            *light_layers = default();
+        }
+        return;
+    }
     former_lights.clear();
     former_lights.extend(former.read());
     for light in &*former_lights {
@@ -170,8 +180,10 @@ pub(super) fn extract_light_layers(
     let remaining = former_lights
         .iter()
         .filter_map(|light| all.get(*light).ok());
-    for (entity, render_entity, layers, (point, spot, directional), is_decal) in
-        changed.iter().chain(remaining)
+    let not_followed = (!was_following).then(|| all.iter());
+    for (entity, render_entity, layers, (point, spot, directional), is_decal) in (changed.iter())
+        .chain(remaining)
+        .chain(not_followed.into_iter().flatten())
     {
         light_layers.insert(
             entity.into(),

@@ -135,6 +135,14 @@ impl LeanOffReason {
         }
     }
 
+    /// The text that says more of it.
+    pub(crate) fn text(&self) -> Option<&str> {
+        match self {
+            Self::Device(text) | Self::Shader(text) | Self::OutOfMemory(text) => Some(text),
+            _ => None,
+        }
+    }
+
     /// Whether cameras are warned of it one by one. Of the others there is a message elsewhere.
     pub(crate) fn is_of_camera(&self) -> bool {
         !matches!(

@@ -287,3 +287,56 @@ fn layers_change_while_things_are_disabled() {
         assert_eq!(difference.largest, 0);
     });
 }
+
+/// While no camera is lean nothing is followed: what changed meanwhile is known once one is.
+fn assert_known_later(name: &str, extra: Extra, changes: [Change; 2]) {
+    let picture = |is_lean_meanwhile: bool| {
+        let mut headless = build(SIZE, |s| {
+            scene(s);
+            extra(s);
+        });
+        for change in changes {
+            set_lean(&mut headless, is_lean_meanwhile);
+            headless.settle();
+            headless.world().insert_resource(Next(Some(change)));
+            headless.frames(BEFORE);
+            set_lean(&mut headless, true);
+            headless.settle();
+            headless.frames(BEFORE);
+        }
+        assert_eq!(active_lean_views(&mut headless), 1);
+        headless.capture()
+    };
+    let [followed, found] = [true, false].map(picture);
+    let difference = pixel_difference(&followed, &found);
+    println!("{name}: {difference}");
+    assert_eq!(difference.largest, 0, "{name}: {difference}");
+    let before = at_rest(extra, AS_IT_IS);
+    let is_changed = pixel_difference(&before, &found).psnr < 38.0;
+    assert_eq!(is_changed, !name.ends_with("back"), "{name}");
+    log_watch::assert_validation_layer_silent();
+}
+
+#[test]
+fn what_changes_while_no_camera_is_lean() {
+    in_own_process(|| {
+        const NO_SHADOWS: Change = |mesh, _| {
+            mesh.insert(NotShadowReceiver);
+        };
+        const SHADOWS: Change = |mesh, _| {
+            mesh.remove::<NotShadowReceiver>();
+        };
+        const LIT: Change = |mesh, _| {
+            mesh.insert(RenderLayers::from_layers(&[0, 1]));
+        };
+        const UNLIT: Change = |mesh, _| {
+            mesh.remove::<RenderLayers>();
+        };
+        assert_known_later("receiver", NOTHING, [AS_IT_IS, NO_SHADOWS]);
+        assert_known_later("receiver and back", NOTHING, [NO_SHADOWS, SHADOWS]);
+        assert_known_later("lightmap", NOTHING, [AS_IT_IS, LIGHTMAPPED]);
+        assert_known_later("lightmap and back", NOTHING, [LIGHTMAPPED, NOT_LIGHTMAPPED]);
+        assert_known_later("layers", layered_lamp, [AS_IT_IS, LIT]);
+        assert_known_later("layers and back", layered_lamp, [LIT, UNLIT]);
+    });
+}
