@@ -12,6 +12,7 @@ pub mod example;
 pub mod exposure_gpu;
 pub mod exposure_reference;
 pub mod figures;
+pub mod foreign_material;
 pub mod gpu;
 pub mod gpu_time;
 pub mod hdr;

@@ -25,8 +25,11 @@ use bevy::{
 };
 
 use super::{
-    layout::DEFAULT_VISIBILITY_MASK, material::GBufferMaterials, moving::MovingMeshes,
-    special::SpecialMeshes, targets::GBufferNeeds,
+    layout::DEFAULT_VISIBILITY_MASK,
+    moving::MovingMeshes,
+    registration::{GBufferMaterials, MaterialShaders},
+    special::SpecialMeshes,
+    targets::GBufferNeeds,
 };
 use crate::view::{Demand, GBufferTargets, LightingVariant, ShadingModel};
 
@@ -54,9 +57,8 @@ pub(super) struct MeshKind<'a> {
     pub(super) mesh: &'a RenderMesh,
     mesh_id: AssetId<Mesh>,
     pub(super) slabs: MeshSlabs,
-    /// What their material needs, and the fragment shader to draw them into the G-buffer with; `None` if forward must
-    /// draw them.
-    needs: Option<(GBufferNeeds, &'a Handle<Shader>)>,
+    /// What their material needs, and the shaders to draw them into the G-buffer with; `None` if forward must draw them.
+    needs: Option<(GBufferNeeds, &'a MaterialShaders)>,
     /// Whether their vertices may move within them.
     deforms: bool,
 }
@@ -161,14 +163,14 @@ impl MeshLookup<'_> {
         is_morphed && !flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH)
     }
 
-    /// What it may need, and the fragment shader to draw it into the G-buffer with, or `None` if forward must draw it.
+    /// What it may need, and the shaders to draw it into the G-buffer with, or `None` if forward must draw it.
     pub(super) fn gbuffer_needs<'a>(
         &self,
         entity: MainEntity,
         mesh: &MeshToQueue<'a>,
         view_key: MeshPipelineKey,
-    ) -> Option<(Demand, &'a Handle<Shader>)> {
-        let (needs, shader) = mesh.needs?;
+    ) -> Option<(Demand, &'a MaterialShaders)> {
+        let (needs, shaders) = mesh.needs?;
         let lightmapped = self.special_meshes.lightmap_key(entity).is_some();
         // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward draws nothing
         // there either; but lighting that is never compiled would keep all other special surfaces waiting.
@@ -189,6 +191,6 @@ impl MeshLookup<'_> {
             targets,
             variants: LightingVariant::new(needs.shading_model, lightmapped).as_set(),
         };
-        Some((demand, shader))
+        Some((demand, shaders))
     }
 }

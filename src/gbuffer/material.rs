@@ -1,19 +1,14 @@
 //! Which materials the G-buffer carries, and with which fragment shader.
 
-use core::{any::TypeId, marker::PhantomData};
-
 use bevy::{
-    asset::{AssetId, AssetServer, UntypedAssetId, load_embedded_asset},
     material::OpaqueRendererMethod,
-    pbr::{ExtendedMaterial, Material, MaterialExtension, MaterialPlugin, StandardMaterial},
-    platform::collections::HashMap,
+    pbr::{ExtendedMaterial, Material, MaterialExtension, StandardMaterial},
     prelude::*,
     reflect::structs::Struct,
-    render::{Extract, ExtractSchedule, RenderApp, RenderStartup},
     shader::{ShaderDefVal, ShaderRef},
 };
 
-use super::{GBufferPlugin, layout::specialization::LARGEST_REFLECTANCE, targets::GBufferNeeds};
+use super::{layout::specialization::LARGEST_REFLECTANCE, targets::GBufferNeeds};
 use crate::{
     shading_models::unlit::LARGEST_UNLIT,
     view::{GBufferTargets, ShadingModel},
@@ -21,8 +16,9 @@ use crate::{
 
 /// A [`Material`] that can be drawn into the packed G-buffer.
 ///
-/// Implement it for your own material, add [`GBufferMaterialPlugin`] for it, and its meshes go through the G-buffer of
-/// every [`LeanDeferred`](crate::LeanDeferred) camera; without, Bevy's forward pass draws them there.
+/// Implement it for your own material, add [`GBufferMaterialPlugin`](super::GBufferMaterialPlugin) for it, and its meshes go through the
+/// G-buffer of every [`LeanDeferred`](crate::LeanDeferred) camera; without, Bevy's forward pass draws them there. For a material of another
+/// crate, for which it cannot be implemented, [`GBufferMaterialPlugin::new`](super::GBufferMaterialPlugin::new) takes the same by value.
 ///
 /// ```no_run
 /// use bevy::{prelude::*, reflect::TypePath, render::render_resource::AsBindGroup, shader::ShaderRef};
@@ -319,104 +315,5 @@ impl<E: GBufferMaterialExtension> GBufferMaterial for ExtendedMaterial<StandardM
 
     fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
         self.extension.gbuffer_needs(self.base.gbuffer_needs()?)
-    }
-}
-
-/// Lets meshes with material `M` into the G-buffer. Add it beside `M`'s [`MaterialPlugin`], in any order.
-pub struct GBufferMaterialPlugin<M: GBufferMaterial>(PhantomData<fn() -> M>);
-
-impl<M: GBufferMaterial> Default for GBufferMaterialPlugin<M> {
-    fn default() -> Self {
-        Self(PhantomData)
-    }
-}
-
-impl<M: GBufferMaterial> Plugin for GBufferMaterialPlugin<M>
-where
-    MaterialPlugin<M>: Plugin,
-{
-    fn build(&self, _: &mut App) {}
-
-    /// Here, so that it does not matter in which order the plugins are added.
-    fn finish(&self, app: &mut App) {
-        let has_material = app.is_plugin_added::<MaterialPlugin<M>>();
-        let has_gbuffer = app.is_plugin_added::<GBufferPlugin>();
-        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-            return;
-        };
-        if !has_material || !has_gbuffer {
-            let missing = if has_material {
-                "LeanDeferredPlugin"
-            } else {
-                "MaterialPlugin for it"
-            };
-            error!(
-                "GBufferMaterialPlugin<{}> is off, forward draws that material: the app has no {missing}.",
-                M::short_type_path()
-            );
-            return;
-        }
-        render_app
-            .init_resource::<GBufferMaterials>()
-            .add_systems(RenderStartup, load_fragment_shader::<M>)
-            .add_systems(ExtractSchedule, extract_material_needs::<M>);
-    }
-}
-
-/// In the render world: what the G-buffer carries.
-#[derive(Resource, Default)]
-pub(crate) struct GBufferMaterials {
-    fragment_shaders: HashMap<TypeId, Handle<Shader>>,
-    needs: HashMap<UntypedAssetId, GBufferNeeds>,
-}
-
-impl GBufferMaterials {
-    /// What `material` needs, and the fragment shader to draw it into the G-buffer with; `None` if forward must draw
-    /// it.
-    pub(crate) fn get(&self, material: UntypedAssetId) -> Option<(GBufferNeeds, &Handle<Shader>)> {
-        let needs = self.needs.get(&material)?;
-        let shader = self.fragment_shaders.get(&material.type_id())?;
-        Some((*needs, shader))
-    }
-}
-
-fn load_fragment_shader<M: GBufferMaterial>(
-    asset_server: Res<AssetServer>,
-    mut materials: ResMut<GBufferMaterials>,
-) {
-    let shader = match M::gbuffer_fragment_shader() {
-        ShaderRef::Default => load_embedded_asset!(asset_server.as_ref(), "gbuffer.wgsl"),
-        ShaderRef::Handle(handle) => handle,
-        ShaderRef::Path(path) => asset_server.load(path),
-    };
-    materials.fragment_shaders.insert(TypeId::of::<M>(), shader);
-}
-
-/// Follows the assets of type `M`. Bevy marks the meshes of a changed material as dirty, so they are queued anew, with
-/// what is recorded here, in the same frame.
-fn extract_material_needs<M: GBufferMaterial>(
-    mut events: Extract<MessageReader<AssetEvent<M>>>,
-    assets: Extract<Res<Assets<M>>>,
-    mut materials: ResMut<GBufferMaterials>,
-) {
-    for event in events.read() {
-        let (AssetEvent::Added { id }
-        | AssetEvent::Modified { id }
-        | AssetEvent::Removed { id }
-        | AssetEvent::Unused { id }
-        | AssetEvent::LoadedWithDependencies { id }) = event;
-        update_needs(*id, assets.get(*id), &mut materials);
-    }
-}
-
-fn update_needs<M: GBufferMaterial>(
-    id: AssetId<M>,
-    material: Option<&M>,
-    materials: &mut GBufferMaterials,
-) {
-    if let Some(needs) = material.and_then(M::gbuffer_needs) {
-        materials.needs.insert(id.untyped(), needs);
-    } else {
-        materials.needs.remove(&id.untyped());
     }
 }

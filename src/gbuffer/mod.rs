@@ -17,7 +17,7 @@
 //! All opaque and alpha-masked ones whose material has a place in it. For each material
 //! [`GBufferMaterial::gbuffer_needs`] decides: [`GBufferNeeds`], or `None`. Bevy's forward pass draws the others on the same camera, against
 //! the same depth. `StandardMaterial` is registered; for your own materials implement [`GBufferMaterial`] (or
-//! [`GBufferMaterialExtension`]) and add [`GBufferMaterialPlugin`].
+//! [`GBufferMaterialExtension`]) and add [`GBufferMaterialPlugin`]; for those of other crates add [`GBufferMaterialPlugin::new`].
 //!
 //! # Order
 //!
@@ -26,6 +26,7 @@
 
 // - `targets.rs`: the optional targets.
 // - `material.rs`: which materials and meshes it carries, and what they need. `custom_material.wgsl`: the shader of its example.
+// - `registration.rs`: the plugin that registers them.
 // - `special.rs`, `moving.rs`: which meshes need more than their material says. `extracted.rs`: which have changed.
 // - `demand.rs`: what all visible meshes of a view need together.
 // - `lookup.rs`: what a mesh needs.
@@ -54,6 +55,7 @@ mod phase_item;
 mod pipeline;
 mod placement;
 mod queue;
+mod registration;
 mod resolve_motion;
 mod special;
 mod specialize;
@@ -64,11 +66,12 @@ mod visibility_masks;
 
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 pub(crate) use demand::ViewDemands;
-pub use material::{GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin};
+pub use material::{GBufferMaterial, GBufferMaterialExtension};
 use phase_item::{
     AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferBatchSetKey,
     OpaqueGBuffer,
 };
+pub use registration::GBufferMaterialPlugin;
 pub(crate) use resolve_motion::MotionResolvePipelines;
 use resolve_motion::ViewMotionResolve;
 pub use targets::GBufferNeeds;

@@ -15,7 +15,7 @@ use bevy::{
 
 use super::{
     binding_numbers::pack::VISIBILITY_MASK_GROUP, material::material_texture_defs,
-    visibility_masks::visibility_mask_layout,
+    registration::VertexStage, visibility_masks::visibility_mask_layout,
 };
 use crate::view::GBufferTargets;
 
@@ -25,6 +25,8 @@ pub(super) struct GBufferPipelineSpecializer {
     pub(super) pipeline: Arc<PrepassPipeline>,
     pub(super) properties: Arc<MaterialProperties>,
     pub(super) fragment_shader: Handle<Shader>,
+    /// In the place of the material's; it follows from the material's type.
+    pub(super) vertex: Option<Arc<VertexStage<Handle<Shader>>>>,
 }
 
 /// The key of [`GBufferPipelineSpecializer`]: the material's, the shader, because pipelines of different material
@@ -61,6 +63,14 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         };
         let mut descriptor = prepass.specialize(key, layout)?;
         descriptor.label = Some("lean_deferred/gbuffer".into());
+        if let Some(vertex) = &self.vertex {
+            descriptor.vertex.shader = vertex.shader.clone();
+            descriptor.vertex.entry_point = None;
+            let more = layout.0.get_layout(&vertex.attributes)?.attributes;
+            if let Some(buffer) = descriptor.vertex.buffers.first_mut() {
+                buffer.attributes.extend(more);
+            }
+        }
         if output.targets.contains(GBufferTargets::VISIBILITY_MASK) {
             descriptor.layout[VISIBILITY_MASK_GROUP] = visibility_mask_layout();
         }

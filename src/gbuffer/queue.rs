@@ -315,18 +315,18 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             RenderPhaseType::AlphaMask
         );
         let needs = lookup.gbuffer_needs(entity, &mesh, self.view_key);
-        let needs = needs.map(|(demand, shader)| {
+        let needs = needs.map(|(demand, shaders)| {
             let demand = MeshDemand {
                 demand,
                 is_alpha_masked: alpha_masked,
             };
-            (demand, shader)
+            (demand, shaders)
         });
         match &needs {
             Some((demand, _)) => self.demand.insert(entity, *demand),
             None => self.demand.remove(entity),
         }
-        let (Some((demand, shader)), Some(active)) = (needs, self.active) else {
+        let (Some((demand, shaders)), Some(active)) = (needs, self.active) else {
             self.leave_to_forward(entity, &mesh, holder);
             return;
         };
@@ -338,7 +338,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
         let pipeline = if placement.is_met {
             self.pipelines
-                .get(lookup, entity, &mesh, self.view_key, shader, output)
+                .get(lookup, entity, &mesh, self.view_key, shaders, output)
         } else {
             GBufferPipeline::Pending
         };

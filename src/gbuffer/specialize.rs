@@ -20,6 +20,7 @@ use bevy::{
 use super::{
     lookup::{MeshLookup, MeshToQueue, RECENT_KINDS},
     pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
+    registration::MaterialShaders,
 };
 use crate::view::GBufferTargets;
 
@@ -81,14 +82,14 @@ impl GBufferPipelines<'_, '_> {
         entity: MainEntity,
         mesh: &MeshToQueue,
         view_key: MeshPipelineKey,
-        fragment_shader: &Handle<Shader>,
+        shaders: &MaterialShaders,
         output: MeshOutput,
     ) -> GBufferPipeline {
         let query = PipelineQuery {
             material: Arc::as_ptr(&mesh.material.properties).addr(),
             layout: Arc::as_ptr(&mesh.mesh.layout.0).addr(),
             mesh_key: mesh_key(lookup, entity, mesh, view_key, output),
-            fragment_shader: fragment_shader.id(),
+            fragment_shader: shaders.fragment.id(),
             output,
         };
         if self.recent.is_empty() {
@@ -101,7 +102,7 @@ impl GBufferPipelines<'_, '_> {
         let pipeline = match self.found.get(&query) {
             Some(found) => *found,
             None => {
-                let pipeline = self.specialize(mesh, fragment_shader, &query);
+                let pipeline = self.specialize(mesh, shaders, &query);
                 self.found.insert(query, pipeline);
                 pipeline
             }
@@ -113,7 +114,7 @@ impl GBufferPipelines<'_, '_> {
     fn specialize(
         &mut self,
         mesh: &MeshToQueue,
-        fragment_shader: &Handle<Shader>,
+        shaders: &MaterialShaders,
         query: &PipelineQuery,
     ) -> GBufferPipeline {
         let Some(pipeline) = self.shared_prepass_pipeline.clone() else {
@@ -128,7 +129,8 @@ impl GBufferPipelines<'_, '_> {
         let specializer = GBufferPipelineSpecializer {
             pipeline,
             properties: properties.clone(),
-            fragment_shader: fragment_shader.clone(),
+            fragment_shader: shaders.fragment.clone(),
+            vertex: shaders.vertex.clone(),
         };
         match self.specialized.specialize(
             &self.cache,

@@ -13,8 +13,13 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    headless::Headless, lean::active_lean_views, log_watch, metrics::difference,
-    own_process::in_own_process, scenes::SceneBuilder,
+    foreign_material::{Palette, VoxelMaterial, VoxelPlugin, row_attribute, voxel_mesh},
+    headless::Headless,
+    lean::active_lean_views,
+    log_watch,
+    metrics::difference,
+    own_process::in_own_process,
+    scenes::SceneBuilder,
 };
 
 const FORWARD: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e01");
@@ -315,5 +320,135 @@ fn a_shader_that_imports_what_is_not_there() {
             },
             "nothing provides the shader nobody::provides",
         )
+    });
+}
+
+const VOXEL_GBUFFER: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e46");
+
+/// What the crate of the material lacks.
+const VOXEL_GBUFFER_SOURCE: &str = r"
+#import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, pack_pbr_input}
+#import bevy_pbr::{
+    mesh_functions,
+    pbr_fragment::pbr_input_from_standard_material,
+    prepass_io::VertexOutput,
+    view_transformations::position_world_to_clip,
+}
+
+@group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> palette: array<vec4<f32>, 4>;
+
+struct Vertex {
+    @builtin(instance_index) instance_index: u32,
+    @location(0) position: vec3<f32>,
+    @location(3) normal: vec3<f32>,
+    @location(8) row: u32,
+}
+
+struct Voxel {
+    @builtin(position) position: vec4<f32>,
+    @location(2) world_normal: vec3<f32>,
+    @location(4) world_position: vec4<f32>,
+    @location(7) @interpolate(flat) instance_index: u32,
+    @location(10) @interpolate(flat) row: u32,
+}
+
+@vertex
+fn vertex(vertex: Vertex) -> Voxel {
+    let world_from_local = mesh_functions::get_world_from_local(vertex.instance_index);
+    var out: Voxel;
+    out.world_position = mesh_functions::mesh_position_local_to_world(
+        world_from_local,
+        vec4(vertex.position, 1.0),
+    );
+    out.world_normal = mesh_functions::mesh_normal_local_to_world(vertex.normal, vertex.instance_index);
+    out.position = position_world_to_clip(out.world_position.xyz);
+    out.instance_index = vertex.instance_index;
+    out.row = vertex.row;
+    return out;
+}
+
+@fragment
+fn fragment(voxel: Voxel, @builtin(front_facing) is_front: bool) -> GBufferOutput {
+    var in: VertexOutput;
+    in.position = voxel.position;
+    in.world_position = voxel.world_position;
+    in.world_normal = voxel.world_normal;
+    in.instance_index = voxel.instance_index;
+    var pbr = pbr_input_from_standard_material(in, is_front);
+    pbr.material.base_color *= palette[voxel.row];
+    return pack_pbr_input(pbr, in);
+}
+";
+
+/// A cube of a material for which `GBufferMaterial` cannot be implemented here.
+fn voxels(plugins: impl FnOnce(&mut App)) -> (Headless, Entity) {
+    let mut headless = Headless::with(UVec2::new(160, 120), |app| {
+        app.add_plugins(VoxelPlugin);
+        plugins(app);
+    });
+    let source = VOXEL_GBUFFER_SOURCE.into();
+    insert_shader(&mut headless, VOXEL_GBUFFER, source, "voxels_gbuffer.wgsl");
+    let mut scene = SceneBuilder {
+        headless: &mut headless,
+    };
+    scene.floor();
+    scene.sun(true);
+    let palette = [
+        [0.8, 0.3, 0.2],
+        [0.3, 0.7, 0.2],
+        [0.2, 0.3, 0.8],
+        [0.8, 0.7, 0.2],
+    ];
+    let material = scene.add::<VoxelMaterial>(VoxelMaterial {
+        base: StandardMaterial::default(),
+        extension: Palette {
+            rows: palette.map(|color| Vec3::from(color).extend(1.0)),
+        },
+    });
+    let mesh = scene.add::<Mesh>(voxel_mesh());
+    let place = Transform::from_xyz(0.0, 1.0, 0.0).with_rotation(Quat::from_rotation_y(0.6));
+    scene.spawn((Mesh3d(mesh), MeshMaterial3d(material), place));
+    let camera = scene.default_camera(());
+    (headless, camera)
+}
+
+fn register_voxels(app: &mut App) {
+    app.add_plugins(
+        GBufferMaterialPlugin::<VoxelMaterial>::new(VOXEL_GBUFFER, |material: &VoxelMaterial| {
+            material.base.gbuffer_needs()
+        })
+        .with_vertex_shader(VOXEL_GBUFFER, [row_attribute()]),
+    );
+}
+
+#[test]
+fn a_material_of_another_crate_goes_through_the_gbuffer() {
+    in_own_process(|| {
+        for (is_registered, register) in
+            [(false, (|_| {}) as fn(&mut App)), (true, register_voxels)]
+        {
+            let (mut headless, camera) = voxels(register);
+            let psnr = psnr(&mut headless, camera);
+            assert!(psnr >= 45.0, "{psnr} dB");
+            assert_eq!(is_in_gbuffer(&mut headless, camera), is_registered);
+        }
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// The function from the material to its needs is asked anew when the material changes.
+#[test]
+fn needs_of_a_material_of_another_crate_follow_it() {
+    in_own_process(|| {
+        let (mut headless, camera) = voxels(register_voxels);
+        psnr(&mut headless, camera);
+        for depth_bias in [1.0, 0.0] {
+            let mut materials = headless.world().resource_mut::<Assets<VoxelMaterial>>();
+            for (_, material) in materials.iter_mut() {
+                material.base.depth_bias = depth_bias;
+            }
+            headless.settle();
+            assert_eq!(is_in_gbuffer(&mut headless, camera), depth_bias == 0.0);
+        }
     });
 }

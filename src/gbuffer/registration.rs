@@ -1,0 +1,219 @@
+//! The plugin that lets a material into the G-buffer, and what is known of all such materials.
+
+use core::any::TypeId;
+
+use alloc::sync::Arc;
+
+use bevy::{
+    asset::{AssetServer, UntypedAssetId, load_embedded_asset},
+    mesh::VertexAttributeDescriptor,
+    pbr::{Material, MaterialPlugin},
+    platform::collections::HashMap,
+    prelude::*,
+    render::{Extract, ExtractSchedule, RenderApp, RenderStartup},
+    shader::ShaderRef,
+};
+
+use super::{GBufferPlugin, material::GBufferMaterial, targets::GBufferNeeds};
+
+/// Lets meshes with material `M` into the G-buffer. Add it beside `M`'s [`MaterialPlugin`], in any order.
+///
+/// [`default`](Self::default) registers a [`GBufferMaterial`]; [`new`](Self::new) a material of another crate.
+pub struct GBufferMaterialPlugin<M: Material> {
+    shaders: Arc<ShaderRefs>,
+    needs: Arc<Needs<M>>,
+}
+
+type Needs<M> = dyn Fn(&M) -> Option<GBufferNeeds> + Send + Sync;
+
+struct ShaderRefs {
+    fragment: ShaderRef,
+    vertex: Option<VertexStage<ShaderRef>>,
+}
+
+/// A vertex shader, and the attributes that it reads beside those of Bevy's prepass.
+pub(super) struct VertexStage<S> {
+    pub(super) shader: S,
+    pub(super) attributes: Arc<[VertexAttributeDescriptor]>,
+}
+
+impl<M: GBufferMaterial> Default for GBufferMaterialPlugin<M> {
+    fn default() -> Self {
+        Self::new(M::gbuffer_fragment_shader(), M::gbuffer_needs)
+    }
+}
+
+impl<M: Material> GBufferMaterialPlugin<M> {
+    /// For any material: the fragment shader that packs it, and what each asset of it needs; `None` leaves meshes with it to Bevy's forward
+    /// pass. [`GBufferMaterial`] says more of both.
+    ///
+    /// ```
+    /// use bevy::{pbr::ExtendedMaterial, prelude::*};
+    /// use bevy_lean_deferred::prelude::*;
+    /// # mod terrain {
+    /// #     use bevy::{pbr::MaterialExtension, prelude::*, reflect::TypePath, render::render_resource::AsBindGroup};
+    /// #     #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
+    /// #     pub struct Moss {}
+    /// #     impl MaterialExtension for Moss {}
+    /// # }
+    ///
+    /// type Mossy = ExtendedMaterial<StandardMaterial, terrain::Moss>;
+    ///
+    /// fn add_plugins(app: &mut App) {
+    ///     app.add_plugins(GBufferMaterialPlugin::<Mossy>::new(
+    ///         "shaders/mossy_gbuffer.wgsl",
+    ///         |material| material.base.gbuffer_needs(),
+    ///     ));
+    /// }
+    /// ```
+    pub fn new(
+        fragment_shader: impl Into<ShaderRef>,
+        needs: impl Fn(&M) -> Option<GBufferNeeds> + Send + Sync + 'static,
+    ) -> Self {
+        let shaders = ShaderRefs {
+            fragment: fragment_shader.into(),
+            vertex: None,
+        };
+        Self {
+            shaders: Arc::new(shaders),
+            needs: Arc::new(needs),
+        }
+    }
+
+    /// With a vertex shader in the place of [`Material::deferred_vertex_shader`], and the `attributes` that it reads beside those of Bevy's
+    /// prepass (`bevy_pbr::prepass_io::Vertex`), which has locations 0 to 7. For materials whose crate has no shader for a prepass.
+    ///
+    /// Its definition `PREPASS_PIPELINE` is that of the prepass. Its outputs are those of `bevy_pbr::prepass_io::VertexOutput`, and more, from
+    /// location 10 on.
+    pub fn with_vertex_shader(
+        self,
+        shader: impl Into<ShaderRef>,
+        attributes: impl IntoIterator<Item = VertexAttributeDescriptor>,
+    ) -> Self {
+        let fragment = match &self.shaders.fragment {
+            ShaderRef::Default => ShaderRef::Default,
+            ShaderRef::Handle(handle) => ShaderRef::Handle(handle.clone()),
+            ShaderRef::Path(path) => ShaderRef::Path(path.clone()),
+        };
+        let shaders = ShaderRefs {
+            fragment,
+            vertex: Some(VertexStage {
+                shader: shader.into(),
+                attributes: attributes.into_iter().collect(),
+            }),
+        };
+        Self {
+            shaders: Arc::new(shaders),
+            ..self
+        }
+    }
+}
+
+impl<M: Material> Plugin for GBufferMaterialPlugin<M>
+where
+    MaterialPlugin<M>: Plugin,
+{
+    fn build(&self, _: &mut App) {}
+
+    /// Here, so that it does not matter in which order the plugins are added.
+    fn finish(&self, app: &mut App) {
+        let has_material = app.is_plugin_added::<MaterialPlugin<M>>();
+        let has_gbuffer = app.is_plugin_added::<GBufferPlugin>();
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        if !has_material || !has_gbuffer {
+            let missing = if has_material {
+                "LeanDeferredPlugin"
+            } else {
+                "MaterialPlugin for it"
+            };
+            error!(
+                "GBufferMaterialPlugin<{}> is off, forward draws that material: the app has no {missing}.",
+                M::short_type_path()
+            );
+            return;
+        }
+        let (shaders, needs) = (self.shaders.clone(), self.needs.clone());
+        let load_shaders =
+            move |asset_server: Res<AssetServer>, mut materials: ResMut<GBufferMaterials>| {
+                let shaders = MaterialShaders::load(&shaders, &asset_server);
+                materials.shaders.insert(TypeId::of::<M>(), shaders);
+            };
+        let extract_needs = move |events: Extract<MessageReader<AssetEvent<M>>>,
+                                  assets: Extract<Res<Assets<M>>>,
+                                  materials: ResMut<GBufferMaterials>| {
+            extract_material_needs(&*needs, events, assets, materials);
+        };
+        render_app
+            .init_resource::<GBufferMaterials>()
+            .add_systems(RenderStartup, load_shaders)
+            .add_systems(ExtractSchedule, extract_needs);
+    }
+}
+
+/// In the render world: what the G-buffer carries.
+#[derive(Resource, Default)]
+pub(crate) struct GBufferMaterials {
+    shaders: HashMap<TypeId, MaterialShaders>,
+    needs: HashMap<UntypedAssetId, GBufferNeeds>,
+}
+
+/// With what a type of material is drawn into the G-buffer.
+pub(crate) struct MaterialShaders {
+    pub(super) fragment: Handle<Shader>,
+    /// In the place of the material's own.
+    pub(super) vertex: Option<Arc<VertexStage<Handle<Shader>>>>,
+}
+
+impl MaterialShaders {
+    fn load(refs: &ShaderRefs, asset_server: &AssetServer) -> Self {
+        let load = |shader: &ShaderRef| match shader {
+            ShaderRef::Default => None,
+            ShaderRef::Handle(handle) => Some(handle.clone()),
+            ShaderRef::Path(path) => Some(asset_server.load(path.clone())),
+        };
+        let vertex = refs.vertex.as_ref().and_then(|vertex| {
+            Some(Arc::new(VertexStage {
+                shader: load(&vertex.shader)?,
+                attributes: vertex.attributes.clone(),
+            }))
+        });
+        Self {
+            fragment: load(&refs.fragment)
+                .unwrap_or_else(|| load_embedded_asset!(asset_server, "gbuffer.wgsl")),
+            vertex,
+        }
+    }
+}
+
+impl GBufferMaterials {
+    /// What `material` needs, and the shaders to draw it into the G-buffer with; `None` if forward must draw it.
+    pub(crate) fn get(&self, material: UntypedAssetId) -> Option<(GBufferNeeds, &MaterialShaders)> {
+        let needs = self.needs.get(&material)?;
+        let shaders = self.shaders.get(&material.type_id())?;
+        Some((*needs, shaders))
+    }
+}
+
+/// Follows the assets of type `M`. Bevy marks the meshes of a changed material as dirty, so they are queued anew, with
+/// what is recorded here, in the same frame.
+fn extract_material_needs<M: Material>(
+    needs: &Needs<M>,
+    mut events: Extract<MessageReader<AssetEvent<M>>>,
+    assets: Extract<Res<Assets<M>>>,
+    mut materials: ResMut<GBufferMaterials>,
+) {
+    for event in events.read() {
+        let (AssetEvent::Added { id }
+        | AssetEvent::Modified { id }
+        | AssetEvent::Removed { id }
+        | AssetEvent::Unused { id }
+        | AssetEvent::LoadedWithDependencies { id }) = event;
+        if let Some(needs) = assets.get(*id).and_then(needs) {
+            materials.needs.insert(id.untyped(), needs);
+        } else {
+            materials.needs.remove(&id.untyped());
+        }
+    }
+}
