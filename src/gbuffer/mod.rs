@@ -184,7 +184,8 @@ impl Plugin for GBufferPlugin {
                         .chain()
                         .after(MeshExtractionSystems),
                     special::extract_lightmapped_meshes
-                        .in_set(DirtySpecializationSystems::CheckForChanges),
+                        .in_set(DirtySpecializationSystems::CheckForChanges)
+                        .after(MeshExtractionSystems),
                 ),
             )
             .add_systems(

@@ -81,10 +81,10 @@ impl<M: Material> GBufferMaterialPlugin<M> {
     }
 
     /// With a vertex shader in the place of [`Material::deferred_vertex_shader`], and the `attributes` that it reads beside those of Bevy's
-    /// prepass (`bevy_pbr::prepass_io::Vertex`), which has locations 0 to 7. For materials whose crate has no shader for a prepass.
+    /// prepass (`bevy_pbr::prepass_io::Vertex`, locations 0 to 7). For materials that have a vertex shader for Bevy's main pass alone.
     ///
-    /// Its definition `PREPASS_PIPELINE` is that of the prepass. Its outputs are those of `bevy_pbr::prepass_io::VertexOutput`, and more, from
-    /// location 10 on.
+    /// It has the definitions of the prepass, among them `PREPASS_PIPELINE`. It must write what `bevy_pbr::prepass_io::VertexOutput` has, at the
+    /// same locations; more begins at location 10.
     pub fn with_vertex_shader(
         self,
         shader: impl Into<ShaderRef>,

@@ -15,7 +15,10 @@ use bevy::{
     },
 };
 
-use super::layout::{DEFAULT_VISIBILITY_MASK, visibility_mask};
+use super::{
+    extracted::ExtractedMeshes,
+    layout::{DEFAULT_VISIBILITY_MASK, visibility_mask},
+};
 use crate::view::{GBufferTargets, LeanDeferred};
 
 /// In the render world: meshes whose components changed what they need of the G-buffer, since the last frame. Lean views
@@ -183,45 +186,43 @@ pub(super) fn forget_lightmapped_meshes(mut special: ResMut<SpecialMeshes>) {
     special.lightmapped.clear();
 }
 
-/// Keeps the same visible lightmapped meshes as Bevy's private `extract_lightmaps`, by its rules, because by that list Bevy picks
+/// Keeps the same lightmapped meshes as Bevy's private `extract_lightmaps`, by its rules, because by that list Bevy picks
 /// the bind group of a mesh: a pipeline made for another one is an error. Bevy does not look at pipelines again when that
-/// changes, so it is asked to. While no camera is to be lean, nothing is kept.
+/// changes, so it is asked to; without lean cameras too, because the error ends the app there as well.
 pub(super) fn extract_lightmapped_meshes(
     mut special: ResMut<SpecialMeshes>,
     mut dirty: ResMut<DirtySpecializations>,
-    lean_cameras: Extract<Query<(), With<LeanDeferred>>>,
-    all: Extract<Query<(Entity, &ViewVisibility, &Lightmap)>>,
-    lightmaps: Extract<
+    mut extracted: ExtractedMeshes,
+    lightmaps: Extract<Query<(&ViewVisibility, &Lightmap)>>,
+    changed: Extract<
         Query<
-            (Entity, &ViewVisibility, &Lightmap),
-            Or<(Changed<ViewVisibility>, Changed<Lightmap>)>,
+            Entity,
+            (
+                With<Lightmap>,
+                Or<(Changed<ViewVisibility>, Changed<Lightmap>)>,
+            ),
         >,
     >,
     mut removed: Extract<RemovedComponents<Lightmap>>,
-    mut is_following: Local<bool>,
 ) {
-    let was_following = replace(&mut *is_following, !lean_cameras.is_empty());
-    if !*is_following {
-        if was_following {
-            special.lightmapped.clear();
+    if !lightmaps.is_empty() {
+        let mut look_at = |mesh: MainEntity| {
+            if let Ok((visibility, lightmap)) = lightmaps.get(mesh.id())
+                && visibility.get()
+                && !special.lightmapped.contains_key(&mesh)
+            {
+                special.lightmapped.insert(mesh, lightmap.bicubic_sampling);
+                dirty.changed_renderables.insert(mesh);
+            }
+        };
+        match extracted.iter() {
+            Some(meshes) => meshes.for_each(look_at),
+            None => changed.iter().for_each(|mesh| look_at(mesh.into())),
         }
-        return;
-    }
-    let mut look_at = |(entity, visibility, lightmap): (Entity, &ViewVisibility, &Lightmap)| {
-        let mesh = MainEntity::from(entity);
-        if visibility.get() && !special.lightmapped.contains_key(&mesh) {
-            special.lightmapped.insert(mesh, lightmap.bicubic_sampling);
-            dirty.changed_renderables.insert(mesh);
-        }
-    };
-    if was_following {
-        lightmaps.iter().for_each(&mut look_at);
-    } else {
-        all.iter().for_each(&mut look_at);
     }
     for entity in removed.read() {
         let mesh = MainEntity::from(entity);
-        if !lightmaps.contains(entity) && special.lightmapped.remove(&mesh).is_some() {
+        if !changed.contains(entity) && special.lightmapped.remove(&mesh).is_some() {
             dirty.changed_renderables.insert(mesh);
         }
     }
