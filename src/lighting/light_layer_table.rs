@@ -20,7 +20,7 @@ use bevy::{
 use super::{
     ViewLighting,
     features::ViewEnvironmentMaps,
-    light_layers::{ALL, LightLayers},
+    light_layers::{ALL, LightKind, LightLayers},
 };
 use crate::view::ActiveLeanView;
 
@@ -106,14 +106,23 @@ impl PlacedLights<'_, '_> {
     /// Fills in what is the same for all views.
     fn fill_common(&self, table: &mut LightLayersTable) {
         table.clear();
-        for (entity, mask, is_decal) in self.layers.masks() {
-            if let Some(index) = self.clustered.entity_to_index.get(&entity) {
-                table.clustered_at(*index).x = mask;
-            }
-            // The textures of lights are in this list too.
-            let decals = self.decals.as_ref().filter(|_| is_decal);
-            if let Some(index) = decals.and_then(|decals| decals.get(entity)) {
-                table.clustered_at(index).y = mask;
+        for (entity, mask, kind) in self.layers.masks() {
+            // Bevy keeps the indices of lights and of decals, which are of two buffers, in one map; and the textures of
+            // lights in the list of decals.
+            match kind {
+                LightKind::Decal => {
+                    let decals = self.decals.as_ref();
+                    if let Some(index) = decals.and_then(|decals| decals.get(entity)) {
+                        table.clustered_at(index).y = mask;
+                    }
+                }
+                LightKind::Clustered => {
+                    if let Some(index) = self.clustered.entity_to_index.get(&entity) {
+                        table.clustered_at(*index).x = mask;
+                    }
+                }
+                // Looked up by their entities in the main world.
+                LightKind::Other => {}
             }
         }
         for (mask, (_, light, ..)) in table.rect_lights.iter_mut().zip(&self.rect_lights) {

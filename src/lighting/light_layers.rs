@@ -42,7 +42,17 @@ struct LayeredLight {
     mask: u32,
     /// Irradiance volumes have none.
     render_entity: Option<Entity>,
-    is_decal: bool,
+    kind: LightKind,
+}
+
+/// The list of Bevy's in which a light has an index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LightKind {
+    /// Point and spot lights.
+    Clustered,
+    /// An entity that is a light too is a decal to Bevy: of its two indices it keeps that of the decal.
+    Decal,
+    Other,
 }
 
 impl LightLayers {
@@ -59,10 +69,10 @@ impl LightLayers {
         self.by_light.get(light).map_or(ALL, |light| light.mask)
     }
 
-    /// The entity in the render world of each of them that has one, the mask, and whether it is a decal.
-    pub(super) fn masks(&self) -> impl Iterator<Item = (Entity, u32, bool)> {
+    /// The entity in the render world of each of them that has one, its mask and its kind.
+    pub(super) fn masks(&self) -> impl Iterator<Item = (Entity, u32, LightKind)> {
         let lights = self.by_light.values();
-        lights.filter_map(|light| Some((light.render_entity?, light.mask, light.is_decal)))
+        lights.filter_map(|light| Some((light.render_entity?, light.mask, light.kind)))
     }
 
     fn insert(&mut self, light: MainEntity, layered: LayeredLight) {
@@ -194,7 +204,11 @@ pub(super) fn extract_light_layers(
                 },
                 mask: visibility_mask(layers),
                 render_entity,
-                is_decal,
+                kind: match (is_decal, point || spot) {
+                    (true, _) => LightKind::Decal,
+                    (false, true) => LightKind::Clustered,
+                    (false, false) => LightKind::Other,
+                },
             },
         );
     }

@@ -219,6 +219,20 @@ fn decals(s: &mut Stage) {
     s.light(None, sun(Vec3::new(0.0, 2.0, 3.0), false));
 }
 
+/// Bevy numbers lights and decals each from 0: decals with layers have the numbers of lights without.
+fn all_kinds(s: &mut Stage) {
+    decals(s);
+    for x in [-3.0, -1.0, 1.0] {
+        s.light(None, point(x, false));
+    }
+    s.light(Some(&[2]), point(3.0, true));
+    s.light(None, spot(-1.0, true));
+    s.light(Some(&[1]), spot(2.0, false));
+    s.light(Some(&[40]), sun(Vec3::new(2.0, 3.0, 4.0), true));
+    s.light(Some(&[0, 1]), panel(-1.0, Color::srgb(1.0, 0.6, 0.3)));
+    s.light(None, panel(2.0, Color::srgb(0.3, 0.6, 1.0)));
+}
+
 fn picture(
     headless: &mut Headless,
     lights: Lights,
@@ -337,4 +351,5 @@ tests! {
     reflection_probe, WithBindless;
     irradiance_volume, Everywhere;
     decals, WithBindless;
+    all_kinds, Everywhere;
 }
