@@ -1,7 +1,8 @@
 //! The boxes scene with materials that write the optional targets.
 
 use bevy::{
-    camera::visibility::RenderLayers, core_pipeline::prepass::MotionVectorPrepass, prelude::*,
+    camera::visibility::RenderLayers, core_pipeline::prepass::MotionVectorPrepass,
+    light::ClusteredDecal, prelude::*,
 };
 
 /// What some of the boxes have.
@@ -22,6 +23,8 @@ pub enum Special {
     Motion,
     /// All boxes are on two layers, of which the sun has one.
     Layers,
+    /// Nothing, but there is a decal over one of the boxes.
+    Decal,
     /// All materials, motion and layers.
     Everything,
 }
@@ -40,7 +43,7 @@ pub fn move_boxes(mut boxes: Query<&mut Transform, With<Moving>>, mut back: Loca
 }
 
 /// The scenes: their names, what is special, and how many boxes there are for each that is.
-pub const SCENES: [(&str, Special, usize); 14] = [
+pub const SCENES: [(&str, Special, usize); 15] = [
     ("targets_none", Special::Nothing, 1),
     ("targets_emissive", Special::Emissive, 1),
     ("targets_emissive_few", Special::Emissive, 16),
@@ -53,6 +56,7 @@ pub const SCENES: [(&str, Special, usize); 14] = [
     ("targets_rest", Special::Rest, 1),
     ("targets_motion", Special::Motion, 1),
     ("targets_layers", Special::Layers, 1),
+    ("targets_decal", Special::Decal, 1),
     ("targets_all", Special::Everything, 1),
     ("targets_all_few", Special::Everything, 16),
 ];
@@ -79,7 +83,7 @@ impl Special {
 
     fn apply(self, index: usize, material: &mut StandardMaterial) {
         match self {
-            Self::Nothing | Self::Rest | Self::Motion | Self::Layers => {}
+            Self::Nothing | Self::Rest | Self::Motion | Self::Layers | Self::Decal => {}
             Self::Emissive => material.emissive = LinearRgba::rgb(0.1, 0.2, 0.4),
             Self::Reflectance => material.reflectance = 0.9,
             Self::Clearcoat => {
@@ -141,5 +145,15 @@ pub fn make_special(world: &mut World, special: Special, every: usize) {
         for sun in suns.iter(world).collect::<Vec<_>>() {
             world.entity_mut(sun).insert(RenderLayers::layer(0));
         }
+    }
+    if special == Special::Decal {
+        let image = world.resource_mut::<Assets<Image>>().add(Image::default());
+        world.spawn((
+            ClusteredDecal {
+                base_color_texture: Some(image),
+                ..default()
+            },
+            Transform::from_xyz(0.0, 0.5, 0.0).looking_to(Vec3::NEG_Y, Vec3::Z),
+        ));
     }
 }

@@ -128,15 +128,15 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     var direct_visibility = 1.0;
     if pixel.has_geometry {
         var shadows: DirectionalShadows;
+#ifdef LIGHT_LAYERS
+        light_layers::enter_pixel(pixel);
+#endif
 #ifdef DIRECTIONAL_SHADOW_MAPS
         if receives_shadows(pixel) {
             find_directional_shadows(pixel, &shadows);
         }
 #endif
         pbr = pbr_input_from_gbuffer(pixel);
-#ifdef LIGHT_LAYERS
-        light_layers::enter_pixel(pixel);
-#endif
 #ifdef CLUSTERED_DECALS_ARE_USABLE
         apply_decals(&pbr);
 #endif

@@ -8,6 +8,7 @@ mod bright_light;
 mod coming_from_deferred;
 mod custom_material;
 mod far_plane;
+mod decals;
 mod foreign_depth;
 mod found_light;
 mod light_culling;

@@ -21,6 +21,13 @@
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at, shadow_normal}
 #endif
 
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+#import bevy_pbr::clustered_forward::{
+    unpack_clusterable_object_index_ranges, view_fragment_cluster_index,
+}
+#import bevy_pbr::decal::clustered::{clustered_decal_iterator_new, clustered_decal_iterator_next}
+#endif
+
 #ifdef CONTACT_SHADOWS
 #import bevy_lean_deferred::lighting::lights::contact_shadow::contact_shadow
 #endif
@@ -76,24 +83,38 @@ struct DirectionalShadows {
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
 /// To be called before anything else of the surface is known: sampling takes many registers, and so little else has to be
-/// kept meanwhile.
+/// kept meanwhile. Lights that cannot reach the surface are left out: their shadow maps are not sampled.
 fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShadows>) {
     let in_view = position_at(pixel.position, pixel.depth);
     let position = (view_bindings::view.world_from_view * vec4(in_view, 1.0)).xyz;
     let N = unpack_normal(pixel.normal_word);
     var normal: vec3<f32>;
     var knows_normal = false;
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+    var knows_decals = false;
+    var may_turn = false;
+#endif
     let count = view_bindings::lights.n_directional_lights;
     for (var id = 0u; id < count; id++) {
         (*shadows).visibility[id] = 1.0;
-#ifdef CLUSTERED_DECALS_ARE_USABLE
-        // Decals may yet turn the normal.
-        let is_before = true;
-#else
-        let L = view_bindings::lights.directional_lights[id].direction_to_light;
-        let is_before = dot(N, L) > 0.0;
+        if !has_shadow_map(id) {
+            continue;
+        }
+#ifdef LIGHT_LAYERS
+        if !directional_light_affects_mesh(id) {
+            continue;
+        }
 #endif
-        if !is_before || !has_shadow_map(id) {
+        let L = view_bindings::lights.directional_lights[id].direction_to_light;
+        var is_before = dot(N, L) > 0.0;
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+        if !is_before && !knows_decals {
+            may_turn = decals_may_turn_normal(pixel.position, position, in_view.z);
+            knows_decals = true;
+        }
+        is_before = is_before || may_turn;
+#endif
+        if !is_before {
             continue;
         }
         if !knows_normal {
@@ -103,6 +124,22 @@ fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShad
         (*shadows).visibility[id] = directional_shadow(id, position, normal, in_view.z, pixel.position);
     }
 }
+
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+/// Whether a decal at `position` has a normal map, by which a surface may face a light that is behind it.
+fn decals_may_turn_normal(pixel: vec2<i32>, position: vec3<f32>, view_z: f32) -> bool {
+    let is_orthographic = view_bindings::view.clip_from_view[3].w == 1.0;
+    let cluster = view_fragment_cluster_index(vec2<f32>(pixel) + 0.5, view_z, is_orthographic);
+    var ranges = unpack_clusterable_object_index_ranges(cluster);
+    var decals = clustered_decal_iterator_new(position, &ranges);
+    while clustered_decal_iterator_next(&decals) {
+        if decals.normal_map_texture_index >= 0 {
+            return true;
+        }
+    }
+    return false;
+}
+#endif
 #endif
 
 fn add_directional_lights(
