@@ -188,6 +188,16 @@ impl CachedBindGroup {
         self.group.as_ref()
     }
 
+    /// How many textures it binds.
+    pub(crate) fn texture_views(&self) -> usize {
+        let views = self.bound.iter().map(|(_, bound)| match bound {
+            Bound::Texture(_) => 1,
+            Bound::Textures(views) => views.len(),
+            Bound::Buffer(..) | Bound::Sampler(_) => 0,
+        });
+        views.sum()
+    }
+
     pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }

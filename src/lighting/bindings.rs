@@ -5,6 +5,7 @@ use bevy::{
     render::{
         render_resource::{BindGroup, IntoBinding, TextureView, TextureViewId},
         renderer::RenderDevice,
+        settings::WgpuFeatures,
     },
 };
 
@@ -56,6 +57,11 @@ impl ViewLightingBindings {
             .into_iter()
             .chain(targets)
             .filter_map(CachedBindGroup::get)
+    }
+
+    /// How many textures of light probes and decals are bound.
+    pub(super) fn textures_in_arrays(&self) -> usize {
+        self.arrays.texture_views()
     }
 
     fn clear(&mut self) {
@@ -121,9 +127,10 @@ fn update_bind_groups(
     })?;
 
     bindings.arrays.update(device, &layouts.arrays, |entries| {
-        let binds_arrays = pipelines.binds_arrays();
+        let features = device.features();
+        let pads_arrays = !features.contains(WgpuFeatures::PARTIALLY_BOUND_BINDING_ARRAY);
         for layout_entry in &layouts.arrays.descriptor().entries {
-            push_array_entry(entries, layout_entry, view, resources, binds_arrays)?;
+            push_array_entry(entries, layout_entry, view, resources, pads_arrays)?;
         }
         Some(())
     })?;

@@ -104,6 +104,11 @@ impl ViewLighting {
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
         self.bindings.lasting()
     }
+
+    /// How many textures of light probes and decals are bound.
+    pub fn textures_in_arrays(&self) -> usize {
+        self.bindings.textures_in_arrays()
+    }
 }
 
 /// Lights the packed G-buffer.

@@ -105,13 +105,14 @@ pub(super) fn view_entry<'a>(
     Some((resource, offset))
 }
 
-/// The next entry of bind group 1: light probes and decals. Arrays are padded to the length that the layout declares.
+/// The next entry of bind group 1: light probes and decals. As in Bevy, arrays are padded to the length that the layout
+/// declares only where the device requires it (`pads_arrays`): elsewhere that length is 1,024 for textures of decals.
 pub(super) fn push_array_entry(
     entries: &mut Entries,
     layout: &BindGroupLayoutEntry,
     view: &LitViewItem,
     resources: &LightingResources,
-    binds_arrays: bool,
+    pads_arrays: bool,
 ) -> Option<()> {
     let maps = view
         .environment_maps
@@ -122,30 +123,31 @@ pub(super) fn push_array_entry(
     let decals = &resources.decals.binding_index_to_textures[..];
     let fallback = &resources.fallback;
 
-    let length = layout.count.map_or(1, |count| count.get() as usize);
     let image = |id: Option<AssetId<Image>>| id.and_then(|id| resources.images.get(id));
-    let mut push_textures = |is_array, id: &dyn Fn(usize) -> Option<AssetId<Image>>, fallback| {
-        let texture = |i| &*image(id(i)).unwrap_or(fallback).texture_view;
-        if is_array {
-            entries.push_textures(layout.binding, length, texture);
+    let mut push_textures =
+        |count: usize, id: &dyn Fn(usize) -> Option<AssetId<Image>>, fallback| {
+            let texture = |i| &*image(id(i)).unwrap_or(fallback).texture_view;
+            let Some(capacity) = layout.count else {
+                return entries.push(layout.binding, BindingResource::TextureView(texture(0)));
+            };
+            let capacity = capacity.get() as usize;
+            let least = if pads_arrays { capacity } else { 1 };
+            entries.push_textures(layout.binding, count.clamp(least, capacity), texture);
             Some(())
-        } else {
-            entries.push(layout.binding, BindingResource::TextureView(texture(0)))
-        }
-    };
+        };
     // That of the first image that is loaded.
     let sampler = |ids: &mut dyn Iterator<Item = AssetId<Image>>, fallback: &GpuImage| {
-        let image = ids.take(length).find_map(|id| image(Some(id)));
+        let image = ids.filter_map(|id| image(Some(id))).next();
         image.unwrap_or(fallback).sampler.clone()
     };
     match layout.binding {
         arrays::DIFFUSE_ENVIRONMENT_MAPS => push_textures(
-            binds_arrays,
+            maps.len(),
             &|i| maps.get(i).map(|map| map.diffuse),
             &fallback.cube,
         ),
         arrays::SPECULAR_ENVIRONMENT_MAPS => push_textures(
-            binds_arrays,
+            maps.len(),
             &|i| maps.get(i).map(|map| map.specular),
             &fallback.cube,
         ),
@@ -155,7 +157,7 @@ pub(super) fn push_array_entry(
             entries.push(layout.binding, sampler.into_binding())
         }
         arrays::IRRADIANCE_VOLUMES => {
-            push_textures(binds_arrays, &|i| volumes.get(i).copied(), &fallback.d3)
+            push_textures(volumes.len(), &|i| volumes.get(i).copied(), &fallback.d3)
         }
         arrays::IRRADIANCE_VOLUME_SAMPLER => {
             let sampler = sampler(&mut volumes.iter().copied(), &fallback.d3);
@@ -166,7 +168,7 @@ pub(super) fn push_array_entry(
             resources.decals_buffer.buffer()?.as_entire_binding(),
         ),
         arrays::CLUSTERED_DECAL_TEXTURES => {
-            push_textures(true, &|i| decals.get(i).copied(), &fallback.d2)
+            push_textures(decals.len(), &|i| decals.get(i).copied(), &fallback.d2)
         }
         arrays::CLUSTERED_DECAL_SAMPLER => {
             let sampler = sampler(&mut decals.iter().copied(), &fallback.d2);

@@ -1,4 +1,5 @@
-//! Decals cost where they are: no shadow map is sampled for them elsewhere.
+//! Decals cost where they are, and what they hold: no shadow map is sampled for them elsewhere, and no texture bound that there
+//! is not.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +7,9 @@ use bevy::{
     camera::{ScalingMode, visibility::RenderLayers},
     light::{ClusteredDecal, DirectionalLightTexture, NotShadowCaster},
     prelude::*,
+    render::{RenderApp, settings::WgpuFeatures},
 };
+use bevy_lean_deferred::lighting::ViewLighting;
 use kit::{
     hdr::settled_light,
     headless::{Headless, small_shadow_maps},
@@ -215,5 +218,40 @@ fn surfaces_that_decals_turn_are_in_shadow() {
         set_lean(headless, true);
         let lean = settled(headless);
         report([judge("turned_by_decal", &forward, &lean, LEAST_PSNR)]);
+    });
+}
+
+/// Bevy's layout has room for 1,024 textures of decals.
+#[test]
+fn no_texture_is_bound_for_decals_that_are_not_there() {
+    in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
+        let device = headless.device().clone();
+        if skips_without_binding_arrays(&device, "textures of decals") {
+            return;
+        }
+        for decals in [1, 3] {
+            show(headless, |s| {
+                floor(s);
+                for _ in 0..decals {
+                    decal(s, true);
+                }
+            });
+            set_lean(headless, true);
+            settled(headless);
+            assert_eq!(active_lean_views(headless), 1);
+            let world = headless.app.sub_app_mut(RenderApp).world_mut();
+            let mut views = world.query::<&ViewLighting>();
+            let bound = views.single(world).expect("one view").textures_in_arrays();
+            println!("{decals} decals: {bound} textures");
+            if device
+                .features()
+                .contains(WgpuFeatures::PARTIALLY_BOUND_BINDING_ARRAY)
+            {
+                assert_eq!(bound, 2 * decals);
+            } else {
+                println!("skipped: textures of decals: the device wants arrays of whole length");
+            }
+        }
     });
 }
