@@ -13,7 +13,7 @@ use bevy::{
 
 use bitflags::bitflags;
 
-use super::light_layers::LightLayers;
+use super::{bevy_definitions::VIEW_BITS, light_layers::LightLayers};
 use crate::{
     ambient_occlusion::{FilterKey, LeanAmbientOcclusion, OcclusionPipelines},
     gpu::subgroups::Subgroups,
@@ -115,19 +115,6 @@ impl OcclusionKey {
         })
     }
 }
-
-/// The bits of Bevy's view key that the lighting shader is compiled by. The rest is about how meshes are rasterised,
-/// or about passes after lighting.
-const VIEW_BITS: MeshPipelineKey = MeshPipelineKey::ENVIRONMENT_MAP
-    .union(MeshPipelineKey::IRRADIANCE_VOLUME)
-    .union(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION)
-    .union(MeshPipelineKey::CONTACT_SHADOWS)
-    .union(MeshPipelineKey::DISTANCE_FOG)
-    .union(MeshPipelineKey::ATMOSPHERE)
-    .union(MeshPipelineKey::TEMPORAL_JITTER)
-    .union(MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS)
-    .union(MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS)
-    .union(MeshPipelineKey::MSAA_RESERVED_BITS);
 
 /// What the scene has, whichever view looks at it.
 #[derive(SystemParam)]

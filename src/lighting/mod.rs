@@ -14,7 +14,7 @@
 // - `tile_list.{rs,wgsl}`: where on the screen these are.
 // - `light_layers.{rs,wgsl}`, `light_layer_table.rs`: which lights affect which meshes, and the table in which the
 //   shader finds that.
-// - `pipeline.rs`: layouts and pipelines.
+// - `pipeline.rs`: layouts and pipelines. `bevy_definitions.rs`: what Bevy's part of the shader is compiled with.
 // - `inputs.rs`, `buffers.rs`: what it reads. `binding_numbers.rs`, `bindings.rs`, `view_entries.rs`: what of that it binds, and
 //   where; made anew only when something of it changed.
 // - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
@@ -25,6 +25,8 @@
 //   they share. `found_light.wgsl`: what other effects have found. `reach.wgsl`, `clustered_lights.wgsl`: the lights that can
 //   reach a tile, and the loop over them.
 
+#[doc(hidden)]
+pub mod bevy_definitions;
 #[doc(hidden)]
 pub mod binding_numbers;
 mod bindings;

@@ -18,6 +18,7 @@ use bevy::{
 };
 
 use super::{
+    bevy_definitions::{self, BevyBinding, name_of, read_by_lighting},
     binding_numbers::{arrays, targets, view},
     buffers::LightingUniform,
     diffuse_light::DIFFUSE_LIGHT_FORMAT,
@@ -63,12 +64,13 @@ impl LightingLayouts {
         bindings.any(|entry| entry.binding == binding)
     }
 
-    pub(super) fn has_view_binding(&self, binding: u32) -> bool {
-        self.view
-            .descriptor()
-            .entries
-            .iter()
-            .any(|e| e.binding == binding)
+    fn has_binding(&self, binding: BevyBinding) -> bool {
+        let (layout, binding) = match binding {
+            BevyBinding::View(binding) => (&self.view, binding),
+            BevyBinding::Arrays(binding) => (&self.arrays, binding),
+        };
+        let mut entries = layout.descriptor().entries.iter();
+        entries.any(|entry| entry.binding == binding)
     }
 }
 
@@ -181,6 +183,12 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
     )
 }
 
+/// What Bevy's mesh pipeline would be for the view. The G-buffer's own depth stands where Bevy's shaders look for that of a
+/// prepass.
+fn bevys_key(key: LightingKey) -> MeshPipelineKey {
+    key.view | MeshPipelineKey::DEPTH_PREPASS
+}
+
 impl LightingPipelines {
     /// The pipeline for `key`; it may still be compiling.
     pub(crate) fn specialize(
@@ -212,14 +220,9 @@ impl LightingPipelines {
         self.by_key.get(&key).map(|(_, layouts)| layouts)
     }
 
-    /// Whether Bevy binds light probes and decals as arrays on this device.
-    pub(super) fn binds_arrays(&self) -> bool {
-        self.mesh_pipeline.binding_arrays_are_usable
-    }
-
     /// Bevy's own view layouts, visible to compute, without what lighting does not read and the view does not have.
     fn layouts(&self, pipeline_cache: &PipelineCache, key: LightingKey) -> LightingLayouts {
-        let layout_key = MeshPipelineViewLayoutKey::from(key.view | MeshPipelineKey::DEPTH_PREPASS);
+        let layout_key = MeshPipelineViewLayoutKey::from(bevys_key(key));
         let bevy_layout = self.mesh_pipeline.get_view_layout(layout_key);
 
         let mut view_layout = bevy_layout.main_layout;
@@ -262,78 +265,27 @@ impl LightingPipelines {
     }
 
     fn shader_defs(&self, key: LightingKey, layouts: &LightingLayouts) -> Vec<ShaderDefVal> {
-        // The G-buffer's own depth stands where Bevy's shaders look for that of a prepass.
-        let mut defs: Vec<ShaderDefVal> = vec!["DEPTH_PREPASS".into()];
+        let bevys = bevy_definitions::of_mesh_pipeline(&self.mesh_pipeline, bevys_key(key));
+        let bevys = read_by_lighting(bevys, |binding| layouts.has_binding(binding));
+        Self::definitions(key, bevys)
+    }
+
+    /// The definitions of a lighting shader, where it reads these of Bevy's.
+    fn definitions(key: LightingKey, bevys: Vec<ShaderDefVal>) -> Vec<ShaderDefVal> {
+        let has = |name: &str| bevys.iter().any(|other| name_of(other) == name);
+        let mut defs = Vec::new();
         let mut define = |condition: bool, name: &'static str| {
             if condition {
                 defs.push(name.into());
             }
         };
 
-        let has = |bits| key.view.contains(bits);
-        define(has(MeshPipelineKey::ENVIRONMENT_MAP), "ENVIRONMENT_MAP");
-        define(has(MeshPipelineKey::IRRADIANCE_VOLUME), "IRRADIANCE_VOLUME");
-        define(
-            has(MeshPipelineKey::IRRADIANCE_VOLUME),
-            "IRRADIANCE_VOLUMES_ARE_USABLE",
-        );
-        define(
-            has(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION),
-            "SCREEN_SPACE_AMBIENT_OCCLUSION",
-        );
-        define(has(MeshPipelineKey::CONTACT_SHADOWS), "CONTACT_SHADOWS");
-        define(has(MeshPipelineKey::DISTANCE_FOG), "DISTANCE_FOG");
-        define(has(MeshPipelineKey::ATMOSPHERE), "ATMOSPHERE");
-        define(has(MeshPipelineKey::TEMPORAL_JITTER), "TEMPORAL_JITTER");
-
-        let filter = key.view & MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS;
-        define(
-            filter == MeshPipelineKey::SHADOW_FILTER_METHOD_HARDWARE_2X2,
-            "SHADOW_FILTER_METHOD_HARDWARE_2X2",
-        );
-        define(
-            filter == MeshPipelineKey::SHADOW_FILTER_METHOD_GAUSSIAN,
-            "SHADOW_FILTER_METHOD_GAUSSIAN",
-        );
-        define(
-            filter == MeshPipelineKey::SHADOW_FILTER_METHOD_TEMPORAL,
-            "SHADOW_FILTER_METHOD_TEMPORAL",
-        );
-
-        let projection = key.view & MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS;
-        define(
-            projection == MeshPipelineKey::VIEW_PROJECTION_NONSTANDARD,
-            "VIEW_PROJECTION_NONSTANDARD",
-        );
-        define(
-            projection == MeshPipelineKey::VIEW_PROJECTION_PERSPECTIVE,
-            "VIEW_PROJECTION_PERSPECTIVE",
-        );
-        define(
-            projection == MeshPipelineKey::VIEW_PROJECTION_ORTHOGRAPHIC,
-            "VIEW_PROJECTION_ORTHOGRAPHIC",
-        );
-
-        // Which look-up tables exist depends on features of Bevy that show only in its layout.
-        define(
-            layouts.has_view_binding(view::BLUE_NOISE_TEXTURE),
-            "BLUE_NOISE_TEXTURE",
-        );
-        define(layouts.has_view_binding(view::DFG_LUT), "DFG_LUT");
-        define(
-            layouts.has_view_binding(view::AREA_LIGHT_LUTS),
-            "AREA_LIGHT_LUTS",
-        );
-        define(self.binds_arrays(), "MULTIPLE_LIGHT_PROBES_IN_ARRAY");
-
-        define(key.decals, "CLUSTERED_DECALS_ARE_USABLE");
-        define(key.decals, "LIGHT_TEXTURES");
         // Bevy blends the normal maps of decals only onto meshes with tangents; the G-buffer does not know which
         // had them, and meshes under such decals mostly do.
-        define(key.decals, "VERTEX_TANGENTS");
+        define(has("CLUSTERED_DECALS_ARE_USABLE"), "VERTEX_TANGENTS");
 
         define(
-            !key.shadow_maps.is_empty() || has(MeshPipelineKey::CONTACT_SHADOWS),
+            !key.shadow_maps.is_empty() || has("CONTACT_SHADOWS"),
             "SHADOWS",
         );
         let lights = |kinds| key.clustered_lights.contains(kinds);
@@ -402,7 +354,7 @@ impl LightingPipelines {
 
         define(
             key.occlusion.is_some()
-                || has(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION)
+                || has("SCREEN_SPACE_AMBIENT_OCCLUSION")
                 || exchanges(LightExchange::INDIRECT_DIFFUSE),
             "APPLIES_VISIBILITY",
         );
@@ -414,6 +366,7 @@ impl LightingPipelines {
             defs.extend(occlusion.filter.shader_defs());
         }
         defs.extend(variants::shader_defs(key.listed, key.visited));
+        defs.extend(bevys);
         defs
     }
 }

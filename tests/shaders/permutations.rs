@@ -12,10 +12,17 @@ use std::{
 };
 
 use bevy::{
+    pbr::{MeshPipeline, MeshPipelineKey},
     prelude::*,
-    shader::{Shader, ShaderImport},
+    render::RenderApp,
+    shader::{Shader, ShaderDefVal, ShaderImport},
 };
-use bevy_lean_deferred::DebugChannel;
+use bevy_lean_deferred::{
+    DebugChannel,
+    lighting::bevy_definitions::{
+        OF_BINDINGS, OF_MESHES, VIEW_BITS, name_of, of_mesh_pipeline, read_by_lighting,
+    },
+};
 use covering::{Factor, covering_rows};
 use factors::{
     EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
@@ -291,8 +298,8 @@ fn tried<'a>(factors: &[Factor], always: &[&'a str]) -> HashSet<&'a str> {
         .collect()
 }
 
-/// Panics if `pipeline` names a definition that has not been tried.
-fn assert_all_tried(path: &str, pipeline: &str, tried: &HashSet<&str>) {
+/// The definitions that a source names, each with what comes before it.
+fn named(source: &str) -> impl Iterator<Item = (&str, &str)> {
     let is_definition = |text: &str| {
         !text.is_empty()
             && text
@@ -300,11 +307,21 @@ fn assert_all_tried(path: &str, pipeline: &str, tried: &HashSet<&str>) {
                 .all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
     };
     // Text between quotes is every second part.
-    let unknown: Vec<&str> = pipeline
-        .split('"')
-        .skip(1)
-        .step_by(2)
-        .filter(|text| is_definition(text) && !tried.contains(text))
+    let parts: Vec<&str> = source.split('"').collect();
+    let pairs: Vec<_> = parts
+        .chunks_exact(2)
+        .map(|pair| (pair[0], pair[1]))
+        .collect();
+    pairs
+        .into_iter()
+        .filter(move |(_, text)| is_definition(text))
+}
+
+/// Panics if `pipeline` names a definition that has not been tried.
+fn assert_all_tried(path: &str, pipeline: &str, tried: &HashSet<&str>) {
+    let unknown: Vec<&str> = named(pipeline)
+        .map(|(_, name)| name)
+        .filter(|name| !tried.contains(name))
         .collect();
     assert!(
         unknown.is_empty(),
@@ -325,6 +342,75 @@ fn every_definition_of_the_occlusion_shaders_is_tried() {
 fn every_definition_of_the_exposure_shaders_is_tried() {
     let key = include_str!("../../src/auto_exposure/key.rs");
     assert_all_tried("key.rs", key, &tried(EXPOSURE, &["STRIDE"]));
+}
+
+/// Names of the definitions that Bevy's mesh pipeline has for any view, on any device.
+fn bevys_definitions() -> HashSet<String> {
+    use MeshPipelineKey as Key;
+    let mut headless = Headless::new(UVec2::splat(8));
+    headless.frames(3);
+    let world = headless.app.sub_app(RenderApp).world();
+    let pipeline = MeshPipeline {
+        binding_arrays_are_usable: true,
+        clustered_decals_are_usable: true,
+        ..world.resource::<MeshPipeline>().clone()
+    };
+    let choices = Key::SHADOW_FILTER_METHOD_RESERVED_BITS
+        | Key::VIEW_PROJECTION_RESERVED_BITS
+        | Key::MSAA_RESERVED_BITS;
+    let flags = (VIEW_BITS - choices) | Key::DEPTH_PREPASS;
+    let filters = [
+        Key::SHADOW_FILTER_METHOD_HARDWARE_2X2,
+        Key::SHADOW_FILTER_METHOD_GAUSSIAN,
+        Key::SHADOW_FILTER_METHOD_TEMPORAL,
+    ];
+    let projections = [
+        Key::VIEW_PROJECTION_NONSTANDARD,
+        Key::VIEW_PROJECTION_PERSPECTIVE,
+        Key::VIEW_PROJECTION_ORTHOGRAPHIC,
+    ];
+    filters
+        .into_iter()
+        .flat_map(|filter| projections.map(|projection| flags | filter | projection))
+        .flat_map(|key| of_mesh_pipeline(&pipeline, key))
+        .map(|definition| name_of(&definition).to_string())
+        .collect()
+}
+
+/// Whatever Bevy has, shaders read nothing of it that the view's layouts leave out.
+#[test]
+fn bevys_bindings_that_are_left_out_are_not_read() {
+    let bevys = OF_BINDINGS.map(|(name, _)| ShaderDefVal::from(name));
+    for (left_out, missing) in OF_BINDINGS {
+        let read = read_by_lighting(bevys.to_vec(), |binding| binding != missing);
+        for (name, binding) in OF_BINDINGS {
+            let is_read = read.iter().any(|definition| name_of(definition) == name);
+            assert_eq!(is_read, binding != missing, "{name} without {left_out}");
+        }
+    }
+}
+
+/// Rust's side of the lighting shader takes Bevy's definitions as they are: it names none to add it by a rule of its own.
+#[test]
+fn bevys_definitions_are_tried_and_not_restated() {
+    let bevys = bevys_definitions();
+    let tried = tried(LIGHTING, &["DEPTH_PREPASS"]);
+    for name in &bevys {
+        let is_of_meshes = OF_MESHES.contains(&name.as_str());
+        assert_ne!(is_of_meshes, tried.contains(name.as_str()), "{name}");
+    }
+    for source in [
+        include_str!("../../src/lighting/pipeline.rs"),
+        include_str!("../../src/lighting/variants.rs"),
+    ] {
+        for (before, name) in named(source) {
+            let is_asked_for = before.ends_with("has(");
+            assert!(
+                is_asked_for || !bevys.contains(name),
+                "{name} is defined anew"
+            );
+        }
+    }
 }
 
 #[test]

@@ -12,7 +12,12 @@ macro_rules! optional {
 /// What `LightingPipelines::shader_defs` makes of a view. `implications` adds what never stands alone.
 pub const LIGHTING: &[Factor] = &[
     optional!("ENVIRONMENT_MAP"),
-    optional!("IRRADIANCE_VOLUME", "IRRADIANCE_VOLUMES_ARE_USABLE"),
+    // Not usable on the web, whatever the view has.
+    &[
+        &[],
+        &["IRRADIANCE_VOLUMES_ARE_USABLE"],
+        &["IRRADIANCE_VOLUMES_ARE_USABLE", "IRRADIANCE_VOLUME"],
+    ],
     // Bevy's own ambient occlusion, and the crate's.
     optional!("SCREEN_SPACE_AMBIENT_OCCLUSION"),
     &[
@@ -42,11 +47,15 @@ pub const LIGHTING: &[Factor] = &[
     optional!("DFG_LUT"),
     optional!("AREA_LIGHT_LUTS"),
     optional!("MULTIPLE_LIGHT_PROBES_IN_ARRAY"),
-    optional!(
-        "CLUSTERED_DECALS_ARE_USABLE",
-        "LIGHT_TEXTURES",
-        "VERTEX_TANGENTS"
-    ),
+    &[
+        &[],
+        &["CLUSTERED_DECALS_ARE_USABLE", "VERTEX_TANGENTS"],
+        &[
+            "CLUSTERED_DECALS_ARE_USABLE",
+            "LIGHT_TEXTURES",
+            "VERTEX_TANGENTS",
+        ],
+    ],
     &[
         &[],
         &["GEOMETRIC_NORMAL_THREE_TAP", "DIRECTIONAL_SHADOW_MAPS"],

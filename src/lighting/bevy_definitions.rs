@@ -1,0 +1,99 @@
+//! The definitions of Bevy's mesh pipeline, by which its lighting functions and the bindings of a view are compiled.
+//!
+//! None of Bevy's rules for them is repeated here: they depend on Bevy's features and on the platform, which only Bevy's own
+//! crates see.
+
+use alloc::sync::Arc;
+
+use bevy::{
+    mesh::{MeshVertexBufferLayout, MeshVertexBufferLayoutRef, VertexBufferLayout},
+    pbr::{MeshPipeline, MeshPipelineKey},
+    render::render_resource::SpecializedMeshPipeline,
+    shader::ShaderDefVal,
+};
+
+use super::binding_numbers::{arrays, view};
+
+/// The bits of Bevy's view key that the lighting shader is compiled by. The rest is about how meshes are rasterised,
+/// or about passes after lighting.
+pub const VIEW_BITS: MeshPipelineKey = MeshPipelineKey::ENVIRONMENT_MAP
+    .union(MeshPipelineKey::IRRADIANCE_VOLUME)
+    .union(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION)
+    .union(MeshPipelineKey::CONTACT_SHADOWS)
+    .union(MeshPipelineKey::DISTANCE_FOG)
+    .union(MeshPipelineKey::ATMOSPHERE)
+    .union(MeshPipelineKey::TEMPORAL_JITTER)
+    .union(MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS)
+    .union(MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS)
+    .union(MeshPipelineKey::MSAA_RESERVED_BITS);
+
+/// Definitions for meshes and their materials, which lighting does not read.
+pub const OF_MESHES: [&str; 10] = [
+    "MESH_PIPELINE",
+    "VERTEX_OUTPUT_INSTANCE_INDEX",
+    "PBR_TRANSMISSION_TEXTURES_SUPPORTED",
+    "PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED",
+    "PBR_ANISOTROPY_TEXTURE_SUPPORTED",
+    "PBR_SPECULAR_TEXTURES_SUPPORTED",
+    "SKINS_USE_UNIFORM_BUFFERS",
+    "SCREEN_SPACE_SPECULAR_TRANSMISSION_BLUR_TAPS",
+    "MULTIPLE_LIGHTMAPS_IN_ARRAY",
+    "PER_OBJECT_BUFFER_BATCH_SIZE",
+];
+
+/// A binding of Bevy's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BevyBinding {
+    /// In bind group 0.
+    View(u32),
+    /// In bind group 1.
+    Arrays(u32),
+}
+
+/// Definitions by which shaders read what lighting binds for some views only, or not at all.
+pub const OF_BINDINGS: [(&str, BevyBinding); 4] = [
+    ("AREA_LIGHT_LUTS", BevyBinding::View(view::AREA_LIGHT_LUTS)),
+    (
+        "PCSS_SAMPLERS_AVAILABLE",
+        BevyBinding::View(view::POINT_SHADOW_TEXTURES_LINEAR_SAMPLER),
+    ),
+    (
+        "CLUSTERED_DECALS_ARE_USABLE",
+        BevyBinding::Arrays(arrays::CLUSTERED_DECALS),
+    ),
+    (
+        "LIGHT_TEXTURES",
+        BevyBinding::Arrays(arrays::CLUSTERED_DECALS),
+    ),
+];
+
+/// All definitions with which Bevy compiles the shaders of a mesh without vertex attributes.
+pub fn of_mesh_pipeline(pipeline: &MeshPipeline, key: MeshPipelineKey) -> Vec<ShaderDefVal> {
+    let no_attributes = MeshVertexBufferLayout::new(Vec::new(), VertexBufferLayout::default());
+    let no_attributes = MeshVertexBufferLayoutRef(Arc::new(no_attributes));
+    let descriptor = pipeline.specialize(key, &no_attributes);
+    descriptor.map_or_else(|_| Vec::new(), |descriptor| descriptor.vertex.shader_defs)
+}
+
+/// Those of them that lighting reads, where it `binds` these bindings.
+pub fn read_by_lighting(
+    mut definitions: Vec<ShaderDefVal>,
+    binds: impl Fn(BevyBinding) -> bool,
+) -> Vec<ShaderDefVal> {
+    definitions.retain(|definition| {
+        let name = name_of(definition);
+        let mut of_bindings = OF_BINDINGS.iter();
+        !OF_MESHES.contains(&name)
+            && of_bindings.all(|(other, binding)| *other != name || binds(*binding))
+    });
+    definitions
+}
+
+/// What a shader calls it.
+pub fn name_of(definition: &ShaderDefVal) -> &str {
+    match definition {
+        ShaderDefVal::Bool(name, _) | ShaderDefVal::Int(name, _) | ShaderDefVal::UInt(name, _) => {
+            name
+        }
+    }
+}
