@@ -14,6 +14,12 @@
 
 #ifdef LIGHT_CULLING
 #import bevy_lean_deferred::lighting::lights::reach::{box_of_tile, may_reach}
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+/// Metres behind the surface from which it gathers light too.
+fn reach_of(point: ptr<function, ShadingPoint>) -> f32 {
+    return distance((*point).position, (*point).back_position);
+}
+#endif
 #endif
 
 #ifndef LIGHT_CULLING
@@ -67,7 +73,12 @@ fn add_clustered_lights(
         }
         let least = subgroupMin(select(1e30, (*point).depth, is_here));
         let most = subgroupMax(select(-1e30, (*point).depth, is_here));
-        let bounds = box_of_tile(corner, vec2(least, most));
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+        let reach = subgroupMax(select(0.0, reach_of(point), is_here));
+#else
+        let reach = 0.0;
+#endif
+        let bounds = box_of_tile(corner, vec2(least, most), reach);
         while first < end {
             let present = subgroupBallot(true).xy;
             let index = first + ones_below(present, lane);
@@ -97,7 +108,11 @@ var<workgroup> least_cluster: atomic<u32>;
 var<workgroup> most_cluster: atomic<u32>;
 var<workgroup> least_depth: atomic<u32>;
 var<workgroup> most_depth: atomic<u32>;
-/// The four above, as one invocation reads them for all: browsers want to see that all go the same way.
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+/// Their largest `reach_of`, as bits.
+var<workgroup> most_reach: atomic<u32>;
+#endif
+/// The first four above, as one invocation reads them for all: browsers want to see that all go the same way.
 var<workgroup> found: vec4<u32>;
 /// A bit for each invocation: the light that it looks at may reach the tile. There are three, so that one is cleared while
 /// another is filled and the third may still be read.
@@ -119,6 +134,9 @@ fn add_clustered_lights(
             atomicStore(&most_cluster, 0u);
             atomicStore(&least_depth, 0xffffffffu);
             atomicStore(&most_depth, 0u);
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+            atomicStore(&most_reach, 0u);
+#endif
             atomicStore(&reaching[0][0], 0u);
             atomicStore(&reaching[0][1], 0u);
         }
@@ -130,6 +148,9 @@ fn add_clustered_lights(
             let bits = bitcast<u32>((*point).depth);
             atomicMin(&least_depth, bits);
             atomicMax(&most_depth, bits);
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+            atomicMax(&most_reach, bitcast<u32>(reach_of(point)));
+#endif
         }
         workgroupBarrier();
         if invocation == 0u {
@@ -147,7 +168,12 @@ fn add_clustered_lights(
         }
         let is_last = current == all.y;
         let depths = all.zw;
-        let bounds = box_of_tile(corner, bitcast<vec2<f32>>(depths));
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+        let reach = bitcast<f32>(atomicLoad(&most_reach));
+#else
+        let reach = 0.0;
+#endif
+        let bounds = box_of_tile(corner, bitcast<vec2<f32>>(depths), reach);
         let is_here = left == current;
         left = select(left, NO_CLUSTER, is_here);
 

@@ -12,14 +12,26 @@
 struct Box {
     least: vec3<f32>,
     most: vec3<f32>,
-    /// What positions may be off by.
+    /// Distance by which lit points may lie outside: behind their surface, or by rounding.
     slack: f32,
-    /// Metres that view space's axes are long, the shortest and the longest: other than 1 where the camera is scaled.
+    /// Bounds of the length in metres of a unit vector of view space. Both are 1 unless the camera is scaled.
     scale: vec2<f32>,
 }
 
-/// Around all points of the tile, whose first pixel is `corner`, with depths between these.
-fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>) -> Box {
+/// Bounds of the lengths of `m * v` over all unit vectors `v`: the roots of Gershgorin's bounds of the eigenvalues of its Gram
+/// matrix. Exact where the axes are orthogonal, as they are unless a parent shears the camera.
+fn stretch(m: mat3x3<f32>) -> vec2<f32> {
+    let square = vec3(dot(m[0], m[0]), dot(m[1], m[1]), dot(m[2], m[2]));
+    let mixed = abs(vec3(dot(m[1], m[2]), dot(m[2], m[0]), dot(m[0], m[1])));
+    let others = mixed.yzx + mixed.zxy;
+    let least = square - others;
+    let most = square + others;
+    return sqrt(vec2(max(min(least.x, min(least.y, least.z)), 0.0), max(most.x, max(most.y, most.z))));
+}
+
+/// Bounds all points of the tile, whose first pixel is `corner`, with depths between these. Light that enters through the back
+/// is gathered up to `reach` metres behind them.
+fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>, reach: f32) -> Box {
     let viewport = view.main_pass_viewport;
     let first = ndc_of_fragment(vec2<f32>(corner) + 0.5, viewport);
     let last = ndc_of_fragment(vec2<f32>(corner + SIDE) - 0.5, viewport);
@@ -49,12 +61,12 @@ fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>) -> Box {
 #endif
 #endif
     let axes = view.world_from_view;
-    let lengths = vec3(length(axes[0].xyz), length(axes[1].xyz), length(axes[2].xyz));
-    let scale = vec2(min(lengths.x, min(lengths.y, lengths.z)), max(lengths.x, max(lengths.y, lengths.z)));
+    let scale = stretch(mat3x3(axes[0].xyz, axes[1].xyz, axes[2].xyz));
     // World positions lose digits far from the origin; distances do with both.
-    let origin = abs(view.world_position) / scale.x;
+    let shortest = max(scale.x, 1e-20);
+    let origin = abs(view.world_position) / shortest;
     let farthest = max(max(origin.x, origin.y), max(origin.z, max(abs(least.z), abs(most.z))));
-    return Box(least, most, 2e-6 * farthest, scale);
+    return Box(least, most, 2e-6 * farthest + reach / shortest, scale);
 }
 
 /// False if the light with this index gives nothing to any surface in the box.
@@ -63,9 +75,9 @@ fn may_reach(bounds: Box, id: u32) -> bool {
     let center = (view.view_from_world * vec4((*light).position_radius.xyz, 1.0)).xyz;
     let away = max(max(bounds.least - center, center - bounds.most) - bounds.slack, vec3(0.0));
     let inverse_square_range = (*light).color_inverse_square_range.w;
-    // Not if one of these is not a number, either.
+    // False for NaN, too: such a light gives nothing.
     let is_near = dot(away, away) * bounds.scale.x * bounds.scale.x * inverse_square_range < 1.0001;
-    // Where view space is longer one way than another, a cone is none there.
+    // Uneven scale turns a cone of the world into something else in view space.
     let is_even = bounds.scale.y < 1.0001 * bounds.scale.x;
     if !is_near || !is_even || !is_spot_light((*light).flags) {
         return is_near;
@@ -73,19 +85,22 @@ fn may_reach(bounds: Box, id: u32) -> bool {
     return cone_meets(bounds, id, center);
 }
 
+/// Bound of the rounding errors of the cosines that are compared with that of a cone, in the shading too.
+const COSINE_SLACK: f32 = 1e-6;
+
 /// Whether the cone of a spot light meets the sphere around the box (Wronski 2017, "Cull that cone!").
 fn cone_meets(bounds: Box, id: u32, apex: vec3<f32>) -> bool {
     let light = &clustered_lights.data[id];
     let data = (*light).light_custom_data;
-    // Where `data.z cosine + data.w` is 0.
-    let cosine = -data.w / data.z;
+    // Where `data.z cosine + data.w` is 0. Of narrow cones, rounding is a good part of the angle.
+    let cosine = clamp(-data.w / data.z - COSINE_SLACK, -1.0, 1.0);
     let world = spot_direction(data.xy, (*light).flags);
     let direction = normalize((view.view_from_world * vec4(world, 0.0)).xyz);
     let to_sphere = 0.5 * (bounds.least + bounds.most) - apex;
     let radius = 0.5 * length(bounds.most - bounds.least) + bounds.slack;
     let along = dot(to_sphere, direction);
     let across = sqrt(max(dot(to_sphere, to_sphere) - along * along, 0.0));
-    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    let sine = sqrt(max((1.0 - cosine) * (1.0 + cosine), 0.0));
     // From the sphere's centre to the cone's side, positive outside.
     let outside = across * cosine - along * sine;
     return !(outside > radius * 1.0001 + 1e-5 * length(to_sphere));
