@@ -221,6 +221,15 @@ pub const SCENES: &[Scene] = &[
         s.sun(false);
         s.default_camera(ambient());
     }),
+    // Bevy's lightmaps hold none of the ambient light that shines through.
+    Scene::new("lightmapped_specials_ambient_light_apart", |s| {
+        lightmapped(s, false);
+        s.default_camera(AmbientLight {
+            brightness: 2_000.0,
+            affects_lightmapped_meshes: false,
+            ..default()
+        });
+    }),
     // Bevy compiles neither forward nor deferred shaders for this without binding arrays: nothing is drawn there.
     Scene::new("lightmapped_specials_environment_map", |s| {
         lightmapped(s, false);

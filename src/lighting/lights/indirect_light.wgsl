@@ -56,8 +56,14 @@ fn add_indirect_light(
 #ifdef ENVIRONMENT_MAP
     add_environment(point, pbr, &ranges, found_diffuse, found.confidence, lit);
 #endif
-    if !is_lightmapped || lights.ambient_light_affects_lightmapped_meshes != 0u {
-        add_ambient_light(point, pbr, found.confidence, lit);
+    // Of all pixels: most scenes with an environment map have none.
+    if any(lights.ambient_color.rgb != vec3(0.0)) {
+        if !is_lightmapped || lights.ambient_light_affects_lightmapped_meshes != 0u {
+            add_ambient_light(point, pbr, found.confidence, lit);
+        }
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+        add_transmitted_ambient_light(point, lit);
+#endif
     }
 #ifdef INDIRECT_LIGHT
     add_found_light(point, pbr.specular_occlusion, found, is_lightmapped, lit);
@@ -94,20 +100,20 @@ fn add_ambient_light(
     let visible = occlusion;
 #endif
     let color = lights.ambient_color.rgb;
-    // Of all pixels: ambient light is off.
-    if all(color == vec3(0.0)) {
-        return;
-    }
     let diffuse = EnvBRDFApprox((*point).diffuse_color, F_AB(1.0, (*point).NdotV));
     let specular = EnvBRDFApprox((*point).F_normal, (*point).F_ab) * (*point).F_grazing;
     (*lit).diffuse += diffuse * color * occlusion;
     (*lit).specular += specular * color * unhidden(visible, (*point).perceptual_roughness, confidence);
-#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    if transmits(point) {
-        (*lit).diffuse += EnvBRDFApprox((*point).transmitted_color, F_AB(1.0, 1.0)) * color;
-    }
-#endif
 }
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+/// Bevy's `ambient_light` of the back. Lightmaps hold none of it.
+fn add_transmitted_ambient_light(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) {
+    if transmits(point) {
+        (*lit).diffuse += EnvBRDFApprox((*point).transmitted_color, F_AB(1.0, 1.0)) * lights.ambient_color.rgb;
+    }
+}
+#endif
 
 /// What the surface makes of light from everywhere: factors of it.
 struct EnvironmentResponse {
