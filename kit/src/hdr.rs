@@ -29,6 +29,14 @@ pub struct Light {
     pub texels: Vec<[f32; 4]>,
 }
 
+impl Light {
+    /// How many texels are NaN or infinite.
+    pub fn not_finite(&self) -> usize {
+        let are_finite = |texel: &&[f32; 4]| texel.iter().all(|x| x.is_finite());
+        self.texels.len() - self.texels.iter().filter(are_finite).count()
+    }
+}
+
 /// The texels of an `Rgba16Float` texture.
 pub fn read_light(headless: &Headless, texture: &Texture) -> Light {
     let bytes = headless.read(texture);

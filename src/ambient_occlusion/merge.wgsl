@@ -12,7 +12,10 @@ fn fog_transmittance(pixel: vec2<i32>, depth: f32) -> f32 {
     switch u32(view.fog.w) {
         case 1u: { extinction = 1.0 - saturate((view.fog.y - distance) / (view.fog.y - view.fog.x)); }
         case 2u: { extinction = 1.0 - exp(-distance * view.fog.x); }
-        default: { extinction = 1.0 - exp(-pow(distance * view.fog.x, 2.0)); }
+        default: {
+            let depth_of_fog = distance * view.fog.x;
+            extinction = 1.0 - exp(-depth_of_fog * depth_of_fog);
+        }
     }
     return 1.0 - extinction * view.fog.z;
 }

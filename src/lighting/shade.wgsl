@@ -237,8 +237,8 @@ fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
     let emissive = pbr.material.emissive;
     var light = emissive.rgb * pbr.material.base_color.a * mix(1.0, view.exposure, emissive.a);
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    // The coat is on top.
-    let NdotV = max(dot(pbr.N, pbr.V), 0.0001);
+    // The coat is on top. Above 1, F_Schlick is NaN, and so is its product with a coat of 0.
+    let NdotV = clamp(dot(pbr.N, pbr.V), 0.0001, 1.0);
     light *= 1.0 - pbr.material.clearcoat * F_Schlick(0.04, 1.0, NdotV);
 #endif
 #ifdef SHADING_MODEL_RIM

@@ -10,6 +10,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    hdr::settled_light,
     headless::Headless,
     lean::{change_cameras, judge, report, set_lean, settled},
     metrics::pixel_difference,
@@ -66,6 +67,27 @@ fn atmosphere_matches_forward() {
             let name = format!("atmosphere_{elevation}");
             Some(judge(&name, &forward, &lean, LEAST_PSNR))
         }));
+    });
+}
+
+/// Its cosine to the zenith is 1 and a little in some places.
+#[test]
+fn a_sun_overhead_makes_no_nan() {
+    in_own_process(|| {
+        let overhead = core::f32::consts::FRAC_PI_2;
+        let Some(mut headless) = build(overhead, 1.0, |scene| scene.solids()) else {
+            return;
+        };
+        let forward = settled(&mut headless);
+        let forward_broken = settled_light(&mut headless).not_finite();
+        set_lean(&mut headless, true);
+        let lean = settled(&mut headless);
+        let lean_broken = settled_light(&mut headless).not_finite();
+        println!("not finite: forward {forward_broken}, lean {lean_broken} pixels");
+        assert_eq!(lean_broken, 0);
+        if forward_broken == 0 {
+            report([judge("sun_overhead", &forward, &lean, LEAST_PSNR)]);
+        }
     });
 }
 

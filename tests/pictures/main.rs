@@ -20,4 +20,5 @@ mod overlays;
 mod packing_loss;
 mod parity;
 mod resolution_override;
+mod rounding;
 mod shading_extension;

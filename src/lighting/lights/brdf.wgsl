@@ -82,9 +82,16 @@ struct Halfway {
     LdotH: f32,
 }
 
+/// Least squared length to divide by: normalising the zero vector would be NaN. Far below the rounding errors of sums of unit vectors.
+const LEAST_SQUARE: f32 = 1e-20;
+
+/// `v` at unit length; the zero vector stays as it is.
+fn unit(v: vec3<f32>) -> vec3<f32> {
+    return v * inverseSqrt(max(dot(v, v), LEAST_SQUARE));
+}
+
 fn halfway(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Halfway {
-    let between = L + (*point).V;
-    let H = between * inverseSqrt(dot(between, between));
+    let H = unit(L + (*point).V);
     let N = (*point).N;
     return Halfway(H, saturate(dot(N, L)), saturate(dot(N, H)), saturate(dot(L, H)));
 }
@@ -92,8 +99,8 @@ fn halfway(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Halfway {
 /// As `halfway`, for any `L` of unit length: all cosines follow from those between normal, light and view.
 fn halfway_to(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Halfway {
     let NdotL = dot((*point).N, L);
-    // The square of |L + V|.
-    let square = 2.0 + 2.0 * dot(L, (*point).V);
+    // The square of |L + V|. Rounding makes it negative where light comes from straight ahead.
+    let square = max(2.0 + 2.0 * dot(L, (*point).V), 1e-7);
     let inverse = inverseSqrt(square);
     var h: Halfway;
 #ifdef STANDARD_MATERIAL_ANISOTROPY
@@ -163,7 +170,8 @@ fn cover(
     }
     let fresnel = (0.04 + 0.96 * fifth_power(1.0 - h.LdotH)) * (*point).clearcoat;
     // Kelemen and Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model".
-    let visibility = 0.25 / (h.LdotH * h.LdotH);
+    // Bounded: infinity times 0 is NaN.
+    let visibility = 0.25 / max(h.LdotH * h.LdotH, 1e-7);
     let passed = 1.0 - fresnel;
     (*response).diffuse *= passed;
     (*response).specular *= passed * passed;
@@ -189,12 +197,12 @@ fn response(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Response {
 /// To light from a sphere whose centre is `to_light` away: as if its point nearest to the mirrored ray shone, on a rougher
 /// surface (Karis 2013, "Real Shading in Unreal Engine 4"), as Bevy amends it.
 fn response_to_sphere(point: ptr<function, ShadingPoint>, to_light: vec3<f32>, radius: f32) -> Response {
-    let distance = length(to_light);
+    let distance = max(length(to_light), 1e-10);
     let L = to_light / distance;
     let R = reflect(-(*point).V, (*point).N);
     let to_ray = max(0.0001, dot(to_light, R)) * R - to_light;
-    let nearest = to_light + to_ray * saturate(radius * inverseSqrt(dot(to_ray, to_ray)));
-    let h = halfway(point, nearest * inverseSqrt(dot(nearest, nearest)));
+    let nearest = to_light + to_ray * saturate(radius * inverseSqrt(max(dot(to_ray, to_ray), LEAST_SQUARE)));
+    let h = halfway(point, unit(nearest));
     // The part of the sphere above the horizon.
     let solid_angle = radius * radius / (distance * distance);
     let above = saturate(h.NdotL / max(h.NdotL + solid_angle, 1e-4));
@@ -228,7 +236,7 @@ fn widened(roughness: f32, widening: f32) -> Widened {
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 /// Diffuse response, of roughness 1 and times π, to light from behind in direction `L`.
 fn response_from_behind(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> f32 {
-    let H = normalize(L - (*point).V);
+    let H = unit(L - (*point).V);
     let NdotL = saturate(-dot((*point).N, L));
     let LdotH = saturate(dot(L, H));
     let light_scatter = 1.0 + (2.0 * LdotH * LdotH - 0.5) * fifth_power(1.0 - NdotL);

@@ -1,7 +1,7 @@
 // Light from one point or spot light, as Bevy's `point_light` and `spot_light`.
 #define_import_path bevy_lean_deferred::lighting::lights::clustered_light
 
-#import bevy_lean_deferred::lighting::lights::brdf::{Gathered, Response, gather, response}
+#import bevy_lean_deferred::lighting::lights::brdf::{Gathered, LEAST_SQUARE, Response, gather, response}
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
 #import bevy_pbr::{
     lighting::getRangeFalloff,
@@ -120,7 +120,8 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: pt
     if !(distance_square * color_range.w < 1.0 && height + position_radius.w > 0.0) {
         return;
     }
-    let inverse_distance = inverseSqrt(distance_square);
+    // The surface may go through the middle of a light with a radius.
+    let inverse_distance = inverseSqrt(max(distance_square, LEAST_SQUARE));
     let L = to_light * inverse_distance;
     let flags = (*light).flags;
     let is_spot = is_spot_light(flags);

@@ -62,7 +62,8 @@ fn color_at(id: u32, position: vec3<f32>) -> vec3<f32> {
     let atmosphere = view_bindings::atmosphere;
     let place = clamp_to_surface(atmosphere, (atmosphere.world_to_atmosphere * vec4(position, 1.0)).xyz);
     let r = length(place);
-    let mu = dot((*light).direction_to_light, normalize(place));
+    // Bevy's functions take roots of 1 - mu.
+    let mu = clamp(dot((*light).direction_to_light, normalize(place)), -1.0, 1.0);
     color *= sample_transmittance_lut(r, mu)
         * calculate_visible_sun_ratio(atmosphere, r, mu, (*light).sun_disk_angular_size);
 #endif

@@ -24,6 +24,10 @@
 #import bevy_pbr::irradiance_volume::irradiance_volume_light
 #endif
 
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+#import bevy_lean_deferred::lighting::lights::brdf::unit
+#endif
+
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #import bevy_lean_deferred::lighting::lights::shading_point::transmits
 #endif
@@ -263,7 +267,7 @@ fn add_environment(
 fn bend(point: ptr<function, ShadingPoint>, layer: ptr<function, LayerLightingInput>) {
     let V = (*point).V;
     let bitangent = (*point).bitangent;
-    let towards = normalize(cross(cross(bitangent, V), bitangent));
+    let towards = unit(cross(cross(bitangent, V), bitangent));
     let roughness = (*point).roughness;
     let a = exp2(exp2(1.0 - (*point).anisotropy * (1.0 - roughness)));
     let bent = normalize(mix(towards, (*point).N, a));

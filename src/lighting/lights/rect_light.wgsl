@@ -33,6 +33,14 @@ fn lobe(perceptual_roughness: f32, NdotV: f32) -> Lobe {
     );
 }
 
+/// `V`, unless it is `N`: another direction then. `ltc_integrate_quad` normalises the part of it that lies across `N`, and from
+/// straight above all of these look alike.
+fn beside(N: vec3<f32>, V: vec3<f32>) -> vec3<f32> {
+    let across = V - N * dot(V, N);
+    let other = select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), abs(N.x) > 0.5);
+    return select(V, other, dot(across, across) < 1e-12);
+}
+
 const COSINE: mat3x3<f32> = mat3x3(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
 
 fn corners_of(id: u32) -> array<vec3<f32>, 4> {
@@ -64,7 +72,7 @@ fn add_rect_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) 
         return;
     }
     let N = (*point).N;
-    let V = (*point).V;
+    let V = beside(N, (*point).V);
     let base = lobe((*point).perceptual_roughness, (*point).NdotV);
     let tint = (*point).F_normal * base.magnitude.x + (1.0 - (*point).F_normal) * base.magnitude.y;
     for (var id = 0u; id < count; id++) {
@@ -115,7 +123,7 @@ fn transmitted_rect_light(
         return vec3(0.0);
     }
     let N = -(*point).N;
-    let V = -(*point).V;
+    let V = beside(N, -(*point).V);
     let back = lobe(1.0, 1.0);
     let diffuse = (*point).transmitted_color * ltc_integrate_quad(N, V, position, COSINE, corners);
     let specular = back.magnitude.y * ltc_integrate_quad(N, V, position, back.inverse, corners);

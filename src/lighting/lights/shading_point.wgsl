@@ -29,7 +29,7 @@ struct ShadingPoint {
     N: vec3<f32>,
     /// To the viewer.
     V: vec3<f32>,
-    /// At least 0.0001.
+    /// 0.0001 to 1.
     NdotV: f32,
     perceptual_roughness: f32,
     /// Its square, as Bevy clamps it.
@@ -47,7 +47,7 @@ struct ShadingPoint {
     view_fresnel: f32,
     /// `smith` of the view.
     view_smith: f32,
-    /// N·V as it is, which may be negative.
+    /// N·V as it is: may be negative, or above 1 by rounding.
     signed_NdotV: f32,
     receives_shadows: bool,
 #ifdef GEOMETRIC_NORMAL
@@ -101,7 +101,8 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.N = pbr.N;
     point.V = pbr.V;
     point.signed_NdotV = dot(pbr.N, pbr.V);
-    point.NdotV = max(point.signed_NdotV, 0.0001);
+    // Bevy has no upper bound; roots and powers of 1 - N·V are NaN above 1.
+    point.NdotV = clamp(point.signed_NdotV, 0.0001, 1.0);
     point.perceptual_roughness = material.perceptual_roughness;
     point.roughness = perceptualRoughnessToRoughness(material.perceptual_roughness);
     point.diffuse_color = calculate_diffuse_color(

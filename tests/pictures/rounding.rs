@@ -1,0 +1,216 @@
+//! Cosines that rounding takes out of their range, and vectors that it leaves without a length, make no NaN.
+
+use bevy::{
+    asset::RenderAssetUsages,
+    camera::ScalingMode,
+    light::RectLight,
+    mesh::{Indices, PrimitiveTopology},
+    prelude::*,
+};
+use kit::{
+    hdr::light,
+    headless::{Headless, Picture},
+    lean::{judge, report, set_lean, settled, show},
+    own_process::in_own_process,
+    random::Random,
+    scenes::{LEAST_PSNR, SceneBuilder},
+};
+
+const SIZE: UVec2 = UVec2::splat(32);
+
+/// Metres that the picture shows across.
+const HEIGHT: f32 = 4.0;
+
+/// Cards of these materials in stripes as wide as half a tile, before an orthographic camera that is turned by `rotation`. All of
+/// their normals are `normal` to the camera.
+fn stripes(
+    s: &mut SceneBuilder,
+    rotation: Quat,
+    normal: Vec3,
+    materials: impl IntoIterator<Item = StandardMaterial>,
+) {
+    let width = HEIGHT / 8.0;
+    for (i, material) in materials.into_iter().enumerate() {
+        let (low, high) = (
+            Vec2::new(i as f32 * width, 0.0) - HEIGHT / 2.0,
+            Vec2::new((i + 1) as f32 * width, HEIGHT) - HEIGHT / 2.0,
+        );
+        let corners = [
+            low,
+            Vec2::new(high.x, low.y),
+            high,
+            Vec2::new(low.x, high.y),
+        ];
+        let mesh = Mesh::new(
+            PrimitiveTopology::TriangleList,
+            RenderAssetUsages::default(),
+        )
+        .with_inserted_attribute(
+            Mesh::ATTRIBUTE_POSITION,
+            corners.map(|corner| corner.extend(0.0)).to_vec(),
+        )
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![normal; 4])
+        .with_inserted_attribute(
+            Mesh::ATTRIBUTE_TANGENT,
+            vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 4],
+        )
+        .with_inserted_indices(Indices::U16(vec![0, 1, 2, 0, 2, 3]));
+        s.mesh(mesh, material, Transform::from_rotation(rotation));
+    }
+    s.camera(
+        Transform::from_rotation(rotation).with_translation(rotation * Vec3::Z * 10.0),
+        Projection::Orthographic(OrthographicProjection {
+            scaling_mode: ScalingMode::FixedVertical {
+                viewport_height: HEIGHT,
+            },
+            ..OrthographicProjection::default_3d()
+        }),
+    );
+}
+
+/// One of each kind, plain ones beside each.
+fn materials() -> [StandardMaterial; 8] {
+    let plain = || StandardMaterial {
+        emissive: LinearRgba::rgb(0.02, 0.05, 0.02),
+        perceptual_roughness: 0.6,
+        ..Color::srgb(0.6, 0.5, 0.4).into()
+    };
+    [
+        plain(),
+        StandardMaterial {
+            clearcoat: 1.0,
+            ..plain()
+        },
+        plain(),
+        StandardMaterial {
+            anisotropy_strength: 0.7,
+            ..plain()
+        },
+        plain(),
+        StandardMaterial {
+            diffuse_transmission: 0.7,
+            thickness: 0.2,
+            ..plain()
+        },
+        plain(),
+        StandardMaterial {
+            reflectance: 0.9,
+            ..plain()
+        },
+    ]
+}
+
+/// The first two have axes along those of the world, the others any.
+fn rotations() -> impl Iterator<Item = Quat> {
+    let mut random = Random::new(11);
+    let others: Vec<Quat> = (0..6)
+        .map(|_| {
+            let mut part = || random.range(-1.0, 1.0);
+            Quat::from_xyzw(part(), part(), part(), part()).normalize()
+        })
+        .collect();
+    let axes = [
+        Quat::IDENTITY,
+        Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2),
+    ];
+    // In the last of these, forward's own N·V is above 1.
+    axes.into_iter().chain([others[0], others[5]])
+}
+
+/// The light is finite, and the picture the same however all of the scene is turned, which changes nothing but what is rounded.
+fn compare(name: &str, least_psnr: f64, scene: impl Fn(&mut SceneBuilder, Quat)) {
+    let headless = &mut Headless::new(SIZE);
+    let mut first: Option<Picture> = None;
+    report(rotations().enumerate().flat_map(|(i, rotation)| {
+        show(headless, |s| scene(s, rotation));
+        set_lean(headless, true);
+        let picture = settled(headless);
+        let broken = light(headless).not_finite();
+        let name = format!("{name}_{i}");
+        println!("{name}: {broken} pixels are not finite");
+        let finite = match broken {
+            0 => Ok(()),
+            _ => Err(format!("{name}: {broken} pixels are not finite")),
+        };
+        let first = first.get_or_insert_with(|| picture.clone());
+        [finite, judge(&name, first, &picture, least_psnr)]
+    }));
+}
+
+/// N·V is 1 and a little.
+#[test]
+fn cards_seen_from_straight_before() {
+    in_own_process(|| {
+        compare("straight_before", LEAST_PSNR, |s, rotation| {
+            stripes(s, rotation, Vec3::Z, materials());
+            s.spawn((
+                DirectionalLight {
+                    illuminance: 3_000.0,
+                    ..default()
+                },
+                Transform::from_rotation(rotation),
+            ));
+        });
+    });
+}
+
+/// The lobes of rectangular lights are turned towards the viewer: from straight above, anywhere.
+#[test]
+fn cards_under_a_rectangular_light() {
+    in_own_process(|| {
+        compare("rectangular", LEAST_PSNR, |s, rotation| {
+            stripes(s, rotation, Vec3::Z, materials());
+            s.spawn((
+                RectLight {
+                    intensity: 40_000.0,
+                    width: 2.0,
+                    height: 1.0,
+                    ..default()
+                },
+                Transform::from_rotation(rotation).with_translation(rotation * Vec3::Z * 2.0),
+            ));
+        });
+    });
+}
+
+/// Normals lean away from the viewer, and light comes from behind: L is -V. And from the viewer's side, through the surface.
+#[test]
+fn light_from_straight_ahead() {
+    in_own_process(|| {
+        compare("straight_ahead", LEAST_PSNR, |s, rotation| {
+            stripes(s, rotation, Vec3::NEG_Z, materials());
+            for turn in [0.0, core::f32::consts::PI] {
+                s.spawn((
+                    DirectionalLight {
+                        illuminance: 3_000.0,
+                        ..default()
+                    },
+                    Transform::from_rotation(rotation * Quat::from_rotation_y(turn)),
+                ));
+            }
+        });
+    });
+}
+
+/// The surface goes through the middle of each of these: rounding says from where their light comes to a few pixels.
+#[test]
+fn lights_on_the_surface() {
+    in_own_process(|| {
+        compare("on_the_surface", 20.0, |s, rotation| {
+            stripes(s, rotation, Vec3::Z, materials());
+            let pixel = HEIGHT / SIZE.y as f32;
+            for i in 0..8 {
+                let middle = Vec2::splat(0.5) + Vec2::new(4.0 * i as f32 + 1.0, 9.0);
+                let place = (middle * pixel - HEIGHT / 2.0).extend(0.0);
+                s.spawn((
+                    PointLight {
+                        radius: 0.1,
+                        intensity: 20_000.0,
+                        ..default()
+                    },
+                    Transform::from_translation(rotation * place),
+                ));
+            }
+        });
+    });
+}
