@@ -35,7 +35,6 @@ fn reason_against(
     is_3d: bool,
     msaa: &Msaa,
     deferred_prepass: bool,
-    soft_shadows: bool,
 ) -> Option<LeanOffReason> {
     let of_depth = LeanOffReason::against_reading_depth(camera, is_3d, msaa);
     if of_depth.is_some() {
@@ -46,8 +45,6 @@ fn reason_against(
         Some(LeanOffReason::Format(view.target_format))
     } else if deferred_prepass {
         Some(LeanOffReason::DeferredPrepass)
-    } else if soft_shadows {
-        Some(LeanOffReason::SoftShadows)
     } else {
         None
     }
@@ -136,11 +133,11 @@ pub(super) fn decide_active_views(
         }
         return;
     }
-    // Both look at all lights.
-    let (soft_shadows, lights) = if views.is_empty() {
+    // Looks at all lights.
+    let lights = if views.is_empty() {
         default()
     } else {
-        (scene.has_soft_shadows(), scene.lights())
+        scene.lights()
     };
     let mut active_now = HashMap::default();
     let mut candidates = HashSet::<RetainedViewEntity>::default();
@@ -152,7 +149,7 @@ pub(super) fn decide_active_views(
         let main_entity = view.retained_view_entity.main_entity;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
-        let reason = reason_against(camera, view, is_3d, msaa, deferred, soft_shadows);
+        let reason = reason_against(camera, view, is_3d, msaa, deferred);
         let lacking = memory.label(entity);
         if reason.is_some() || lacking.is_some() {
             match (reason, lacking) {

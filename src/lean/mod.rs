@@ -1,8 +1,7 @@
 //! The decision, in each frame, which cameras with [`LeanDeferred`] are rendered lean.
 //!
-//! A camera is lean if it is HDR without MSAA and `DeferredPrepass`, its schedule is `Core3d`, its viewport has all of depth, no light
-//! has soft shadows, the device has what [`missing_capabilities`] lists, its textures fit into memory and its shaders are compiled. Else
-//! Bevy renders it. [`LeanStatus`] tells the app, and one warning for each reason tells the log.
+//! A camera is lean if it is HDR without MSAA and `DeferredPrepass`, its schedule is `Core3d`, its viewport has all of depth, the device
+//! has what [`missing_capabilities`] lists, its textures fit into memory and its shaders are compiled. Else Bevy renders it. [`LeanStatus`] tells the app, and one warning for each reason tells the log.
 //!
 //! In the render world [`LeanDeferredSupport`] says what the device can do, from `RenderStartup` on.
 

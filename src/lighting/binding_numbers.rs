@@ -46,11 +46,8 @@ pub mod view {
         DFG_LUT_SAMPLER = 38,
     }
 
-    /// Those that no lighting function reads. The samplers are those of percentage-closer soft shadows, which need
-    /// derivatives.
+    /// Those that no lighting function reads.
     pub const UNUSED: &[u32] = &[
-        POINT_SHADOW_TEXTURES_LINEAR_SAMPLER,
-        DIRECTIONAL_SHADOW_TEXTURES_LINEAR_SAMPLER,
         VISIBILITY_RANGES,
         SSR_SETTINGS,
         DT_LUT_TEXTURE,

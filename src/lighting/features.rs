@@ -76,6 +76,8 @@ bitflags! {
         const DIRECTIONAL = 1 << 0;
         const POINT = 1 << 1;
         const SPOT = 1 << 2;
+        /// Some of these lights have percentage-closer soft shadows (Bevy's feature `experimental_pbr_pcss`).
+        const SOFT = 1 << 3;
     }
 }
 
@@ -130,18 +132,6 @@ pub(crate) struct SceneFeatures<'w, 's> {
 }
 
 impl SceneFeatures<'_, '_> {
-    /// Whether a light asks for percentage-closer soft shadows (Bevy's feature `experimental_pbr_pcss`). They take
-    /// derivatives of the shadow's coordinates, which compute shaders do not have.
-    pub(crate) fn has_soft_shadows(&self) -> bool {
-        self.point_lights
-            .iter()
-            .any(|light| light.shadow_maps_enabled && light.soft_shadows_enabled)
-            || self
-                .directional_lights
-                .iter()
-                .any(|light| light.shadow_maps_enabled && light.soft_shadow_size.is_some())
-    }
-
     /// Whether a view with these settings and layers tells lights by their layers.
     pub(crate) fn has_light_layers(
         &self,
@@ -166,11 +156,18 @@ impl SceneFeatures<'_, '_> {
             }
             if light.shadow_maps_enabled {
                 lights.shadow_maps |= shadow_maps;
+                if light.soft_shadows_enabled {
+                    lights.shadow_maps |= ShadowMaps::SOFT;
+                }
             }
         }
-        let mut directional_lights = self.directional_lights.iter();
-        if directional_lights.any(|light| light.shadow_maps_enabled) {
-            lights.shadow_maps |= ShadowMaps::DIRECTIONAL;
+        for light in &self.directional_lights {
+            if light.shadow_maps_enabled {
+                lights.shadow_maps |= ShadowMaps::DIRECTIONAL;
+                if light.soft_shadow_size.is_some() {
+                    lights.shadow_maps |= ShadowMaps::SOFT;
+                }
+            }
         }
         lights
     }

@@ -24,7 +24,7 @@ use bevy::{
 
 use super::{
     ViewLighting, buffers::LightingBuffers, features::ViewEnvironmentMaps,
-    subsurface_light::SubsurfaceLight,
+    soft_shadows::BlockerSampler, subsurface_light::SubsurfaceLight,
 };
 use crate::{
     ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
@@ -76,6 +76,7 @@ pub(super) struct LightingResources<'w> {
     pub(super) view_uniforms: Res<'w, ViewUniforms>,
     pub(super) lights: Res<'w, LightMeta>,
     pub(super) shadow_samplers: Res<'w, ShadowSamplers>,
+    pub(super) blocker_sampler: Res<'w, BlockerSampler>,
     pub(super) clustered: Res<'w, GlobalClusterableObjectMeta>,
     pub(super) globals: Res<'w, GlobalsBuffer>,
     pub(super) probes: Res<'w, LightProbesBuffer>,

@@ -17,6 +17,7 @@
 // - `pipeline.rs`: layouts and pipelines. `bevy_definitions.rs`: what Bevy's part of the shader is compiled with.
 // - `inputs.rs`, `buffers.rs`: what it reads. `binding_numbers.rs`, `bindings.rs`, `view_entries.rs`: what of that it binds, and
 //   where; made anew only when something of it changed.
+// - `soft_shadows.rs`: a sampler of shadow maps.
 // - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
 // - `pass.rs`: the dispatches.
 // - `lighting.wgsl`, `shade.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader. `visibility.wgsl`: ambient occlusion in it.
@@ -38,6 +39,7 @@ mod light_layer_table;
 mod light_layers;
 mod pass;
 mod pipeline;
+mod soft_shadows;
 #[doc(hidden)]
 pub mod subsurface_light;
 mod tile_list;
@@ -150,6 +152,7 @@ impl Plugin for LightingPlugin {
         removal::remove_with::<ActiveLeanView, (DiffuseLight, SubsurfaceLight)>(render_app);
         render_app
             .init_gpu_resource::<buffers::LightingBuffers>()
+            .init_gpu_resource::<soft_shadows::BlockerSampler>()
             .init_resource::<light_layers::LightLayers>()
             .add_systems(ExtractSchedule, light_layers::extract_light_layers)
             .add_systems(

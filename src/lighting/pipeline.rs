@@ -232,6 +232,12 @@ impl LightingPipelines {
                 && (key.rect_lights
                     || ![view::AREA_LIGHT_LUTS, view::AREA_LIGHT_LUTS_SAMPLER]
                         .contains(&entry.binding))
+                && (key.shadow_maps.contains(ShadowMaps::SOFT)
+                    || ![
+                        view::POINT_SHADOW_TEXTURES_LINEAR_SAMPLER,
+                        view::DIRECTIONAL_SHADOW_TEXTURES_LINEAR_SAMPLER,
+                    ]
+                    .contains(&entry.binding))
         });
 
         let mut arrays_layout = bevy_layout.binding_array_layout;
@@ -299,6 +305,11 @@ impl LightingPipelines {
         define(
             casts(ShadowMaps::POINT | ShadowMaps::SPOT),
             "CLUSTERED_SHADOW_MAPS",
+        );
+        define(casts(ShadowMaps::SOFT), "SOFT_SHADOWS");
+        define(
+            layouts.has_view_binding(view::POINT_SHADOW_TEXTURES_LINEAR_SAMPLER),
+            "PCSS_SAMPLERS_AVAILABLE",
         );
         define(key.geometric_normal.is_some(), "GEOMETRIC_NORMAL");
         define(

@@ -39,6 +39,10 @@ pub(super) fn view_entry<'a>(
             .shadow_samplers
             .point_light_comparison_sampler
             .into_binding(),
+        view::POINT_SHADOW_TEXTURES_LINEAR_SAMPLER
+        | view::DIRECTIONAL_SHADOW_TEXTURES_LINEAR_SAMPLER => {
+            resources.blocker_sampler.0.into_binding()
+        }
         view::DIRECTIONAL_SHADOW_TEXTURES => lit
             .shadows
             .directional_light_depth_texture_view

@@ -74,8 +74,6 @@ pub enum LeanOffReason {
     Format(TextureFormat),
     /// It has `DeferredPrepass`, so Bevy's own deferred renderer.
     DeferredPrepass,
-    /// A light has soft shadows (`experimental_pbr_pcss`).
-    SoftShadows,
     /// The device lacks this.
     Device(String),
     /// A shader cannot be compiled, for this cause.
@@ -101,10 +99,6 @@ impl fmt::Display for LeanOffReason {
             Self::DeferredPrepass => {
                 write!(f, "it has DeferredPrepass (Bevy's own deferred renderer)")
             }
-            Self::SoftShadows => write!(
-                f,
-                "a light has soft shadows (experimental_pbr_pcss), which only fragment shaders can filter"
-            ),
             Self::Device(missing) => write!(f, "the device lacks {missing}"),
             Self::Shader(cause) => write!(f, "a shader cannot be compiled: {cause}"),
             Self::OutOfMemory(label) => {

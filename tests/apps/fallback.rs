@@ -12,11 +12,11 @@ use bevy::{
     },
     ecs::schedule::ScheduleLabel,
     pbr::{
-        ExtractedDirectionalLight, ExtractedPointLight, clear_indirect_parameters_metadata,
-        early_gpu_preprocess, main_build_indirect_parameters, unpack_bins,
+        clear_indirect_parameters_metadata, early_gpu_preprocess, main_build_indirect_parameters,
+        unpack_bins,
     },
     prelude::*,
-    render::{Render, RenderApp, RenderSystems, camera::CameraRenderGraph},
+    render::{RenderApp, camera::CameraRenderGraph},
 };
 use bevy_lean_deferred::{lean::LeanDeferredSupport, lighting::ViewLighting, prelude::*};
 use kit::{
@@ -264,90 +264,6 @@ fn exposure_in_an_own_schedule() {
             leave_core_3d,
             "its CameraRenderGraph is neither Core3d nor Core2d",
         );
-    });
-}
-
-/// Which lights ask for percentage-closer soft shadows. Their components have no field for that without Bevy's feature
-/// `experimental_pbr_pcss`, but in the render world it is there.
-#[derive(Resource, Clone, Copy, Default, PartialEq, Debug)]
-struct SoftShadows {
-    sun: bool,
-    lamp: bool,
-}
-
-fn soften_shadows(
-    soft: Res<SoftShadows>,
-    mut suns: Query<&mut ExtractedDirectionalLight>,
-    mut lamps: Query<&mut ExtractedPointLight>,
-) {
-    for mut sun in &mut suns {
-        sun.soft_shadow_size = soft.sun.then_some(10.0);
-    }
-    for mut lamp in &mut lamps {
-        lamp.soft_shadows_enabled = soft.lamp;
-    }
-}
-
-#[test]
-fn soft_shadows() {
-    in_own_process(|| {
-        let mut camera = Entity::PLACEHOLDER;
-        let mut headless = build(SIZE, |s| {
-            s.solids();
-            s.sun(true);
-            s.spawn((
-                PointLight {
-                    intensity: 900_000.0,
-                    radius: 0.2,
-                    shadow_maps_enabled: true,
-                    ..default()
-                },
-                Transform::from_xyz(-2.0, 2.5, 1.5),
-            ));
-            camera = s.default_camera(());
-        });
-        headless
-            .app
-            .sub_app_mut(RenderApp)
-            .init_resource::<SoftShadows>()
-            .add_systems(
-                Render,
-                soften_shadows
-                    .after(RenderSystems::ExtractCommands)
-                    .before(RenderSystems::PrepareAssets),
-            );
-        let mut pictures = |soft, lean| {
-            headless
-                .app
-                .sub_app_mut(RenderApp)
-                .insert_resource::<SoftShadows>(soft);
-            let mut camera = headless.world().entity_mut(camera);
-            if lean {
-                camera.insert(LeanDeferred::default());
-            } else {
-                camera.remove::<LeanDeferred>();
-            }
-            headless.settle();
-            (headless.capture(), active_lean_views(&mut headless))
-        };
-
-        for (sun, lamp) in [(true, false), (false, true), (true, true)] {
-            let soft = SoftShadows { sun, lamp };
-            let (without, _) = pictures(soft, false);
-            let (with, active) = pictures(soft, true);
-            assert_eq!(active, 0, "{soft:?}");
-            assert!(without.rgba == with.rgba, "{soft:?} is not Bevy's picture");
-        }
-        let warnings = log_watch::messages_with("a light has soft shadows");
-        assert_eq!(
-            warnings.len(),
-            3,
-            "once for each time that it was added: {warnings:?}"
-        );
-
-        // Once they are hard again, the camera is lean again.
-        let (_, active) = pictures(SoftShadows::default(), true);
-        assert_eq!(active, 1);
     });
 }
 

@@ -22,3 +22,4 @@ mod parity;
 mod resolution_override;
 mod rounding;
 mod shading_extension;
+mod soft_shadows;

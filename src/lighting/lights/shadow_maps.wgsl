@@ -1,11 +1,42 @@
 // How much of a light that casts shadows reaches a point: Bevy's shadow maps.
 #define_import_path bevy_lean_deferred::lighting::lights::shadow_maps
 
+#import bevy_pbr::mesh_view_bindings as view_bindings
 #import bevy_pbr::mesh_view_bindings::clustered_lights
 #import bevy_pbr::shadow_sampling
 #import bevy_pbr::shadows::{fetch_directional_shadow, fetch_point_shadow, fetch_spot_shadow}
 
-// Where a light asks for percentage-closer soft shadows, cameras are not lean. What finds these is left out.
+#ifdef SOFT_SHADOWS
+/// As Bevy's, which takes the level of detail from derivatives, and so is for fragment shaders alone: shadow maps have one level.
+override fn shadow_sampling::search_for_blockers_in_shadow_cubemap_hardware(
+    light_local: vec3<f32>,
+    depth: f32,
+    light_id: u32,
+) -> vec2<f32> {
+#ifdef PCSS_SAMPLERS_AVAILABLE
+#ifdef NO_CUBE_ARRAY_TEXTURES_SUPPORT
+    let sampled_depth = textureSampleLevel(
+        view_bindings::point_shadow_textures,
+        view_bindings::point_shadow_textures_linear_sampler,
+        light_local,
+        0u,
+    );
+#else
+    let sampled_depth = textureSampleLevel(
+        view_bindings::point_shadow_textures,
+        view_bindings::point_shadow_textures_linear_sampler,
+        light_local,
+        i32(light_id),
+        0u,
+    );
+#endif
+    return select(vec2(0.0), vec2(sampled_depth, 1.0), sampled_depth >= depth);
+#else
+    return vec2(0.0);
+#endif
+}
+#else   // SOFT_SHADOWS
+// No light has percentage-closer soft shadows: their filters are left out.
 
 override fn shadow_sampling::sample_shadow_map_pcss(
     light_local: vec2<f32>,
@@ -28,6 +59,7 @@ override fn shadow_sampling::sample_shadow_cubemap_pcss(
 ) -> f32 {
     return 1.0;
 }
+#endif  // SOFT_SHADOWS
 
 /// Of the directional light with this index.
 fn directional_shadow(id: u32, position: vec3<f32>, normal: vec3<f32>, view_z: f32, pixel: vec2<i32>) -> f32 {

@@ -65,6 +65,12 @@ pub const LIGHTING: &[Factor] = &[
         &["SPOT_SHADOW_MAPS"],
         &["POINT_SHADOW_MAPS", "SPOT_SHADOW_MAPS"],
     ],
+    // Bevy's feature `experimental_pbr_pcss` brings the samplers.
+    &[
+        &[],
+        &["SOFT_SHADOWS"],
+        &["SOFT_SHADOWS", "PCSS_SAMPLERS_AVAILABLE"],
+    ],
     &[
         &[],
         &["PROJECTION_PERSPECTIVE"],

@@ -84,7 +84,7 @@ macro_rules! shader {
 
 /// With what lights everything, and `more`.
 fn lighting(more: &[&str]) -> Composed {
-    const MOST: [&str; 32] = [
+    const MOST: [&str; 34] = [
         "DEPTH_PREPASS",
         "DIFFUSE_LIGHT",
         "INDIRECT_SPECULAR",
@@ -107,6 +107,8 @@ fn lighting(more: &[&str]) -> Composed {
         "CLUSTERED_SHADOW_MAPS",
         "POINT_SHADOW_MAPS",
         "SPOT_SHADOW_MAPS",
+        "SOFT_SHADOWS",
+        "PCSS_SAMPLERS_AVAILABLE",
         "SHADOW_FILTER_METHOD_TEMPORAL",
         "BLUE_NOISE_TEXTURE",
         "DFG_LUT",

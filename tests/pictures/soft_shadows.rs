@@ -1,0 +1,196 @@
+//! Percentage-closer soft shadows, beside Bevy forward's.
+//!
+//! With Bevy's feature they are as wide as blockers are far away:
+//! `cargo test --test pictures --features bevy/experimental_pbr_pcss soft_shadows`. It is no feature of all tests: with it, Vulkan's
+//! validation layer complains of each frame that Bevy renders on llvmpipe. Without it the same filters run, at their least width.
+
+use bevy::{
+    light::ShadowFilteringMethod,
+    pbr::{
+        ExtractedDirectionalLight, ExtractedPointLight, MeshPipeline, MeshPipelineViewLayoutKey,
+    },
+    prelude::*,
+    render::{Render, RenderApp, RenderSystems},
+};
+use bevy_lean_deferred::lighting::binding_numbers::view;
+use kit::{
+    headless::Headless,
+    lean::{active_lean_views, build, change_cameras, judge, report, set_lean, settled},
+    metrics::pixel_difference,
+    own_process::in_own_process,
+    scenes::{LEAST_PSNR, SceneBuilder},
+};
+
+const SIZE: UVec2 = UVec2::new(200, 150);
+
+/// The lights that have soft shadows. Components say so only with Bevy's feature `experimental_pbr_pcss`; in the render world there are
+/// fields for it without, too.
+#[derive(Resource, Clone, Copy, Default, PartialEq, Debug)]
+struct Soft {
+    sun: bool,
+    lamps: bool,
+}
+
+fn soften(
+    soft: Res<Soft>,
+    mut suns: Query<&mut ExtractedDirectionalLight>,
+    mut lamps: Query<&mut ExtractedPointLight>,
+) {
+    for mut sun in &mut suns {
+        sun.soft_shadow_size = soft.sun.then_some(100.0);
+    }
+    for mut lamp in &mut lamps {
+        lamp.soft_shadows_enabled = soft.lamps;
+    }
+}
+
+fn app(scene: impl FnOnce(&mut SceneBuilder)) -> Headless {
+    let mut headless = build(SIZE, |s| {
+        s.solids();
+        scene(s);
+        s.default_camera(());
+    });
+    headless
+        .app
+        .sub_app_mut(RenderApp)
+        .init_resource::<Soft>()
+        .add_systems(
+            Render,
+            soften
+                .after(RenderSystems::ExtractCommands)
+                .before(RenderSystems::PrepareAssets),
+        );
+    headless
+}
+
+/// Whether Bevy is built with the feature: it binds samplers for it. Without them it takes the distance of blockers for 0.
+fn searches_for_blockers(headless: &Headless) -> bool {
+    let render_world = headless.app.sub_app(RenderApp).world();
+    let pipeline = render_world.resource::<MeshPipeline>();
+    let layout = pipeline.get_view_layout(MeshPipelineViewLayoutKey::empty());
+    let mut entries = layout.main_layout.entries.iter();
+    entries.any(|entry| entry.binding == view::POINT_SHADOW_TEXTURES_LINEAR_SAMPLER)
+}
+
+fn set(headless: &mut Headless, soft: Soft) {
+    let render_app = headless.app.sub_app_mut(RenderApp);
+    render_app.insert_resource::<Soft>(soft);
+}
+
+/// Compares lean with forward under each filter.
+fn compare(name: &str, soft: Soft, scene: impl FnOnce(&mut SceneBuilder)) {
+    let mut headless = app(scene);
+    headless.frames(1);
+    let is_soft = searches_for_blockers(&headless);
+    let filters = [
+        ShadowFilteringMethod::Hardware2x2,
+        ShadowFilteringMethod::Gaussian,
+        ShadowFilteringMethod::Temporal,
+    ];
+    let results = filters.map(|filter| {
+        change_cameras(&mut headless, |camera| {
+            camera.insert(filter);
+        });
+        set(&mut headless, Soft::default());
+        set_lean(&mut headless, false);
+        let hard = settled(&mut headless);
+        set(&mut headless, soft);
+        let forward = settled(&mut headless);
+        let softened = pixel_difference(&hard, &forward);
+        set_lean(&mut headless, true);
+        let lean = settled(&mut headless);
+        let name = format!("{name}_{filter:?}");
+        println!("{name}: hard to soft {softened}");
+        assert_eq!(active_lean_views(&mut headless), 1, "{name} is not lean");
+        if is_soft && softened.largest < 16 {
+            return Err(format!("{name} is not soft: {softened}"));
+        }
+        judge(&name, &forward, &lean, LEAST_PSNR)
+    });
+    if is_soft {
+        // The validation layer complains of Bevy's samplers, with and without this crate: not every device can filter depth.
+        let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();
+        assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+    } else {
+        report(results);
+    }
+}
+
+#[test]
+fn of_a_sun() {
+    in_own_process(|| {
+        let soft = Soft {
+            sun: true,
+            lamps: false,
+        };
+        compare("soft_sun", soft, |s| {
+            s.sun(true);
+        });
+    });
+}
+
+#[test]
+fn of_a_point_light() {
+    in_own_process(|| {
+        let soft = Soft {
+            sun: false,
+            lamps: true,
+        };
+        compare("soft_point_light", soft, |s| {
+            s.spawn((
+                PointLight {
+                    intensity: 900_000.0,
+                    radius: 2.5,
+                    shadow_maps_enabled: true,
+                    ..default()
+                },
+                Transform::from_xyz(-1.5, 2.5, 1.5),
+            ));
+        });
+    });
+}
+
+#[test]
+fn of_a_spot_light() {
+    in_own_process(|| {
+        let soft = Soft {
+            sun: false,
+            lamps: true,
+        };
+        compare("soft_spot_light", soft, |s| {
+            s.spawn((
+                SpotLight {
+                    intensity: 3_000_000.0,
+                    radius: 2.5,
+                    outer_angle: 0.7,
+                    shadow_maps_enabled: true,
+                    ..default()
+                },
+                Transform::from_xyz(-2.0, 5.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y),
+            ));
+        });
+    });
+}
+
+/// Hard ones beside them stay as they are.
+#[test]
+fn beside_hard_ones() {
+    in_own_process(|| {
+        let soft = Soft {
+            sun: true,
+            lamps: false,
+        };
+        compare("soft_beside_hard", soft, |s| {
+            s.sun(true);
+            s.spawn((
+                PointLight {
+                    intensity: 300_000.0,
+                    radius: 0.2,
+                    shadow_maps_enabled: true,
+                    ..default()
+                },
+                Transform::from_xyz(-1.5, 2.5, 1.5),
+            ));
+        });
+    });
+}
