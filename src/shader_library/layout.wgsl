@@ -2,17 +2,18 @@
 //
 // | word | target          | bits, low to high                                         |
 // |------|-----------------|-----------------------------------------------------------|
-// | 0    | `surface`       | albedo R 7, G 8, B 7 (square roots), metallic 5, occlusion 5 |
+// | 0    | `surface`       | albedo R 7, G 7, B 7 (square roots), their exponent 2, metallic and occlusion 9 |
 // | 1    | `normal`        | octahedral x 12, y 12 (stored + 1, so 0 = no geometry), perceptual roughness 8 |
 //
 // The optional targets' words are in `layout/`, a file for each.
 // Every other file calls these functions; none repeats a shift.
 #define_import_path bevy_lean_deferred::gbuffer::layout
 
-const ALBEDO_R_MAX: f32 = 127.0;
-const ALBEDO_G_MAX: f32 = 255.0;
-const ALBEDO_B_MAX: f32 = 127.0;
-const FIVE_BIT_MAX: f32 = 31.0;
+const ALBEDO_MAX: f32 = 127.0;
+const METALLIC_MAX: f32 = 20.0;
+const OCCLUSION_MAX: f32 = 23.0;
+/// Codes of occlusion for each code of metallic.
+const OCCLUSION_CODES: u32 = 24u;
 const ROUGHNESS_MAX: f32 = 255.0;
 
 /// Steps of one octahedral axis. Even, so that 0 is a code and the axes and flat floors are stored exactly.
@@ -67,25 +68,39 @@ fn quantize_roots(color: vec3<f32>, steps: vec3<f32>) -> vec3<u32> {
     return vec3<u32>(sqrt(clamp(valid, vec3(0.0), vec3(1.0))) * steps + 0.5);
 }
 
+/// Times that the roots of `albedo` can be doubled, up to 3. Decided on linear values: comparisons of floats agree with
+/// the twin, square roots may not.
+fn albedo_exponent(albedo: vec3<f32>) -> u32 {
+    let largest = max(albedo.r, max(albedo.g, albedo.b));
+    return u32(largest <= 0.25) + u32(largest <= 0.0625) + u32(largest <= 0.015625);
+}
+
+/// Packs word 0. A colour with a NaN becomes black.
 fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32) -> u32 {
-    let rgb = quantize_roots(albedo, vec3(ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX));
-    let m = quantize(metallic, FIVE_BIT_MAX);
-    let o = quantize(occlusion, FIVE_BIT_MAX);
-    return rgb.r | (rgb.g << 7u) | (rgb.b << 15u) | (m << 22u) | (o << 27u);
+    // The NaN of one channel must not depend on which one `max` drops.
+    let is_number = !is_nan(albedo.r + albedo.g + albedo.b);
+    let valid = select(vec3(0.0), clamp(albedo, vec3(0.0), vec3(1.0)), is_number);
+    let exponent = albedo_exponent(valid);
+    let rgb = quantize_roots(valid * f32(1u << (2u * exponent)), vec3(ALBEDO_MAX));
+    let m = quantize(metallic, METALLIC_MAX);
+    let o = quantize(occlusion, OCCLUSION_MAX);
+    return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (exponent << 21u) | ((m * OCCLUSION_CODES + o) << 23u);
 }
 
 fn unpack_albedo(word: u32) -> vec3<f32> {
-    let codes = vec3(word & 0x7fu, (word >> 7u) & 0xffu, (word >> 15u) & 0x7fu);
-    let root = vec3<f32>(codes) / vec3(ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX);
+    let codes = vec3(word & 0x7fu, (word >> 7u) & 0x7fu, (word >> 14u) & 0x7fu);
+    let exponent = (word >> 21u) & 3u;
+    let root = vec3<f32>(codes) / (ALBEDO_MAX * f32(1u << exponent));
     return root * root;
 }
 
 fn unpack_metallic(word: u32) -> f32 {
-    return f32((word >> 22u) & 0x1fu) / FIVE_BIT_MAX;
+    // Words that nothing has packed may hold a larger code.
+    return min(f32((word >> 23u) / OCCLUSION_CODES) / METALLIC_MAX, 1.0);
 }
 
 fn unpack_occlusion(word: u32) -> f32 {
-    return f32(word >> 27u) / FIVE_BIT_MAX;
+    return f32((word >> 23u) % OCCLUSION_CODES) / OCCLUSION_MAX;
 }
 
 /// 1 for x >= 0, else -1 (never 0, unlike `sign`).

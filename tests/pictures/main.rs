@@ -3,6 +3,7 @@
 //! Each test has a process of its own: together they would take more memory than many a machine has, see
 //! `kit/src/own_process.rs`.
 
+mod accuracy;
 mod atmosphere;
 mod bright_light;
 mod coming_from_deferred;

@@ -17,8 +17,11 @@ const MODULE: WgslModule = shipped_wgsl!("shader_library/layout.wgsl");
 
 /// Floats of a [`Surface`], as the kernels below pass them.
 const FIELDS: usize = 9;
-/// Largest code of each field of a surface word, low bits first, with the field's shift.
-const SURFACE_FIELDS: [(u32, u32); 5] = [(127, 0), (255, 7), (127, 15), (31, 22), (31, 27)];
+/// Largest code of a channel of albedo, of its exponent, of metallic and of occlusion.
+const ALBEDO_CODE_MAX: u32 = 127;
+const EXPONENT_MAX: u32 = 3;
+const METALLIC_CODE_MAX: u32 = 20;
+const OCCLUSION_CODE_MAX: u32 = 23;
 /// Largest code of an octahedral axis; the least is 1.
 const NORMAL_CODE_MAX: u32 = NORMAL_STEPS as u32 + 1;
 /// Device and twin may differ by as much in a decoded value: their `pow` and `normalize` round differently.
@@ -73,6 +76,28 @@ fn surface([ax, ay, az, metallic, occlusion, nx, ny, nz, roughness]: [f32; FIELD
     }
 }
 
+/// A surface word as packing makes it: with the largest exponent that its colour allows.
+fn surface_word([r, g, b]: [u32; 3], exponent: u32, metallic: u32, occlusion: u32) -> u32 {
+    let is_dark = r.max(g).max(b) <= ALBEDO_CODE_MAX / 2;
+    let exponent = if is_dark { EXPONENT_MAX } else { exponent };
+    let rest = metallic * (OCCLUSION_CODE_MAX + 1) + occlusion;
+    r | (g << 7) | (b << 14) | (exponent << 21) | (rest << 23)
+}
+
+/// The codes of a surface word: three of albedo, its exponent, metallic, occlusion.
+fn surface_codes(word: u32) -> [u32; 6] {
+    let rest = word >> 23;
+    let occlusions = OCCLUSION_CODE_MAX + 1;
+    [
+        word & 0x7f,
+        (word >> 7) & 0x7f,
+        (word >> 14) & 0x7f,
+        (word >> 21) & 3,
+        rest / occlusions,
+        rest % occlusions,
+    ]
+}
+
 fn normal_word(x: u32, y: u32, roughness: u32) -> u32 {
     x | (y << 12) | (roughness << 24)
 }
@@ -118,15 +143,37 @@ fn every_code_survives_unpacking_and_packing() {
     let mut random = Random::new(1);
 
     let mut words = Vec::new();
-    for (max, shift) in SURFACE_FIELDS {
-        words.extend((0..=max).map(|code| [code << shift, normal_word(1, 1, 0)]));
+    for exponent in 0..=EXPONENT_MAX {
+        for code in 0..=ALBEDO_CODE_MAX {
+            for channel in 0..3 {
+                for others in [0, code / 2, code] {
+                    let mut codes = [others; 3];
+                    codes[channel] = code;
+                    let word = surface_word(codes, exponent, 0, 0);
+                    words.push([word, normal_word(1, 1, 0)]);
+                }
+            }
+        }
+    }
+    for metallic in 0..=METALLIC_CODE_MAX {
+        for occlusion in 0..=OCCLUSION_CODE_MAX {
+            let word = surface_word([0; 3], 0, metallic, occlusion);
+            words.push([word, normal_word(1, 1, 0)]);
+        }
     }
     words.extend((0..=255).map(|roughness| [0, normal_word(2048, 2048, roughness)]));
     words.extend((0..500_000).map(|_| {
-        let mut code = || 1 + random.below(NORMAL_CODE_MAX as usize) as u32;
+        let mut below = |count: u32| random.below(count as usize) as u32;
+        let albedo = [(); 3].map(|()| below(ALBEDO_CODE_MAX + 1));
+        let exponent = below(EXPONENT_MAX + 1);
+        let (metallic, occlusion) = (below(METALLIC_CODE_MAX + 1), below(OCCLUSION_CODE_MAX + 1));
         [
-            code() ^ (code() << 20) ^ (code() << 10),
-            normal_word(code(), code(), code() & 0xff),
+            surface_word(albedo, exponent, metallic, occlusion),
+            normal_word(
+                1 + below(NORMAL_CODE_MAX),
+                1 + below(NORMAL_CODE_MAX),
+                below(256),
+            ),
         ]
     }));
     check_round_trip(&kernel, &words);
@@ -274,6 +321,55 @@ fn device_and_twin_pack_alike() {
         tie_count < inputs.len() * 7 / 1000,
         "{tie_count} ties are too many to be ties"
     );
+}
+
+/// Black, white, quarters of it and what materials name most are stored as they are; grey has no tint.
+#[test]
+fn common_values_are_exact() {
+    let stored = |albedo: Vec3, metallic, occlusion| {
+        let word = layout::pack_surface(albedo, metallic, occlusion);
+        (
+            layout::unpack_albedo(word),
+            layout::unpack_metallic(word),
+            layout::unpack_occlusion(word),
+        )
+    };
+    for albedo in [0.0, 1.0, 0.25, 0.0625, 0.015625] {
+        for channels in [Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z] {
+            let albedo = albedo * channels;
+            assert_eq!(stored(albedo, 0.0, 1.0), (albedo, 0.0, 1.0));
+        }
+    }
+    for i in 0..=20 {
+        let metallic = i as f32 / 20.0;
+        assert_eq!(stored(Vec3::ONE, metallic, 0.0), (Vec3::ONE, metallic, 0.0));
+    }
+    for i in 0..=10_000 {
+        let (grey, ..) = stored(Vec3::splat(i as f32 / 10_000.0), 0.0, 1.0);
+        assert_eq!(grey, Vec3::splat(grey.x));
+    }
+}
+
+/// From the least albedo with all digits up, a code is at most so much of the brightest channel from the next.
+#[test]
+fn dark_albedo_is_as_fine_as_bright() {
+    let mut last = 0.0;
+    let mut largest_step = 0.0f32;
+    for i in 0..=2_000_000 {
+        let exact = 2f32.powf(-8.0 * (1.0 - i as f32 / 2e6));
+        let word = layout::pack_surface(Vec3::splat(exact), 0.0, 0.0);
+        let stored = layout::unpack_albedo(word).x;
+        assert!(stored >= last, "{exact} is darker than less");
+        if last > 0.0 {
+            largest_step = largest_step.max(stored / last - 1.0);
+        }
+        last = stored;
+    }
+    println!(
+        "albedo from 1/256 up: steps of {:.2}%",
+        100.0 * largest_step
+    );
+    assert!(largest_step < 0.0325);
 }
 
 #[test]

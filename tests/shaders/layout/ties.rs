@@ -3,7 +3,10 @@
 use bevy::math::{DVec2, DVec3, Vec3};
 use bevy_lean_deferred::gbuffer::layout::{NORMAL_STEPS, Surface};
 
-use super::{SURFACE_FIELDS, accuracy::direction_from_octahedral, normal_codes};
+use super::{
+    ALBEDO_CODE_MAX, METALLIC_CODE_MAX, OCCLUSION_CODE_MAX, accuracy::direction_from_octahedral,
+    normal_codes, surface_codes,
+};
 
 /// Device and twin may round a value up and down that lies no further from the middle between two codes, in steps.
 const TIE: f64 = 1e-4;
@@ -34,13 +37,17 @@ pub fn differences(
     twin: [u32; 2],
     ties: &mut usize,
 ) -> Vec<String> {
-    let root = |x: f32| f64::from(x).clamp(0.0, 1.0).sqrt();
+    let codes = [device, twin].map(|words| surface_codes(words[0]));
+    // The exponent is chosen by comparisons: it has no ties.
+    let scale = f64::from(1 << codes[1][3]);
+    let root = |x: f32| scale * f64::from(x).clamp(0.0, 1.0).sqrt();
     let values = [
-        root(input.albedo.x),
-        root(input.albedo.y),
-        root(input.albedo.z),
-        f64::from(input.metallic),
-        f64::from(input.occlusion),
+        (root(input.albedo.x), ALBEDO_CODE_MAX),
+        (root(input.albedo.y), ALBEDO_CODE_MAX),
+        (root(input.albedo.z), ALBEDO_CODE_MAX),
+        (0.0, 1),
+        (f64::from(input.metallic), METALLIC_CODE_MAX),
+        (f64::from(input.occlusion), OCCLUSION_CODE_MAX),
     ];
     let mut found = Vec::new();
     let mut compare = |name: String, device: u32, twin: u32, tie: f64, tolerance: f64| {
@@ -52,10 +59,9 @@ pub fn differences(
             ));
         }
     };
-    for (i, (max, shift)) in SURFACE_FIELDS.into_iter().enumerate() {
-        let code = |words: [u32; 2]| (words[0] >> shift) & max;
-        let tie = distance_to_tie(values[i], max);
-        compare(format!("field {i}"), code(device), code(twin), tie, TIE);
+    for (i, (value, max)) in values.into_iter().enumerate() {
+        let tie = distance_to_tie(value, max);
+        compare(format!("field {i}"), codes[0][i], codes[1][i], tie, TIE);
     }
     let code = |words: [u32; 2]| words[1] & 0xff_ffff;
     let tie = distance_to_normal_tie(input.normal, device[1], twin[1]);

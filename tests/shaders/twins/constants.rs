@@ -72,7 +72,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
         };
     }
     constants!("shader_library/layout.wgsl": layout::{
-        ALBEDO_R_MAX, ALBEDO_G_MAX, ALBEDO_B_MAX, FIVE_BIT_MAX, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY
+        ALBEDO_MAX, METALLIC_MAX, OCCLUSION_MAX, OCCLUSION_CODES, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY
     });
     constants!("shader_library/layout/light.wgsl": light::{LARGEST_LIGHT});
     constants!("shader_library/layout/motion.wgsl": motion::{LARGEST_MOTION});
