@@ -74,6 +74,14 @@ impl ViewDemand {
         }
     }
 
+    /// Forgets all meshes, as those of a camera that is switched off. What they need is kept in mind as long as that of meshes out of sight.
+    fn forget_meshes(&mut self) {
+        self.by_mesh.clear();
+        for (demand, _) in self.counts.drain() {
+            self.lingering.insert(demand, LINGERING_FRAMES);
+        }
+    }
+
     /// What is needed now and what was a little while ago, and what is needed now. To be called once a frame.
     fn wanted(&mut self) -> [Demand; 2] {
         self.lingering.retain(|_, frames| {
@@ -102,23 +110,43 @@ impl ViewDemands {
         self.0.entry(view).or_default()
     }
 
-    /// Forgets all views that are not `live`.
-    pub(super) fn retain(&mut self, live: impl Fn(&RetainedViewEntity) -> bool) {
-        self.0.retain(|view, _| live(view));
+    /// Forgets the meshes of views that are not `active`, and those that `exist` no more. The first frame after a pause then has targets and
+    /// lighting for what the last one before it showed.
+    pub(super) fn retain(
+        &mut self,
+        active: impl Fn(&RetainedViewEntity) -> bool,
+        exist: impl Fn(&RetainedViewEntity) -> bool,
+    ) {
+        self.0.retain(|view, demand| {
+            let is_active = active(view);
+            if !is_active {
+                demand.forget_meshes();
+            }
+            is_active || exist(view)
+        });
     }
 
-    /// Whether `view` has, or had a little while ago, visible meshes beneath whose surfaces light scatters.
+    /// What the meshes of any view need, or needed a little while ago.
+    fn of_all(&self) -> Demand {
+        let demands = self.0.values().flat_map(|view| view.lingering.keys());
+        demands.fold(Demand::default(), |all, demand| all.union(*demand))
+    }
+
+    /// Whether `view` has, or had a little while ago, visible meshes beneath whose surfaces light scatters. A view in its first frame may
+    /// have some if others do.
     pub(crate) fn scatter(&self, view: RetainedViewEntity) -> bool {
-        let demands = self.0.get(&view).map(|demand| demand.lingering.keys());
-        let mut demands = demands.into_iter().flatten();
-        demands.any(|demand| demand.variants.scatter())
+        match self.0.get(&view) {
+            Some(demand) => (demand.lingering.keys()).any(|demand| demand.variants.scatter()),
+            None => self.of_all().variants.scatter(),
+        }
     }
 
     /// What `view` should have in this frame, by what its meshes needed up to the last one: with what they needed a little
-    /// while ago, and without.
+    /// while ago, and without. A view in its first frame shows, for all that is known, what others do.
     pub(crate) fn wanted(&mut self, view: RetainedViewEntity) -> [Demand; 2] {
-        self.0
-            .get_mut(&view)
-            .map_or_else(Default::default, ViewDemand::wanted)
+        match self.0.get_mut(&view) {
+            Some(demand) => demand.wanted(),
+            None => [self.of_all(), Demand::default()],
+        }
     }
 }

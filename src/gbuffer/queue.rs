@@ -135,6 +135,7 @@ pub(super) fn queue_gbuffer_meshes(
         ),
         With<LeanDeferred>,
     >,
+    cameras: Query<&MainEntity, With<LeanDeferred>>,
     mut live_views: Local<HashSet<RetainedViewEntity>>,
     mut sorted: Local<HashMap<RetainedViewEntity, SortedView>>,
     mut concerned: Local<Vec<MainEntity>>,
@@ -241,7 +242,10 @@ pub(super) fn queue_gbuffer_meshes(
     offers.show(&live_views, &mut bevy_pipelines);
     pending_queues.0.expire_stale_views(&live_views);
     sorted.retain(|view, _| live_views.contains(view));
-    demands.retain(|view| live_views.contains(view));
+    demands.retain(
+        |view| live_views.contains(view),
+        |view| cameras.iter().any(|camera| *camera == view.main_entity),
+    );
 }
 
 /// How the meshes of a view are sorted.

@@ -165,12 +165,15 @@ pub(super) fn decide_active_views(
                 .remove::<(ActiveLeanView, ViewLighting)>();
             continue;
         }
-        let (Some(mut lighting), Some(view_key)) =
-            (lighting, view_keys.get(&view.retained_view_entity))
-        else {
-            commands.entity(entity).insert(ViewLighting::default());
+        let Some(view_key) = view_keys.get(&view.retained_view_entity) else {
             statuses.on(main_entity, false, None);
             continue;
+        };
+        // In its first frame a camera has none, and is lean if all is compiled.
+        let mut new_lighting = None;
+        let lighting = match lighting {
+            Some(lighting) => lighting.into_inner(),
+            None => new_lighting.insert(ViewLighting::default()),
         };
 
         let order = draw_order(
@@ -240,6 +243,9 @@ pub(super) fn decide_active_views(
             .iter()
             .find_map(|(_, id)| pipeline_watch.failure(*id));
         statuses.on(main_entity, compiled.is_some(), failure);
+        if let Some(new) = new_lighting {
+            commands.entity(entity).insert(new);
+        }
         if let Some(active) = compiled {
             active_now.insert(view.retained_view_entity, active);
             if current != Some(&active) {

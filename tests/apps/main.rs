@@ -5,6 +5,7 @@ mod changing_settings;
 mod compiling;
 mod dropped_model;
 mod fallback;
+mod first_frame;
 mod history;
 mod labels;
 mod lost_device;
