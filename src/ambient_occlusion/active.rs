@@ -50,7 +50,7 @@ impl ActiveOcclusion {
     fn stand_ins(self, last: Option<Self>) -> impl Iterator<Item = Self> {
         // The G-buffer's normals exist for lighting alone.
         let last = last.filter(|last| {
-            last.key.projection == self.key.projection
+            last.key.projection.covers(self.key.projection)
                 && (self.merge.is_none() || !last.key.reads_normals())
         });
         // Lighting and merge are compiled for one resolution.

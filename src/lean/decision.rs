@@ -206,7 +206,7 @@ pub(super) fn decide_active_views(
                 .chain(held)
                 .map(move |exchange| (demand, exchange))
         });
-        let compiled = choices.into_iter().find_map(|(demand, exchange)| {
+        let choices = choices.map(|(demand, exchange)| {
             let order = ActiveLeanView { exchange, ..order };
             let Demand { targets, variants } = demand.on(&order);
             let order = ActiveLeanView {
@@ -222,6 +222,9 @@ pub(super) fn decide_active_views(
                 occlusion,
                 &order,
             );
+            (order, key)
+        });
+        let mut compiled = choices.clone().find_map(|(order, key)| {
             if lighting
                 .pipelines
                 .first()
@@ -238,6 +241,13 @@ pub(super) fn decide_active_views(
                 .all(|(_, id)| pipeline_cache.get_compute_pipeline(*id).is_some())
                 .then_some(order)
         });
+        if compiled.is_none() {
+            compiled = choices.into_iter().find_map(|(order, key)| {
+                let stand_in = |key| pipelines.compiled(&pipeline_cache, key);
+                lighting.pipelines = key.stand_ins().find_map(stand_in)?;
+                Some(order)
+            });
+        }
         let failure = lighting
             .pipelines
             .iter()

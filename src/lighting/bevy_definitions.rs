@@ -15,14 +15,14 @@ use bevy::{
 use super::binding_numbers::{arrays, view};
 
 /// The bits of Bevy's view key that the lighting shader is compiled by. The rest is about how meshes are rasterised,
-/// or about passes after lighting.
+/// or about passes after lighting. `TEMPORAL_JITTER` is read by transmission and SSAO alone: with it, a camera that gets TAA would be
+/// left to forward until lighting is compiled anew.
 pub const VIEW_BITS: MeshPipelineKey = MeshPipelineKey::ENVIRONMENT_MAP
     .union(MeshPipelineKey::IRRADIANCE_VOLUME)
     .union(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION)
     .union(MeshPipelineKey::CONTACT_SHADOWS)
     .union(MeshPipelineKey::DISTANCE_FOG)
     .union(MeshPipelineKey::ATMOSPHERE)
-    .union(MeshPipelineKey::TEMPORAL_JITTER)
     .union(MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS)
     .union(MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS)
     .union(MeshPipelineKey::MSAA_RESERVED_BITS);

@@ -96,6 +96,22 @@ impl LightingKey {
             .chain(special)
             .map(move |visited| Self { visited, ..self })
     }
+
+    /// Keys whose pipelines light the view as well, for frames in which those of this one are not compiled yet: in perspective, those for
+    /// any projection.
+    pub(crate) fn stand_ins(self) -> impl Iterator<Item = Self> {
+        let is_perspective = self.projection == ProjectionKind::Perspective;
+        let general = is_perspective.then_some(Self {
+            projection: ProjectionKind::Other,
+            ..self
+        });
+        let with_general_view = general.map(|key| Self {
+            view: (key.view - MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS)
+                | MeshPipelineKey::VIEW_PROJECTION_NONSTANDARD,
+            ..key
+        });
+        general.into_iter().chain(with_general_view)
+    }
 }
 
 /// How lighting applies ambient occlusion.

@@ -216,6 +216,21 @@ impl LightingPipelines {
         id
     }
 
+    /// The pipelines of all dispatches for `key`, if they are compiled; they are not asked for.
+    pub(crate) fn compiled(
+        &self,
+        pipeline_cache: &PipelineCache,
+        key: LightingKey,
+    ) -> Option<Vec<(LightingKey, CachedComputePipelineId)>> {
+        key.dispatches()
+            .map(|key| {
+                let (id, _) = self.by_key.get(&key)?;
+                pipeline_cache.get_compute_pipeline(*id)?;
+                Some((key, *id))
+            })
+            .collect()
+    }
+
     pub(super) fn layouts_of(&self, key: LightingKey) -> Option<&LightingLayouts> {
         self.by_key.get(&key).map(|(_, layouts)| layouts)
     }

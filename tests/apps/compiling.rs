@@ -7,12 +7,17 @@ use bevy::{
     camera::RenderTarget,
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
     prelude::*,
+    render::{RenderApp, camera::TemporalJitter},
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{
+    prelude::*,
+    screen_space::{ViewHistory, diffuse_gi::ViewGi, reflections::ReflectionBindings},
+};
 use kit::{
     headless::{Headless, target_image},
     held_back::HeldBack,
     known_slabs::{SKIN, slab},
+    lean::active_lean_views,
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{SceneBuilder, build::default_camera_transform},
@@ -343,6 +348,113 @@ fn effects_show_the_frame_that_they_are_of() {
             )>();
         });
         walk.watch("nothing", WITH_EFFECTS);
+    });
+}
+
+/// Whether a view has the last frame for each of the effects that read it.
+fn follows_last_frame(headless: &mut Headless) -> [bool; 3] {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query::<(
+        Option<&ViewGi>,
+        Option<&ViewHistory>,
+        Has<ReflectionBindings>,
+    )>();
+    let mut views = views.iter(world);
+    let found = views.find_map(|(gi, history, reflections)| {
+        Some([gi?.last().is_some(), history?.last().is_some(), reflections])
+    });
+    found.unwrap_or_default()
+}
+
+/// Motion vectors come with what averages frames, and go with it, in the middle of play.
+#[test]
+fn effects_keep_their_last_frame_while_motion_comes() {
+    in_own_process(|| {
+        let mut walk = Walk::new();
+        walk.both(|camera| {
+            camera.insert(DepthPrepass);
+        });
+        let mut camera = walk.headless.world().entity_mut(walk.tested);
+        camera.insert((
+            LeanDeferred::default(),
+            LeanScreenSpaceGi::default(),
+            LeanScreenSpaceReflections::default(),
+        ));
+        walk.settle();
+        assert_eq!(follows_last_frame(&mut walk.headless), [true; 3]);
+
+        let mut watch = |name: &str, change: &dyn Fn(&mut EntityWorldMut)| {
+            let held_back = HeldBack::new();
+            change(&mut walk.headless.world().entity_mut(walk.tested));
+            for frame in 0..HELD_BACK {
+                walk.step();
+                let follows = follows_last_frame(&mut walk.headless);
+                assert_eq!(follows, [true; 3], "{name}, frame {frame}");
+            }
+            drop(held_back);
+            let mut quiet = 0;
+            while quiet < FRAMES_AFTER {
+                walk.step();
+                let follows = follows_last_frame(&mut walk.headless);
+                assert_eq!(follows, [true; 3], "{name}, later");
+                quiet = if walk.headless.is_compiling() {
+                    0
+                } else {
+                    quiet + 1
+                };
+            }
+        };
+        watch("jitter", &|camera| {
+            camera.insert(TemporalJitter::default());
+        });
+        watch("motion", &|camera| {
+            camera.insert(MotionVectorPrepass);
+        });
+        watch("no jitter", &|camera| {
+            camera.remove::<TemporalJitter>();
+        });
+        watch("no motion", &|camera| {
+            camera.remove::<MotionVectorPrepass>();
+        });
+    });
+}
+
+/// A near plane across the view, as portals have it, and back: shaders for any projection do until those for a plain one are there.
+#[test]
+fn effects_go_on_when_a_projection_becomes_plain() {
+    in_own_process(|| {
+        let mut walk = Walk::new();
+        let oblique = |near_clip_plane| {
+            Projection::from(PerspectiveProjection {
+                near_clip_plane,
+                ..default()
+            })
+        };
+        walk.both(|camera| {
+            camera.insert(oblique(Vec4::new(0.02, 0.0, -1.0, -0.1)));
+        });
+        let mut camera = walk.headless.world().entity_mut(walk.tested);
+        camera.insert((
+            LeanDeferred::default(),
+            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceReflections::default(),
+        ));
+        walk.settle();
+        assert_eq!(active_lean_views(&mut walk.headless), 1);
+        let held_back = HeldBack::new();
+        walk.both(|camera| {
+            camera.insert(oblique(PerspectiveProjection::default().near_clip_plane));
+        });
+        for frame in 0..HELD_BACK {
+            walk.step();
+            assert_eq!(active_lean_views(&mut walk.headless), 1, "frame {frame}");
+            let forward = walk.headless.picture_of(&walk.beside);
+            let lean = walk.headless.picture_of(&walk.headless.target);
+            let psnr = pixel_difference(&forward, &lean).psnr;
+            println!("{psnr:.1} dB");
+        }
+        drop(held_back);
+        walk.settle();
     });
 }
 

@@ -36,12 +36,7 @@ macro_rules! check {
 #[test]
 fn diffuse_gi_composes() {
     let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2"];
-    let motion: &[&str] = &["", "MOTION"];
-    check!(
-        "diffuse_gi/levels.wgsl",
-        &[],
-        &[divisors, motion, &PROJECTIONS]
-    );
+    check!("diffuse_gi/levels.wgsl", &[], &[divisors, &PROJECTIONS]);
     let samples = ["SLICES=2", "STEPS=3"];
     check!(
         "diffuse_gi/gather.wgsl",
@@ -55,7 +50,6 @@ fn diffuse_gi_composes() {
 #[test]
 fn reflections_compose() {
     let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2", "DIVISOR=4"];
-    let motion: &[&str] = &["", "MOTION"];
     let special: &[&str] = &["", "SPECIALIZATION"];
     let samples = [
         "ROUGH_SEGMENTS=4",
@@ -63,10 +57,10 @@ fn reflections_compose() {
         "GROWTH_PERCENT=30",
         "SMOOTH_STEPS=8",
     ];
-    let choices = [divisors, motion, special, &PROJECTIONS];
+    let choices = [divisors, special, &PROJECTIONS];
     check!("reflections/cells.wgsl", &samples, &choices);
     let shown: &[&str] = &["", "SHOWN"];
-    let traced = [divisors, motion, special, &PROJECTIONS, shown];
+    let traced = [divisors, special, &PROJECTIONS, shown];
     check!("reflections/trace.wgsl", &samples, &traced);
     check!("reflections/resolve.wgsl", &samples, &choices);
     let lobes: &[&str] = &["LOBES"];

@@ -1,7 +1,6 @@
 //! Per camera and frame: whether light is found, and by which shaders.
 
 use bevy::{
-    core_pipeline::prepass::MotionVectorPrepass,
     prelude::*,
     render::{
         camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity,
@@ -40,7 +39,6 @@ pub(super) fn decide_active_gi(
             &ExtractedView,
             &LeanScreenSpaceGi,
             Has<LeanDeferred>,
-            Has<MotionVectorPrepass>,
             (Has<ActiveLeanView>, Option<&ActiveGi>),
         ),
         With<ExtractedCamera>,
@@ -55,14 +53,13 @@ pub(super) fn decide_active_gi(
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, view, settings, is_lean, motion, (was_lean, current)) in &views {
+    for (entity, view, settings, is_lean, (was_lean, current)) in &views {
         let reason = (!is_lean).then_some("it has no LeanDeferred");
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceGi", camera, reason);
         let key = GiKey {
             samples: settings.quality.samples(),
             divisor: settings.resolution.divisor(),
-            motion,
             projection: projection_of(view.clip_from_view),
         };
         let wanted = is_lean.then(|| ActiveGi {
@@ -70,7 +67,7 @@ pub(super) fn decide_active_gi(
             key,
             passes: pipelines.specialize(&cache, key),
         });
-        let stand_in = current.filter(|last| last.key.binds_like(key)).copied();
+        let stand_in = current.filter(|last| last.key.stands_in_for(key)).copied();
         let active = [wanted, stand_in]
             .into_iter()
             .flatten()

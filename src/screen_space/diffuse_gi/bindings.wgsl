@@ -9,7 +9,7 @@
 @group(0) @binding(2) var normal_texture: texture_2d<u32>;
 /// What lighting wrote in the last frame, word by pixel.
 @group(0) @binding(3) var diffuse_light_texture: texture_2d<u32>;
-/// From where the motion of each pixel began.
+/// From where the motion of each pixel began, with `view.has_motion`.
 @group(0) @binding(4) var motion_texture: texture_2d<f32>;
 /// The last frame's levels.
 @group(0) @binding(5) var last_levels: texture_2d<u32>;

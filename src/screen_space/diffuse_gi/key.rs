@@ -10,8 +10,6 @@ pub(super) struct GiKey {
     /// Slices, and steps a side.
     pub(super) samples: (u32, u32),
     pub(super) divisor: u32,
-    /// The view has motion vectors.
-    pub(super) motion: bool,
     pub(super) projection: ProjectionKind,
 }
 
@@ -23,15 +21,12 @@ impl GiKey {
             ShaderDefVal::UInt("STEPS".into(), steps),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
         ];
-        if self.motion {
-            defs.push("MOTION".into());
-        }
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
     }
 
-    /// Whether what is bound is the same.
-    pub(super) fn binds_like(self, other: Self) -> bool {
-        (self.motion, self.projection) == (other.motion, other.projection)
+    /// Whether its shaders do for a view of the other key until those are compiled.
+    pub(super) fn stands_in_for(self, other: Self) -> bool {
+        self.projection.covers(other.projection)
     }
 }

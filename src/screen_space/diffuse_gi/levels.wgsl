@@ -4,12 +4,8 @@
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
     Entry, depth_texture, diffuse_light_texture, edge_step, last_levels, level_0, level_1, level_2, level_3,
-    pack_entry, view,
+    motion_texture, pack_entry, view,
 }
-
-#ifdef MOTION
-#import bevy_lean_deferred::screen_space::diffuse_gi::bindings::motion_texture
-#endif
 
 /// Pixels a side of a texel.
 const DIVISOR: i32 = #{DIVISOR};
@@ -47,10 +43,10 @@ fn last_light(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     }
     var at = last.xy / last.w;
     let expected = last.z / last.w;
-#ifdef MOTION
-    let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
-    at = here.xy - motion * vec2<f32>(view.viewport_size);
-#endif
+    if view.has_motion != 0u {
+        let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
+        at = here.xy - motion * vec2<f32>(view.viewport_size);
+    }
     if !(all(at >= vec2(0.0)) && all(at < vec2<f32>(view.viewport_size))) {
         return vec3(0.0);
     }

@@ -48,8 +48,7 @@ impl GiPasses {
 #[derive(Resource)]
 pub(super) struct GiPipelines {
     shaders: [Handle<Shader>; 3],
-    /// Without and with motion.
-    levels_layouts: [FoundLayout; 2],
+    pub(super) levels_layout: FoundLayout,
     pub(super) gather_layout: FoundLayout,
     pub(super) filter_layout: FoundLayout,
     by_key: HashMap<GiKey, GiPasses>,
@@ -64,22 +63,19 @@ pub(super) fn init_gi_pipelines(
     let floats = || texture_2d(TextureSampleType::Float { filterable: false });
     let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
     let view = || (VIEW, uniform_buffer::<GiView>(true));
-    let levels_layout = |motion: bool| {
-        let entries = [
+    let levels_layout = layout(
+        "lean_deferred/screen_space/diffuse_gi/levels",
+        ShaderStages::COMPUTE,
+        [
             view(),
             (DEPTH_TEXTURE, texture_depth_2d()),
             (DIFFUSE_LIGHT_TEXTURE, words()),
             (LAST_LEVELS, words()),
+            (MOTION_TEXTURE, floats()),
         ]
         .into_iter()
-        .chain((0..LEVEL_COUNT).map(|level| (LEVEL_0 + level, stored(LEVELS_FORMAT))))
-        .chain(motion.then(|| (MOTION_TEXTURE, floats())));
-        layout(
-            "lean_deferred/screen_space/diffuse_gi/levels",
-            ShaderStages::COMPUTE,
-            entries,
-        )
-    };
+        .chain((0..LEVEL_COUNT).map(|level| (LEVEL_0 + level, stored(LEVELS_FORMAT)))),
+    );
     let gather_layout = layout(
         "lean_deferred/screen_space/diffuse_gi/gather",
         ShaderStages::COMPUTE,
@@ -107,7 +103,7 @@ pub(super) fn init_gi_pipelines(
             load_embedded_asset!(asset_server.as_ref(), "gather.wgsl"),
             load_embedded_asset!(asset_server.as_ref(), "filter.wgsl"),
         ],
-        levels_layouts: [false, true].map(|motion| FoundLayout::new(&cache, levels_layout(motion))),
+        levels_layout: FoundLayout::new(&cache, levels_layout),
         gather_layout: FoundLayout::new(&cache, gather_layout),
         filter_layout: FoundLayout::new(&cache, filter_layout),
         by_key: HashMap::default(),
@@ -115,10 +111,6 @@ pub(super) fn init_gi_pipelines(
 }
 
 impl GiPipelines {
-    pub(super) fn levels_layout(&self, key: GiKey) -> &FoundLayout {
-        &self.levels_layouts[usize::from(key.motion)]
-    }
-
     /// The pipelines for `key`; they may still be compiling.
     pub(super) fn specialize(&mut self, cache: &PipelineCache, key: GiKey) -> GiPasses {
         if let Some(passes) = self.by_key.get(&key) {
@@ -139,7 +131,7 @@ impl GiPipelines {
             levels: queue(
                 "lean_deferred/screen_space/diffuse_gi/levels",
                 levels,
-                self.levels_layout(key),
+                &self.levels_layout,
             ),
             gather: queue(
                 "lean_deferred/screen_space/diffuse_gi/gather",

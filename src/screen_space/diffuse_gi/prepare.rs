@@ -3,7 +3,7 @@
 
 use bevy::{
     camera::MainPassResolutionOverride,
-    core_pipeline::prepass::ViewPrepassTextures,
+    core_pipeline::prepass::{MotionVectorPrepass, ViewPrepassTextures},
     diagnostic::FrameCount,
     prelude::*,
     render::{
@@ -12,6 +12,7 @@ use bevy::{
             BindGroup, BindingResource, DynamicUniformBuffer, IntoBinding, Texture, TextureView,
         },
         renderer::{RenderDevice, RenderQueue},
+        texture::FallbackImageZero,
         view::{ExtractedView, ViewDepthTexture},
     },
 };
@@ -67,6 +68,8 @@ pub struct ViewGi {
     texture_size: UVec2,
     pub(super) viewport_size: UVec2,
     debug_view: Option<ScreenSpaceGiDebugView>,
+    /// Where things were in the last frame is read from motion vectors, not only from the cameras.
+    has_motion: bool,
     pub(super) frames: Succession,
     pub(super) offset: u32,
 }
@@ -84,6 +87,7 @@ impl ViewGi {
             texture_size,
             viewport_size: UVec2::ZERO,
             debug_view: None,
+            has_motion: false,
             frames,
             offset: 0,
         }
@@ -97,6 +101,11 @@ impl ViewGi {
             of(GATHER_SIDE) * UVec2::new(PHASES, 1),
             tiles::count(self.texture_size),
         ]
+    }
+
+    /// What the last frame was seen with; `None` if what is kept of it says nothing of this one.
+    pub fn last(&self) -> Option<&LastFrame> {
+        self.frames.last()
     }
 
     /// All that it holds on the GPU.
@@ -129,16 +138,15 @@ pub(super) fn prepare_gi(
         (&ExtractedCamera, &ExtractedView),
         Option<&MainPassResolutionOverride>,
         Option<&CameraCuts>,
-        Has<TemporalJitter>,
+        (Has<TemporalJitter>, Has<MotionVectorPrepass>),
         (Option<&mut ViewGi>, &mut IndirectDiffuse),
     )>,
 ) {
     let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
-    for (entity, (active, lean), (camera, view), resolution, cuts, jitters, (gi, mut found)) in
-        &mut views
-    {
+    for (entity, (active, lean), (camera, view), resolution, cuts, of_view, of_gi) in &mut views {
+        let ((jitters, has_motion), (gi, mut found)) = (of_view, of_gi);
         if !lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE) {
             continue;
         }
@@ -170,6 +178,8 @@ pub(super) fn prepare_gi(
         let mut uniform = GiView::new(&active.settings, &now, gi.frames.last());
         uniform.row_stride = row_order.stride(size.y.div_ceil(GATHER_SIDE));
         uniform.turn = turn_of(&frame, jitters);
+        uniform.has_motion = has_motion.into();
+        gi.has_motion = has_motion;
         gi.viewport_size = uniform.viewport_size;
         gi.debug_view = active.settings.debug_view;
         gi.offset = writer.write(&uniform);
@@ -210,10 +220,10 @@ pub(super) fn prepare_gi_bind_groups(
     mut commands: Commands,
     device: Res<RenderDevice>,
     pipelines: Option<Res<GiPipelines>>,
-    uniforms: Res<GiUniforms>,
+    (uniforms, no_motion): (Res<GiUniforms>, Res<FallbackImageZero>),
     mut views: Query<(
         Entity,
-        (&ActiveGi, &ViewGi),
+        &ViewGi,
         (&GBufferTextures, &ViewDepthTexture, &DiffuseLight),
         Option<&ViewPrepassTextures>,
         Option<&mut GiBindings>,
@@ -222,7 +232,7 @@ pub(super) fn prepare_gi_bind_groups(
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.binding()) else {
         return;
     };
-    for (entity, (active, gi), (gbuffer, depth, light), prepass, bindings) in &mut views {
+    for (entity, gi, (gbuffer, depth, light), prepass, bindings) in &mut views {
         let mut made = None;
         let bindings = match bindings {
             Some(bindings) => bindings.into_inner(),
@@ -231,7 +241,7 @@ pub(super) fn prepare_gi_bind_groups(
         bindings.current = gi.current;
         let groups = &mut bindings.groups[gi.current];
         let (levels, last) = (&gi.levels[gi.current], &gi.levels[1 - gi.current]);
-        let layout = pipelines.levels_layout(active.key);
+        let layout = &pipelines.levels_layout;
         groups.levels.update(&device, layout, |entries| {
             entries.push(VIEW, uniforms.clone())?;
             entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
@@ -240,11 +250,12 @@ pub(super) fn prepare_gi_bind_groups(
             for (level, view) in (LEVEL_0..).zip(&levels.levels) {
                 entries.push(level, view.into_binding())?;
             }
-            if active.key.motion {
-                let motion = prepass?.motion_vectors.as_ref()?;
-                entries.push(MOTION_TEXTURE, motion.texture.default_view.into_binding())?;
-            }
-            Some(())
+            let motion = if gi.has_motion {
+                &prepass?.motion_vectors.as_ref()?.texture.default_view
+            } else {
+                &no_motion.texture_view
+            };
+            entries.push(MOTION_TEXTURE, motion.into_binding())
         });
         groups
             .gather

@@ -42,6 +42,7 @@ pub struct GiView {
     exposure_ratio: f32,
     pub(super) turn: f32,
     pub(super) row_stride: u32,
+    pub(super) has_motion: u32,
 }
 
 impl GiView {
@@ -70,6 +71,7 @@ impl GiView {
             exposure_ratio: exposure_ratio(now, last),
             turn: 0.0,
             row_stride: 1,
+            has_motion: 0,
         }
     }
 }

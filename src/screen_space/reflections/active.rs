@@ -2,7 +2,6 @@
 
 use bevy::{
     camera::MainPassResolutionOverride,
-    core_pipeline::prepass::MotionVectorPrepass,
     prelude::*,
     render::{
         camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity,
@@ -42,7 +41,6 @@ pub(super) fn decide_active_reflections(
             &ExtractedView,
             &LeanScreenSpaceReflections,
             Has<LeanDeferred>,
-            Has<MotionVectorPrepass>,
             Option<&MainPassResolutionOverride>,
             (Option<&ActiveLeanView>, Option<&ActiveReflections>),
         ),
@@ -58,7 +56,7 @@ pub(super) fn decide_active_reflections(
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, view, settings, is_lean, motion, resolution, (last, current)) in &views {
+    for (entity, view, settings, is_lean, resolution, (last, current)) in &views {
         let reason = (!is_lean).then_some("it has no LeanDeferred");
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceReflections", camera, reason);
@@ -67,7 +65,6 @@ pub(super) fn decide_active_reflections(
             quality: settings.quality,
             divisor: settings.texel_side(rows),
             shortest_segment: settings.shortest_segment(rows),
-            motion,
             // Those of the last frame: where the target is new, coats mirror a frame later.
             specialization: last
                 .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
@@ -79,7 +76,7 @@ pub(super) fn decide_active_reflections(
             key,
             passes: pipelines.specialize(&cache, key),
         });
-        let stand_in = current.filter(|last| last.key.binds_like(key)).copied();
+        let stand_in = current.filter(|last| last.key.stands_in_for(key)).copied();
         let active = [wanted, stand_in]
             .into_iter()
             .flatten()

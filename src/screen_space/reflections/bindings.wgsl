@@ -9,7 +9,7 @@
 @group(0) @binding(2) var normal_texture: texture_2d<u32>;
 @group(0) @binding(3) var written_texture: texture_2d<u32>;
 @group(0) @binding(4) var specialization_texture: texture_2d<u32>;
-/// From where the motion of each pixel began.
+/// From where the motion of each pixel began, with `view.has_motion`.
 @group(0) @binding(5) var motion_texture: texture_2d<f32>;
 /// The last frame: light, and distance in alpha.
 @group(0) @binding(6) var history_texture: texture_2d<f32>;

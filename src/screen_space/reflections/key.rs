@@ -13,8 +13,6 @@ pub(super) struct ReflectionKey {
     pub(super) divisor: u32,
     /// The shortest segment of a ray, in pixels.
     pub(super) shortest_segment: u32,
-    /// The view has motion vectors.
-    pub(super) motion: bool,
     /// The view may have special surfaces.
     pub(super) specialization: bool,
     pub(super) projection: ProjectionKind,
@@ -31,9 +29,6 @@ impl ReflectionKey {
             ShaderDefVal::UInt("SMOOTH_STEPS".into(), self.quality.smooth_steps()),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
         ];
-        if self.motion {
-            defs.push("MOTION".into());
-        }
         if self.specialization {
             defs.push("SPECIALIZATION".into());
         }
@@ -44,8 +39,8 @@ impl ReflectionKey {
         defs
     }
 
-    /// Whether what is bound is the same.
-    pub(super) fn binds_like(self, other: Self) -> bool {
-        (self.motion, self.projection) == (other.motion, other.projection)
+    /// Whether its shaders do for a view of the other key until those are compiled.
+    pub(super) fn stands_in_for(self, other: Self) -> bool {
+        self.projection.covers(other.projection)
     }
 }

@@ -73,8 +73,8 @@ pub(super) struct Fixtures {
 #[derive(Resource)]
 pub(super) struct ReflectionPipelines {
     shaders: [Handle<Shader>; PASSES.len()],
-    /// By whether there is motion, and whether there are special surfaces.
-    layouts: HashMap<(bool, bool), ReflectionLayouts>,
+    /// Without and with special surfaces.
+    layouts: HashMap<bool, ReflectionLayouts>,
     fixtures: OnceLock<Fixtures>,
     by_key: HashMap<ReflectionKey, ReflectionPasses>,
 }
@@ -122,7 +122,7 @@ impl Fixtures {
     }
 }
 
-fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayouts {
+fn layouts(cache: &PipelineCache, special: bool) -> ReflectionLayouts {
     let words = || texture_2d(TextureSampleType::Uint);
     let floats = || texture_2d(TextureSampleType::Float { filterable: false });
     let filtered = || texture_2d(TextureSampleType::Float { filterable: true });
@@ -135,9 +135,9 @@ fn layouts(cache: &PipelineCache, motion: bool, special: bool) -> ReflectionLayo
         (NORMAL_TEXTURE, words()),
         (HISTORY_TEXTURE, filtered()),
         (HISTORY_SAMPLER, sampler(SamplerBindingType::Filtering)),
+        (MOTION_TEXTURE, floats()),
     ]
     .into_iter()
-    .chain(motion.then(|| (MOTION_TEXTURE, floats())))
     .chain(special.then(|| (WRITTEN_TEXTURE, words())))
     .chain(special.then(|| (SPECIALIZATION_TEXTURE, words())))
     .collect();
@@ -198,7 +198,7 @@ impl ReflectionPipelines {
 
     /// Those of a key that has been specialized.
     pub(super) fn layouts(&self, key: ReflectionKey) -> Option<&ReflectionLayouts> {
-        self.layouts.get(&(key.motion, key.specialization))
+        self.layouts.get(&key.specialization)
     }
 
     /// The pipelines for `key`; they may still be compiling.
@@ -210,11 +210,10 @@ impl ReflectionPipelines {
         if let Some(passes) = self.by_key.get(&key) {
             return *passes;
         }
-        let binds = (key.motion, key.specialization);
         let layouts = self
             .layouts
-            .entry(binds)
-            .or_insert_with(|| layouts(cache, binds.0, binds.1));
+            .entry(key.specialization)
+            .or_insert_with(|| layouts(cache, key.specialization));
         let passes = ReflectionPasses(core::array::from_fn(|pass| {
             let layout = layouts.0[pass].descriptor();
             let more = DEFS[pass].iter().copied().map(ShaderDefVal::from);

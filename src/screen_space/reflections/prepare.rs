@@ -3,13 +3,14 @@
 
 use bevy::{
     camera::MainPassResolutionOverride,
-    core_pipeline::prepass::ViewPrepassTextures,
+    core_pipeline::prepass::{MotionVectorPrepass, ViewPrepassTextures},
     diagnostic::FrameCount,
     prelude::*,
     render::{
         camera::{ExtractedCamera, TemporalJitter},
         render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureView},
         renderer::{RenderDevice, RenderQueue},
+        texture::FallbackImageZero,
         view::{ExtractedView, ViewDepthTexture},
     },
 };
@@ -66,6 +67,8 @@ pub struct ViewReflections {
     viewport_size: UVec2,
     texture_size: UVec2,
     debug_view: Option<ScreenSpaceReflectionsDebugView>,
+    /// Where things were in the last frame is read from motion vectors, not only from the cameras.
+    has_motion: bool,
     pub(super) offset: u32,
 }
 
@@ -110,6 +113,7 @@ impl ViewReflections {
             viewport_size: view.viewport_size,
             texture_size: view.texture_size,
             debug_view: None,
+            has_motion: false,
             offset: 0,
         }
     }
@@ -170,7 +174,7 @@ pub(super) fn prepare_reflections(
         (&ActiveReflections, &ActiveLeanView),
         (&ExtractedCamera, &ExtractedView),
         Option<&MainPassResolutionOverride>,
-        Has<TemporalJitter>,
+        (Has<TemporalJitter>, Has<MotionVectorPrepass>),
         Option<&ViewHistory>,
         (Option<&mut ViewReflections>, &mut IndirectSpecular),
     )>,
@@ -178,8 +182,8 @@ pub(super) fn prepare_reflections(
     let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
-    for (entity, (active, lean), (camera, view), resolution, jitters, history, held) in &mut views {
-        let (reflections, mut found) = held;
+    for (entity, (active, lean), (camera, view), resolution, of_view, history, held) in &mut views {
+        let ((jitters, has_motion), (reflections, mut found)) = (of_view, held);
         // In the first frame there is none.
         let Some(history) = history else {
             found.0 = None;
@@ -212,6 +216,8 @@ pub(super) fn prepare_reflections(
                 made.insert(new)
             }
         };
+        uniform.has_motion = has_motion.into();
+        reflections.has_motion = has_motion;
         reflections.debug_view = active.settings.debug_view;
         reflections.offset = writer.write(&uniform);
         found.0 = Some(reflections.output.view.clone());
@@ -242,7 +248,7 @@ pub(super) fn prepare_reflection_bind_groups(
     mut commands: Commands,
     device: Res<RenderDevice>,
     pipelines: Option<Res<ReflectionPipelines>>,
-    uniforms: Res<ReflectionUniforms>,
+    (uniforms, no_motion): (Res<ReflectionUniforms>, Res<FallbackImageZero>),
     mut views: Query<(
         Entity,
         (&ActiveReflections, &ViewReflections, &ViewHistory),
@@ -270,10 +276,12 @@ pub(super) fn prepare_reflection_bind_groups(
             entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
             entries.push(HISTORY_TEXTURE, history.view().into_binding())?;
             entries.push(HISTORY_SAMPLER, fixtures.history_sampler.into_binding())?;
-            if active.key.motion {
-                let motion = prepass?.motion_vectors.as_ref()?;
-                entries.push(MOTION_TEXTURE, motion.texture.default_view.into_binding())?;
-            }
+            let motion = if held.has_motion {
+                &prepass?.motion_vectors.as_ref()?.texture.default_view
+            } else {
+                &no_motion.texture_view
+            };
+            entries.push(MOTION_TEXTURE, motion.into_binding())?;
             if active.key.specialization {
                 let special = gbuffer.optional(GBufferTargets::SPECIALIZATION);
                 let written = special.and(gbuffer.written.as_ref());

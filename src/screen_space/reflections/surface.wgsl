@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal, unpack_roughness}
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    history_sampler, history_texture, normal_texture, view,
+    history_sampler, history_texture, motion_texture, normal_texture, view,
 }
 
 #ifdef SPECIALIZATION
@@ -13,10 +13,6 @@
 }
 #import bevy_lean_deferred::screen_space::reflections::bindings::{specialization_texture, written_texture}
 #import bevy_lean_deferred::shading_models::clearcoat::{unpack_clearcoat_roughness, unpack_clearcoat_strength}
-#endif
-
-#ifdef MOTION
-#import bevy_lean_deferred::screen_space::reflections::bindings::motion_texture
 #endif
 
 struct Mirror {
@@ -93,13 +89,13 @@ fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
 #else
     var tolerance = abs(distance) * view.edge_metres;
 #endif
-#ifdef MOTION
-    let pixel = clamp(vec2<i32>(place.xy), vec2(0), vec2<i32>(view.viewport_size) - 1);
-    let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
-    at = place.xy - motion * vec2<f32>(view.viewport_size);
-    // It may have come nearer.
-    tolerance += view.thickness;
-#endif
+    if view.has_motion != 0u {
+        let pixel = clamp(vec2<i32>(place.xy), vec2(0), vec2<i32>(view.viewport_size) - 1);
+        let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
+        at = place.xy - motion * vec2<f32>(view.viewport_size);
+        // It may have come nearer.
+        tolerance += view.thickness;
+    }
     let is_inside = all(at >= vec2(0.0)) && all(at < vec2<f32>(view.viewport_size));
     // How far away the four texels around it are. Their corner names them better than a place near the middle of one.
     let first = floor(at - 0.5);

@@ -41,6 +41,7 @@ pub struct ReflectionView {
     exposure_ratio: f32,
     pub(super) turn: f32,
     pub(super) row_stride: u32,
+    pub(super) has_motion: u32,
 }
 
 impl ReflectionView {
@@ -77,6 +78,7 @@ impl ReflectionView {
             exposure_ratio: exposure_ratio(now, last),
             turn: 0.0,
             row_stride: 1,
+            has_motion: 0,
         }
     }
 }

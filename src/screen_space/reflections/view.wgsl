@@ -39,4 +39,7 @@ struct ReflectionView {
     /// What of the pattern changes from frame to frame, 0 to 1; 0 without TAA.
     turn: f32,
     row_stride: u32,
+    /// 1 if `motion_texture` has the motion of each pixel. Not a shader definition: motion comes and goes with what averages
+    /// frames, and must not leave the view without reflections while shaders compile.
+    has_motion: u32,
 }

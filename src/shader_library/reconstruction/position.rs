@@ -60,6 +60,12 @@ impl ProjectionKind {
             Self::Other => None,
         }
     }
+
+    /// Whether shaders that are compiled for this kind are right for the other one too. Those for any projection take rays to start at the
+    /// camera, as they do in perspective.
+    pub(crate) fn covers(self, other: Self) -> bool {
+        self == other || (self, other) == (Self::Other, Self::Perspective)
+    }
 }
 
 /// The kind of `clip_from_view`.

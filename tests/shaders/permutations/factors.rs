@@ -36,7 +36,6 @@ pub const LIGHTING: &[Factor] = &[
     optional!("CONTACT_SHADOWS"),
     optional!("DISTANCE_FOG"),
     optional!("ATMOSPHERE"),
-    optional!("TEMPORAL_JITTER"),
     &[
         &["SHADOW_FILTER_METHOD_HARDWARE_2X2"],
         &["SHADOW_FILTER_METHOD_GAUSSIAN"],

@@ -15,7 +15,7 @@ const DECORATION: &str = "X_naga_oil_mod_X";
 
 /// A shader of the crate, with the definitions under which what is looked for is in it.
 pub struct Composed {
-    file: &'static str,
+    pub file: &'static str,
     pub module: Module,
     /// The crate's files by their import paths.
     files: BTreeMap<String, String>,
@@ -83,7 +83,7 @@ macro_rules! shader {
 }
 
 /// With what lights everything, and `more`.
-fn lighting(more: &[&str]) -> Composed {
+pub fn lighting(more: &[&str]) -> Composed {
     const MOST: [&str; 34] = [
         "DEPTH_PREPASS",
         "DIFFUSE_LIGHT",
@@ -164,7 +164,7 @@ pub fn all() -> &'static [Composed] {
             shader!("auto_exposure/meter.wgsl", "HISTOGRAM", "MASK", "STRIDE=1"),
             shader!("auto_exposure/adapt.wgsl",),
             shader!("auto_exposure/overlay.wgsl", "OVERLAY", "MASK"),
-            shader!("screen_space/diffuse_gi/levels.wgsl", "DIVISOR=2", "MOTION"),
+            shader!("screen_space/diffuse_gi/levels.wgsl", "DIVISOR=2"),
             shader!(
                 "screen_space/diffuse_gi/gather.wgsl",
                 "DIVISOR=1",
@@ -183,7 +183,6 @@ pub fn all() -> &'static [Composed] {
                 "SHORTEST_SEGMENT=8",
                 "GROWTH_PERCENT=30",
                 "SMOOTH_STEPS=1",
-                "MOTION",
                 "SPECIALIZATION"
             ),
             shader!("screen_space/reflections/lobes.wgsl", "DIVISOR=4", "LOBES"),
