@@ -76,7 +76,7 @@ pub mod view;
 
 pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
-pub use lean::LeanDeferredPlugin;
+pub use lean::{LeanDeferredPlugin, LeanDeferredSupport};
 pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering,
@@ -92,9 +92,9 @@ pub mod prelude {
     pub use crate::{
         CameraCut, DebugChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins, LeanOffReason, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
-        LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,
-        LeanSubsurfaceScattering, LightCulling,
+        LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanScreenSpaceGi,
+        LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin,
+        LeanStatus, LeanSubsurfaceScattering, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
             OcclusionNormals, OcclusionQuality, OcclusionResolution,

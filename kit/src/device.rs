@@ -97,6 +97,19 @@ pub fn render_creation() -> RenderCreation {
     RenderCreation::Automatic(Box::new(TestDevice::chosen().settings()))
 }
 
+/// Bevy's, with the chosen device and limits no better than these.
+pub fn render_plugin_within(limits: Limits) -> RenderPlugin {
+    let settings = WgpuSettings {
+        constrained_limits: Some(limits),
+        ..TestDevice::chosen().settings()
+    };
+    RenderPlugin {
+        render_creation: RenderCreation::Automatic(Box::new(settings)),
+        synchronous_pipeline_compilation: true,
+        ..Default::default()
+    }
+}
+
 /// Bevy's, with the chosen device.
 pub fn render_plugin(synchronous_pipeline_compilation: bool) -> RenderPlugin {
     RenderPlugin {

@@ -30,6 +30,23 @@ pub fn request(wanted: wgpu::Features) -> (wgpu::AdapterInfo, wgpu::Device, wgpu
     (adapter.get_info(), device, queue)
 }
 
+/// Limits that the chosen device may have.
+pub fn limits() -> wgpu::Limits {
+    let adapter = request_adapter().unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
+    TestDevice::chosen().limits(adapter.limits())
+}
+
+/// Limits of a device that was asked for these.
+pub fn limits_within(limits: &wgpu::Limits) -> wgpu::Limits {
+    let adapter = request_adapter().unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
+    let device = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        required_limits: limits.clone(),
+        ..Default::default()
+    }));
+    let (device, _) = device.unwrap_or_else(|error| panic!("no device: {error}"));
+    device.limits()
+}
+
 /// Whether a GPU renders, rather than a driver in software.
 pub fn is_there() -> bool {
     request_adapter().is_ok_and(|adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu)

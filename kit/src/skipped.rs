@@ -14,7 +14,7 @@ use crate::{device::BINDING_ARRAYS, gpu, headless::Headless, own_process::in_own
 pub fn has_room_for_scattering(limits: &Limits) -> bool {
     let missing = missing_for_scattering(limits);
     if let Some(missing) = missing {
-        println!("skipped: subsurface scattering: {missing}");
+        println!("skipped: subsurface scattering: the device lacks {missing}");
     }
     missing.is_none()
 }

@@ -40,6 +40,8 @@ pub use settings::{
     LeanAmbientOcclusion, OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
     OcclusionNormals, OcclusionQuality, OcclusionResolution,
 };
+#[doc(hidden)]
+pub use support::COMPUTE_LIMITS;
 pub use support::OcclusionSupport;
 // For tests and benches.
 #[doc(hidden)]
@@ -63,6 +65,7 @@ use bevy::{
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
         extract_component::ExtractComponentPlugin, render_resource::TextureUsages,
+        renderer::RenderDevice,
     },
     shader::load_shader_library,
 };
@@ -100,7 +103,9 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         embedded_asset!(app, "merge.wgsl");
         app.register_type::<LeanAmbientOcclusion>()
             .add_plugins(ExtractComponentPlugin::<LeanAmbientOcclusion>::default());
-        overrides::add_to::<LeanAmbientOcclusion>(app);
+        overrides::add_to::<LeanAmbientOcclusion>(app, |world| {
+            world.contains_resource::<RenderDevice>()
+        });
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

@@ -9,6 +9,16 @@ use bevy::{
 };
 
 use super::OcclusionFormat;
+use crate::gpu::needed_limits::{NeededLimit, needed_limits, unmet};
+
+/// Limits that the compute passes need; without them occlusion is drawn.
+#[doc(hidden)]
+pub const COMPUTE_LIMITS: &[NeededLimit] = &needed_limits![
+    max_storage_textures_per_shader_stage: 1,
+    max_compute_invocations_per_workgroup: 64,
+    max_compute_workgroup_size_x: 64,
+    max_compute_workgroup_storage_size: 1600,
+];
 
 /// Which formats compute shaders can store occlusion in. The others are drawn to, which every device can.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +45,7 @@ impl FromWorld for OcclusionSupport {
             .get_downlevel_capabilities()
             .flags
             .contains(DownlevelFlags::COMPUTE_SHADERS)
-            && device.limits().max_storage_textures_per_shader_stage > 0;
+            && unmet(COMPUTE_LIMITS, &device.limits()).next().is_none();
         // Outside of what WebGPU guarantees, so the device must have been asked for it.
         let extended = device
             .features()

@@ -48,6 +48,8 @@ pub use settings::{
     ReductionPath,
 };
 pub use support::ExposureSupport;
+#[doc(hidden)]
+pub use support::NEEDED_LIMITS;
 // For tests and benches.
 #[doc(hidden)]
 pub use {
@@ -105,7 +107,7 @@ impl Plugin for LeanAutoExposurePlugin {
                 ExtractComponentPlugin::<MeteredExposure>::default(),
             ))
             .add_observer(state::remove_state);
-        overrides::add_to::<LeanAutoExposure>(app);
+        overrides::add_to::<LeanAutoExposure>(app, support::tell_main_world);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

@@ -9,9 +9,20 @@ use bevy::{
 };
 
 use super::{LeanAutoExposure, ReductionPath};
-use crate::gpu::subgroups::Subgroups;
+use crate::gpu::{
+    needed_limits::{NeededLimit, needed_limits, unmet},
+    subgroups::Subgroups,
+};
 
-/// Whether and how this device can meter.
+/// Limits that metering needs.
+#[doc(hidden)]
+pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
+    max_compute_invocations_per_workgroup: 256,
+    max_compute_workgroup_size_x: 256,
+    max_storage_buffers_per_shader_stage: 4,
+];
+
+/// Whether and how this device can meter. In the main world from before `Startup` on, and in the render world from `RenderStartup` on.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExposureSupport {
     /// What is missing; then the effect is off.
@@ -38,10 +49,8 @@ impl ExposureSupport {
             .contains(DownlevelFlags::COMPUTE_SHADERS);
         let missing = if !computes {
             Some("compute shaders".into())
-        } else if limits.max_compute_invocations_per_workgroup < 256 {
-            Some("workgroups of 256 invocations".into())
-        } else if limits.max_storage_buffers_per_shader_stage < 4 {
-            Some("4 storage buffers in a shader".into())
+        } else if let Some(limit) = unmet(NEEDED_LIMITS, &limits).next() {
+            Some(format!("{limit} (it has {})", limit.of(&limits)))
         } else if limits.min_storage_buffer_offset_alignment
             > limits.min_uniform_buffer_offset_alignment
         {
@@ -67,7 +76,15 @@ impl ExposureSupport {
     }
 }
 
-/// Looks at the device, each time there is a new one.
+/// Tells the main world of the device; true if that can meter.
+pub(super) fn tell_main_world(world: &mut World) -> bool {
+    let support = ExposureSupport::from_world(world);
+    let can_meter = support.missing.is_none();
+    world.insert_resource(support);
+    can_meter
+}
+
+/// Looks at the device, each time there is a new one. In the render world.
 pub(super) fn init_exposure_support(world: &mut World) {
     let support = ExposureSupport::from_world(world);
     if let Some(missing) = &support.missing {

@@ -3,7 +3,8 @@
 //! A camera is lean if it is HDR without MSAA and `DeferredPrepass`, its schedule is `Core3d`, its viewport has all of depth, the device
 //! has what [`missing_capabilities`] lists, its textures fit into memory and its shaders are compiled. Else Bevy renders it. [`LeanStatus`] tells the app, and one warning for each reason tells the log.
 //!
-//! In the render world [`LeanDeferredSupport`] says what the device can do, from `RenderStartup` on.
+//! [`LeanDeferredSupport`], a resource of both worlds, tells if the device can do it. Where it cannot, cameras keep their `Msaa` and get no
+//! `Hdr`.
 
 // - `decision.rs`: per camera and frame, lean or Bevy's forward, with one warning per reason.
 // - `support.rs`: what the device must offer, in one function.
@@ -14,6 +15,12 @@ mod statuses;
 mod support;
 
 pub use support::{LeanDeferredSupport, missing_capabilities};
+// For tests.
+#[doc(hidden)]
+pub use {
+    crate::gpu::needed_limits::NeededLimit,
+    support::{NEEDED_FLAGS, NEEDED_FORMATS, NEEDED_LIMITS, missing_of},
+};
 
 use bevy::{
     pbr::check_views_need_specialization,
@@ -59,7 +66,7 @@ impl Plugin for LeanDeferredPlugin {
             .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
             .register_type::<LeanStatus>()
             .add_observer(statuses::remove_status);
-        overrides::add_to::<LeanDeferred>(app);
+        overrides::add_to::<LeanDeferred>(app, support::tell_main_world);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

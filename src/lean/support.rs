@@ -1,3 +1,5 @@
+//! What the device must offer.
+
 use bevy::{
     prelude::*,
     render::{
@@ -6,10 +8,28 @@ use bevy::{
     },
 };
 
-use crate::shader_library::layout::{NORMAL_FORMAT, SURFACE_FORMAT};
+use crate::{
+    gpu::needed_limits::{NeededLimit, needed_limits, unmet},
+    shader_library::layout::{NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT},
+};
 
-/// Whether this device can run [`LeanDeferred`](crate::LeanDeferred). In the render world, from
-/// `RenderStartup` on.
+/// Tells if the device can run [`LeanDeferred`](crate::LeanDeferred). In the main world from before `Startup` on, and in the render
+/// world from `RenderStartup` on; replaced when there is another device.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lean_deferred::prelude::*;
+/// fn spawn_camera(mut commands: Commands, support: Res<LeanDeferredSupport>) {
+///     let mut camera = commands.spawn(Camera3d::default());
+///     match support.missing() {
+///         None => {
+///             camera.insert((LeanDeferred::default(), LeanScreenSpaceReflections::default()));
+///         }
+///         // Bevy renders the camera, with its own settings.
+///         Some(missing) => info!("no lean cameras: the device lacks {missing}"),
+///     }
+/// }
+/// ```
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub enum LeanDeferredSupport {
     /// It can.
@@ -19,7 +39,7 @@ pub enum LeanDeferredSupport {
 }
 
 impl LeanDeferredSupport {
-    /// Looks at the device and adapter of a render world. Without them everything is missing.
+    /// Looks at the device and adapter of a world. Without them everything is missing.
     fn from_world(world: &World) -> Self {
         let (Some(device), Some(adapter)) = (
             world.get_resource::<RenderDevice>(),
@@ -34,9 +54,30 @@ impl LeanDeferredSupport {
             Self::Missing(missing.join(", "))
         }
     }
+
+    /// True if nothing is missing.
+    pub fn is_full(&self) -> bool {
+        *self == Self::Full
+    }
+
+    /// Names what is missing.
+    pub fn missing(&self) -> Option<&str> {
+        match self {
+            Self::Full => None,
+            Self::Missing(missing) => Some(missing),
+        }
+    }
 }
 
-/// Looks at the device, each time there is a new one.
+/// Tells the main world of the device; true if that can run [`LeanDeferred`](crate::LeanDeferred).
+pub(super) fn tell_main_world(world: &mut World) -> bool {
+    let support = LeanDeferredSupport::from_world(world);
+    let is_full = support.is_full();
+    world.insert_resource(support);
+    is_full
+}
+
+/// Looks at the device, each time there is a new one. In the render world.
 pub(super) fn init_lean_deferred_support(world: &mut World) {
     let support = LeanDeferredSupport::from_world(world);
     if let LeanDeferredSupport::Missing(missing) = &support {
@@ -45,70 +86,92 @@ pub(super) fn init_lean_deferred_support(world: &mut World) {
     world.insert_resource(support);
 }
 
+/// Flags of the adapter that [`LeanDeferred`](crate::LeanDeferred) needs.
+#[doc(hidden)]
+pub const NEEDED_FLAGS: [(DownlevelFlags, &str); 3] = [
+    (DownlevelFlags::COMPUTE_SHADERS, "compute shaders"),
+    (DownlevelFlags::SHADER_F16_IN_F32, "packing of half floats"),
+    // Meshes write some of the optional targets, not all.
+    (
+        DownlevelFlags::INDEPENDENT_BLEND,
+        "a write mask for each render target",
+    ),
+];
+
+/// Usages of formats that [`LeanDeferred`](crate::LeanDeferred) needs.
+#[doc(hidden)]
+pub const NEEDED_FORMATS: [(TextureFormat, TextureUsages, &str); 6] = [
+    (
+        TextureFormat::Rgba16Float,
+        TextureUsages::STORAGE_BINDING,
+        "Rgba16Float as a storage texture",
+    ),
+    (
+        TextureFormat::Rgba16Float,
+        TextureUsages::RENDER_ATTACHMENT,
+        "Rgba16Float as a render target",
+    ),
+    (
+        SURFACE_FORMAT,
+        TextureUsages::RENDER_ATTACHMENT,
+        "R32Uint as a render target",
+    ),
+    (
+        NORMAL_FORMAT,
+        TextureUsages::TEXTURE_BINDING,
+        "R32Uint as a texture",
+    ),
+    (
+        SURFACE_FORMAT,
+        TextureUsages::STORAGE_BINDING,
+        "R32Uint as a storage texture",
+    ),
+    (
+        WRITTEN_FORMAT,
+        TextureUsages::RENDER_ATTACHMENT,
+        "R8Uint as a render target",
+    ),
+];
+
+/// Limits that [`LeanDeferred`](crate::LeanDeferred) needs. `tests/shaders/twins/limits.rs` compares them with its shaders.
+#[doc(hidden)]
+pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
+    // Lighting writes the picture; what it writes for GI and scattering needs three more. Every device has them that has any.
+    max_storage_textures_per_shader_stage: 4,
+    // Bevy keeps lights and clusters in storage buffers only from 3 on; the compute pass has no other path. Decals,
+    // the atmosphere, the lights' layers and the lists of special surfaces' tiles need one, one, one and two more.
+    max_storage_buffers_per_shader_stage: 8,
+    max_color_attachments: 7,
+    // Six words, and the byte of those that are written: a word with its alignment.
+    max_color_attachment_bytes_per_sample: 28,
+    max_bind_groups: 4,
+    max_compute_invocations_per_workgroup: 64,
+    max_compute_workgroup_size_x: 64,
+];
+
 /// The one list of what [`LeanDeferred`](crate::LeanDeferred) needs; returns what `device` does not have of it.
 pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> Vec<String> {
-    let mut missing = Vec::new();
+    missing_of(
+        adapter.get_downlevel_capabilities().flags,
+        |format| adapter.get_texture_format_features(format).allowed_usages,
+        &device.limits(),
+    )
+}
 
-    let flags = adapter.get_downlevel_capabilities().flags;
-    for (flag, name) in [
-        (DownlevelFlags::COMPUTE_SHADERS, "compute shaders"),
-        (DownlevelFlags::SHADER_F16_IN_F32, "packing of half floats"),
-    ] {
-        if !flags.contains(flag) {
-            missing.push(name.into());
-        }
-    }
-
-    for (format, usage, name) in [
-        (
-            TextureFormat::Rgba16Float,
-            TextureUsages::STORAGE_BINDING,
-            "Rgba16Float as a storage texture",
-        ),
-        (
-            SURFACE_FORMAT,
-            TextureUsages::RENDER_ATTACHMENT,
-            "R32Uint as a render target",
-        ),
-        (
-            NORMAL_FORMAT,
-            TextureUsages::TEXTURE_BINDING,
-            "R32Uint as a texture",
-        ),
-    ] {
-        let allowed = adapter.get_texture_format_features(format).allowed_usages;
-        if !allowed.contains(usage) {
-            missing.push(name.into());
-        }
-    }
-
-    let limits = device.limits();
-    for (have, need, name) in [
-        // Lighting writes the picture; what it writes for GI and scattering, and the levels that effects make at once, need three more.
-        // Every device has them that has any.
-        (
-            limits.max_storage_textures_per_shader_stage,
-            4,
-            "max_storage_textures_per_shader_stage",
-        ),
-        // Bevy keeps lights and clusters in storage buffers only from 3 on; the compute pass has no other path. Decals,
-        // the atmosphere, the lights' layers and the lists of special surfaces' tiles need one, one, one and two more.
-        (
-            limits.max_storage_buffers_per_shader_stage,
-            8,
-            "max_storage_buffers_per_shader_stage",
-        ),
-        (limits.max_color_attachments, 7, "max_color_attachments"),
-        (limits.max_bind_groups, 4, "max_bind_groups"),
-        (
-            limits.max_compute_invocations_per_workgroup,
-            64,
-            "max_compute_invocations_per_workgroup",
-        ),
-    ] {
-        if have < need {
-            missing.push(format!("{name} of {need} (it has {have})"));
-        }
-    }
-    missing
+/// As [`missing_capabilities`], of any device.
+#[doc(hidden)]
+pub fn missing_of(
+    flags: DownlevelFlags,
+    usages: impl Fn(TextureFormat) -> TextureUsages,
+    limits: &wgpu::Limits,
+) -> Vec<String> {
+    let flags = (NEEDED_FLAGS.iter())
+        .filter(|(flag, _)| !flags.contains(*flag))
+        .map(|(_, name)| (*name).into());
+    let formats = (NEEDED_FORMATS.iter())
+        .filter(|(format, usage, _)| !usages(*format).contains(*usage))
+        .map(|(.., name)| (*name).into());
+    let limits = unmet(NEEDED_LIMITS, limits)
+        .map(|needed| format!("{needed} (it has {})", needed.of(limits)));
+    flags.chain(formats).chain(limits).collect()
 }

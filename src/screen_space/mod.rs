@@ -12,6 +12,7 @@
 //! what moves where it was; without, its light is a frame behind it.
 
 // - `succession.rs`: which frames of a view follow one another. `reprojection.rs`: where the last one had what this one shows.
+// - `support.rs`: what they need beside a camera that can be lean.
 // - `history/`: the last frame of a view, for those that ask for it.
 // - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
 // - `subsurface/`: light that scatters beneath surfaces.
@@ -29,6 +30,7 @@ mod reprojection;
 mod resolution;
 pub mod subsurface;
 mod succession;
+mod support;
 
 #[doc(hidden)]
 pub use debug_view::DebugViewPasses;
@@ -44,6 +46,6 @@ pub use reflections::{
 pub use resolution::ScreenSpaceResolution;
 pub use subsurface::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
 #[doc(hidden)]
-pub use succession::LastFrame;
+pub use {succession::LastFrame, support::NEEDED_LIMITS};
 
 pub use crate::gpu::timed::TimesEachDispatch;

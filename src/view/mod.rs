@@ -63,7 +63,7 @@ use bevy::{
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderPlugin, RenderSystems,
-        extract_component::ExtractComponentPlugin,
+        extract_component::ExtractComponentPlugin, renderer::RenderDevice,
     },
 };
 
@@ -94,6 +94,11 @@ impl Plugin for SharedPlugin {
         app.init_resource::<overrides::CameraNeeds>()
             .register_type::<CameraCut>()
             .add_plugins(ExtractComponentPlugin::<CameraCuts>::default())
+            .add_systems(
+                First,
+                // Bevy may make another device when one is lost.
+                overrides::fit_device.run_if(resource_exists_and_changed::<RenderDevice>),
+            )
             .add_systems(
                 Last,
                 (
@@ -134,6 +139,7 @@ impl Plugin for SharedPlugin {
     }
 
     fn finish(&self, app: &mut App) {
+        overrides::fit_device(app.world_mut());
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };

@@ -3,6 +3,7 @@
 mod actions;
 mod changing_settings;
 mod compiling;
+mod devices;
 mod dropped_model;
 mod fallback;
 mod first_frame;

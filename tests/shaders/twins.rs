@@ -5,6 +5,7 @@
 
 mod bindings;
 mod constants;
+mod limits;
 mod shaders;
 mod shipped;
 mod structs;

@@ -3,8 +3,8 @@
 use bevy::{
     prelude::*,
     render::{
-        camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity,
-        view::ExtractedView,
+        camera::ExtractedCamera, render_resource::PipelineCache, renderer::RenderDevice,
+        sync_world::MainEntity, view::ExtractedView,
     },
 };
 
@@ -14,6 +14,7 @@ use super::{
     settings::LeanScreenSpaceGi,
 };
 use crate::{
+    screen_space::support::{EffectOff, NEEDED_LIMITS},
     shader_library::reconstruction::position::projection_of,
     view::{ActiveLeanView, IndirectDiffuse, LeanDeferred, ReadsDiffuseLight, warn_once::WarnOnce},
 };
@@ -31,8 +32,8 @@ pub struct ActiveGi {
 pub(super) fn decide_active_gi(
     mut commands: Commands,
     pipelines: Option<ResMut<GiPipelines>>,
-    cache: Res<PipelineCache>,
-    mut warnings: Local<WarnOnce<&'static str>>,
+    (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
+    mut warnings: Local<WarnOnce<EffectOff>>,
     views: Query<
         (
             Entity,
@@ -53,8 +54,10 @@ pub(super) fn decide_active_gi(
     let Some(mut pipelines) = pipelines else {
         return;
     };
+    let limits = device.limits();
     for (entity, view, settings, is_lean, (was_lean, current)) in &views {
-        let reason = (!is_lean).then_some("it has no LeanDeferred");
+        let reason = EffectOff::of(is_lean, NEEDED_LIMITS, &limits);
+        let can_run = reason.is_none();
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceGi", camera, reason);
         let key = GiKey {
@@ -62,7 +65,7 @@ pub(super) fn decide_active_gi(
             divisor: settings.resolution.divisor(),
             projection: projection_of(view.clip_from_view),
         };
-        let wanted = is_lean.then(|| ActiveGi {
+        let wanted = can_run.then(|| ActiveGi {
             settings: *settings,
             key,
             passes: pipelines.specialize(&cache, key),
@@ -71,7 +74,7 @@ pub(super) fn decide_active_gi(
         let active = [wanted, stand_in]
             .into_iter()
             .flatten()
-            .find(|active| is_lean && active.passes.are_compiled(&cache));
+            .find(|active| can_run && active.passes.are_compiled(&cache));
         match active {
             Some(active) => {
                 let mut view = commands.entity(entity);

@@ -56,7 +56,7 @@ use crate::{
     view::{
         ActiveLeanView, GBufferPasses, IndirectDiffuse, LeanViewSystems, LightingPasses,
         OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin, ViewTextureSystems, can_build,
-        overrides, removal,
+        removal,
     },
 };
 
@@ -81,7 +81,6 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         embedded_asset!(app, "forward_light.wgsl");
         app.register_type::<LeanScreenSpaceGi>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceGi>::default());
-        overrides::add_to::<LeanScreenSpaceGi>(app);
         app.add_plugins(DebugViewPlugin::<ViewGi>::default());
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

@@ -1,9 +1,6 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::{
-    screen_space::ScreenSpaceResolution,
-    view::overrides::{CameraEffect, Need},
-};
+use crate::screen_space::ScreenSpaceResolution;
 
 /// Light that surfaces send to one another: what the picture shows of it, from the last frame (Mayaux 2018, "Horizon-based indirect
 /// lighting").
@@ -55,10 +52,6 @@ pub struct LeanScreenSpaceGi {
     pub resolution: ScreenSpaceResolution,
     /// What is shown in place of the picture. Default `None`, the picture.
     pub debug_view: Option<ScreenSpaceGiDebugView>,
-}
-
-impl CameraEffect for LeanScreenSpaceGi {
-    const NEEDS: &'static [Need] = &[Need::WithoutMsaa, Need::Hdr];
 }
 
 impl Default for LeanScreenSpaceGi {

@@ -4,8 +4,8 @@ use bevy::{
     camera::MainPassResolutionOverride,
     prelude::*,
     render::{
-        camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity,
-        view::ExtractedView,
+        camera::ExtractedCamera, render_resource::PipelineCache, renderer::RenderDevice,
+        sync_world::MainEntity, view::ExtractedView,
     },
 };
 
@@ -15,7 +15,11 @@ use super::{
     settings::{LeanScreenSpaceReflections, ScreenSpaceReflectionsDebugView},
 };
 use crate::{
-    screen_space::{ReadsHistory, succession::drawn_part},
+    screen_space::{
+        ReadsHistory,
+        succession::drawn_part,
+        support::{EffectOff, NEEDED_LIMITS},
+    },
     shader_library::reconstruction::position::projection_of,
     view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LeanDeferred, warn_once::WarnOnce},
 };
@@ -33,8 +37,8 @@ pub struct ActiveReflections {
 pub(super) fn decide_active_reflections(
     mut commands: Commands,
     pipelines: Option<ResMut<ReflectionPipelines>>,
-    cache: Res<PipelineCache>,
-    mut warnings: Local<WarnOnce<&'static str>>,
+    (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
+    mut warnings: Local<WarnOnce<EffectOff>>,
     views: Query<
         (
             Entity,
@@ -56,8 +60,10 @@ pub(super) fn decide_active_reflections(
     let Some(mut pipelines) = pipelines else {
         return;
     };
+    let limits = device.limits();
     for (entity, view, settings, is_lean, resolution, (last, current)) in &views {
-        let reason = (!is_lean).then_some("it has no LeanDeferred");
+        let reason = EffectOff::of(is_lean, NEEDED_LIMITS, &limits);
+        let can_run = reason.is_none();
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceReflections", camera, reason);
         let rows = drawn_part(view, resolution).height();
@@ -71,7 +77,7 @@ pub(super) fn decide_active_reflections(
             projection: projection_of(view.clip_from_view),
             shown: settings.debug_view == Some(ScreenSpaceReflectionsDebugView::Hit),
         };
-        let wanted = is_lean.then(|| ActiveReflections {
+        let wanted = can_run.then(|| ActiveReflections {
             settings: *settings,
             key,
             passes: pipelines.specialize(&cache, key),
@@ -80,7 +86,7 @@ pub(super) fn decide_active_reflections(
         let active = [wanted, stand_in]
             .into_iter()
             .flatten()
-            .find(|active| is_lean && active.passes.are_compiled(&cache));
+            .find(|active| can_run && active.passes.are_compiled(&cache));
         match active {
             Some(active) => {
                 let mut view = commands.entity(entity);

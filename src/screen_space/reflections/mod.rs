@@ -65,7 +65,7 @@ use crate::{
     gpu::recovery,
     view::{
         ActiveLeanView, GBufferPasses, IndirectSpecular, LeanViewSystems, LightingPasses,
-        SharedPlugin, ViewTextureSystems, can_build, overrides, removal,
+        SharedPlugin, ViewTextureSystems, can_build, removal,
     },
 };
 
@@ -99,7 +99,6 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         embedded_asset!(app, "resolve.wgsl");
         app.register_type::<LeanScreenSpaceReflections>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
-        overrides::add_to::<LeanScreenSpaceReflections>(app);
         app.add_plugins(DebugViewPlugin::<ViewReflections>::default());
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

@@ -1,9 +1,6 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::{
-    screen_space::ScreenSpaceResolution,
-    view::overrides::{CameraEffect, Need},
-};
+use crate::screen_space::ScreenSpaceResolution;
 
 /// What surfaces mirror of the picture: rays through this frame's depth, into the light of the last frame.
 ///
@@ -74,10 +71,6 @@ pub struct LeanScreenSpaceReflections {
     pub resolution: ScreenSpaceResolution,
     /// What is shown in place of the picture. Default `None`, the picture.
     pub debug_view: Option<ScreenSpaceReflectionsDebugView>,
-}
-
-impl CameraEffect for LeanScreenSpaceReflections {
-    const NEEDS: &'static [Need] = &[Need::WithoutMsaa, Need::Hdr];
 }
 
 impl Default for LeanScreenSpaceReflections {

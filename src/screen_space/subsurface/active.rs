@@ -12,10 +12,11 @@ use super::{
     key::SubsurfaceKey,
     pipelines::{SubsurfacePasses, SubsurfacePipelines},
     settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality},
-    support::missing_for_scattering,
+    support::NEEDED_LIMITS,
 };
 use crate::{
     gbuffer::ViewDemands,
+    screen_space::support::EffectOff,
     shader_library::reconstruction::position::projection_of,
     view::{LeanDeferred, ScattersLight, warn_once::WarnOnce},
 };
@@ -36,7 +37,7 @@ pub(super) fn decide_active_scattering(
     pipelines: Option<ResMut<SubsurfacePipelines>>,
     (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
     demands: Res<ViewDemands>,
-    mut warnings: Local<WarnOnce<&'static str>>,
+    mut warnings: Local<WarnOnce<EffectOff>>,
     views: Query<
         (
             Entity,
@@ -64,13 +65,14 @@ pub(super) fn decide_active_scattering(
     let Some(mut pipelines) = pipelines else {
         return;
     };
+    let limits = device.limits();
     for (entity, view, settings, is_lean, current) in &views {
         let is_asked = is_lean && demands.scatter(view.retained_view_entity);
         let reason = match (settings, is_lean) {
             (Some(settings), false) if settings.quality != SubsurfaceScatteringQuality::Off => {
-                Some("it has no LeanDeferred")
+                Some(EffectOff::NotLean)
             }
-            _ => missing_for_scattering(&device.limits()).filter(|_| is_asked),
+            _ => EffectOff::of(true, NEEDED_LIMITS, &limits).filter(|_| is_asked),
         };
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanSubsurfaceScattering", camera, reason);

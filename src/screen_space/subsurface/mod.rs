@@ -38,7 +38,9 @@ pub use settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
-    active::ActiveScattering, prepare::ViewSubsurface, support::missing_for_scattering,
+    active::ActiveScattering,
+    prepare::ViewSubsurface,
+    support::{NEEDED_LIMITS, missing_for_scattering},
     uniforms::SubsurfaceView,
 };
 

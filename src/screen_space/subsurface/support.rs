@@ -1,7 +1,18 @@
-//! What the device can do.
+//! What the device must offer.
 
-/// What the device lacks. Beside what [`LeanDeferred`](crate::LeanDeferred) needs, lighting writes one more storage buffer.
-pub fn missing_for_scattering(limits: &wgpu::Limits) -> Option<&'static str> {
-    (limits.max_storage_buffers_per_shader_stage < 9)
-        .then_some("the device has fewer than 9 storage buffers for a shader stage")
+use crate::gpu::needed_limits::{NeededLimit, needed_limits, unmet};
+
+/// Limits that scattering needs, beside those of [`LeanDeferred`](crate::LeanDeferred).
+#[doc(hidden)]
+pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
+    // Lighting writes one more than it has else.
+    max_storage_buffers_per_shader_stage: 9,
+    max_compute_invocations_per_workgroup: 256,
+    max_compute_workgroup_size_x: 256,
+    max_compute_workgroup_storage_size: 16352,
+];
+
+/// The first limit of the device that is too low.
+pub fn missing_for_scattering(limits: &wgpu::Limits) -> Option<&'static NeededLimit> {
+    unmet(NEEDED_LIMITS, limits).next()
 }

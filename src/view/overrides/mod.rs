@@ -3,12 +3,17 @@
 //!
 //! `#[require(Hdr)]` would not do: afterwards nothing tells whether the camera had it before.
 //!
+//! A device that cannot run an effect (`device.rs`) has nothing changed for it.
+//!
 //! Cameras that were alike share their main texture and depth, and each is drawn over those before it. So that they still
 //! do, the same is changed about the others (`partners.rs`).
 
+mod device;
 mod needs;
 mod partners;
 mod record;
+
+pub(crate) use device::fit_device;
 
 pub(crate) use needs::{CameraEffect, CameraNeeds, Need};
 pub(crate) use partners::{are_cameras_changed, fit_partners};
@@ -16,14 +21,20 @@ pub(crate) use record::keep_ticks_young;
 
 use bevy::prelude::*;
 
-use needs::is_needed;
+use needs::{EffectNeeds, is_needed};
 use record::CameraOverrides;
 
-/// Makes cameras fit the effect `E` when they get it, once, and gives back what they had when they lose it.
-pub(crate) fn add_to<E: CameraEffect>(app: &mut App) {
+/// Makes cameras fit the effect `E` when they get it, once, and gives back what they had when they lose it. `look_at_device`
+/// tells the main world what its device can do for the effect; where it returns false, cameras stay as they are.
+pub(crate) fn add_to<E: CameraEffect>(app: &mut App, look_at_device: fn(&mut World) -> bool) {
     let effect = app.world_mut().register_component::<E>();
     let mut needs = app.world_mut().resource_mut::<CameraNeeds>();
-    needs.add(effect, E::NEEDS);
+    needs.0.push(EffectNeeds {
+        effect,
+        needs: E::NEEDS,
+        look_at_device,
+        runs: false,
+    });
     app.add_observer(override_camera::<E>)
         .add_observer(give_back::<E>);
 }
@@ -44,11 +55,14 @@ pub(crate) fn override_new_camera(added: On<Add, Msaa>, mut commands: Commands) 
 
 fn override_camera<E: CameraEffect>(added: On<Add, E>, mut commands: Commands) {
     let override_camera = |mut camera: EntityWorldMut| {
-        CameraOverrides::change(&mut camera, |overrides, camera| {
-            for need in E::NEEDS {
-                overrides.fit(camera, *need);
-            }
-        });
+        let world = camera.world();
+        let needs = world.resource::<CameraNeeds>();
+        let needs = needs.of_effect(world.component_id::<E>());
+        if !needs.is_empty() {
+            CameraOverrides::change(&mut camera, |overrides, camera| {
+                overrides.fit_all(camera, needs);
+            });
+        }
     };
     commands
         .entity(added.entity)

@@ -17,18 +17,41 @@ pub(crate) trait CameraEffect: Component {
     const NEEDS: &'static [Need];
 }
 
-/// What each of the effects that were added needs.
+/// What each of the effects that were added needs, on devices that can run it.
 #[derive(Resource, Default)]
-pub(crate) struct CameraNeeds(Vec<(ComponentId, &'static [Need])>);
+pub(crate) struct CameraNeeds(pub(super) Vec<EffectNeeds>);
+
+pub(super) struct EffectNeeds {
+    pub(super) effect: ComponentId,
+    pub(super) needs: &'static [Need],
+    /// Tells the main world what its device can do for the effect; true if it can run it.
+    pub(super) look_at_device: fn(&mut World) -> bool,
+    /// False until there is a device.
+    pub(super) runs: bool,
+}
+
+impl EffectNeeds {
+    /// What `camera` needs for this effect.
+    pub(super) fn of(&self, camera: EntityRef) -> &'static [Need] {
+        if self.runs && camera.contains_id(self.effect) {
+            self.needs
+        } else {
+            &[]
+        }
+    }
+}
 
 impl CameraNeeds {
-    pub(super) fn add(&mut self, effect: ComponentId, needs: &'static [Need]) {
-        self.0.push((effect, needs));
-    }
-
     /// Whether some effect on `camera` needs it.
     pub(super) fn has(&self, camera: EntityRef, need: Need) -> bool {
-        (self.0.iter()).any(|(effect, needs)| camera.contains_id(*effect) && needs.contains(&need))
+        (self.0.iter()).any(|effect| effect.of(camera).contains(&need))
+    }
+
+    /// What `effect` needs of a camera that has it.
+    pub(super) fn of_effect(&self, effect: Option<ComponentId>) -> &'static [Need] {
+        (self.0.iter())
+            .find(|needs| needs.runs && Some(needs.effect) == effect)
+            .map_or(&[], |needs| needs.needs)
     }
 }
 

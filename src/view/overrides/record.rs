@@ -47,8 +47,15 @@ impl CameraOverrides {
         }
     }
 
-    /// Makes the camera fit, unless it does.
-    pub(super) fn fit(&mut self, camera: &mut EntityWorldMut, need: Need) {
+    /// As [`fit`](Self::fit), for each of these. Returns those in which the camera was changed.
+    pub(super) fn fit_all(&mut self, camera: &mut EntityWorldMut, needs: &[Need]) -> Vec<Need> {
+        let mut changed = needs.to_vec();
+        changed.retain(|need| self.fit(camera, *need));
+        changed
+    }
+
+    /// Makes the camera fit; false if it did.
+    pub(super) fn fit(&mut self, camera: &mut EntityWorldMut, need: Need) -> bool {
         match need {
             Need::WithoutMsaa => {
                 if let Some(mut msaa) = camera.get_mut::<Msaa>()
@@ -57,12 +64,14 @@ impl CameraOverrides {
                     let before = *msaa;
                     *msaa = Msaa::Off;
                     self.msaa = Some((before, msaa.last_changed()));
+                    return true;
                 }
             }
             Need::Hdr => {
                 if !camera.contains::<Hdr>() {
                     camera.insert(Hdr);
                     self.hdr = last_changed::<Hdr>(camera.as_readonly());
+                    return true;
                 }
             }
             Need::OwnTexture => {
@@ -71,9 +80,11 @@ impl CameraOverrides {
                 {
                     usages.0 |= APART;
                     self.usages = Some(usages.last_changed());
+                    return true;
                 }
             }
         }
+        false
     }
 
     /// Gives back what nothing needs any more.

@@ -1,0 +1,46 @@
+//! What effects need beside a camera that can be lean.
+
+use core::fmt;
+
+use crate::gpu::needed_limits::{NeededLimit, needed_limits, unmet};
+
+/// Limits that GI and reflections need, beside those of [`LeanDeferred`](crate::LeanDeferred).
+#[doc(hidden)]
+pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
+    max_compute_invocations_per_workgroup: 256,
+    max_compute_workgroup_size_x: 256,
+    max_compute_workgroup_storage_size: 12544,
+];
+
+/// Why an effect is off on a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum EffectOff {
+    NotLean,
+    /// The device has less.
+    Limit(&'static NeededLimit),
+}
+
+impl EffectOff {
+    /// `None` if nothing speaks against an effect that needs these limits.
+    pub(super) fn of(
+        is_lean: bool,
+        needed: &'static [NeededLimit],
+        limits: &wgpu::Limits,
+    ) -> Option<Self> {
+        if is_lean {
+            unmet(needed, limits).next().map(Self::Limit)
+        } else {
+            Some(Self::NotLean)
+        }
+    }
+}
+
+/// Completes "It is off: …".
+impl fmt::Display for EffectOff {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::NotLean => write!(f, "it has no LeanDeferred"),
+            Self::Limit(limit) => write!(f, "the device lacks {limit}"),
+        }
+    }
+}

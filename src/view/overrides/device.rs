@@ -1,0 +1,46 @@
+//! Cameras are changed for effects that the device can run, and for no others.
+
+use bevy::{ecs::component::ComponentId, prelude::*};
+
+use super::{
+    needs::{CameraNeeds, Need},
+    record::CameraOverrides,
+};
+
+/// Looks at the device of the main world. Cameras that have effects already fit those that it can run, and get back what they had
+/// before others. To be called for each new device.
+pub(crate) fn fit_device(world: &mut World) {
+    let looks: Vec<fn(&mut World) -> bool> = (world.resource::<CameraNeeds>().0.iter())
+        .map(|effect| effect.look_at_device)
+        .collect();
+    let runs: Vec<bool> = looks.into_iter().map(|look| look(world)).collect();
+    let mut changed: Vec<(ComponentId, &'static [Need])> = Vec::new();
+    for (effect, runs) in (world.resource_mut::<CameraNeeds>().0.iter_mut()).zip(runs) {
+        if effect.runs != runs {
+            effect.runs = runs;
+            changed.push((effect.effect, if runs { effect.needs } else { &[] }));
+        }
+    }
+    if changed.is_empty() {
+        return;
+    }
+    let cameras: Vec<(Entity, Vec<Need>)> = (world.query::<EntityRef>().iter(world))
+        .filter_map(|camera| {
+            let mut had = changed
+                .iter()
+                .filter(|(effect, _)| camera.contains_id(*effect))
+                .peekable();
+            had.peek()?;
+            let needs = had.flat_map(|(_, needs)| needs.iter().copied()).collect();
+            Some((camera.id(), needs))
+        })
+        .collect();
+    for (camera, needs) in cameras {
+        if let Ok(mut camera) = world.get_entity_mut(camera) {
+            CameraOverrides::change(&mut camera, |overrides, camera| {
+                overrides.fit_all(camera, &needs);
+                overrides.give_back(camera);
+            });
+        }
+    }
+}

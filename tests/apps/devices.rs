@@ -1,0 +1,300 @@
+//! Devices that lack something: cameras there are Bevy's, with their own settings, and the main world knows of it. In processes of their
+//! own, for what is logged.
+
+use bevy::{
+    camera::Hdr,
+    prelude::*,
+    render::render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
+};
+use bevy_lean_deferred::{
+    LeanDeferredPlugins, ambient_occlusion, auto_exposure,
+    auto_exposure::ExposureSupport,
+    lean::{NEEDED_FLAGS, NEEDED_FORMATS, NEEDED_LIMITS, NeededLimit, missing_of},
+    prelude::*,
+    screen_space::{self, subsurface},
+};
+use kit::{
+    device::render_plugin_within,
+    gpu,
+    headless::Headless,
+    known_slabs::{SKIN, slab},
+    lean::active_lean_views,
+    log_watch,
+    own_process::in_own_process,
+    scenes::SceneBuilder,
+};
+use wgpu::Limits;
+
+const SIZE: UVec2 = UVec2::new(96, 64);
+
+/// An app on a device with limits no better than these, and a camera of it as Bevy spawns any.
+fn app_within(limits: Limits) -> (Headless, Entity) {
+    let mut app = App::new();
+    app.add_plugins((
+        Headless::default_plugins().set(render_plugin_within(limits)),
+        LeanDeferredPlugins,
+    ));
+    let mut headless = Headless::from_app(SIZE, app, |_| {});
+    let mut s = SceneBuilder {
+        headless: &mut headless,
+    };
+    s.solids();
+    s.sun(true);
+    let camera = spawn_camera(&mut s, Camera::default());
+    (headless, camera)
+}
+
+fn spawn_camera(s: &mut SceneBuilder, camera: Camera) -> Entity {
+    let target = s.headless.render_target();
+    let place = Transform::from_xyz(-1.5, 2.8, 5.2).looking_at(Vec3::ZERO, Vec3::Y);
+    s.spawn((Camera3d::default(), camera, target, place))
+}
+
+fn settings(headless: &mut Headless, camera: Entity) -> (Msaa, bool) {
+    let camera = headless.world().entity(camera);
+    (*camera.get::<Msaa>().unwrap(), camera.contains::<Hdr>())
+}
+
+fn assert_no_errors() {
+    let errors = log_watch::messages_with("Caught rendering error");
+    assert!(errors.is_empty(), "{errors:?}");
+    log_watch::assert_validation_layer_silent();
+}
+
+const BEVYS: (Msaa, bool) = (Msaa::Sample4, false);
+
+/// As its own passes draw it, and as those of the camera above it do.
+#[test]
+fn cameras_that_can_never_be_lean_stay_as_they_are() {
+    in_own_process(|| {
+        let limits = Limits {
+            max_color_attachments: 6,
+            ..gpu::limits()
+        };
+        let (mut headless, camera) = app_within(limits);
+        // Before the first frame, so that `Startup` can ask.
+        let support = headless.world().resource::<LeanDeferredSupport>();
+        let missing = support.missing().expect("it lacks an attachment");
+        assert_eq!(missing, "max_color_attachments of 7 (it has 6)");
+
+        let mut s = SceneBuilder {
+            headless: &mut headless,
+        };
+        let above = spawn_camera(
+            &mut s,
+            Camera {
+                order: 1,
+                clear_color: ClearColorConfig::None,
+                ..default()
+            },
+        );
+        headless.settle();
+        let before = headless.capture();
+        headless.world().entity_mut(camera).insert((
+            LeanDeferred::default(),
+            LeanScreenSpaceGi::default(),
+            LeanScreenSpaceReflections::default(),
+        ));
+        headless.settle();
+        assert_eq!(settings(&mut headless, camera), BEVYS);
+        assert_eq!(settings(&mut headless, above), BEVYS);
+        assert!(headless.capture() == before, "the picture is not Bevy's");
+        let status = headless.world().get::<LeanStatus>(camera).unwrap();
+        assert!(matches!(
+            status,
+            LeanStatus::Off(LeanOffReason::Device(text)) if text.contains("max_color_attachments")
+        ));
+        assert_no_errors();
+    });
+}
+
+/// Lighting and occlusion need little shared memory, other effects more. (With fewer invocations than their 256 a workgroup Bevy's own
+/// pipelines of mip levels are refused: it ends the app there.)
+#[test]
+fn effects_are_off_where_workgroups_are_small() {
+    in_own_process(|| {
+        let limits = Limits {
+            max_compute_workgroup_storage_size: 8192,
+            ..gpu::limits()
+        };
+        let (mut headless, camera) = app_within(limits);
+        let support = headless.world().resource::<LeanDeferredSupport>();
+        assert!(support.is_full(), "{support:?}");
+        let mut s = SceneBuilder {
+            headless: &mut headless,
+        };
+        let ball = s.add::<Mesh>(Sphere::new(0.5));
+        let skin = s.add::<ExtendedStandardMaterial>(slab(SKIN, 0.05));
+        let place = Transform::from_xyz(0.0, 0.5, 2.2);
+        s.spawn((Mesh3d(ball), MeshMaterial3d(skin), place));
+        headless.world().entity_mut(camera).insert((
+            LeanDeferred::default(),
+            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceGi::default(),
+            LeanScreenSpaceReflections::default(),
+        ));
+        headless.settle();
+        headless.frames(4);
+        assert_no_errors();
+        assert_eq!(active_lean_views(&mut headless), 1);
+        for (effect, need) in [
+            ("LeanScreenSpaceGi", 12544),
+            ("LeanScreenSpaceReflections", 12544),
+            ("LeanSubsurfaceScattering", 16352),
+        ] {
+            let reason = format!("max_compute_workgroup_storage_size of {need}");
+            let warnings = log_watch::messages_with(&format!("{effect} on camera"));
+            assert_eq!(warnings.len(), 1, "{effect}: {warnings:?}");
+            assert!(warnings[0].contains(&reason), "{warnings:?}");
+        }
+    });
+}
+
+#[test]
+fn exposure_leaves_cameras_alone_where_it_cannot_meter() {
+    in_own_process(|| {
+        let limits = Limits {
+            max_storage_buffers_per_shader_stage: 3,
+            ..gpu::limits()
+        };
+        let (mut headless, camera) = app_within(limits);
+        let exposure = headless.world().resource::<ExposureSupport>();
+        let missing = exposure.missing.as_deref().unwrap_or_default();
+        assert_eq!(
+            missing,
+            "max_storage_buffers_per_shader_stage of 4 (it has 3)"
+        );
+        headless.settle();
+        let before = headless.capture();
+        let exposure = LeanAutoExposure::default();
+        headless.world().entity_mut(camera).insert(exposure);
+        headless.settle();
+        assert_eq!(settings(&mut headless, camera), BEVYS);
+        assert!(headless.capture() == before, "the picture is not Bevy's");
+        assert_no_errors();
+    });
+}
+
+/// The tables of needs, by the effects that have them.
+const TABLES: [(&str, &[NeededLimit]); 5] = [
+    ("LeanDeferred", NEEDED_LIMITS),
+    ("LeanAmbientOcclusion", ambient_occlusion::COMPUTE_LIMITS),
+    ("GI and reflections", screen_space::NEEDED_LIMITS),
+    ("scattering", subsurface::NEEDED_LIMITS),
+    ("LeanAutoExposure", auto_exposure::NEEDED_LIMITS),
+];
+
+/// On a device that has no more than all tables say, everything runs.
+#[test]
+fn the_tables_are_enough() {
+    in_own_process(|| {
+        let mut limits = gpu::limits();
+        let mut least = limits.clone();
+        for needed in TABLES.iter().flat_map(|(_, table)| *table) {
+            *(needed.field)(&mut least) = 0;
+        }
+        for needed in TABLES.iter().flat_map(|(_, table)| *table) {
+            let limit = (needed.field)(&mut least);
+            *limit = needed.least.max(*limit);
+        }
+        limits = least;
+        println!("{limits:?}");
+        let (mut headless, camera) = app_within(limits);
+        let mut s = SceneBuilder {
+            headless: &mut headless,
+        };
+        let ball = s.add::<Mesh>(Sphere::new(0.5));
+        let skin = s.add::<ExtendedStandardMaterial>(slab(SKIN, 0.05));
+        let place = Transform::from_xyz(0.0, 0.5, 2.2);
+        s.spawn((Mesh3d(ball), MeshMaterial3d(skin), place));
+        s.mesh(
+            Sphere::new(0.4),
+            StandardMaterial {
+                clearcoat: 1.0,
+                emissive: LinearRgba::rgb(0.2, 0.1, 0.3),
+                ..default()
+            },
+            Transform::from_xyz(1.2, 0.4, 1.6),
+        );
+        s.spawn((
+            PointLight {
+                intensity: 300_000.0,
+                shadow_maps_enabled: true,
+                ..default()
+            },
+            bevy::camera::visibility::RenderLayers::layer(1),
+            Transform::from_xyz(1.0, 2.0, 1.5),
+        ));
+        headless.world().entity_mut(camera).insert((
+            bevy::camera::visibility::RenderLayers::from_layers(&[0, 1]),
+            LeanDeferred::default(),
+            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceReflections::default(),
+            LeanAutoExposure::default(),
+        ));
+        headless.settle();
+        headless.frames(4);
+        headless
+            .world()
+            .entity_mut(camera)
+            .insert(LeanScreenSpaceGi::default());
+        headless.settle();
+        headless.frames(4);
+        assert_no_errors();
+        assert_eq!(active_lean_views(&mut headless), 1);
+        let off = log_watch::messages_with("is off");
+        assert!(off.is_empty(), "{off:?}");
+    });
+}
+
+/// Each limit of each table is looked at: a device with just less lacks it, and it alone.
+#[test]
+fn a_device_with_just_less_of_a_limit_is_told_from_one_with_enough() {
+    let full = gpu::limits();
+    let missing = |limits: &Limits| {
+        missing_of(
+            DownlevelFlags::all(),
+            |_| TextureUsages::all(),
+            &gpu::limits_within(limits),
+        )
+    };
+    assert_eq!(missing(&full), [""; 0]);
+    for needed in NEEDED_LIMITS {
+        let within = |limit| {
+            let mut limits = full.clone();
+            *(needed.field)(&mut limits) = limit;
+            missing(&limits)
+        };
+        let NeededLimit { name, least, .. } = *needed;
+        assert_eq!(within(least), [""; 0], "{name}");
+        let less = least - 1;
+        assert_eq!(
+            within(less),
+            [format!("{name} of {least} (it has {less})")],
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn an_adapter_without_a_flag_or_a_format_is_told_from_a_full_one() {
+    let limits = gpu::limits();
+    let all = |_: TextureFormat| TextureUsages::all();
+    for (flag, name) in NEEDED_FLAGS {
+        let flags = DownlevelFlags::all() - flag;
+        assert_eq!(missing_of(flags, all, &limits), [name]);
+    }
+    assert!(
+        NEEDED_FLAGS
+            .iter()
+            .any(|(flag, _)| *flag == DownlevelFlags::INDEPENDENT_BLEND)
+    );
+    for (format, usage, name) in NEEDED_FORMATS {
+        let usages = |other| match other == format {
+            true => TextureUsages::all() - usage,
+            false => TextureUsages::all(),
+        };
+        let missing = missing_of(DownlevelFlags::all(), usages, &limits);
+        assert!(missing.contains(&name.to_string()), "{missing:?}");
+    }
+}
