@@ -81,6 +81,7 @@ impl LeanAmbientOcclusion {
 }
 
 impl CameraEffect for LeanAmbientOcclusion {
+    const NAME: &'static str = "LeanAmbientOcclusion";
     const NEEDS: &'static [Need] = &[Need::WithoutMsaa];
 }
 

@@ -76,6 +76,7 @@ pub struct LeanAutoExposure {
 }
 
 impl CameraEffect for LeanAutoExposure {
+    const NAME: &'static str = "LeanAutoExposure";
     const NEEDS: &'static [Need] = &[Need::Hdr];
 }
 

@@ -149,7 +149,9 @@ pub(super) fn decide_active_views(
         let main_entity = view.retained_view_entity.main_entity;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
-        let reason = reason_against(camera, view, is_3d, msaa, deferred);
+        let reason = (!settings.enabled)
+            .then_some(LeanOffReason::Disabled)
+            .or_else(|| reason_against(camera, view, is_3d, msaa, deferred));
         let lacking = memory.label(entity);
         if reason.is_some() || lacking.is_some() {
             match (reason, lacking) {

@@ -1,7 +1,8 @@
 //! The decision, in each frame, which cameras with [`LeanDeferred`] are rendered lean.
 //!
-//! A camera is lean if it is HDR without MSAA and `DeferredPrepass`, its schedule is `Core3d`, its viewport has all of depth, the device
-//! has what [`missing_capabilities`] lists, its textures fit into memory and its shaders are compiled. Else Bevy renders it. [`LeanStatus`] tells the app, and one warning for each reason tells the log.
+//! A camera is lean if it is enabled, HDR without MSAA and `DeferredPrepass`, its schedule is `Core3d`, its viewport has all of depth, the
+//! device has what [`missing_capabilities`] lists, its textures fit into memory and its shaders are compiled. Else Bevy renders it.
+//! [`LeanStatus`] tells the app, and one warning for each reason tells the log.
 //!
 //! [`LeanDeferredSupport`], a resource of both worlds, tells if the device can do it. Where it cannot, cameras keep their `Msaa` and get no
 //! `Hdr`.

@@ -18,7 +18,7 @@
 // - `cut.rs`: when the last frame says nothing of this one.
 // - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
 // - `overrides/`: what effects change about a camera and the others of its target, and give back.
-// - `removal.rs`: what goes with a component.
+// - `removal.rs`: what goes with a component. `unfit_items.rs`: what other crates leave in phases of a camera that was changed.
 // - `out_of_memory.rs`: textures that do not fit. `warn_once.rs`: why an effect is off, once for each camera.
 
 mod active;
@@ -33,6 +33,7 @@ mod schedule;
 mod settings;
 mod status;
 mod surfaces;
+mod unfit_items;
 pub(crate) mod warn_once;
 
 pub use active::ActiveLeanView;
@@ -56,14 +57,15 @@ pub(crate) use surfaces::{LightingVariant, LightingVariants};
 use bevy::{
     asset::io::embedded::EmbeddedAssetRegistry,
     core_pipeline::{
-        core_3d::main_opaque_pass_3d,
+        core_3d::{Opaque3d, main_opaque_pass_3d},
         schedule::{Core3d, Core3dSystems},
     },
-    pbr::PbrPlugin,
+    pbr::{PbrPlugin, check_views_need_specialization},
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderPlugin, RenderSystems,
-        extract_component::ExtractComponentPlugin, renderer::RenderDevice,
+        extract_component::ExtractComponentPlugin, render_phase::ViewBinnedRenderPhases,
+        renderer::RenderDevice,
     },
 };
 
@@ -123,9 +125,13 @@ impl Plugin for SharedPlugin {
             .add_systems(ExtractSchedule, pipeline_watch::watch_pipelines)
             .add_systems(
                 Render,
-                out_of_memory::forget_cameras
-                    .in_set(RenderSystems::PrepareAssets)
-                    .before(LeanViewSystems),
+                (
+                    out_of_memory::forget_cameras.before(LeanViewSystems),
+                    unfit_items::drop_unfit_items
+                        .after(check_views_need_specialization)
+                        .run_if(resource_exists::<ViewBinnedRenderPhases<Opaque3d>>),
+                )
+                    .in_set(RenderSystems::PrepareAssets),
             )
             .edit_schedule(Core3d, |schedule| {
                 schedule

@@ -12,7 +12,8 @@ use super::{
 ///
 /// The picture is that of Bevy's forward renderer. Opaque and alpha-masked meshes whose material the G-buffer can
 /// carry go through it; every other mesh is drawn by Bevy's forward passes on the same camera, against the same depth.
-/// Adding or removing the component at run time switches the camera over and frees what it held.
+/// Adding or removing the component at run time switches the camera over and frees what it held. [`enabled`](Self::enabled) does so too,
+/// and leaves the camera's settings alone.
 /// What the camera is doing is in [`LeanStatus`], what its targets cost in [`GBufferUsage`](crate::gbuffer::GBufferUsage).
 ///
 /// ```
@@ -27,12 +28,9 @@ use super::{
 /// }
 ///
 /// /// Back to Bevy's renderer, and to this one again.
-/// fn toggle(mut commands: Commands, camera: Single<(Entity, Has<LeanDeferred>), With<Camera3d>>) {
-///     let (camera, is_lean) = *camera;
-///     if is_lean {
-///         commands.entity(camera).remove::<LeanDeferred>();
-///     } else {
-///         commands.entity(camera).insert(LeanDeferred::default());
+/// fn toggle(mut cameras: Query<&mut LeanDeferred>) {
+///     for mut lean in &mut cameras {
+///         lean.enabled = !lean.enabled;
 ///     }
 /// }
 ///
@@ -46,14 +44,25 @@ use super::{
 ///
 /// Needs HDR (`Hdr` is added with the component) and no MSAA (switched off then). Removing the component gives back what
 /// the camera had, unless another effect needs it or the app has set it since. Other cameras of its target that had the
-/// same get the same, so that they go on sharing a picture. A camera that
+/// same get the same, so that they go on sharing a picture. On devices that cannot run it
+/// ([`LeanDeferredSupport`](crate::LeanDeferredSupport)) nothing is changed. A camera that
 /// breaks these later, or whose device lacks something, is rendered as Bevy has it, with one warning that names the
 /// reason. `docs/reliability.md` lists all that is needed.
+///
+/// # On a camera that is rendered already
+///
+/// Give a camera that is to become lean later `Hdr` and `Msaa::Off` when it is spawned, or `LeanDeferred` with `enabled: false`. Added to a
+/// rendered camera that has Bevy's defaults, the component changes its sample count and the format of its main texture. Bevy makes its
+/// own pipelines anew then. Those that other crates keep for each camera may not follow: with `bevy_mod_outline` 0.13 a validation error
+/// ends the app. A message warns of it, once for each camera.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(LeanStatus)]
 #[extract_component_sync_target((Self, ActiveLeanView))]
 pub struct LeanDeferred {
+    /// Renders the camera lean. While it is false, Bevy renders the camera, without MSAA and with `Hdr`, and nothing is kept for it.
+    /// Default: true.
+    pub enabled: bool,
     /// How the normal of the surface itself (not the shading normal) is found from depth. Shadow bias uses it.
     /// Only computed where a light casts shadows. Default: the most exact.
     pub geometric_normal: GeometricNormal,
@@ -74,6 +83,7 @@ pub struct LeanDeferred {
 impl Default for LeanDeferred {
     fn default() -> Self {
         Self {
+            enabled: true,
             geometric_normal: GeometricNormal::default(),
             light_layers: true,
             light_culling: LightCulling::default(),
@@ -90,6 +100,7 @@ impl LeanDeferred {
 }
 
 impl CameraEffect for LeanDeferred {
+    const NAME: &'static str = "LeanDeferred";
     const NEEDS: &'static [Need] = &[Need::WithoutMsaa, Need::Hdr];
 }
 

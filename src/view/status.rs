@@ -60,6 +60,8 @@ pub enum LeanOffReason {
     /// It was not rendered: it is not active, its target is not there, no frame has been rendered yet, or the app has no
     /// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin).
     NotRendered,
+    /// [`LeanDeferred::enabled`](super::LeanDeferred::enabled) is false.
+    Disabled,
     /// Its `Msaa` is not `Off`.
     Msaa,
     /// Its `CameraRenderGraph` is not `Core3d`, where the passes of this crate are.
@@ -87,6 +89,7 @@ impl fmt::Display for LeanOffReason {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::NotRendered => write!(f, "it was not rendered"),
+            Self::Disabled => write!(f, "LeanDeferred::enabled is false"),
             Self::Msaa => write!(f, "its Msaa is not Off"),
             Self::Schedule => write!(f, "its CameraRenderGraph is not Core3d"),
             Self::NotCamera3d => write!(f, "it has no Camera3d component"),
@@ -137,11 +140,15 @@ impl LeanOffReason {
         }
     }
 
-    /// Whether cameras are warned of it one by one. Of the others there is a message elsewhere.
+    /// Whether cameras are warned of it one by one. Of the others there is a message elsewhere, or the app knows.
     pub(crate) fn is_of_camera(&self) -> bool {
         !matches!(
             self,
-            Self::NotRendered | Self::Device(_) | Self::Shader(_) | Self::OutOfMemory(_)
+            Self::NotRendered
+                | Self::Disabled
+                | Self::Device(_)
+                | Self::Shader(_)
+                | Self::OutOfMemory(_)
         )
     }
 }

@@ -9,6 +9,7 @@ mod fallback;
 mod first_frame;
 mod history;
 mod labels;
+mod late_switch;
 mod lost_device;
 mod memory;
 mod minimised;

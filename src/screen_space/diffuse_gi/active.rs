@@ -39,7 +39,7 @@ pub(super) fn decide_active_gi(
             Entity,
             &ExtractedView,
             &LeanScreenSpaceGi,
-            Has<LeanDeferred>,
+            Option<&LeanDeferred>,
             (Has<ActiveLeanView>, Option<&ActiveGi>),
         ),
         With<ExtractedCamera>,
@@ -55,9 +55,9 @@ pub(super) fn decide_active_gi(
         return;
     };
     let limits = device.limits();
-    for (entity, view, settings, is_lean, (was_lean, current)) in &views {
-        let reason = EffectOff::of(is_lean, NEEDED_LIMITS, &limits);
-        let can_run = reason.is_none();
+    for (entity, view, settings, lean, (was_lean, current)) in &views {
+        let reason = EffectOff::of(lean.is_some(), NEEDED_LIMITS, &limits);
+        let can_run = reason.is_none() && lean.is_some_and(|lean| lean.enabled);
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceGi", camera, reason);
         let key = GiKey {

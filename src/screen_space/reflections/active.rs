@@ -44,7 +44,7 @@ pub(super) fn decide_active_reflections(
             Entity,
             &ExtractedView,
             &LeanScreenSpaceReflections,
-            Has<LeanDeferred>,
+            Option<&LeanDeferred>,
             Option<&MainPassResolutionOverride>,
             (Option<&ActiveLeanView>, Option<&ActiveReflections>),
         ),
@@ -61,9 +61,9 @@ pub(super) fn decide_active_reflections(
         return;
     };
     let limits = device.limits();
-    for (entity, view, settings, is_lean, resolution, (last, current)) in &views {
-        let reason = EffectOff::of(is_lean, NEEDED_LIMITS, &limits);
-        let can_run = reason.is_none();
+    for (entity, view, settings, lean, resolution, (last, current)) in &views {
+        let reason = EffectOff::of(lean.is_some(), NEEDED_LIMITS, &limits);
+        let can_run = reason.is_none() && lean.is_some_and(|lean| lean.enabled);
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceReflections", camera, reason);
         let rows = drawn_part(view, resolution).height();

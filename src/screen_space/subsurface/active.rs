@@ -43,7 +43,7 @@ pub(super) fn decide_active_scattering(
             Entity,
             &ExtractedView,
             Option<&LeanSubsurfaceScattering>,
-            Has<LeanDeferred>,
+            Option<&LeanDeferred>,
             Option<&ActiveScattering>,
         ),
         (
@@ -66,9 +66,10 @@ pub(super) fn decide_active_scattering(
         return;
     };
     let limits = device.limits();
-    for (entity, view, settings, is_lean, current) in &views {
-        let is_asked = is_lean && demands.scatter(view.retained_view_entity);
-        let reason = match (settings, is_lean) {
+    for (entity, view, settings, lean, current) in &views {
+        let is_asked =
+            lean.is_some_and(|lean| lean.enabled) && demands.scatter(view.retained_view_entity);
+        let reason = match (settings, lean.is_some()) {
             (Some(settings), false) if settings.quality != SubsurfaceScatteringQuality::Off => {
                 Some(EffectOff::NotLean)
             }

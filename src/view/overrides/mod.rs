@@ -3,12 +3,13 @@
 //!
 //! `#[require(Hdr)]` would not do: afterwards nothing tells whether the camera had it before.
 //!
-//! A device that cannot run an effect (`device.rs`) has nothing changed for it.
+//! A device that cannot run an effect (`device.rs`) has nothing changed for it. Who changes a camera late is told so (`late.rs`).
 //!
 //! Cameras that were alike share their main texture and depth, and each is drawn over those before it. So that they still
 //! do, the same is changed about the others (`partners.rs`).
 
 mod device;
+mod late;
 mod needs;
 mod partners;
 mod record;
@@ -60,7 +61,8 @@ fn override_camera<E: CameraEffect>(added: On<Add, E>, mut commands: Commands) {
         let needs = needs.of_effect(world.component_id::<E>());
         if !needs.is_empty() {
             CameraOverrides::change(&mut camera, |overrides, camera| {
-                overrides.fit_all(camera, needs);
+                let changed = overrides.fit_all(camera, needs);
+                late::warn_of_change::<E>(camera, &changed);
             });
         }
     };

@@ -14,6 +14,7 @@ pub(crate) enum Need {
 
 /// An effect that a camera must fit.
 pub(crate) trait CameraEffect: Component {
+    const NAME: &'static str;
     const NEEDS: &'static [Need];
 }
 

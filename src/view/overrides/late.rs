@@ -1,0 +1,34 @@
+//! Tells apps of changes to cameras that are rendered already.
+
+use bevy::prelude::*;
+
+use super::needs::{CameraEffect, Need};
+
+/// On a camera: its app was told.
+#[derive(Component)]
+struct ToldOfChange;
+
+/// Warns, once for each camera, that the effect `E` has changed one that is rendered already: what other crates keep for it may not follow.
+pub(super) fn warn_of_change<E: CameraEffect>(camera: &mut EntityWorldMut, changed: &[Need]) {
+    let is_rendered = camera
+        .get::<Camera>()
+        .is_some_and(|camera| camera.is_active && camera.physical_target_size().is_some());
+    if changed.is_empty() || !is_rendered || camera.contains::<ToldOfChange>() {
+        return;
+    }
+    camera.insert(ToldOfChange);
+    let names: Vec<&str> = (changed.iter())
+        .map(|need| match need {
+            Need::WithoutMsaa => "`Msaa::Off`",
+            Need::Hdr => "`Hdr`",
+            Need::OwnTexture => "a texture of its own",
+        })
+        .collect();
+    let names = names.join(" and ");
+    let effect = E::NAME;
+    let id = camera.id();
+    warn!(
+        "Camera {id} was rendered without {names} until it got {effect}, which needs that. Bevy makes its own pipelines anew; those that other \
+         crates keep for the camera (outlines, particles) may not fit any more, which ends the app. If so, spawn it with {names}."
+    );
+}
