@@ -73,8 +73,9 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses, SharedPlugin,
-        ViewTextureSystems, can_build, depth_usage::extend_depth_usage, overrides, removal,
+        FoundLightPasses, GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses,
+        SharedPlugin, ViewTextureSystems, can_build, depth_usage::extend_depth_usage, overrides,
+        removal,
     },
 };
 
@@ -147,6 +148,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                 (
                     pass::occlusion_for_lighting
                         .in_set(Core3dSystems::MainPass)
+                        .in_set(FoundLightPasses)
                         .after(GBufferPasses)
                         .before(LightingPasses),
                     pass::occlusion_after_opaque.in_set(OpaquePicturePasses),

@@ -78,7 +78,7 @@ use bevy::{
 
 use crate::{
     gpu::recovery,
-    view::{SharedPlugin, can_build, overrides, removal},
+    view::{ExposureOverlayPasses, ExposurePasses, SharedPlugin, can_build, overrides, removal},
 };
 
 /// Auto exposure, for cameras with [`LeanAutoExposure`]. Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it
@@ -160,9 +160,11 @@ impl Plugin for LeanAutoExposurePlugin {
                 Core3d,
                 (
                     pass::auto_exposure
+                        .in_set(ExposurePasses)
                         .after(Core3dSystems::EarlyPostProcess)
                         .before(Core3dSystems::PostProcess),
                     overlay::exposure_overlay
+                        .in_set(ExposureOverlayPasses)
                         .in_set(Core3dSystems::PostProcess)
                         .after(tonemapping),
                 ),
@@ -171,9 +173,11 @@ impl Plugin for LeanAutoExposurePlugin {
                 Core2d,
                 (
                     pass::auto_exposure
+                        .in_set(ExposurePasses)
                         .after(Core2dSystems::EarlyPostProcess)
                         .before(Core2dSystems::PostProcess),
                     overlay::exposure_overlay
+                        .in_set(ExposureOverlayPasses)
                         .in_set(Core2dSystems::PostProcess)
                         .after(tonemapping),
                 ),

@@ -33,7 +33,7 @@ mod succession;
 mod support;
 
 #[doc(hidden)]
-pub use debug_view::DebugViewPasses;
+pub use crate::view::DebugViewPasses;
 pub use diffuse_gi::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, ScreenSpaceGiDebugView, ScreenSpaceGiQuality,
 };

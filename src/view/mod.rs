@@ -14,7 +14,7 @@
 //
 // - `settings.rs`, `status.rs`: `LeanDeferred` and `LeanStatus`, the components of cameras.
 // - `active.rs`: `ActiveLeanView`, what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
-// - `schedule.rs`: when stages run. `first_passes.rs`: which of them come first among others.
+// - `schedule.rs`: when stages run. `pass_order.rs`: the order of passes among those of others.
 // - `cut.rs`: when the last frame says nothing of this one.
 // - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
 // - `overrides/`: what effects change about a camera and the others of its target, and give back.
@@ -25,9 +25,9 @@ mod active;
 mod cut;
 pub(crate) mod depth_usage;
 mod exchange;
-mod first_passes;
 mod out_of_memory;
 pub(crate) mod overrides;
+mod pass_order;
 pub(crate) mod removal;
 mod schedule;
 mod settings;
@@ -47,7 +47,11 @@ pub use exchange::{
 };
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
-pub(crate) use schedule::ViewTextureSystems;
+#[doc(hidden)]
+pub use schedule::DebugViewPasses;
+pub(crate) use schedule::{
+    ExposureOverlayPasses, ExposurePasses, FoundLightPasses, HistoryPasses, ViewTextureSystems,
+};
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
 pub use settings::{DebugChannel, GeometricNormal, LeanDeferred, LightCulling};
 pub use status::{LeanOffReason, LeanStatus};
@@ -58,7 +62,7 @@ use bevy::{
     asset::io::embedded::EmbeddedAssetRegistry,
     core_pipeline::{
         core_3d::{Opaque3d, main_opaque_pass_3d},
-        schedule::{Core3d, Core3dSystems},
+        schedule::{Core2d, Core3d, Core3dSystems},
     },
     pbr::{PbrPlugin, check_views_need_specialization},
     prelude::*,
@@ -69,7 +73,7 @@ use bevy::{
     },
 };
 
-use first_passes::FirstPasses;
+use pass_order::PassOrder;
 
 use crate::{
     gpu::{
@@ -135,12 +139,15 @@ impl Plugin for SharedPlugin {
             )
             .edit_schedule(Core3d, |schedule| {
                 schedule
-                    .add_build_pass(FirstPasses::of_core_3d())
+                    .add_build_pass(PassOrder::of_core_3d())
                     .configure_sets(
                         OpaquePicturePasses
                             .in_set(Core3dSystems::MainPass)
                             .after(main_opaque_pass_3d),
                     );
+            })
+            .edit_schedule(Core2d, |schedule| {
+                schedule.add_build_pass(PassOrder::of_core_2d());
             });
     }
 

@@ -42,7 +42,7 @@ struct CurtainPipeline(wgpu::RenderPipeline);
 
 /// Draws colour and depth.
 #[derive(Resource)]
-struct WallPipeline(wgpu::RenderPipeline);
+pub(super) struct WallPipeline(wgpu::RenderPipeline);
 
 /// The curtain is before all else, the wall among the solids.
 const SHADER: &str = "
@@ -138,12 +138,13 @@ fn draw_curtain(
 }
 
 /// Over the left half. No camera knows of it by what it sees.
-fn draw_wall(
+pub(super) fn draw_wall(
     view: ViewQuery<(&ViewDepthTexture, &ViewTarget)>,
     pipeline: Res<WallPipeline>,
     mut ctx: RenderContext,
 ) {
     let (depth, target) = view.into_inner();
+    let half = UVec2::new(depth.texture.width() / 2, depth.texture.height());
     let color = target.get_color_attachment();
     let depth = depth.get_attachment(StoreOp::Store);
     let mut pass = ctx
@@ -154,7 +155,7 @@ fn draw_wall(
             ..default()
         });
     pass.set_pipeline(&pipeline.0);
-    pass.set_scissor_rect(0, 0, SIZE.x / 2, SIZE.y);
+    pass.set_scissor_rect(0, 0, half.x, half.y);
     pass.draw(0..3, 0..1);
 }
 
@@ -215,6 +216,12 @@ fn before_opaque(app: &mut App) {
     );
 }
 
+pub(super) fn add_wall_pipeline(headless: &mut Headless) {
+    let target = Some(wgpu::TextureFormat::Rgba16Float.into());
+    let pipeline = make_pipeline(headless, 0.017, &[target]);
+    insert_pipeline(headless, WallPipeline(pipeline));
+}
+
 /// Compares pictures of a wall that is drawn by what is added `before` this crate's plugins, and `after` them.
 fn assert_wall_is_forwards(before: fn(&mut App), after: fn(&mut App)) {
     let mut app = App::new();
@@ -222,9 +229,7 @@ fn assert_wall_is_forwards(before: fn(&mut App), after: fn(&mut App)) {
     before(&mut app);
     app.add_plugins(LeanDeferredPlugins);
     let mut headless = Headless::from_app(SIZE, app, after);
-    let target = Some(wgpu::TextureFormat::Rgba16Float.into());
-    let pipeline = make_pipeline(&mut headless, 0.017, &[target]);
-    insert_pipeline(&mut headless, WallPipeline(pipeline));
+    add_wall_pipeline(&mut headless);
     let mut scene = SceneBuilder {
         headless: &mut headless,
     };

@@ -18,6 +18,7 @@ mod light_parts;
 mod live_changes;
 mod oracle;
 mod overlays;
+mod own_passes;
 mod packing_loss;
 mod parity;
 mod resolution_override;

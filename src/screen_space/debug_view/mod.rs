@@ -29,21 +29,16 @@ use bevy::{
 
 use binding_numbers::FOUND_TEXTURE;
 
-use super::history::HistoryPasses;
 use crate::{
     gpu::{
         bind_group_cache::{CachedBindGroup, FoundLayout},
         bindings::layout,
         timed::timed,
     },
-    view::removal,
+    view::{DebugViewPasses, HistoryPasses, removal},
 };
 
 const LABEL: &str = "lean_deferred/screen_space/debug_view";
-
-/// Draws what is shown, in [`Core3d`].
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct DebugViewPasses;
 
 /// What of a texture is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

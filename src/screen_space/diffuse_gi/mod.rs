@@ -54,9 +54,9 @@ use super::{debug_view::DebugViewPlugin, succession::SuccessionPlugin};
 use crate::{
     gpu::recovery,
     view::{
-        ActiveLeanView, GBufferPasses, IndirectDiffuse, LeanViewSystems, LightingPasses,
-        OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin, ViewTextureSystems, can_build,
-        removal,
+        ActiveLeanView, FoundLightPasses, GBufferPasses, IndirectDiffuse, LeanViewSystems,
+        LightingPasses, OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin, ViewTextureSystems,
+        can_build, removal,
     },
 };
 
@@ -119,6 +119,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
                 (
                     pass::find_diffuse_light
                         .in_set(Core3dSystems::MainPass)
+                        .in_set(FoundLightPasses)
                         .after(GBufferPasses)
                         .before(LightingPasses),
                     forward_light::add_forward_light.in_set(OpaquePicturePasses),

@@ -32,16 +32,14 @@ pub(super) use prepare::prepare_histories;
 pub use uniforms::HistoryView;
 
 use super::succession::SuccessionPlugin;
-use crate::view::{SharedPlugin, ViewTextureSystems, depth_usage::extend_depth_usage, removal};
+use crate::view::{
+    HistoryPasses, SharedPlugin, ViewTextureSystems, depth_usage::extend_depth_usage, removal,
+};
 
 /// On a view of the render world: something reads its last frame. To be inserted before `RenderSystems::PrepareViews`,
 /// and removed when nothing does any more.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ReadsHistory;
-
-/// Keeps the frame, in [`Core3d`].
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct HistoryPasses;
 
 /// Keeps the last frame of views that somebody reads. Added by those that do, once.
 pub(crate) struct HistoryPlugin;

@@ -64,8 +64,8 @@ use super::{
 use crate::{
     gpu::recovery,
     view::{
-        ActiveLeanView, GBufferPasses, IndirectSpecular, LeanViewSystems, LightingPasses,
-        SharedPlugin, ViewTextureSystems, can_build, removal,
+        ActiveLeanView, FoundLightPasses, GBufferPasses, IndirectSpecular, LeanViewSystems,
+        LightingPasses, SharedPlugin, ViewTextureSystems, can_build, removal,
     },
 };
 
@@ -141,6 +141,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
                 Core3d,
                 pass::find_reflections
                     .in_set(Core3dSystems::MainPass)
+                    .in_set(FoundLightPasses)
                     .after(GBufferPasses)
                     .before(LightingPasses),
             );

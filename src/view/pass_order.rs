@@ -1,0 +1,530 @@
+//! The order of this crate's passes among those of apps and other crates.
+//!
+//! Bevy records a camera's passes in parallel and submits them in the order of the sorted schedule. The first pass that is
+//! *recorded* clears colour and depth. Two passes without an order race: the later one may clear what the earlier one has
+//! drawn. Each rule here gives passes of this crate an order against passes that have none against them.
+
+use core::iter;
+
+use bevy::{
+    core_pipeline::{
+        core_3d::{main_opaque_pass_3d, main_transparent_pass_3d},
+        prepass::node::{early_prepass, late_prepass},
+        schedule::{Core2dSystems, Core3dSystems},
+    },
+    ecs::schedule::{
+        FlattenedDependencies, InternedSystemSet, NodeId, ScheduleBuildError, ScheduleBuildPass,
+        ScheduleGraph, SystemKey, SystemSetKey,
+        graph::{DiGraph, Direction},
+    },
+    pbr::{EARLY_SHADOW_PASS, LATE_SHADOW_PASS, per_view_shadow_pass, shared_shadow_pass},
+    platform::{collections::HashSet, hash::FixedHasher},
+    prelude::*,
+};
+use indexmap::IndexSet;
+
+use super::schedule::{
+    DebugViewPasses, ExposureOverlayPasses, ExposurePasses, FoundLightPasses, GBufferPasses,
+    HistoryPasses, LightingPasses, OpaquePicturePasses,
+};
+
+/// Orders the systems of some sets before or after others that have no order against them. The others may be of other
+/// crates, which know nothing of these sets and whose systems cannot be named where they are private.
+///
+/// A schedule has one of it: build passes are told apart by their type.
+#[derive(Debug)]
+pub(super) struct PassOrder(Vec<Rule>);
+
+/// Adds an order where there is none. Rules apply one after the other: an earlier one is stronger.
+#[derive(Debug)]
+struct Rule {
+    /// Members of all of these sets.
+    ours: Vec<InternedSystemSet>,
+    side: Side,
+    others: Others,
+}
+
+/// The side of the others on which ours run.
+#[derive(Clone, Copy, Debug)]
+enum Side {
+    Before,
+    After,
+}
+
+/// The systems that ours are ordered against.
+#[derive(Debug)]
+enum Others {
+    All,
+    /// Those asked to run after the members of a set.
+    Following(InternedSystemSet),
+    /// Those that run before all systems within a set, without the members of others.
+    Preceding(InternedSystemSet, Vec<InternedSystemSet>),
+    /// Those of a set, or of sets within it.
+    Within(InternedSystemSet),
+    /// Those of ours that were added later.
+    LaterOfOurs,
+}
+
+impl PassOrder {
+    pub(super) fn of_core_3d() -> Self {
+        let prepass_gbuffer = [GBufferPasses.intern(), Core3dSystems::Prepass.intern()];
+        let main_pass = Core3dSystems::MainPass.intern();
+        let mut rules = vec![
+            // A reader of the prepass finds lean meshes in it.
+            Rule::before(&prepass_gbuffer, following(early_prepass)),
+            Rule::before(&prepass_gbuffer, following(late_prepass)),
+            // The G-buffer is cleared where others have drawn, and its meshes are tested against their depth. A pass between
+            // G-buffer and lighting would be overwritten by the light of the meshes that it hides.
+            Rule::after(
+                &[GBufferPasses.intern()],
+                Others::Preceding(LightingPasses.intern(), shadow_passes()),
+            ),
+            // What precedes Bevy's opaque pass, in the main pass or in no set, is drawn among lit meshes, as among those
+            // that Bevy draws.
+            Rule::before(&[LightingPasses.intern()], Others::All),
+            // Before Bevy's `render_sky`, which draws the air in front of meshes.
+            Rule::before(
+                &[OpaquePicturePasses.intern()],
+                following(main_opaque_pass_3d),
+            ),
+            // The picture is kept, and shown over, once it is complete: after `oit_resolve`.
+            Rule::after(&[HistoryPasses.intern()], Others::Within(main_pass)),
+            Rule::after(&[DebugViewPasses.intern()], Others::Within(main_pass)),
+        ];
+        for set in [HistoryPasses.intern(), DebugViewPasses.intern()] {
+            rules.push(Rule::before(&[set], following(main_transparent_pass_3d)));
+        }
+        for set in [
+            FoundLightPasses.intern(),
+            OpaquePicturePasses.intern(),
+            DebugViewPasses.intern(),
+        ] {
+            rules.push(Rule::before(&[set], Others::LaterOfOurs));
+        }
+        rules.extend(Rule::of_exposure(Core3dSystems::PostProcess.intern()));
+        Self(rules)
+    }
+
+    pub(super) fn of_core_2d() -> Self {
+        Self(Rule::of_exposure(Core2dSystems::PostProcess.intern()).into())
+    }
+}
+
+fn following<M>(system: impl IntoSystemSet<M>) -> Others {
+    Others::Following(system.into_system_set().intern())
+}
+
+/// They draw nothing into the view. Recorded beside the prepass, they cost less time.
+fn shadow_passes() -> Vec<InternedSystemSet> {
+    vec![
+        per_view_shadow_pass::<EARLY_SHADOW_PASS>
+            .into_system_set()
+            .intern(),
+        per_view_shadow_pass::<LATE_SHADOW_PASS>
+            .into_system_set()
+            .intern(),
+        shared_shadow_pass::<EARLY_SHADOW_PASS>
+            .into_system_set()
+            .intern(),
+        shared_shadow_pass::<LATE_SHADOW_PASS>
+            .into_system_set()
+            .intern(),
+    ]
+}
+
+impl Rule {
+    fn before(ours: &[InternedSystemSet], others: Others) -> Self {
+        let (ours, side) = (ours.to_vec(), Side::Before);
+        Self { ours, side, others }
+    }
+
+    fn after(ours: &[InternedSystemSet], others: Others) -> Self {
+        let (ours, side) = (ours.to_vec(), Side::After);
+        Self { ours, side, others }
+    }
+
+    /// Exposure is metered in the picture that post-processing begins with. Its overlay is neither smoothed nor sharpened.
+    fn of_exposure(post_process: InternedSystemSet) -> [Self; 2] {
+        [
+            Self::after(
+                &[ExposurePasses.intern()],
+                Others::Preceding(post_process, Vec::new()),
+            ),
+            Self::after(
+                &[ExposureOverlayPasses.intern()],
+                Others::Within(post_process),
+            ),
+        ]
+    }
+
+    fn apply(&self, graph: &ScheduleGraph, dependencies: &mut FlattenedDependencies<'_>) {
+        let ours = members_of_all(graph, &self.ours);
+        let others = self.others.systems(graph, dependencies.graph());
+        for (place, &one) in ours.iter().enumerate() {
+            let peers = match self.others {
+                Others::LaterOfOurs => &ours[place + 1..],
+                _ => &[],
+            };
+            // Edges from `one` change nothing of what leads to it, and the other way around: none makes a circle.
+            let ordered = [Direction::Incoming, Direction::Outgoing]
+                .map(|direction| reachable(dependencies.graph(), one, direction));
+            let is_foreign = |other: &&SystemKey| !ours.contains(other);
+            for &other in others.iter().filter(is_foreign).chain(peers) {
+                if ordered.iter().any(|systems| systems.contains(&other)) {
+                    continue;
+                }
+                match self.side {
+                    Side::Before => dependencies.add_edge(one, other),
+                    Side::After => dependencies.add_edge(other, one),
+                }
+            }
+        }
+    }
+}
+
+impl Others {
+    fn systems(&self, graph: &ScheduleGraph, dependencies: &DiGraph<SystemKey>) -> Vec<SystemKey> {
+        match self {
+            Self::All => dependencies.nodes().collect(),
+            Self::Following(set) => members(graph, *set)
+                .into_iter()
+                .flat_map(|system| dependencies.neighbors(system))
+                .collect(),
+            Self::Preceding(set, except) => {
+                let ancestors = systems_within(graph, *set)
+                    .into_iter()
+                    .map(|system| reachable(dependencies, system, Direction::Incoming));
+                let mut preceding = ancestors
+                    .reduce(|mut all, these| {
+                        all.retain(|system| these.contains(system));
+                        all
+                    })
+                    .unwrap_or_default();
+                for set in except {
+                    for system in members(graph, *set) {
+                        preceding.remove(&system);
+                    }
+                }
+                // In an order that does not depend on hashes.
+                let is_preceding = |system: &SystemKey| preceding.contains(system);
+                dependencies.nodes().filter(is_preceding).collect()
+            }
+            Self::Within(set) => systems_within(graph, *set),
+            Self::LaterOfOurs => Vec::new(),
+        }
+    }
+}
+
+/// Those that were put into `set` by name.
+fn members(graph: &ScheduleGraph, set: InternedSystemSet) -> Vec<SystemKey> {
+    let Some(set) = graph.system_sets.get_key(set) else {
+        return Vec::new();
+    };
+    let children = graph.hierarchy().graph().neighbors(NodeId::Set(set));
+    children.filter_map(|child| child.as_system()).collect()
+}
+
+fn members_of_all(graph: &ScheduleGraph, sets: &[InternedSystemSet]) -> Vec<SystemKey> {
+    let mut sets = sets.iter().map(|set| members(graph, *set));
+    let mut systems = sets.next().unwrap_or_default();
+    for set in sets {
+        systems.retain(|system| set.contains(system));
+    }
+    systems
+}
+
+/// Those that were put into `set`, or into a set within it.
+fn systems_within(graph: &ScheduleGraph, set: InternedSystemSet) -> Vec<SystemKey> {
+    let mut sets: Vec<SystemSetKey> = graph.system_sets.get_key(set).into_iter().collect();
+    let mut systems = Vec::new();
+    let mut next = 0;
+    while let Some(&set) = sets.get(next) {
+        next += 1;
+        for child in graph.hierarchy().graph().neighbors(NodeId::Set(set)) {
+            match child {
+                NodeId::System(system) if !systems.contains(&system) => systems.push(system),
+                NodeId::Set(inner) if !sets.contains(&inner) => sets.push(inner),
+                _ => {}
+            }
+        }
+    }
+    systems
+}
+
+/// All systems that edges of one direction lead to, without `from`.
+fn reachable(
+    graph: &DiGraph<SystemKey>,
+    from: SystemKey,
+    direction: Direction,
+) -> HashSet<SystemKey> {
+    let mut seen = HashSet::default();
+    let mut next = vec![from];
+    while let Some(system) = next.pop() {
+        let neighbors = graph.neighbors_directed(system, direction);
+        next.extend(neighbors.filter(|neighbor| seen.insert(*neighbor)));
+    }
+    seen
+}
+
+impl ScheduleBuildPass for PassOrder {
+    type EdgeOptions = ();
+
+    fn add_dependency(&mut self, _: NodeId, _: NodeId, _: Option<&()>) {}
+
+    fn collapse_set(
+        &mut self,
+        _: SystemSetKey,
+        _: &IndexSet<SystemKey, FixedHasher>,
+        _: &DiGraph<NodeId>,
+    ) -> impl Iterator<Item = (NodeId, NodeId)> {
+        iter::empty()
+    }
+
+    fn build(
+        &mut self,
+        _: &mut World,
+        graph: &mut ScheduleGraph,
+        mut dependencies: FlattenedDependencies<'_>,
+    ) -> Result<(), ScheduleBuildError> {
+        for rule in &self.0 {
+            rule.apply(graph, &mut dependencies);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::{
+        core_pipeline::schedule::Core3dSystems::{
+            EarlyPostProcess, MainPass, PostProcess, Prepass,
+        },
+        ecs::{
+            schedule::{ScheduleConfigs, ScheduleLabel},
+            system::ScheduleSystem,
+        },
+        prelude::*,
+    };
+
+    use super::{
+        ExposureOverlayPasses, ExposurePasses, GBufferPasses, HistoryPasses, LightingPasses,
+        OpaquePicturePasses, Others, PassOrder, Rule, following,
+    };
+
+    #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+    struct Frame;
+
+    #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+    struct Inner;
+
+    #[derive(Resource, Default)]
+    struct Ran(Vec<&'static str>);
+
+    /// Systems that note when they run.
+    macro_rules! noted {
+        ($($name:ident),*) => {
+            $(fn $name(mut ran: ResMut<Ran>) {
+                ran.0.push(stringify!($name));
+            })*
+        };
+    }
+
+    noted!(
+        other,
+        asked,
+        before,
+        early_prepass,
+        gbuffer,
+        lighting,
+        opaque,
+        first,
+        transparent,
+        history,
+        metering,
+        bloom,
+        overlay
+    );
+
+    fn follower<const N: u32>(mut ran: ResMut<Ran>) {
+        ran.0.push("follower");
+    }
+
+    /// What ran, in order.
+    fn run(mut schedule: Schedule) -> Vec<&'static str> {
+        let mut world = World::new();
+        world.init_resource::<Ran>();
+        schedule.run(&mut world);
+        core::mem::take(&mut world.resource_mut::<Ran>().0)
+    }
+
+    /// The frame with `other`, added before and after all else, which makes no difference.
+    fn run_with(other: impl Fn() -> ScheduleConfigs<ScheduleSystem>) -> Vec<&'static str> {
+        let [before, after] = [true, false].map(|is_before| {
+            let mut schedule = Schedule::new(Frame);
+            let mut rules = PassOrder::of_core_3d();
+            rules.0.insert(
+                0,
+                Rule::before(
+                    &[GBufferPasses.intern(), Prepass.intern()],
+                    following(early_prepass),
+                ),
+            );
+            schedule.add_build_pass(rules);
+            schedule.configure_sets((Prepass, MainPass, EarlyPostProcess, PostProcess).chain());
+            if is_before {
+                schedule.add_systems(other());
+            }
+            schedule.add_systems((
+                early_prepass.in_set(Prepass),
+                gbuffer
+                    .in_set(GBufferPasses)
+                    .in_set(Prepass)
+                    .after(early_prepass),
+                lighting
+                    .in_set(LightingPasses)
+                    .in_set(MainPass)
+                    .before(opaque),
+                (opaque, transparent).chain().in_set(MainPass),
+                history
+                    .in_set(HistoryPasses)
+                    .in_set(MainPass)
+                    .after(transparent),
+                metering
+                    .in_set(ExposurePasses)
+                    .after(EarlyPostProcess)
+                    .before(PostProcess),
+                bloom.in_set(PostProcess),
+                overlay.in_set(ExposureOverlayPasses).in_set(PostProcess),
+            ));
+            if !is_before {
+                schedule.add_systems(other());
+            }
+            run(schedule)
+        });
+        assert_eq!(before, after);
+        before
+    }
+
+    /// The one that runs right after `other`.
+    fn next(ran: &[&'static str]) -> &'static str {
+        let place = ran.iter().position(|name| *name == "other");
+        ran[place.expect("it runs") + 1]
+    }
+
+    #[test]
+    fn passes_of_others_have_their_place() {
+        let next = |other: fn() -> ScheduleConfigs<ScheduleSystem>| next(&run_with(other));
+        // Nothing of the G-buffer is drawn yet.
+        assert!(["early_prepass", "gbuffer"].contains(&next(|| other.in_set(Prepass))));
+        assert!(["early_prepass", "gbuffer"].contains(&next(|| other.before(MainPass))));
+        // All of it is, and lit.
+        assert_eq!(next(|| other.before(opaque)), "opaque");
+        assert_eq!(next(|| other.in_set(MainPass).before(opaque)), "opaque");
+        assert_eq!(
+            next(|| other.after(opaque).before(transparent)),
+            "transparent"
+        );
+        // Readers of the prepass find all of it.
+        assert_eq!(
+            next(|| other.in_set(Prepass).after(early_prepass)),
+            "lighting"
+        );
+        // The picture is complete.
+        assert_eq!(
+            next(|| other.in_set(MainPass).after(transparent)),
+            "history"
+        );
+        assert_eq!(next(|| other.in_set(EarlyPostProcess)), "metering");
+        assert_eq!(
+            next(|| other.before(PostProcess).after(EarlyPostProcess)),
+            "metering"
+        );
+        assert_eq!(next(|| other.in_set(PostProcess).after(bloom)), "overlay");
+    }
+
+    /// What is asked for by name is kept.
+    #[test]
+    fn passes_of_others_can_choose() {
+        let next = |other: fn() -> ScheduleConfigs<ScheduleSystem>| next(&run_with(other));
+        assert_eq!(
+            next(|| other.before(LightingPasses).after(GBufferPasses)),
+            "lighting"
+        );
+        assert_eq!(
+            next(|| other.in_set(MainPass).after(HistoryPasses)),
+            "metering"
+        );
+        assert_eq!(
+            next(|| other.after(GBufferPasses).before(MainPass)),
+            "lighting"
+        );
+    }
+
+    /// Systems that follow were added before and after, and one of them is asked to run before the first ones.
+    #[test]
+    fn first_systems_run_before_all_that_follow() {
+        let mut schedule = Schedule::new(Frame);
+        schedule
+            .add_build_pass(PassOrder(vec![Rule::before(
+                &[OpaquePicturePasses.intern()],
+                following(opaque),
+            )]))
+            .add_systems((
+                follower::<0>.after(opaque),
+                follower::<1>.after(opaque),
+                opaque,
+                before.before(opaque),
+            ))
+            .add_systems(first.in_set(OpaquePicturePasses).after(opaque))
+            .add_systems((
+                asked.after(opaque).before(OpaquePicturePasses),
+                follower::<2>.after(opaque),
+                follower::<3>.after(follower::<0>),
+            ));
+        let first = ["before", "opaque", "asked", "first"];
+        assert_eq!(run(schedule), [&first[..], &["follower"; 4]].concat());
+    }
+
+    /// Others were added before and after, into the set or into one within it, and one is asked to run before.
+    #[test]
+    fn first_systems_run_before_all_others_of_the_set() {
+        let mut schedule = Schedule::new(Frame);
+        schedule
+            .add_build_pass(PassOrder::of_core_3d())
+            .configure_sets(Inner.in_set(MainPass))
+            .add_systems((follower::<0>.in_set(MainPass), follower::<1>.in_set(Inner)))
+            .add_systems(first.in_set(LightingPasses).in_set(MainPass))
+            .add_systems((
+                follower::<2>.in_set(MainPass),
+                follower::<3>.in_set(Inner),
+                asked.in_set(MainPass).before(LightingPasses),
+            ));
+        let expected = [&["asked", "first"][..], &["follower"; 4]].concat();
+        assert_eq!(run(schedule), expected);
+    }
+
+    #[test]
+    fn systems_of_one_set_run_as_they_were_added() {
+        let mut schedule = Schedule::new(Frame);
+        schedule
+            .add_build_pass(PassOrder(vec![Rule::before(
+                &[OpaquePicturePasses.intern()],
+                Others::LaterOfOurs,
+            )]))
+            .add_systems(
+                (first, asked, before, opaque, gbuffer, lighting).in_set(OpaquePicturePasses),
+            );
+        let expected = ["first", "asked", "before", "opaque", "gbuffer", "lighting"];
+        assert_eq!(run(schedule), expected);
+    }
+
+    /// Where an app has neither the systems nor any that are to be ordered.
+    #[test]
+    fn a_schedule_without_them_is_left_alone() {
+        let mut schedule = Schedule::new(Frame);
+        schedule
+            .add_build_pass(PassOrder::of_core_3d())
+            .add_systems((follower::<0>, opaque).chain());
+        assert_eq!(run(schedule), ["follower", "opaque"]);
+    }
+}
