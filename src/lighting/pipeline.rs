@@ -322,10 +322,6 @@ impl LightingPipelines {
             "CLUSTERED_SHADOW_MAPS",
         );
         define(casts(ShadowMaps::SOFT), "SOFT_SHADOWS");
-        define(
-            layouts.has_view_binding(view::POINT_SHADOW_TEXTURES_LINEAR_SAMPLER),
-            "PCSS_SAMPLERS_AVAILABLE",
-        );
         define(key.geometric_normal.is_some(), "GEOMETRIC_NORMAL");
         define(
             key.geometric_normal == Some(GeometricNormal::ThreeTap),
