@@ -4,16 +4,16 @@ use bevy::{
     asset::RenderAssetUsages,
     camera::ScalingMode,
     light::RectLight,
-    mesh::{Indices, PrimitiveTopology},
+    mesh::{Indices, PrimitiveTopology, VertexAttributeValues},
     prelude::*,
 };
 use kit::{
     hdr::light,
     headless::{Headless, Picture},
-    lean::{judge, report, set_lean, settled, show},
+    lean::{build, judge, report, set_lean, settled, show},
     own_process::in_own_process,
     random::Random,
-    scenes::{LEAST_PSNR, SceneBuilder},
+    scenes::{LEAST_PSNR, SceneBuilder, build::ambient},
 };
 
 const SIZE: UVec2 = UVec2::splat(32);
@@ -151,6 +151,38 @@ fn cards_seen_from_straight_before() {
                 Transform::from_rotation(rotation),
             ));
         });
+    });
+}
+
+/// The camera is in the middle of a ball whose normals point at it: N·V is 1 and a little in many a pixel. Each tile has coated surfaces,
+/// so that the others are lit by the same shader.
+#[test]
+fn plain_surfaces_beside_coated_ones() {
+    in_own_process(|| {
+        let mut headless = build(UVec2::splat(96), |s| {
+            let [plain, coated, ..] = materials();
+            let mut ball: Mesh = Sphere::new(10.0).mesh().uv(64, 32);
+            ball.invert_winding().expect("it has indices");
+            if let Some(VertexAttributeValues::Float32x3(normals)) =
+                ball.attribute_mut(Mesh::ATTRIBUTE_NORMAL)
+            {
+                for normal in normals {
+                    *normal = normal.map(|x| -x);
+                }
+            }
+            s.mesh(ball, plain, Transform::default());
+            for i in 0..14 {
+                let x = (i as f32 - 6.5) * 0.6;
+                let bar = Cuboid::new(0.06, 12.0, 0.06);
+                s.mesh(bar, coated.clone(), Transform::from_xyz(x, 0.0, -5.0));
+            }
+            s.camera(Transform::default(), ambient());
+        });
+        set_lean(&mut headless, true);
+        settled(&mut headless);
+        let broken = light(&mut headless).not_finite();
+        println!("{broken} pixels are not finite");
+        assert_eq!(broken, 0);
     });
 }
 
