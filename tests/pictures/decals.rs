@@ -16,7 +16,7 @@ use kit::{
     lean::{active_lean_views, judge, report, set_lean, settled, show},
     own_process::in_own_process,
     scenes::{
-        LEAST_PSNR, SceneBuilder,
+        SceneBuilder,
         build::{indoor, material},
     },
     shader_files::replace_shader,
@@ -217,7 +217,8 @@ fn surfaces_that_decals_turn_are_in_shadow() {
         let forward = settled(headless);
         set_lean(headless, true);
         let lean = settled(headless);
-        report([judge("turned_by_decal", &forward, &lean, LEAST_PSNR)]);
+        // 46.9 dB without these shadows.
+        report([judge("turned_by_decal", &forward, &lean, 48.5)]);
     });
 }
 
