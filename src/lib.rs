@@ -100,8 +100,8 @@ pub mod prelude {
             OcclusionNormals, OcclusionQuality, OcclusionResolution,
         },
         auto_exposure::{
-            ExposureSampling, LuminanceTrim, MeteredExposure, Metering, MeteringPattern,
-            ReductionPath,
+            ExposureClock, ExposureSampling, LuminanceTrim, MeteredExposure, Metering,
+            MeteringPattern, ReductionPath,
         },
         gbuffer::{
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,

@@ -1,7 +1,10 @@
 //! Per camera and frame: whether and how it is metered.
 
 use bevy::{
-    core_pipeline::schedule::{Core2d, Core3d},
+    core_pipeline::{
+        schedule::{Core2d, Core3d},
+        tonemapping::Tonemapping,
+    },
     ecs::schedule::ScheduleLabel,
     prelude::*,
     render::{camera::ExtractedCamera, render_resource::PipelineCache, sync_world::MainEntity},
@@ -36,6 +39,15 @@ fn reason_against(camera: &ExtractedCamera) -> Option<&'static str> {
     }
 }
 
+/// Why the exposure of a camera that is metered is not applied.
+fn reason_not_applied(tonemapping: Option<&Tonemapping>) -> Option<&'static str> {
+    let applies = tonemapping.is_some_and(Tonemapping::is_enabled);
+    (!applies).then_some(
+        "its Tonemapping is None, the default of Camera2d, with which Bevy applies no exposure. Give it another one, such as \
+         Tonemapping::TonyMcMapface; what is metered is in MeteredExposure all the same",
+    )
+}
+
 /// Inserts or removes [`ViewExposurePipelines`]. A view keeps the pipelines that it has until those of new settings are
 /// compiled: without any, the picture would flash. Cameras that are switched off lose them, and so what they hold on the
 /// GPU, but for their history.
@@ -46,11 +58,13 @@ pub(super) fn queue_exposure_pipelines(
     mut warnings: Local<WarnOnce<&'static str>>,
     pipeline_cache: Res<PipelineCache>,
     (masks, mut mask_warnings): (Masks, Local<WarnOnce<&'static str>>),
+    mut unapplied_warnings: Local<WarnOnce<&'static str>>,
     mut views: Query<(
         Entity,
         &MainEntity,
         &ExtractedCamera,
         &LeanAutoExposure,
+        Option<&Tonemapping>,
         Option<&mut ViewExposurePipelines>,
     )>,
     cameras: Query<&MainEntity, With<LeanAutoExposure>>,
@@ -58,13 +72,14 @@ pub(super) fn queue_exposure_pipelines(
 ) {
     warnings.keep_only(cameras.iter());
     mask_warnings.keep_only(cameras.iter());
+    unapplied_warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ViewExposurePipelines>();
     }
     let Some(mut pipelines) = pipelines.filter(|_| support.missing.is_none()) else {
         return;
     };
-    for (entity, camera, extracted, settings, current) in &mut views {
+    for (entity, camera, extracted, settings, tonemapping, current) in &mut views {
         let reason = reason_against(extracted);
         warnings.tell("LeanAutoExposure", *camera, reason);
         if reason.is_some() {
@@ -73,6 +88,12 @@ pub(super) fn queue_exposure_pipelines(
             }
             continue;
         }
+        unapplied_warnings.tell_that(
+            "is metered, but not applied",
+            "LeanAutoExposure",
+            *camera,
+            reason_not_applied(tonemapping),
+        );
         let found = match &settings.pattern {
             MeteringPattern::Mask(mask) => masks.get(mask).map(|image| image.map(|_| mask)),
             _ => Ok(None),

@@ -1,7 +1,7 @@
 // The second pass: one workgroup sums the partial sums, and adapts the exposure.
 #import bevy_lean_deferred::auto_exposure::adaptation::adapted
 #import bevy_lean_deferred::auto_exposure::bindings::{
-    BINS, BINS_PER_STOP, ExposureState, LOG_OF_FIRST_BIN, bevy_view, state, view,
+    AWAITS_LIGHT, BINS, BINS_PER_STOP, ExposureState, LOG_OF_FIRST_BIN, bevy_view, state, view,
 }
 #import bevy_lean_deferred::auto_exposure::luminance::log_luminance
 #import bevy_lean_deferred::auto_exposure::reduction::{Place, WORKGROUP, workgroup_sum}
@@ -84,10 +84,14 @@ fn compensation_at(log_y: f32) -> f32 {
     return stops;
 }
 
+/// The metered logarithm up to which a picture is black, but for a few of its pixels.
+const BLACK: f32 = -13.9;
+
 /// Adapts the exposure to the weighted sum of luminance, and the weight.
 fn adapt(last: ExposureState, sum: vec2<f32>) -> ExposureState {
     var y = last.luminance;
     var target_exposure = last.target_exposure;
+    var has_light = false;
     // A view that has nothing to be metered keeps its target.
     if sum.y > 0.0 {
 #ifdef LOG_AVERAGE
@@ -99,8 +103,9 @@ fn adapt(last: ExposureState, sum: vec2<f32>) -> ExposureState {
 #endif
         let stops = clamp(view.log_target - log_y, view.min_exposure, view.max_exposure);
         target_exposure = stops + view.compensation + compensation_at(log_y);
+        has_light = log_y > BLACK;
     }
-    let is_cut = last.cuts_seen != view.cuts + 1u || view.instant != 0u;
+    let begins = last.cuts_seen != view.cuts + 1u;
     let moved = adapted(
         last.exposure,
         target_exposure,
@@ -109,8 +114,10 @@ fn adapt(last: ExposureState, sum: vec2<f32>) -> ExposureState {
         view.speed_darken,
         view.transition,
     );
-    let exposure = select(moved, target_exposure, is_cut);
-    return ExposureState(y, exposure, target_exposure, view.cuts + 1u);
+    let exposure = select(moved, target_exposure, begins || view.instant != 0u);
+    // Not in the black of a scene that is loading: adaptation would begin at the largest exposure.
+    let awaits_light = select(0u, AWAITS_LIGHT, begins && !has_light);
+    return ExposureState(y, exposure, target_exposure, (view.cuts + 1u) | awaits_light);
 }
 
 @compute @workgroup_size(256, 1, 1)

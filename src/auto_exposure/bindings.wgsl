@@ -39,9 +39,12 @@ struct ExposureState {
     luminance: f32,
     exposure: f32,
     target_exposure: f32,
-    /// Camera cuts seen, plus one; 0 before the first frame.
+    /// Camera cuts seen, plus one; 0 before the first frame. With `AWAITS_LIGHT` while no frame since has shown light.
     cuts_seen: u32,
 }
+
+/// Cuts are fewer.
+const AWAITS_LIGHT: u32 = 0x80000000u;
 
 /// Bins of the histogram, over the logarithms -14 to 16.
 const BINS: u32 = 256u;

@@ -14,7 +14,7 @@
 //! effect is off, and one warning says why.
 
 // - `settings.rs`: the components. `support.rs`: what the device can do.
-// - `state.rs`: the exposure of a camera on the GPU, and cuts. `readback.rs`: its way back, for cameras that ask.
+// - `clock.rs`: the times in which it may adapt. `state.rs`: the exposure of a camera on the GPU, and cuts. `readback.rs`: its way back, for cameras that ask.
 // - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
 // - `active.rs`: whether and how a view is metered in this frame. `prepare.rs`: what the passes need of the view.
 // - `pass.rs`: the passes.
@@ -28,6 +28,7 @@ mod active;
 pub mod adaptation;
 #[doc(hidden)]
 pub mod binding_numbers;
+mod clock;
 #[doc(hidden)]
 pub mod key;
 #[doc(hidden)]
@@ -44,8 +45,8 @@ mod uniforms;
 
 pub use overlay::ExposureOverlay;
 pub use settings::{
-    ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure, Metering, MeteringPattern,
-    ReductionPath,
+    ExposureClock, ExposureSampling, LeanAutoExposure, LuminanceTrim, MeteredExposure, Metering,
+    MeteringPattern, ReductionPath,
 };
 pub use support::ExposureSupport;
 #[doc(hidden)]
@@ -124,6 +125,7 @@ impl Plugin for LeanAutoExposurePlugin {
         removal::remove_with::<MeteredExposure, ExposureReadback>(render_app);
         render_app
             .init_gpu_resource::<prepare::ExposureUniforms>()
+            .init_resource::<clock::Clocks>()
             .add_systems(
                 RenderStartup,
                 (
@@ -133,7 +135,10 @@ impl Plugin for LeanAutoExposurePlugin {
                     recovery::forget::<LeanAutoExposure>,
                 ),
             )
-            .add_systems(ExtractSchedule, readback::report_metered)
+            .add_systems(
+                ExtractSchedule,
+                (readback::report_metered, clock::extract_clocks),
+            )
             .add_systems(
                 Render,
                 (

@@ -20,6 +20,7 @@ use bevy::{
 use super::{
     active::ViewExposurePipelines,
     binding_numbers::{BEVY_VIEW, MASK, MASK_SAMPLER, PARTIALS, PICTURE, STATE, VIEW},
+    clock::Clocks,
     key::ExposureKey,
     pipelines::ExposurePipelines,
     settings::LeanAutoExposure,
@@ -70,7 +71,7 @@ impl ViewExposure {
 pub(super) fn write_exposure_uniforms(
     mut commands: Commands,
     mut uniforms: ResMut<ExposureUniforms>,
-    (device, queue, time): (Res<RenderDevice>, Res<RenderQueue>, Res<Time>),
+    (device, queue, now): (Res<RenderDevice>, Res<RenderQueue>, Res<Clocks>),
     mut views: Query<(
         Entity,
         &LeanAutoExposure,
@@ -105,9 +106,8 @@ pub(super) fn write_exposure_uniforms(
         if !view.fits(key, size) {
             *view = ViewExposure::new(&device, key, size);
         }
-        let now = time.elapsed_secs_f64();
-        let seconds = (now - history.rendered) as f32;
-        history.rendered = now;
+        let seconds = now.seconds_since(&history.rendered, settings.clock);
+        history.rendered = *now;
         view.offset = writer.write(&ExposureView::new(settings, origin, size, seconds, cuts.0));
         view.workgroups = key.workgroups(size);
         if let Some(new) = new {

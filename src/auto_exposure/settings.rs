@@ -10,7 +10,8 @@ use crate::view::{
 /// For cameras, 3D or 2D, with or without [`LeanDeferred`](crate::LeanDeferred). `Hdr` is added with the component, and
 /// removed with it unless something else needs it. Measured is the camera's own viewport, after anti-aliasing and before
 /// bloom and other post-processing; applied is the exposure in tonemapping, where Bevy's `AutoExposure` applies it too: use
-/// one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`. The first frame
+/// one of the two, and a [`Tonemapping`](bevy::core_pipeline::tonemapping::Tonemapping) other than `None`, the default of
+/// `Camera2d`: without one the exposure is measured but not applied, and a warning says so. The first frame that shows light
 /// starts adapted. To read what was measured, add [`MeteredExposure`].
 ///
 /// ```
@@ -32,8 +33,9 @@ use crate::view::{
 /// ```
 ///
 /// Pixels that are NaN are left out; negative luminance counts as 0, and everything above 65504 as that. A black view
-/// has the largest exposure; one that has nothing to be metered keeps the target that it had. Settings that are NaN count as
-/// their defaults.
+/// has the largest exposure; one that has nothing to be metered keeps the target that it had. Adaptation does not begin in the
+/// black of a scene that is still loading, nor in that after a [`CameraCut`](crate::CameraCut): it begins, adapted, with the first
+/// frame whose mean luminance is more than 2^-13.9. Settings that are NaN count as their defaults.
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CameraCuts)]
@@ -66,6 +68,8 @@ pub struct LeanAutoExposure {
     pub transition: f32,
     /// No adaptation: each frame has its own exposure. Default false.
     pub instant: bool,
+    /// The time in which exposure adapts. Default [`ExposureClock::Real`].
+    pub clock: ExposureClock,
     /// How many pixels are read. Default [`ExposureSampling::All`].
     pub sampling: ExposureSampling,
     /// How a workgroup adds its pixels up. Default [`ReductionPath::Auto`].
@@ -95,11 +99,25 @@ impl Default for LeanAutoExposure {
             speed_darken: 1.0,
             transition: 1.5,
             instant: false,
+            clock: default(),
             sampling: default(),
             reduction: default(),
             overlay: false,
         }
     }
+}
+
+/// The time in which exposure adapts.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum ExposureClock {
+    /// `Time<Real>`: exposure is part of the viewer's eye. It comes to rest while the game is paused, and keeps its speed in slow
+    /// motion.
+    #[default]
+    Real,
+    /// `Time<Virtual>`: exposure is part of the game's world. It stands still while the game is paused, as the rest of a photo mode
+    /// or of a film rendered frame by frame.
+    Virtual,
 }
 
 /// The mean over the pixels' luminance Y = 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709).

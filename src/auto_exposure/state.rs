@@ -9,6 +9,7 @@ use bevy::{
 };
 
 use super::{
+    clock::Clocks,
     settings::{LeanAutoExposure, MeteredExposure},
     uniforms::ExposureState,
 };
@@ -18,8 +19,8 @@ use super::{
 pub struct ExposureHistory {
     /// An [`ExposureState`].
     pub(super) state: Buffer,
-    /// When the view was rendered last, in seconds: it may have paused.
-    pub(super) rendered: f64,
+    /// When the view was rendered last: it may have paused.
+    pub(super) rendered: Clocks,
 }
 
 /// Gives views their histories.
@@ -37,7 +38,7 @@ pub(super) fn begin_histories(
                 usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             }),
-            rendered: 0.0,
+            rendered: Clocks::default(),
         });
     }
 }

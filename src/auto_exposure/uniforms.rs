@@ -98,6 +98,6 @@ pub struct ExposureState {
     pub exposure: f32,
     /// In stops.
     pub target_exposure: f32,
-    /// Camera cuts seen, plus one; 0 before the first frame.
+    /// Camera cuts seen, plus one; 0 before the first frame. With the highest bit while no frame since has shown light.
     pub cuts_seen: u32,
 }

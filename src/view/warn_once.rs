@@ -22,12 +22,23 @@ impl<R: Display + PartialEq> WarnOnce<R> {
     /// Called in each frame in which `camera` is rendered, with the reason why its `effect` is off. Warns if that is another one
     /// than in the last of these frames.
     pub(crate) fn tell(&mut self, effect: &str, camera: MainEntity, reason: Option<R>) {
+        self.tell_that("is off", effect, camera, reason);
+    }
+
+    /// As [`tell`](Self::tell), of an effect of which there is something else to be said.
+    pub(crate) fn tell_that(
+        &mut self,
+        state: &str,
+        effect: &str,
+        camera: MainEntity,
+        reason: Option<R>,
+    ) {
         let Some(reason) = reason else {
             self.told.remove(&camera);
             return;
         };
         if self.told.get(&camera) != Some(&reason) {
-            warn!("{effect} on camera {} is off: {reason}.", camera.id());
+            warn!("{effect} on camera {} {state}: {reason}.", camera.id());
             self.told.insert(camera, reason);
         }
     }

@@ -281,6 +281,54 @@ fn pauses_count() {
     );
 }
 
+/// The eye adapts while the game is paused, unless it is part of the game.
+#[test]
+fn exposure_adapts_while_the_game_is_paused() {
+    for clock in [ExposureClock::Real, ExposureClock::Virtual] {
+        let mut headless = Headless::new(SIZE);
+        let settings = LeanAutoExposure { clock, ..default() };
+        let camera = camera(&mut headless, 0.18, settings);
+        metered(&mut headless, camera);
+        headless.world().resource_mut::<Time<Virtual>>().pause();
+        set_background(&mut headless, camera, 0.18 * 16.0);
+        let adapting = exposures(&mut headless, camera, 300);
+        let last = *adapting.last().expect("300");
+        println!("{clock:?}: {last} stops");
+        let expected = match clock {
+            ExposureClock::Real => -4.0,
+            ExposureClock::Virtual => 0.0,
+        };
+        assert!((last - expected).abs() < 0.05, "{clock:?}: {last}");
+        headless.world().resource_mut::<Time<Virtual>>().unpause();
+        let adapting = exposures(&mut headless, camera, 300);
+        let last = *adapting.last().expect("300");
+        assert!((last + 4.0).abs() < 0.05, "{clock:?}: {last}");
+    }
+}
+
+/// Bevy applies no exposure then, and the default of 2D cameras is to have no tonemapping: one warning, which names the camera.
+#[test]
+fn without_tonemapping_there_is_a_warning() {
+    in_own_process(|| {
+        let mut headless = Headless::new(SIZE);
+        let target = headless.render_target();
+        let camera = headless.world().spawn((Camera2d, target, instant())).id();
+        headless.settle();
+        let warnings = || log_watch::messages_with(&format!("LeanAutoExposure on camera {camera}"));
+        let told = warnings();
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(told[0].contains("Tonemapping"), "{told:?}");
+        let mut entity = headless.world().entity_mut(camera);
+        entity.insert(Tonemapping::Reinhard);
+        headless.settle();
+        assert_eq!(warnings().len(), 1);
+        let mut entity = headless.world().entity_mut(camera);
+        entity.insert(Tonemapping::None);
+        headless.settle();
+        assert_eq!(warnings().len(), 2);
+    });
+}
+
 /// One warning, and the picture as it was.
 #[test]
 fn without_hdr_there_is_a_warning() {

@@ -2,7 +2,7 @@
 
 use bevy::math::{UVec2, Vec3};
 use bevy_lean_deferred::auto_exposure::{
-    ExposureState, LeanAutoExposure,
+    ExposureState, LeanAutoExposure, LuminanceTrim, Metering,
     adaptation::{adapted, covered},
 };
 
@@ -253,4 +253,54 @@ fn adaptation_is_independent_of_the_frame_rate() {
     }
     assert_eq!(covered(3.0, 0.5, 2.0, 1.0), 1.0);
     assert!((covered(1.0, 1.0, 1.0, 1.0) - (1.0 - (-1.0f32).exp())).abs() < 1e-6);
+}
+
+/// A scene that loads is black at first, and so is one after a cut: adaptation begins with the first light.
+#[test]
+fn black_before_the_first_light_does_not_count() {
+    let gpu = ExposureGpu::new();
+    let frame_time = 1.0 / 60.0;
+    for path in paths(&gpu) {
+        for (metering, trim) in [
+            (Metering::LogAverage, None),
+            (Metering::LinearAverage, None),
+            (
+                Metering::LogAverage,
+                Some(LuminanceTrim {
+                    low: 0.1,
+                    high: 0.1,
+                }),
+            ),
+        ] {
+            let settings = LeanAutoExposure {
+                metering,
+                trim,
+                ..Default::default()
+            };
+            for nothing in [0.0, f32::NAN] {
+                let texture = gpu.picture(SIZE, &grey(nothing));
+                let meter = Meter::new(&gpu, &settings, path, &texture, (UVec2::ZERO, SIZE), None);
+                let name = format!("{metering:?}, {trim:?}, {nothing}");
+                for cuts in 0..2 {
+                    gpu.overwrite(&texture, &grey(nothing));
+                    for _ in 0..30 {
+                        meter.frame(frame_time, cuts);
+                    }
+                    gpu.overwrite(&texture, &grey(2.0));
+                    let first = meter.frame(frame_time, cuts);
+                    println!("{name}: {} in the first light", first.exposure);
+                    assert_eq!(first.exposure, first.target_exposure, "{name}");
+                    // The black of a night later on is adapted to as all else is.
+                    gpu.overwrite(&texture, &grey(0.0));
+                    let night = meter.frame(frame_time, cuts);
+                    let speed = settings.speed_darken * frame_time;
+                    let step = night.exposure - first.exposure;
+                    assert!((step / speed - 1.0).abs() < 0.01, "{name}: {step}");
+                    gpu.overwrite(&texture, &grey(2.0));
+                    let day = meter.frame(frame_time, cuts);
+                    assert!(day.exposure <= night.exposure, "{name}");
+                }
+            }
+        }
+    }
 }
