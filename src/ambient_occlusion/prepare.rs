@@ -8,7 +8,7 @@ use bevy::{
     pbr::DistanceFog,
     prelude::*,
     render::{
-        camera::{ExtractedCamera, TemporalJitter},
+        camera::ExtractedCamera,
         render_resource::{
             BindGroup, DynamicUniformBuffer, IntoBinding, TextureDescriptor, TextureDimension,
             TextureUsages,
@@ -31,7 +31,7 @@ use crate::{
     gbuffer::GBufferTextures,
     gpu::bind_group_cache::CachedBindGroup,
     shader_library::{reconstruction::position::without_scale, tiles::RowOrder},
-    view::OutOfMemory,
+    view::{FrameAveraging, OutOfMemory},
 };
 
 /// The uniforms of all views.
@@ -59,15 +59,14 @@ pub(super) fn write_occlusion_uniforms(
         &ExtractedView,
         Option<&MainPassResolutionOverride>,
         Option<&DistanceFog>,
-        Has<TemporalJitter>,
+        Option<&FrameAveraging>,
         Option<&mut ViewOcclusion>,
     )>,
 ) {
     let Some(mut writer) = uniforms.0.get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
-    for (entity, active, camera, view, resolution_override, fog, is_jittered, current) in &mut views
-    {
+    for (entity, active, camera, view, resolution_override, fog, averaging, current) in &mut views {
         let viewport =
             Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override)
                 .unwrap_or_else(|| Viewport {
@@ -82,9 +81,9 @@ pub(super) fn write_occlusion_uniforms(
         uniform.fog = fog_parameters(fog);
         uniform.viewport_origin = viewport.physical_position;
         uniform.row_stride = row_order.stride(workgroups(uniform.texture_size).y);
-        if is_jittered {
-            // The golden section spreads any number of frames.
-            uniform.set_turn((frame.0 % 1024) as f32 * 0.618_034 % 1.0);
+        let turn = FrameAveraging::turn(averaging, &frame);
+        if turn != 0.0 {
+            uniform.set_turn(turn);
         }
         let view = ViewOcclusion {
             offset: writer.write(&uniform),

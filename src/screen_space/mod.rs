@@ -17,14 +17,13 @@
 // - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
 // - `subsurface/`: light that scatters beneath surfaces.
 // - `debug_view/`: what an effect has found, in place of the picture.
-// - `resolution.rs`: how many pixels share what effects find. `pattern.rs`: how the directions in which they look turn.
+// - `resolution.rs`: how many pixels share what effects find.
 
 #[doc(hidden)]
 pub mod debug_view;
 pub mod diffuse_gi;
 #[doc(hidden)]
 pub mod history;
-mod pattern;
 pub mod reflections;
 mod reprojection;
 mod resolution;

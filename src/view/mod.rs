@@ -15,13 +15,14 @@
 // - `settings.rs`, `status.rs`: `LeanDeferred` and `LeanStatus`, the components of cameras.
 // - `active.rs`: `ActiveLeanView`, what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
 // - `schedule.rs`: when stages run. `pass_order.rs`: the order of passes among those of others.
-// - `cut.rs`: when the last frame says nothing of this one.
+// - `cut.rs`: when the last frame says nothing of this one. `averaging.rs`: where frames are averaged over time.
 // - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
 // - `overrides/`: what effects change about a camera and the others of its target, and give back.
 // - `removal.rs`: what goes with a component. `unfit_items.rs`: what other crates leave in phases of a camera that was changed.
 // - `out_of_memory.rs`: textures that do not fit. `warn_once.rs`: why an effect is off, once for each camera.
 
 mod active;
+mod averaging;
 mod cut;
 pub(crate) mod depth_usage;
 mod exchange;
@@ -38,6 +39,7 @@ pub(crate) mod warn_once;
 
 pub use active::ActiveLeanView;
 pub(crate) use active::Demand;
+pub(crate) use averaging::FrameAveraging;
 pub use cut::{CameraCut, CameraCuts};
 pub(crate) use exchange::ExchangeQuery;
 #[doc(hidden)]
@@ -130,12 +132,17 @@ impl Plugin for SharedPlugin {
             .add_systems(
                 Render,
                 (
-                    out_of_memory::forget_cameras.before(LeanViewSystems),
-                    unfit_items::drop_unfit_items
-                        .after(check_views_need_specialization)
-                        .run_if(resource_exists::<ViewBinnedRenderPhases<Opaque3d>>),
-                )
-                    .in_set(RenderSystems::PrepareAssets),
+                    (
+                        out_of_memory::forget_cameras.before(LeanViewSystems),
+                        unfit_items::drop_unfit_items
+                            .after(check_views_need_specialization)
+                            .run_if(resource_exists::<ViewBinnedRenderPhases<Opaque3d>>),
+                    )
+                        .in_set(RenderSystems::PrepareAssets),
+                    averaging::note_frame_averaging
+                        .after(RenderSystems::PrepareViews)
+                        .before(ViewTextureSystems),
+                ),
             )
             .edit_schedule(Core3d, |schedule| {
                 schedule

@@ -7,7 +7,7 @@ use bevy::{
     diagnostic::FrameCount,
     prelude::*,
     render::{
-        camera::{ExtractedCamera, TemporalJitter},
+        camera::ExtractedCamera,
         render_resource::{
             BindGroup, BindingResource, DynamicUniformBuffer, IntoBinding, Texture, TextureView,
         },
@@ -33,11 +33,13 @@ use crate::{
     screen_space::{
         LastFrame,
         debug_view::{DebugShown, Shows},
-        pattern::turn_of,
         succession::{FrameNumber, Succession},
     },
     shader_library::tiles::{self, RowOrder},
-    view::{ActiveLeanView, CameraCuts, DiffuseLight, IndirectDiffuse, LightExchange, OutOfMemory},
+    view::{
+        ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LightExchange,
+        OutOfMemory,
+    },
 };
 
 /// Texels a side that a workgroup of the first pass makes, and that the workgroups of the second share.
@@ -138,7 +140,7 @@ pub(super) fn prepare_gi(
         (&ExtractedCamera, &ExtractedView),
         Option<&MainPassResolutionOverride>,
         Option<&CameraCuts>,
-        (Has<TemporalJitter>, Has<MotionVectorPrepass>),
+        (Option<&FrameAveraging>, Has<MotionVectorPrepass>),
         (Option<&mut ViewGi>, &mut IndirectDiffuse),
     )>,
 ) {
@@ -146,7 +148,7 @@ pub(super) fn prepare_gi(
         return;
     };
     for (entity, (active, lean), (camera, view), resolution, cuts, of_view, of_gi) in &mut views {
-        let ((jitters, has_motion), (gi, mut found)) = (of_view, of_gi);
+        let ((averaging, has_motion), (gi, mut found)) = (of_view, of_gi);
         if !lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE) {
             continue;
         }
@@ -177,7 +179,7 @@ pub(super) fn prepare_gi(
         };
         let mut uniform = GiView::new(&active.settings, &now, gi.frames.last());
         uniform.row_stride = row_order.stride(size.y.div_ceil(GATHER_SIDE));
-        uniform.turn = turn_of(&frame, jitters);
+        uniform.turn = FrameAveraging::turn(averaging, &frame);
         uniform.has_motion = has_motion.into();
         gi.has_motion = has_motion;
         gi.viewport_size = uniform.viewport_size;

@@ -7,7 +7,7 @@ use bevy::{
     diagnostic::FrameCount,
     prelude::*,
     render::{
-        camera::{ExtractedCamera, TemporalJitter},
+        camera::ExtractedCamera,
         render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureView},
         renderer::{RenderDevice, RenderQueue},
         texture::FallbackImageZero,
@@ -40,10 +40,12 @@ use crate::{
     screen_space::{
         LastFrame, ViewHistory,
         debug_view::{DebugShown, Shows},
-        pattern::turn_of,
     },
     shader_library::tiles::{self, RowOrder},
-    view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LightExchange, OutOfMemory},
+    view::{
+        ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightExchange,
+        OutOfMemory,
+    },
 };
 
 /// Pixels a side of the largest cells.
@@ -174,7 +176,7 @@ pub(super) fn prepare_reflections(
         (&ActiveReflections, &ActiveLeanView),
         (&ExtractedCamera, &ExtractedView),
         Option<&MainPassResolutionOverride>,
-        (Has<TemporalJitter>, Has<MotionVectorPrepass>),
+        (Option<&FrameAveraging>, Has<MotionVectorPrepass>),
         Option<&ViewHistory>,
         (Option<&mut ViewReflections>, &mut IndirectSpecular),
     )>,
@@ -183,7 +185,7 @@ pub(super) fn prepare_reflections(
         return;
     };
     for (entity, (active, lean), (camera, view), resolution, of_view, history, held) in &mut views {
-        let ((jitters, has_motion), (reflections, mut found)) = (of_view, held);
+        let ((averaging, has_motion), (reflections, mut found)) = (of_view, held);
         // In the first frame there is none.
         let Some(history) = history else {
             found.0 = None;
@@ -197,7 +199,7 @@ pub(super) fn prepare_reflections(
             ReflectionView::new(&active.settings, active.key.divisor, &now, history.last());
         uniform.history_size = history.size().as_vec2();
         uniform.row_stride = row_order.stride(tiles::count(uniform.texture_size).y);
-        uniform.turn = turn_of(&frame, jitters);
+        uniform.turn = FrameAveraging::turn(averaging, &frame);
         let mut made = None;
         let reflections = match reflections {
             Some(reflections) if reflections.is_for(&uniform) => reflections.into_inner(),

@@ -6,7 +6,7 @@ use crate::screen_space::ScreenSpaceResolution;
 ///
 /// For cameras with [`LeanDeferred`](crate::LeanDeferred). A smooth mirror shows one place, found for each pixel; a rough
 /// one the mean of rays in sixteen directions of its lobe (GGX), shared by neighbours. Nothing is random from frame to frame unless
-/// the camera's projection is jittered, as TAA does. Lighting mixes it with environment maps, reflection probes and ambient
+/// the camera's frames are averaged, as TAA does. Lighting mixes it with environment maps, reflection probes and ambient
 /// light, in the place of which it is seen: with the same Fresnel, roughness and energy terms, and with or without them.
 ///
 /// What the picture does not show is not mirrored: what is beyond its rim, hidden, or turned away. There the
