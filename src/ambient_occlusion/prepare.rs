@@ -10,11 +10,11 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         render_resource::{
-            BindGroup, DynamicUniformBuffer, IntoBinding, TextureDescriptor, TextureDimension,
-            TextureUsages,
+            BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureDescriptor,
+            TextureDimension, TextureUsages, TextureViewDescriptor,
         },
         renderer::{RenderDevice, RenderQueue},
-        texture::{CachedTexture, TextureCache},
+        texture::CachedTexture,
         view::{ExtractedView, ViewDepthTexture},
     },
 };
@@ -103,20 +103,19 @@ pub(super) fn write_occlusion_uniforms(
 #[derive(Component, Clone)]
 pub struct OcclusionTexture(pub CachedTexture);
 
-/// Gives each view that finds occlusion its texture.
+/// Gives each view that finds occlusion its texture, which it keeps while its size, format and usage stay.
 pub(super) fn prepare_occlusion_textures(
     mut commands: Commands,
-    mut texture_cache: ResMut<TextureCache>,
     render_device: Res<RenderDevice>,
     mut memory: ResMut<OutOfMemory>,
-    mut views: Query<(
+    views: Query<(
         Entity,
         &ActiveOcclusion,
         &ViewOcclusion,
-        Option<&mut OcclusionTexture>,
+        Option<&OcclusionTexture>,
     )>,
 ) {
-    for (entity, active, view, current) in &mut views {
+    for (entity, active, view, current) in &views {
         let usage = match active.gather {
             Some(GatherPipeline::Compute(_)) => TextureUsages::STORAGE_BINDING,
             Some(GatherPipeline::Raster(_)) => TextureUsages::RENDER_ATTACHMENT,
@@ -128,29 +127,35 @@ pub(super) fn prepare_occlusion_textures(
             }
         };
         let label = "lean_deferred/ambient_occlusion";
-        let texture = memory.fit(&render_device, entity, label, || {
-            let descriptor = TextureDescriptor {
-                label: Some(label),
-                size: view.texture_size.to_extents(),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: TextureDimension::D2,
-                format: active.key.format.texture_format(),
-                usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-                view_formats: &[],
-            };
-            texture_cache.get(&render_device, descriptor)
-        });
-        let Some(texture) = texture else {
+        let descriptor = TextureDescriptor {
+            label: Some(label),
+            size: view.texture_size.to_extents(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: active.key.format.texture_format(),
+            usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        };
+        let is_as_asked = |texture: &Texture| {
+            (texture.size(), texture.format(), texture.usage())
+                == (descriptor.size, descriptor.format, descriptor.usage)
+        };
+        if current.is_some_and(|current| is_as_asked(&current.0.texture)) {
+            continue;
+        }
+        let make = || render_device.create_texture(&descriptor);
+        let Some(texture) = memory.fit(&render_device, entity, label, make) else {
             commands.entity(entity).remove::<OcclusionTexture>();
             continue;
         };
-        match current {
-            Some(mut current) => current.0 = texture,
-            None => {
-                commands.entity(entity).insert(OcclusionTexture(texture));
-            }
-        }
+        let default_view = texture.create_view(&TextureViewDescriptor::default());
+        commands
+            .entity(entity)
+            .insert(OcclusionTexture(CachedTexture {
+                texture,
+                default_view,
+            }));
     }
 }
 

@@ -54,6 +54,12 @@ impl GBufferTextures {
         self.optional.iter().map(|(target, _)| *target).collect()
     }
 
+    /// Their size, and the optional ones.
+    fn key(&self) -> (UVec2, GBufferTargets) {
+        let normal = &self.normal.texture;
+        (UVec2::new(normal.width(), normal.height()), self.targets())
+    }
+
     /// The attachments of the pass that writes the base targets alone. If it `is_first` to write them, nothing is drawn yet.
     pub(super) fn base_attachments(
         &self,
@@ -156,18 +162,24 @@ pub(super) struct SharedTextures<'w, 's> {
 }
 
 impl SharedTextures<'_, '_> {
-    /// `None` if they do not fit into memory.
+    /// `None` if they do not fit into memory. What the view `held` in the last frame Bevy's cache still has: nothing is allocated then, and
+    /// no error can come of it.
     fn get(
         &mut self,
         view: Entity,
+        held: Option<&GBufferTextures>,
         size: UVec2,
         targets: GBufferTargets,
     ) -> Option<GBufferTextures> {
         if let Some(made) = self.by_size.get(&(size, targets)) {
             return Some(made.clone());
         }
-        let make = || make_textures(&mut self.cache, &self.device, size, targets);
-        let made = (self.memory).fit(&self.device, view, "lean_deferred/gbuffer", make)?;
+        let mut make = || make_textures(&mut self.cache, &self.device, size, targets);
+        let made = if held.is_some_and(|held| held.key() == (size, targets)) {
+            make()
+        } else {
+            (self.memory).fit(&self.device, view, "lean_deferred/gbuffer", make)?
+        };
         self.by_size.insert((size, targets), made.clone());
         Some(made)
     }
@@ -177,7 +189,12 @@ impl SharedTextures<'_, '_> {
 pub(super) fn prepare_gbuffer_textures(
     mut commands: Commands,
     mut textures: SharedTextures,
-    views: Query<(Entity, &ExtractedCamera, &ActiveLeanView)>,
+    views: Query<(
+        Entity,
+        &ExtractedCamera,
+        &ActiveLeanView,
+        Option<&GBufferTextures>,
+    )>,
     stale: Query<
         Entity,
         (
@@ -189,11 +206,11 @@ pub(super) fn prepare_gbuffer_textures(
     for entity in &stale {
         commands.entity(entity).remove::<GBufferTextures>();
     }
-    for (entity, camera, active) in &views {
+    for (entity, camera, active, held) in &views {
         let Some(size) = camera.physical_target_size else {
             continue;
         };
-        match textures.get(entity, size, active.targets) {
+        match textures.get(entity, held, size, active.targets) {
             Some(made) => commands.entity(entity).insert(made),
             None => commands.entity(entity).remove::<GBufferTextures>(),
         };
@@ -219,7 +236,7 @@ pub(super) fn fit_gbuffer_textures_to_depth(
         if size(&held.surface.texture) == depth_size {
             continue;
         }
-        match textures.get(entity, depth_size, active.targets) {
+        match textures.get(entity, None, depth_size, active.targets) {
             Some(made) => *held = made,
             None => {
                 commands.entity(entity).remove::<GBufferTextures>();

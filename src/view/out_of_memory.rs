@@ -23,6 +23,8 @@ pub struct OutOfMemory {
     lacking: EntityHashMap<Lack>,
     /// For tests: textures whose labels begin with this do not fit.
     scarce: Option<&'static str>,
+    /// For tests: how often something was made within an error scope.
+    attempts: usize,
 }
 
 struct Lack {
@@ -45,6 +47,7 @@ impl OutOfMemory {
         if self.lacking.contains_key(&view) {
             return None;
         }
+        self.attempts += 1;
         let scope = (device.wgpu_device()).push_error_scope(ErrorFilter::OutOfMemory);
         let made = make();
         if self.scarce.is_some_and(|scarce| label.starts_with(scarce)) {
@@ -69,6 +72,12 @@ impl OutOfMemory {
     /// The label of what did not fit.
     pub(crate) fn label(&self, view: Entity) -> Option<&'static str> {
         self.lacking.get(&view).map(|lack| lack.label)
+    }
+
+    /// For tests: how often something was made. Not in frames in which nothing changed.
+    #[doc(hidden)]
+    pub fn attempts(&self) -> usize {
+        self.attempts
     }
 
     /// For tests: as if there was no memory for textures whose labels begin so.
