@@ -1,9 +1,11 @@
 //! The texture of the light that surfaces send out in all directions alike, for those that read it.
 
 use bevy::{
+    camera::MainPassResolutionOverride,
     image::ToExtents,
     prelude::*,
     render::{
+        camera::ExtractedCamera,
         render_resource::{
             TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
             TextureViewDescriptor,
@@ -14,28 +16,39 @@ use bevy::{
     },
 };
 
+use super::buffers::lit_pixels;
 use crate::view::{ActiveLeanView, DiffuseLight, LightExchange, OutOfMemory};
 
 /// Words with a shared exponent.
 pub(super) const DIFFUSE_LIGHT_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
-/// Gives each view whose lighting writes it its texture, and takes it from other lean views. With [`ActiveLeanView`] it
-/// goes too. It outlasts frames: the next one reads it before it is written again.
+/// Gives each view whose lighting writes it its texture, as large as its viewport, and takes it from other lean views. With
+/// [`ActiveLeanView`] it goes too. It outlasts frames: the next one reads it before it is written again.
 pub(super) fn prepare_diffuse_light(
     mut commands: Commands,
     device: Res<RenderDevice>,
     mut memory: ResMut<OutOfMemory>,
-    views: Query<(Entity, &ViewTarget, &ActiveLeanView, Option<&DiffuseLight>)>,
+    views: Query<(
+        Entity,
+        (
+            &ExtractedCamera,
+            &ViewTarget,
+            Option<&MainPassResolutionOverride>,
+        ),
+        &ActiveLeanView,
+        Option<&DiffuseLight>,
+    )>,
 ) {
-    for (entity, target, active, current) in &views {
+    for (entity, (camera, target, resolution), active, current) in &views {
         if !active.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
             if current.is_some() {
                 commands.entity(entity).remove::<DiffuseLight>();
             }
             continue;
         }
-        let target = target.main_texture();
-        let size = UVec2::new(target.width(), target.height()).to_extents();
+        // Viewports may be empty.
+        let (_, size) = lit_pixels(camera, target, resolution);
+        let size = size.max(UVec2::ONE).to_extents();
         if current.is_some_and(|current| current.0.texture.size() == size) {
             continue;
         }

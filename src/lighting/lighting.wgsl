@@ -121,7 +121,7 @@ fn light_tile(pixel: Pixel, place: vec2<u32>, corner: vec2<u32>, invocation: u32
     if pixel.has_geometry {
         textureStore(output_texture, pixel.position, shaded.color);
 #ifdef DIFFUSE_LIGHT
-        textureStore(diffuse_light_texture, pixel.position, vec4(pack_light(shaded.diffuse)));
+        textureStore(diffuse_light_texture, place, vec4(pack_light(shaded.diffuse)));
 #endif
     } else {
         write_background(place);
@@ -133,10 +133,10 @@ fn write_background(place: vec2<u32>) {
     if any(place >= uniforms.viewport_size) {
         return;
     }
-    let position = vec2<i32>(uniforms.viewport_origin + place);
 #ifdef DIFFUSE_LIGHT
-    textureStore(diffuse_light_texture, position, vec4(0u));
+    textureStore(diffuse_light_texture, place, vec4(0u));
 #endif
+    let position = vec2<i32>(uniforms.viewport_origin + place);
 #ifdef OCCLUSION_DEBUG_VIEW
     textureStore(output_texture, position, vec4(1.0));
 #else

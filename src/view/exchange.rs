@@ -39,7 +39,7 @@ pub struct ScattersLight;
 /// On a view with [`ReadsDiffuseLight`], for as long as it is lean: what of the picture is light that surfaces send out in all
 /// directions alike, because they reflect it diffusely, transmit or emit it. The picture has it too.
 ///
-/// `R32Uint`, as large as the view's target, each word with a shared exponent (`layout/light.wgsl`: off by at most 1/511 of
+/// `R32Uint`, as large as the viewport, each word with a shared exponent (`layout/light.wgsl`: off by at most 1/511 of
 /// the brightest channel). Exposed, before fog; 0 where no lean mesh is. Until lighting writes it, it holds what the last
 /// frame has sent out, or zeros.
 #[derive(Component, Clone)]

@@ -14,7 +14,7 @@ use kit::{
 use super::scenes::{EYE, SIZE, SMALL, floor, gi, glowing, looking, reflections, spawn_floor};
 
 /// Things that glow on a floor, for one or two cameras.
-fn two_views(s: &mut SceneBuilder) -> [Entity; 2] {
+pub fn two_views(s: &mut SceneBuilder) -> [Entity; 2] {
     spawn_floor(s, metal(0.2), 0.0);
     s.solids();
     s.sun(false);

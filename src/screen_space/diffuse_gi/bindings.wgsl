@@ -7,7 +7,7 @@
 @group(0) @binding(0) var<uniform> view: GiView;
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
 @group(0) @binding(2) var normal_texture: texture_2d<u32>;
-/// What lighting wrote in the last frame, word by pixel.
+/// What lighting wrote in the last frame, word by pixel of the viewport.
 @group(0) @binding(3) var diffuse_light_texture: texture_2d<u32>;
 /// From where the motion of each pixel began, with `view.has_motion`.
 @group(0) @binding(4) var motion_texture: texture_2d<f32>;

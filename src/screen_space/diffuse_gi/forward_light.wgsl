@@ -17,5 +17,5 @@ fn main(@builtin(global_invocation_id) pixel: vec3<u32>) {
         return;
     }
     let light = textureLoad(picture_texture, place, 0).rgb;
-    textureStore(diffuse_light_output, place, vec4(pack_light(light)));
+    textureStore(diffuse_light_output, pixel.xy, vec4(pack_light(light)));
 }

@@ -27,8 +27,7 @@ fn light_of(texel: vec2<i32>) -> vec3<f32> {
     var light = vec3(0.0);
     for (var i = 0; i < DIVISOR * DIVISOR; i++) {
         let pixel = min(texel * DIVISOR + vec2(i % DIVISOR, i / DIVISOR), last_pixel);
-        let place = vec2<i32>(view.viewport_origin) + pixel;
-        light += unpack_light(textureLoad(diffuse_light_texture, place, 0).r);
+        light += unpack_light(textureLoad(diffuse_light_texture, pixel, 0).r);
     }
     return light / f32(DIVISOR * DIVISOR);
 }
