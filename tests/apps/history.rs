@@ -197,6 +197,7 @@ fn it_holds_what_the_frame_showed() {
     let history = histories.iter(world).next().expect("somebody asks");
     let texture = history.texture().clone();
     let last = history.last().copied().expect("the last frame is known");
+    let units_per_metre = history.units_per_metre();
 
     let kept = read_light(&stage.headless, &texture);
     assert!(
@@ -218,6 +219,7 @@ fn it_holds_what_the_frame_showed() {
             continue;
         }
         surfaces += 1;
+        let distance = distance / units_per_metre;
         assert!((0.1..100.0).contains(&distance), "metres away: {distance}");
         // On the floor, which is at a height of 0, or above it.
         let at = (Vec2::new(x as f32, y as f32) + 0.5) / SIZE.as_vec2() * 2.0 - 1.0;

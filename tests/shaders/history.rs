@@ -53,6 +53,7 @@ struct View {
     view_from_pixel: Mat4,
     viewport_origin: UVec2,
     viewport_size: UVec2,
+    units_per_metre: f32,
 }
 
 /// What the main passes have left: light, and depth in steps of 1/65535.
@@ -110,7 +111,7 @@ fn first_level(left: &Left, view: &View, place: UVec2) -> Vec4 {
         depth => {
             let place = inside.as_vec2() + 0.5;
             let at = place.extend(f32::from(depth) / 65535.0);
-            -view_position(ProjectionKind::Other, view.view_from_pixel, at).z
+            -view_position(ProjectionKind::Other, view.view_from_pixel, at).z * view.units_per_metre
         }
     };
     bounded.extend(distance.min(NO_SURFACE))
@@ -301,6 +302,7 @@ fn levels_are_means_of_surfaces() {
         view_from_pixel: view_from_pixel(projection.get_clip_from_view(), VIEW),
         viewport_origin: ORIGIN,
         viewport_size: VIEW,
+        units_per_metre: 0.25,
     };
     let history = History::new(&left, &view);
     let levels = history.levels(|levels| {

@@ -12,6 +12,8 @@ struct HistoryView {
     view_from_pixel: mat4x4<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
+    /// Of distances as they are kept.
+    units_per_metre: f32,
 }
 
 /// What the main passes have left, or the last level of the first dispatch.
@@ -26,11 +28,11 @@ struct HistoryView {
 @group(0) @binding(6) var depth_texture: texture_depth_2d;
 #endif
 
-/// What a pixel may show, in units of the exposed picture. A smaller light is as bright as it likes by covering more
+/// What a pixel may show, in multiples of what shows as white. A smaller light is as bright as it likes by covering more
 /// pixels; what is brighter on a single one would make rough mirrors flicker.
 const LARGEST_LIGHT: f32 = 1024.0;
 
-/// Of the sky, and of what is further away than a half float tells: it is no surface.
+/// Of the sky: it is no surface. In units of distance as it is kept, as is all that is further away than these tell.
 const NO_SURFACE: f32 = 65504.0;
 
 /// Of 16×16 texels, then of 8×8, then of 4×4; in half floats, as the textures have them.
@@ -68,7 +70,7 @@ fn texel_at(place: vec2<u32>) -> vec4<f32> {
     let depth = textureLoad(depth_texture, pixel, 0);
     var distance = NO_SURFACE;
     if depth > 0.0 {
-        distance = -view_position(view.view_from_pixel, vec3(vec2<f32>(inside) + 0.5, depth)).z;
+        distance = -view_position(view.view_from_pixel, vec3(vec2<f32>(inside) + 0.5, depth)).z * view.units_per_metre;
     }
     return vec4(light, clamp(distance, -NO_SURFACE, NO_SURFACE));
 }

@@ -5,10 +5,11 @@
 //! one before: not after a cut, a pause, a change of size, or of the kind of projection.
 //!
 //! - `prepare.rs`: the textures, and whether they are valid. `uniforms.rs`, `pipelines.rs`, `pass.rs`, `levels.wgsl`: what fills
-//!   them.
+//!   them. `distance.rs`: the unit of the distances in them.
 
 #[doc(hidden)]
 pub mod binding_numbers;
+mod distance;
 mod pass;
 mod pipelines;
 mod prepare;
@@ -27,6 +28,7 @@ use bevy::{
     },
 };
 
+pub(super) use distance::units_per_metre;
 pub use prepare::ViewHistory;
 pub(super) use prepare::prepare_histories;
 pub use uniforms::HistoryView;

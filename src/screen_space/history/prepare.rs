@@ -16,6 +16,7 @@ use bevy::{
 use super::{
     ReadsHistory,
     binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, VIEW},
+    distance::units_per_metre,
     pipelines::{FORMAT, HistoryPipelines, LEVELS},
     uniforms::HistoryView,
 };
@@ -40,9 +41,9 @@ pub(in crate::screen_space) struct HistoryUniforms(DynamicUniformBuffer<HistoryV
 /// On a view of the render world with [`ReadsHistory`]: its last frame.
 ///
 /// The texture is as large as the viewport, rounded up to a multiple of the last level's texel. Its colour is the lit picture,
-/// linear, exposed as the last frame was: finite, and at most 1024. Its alpha is the distance of the surface along the view
-/// direction, in metres; 65504 where there is none. Further levels have the sum of the light of surfaces over the number of
-/// texels, of which they are a part, and in alpha that part.
+/// linear, exposed as the last frame was: finite, and at most 1024 times what showed as white. Its alpha is the distance of the
+/// surface along the view direction, [`units_per_metre`](Self::units_per_metre) times as many as metres; 65504 where there is none.
+/// Further levels have the sum of the light of surfaces over the number of texels, of which they are a part, and in alpha that part.
 #[derive(Component)]
 pub struct ViewHistory {
     kept: StorageTexture<LEVEL_COUNT>,
@@ -57,6 +58,12 @@ impl ViewHistory {
     /// What the last frame was seen with; `None` if what the texture holds says nothing of this frame.
     pub fn last(&self) -> Option<&LastFrame> {
         self.frames.last()
+    }
+
+    /// Of the distances that the texture holds of the last frame.
+    pub fn units_per_metre(&self) -> f32 {
+        self.last()
+            .map_or(1.0, |last| units_per_metre(last.clip_from_view))
     }
 
     /// All levels.

@@ -2,6 +2,7 @@
 
 use bevy::{prelude::*, render::render_resource::ShaderType};
 
+use super::distance::units_per_metre;
 use crate::{
     screen_space::succession::LastFrame, shader_library::reconstruction::position::view_from_pixel,
 };
@@ -13,6 +14,7 @@ pub struct HistoryView {
     view_from_pixel: Mat4,
     viewport_origin: UVec2,
     viewport_size: UVec2,
+    units_per_metre: f32,
 }
 
 impl HistoryView {
@@ -23,6 +25,7 @@ impl HistoryView {
             view_from_pixel: view_from_pixel(now.clip_from_view, size),
             viewport_origin: now.viewport.min,
             viewport_size: size,
+            units_per_metre: units_per_metre(now.clip_from_view),
         }
     }
 }

@@ -11,7 +11,7 @@
 @group(0) @binding(4) var specialization_texture: texture_2d<u32>;
 /// From where the motion of each pixel began, with `view.has_motion`.
 @group(0) @binding(5) var motion_texture: texture_2d<f32>;
-/// The last frame: light, and distance in alpha.
+/// The last frame: light, and distance in alpha, in a unit of its own.
 @group(0) @binding(6) var history_texture: texture_2d<f32>;
 @group(0) @binding(7) var history_sampler: sampler;
 /// The nearest and the furthest depth of cells of pixels: words.

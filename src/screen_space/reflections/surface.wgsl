@@ -100,7 +100,7 @@ fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
     // How far away the four texels around it are. Their corner names them better than a place near the middle of one.
     let first = floor(at - 0.5);
     let is_second = at - 0.5 - first >= vec2(0.5);
-    let around = textureGather(3, history_texture, history_sampler, (first + 1.0) / view.history_size);
+    let around = textureGather(3, history_texture, history_sampler, (first + 1.0) / view.history_size) * view.metres_per_unit;
     let kept = select(select(around.w, around.z, is_second.x), select(around.x, around.y, is_second.x), is_second.y);
     // A half float has eleven bits.
     let rounding = 0.002 * abs(distance);

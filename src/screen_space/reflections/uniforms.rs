@@ -6,6 +6,7 @@ use super::settings::LeanScreenSpaceReflections;
 use crate::{
     screen_space::{
         LastFrame,
+        history::units_per_metre,
         reprojection::{exposure_ratio, last_distance, last_pixel_from_view, pixels_of, up_to},
         resolution,
     },
@@ -34,6 +35,7 @@ pub struct ReflectionView {
     pub(super) viewport_size: UVec2,
     pub(super) texture_size: UVec2,
     edge_metres: f32,
+    metres_per_unit: f32,
     thickness: f32,
     edge_fade: f32,
     max_roughness: f32,
@@ -71,6 +73,7 @@ impl ReflectionView {
             viewport_size: size,
             texture_size: resolution::texels(size, divisor),
             edge_metres: STEEPEST / pixels_per_metre.y.abs(),
+            metres_per_unit: last.map_or(1.0, |last| 1.0 / units_per_metre(last.clip_from_view)),
             thickness,
             edge_fade: up_to(0.5, settings.edge_fade) * size.y as f32,
             max_roughness: up_to(1.25, settings.max_roughness),

@@ -26,6 +26,8 @@ struct ReflectionView {
     texture_size: vec2<u32>,
     /// Metres that separate surfaces a pixel apart, at a distance of one; in orthographic views anywhere.
     edge_metres: f32,
+    /// In the history.
+    metres_per_unit: f32,
     /// Metres.
     thickness: f32,
     /// Pixels from the rim over which reflections fade.
