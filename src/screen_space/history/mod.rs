@@ -5,11 +5,12 @@
 //! one before: not after a cut, a pause, a change of size, or of the kind of projection.
 //!
 //! - `prepare.rs`: the textures, and whether they are valid. `uniforms.rs`, `pipelines.rs`, `pass.rs`, `levels.wgsl`: what fills
-//!   them. `distance.rs`: the unit of the distances in them.
+//!   them. `distance.rs`: the unit of the distances in them. `opaque_depth.rs`: depth without transmissive meshes.
 
 #[doc(hidden)]
 pub mod binding_numbers;
 mod distance;
+mod opaque_depth;
 mod pass;
 mod pipelines;
 mod prepare;
@@ -35,7 +36,8 @@ pub use uniforms::HistoryView;
 
 use super::succession::SuccessionPlugin;
 use crate::view::{
-    HistoryPasses, SharedPlugin, ViewTextureSystems, depth_usage::extend_depth_usage, removal,
+    HistoryPasses, OpaquePicturePasses, SharedPlugin, ViewTextureSystems,
+    depth_usage::extend_depth_usage, removal,
 };
 
 /// On a view of the render world: something reads its last frame. To be inserted before `RenderSystems::PrepareViews`,
@@ -65,6 +67,7 @@ impl Plugin for HistoryPlugin {
         removal::remove_with::<ReadsHistory, ViewHistory>(render_app);
         render_app
             .init_gpu_resource::<prepare::HistoryUniforms>()
+            .init_gpu_resource::<opaque_depth::OpaqueDepths>()
             .add_systems(
                 RenderStartup,
                 (pipelines::init_history_pipelines, prepare::forget_histories),
@@ -72,20 +75,28 @@ impl Plugin for HistoryPlugin {
             .add_systems(
                 Render,
                 (
-                    extend_depth_usage::<ReadsHistory>(TextureUsages::TEXTURE_BINDING)
-                        .in_set(RenderSystems::PrepareResources)
+                    (
+                        extend_depth_usage::<ReadsHistory>(
+                            TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+                        )
                         .before(prepare_core_3d_depth_textures),
+                        opaque_depth::prepare_opaque_depths.after(prepare_core_3d_depth_textures),
+                    )
+                        .in_set(RenderSystems::PrepareResources),
                     prepare::prepare_histories.in_set(ViewTextureSystems),
                     prepare::prepare_history_bind_groups.in_set(RenderSystems::PrepareBindGroups),
                 ),
             )
             .add_systems(
                 Core3d,
-                // Volumetric fog and what else comes between here and post-processing has no order of its own.
-                pass::keep_frame
-                    .in_set(Core3dSystems::MainPass)
-                    .in_set(HistoryPasses)
-                    .after(main_transparent_pass_3d),
+                (
+                    opaque_depth::copy_opaque_depth.in_set(OpaquePicturePasses),
+                    // Volumetric fog and what else comes between here and post-processing has no order of its own.
+                    pass::keep_frame
+                        .in_set(Core3dSystems::MainPass)
+                        .in_set(HistoryPasses)
+                        .after(main_transparent_pass_3d),
+                ),
             );
     }
 }

@@ -9,6 +9,7 @@ use bevy::{
             BindGroup, DynamicUniformBuffer, IntoBinding, PipelineCache, Texture, TextureView,
         },
         renderer::{RenderDevice, RenderQueue},
+        texture::CachedTexture,
         view::{ExtractedView, ViewDepthTexture, ViewTarget},
     },
 };
@@ -52,6 +53,8 @@ pub struct ViewHistory {
     means: CachedBindGroup,
     frames: Succession,
     offset: u32,
+    /// While the view shows meshes with specular transmission.
+    pub(super) opaque_depth: Option<CachedTexture>,
 }
 
 impl ViewHistory {
@@ -118,6 +121,7 @@ impl ViewHistory {
             means: default(),
             frames,
             offset: 0,
+            opaque_depth: None,
         }
     }
 }
@@ -204,6 +208,10 @@ pub(super) fn prepare_history_bind_groups(
     }
     for (mut history, target, depth) in &mut views {
         let history = &mut *history;
+        let depth = match &history.opaque_depth {
+            Some(copy) => &copy.default_view,
+            None => depth.view(),
+        };
         let (first, rest) = history.kept.levels.split_at(LEVELS[0] as usize);
         (history.pictures).update(
             &device,
@@ -215,7 +223,7 @@ pub(super) fn prepare_history_bind_groups(
                     entries.push(number, level.into_binding())?;
                 }
                 entries.push(VIEW, uniforms.clone())?;
-                entries.push(DEPTH_TEXTURE, depth.view().into_binding())
+                entries.push(DEPTH_TEXTURE, depth.into_binding())
             },
         );
         (history.means).update(&device, &pipelines.layouts[1], |entries| {
