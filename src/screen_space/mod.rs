@@ -9,9 +9,11 @@
 //! All are for cameras with [`LeanDeferred`](crate::LeanDeferred). Lighting mixes the first two with environment maps, probes and ambient
 //! light, in whose place they are seen. They know only what the picture shows. The last frame does not count after a
 //! [`CameraCut`](crate::CameraCut), a pause, or a change of size or of the kind of projection. With `MotionVectorPrepass` on the camera they find
-//! what moves where it was; without, its light is a frame behind it.
+//! what moves where it was; without, its light is a frame behind it. Where an app shifts its world, with all meshes and cameras in it, nothing
+//! has moved.
 
 // - `succession.rs`: which frames of a view follow one another. `reprojection.rs`: where the last one had what this one shows.
+//   `world_shift.rs`: shifts of all there is, which are no movement.
 // - `support.rs`: what they need beside a camera that can be lean.
 // - `history/`: the last frame of a view, for those that ask for it.
 // - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
@@ -30,6 +32,7 @@ mod resolution;
 pub mod subsurface;
 mod succession;
 mod support;
+mod world_shift;
 
 #[doc(hidden)]
 pub use crate::view::DebugViewPasses;

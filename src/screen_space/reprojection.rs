@@ -23,7 +23,8 @@ pub(super) fn pixels_of(frame: &LastFrame) -> Mat4 {
 /// From the view space of a frame to that of the `last` one. With double precision: both cameras may be far from the world's
 /// origin.
 fn last_view_from_view(now: &LastFrame, last: &LastFrame) -> DMat4 {
-    last.world_from_view.as_dmat4().inverse() * now.world_from_view.as_dmat4()
+    let shift_back = DMat4::from_translation(last.world_shift - now.world_shift);
+    last.world_from_view.as_dmat4().inverse() * shift_back * now.world_from_view.as_dmat4()
 }
 
 /// From the view space of a frame to pixels and depth of the `last` one, homogeneous.
@@ -67,6 +68,7 @@ mod tests {
             world_from_view: Mat4::from_rotation_translation(turn, camera),
             viewport: URect::from_corners(UVec2::ZERO, SIZE),
             exposure: 1.0,
+            world_shift: DVec3::ZERO,
         }
     }
 
@@ -99,15 +101,18 @@ mod tests {
             fields in [0.3..2.0f32, 0.3..2.0f32],
             jitters in [[-0.4..0.4f32, -0.4..0.4f32], [-0.4..0.4f32, -0.4..0.4f32]],
             view in (-0.5..0.5f32, -0.5..0.5f32, 0.0..3.0f32),
+            shift in prop_oneof![Just(Vec3::ZERO), vector(5_000.0)],
         ) {
             let turn = |v: Vec3| Quat::from_scaled_axis(v);
-            let now = frame(origin + step, turn(turns[0]), fields[0], jitters[0]);
+            let mut now = frame(origin + step + shift, turn(turns[0]), fields[0], jitters[0]);
+            now.world_shift = shift.as_dvec3();
             let last = frame(origin, turn(turns[1]), fields[1], jitters[1]);
             let distance = 10f32.powf(view.2) * 4.0;
             let position = distance * Vec3::new(view.0, view.1, -1.0);
             let world = now.world_from_view.as_dmat4().transform_point3(position.as_dvec3());
 
-            let (pixel, far) = seen(&last, world);
+            // Where it was before all was shifted.
+            let (pixel, far) = seen(&last, world - shift.as_dvec3());
             prop_assume!(far > 0.5);
             let found = last_pixel_from_view(&now, &last) * position.extend(1.0);
             let off = (DVec2::new(f64::from(found.x), f64::from(found.y)) / f64::from(found.w)).distance(pixel);

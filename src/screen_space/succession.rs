@@ -4,10 +4,12 @@ use core::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
     camera::MainPassResolutionOverride,
+    math::DVec3,
     prelude::*,
     render::{Render, RenderApp, RenderSystems, view::ExtractedView},
 };
 
+use super::world_shift::{self, WorldShift};
 use crate::{
     shader_library::reconstruction::position::{projection_of, without_scale},
     view::CameraCuts,
@@ -24,6 +26,8 @@ pub struct LastFrame {
     pub viewport: URect,
     /// The factor of light in the picture.
     pub exposure: f32,
+    /// By how much the world has been shifted until then.
+    pub world_shift: DVec3,
 }
 
 /// The part of the target that is drawn.
@@ -42,6 +46,7 @@ impl LastFrame {
         view: &ExtractedView,
         resolution: Option<&MainPassResolutionOverride>,
         exposure: f32,
+        shift: &WorldShift,
     ) -> Self {
         let (clip_from_view, world_from_view) =
             without_scale(view.clip_from_view, view.world_from_view.to_matrix());
@@ -50,6 +55,7 @@ impl LastFrame {
             world_from_view,
             viewport: drawn_part(view, resolution),
             exposure,
+            world_shift: shift.0,
         }
     }
 
@@ -68,7 +74,7 @@ fn count_frames(mut number: ResMut<FrameNumber>) {
     number.0 += 1;
 }
 
-/// Counts frames. Added by all that compare them, once.
+/// Counts frames, and notices shifts of the world between them. Added by all that compare frames, once.
 pub(super) struct SuccessionPlugin;
 
 impl SuccessionPlugin {
@@ -81,6 +87,7 @@ impl SuccessionPlugin {
 
 impl Plugin for SuccessionPlugin {
     fn build(&self, app: &mut App) {
+        world_shift::add_to(app);
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
             render_app
                 .init_resource::<FrameNumber>()

@@ -34,6 +34,7 @@ use crate::{
         LastFrame,
         debug_view::{DebugShown, Shows},
         succession::{FrameNumber, Succession},
+        world_shift::WorldShift,
     },
     shader_library::tiles::{self, RowOrder},
     view::{
@@ -133,6 +134,7 @@ pub(super) fn prepare_gi(
     mut uniforms: ResMut<GiUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     (row_order, frame, number): (Res<RowOrder>, Res<FrameCount>, Res<FrameNumber>),
+    shift: Res<WorldShift>,
     mut memory: ResMut<OutOfMemory>,
     mut views: Query<(
         Entity,
@@ -152,7 +154,7 @@ pub(super) fn prepare_gi(
         if !lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE) {
             continue;
         }
-        let now = LastFrame::of(view, resolution, camera.exposure);
+        let now = LastFrame::of(view, resolution, camera.exposure, &shift);
         let mut made = None;
         let size = GiView::new(&active.settings, &now, None).texture_size;
         let gi = match gi {

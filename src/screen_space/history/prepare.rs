@@ -26,7 +26,10 @@ use crate::{
         bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
         storage_texture::StorageTexture,
     },
-    screen_space::succession::{FrameNumber, LastFrame, Succession},
+    screen_space::{
+        succession::{FrameNumber, LastFrame, Succession},
+        world_shift::WorldShift,
+    },
     view::{CameraCuts, OutOfMemory},
 };
 
@@ -144,7 +147,7 @@ pub(in crate::screen_space) fn prepare_histories(
     mut commands: Commands,
     mut uniforms: ResMut<HistoryUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
-    (number, mut memory): (Res<FrameNumber>, ResMut<OutOfMemory>),
+    (number, shift, mut memory): (Res<FrameNumber>, Res<WorldShift>, ResMut<OutOfMemory>),
     mut views: Query<
         (
             Entity,
@@ -166,7 +169,7 @@ pub(in crate::screen_space) fn prepare_histories(
             commands.entity(entity).remove::<ViewHistory>();
             continue;
         }
-        let now = LastFrame::of(view, resolution, camera.exposure);
+        let now = LastFrame::of(view, resolution, camera.exposure, &shift);
         let size = now.viewport.size();
         let mut made = None;
         let history = match history {

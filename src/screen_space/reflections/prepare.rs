@@ -40,6 +40,7 @@ use crate::{
     screen_space::{
         LastFrame, ViewHistory,
         debug_view::{DebugShown, Shows},
+        world_shift::WorldShift,
     },
     shader_library::tiles::{self, RowOrder},
     view::{
@@ -171,6 +172,7 @@ pub(super) fn prepare_reflections(
     mut uniforms: ResMut<ReflectionUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     (row_order, frame, mut memory): (Res<RowOrder>, Res<FrameCount>, ResMut<OutOfMemory>),
+    shift: Res<WorldShift>,
     mut views: Query<(
         Entity,
         (&ActiveReflections, &ActiveLeanView),
@@ -194,7 +196,7 @@ pub(super) fn prepare_reflections(
         if !lean.exchange.contains(LightExchange::INDIRECT_SPECULAR) {
             continue;
         }
-        let now = LastFrame::of(view, resolution, camera.exposure);
+        let now = LastFrame::of(view, resolution, camera.exposure, &shift);
         let mut uniform =
             ReflectionView::new(&active.settings, active.key.divisor, &now, history.last());
         uniform.history_size = history.size().as_vec2();

@@ -112,7 +112,7 @@ pub(super) fn prepare_subsurface(
             continue;
         };
         let size = light.size();
-        let now = LastFrame::of(view, resolution, camera.exposure);
+        let now = LastFrame::of(view, resolution, camera.exposure, &default());
         let mut made = None;
         let held = match held {
             Some(held) if held.size == size => held.into_inner(),
