@@ -19,7 +19,7 @@
 // - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
 // - `subsurface/`: light that scatters beneath surfaces.
 // - `debug_view/`: what an effect has found, in place of the picture.
-// - `resolution.rs`: how many pixels share what effects find.
+// - `resolution.rs`: how many pixels share what effects find. `shown_exposure.{rs,wgsl}`: what shows as white.
 
 #[doc(hidden)]
 pub mod debug_view;
@@ -29,6 +29,7 @@ pub mod history;
 pub mod reflections;
 mod reprojection;
 mod resolution;
+mod shown_exposure;
 pub mod subsurface;
 mod succession;
 mod support;

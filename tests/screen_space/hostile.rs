@@ -26,7 +26,7 @@ const PLACE: Vec3 = Vec3::new(0.2, 0.6, -0.9);
 const SIDE: f32 = 0.5;
 /// After so many frames, with those that are made to look, nothing is left of it.
 const FRAMES: usize = 16;
-/// As in `diffuse_gi/levels.wgsl` and `history/levels.wgsl`.
+/// As in `diffuse_gi/levels.wgsl` and `history/levels.wgsl`, in pictures that are shown as they are exposed.
 const LARGEST_LIGHT: [f32; 2] = [256.0, 1024.0];
 /// A slice alone may have more than its part of the hemisphere: what is gathered, before it is filtered, may be that much more.
 const OF_A_SLICE: f32 = 2.0;

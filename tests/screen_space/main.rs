@@ -1,5 +1,7 @@
 //! Effects that find light on the screen, beside closed forms.
 
+mod apps;
+mod bounds;
 mod diffuse_gi;
 mod energy;
 mod hard_cases;

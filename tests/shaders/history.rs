@@ -23,11 +23,12 @@ use wgpu::{
     TextureUsages, TextureView,
 };
 
-const MODULES: [WgslModule; 4] = [
+const MODULES: [WgslModule; 5] = [
     shipped_wgsl!("shader_library/layout.wgsl"),
     shipped_wgsl!("shader_library/layout/light.wgsl"),
     shipped_wgsl!("shader_library/reconstruction/position.wgsl"),
     shipped_wgsl!("shader_library/tiles.wgsl"),
+    shipped_wgsl!("screen_space/shown_exposure.wgsl"),
 ];
 const LEVELS_WGSL: WgslModule = shipped_wgsl!("screen_space/history/levels.wgsl");
 
@@ -37,7 +38,9 @@ const ORIGIN: UVec2 = UVec2::new(5, 3);
 const VIEW: UVec2 = UVec2::new(130, 70);
 const SIZE: UVec2 = UVec2::new(192, 128);
 /// As in the shader.
-const LARGEST_LIGHT: f32 = 1024.0;
+const MOST_WHITES: f32 = 1024.0;
+/// In stops, as the picture is shown: so a light of 2 is the brightest.
+const SHOWN_EXPOSURE: f32 = 9.0;
 const NO_SURFACE: f32 = 65504.0;
 
 const STORED_AT: [u32; 4] = [
@@ -105,7 +108,8 @@ fn first_level(left: &Left, view: &View, place: UVec2) -> Vec4 {
     let sum = light.x + light.y + light.z;
     let number = if sum.is_nan() { Vec3::ZERO } else { light };
     let finite = number.clamp(Vec3::ZERO, Vec3::splat(65504.0));
-    let bounded = finite * (LARGEST_LIGHT / finite.max_element().max(1e-6)).min(1.0);
+    let largest = MOST_WHITES * (-SHOWN_EXPOSURE).exp2();
+    let bounded = finite * (largest / finite.max_element().max(1e-6)).min(1.0);
     let distance = match left.depth[i] {
         0 => NO_SURFACE,
         depth => {
@@ -140,6 +144,7 @@ struct History {
     color: TextureView,
     depth: TextureView,
     view: wgpu::Buffer,
+    shown_exposure: wgpu::Buffer,
 }
 
 impl History {
@@ -160,17 +165,25 @@ impl History {
         let depth: Vec<u8> = left.depth.iter().flat_map(|d| d.to_le_bytes()).collect();
         let mut bytes = UniformBuffer::new(Vec::new());
         bytes.write(view).expect("it fits");
-        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: bytes.as_ref().len() as u64,
-            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        queue.write_buffer(&uniform, 0, bytes.as_ref());
+        let uniform = |bytes: &[u8]| {
+            let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: bytes.len() as u64,
+                usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            queue.write_buffer(&uniform, 0, bytes);
+            uniform
+        };
+        let stops: Vec<u8> = [SHOWN_EXPOSURE, 0.0, 0.0, 0.0]
+            .into_iter()
+            .flat_map(f32::to_le_bytes)
+            .collect();
         Self {
             color: write(TextureFormat::Rgba16Float, 8, &light),
             depth: write(TextureFormat::Depth16Unorm, 2, &depth),
-            view: uniform,
+            view: uniform(bytes.as_ref()),
+            shown_exposure: uniform(&stops),
             device,
             queue,
         }
@@ -213,10 +226,15 @@ impl History {
         entries.push(texture(numbers::COLOR_TEXTURE, color));
         if reads_picture {
             entries.push(texture(numbers::DEPTH_TEXTURE, &self.depth));
-            entries.push(BindGroupEntry {
-                binding: numbers::VIEW,
-                resource: self.view.as_entire_binding(),
-            });
+            for (binding, buffer) in [
+                (numbers::VIEW, &self.view),
+                (numbers::SHOWN_EXPOSURE, &self.shown_exposure),
+            ] {
+                entries.push(BindGroupEntry {
+                    binding,
+                    resource: buffer.as_entire_binding(),
+                });
+            }
         }
         let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,

@@ -18,4 +18,5 @@ binding_numbers! {
     OUTPUT_TEXTURE = 12,
     PICTURE_TEXTURE = 13,
     DIFFUSE_LIGHT_OUTPUT = 14,
+    SHOWN_EXPOSURE = 15,
 }

@@ -25,6 +25,8 @@
 /// What the opaque meshes have left, and where some of it joins this frame's diffuse light.
 @group(0) @binding(13) var picture_texture: texture_2d<f32>;
 @group(0) @binding(14) var diffuse_light_output: texture_storage_2d<r32uint, write>;
+/// x: in stops, as the last frame was shown.
+@group(0) @binding(15) var<uniform> shown_exposure: vec4<f32>;
 
 /// What a texel of a level shows.
 struct Entry {

@@ -4,15 +4,16 @@
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
     Entry, depth_texture, diffuse_light_texture, edge_step, last_levels, level_0, level_1, level_2, level_3,
-    motion_texture, pack_entry, view,
+    motion_texture, pack_entry, shown_exposure, view,
 }
+#import bevy_lean_deferred::screen_space::shown_exposure::light_of_whites
 
 /// Pixels a side of a texel.
 const DIVISOR: i32 = #{DIVISOR};
 
-/// What a texel may send out, in units of the exposed picture. A smaller light is as bright as it likes by covering more
+/// What a texel may send out, in multiples of what shows as white. A smaller light is as bright as it likes by covering more
 /// texels; what is brighter on a single one would make neighbours flicker.
-const LARGEST_LIGHT: f32 = 256.0;
+const MOST_WHITES: f32 = 256.0;
 
 /// How many steps apart in depth the last frame may show the same surface: between two texels.
 const SAME_SURFACE: f32 = 4.0;
@@ -72,7 +73,8 @@ fn last_light(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     }
     let light = light_of(best) * view.exposure_ratio;
     let brightest = max(light.r, max(light.g, light.b));
-    return light * min(LARGEST_LIGHT / max(brightest, 1e-6), 1.0);
+    let bound = light_of_whites(MOST_WHITES, shown_exposure.x);
+    return light * min(bound / max(brightest, 1e-6), 1.0);
 }
 
 fn entry_at(texel: vec2<u32>) -> Entry {

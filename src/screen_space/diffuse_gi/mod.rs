@@ -50,7 +50,9 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use super::{debug_view::DebugViewPlugin, succession::SuccessionPlugin};
+use super::{
+    debug_view::DebugViewPlugin, shown_exposure::ShownExposurePlugin, succession::SuccessionPlugin,
+};
 use crate::{
     gpu::recovery,
     view::{
@@ -81,7 +83,10 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         embedded_asset!(app, "forward_light.wgsl");
         app.register_type::<LeanScreenSpaceGi>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceGi>::default());
-        app.add_plugins(DebugViewPlugin::<ViewGi>::default());
+        app.add_plugins((
+            DebugViewPlugin::<ViewGi>::default(),
+            ShownExposurePlugin::<ViewGi>::default(),
+        ));
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

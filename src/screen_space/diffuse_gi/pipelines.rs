@@ -14,12 +14,15 @@ use bevy::{
 use super::{
     binding_numbers::{
         DEPTH_TEXTURE, DIFFUSE_LIGHT_TEXTURE, GATHERED_TEXTURE, LAST_LEVELS, LEVEL_0, LEVELS,
-        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, VIEW,
+        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, SHOWN_EXPOSURE, VIEW,
     },
     key::GiKey,
     uniforms::GiView,
 };
-use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
+use crate::{
+    gpu::{bind_group_cache::FoundLayout, bindings::layout},
+    screen_space::shown_exposure::ShownExposure,
+};
 
 /// Of the depth and light of texels: two words each.
 pub(super) const LEVELS_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
@@ -72,6 +75,7 @@ pub(super) fn init_gi_pipelines(
             (DIFFUSE_LIGHT_TEXTURE, words()),
             (LAST_LEVELS, words()),
             (MOTION_TEXTURE, floats()),
+            (SHOWN_EXPOSURE, ShownExposure::layout()),
         ]
         .into_iter()
         .chain((0..LEVEL_COUNT).map(|level| (LEVEL_0 + level, stored(LEVELS_FORMAT)))),

@@ -21,7 +21,7 @@ use super::{
     active::ActiveGi,
     binding_numbers::{
         DEPTH_TEXTURE, DIFFUSE_LIGHT_TEXTURE, GATHERED_TEXTURE, LAST_LEVELS, LEVEL_0, LEVELS,
-        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, VIEW,
+        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, SHOWN_EXPOSURE, VIEW,
     },
     pipelines::{GiPipelines, LEVEL_COUNT, LEVELS_FORMAT, LIGHT_FORMAT},
     settings::ScreenSpaceGiDebugView,
@@ -33,6 +33,7 @@ use crate::{
     screen_space::{
         LastFrame,
         debug_view::{DebugShown, Shows},
+        shown_exposure::{BoundedByWhite, ShownExposure},
         succession::{FrameNumber, Succession},
         world_shift::WorldShift,
     },
@@ -75,10 +76,16 @@ pub struct ViewGi {
     has_motion: bool,
     pub(super) frames: Succession,
     pub(super) offset: u32,
+    shown_exposure: ShownExposure,
 }
 
 impl ViewGi {
-    fn new(device: &RenderDevice, texture_size: UVec2, frames: Succession) -> Self {
+    fn new(
+        device: &RenderDevice,
+        view: &ExtractedView,
+        texture_size: UVec2,
+        frames: Succession,
+    ) -> Self {
         let levels = "lean_deferred/screen_space/diffuse_gi/levels";
         let light = |label| StorageTexture::new(device, label, texture_size, LIGHT_FORMAT);
         Self {
@@ -93,6 +100,7 @@ impl ViewGi {
             has_motion: false,
             frames,
             offset: 0,
+            shown_exposure: ShownExposure::new(device, view),
         }
     }
 
@@ -115,6 +123,12 @@ impl ViewGi {
     pub fn textures(&self) -> impl Iterator<Item = &Texture> {
         let levels = self.levels.iter().map(|levels| &levels.texture);
         levels.chain([&self.gathered.texture, &self.output.texture])
+    }
+}
+
+impl BoundedByWhite for ViewGi {
+    fn shown_exposure(&self) -> &ShownExposure {
+        &self.shown_exposure
     }
 }
 
@@ -165,7 +179,7 @@ pub(super) fn prepare_gi(
                 gi
             }
             _ => {
-                let make = || ViewGi::new(&device, size, Succession::new(now, cuts));
+                let make = || ViewGi::new(&device, view, size, Succession::new(now, cuts));
                 let Some(new) = memory.fit(
                     &device,
                     entity,
@@ -251,6 +265,7 @@ pub(super) fn prepare_gi_bind_groups(
             entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
             entries.push(DIFFUSE_LIGHT_TEXTURE, light.0.default_view.into_binding())?;
             entries.push(LAST_LEVELS, last.view.into_binding())?;
+            entries.push(SHOWN_EXPOSURE, gi.shown_exposure.binding())?;
             for (level, view) in (LEVEL_0..).zip(&levels.levels) {
                 entries.push(level, view.into_binding())?;
             }

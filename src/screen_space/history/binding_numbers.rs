@@ -10,4 +10,5 @@ binding_numbers! {
     LEVEL_3 = 4,
     VIEW = 5,
     DEPTH_TEXTURE = 6,
+    SHOWN_EXPOSURE = 7,
 }

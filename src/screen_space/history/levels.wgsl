@@ -4,6 +4,7 @@
 #import bevy_lean_deferred::gbuffer::layout::is_nan
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, unpack_halves}
 #import bevy_lean_deferred::reconstruction::position::view_position
+#import bevy_lean_deferred::screen_space::shown_exposure::light_of_whites
 #import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
 
 /// Pixels count from the viewport's corner.
@@ -26,11 +27,13 @@ struct HistoryView {
 @group(0) @binding(4) var level_3: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(5) var<uniform> view: HistoryView;
 @group(0) @binding(6) var depth_texture: texture_depth_2d;
+/// x: in stops, as the last frame was shown.
+@group(0) @binding(7) var<uniform> shown_exposure: vec4<f32>;
 #endif
 
 /// What a pixel may show, in multiples of what shows as white. A smaller light is as bright as it likes by covering more
 /// pixels; what is brighter on a single one would make rough mirrors flicker.
-const LARGEST_LIGHT: f32 = 1024.0;
+const MOST_WHITES: f32 = 1024.0;
 
 /// Of the sky: it is no surface. In units of distance as it is kept, as is all that is further away than these tell.
 const NO_SURFACE: f32 = 65504.0;
@@ -56,10 +59,11 @@ fn texel_at(place: vec2<u32>) -> vec4<f32> {
 #else
 /// Light without what is not a number, with its hue where it is too bright.
 fn bounded(light: vec3<f32>) -> vec3<f32> {
+    let largest = light_of_whites(MOST_WHITES, shown_exposure.x);
     let number = select(light, vec3(0.0), is_nan(light.r + light.g + light.b));
     let finite = clamp(number, vec3(0.0), vec3(65504.0));
     let brightest = max(finite.r, max(finite.g, finite.b));
-    return finite * min(LARGEST_LIGHT / max(brightest, 1e-6), 1.0);
+    return finite * min(largest / max(brightest, 1e-6), 1.0);
 }
 
 /// Beyond the viewport its last pixels go on.

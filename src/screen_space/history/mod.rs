@@ -34,7 +34,7 @@ pub use prepare::ViewHistory;
 pub(super) use prepare::prepare_histories;
 pub use uniforms::HistoryView;
 
-use super::succession::SuccessionPlugin;
+use super::{shown_exposure::ShownExposurePlugin, succession::SuccessionPlugin};
 use crate::view::{
     HistoryPasses, OpaquePicturePasses, SharedPlugin, ViewTextureSystems,
     depth_usage::extend_depth_usage, removal,
@@ -60,6 +60,7 @@ impl Plugin for HistoryPlugin {
     fn build(&self, app: &mut App) {
         SharedPlugin::add_to(app);
         SuccessionPlugin::add_to(app);
+        app.add_plugins(ShownExposurePlugin::<ViewHistory>::default());
         embedded_asset!(app, "levels.wgsl");
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

@@ -11,10 +11,15 @@ use bevy::{
 };
 
 use super::{
-    binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, LEVEL_1, LEVEL_2, LEVEL_3, VIEW},
+    binding_numbers::{
+        COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, LEVEL_1, LEVEL_2, LEVEL_3, SHOWN_EXPOSURE, VIEW,
+    },
     uniforms::HistoryView,
 };
-use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
+use crate::{
+    gpu::{bind_group_cache::FoundLayout, bindings::layout},
+    screen_space::shown_exposure::ShownExposure,
+};
 
 /// Of light and distance.
 pub(super) const FORMAT: TextureFormat = TextureFormat::Rgba16Float;
@@ -49,6 +54,7 @@ pub(super) fn init_history_pipelines(
             level(LEVEL_3),
             (VIEW, uniform_buffer::<HistoryView>(true)),
             (DEPTH_TEXTURE, texture_depth_2d()),
+            (SHOWN_EXPOSURE, ShownExposure::layout()),
         ],
     );
     let means = layout(

@@ -16,7 +16,7 @@ use bevy::{
 
 use super::{
     ReadsHistory,
-    binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, VIEW},
+    binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, SHOWN_EXPOSURE, VIEW},
     distance::units_per_metre,
     pipelines::{FORMAT, HistoryPipelines, LEVELS},
     uniforms::HistoryView,
@@ -27,6 +27,7 @@ use crate::{
         storage_texture::StorageTexture,
     },
     screen_space::{
+        shown_exposure::{BoundedByWhite, ShownExposure},
         succession::{FrameNumber, LastFrame, Succession},
         world_shift::WorldShift,
     },
@@ -58,6 +59,7 @@ pub struct ViewHistory {
     offset: u32,
     /// While the view shows meshes with specular transmission.
     pub(super) opaque_depth: Option<CachedTexture>,
+    shown_exposure: ShownExposure,
 }
 
 impl ViewHistory {
@@ -117,7 +119,7 @@ impl ViewHistory {
         self.frames.hold(number);
     }
 
-    fn new(device: &RenderDevice, size: UVec2, frames: Succession) -> Self {
+    fn new(device: &RenderDevice, view: &ExtractedView, size: UVec2, frames: Succession) -> Self {
         Self {
             kept: StorageTexture::new(device, LABEL, size, FORMAT),
             pictures: default(),
@@ -125,7 +127,14 @@ impl ViewHistory {
             frames,
             offset: 0,
             opaque_depth: None,
+            shown_exposure: ShownExposure::new(device, view),
         }
+    }
+}
+
+impl BoundedByWhite for ViewHistory {
+    fn shown_exposure(&self) -> &ShownExposure {
+        &self.shown_exposure
     }
 }
 
@@ -180,7 +189,7 @@ pub(in crate::screen_space) fn prepare_histories(
             }
             _ => {
                 let frames = Succession::new(now, cuts);
-                let make = || ViewHistory::new(&device, texture_size(size), frames);
+                let make = || ViewHistory::new(&device, view, texture_size(size), frames);
                 let Some(new) = memory.fit(&device, entity, LABEL, make) else {
                     commands.entity(entity).remove::<ViewHistory>();
                     continue;
@@ -215,6 +224,7 @@ pub(super) fn prepare_history_bind_groups(
             Some(copy) => &copy.default_view,
             None => depth.view(),
         };
+        let shown_exposure = &history.shown_exposure;
         let (first, rest) = history.kept.levels.split_at(LEVELS[0] as usize);
         (history.pictures).update(
             &device,
@@ -226,7 +236,8 @@ pub(super) fn prepare_history_bind_groups(
                     entries.push(number, level.into_binding())?;
                 }
                 entries.push(VIEW, uniforms.clone())?;
-                entries.push(DEPTH_TEXTURE, depth.into_binding())
+                entries.push(DEPTH_TEXTURE, depth.into_binding())?;
+                entries.push(SHOWN_EXPOSURE, shown_exposure.binding())
             },
         );
         (history.means).update(&device, &pipelines.layouts[1], |entries| {

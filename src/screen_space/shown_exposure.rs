@@ -1,0 +1,122 @@
+//! How bright pictures are shown: the exposure that tonemapping applies, set by hand or by whatever adapts it.
+//!
+//! Effects bound the light that they keep, so that single bright pixels do not flicker: by multiples of what shows as white, which
+//! exposure moves by any number of stops.
+
+use core::{marker::PhantomData, num::NonZeroU64};
+
+use bevy::{
+    core_pipeline::schedule::{Core3d, Core3dSystems},
+    prelude::*,
+    render::{
+        Render, RenderApp, RenderSystems,
+        render_resource::{
+            BindGroupLayoutEntryBuilder, BindingResource, Buffer, BufferInitDescriptor,
+            BufferUsages, ShaderType, binding_types::uniform_buffer_sized,
+        },
+        renderer::{RenderContext, RenderDevice, ViewQuery},
+        view::{ColorGradingUniform, ExtractedView, ViewUniform, ViewUniformOffset, ViewUniforms},
+    },
+    shader::load_shader_library,
+};
+
+/// A vector of four floats, of which the first one is the exposure.
+const SIZE: u64 = 16;
+
+/// Of a view: its exposure in stops, as its last frame was shown, on the GPU. Before the first frame, that of its colour grading.
+pub(super) struct ShownExposure(Buffer);
+
+impl ShownExposure {
+    pub(super) fn new(device: &RenderDevice, view: &ExtractedView) -> Self {
+        let stops = [view.color_grading.global.exposure, 0.0, 0.0, 0.0];
+        Self(device.create_buffer_with_data(&BufferInitDescriptor {
+            label: Some("lean_deferred/screen_space/shown_exposure"),
+            contents: bytemuck::cast_slice(&stops),
+            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+        }))
+    }
+
+    pub(super) fn layout() -> BindGroupLayoutEntryBuilder {
+        uniform_buffer_sized(false, NonZeroU64::new(SIZE))
+    }
+
+    pub(super) fn binding(&self) -> BindingResource<'_> {
+        self.0.as_entire_binding()
+    }
+}
+
+/// On a view of the render world: what an effect keeps, bounded by what shows as white.
+pub(super) trait BoundedByWhite: Component {
+    fn shown_exposure(&self) -> &ShownExposure;
+}
+
+/// Keeps the [`ShownExposure`] of each `V`.
+pub(super) struct ShownExposurePlugin<V>(PhantomData<V>);
+
+impl<V> Default for ShownExposurePlugin<V> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<V: BoundedByWhite> Plugin for ShownExposurePlugin<V> {
+    fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<ShownExposureShaderPlugin>() {
+            app.add_plugins(ShownExposureShaderPlugin);
+        }
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            render_app
+                .add_systems(
+                    Render,
+                    let_uniforms_be_copied::<V>.in_set(RenderSystems::Queue),
+                )
+                .add_systems(
+                    Core3d,
+                    keep_shown_exposure::<V>.after(Core3dSystems::PostProcess),
+                );
+        }
+    }
+}
+
+struct ShownExposureShaderPlugin;
+
+impl Plugin for ShownExposureShaderPlugin {
+    fn build(&self, app: &mut App) {
+        load_shader_library!(app, "shown_exposure.wgsl");
+    }
+}
+
+fn can_be_copied(buffer: &Buffer) -> bool {
+    buffer.usage().contains(BufferUsages::COPY_SRC)
+}
+
+/// Has Bevy make the uniforms of views so that they can be copied, before it makes those of this frame.
+fn let_uniforms_be_copied<V: BoundedByWhite>(
+    mut uniforms: ResMut<ViewUniforms>,
+    views: Query<(), With<V>>,
+) {
+    if !views.is_empty() && !uniforms.uniforms.buffer().is_some_and(can_be_copied) {
+        uniforms.uniforms.add_usages(BufferUsages::COPY_SRC);
+    }
+}
+
+/// Where Bevy's uniform of a view has its exposure.
+fn exposure_offset() -> u64 {
+    // The numbers of the fields.
+    ViewUniform::METADATA.offset(13) + ColorGradingUniform::METADATA.offset(7)
+}
+
+/// After all that adapts it: Bevy's `AutoExposure` and this crate's write it into the uniform of the view.
+fn keep_shown_exposure<V: BoundedByWhite>(
+    view: ViewQuery<(&V, &ViewUniformOffset)>,
+    uniforms: Res<ViewUniforms>,
+    mut ctx: RenderContext,
+) {
+    let (held, view) = view.into_inner();
+    if let Some(uniforms) = (uniforms.uniforms.buffer()).filter(|buffer| can_be_copied(buffer)) {
+        let offset = u64::from(view.offset) + exposure_offset();
+        let kept = &held.shown_exposure().0;
+        ctx.command_encoder()
+            .copy_buffer_to_buffer(uniforms, offset, kept, 0, 4);
+    }
+}

@@ -1,0 +1,195 @@
+//! What apps do with cameras that have effects: TAA comes and goes, screens are split, worlds are shifted; or nothing at all.
+
+use bevy::{anti_alias::taa::TemporalAntiAliasing, prelude::*, render::RenderApp};
+use bevy_lean_deferred::{
+    prelude::*,
+    view::{DiffuseLight, OutOfMemory},
+};
+use kit::{
+    known_light::{Errors, Seen, look, look_at_once, see, surface},
+    known_mirrors::metal,
+    lean::{build, change_cameras},
+    own_process::in_own_process,
+};
+
+use super::{
+    scenes::{SIZE, SMALL, courtyard, gi, reflections, with_motion},
+    views::two_views,
+};
+
+type Change = fn(&mut EntityWorldMut);
+
+/// Half of it is diffuse.
+fn floor_material() -> StandardMaterial {
+    StandardMaterial {
+        metallic: 0.5,
+        ..metal(0.3)
+    }
+}
+
+fn off(a: &Seen, b: &Seen) -> Errors {
+    let texels = |seen: &Seen| seen.light.texels.clone().into_iter().flatten();
+    Errors::of(texels(a).zip(texels(b)).map(|(a, b)| a - b))
+}
+
+/// TAA brings frames together, so patterns turn. When it goes it leaves `TemporalJitter` on the camera, and nothing turns any more.
+#[test]
+fn patterns_rest_when_taa_goes() {
+    in_own_process(|| {
+        let effects: [(&str, Change); 2] = [
+            ("diffuse GI and reflections", |camera| {
+                camera.insert((gi(), reflections()));
+            }),
+            ("occlusion", |camera| {
+                camera.insert(LeanAmbientOcclusion {
+                    radius: 2.0,
+                    ..default()
+                });
+            }),
+        ];
+        for (name, insert) in effects {
+            let mut headless = build(SMALL, |s| {
+                courtyard(s, floor_material(), surface(0.5, 0.3), 0.4, ());
+            });
+            change_cameras(&mut headless, |camera| {
+                camera.insert(TemporalAntiAliasing::default());
+                insert(camera);
+            });
+            let first = see(&mut headless, 16);
+            let turning = off(&first, &look_at_once(&mut headless));
+            change_cameras(&mut headless, |camera| {
+                camera.remove::<TemporalAntiAliasing>();
+            });
+            let mut last = see(&mut headless, 32);
+            let mut most = 0.0_f32;
+            for _ in 0..4 {
+                let next = look_at_once(&mut headless);
+                most = most.max(off(&last, &next).rmse);
+                last = next;
+            }
+            println!(
+                "{name}: with TAA frames are {:.5} apart, then {most:.6}",
+                turning.rmse
+            );
+            assert!(turning.rmse > 1e-3 && most < 1e-5, "{name}");
+        }
+    });
+}
+
+/// The diffuse light of a camera is as large as its viewport, wherever on the target that is.
+#[test]
+fn diffuse_light_is_as_large_as_the_viewport() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            two_views(s);
+        });
+        headless.settle();
+        let world = headless.app.sub_app_mut(RenderApp).world_mut();
+        let mut textures = world.query::<&DiffuseLight>();
+        let sizes = textures.iter(world).map(|light| light.0.texture.size());
+        let sizes: Vec<UVec2> = sizes
+            .map(|size| UVec2::new(size.width, size.height))
+            .collect();
+        assert_eq!(sizes, [SIZE / UVec2::new(2, 1); 2]);
+    });
+}
+
+/// Textures are made in error scopes, which catch that they do not fit: none in a frame in which nothing changed.
+#[test]
+fn frames_at_rest_have_no_error_scopes() {
+    in_own_process(|| {
+        let effects: [(&str, Change); 2] = [
+            ("occlusion and reflections", |camera| {
+                camera.insert((LeanAmbientOcclusion::default(), reflections()));
+            }),
+            ("diffuse GI", |camera| {
+                camera.insert(gi());
+            }),
+        ];
+        for (name, insert) in effects {
+            let mut headless = build(SMALL, |s| {
+                courtyard(s, floor_material(), surface(0.5, 0.3), 0.4, ());
+            });
+            change_cameras(&mut headless, insert);
+            headless.settle();
+            let attempts = |headless: &kit::headless::Headless| {
+                let world = headless.app.sub_app(RenderApp).world();
+                world.resource::<OutOfMemory>().attempts()
+            };
+            let before = attempts(&headless);
+            headless.frames(10);
+            let more = attempts(&headless) - before;
+            println!("{name}: {before} error scopes, then {more} in ten frames");
+            assert!(before > 0 && more == 0, "{name}");
+        }
+    });
+}
+
+/// By how much apps with a floating origin shift their worlds.
+const SHIFT: Vec3 = Vec3::new(2048.0, 0.0, -2048.0);
+
+/// A world that is shifted with its cameras looks as it did: what was kept of the last frame is where it was.
+#[test]
+fn a_shifted_world_is_no_other_one() {
+    in_own_process(|| {
+        for motion in [false, true] {
+            let mut headless = build(SMALL, |s| {
+                let effects = (gi(), reflections());
+                let camera = courtyard(s, floor_material(), surface(0.5, 0.3), 0.4, effects);
+                with_motion(motion, &mut s.world().entity_mut(camera));
+            });
+            see(&mut headless, 24);
+            let before = look(&mut headless);
+            let mut least = f32::INFINITY;
+            for shift in [SHIFT, -SHIFT] {
+                let world = headless.world();
+                let mut roots = world.query_filtered::<&mut Transform, Without<ChildOf>>();
+                for mut root in roots.iter_mut(world) {
+                    root.translation += shift;
+                }
+                let frames = [(); 3].map(|()| off(&before, &look_at_once(&mut headless)).psnr());
+                println!("motion vectors {motion}: {frames:.1?} dB after a shift by {shift}");
+                least = frames.into_iter().fold(least, f32::min);
+            }
+            assert!(least > 48.0);
+        }
+    });
+}
+
+/// A camera that jumps as far by itself sees what is there.
+#[test]
+fn a_camera_that_jumps_alone_is_no_shift_of_the_world() {
+    in_own_process(|| {
+        let mut headless = build(SMALL, |s| {
+            let effects = (gi(), reflections());
+            courtyard(s, floor_material(), surface(0.5, 0.3), 0.4, effects);
+            // And the same one where the camera jumps to.
+            let meshes = s
+                .world()
+                .query_filtered::<(&Mesh3d, &MeshMaterial3d<StandardMaterial>, &Transform), ()>()
+                .iter(s.world())
+                .map(|(mesh, material, transform)| {
+                    let there = transform.with_translation(transform.translation + SHIFT);
+                    (mesh.clone(), material.clone(), there)
+                })
+                .collect::<Vec<_>>();
+            s.world().spawn_batch(meshes);
+        });
+        see(&mut headless, 24);
+        let here = look(&mut headless);
+        change_cameras(&mut headless, |camera| {
+            let mut transform = camera.get_mut::<Transform>().expect("cameras have one");
+            transform.translation += SHIFT;
+        });
+        let first = off(&here, &look_at_once(&mut headless));
+        let there = see(&mut headless, 24);
+        let settled = off(&here, &there);
+        println!(
+            "after the jump {:.1} dB, then {:.1} dB",
+            first.psnr(),
+            settled.psnr()
+        );
+        // It has no light of the last frame, which showed another place.
+        assert!(first.psnr() < 40.0 && settled.psnr() > 48.0);
+    });
+}

@@ -1,0 +1,153 @@
+//! Units: what is bounded is bounded by what shows as white, and a scene may be in any unit of length.
+
+use bevy::{
+    prelude::*,
+    render::{
+        RenderApp,
+        render_resource::TextureFormat,
+        view::{ColorGrading, ColorGradingGlobal},
+    },
+};
+use bevy_lean_deferred::{
+    prelude::*,
+    screen_space::{ViewHistory, diffuse_gi::ViewGi},
+};
+use kit::{
+    hdr::read_light,
+    headless::Headless,
+    known_light::{Errors, camera, see, surface},
+    known_mirrors::{metal, mirror_app},
+    lean::{build, change_cameras},
+    own_process::in_own_process,
+};
+
+use super::scenes::{EYE, SMALL, gi, looking, reflections, spawn_floor};
+
+/// The brightest light that the effects of the one camera hold: found by diffuse GI, and kept for reflections.
+fn brightest(headless: &mut Headless) -> [f32; 2] {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query::<(&ViewGi, &ViewHistory)>();
+    let (gi, history) = views.single(world).expect("one camera has both");
+    let found = gi
+        .textures()
+        .filter(|texture| texture.format() == TextureFormat::Rgba16Float)
+        .last()
+        .expect("it has found some");
+    let textures = [found.clone(), history.texture().clone()];
+    textures.map(|texture| {
+        let light = read_light(headless, &texture);
+        let texels = light.texels.iter().flat_map(|texel| &texel[..3]);
+        texels.copied().fold(0.0, f32::max)
+    })
+}
+
+/// A lamp that sends so much light, on cameras whose pictures are shown by so many stops brighter.
+fn lamp(light: f32, exposure: impl Bundle) -> [f32; 2] {
+    let mut headless = build(SMALL, |s| {
+        let floor = StandardMaterial {
+            metallic: 0.5,
+            ..metal(0.1)
+        };
+        spawn_floor(s, floor, 0.0);
+        let card = Transform::from_xyz(0.0, 0.5, -0.8);
+        s.mesh(Rectangle::new(2.0, 1.0), surface(0.0, light), card);
+        let camera = camera(s, looking(EYE, 0.3), 0.0, (gi(), reflections()));
+        s.world().entity_mut(camera).insert(exposure);
+    });
+    see(&mut headless, 8);
+    brightest(&mut headless)
+}
+
+/// So that exposure is always the same.
+fn adapted_to(stops: f32) -> LeanAutoExposure {
+    LeanAutoExposure {
+        min_exposure: stops,
+        max_exposure: stops,
+        instant: true,
+        ..default()
+    }
+}
+
+fn graded_to(exposure: f32) -> ColorGrading {
+    ColorGrading {
+        global: ColorGradingGlobal {
+            exposure,
+            ..default()
+        },
+        ..default()
+    }
+}
+
+/// Lamps keep their light in a picture that is shown darker, and what shows as thousands of times white is bounded in one that is shown
+/// brighter.
+#[test]
+fn light_is_bounded_by_what_shows_as_white() {
+    in_own_process(|| {
+        for (name, dark, bright) in [
+            (
+                "auto exposure",
+                lamp(20_000.0, adapted_to(-8.0)),
+                lamp(200.0, adapted_to(8.0)),
+            ),
+            (
+                "colour grading",
+                lamp(20_000.0, graded_to(-8.0)),
+                lamp(200.0, graded_to(8.0)),
+            ),
+        ] {
+            println!(
+                "{name}: of a lamp of 20000 at -8 stops {dark:.0?}, of one of 200 at 8 stops {bright:.2?}"
+            );
+            // Half floats and words are rounded.
+            assert!((dark[1] / 20_000.0 - 1.0).abs() < 0.01, "{name}");
+            // Most of the hemisphere beside the lamp.
+            assert!(dark[0] > 4000.0 && dark[0] < 20_100.0, "{name}");
+            // 256 and 1024 times white.
+            assert!(bright[0] > 0.2 && bright[0] < 1.01, "{name}");
+            assert!((bright[1] / 4.0 - 1.0).abs() < 0.01, "{name}");
+        }
+        let [of_gi, of_history] = lamp(20_000.0, ());
+        println!("as it is: {of_gi:.1}, {of_history:.1}");
+        assert!(of_gi < 257.0 && (of_history / 1024.0 - 1.0).abs() < 0.01);
+    });
+}
+
+/// A scene in units of which a metre has thousands mirrors what it does in metres.
+#[test]
+fn mirrors_know_no_largest_distance() {
+    in_own_process(|| {
+        let shown = |scale: f32| {
+            let mut headless = mirror_app(SMALL, 0.0, |camera| {
+                camera.insert(LeanScreenSpaceReflections {
+                    thickness: 0.25 * scale,
+                    ..reflections()
+                });
+            });
+            let world = headless.world();
+            let mut meshes = world.query_filtered::<&mut Transform, With<Mesh3d>>();
+            for mut mesh in meshes.iter_mut(world) {
+                mesh.translation *= scale;
+                mesh.scale *= scale;
+            }
+            change_cameras(&mut headless, |camera| {
+                let mut transform = camera.get_mut::<Transform>().expect("cameras have one");
+                transform.translation *= scale;
+                // Nothing is culled for being far away.
+                camera.insert(Projection::Perspective(PerspectiveProjection {
+                    far: 1e9,
+                    ..default()
+                }));
+            });
+            see(&mut headless, 8)
+        };
+        let metres = shown(1.0);
+        for scale in [100.0, 40_000.0, 1e6] {
+            let seen = shown(scale);
+            seen.save(&format!("mirror_times_{scale}"), 1.0);
+            let pairs = metres.light.texels.iter().zip(&seen.light.texels);
+            let off = Errors::of(pairs.map(|(metres, seen)| seen[1] - metres[1]));
+            println!("{scale} units a metre: {:.1} dB", off.psnr());
+            assert!(off.psnr() > 40.0, "{scale}");
+        }
+    });
+}
