@@ -19,6 +19,7 @@ use crate::gpu::{
 pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
     max_compute_invocations_per_workgroup: 256,
     max_compute_workgroup_size_x: 256,
+    max_compute_workgroup_storage_size: 2048,
     max_storage_buffers_per_shader_stage: 4,
 ];
 

@@ -75,7 +75,7 @@ pub use registration::GBufferMaterialPlugin;
 pub(crate) use resolve_motion::MotionResolvePipelines;
 use resolve_motion::ViewMotionResolve;
 pub use targets::GBufferNeeds;
-pub use textures::GBufferTextures;
+pub use textures::{GBufferTextures, ReadsGBuffer};
 pub use usage::GBufferUsage;
 use visibility_masks::DrawWithVisibilityMask;
 

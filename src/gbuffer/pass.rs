@@ -21,7 +21,9 @@ use bevy::{
 };
 
 use super::{
-    phase::DrawnGBufferPhases, resolve_motion::ViewMotionResolve, textures::GBufferTextures,
+    phase::DrawnGBufferPhases,
+    resolve_motion::ViewMotionResolve,
+    textures::{BaseLoad, GBufferTextures},
 };
 use crate::{gpu::timed::timed, view::ActiveLeanView};
 
@@ -101,7 +103,16 @@ fn draw(
 
     let viewport =
         Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
-    let mut is_first_of_base = is_first;
+    // The first to ask for depth has it cleared.
+    let mut first_depth = is_first.then(|| depth.get_attachment(StoreOp::Store));
+    let mut base_load = match &first_depth {
+        Some(depth) => BaseLoad::first(active, depth),
+        None => BaseLoad::Drawn,
+    };
+    let mut depth_attachment = || {
+        let first = first_depth.take();
+        first.unwrap_or_else(|| depth.get_attachment(StoreOp::Store))
+    };
     let has_optional = !active.targets.is_empty();
 
     // Around the passes, not in them: clearing is part of what they cost.
@@ -110,11 +121,11 @@ fn draw(
         if !phases.base.is_empty(&retained) || (is_first && !has_optional) {
             let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
                 label: Some("lean_deferred/gbuffer"),
-                color_attachments: &textures.base_attachments(is_first_of_base),
-                depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+                color_attachments: &textures.base_attachments(base_load),
+                depth_stencil_attachment: Some(depth_attachment()),
                 ..default()
             });
-            is_first_of_base = false;
+            base_load = BaseLoad::Drawn;
             if let Some(viewport) = &viewport {
                 pass.set_camera_viewport(viewport);
             }
@@ -123,8 +134,8 @@ fn draw(
         if has_optional && (is_first || !phases.extended.is_empty(&retained)) {
             let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
                 label: Some("lean_deferred/gbuffer/extended"),
-                color_attachments: &textures.all_attachments(is_first_of_base, is_first),
-                depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+                color_attachments: &textures.all_attachments(base_load, is_first),
+                depth_stencil_attachment: Some(depth_attachment()),
                 ..default()
             });
             if let Some(viewport) = &viewport {

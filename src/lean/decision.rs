@@ -3,7 +3,7 @@
 use core::iter::once;
 
 use bevy::{
-    camera::{CameraMainTextureUsages, visibility::RenderLayers},
+    camera::{Camera3dDepthLoadOp, CameraMainTextureUsages, visibility::RenderLayers},
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
     pbr::ViewKeyCache,
     platform::collections::{HashMap, HashSet},
@@ -13,16 +13,21 @@ use bevy::{
         occlusion_culling::OcclusionCulling,
         render_resource::{PipelineCache, TextureFormat, TextureUsages},
         sync_world::MainEntity,
-        view::{ExtractedView, NoIndirectDrawing, RetainedViewEntity},
+        view::{
+            ExtractedView, NoIndirectDrawing, RenderExtractedVisibleEntities, RetainedViewEntity,
+        },
     },
 };
 
-use super::{statuses::LeanStatuses, support::LeanDeferredSupport};
+use super::{
+    foreign_depth::others_may_draw_depth, statuses::LeanStatuses, support::LeanDeferredSupport,
+};
 use crate::{
     ambient_occlusion::LeanAmbientOcclusion,
-    gbuffer::{MotionResolvePipelines, ViewDemands},
+    gbuffer::{MotionResolvePipelines, ReadsGBuffer, ViewDemands},
     gpu::pipeline_watch::PipelineWatch,
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
+    shader_library::reconstruction::position::depth_of_surfaces_is_above_zero,
     view::{
         ActiveLeanView, Demand, ExchangeQuery, GBufferTargets, LeanDeferred, LeanOffReason,
         LightExchange, LightingVariants, OutOfMemory,
@@ -50,8 +55,22 @@ fn reason_against(
     }
 }
 
+/// Whether all depth is above 0 where a lean mesh is drawn, and 0 elsewhere, when lighting reads it.
+fn depth_tells_geometry(
+    camera: Option<&Camera3d>,
+    view: &ExtractedView,
+    visible: Option<&RenderExtractedVisibleEntities>,
+) -> bool {
+    let starts_at_zero = camera
+        .is_some_and(|camera| matches!(camera.depth_load_op, Camera3dDepthLoadOp::Clear(0.0)));
+    starts_at_zero
+        && depth_of_surfaces_is_above_zero(view.clip_from_view)
+        && !others_may_draw_depth(visible)
+}
+
 /// How a view that can be lean is drawn. `can_resolve_motion` is asked with whether meshes are drawn twice.
 fn draw_order(
+    depth_tells_geometry: bool,
     (depth, normal, motion): (bool, bool, bool),
     occlusion_culling: bool,
     has_light_layers: bool,
@@ -72,6 +91,7 @@ fn draw_order(
         variants: LightingVariants::empty(),
         exchange: LightExchange::empty(),
         culls_in_two_phases,
+        depth_tells_geometry: depth_tells_geometry && !draws_in_prepass,
     }
 }
 
@@ -103,8 +123,9 @@ pub(super) fn decide_active_views(
             &ExtractedCamera,
             &ExtractedView,
             &Msaa,
-            Has<Camera3d>,
+            Option<&Camera3d>,
             Option<&RenderLayers>,
+            (Option<&RenderExtractedVisibleEntities>, Has<ReadsGBuffer>),
         ),
         (
             Has<DepthPrepass>,
@@ -145,7 +166,8 @@ pub(super) fn decide_active_views(
     for (entity, camera, prepasses, (settings, occlusion, exchange), (lighting, current)) in
         &mut views
     {
-        let (camera, view, msaa, is_3d, layers) = camera;
+        let (camera, view, msaa, camera_3d, layers, (visible, is_read)) = camera;
+        let is_3d = camera_3d.is_some();
         let main_entity = view.retained_view_entity.main_entity;
         let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
         candidates.insert(view.retained_view_entity);
@@ -179,6 +201,7 @@ pub(super) fn decide_active_views(
         };
 
         let order = draw_order(
+            !is_read && depth_tells_geometry(camera_3d, view, visible),
             (depth, normal, motion),
             occlusion_culling && !no_indirect,
             scene.has_light_layers(settings, layers),

@@ -10,8 +10,10 @@
 // - `decision.rs`: per camera and frame, lean or Bevy's forward, with one warning per reason.
 // - `support.rs`: what the device must offer, in one function.
 // - `statuses.rs`: what the camera is doing, for the main world.
+// - `foreign_depth.rs`: whether other renderers than Bevy's for meshes draw depth.
 
 mod decision;
+mod foreign_depth;
 mod statuses;
 mod support;
 

@@ -16,6 +16,8 @@ struct LightingUniform {
     /// 1 if pixels without geometry are to be set to `background`.
     writes_background: u32,
     row_stride: u32,
+    /// 1 if the G-buffer may hold anything where depth is 0.
+    depth_tells_geometry: u32,
 }
 
 #ifdef LIGHT_LAYERS

@@ -31,6 +31,7 @@ pub struct LightingUniform {
     edge: Vec2,
     writes_background: u32,
     row_stride: u32,
+    depth_tells_geometry: u32,
 }
 
 /// The crate's own buffers, one for all views.
@@ -48,16 +49,13 @@ pub(super) fn write_lighting_buffers(
     render_queue: Res<RenderQueue>,
     clear_color: Res<ClearColor>,
     row_order: Res<RowOrder>,
-    mut views: Query<
-        (
-            &mut ViewLighting,
-            (&ExtractedCamera, &ExtractedView),
-            &ViewTarget,
-            Option<&MainPassResolutionOverride>,
-            Option<&GpuAtmosphere>,
-        ),
-        With<ActiveLeanView>,
-    >,
+    mut views: Query<(
+        &mut ViewLighting,
+        (&ExtractedCamera, &ExtractedView),
+        (&ViewTarget, &ActiveLeanView),
+        Option<&MainPassResolutionOverride>,
+        Option<&GpuAtmosphere>,
+    )>,
 ) {
     let buffers = &mut *buffers;
     if views.is_empty() {
@@ -81,7 +79,7 @@ pub(super) fn write_lighting_buffers(
     else {
         return;
     };
-    for (mut lighting, (camera, view), target, resolution_override, _) in &mut views {
+    for (mut lighting, (camera, view), (target, active), resolution_override, _) in &mut views {
         let target_size = target_size(target);
         let (origin, size) = lit_pixels(camera, target, resolution_override);
         let uniform = LightingUniform {
@@ -91,6 +89,7 @@ pub(super) fn write_lighting_buffers(
             edge: edge_of(view.clip_from_view, size),
             writes_background: 0,
             row_stride: row_order.stride(tiles::count(size).y),
+            depth_tells_geometry: active.depth_tells_geometry.into(),
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
             writer.write(&LightingUniform {

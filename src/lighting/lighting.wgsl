@@ -45,14 +45,17 @@ fn read_pixel(place: vec2<u32>) -> Pixel {
         return pixel;
     }
     pixel.position = vec2<i32>(uniforms.viewport_origin + place);
-    // Cleared in each frame. Depth does not tell geometry: forward meshes have depth too, and surfaces at `far` have 0.
+    pixel.depth = textureLoad(depth_texture, pixel.position, 0);
+    if uniforms.depth_tells_geometry != 0u && pixel.depth == 0.0 {
+        return pixel;
+    }
+    // Depth alone does not tell elsewhere: forward meshes have depth too, and surfaces at `far` have 0.
     pixel.normal_word = textureLoad(normal_texture, pixel.position, 0).r;
     pixel.has_geometry = pixel.normal_word != layout::NO_GEOMETRY;
     // The other words are undefined then.
     if !pixel.has_geometry {
         return pixel;
     }
-    pixel.depth = textureLoad(depth_texture, pixel.position, 0);
     pixel.surface_word = textureLoad(surface_texture, pixel.position, 0).r;
 #ifdef GBUFFER_WRITTEN
     pixel.written = textureLoad(written_texture, pixel.position, 0).r;

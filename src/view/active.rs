@@ -28,6 +28,9 @@ pub struct ActiveLeanView {
     pub exchange: LightExchange,
     /// Meshes are drawn twice: those that were visible before, and those that the depth of these does not hide.
     pub culls_in_two_phases: bool,
+    /// At the time of lighting, depth other than 0 means that a lean mesh was drawn there: no other known system writes depth before, it starts
+    /// at 0, and the projection gives no surface that depth. Then the G-buffer is not cleared, unless depth is found to be drawn into already.
+    pub depth_tells_geometry: bool,
 }
 
 impl ActiveLeanView {

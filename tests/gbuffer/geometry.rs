@@ -1,4 +1,4 @@
-//! Pixels where a lean mesh was drawn are told by the normal target alone, whatever depth is and whatever other cameras see.
+//! Pixels where a lean mesh was drawn: the normal target tells them to passes of apps, and depth to lighting where it can.
 
 use bevy::{
     camera::{RenderTarget, Viewport, visibility::RenderLayers},
@@ -6,7 +6,7 @@ use bevy::{
     material::OpaqueRendererMethod,
     prelude::*,
     render::{
-        RenderApp,
+        Render, RenderApp, RenderSystems,
         camera::ExtractedCamera,
         render_resource::{PipelineCache, PipelineDescriptor},
         renderer::{RenderContext, RenderDevice, ViewQuery},
@@ -14,8 +14,8 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     LeanDeferred,
-    gbuffer::{GBufferTextures, layout::NO_GEOMETRY},
-    view::ActiveLeanView,
+    gbuffer::{GBufferTextures, ReadsGBuffer, layout::NO_GEOMETRY},
+    view::{ActiveLeanView, LeanViewSystems},
 };
 use kit::{
     headless::{Headless, target_image},
@@ -79,7 +79,19 @@ fn install_probe(headless: &mut Headless) {
     });
     render_app
         .insert_resource(NormalProbe { pipeline, words })
+        .add_systems(
+            Render,
+            announce
+                .in_set(RenderSystems::PrepareAssets)
+                .before(LeanViewSystems),
+        )
         .add_systems(Core3d, probe.in_set(Core3dSystems::PostProcess));
+}
+
+fn announce(mut commands: Commands, views: Query<Entity, With<LeanDeferred>>) {
+    for view in &views {
+        commands.entity(view).insert(ReadsGBuffer);
+    }
 }
 
 /// Where the documentation of `GBufferTextures` allows it.
@@ -231,6 +243,7 @@ fn sprites_of_other_cameras_change_nothing_of_a_lean_one() {
             (*views.single(world).expect("one is lean"), pipelines)
         };
         let before = state(&mut headless);
+        assert!(before.0.depth_tells_geometry);
         let layer = RenderLayers::layer(3);
         let image = headless
             .world()

@@ -15,7 +15,7 @@ use bevy::{
         view::{ViewDepthTexture, ViewTarget},
     },
 };
-use bevy_lean_deferred::LeanDeferredPlugins;
+use bevy_lean_deferred::{LeanDeferredPlugins, view::ActiveLeanView};
 use kit::{
     headless::{Headless, Picture},
     lean::{active_lean_views, judge, report, set_lean, settled},
@@ -268,5 +268,23 @@ fn what_others_draw_before_the_opaque_pass_comes_after_lighting() {
     in_own_process(|| {
         assert_wall_is_forwards(before_opaque, nothing);
         assert_wall_is_forwards(nothing, before_opaque);
+    });
+}
+
+/// Where only meshes and lights are seen, depth tells what is geometry: the G-buffer needs no clearing.
+#[test]
+fn meshes_and_lights_alone_need_no_clearing() {
+    in_own_process(|| {
+        let mut headless = kit::lean::build(SIZE, |s| {
+            s.solids();
+            s.sun(false);
+            s.spawn((PointLight::default(), Transform::from_xyz(0.0, 2.0, 0.0)));
+            s.default_camera(());
+        });
+        set_lean(&mut headless, true);
+        headless.settle();
+        let world = headless.app.sub_app_mut(RenderApp).world_mut();
+        let mut views = world.query::<&ActiveLeanView>();
+        assert!(views.single(world).expect("lean").depth_tells_geometry);
     });
 }

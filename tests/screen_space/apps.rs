@@ -151,7 +151,9 @@ fn a_shifted_world_is_no_other_one() {
                 println!("motion vectors {motion}: {frames:.1?} dB after a shift by {shift}");
                 least = frames.into_iter().fold(least, f32::min);
             }
-            assert!(least > 48.0);
+            // Motion vectors are differences of places far from the origin.
+            let bound = if motion { 35.0 } else { 48.0 };
+            assert!(least > bound);
         }
     });
 }

@@ -79,6 +79,13 @@ pub fn projection_of(clip_from_view: Mat4) -> ProjectionKind {
     }
 }
 
+/// True for perspective projections without a far plane: the depth of what they show approaches 0, and never is.
+pub fn depth_of_surfaces_is_above_zero(clip_from_view: Mat4) -> bool {
+    projection_of(clip_from_view) == ProjectionKind::Perspective
+        && clip_from_view.z_axis.z == 0.0
+        && clip_from_view.w_axis.z > 0.0
+}
+
 /// `clip_from_view` and `world_from_view` of the same view in a view space in metres, however its camera is scaled, as children of what is
 /// scaled are. The shear that children of turned ones may have is left out. Those of cameras without scale stay as they are.
 pub fn without_scale(clip_from_view: Mat4, world_from_view: Mat4) -> (Mat4, Mat4) {

@@ -41,7 +41,7 @@ fn passes_of_the_opaque_picture_come_before_the_air() {
     };
 
     let ours = members(schedule, OpaquePicturePasses);
-    assert_eq!(ours.len(), 2, "of occlusion, of GI");
+    assert_eq!(ours.len(), 3, "of occlusion, of GI, of the history");
     let graph = schedule.graph();
     let opaque = main_opaque_pass_3d.into_system_set();
     let opaque = graph.system_sets.get_key(opaque.intern()).expect("it runs");
