@@ -130,7 +130,7 @@ pub fn spawn(headless: &mut Headless, meshes: usize, extra: impl Bundle) {
     world.insert_resource(Motion::Nothing);
 }
 
-/// What extraction has to follow, on all meshes and on the camera.
+/// Components that extraction follows, on all meshes and on the camera.
 pub fn add_followed_components(world: &mut World) {
     let mut numbered = world.query_filtered::<Entity, With<Numbered>>();
     let meshes: Vec<Entity> = numbered.iter(world).collect();

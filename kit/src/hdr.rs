@@ -30,7 +30,7 @@ pub struct Light {
 }
 
 impl Light {
-    /// How many texels are NaN or infinite.
+    /// Number of texels that are NaN or infinite.
     pub fn not_finite(&self) -> usize {
         let are_finite = |texel: &&[f32; 4]| texel.iter().all(|x| x.is_finite());
         self.texels.len() - self.texels.iter().filter(are_finite).count()

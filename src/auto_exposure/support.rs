@@ -23,7 +23,7 @@ pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
     max_storage_buffers_per_shader_stage: 4,
 ];
 
-/// Whether and how this device can meter. In the main world from before `Startup` on, and in the render world from `RenderStartup` on.
+/// Support for metering on this device. In the main world from before `Startup` on, and in the render world from `RenderStartup` on.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExposureSupport {
     /// What is missing; then the effect is off.

@@ -126,13 +126,13 @@ impl ViewDemands {
         });
     }
 
-    /// What the meshes of any view need, or needed a little while ago.
+    /// Needs of the meshes of all views, of this frame or a little while ago.
     fn of_all(&self) -> Demand {
         let demands = self.0.values().flat_map(|view| view.lingering.keys());
         demands.fold(Demand::default(), |all, demand| all.union(*demand))
     }
 
-    /// Whether `view` has, or had a little while ago, visible meshes beneath whose surfaces light scatters. A view in its first frame may
+    /// True if `view` has, or had a little while ago, visible meshes beneath whose surfaces light scatters. A view in its first frame may
     /// have some if others do.
     pub(crate) fn scatter(&self, view: RetainedViewEntity) -> bool {
         match self.0.get(&view) {

@@ -57,7 +57,7 @@ pub(super) struct MeshKind<'a> {
     pub(super) mesh: &'a RenderMesh,
     mesh_id: AssetId<Mesh>,
     pub(super) slabs: MeshSlabs,
-    /// What their material needs, and the shaders to draw them into the G-buffer with; `None` if forward must draw them.
+    /// The needs of their material, and the shaders to draw them into the G-buffer with; `None` if forward must draw them.
     needs: Option<(GBufferNeeds, &'a MaterialShaders)>,
     /// Whether their vertices may move within them.
     deforms: bool,
@@ -163,7 +163,7 @@ impl MeshLookup<'_> {
         is_morphed && !flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH)
     }
 
-    /// What it may need, and the shaders to draw it into the G-buffer with, or `None` if forward must draw it.
+    /// The needs that it may have, and the shaders to draw it into the G-buffer with, or `None` if forward must draw it.
     pub(super) fn gbuffer_needs<'a>(
         &self,
         entity: MainEntity,

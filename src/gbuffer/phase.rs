@@ -183,7 +183,7 @@ impl DrawnGBufferPhases<'_> {
     }
 }
 
-/// Whether Bevy extracts the camera in this frame. Not while its window is minimised: its target has size 0 then.
+/// True if Bevy extracts the camera in this frame. Not while its window is minimised: its target has size 0 then.
 pub(super) fn is_extracted(camera: &Camera) -> bool {
     let has_pixels = |size: UVec2| size.cmpne(UVec2::ZERO).all();
     camera.is_active && camera.physical_target_size().is_none_or(has_pixels)

@@ -188,7 +188,7 @@ impl MaterialShaders {
 }
 
 impl GBufferMaterials {
-    /// What `material` needs, and the shaders to draw it into the G-buffer with; `None` if forward must draw it.
+    /// The needs of `material`, and the shaders to draw it into the G-buffer with; `None` if forward must draw it.
     pub(crate) fn get(&self, material: UntypedAssetId) -> Option<(GBufferNeeds, &MaterialShaders)> {
         let needs = self.needs.get(&material)?;
         let shaders = self.shaders.get(&material.type_id())?;

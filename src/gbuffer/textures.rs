@@ -122,7 +122,7 @@ fn attachment(texture: &CachedTexture, load: LoadOp<wgpu::Color>) -> RenderPassC
     }
 }
 
-/// How a pass finds the base targets.
+/// State of the base targets at the start of a pass.
 #[derive(Clone, Copy)]
 pub(super) enum BaseLoad {
     /// A pass before has drawn into them.

@@ -188,7 +188,7 @@ impl CachedBindGroup {
         self.group.as_ref()
     }
 
-    /// How many textures it binds.
+    /// Number of textures that it binds.
     pub(crate) fn texture_views(&self) -> usize {
         let views = self.bound.iter().map(|(_, bound)| match bound {
             Bound::Texture(_) => 1,
