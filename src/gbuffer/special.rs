@@ -15,10 +15,7 @@ use bevy::{
     },
 };
 
-use super::{
-    extracted::ExtractedMeshes,
-    layout::{DEFAULT_VISIBILITY_MASK, visibility_mask},
-};
+use super::layout::{DEFAULT_VISIBILITY_MASK, visibility_mask};
 use crate::view::{GBufferTargets, LeanDeferred};
 
 /// In the render world: meshes whose components changed what they need of the G-buffer, since the last frame. Lean views
@@ -192,32 +189,19 @@ pub(super) fn forget_lightmapped_meshes(mut special: ResMut<SpecialMeshes>) {
 pub(super) fn extract_lightmapped_meshes(
     mut special: ResMut<SpecialMeshes>,
     mut dirty: ResMut<DirtySpecializations>,
-    mut extracted: ExtractedMeshes,
-    lightmaps: Extract<Query<(&ViewVisibility, &Lightmap)>>,
     changed: Extract<
         Query<
-            Entity,
-            (
-                With<Lightmap>,
-                Or<(Changed<ViewVisibility>, Changed<Lightmap>)>,
-            ),
+            (Entity, &ViewVisibility, &Lightmap),
+            Or<(Changed<ViewVisibility>, Changed<Lightmap>)>,
         >,
     >,
     mut removed: Extract<RemovedComponents<Lightmap>>,
 ) {
-    if !lightmaps.is_empty() {
-        let mut look_at = |mesh: MainEntity| {
-            if let Ok((visibility, lightmap)) = lightmaps.get(mesh.id())
-                && visibility.get()
-                && !special.lightmapped.contains_key(&mesh)
-            {
-                special.lightmapped.insert(mesh, lightmap.bicubic_sampling);
-                dirty.changed_renderables.insert(mesh);
-            }
-        };
-        match extracted.iter() {
-            Some(meshes) => meshes.for_each(look_at),
-            None => changed.iter().for_each(|mesh| look_at(mesh.into())),
+    for (entity, visibility, lightmap) in &changed {
+        let mesh = MainEntity::from(entity);
+        if visibility.get() && !special.lightmapped.contains_key(&mesh) {
+            special.lightmapped.insert(mesh, lightmap.bicubic_sampling);
+            dirty.changed_renderables.insert(mesh);
         }
     }
     for entity in removed.read() {
