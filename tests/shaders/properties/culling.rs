@@ -1,9 +1,9 @@
-//! A light that gives anything to a surface of a tile is not passed by: the shipped WGSL on the device, beside each pixel of
-//! the tile in f64.
+//! Culling keeps each light that gives anything to a surface of a tile, or to its back: the shipped WGSL on the device,
+//! beside each pixel of the tile in f64.
 
 use std::cell::Cell;
 
-use bevy::math::{DMat4, DVec2, DVec3, Mat4, Quat, UVec2, Vec2, Vec3, Vec4, Vec4Swizzles};
+use bevy::math::{DVec2, DVec3, Mat4, Quat, UVec2, Vec2, Vec3, Vec4, Vec4Swizzles};
 use bevy_lean_deferred::shader_library::reconstruction::position::{
     ProjectionKind, ndc_of_fragment, projection_of, view_position,
 };
@@ -54,16 +54,16 @@ const KERNEL: &str = "
 #import bevy_lean_deferred::lighting::lights::reach::{box_of_tile, may_reach}
 #import bevy_pbr::mesh_view_bindings as bindings
 
-fn row(input: array<u32, 69>, first: u32) -> vec4<f32> {
+fn row(input: array<u32, 70>, first: u32) -> vec4<f32> {
     var words = input;
     return bitcast<vec4<f32>>(vec4(words[first], words[first + 1u], words[first + 2u], words[first + 3u]));
 }
 
-fn matrix(input: array<u32, 69>, first: u32) -> mat4x4<f32> {
+fn matrix(input: array<u32, 70>, first: u32) -> mat4x4<f32> {
     return mat4x4(row(input, first), row(input, first + 4u), row(input, first + 8u), row(input, first + 12u));
 }
 
-fn kernel(input: array<u32, 69>) -> array<u32, 1> {
+fn kernel(input: array<u32, 70>) -> array<u32, 1> {
     bindings::view.view_from_clip = matrix(input, 0u);
     bindings::view.view_from_world = matrix(input, 16u);
     bindings::view.world_from_view = matrix(input, 53u);
@@ -74,7 +74,7 @@ fn kernel(input: array<u32, 69>) -> array<u32, 1> {
     bindings::clustered_lights.data[0].position_radius = vec4(row(input, 44u).xyz, 0.0);
     bindings::clustered_lights.data[0].flags = input[52];
     let corner = vec2(input[48], input[49]);
-    let bounds = box_of_tile(corner, row(input, 48u).zw);
+    let bounds = box_of_tile(corner, row(input, 48u).zw, bitcast<f32>(input[69]));
     return array(u32(may_reach(bounds, 0u)));
 }
 ";
@@ -103,6 +103,9 @@ struct Case {
     turn: Quat,
     /// Of the camera.
     scale: Vec3,
+    /// In metres: how far behind the surfaces transmitted light is gathered, and in which direction.
+    thickness: f32,
+    inward: Vec3,
 }
 
 fn direction() -> impl Strategy<Value = Vec3> {
@@ -127,13 +130,20 @@ fn case() -> impl Strategy<Value = Case> {
         prop_oneof![Just(0.0f32), Just(30.0), Just(20_000.0)],
     )
         .prop_map(|(d, far)| d * far);
+    let thickness = prop_oneof![3 => Just(0.0f32), 1 => (-6.0..4.0f32).prop_map(f32::exp2)];
     (
         (tile, pixel, [depth(), depth()], depth()),
         (-6.0..9.0f32, 0.0..1.3f32, direction(), cone),
         (camera, direction(), 0.0..3.0f32, scale()),
+        (thickness, direction()),
     )
         .prop_map(
-            |((tile, pixel, depths, depth), light, (camera, axis, angle, scale))| Case {
+            |(
+                (tile, pixel, depths, depth),
+                light,
+                (camera, axis, angle, scale),
+                (thickness, inward),
+            )| Case {
                 tile,
                 pixel,
                 depths,
@@ -145,6 +155,8 @@ fn case() -> impl Strategy<Value = Case> {
                 camera,
                 turn: Quat::from_axis_angle(axis, angle),
                 scale,
+                thickness,
+                inward,
             },
         )
 }
@@ -154,7 +166,7 @@ struct Setting {
     world_from_view: Mat4,
     view_from_clip: Mat4,
     depths: Vec2,
-    /// In view space.
+    /// In the world: where light is gathered, in front and behind.
     surfaces: Vec<DVec3>,
     /// In the world, as the GPU has it.
     light: Vec3,
@@ -218,12 +230,13 @@ impl Setting {
             let kind = projection_of(clip_from_view);
             view_position(kind, view_from_clip, ndc.extend(*depth)).as_dvec3()
         };
-        let surfaces = seen.iter().map(found).collect();
-
         let world_from_view =
             Mat4::from_scale_rotation_translation(case.scale, case.turn, case.camera);
-        let beside = position(case.tile + case.pixel, share(case.depth));
-        let beside = world_from_view.as_dmat4().transform_point3(beside);
+        let in_world = |position| world_from_view.as_dmat4().transform_point3(position);
+        let back = (case.inward * case.thickness).as_dvec3();
+        let surfaces = seen.iter().map(found).map(in_world);
+        let surfaces = surfaces.flat_map(|front| [front, front + back]).collect();
+        let beside = in_world(position(case.tile + case.pixel, share(case.depth))) + back;
         let light = beside + (case.direction * case.range * case.distance).as_dvec3();
         let spot = case.cone.map(|(outer, off)| {
             let axis = case.direction.any_orthonormal_vector();
@@ -248,10 +261,9 @@ impl Setting {
 
     /// Whether the light gives anything to any of the surfaces.
     fn is_lit(&self, range: f32) -> bool {
-        let world_from_view: DMat4 = self.world_from_view.as_dmat4();
         let inverse_square_range = f64::from(1.0 / (range * range));
         self.surfaces.iter().any(|surface| {
-            let to_light = self.light.as_dvec3() - world_from_view.transform_point3(*surface);
+            let to_light = self.light.as_dvec3() - *surface;
             let is_near = to_light.length_squared() * inverse_square_range < 1.0;
             is_near
                 && self.spot.as_ref().is_none_or(|spot| {
@@ -261,8 +273,8 @@ impl Setting {
         })
     }
 
-    fn words(&self, case: &Case) -> [u32; 69] {
-        let mut words = [0; 69];
+    fn words(&self, case: &Case) -> [u32; 70] {
+        let mut words = [0; 70];
         let mut put = |first: usize, numbers: &[f32]| {
             for (word, number) in words[first..].iter_mut().zip(numbers) {
                 *word = number.to_bits();
@@ -276,6 +288,7 @@ impl Setting {
         put(44, &self.light.to_array());
         put(47, &[1.0 / (case.range * case.range)]);
         put(50, &self.depths.to_array());
+        put(69, &[case.thickness]);
         let mut flags = 0;
         if let Some(spot) = &self.spot {
             let d = spot.direction;
@@ -299,7 +312,7 @@ fn function(source: &str, name: &str) -> String {
     source[begin..begin + length + 3].into()
 }
 
-fn kernel(compute: &Compute, kind: ProjectionKind) -> Kernel<'_, 69, 1> {
+fn kernel(compute: &Compute, kind: ProjectionKind) -> Kernel<'_, 70, 1> {
     const CLUSTERED_LIGHT: &str = include_str!("../../../src/lighting/lights/clustered_light.wgsl");
     let spot_direction = function(CLUSTERED_LIGHT, "spot_direction").replace(
         "mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE",
@@ -322,7 +335,7 @@ fn kernel(compute: &Compute, kind: ProjectionKind) -> Kernel<'_, 69, 1> {
     compute.kernel_with(&modules, KERNEL, &defs)
 }
 
-/// Also that most of those that give nothing are passed by: otherwise nothing is won.
+/// Also that most lights that give nothing are culled: otherwise nothing is won.
 fn check(name: &str, clip_from_view: Mat4, least_passed_by: f64) {
     let compute = Compute::new();
     let kernel = kernel(&compute, projection_of(clip_from_view));
@@ -338,7 +351,7 @@ fn check(name: &str, clip_from_view: Mat4, least_passed_by: f64) {
             .iter()
             .map(|case| Setting::new(case, clip_from_view))
             .collect();
-        let words: Vec<[u32; 69]> = cases
+        let words: Vec<[u32; 70]> = cases
             .iter()
             .zip(&settings)
             .map(|(case, setting)| setting.words(case))
