@@ -66,6 +66,7 @@ pub mod gbuffer;
 mod gpu;
 pub mod lean;
 pub mod lighting;
+mod named;
 pub mod screen_space;
 #[doc(hidden)]
 pub mod shader_library;

@@ -82,7 +82,7 @@ fn gather(
         }
         GatherPipeline::Raster(pipeline) => {
             let pipeline = pipeline_cache.get_render_pipeline(pipeline)?;
-            timed(ctx, GATHER, |ctx| {
+            timed(ctx, GATHER, &mut |ctx| {
                 let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
                     label: Some(GATHER),
                     color_attachments: &[Some(RenderPassColorAttachment {
@@ -115,7 +115,7 @@ fn merge(
 ) -> Option<()> {
     let pipeline = pipeline_cache.get_render_pipeline(active.merge?.1)?;
     let group = bindings.merge.get()?;
-    timed(ctx, MERGE, |ctx| {
+    timed(ctx, MERGE, &mut |ctx| {
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some(MERGE),
             color_attachments: &[Some(target.get_color_attachment())],

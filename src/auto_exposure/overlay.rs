@@ -193,18 +193,22 @@ pub(super) fn exposure_overlay(
     ) else {
         return;
     };
-    timed(&mut ctx, "lean_deferred/auto_exposure/overlay", |ctx| {
-        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some("lean_deferred/auto_exposure/overlay"),
-            // Tonemapping has resolved what was sampled several times.
-            color_attachments: &[Some(target.get_unsampled_color_attachment())],
-            ..default()
-        });
-        if let Some(viewport) = &camera.viewport {
-            pass.set_camera_viewport(viewport);
-        }
-        pass.set_render_pipeline(pipeline);
-        pass.set_bind_group(0, group, &[view.offset]);
-        pass.draw(0..3, 0..1);
-    });
+    timed(
+        &mut ctx,
+        "lean_deferred/auto_exposure/overlay",
+        &mut |ctx| {
+            let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+                label: Some("lean_deferred/auto_exposure/overlay"),
+                // Tonemapping has resolved what was sampled several times.
+                color_attachments: &[Some(target.get_unsampled_color_attachment())],
+                ..default()
+            });
+            if let Some(viewport) = &camera.viewport {
+                pass.set_camera_viewport(viewport);
+            }
+            pass.set_render_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[view.offset]);
+            pass.draw(0..3, 0..1);
+        },
+    );
 }

@@ -47,7 +47,7 @@ pub(super) fn auto_exposure(
         return;
     };
 
-    timed(&mut ctx, "lean_deferred/auto_exposure", |ctx| {
+    timed(&mut ctx, "lean_deferred/auto_exposure", &mut |ctx| {
         let mut pass = ctx
             .command_encoder()
             .begin_compute_pass(&ComputePassDescriptor {

@@ -2,7 +2,6 @@
 //! changed.
 
 use bevy::{
-    ecs::system::SystemParam,
     prelude::*,
     render::{
         camera::ExtractedCamera,
@@ -29,6 +28,7 @@ use super::{
 };
 use crate::{
     gpu::bind_group_cache::{CachedBindGroup, Entries},
+    named::system_param,
     view::CameraCuts,
 };
 
@@ -191,12 +191,13 @@ pub(super) fn prepare_exposure_bind_groups(
     }
 }
 
-/// The images that cameras are metered by.
-#[derive(SystemParam)]
-pub(super) struct Masks<'w> {
-    device: Res<'w, RenderDevice>,
-    images: Res<'w, RenderAssets<GpuImage>>,
-    fallback: Res<'w, FallbackImage>,
+system_param! {
+    /// The images that cameras are metered by.
+    pub(super) struct Masks<'w> {
+        device: Res<'w, RenderDevice>,
+        images: Res<'w, RenderAssets<GpuImage>>,
+        fallback: Res<'w, FallbackImage>,
+    }
 }
 
 impl Masks<'_> {

@@ -10,7 +10,6 @@ use bevy::{
             OpaqueNoLightmap3dBinKey,
         },
     },
-    ecs::system::SystemParam,
     material::RenderPhaseType,
     pbr::{
         MainPassAlphaMaskDrawFunction, MainPassOpaqueDrawFunction,
@@ -30,16 +29,17 @@ use bevy::{
 };
 
 use super::{lookup::MeshToQueue, phase::is_extracted};
-use crate::view::LeanDeferred;
+use crate::{named::system_param, view::LeanDeferred};
 
-/// The phases of all views.
-#[derive(SystemParam)]
-pub(super) struct BevyPhases<'w> {
-    opaque: ResMut<'w, ViewBinnedRenderPhases<Opaque3d>>,
-    alpha_mask: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
-    opaque_prepass: ResMut<'w, ViewBinnedRenderPhases<Opaque3dPrepass>>,
-    alpha_mask_prepass: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3dPrepass>>,
-    opaque_deferred: Res<'w, ViewBinnedRenderPhases<Opaque3dDeferred>>,
+system_param! {
+    /// The phases of all views.
+    pub(super) struct BevyPhases<'w> {
+        opaque: ResMut<'w, ViewBinnedRenderPhases<Opaque3d>>,
+        alpha_mask: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
+        opaque_prepass: ResMut<'w, ViewBinnedRenderPhases<Opaque3dPrepass>>,
+        alpha_mask_prepass: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3dPrepass>>,
+        opaque_deferred: Res<'w, ViewBinnedRenderPhases<Opaque3dDeferred>>,
+    }
 }
 
 /// The phases of one view, as far as it has them.

@@ -4,7 +4,6 @@ use core::{hash::BuildHasher, ops::Deref};
 
 use bevy::{
     asset::UntypedAssetId,
-    ecs::system::SystemParam,
     material::RenderPhaseType,
     pbr::{
         MeshPipeline, MeshPipelineKey, MorphIndices, PreparedMaterial, RenderMaterialInstances,
@@ -31,22 +30,26 @@ use super::{
     special::SpecialMeshes,
     targets::GBufferNeeds,
 };
-use crate::view::{Demand, GBufferTargets, LightingVariant, ShadingModel};
+use crate::{
+    named::system_param,
+    view::{Demand, GBufferTargets, LightingVariant, ShadingModel},
+};
 
-/// What is known of meshes and materials, to find out how one is drawn.
-#[derive(SystemParam)]
-pub(super) struct MeshLookup<'w> {
-    mesh_instances: Res<'w, RenderMeshInstances>,
-    material_instances: Res<'w, RenderMaterialInstances>,
-    materials: Res<'w, ErasedRenderAssets<PreparedMaterial>>,
-    meshes: Res<'w, RenderAssets<RenderMesh>>,
-    mesh_allocator: Res<'w, MeshAllocator>,
-    gbuffer_materials: Res<'w, GBufferMaterials>,
-    pub(super) special_meshes: Res<'w, SpecialMeshes>,
-    moving_meshes: Res<'w, MovingMeshes>,
-    morph_indices: Res<'w, MorphIndices>,
-    pub(super) visibility_ranges: Res<'w, RenderVisibilityRanges>,
-    mesh_pipeline: Res<'w, MeshPipeline>,
+system_param! {
+    /// What is known of meshes and materials, to find out how one is drawn.
+    pub(super) struct MeshLookup<'w> {
+        mesh_instances: Res<'w, RenderMeshInstances>,
+        material_instances: Res<'w, RenderMaterialInstances>,
+        materials: Res<'w, ErasedRenderAssets<PreparedMaterial>>,
+        meshes: Res<'w, RenderAssets<RenderMesh>>,
+        mesh_allocator: Res<'w, MeshAllocator>,
+        gbuffer_materials: Res<'w, GBufferMaterials>,
+        pub(super) special_meshes: Res<'w, SpecialMeshes>,
+        moving_meshes: Res<'w, MovingMeshes>,
+        morph_indices: Res<'w, MorphIndices>,
+        pub(super) visibility_ranges: Res<'w, RenderVisibilityRanges>,
+        mesh_pipeline: Res<'w, MeshPipeline>,
+    }
 }
 
 /// What meshes of one form and one material have in common.

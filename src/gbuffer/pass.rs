@@ -116,7 +116,7 @@ fn draw(
     let has_optional = !active.targets.is_empty();
 
     // Around the passes, not in them: clearing is part of what they cost.
-    timed(ctx, "lean_deferred/gbuffer", |ctx| {
+    timed(ctx, "lean_deferred/gbuffer", &mut |ctx| {
         // Each target must be cleared once, by whichever pass is the first to have it.
         if !phases.base.is_empty(&retained) || (is_first && !has_optional) {
             let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {

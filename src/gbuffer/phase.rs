@@ -17,13 +17,14 @@ use bevy::{
 };
 
 use super::phase_item::{GBufferBatchSetKey, GBufferItem, QueuedMesh};
-use crate::view::LeanDeferred;
+use crate::{named::system_param, view::LeanDeferred};
 
-/// The opaque and the alpha-masked phases of all views, of meshes that write optional targets too or of those that do not.
-#[derive(SystemParam)]
-struct PhasePair<'w, const EXTENDED: bool> {
-    opaque: ResMut<'w, ViewBinnedRenderPhases<GBufferItem<false, EXTENDED>>>,
-    alpha_masked: ResMut<'w, ViewBinnedRenderPhases<GBufferItem<true, EXTENDED>>>,
+system_param! {
+    /// The opaque and the alpha-masked phases of all views, of meshes that write optional targets too or of those that do not.
+    struct PhasePair<'w, const EXTENDED: bool> {
+        opaque: ResMut<'w, ViewBinnedRenderPhases<GBufferItem<false, EXTENDED>>>,
+        alpha_masked: ResMut<'w, ViewBinnedRenderPhases<GBufferItem<true, EXTENDED>>>,
+    }
 }
 
 impl<const EXTENDED: bool> PhasePair<'_, EXTENDED> {
@@ -111,11 +112,12 @@ fn remove<P: BinnedPhaseItem>(phase: &mut BinnedRenderPhase<P>, mesh: MainEntity
     }
 }
 
-/// As [`PhasePair`], to be drawn.
-#[derive(SystemParam)]
-pub(super) struct DrawnPhasePair<'w, const EXTENDED: bool> {
-    opaque: Res<'w, ViewBinnedRenderPhases<GBufferItem<false, EXTENDED>>>,
-    alpha_masked: Res<'w, ViewBinnedRenderPhases<GBufferItem<true, EXTENDED>>>,
+system_param! {
+    /// As [`PhasePair`], to be drawn.
+    pub(super) struct DrawnPhasePair<'w, const EXTENDED: bool> {
+        opaque: Res<'w, ViewBinnedRenderPhases<GBufferItem<false, EXTENDED>>>,
+        alpha_masked: Res<'w, ViewBinnedRenderPhases<GBufferItem<true, EXTENDED>>>,
+    }
 }
 
 impl<const EXTENDED: bool> DrawnPhasePair<'_, EXTENDED> {

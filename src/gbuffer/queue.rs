@@ -5,7 +5,6 @@
 //! frames it stays where it is.
 
 use bevy::{
-    ecs::system::SystemParam,
     material::{OpaqueRendererMethod, RenderPhaseType},
     mesh::Mesh3d,
     pbr::{
@@ -42,7 +41,10 @@ use super::{
     specialize::{GBufferPipeline, GBufferPipelines},
     visibility_masks::{DrawWithVisibilityMask, VisibilityMasks},
 };
-use crate::view::{ActiveLeanView, GBufferTargets, LeanDeferred};
+use crate::{
+    named::system_param,
+    view::{ActiveLeanView, GBufferTargets, LeanDeferred},
+};
 
 /// Meshes whose assets or pipelines were not ready; tried again each frame, drawn by forward until then.
 #[derive(Resource, Default)]
@@ -53,16 +55,17 @@ pub(super) struct PendingGBufferQueues(PendingQueues);
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SortedMeshes(pub usize);
 
-/// How the meshes of each phase are drawn.
-#[derive(SystemParam)]
-pub(super) struct GBufferDrawFunctions<'w, 's> {
-    opaque: Res<'w, DrawFunctions<OpaqueGBuffer>>,
-    alpha_mask: Res<'w, DrawFunctions<AlphaMaskGBuffer>>,
-    extended_opaque: Res<'w, DrawFunctions<ExtendedOpaqueGBuffer>>,
-    extended_alpha_mask: Res<'w, DrawFunctions<ExtendedAlphaMaskGBuffer>>,
-    visibility_masks: ResMut<'w, VisibilityMasks>,
-    /// Those of meshes that write no visibility mask, in the order of these phases.
-    plain: Local<'s, Option<[DrawFunctionId; 4]>>,
+system_param! {
+    /// How the meshes of each phase are drawn.
+    pub(super) struct GBufferDrawFunctions<'w, 's> {
+        opaque: Res<'w, DrawFunctions<OpaqueGBuffer>>,
+        alpha_mask: Res<'w, DrawFunctions<AlphaMaskGBuffer>>,
+        extended_opaque: Res<'w, DrawFunctions<ExtendedOpaqueGBuffer>>,
+        extended_alpha_mask: Res<'w, DrawFunctions<ExtendedAlphaMaskGBuffer>>,
+        visibility_masks: ResMut<'w, VisibilityMasks>,
+        /// Those of meshes that write no visibility mask, in the order of these phases.
+        plain: Local<'s, Option<[DrawFunctionId; 4]>>,
+    }
 }
 
 impl GBufferDrawFunctions<'_, '_> {

@@ -3,7 +3,6 @@
 use alloc::sync::Arc;
 
 use bevy::{
-    ecs::system::SystemParam,
     material::key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey},
     pbr::{MeshPipelineKey, PrepassPipeline, RenderMeshInstanceFlags, alpha_mode_pipeline_key},
     platform::collections::{HashMap, HashSet},
@@ -22,22 +21,23 @@ use super::{
     pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
     registration::MaterialShaders,
 };
-use crate::view::GBufferTargets;
+use crate::{named::system_param, view::GBufferTargets};
 
-/// The pipelines of the G-buffer and what makes them.
-#[derive(SystemParam)]
-pub(super) struct GBufferPipelines<'w, 's> {
-    cache: Res<'w, PipelineCache>,
-    prepass_pipeline: Res<'w, PrepassPipeline>,
-    specialized: ResMut<'w, SpecializedMeshPipelines<GBufferPipelineSpecializer>>,
-    /// Bevy's pipeline is a struct of many layouts: copied when it changes, not for each mesh.
-    shared_prepass_pipeline: Local<'s, Option<Arc<PrepassPipeline>>>,
-    /// What has been found in this frame: most meshes share their pipeline with many others.
-    found: Local<'s, HashMap<PipelineQuery, GBufferPipeline>>,
-    /// The last of these for each of the recent kinds of meshes.
-    recent: Local<'s, Vec<Option<(PipelineQuery, GBufferPipeline)>>>,
-    /// What has been reported, once each.
-    reported: Local<'s, HashSet<String>>,
+system_param! {
+    /// The pipelines of the G-buffer and what makes them.
+    pub(super) struct GBufferPipelines<'w, 's> {
+        cache: Res<'w, PipelineCache>,
+        prepass_pipeline: Res<'w, PrepassPipeline>,
+        specialized: ResMut<'w, SpecializedMeshPipelines<GBufferPipelineSpecializer>>,
+        /// Bevy's pipeline is a struct of many layouts: copied when it changes, not for each mesh.
+        shared_prepass_pipeline: Local<'s, Option<Arc<PrepassPipeline>>>,
+        /// What has been found in this frame: most meshes share their pipeline with many others.
+        found: Local<'s, HashMap<PipelineQuery, GBufferPipeline>>,
+        /// The last of these for each of the recent kinds of meshes.
+        recent: Local<'s, Vec<Option<(PipelineQuery, GBufferPipeline)>>>,
+        /// What has been reported, once each.
+        reported: Local<'s, HashSet<String>>,
+    }
 }
 
 /// All that the pipeline of a mesh follows from. Material and layout are known by their addresses, which are good for one

@@ -1,7 +1,6 @@
 //! The targets of the G-buffer.
 
 use bevy::{
-    ecs::system::SystemParam,
     image::ToExtents,
     platform::collections::HashMap,
     prelude::*,
@@ -18,7 +17,10 @@ use bevy::{
 };
 
 use super::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT};
-use crate::view::{ActiveLeanView, GBufferTargets, OutOfMemory};
+use crate::{
+    named::system_param,
+    view::{ActiveLeanView, GBufferTargets, OutOfMemory},
+};
 
 /// The targets of one view, as large as its render target.
 ///
@@ -182,14 +184,15 @@ fn make_textures(
     }
 }
 
-/// Textures of the sizes that views have asked for in this frame. Cameras are drawn one after the other, so those of one size that need the
-/// same share them.
-#[derive(SystemParam)]
-pub(super) struct SharedTextures<'w, 's> {
-    cache: ResMut<'w, TextureCache>,
-    device: Res<'w, RenderDevice>,
-    memory: ResMut<'w, OutOfMemory>,
-    by_size: Local<'s, HashMap<(UVec2, GBufferTargets), GBufferTextures>>,
+system_param! {
+    /// Textures of the sizes that views have asked for in this frame. Cameras are drawn one after the other, so those of one size that need the
+    /// same share them.
+    pub(super) struct SharedTextures<'w, 's> {
+        cache: ResMut<'w, TextureCache>,
+        device: Res<'w, RenderDevice>,
+        memory: ResMut<'w, OutOfMemory>,
+        by_size: Local<'s, HashMap<(UVec2, GBufferTargets), GBufferTextures>>,
+    }
 }
 
 impl SharedTextures<'_, '_> {

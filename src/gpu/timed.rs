@@ -13,10 +13,11 @@ use bevy::{
 };
 
 /// Runs `passes`, recorded together under `label`.
-pub(crate) fn timed<'w, 's>(
-    ctx: &mut RenderContext<'w, 's>,
+pub(crate) fn timed(
+    ctx: &mut RenderContext,
     label: &'static str,
-    passes: impl FnOnce(&mut RenderContext<'w, 's>),
+    // Not generic: with bounds, the compiler takes seconds to prove that what records is `Send`.
+    passes: &mut dyn FnMut(&mut RenderContext),
 ) {
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
@@ -43,7 +44,9 @@ pub(crate) struct Dispatch<'a> {
 /// Runs `dispatch` in a pass of its own.
 pub(crate) fn timed_dispatch(ctx: &mut RenderContext, dispatch: &Dispatch) {
     let label = dispatch.label;
-    timed(ctx, label, |ctx| run(ctx, label, slice::from_ref(dispatch)));
+    timed(ctx, label, &mut |ctx| {
+        run(ctx, label, slice::from_ref(dispatch))
+    });
 }
 
 /// Runs `dispatches` in one pass, recorded under `label`: each pass is a command buffer by itself, which takes time. Or one by one.
@@ -58,7 +61,7 @@ pub(crate) fn timed_dispatches(
             timed_dispatch(ctx, dispatch);
         }
     } else {
-        timed(ctx, label, |ctx| run(ctx, label, dispatches));
+        timed(ctx, label, &mut |ctx| run(ctx, label, dispatches));
     }
 }
 

@@ -214,7 +214,7 @@ pub(super) fn decide_active_views(
         let exchange = if settings.shows_channel() {
             LightExchange::empty()
         } else {
-            exchange.asked()
+            LightExchange::asked(exchange)
         };
         let before = last.map_or(Demand::default(), ActiveLeanView::demand);
         let held = last.map(|last| last.exchange);

@@ -80,7 +80,8 @@ pub(super) fn prepare_lighting_bind_groups(
     resources: LightingResources,
     mut views: Query<LitView, With<ActiveLeanView>>,
 ) {
-    for mut view in &mut views {
+    for view in &mut views {
+        let mut view = LitViewItem::of(view);
         let Some(key) = view.lighting.pipelines.first().map(|(key, _)| *key) else {
             continue;
         };

@@ -2,7 +2,6 @@
 
 use bevy::{
     camera::visibility::RenderLayers,
-    ecs::system::SystemParam,
     light::EnvironmentMapLight,
     pbr::{
         ExtractedDirectionalLight, ExtractedPointLight, ExtractedRectLight, MeshPipeline,
@@ -17,6 +16,7 @@ use super::{bevy_definitions::VIEW_BITS, light_layers::LightLayers};
 use crate::{
     ambient_occlusion::{FilterKey, LeanAmbientOcclusion, OcclusionPipelines},
     gpu::subgroups::Subgroups,
+    named::system_param,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
     view::{
         ActiveLeanView, DebugChannel, GBufferTargets, GeometricNormal, LeanDeferred, LightCulling,
@@ -134,17 +134,18 @@ impl OcclusionKey {
     }
 }
 
-/// What the scene has, whichever view looks at it.
-#[derive(SystemParam)]
-pub(crate) struct SceneFeatures<'w, 's> {
-    point_lights: Query<'w, 's, &'static ExtractedPointLight>,
-    directional_lights: Query<'w, 's, &'static ExtractedDirectionalLight>,
-    rect_lights: Query<'w, 's, (), With<ExtractedRectLight>>,
-    decals: Option<Res<'w, RenderClusteredDecals>>,
-    mesh_pipeline: Option<Res<'w, MeshPipeline>>,
-    occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
-    light_layers: Res<'w, LightLayers>,
-    subgroups: Res<'w, Subgroups>,
+system_param! {
+    /// What the scene has, whichever view looks at it.
+    pub(crate) struct SceneFeatures<'w, 's> {
+        point_lights: Query<'w, 's, &'static ExtractedPointLight>,
+        directional_lights: Query<'w, 's, &'static ExtractedDirectionalLight>,
+        rect_lights: Query<'w, 's, (), With<ExtractedRectLight>>,
+        decals: Option<Res<'w, RenderClusteredDecals>>,
+        mesh_pipeline: Option<Res<'w, MeshPipeline>>,
+        occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
+        light_layers: Res<'w, LightLayers>,
+        subgroups: Res<'w, Subgroups>,
+    }
 }
 
 impl SceneFeatures<'_, '_> {

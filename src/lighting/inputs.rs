@@ -1,7 +1,6 @@
 //! What lighting reads, of a view and of the scene.
 
 use bevy::{
-    ecs::{query::QueryData, system::SystemParam},
     light::IrradianceVolume,
     pbr::{
         AreaLightLuts, Bluenoise, DfgLut, FogMeta, GlobalClusterableObjectMeta, LightMeta,
@@ -29,34 +28,35 @@ use super::{
 use crate::{
     ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
     gbuffer::GBufferTextures,
+    named::{query_item, system_param},
     view::{DiffuseLight, IndirectDiffuse, IndirectSpecular, LightExchange},
 };
 
-/// What lighting reads of a view.
-#[derive(QueryData)]
-#[query_data(mutable)]
-pub(super) struct LitView {
-    pub(super) lighting: &'static mut ViewLighting,
-    pub(super) gbuffer: &'static GBufferTextures,
-    pub(super) depth: &'static ViewDepthTexture,
-    pub(super) target: &'static ViewTarget,
-    pub(super) shadows: &'static ViewShadowBindings,
-    pub(super) clusters: &'static ViewClusterBindings,
-    pub(super) ssao: Option<&'static ScreenSpaceAmbientOcclusionResources>,
-    pub(super) occlusion: Option<&'static ViewOcclusion>,
-    pub(super) occlusion_texture: Option<&'static OcclusionTexture>,
-    pub(super) diffuse_light: Option<&'static DiffuseLight>,
-    pub(super) subsurface_light: Option<&'static SubsurfaceLight>,
-    pub(super) indirect_specular: Option<&'static IndirectSpecular>,
-    pub(super) indirect_diffuse: Option<&'static IndirectDiffuse>,
-    pub(super) atmosphere: Option<&'static AtmosphereTextures>,
-    pub(super) environment_maps: Option<&'static ViewEnvironmentMaps>,
-    pub(super) irradiance_volumes: Option<&'static RenderViewLightProbes<IrradianceVolume>>,
-    pub(super) view_offset: &'static ViewUniformOffset,
-    pub(super) lights_offset: &'static ViewLightsUniformOffset,
-    pub(super) probes_offset: &'static ViewLightProbesUniformOffset,
-    pub(super) fog_offset: Option<&'static ViewFogUniformOffset>,
-    pub(super) contact_shadows_offset: Option<&'static ViewContactShadowsUniformOffset>,
+query_item! {
+    /// What lighting reads of a view.
+    pub(super) struct LitViewItem<'w, 's>: LitView {
+        pub(super) lighting: &'static mut ViewLighting,
+        pub(super) gbuffer: &'static GBufferTextures,
+        pub(super) depth: &'static ViewDepthTexture,
+        pub(super) target: &'static ViewTarget,
+        pub(super) shadows: &'static ViewShadowBindings,
+        pub(super) clusters: &'static ViewClusterBindings,
+        pub(super) ssao: Option<&'static ScreenSpaceAmbientOcclusionResources>,
+        pub(super) occlusion: Option<&'static ViewOcclusion>,
+        pub(super) occlusion_texture: Option<&'static OcclusionTexture>,
+        pub(super) diffuse_light: Option<&'static DiffuseLight>,
+        pub(super) subsurface_light: Option<&'static SubsurfaceLight>,
+        pub(super) indirect_specular: Option<&'static IndirectSpecular>,
+        pub(super) indirect_diffuse: Option<&'static IndirectDiffuse>,
+        pub(super) atmosphere: Option<&'static AtmosphereTextures>,
+        pub(super) environment_maps: Option<&'static ViewEnvironmentMaps>,
+        pub(super) irradiance_volumes: Option<&'static RenderViewLightProbes<IrradianceVolume>>,
+        pub(super) view_offset: &'static ViewUniformOffset,
+        pub(super) lights_offset: &'static ViewLightsUniformOffset,
+        pub(super) probes_offset: &'static ViewLightProbesUniformOffset,
+        pub(super) fog_offset: Option<&'static ViewFogUniformOffset>,
+        pub(super) contact_shadows_offset: Option<&'static ViewContactShadowsUniformOffset>,
+    }
 }
 
 impl LitViewItem<'_, '_> {
@@ -69,28 +69,29 @@ impl LitViewItem<'_, '_> {
     }
 }
 
-/// What lighting reads of the scene.
-#[derive(SystemParam)]
-pub(super) struct LightingResources<'w> {
-    pub(super) buffers: Res<'w, LightingBuffers>,
-    pub(super) view_uniforms: Res<'w, ViewUniforms>,
-    pub(super) lights: Res<'w, LightMeta>,
-    pub(super) shadow_samplers: Res<'w, ShadowSamplers>,
-    pub(super) blocker_sampler: Res<'w, BlockerSampler>,
-    pub(super) clustered: Res<'w, GlobalClusterableObjectMeta>,
-    pub(super) globals: Res<'w, GlobalsBuffer>,
-    pub(super) probes: Res<'w, LightProbesBuffer>,
-    pub(super) fog: Res<'w, FogMeta>,
-    pub(super) contact_shadows: Res<'w, ContactShadowsBuffer>,
-    pub(super) atmosphere_sampler: Option<Res<'w, AtmosphereSampler>>,
-    pub(super) blue_noise: Res<'w, Bluenoise>,
-    pub(super) area_light_luts: Res<'w, AreaLightLuts>,
-    pub(super) dfg_lut: Res<'w, DfgLut>,
-    pub(super) decals_buffer: Res<'w, DecalsBuffer>,
-    pub(super) decals: Res<'w, RenderClusteredDecals>,
-    pub(super) images: Res<'w, RenderAssets<GpuImage>>,
-    pub(super) fallback: Res<'w, FallbackImage>,
-    pub(super) fallback_zero: Res<'w, FallbackImageZero>,
-    pub(super) occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
-    pub(super) occlusion_uniforms: Option<Res<'w, OcclusionUniforms>>,
+system_param! {
+    /// What lighting reads of the scene.
+    pub(super) struct LightingResources<'w> {
+        pub(super) buffers: Res<'w, LightingBuffers>,
+        pub(super) view_uniforms: Res<'w, ViewUniforms>,
+        pub(super) lights: Res<'w, LightMeta>,
+        pub(super) shadow_samplers: Res<'w, ShadowSamplers>,
+        pub(super) blocker_sampler: Res<'w, BlockerSampler>,
+        pub(super) clustered: Res<'w, GlobalClusterableObjectMeta>,
+        pub(super) globals: Res<'w, GlobalsBuffer>,
+        pub(super) probes: Res<'w, LightProbesBuffer>,
+        pub(super) fog: Res<'w, FogMeta>,
+        pub(super) contact_shadows: Res<'w, ContactShadowsBuffer>,
+        pub(super) atmosphere_sampler: Option<Res<'w, AtmosphereSampler>>,
+        pub(super) blue_noise: Res<'w, Bluenoise>,
+        pub(super) area_light_luts: Res<'w, AreaLightLuts>,
+        pub(super) dfg_lut: Res<'w, DfgLut>,
+        pub(super) decals_buffer: Res<'w, DecalsBuffer>,
+        pub(super) decals: Res<'w, RenderClusteredDecals>,
+        pub(super) images: Res<'w, RenderAssets<GpuImage>>,
+        pub(super) fallback: Res<'w, FallbackImage>,
+        pub(super) fallback_zero: Res<'w, FallbackImageZero>,
+        pub(super) occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
+        pub(super) occlusion_uniforms: Option<Res<'w, OcclusionUniforms>>,
+    }
 }

@@ -2,7 +2,6 @@
 
 use bevy::{
     camera::visibility::RenderLayers,
-    ecs::system::SystemParam,
     light::{EnvironmentMapLight, IrradianceVolume},
     pbr::{
         ExtractedDirectionalLight, ExtractedRectLight, GlobalClusterableObjectMeta,
@@ -22,7 +21,7 @@ use super::{
     features::ViewEnvironmentMaps,
     light_layers::{ALL, LightKind, LightLayers},
 };
-use crate::view::ActiveLeanView;
+use crate::{named::system_param, view::ActiveLeanView};
 
 /// The visibility masks of lights, light probes and decals, each by the index by which Bevy's shaders know it.
 #[derive(ShaderType, Reflect, Clone, Debug, PartialEq)]
@@ -73,33 +72,34 @@ impl LightLayersTable {
     }
 }
 
-/// The lights, decals and light probes of the render world, as far as their places in Bevy's buffers follow from it.
-#[derive(SystemParam)]
-pub(super) struct PlacedLights<'w, 's> {
-    layers: Res<'w, LightLayers>,
-    clustered: Res<'w, GlobalClusterableObjectMeta>,
-    decals: Option<Res<'w, RenderClusteredDecals>>,
-    directional_lights: Query<
-        'w,
-        's,
-        (
-            Entity,
-            &'static MainEntity,
-            &'static ExtractedDirectionalLight,
-            &'static RenderLayers,
-        ),
-    >,
-    // What Bevy queries, so that it comes in Bevy's order.
-    rect_lights: Query<
-        'w,
-        's,
-        (
-            Entity,
-            &'static MainEntity,
-            &'static ExtractedRectLight,
-            &'static RenderLayers,
-        ),
-    >,
+system_param! {
+    /// The lights, decals and light probes of the render world, as far as their places in Bevy's buffers follow from it.
+    pub(super) struct PlacedLights<'w, 's> {
+        layers: Res<'w, LightLayers>,
+        clustered: Res<'w, GlobalClusterableObjectMeta>,
+        decals: Option<Res<'w, RenderClusteredDecals>>,
+        directional_lights: Query<
+            'w,
+            's,
+            (
+                Entity,
+                &'static MainEntity,
+                &'static ExtractedDirectionalLight,
+                &'static RenderLayers,
+            ),
+        >,
+        // What Bevy queries, so that it comes in Bevy's order.
+        rect_lights: Query<
+            'w,
+            's,
+            (
+                Entity,
+                &'static MainEntity,
+                &'static ExtractedRectLight,
+                &'static RenderLayers,
+            ),
+        >,
+    }
 }
 
 impl PlacedLights<'_, '_> {

@@ -42,11 +42,11 @@ pub(crate) fn lighting_pass(
     let attachment = target.get_color_attachment();
     let must_clear = matches!(attachment.ops.load, LoadOp::Clear(_));
     let writes_background = must_clear && bindings.covers_target;
-    timed(&mut ctx, "lean_deferred/lighting", |ctx| {
+    timed(&mut ctx, "lean_deferred/lighting", &mut |ctx| {
         if must_clear && !writes_background {
             drop(ctx.begin_tracked_render_pass(RenderPassDescriptor {
                 label: Some("lean_deferred/lighting/clear"),
-                color_attachments: &[Some(attachment)],
+                color_attachments: &[Some(attachment.clone())],
                 ..default()
             }));
         }

@@ -5,7 +5,6 @@
 //! it is compiling for what is new, it does what it did before.
 
 use bevy::{
-    ecs::query::QueryData,
     prelude::*,
     render::{render_resource::TextureView, texture::CachedTexture},
 };
@@ -66,22 +65,24 @@ pub struct IndirectSpecular(pub Option<TextureView>);
 #[derive(Component, Clone, Debug, Default)]
 pub struct IndirectDiffuse(pub Option<TextureView>);
 
-/// What effects ask of a view.
-#[derive(QueryData)]
-pub(crate) struct ExchangeQuery {
-    diffuse_light: Has<ReadsDiffuseLight>,
-    scatters: Has<ScattersLight>,
-    specular: Has<IndirectSpecular>,
-    diffuse: Has<IndirectDiffuse>,
-}
+/// What effects ask of a view. A tuple: the bounds in a derived query have the compiler walk over all types of `wgpu`.
+pub(crate) type ExchangeQuery = (
+    Has<ReadsDiffuseLight>,
+    Has<ScattersLight>,
+    Has<IndirectSpecular>,
+    Has<IndirectDiffuse>,
+);
 
-impl ExchangeQueryItem<'_, '_> {
-    pub(crate) fn asked(&self) -> LightExchange {
+impl LightExchange {
+    /// What has been found by an [`ExchangeQuery`].
+    pub(crate) fn asked(
+        (diffuse_light, scatters, specular, diffuse): (bool, bool, bool, bool),
+    ) -> Self {
         [
-            (self.diffuse_light, LightExchange::DIFFUSE_LIGHT),
-            (self.scatters, LightExchange::SUBSURFACE_LIGHT),
-            (self.specular, LightExchange::INDIRECT_SPECULAR),
-            (self.diffuse, LightExchange::INDIRECT_DIFFUSE),
+            (diffuse_light, Self::DIFFUSE_LIGHT),
+            (scatters, Self::SUBSURFACE_LIGHT),
+            (specular, Self::INDIRECT_SPECULAR),
+            (diffuse, Self::INDIRECT_DIFFUSE),
         ]
         .into_iter()
         .filter_map(|(is_asked, what)| is_asked.then_some(what))

@@ -117,7 +117,7 @@ pub(super) fn forget_cameras(
     memory.lacking.retain(|view, lack| {
         cameras.get(*view).is_ok_and(|(camera, exchange)| {
             // What scatters comes into sight and goes again.
-            let exchange = exchange.asked() - LightExchange::SUBSURFACE_LIGHT;
+            let exchange = LightExchange::asked(exchange) - LightExchange::SUBSURFACE_LIGHT;
             let now = (camera.physical_target_size, exchange);
             *lack.tried_with.get_or_insert(now) == now
         })

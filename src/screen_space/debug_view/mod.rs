@@ -230,7 +230,7 @@ fn show<V: DebugShown>(
     else {
         return;
     };
-    timed(&mut ctx, LABEL, |ctx| {
+    timed(&mut ctx, LABEL, &mut |ctx| {
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some(LABEL),
             color_attachments: &[Some(target.get_color_attachment())],

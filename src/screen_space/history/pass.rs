@@ -37,7 +37,7 @@ pub(super) fn keep_frame(
         return;
     };
     let [first, second] = history.workgroups();
-    timed(&mut ctx, LABEL, |ctx| {
+    timed(&mut ctx, LABEL, &mut |ctx| {
         let mut pass = ctx
             .command_encoder()
             .begin_compute_pass(&ComputePassDescriptor {

@@ -70,7 +70,7 @@ pub(super) fn scatter_light(
     if !active.passes.are_compiled(&cache) {
         return;
     }
-    timed(&mut ctx, LABEL, |ctx| {
+    timed(&mut ctx, LABEL, &mut |ctx| {
         let encoder = ctx.command_encoder();
         let pass = encoder.begin_compute_pass(&ComputePassDescriptor {
             label: Some(LABEL),
