@@ -44,16 +44,20 @@ pub fn settled(headless: &mut Headless) -> Picture {
     headless.capture()
 }
 
-/// Has jitter and noise begin anew in the next frame.
+/// Has jitter and noise begin anew in the next frame. What TAA holds of earlier frames has settled by then.
 pub fn begin_phase(headless: &mut Headless) {
     let has_history = has_history(headless);
     let made = headless.world().resource::<FrameCount>().0;
     if has_history {
-        headless.frames((made.next_multiple_of(JITTER_PHASES) - made) as usize);
+        let until = (made + SETTLING_FRAMES).next_multiple_of(JITTER_PHASES);
+        headless.frames((until - made) as usize);
     } else {
         headless.world().resource_mut::<FrameCount>().0 = made.next_multiple_of(NOISE_PHASES);
     }
 }
+
+/// After so many frames the first ones no longer show in what TAA holds.
+const SETTLING_FRAMES: u32 = 64;
 
 /// After so many frames jitter begins anew.
 const JITTER_PHASES: u32 = 8;
