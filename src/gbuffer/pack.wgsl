@@ -99,6 +99,15 @@ fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
         alpha_discard((*pbr_input).material, (*pbr_input).material.base_color);
 }
 
+/// The cosine of the angle between normals that count as the same.
+const SAME_NORMAL: f32 = 0.999;
+
+/// Whether the shading normal is that of the mesh, or nearly so.
+fn has_mesh_normal(pbr: PbrInput) -> bool {
+    let n = pbr.world_normal;
+    return dot(pbr.N, n) >= SAME_NORMAL * length(n);
+}
+
 /// Packs what the targets of this pass carry of `pbr`: base colour, metallic, roughness, shading normal and occlusion,
 /// and where they are written, emitted light, what a `StandardMaterial` may have beyond these, and the layers of the
 /// mesh; and of `in`, how the surface moves.
@@ -111,6 +120,7 @@ fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
         pbr.diffuse_occlusion.r,
         pbr.N,
         pbr.material.perceptual_roughness,
+        has_mesh_normal(pbr),
     ));
     out.surface = words.x;
     out.normal = words.y;

@@ -56,8 +56,8 @@ fn position_at(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
 #ifdef GEOMETRIC_NORMAL
 /// Further from any surface than the other side of an axis can be, so that that is chosen.
 const OUTSIDE: f32 = 1e9;
-/// The cosine of the angle by which normal maps and smooth normals turn away from the surface at most.
-const LEAST_AGREEMENT: f32 = 0.5;
+/// The cosine of the angle by which normal maps turn away from the surface at most.
+const LEAST_AGREEMENT: f32 = 0.25;
 
 /// World-space normal of the surface at `pixel`, unit length, facing the viewer. `depth` is the pixel's.
 fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
@@ -65,11 +65,17 @@ fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     return normalize((vec4(view_geometric_normal(pixel, depth), 0.0) * view.view_from_world).xyz);
 }
 
-/// The normal by which shadow maps are biased: the surface's, or `N`, the shading normal, where the two have little in common. There
-/// depth misleads: parts that are a pixel high have no neighbours of their own.
+/// The normal by which shadow maps are biased where `N`, the shading normal, is not the mesh's: the surface's, but no further from `N` than a
+/// map may turn that. Depth tells little of parts that are a pixel high.
 fn shadow_normal(pixel: vec2<i32>, depth: f32, N: vec3<f32>) -> vec3<f32> {
     let normal = world_geometric_normal(pixel, depth);
-    return select(N, normal, dot(normal, N) > LEAST_AGREEMENT);
+    let cosine = dot(normal, N);
+    if cosine >= LEAST_AGREEMENT {
+        return normal;
+    }
+    let across = normal - cosine * N;
+    let sine = sqrt(1.0 - LEAST_AGREEMENT * LEAST_AGREEMENT);
+    return LEAST_AGREEMENT * N + sine * across * inverseSqrt(max(dot(across, across), 1e-20));
 }
 
 /// Depth at `pixel`, `OUTSIDE` beyond the viewport.

@@ -2,7 +2,7 @@
 //!
 //! | word | target | bits, low to high |
 //! |---|---|---|
-//! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (square roots), their common exponent 2, metallic (21 codes) and material occlusion (24 codes) 9 |
+//! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (square roots), their common exponent (3 codes), material occlusion (31 codes) and metallic (11 codes) 10, whether the normal is the mesh's 1 |
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
 //! | with any optional | [`WRITTEN_FORMAT`] | which of the optional targets hold a word of this surface: the bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets) |
 //! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](light) |
@@ -16,10 +16,12 @@
 //!   root 0.60, sRGB's own curve 0.58, gamma 2.2 0.60, linear 2.25; largest: 1.43, 1.00, 1.21, 12.75. The little that
 //!   sRGB's curve would gain did not show in a picture (51.1 dB against 51.5 dB on the benches' boxes scene), and its
 //!   powers cost 7% of the raster pass there (3.60 ms against 3.37 ms, H200, 4K).
-//! - **A common exponent for the roots**: a colour whose brightest channel is at most 1/4, 1/16 or 1/64 is stored with
-//!   roots 2, 4 or 8 times as large. Strong light magnifies the steps of dark albedo; by this they stay within 1.6 to
-//!   3.2% of the brightest channel down to 1/256. Equal channels have equal codes: grey stays grey.
-//! - **21 codes for metallic, 24 for occlusion**: multiples of 1/20 are exact metallic values, as materials name them.
+//! - **A common exponent for the roots**: a colour whose brightest channel is at most 1/4 or 1/32 is stored 4 or 32 times
+//!   as bright. Strong light magnifies the steps of dark albedo; by this they stay within 1.6 to 4.6% of the brightest
+//!   channel down to 1/256. Equal channels have equal codes: grey stays grey.
+//! - **11 codes for metallic, 31 for occlusion**: multiples of 1/10 are exact metallic values, as materials name them.
+//! - **A bit for normals that no map turns**: shadow bias follows them as it does in forward. Under a map it follows the
+//!   surface, which depth tells.
 //! - **4095 codes an axis, not 4096**, so that 0 is a code: axes, walls and floors are exact.
 //! - **Best of four** rounding for the normal: mean error 0.0195°, largest 0.0395°, against 0.0209° and 0.0592° for
 //!   rounding each axis on its own.
@@ -59,11 +61,15 @@ pub const BASE_BYTES_PER_PIXEL: u32 = 8;
 /// The largest code of a channel of albedo.
 pub const ALBEDO_MAX: f32 = 127.0;
 /// Of metallic.
-pub const METALLIC_MAX: f32 = 20.0;
+pub const METALLIC_MAX: f32 = 10.0;
 /// Of occlusion.
-pub const OCCLUSION_MAX: f32 = 23.0;
-/// Codes of occlusion for each code of metallic.
-pub const OCCLUSION_CODES: u32 = 24;
+pub const OCCLUSION_MAX: f32 = 30.0;
+/// How many codes albedo's exponent has.
+pub const EXPONENT_CODES: u32 = 3;
+/// How many occlusion has. The code of metallic comes above both.
+pub const OCCLUSION_CODES: u32 = 31;
+/// In word 0: the shading normal is that of the mesh.
+pub const MESH_NORMAL_BIT: u32 = 1 << 31;
 /// Of roughness.
 pub const ROUGHNESS_MAX: f32 = 255.0;
 
@@ -96,6 +102,8 @@ pub struct Surface {
     pub normal: Vec3,
     /// 0 to 1.
     pub perceptual_roughness: f32,
+    /// The shading normal is that of the mesh: no map turns it.
+    pub has_mesh_normal: bool,
 }
 
 /// Rounds `x`, clamped to 0..1, to the nearest of `steps + 1` codes; NaN becomes 0.
@@ -116,26 +124,44 @@ pub(crate) fn quantize_roots(color: Vec3, steps: Vec3) -> [u32; 3] {
     (root * steps + 0.5).to_array().map(|code| code as u32)
 }
 
-/// Times that the roots of `albedo` can be doubled, up to 3. Decided on linear values: comparisons of floats agree with
-/// the device, square roots may not.
+/// The code of the exponent that the roots of `albedo` have in common. Decided on linear values: comparisons of floats
+/// agree with the device, square roots may not.
 pub fn albedo_exponent(albedo: Vec3) -> u32 {
     let largest = albedo.max_element();
-    u32::from(largest <= 0.25) + u32::from(largest <= 0.0625) + u32::from(largest <= 0.015625)
+    u32::from(largest <= 0.25) + u32::from(largest <= 0.03125)
+}
+
+/// By how much albedo of this exponent is multiplied: 1, 4 or 32.
+pub fn albedo_scale(exponent: u32) -> f32 {
+    (1u32 << (2 * exponent + (exponent >> 1))) as f32
 }
 
 /// Packs word 0. All inputs 0 to 1; a colour with a NaN becomes black.
-pub fn pack_surface(albedo: Vec3, metallic: f32, occlusion: f32) -> u32 {
+pub fn pack_surface(albedo: Vec3, metallic: f32, occlusion: f32, has_mesh_normal: bool) -> u32 {
     let valid = if (albedo.x + albedo.y + albedo.z).is_nan() {
         Vec3::ZERO
     } else {
         albedo.clamp(Vec3::ZERO, Vec3::ONE)
     };
     let exponent = albedo_exponent(valid);
-    let scale = (1u32 << (2 * exponent)) as f32;
-    let [r, g, b] = quantize_roots(valid * scale, Vec3::splat(ALBEDO_MAX));
+    let scaled = (valid * albedo_scale(exponent)).to_array();
+    let [r, g, b] = scaled.map(|x| (x.sqrt() * ALBEDO_MAX + 0.5) as u32);
     let m = quantize(metallic, METALLIC_MAX);
     let o = quantize(occlusion, OCCLUSION_MAX);
-    r | (g << 7) | (b << 14) | (exponent << 21) | ((m * OCCLUSION_CODES + o) << 23)
+    let rest = (m * OCCLUSION_CODES + o) * EXPONENT_CODES + exponent;
+    let mesh_normal = if has_mesh_normal { MESH_NORMAL_BIT } else { 0 };
+    r | (g << 7) | (b << 14) | (rest << 21) | mesh_normal
+}
+
+/// The codes of exponent, occlusion and metallic.
+fn codes_of_rest(word: u32) -> [u32; 3] {
+    let rest = (word >> 21) & 0x3ff;
+    let both = rest / EXPONENT_CODES;
+    [
+        rest % EXPONENT_CODES,
+        both % OCCLUSION_CODES,
+        both / OCCLUSION_CODES,
+    ]
 }
 
 /// Linear albedo of word 0.
@@ -145,20 +171,24 @@ pub fn unpack_albedo(word: u32) -> Vec3 {
         ((word >> 7) & 0x7f) as f32,
         ((word >> 14) & 0x7f) as f32,
     );
-    let exponent = (word >> 21) & 3;
-    let root = codes / (ALBEDO_MAX * (1u32 << exponent) as f32);
-    root * root
+    let root = codes / ALBEDO_MAX;
+    root * root / albedo_scale(codes_of_rest(word)[0])
 }
 
 /// Metallic of word 0.
 pub fn unpack_metallic(word: u32) -> f32 {
     // Words that nothing has packed may hold a larger code.
-    (((word >> 23) / OCCLUSION_CODES) as f32 / METALLIC_MAX).min(1.0)
+    (codes_of_rest(word)[2] as f32 / METALLIC_MAX).min(1.0)
 }
 
 /// Material occlusion of word 0.
 pub fn unpack_occlusion(word: u32) -> f32 {
-    ((word >> 23) % OCCLUSION_CODES) as f32 / OCCLUSION_MAX
+    codes_of_rest(word)[1] as f32 / OCCLUSION_MAX
+}
+
+/// Of word 0: whether the shading normal is that of the mesh.
+pub fn unpack_has_mesh_normal(word: u32) -> bool {
+    word & MESH_NORMAL_BIT != 0
 }
 
 fn sign_not_zero(x: f32) -> f32 {
@@ -250,7 +280,12 @@ pub fn unpack_roughness(word: u32) -> f32 {
 /// Packs both words.
 pub fn pack(surface: &Surface) -> [u32; 2] {
     [
-        pack_surface(surface.albedo, surface.metallic, surface.occlusion),
+        pack_surface(
+            surface.albedo,
+            surface.metallic,
+            surface.occlusion,
+            surface.has_mesh_normal,
+        ),
         pack_normal(surface.normal, surface.perceptual_roughness),
     ]
 }
@@ -263,5 +298,6 @@ pub fn unpack(words: [u32; 2]) -> Surface {
         occlusion: unpack_occlusion(words[0]),
         normal: unpack_normal(words[1]),
         perceptual_roughness: unpack_roughness(words[1]),
+        has_mesh_normal: unpack_has_mesh_normal(words[0]),
     }
 }

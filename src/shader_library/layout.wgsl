@@ -2,7 +2,7 @@
 //
 // | word | target          | bits, low to high                                         |
 // |------|-----------------|-----------------------------------------------------------|
-// | 0    | `surface`       | albedo R 7, G 7, B 7 (square roots), their exponent 2, metallic and occlusion 9 |
+// | 0    | `surface`       | albedo R 7, G 7, B 7 (square roots), their exponent, metallic and occlusion 10, normal is the mesh's 1 |
 // | 1    | `normal`        | octahedral x 12, y 12 (stored + 1, so 0 = no geometry), perceptual roughness 8 |
 //
 // The optional targets' words are in `layout/`, a file for each.
@@ -10,10 +10,13 @@
 #define_import_path bevy_lean_deferred::gbuffer::layout
 
 const ALBEDO_MAX: f32 = 127.0;
-const METALLIC_MAX: f32 = 20.0;
-const OCCLUSION_MAX: f32 = 23.0;
-/// Codes of occlusion for each code of metallic.
-const OCCLUSION_CODES: u32 = 24u;
+const METALLIC_MAX: f32 = 10.0;
+const OCCLUSION_MAX: f32 = 30.0;
+/// Codes of albedo's exponent, and of occlusion. That of metallic comes above both.
+const EXPONENT_CODES: u32 = 3u;
+const OCCLUSION_CODES: u32 = 31u;
+/// In word 0.
+const MESH_NORMAL_BIT: u32 = 0x80000000u;
 const ROUGHNESS_MAX: f32 = 255.0;
 
 /// Steps of one octahedral axis. Even, so that 0 is a code and the axes and flat floors are stored exactly.
@@ -39,6 +42,8 @@ struct Surface {
     /// World space, unit length.
     normal: vec3<f32>,
     perceptual_roughness: f32,
+    /// The shading normal is that of the mesh: no map turns it.
+    has_mesh_normal: bool,
 }
 
 /// True for everything but NaN and infinities. Looks at the bits, because comparisons with NaN may be optimised away.
@@ -68,39 +73,56 @@ fn quantize_roots(color: vec3<f32>, steps: vec3<f32>) -> vec3<u32> {
     return vec3<u32>(sqrt(clamp(valid, vec3(0.0), vec3(1.0))) * steps + 0.5);
 }
 
-/// Times that the roots of `albedo` can be doubled, up to 3. Decided on linear values: comparisons of floats agree with
-/// the twin, square roots may not.
+/// The code of the exponent that the roots of `albedo` have in common. Decided on linear values: comparisons of floats
+/// agree with the twin, square roots may not.
 fn albedo_exponent(albedo: vec3<f32>) -> u32 {
     let largest = max(albedo.r, max(albedo.g, albedo.b));
-    return u32(largest <= 0.25) + u32(largest <= 0.0625) + u32(largest <= 0.015625);
+    return u32(largest <= 0.25) + u32(largest <= 0.03125);
+}
+
+/// By how much albedo of this exponent is multiplied: 1, 4 or 32.
+fn albedo_scale(exponent: u32) -> f32 {
+    return f32(1u << (2u * exponent + (exponent >> 1u)));
 }
 
 /// Packs word 0. A colour with a NaN becomes black.
-fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32) -> u32 {
-    // The NaN of one channel must not depend on which one `max` drops.
+fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32, has_mesh_normal: bool) -> u32 {
+    // One test for three: a NaN channel makes the sum NaN. Which one `max` drops must not matter.
     let is_number = !is_nan(albedo.r + albedo.g + albedo.b);
     let valid = select(vec3(0.0), clamp(albedo, vec3(0.0), vec3(1.0)), is_number);
     let exponent = albedo_exponent(valid);
-    let rgb = quantize_roots(valid * f32(1u << (2u * exponent)), vec3(ALBEDO_MAX));
+    let rgb = vec3<u32>(sqrt(valid * albedo_scale(exponent)) * ALBEDO_MAX + 0.5);
     let m = quantize(metallic, METALLIC_MAX);
     let o = quantize(occlusion, OCCLUSION_MAX);
-    return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (exponent << 21u) | ((m * OCCLUSION_CODES + o) << 23u);
+    let rest = (m * OCCLUSION_CODES + o) * EXPONENT_CODES + exponent;
+    return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (rest << 21u) | select(0u, MESH_NORMAL_BIT, has_mesh_normal);
+}
+
+/// The codes of exponent, occlusion and metallic.
+fn codes_of_rest(word: u32) -> vec3<u32> {
+    let rest = (word >> 21u) & 0x3ffu;
+    let both = rest / EXPONENT_CODES;
+    return vec3(rest % EXPONENT_CODES, both % OCCLUSION_CODES, both / OCCLUSION_CODES);
 }
 
 fn unpack_albedo(word: u32) -> vec3<f32> {
     let codes = vec3(word & 0x7fu, (word >> 7u) & 0x7fu, (word >> 14u) & 0x7fu);
-    let exponent = (word >> 21u) & 3u;
-    let root = vec3<f32>(codes) / (ALBEDO_MAX * f32(1u << exponent));
-    return root * root;
+    let root = vec3<f32>(codes) / ALBEDO_MAX;
+    return root * root / albedo_scale(codes_of_rest(word).x);
 }
 
 fn unpack_metallic(word: u32) -> f32 {
     // Words that nothing has packed may hold a larger code.
-    return min(f32((word >> 23u) / OCCLUSION_CODES) / METALLIC_MAX, 1.0);
+    return min(f32(codes_of_rest(word).z) / METALLIC_MAX, 1.0);
 }
 
 fn unpack_occlusion(word: u32) -> f32 {
-    return f32((word >> 23u) % OCCLUSION_CODES) / OCCLUSION_MAX;
+    return f32(codes_of_rest(word).y) / OCCLUSION_MAX;
+}
+
+/// Whether the shading normal is that of the mesh.
+fn unpack_has_mesh_normal(word: u32) -> bool {
+    return (word & MESH_NORMAL_BIT) != 0u;
 }
 
 /// 1 for x >= 0, else -1 (never 0, unlike `sign`).
@@ -175,7 +197,7 @@ fn unpack_roughness(word: u32) -> f32 {
 
 fn pack(surface: Surface) -> vec2<u32> {
     return vec2(
-        pack_surface(surface.albedo, surface.metallic, surface.occlusion),
+        pack_surface(surface.albedo, surface.metallic, surface.occlusion, surface.has_mesh_normal),
         pack_normal(surface.normal, surface.perceptual_roughness),
     );
 }
@@ -187,5 +209,6 @@ fn unpack(words: vec2<u32>) -> Surface {
         unpack_occlusion(words.x),
         unpack_normal(words.y),
         unpack_roughness(words.y),
+        unpack_has_mesh_normal(words.x),
     );
 }

@@ -63,8 +63,8 @@ pub struct LeanDeferred {
     /// Renders the camera lean. While it is false, Bevy renders the camera, without MSAA and with `Hdr`, and nothing is kept for it.
     /// Default: true.
     pub enabled: bool,
-    /// How the normal of the surface itself (not the shading normal) is found from depth. Shadow bias uses it.
-    /// Only computed where a light casts shadows. Default: the most exact.
+    /// How the normal of the surface itself is found from depth. Shadow bias uses it where a normal map turns the shading normal; elsewhere
+    /// that is exact. Default: the most exact.
     pub geometric_normal: GeometricNormal,
     /// Lights, decals and light probes that have a [`RenderLayers`](bevy::camera::visibility::RenderLayers) component
     /// affect only meshes that share a layer with them. Default: true.
@@ -107,8 +107,8 @@ impl CameraEffect for LeanDeferred {
 /// Ways to reconstruct the geometric normal of a pixel from the depth buffer.
 ///
 /// All find two tangents from neighbouring depths and cross them; they differ in how they keep neighbours from
-/// across an edge out. Where the result is more than 60° from the shading normal, shadows are biased by that: parts a pixel high have no
-/// neighbour of their own surface. `docs/accuracy.md` and `docs/frame_times.md` have their errors and times.
+/// across an edge out. Parts a pixel high have no neighbour of their own surface: where the result is more than 75° from the shading normal,
+/// shadows are biased by a normal between the two, 75° from that. `docs/accuracy.md` and `docs/frame_times.md` have their errors and times.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum GeometricNormal {

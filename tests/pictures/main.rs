@@ -24,4 +24,5 @@ mod parity;
 mod resolution_override;
 mod rounding;
 mod shading_extension;
+mod shadow_bias;
 mod soft_shadows;

@@ -5,7 +5,7 @@ mod ties;
 
 use accuracy::angle;
 use bevy::math::Vec3;
-use bevy_lean_deferred::gbuffer::layout::{self, NO_GEOMETRY, NORMAL_STEPS, Surface};
+use bevy_lean_deferred::gbuffer::layout::{self, NO_GEOMETRY, NORMAL_STEPS, Surface, albedo_scale};
 use kit::{
     compute::{Compute, Kernel},
     random::Random,
@@ -16,12 +16,12 @@ use kit::{
 const MODULE: WgslModule = shipped_wgsl!("shader_library/layout.wgsl");
 
 /// Floats of a [`Surface`], as the kernels below pass them.
-const FIELDS: usize = 9;
+const FIELDS: usize = 10;
 /// Largest code of a channel of albedo, of its exponent, of metallic and of occlusion.
 const ALBEDO_CODE_MAX: u32 = 127;
-const EXPONENT_MAX: u32 = 3;
-const METALLIC_CODE_MAX: u32 = 20;
-const OCCLUSION_CODE_MAX: u32 = 23;
+const EXPONENT_MAX: u32 = 2;
+const METALLIC_CODE_MAX: u32 = 10;
+const OCCLUSION_CODE_MAX: u32 = 30;
 /// Largest code of an octahedral axis; the least is 1.
 const NORMAL_CODE_MAX: u32 = NORMAL_STEPS as u32 + 1;
 /// Device and twin may differ by as much in a decoded value: their `pow` and `normalize` round differently.
@@ -29,24 +29,26 @@ const DECODE_TOLERANCE: f32 = 5e-7;
 
 const UNPACK: &str = "
 #import bevy_lean_deferred::gbuffer::layout::{pack, unpack}
-fn kernel(words: array<u32, 2>) -> array<u32, 11> {
+fn kernel(words: array<u32, 2>) -> array<u32, 12> {
     let s = unpack(vec2(words[0], words[1]));
     let again = pack(s);
     let a = bitcast<vec3<u32>>(s.albedo);
     let n = bitcast<vec3<u32>>(s.normal);
     let rest = bitcast<vec3<u32>>(vec3(s.metallic, s.occlusion, s.perceptual_roughness));
-    return array(a.x, a.y, a.z, rest.x, rest.y, n.x, n.y, n.z, rest.z, again.x, again.y);
+    return array(a.x, a.y, a.z, rest.x, rest.y, n.x, n.y, n.z, rest.z,
+        bitcast<u32>(f32(s.has_mesh_normal)), again.x, again.y);
 }";
 
 const PACK: &str = "
 #import bevy_lean_deferred::gbuffer::layout::{Surface, pack}
-fn kernel(bits: array<u32, 9>) -> array<u32, 2> {
+fn kernel(bits: array<u32, 10>) -> array<u32, 2> {
     let words = pack(Surface(
         bitcast<vec3<f32>>(vec3(bits[0], bits[1], bits[2])),
         bitcast<f32>(bits[3]),
         bitcast<f32>(bits[4]),
         bitcast<vec3<f32>>(vec3(bits[5], bits[6], bits[7])),
         bitcast<f32>(bits[8]),
+        bits[9] == 0x3f800000u,
     ));
     return array(words.x, words.y);
 }";
@@ -63,38 +65,46 @@ fn fields(s: &Surface) -> [f32; FIELDS] {
         n.y,
         n.z,
         s.perceptual_roughness,
+        f32::from(u8::from(s.has_mesh_normal)),
     ]
 }
 
-fn surface([ax, ay, az, metallic, occlusion, nx, ny, nz, roughness]: [f32; FIELDS]) -> Surface {
+fn surface(fields: [f32; FIELDS]) -> Surface {
+    let [ax, ay, az, metallic, occlusion, nx, ny, nz, roughness, own] = fields;
     Surface {
         albedo: Vec3::new(ax, ay, az),
         metallic,
         occlusion,
         normal: Vec3::new(nx, ny, nz),
         perceptual_roughness: roughness,
+        has_mesh_normal: own == 1.0,
     }
 }
 
 /// A surface word as packing makes it: with the largest exponent that its colour allows.
 fn surface_word([r, g, b]: [u32; 3], exponent: u32, metallic: u32, occlusion: u32) -> u32 {
-    let is_dark = r.max(g).max(b) <= ALBEDO_CODE_MAX / 2;
-    let exponent = if is_dark { EXPONENT_MAX } else { exponent };
-    let rest = metallic * (OCCLUSION_CODE_MAX + 1) + occlusion;
-    r | (g << 7) | (b << 14) | (exponent << 21) | (rest << 23)
+    let largest = r.max(g).max(b) as f32 / ALBEDO_CODE_MAX as f32;
+    let needs =
+        |exponent| layout::albedo_exponent(Vec3::splat(largest * largest / albedo_scale(exponent)));
+    let mut exponents = exponent..EXPONENT_MAX;
+    let exponent = exponents.find(|&e| needs(e) == e).unwrap_or(EXPONENT_MAX);
+    let rest = (metallic * (OCCLUSION_CODE_MAX + 1) + occlusion) * (EXPONENT_MAX + 1) + exponent;
+    // Of every other code of red the normal is the mesh's.
+    r | (g << 7) | (b << 14) | (rest << 21) | ((r % 2) << 31)
 }
 
-/// The codes of a surface word: three of albedo, its exponent, metallic, occlusion.
-fn surface_codes(word: u32) -> [u32; 6] {
-    let rest = word >> 23;
-    let occlusions = OCCLUSION_CODE_MAX + 1;
+/// The codes of a surface word: three of albedo, its exponent, metallic, occlusion, whether the normal is the mesh's.
+fn surface_codes(word: u32) -> [u32; 7] {
+    let rest = (word >> 21) & 0x3ff;
+    let (exponents, occlusions) = (EXPONENT_MAX + 1, OCCLUSION_CODE_MAX + 1);
     [
         word & 0x7f,
         (word >> 7) & 0x7f,
         (word >> 14) & 0x7f,
-        (word >> 21) & 3,
-        rest / occlusions,
-        rest % occlusions,
+        rest % exponents,
+        rest / exponents / occlusions,
+        rest / exponents % occlusions,
+        word >> 31,
     ]
 }
 
@@ -114,7 +124,7 @@ fn has_one_code(word: u32) -> bool {
 }
 
 /// Checks that device and twin decode `words` alike, and that both give the same words back.
-fn check_round_trip(kernel: &Kernel<2, 11>, words: &[[u32; 2]]) {
+fn check_round_trip(kernel: &Kernel<2, 12>, words: &[[u32; 2]]) {
     for (&word, device) in words.iter().zip(kernel.run(words)) {
         let decoded = layout::unpack(word);
         for (field, (twin, bits)) in fields(&decoded).into_iter().zip(device).enumerate() {
@@ -221,11 +231,16 @@ fn hostile_surfaces() -> Vec<[f32; FIELDS]> {
         for (j, b) in HOSTILE.into_iter().enumerate() {
             for (k, c) in HOSTILE.into_iter().enumerate() {
                 let mixed = HOSTILE[(i + j + k) % HOSTILE.len()];
-                surfaces.push([a, b, c, mixed, a, a, b, c, mixed]);
+                surfaces.push([a, b, c, mixed, a, a, b, c, mixed, a]);
             }
         }
     }
     surfaces
+}
+
+/// 1 for half of all numbers, else 0.
+fn random_sign(x: f32) -> f32 {
+    if x > 0.0 { 1.0 } else { 0.0 }
 }
 
 /// Ordinary surfaces, among their normals axes, seams between octants, and any length.
@@ -261,6 +276,7 @@ fn random_surfaces(count: usize) -> Vec<[f32; FIELDS]> {
                 n.y,
                 n.z,
                 value(),
+                random_sign(n.x),
             ]
         })
         .collect()
@@ -324,25 +340,25 @@ fn device_and_twin_pack_alike() {
     );
 }
 
-/// Black, white, quarters of it and what materials name most are stored as they are; grey has no tint.
+/// Black, white, a quarter and a 32nd of it, and what materials name most are stored as they are; grey has no tint.
 #[test]
 fn common_values_are_exact() {
     let stored = |albedo: Vec3, metallic, occlusion| {
-        let word = layout::pack_surface(albedo, metallic, occlusion);
+        let word = layout::pack_surface(albedo, metallic, occlusion, false);
         (
             layout::unpack_albedo(word),
             layout::unpack_metallic(word),
             layout::unpack_occlusion(word),
         )
     };
-    for albedo in [0.0, 1.0, 0.25, 0.0625, 0.015625] {
+    for albedo in [0.0, 1.0, 0.25, 0.03125] {
         for channels in [Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z] {
             let albedo = albedo * channels;
             assert_eq!(stored(albedo, 0.0, 1.0), (albedo, 0.0, 1.0));
         }
     }
-    for i in 0..=20 {
-        let metallic = i as f32 / 20.0;
+    for i in 0..=10 {
+        let metallic = i as f32 / 10.0;
         assert_eq!(stored(Vec3::ONE, metallic, 0.0), (Vec3::ONE, metallic, 0.0));
     }
     for i in 0..=10_000 {
@@ -358,7 +374,7 @@ fn dark_albedo_is_as_fine_as_bright() {
     let mut largest_step = 0.0f32;
     for i in 0..=2_000_000 {
         let exact = 2f32.powf(-8.0 * (1.0 - i as f32 / 2e6));
-        let word = layout::pack_surface(Vec3::splat(exact), 0.0, 0.0);
+        let word = layout::pack_surface(Vec3::splat(exact), 0.0, 0.0, false);
         let stored = layout::unpack_albedo(word).x;
         assert!(stored >= last, "{exact} is darker than less");
         if last > 0.0 {
@@ -370,7 +386,7 @@ fn dark_albedo_is_as_fine_as_bright() {
         "albedo from 1/256 up: steps of {:.2}%",
         100.0 * largest_step
     );
-    assert!(largest_step < 0.0325);
+    assert!(largest_step < 0.047);
 }
 
 #[test]
@@ -386,6 +402,7 @@ fn what_cannot_be_stored_is_replaced() {
         let decoded = layout::unpack(layout::pack(&surface([x; FIELDS])));
         for value in fields(&Surface {
             normal: Vec3::splat(stored),
+            has_mesh_normal: stored == 1.0,
             ..decoded
         }) {
             assert_eq!(value, stored, "{x} is stored as {decoded:?}");

@@ -16,7 +16,7 @@
 #endif
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
-#import bevy_lean_deferred::gbuffer::layout::unpack_normal
+#import bevy_lean_deferred::gbuffer::layout::{unpack_has_mesh_normal, unpack_normal}
 #import bevy_lean_deferred::lighting::lights::shadow_maps::directional_shadow
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at, shadow_normal}
 #endif
@@ -89,8 +89,8 @@ fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShad
     let in_view = position_at(pixel.position, pixel.depth);
     let position = (view_bindings::view.world_from_view * vec4(in_view, 1.0)).xyz;
     let N = unpack_normal(pixel.normal_word);
-    var normal: vec3<f32>;
-    var knows_normal = false;
+    var normal = N;
+    var knows_normal = unpack_has_mesh_normal(pixel.surface_word);
 #ifdef CLUSTERED_DECALS_ARE_USABLE
     var knows_decals = false;
     var may_turn = false;

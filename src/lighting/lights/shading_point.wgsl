@@ -10,6 +10,7 @@
 }
 
 #ifdef GEOMETRIC_NORMAL
+#import bevy_lean_deferred::gbuffer::layout::unpack_has_mesh_normal
 #import bevy_lean_deferred::lighting::surface::shadow_normal
 #endif
 
@@ -99,6 +100,11 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.position = pbr.world_position.xyz;
     point.view_z = view_z;
     point.N = pbr.N;
+#ifdef GEOMETRIC_NORMAL
+    // Decals turn `pbr.N` alone.
+    point.geometric_normal = pbr.world_normal;
+    point.knows_geometric_normal = unpack_has_mesh_normal(pixel.surface_word);
+#endif
     point.V = pbr.V;
     point.signed_NdotV = dot(pbr.N, pbr.V);
     // Bevy has no upper bound; roots and powers of 1 - N·V are NaN above 1.

@@ -1,7 +1,7 @@
 //! Which differences between device and twin are only the rounding of values that lie between two codes.
 
 use bevy::math::{DVec2, DVec3, Vec3};
-use bevy_lean_deferred::gbuffer::layout::{NORMAL_STEPS, Surface};
+use bevy_lean_deferred::gbuffer::layout::{NORMAL_STEPS, Surface, albedo_scale};
 
 use super::{
     ALBEDO_CODE_MAX, METALLIC_CODE_MAX, OCCLUSION_CODE_MAX, accuracy::direction_from_octahedral,
@@ -39,8 +39,8 @@ pub fn differences(
 ) -> Vec<String> {
     let codes = [device, twin].map(|words| surface_codes(words[0]));
     // The exponent is chosen by comparisons: it has no ties.
-    let scale = f64::from(1 << codes[1][3]);
-    let root = |x: f32| scale * f64::from(x).clamp(0.0, 1.0).sqrt();
+    let scale = f64::from(albedo_scale(codes[1][3]));
+    let root = |x: f32| (scale * f64::from(x).clamp(0.0, 1.0)).sqrt();
     let values = [
         (root(input.albedo.x), ALBEDO_CODE_MAX),
         (root(input.albedo.y), ALBEDO_CODE_MAX),
@@ -48,6 +48,7 @@ pub fn differences(
         (0.0, 1),
         (f64::from(input.metallic), METALLIC_CODE_MAX),
         (f64::from(input.occlusion), OCCLUSION_CODE_MAX),
+        (0.0, 1),
     ];
     let mut found = Vec::new();
     let mut compare = |name: String, device: u32, twin: u32, tie: f64, tolerance: f64| {

@@ -4,7 +4,7 @@
 use bevy::math::{Vec2, Vec3};
 use bevy_lean_deferred::{
     gbuffer::layout::{
-        Surface, albedo_exponent,
+        Surface, albedo_exponent, albedo_scale,
         light::{LARGEST_LIGHT, pack_light, unpack_light},
         motion::{LARGEST_MOTION, pack_motion, unpack_motion},
         pack,
@@ -66,20 +66,23 @@ proptest! {
         albedo in any_vector(),
         normal in any_vector(),
         [metallic, occlusion, perceptual_roughness] in [any_float(), any_float(), any_float()],
+        has_mesh_normal in any::<bool>(),
     ) {
-        let surface = Surface { albedo, metallic, occlusion, normal, perceptual_roughness };
+        let surface =
+            Surface { albedo, metallic, occlusion, normal, perceptual_roughness, has_mesh_normal };
         let stored = unpack(pack(&surface));
         // Of square roots: half a step, which the exponent makes smaller.
         let roots = |color: Vec3| Vec3::new(color.x.sqrt(), color.y.sqrt(), color.z.sqrt());
         let exact = valid_color(albedo, 1.0);
         let off = (roots(stored.albedo) - roots(exact)).abs();
-        let step = (127 << albedo_exponent(exact)) as f32;
+        let step = 127.0 * albedo_scale(albedo_exponent(exact)).sqrt();
         prop_assert!(off.max_element() <= 0.501 / step, "{off}");
-        prop_assert!((stored.metallic - valid(metallic, 1.0)).abs() <= 0.501 / 20.0);
-        prop_assert!((stored.occlusion - valid(occlusion, 1.0)).abs() <= 0.501 / 23.0);
+        prop_assert!((stored.metallic - valid(metallic, 1.0)).abs() <= 0.501 / 10.0);
+        prop_assert!((stored.occlusion - valid(occlusion, 1.0)).abs() <= 0.501 / 30.0);
         prop_assert!(
             (stored.perceptual_roughness - valid(perceptual_roughness, 1.0)).abs() <= 0.501 / 255.0
         );
+        prop_assert_eq!(stored.has_mesh_normal, has_mesh_normal);
         prop_assert!((stored.normal.length() - 1.0).abs() < 1e-5, "{}", stored.normal);
         let exact = normal.as_dvec3().normalize_or_zero();
         if normal.is_finite() && normal.abs().element_sum() < 7e37 && normal.abs().max_element() > 1e-29 {
@@ -158,6 +161,7 @@ proptest! {
             metallic: 0.0,
             occlusion: 0.0,
             perceptual_roughness: 0.0,
+            has_mesh_normal: true,
         }))
         .normal;
         let coat = clearcoat::pack_clearcoat(a, b);
