@@ -16,6 +16,7 @@ mod light_culling;
 mod light_layers;
 mod light_parts;
 mod live_changes;
+mod ocean;
 mod oracle;
 mod overlays;
 mod own_passes;
