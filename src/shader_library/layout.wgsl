@@ -10,11 +10,11 @@
 #define_import_path bevy_lean_deferred::gbuffer::layout
 
 const ALBEDO_MAX: f32 = 127.0;
-const METALLIC_MAX: f32 = 10.0;
-const OCCLUSION_MAX: f32 = 30.0;
+const METALLIC_MAX: f32 = 20.0;
+const OCCLUSION_MAX: f32 = 23.0;
 /// Codes of albedo's exponent, and of occlusion. That of metallic comes above both.
-const EXPONENT_CODES: u32 = 3u;
-const OCCLUSION_CODES: u32 = 31u;
+const EXPONENT_CODES: u32 = 2u;
+const OCCLUSION_CODES: u32 = 24u;
 /// In word 0.
 const MESH_NORMAL_BIT: u32 = 0x80000000u;
 const ROUGHNESS_MAX: f32 = 255.0;
@@ -76,13 +76,12 @@ fn quantize_roots(color: vec3<f32>, steps: vec3<f32>) -> vec3<u32> {
 /// The code of the exponent that the roots of `albedo` have in common. Decided on linear values: comparisons of floats
 /// agree with the twin, square roots may not.
 fn albedo_exponent(albedo: vec3<f32>) -> u32 {
-    let largest = max(albedo.r, max(albedo.g, albedo.b));
-    return u32(largest <= 0.25) + u32(largest <= 0.03125);
+    return u32(max(albedo.r, max(albedo.g, albedo.b)) <= 0.03125);
 }
 
-/// By how much albedo of this exponent is multiplied: 1, 4 or 32.
+/// By how much albedo of this exponent is multiplied: 1 or 32.
 fn albedo_scale(exponent: u32) -> f32 {
-    return f32(1u << (2u * exponent + (exponent >> 1u)));
+    return f32(1u << (5u * exponent));
 }
 
 /// Packs word 0. A colour with a NaN becomes black.

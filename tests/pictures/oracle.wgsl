@@ -8,6 +8,7 @@
 }
 
 #ifdef GEOMETRIC_NORMAL
+#import bevy_lean_deferred::gbuffer::layout::unpack_has_mesh_normal
 #import bevy_lean_deferred::lighting::surface::shadow_normal
 #endif
 
@@ -33,7 +34,9 @@
 fn expected(pixel: Pixel) -> vec4<f32> {
     var pbr = pbr_input_from_gbuffer(pixel);
 #ifdef GEOMETRIC_NORMAL
-    pbr.world_normal = shadow_normal(pixel.position, pixel.depth, pbr.N);
+    if !unpack_has_mesh_normal(pixel.surface_word) {
+        pbr.world_normal = shadow_normal(pixel.position, pixel.depth, pbr.N);
+    }
 #endif
 #ifdef CLUSTERED_DECALS_ARE_USABLE
     apply_decals(&pbr);

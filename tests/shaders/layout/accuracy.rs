@@ -115,9 +115,8 @@ fn packed_albedo_errors(values: impl Iterator<Item = f64>) -> [f64; 2] {
 #[test]
 fn packed_albedo_is_as_exact_as_documented() {
     let ranges = [
-        ("all", 0.0, 1.0, [0.412, 0.990]),
-        ("above 1/4", 0.25, 1.0, [0.538, 0.990]),
-        ("1/32 to 1/4", 0.03125, 0.25, [0.309, 0.588]),
+        ("all", 0.0, 1.0, [0.518, 1.180]),
+        ("above 1/32", 0.03125, 1.0, [0.573, 1.180]),
         ("to 1/32", 0.0, 0.03125, [0.126, 0.253]),
     ];
     for (name, from, to, documented) in ranges {
