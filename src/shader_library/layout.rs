@@ -16,8 +16,8 @@
 //!   root 0.60, sRGB's own curve 0.58, gamma 2.2 0.60, linear 2.25; largest: 1.43, 1.00, 1.21, 12.75. The little that
 //!   sRGB's curve would gain did not show in a picture (51.1 dB against 51.5 dB on the benches' boxes scene), and its
 //!   powers cost 7% of the raster pass there (3.60 ms against 3.37 ms, H200, 4K).
-//! - **A common exponent for the roots**: a colour whose brightest channel is at most 1/32 is stored 32 times as bright.
-//!   Strong light magnifies the steps of dark albedo; by this they stay within 1.6 to 9.3% of the brightest channel down
+//! - **A common exponent for the roots**: a colour whose brightest channel is at most 1/16 is stored 16 times as bright.
+//!   Strong light magnifies the steps of dark albedo; by this they stay within 1.6 to 6.5% of the brightest channel down
 //!   to 1/256. Equal channels have equal codes: grey stays grey.
 //! - **21 codes for metallic, 24 for occlusion**: multiples of 1/20 are exact metallic values, as materials name them.
 //!   With multiples of 1/10 the benches' boxes, a half of which is metal by 1/4 or 3/4, are at 43.3 dB from forward, in
@@ -129,12 +129,12 @@ pub(crate) fn quantize_roots(color: Vec3, steps: Vec3) -> [u32; 3] {
 /// The code of the exponent that the roots of `albedo` have in common. Decided on linear values: comparisons of floats
 /// agree with the device, square roots may not.
 pub fn albedo_exponent(albedo: Vec3) -> u32 {
-    u32::from(albedo.max_element() <= 0.03125)
+    u32::from(albedo.max_element() <= 0.0625)
 }
 
-/// By how much albedo of this exponent is multiplied: 1 or 32.
+/// By how much albedo of this exponent is multiplied: 1 or 16.
 pub fn albedo_scale(exponent: u32) -> f32 {
-    (1u32 << (5 * exponent)) as f32
+    (1u32 << (4 * exponent)) as f32
 }
 
 /// Packs word 0. All inputs 0 to 1; a colour with a NaN becomes black.

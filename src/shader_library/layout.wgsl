@@ -76,12 +76,12 @@ fn quantize_roots(color: vec3<f32>, steps: vec3<f32>) -> vec3<u32> {
 /// The code of the exponent that the roots of `albedo` have in common. Decided on linear values: comparisons of floats
 /// agree with the twin, square roots may not.
 fn albedo_exponent(albedo: vec3<f32>) -> u32 {
-    return u32(max(albedo.r, max(albedo.g, albedo.b)) <= 0.03125);
+    return u32(max(albedo.r, max(albedo.g, albedo.b)) <= 0.0625);
 }
 
-/// By how much albedo of this exponent is multiplied: 1 or 32.
+/// By how much albedo of this exponent is multiplied: 1 or 16.
 fn albedo_scale(exponent: u32) -> f32 {
-    return f32(1u << (5u * exponent));
+    return f32(1u << (4u * exponent));
 }
 
 /// Packs word 0. A colour with a NaN becomes black.

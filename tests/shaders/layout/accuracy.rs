@@ -115,9 +115,9 @@ fn packed_albedo_errors(values: impl Iterator<Item = f64>) -> [f64; 2] {
 #[test]
 fn packed_albedo_is_as_exact_as_documented() {
     let ranges = [
-        ("all", 0.0, 1.0, [0.518, 1.180]),
-        ("above 1/32", 0.03125, 1.0, [0.573, 1.180]),
-        ("to 1/32", 0.0, 0.03125, [0.126, 0.253]),
+        ("all", 0.0, 1.0, [0.486, 1.109]),
+        ("above 1/16", 0.0625, 1.0, [0.561, 1.109]),
+        ("to 1/16", 0.0, 0.0625, [0.174, 0.360]),
     ];
     for (name, from, to, documented) in ranges {
         let [from, to] = [from, to].map(SRGB.encode);
