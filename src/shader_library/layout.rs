@@ -2,7 +2,7 @@
 //!
 //! | word | target | bits, low to high |
 //! |---|---|---|
-//! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (square roots), their common exponent (2 codes), material occlusion (24 codes) and metallic (21 codes) 10, whether the normal is the mesh's 1 |
+//! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (square roots), their common exponent 1, metallic (21 codes) and material occlusion (24 codes) 9, whether the normal is the mesh's 1 |
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
 //! | with any optional | [`WRITTEN_FORMAT`] | which of the optional targets hold a word of this surface: the bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets) |
 //! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](light) |
@@ -66,9 +66,7 @@ pub const ALBEDO_MAX: f32 = 127.0;
 pub const METALLIC_MAX: f32 = 20.0;
 /// Of occlusion.
 pub const OCCLUSION_MAX: f32 = 23.0;
-/// How many codes albedo's exponent has.
-pub const EXPONENT_CODES: u32 = 2;
-/// How many occlusion has. The code of metallic comes above both.
+/// Codes of occlusion for each code of metallic.
 pub const OCCLUSION_CODES: u32 = 24;
 /// In word 0: the shading normal is that of the mesh.
 pub const MESH_NORMAL_BIT: u32 = 1 << 31;
@@ -126,7 +124,7 @@ pub(crate) fn quantize_roots(color: Vec3, steps: Vec3) -> [u32; 3] {
     (root * steps + 0.5).to_array().map(|code| code as u32)
 }
 
-/// The code of the exponent that the roots of `albedo` have in common. Decided on linear values: comparisons of floats
+/// The exponent that the roots of `albedo` have in common, 0 or 1. Decided on linear values: comparisons of floats
 /// agree with the device, square roots may not.
 pub fn albedo_exponent(albedo: Vec3) -> u32 {
     u32::from(albedo.max_element() <= 0.0625)
@@ -149,20 +147,9 @@ pub fn pack_surface(albedo: Vec3, metallic: f32, occlusion: f32, has_mesh_normal
     let [r, g, b] = scaled.map(|x| (x.sqrt() * ALBEDO_MAX + 0.5) as u32);
     let m = quantize(metallic, METALLIC_MAX);
     let o = quantize(occlusion, OCCLUSION_MAX);
-    let rest = (m * OCCLUSION_CODES + o) * EXPONENT_CODES + exponent;
     let mesh_normal = if has_mesh_normal { MESH_NORMAL_BIT } else { 0 };
-    r | (g << 7) | (b << 14) | (rest << 21) | mesh_normal
-}
-
-/// The codes of exponent, occlusion and metallic.
-fn codes_of_rest(word: u32) -> [u32; 3] {
-    let rest = (word >> 21) & 0x3ff;
-    let both = rest / EXPONENT_CODES;
-    [
-        rest % EXPONENT_CODES,
-        both % OCCLUSION_CODES,
-        both / OCCLUSION_CODES,
-    ]
+    let rest = (exponent << 21) | ((m * OCCLUSION_CODES + o) << 22);
+    r | (g << 7) | (b << 14) | rest | mesh_normal
 }
 
 /// Linear albedo of word 0.
@@ -173,21 +160,26 @@ pub fn unpack_albedo(word: u32) -> Vec3 {
         ((word >> 14) & 0x7f) as f32,
     );
     let root = codes / ALBEDO_MAX;
-    root * root / albedo_scale(codes_of_rest(word)[0])
+    root * root / albedo_scale((word >> 21) & 1)
+}
+
+/// The code of metallic, times [`OCCLUSION_CODES`], and that of occlusion.
+fn metallic_and_occlusion(word: u32) -> u32 {
+    (word >> 22) & 0x1ff
 }
 
 /// Metallic of word 0.
 pub fn unpack_metallic(word: u32) -> f32 {
     // Words that nothing has packed may hold a larger code.
-    (codes_of_rest(word)[2] as f32 / METALLIC_MAX).min(1.0)
+    ((metallic_and_occlusion(word) / OCCLUSION_CODES) as f32 / METALLIC_MAX).min(1.0)
 }
 
 /// Material occlusion of word 0.
 pub fn unpack_occlusion(word: u32) -> f32 {
-    codes_of_rest(word)[1] as f32 / OCCLUSION_MAX
+    (metallic_and_occlusion(word) % OCCLUSION_CODES) as f32 / OCCLUSION_MAX
 }
 
-/// Of word 0: whether the shading normal is that of the mesh.
+/// True if the normal in word 1 is that of the mesh, by word 0.
 pub fn unpack_has_mesh_normal(word: u32) -> bool {
     word & MESH_NORMAL_BIT != 0
 }

@@ -2,7 +2,7 @@
 //
 // | word | target          | bits, low to high                                         |
 // |------|-----------------|-----------------------------------------------------------|
-// | 0    | `surface`       | albedo R 7, G 7, B 7 (square roots), their exponent, metallic and occlusion 10, normal is the mesh's 1 |
+// | 0    | `surface`       | albedo R 7, G 7, B 7 (square roots), their exponent 1, metallic and occlusion 9, normal is the mesh's 1 |
 // | 1    | `normal`        | octahedral x 12, y 12 (stored + 1, so 0 = no geometry), perceptual roughness 8 |
 //
 // The optional targets' words are in `layout/`, a file for each.
@@ -12,8 +12,7 @@
 const ALBEDO_MAX: f32 = 127.0;
 const METALLIC_MAX: f32 = 20.0;
 const OCCLUSION_MAX: f32 = 23.0;
-/// Codes of albedo's exponent, and of occlusion. That of metallic comes above both.
-const EXPONENT_CODES: u32 = 2u;
+/// Codes of occlusion for each code of metallic.
 const OCCLUSION_CODES: u32 = 24u;
 /// In word 0.
 const MESH_NORMAL_BIT: u32 = 0x80000000u;
@@ -73,7 +72,7 @@ fn quantize_roots(color: vec3<f32>, steps: vec3<f32>) -> vec3<u32> {
     return vec3<u32>(sqrt(clamp(valid, vec3(0.0), vec3(1.0))) * steps + 0.5);
 }
 
-/// The code of the exponent that the roots of `albedo` have in common. Decided on linear values: comparisons of floats
+/// The exponent that the roots of `albedo` have in common, 0 or 1. Decided on linear values: comparisons of floats
 /// agree with the twin, square roots may not.
 fn albedo_exponent(albedo: vec3<f32>) -> u32 {
     return u32(max(albedo.r, max(albedo.g, albedo.b)) <= 0.0625);
@@ -93,33 +92,31 @@ fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32, has_mesh_norma
     let rgb = vec3<u32>(sqrt(valid * albedo_scale(exponent)) * ALBEDO_MAX + 0.5);
     let m = quantize(metallic, METALLIC_MAX);
     let o = quantize(occlusion, OCCLUSION_MAX);
-    let rest = (m * OCCLUSION_CODES + o) * EXPONENT_CODES + exponent;
-    return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (rest << 21u) | select(0u, MESH_NORMAL_BIT, has_mesh_normal);
-}
-
-/// The codes of exponent, occlusion and metallic.
-fn codes_of_rest(word: u32) -> vec3<u32> {
-    let rest = (word >> 21u) & 0x3ffu;
-    let both = rest / EXPONENT_CODES;
-    return vec3(rest % EXPONENT_CODES, both % OCCLUSION_CODES, both / OCCLUSION_CODES);
+    return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (exponent << 21u) | ((m * OCCLUSION_CODES + o) << 22u)
+        | select(0u, MESH_NORMAL_BIT, has_mesh_normal);
 }
 
 fn unpack_albedo(word: u32) -> vec3<f32> {
     let codes = vec3(word & 0x7fu, (word >> 7u) & 0x7fu, (word >> 14u) & 0x7fu);
     let root = vec3<f32>(codes) / ALBEDO_MAX;
-    return root * root / albedo_scale(codes_of_rest(word).x);
+    return root * root / albedo_scale((word >> 21u) & 1u);
+}
+
+/// The code of metallic, times `OCCLUSION_CODES`, and that of occlusion.
+fn metallic_and_occlusion(word: u32) -> u32 {
+    return (word >> 22u) & 0x1ffu;
 }
 
 fn unpack_metallic(word: u32) -> f32 {
     // Words that nothing has packed may hold a larger code.
-    return min(f32(codes_of_rest(word).z) / METALLIC_MAX, 1.0);
+    return min(f32(metallic_and_occlusion(word) / OCCLUSION_CODES) / METALLIC_MAX, 1.0);
 }
 
 fn unpack_occlusion(word: u32) -> f32 {
-    return f32(codes_of_rest(word).y) / OCCLUSION_MAX;
+    return f32(metallic_and_occlusion(word) % OCCLUSION_CODES) / OCCLUSION_MAX;
 }
 
-/// Whether the shading normal is that of the mesh.
+/// True if the shading normal is that of the mesh.
 fn unpack_has_mesh_normal(word: u32) -> bool {
     return (word & MESH_NORMAL_BIT) != 0u;
 }

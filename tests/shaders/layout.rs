@@ -5,7 +5,7 @@ mod ties;
 
 use accuracy::angle;
 use bevy::math::Vec3;
-use bevy_lean_deferred::gbuffer::layout::{self, NO_GEOMETRY, NORMAL_STEPS, Surface, albedo_scale};
+use bevy_lean_deferred::gbuffer::layout::{self, NO_GEOMETRY, NORMAL_STEPS, Surface};
 use kit::{
     compute::{Compute, Kernel},
     random::Random,
@@ -20,6 +20,8 @@ const FIELDS: usize = 10;
 /// Largest code of a channel of albedo, of its exponent, of metallic and of occlusion.
 const ALBEDO_CODE_MAX: u32 = 127;
 const EXPONENT_MAX: u32 = 1;
+/// The largest code of a channel of albedo up to 1/16, with exponent 0.
+const DARK_CODE_MAX: u32 = 31;
 const METALLIC_CODE_MAX: u32 = 20;
 const OCCLUSION_CODE_MAX: u32 = 23;
 /// Largest code of an octahedral axis; the least is 1.
@@ -70,40 +72,48 @@ fn fields(s: &Surface) -> [f32; FIELDS] {
 }
 
 fn surface(fields: [f32; FIELDS]) -> Surface {
-    let [ax, ay, az, metallic, occlusion, nx, ny, nz, roughness, own] = fields;
+    let [
+        ax,
+        ay,
+        az,
+        metallic,
+        occlusion,
+        nx,
+        ny,
+        nz,
+        roughness,
+        has_mesh_normal,
+    ] = fields;
     Surface {
         albedo: Vec3::new(ax, ay, az),
         metallic,
         occlusion,
         normal: Vec3::new(nx, ny, nz),
         perceptual_roughness: roughness,
-        has_mesh_normal: own == 1.0,
+        has_mesh_normal: has_mesh_normal == 1.0,
     }
 }
 
-/// A surface word as packing makes it: with the largest exponent that its colour allows.
+/// A surface word as packing makes it: with the exponent that its colour asks for.
 fn surface_word([r, g, b]: [u32; 3], exponent: u32, metallic: u32, occlusion: u32) -> u32 {
-    let largest = r.max(g).max(b) as f32 / ALBEDO_CODE_MAX as f32;
-    let needs =
-        |exponent| layout::albedo_exponent(Vec3::splat(largest * largest / albedo_scale(exponent)));
-    let mut exponents = exponent..EXPONENT_MAX;
-    let exponent = exponents.find(|&e| needs(e) == e).unwrap_or(EXPONENT_MAX);
-    let rest = (metallic * (OCCLUSION_CODE_MAX + 1) + occlusion) * (EXPONENT_MAX + 1) + exponent;
+    let is_dark = r.max(g).max(b) <= DARK_CODE_MAX;
+    let exponent = if is_dark { EXPONENT_MAX } else { exponent };
+    let rest = metallic * (OCCLUSION_CODE_MAX + 1) + occlusion;
     // Of every other code of red the normal is the mesh's.
-    r | (g << 7) | (b << 14) | (rest << 21) | ((r % 2) << 31)
+    r | (g << 7) | (b << 14) | (exponent << 21) | (rest << 22) | ((r % 2) << 31)
 }
 
 /// The codes of a surface word: three of albedo, its exponent, metallic, occlusion, whether the normal is the mesh's.
 fn surface_codes(word: u32) -> [u32; 7] {
-    let rest = (word >> 21) & 0x3ff;
-    let (exponents, occlusions) = (EXPONENT_MAX + 1, OCCLUSION_CODE_MAX + 1);
+    let rest = (word >> 22) & 0x1ff;
+    let occlusions = OCCLUSION_CODE_MAX + 1;
     [
         word & 0x7f,
         (word >> 7) & 0x7f,
         (word >> 14) & 0x7f,
-        rest % exponents,
-        rest / exponents / occlusions,
-        rest / exponents % occlusions,
+        (word >> 21) & 1,
+        rest / occlusions,
+        rest % occlusions,
         word >> 31,
     ]
 }
@@ -238,11 +248,6 @@ fn hostile_surfaces() -> Vec<[f32; FIELDS]> {
     surfaces
 }
 
-/// 1 for half of all numbers, else 0.
-fn random_sign(x: f32) -> f32 {
-    if x > 0.0 { 1.0 } else { 0.0 }
-}
-
 /// Ordinary surfaces, among their normals axes, seams between octants, and any length.
 fn random_surfaces(count: usize) -> Vec<[f32; FIELDS]> {
     let mut random = Random::new(2);
@@ -276,7 +281,7 @@ fn random_surfaces(count: usize) -> Vec<[f32; FIELDS]> {
                 n.y,
                 n.z,
                 value(),
-                random_sign(n.x),
+                f32::from(u8::from(n.x > 0.0)),
             ]
         })
         .collect()

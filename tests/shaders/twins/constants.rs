@@ -72,7 +72,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
         };
     }
     constants!("shader_library/layout.wgsl": layout::{
-        ALBEDO_MAX, METALLIC_MAX, OCCLUSION_MAX, EXPONENT_CODES, OCCLUSION_CODES, MESH_NORMAL_BIT, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY
+        ALBEDO_MAX, METALLIC_MAX, OCCLUSION_MAX, OCCLUSION_CODES, MESH_NORMAL_BIT, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY
     });
     constants!("shader_library/layout/light.wgsl": light::{LARGEST_LIGHT});
     constants!("shader_library/layout/motion.wgsl": motion::{LARGEST_MOTION});
