@@ -22,6 +22,8 @@ use kit::{
     scenes::SceneBuilder,
 };
 
+use super::fragment_shaders::{forward_main, gbuffer_main, insert_shader};
+
 const FORWARD: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e01");
 const GBUFFER: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e02");
 
@@ -38,37 +40,8 @@ fn stripes(color: vec4<f32>, y: f32) -> vec4<f32> {
 }
 ";
 
-const FORWARD_MAIN: &str = r"
-#import bevy_pbr::{
-    forward_io::{FragmentOutput, VertexOutput},
-    pbr_fragment::pbr_input_from_standard_material,
-    pbr_functions::{alpha_discard, apply_pbr_lighting, main_pass_post_lighting_processing},
-}
-
-@fragment
-fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
-    var pbr = pbr_input_from_standard_material(in, is_front);
-    pbr.material.base_color = stripes(pbr.material.base_color, in.world_position.y);
-    pbr.material.base_color = alpha_discard(pbr.material, pbr.material.base_color);
-    return FragmentOutput(main_pass_post_lighting_processing(pbr, apply_pbr_lighting(pbr)));
-}
-";
-
-const GBUFFER_MAIN: &str = r"
-#import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, apply_discards, pack_pbr_input}
-#import bevy_pbr::{
-    pbr_fragment::pbr_input_from_standard_material,
-    prepass_io::VertexOutput,
-}
-
-@fragment
-fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferOutput {
-    var pbr = pbr_input_from_standard_material(in, is_front);
-    pbr.material.base_color = stripes(pbr.material.base_color, in.world_position.y);
-    apply_discards(in, &pbr);
-    return pack_pbr_input(pbr, in);
-}
-";
+const CHANGE: &str =
+    "pbr.material.base_color = stripes(pbr.material.base_color, in.world_position.y);";
 
 /// Stripes over the base colour, by height.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
@@ -122,7 +95,12 @@ fn ball(registers: bool, gbuffer_main: &str) -> (Headless, Entity) {
             app.add_plugins(GBufferMaterialPlugin::<StripedMaterial>::default());
         }
     });
-    set_shader(&mut headless, FORWARD, FORWARD_MAIN, "stripes.wgsl");
+    set_shader(
+        &mut headless,
+        FORWARD,
+        &forward_main(CHANGE),
+        "stripes.wgsl",
+    );
     set_shader(&mut headless, GBUFFER, gbuffer_main, GBUFFER_FILE);
     let material = StripedMaterial {
         base: Color::srgb(0.8, 0.5, 0.3).into(),
@@ -148,14 +126,6 @@ fn spawn_ball<M: Material>(headless: &mut Headless, material: M) -> Entity {
 
 fn set_shader(headless: &mut Headless, handle: Handle<Shader>, main: &str, file: &str) {
     insert_shader(headless, handle, format!("{main}{STRIPES}"), file);
-}
-
-fn insert_shader(headless: &mut Headless, handle: Handle<Shader>, source: String, file: &str) {
-    let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
-    let shader = Shader::from_wgsl(source, file);
-    shaders
-        .insert(handle.id(), shader)
-        .expect("a place for a constant handle");
 }
 
 /// How well the lean picture matches the forward one.
@@ -193,7 +163,7 @@ fn is_in_gbuffer(headless: &mut Headless, camera: Entity) -> bool {
 #[test]
 fn registered_material_goes_through_the_gbuffer() {
     in_own_process(|| {
-        let (mut headless, camera) = ball(true, GBUFFER_MAIN);
+        let (mut headless, camera) = ball(true, &gbuffer_main(CHANGE));
         let psnr = psnr(&mut headless, camera);
         assert!(psnr >= 45.0, "{psnr} dB");
         assert!(is_in_gbuffer(&mut headless, camera));
@@ -224,7 +194,7 @@ fn documented_material_goes_through_the_gbuffer() {
 #[test]
 fn unregistered_material_is_drawn_by_forward() {
     in_own_process(|| {
-        let (mut headless, camera) = ball(false, GBUFFER_MAIN);
+        let (mut headless, camera) = ball(false, &gbuffer_main(CHANGE));
         let psnr = psnr(&mut headless, camera);
         assert!(psnr >= 45.0, "{psnr} dB");
         assert!(!is_in_gbuffer(&mut headless, camera));
@@ -234,7 +204,7 @@ fn unregistered_material_is_drawn_by_forward() {
 /// A G-buffer shader that its author got wrong: forward draws its meshes, one message names the file and the fault, and
 /// when the file is mended the G-buffer has them.
 fn assert_forward_draws(fault: impl Fn(&str) -> String, named: &str) {
-    let (mut headless, camera) = ball(true, &fault(GBUFFER_MAIN));
+    let (mut headless, camera) = ball(true, &fault(&gbuffer_main(CHANGE)));
     headless.settle();
     let forward = headless.capture();
     headless
@@ -253,7 +223,7 @@ fn assert_forward_draws(fault: impl Fn(&str) -> String, named: &str) {
     let psnr = difference(&forward, &headless.capture()).psnr;
     assert!(psnr >= 45.0, "{psnr} dB");
 
-    set_shader(&mut headless, GBUFFER, GBUFFER_MAIN, GBUFFER_FILE);
+    set_shader(&mut headless, GBUFFER, &gbuffer_main(CHANGE), GBUFFER_FILE);
     headless.settle();
     headless.frames(3);
     assert!(is_in_gbuffer(&mut headless, camera), "it is mended");
@@ -265,7 +235,7 @@ fn assert_forward_draws(fault: impl Fn(&str) -> String, named: &str) {
 #[test]
 fn a_shader_that_breaks_while_it_is_in_use() {
     in_own_process(|| {
-        let (mut headless, camera) = ball(true, GBUFFER_MAIN);
+        let (mut headless, camera) = ball(true, &gbuffer_main(CHANGE));
         headless.settle();
         let forward = headless.capture();
         headless
@@ -275,8 +245,11 @@ fn a_shader_that_breaks_while_it_is_in_use() {
         headless.settle();
         assert!(is_in_gbuffer(&mut headless, camera));
         for (main, is_right) in [
-            (GBUFFER_MAIN.replace("(pbr, in)", "(qbr, in)"), false),
-            (GBUFFER_MAIN.into(), true),
+            (
+                gbuffer_main(CHANGE).replace("(pbr, in)", "(qbr, in)"),
+                false,
+            ),
+            (gbuffer_main(CHANGE), true),
         ] {
             set_shader(&mut headless, GBUFFER, &main, GBUFFER_FILE);
             for frame in 0..6 {

@@ -12,6 +12,7 @@ mod decals;
 mod far_plane;
 mod foreign_depth;
 mod found_light;
+mod fragment_shaders;
 mod light_culling;
 mod light_layers;
 mod light_parts;

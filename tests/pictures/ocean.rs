@@ -17,39 +17,12 @@ use kit::{
     scenes::SceneBuilder,
 };
 
+use super::fragment_shaders::{forward_main, gbuffer_main, insert_shader};
+
 const FORWARD: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e33");
 const GBUFFER: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e34");
 
-const FORWARD_MAIN: &str = r"
-#import bevy_pbr::{
-    forward_io::{FragmentOutput, VertexOutput},
-    pbr_fragment::pbr_input_from_standard_material,
-    pbr_functions::{apply_pbr_lighting, main_pass_post_lighting_processing},
-}
-
-@fragment
-fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
-    var pbr = pbr_input_from_standard_material(in, is_front);
-    pbr.N = normal_of_waves(in.world_position.xz);
-    return FragmentOutput(main_pass_post_lighting_processing(pbr, apply_pbr_lighting(pbr)));
-}
-";
-
-const GBUFFER_MAIN: &str = r"
-#import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, apply_discards, pack_pbr_input}
-#import bevy_pbr::{
-    pbr_fragment::pbr_input_from_standard_material,
-    prepass_io::VertexOutput,
-}
-
-@fragment
-fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferOutput {
-    var pbr = pbr_input_from_standard_material(in, is_front);
-    pbr.N = normal_of_waves(in.world_position.xz);
-    apply_discards(in, &pbr);
-    return pack_pbr_input(pbr, in);
-}
-";
+const CHANGE: &str = "pbr.N = normal_of_waves(in.world_position.xz);";
 
 /// Long waves, and ripples that steepen them.
 const WAVES: &str = r"
@@ -97,12 +70,16 @@ fn sea(slope: f32, elevation: f32, sky: bool) -> Headless {
             GBufferMaterialPlugin::<Sea>::default(),
         ));
     });
-    for (handle, main) in [(FORWARD, FORWARD_MAIN), (GBUFFER, GBUFFER_MAIN)] {
-        let shader = Shader::from_wgsl(format!("{main}{WAVES}"), "waves.wgsl");
-        let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
-        shaders
-            .insert(handle.id(), shader)
-            .expect("a place for a constant handle");
+    for (handle, main) in [
+        (FORWARD, forward_main(CHANGE)),
+        (GBUFFER, gbuffer_main(CHANGE)),
+    ] {
+        insert_shader(
+            &mut headless,
+            handle,
+            format!("{main}{WAVES}"),
+            "waves.wgsl",
+        );
     }
     let mut scene = SceneBuilder {
         headless: &mut headless,
