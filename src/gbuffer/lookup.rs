@@ -36,7 +36,7 @@ use crate::{
 };
 
 system_param! {
-    /// What is known of meshes and materials, to find out how one is drawn.
+    /// Meshes and materials, as far as they decide how a mesh is drawn.
     pub(super) struct MeshLookup<'w> {
         mesh_instances: Res<'w, RenderMeshInstances>,
         material_instances: Res<'w, RenderMaterialInstances>,

@@ -2,7 +2,7 @@
 //!
 //! | target | format | bytes a pixel | holds | there is one |
 //! |---|---|---|---|---|
-//! | surface | `R32Uint` | 4 | albedo (square roots, 7 + 7 + 7 bits), their exponent, metallic and material occlusion (10), whether the normal is the mesh's (1) | always |
+//! | surface | `R32Uint` | 4 | albedo (square roots, 7 + 7 + 7 bits), their exponent (1), metallic and material occlusion (9), whether the normal is the mesh's (1) | always |
 //! | normal | `R32Uint` | 4 | octahedral shading normal (12 + 12), perceptual roughness (8) | always |
 //! | written | `R8Uint` | 1 | which of the following hold a word of this surface | with any of them |
 //! | emissive | `R32Uint` | 4 | light that is emitted or baked into a lightmap (9 + 9 + 9, shared exponent 5) | while a visible mesh writes it |

@@ -102,7 +102,7 @@ fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
 /// The cosine of the angle between normals that count as the same.
 const SAME_NORMAL: f32 = 0.999;
 
-/// Whether the shading normal is that of the mesh, or nearly so.
+/// True if the shading normal is that of the mesh, or nearly so.
 fn has_mesh_normal(pbr: PbrInput) -> bool {
     let n = pbr.world_normal;
     return dot(pbr.N, n) >= SAME_NORMAL * length(n);

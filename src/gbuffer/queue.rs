@@ -56,7 +56,7 @@ pub(super) struct PendingGBufferQueues(PendingQueues);
 pub struct SortedMeshes(pub usize);
 
 system_param! {
-    /// How the meshes of each phase are drawn.
+    /// The draw functions of each phase.
     pub(super) struct GBufferDrawFunctions<'w, 's> {
         opaque: Res<'w, DrawFunctions<OpaqueGBuffer>>,
         alpha_mask: Res<'w, DrawFunctions<AlphaMaskGBuffer>>,

@@ -31,11 +31,11 @@ system_param! {
         specialized: ResMut<'w, SpecializedMeshPipelines<GBufferPipelineSpecializer>>,
         /// Bevy's pipeline is a struct of many layouts: copied when it changes, not for each mesh.
         shared_prepass_pipeline: Local<'s, Option<Arc<PrepassPipeline>>>,
-        /// What has been found in this frame: most meshes share their pipeline with many others.
+        /// Pipelines found in this frame: most meshes share theirs with many others.
         found: Local<'s, HashMap<PipelineQuery, GBufferPipeline>>,
         /// The last of these for each of the recent kinds of meshes.
         recent: Local<'s, Vec<Option<(PipelineQuery, GBufferPipeline)>>>,
-        /// What has been reported, once each.
+        /// Errors that have been reported, once each.
         reported: Local<'s, HashSet<String>>,
     }
 }

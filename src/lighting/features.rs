@@ -135,7 +135,7 @@ impl OcclusionKey {
 }
 
 system_param! {
-    /// What the scene has, whichever view looks at it.
+    /// The features of the scene, the same for all views.
     pub(crate) struct SceneFeatures<'w, 's> {
         point_lights: Query<'w, 's, &'static ExtractedPointLight>,
         directional_lights: Query<'w, 's, &'static ExtractedDirectionalLight>,

@@ -33,7 +33,7 @@ use crate::{
 };
 
 query_item! {
-    /// What lighting reads of a view.
+    /// The parts of a view that lighting reads.
     pub(super) struct LitViewItem<'w, 's>: LitView {
         pub(super) lighting: &'static mut ViewLighting,
         pub(super) gbuffer: &'static GBufferTextures,
@@ -70,7 +70,7 @@ impl LitViewItem<'_, '_> {
 }
 
 system_param! {
-    /// What lighting reads of the scene.
+    /// The parts of the scene that lighting reads.
     pub(super) struct LightingResources<'w> {
         pub(super) buffers: Res<'w, LightingBuffers>,
         pub(super) view_uniforms: Res<'w, ViewUniforms>,

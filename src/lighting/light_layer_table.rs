@@ -88,7 +88,7 @@ system_param! {
                 &'static RenderLayers,
             ),
         >,
-        // What Bevy queries, so that it comes in Bevy's order.
+        // The query that Bevy has, so that its items come in Bevy's order.
         rect_lights: Query<
             'w,
             's,
