@@ -57,10 +57,7 @@ pub(crate) use prepare::OcclusionUniforms;
 
 use bevy::{
     asset::embedded_asset,
-    core_pipeline::{
-        core_3d::prepare_core_3d_depth_textures,
-        schedule::{Core3d, Core3dSystems},
-    },
+    core_pipeline::schedule::{Core3d, Core3dSystems},
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
@@ -137,9 +134,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                     )
                         .chain()
                         .in_set(ViewTextureSystems),
-                    extend_depth_usage::<ActiveOcclusion>(TextureUsages::TEXTURE_BINDING)
-                        .in_set(RenderSystems::PrepareResources)
-                        .before(prepare_core_3d_depth_textures),
+                    extend_depth_usage::<ActiveOcclusion>(TextureUsages::TEXTURE_BINDING),
                     prepare::prepare_occlusion_bind_groups.in_set(RenderSystems::PrepareBindGroups),
                 ),
             )

@@ -129,7 +129,7 @@ impl Plugin for LeanAutoExposurePlugin {
             .add_systems(
                 RenderStartup,
                 (
-                    support::init_exposure_support,
+                    support::init_exposure_support.ambiguous_with_all(),
                     pipelines::init_exposure_pipelines,
                     overlay::init_overlay_pipelines,
                     recovery::forget::<LeanAutoExposure>,

@@ -15,6 +15,10 @@ use bevy::{
 
 use crate::view::ActiveLeanView;
 
+/// The systems of this file. They change what shadow passes do not read.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct DepthCopySystems;
+
 /// The texture, while it is kept from Bevy's prepass. The views of a frame are drawn one after the other.
 #[derive(Resource, Default)]
 pub(super) struct WithheldDepthCopy(Option<ColorAttachment>);

@@ -66,6 +66,7 @@ mod visibility_masks;
 
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 pub(crate) use demand::ViewDemands;
+use depth_copy::DepthCopySystems;
 pub use material::{GBufferMaterial, GBufferMaterialExtension};
 use phase_item::{
     AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferBatchSetKey,
@@ -116,7 +117,7 @@ use crate::{
     shading_models,
     view::{
         ActiveLeanView, LeanDeferred, SharedPlugin, ViewTextureSystems,
-        depth_usage::extend_depth_usage, removal,
+        depth_usage::extend_depth_usage, pass_order::shadow_passes, removal,
     },
 };
 
@@ -185,7 +186,7 @@ impl Plugin for GBufferPlugin {
                         .after(MeshExtractionSystems),
                     special::extract_lightmapped_meshes
                         .in_set(DirtySpecializationSystems::CheckForChanges)
-                        .after(MeshExtractionSystems),
+                        .after(special::extract_special_meshes),
                 ),
             )
             .add_systems(
@@ -199,9 +200,7 @@ impl Plugin for GBufferPlugin {
                         .in_set(RenderSystems::QueueMeshes)
                         .after(queue_material_meshes)
                         .after(queue_prepass_material_meshes),
-                    extend_depth_usage::<ActiveLeanView>(TextureUsages::TEXTURE_BINDING)
-                        .in_set(RenderSystems::PrepareResources)
-                        .before(prepare_core_3d_depth_textures),
+                    extend_depth_usage::<ActiveLeanView>(TextureUsages::TEXTURE_BINDING),
                     textures::prepare_gbuffer_textures.in_set(ViewTextureSystems),
                     textures::fit_gbuffer_textures_to_depth
                         .in_set(RenderSystems::PrepareResources)
@@ -215,6 +214,7 @@ impl Plugin for GBufferPlugin {
                 Core3d,
                 (
                     depth_copy::withhold_depth_copy
+                        .in_set(DepthCopySystems)
                         .in_set(Core3dSystems::Prepass)
                         .before(early_prepass),
                     pass::early_gbuffer_pass
@@ -222,6 +222,7 @@ impl Plugin for GBufferPlugin {
                         .after(early_prepass)
                         .before(early_downsample_depth),
                     depth_copy::allow_late_depth_copy
+                        .in_set(DepthCopySystems)
                         .in_set(Core3dSystems::Prepass)
                         .after(pass::early_gbuffer_pass)
                         .before(late_prepass),
@@ -230,6 +231,7 @@ impl Plugin for GBufferPlugin {
                         .after(late_prepass)
                         .before(main_build_indirect_parameters),
                     depth_copy::copy_depth
+                        .in_set(DepthCopySystems)
                         .in_set(Core3dSystems::Prepass)
                         .after(pass::late_gbuffer_pass)
                         .before(main_build_indirect_parameters),
@@ -239,6 +241,9 @@ impl Plugin for GBufferPlugin {
                 )
                     .in_set(GBufferPasses),
             );
+        for pass in shadow_passes() {
+            render_app.configure_sets(Core3d, DepthCopySystems.ambiguous_with(pass));
+        }
     }
 }
 

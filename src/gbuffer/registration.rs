@@ -147,6 +147,8 @@ where
         };
         render_app
             .init_resource::<GBufferMaterials>()
+            // Each type of material has entries of its own.
+            .allow_ambiguous_resource::<GBufferMaterials>()
             .add_systems(RenderStartup, load_shaders)
             .add_systems(ExtractSchedule, extract_needs);
     }

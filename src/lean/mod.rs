@@ -30,7 +30,7 @@ use bevy::{
     prelude::*,
     render::{
         ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems,
-        extract_component::ExtractComponentPlugin,
+        extract_component::ExtractComponentPlugin, view::collect_visible_cpu_culled_entities,
     },
 };
 
@@ -80,7 +80,7 @@ impl Plugin for LeanDeferredPlugin {
             .add_systems(
                 RenderStartup,
                 (
-                    support::init_lean_deferred_support,
+                    support::init_lean_deferred_support.ambiguous_with_all(),
                     recovery::forget::<LeanDeferred>,
                 ),
             )
@@ -94,7 +94,8 @@ impl Plugin for LeanDeferredPlugin {
                         .chain()
                         .in_set(LeanViewSystems)
                         .in_set(RenderSystems::PrepareAssets)
-                        .after(check_views_need_specialization),
+                        .after(check_views_need_specialization)
+                        .after(collect_visible_cpu_culled_entities),
                     decision::withdraw_views_without_memory
                         .after(ViewTextureSystems)
                         .before(RenderSystems::Queue),

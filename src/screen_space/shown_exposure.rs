@@ -68,7 +68,10 @@ impl<V: BoundedByWhite> Plugin for ShownExposurePlugin<V> {
             render_app
                 .add_systems(
                     Render,
-                    let_uniforms_be_copied::<V>.in_set(RenderSystems::Queue),
+                    let_uniforms_be_copied::<V>
+                        .in_set(RenderSystems::Queue)
+                        .in_set(UniformUsageSystems)
+                        .ambiguous_with(UniformUsageSystems),
                 )
                 .add_systems(
                     Core3d,
@@ -77,6 +80,10 @@ impl<V: BoundedByWhite> Plugin for ShownExposurePlugin<V> {
         }
     }
 }
+
+/// The systems of `let_uniforms_be_copied`: all add the same.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+struct UniformUsageSystems;
 
 struct ShownExposureShaderPlugin;
 

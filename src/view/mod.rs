@@ -28,7 +28,7 @@ pub(crate) mod depth_usage;
 mod exchange;
 mod out_of_memory;
 pub(crate) mod overrides;
-mod pass_order;
+pub(crate) mod pass_order;
 pub(crate) mod removal;
 mod schedule;
 mod settings;
@@ -105,13 +105,18 @@ impl Plugin for SharedPlugin {
             .add_systems(
                 First,
                 // Bevy may make another device when one is lost.
-                overrides::fit_device.run_if(resource_exists_and_changed::<RenderDevice>),
+                overrides::fit_device
+                    .run_if(resource_exists_and_changed::<RenderDevice>)
+                    .ambiguous_with_all(),
             )
             .add_systems(
                 Last,
                 (
                     cut::count_cuts,
-                    overrides::fit_partners.run_if(overrides::are_cameras_changed),
+                    // Reads of the world what is about cameras.
+                    overrides::fit_partners
+                        .run_if(overrides::are_cameras_changed)
+                        .ambiguous_with_all(),
                 ),
             )
             .add_observer(overrides::override_new_camera)
@@ -122,13 +127,18 @@ impl Plugin for SharedPlugin {
         render_app
             .init_gpu_resource::<PipelineWatch>()
             .init_gpu_resource::<OutOfMemory>()
+            // Each system notes the cameras for which it found no memory.
+            .allow_ambiguous_resource::<OutOfMemory>()
             .configure_sets(
                 Render,
                 ViewTextureSystems
                     .after(RenderSystems::PrepareViews)
                     .before(RenderSystems::Queue),
             )
-            .add_systems(ExtractSchedule, pipeline_watch::watch_pipelines)
+            .add_systems(
+                ExtractSchedule,
+                pipeline_watch::watch_pipelines.ambiguous_with_all(),
+            )
             .add_systems(
                 Render,
                 (

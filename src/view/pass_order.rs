@@ -115,7 +115,7 @@ fn following<M>(system: impl IntoSystemSet<M>) -> Others {
 }
 
 /// They draw nothing into the view. Recorded beside the prepass, they cost less time.
-fn shadow_passes() -> Vec<InternedSystemSet> {
+pub(crate) fn shadow_passes() -> Vec<InternedSystemSet> {
     vec![
         per_view_shadow_pass::<EARLY_SHADOW_PASS>
             .into_system_set()

@@ -1,5 +1,6 @@
 //! Each plugin alone and with others, in any order, and with parts of Bevy missing.
 
+mod ambiguity;
 mod broken_shaders;
 mod order;
 mod passes;

@@ -119,7 +119,9 @@ impl Plugin for DebugViewPipelinesPlugin {
     fn build(&self, app: &mut App) {
         embedded_asset!(app, "debug_view.wgsl");
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
-            render_app.add_systems(RenderStartup, init_pipelines);
+            render_app
+                .allow_ambiguous_resource::<DebugViewPipelines>()
+                .add_systems(RenderStartup, init_pipelines);
         }
     }
 }

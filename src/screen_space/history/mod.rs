@@ -31,7 +31,7 @@ use bevy::{
 
 pub(super) use distance::units_per_metre;
 pub use prepare::ViewHistory;
-pub(super) use prepare::prepare_histories;
+pub(super) use prepare::{prepare_histories, prepare_history_bind_groups};
 pub use uniforms::HistoryView;
 
 use super::{shown_exposure::ShownExposurePlugin, succession::SuccessionPlugin};
@@ -76,14 +76,12 @@ impl Plugin for HistoryPlugin {
             .add_systems(
                 Render,
                 (
-                    (
-                        extend_depth_usage::<ReadsHistory>(
-                            TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-                        )
-                        .before(prepare_core_3d_depth_textures),
-                        opaque_depth::prepare_opaque_depths.after(prepare_core_3d_depth_textures),
-                    )
-                        .in_set(RenderSystems::PrepareResources),
+                    extend_depth_usage::<ReadsHistory>(
+                        TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+                    ),
+                    opaque_depth::prepare_opaque_depths
+                        .in_set(RenderSystems::PrepareResources)
+                        .after(prepare_core_3d_depth_textures),
                     prepare::prepare_histories.in_set(ViewTextureSystems),
                     prepare::prepare_history_bind_groups.in_set(RenderSystems::PrepareBindGroups),
                 ),

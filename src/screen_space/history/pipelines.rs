@@ -28,7 +28,7 @@ pub(super) const LEVELS: [u32; 2] = [4, 3];
 
 /// Made by `init_history_pipelines`.
 #[derive(Resource)]
-pub(super) struct HistoryPipelines {
+pub(in crate::screen_space) struct HistoryPipelines {
     pub(super) layouts: [FoundLayout; 2],
     shader: Handle<Shader>,
     /// `None` until somebody reads a history.

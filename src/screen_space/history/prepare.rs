@@ -205,7 +205,7 @@ pub(in crate::screen_space) fn prepare_histories(
 }
 
 /// Makes the bind groups of views whose last frame is read.
-pub(super) fn prepare_history_bind_groups(
+pub(in crate::screen_space) fn prepare_history_bind_groups(
     device: Res<RenderDevice>,
     cache: Res<PipelineCache>,
     pipelines: Option<ResMut<HistoryPipelines>>,

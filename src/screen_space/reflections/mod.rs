@@ -59,7 +59,7 @@ use bevy::{
 use super::{
     ReadsHistory,
     debug_view::DebugViewPlugin,
-    history::{HistoryPlugin, prepare_histories},
+    history::{HistoryPlugin, prepare_histories, prepare_history_bind_groups},
 };
 use crate::{
     gpu::recovery,
@@ -134,7 +134,8 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
                         .in_set(ViewTextureSystems)
                         .after(prepare_histories),
                     prepare::prepare_reflection_bind_groups
-                        .in_set(RenderSystems::PrepareBindGroups),
+                        .in_set(RenderSystems::PrepareBindGroups)
+                        .after(prepare_history_bind_groups),
                 ),
             )
             .add_systems(
