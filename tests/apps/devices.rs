@@ -4,10 +4,15 @@
 use bevy::{
     camera::Hdr,
     prelude::*,
-    render::render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
+    render::{
+        RenderApp,
+        render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
+    },
 };
 use bevy_lean_deferred::{
-    LeanDeferredPlugins, ambient_occlusion, auto_exposure,
+    LeanDeferredPlugins, ambient_occlusion,
+    ambient_occlusion::OcclusionSupport,
+    auto_exposure,
     auto_exposure::ExposureSupport,
     lean::{NEEDED_FLAGS, NEEDED_FORMATS, NEEDED_LIMITS, NeededLimit, missing_of},
     prelude::*,
@@ -150,27 +155,72 @@ fn effects_are_off_where_workgroups_are_small() {
     });
 }
 
+/// Render passes take the place of compute passes.
 #[test]
-fn exposure_leaves_cameras_alone_where_it_cannot_meter() {
+fn occlusion_is_drawn_where_it_cannot_be_computed() {
     in_own_process(|| {
-        let limits = Limits {
-            min_storage_buffer_offset_alignment: 256,
-            min_uniform_buffer_offset_alignment: 128,
-            ..gpu::limits()
-        };
-        let (mut headless, camera) = app_within(limits);
-        let exposure = headless.world().resource::<ExposureSupport>();
-        let missing = exposure.missing.as_deref().unwrap_or_default();
-        assert_eq!(missing, "storage buffers at the offsets of uniforms");
+        let needed = &ambient_occlusion::COMPUTE_LIMITS[3];
+        assert_eq!(needed.name, "max_compute_workgroup_storage_size");
+        let (mut headless, camera) = app_within(just_less(needed));
         headless.settle();
-        let before = headless.capture();
-        let exposure = LeanAutoExposure::default();
-        headless.world().entity_mut(camera).insert(exposure);
+        let without = headless.capture();
+        headless
+            .world()
+            .entity_mut(camera)
+            .insert(LeanAmbientOcclusion::default());
         headless.settle();
-        assert_eq!(settings(&mut headless, camera), BEVYS);
-        assert!(headless.capture() == before, "the picture is not Bevy's");
+        let render_world = headless.app.sub_app(RenderApp).world();
+        let support = render_world.resource::<OcclusionSupport>();
+        assert!(!support.stores_unorm8 && !support.stores_float16);
+        assert!(headless.capture() != without, "nothing is darker");
         assert_no_errors();
     });
+}
+
+/// A device that has all but what is needed of one limit.
+fn just_less(needed: &NeededLimit) -> Limits {
+    let mut limits = gpu::limits();
+    *(needed.field)(&mut limits) = needed.least - 1;
+    limits
+}
+
+#[test]
+fn exposure_leaves_cameras_alone_where_it_cannot_meter() {
+    let alignments = || Limits {
+        min_storage_buffer_offset_alignment: 256,
+        min_uniform_buffer_offset_alignment: 128,
+        ..gpu::limits()
+    };
+    in_own_process(move || {
+        cannot_meter(alignments(), "storage buffers at the offsets of uniforms");
+    });
+}
+
+#[test]
+fn exposure_leaves_cameras_alone_where_workgroups_are_small() {
+    in_own_process(|| {
+        let needed = (auto_exposure::NEEDED_LIMITS.iter())
+            .find(|needed| needed.name == "max_compute_workgroup_storage_size")
+            .expect("it shares memory");
+        let (least, has) = (needed.least, needed.least - 1);
+        let missing = format!("max_compute_workgroup_storage_size of {least} (it has {has})");
+        cannot_meter(just_less(needed), &missing);
+    });
+}
+
+fn cannot_meter(limits: Limits, expected: &str) {
+    let (mut headless, camera) = app_within(limits);
+    let exposure = headless.world().resource::<ExposureSupport>();
+    let missing = exposure.missing.as_deref().unwrap_or_default();
+    assert_eq!(missing, expected);
+    headless.settle();
+    let before = headless.capture();
+    let exposure = LeanAutoExposure::default();
+    headless.world().entity_mut(camera).insert(exposure);
+    headless.settle();
+    assert_eq!(settings(&mut headless, camera), BEVYS);
+    assert!(headless.capture() == before, "the picture is not Bevy's");
+    assert_no_errors();
 }
 
 /// The tables of needs, by the effects that have them.
