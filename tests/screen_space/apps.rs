@@ -6,6 +6,7 @@ use bevy_lean_deferred::{
     view::{DiffuseLight, OutOfMemory},
 };
 use kit::{
+    headless::Headless,
     known_light::{Errors, Seen, look, look_at_once, see, surface},
     known_mirrors::metal,
     lean::{build, change_cameras},
@@ -112,7 +113,7 @@ fn frames_at_rest_have_no_error_scopes() {
             });
             change_cameras(&mut headless, insert);
             headless.settle();
-            let attempts = |headless: &kit::headless::Headless| {
+            let attempts = |headless: &Headless| {
                 let world = headless.app.sub_app(RenderApp).world();
                 world.resource::<OutOfMemory>().attempts()
             };
@@ -139,23 +140,26 @@ fn a_shifted_world_is_no_other_one() {
                 with_motion(motion, &mut s.world().entity_mut(camera));
             });
             see(&mut headless, 24);
+            // Where meshes write motion, the target for it comes with the first that moves: forward draws all in that frame.
+            shift_world(&mut headless, 0.001 * SHIFT);
+            see(&mut headless, 24);
             let before = look(&mut headless);
-            let mut least = f32::INFINITY;
             for shift in [SHIFT, -SHIFT] {
-                let world = headless.world();
-                let mut roots = world.query_filtered::<&mut Transform, Without<ChildOf>>();
-                for mut root in roots.iter_mut(world) {
-                    root.translation += shift;
-                }
+                shift_world(&mut headless, shift);
                 let frames = [(); 3].map(|()| off(&before, &look_at_once(&mut headless)).psnr());
                 println!("motion vectors {motion}: {frames:.1?} dB after a shift by {shift}");
-                least = frames.into_iter().fold(least, f32::min);
+                assert!(frames.into_iter().all(|psnr| psnr > 48.0));
             }
-            // Motion vectors are differences of places far from the origin.
-            let bound = if motion { 35.0 } else { 48.0 };
-            assert!(least > bound);
         }
     });
+}
+
+fn shift_world(headless: &mut Headless, shift: Vec3) {
+    let world = headless.world();
+    let mut roots = world.query_filtered::<&mut Transform, Without<ChildOf>>();
+    for mut root in roots.iter_mut(world) {
+        root.translation += shift;
+    }
 }
 
 /// A camera that jumps as far by itself sees what is there.
