@@ -1,8 +1,11 @@
 //! What happens to meshes while a window is minimised: its cameras are active, their target has size 0, and Bevy keeps the phases of them.
 
 use bevy::{
-    camera::visibility::VisibilitySystems, core_pipeline::prepass::DepthPrepass,
-    material::OpaqueRendererMethod, prelude::*,
+    camera::visibility::VisibilitySystems,
+    core_pipeline::prepass::DepthPrepass,
+    material::OpaqueRendererMethod,
+    prelude::*,
+    render::{RenderApp, camera::ExtractedCamera, view::ExtractedView},
 };
 use bevy_lean_deferred::LeanDeferred;
 use kit::{
@@ -11,6 +14,7 @@ use kit::{
     log_watch,
     metrics::pixel_difference,
     own_process::in_own_process,
+    scenes::SceneBuilder,
 };
 
 const SIZE: UVec2 = UVec2::new(96, 64);
@@ -71,11 +75,30 @@ fn check(name: &str, extra: impl Bundle + Clone) {
         headless.frames(3);
     };
     set(&mut headless, true);
+    let render_world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views =
+        render_world.query_filtered::<(), (With<ExtractedView>, With<ExtractedCamera>)>();
+    assert_eq!(
+        views.iter(render_world).count(),
+        0,
+        "{name}: it is still drawn"
+    );
     for &mesh in &despawned {
         headless.world().despawn(mesh);
     }
     for &mesh in &hidden {
         headless.world().entity_mut(mesh).insert(Visibility::Hidden);
+    }
+    // They take the places of those that go in what the GPU knows of meshes: what is still drawn of these shows there.
+    let mut s = SceneBuilder {
+        headless: &mut headless,
+    };
+    for i in 0..8 {
+        s.mesh(
+            Cuboid::from_length(0.3),
+            StandardMaterial::from(Color::srgb(0.1, 0.1, 0.9)),
+            Transform::from_xyz(0.4 * i as f32 - 1.4, 1.2, 0.0),
+        );
     }
     headless.frames(3);
     headless.world().insert_resource(Minimised(false));
