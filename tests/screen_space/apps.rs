@@ -140,15 +140,15 @@ fn a_shifted_world_is_no_other_one() {
                 with_motion(motion, &mut s.world().entity_mut(camera));
             });
             see(&mut headless, 24);
-            // Where meshes write motion, the target for it comes with the first that moves: forward draws all in that frame.
-            shift_world(&mut headless, 0.001 * SHIFT);
-            see(&mut headless, 24);
             let before = look(&mut headless);
-            for shift in [SHIFT, -SHIFT] {
+            for (number, shift) in [SHIFT, -SHIFT, SHIFT].into_iter().enumerate() {
                 shift_world(&mut headless, shift);
                 let frames = [(); 3].map(|()| off(&before, &look_at_once(&mut headless)).psnr());
                 println!("motion vectors {motion}: {frames:.1?} dB after a shift by {shift}");
-                assert!(frames.into_iter().all(|psnr| psnr > 48.0));
+                // The motion target comes with the first mesh that moves: forward draws all of them in that frame.
+                let bound = if motion && number == 0 { 35.0 } else { 48.0 };
+                assert!(frames.into_iter().all(|psnr| psnr > bound));
+                see(&mut headless, 24);
             }
         }
     });
