@@ -70,9 +70,9 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        FoundLightPasses, GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses,
-        SharedPlugin, ViewTextureSystems, can_build, depth_usage::extend_depth_usage, overrides,
-        removal,
+        EffectSystems, FoundLightPasses, GBufferPasses, LeanViewSystems, LightingPasses,
+        OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
+        depth_usage::extend_depth_usage, overrides, removal,
     },
 };
 
@@ -112,6 +112,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         removal::remove_with::<ActiveOcclusion, (OcclusionTexture, ViewOcclusion, OcclusionBindings)>(
             render_app,
         );
+        EffectSystems::AmbientOcclusion.run_while::<With<LeanAmbientOcclusion>>(render_app);
         render_app
             .init_gpu_resource::<OcclusionUniforms>()
             .init_gpu_resource::<OcclusionSupport>()
@@ -136,7 +137,8 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                         .in_set(ViewTextureSystems),
                     extend_depth_usage::<ActiveOcclusion>(TextureUsages::TEXTURE_BINDING),
                     prepare::prepare_occlusion_bind_groups.in_set(RenderSystems::PrepareBindGroups),
-                ),
+                )
+                    .in_set(EffectSystems::AmbientOcclusion),
             )
             .add_systems(
                 Core3d,
@@ -147,7 +149,8 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                         .after(GBufferPasses)
                         .before(LightingPasses),
                     pass::occlusion_after_opaque.in_set(OpaquePicturePasses),
-                ),
+                )
+                    .in_set(EffectSystems::AmbientOcclusion),
             );
     }
 }

@@ -79,7 +79,10 @@ use bevy::{
 
 use crate::{
     gpu::recovery,
-    view::{ExposureOverlayPasses, ExposurePasses, SharedPlugin, can_build, overrides, removal},
+    view::{
+        EffectSystems, ExposureOverlayPasses, ExposurePasses, SharedPlugin, can_build, overrides,
+        removal,
+    },
 };
 
 /// Auto exposure, for cameras with [`LeanAutoExposure`]. Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it
@@ -123,6 +126,7 @@ impl Plugin for LeanAutoExposurePlugin {
             (ViewExposure, ExposureBindings, ExposureOverlay),
         >(render_app);
         removal::remove_with::<MeteredExposure, ExposureReadback>(render_app);
+        EffectSystems::AutoExposure.run_while::<With<LeanAutoExposure>>(render_app);
         render_app
             .init_gpu_resource::<prepare::ExposureUniforms>()
             .init_resource::<clock::Clocks>()
@@ -137,7 +141,8 @@ impl Plugin for LeanAutoExposurePlugin {
             )
             .add_systems(
                 ExtractSchedule,
-                (readback::report_metered, clock::extract_clocks),
+                (readback::report_metered, clock::extract_clocks)
+                    .in_set(EffectSystems::AutoExposure),
             )
             .add_systems(
                 Render,
@@ -159,7 +164,8 @@ impl Plugin for LeanAutoExposurePlugin {
                     )
                         .in_set(RenderSystems::PrepareBindGroups),
                     readback::map_readbacks.in_set(RenderSystems::Cleanup),
-                ),
+                )
+                    .in_set(EffectSystems::AutoExposure),
             )
             .add_systems(
                 Core3d,
@@ -172,7 +178,8 @@ impl Plugin for LeanAutoExposurePlugin {
                         .in_set(ExposureOverlayPasses)
                         .in_set(Core3dSystems::PostProcess)
                         .after(tonemapping),
-                ),
+                )
+                    .in_set(EffectSystems::AutoExposure),
             )
             .add_systems(
                 Core2d,
@@ -185,7 +192,8 @@ impl Plugin for LeanAutoExposurePlugin {
                         .in_set(ExposureOverlayPasses)
                         .in_set(Core2dSystems::PostProcess)
                         .after(tonemapping),
-                ),
+                )
+                    .in_set(EffectSystems::AutoExposure),
             );
     }
 }

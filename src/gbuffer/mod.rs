@@ -30,7 +30,7 @@
 // - `special.rs`, `moving.rs`: which meshes need more than their material says. `extracted.rs`: which have changed.
 // - `demand.rs`: what all visible meshes of a view need together.
 // - `lookup.rs`: what a mesh needs.
-// - `phase.rs`, `phase_item.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
+// - `phase.rs`, `phase_item.rs`, `batching.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
 // - `queue.rs`, `placement.rs`: which meshes go there.
 // - `offer.rs`, `bevy_phases.rs`: Bevy queues the others; how meshes get out of Bevy's phases and back.
 // - `visibility_masks.rs`: the layers of meshes, as data for their draws.
@@ -39,6 +39,7 @@
 // - `resolve_motion.{rs,wgsl}`: motion vectors into Bevy's texture. `binding_numbers.rs`: where it has what it binds.
 // - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
 
+mod batching;
 mod bevy_phases;
 #[doc(hidden)]
 pub mod binding_numbers;
@@ -65,12 +66,12 @@ mod usage;
 mod visibility_masks;
 
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
+use batching::add_phase;
 pub(crate) use demand::ViewDemands;
 use depth_copy::DepthCopySystems;
 pub use material::{GBufferMaterial, GBufferMaterialExtension};
 use phase_item::{
-    AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, GBufferBatchSetKey,
-    OpaqueGBuffer,
+    AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
 };
 pub use registration::GBufferMaterialPlugin;
 pub(crate) use resolve_motion::MotionResolvePipelines;
@@ -96,18 +97,14 @@ use bevy::{
         schedule::{Core3d, Core3dSystems},
     },
     pbr::{
-        DrawPrepass, MeshExtractionSystems, MeshPipeline, StandardMaterial,
-        main_build_indirect_parameters, queue_material_meshes, queue_prepass_material_meshes,
+        MeshExtractionSystems, StandardMaterial, main_build_indirect_parameters,
+        queue_material_meshes, queue_prepass_material_meshes,
     },
     prelude::*,
     render::{
-        ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderDebugFlags, RenderStartup,
-        RenderSystems,
+        ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
         camera::DirtySpecializationSystems,
-        render_phase::{
-            AddRenderCommand, BinnedPhaseItem, BinnedRenderPhasePlugin,
-            CachedRenderPipelinePhaseItem, DrawFunctions,
-        },
+        render_phase::AddRenderCommand,
         render_resource::{SpecializedMeshPipelines, TextureUsages},
     },
     shader::load_shader_library,
@@ -116,7 +113,7 @@ use bevy::{
 use crate::{
     shading_models,
     view::{
-        ActiveLeanView, LeanDeferred, SharedPlugin, ViewTextureSystems,
+        ActiveLeanView, EffectSystems, LeanDeferred, SharedPlugin, ViewTextureSystems,
         depth_usage::extend_depth_usage, pass_order::shadow_passes, removal,
     },
 };
@@ -184,10 +181,15 @@ impl Plugin for GBufferPlugin {
                     )
                         .chain()
                         .after(MeshExtractionSystems),
-                    special::extract_lightmapped_meshes
-                        .in_set(DirtySpecializationSystems::CheckForChanges)
-                        .after(special::extract_special_meshes),
-                ),
+                )
+                    .in_set(EffectSystems::Lean),
+            )
+            // Without lean cameras too.
+            .add_systems(
+                ExtractSchedule,
+                special::extract_lightmapped_meshes
+                    .in_set(DirtySpecializationSystems::CheckForChanges)
+                    .after(special::extract_special_meshes),
             )
             .add_systems(
                 Render,
@@ -208,7 +210,8 @@ impl Plugin for GBufferPlugin {
                     visibility_masks::upload_visibility_masks
                         .in_set(RenderSystems::PrepareResources),
                     resolve_motion::prepare_motion_resolve.in_set(RenderSystems::PrepareBindGroups),
-                ),
+                )
+                    .in_set(EffectSystems::Lean),
             )
             .add_systems(
                 Core3d,
@@ -239,25 +242,11 @@ impl Plugin for GBufferPlugin {
                         .after(main_build_indirect_parameters)
                         .before(Core3dSystems::MainPass),
                 )
-                    .in_set(GBufferPasses),
+                    .in_set(GBufferPasses)
+                    .in_set(EffectSystems::Lean),
             );
         for pass in shadow_passes() {
             render_app.configure_sets(Core3d, DepthCopySystems.ambiguous_with(pass));
         }
-    }
-}
-
-/// A phase for which meshes are batched and drawn as in Bevy's prepasses.
-fn add_phase<P>(app: &mut App)
-where
-    P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey> + CachedRenderPipelinePhaseItem,
-{
-    app.add_plugins(BinnedRenderPhasePlugin::<P, MeshPipeline>::new(
-        RenderDebugFlags::default(),
-    ));
-    if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
-        render_app
-            .init_resource::<DrawFunctions<P>>()
-            .add_render_command::<P, DrawPrepass>();
     }
 }

@@ -1,6 +1,6 @@
 //! The plugin that lets a material into the G-buffer, and what is known of all such materials.
 
-use core::any::TypeId;
+use core::{any::TypeId, mem::replace};
 
 use alloc::sync::Arc;
 
@@ -15,6 +15,7 @@ use bevy::{
 };
 
 use super::{GBufferPlugin, material::GBufferMaterial, targets::GBufferNeeds};
+use crate::view::{EffectSystems, LeanDeferred};
 
 /// Lets meshes with material `M` into the G-buffer. Add it beside `M`'s [`MaterialPlugin`], in any order.
 ///
@@ -140,17 +141,22 @@ where
                 let shaders = MaterialShaders::load(&shaders, &asset_server);
                 materials.shaders.insert(TypeId::of::<M>(), shaders);
             };
-        let extract_needs = move |events: Extract<MessageReader<AssetEvent<M>>>,
+        let extract_needs = move |cameras: Extract<Query<(), With<LeanDeferred>>>,
+                                  events: Extract<MessageReader<AssetEvent<M>>>,
                                   assets: Extract<Res<Assets<M>>>,
-                                  materials: ResMut<GBufferMaterials>| {
-            extract_material_needs(&*needs, events, assets, materials);
+                                  materials: ResMut<GBufferMaterials>,
+                                  mut is_following: Local<bool>| {
+            let was_following = replace(&mut *is_following, !cameras.is_empty());
+            if *is_following {
+                extract_material_needs(&*needs, was_following, events, assets, materials);
+            }
         };
         render_app
             .init_resource::<GBufferMaterials>()
             // Each type of material has entries of its own.
             .allow_ambiguous_resource::<GBufferMaterials>()
             .add_systems(RenderStartup, load_shaders)
-            .add_systems(ExtractSchedule, extract_needs);
+            .add_systems(ExtractSchedule, extract_needs.in_set(EffectSystems::Lean));
     }
 }
 
@@ -199,13 +205,24 @@ impl GBufferMaterials {
 }
 
 /// Follows the assets of type `M`. Bevy marks the meshes of a changed material as dirty, so they are queued anew, with
-/// what is recorded here, in the same frame.
+/// what is recorded here, in the same frame. All are read where they were not followed in the last frame.
 fn extract_material_needs<M: Material>(
     needs: &Needs<M>,
+    was_following: bool,
     mut events: Extract<MessageReader<AssetEvent<M>>>,
     assets: Extract<Res<Assets<M>>>,
     mut materials: ResMut<GBufferMaterials>,
 ) {
+    if !was_following {
+        events.clear();
+        let is_other = |id: &UntypedAssetId| id.type_id() != TypeId::of::<M>();
+        materials.needs.retain(|id, _| is_other(id));
+        let all = assets
+            .iter()
+            .filter_map(|(id, material)| Some((id.untyped(), needs(material)?)));
+        materials.needs.extend(all);
+        return;
+    }
     for event in events.read() {
         let (AssetEvent::Added { id }
         | AssetEvent::Modified { id }

@@ -41,7 +41,7 @@ use crate::{
     screen_space::subsurface::SubsurfacePlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
-        DebugChannel, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems,
+        DebugChannel, EffectSystems, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems,
         ViewTextureSystems, can_build, overrides,
     },
 };
@@ -74,9 +74,13 @@ impl Plugin for LeanDeferredPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        EffectSystems::Lean.run_while::<With<LeanDeferred>>(render_app);
         render_app
             .init_resource::<statuses::LeanStatuses>()
-            .add_systems(ExtractSchedule, statuses::report_statuses)
+            .add_systems(
+                ExtractSchedule,
+                statuses::report_statuses.in_set(EffectSystems::Lean),
+            )
             .add_systems(
                 RenderStartup,
                 (
@@ -99,7 +103,8 @@ impl Plugin for LeanDeferredPlugin {
                     decision::withdraw_views_without_memory
                         .after(ViewTextureSystems)
                         .before(RenderSystems::Queue),
-                ),
+                )
+                    .in_set(EffectSystems::Lean),
             );
     }
 }

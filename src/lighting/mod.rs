@@ -78,7 +78,10 @@ use bevy::{
 
 use crate::{
     ambient_occlusion,
-    view::{ActiveLeanView, DiffuseLight, LeanDeferred, SharedPlugin, ViewTextureSystems, removal},
+    view::{
+        ActiveLeanView, DiffuseLight, EffectSystems, LeanDeferred, SharedPlugin,
+        ViewTextureSystems, removal,
+    },
 };
 
 /// On a view: everything its lighting pass needs. Dropped with the effect.
@@ -154,7 +157,10 @@ impl Plugin for LightingPlugin {
             .init_gpu_resource::<buffers::LightingBuffers>()
             .init_gpu_resource::<soft_shadows::BlockerSampler>()
             .init_resource::<light_layers::LightLayers>()
-            .add_systems(ExtractSchedule, light_layers::extract_light_layers)
+            .add_systems(
+                ExtractSchedule,
+                light_layers::extract_light_layers.in_set(EffectSystems::Lean),
+            )
             .add_systems(
                 RenderStartup,
                 pipeline::init_lighting_pipelines.after(MeshPipelineSystems),
@@ -175,11 +181,13 @@ impl Plugin for LightingPlugin {
                         .chain()
                         .in_set(RenderSystems::PrepareBindGroups)
                         .after(prepare_mesh_view_bind_groups),
-                ),
+                )
+                    .in_set(EffectSystems::Lean),
             )
             .add_systems(
                 Core3d,
                 pass::lighting_pass
+                    .in_set(EffectSystems::Lean)
                     .in_set(LightingPasses)
                     .in_set(Core3dSystems::MainPass)
                     .before(main_opaque_pass_3d),

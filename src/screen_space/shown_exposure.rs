@@ -69,13 +69,16 @@ impl<V: BoundedByWhite> Plugin for ShownExposurePlugin<V> {
                 .add_systems(
                     Render,
                     let_uniforms_be_copied::<V>
+                        .run_if(any_with_component::<V>)
                         .in_set(RenderSystems::Queue)
                         .in_set(UniformUsageSystems)
                         .ambiguous_with(UniformUsageSystems),
                 )
                 .add_systems(
                     Core3d,
-                    keep_shown_exposure::<V>.after(Core3dSystems::PostProcess),
+                    keep_shown_exposure::<V>
+                        .run_if(any_with_component::<V>)
+                        .after(Core3dSystems::PostProcess),
                 );
         }
     }
@@ -98,11 +101,8 @@ fn can_be_copied(buffer: &Buffer) -> bool {
 }
 
 /// Has Bevy make the uniforms of views so that they can be copied, before it makes those of this frame.
-fn let_uniforms_be_copied<V: BoundedByWhite>(
-    mut uniforms: ResMut<ViewUniforms>,
-    views: Query<(), With<V>>,
-) {
-    if !views.is_empty() && !uniforms.uniforms.buffer().is_some_and(can_be_copied) {
+fn let_uniforms_be_copied<V: BoundedByWhite>(mut uniforms: ResMut<ViewUniforms>) {
+    if !uniforms.uniforms.buffer().is_some_and(can_be_copied) {
         uniforms.uniforms.add_usages(BufferUsages::COPY_SRC);
     }
 }

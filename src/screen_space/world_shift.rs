@@ -75,7 +75,10 @@ pub(super) fn add_to(app: &mut App) {
     app.init_resource::<WorldShift>()
         .add_plugins(ExtractResourcePlugin::<WorldShift>::default())
         // Where transforms are those of this frame, and the previous ones those of the last.
-        .add_systems(Last, notice_world_shifts);
+        .add_systems(
+            Last,
+            notice_world_shifts.run_if(any_with_component::<LeanDeferred>),
+        );
 }
 
 #[cfg(test)]

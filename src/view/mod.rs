@@ -18,6 +18,7 @@
 // - `cut.rs`: when the last frame says nothing of this one. `averaging.rs`: where frames are averaged over time.
 // - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
 // - `overrides/`: what effects change about a camera and the others of its target, and give back.
+// - `in_use.rs`: systems are skipped while no camera has their effect.
 // - `removal.rs`: what goes with a component. `unfit_items.rs`: what other crates leave in phases of a camera that was changed.
 // - `out_of_memory.rs`: textures that do not fit. `warn_once.rs`: why an effect is off, once for each camera.
 
@@ -26,6 +27,7 @@ mod averaging;
 mod cut;
 pub(crate) mod depth_usage;
 mod exchange;
+mod in_use;
 mod out_of_memory;
 pub(crate) mod overrides;
 pub(crate) mod pass_order;
@@ -47,6 +49,7 @@ pub use exchange::{
     DiffuseLight, IndirectDiffuse, IndirectSpecular, LightExchange, ReadsDiffuseLight,
     ScattersLight,
 };
+pub(crate) use in_use::EffectSystems;
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
 #[doc(hidden)]
@@ -112,7 +115,7 @@ impl Plugin for SharedPlugin {
             .add_systems(
                 Last,
                 (
-                    cut::count_cuts,
+                    cut::count_cuts.run_if(any_with_component::<CameraCut>),
                     // Reads of the world what is about cameras.
                     overrides::fit_partners
                         .run_if(overrides::are_cameras_changed)

@@ -4,6 +4,7 @@ mod ambiguity;
 mod broken_shaders;
 mod order;
 mod passes;
+mod unused;
 
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;

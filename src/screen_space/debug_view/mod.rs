@@ -101,11 +101,14 @@ impl<V: DebugShown> Plugin for DebugViewPlugin<V> {
         render_app
             .add_systems(
                 Render,
-                prepare_debug_views::<V>.in_set(RenderSystems::PrepareBindGroups),
+                prepare_debug_views::<V>
+                    .run_if(any_with_component::<V>)
+                    .in_set(RenderSystems::PrepareBindGroups),
             )
             .add_systems(
                 Core3d,
                 show::<V>
+                    .run_if(any_with_component::<DebugView<V>>)
                     .in_set(Core3dSystems::MainPass)
                     .in_set(DebugViewPasses)
                     .after(HistoryPasses),

@@ -56,9 +56,9 @@ use super::{
 use crate::{
     gpu::recovery,
     view::{
-        ActiveLeanView, FoundLightPasses, GBufferPasses, IndirectDiffuse, LeanViewSystems,
-        LightingPasses, OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin, ViewTextureSystems,
-        can_build, removal,
+        ActiveLeanView, EffectSystems, FoundLightPasses, GBufferPasses, IndirectDiffuse,
+        LeanViewSystems, LightingPasses, OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin,
+        ViewTextureSystems, can_build, removal,
     },
 };
 
@@ -95,6 +95,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         removal::remove_with::<ActiveGi, (ViewGi, IndirectDiffuse, ReadsDiffuseLight)>(render_app);
         removal::remove_with::<ActiveLeanView, ViewGi>(render_app);
         removal::remove_with::<ViewGi, (GiBindings, ForwardLight)>(render_app);
+        EffectSystems::DiffuseGi.run_while::<With<LeanScreenSpaceGi>>(render_app);
         render_app
             .init_gpu_resource::<prepare::GiUniforms>()
             .add_systems(
@@ -117,7 +118,8 @@ impl Plugin for LeanScreenSpaceGiPlugin {
                         forward_light::prepare_forward_light,
                     )
                         .in_set(RenderSystems::PrepareBindGroups),
-                ),
+                )
+                    .in_set(EffectSystems::DiffuseGi),
             )
             .add_systems(
                 Core3d,
@@ -128,7 +130,8 @@ impl Plugin for LeanScreenSpaceGiPlugin {
                         .after(GBufferPasses)
                         .before(LightingPasses),
                     forward_light::add_forward_light.in_set(OpaquePicturePasses),
-                ),
+                )
+                    .in_set(EffectSystems::DiffuseGi),
             );
     }
 }

@@ -36,7 +36,7 @@ pub use uniforms::HistoryView;
 
 use super::{shown_exposure::ShownExposurePlugin, succession::SuccessionPlugin};
 use crate::view::{
-    HistoryPasses, OpaquePicturePasses, SharedPlugin, ViewTextureSystems,
+    EffectSystems, HistoryPasses, OpaquePicturePasses, SharedPlugin, ViewTextureSystems,
     depth_usage::extend_depth_usage, removal,
 };
 
@@ -66,6 +66,7 @@ impl Plugin for HistoryPlugin {
             return;
         };
         removal::remove_with::<ReadsHistory, ViewHistory>(render_app);
+        EffectSystems::History.run_while::<With<ReadsHistory>>(render_app);
         render_app
             .init_gpu_resource::<prepare::HistoryUniforms>()
             .init_gpu_resource::<opaque_depth::OpaqueDepths>()
@@ -84,7 +85,8 @@ impl Plugin for HistoryPlugin {
                         .after(prepare_core_3d_depth_textures),
                     prepare::prepare_histories.in_set(ViewTextureSystems),
                     prepare::prepare_history_bind_groups.in_set(RenderSystems::PrepareBindGroups),
-                ),
+                )
+                    .in_set(EffectSystems::History),
             )
             .add_systems(
                 Core3d,
@@ -95,7 +97,8 @@ impl Plugin for HistoryPlugin {
                         .in_set(Core3dSystems::MainPass)
                         .in_set(HistoryPasses)
                         .after(main_transparent_pass_3d),
-                ),
+                )
+                    .in_set(EffectSystems::History),
             );
     }
 }

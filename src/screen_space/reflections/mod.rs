@@ -64,8 +64,8 @@ use super::{
 use crate::{
     gpu::recovery,
     view::{
-        ActiveLeanView, FoundLightPasses, GBufferPasses, IndirectSpecular, LeanViewSystems,
-        LightingPasses, SharedPlugin, ViewTextureSystems, can_build, removal,
+        ActiveLeanView, EffectSystems, FoundLightPasses, GBufferPasses, IndirectSpecular,
+        LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems, can_build, removal,
     },
 };
 
@@ -115,6 +115,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
             ),
         >(render_app);
         removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
+        EffectSystems::Reflections.run_while::<With<LeanScreenSpaceReflections>>(render_app);
         render_app
             .init_gpu_resource::<prepare::ReflectionUniforms>()
             .add_systems(
@@ -136,11 +137,13 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
                     prepare::prepare_reflection_bind_groups
                         .in_set(RenderSystems::PrepareBindGroups)
                         .after(prepare_history_bind_groups),
-                ),
+                )
+                    .in_set(EffectSystems::Reflections),
             )
             .add_systems(
                 Core3d,
                 pass::find_reflections
+                    .in_set(EffectSystems::Reflections)
                     .in_set(Core3dSystems::MainPass)
                     .in_set(FoundLightPasses)
                     .after(GBufferPasses)

@@ -62,7 +62,7 @@ use crate::{
     gpu::recovery,
     lighting::{SubsurfaceLight, lighting_pass, prepare_subsurface_light},
     view::{
-        LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
+        EffectSystems, LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
         ViewTextureSystems, removal,
     },
 };
@@ -94,6 +94,8 @@ impl Plugin for SubsurfacePlugin {
         removal::remove_with::<LeanDeferred, ActiveScattering>(render_app);
         removal::remove_with::<ActiveScattering, (ViewSubsurface, ScattersLight)>(render_app);
         removal::remove_with::<SubsurfaceLight, ViewSubsurface>(render_app);
+        EffectSystems::SubsurfaceScattering
+            .run_while::<Or<(With<LeanDeferred>, With<LeanSubsurfaceScattering>)>>(render_app);
         render_app
             .init_gpu_resource::<prepare::SubsurfaceUniforms>()
             .add_systems(
@@ -114,11 +116,13 @@ impl Plugin for SubsurfacePlugin {
                         .after(prepare_subsurface_light),
                     prepare::prepare_subsurface_bind_groups
                         .in_set(RenderSystems::PrepareBindGroups),
-                ),
+                )
+                    .in_set(EffectSystems::SubsurfaceScattering),
             )
             .add_systems(
                 Core3d,
                 pass::scatter_light
+                    .in_set(EffectSystems::SubsurfaceScattering)
                     .in_set(LightingPasses)
                     .after(lighting_pass)
                     .before(main_opaque_pass_3d)
