@@ -1,4 +1,4 @@
-// What the passes bind: each imports what it uses.
+// Bindings of the ambient occlusion passes. Each pass imports those that it uses.
 #define_import_path bevy_lean_deferred::ambient_occlusion::bindings
 
 #import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
@@ -18,7 +18,7 @@
 @group(0) @binding(5) var occlusion_texture: texture_2d<f32>;
 
 fn is_in_view(pixel: vec2<i32>) -> bool {
-    // Less than 0 is more than any size.
+    // Negative coordinates wrap to values above any size.
     return all(bitcast<vec2<u32>>(pixel) < view.viewport_size);
 }
 
@@ -40,15 +40,15 @@ fn direction_to_viewer(position: vec3<f32>) -> vec3<f32> {
 #endif
 }
 
-/// The radius somewhere.
+/// Projected radius at a surface.
 struct Radius {
-    /// Along each axis, negative where the projection mirrors.
+    /// Per axis; negative where the projection mirrors.
     pixels: vec2<f32>,
-    /// By how much it is shorter than it should be, for its pixels would be too many: 1 or more.
+    /// Factor by which clamping `pixels` shortened the radius: 1 or more.
     excess: f32,
 }
 
-/// At the surface at this `position` and `depth`.
+/// Projects the radius at the surface at this `position` and `depth`, and clamps it.
 fn radius_at(position: vec3<f32>, depth: f32) -> Radius {
 #ifdef PROJECTION_PERSPECTIVE
     let nearness = view.edge.x * depth + view.edge.y;

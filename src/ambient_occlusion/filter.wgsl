@@ -1,22 +1,22 @@
-// The filter of 3×3 or 5×5 texels (4×4 from half resolution), read with gathers; for the merge pass and the lighting pass.
+// Filter of 3×3 or 5×5 texels (4×4 from half resolution), read with gathers, for the merge pass and the lighting pass.
 #define_import_path bevy_lean_deferred::ambient_occlusion::filter
 
 #import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 
-/// Four texels, of which `first` is the one with the least coordinates. A gather's parts are the texels (0, 1), (1, 1),
-/// (1, 0), (0, 0) from there.
+/// Gathers 2×2 texels, of which `first` has the least coordinates. The components are the texels (0, 1), (1, 1), (1, 0), (0, 0)
+/// relative to it.
 fn gather_at(occlusion: texture_2d<f32>, nearest: sampler, first: vec2<i32>) -> vec4<f32> {
     let place = vec2<f32>(first + 1) / vec2<f32>(textureDimensions(occlusion));
     return textureGather(0, occlusion, nearest, place);
 }
 
-/// Depth around a pixel as a plane: depth is affine on screen, so this is exact.
+/// Depth around a pixel as a plane. Exact on planar surfaces, because depth is affine on screen.
 struct DepthPlane {
     center: f32,
-    /// Per pixel.
+    /// Change in depth per pixel.
     slope: vec2<f32>,
-    /// 1 / the step in depth that separates surfaces.
+    /// 1 / the depth step that separates surfaces.
     inverse_step: f32,
 }
 
@@ -31,18 +31,18 @@ fn depth_plane(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>, c
         flatter_slope(depth_in_view(depth, view, pixel - vec2(0, 1)), center, depth_in_view(depth, view, pixel + vec2(0, 1))),
     );
     let nearness = view.edge.x * center + view.edge.y;
-    // The last digits of depth are no step. Infinitely far away, at depth 0 in perspective, anything is one.
+    // The second term exceeds rounding errors of depth. At depth 0, infinitely far away in perspective, any difference is a step.
     let step = view.edge.z * nearness * nearness + 1e-6 * center;
     return DepthPlane(center, slope, 1.0 / max(step, 1e-30));
 }
 
-/// Weight of a texel whose occlusion was found at `offset` pixels from the plane's centre: 1 on it, 0 a step away.
+/// Weight of a texel whose occlusion was gathered at `offset` pixels from the plane's centre: 1 on the plane, 0 a step away.
 fn edge_weight(plane: DepthPlane, depth: f32, offset: vec2<i32>) -> f32 {
     let expected = plane.center + dot(plane.slope, vec2<f32>(offset));
     return saturate(1.0 - abs(depth - expected) * plane.inverse_step);
 }
 
-/// Filtered occlusion of a `pixel` of the viewport, 0 to 1. `center` is its depth.
+/// Filtered occlusion of a viewport `pixel`, 0 to 1. `center` is its depth.
 fn filtered_occlusion(
     occlusion: texture_2d<f32>,
     nearest: sampler,
@@ -57,7 +57,7 @@ fn filtered_occlusion(
     let plane = depth_plane(depth, view, pixel, center);
 #endif
 #ifdef OCCLUSION_HALF
-    // 1 2 1 after linear interpolation: both classes of texels weigh the same, so the 2×2 pattern goes here too.
+    // 1 2 1 after linear interpolation. Even and odd texels weigh the same, which also removes the 2×2 pattern.
     let base = pixel >> vec2(1u);
     let odd = vec2<f32>(pixel & vec2(1)) * 0.5;
     var mean = 0.0;
@@ -69,7 +69,7 @@ fn filtered_occlusion(
             let ramp = mix(vec2(1.0) - abs(vec2<f32>(texel)) * 0.5, 1.0 - abs(vec2<f32>(texel) - 1.0) * 0.5, odd);
             let clipped = max(ramp, vec2(0.0));
             var weight = clipped.x * clipped.y;
-            // The weights' sum is 4.
+            // The weights add up to 4.
             mean += 0.25 * weight * values[j];
 #ifdef OCCLUSION_EDGE_AWARE
             let offset = 2 * (base + texel) - pixel;
@@ -79,11 +79,11 @@ fn filtered_occlusion(
             weights += weight;
         }
     }
-    // Few texels of the same surface do not look in all directions: where less than half is left, what they find beyond the mean
-    // of all counts less. So no pixel is black because one texel is.
+    // A few texels of the same surface do not cover all directions. Where less than half of the weight remains, occlusion above
+    // the unweighted mean counts less, so that no single texel turns a pixel black.
     sum = mix(min(sum, mean * weights), sum, saturate(0.5 * weights));
 #else ifdef OCCLUSION_WIDE
-    // 1 2 2 2 1 along each axis, and 0 for the sixth texel of three gathers.
+    // 1 2 2 2 1 along each axis; 0 for the sixth texel of three gathers.
     for (var i = 0; i < 9; i++) {
         let corner = 2 * vec2(i % 3, i / 3) - 2;
         let values = gather_at(occlusion, nearest, pixel + corner);
@@ -102,14 +102,14 @@ fn filtered_occlusion(
     }
 #else
     for (var i = 0; i < 4; i++) {
-        // The four gathers overlap: the centre comes four times, its neighbours twice.
+        // The four gathers overlap: they read the centre four times and its direct neighbours twice.
         let corner = vec2((i & 1) - 1, (i >> 1u) - 1);
         let values = gather_at(occlusion, nearest, pixel + corner);
         for (var j = 0; j < 4; j++) {
             let offset = corner + vec2(i32(j == 1 || j == 2), i32(j < 2));
             let distance = abs(offset.x) + abs(offset.y);
 #ifdef OCCLUSION_FLAT
-            // As often as they come, these make 2.34, 2 and √2.
+            // With these multiplicities, the weights are 2.34 (centre), 2 and √2 (corners).
             var weight = select(select(1.41421356, 1.0, distance == 1), 0.585, distance == 0);
 #else
             var weight = 1.0;

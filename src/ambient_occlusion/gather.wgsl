@@ -1,4 +1,4 @@
-// Finds the occlusion of each texel: as a compute pass, or as a fragment pass where the format cannot be stored to.
+// Computes the occlusion of each texel: in a compute pass, or in a fragment pass where the format has no storage support.
 #import bevy_lean_deferred::ambient_occlusion::bindings::{depth_at, depth_texture, is_in_view, view}
 #import bevy_lean_deferred::gbuffer::layout::is_finite
 #import bevy_lean_deferred::tiles::place_in_tile
@@ -12,7 +12,7 @@
 }
 #endif
 
-/// Where the pixels of each phase lie in a block of 2×2: neighbours along an axis look in rather different directions.
+/// Offset of a phase's pixel in a 2×2 block. The order gives neighbours along an axis clearly different directions.
 fn place_of(phase: u32) -> vec2<u32> {
     return vec2(phase & 1u, u32(phase == 1u || phase == 2u));
 }
@@ -26,25 +26,25 @@ fn phase_at(texel: vec2<u32>) -> u32 {
 fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
     let pixel = vec2<i32>(texel * #{DIVISOR}u);
     let depth = depth_at(pixel);
-    // Sky, and what is not a number.
+    // Sky or NaN.
     if !(depth > 0.0) {
         return 0.0;
     }
     return hdao(pixel, depth);
 }
 #else ifdef SHARED_DEPTHS
-/// Depths of a workgroup's pixels and of two more on each side; `OUTSIDE` where there is no surface.
+/// Depths of the workgroup's pixels and a border of two; `OUTSIDE` where there is no surface.
 const SIDE: i32 = 20;
 var<workgroup> depths: array<f32, 400>;
 
-/// The first pixel of the workgroup.
+/// First pixel of the workgroup.
 var<private> corner: vec2<i32>;
 
 fn read_depth(in_depth: DepthView, place: vec2<i32>, is_inside: bool) {
     depths[place.x + SIDE * place.y] = depth_or_outside(depth_texture, in_depth, corner - 2 + place, is_inside);
 }
 
-/// In three columns and rows of at most eight: no number is divided to find a place.
+/// Loads three columns and rows of at most eight pixels, which needs no integer division.
 fn read_depths(invocation: u32) {
     let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
     let is_inside = is_in_view(corner - 2) && is_in_view(corner + SIDE - 3);
@@ -88,7 +88,7 @@ fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
 fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
     let pixel = vec2<i32>(texel * #{DIVISOR}u);
     let depth = depth_at(pixel);
-    // Sky, and what is not a number.
+    // Sky or NaN.
     if !(depth > 0.0) {
         return 0.0;
     }
@@ -107,7 +107,7 @@ fn occlusion_at(texel: vec2<u32>, phase: u32) -> f32 {
 #import bevy_lean_deferred::ambient_occlusion::bindings::output_texture
 #import bevy_lean_deferred::tiles::pixel_in_view
 
-/// 64 invocations find 16×16 texels, one phase after the other: so all of a subgroup look in one direction at a time.
+/// 64 invocations compute 16×16 texels, one phase after the other, so that a subgroup samples one direction at a time.
 @compute @workgroup_size(64, 1, 1)
 fn compute(
     @builtin(workgroup_id) tile: vec3<u32>,
@@ -131,7 +131,7 @@ fn compute(
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let texel = vec2<u32>(position.xy);
     let occlusion = occlusion_at(texel, phase_at(texel));
-    // The target was cleared to none.
+    // The target was cleared to 0.
     if occlusion == 0.0 {
         discard;
     }

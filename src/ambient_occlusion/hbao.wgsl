@@ -14,7 +14,7 @@
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
 #endif
 
-// The presets are compiled for their numbers, so that loops unroll.
+// The presets' counts are compiled in, so that loops unroll.
 #ifdef SLICES
 fn slice_count() -> u32 {
     return #{SLICES}u;
@@ -33,37 +33,37 @@ fn steps_on_each_side() -> u32 {
 }
 #endif
 
-/// A slice.
+/// Per-pixel terms of the march, and the direction and steps of the current slice.
 struct March {
     pixel: Start,
-    /// Twice its place in the texture.
+    /// Twice the pixel's texture coordinates. Minus those of one sample, they are those of the opposite one.
     twice: vec2<i32>,
-    /// How many pixels of the view there are before it along each axis, and behind it.
+    /// Number of the view's pixels before and behind the pixel, along each axis.
     room_before: vec2<f32>,
     room_behind: vec2<f32>,
     depth: f32,
-    /// w of the pixel, and what follows of it, in such a unit that samples weigh less by the square of their distance.
+    /// Homogeneous w of the pixel. Like `of_w`, scaled so that distance² / w² is the falloff of a sample's weight.
     w: f32,
-    /// What steps of a pixel to the right, of a pixel downwards and of a depth of 1 raise: w; and, times w of where they lead, how far
-    /// that is towards the viewer, and above the surface.
+    /// Change per pixel to the right, per pixel downwards and per unit of depth: of w; and, times w at the sample, of the distance
+    /// towards the viewer and of the height above the surface.
     of_w: vec3<f32>,
     of_viewer: vec3<f32>,
     of_surface: vec3<f32>,
-    /// The square of how far steps on the screen lead: of x², y² and xy. In perspective, across the direction to the viewer.
+    /// Coefficients of x², y² and xy in the squared length of a screen step. In perspective, only of its part perpendicular to the viewer.
     of_squares: vec3<f32>,
 #ifndef PROJECTION_PERSPECTIVE
-    /// What a depth of 1 adds to that: with x, with y, and squared.
+    /// Coefficients that a depth difference adds to it: with x, with y, and squared.
     of_depth: vec3<f32>,
 #endif
-    /// On screen; its longer side is a pixel long.
+    /// On screen; its longer side is one pixel.
     direction: vec2<f32>,
-    /// `steps.x` x² + `steps.y` x is how many pixels step x is away on both sides: they lie closer together near the pixel.
+    /// Step x is `steps.x` x² + `steps.y` x pixels away on both sides: samples are denser near the pixel.
     steps: vec2<f32>,
-    /// Where the first step stands between two, 0 to 1.
+    /// Jitter of the first step, 0 to 1 steps.
     offset: f32,
 }
 
-/// Without its direction and steps.
+/// Sets all but `direction`, `steps` and `offset`.
 fn march_from(
     pixel: vec2<i32>,
     ray: vec2<f32>,
@@ -99,7 +99,7 @@ fn march_from(
     return march;
 }
 
-/// What a step on the screen raises; one to the other side lowers the first four by as much.
+/// Increments of a screen step. A step to the opposite side negates the first four.
 struct Step {
     w: f32,
     to_viewer: f32,
@@ -121,12 +121,12 @@ fn step_of(march: March, pixels: vec2<f32>) -> Step {
     return step;
 }
 
-/// The highest sample so far on one `side`, 1 or -1, with one more of this depth: `highest` and what is returned are above `base`.
+/// Highest horizon on one `side` (1 or -1) after a sample of this depth. `highest` and the result are relative to `base`.
 fn higher(march: March, step: Step, side: f32, depth: f32, is_seen: bool, base: f32, highest: f32) -> f32 {
     let nearer = depth - march.depth;
     let to_viewer = side * step.to_viewer + march.of_viewer.z * nearer;
     let above_surface = side * step.above_surface + march.of_surface.z * nearer;
-    // All three are as many times too long.
+    // `to_viewer`, `above_surface` and the distance share a factor of w, which cancels out.
 #ifdef PROJECTION_PERSPECTIVE
     let distance_squared = step.squared + to_viewer * to_viewer;
     let inverse_w = 1.0 / (march.w + march.of_w.z * nearer);
@@ -141,21 +141,21 @@ fn higher(march: March, step: Step, side: f32, depth: f32, is_seen: bool, base: 
     let counts = above_surface * inverse_distance > view.sin_bias && depth > 0.0 && is_seen;
 #ifdef THIN
     let counted = select(0.0, height, counts);
-    // What is not seen does not tell how thick the surfaces before it are.
+    // Off-screen samples must not lower the horizon, as samples behind thin surfaces do.
     return select(highest, max(counted, mix(counted, highest, view.thickness)), is_seen);
 #else
     return select(highest, max(highest, height), counts);
 #endif
 }
 
-/// Cosines of the angles between the viewer and the highest samples ahead and back; `bases` where none is above the surface.
-/// Samples stand in pairs, as far ahead as back: so they have all in common but their depths. Those outside of the view are read too,
-/// so that nothing keeps them from being read all at once.
+/// Cosines of the horizon angles to the viewer on both sides; `bases` where no sample is above the surface.
+/// Samples come in pairs at equal distances on both sides, which share all terms but their depths. Off-screen samples are read too,
+/// so that no branch keeps the reads from being issued at once.
 fn horizons(march: March, bases: vec2<f32>) -> vec2<f32> {
     let is_right = march.direction > vec2(0.0);
     let room_ahead = select(march.room_before, march.room_behind, is_right);
     let room_back = select(march.room_behind, march.room_before, is_right);
-    // The distance of the first, and how much it grows with each: never the pixel itself, nor the one before.
+    // Distance of the first sample, and its growth per sample. Both are at least a pixel: no sample repeats the pixel or the last sample.
     let offset = march.offset;
     let at_first = max((march.steps.x * offset + march.steps.y) * offset, 1.0);
     let growth = max(2.0 * march.steps.x * offset + march.steps.y, 1.0);
@@ -164,7 +164,7 @@ fn horizons(march: March, bases: vec2<f32>) -> vec2<f32> {
         let x = f32(i);
         let distance = at_first + x * growth + x * x * march.steps.x;
         let ahead = rounded(march.pixel, march.direction, distance);
-        // Beyond the view it may be anything.
+        // Off-screen samples may hold anything; `higher` ignores them.
         let depth_ahead = textureLoad(depth_texture, ahead.place, 0);
         let depth_back = textureLoad(depth_texture, march.twice - ahead.place, 0);
         let pixels = abs(ahead.step);
@@ -175,7 +175,7 @@ fn horizons(march: March, bases: vec2<f32>) -> vec2<f32> {
     return bases + highest;
 }
 
-/// By an angle; cosine and sine, of both.
+/// Rotates by an angle; both are given as cosine and sine.
 fn turned(rotation: vec2<f32>, angle: vec2<f32>) -> vec2<f32> {
     return vec2(
         rotation.x * angle.x - rotation.y * angle.y,
@@ -183,13 +183,13 @@ fn turned(rotation: vec2<f32>, angle: vec2<f32>) -> vec2<f32> {
     );
 }
 
-/// Cosine-weighted occlusion of a pixel, 0 to 1, from its own slices of the pattern: those of `phase` 0 to 3.
+/// Cosine-weighted occlusion of a pixel, 0 to 1, from the pattern's slices of `phase` 0 to 3.
 fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let center = vec2<f32>(pixel) + 0.5;
     let ray = ray_at(view.view_from_pixel, center);
     let position = position_on(view.view_from_pixel, ray, depth);
     let radius = radius_at(position, depth);
-    // Also true of what is not a number.
+    // Also true of NaN.
     if !(largest_side(radius.pixels) > 1.0) {
         return 0.0;
     }
@@ -202,7 +202,7 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let word = textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
     if word != NO_GEOMETRY {
         normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
-        // On outlines depth may tell of another surface; no shading normal leans that far off its own.
+        // At silhouettes, depth may belong to another surface. No shading normal leans that far from its surface.
         if dot(normal, geometric) < 0.5 {
             geometric = normal;
         }
@@ -210,8 +210,8 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
 #endif
     var march = march_from(pixel, ray, depth, position, to_viewer, geometric, radius.excess);
 
-    // The steps are spread over 4×4 texels, and with a wide filter the directions too. What a narrow one leaves of that pattern is
-    // a fine dither, not stripes.
+    // Steps vary over 4×4 texels; with a wide filter, directions do too. A narrow filter leaves a fine dither of that pattern, not
+    // stripes.
     let quad = (vec2<u32>(pixel) / (2u * #{DIVISOR}u)) & vec2(1u);
     let block = quad.x + 2u * quad.y;
 #ifdef WIDE_PATTERN
@@ -227,13 +227,13 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let slices = slice_count();
     var occlusion = 0.0;
     for (var slice = 0u; slice < slices; slice++) {
-        // Evenly about the view direction, not on the screen: so perspective is exact off its centre too.
+        // Even in angle about the view direction, not on screen: perspective is exact off-centre too.
         let tangent = basis * rotation;
         rotation = turned(rotation, view.slice_rotation);
         let direction = tangent.xy - tangent.z * slope;
         let lobe = slice_normal(normal, to_viewer, tangent);
         let surface = slice_normal(geometric, to_viewer, tangent);
-        // The surface's own horizons.
+        // Horizons of the surface itself.
         let bases = vec2(-surface.sine, surface.sine);
 
         let on_screen = radius.pixels * vec2(direction.x, -direction.y);

@@ -1,6 +1,6 @@
-// The small gather-based kernel, after AMD's HDAO (2009, "High Definition Ambient Occlusion", the DirectX 11 SDK's
-// sample): opposite pairs of depths that form a valley with the pixel. A gather brings four of them. Depth is affine on
-// screen, so a plane is no valley, whatever its tilt.
+// Small gather-based kernel, after AMD's HDAO (2009, "High Definition Ambient Occlusion", sample of the DirectX 11 SDK):
+// opposite pairs of depths that form a valley with the pixel. A gather reads four of them. Depth is affine on screen, so a
+// plane is no valley, whatever its tilt.
 #define_import_path bevy_lean_deferred::ambient_occlusion::hdao
 
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
@@ -11,12 +11,12 @@
 #import bevy_lean_deferred::reconstruction::position::view_z
 #endif
 
-/// Corners of the 2×2 blocks on one side of the pixel, at a reach of 6; the others are opposite.
+/// Corners of the 2×2 blocks on one side of the pixel, at a reach of 6. The other blocks are opposite.
 const BLOCKS = array<vec2<i32>, 4>(vec2(1, 0), vec2(-1, 2), vec2(3, 3), vec2(4, -3));
-/// The pixels of a gather, in its order, from the corner.
+/// Pixels of a gather relative to its corner, in component order.
 const PARTS = array<vec2<i32>, 4>(vec2(0, 1), vec2(1, 1), vec2(1, 0), vec2(0, 0));
 const REACH: f32 = 6.0;
-/// The few pairs that form a valley stand for all that its walls hide.
+/// Factor from slope to occlusion. Few pairs form a valley; they represent all directions that its walls occlude.
 const SHARPNESS: f32 = 1.0;
 
 /// Depths of the pixels (0, 1), (1, 1), (1, 0), (0, 0) from `corner`.
@@ -25,7 +25,7 @@ fn block(corner: vec2<i32>) -> vec4<f32> {
     return textureGather(depth_texture, nearest_sampler, place / vec2<f32>(textureDimensions(depth_texture)));
 }
 
-/// View-space z of a block.
+/// View-space z of a block's pixels.
 fn heights(corner: vec2<i32>, depths: vec4<f32>) -> vec4<f32> {
 #ifdef PROJECTION_PERSPECTIVE
     return view_z(view.view_from_pixel, depths);
@@ -51,7 +51,7 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     let margin = 6 * scale + 2;
     let is_inside = is_in_view(pixel - margin) && is_in_view(pixel + margin);
 
-    // Metres towards the viewer, from steps in depth: of two opposite samples their sum is exact on planes.
+    // Metres towards the viewer per unit of depth: exact on planes for the sum of two opposite samples.
     let m = view.view_from_pixel;
 #ifdef PROJECTION_ORTHOGRAPHIC
     let metres = abs(m[2].z);
@@ -71,7 +71,7 @@ fn hdao(pixel: vec2<i32>, depth: f32) -> f32 {
     for (var i = 0u; i < 4u; i++) {
         let corner = blocks[i] * scale;
         let here = block(pixel + corner);
-        // The opposite block runs the other way around.
+        // The components of the opposite block are in point-mirrored order.
         let there = block(pixel - corner - 1).zwxy;
         let rise = heights(pixel + corner, here) - position.z;
         let opposite_rise = heights(pixel - corner - 1, there.zwxy).zwxy - position.z;

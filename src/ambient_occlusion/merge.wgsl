@@ -1,11 +1,11 @@
-// Filters occlusion and multiplies the picture by what it leaves: the blend is dst · (1 - occlusion).
+// Filters occlusion and applies it to the picture by the blend dst · (1 - occlusion).
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
     depth_texture, nearest_sampler, occlusion_texture, view, view_position,
 }
 #import bevy_lean_deferred::ambient_occlusion::filter::filtered_occlusion
 
 #ifdef DISTANCE_FOG
-/// What distance fog leaves of the light of a surface, as Bevy's `fog.wgsl` counts it.
+/// Share of a surface's light that distance fog transmits, as in Bevy's `fog.wgsl`.
 fn fog_transmittance(pixel: vec2<i32>, depth: f32) -> f32 {
     let distance = length(view_position(pixel, depth));
     var extinction = 0.0;

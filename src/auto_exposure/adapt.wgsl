@@ -1,4 +1,4 @@
-// The second pass: one workgroup sums the partial sums, and adapts the exposure.
+// Second pass: one workgroup adds up the partial sums and adapts the exposure.
 #import bevy_lean_deferred::auto_exposure::adaptation::adapted
 #import bevy_lean_deferred::auto_exposure::bindings::{
     AWAITS_LIGHT, BINS, BINS_PER_STOP, ExposureState, LOG_OF_FIRST_BIN, bevy_view, state, view,
@@ -14,7 +14,7 @@ var<workgroup> bins: array<f32, 256>;
 #endif
 
 #ifdef HISTOGRAM
-/// The counts of all bins up to the invocation's own, given that one's count.
+/// Inclusive prefix sum of the bins up to the invocation's own, whose count is `own`.
 fn prefix_sum(invocation: u32, own: f32) -> f32 {
     var sum = own;
     for (var distance = 1u; distance < BINS; distance *= 2u) {
@@ -30,11 +30,11 @@ fn prefix_sum(invocation: u32, own: f32) -> f32 {
     return sum;
 }
 
-/// What the invocation's bin adds to the sum over the weight between the shares that are left out, and to the weight. Bins
-/// count with their centres.
+/// Contribution of the invocation's bin to the weighted sum and to the weight, without the trimmed tails. Bins count with their
+/// centres.
 fn trimmed(invocation: u32) -> vec2<f32> {
     let own = f32(atomicLoad(&histogram[invocation]));
-    // Empty for the next frame.
+    // Cleared for the next frame.
     atomicStore(&histogram[invocation], 0u);
     let above = prefix_sum(invocation, own);
     let all = bins[BINS - 1u];
@@ -47,13 +47,13 @@ fn trimmed(invocation: u32) -> vec2<f32> {
 #endif
 }
 #else
-/// The partial sum `i`, if there is one.
+/// Partial sum `i`; 0 past the end.
 fn partial(i: u32) -> vec2<f32> {
     let count = arrayLength(&partials);
     return select(vec2(0.0), partials[min(i, count - 1u)], i < count);
 }
 
-/// One part in 256 of the partial sums, four at a time.
+/// Sum over every 256th of the partial sums, four at a time.
 fn sum_of_partials(invocation: u32) -> vec2<f32> {
     var sum = vec2(0.0);
     for (var i = invocation; i < arrayLength(&partials); i += 4u * WORKGROUP) {
@@ -84,15 +84,15 @@ fn compensation_at(log_y: f32) -> f32 {
     return stops;
 }
 
-/// The metered logarithm up to which a picture is black, but for a few of its pixels.
+/// Metered logarithm up to which a picture is black except for a few pixels.
 const BLACK: f32 = -13.9;
 
-/// Adapts the exposure to the weighted sum of luminance, and the weight.
+/// Adapts the exposure. `sum` holds the weighted luminance (with LOG_AVERAGE its logarithm) and the weight.
 fn adapt(last: ExposureState, sum: vec2<f32>) -> ExposureState {
     var y = last.luminance;
     var target_exposure = last.target_exposure;
     var has_light = false;
-    // A view that has nothing to be metered keeps its target.
+    // A view without metered pixels keeps its target.
     if sum.y > 0.0 {
 #ifdef LOG_AVERAGE
         let log_y = sum.x / sum.y;
@@ -115,7 +115,7 @@ fn adapt(last: ExposureState, sum: vec2<f32>) -> ExposureState {
         view.transition,
     );
     let exposure = select(moved, target_exposure, begins || view.instant != 0u);
-    // Not in the black of a scene that is loading: adaptation would begin at the largest exposure.
+    // Adaptation does not begin in the black of a loading scene: it would begin at the largest exposure.
     let awaits_light = select(0u, AWAITS_LIGHT, begins && !has_light);
     return ExposureState(y, exposure, target_exposure, (view.cuts + 1u) | awaits_light);
 }
@@ -134,7 +134,7 @@ fn sum_and_adapt(
 #else
     let place = Place(invocation);
 #endif
-    // Read before they are needed: all that memory has to answer is on its way at once.
+    // Read before use, so that all memory reads are in flight at once.
     let last = state;
     let base = bevy_view.color_grading.exposure;
 #ifdef HISTOGRAM

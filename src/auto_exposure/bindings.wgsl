@@ -1,17 +1,17 @@
-// What the passes bind: each imports what it uses.
+// Bindings of the auto exposure passes. Each pass imports those that it uses.
 #define_import_path bevy_lean_deferred::auto_exposure::bindings
 
 #import bevy_render::view::View
 
-/// Columns of pixels that a workgroup reads if it reads all.
+/// Width in pixels of a workgroup's tile at a stride of 1.
 const TILE_WIDTH: u32 = 64u;
 
-/// Settings, and what the passes know of a view.
+/// Settings and view data of the passes.
 struct ExposureView {
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
     seconds: f32,
-    /// Base-2 logarithm of the luminance to be reached.
+    /// Base-2 logarithm of the target luminance.
     log_target: f32,
     compensation: f32,
     min_exposure: f32,
@@ -19,38 +19,38 @@ struct ExposureView {
     speed_brighten: f32,
     speed_darken: f32,
     transition: f32,
-    /// Shares of the weight that are left out.
+    /// Shares of the weight to trim.
     trim_low: f32,
     trim_high: f32,
-    /// Of the metered disc, as a share of the viewport's height.
+    /// Radius of the metered disc, as a share of the viewport's height.
     spot_radius: f32,
     instant: u32,
-    /// Counts camera cuts.
+    /// Number of camera cuts.
     cuts: u32,
     curve_points: u32,
-    /// Rows that a workgroup reads if it reads all: a multiple of 32.
+    /// Height in pixels of a workgroup's tile at a stride of 1: a multiple of 32.
     tile_height: u32,
-    /// (metered logarithm, stops) in each.
+    /// (metered logarithm, stops) per point.
     curve: array<vec4<f32>, 16>,
 }
 
-/// Kept from frame to frame, and read back.
+/// Kept across frames, and read back.
 struct ExposureState {
     luminance: f32,
     exposure: f32,
     target_exposure: f32,
-    /// Camera cuts seen, plus one; 0 before the first frame. With `AWAITS_LIGHT` while no frame since has shown light.
+    /// Camera cuts seen, plus one; 0 before the first frame. With `AWAITS_LIGHT` until a frame since the cut shows light.
     cuts_seen: u32,
 }
 
-/// Cuts are fewer.
+/// Flag in `cuts_seen`, above any number of cuts.
 const AWAITS_LIGHT: u32 = 0x80000000u;
 
-/// Bins of the histogram, over the logarithms -14 to 16.
+/// Bins of the histogram, over the base-2 logarithms -14 to 16.
 const BINS: u32 = 256u;
 const LOG_OF_FIRST_BIN: f32 = -14.0;
 const BINS_PER_STOP: f32 = 8.5333333;
-/// A full weight, in the histogram's counts: 8192×8192 pixels do not overflow a bin.
+/// A full weight, in counts of the histogram: 8192×8192 pixels do not overflow a bin.
 const FULL_WEIGHT: f32 = 63.0;
 
 @group(0) @binding(0) var<uniform> view: ExposureView;

@@ -1,20 +1,20 @@
-// The luminance of a pixel, safe against anything a picture may hold. Without bindings.
+// Luminance of a colour, safe for any texel value. Without bindings.
 #define_import_path bevy_lean_deferred::auto_exposure::luminance
 
 /// ITU-R BT.709-6, 3.2.
 const WEIGHTS: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
 const LARGEST: f32 = 65504.0;
-/// Base-2 logarithms below this, and so black, count as this.
+/// Base-2 logarithms are clamped to this; black has this one.
 const LOWEST_LOG: f32 = -14.0;
-/// The luminance with that logarithm.
+/// Luminance at `LOWEST_LOG`.
 const SMALLEST: f32 = 6.103515625e-5;
 
-/// Looks at the bits, because comparisons with NaN may be optimised away.
+/// Tests the bits, because comparisons with NaN may be optimised away.
 fn is_nan(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u;
 }
 
-/// Luminance 0 to `LARGEST`; -1 for what is not a number.
+/// Luminance, clamped to 0 to `LARGEST`; -1 for NaN.
 fn luminance(color: vec3<f32>) -> f32 {
     let y = dot(color, WEIGHTS);
     return select(clamp(y, 0.0, LARGEST), -1.0, is_nan(y));

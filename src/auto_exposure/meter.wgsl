@@ -1,5 +1,5 @@
-// The first pass: reads each pixel of the viewport once, or one in some, and leaves one partial sum for each workgroup,
-// or what it adds to the histogram.
+// First pass: reads the pixels of the viewport, all of them or a regular part, and writes one partial sum per workgroup or
+// adds to the histogram.
 #import bevy_lean_deferred::auto_exposure::bindings::{
     BINS, BINS_PER_STOP, FULL_WEIGHT, LOG_OF_FIRST_BIN, TILE_WIDTH, picture, view,
 }
@@ -20,21 +20,21 @@ var<workgroup> bins: array<atomic<u32>, 256>;
 #import bevy_lean_deferred::auto_exposure::bindings::{mask, mask_sampler}
 #endif
 
-/// How much a pixel of the viewport counts, 0 to 1.
+/// Metering weight of a viewport pixel, 0 to 1.
 fn weight_of(pixel: vec2<u32>) -> f32 {
     let size = vec2<f32>(view.viewport_size);
     let center = vec2<f32>(pixel) + 0.5;
 #ifdef MASK
     let weight = textureSampleLevel(mask, mask_sampler, center / size, 0.0).r;
-    // Where a mask is not a number, nothing counts.
+    // NaN in a mask counts as 0.
     return select(0.0, min(weight, 1.0), weight > 0.0);
 #else
     return pattern_weight(center, size, view.spot_radius);
 #endif
 }
 
-/// Which pixel the invocations read that would read `pixel` if all were read: 4×4 blocks, as caches hold them, with gaps
-/// between them that differ from row to row.
+/// Maps a pixel at a stride of 1 to the pixel to read at STRIDE: cache-friendly blocks of 4×4, with gaps between them that differ
+/// from row to row.
 fn spread(pixel: vec2<u32>) -> vec2<u32> {
 #if STRIDE == 1
     return pixel;
@@ -45,13 +45,13 @@ fn spread(pixel: vec2<u32>) -> vec2<u32> {
 #endif
 }
 
-/// What a pixel of the viewport holds; beyond the viewport, what its last one holds.
+/// Colour of a viewport pixel; beyond the viewport, of its last one.
 fn color_at(pixel: vec2<u32>) -> vec3<f32> {
     let inside = min(spread(pixel), view.viewport_size - 1u);
     return textureLoad(picture, view.viewport_origin + inside, 0).rgb;
 }
 
-/// The weighted luminance of a pixel, and its weight.
+/// Weighted luminance (with LOG_AVERAGE its logarithm) of a pixel, and its weight.
 fn measured(color: vec3<f32>, pixel: vec2<u32>) -> vec2<f32> {
     let y = luminance(color);
     let counts = all(spread(pixel) < view.viewport_size) && y >= 0.0;
@@ -82,7 +82,7 @@ fn count(place: Place, sample: vec2<f32>) {
 #endif
     let bin = bin_of(log_y);
 #ifdef SUBGROUPS
-    // Flat regions would have all invocations wait for one bin.
+    // In flat regions, all invocations would contend for one bin.
     let first = subgroupBroadcastFirst(bin);
     if subgroupAll(bin == first) {
         let together = subgroupAdd(weight);
@@ -98,21 +98,21 @@ fn count(place: Place, sample: vec2<f32>) {
 }
 #endif
 
-/// Where invocation `i` lies in a square of 16×16 pixels.
+/// Position of invocation `i` in a square of 16×16 pixels.
 fn place_in_square(i: u32) -> vec2<u32> {
     return place_in_tile(i & 63u) + SIDE * vec2((i >> 6u) & 1u, i >> 7u);
 }
 
 #ifdef LOG_OF_PRODUCTS
-/// The luminance of a pixel as a factor of a product, and 1 if it counts.
+/// Luminance of a pixel as a factor of a product, and its weight: 1 if it counts.
 fn factor(color: vec3<f32>, pixel: vec2<u32>) -> vec2<f32> {
     let y = dot(color, WEIGHTS);
     let counts = !is_nan(y) && all(spread(pixel) < view.viewport_size);
     return select(vec2(1.0, 0.0), vec2(clamp(y, SMALLEST, LARGEST), 1.0), counts);
 }
 
-/// What four pixels in a row, 16 apart, add to the sum and to the weight. The logarithm of a product is the sum of the logarithms, and
-/// takes a quarter of the time; products of four lie between 2⁻⁵⁶ and 2⁶⁴.
+/// Contribution of four pixels in a row, 16 apart, to the sum and to the weight. The logarithm of a product is the sum of the
+/// logarithms and takes a quarter of the time. Products of four lie between 2⁻⁵⁶ and 2⁶⁴.
 fn sum_of_four(
     place: Place, pixel: vec2<u32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, d: vec3<f32>,
 ) -> vec2<f32> {
@@ -123,7 +123,7 @@ fn sum_of_four(
     return vec2(log2((w.x * x.x) * (y.x * z.x)), (w.y + x.y) + (y.y + z.y));
 }
 #else
-/// Measures a pixel, and counts it in the histogram if there is one.
+/// Measures a pixel, and adds it to the histogram if there is one.
 fn counted(place: Place, color: vec3<f32>, pixel: vec2<u32>) -> vec2<f32> {
     let sample = measured(color, pixel);
 #ifdef HISTOGRAM
@@ -132,7 +132,7 @@ fn counted(place: Place, color: vec3<f32>, pixel: vec2<u32>) -> vec2<f32> {
     return sample;
 }
 
-/// What four pixels in a row, 16 apart, add to the sum and to the weight.
+/// Contribution of four pixels in a row, 16 apart, to the sum and to the weight.
 fn sum_of_four(
     place: Place, pixel: vec2<u32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, d: vec3<f32>,
 ) -> vec2<f32> {
@@ -164,8 +164,8 @@ fn meter(
     atomicStore(&bins[invocation], 0u);
     workgroupBarrier();
 #endif
-    // 16×16 pixels at a time, along a Z-order curve, so that those of a subgroup lie together in memory. Eight such squares are
-    // read before any is looked at: memory is slow to answer, but answers many at once.
+    // 16×16 pixels at a time in Z-order, so that a subgroup's pixels are close in memory. Eight such squares are read before any
+    // is used, to hide memory latency.
     let corner = tile.xy * vec2(TILE_WIDTH, view.tile_height) + place_in_square(invocation);
     var sum = vec2(0.0);
     for (var y = 0u; y < view.tile_height; y += 32u) {

@@ -1,7 +1,7 @@
-// Over the tonemapped picture: pixels that count less are darker, and a scale shows the exposure.
+// Overlay on the tonemapped picture: darkens pixels that count less, and shows the exposure on a scale.
 //
-// The scale has a line at each stop, a long one at 0, a white mark at the exposure, and a green one where it is heading. Above
-// it stands the exposure in stops.
+// The scale has a line per stop, a long one at 0, a white mark at the exposure and a green one at its target. The exposure in
+// stops is printed above it.
 #import bevy_lean_deferred::auto_exposure::bindings::{state, view}
 #import bevy_lean_deferred::auto_exposure::pattern::pattern_weight
 
@@ -9,13 +9,13 @@
 #import bevy_lean_deferred::auto_exposure::bindings::{mask, mask_sampler}
 #endif
 
-/// What is left of pixels that do not count.
+/// Brightness of pixels that do not count.
 const UNCOUNTED: f32 = 0.35;
 const WHITE: vec4<f32> = vec4(1.0);
 const GREEN: vec4<f32> = vec4(0.1, 0.9, 0.2, 1.0);
 const PANEL: vec4<f32> = vec4(0.0, 0.0, 0.0, 0.85);
 
-/// 3×5 dots of 0 to 9, minus, plus and point, the lowest bit top left.
+/// Glyphs of 3×5 dots: 0 to 9, minus, plus, point. The lowest bit is top left.
 const GLYPHS = array<u32, 13>(
     0x7b6fu, 0x749au, 0x73e7u, 0x79e7u, 0x49edu, 0x79cfu, 0x7bcfu, 0x4927u, 0x7befu, 0x79efu,
     0x01c0u, 0x05d0u, 0x2000u,
@@ -24,7 +24,7 @@ const MINUS: u32 = 10u;
 const PLUS: u32 = 11u;
 const POINT: u32 = 12u;
 
-/// Whether `dot`, in a row of glyphs each 4 dots wide, belongs to the number `stops` with its sign and one decimal.
+/// True if `dot`, in a row of glyphs 4 dots wide, belongs to the number `stops` with its sign and one decimal.
 fn is_of_number(dot: vec2<i32>, stops: f32) -> bool {
     if any(dot < vec2(0)) || any(dot >= vec2(20, 5)) || dot.x % 4 == 3 {
         return false;
@@ -47,9 +47,9 @@ fn is_of_number(dot: vec2<i32>, stops: f32) -> bool {
     return ((GLYPHS[glyph] >> bit) & 1u) == 1u;
 }
 
-/// The scale's colour at `position`, which runs from (0, 0) at its upper left to its `size`, in pixels.
+/// Colour of the scale at `position`, which runs from (0, 0) at the upper left to `size`, in pixels.
 fn scale_color(position: vec2<f32>, size: vec2<f32>, unit: f32) -> vec4<f32> {
-    // Compensation may lead beyond the limits.
+    // Compensation may exceed the limits.
     let low = floor(min(view.min_exposure, min(state.exposure, state.target_exposure))) - 0.5;
     let high = ceil(max(view.max_exposure, max(state.exposure, state.target_exposure))) + 0.5;
     let pixels_per_stop = size.x / (high - low);
@@ -70,7 +70,7 @@ fn scale_color(position: vec2<f32>, size: vec2<f32>, unit: f32) -> vec4<f32> {
     return PANEL;
 }
 
-/// Premultiplied by alpha.
+/// Returns premultiplied alpha.
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let size = vec2<f32>(view.viewport_size);

@@ -1,10 +1,10 @@
-// Sums over a workgroup of 256 invocations: by subgroups, with shared memory only between them, or by a tree in shared
-// memory. Neither asks for a subgroup size, nor that all are alike.
+// Sums over a workgroup of 256 invocations: by subgroups, with shared memory only between them, or by a tree in shared memory.
+// Neither assumes a subgroup size, or that all subgroups have the same.
 #define_import_path bevy_lean_deferred::auto_exposure::reduction
 
 const WORKGROUP: u32 = 256u;
 
-// One array for each part, so that neighbouring invocations touch neighbouring banks.
+// One array per component avoids bank conflicts.
 var<workgroup> shared_x: array<f32, 256>;
 var<workgroup> shared_y: array<f32, 256>;
 
@@ -21,9 +21,9 @@ struct Place {
 }
 #endif
 
-/// The sum of `value` over the workgroup; called in uniform control flow.
+/// Sum of `value` over the workgroup. Must be called in uniform control flow.
 fn workgroup_sum(place: Place, value: vec2<f32>) -> vec2<f32> {
-    // What was there before has been read.
+    // Waits until the previous results are read.
     workgroupBarrier();
 #ifdef SUBGROUPS
     let own = subgroupAdd(value);
@@ -32,7 +32,7 @@ fn workgroup_sum(place: Place, value: vec2<f32>) -> vec2<f32> {
         shared_y[place.subgroup] = own.y;
     }
     workgroupBarrier();
-    // They are few: each invocation adds them up.
+    // Subgroups are few, so each invocation adds them up.
     var sum = vec2(0.0);
     for (var i = 0u; i < place.subgroups; i++) {
         sum += vec2(shared_x[i], shared_y[i]);

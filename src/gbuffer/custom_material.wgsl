@@ -11,7 +11,7 @@
 }
 #endif
 
-// Colour, and rings a metre.
+// Colour, and rings per metre.
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> rings: vec4<f32>;
 
 #ifdef PREPASS_PIPELINE
@@ -21,14 +21,14 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferO
 @fragment
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
 #endif
-    // The surface.
+    // The surface, for both passes.
     var pbr_input = pbr_input_from_vertex_output(in, is_front, false);
     pbr_input.N = normalize(pbr_input.world_normal);
     let is_dark = fract(in.world_position.y * rings.w) < 0.5;
     pbr_input.material.base_color = vec4(rings.rgb * select(1.0, 0.2, is_dark), 1.0);
     pbr_input.material.perceptual_roughness = 0.4;
 
-    // Stored, to be lit later; or lit here.
+    // Pack it, to be lit later; or light it here.
 #ifdef PREPASS_PIPELINE
     return pack_pbr_input(pbr_input, in);
 #else

@@ -1,4 +1,4 @@
-// From a material to the packed G-buffer, for the fragment shaders of materials.
+// Packs materials into the G-buffer, for their fragment shaders.
 #define_import_path bevy_lean_deferred::gbuffer::pack
 
 #import bevy_lean_deferred::gbuffer::layout::{
@@ -45,12 +45,12 @@
 #endif
 
 #ifdef GBUFFER_VISIBILITY_MASK
-/// The layers of the meshes of this draw.
+/// Visibility mask of the meshes of this draw.
 @group(1) @binding(0) var<uniform> mesh_visibility_mask: u32;
 #endif
 
-/// The targets of the G-buffer: two of the base, and in a pass with optional targets those that the mesh writes, and which
-/// these are.
+/// Targets of the G-buffer: the two base targets and, in passes with optional targets, those that the mesh writes and a mask of
+/// them.
 struct GBufferOutput {
     @location(0) surface: u32,
     @location(1) normal: u32,
@@ -90,7 +90,7 @@ fn written_targets() -> u32 {
 }
 #endif
 
-/// Discards fragments that the alpha mask or a visibility range's crossfade leave out.
+/// Discards fragments by alpha mask and by the crossfade of visibility ranges.
 fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
 #ifdef VISIBILITY_RANGE_DITHER
     visibility_range_dither(in.position, in.visibility_range_dither);
@@ -99,7 +99,7 @@ fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
         alpha_discard((*pbr_input).material, (*pbr_input).material.base_color);
 }
 
-/// The cosine of the angle between normals that count as the same.
+/// Cosine of the angle up to which normals count as the same.
 const SAME_NORMAL: f32 = 0.999;
 
 /// True if the shading normal is that of the mesh, or nearly so.
@@ -108,15 +108,14 @@ fn has_mesh_normal(pbr: PbrInput) -> bool {
     return dot(pbr.N, n) >= SAME_NORMAL * length(n);
 }
 
-/// Packs what the targets of this pass carry of `pbr`: base colour, metallic, roughness, shading normal and occlusion,
-/// and where they are written, emitted light, what a `StandardMaterial` may have beyond these, and the layers of the
-/// mesh; and of `in`, how the surface moves.
+/// Packs the content of this pass's targets. From `pbr`: base colour, metallic, roughness, shading normal and occlusion; where
+/// written, emitted light, the further properties of a `StandardMaterial` and the mesh's visibility mask. From `in`: motion.
 fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
     var out: GBufferOutput;
     let words = pack(Surface(
         pbr.material.base_color.rgb,
         pbr.material.metallic,
-        // The occlusion texture has one channel; all three are equal here.
+        // The occlusion texture has one channel, so all three are equal here.
         pbr.diffuse_occlusion.r,
         pbr.N,
         pbr.material.perceptual_roughness,
@@ -143,7 +142,7 @@ fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
 }
 
 #ifdef GBUFFER_MOTION
-/// Where the surface was in the last frame. Only meshes that move or deform have this; that of others follows from depth.
+/// Motion since the last frame. Only meshes that move or deform write it; that of others follows from depth.
 fn motion_word(in: VertexOutput) -> u32 {
     return pack_motion(motion_between(
         view.unjittered_clip_from_world * in.world_position,
@@ -153,7 +152,7 @@ fn motion_word(in: VertexOutput) -> u32 {
 #endif
 
 #ifdef GBUFFER_SPECIALIZATION
-/// As `pack_pbr_input`, with a shading model that a `StandardMaterial` does not have, and its packed arguments.
+/// Like `pack_pbr_input`, with a shading model that `StandardMaterial` lacks, and its packed arguments.
 fn pack_shading_model(
     pbr: PbrInput,
     in: VertexOutput,
@@ -169,7 +168,7 @@ fn pack_shading_model(
 #endif
 
 #ifdef GBUFFER_EMISSIVE
-/// Light as the camera is exposed to it.
+/// Emitted light. `emissive.a` is the weight of the camera's exposure.
 fn emitted_light(pbr: PbrInput) -> vec3<f32> {
     return pbr.material.emissive.rgb * mix(1.0, view.exposure, pbr.material.emissive.a);
 }
@@ -206,7 +205,7 @@ fn flags(pbr: PbrInput) -> u32 {
     var flags = select(special::NO_FOG, 0u, has_fog);
     flags |= select(special::NO_SHADOWS, 0u, has_shadows);
 #ifdef LIGHTMAP
-    // Kept apart where that is possible: decals change what a surface reflects of a lightmap.
+    // Incident and emitted light stay apart where possible, because decals change the part of lightmaps that a surface reflects.
     flags |= select(special::LIGHTMAP_INCIDENT, special::LIGHTMAP_REFLECTED, emits(pbr));
 #endif
     return flags;
@@ -217,7 +216,7 @@ fn specialization_word(pbr: PbrInput, normal_word: u32) -> u32 {
     if (pbr.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u {
         return pack_unlit(pbr.material.base_color.rgb, flags);
     }
-    // Only materials without a tint are here: the channels are equal.
+    // Only untinted materials get here: the channels are equal.
     let reflectance = pbr.material.reflectance.g;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     let word = special::pack_specialization(reflectance, special::CLEARCOAT, flags);

@@ -1,5 +1,5 @@
-// Writes the motion vectors of the pixels that lean meshes were drawn to: those in the motion target, and for all others
-// those of a surface at rest, from depth and the cameras of this frame and the last.
+// Writes motion vectors of pixels with lean meshes: from the motion target or, for surfaces at rest, from depth and the
+// cameras of this frame and the last.
 #import bevy_lean_deferred::gbuffer::layout
 #import bevy_lean_deferred::gbuffer::layout::motion::unpack_motion
 #import bevy_lean_deferred::reconstruction::{
@@ -13,7 +13,7 @@
 @group(0) @binding(1) var<uniform> previous_view: PreviousViewUniforms;
 @group(0) @binding(2) var depth_texture: texture_depth_2d;
 #ifdef LATE
-/// Before the second phase of culling.
+/// Depth before the second phase of culling.
 @group(0) @binding(3) var earlier_depth_texture: texture_depth_2d;
 #else
 @group(0) @binding(3) var normal_texture: texture_2d<u32>;

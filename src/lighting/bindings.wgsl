@@ -1,4 +1,4 @@
-// What the lighting pass binds beside Bevy's view and light probes.
+// Bindings of the lighting pass beside Bevy's view and light probes.
 #define_import_path bevy_lean_deferred::lighting::bindings
 
 #ifdef LEAN_AMBIENT_OCCLUSION
@@ -6,29 +6,29 @@
 #endif
 
 struct LightingUniform {
-    /// The camera's clear colour, as the main texture stores it.
+    /// Clear colour of the camera, as the main texture stores it.
     background: vec4<f32>,
-    /// Pixels of the render target.
+    /// In pixels of the render target.
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
-    /// The step in depth that separates surfaces a pixel apart is `edge.x * depth + edge.y`.
+    /// `edge.x * depth + edge.y` is the depth step that separates surfaces one pixel apart.
     edge: vec2<f32>,
-    /// 1 if pixels without geometry are to be set to `background`.
+    /// 1 if pixels without geometry are set to `background`.
     writes_background: u32,
     row_stride: u32,
-    /// 1 if the G-buffer may hold anything where depth is 0.
+    /// 1 if the G-buffer is undefined where depth is 0.
     depth_tells_geometry: u32,
 }
 
 #ifdef LIGHT_LAYERS
-/// The visibility masks of lights, light probes and decals, each by the index by which Bevy's shaders know it.
+/// Visibility masks of lights, light probes and decals, by the index that Bevy's shaders use.
 struct LightLayersTable {
     directional_lights: array<u32, 10>,
     rect_lights: array<u32, 8>,
     reflection_probes: array<u32, 8>,
     irradiance_volumes: array<u32, 8>,
     clustered_count: u32,
-    /// x: of the point or spot light with this index; y: of the decal. All from `clustered_count` on affect everything.
+    /// x: mask of the point or spot light with this index; y: of the decal. All from `clustered_count` on affect everything.
     clustered: array<vec2<u32>>,
 }
 #endif

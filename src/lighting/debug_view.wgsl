@@ -1,4 +1,4 @@
-// A channel of the G-buffer in place of light.
+// Debug views: a channel of the G-buffer in place of light.
 #define_import_path bevy_lean_deferred::lighting::debug_view
 
 #import bevy_lean_deferred::lighting::surface::Pixel
@@ -28,7 +28,7 @@
 #endif
 
 #ifdef DEBUG_SHADING_MODEL
-/// Plain surfaces are grey: black at a specular constant of 0, white at 2.
+/// Grey for plain surfaces: black at a specular constant of 0, white at 2.
 fn shading_model_color(word: u32) -> vec3<f32> {
     switch specialization::unpack_shading_model(word) {
         case specialization::SUBSURFACE: { return vec3(0.9, 0.4, 0.3); }
@@ -61,7 +61,7 @@ fn visibility_mask_color(pixel: Pixel) -> vec3<f32> {
 #ifdef GBUFFER_VISIBILITY_MASK
     if (pixel.written & layout::VISIBILITY_MASK_WRITTEN) != 0u {
         let mask = textureLoad(visibility_mask_texture, pixel.position, 0).r;
-        // Neighbouring masks get colours far apart (Knuth 1973, "The Art of Computer Programming" 3, 6.4).
+        // Hashing gives neighbouring masks distant colours (Knuth 1973, "The Art of Computer Programming" 3, 6.4).
         return unpack4x8unorm(mask * 2654435769u).gba;
     }
 #endif

@@ -1,5 +1,5 @@
-// Keeps lights, light probes and decals from pixels whose mesh is on none of their layers. Bevy's iterators over probes and
-// decals are overridden, so that they pass by those.
+// Masks lights, light probes and decals by the layers of each pixel's mesh. Bevy's iterators over probes and decals are
+// overridden to skip masked ones.
 #define_import_path bevy_lean_deferred::lighting::light_layers
 
 #import bevy_lean_deferred::lighting::bindings::light_layers
@@ -18,7 +18,7 @@
 #import bevy_pbr::decal::clustered::ClusteredDecalIterator
 #endif
 
-/// The layers of the mesh at this invocation's pixel: layer 0, unless a mesh wrote others.
+/// Layers of the mesh at this invocation's pixel: layer 0, unless a mesh wrote others.
 var<private> mesh_layers: u32 = 1u;
 
 fn enter_pixel(pixel: Pixel) {
@@ -33,7 +33,7 @@ fn affects_mesh(layers: u32) -> bool {
     return (layers & mesh_layers) != 0u;
 }
 
-/// The masks of the clustered light and of the decal with this index.
+/// Masks of the clustered light (x) and of the decal (y) with this index.
 fn clustered_layers(index: u32) -> vec2<u32> {
     if index >= light_layers.clustered_count {
         return vec2(0xffffffffu);
@@ -53,7 +53,7 @@ fn rect_light_affects_mesh(id: u32) -> bool {
     return affects_mesh(light_layers.rect_lights[id]);
 }
 
-/// The layers of the probe that the iterator has just returned.
+/// Layers of the probe that the iterator returned last.
 fn probe_layers(iterator: ptr<function, LightProbeIterator>) -> u32 {
     let index = get_clusterable_object_id((*iterator).current_offset - 1u);
     if (*iterator).is_irradiance_volume {
@@ -66,7 +66,7 @@ override fn light_probe::light_probe_iterator_next(
     iterator: ptr<function, LightProbeIterator>,
 ) -> LightProbeQueryResult {
     var probe = light_probe::light_probe_iterator_next(iterator);
-    // Without a texture there is no further probe.
+    // A negative texture index ends the iteration.
     while probe.texture_index >= 0 && !affects_mesh(probe_layers(iterator)) {
         probe = light_probe::light_probe_iterator_next(iterator);
     }

@@ -1,8 +1,8 @@
 // Lights every pixel of the packed G-buffer.
 //
-// A view with special surfaces is lit by two dispatches of this shader: the first goes over all tiles, lights those that
-// have plain surfaces only, and lists the others; the second, compiled for the kinds of special surfaces that the view
-// has (VISITED_VARIANTS), goes over that list.
+// A view with special surfaces is lit by two dispatches of this shader. The first visits all tiles, lights those with plain
+// surfaces only, and lists the others. The second (VISITED_VARIANTS) visits that list; it is compiled for the kinds of
+// special surfaces in the view.
 #import bevy_lean_deferred::gbuffer::layout
 #import bevy_lean_deferred::gbuffer::layout::light::within_halfs
 #import bevy_lean_deferred::lighting::bindings::{
@@ -38,7 +38,7 @@
 #import bevy_lean_deferred::lighting::bindings::diffuse_light_texture
 #endif
 
-/// Reads the pixel at `place` of the viewport; without geometry if that lies outside of it.
+/// Reads the pixel at `place` of the viewport. Outside the viewport it has no geometry.
 fn read_pixel(place: vec2<u32>) -> Pixel {
     var pixel: Pixel;
     if any(place >= uniforms.viewport_size) {
@@ -49,10 +49,10 @@ fn read_pixel(place: vec2<u32>) -> Pixel {
     if uniforms.depth_tells_geometry != 0u && pixel.depth == 0.0 {
         return pixel;
     }
-    // Depth alone does not tell elsewhere: forward meshes have depth too, and surfaces at `far` have 0.
+    // Elsewhere depth alone does not decide: forward meshes have depth too, and surfaces at `far` have 0.
     pixel.normal_word = textureLoad(normal_texture, pixel.position, 0).r;
     pixel.has_geometry = pixel.normal_word != layout::NO_GEOMETRY;
-    // The other words are undefined then.
+    // Without geometry the other words are undefined.
     if !pixel.has_geometry {
         return pixel;
     }
@@ -114,7 +114,7 @@ fn main(
 }
 #endif  // VISITED_VARIANTS
 
-/// Writes what the pixel at `place` shows.
+/// Shades and writes the pixel at `place`.
 fn light_tile(pixel: Pixel, place: vec2<u32>, corner: vec2<u32>, invocation: u32, member: u32) {
     var shaded = shade(pixel, uniforms.viewport_origin + corner, member);
     shaded.color = vec4(within_halfs(shaded.color.rgb), shaded.color.a);
@@ -131,7 +131,7 @@ fn light_tile(pixel: Pixel, place: vec2<u32>, corner: vec2<u32>, invocation: u32
     }
 }
 
-/// Where nothing is.
+/// Writes a pixel without geometry.
 fn write_background(place: vec2<u32>) {
     if any(place >= uniforms.viewport_size) {
         return;

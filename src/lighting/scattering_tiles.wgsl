@@ -1,4 +1,4 @@
-// Writes the light that enters surfaces beneath which it scatters, and notes which tiles have some.
+// Writes the light that enters surfaces with subsurface scattering, and notes the tiles that have any.
 #define_import_path bevy_lean_deferred::lighting::scattering_tiles
 
 #ifdef SCATTERS_LIGHT
@@ -13,13 +13,13 @@
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at}
 #import bevy_pbr::mesh_view_bindings::view
 
-/// The arguments of a material of the tile and 1, the largest; 0: no light scatters.
+/// Largest `arguments + 1` of the tile's materials; 0 if no light scatters.
 var<workgroup> light_scatters: atomic<u32>;
-/// Those arguments and 1, and the material's number: for most tiles the only one.
+/// That value and the number of its material: for most tiles the only one.
 var<workgroup> common_material: vec2<u32>;
 
-/// The number of the material with these arguments of the shading model, in this frame: the first free one from some place on.
-/// Beyond the most materials some share theirs.
+/// Number of the material with these arguments in this frame, allocated on first use: the first free one from a hash of the
+/// arguments on. Beyond `MOST_MATERIALS`, some materials share a number.
 fn number_of(arguments: u32) -> u32 {
     var number = arguments % MOST_MATERIALS + 1u;
     for (var tries = 0u; tries < 2u * MOST_MATERIALS; tries++) {
@@ -32,7 +32,7 @@ fn number_of(arguments: u32) -> u32 {
         if known == arguments + 1u {
             break;
         }
-        // Else another one was faster; or nobody was, and it is tried again.
+        // Another material has the number. 0: the weak exchange failed spuriously, so it is retried.
         if known != 0u {
             number = number % MOST_MATERIALS + 1u;
         }
@@ -40,14 +40,14 @@ fn number_of(arguments: u32) -> u32 {
     return number;
 }
 
-/// The number of its block, row by row.
+/// Row-major index of the block.
 fn block_of(corner: vec2<u32>, blocks: vec2<u32>) -> u32 {
     let block = corner >> vec2(BLOCK_LOG);
     return block.y * blocks.x + block.x;
 }
 
-/// Writes the light of the tile, notes it in its block, and lists the block if it was the first one. To be called by all invocations
-/// of a tile. Tiles without such light keep what they had: nobody reads it.
+/// Writes the light of the tile, sets its bit in its block's mask, and lists the block if the bit is its first. Must be called by
+/// all invocations of a tile. Tiles without such light keep stale texels, which are not read.
 fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: vec2<u32>, invocation: u32) {
     let arguments = specialization::unpack_arguments(pixel.specialization_word);
     let scatters = pixel.has_geometry
@@ -67,7 +67,7 @@ fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: 
         let first = atomicLoad(&light_scatters);
         var number = 0u;
         if first != 0u {
-            // What was there is looked at last: memory has time to answer.
+            // The old mask is used last, which hides the latency of the atomic.
             noted = atomicOr(&scattering_tiles[MASKS + block], tile_bit(corner));
             number = number_of(first - 1u);
         }
@@ -83,7 +83,7 @@ fn write_entering_light(pixel: Pixel, shaded: Shaded, place: vec2<u32>, corner: 
         if usual.x != arguments + 1u {
             material = number_of(arguments);
         }
-        // However the camera is scaled.
+        // In metres, even if the camera is scaled.
         let metres = -position_at(pixel.position, pixel.depth).z * length(view.world_from_view[2].xyz);
         entry = pack_entry(Entry(metres, material, shaded.entering));
         let receiver = Receiver(shaded.color, shaded.leaving, pixel.normal_word);

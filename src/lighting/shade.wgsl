@@ -1,4 +1,4 @@
-// What a pixel shows: the light of all kinds of sources, with what the surface emits, seen through fog.
+// Shades a pixel: light of all kinds of sources and emission, seen through fog.
 #define_import_path bevy_lean_deferred::lighting::shade
 
 #import bevy_lean_deferred::lighting::surface::{Pixel, pbr_input_from_gbuffer}
@@ -79,25 +79,25 @@
 #import bevy_lean_deferred::lighting::visibility::apply_occlusion
 #endif
 
-/// What the pixel shows.
+/// Result for a pixel.
 struct Shaded {
-    /// Exposed.
+    /// Exposed colour.
     color: vec4<f32>,
 #ifdef DIFFUSE_LIGHT
-    /// What of it is sent out in all directions alike, but for fog.
+    /// Part of `color` that leaves the surface in all directions alike, before fog.
     diffuse: vec3<f32>,
 #endif
 #ifdef SCATTERS_LIGHT
-    /// What of it scatters beneath the surface, if that lets light in: without emission, fog and, if that comes after, the
-    /// base colour.
+    /// Diffuse light that scatters beneath the surface, without emission and before fog. Also before the base colour, where that is
+    /// applied after scattering.
     entering: vec3<f32>,
-    /// What these leave of it.
+    /// Factor of scattered light: fog and, where it is applied after scattering, the base colour.
     leaving: vec3<f32>,
 #endif
 }
 
 #ifdef SHOWS_LIGHT
-/// Exposes `lit`, of which `direct_visibility` is visible.
+/// Adds `lit`, exposed and scaled by `direct_visibility`.
 fn show(shaded: ptr<function, Shaded>, lit: Lit, direct_visibility: f32) {
     let exposure = view.exposure * direct_visibility;
 #ifdef DIFFUSE_LIGHT
@@ -116,15 +116,15 @@ fn show(shaded: ptr<function, Shaded>, lit: Lit, direct_visibility: f32) {
     (*shaded).color += vec4(exposure * light, 0.0);
 }
 
-/// What the pixel shows. Lights find the surface together: to be called by all invocations of a tile, whose first pixel is
-/// `corner`, also by those whose pixel has no geometry. `member` counts them, in the subgroup or else in the workgroup.
+/// Shades a pixel. Lights are culled per tile: must be called by all invocations of a tile, also by those whose pixel has no
+/// geometry. `corner` is the tile's first pixel. `member` is the invocation's index in the subgroup, or else in the workgroup.
 fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     var pbr: PbrInput;
     var point: ShadingPoint;
     var cluster = NO_CLUSTER;
     var shaded: Shaded;
     var gathered: Gathered;
-    // What occlusion leaves of direct light.
+    // Share of direct light that occlusion leaves.
     var direct_visibility = 1.0;
     if pixel.has_geometry {
         var shadows: DirectionalShadows;
@@ -164,7 +164,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
             let view_z = (view.view_from_world * pbr.world_position).z;
             cluster = view_fragment_cluster_index(pbr.frag_coord.xy, view_z, pbr.is_orthographic);
             point = shading_point(pbr, pixel, view_z);
-            // What needs more of the surface than lights do comes first: less is carried through their loops.
+            // Light that needs more of the surface comes first, so that fewer registers are live in the loops over lights.
             var lit: Lit;
             emit(&shaded, emission(pbr, pixel));
             add_indirect_light(&point, pbr, cluster, found, &lit);
@@ -204,7 +204,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
 }
 
 #ifdef SCATTERS_LIGHT
-/// What is seen of the light of a surface through fog; nothing where scattered light is not shown.
+/// Share of the surface's light seen through fog; 0 where scattered light is not shown.
 fn left_by_fog(pbr: PbrInput) -> vec3<f32> {
 #ifdef DEBUG_SPECULAR_LIGHT
     return vec3(0.0);
@@ -220,7 +220,7 @@ fn left_by_fog(pbr: PbrInput) -> vec3<f32> {
 }
 #endif
 
-/// Starts with an opaque pixel that sends out `light`; and shows nothing where only some of the light is shown.
+/// Starts an opaque pixel with emitted `light`, or black where only part of the light is shown.
 fn emit(shaded: ptr<function, Shaded>, light: vec3<f32>) {
 #ifdef DIFFUSE_LIGHT
     (*shaded).diffuse = light;
@@ -232,12 +232,12 @@ fn emit(shaded: ptr<function, Shaded>, light: vec3<f32>) {
 #endif
 }
 
-/// What a surface emits, and catches along its rim; exposed.
+/// Emission and rim light, exposed.
 fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
     let emissive = pbr.material.emissive;
     var light = emissive.rgb * pbr.material.base_color.a * mix(1.0, view.exposure, emissive.a);
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    // The coat is on top. Above 1, F_Schlick is NaN, and so is its product with a coat of 0.
+    // Light emitted beneath the coat. For N·V above 1, F_Schlick is NaN, and so is its product with a coat of 0.
     let NdotV = clamp(dot(pbr.N, pbr.V), 0.0001, 1.0);
     light *= 1.0 - pbr.material.clearcoat * F_Schlick(0.04, 1.0, NdotV);
 #endif
@@ -250,7 +250,7 @@ fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
     return light;
 }
 #else   // SHOWS_LIGHT
-/// What the pixel shows in place of light.
+/// Shows a debug view in place of light.
 fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     var pbr = pbr_input_from_gbuffer(pixel);
     var shaded: Shaded;

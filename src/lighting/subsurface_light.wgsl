@@ -1,4 +1,4 @@
-// The light that enters surfaces beneath which it scatters, as lighting writes it and scattering reads it.
+// Light that enters surfaces with subsurface scattering, as lighting writes it and the scattering passes read it.
 #define_import_path bevy_lean_deferred::lighting::subsurface_light
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, pack_light, unpack_halves, unpack_light}
@@ -6,36 +6,34 @@
     unpack_subsurface_color, unpack_subsurface_path,
 }
 
-/// Less of the base colour counts as that much where it is applied after scattering.
+/// Lower bound of the base colour where it is applied after scattering.
 const LEAST_ALBEDO: f32 = 0.04;
 
-/// Where the buffer of the tiles has how many blocks are listed; by the number of each material of the frame its arguments and 1 (0:
-/// no material has the number); for each block of the textures, row by row, which of its tiles have such light; and the listed
-/// blocks, in any order: those with any.
+/// Layout of the buffer of tiles: the number of listed blocks; by material number, `arguments + 1` (0: unused); per block of the
+/// textures, row by row, the mask of its tiles with such light; and the listed blocks, those with a mask, in any order.
 const COUNT: u32 = 0u;
 const MATERIALS: u32 = 1u;
 const MASKS: u32 = MATERIALS + MOST_MATERIALS + 1u;
-/// Materials of a frame that are told apart.
+/// Number of materials that are distinguished in a frame.
 const MOST_MATERIALS: u32 = 255u;
 
-/// The low bits of the first word of an entry: which material it is. The rest is a distance, which thereby is off by at most
-/// 2 to the power of -16 of itself.
+/// Low bits of the first word of an entry: its material. The rest is a distance, with a relative error of at most 2⁻¹⁶.
 const MATERIAL_BITS: u32 = 0xffu;
 
-/// A block has 4×4 tiles: 2 to the power of this pixels a side.
+/// Base-2 logarithm of a block's side in pixels. A block has 4×4 tiles.
 const BLOCK_LOG: u32 = 5u;
 
-/// The bit, in the mask of its block, of the tile that this pixel is in.
+/// Bit of the pixel's tile in the mask of its block.
 fn tile_bit(pixel: vec2<u32>) -> u32 {
     let tile = (pixel >> vec2(3u)) & vec2(3u);
     return 1u << (4u * tile.y + tile.x);
 }
 
-/// What the light of a pixel or texel is and where.
+/// Light of a pixel or texel, with its material and distance.
 struct Entry {
-    /// Along the view direction, in metres.
+    /// Distance along the view direction, in metres.
     metres: f32,
-    /// Its number, 1 to `MOST_MATERIALS`. 0: there is no light to scatter.
+    /// Number of the material, 1 to `MOST_MATERIALS`; 0 without light to scatter.
     material: u32,
     light: vec3<f32>,
 }
@@ -49,7 +47,7 @@ fn unpack_entry(words: vec2<u32>) -> Entry {
     return Entry(unpack_metres(words.x), unpack_material(words.x), unpack_light(words.y));
 }
 
-/// Of the first word of an entry. Words of one material have the order of their distances.
+/// Distance in the first word of an entry. Words of one material sort by distance.
 fn unpack_metres(word: u32) -> f32 {
     return bitcast<f32>(word & ~MATERIAL_BITS);
 }
@@ -58,12 +56,12 @@ fn unpack_material(word: u32) -> u32 {
     return word & MATERIAL_BITS;
 }
 
-/// What a pixel shows without scattering, and what becomes of light that has scattered.
+/// Pixel without scattering, and the terms that apply to its scattered light.
 struct Receiver {
     color: vec4<f32>,
-    /// What fog and the base colour leave of that light, 0 to 1.
+    /// Share of scattered light that fog and the base colour leave, 0 to 1.
     leaving: vec3<f32>,
-    /// As the G-buffer has it.
+    /// As in the G-buffer.
     normal_word: u32,
 }
 
@@ -75,8 +73,7 @@ fn unpack_receiver(words: vec4<u32>) -> Receiver {
     return Receiver(unpack_halves(words.xy), unpack_light(words.z), words.w);
 }
 
-/// How far light of each channel scatters in a material that is `known` as the buffer of the tiles has it: the `d` of its
-/// profile, in metres.
+/// Scattering distance per channel, the `d` of the profile, in metres. `known` is the material's value in the buffer of tiles.
 fn scattering_distance(known: u32) -> vec3<f32> {
     let arguments = known - 1u;
     return unpack_subsurface_color(arguments) * unpack_subsurface_path(arguments);

@@ -1,4 +1,4 @@
-// From the packed G-buffer to what Bevy's lighting functions take.
+// Converts the packed G-buffer to the input of Bevy's lighting functions.
 #define_import_path bevy_lean_deferred::lighting::surface
 
 #import bevy_lean_deferred::gbuffer::layout
@@ -33,17 +33,17 @@
 #endif
 #endif
 
-/// A pixel of the G-buffer, as far as every invocation reads it.
+/// G-buffer pixel: the parts that every invocation reads.
 struct Pixel {
-    /// In the render target.
+    /// Position in the render target.
     position: vec2<i32>,
     has_geometry: bool,
     depth: f32,
     surface_word: u32,
     normal_word: u32,
-    /// Which optional targets hold a word of it.
+    /// Mask of the optional targets that hold a word of the pixel.
     written: u32,
-    /// 0, a plain surface, where the view has no such target.
+    /// 0, a plain surface, if there is no such word.
     specialization_word: u32,
 }
 
@@ -54,19 +54,19 @@ fn position_at(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
 }
 
 #ifdef GEOMETRIC_NORMAL
-/// Further from any surface than the other side of an axis can be, so that that is chosen.
+/// Further from any surface than the tap on the other side can be, so that the other side is chosen.
 const OUTSIDE: f32 = 1e9;
-/// The cosine of the angle by which normal maps turn away from the surface at most.
+/// Cosine of the largest angle by which normal maps turn normals.
 const LEAST_AGREEMENT: f32 = 0.25;
 
 /// World-space normal of the surface at `pixel`, unit length, facing the viewer. `depth` is the pixel's.
 fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
-    // The camera may be scaled: normals turn by the transposed inverse.
+    // The camera may be scaled: normals transform by the inverse transpose.
     return normalize((vec4(view_geometric_normal(pixel, depth), 0.0) * view.view_from_world).xyz);
 }
 
-/// The normal by which shadow maps are biased where `N`, the shading normal, is not the mesh's: the surface's, but no further from `N` than a
-/// map may turn that. Depth tells little of parts that are a pixel high.
+/// Normal for the bias of shadow maps where the shading normal `N` is not the mesh's: that of the surface, limited to the angle from
+/// `N` by which a map may turn it. Depth is unreliable for parts that are one pixel high.
 fn shadow_normal(pixel: vec2<i32>, depth: f32, N: vec3<f32>) -> vec3<f32> {
     let normal = world_geometric_normal(pixel, depth);
     let cosine = dot(normal, N);
@@ -78,7 +78,7 @@ fn shadow_normal(pixel: vec2<i32>, depth: f32, N: vec3<f32>) -> vec3<f32> {
     return LEAST_AGREEMENT * N + sine * across * inverseSqrt(max(dot(across, across), 1e-20));
 }
 
-/// Depth at `pixel`, `OUTSIDE` beyond the viewport.
+/// Depth at `pixel`; `OUTSIDE` beyond the viewport.
 fn depth_at(pixel: vec2<i32>) -> f32 {
     let p = pixel - vec2<i32>(uniforms.viewport_origin);
     if any(p < vec2(0)) || any(p >= vec2<i32>(uniforms.viewport_size)) {
@@ -95,7 +95,7 @@ fn view_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     let top = depth_at(pixel - y);
     let bottom = depth_at(pixel + y);
 #ifdef GEOMETRIC_NORMAL_THREE_TAP
-    // Right and below, but inwards in the last column and row.
+    // Right and bottom taps; left and top ones in the last column and row.
     let h = select(1.0, -1.0, right == OUTSIDE);
     let v = select(1.0, -1.0, bottom == OUTSIDE);
 #else ifdef GEOMETRIC_NORMAL_FIVE_TAP
@@ -121,19 +121,19 @@ fn view_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
         position_at(pixel + i32(h) * x, beside), h,
         position_at(pixel + i32(v) * y, below), v,
     );
-    // A mirrored projection turns the order of the taps, and the normal, around.
+    // A mirrored projection reverses the order of the taps, and thus the normal.
     let to_viewer = select(-position, vec3(0.0, 0.0, 1.0), view.clip_from_view[3].w == 1.0);
     return select(n, -n, dot(n, to_viewer) < 0.0);
 #endif
 }
 
-/// Towards larger coordinates, per pixel. Where the viewport is a pixel wide there is no other.
+/// Depth slope per pixel, towards larger coordinates; 0 where the viewport is one pixel wide.
 fn depth_slope(depth: f32, other: f32, side: f32) -> f32 {
     return select((other - depth) * side, 0.0, other == OUTSIDE);
 }
 #endif  // GEOMETRIC_NORMAL
 
-/// Whether the surface is lit, and may be in shadow.
+/// True if the surface is lit, and may be in shadow.
 fn receives_shadows(pixel: Pixel) -> bool {
 #ifdef GBUFFER_SPECIALIZATION
     let word = pixel.specialization_word;
@@ -151,7 +151,7 @@ fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
     pbr.material.base_color = vec4(layout::unpack_albedo(surface_word), 1.0);
     pbr.material.metallic = layout::unpack_metallic(surface_word);
     pbr.material.perceptual_roughness = layout::unpack_roughness(pixel.normal_word);
-    // What is stored is exposed already, and what decals add is not exposed.
+    // Weight 0: stored emission is exposed already, and that of decals is not to be exposed.
     pbr.material.emissive = vec4(0.0);
     pbr.material.flags = STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT;
     pbr.diffuse_occlusion = vec3(layout::unpack_occlusion(surface_word));
@@ -160,7 +160,7 @@ fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
     pbr.is_orthographic = view.clip_from_view[3].w == 1.0;
     pbr.V = calculate_view(pbr.world_position, pbr.is_orthographic);
     pbr.N = layout::unpack_normal(pixel.normal_word);
-    // Who needs the geometric one asks for it.
+    // Placeholder: geometric normals are computed where they are needed.
     pbr.world_normal = pbr.N;
 #ifdef SHADOWS
     pbr.flags = MESH_FLAGS_SHADOW_RECEIVER_BIT;
@@ -174,7 +174,7 @@ fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
         light = unpack_light(textureLoad(emissive_texture, pixel.position, 0).r);
     }
 #ifdef LIGHTMAPPED_SURFACES
-    // Bevy exposes the light of lightmaps.
+    // Divided by exposure, because Bevy exposes the light of lightmaps.
     let lightmap = pixel.specialization_word & specialization::LIGHTMAP_BITS;
     if lightmap == specialization::LIGHTMAP_INCIDENT {
         pbr.lightmap_light = light / view.exposure;

@@ -1,12 +1,12 @@
-// The list of the tiles that have special surfaces.
+// List of tiles with special surfaces.
 #define_import_path bevy_lean_deferred::lighting::tile_list
 
 #import bevy_lean_deferred::gbuffer::layout::specialization
 
-/// Workgroups a row of an indirect dispatch: the list may be longer than a dispatch may be wide.
+/// Workgroups per row of an indirect dispatch: the list may be longer than the limit of a dispatch's width.
 const COLUMNS: u32 = 32768u;
 
-/// The kind of surface, as lighting tells them apart: 0 for plain ones.
+/// Kind of surface that lighting distinguishes: 0 for plain ones.
 fn variant_of(word: u32) -> u32 {
     var model = specialization::unpack_shading_model(word);
     if model == specialization::UNLIT {
@@ -19,16 +19,15 @@ fn variant_of(word: u32) -> u32 {
 #ifdef LISTED_VARIANTS
 /// `x`, `y`, `z` of the indirect dispatch over the list; `z` is always 1.
 @group(3) @binding(0) var<storage, read_write> dispatch: array<atomic<u32>, 3>;
-/// How many tiles there are, and their corners.
+/// Number of listed tiles, followed by their corners.
 @group(3) @binding(1) var<storage, read_write> list: array<atomic<u32>>;
 
 var<workgroup> has_special: atomic<u32>;
 var<workgroup> is_listed: u32;
 
-/// Puts the tile whose corner is `origin` on the list if one of its 64 invocations has a special surface. True if so, for
-/// all of them.
+/// Lists the tile with corner `origin` if one of its 64 invocations has a special surface. Returns true for all of them if so.
 fn list_tile(origin: vec2<u32>, variant: u32, invocation: u32) -> bool {
-    // Whatever ran before has left something there.
+    // Workgroup memory may hold values of an earlier workgroup.
     if invocation == 0u {
         atomicStore(&has_special, 0u);
     }

@@ -1,4 +1,4 @@
-// How much of the light from everywhere ambient occlusion leaves.
+// Applies ambient occlusion to indirect light.
 #define_import_path bevy_lean_deferred::lighting::visibility
 
 #import bevy_pbr::pbr_types::PbrInput
@@ -27,7 +27,7 @@ fn apply_ssao(pbr: ptr<function, PbrInput>, pixel: vec2<i32>) {
 #endif
 
 #ifdef LEAN_AMBIENT_OCCLUSION
-/// Returns the visibility.
+/// Applies occlusion, and returns the visibility.
 fn apply_occlusion(pbr: ptr<function, PbrInput>, pixel: vec2<i32>, depth: f32) -> f32 {
     let occlusion = filtered_occlusion(
         occlusion_texture,
@@ -48,7 +48,7 @@ fn apply_occlusion(pbr: ptr<function, PbrInput>, pixel: vec2<i32>, depth: f32) -
 #endif
 
 #ifdef APPLIES_VISIBILITY
-/// As Bevy's `pbr_fragment` applies its own occlusion.
+/// Applies visibility as Bevy's `pbr_fragment` does.
 fn apply_visibility(pbr: ptr<function, PbrInput>, visibility: f32, tinted: vec3<f32>) {
     (*pbr).diffuse_occlusion = min((*pbr).diffuse_occlusion, tinted);
     // Lagarde and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering".

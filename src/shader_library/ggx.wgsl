@@ -1,20 +1,20 @@
-// The lobe of a rough mirror. In tangent space: z is the normal. Without bindings.
+// Lobe of a rough mirror, in tangent space: z is the normal. Without bindings.
 #define_import_path bevy_lean_deferred::ggx
 
 const PI: f32 = 3.14159265358979;
 
-/// A direction of the lobe.
+/// Sampled direction of the lobe.
 struct LobeSample {
-    /// Towards the light, unit length; below the surface if `weight` is 0.
+    /// Unit vector to the light; below the surface if `weight` is 0.
     direction: vec3<f32>,
-    /// What of light from there is seen, over its density: 0 to 1, but for Fresnel.
+    /// Reflected share of light from there, divided by its density, without Fresnel: 0 to 1.
     weight: f32,
-    /// Of directions, per steradian.
+    /// Density of directions, per steradian.
     density: f32,
 }
 
-/// The microfacet that is seen from `V` at the random numbers `u`, 0 to 1 (Dupuy and Benyoub 2023, "Sampling Visible GGX
-/// Normals with Spherical Caps"). `alpha` is the square of perceptual roughness; at 0 it is the normal.
+/// Microfacet visible from `V`, sampled by the random numbers `u`, 0 to 1 (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals
+/// with Spherical Caps"). `alpha` is the square of perceptual roughness; at 0, the microfacet is the normal.
 fn visible_microfacet(V: vec3<f32>, alpha: f32, u: vec2<f32>) -> vec3<f32> {
     let stretched = normalize(vec3(alpha * V.xy, V.z));
     let z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
@@ -24,21 +24,21 @@ fn visible_microfacet(V: vec3<f32>, alpha: f32, u: vec2<f32>) -> vec3<f32> {
     return normalize(vec3(alpha * half.xy, max(half.z, 1e-7)));
 }
 
-/// A direction from which light is mirrored towards `V`, which is above the surface.
+/// Samples a direction from which light is reflected to `V`, which is above the surface.
 fn sample_lobe(V: vec3<f32>, alpha: f32, u: vec2<f32>) -> LobeSample {
     let microfacet = visible_microfacet(V, alpha, u);
     let L = reflect(-V, microfacet);
     if !(L.z > 0.0) {
         return LobeSample(L, 0.0, 1.0);
     }
-    // Smith's shadowing and masking, correlated by height (Heitz 2014, "Understanding the Masking-Shadowing Function in
-    // Microfacet-Based BRDFs").
+    // Height-correlated Smith shadowing and masking (Heitz 2014, "Understanding the Masking-Shadowing Function in Microfacet-Based
+    // BRDFs").
     let a2 = alpha * alpha;
     let root_v = sqrt(a2 + (1.0 - a2) * V.z * V.z);
     let root_l = sqrt(a2 + (1.0 - a2) * L.z * L.z);
     let weight = L.z * (V.z + root_v) / (L.z * root_v + V.z * root_l);
     let spread = 1.0 - (1.0 - a2) * microfacet.z * microfacet.z;
-    // A perfect mirror has all in one direction.
+    // Avoids 0 / 0 for a perfect mirror, whose lobe is a single direction.
     let distribution = a2 / max(PI * spread * spread, 1e-20);
     return LobeSample(L, weight, max(distribution / (2.0 * (V.z + root_v)), 1e-6));
 }

@@ -1,11 +1,11 @@
-// What a pair of horizons hides of the hemisphere, weighted by the cosine. Without bindings.
+// Cosine-weighted occlusion of the hemisphere by a pair of horizons. Without bindings.
 #define_import_path bevy_lean_deferred::horizon
 
 const HALF_PI: f32 = 1.57079633;
 const PI: f32 = 3.14159265;
 
-/// The area between an arc of the unit circle and its chord, which is `c` in -1..1 from the centre: `acos(c) - c * sqrt(1 - c * c)`.
-/// Off by at most 6.3e-6: of the largest error, the least that a cubic can have.
+/// Area between an arc of the unit circle and its chord at distance `c` (-1 to 1) from the centre: `acos(c) - c * sqrt(1 - c * c)`.
+/// A minimax cubic: off by at most 6.3e-6.
 fn segment(c: f32) -> f32 {
     let a = abs(c);
     let t = max(1.0 - a, 0.0);
@@ -14,7 +14,7 @@ fn segment(c: f32) -> f32 {
     return select(PI - area, area, c >= 0.0);
 }
 
-/// A normal within the plane of a slice.
+/// Normal projected into the plane of a slice.
 struct SliceNormal {
     /// Length of the normal's projection into the plane.
     length: f32,
@@ -23,7 +23,7 @@ struct SliceNormal {
     sine: f32,
 }
 
-/// `to_viewer` and `tangent` are the plane's axes, of unit length.
+/// Projects `normal` into the plane of the unit axes `to_viewer` and `tangent`.
 fn slice_normal(normal: vec3<f32>, to_viewer: vec3<f32>, tangent: vec3<f32>) -> SliceNormal {
     let projected = vec2(dot(normal, to_viewer), dot(normal, tangent));
     let squared = dot(projected, projected);
@@ -34,17 +34,17 @@ fn slice_normal(normal: vec3<f32>, to_viewer: vec3<f32>, tangent: vec3<f32>) -> 
     return SliceNormal(squared * inverse, projected.x * inverse, projected.y * inverse);
 }
 
-/// Cosine-weighted light of one side of a slice between the viewer's direction and the angle whose cosine is `c`, in
-/// the closed form of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion", freed of
-/// double angles. `side` is 1 or -1.
+/// Cosine-weighted light of one side of a slice between the viewer's direction and the angle whose cosine is `c`: the closed form
+/// of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion", without double angles. `side` is 1
+/// or -1.
 fn arc(normal: SliceNormal, c: f32, side: f32) -> f32 {
     let s_squared = max(1.0 - c * c, 0.0);
-    // The segment changes sign with the side, and so its product with the sine of the mirrored slice.
+    // The other side is the mirrored slice, where the sine is negated.
     return 0.5 * (s_squared * normal.cosine + side * segment(c) * normal.sine);
 }
 
-/// The part of the hemisphere about `normal` that lies on `side` between the horizon `c` and the surface: the tangent
-/// plane `base`. Both are cosines of angles to the viewer. Exactly 0 where the horizon is the surface.
+/// Part of the hemisphere about `normal` on `side` between the horizon `c` and the tangent plane `base` of the surface. Both are
+/// cosines of angles to the viewer. Exactly 0 where the horizon is the surface.
 fn side_occlusion(normal: SliceNormal, base: f32, c: f32, side: f32) -> f32 {
     // Light from below the shading normal's own horizon does not count.
     let lowest = max(base, -side * normal.sine);
@@ -54,8 +54,8 @@ fn side_occlusion(normal: SliceNormal, base: f32, c: f32, side: f32) -> f32 {
     return normal.length * max(arc(normal, lowest, side) - arc(normal, c, side), 0.0);
 }
 
-/// Two unit vectors across `n`, which faces +Z at least a little, and across each other (Duff et al. 2017, "Building an
-/// Orthonormal Basis, Revisited").
+/// Two unit vectors perpendicular to `n` and to each other (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"). `n`
+/// must face +Z at least a little.
 fn tangents(n: vec3<f32>) -> mat2x3<f32> {
     let a = 1.0 / (1.0 + n.z);
     let b = -n.x * n.y * a;

@@ -14,7 +14,7 @@ const METALLIC_MAX: f32 = 20.0;
 const OCCLUSION_MAX: f32 = 23.0;
 /// Codes of occlusion for each code of metallic.
 const OCCLUSION_CODES: u32 = 24u;
-/// In word 0.
+/// Bit of word 0.
 const MESH_NORMAL_BIT: u32 = 0x80000000u;
 const ROUGHNESS_MAX: f32 = 255.0;
 
@@ -25,8 +25,8 @@ const HALF_STEPS: f32 = 2047.0;
 /// Both words of a pixel that no mesh was drawn to.
 const NO_GEOMETRY: u32 = 0u;
 
-// What a pixel of the `written` target has for each optional target that holds a word of its surface. What others hold
-// there is of a surface behind it, or nothing.
+// Bits of the `written` target, one per optional target that holds a word of the pixel's surface. The others hold a word of a
+// surface behind it, or nothing.
 const EMISSIVE_WRITTEN: u32 = 1u;
 const SPECIALIZATION_WRITTEN: u32 = 2u;
 const MOTION_WRITTEN: u32 = 4u;
@@ -41,21 +41,21 @@ struct Surface {
     /// World space, unit length.
     normal: vec3<f32>,
     perceptual_roughness: f32,
-    /// The shading normal is that of the mesh: no map turns it.
+    /// True if the shading normal is that of the mesh: no map turns it.
     has_mesh_normal: bool,
 }
 
-/// True for everything but NaN and infinities. Looks at the bits, because comparisons with NaN may be optimised away.
+/// True for everything but NaN and infinities. Tests the bits, because comparisons with NaN may be optimised away.
 fn is_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
 }
 
-/// Whether quotients by a length are exact: small ones would lose their digits, and of those above 2^126 WGSL promises nothing.
+/// True if quotients by a length are exact: small ones lose precision, and above 2^126 WGSL guarantees nothing.
 fn is_divisor(size: f32) -> bool {
     return is_finite(size) && size >= 1e-30 && size < 8e37;
 }
 
-/// True for NaN alone.
+/// True for NaN only.
 fn is_nan(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u;
 }
@@ -72,20 +72,20 @@ fn quantize_roots(color: vec3<f32>, steps: vec3<f32>) -> vec3<u32> {
     return vec3<u32>(sqrt(clamp(valid, vec3(0.0), vec3(1.0))) * steps + 0.5);
 }
 
-/// The exponent that the roots of `albedo` have in common, 0 or 1. Decided on linear values: comparisons of floats
-/// agree with the twin, square roots may not.
+/// Common exponent of the roots of `albedo`, 0 or 1. Decided on linear values: comparisons of floats agree with the Rust twin,
+/// square roots may not.
 fn albedo_exponent(albedo: vec3<f32>) -> u32 {
     return u32(max(albedo.r, max(albedo.g, albedo.b)) <= 0.0625);
 }
 
-/// By how much albedo of this exponent is multiplied: 1 or 16.
+/// Factor of albedo with this exponent: 1 or 16.
 fn albedo_scale(exponent: u32) -> f32 {
     return f32(1u << (4u * exponent));
 }
 
 /// Packs word 0. A colour with a NaN becomes black.
 fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32, has_mesh_normal: bool) -> u32 {
-    // One test for three: a NaN channel makes the sum NaN. Which one `max` drops must not matter.
+    // One test for three: a NaN channel makes the sum NaN. The result must not depend on which one `max` drops.
     let is_number = !is_nan(albedo.r + albedo.g + albedo.b);
     let valid = select(vec3(0.0), clamp(albedo, vec3(0.0), vec3(1.0)), is_number);
     let exponent = albedo_exponent(valid);
@@ -102,13 +102,13 @@ fn unpack_albedo(word: u32) -> vec3<f32> {
     return root * root / albedo_scale((word >> 21u) & 1u);
 }
 
-/// The code of metallic, times `OCCLUSION_CODES`, and that of occlusion.
+/// Code of metallic times `OCCLUSION_CODES`, plus that of occlusion.
 fn metallic_and_occlusion(word: u32) -> u32 {
     return (word >> 22u) & 0x1ffu;
 }
 
 fn unpack_metallic(word: u32) -> f32 {
-    // Words that nothing has packed may hold a larger code.
+    // Words that were never packed may hold a larger code.
     return min(f32(metallic_and_occlusion(word) / OCCLUSION_CODES) / METALLIC_MAX, 1.0);
 }
 
@@ -126,8 +126,8 @@ fn sign_not_zero(x: f32) -> f32 {
     return select(-1.0, 1.0, x >= 0.0);
 }
 
-/// The square -1..1 back to the octahedron (Cigolle et al. 2014, "A Survey of Efficient Representations for
-/// Independent Unit Vectors"); the result is not normalised.
+/// Maps the square -1..1 to the octahedron (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
+/// Vectors"). The result is not normalised.
 fn direction_from_octahedral(p: vec2<f32>) -> vec3<f32> {
     var n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
     if n.z < 0.0 {
@@ -136,24 +136,23 @@ fn direction_from_octahedral(p: vec2<f32>) -> vec3<f32> {
     return n;
 }
 
-/// The direction of integer codes 0..NORMAL_STEPS, unit length.
+/// Unit vector of integer codes 0..NORMAL_STEPS.
 fn unit_from_codes(codes: vec2<f32>) -> vec3<f32> {
     return normalize(direction_from_octahedral(codes * (2.0 / NORMAL_STEPS) - 1.0));
 }
 
-/// Packs a normal of any length and the roughness. Of the four codes around the exact point it takes the one whose
-/// direction is nearest: the "precise" rounding of Cigolle et al. 2014, by the metric of the map in place of four
-/// decodes. What has no direction (zero, NaN, infinite or nearly so) becomes +Y: up lights like a floor, and no NaN
-/// reaches the lighting.
+/// Packs a normal of any length and the roughness. Of the four codes around the exact point, chooses the one whose direction is
+/// nearest: the "precise" rounding of Cigolle et al. 2014, by the metric of the map instead of four decodes. Normals without a
+/// direction (zero, NaN, infinite or nearly so) become +Y: they are lit like a floor, and no NaN reaches lighting.
 fn pack_normal(normal: vec3<f32>, perceptual_roughness: f32) -> u32 {
     var n = normal;
     var size = abs(n.x) + abs(n.y) + abs(n.z);
-    // A NaN or infinite part makes the sum so.
+    // A NaN or infinite component makes the sum NaN or infinite.
     if !is_divisor(size) {
         n = vec3(0.0, 1.0, 0.0);
         size = 1.0;
     }
-    // All octants alike: on the octahedron's face of positive x and y, the lower half folded out.
+    // Treats all octants alike: on the octahedron's face of positive x and y, with the lower half folded out.
     let m = abs(n) / size;
     let is_upper = n.z >= 0.0;
     let across = select(m.yx, m.xy, is_upper);
@@ -161,17 +160,17 @@ fn pack_normal(normal: vec3<f32>, perceptual_roughness: f32) -> u32 {
     let low = min(floor(exact), vec2(HALF_STEPS - 1.0));
     let f = exact - low;
 
-    // A step (dx, dy) of codes turns the direction by an angle whose square is proportional to
-    // a dx² + 2 b dx dy + c dy²: the parts of the map's derivatives (1, 0, -1) and (0, 1, -1) across the direction.
+    // A step (dx, dy) of codes turns the direction by an angle whose square is proportional to a dx² + 2 b dx dy + c dy², from the
+    // parts of the map's derivatives (1, 0, -1) and (0, 1, -1) that are perpendicular to the direction.
     let length_squared = dot(m, m);
     let along = across - m.z;
     let ac = 2.0 * length_squared - along * along;
     let b = length_squared - along.x * along.y;
 
-    // Of that, what a code more in x, in y or in both adds to the error of `low`.
+    // Change of that error, relative to `low`, by one more code in x, in y or in both.
     let one = ac * (1.0 - 2.0 * f) - 2.0 * b * f.yx;
     let both = one.x + one.y + 2.0 * b;
-    // One of the best, also where some are as good: on the diagonals of the octants three are.
+    // One of the best on ties too: on the diagonals of the octants, three are equal.
     let least = min(min(one.x, one.y), 0.0);
     let is_x = one.x <= one.y;
     let nearest = select(vec2(0.0), select(vec2(0.0, 1.0), vec2(1.0, 0.0), is_x), least < 0.0);

@@ -1,10 +1,10 @@
-// What the invocations of a workgroup tell one another.
+// Communication between the invocations of a workgroup.
 #define_import_path bevy_lean_deferred::workgroup
 
-/// All that set it write the same.
+/// All invocations that set it write the same value.
 var<workgroup> any_flag: u32;
 
-/// Whether `condition` holds for any invocation of the workgroup. A barrier, also for its other memory.
+/// True if `condition` holds for any invocation of the workgroup. Also a barrier for its other memory.
 fn is_any(condition: bool, invocation: u32) -> bool {
     if invocation == 0u {
         any_flag = 0u;

@@ -1,9 +1,9 @@
-// What of a `ShadingExtension` its material's bind group holds.
+// Data of a `ShadingExtension` in its material's bind group.
 #define_import_path bevy_lean_deferred::shading_extension::extension
 
 struct Extension {
     shading_model: u32,
-    /// As the G-buffer stores them.
+    /// Packed as in the G-buffer.
     arguments: u32,
 }
 
@@ -20,10 +20,10 @@ struct ExtensionIndices {
 @group(#{MATERIAL_BIND_GROUP}) @binding(50) var<uniform> extension: Extension;
 #endif
 
-/// The extension of the material of a mesh instance.
+/// Extension of a mesh instance's material.
 fn extension_of(instance_index: u32) -> Extension {
 #ifdef BINDLESS
-    // Low 16 bits: the material's place in its bind group.
+    // Low 16 bits: the material's slot in its bind group.
     let slot = mesh[instance_index].material_and_lightmap_bind_group_slot & 0xffffu;
     return extensions[indices[slot].extension];
 #else

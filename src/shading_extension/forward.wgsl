@@ -1,4 +1,4 @@
-// Fragment shader that draws a `StandardMaterial` with a `ShadingExtension` in Bevy's forward passes.
+// Draws a `StandardMaterial` with a `ShadingExtension` in Bevy's forward passes.
 #define SHADING_MODEL_RIM
 #import bevy_lean_deferred::gbuffer::layout::specialization::RIM
 #import bevy_lean_deferred::shading_extension::extension::extension_of
@@ -50,7 +50,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     var out: FragmentOutput;
     out.color = main_pass_post_lighting_processing(pbr, light(pbr, in.instance_index));
 #ifdef OIT_ENABLED
-    // As in Bevy's `pbr.wgsl`: kept for the pass that sorts what is transparent.
+    // As in Bevy's `pbr.wgsl`: stored for the pass that sorts transparent fragments.
     let alpha_mode = pbr.material.flags & STANDARD_MATERIAL_FLAGS_ALPHA_MODE_RESERVED_BITS;
     if alpha_mode != STANDARD_MATERIAL_FLAGS_ALPHA_MODE_OPAQUE {
         oit_draw(in.position, out.color);

@@ -1,4 +1,4 @@
-// Fragment shader that draws a `StandardMaterial` with a `ShadingExtension` into the packed G-buffer.
+// Draws a `StandardMaterial` with a `ShadingExtension` into the packed G-buffer.
 #import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, apply_discards, pack_pbr_input}
 #import bevy_pbr::{
     pbr_fragment::pbr_input_from_standard_material,

@@ -5,7 +5,7 @@
 
 const PI: f32 = 3.14159265;
 
-/// Where `tangents` takes another frame. Not at 0, where walls are: passes may differ in a normal's last bits.
+/// Normal z at which `tangents` switches frames. Not 0, the z of many walls: passes may differ in a normal's last bits.
 const FRAME_SEAM: f32 = -0.3;
 
 /// Two tangents of a unit vector (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
@@ -19,9 +19,8 @@ fn tangents(n: vec3<f32>) -> mat2x3<f32> {
     );
 }
 
-/// Packs the arguments of anisotropy. `normal` must be the unpacked one, so that decoding finds the same frame; of
-/// `tangent`, of any length, what lies across the normal counts, and its sign does not. One without a direction gets
-/// the angle 0.
+/// Packs the arguments of anisotropy. `normal` must be the unpacked one, so that decoding uses the same frame. Only the direction
+/// of `tangent` perpendicular to the normal counts, not its length or sign. Without such a direction, the angle is 0.
 fn pack_anisotropy(strength: f32, tangent: vec3<f32>, normal: vec3<f32>) -> u32 {
     let frame = tangents(normal);
     let p = vec2(dot(tangent, frame[0]), dot(tangent, frame[1]));
@@ -49,12 +48,12 @@ fn unpack_anisotropy_tangent(arguments: u32, normal: vec3<f32>) -> vec3<f32> {
 #import bevy_lean_deferred::gbuffer::layout::unpack_normal
 #import bevy_pbr::pbr_types::PbrInput
 
-/// What the G-buffer stores of `pbr`, whose packed normal is `normal_word`.
+/// Packed arguments of `pbr`, whose packed normal is `normal_word`.
 fn arguments_of(pbr: PbrInput, normal_word: u32) -> u32 {
     return pack_anisotropy(pbr.anisotropy_strength, pbr.anisotropy_T, unpack_normal(normal_word));
 }
 
-/// Puts `arguments` into what lighting takes.
+/// Unpacks `arguments` into the input of lighting.
 fn specialize(pbr: ptr<function, PbrInput>, arguments: u32) {
     (*pbr).anisotropy_strength = unpack_anisotropy_strength(arguments);
     (*pbr).anisotropy_T = unpack_anisotropy_tangent(arguments, (*pbr).N);

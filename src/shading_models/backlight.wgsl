@@ -1,4 +1,4 @@
-// Light that falls on the back shines through. The bit table is in `backlight.rs`.
+// Diffuse transmission of light that falls on the back. The bit table is in `backlight.rs`.
 #define_import_path bevy_lean_deferred::shading_models::backlight
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize}
@@ -15,19 +15,19 @@ fn pack_backlight(transmission: f32, thickness: f32, receives_shadows: bool) -> 
         | select(0u, 1u << 16u, receives_shadows);
 }
 
-/// The part of light that is transmitted, 0 to 1.
+/// Share of light that is transmitted, 0 to 1.
 fn unpack_backlight_transmission(arguments: u32) -> f32 {
     return f32(arguments & 0x7fu) / 127.0;
 }
 
-/// Metres.
+/// Thickness in metres.
 fn unpack_backlight_thickness(arguments: u32) -> f32 {
     let code = (arguments >> 7u) & 0x1ffu;
     let thickness = exp2((f32(code) - 1.0) / THICKNESS_STEPS + LEAST_THICKNESS_LOG);
     return select(thickness, 0.0, code == 0u);
 }
 
-/// Whether transmitted light is shadowed.
+/// True if transmitted light is shadowed.
 fn unpack_backlight_shadows(arguments: u32) -> bool {
     return (arguments >> 16u) != 0u;
 }
@@ -35,7 +35,7 @@ fn unpack_backlight_shadows(arguments: u32) -> bool {
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #import bevy_pbr::{mesh_types::MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT, pbr_types::PbrInput}
 
-/// What the G-buffer stores of `pbr`.
+/// Packed arguments of `pbr`.
 fn arguments_of(pbr: PbrInput, normal_word: u32) -> u32 {
     let receives_shadows = (pbr.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u;
     return pack_backlight(
@@ -45,7 +45,7 @@ fn arguments_of(pbr: PbrInput, normal_word: u32) -> u32 {
     );
 }
 
-/// Puts `arguments` into what lighting takes.
+/// Unpacks `arguments` into the input of lighting.
 fn specialize(pbr: ptr<function, PbrInput>, arguments: u32) {
     (*pbr).material.diffuse_transmission = unpack_backlight_transmission(arguments);
     (*pbr).material.thickness = unpack_backlight_thickness(arguments);

@@ -21,12 +21,12 @@ fn unpack_clearcoat_roughness(arguments: u32) -> f32 {
 #ifdef STANDARD_MATERIAL_CLEARCOAT
 #import bevy_pbr::pbr_types::PbrInput
 
-/// What the G-buffer stores of `pbr`.
+/// Packed arguments of `pbr`.
 fn arguments_of(pbr: PbrInput, normal_word: u32) -> u32 {
     return pack_clearcoat(pbr.material.clearcoat, pbr.material.clearcoat_perceptual_roughness);
 }
 
-/// Puts `arguments` into what lighting takes.
+/// Unpacks `arguments` into the input of lighting.
 fn specialize(pbr: ptr<function, PbrInput>, arguments: u32) {
     (*pbr).material.clearcoat = unpack_clearcoat_strength(arguments);
     (*pbr).material.clearcoat_perceptual_roughness = unpack_clearcoat_roughness(arguments);

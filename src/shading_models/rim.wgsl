@@ -1,4 +1,4 @@
-// Light caught along the silhouette. The bit table is in `rim.rs`.
+// Rim light along silhouettes. The bit table is in `rim.rs`.
 #define_import_path bevy_lean_deferred::shading_models::rim
 
 #import bevy_lean_deferred::gbuffer::layout::{quantize, quantize_roots}
@@ -39,21 +39,21 @@ fn unpack_rim_exponent(arguments: u32) -> f32 {
 #endif
 
 /// The dedicated rim term of Mitchell, Francke and Eng 2007, "Illustrative Rendering in Team Fortress 2":
-/// `(n · u) (1 - n · v)^exponent color a(v)`, where `u` points up and `a(v)` is the light that comes along the eye's
-/// ray, from behind the surface. Negative products are 0. Colour and exponent
-/// come from packed `arguments`. Exposed, as what `apply_pbr_lighting` returns.
+/// `(n · u) (1 - n · v)^exponent color a(v)`, where `u` points up and `a(v)` is the light along the eye's ray from behind the
+/// surface. Negative products are clamped to 0. Colour and exponent are unpacked from `arguments`. Exposed, like the result of
+/// `apply_pbr_lighting`.
 fn rim_light(in: PbrInput, arguments: u32, is_lightmapped: bool) -> vec3<f32> {
     let color = unpack_rim_color(arguments);
     let exponent = unpack_rim_exponent(arguments);
-    // Shading normals may turn away from the viewer: no more than a whole rim there.
+    // Clamp: shading normals may face away from the viewer.
     let fresnel = pow(1.0 - saturate(dot(in.N, in.V)), exponent);
     let up = saturate(in.N.y);
     let light = color * (up * fresnel) * in.diffuse_occlusion * light_from(-in.V, in, is_lightmapped);
     return view.exposure * light;
 }
 
-/// Mean light from around a direction: ambient light, and either irradiance volumes or environment maps, as Bevy picks
-/// them for diffuse light.
+/// Mean light from around a direction: ambient light, and either irradiance volumes or environment maps, chosen like Bevy's
+/// diffuse light.
 fn light_from(direction: vec3<f32>, in: PbrInput, is_lightmapped: bool) -> vec3<f32> {
     let view_z = (view.view_from_world * in.world_position).z;
     let cluster = clustering::view_fragment_cluster_index(in.frag_coord.xy, view_z, in.is_orthographic);
@@ -71,7 +71,7 @@ fn light_from(direction: vec3<f32>, in: PbrInput, is_lightmapped: bool) -> vec3<
     }
 #endif
 #ifdef ENVIRONMENT_MAP
-    // At full roughness, so that the radiance that comes along with the irradiance is cheap.
+    // At full roughness, the radiance that is sampled with the irradiance is cheap.
     let input = LayerLightingInput(direction, direction, 1.0, 1.0, 1.0);
     light += compute_radiances(input, &ranges, in.world_position.xyz, found_diffuse).irradiance;
 #endif

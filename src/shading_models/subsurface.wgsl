@@ -1,4 +1,4 @@
-// Light that enters scatters and leaves elsewhere. The bit table is in `subsurface.rs`.
+// Subsurface scattering: light enters a surface and leaves it elsewhere. The bit table is in `subsurface.rs`.
 #define_import_path bevy_lean_deferred::shading_models::subsurface
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize, quantize_roots}
@@ -7,8 +7,8 @@ const LEAST_PATH_LOG: f32 = -13.287713;
 /// Largest codes of the colour.
 const STEPS: vec3<f32> = vec3(15.0, 7.0, 7.0);
 
-/// Packs the arguments of subsurface scattering: colour 0 to 1, mean free path in metres, and whether the base colour is
-/// applied before light scatters.
+/// Packs the arguments of subsurface scattering: colour 0 to 1, mean free path in metres. `colors_before` applies the base colour
+/// before light scatters.
 fn pack_subsurface(color: vec3<f32>, mean_free_path: f32, colors_before: bool) -> u32 {
     let codes = quantize_roots(color, STEPS);
     let valid = select(mean_free_path, 0.0, is_nan(mean_free_path));
@@ -30,7 +30,7 @@ fn unpack_subsurface_path(arguments: u32) -> f32 {
     return exp2((1.0 - code / 63.0) * LEAST_PATH_LOG);
 }
 
-/// Whether the base colour is applied before light scatters.
+/// True if the base colour is applied before light scatters.
 fn unpack_subsurface_colors_before(arguments: u32) -> bool {
     return ((arguments >> 16u) & 1u) != 0u;
 }

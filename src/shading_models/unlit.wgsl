@@ -1,19 +1,19 @@
-// The base colour, whatever the light. The bits are in `unlit.rs`.
+// Unlit surfaces: the base colour, independent of light. The bits are in `unlit.rs`.
 #define_import_path bevy_lean_deferred::shading_models::unlit
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize_roots}
 #import bevy_lean_deferred::gbuffer::layout::specialization::{NO_FOG, UNLIT}
 
-/// The brightest channel of an unlit colour that is stored.
+/// Brightest channel of an unlit colour that is stored.
 const LARGEST_UNLIT: f32 = 32768.0;
 
 /// Packs a whole word for an unlit surface: colour 0 to `LARGEST_UNLIT`; a colour with a NaN becomes black. `flags` may
 /// have `NO_FOG`.
 fn pack_unlit(color: vec3<f32>, flags: u32) -> u32 {
-    // The NaN of one channel must not depend on which one `max` drops.
+    // The result must not depend on which channel's NaN `max` drops.
     let number = select(color, vec3(0.0), is_nan(color.r + color.g + color.b));
     let valid = clamp(number, vec3(0.0), vec3(LARGEST_UNLIT));
-    // The least exponent, from 0, whose power of two is no less than the brightest channel.
+    // Least exponent, from 0, whose power of two is at least the brightest channel.
     let above = (bitcast<u32>(max(valid.r, max(valid.g, valid.b))) + 0x7fffffu) >> 23u;
     let exponent = max(above, 127u) - 127u;
     let scale = bitcast<f32>((127u - exponent) << 23u);

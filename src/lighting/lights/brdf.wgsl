@@ -1,5 +1,5 @@
-// How a surface reflects light from one direction: Bevy's `lighting` for one light, with what all lights share found once,
-// and without the colours of the surface, which come in at the end. `D_GGX` and others there say where each term is from.
+// Reflection of light from one direction: Bevy's `lighting` for one light, with shared terms computed once, and without the
+// surface's colours, which are applied at the end. Bevy cites the source of each term, at `D_GGX` and others.
 #define_import_path bevy_lean_deferred::lighting::lights::brdf
 
 #import bevy_lean_deferred::lighting::lights::lit::Lit
@@ -15,20 +15,20 @@
 
 const INVERSE_PI: f32 = 0.31830987;
 
-/// What one light's direction makes of the surface: factors of the light's colour, with N·L in each.
+/// Response of the surface to one light: factors of the light's colour, each including N·L.
 struct Response {
     /// Diffuse reflection, times π.
     diffuse: f32,
-    /// Specular reflection of a perfect mirror's boundary.
+    /// Specular reflection at a reflectance of 1.
     specular: f32,
-    /// The same times `(1 - L·H)⁵`, for the Fresnel term.
+    /// `specular` times `(1 - L·H)⁵`, for the Fresnel term.
     fresnel: f32,
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     coat: f32,
 #endif
 }
 
-/// The sum of the responses to all lights, in their colours.
+/// Sum of the responses to all lights, times their colours.
 struct Gathered {
     diffuse: vec3<f32>,
     specular: vec3<f32>,
@@ -37,7 +37,7 @@ struct Gathered {
     coat: vec3<f32>,
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    /// From behind, times π.
+    /// Light from behind, times π.
     transmitted: vec3<f32>,
 #endif
 }
@@ -51,15 +51,15 @@ fn gather(gathered: ptr<function, Gathered>, response: Response, color: vec3<f32
 #endif
 }
 
-/// Brighter light is bounded, so that none of it is none: infinity times 0 is not a number.
+/// Clamp of gathered light: infinity × 0 is NaN.
 const BRIGHTEST: f32 = 1e30;
 
-/// What leaves the surface of all that it gathered.
+/// Applies the surface's colours to the gathered light.
 fn lit_of(point: ptr<function, ShadingPoint>, gathered: Gathered) -> Lit {
     let normal = (*point).F_normal;
     let specular = min(gathered.specular, vec3(BRIGHTEST));
     let fresnel = min(gathered.fresnel, vec3(BRIGHTEST));
-    // (1 - cos)⁵ leads from the reflectance at normal incidence to that at grazing angles (Schlick 1994).
+    // (1 - cos)⁵ interpolates from the reflectance at normal incidence to that at grazing angles (Schlick 1994).
     let boundary = normal * specular + ((*point).F_grazing - normal) * fresnel;
     var lit: Lit;
     lit.diffuse = (*point).diffuse_color * min(gathered.diffuse, vec3(BRIGHTEST)) * INVERSE_PI;
@@ -73,19 +73,19 @@ fn lit_of(point: ptr<function, ShadingPoint>, gathered: Gathered) -> Lit {
     return lit;
 }
 
-/// The normal and the directions of light and view beside the one halfway between these two.
+/// Half vector of light and view, and the cosines.
 struct Halfway {
     H: vec3<f32>,
-    /// At least 0, as the others.
+    /// 0 to 1, like the other cosines.
     NdotL: f32,
     NdotH: f32,
     LdotH: f32,
 }
 
-/// Least squared length to divide by: normalising the zero vector would be NaN. Far below the rounding errors of sums of unit vectors.
+/// Least squared length to divide by: normalising the zero vector would give NaN. Far below the rounding errors of sums of unit vectors.
 const LEAST_SQUARE: f32 = 1e-20;
 
-/// `v` at unit length; the zero vector stays as it is.
+/// Normalises `v`; the zero vector stays as it is.
 fn unit(v: vec3<f32>) -> vec3<f32> {
     return v * inverseSqrt(max(dot(v, v), LEAST_SQUARE));
 }
@@ -96,10 +96,10 @@ fn halfway(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Halfway {
     return Halfway(H, saturate(dot(N, L)), saturate(dot(N, H)), saturate(dot(L, H)));
 }
 
-/// As `halfway`, for any `L` of unit length: all cosines follow from those between normal, light and view.
+/// Like `halfway`, for `L` of unit length: all cosines follow from those between normal, light and view.
 fn halfway_to(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Halfway {
     let NdotL = dot((*point).N, L);
-    // The square of |L + V|. Rounding makes it negative where light comes from straight ahead.
+    // |L + V|². Rounding makes it negative where the light is opposite to the viewer.
     let square = max(2.0 + 2.0 * dot(L, (*point).V), 1e-7);
     let inverse = inverseSqrt(square);
     var h: Halfway;
@@ -112,14 +112,14 @@ fn halfway_to(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Halfway {
     return h;
 }
 
-/// The distribution of microfacets, 1/sr (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces").
+/// Distribution of microfacets, 1/sr (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces").
 fn distribution(roughness: f32, NdotH: f32) -> f32 {
     let a = NdotH * roughness;
     let k = roughness / (1.0 - NdotH * NdotH + a * a);
     return k * k * INVERSE_PI;
 }
 
-/// Times π and N·L (Burley 2012, "Physically-Based Shading at Disney").
+/// Diffuse reflection times π and N·L (Burley 2012, "Physically-Based Shading at Disney").
 fn diffuse_reflection(point: ptr<function, ShadingPoint>, h: Halfway) -> f32 {
     let beyond = 2.0 * (*point).roughness * h.LdotH * h.LdotH - 0.5;
     let light_scatter = 1.0 + beyond * fifth_power(1.0 - h.NdotL);
@@ -127,7 +127,7 @@ fn diffuse_reflection(point: ptr<function, ShadingPoint>, h: Halfway) -> f32 {
     return light_scatter * view_scatter * h.NdotL;
 }
 
-/// Without the Fresnel term, times N·L. `view_smith` is that of `roughness`, `L` the direction of the light's centre.
+/// Specular reflection without the Fresnel term, times N·L. `view_smith` is that of `roughness`, `L` the direction of the light's centre.
 fn specular_reflection(
     point: ptr<function, ShadingPoint>,
     L: vec3<f32>,
@@ -149,7 +149,7 @@ fn specular_reflection(
         return distribution * visibility * h.NdotL;
     }
 #endif
-    // The distribution and the visibility with one division.
+    // Distribution and visibility with one division.
     let square = roughness * roughness;
     let k = 1.0 - h.NdotH * h.NdotH * (1.0 - square);
     let lambdas = h.NdotL * view_smith + (*point).NdotV * smith(roughness, h.NdotL);
@@ -157,7 +157,7 @@ fn specular_reflection(
 }
 
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-/// Puts the coat on top: it reflects a part, `dimming` of it, and dims what passes it.
+/// Adds the clear coat: it reflects light, scaled by `dimming`, and attenuates the light that passes through it.
 fn cover(
     point: ptr<function, ShadingPoint>,
     response: ptr<function, Response>,
@@ -170,7 +170,7 @@ fn cover(
     }
     let fresnel = (0.04 + 0.96 * fifth_power(1.0 - h.LdotH)) * (*point).clearcoat;
     // Kelemen and Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model".
-    // Bounded: infinity times 0 is NaN.
+    // Clamp: infinity × 0 is NaN.
     let visibility = 0.25 / max(h.LdotH * h.LdotH, 1e-7);
     let passed = 1.0 - fresnel;
     (*response).diffuse *= passed;
@@ -180,7 +180,7 @@ fn cover(
 }
 #endif
 
-/// To light from the one direction `L`.
+/// Response to light from the single direction `L`.
 fn response(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Response {
     let h = halfway_to(point, L);
     var response: Response;
@@ -194,8 +194,8 @@ fn response(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Response {
 }
 
 #ifdef SPHERE_LIGHTS
-/// To light from a sphere whose centre is `to_light` away: as if its point nearest to the mirrored ray shone, on a rougher
-/// surface (Karis 2013, "Real Shading in Unreal Engine 4"), as Bevy amends it.
+/// Response to a sphere light whose centre is `to_light` away: light from its point nearest to the mirrored ray, on a rougher
+/// surface (Karis 2013, "Real Shading in Unreal Engine 4"), as amended by Bevy.
 fn response_to_sphere(point: ptr<function, ShadingPoint>, to_light: vec3<f32>, radius: f32) -> Response {
     let distance = max(length(to_light), 1e-10);
     let L = to_light / distance;
@@ -203,7 +203,7 @@ fn response_to_sphere(point: ptr<function, ShadingPoint>, to_light: vec3<f32>, r
     let to_ray = max(0.0001, dot(to_light, R)) * R - to_light;
     let nearest = to_light + to_ray * saturate(radius * inverseSqrt(max(dot(to_ray, to_ray), LEAST_SQUARE)));
     let h = halfway(point, unit(nearest));
-    // The part of the sphere above the horizon.
+    // Part of the sphere above the horizon.
     let solid_angle = radius * radius / (distance * distance);
     let above = saturate(h.NdotL / max(h.NdotL + solid_angle, 1e-4));
 
@@ -234,7 +234,7 @@ fn widened(roughness: f32, widening: f32) -> Widened {
 #endif  // SPHERE_LIGHTS
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-/// Diffuse response, of roughness 1 and times π, to light from behind in direction `L`.
+/// Diffuse response to light from behind in direction `L`, at roughness 1 and times π.
 fn response_from_behind(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> f32 {
     let H = unit(L - (*point).V);
     let NdotL = saturate(-dot((*point).N, L));

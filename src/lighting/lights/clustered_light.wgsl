@@ -1,4 +1,4 @@
-// Light from one point or spot light, as Bevy's `point_light` and `spot_light`.
+// Light from one point or spot light, like Bevy's `point_light` and `spot_light`.
 #define_import_path bevy_lean_deferred::lighting::lights::clustered_light
 
 #import bevy_lean_deferred::lighting::lights::brdf::{Gathered, LEAST_SQUARE, Response, gather, response}
@@ -44,21 +44,21 @@ fn is_spot_light(flags: u32) -> bool {
 #endif
 }
 
-/// With the square of the distance, as Bevy has it: no more than at a centimetre, and down to 0 at the light's range.
+/// Inverse-square falloff like Bevy's: constant below a centimetre, and 0 at the light's range.
 fn attenuation(distance_square: f32, inverse_distance: f32, inverse_square_range: f32) -> f32 {
     let inverse_square = min(inverse_distance * inverse_distance, 1e4);
     return getRangeFalloff(distance_square, inverse_square_range) * inverse_square;
 }
 
-/// Where a spot light points.
+/// Direction in which a spot light points.
 fn spot_direction(custom_data: vec2<f32>, flags: u32) -> vec3<f32> {
     let y = sqrt(max(0.0, 1.0 - dot(custom_data, custom_data)));
     let is_down = (flags & mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE) != 0u;
     return vec3(custom_data.x, select(y, -y, is_down), custom_data.y);
 }
 
-/// How much of the light with this index goes to a surface from which it lies in direction `L`: 0 outside of a spot light's
-/// cone, and if its layers keep it from the mesh.
+/// Factor of the light with this index for a surface from which it lies in direction `L`: 0 outside a spot light's cone, and
+/// where its layers exclude the mesh.
 fn directed_strength(id: u32, flags: u32, is_spot: bool, L: vec3<f32>) -> f32 {
     var strength = 1.0;
     if is_spot {
@@ -75,7 +75,7 @@ fn directed_strength(id: u32, flags: u32, is_spot: bool, L: vec3<f32>) -> f32 {
 }
 
 #ifdef LIGHT_TEXTURES
-/// What the light's texture lets through to `position`.
+/// Factor of the light's texture towards `position`.
 fn texture_of(id: u32, is_spot: bool, position: vec3<f32>) -> f32 {
     let light = &clustered_lights.data[id];
     let index = (*light).decal_index;
@@ -102,8 +102,8 @@ fn texture_of(id: u32, is_spot: bool, position: vec3<f32>) -> f32 {
 }
 #endif
 
-/// Adds what the light with this index gives to what the surface gathers. What it cannot reach is found out first: most of
-/// the lights near a tile do not reach each of its pixels.
+/// Adds the light with this index. Lights out of range are rejected first: most lights near a tile do not reach each of its
+/// pixels.
 fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<function, Gathered>) {
     let light = &clustered_lights.data[id];
     let position_radius = (*light).position_radius;
@@ -116,11 +116,11 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: pt
     let to_light = position_radius.xyz - (*point).position;
     let distance_square = dot(to_light, to_light);
     let height = dot((*point).N, to_light);
-    // Also if one of these is not a number.
+    // Also rejects NaN.
     if !(distance_square * color_range.w < 1.0 && height + position_radius.w > 0.0) {
         return;
     }
-    // The surface may go through the middle of a light with a radius.
+    // The surface may pass through the centre of a light with a radius.
     let inverse_distance = inverseSqrt(max(distance_square, LEAST_SQUARE));
     let L = to_light * inverse_distance;
     let flags = (*light).flags;
@@ -163,7 +163,7 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: pt
 }
 
 #ifdef SHADOWS
-/// 0 where the light is hidden.
+/// Shadow factor: 0 where the light is occluded.
 fn shadow_of(
     point: ptr<function, ShadingPoint>,
     id: u32,
@@ -189,7 +189,7 @@ fn shadow_of(
 #endif
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-/// As `add_clustered_light`, of light that shines on the back.
+/// Like `add_clustered_light`, for light on the back.
 fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<function, Gathered>) {
     let light = &clustered_lights.data[id];
     let color_range = (*light).color_inverse_square_range;

@@ -1,8 +1,8 @@
 // Light from the point and spot lights of a pixel's cluster, in Bevy's order.
 //
-// Each pixel may look at all of them; most do not reach it, which costs a dozen instructions. Or the invocations of a tile
-// find those that reach it together (LIGHT_CULLING), and all walk these: a set of lights is a mask of those that the
-// invocations have looked at, one each, so that no list of any length is stored.
+// Without LIGHT_CULLING, each pixel visits all of them; one that does not reach it costs a dozen instructions. With it, the
+// invocations of a tile cull lights together, one light per invocation, and all visit the rest. Each batch of lights is a bit
+// mask over the invocations, so no list of variable length is stored.
 #define_import_path bevy_lean_deferred::lighting::lights::clustered_lights
 
 #import bevy_lean_deferred::lighting::lights::clustered_light::add_clustered_light
@@ -15,7 +15,7 @@
 #ifdef LIGHT_CULLING
 #import bevy_lean_deferred::lighting::lights::reach::{box_of_tile, may_reach}
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-/// Metres behind the surface from which it gathers light too.
+/// Distance in metres behind the surface at which it also gathers light.
 fn reach_of(point: ptr<function, ShadingPoint>) -> f32 {
     return distance((*point).position, (*point).back_position);
 }
@@ -40,16 +40,16 @@ fn add_clustered_lights(
     }
 }
 #else ifdef LIGHT_CULLING_BY_SUBGROUPS
-/// Ones below bit `lane` of a ballot.
+/// Number of ones below bit `lane` of a ballot.
 fn ones_below(ballot: vec2<u32>, lane: u32) -> u32 {
     let low = countOneBits(ballot.x & select((1u << (lane & 31u)) - 1u, 0xffffffffu, lane >= 32u));
     let high = countOneBits(ballot.y & ((1u << (lane & 31u)) - 1u));
     return low + select(0u, high, lane >= 32u);
 }
 
-/// To be called by all invocations of the workgroup, also where `cluster` is `NO_CLUSTER`. `corner` is the tile's first pixel.
+/// Must be called by all invocations of the workgroup, also where `cluster` is `NO_CLUSTER`. `corner` is the tile's first pixel.
 ///
-/// Nothing is wrong where a subgroup has come apart: each part looks at all lights by itself.
+/// Results stay correct where a subgroup has diverged: each part visits all lights by itself.
 fn add_clustered_lights(
     point: ptr<function, ShadingPoint>,
     corner: vec2<u32>,
@@ -103,7 +103,7 @@ fn add_clustered_lights(
     }
 }
 #else
-/// Of the pixels that are left: the clusters with the smallest and the largest number, and the depths, as bits.
+/// Of the pixels still to be lit: lowest and highest cluster index, and smallest and largest depth, as bits.
 var<workgroup> least_cluster: atomic<u32>;
 var<workgroup> most_cluster: atomic<u32>;
 var<workgroup> least_depth: atomic<u32>;
@@ -112,13 +112,13 @@ var<workgroup> most_depth: atomic<u32>;
 /// Their largest `reach_of`, as bits.
 var<workgroup> most_reach: atomic<u32>;
 #endif
-/// The first four above, as one invocation reads them for all: browsers want to see that all go the same way.
+/// The first four above, read by one invocation for all: browsers require provably uniform control flow.
 var<workgroup> found: vec4<u32>;
-/// A bit for each invocation: the light that it looks at may reach the tile. There are three, so that one is cleared while
-/// another is filled and the third may still be read.
+/// One bit per invocation, set if its light may reach the tile. Three buffers: one is cleared while another is filled and the
+/// third may still be read.
 var<workgroup> reaching: array<array<atomic<u32>, 2>, 3>;
 
-/// To be called by all 64 invocations of the workgroup, also where `cluster` is `NO_CLUSTER`. `corner` is the tile's first
+/// Must be called by all 64 invocations of the workgroup, also where `cluster` is `NO_CLUSTER`. `corner` is the tile's first
 /// pixel.
 fn add_clustered_lights(
     point: ptr<function, ShadingPoint>,
@@ -144,7 +144,7 @@ fn add_clustered_lights(
         if left != NO_CLUSTER {
             atomicMin(&least_cluster, left);
             atomicMax(&most_cluster, left);
-            // Depths are not negative: their bits are in the same order.
+            // Depths are not negative, so their bits sort in the same order.
             let bits = bitcast<u32>((*point).depth);
             atomicMin(&least_depth, bits);
             atomicMax(&most_depth, bits);
@@ -206,7 +206,7 @@ fn add_clustered_lights(
         if is_last {
             break;
         }
-        // What all have read may be set anew.
+        // All invocations have read the shared values before the next iteration resets them.
         workgroupBarrier();
     }
 }

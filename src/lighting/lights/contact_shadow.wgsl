@@ -1,11 +1,11 @@
-// Shadows of small things close by, marched through the picture's depth: Bevy's.
+// Contact shadows of small nearby occluders: Bevy's ray march through the depth buffer.
 #define_import_path bevy_lean_deferred::lighting::lights::contact_shadow
 
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
 #import bevy_pbr::mesh_view_bindings::contact_shadows_settings
 #import bevy_pbr::pbr_functions::calculate_contact_shadow
 
-/// 0 where light from direction `L` is hidden.
+/// 0 where light from direction `L` is occluded.
 fn contact_shadow(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> f32 {
     let steps = contact_shadows_settings.linear_steps;
     if steps == 0u {

@@ -1,4 +1,4 @@
-// Light from all directional lights, as Bevy's `directional_light`.
+// Light from all directional lights, like Bevy's `directional_light`.
 #define_import_path bevy_lean_deferred::lighting::lights::directional_light
 
 #import bevy_lean_deferred::lighting::lights::brdf::{Gathered, gather, response}
@@ -37,7 +37,7 @@
 #import bevy_lean_deferred::lighting::lights::shading_point::{geometric_normal, transmits}
 #endif
 
-/// The light's colour at `position`: behind its texture, and behind air.
+/// Colour of the light at `position`, after its texture and the atmosphere.
 fn color_at(id: u32, position: vec3<f32>) -> vec3<f32> {
     let light = &view_bindings::lights.directional_lights[id];
     var color = (*light).color.rgb;
@@ -62,7 +62,7 @@ fn color_at(id: u32, position: vec3<f32>) -> vec3<f32> {
     let atmosphere = view_bindings::atmosphere;
     let place = clamp_to_surface(atmosphere, (atmosphere.world_to_atmosphere * vec4(position, 1.0)).xyz);
     let r = length(place);
-    // Bevy's functions take roots of 1 - mu.
+    // Clamp: Bevy's functions take roots of 1 - mu.
     let mu = clamp(dot((*light).direction_to_light, normalize(place)), -1.0, 1.0);
     color *= sample_transmittance_lut(r, mu)
         * calculate_visible_sun_ratio(atmosphere, r, mu, (*light).sun_disk_angular_size);
@@ -77,14 +77,14 @@ fn has_shadow_map(id: u32) -> bool {
 }
 #endif
 
-/// How much of each directional light its shadow map leaves, by the light's index.
+/// Visibility of each directional light in its shadow map, by the light's index.
 struct DirectionalShadows {
     visibility: array<f32, #{MAX_DIRECTIONAL_LIGHTS}>,
 }
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
-/// To be called before anything else of the surface is known: sampling takes many registers, and so little else has to be
-/// kept meanwhile. Lights that cannot reach the surface are left out: their shadow maps are not sampled.
+/// Must be called before other terms of the surface are computed: sampling takes many registers, so that little else should be
+/// live. Shadow maps of lights that cannot reach the surface are not sampled.
 fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShadows>) {
     let in_view = position_at(pixel.position, pixel.depth);
     let position = (view_bindings::view.world_from_view * vec4(in_view, 1.0)).xyz;
@@ -127,7 +127,7 @@ fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShad
 }
 
 #ifdef CLUSTERED_DECALS_ARE_USABLE
-/// Whether a decal at `position` has a normal map, by which a surface may face a light that is behind it.
+/// True if a decal at `position` has a normal map, which may turn the surface towards a light behind it.
 fn decals_may_turn_normal(pixel: vec2<i32>, position: vec3<f32>, view_z: f32) -> bool {
     let is_orthographic = view_bindings::view.clip_from_view[3].w == 1.0;
     let cluster = view_fragment_cluster_index(vec2<f32>(pixel) + 0.5, view_z, is_orthographic);
@@ -208,7 +208,7 @@ fn add_directional_light(
 }
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-/// As `add_directional_light`, of light that shines on the back.
+/// Like `add_directional_light`, for light on the back.
 fn add_transmitted_directional_light(
     point: ptr<function, ShadingPoint>,
     id: u32,

@@ -1,4 +1,4 @@
-// Indirect light that other effects have found for the pixel.
+// Indirect light that other effects computed for the pixel.
 #define_import_path bevy_lean_deferred::lighting::lights::found_light
 
 #import bevy_lean_deferred::gbuffer::layout::is_nan
@@ -17,17 +17,17 @@
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
 
-/// In cd/m², before exposure.
+/// Light in cd/m², before exposure.
 struct FoundLight {
-    /// From about the mirrored direction.
+    /// Radiance from about the mirrored direction.
     radiance: vec3<f32>,
-    /// With which it takes the place of the environment, 0 to 1.
+    /// Weight with which `radiance` replaces the environment, 0 to 1.
     confidence: f32,
     /// Mean radiance from other surfaces.
     irradiance: vec3<f32>,
-    /// Of what the environment sends, 0 to 1.
+    /// Visible share of the environment, 0 to 1.
     visibility: f32,
-    /// What the material's own occlusion leaves of light from around.
+    /// Share of indirect light that the material's own occlusion leaves.
     material_visibility: vec3<f32>,
 }
 
@@ -51,12 +51,12 @@ fn found_light(pixel: Pixel, material_visibility: vec3<f32>) -> FoundLight {
     return found;
 }
 
-/// The pixel itself, but where the texture is one of a single texel, or of another frame.
+/// `place`, clamped to the texture, which may have a single texel or be of another frame's size.
 fn inside(place: vec2<i32>, texture: texture_2d<f32>) -> vec2<i32> {
     return clamp(place, vec2(0), vec2<i32>(textureDimensions(texture)) - 1);
 }
 
-/// `texel` with finite light; 0 where it has a NaN.
+/// `texel` clamped to finite light; 0 where it has a NaN.
 fn finite(texel: vec4<f32>) -> vec4<f32> {
     let number = select(texel, vec4(0.0), is_nan(texel.r + texel.g + texel.b + texel.a));
     return clamp(number, vec4(0.0), vec4(LARGEST_HALF));
@@ -71,21 +71,21 @@ fn indirect_diffuse(place: vec2<i32>, depth: f32) -> vec4<f32> {
     return scaled_up(place, depth);
 }
 
-/// Depth at a pixel of the viewport, or at the nearest one.
+/// Depth at a pixel, clamped to the viewport.
 fn depth_in_view(place: vec2<i32>) -> f32 {
     let nearest = clamp(place, vec2(0), vec2<i32>(uniforms.viewport_size) - 1);
     return textureLoad(depth_texture, vec2<i32>(uniforms.viewport_origin) + nearest, 0);
 }
 
-/// Between the four texels around the pixel, but those that show another surface: the depth that a texel has is that of
-/// the first of its pixels.
+/// Interpolates the four texels around the pixel, without those that show another surface. A texel's depth is that of the first
+/// of its pixels.
 fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     let slope = vec2(
         flatter_slope(depth_in_view(place - vec2(1, 0)), depth, depth_in_view(place + vec2(1, 0))),
         flatter_slope(depth_in_view(place - vec2(0, 1)), depth, depth_in_view(place + vec2(0, 1))),
     );
     let inverse_step = 1.0 / max(2.0 * (uniforms.edge.x * depth + uniforms.edge.y), 1e-30);
-    // Texels are about the middle of their pixels: between the second and the first of the next.
+    // A texel's centre is the middle of its 2×2 pixels. `first` is the last centre before the pixel.
     let first = (place + 1) / 2 - 1;
     let is_near = (place & vec2(1)) == vec2(0);
     var sum = vec4(0.0);
@@ -98,7 +98,7 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
         let expected = depth + dot(slope, vec2<f32>(pixel - place));
         let other = depth_in_view(pixel);
         let alike = saturate(2.0 - abs(other - expected) * inverse_step);
-        // Something counts, whatever it shows.
+        // The least weight keeps the sum valid where no texel matches.
         let weight = near.x * near.y * select(alike, 0.0, other == 0.0) + 1e-4;
         sum += weight * finite(textureLoad(indirect_diffuse_texture, inside(texel, indirect_diffuse_texture), 0));
         weights += weight;

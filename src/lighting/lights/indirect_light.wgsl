@@ -1,6 +1,6 @@
-// Light from everywhere: lightmaps, irradiance volumes, environment maps with reflection probes, ambient light; in Bevy's
-// order, in which the first that gives diffuse light is the last but for ambient light. Where other effects have found what
-// the surface mirrors, or what shines on it, their light takes the place of that: none is counted twice, and none is lost.
+// Indirect light in Bevy's order: lightmaps, irradiance volumes, environment maps with reflection probes, ambient light. The
+// first source of diffuse light excludes all later ones but ambient light. Reflections and diffuse GI replace the part of this
+// light that they cover, so that none is counted twice and none is lost.
 #define_import_path bevy_lean_deferred::lighting::lights::indirect_light
 
 #import bevy_lean_deferred::lighting::lights::found_light::FoundLight
@@ -32,7 +32,7 @@
 #import bevy_lean_deferred::lighting::lights::shading_point::transmits
 #endif
 
-/// Occluded as `pbr` says; what other effects have `found` is occluded by the material alone. `cluster` is the pixel's.
+/// Adds indirect light, occluded by `pbr`. Light in `found` is occluded by the material alone. `cluster` is the pixel's.
 fn add_indirect_light(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
@@ -60,7 +60,7 @@ fn add_indirect_light(
 #ifdef ENVIRONMENT_MAP
     add_environment(point, pbr, &ranges, found_diffuse, found.confidence, lit);
 #endif
-    // Of all pixels: most scenes with an environment map have none.
+    // The same for all pixels: most scenes with an environment map have no ambient light.
     if any(lights.ambient_color.rgb != vec3(0.0)) {
         if !is_lightmapped || lights.ambient_light_affects_lightmapped_meshes != 0u {
             add_ambient_light(point, pbr, found.confidence, lit);
@@ -74,8 +74,8 @@ fn add_indirect_light(
 #endif
 }
 
-/// How much of the environment a surface can mirror, of which `visible` is left by occlusion: with reflections the smoother it
-/// is the more its own rays tell what hides it.
+/// Share of the environment available to specular reflection, of which occlusion leaves `visible`. With reflections, the smoother
+/// the surface, the more its own rays decide visibility.
 fn mirrorable(visible: vec3<f32>, perceptual_roughness: f32) -> vec3<f32> {
 #ifdef INDIRECT_SPECULAR
     return mix(vec3(1.0), visible, perceptual_roughness);
@@ -84,12 +84,12 @@ fn mirrorable(visible: vec3<f32>, perceptual_roughness: f32) -> vec3<f32> {
 #endif
 }
 
-/// How much of it a surface mirrors that mirrors something else with `confidence`: what hides it is first of all that.
+/// `mirrorable`, beside a reflection with `confidence`: that reflection counts as the first occluder of the environment.
 fn unhidden(visible: vec3<f32>, perceptual_roughness: f32, confidence: f32) -> vec3<f32> {
     return min(mirrorable(visible, perceptual_roughness), vec3(1.0 - confidence));
 }
 
-/// As Bevy's `ambient_light`.
+/// Like Bevy's `ambient_light`.
 fn add_ambient_light(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
@@ -98,7 +98,7 @@ fn add_ambient_light(
 ) {
     let occlusion = pbr.diffuse_occlusion;
 #ifdef INDIRECT_DIFFUSE
-    // As of environment maps: the light of what hides it is found.
+    // As for environment maps: the light of its occluders is in `FoundLight`.
     let visible = vec3(pbr.specular_occlusion);
 #else
     let visible = occlusion;
@@ -111,7 +111,7 @@ fn add_ambient_light(
 }
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-/// Bevy's `ambient_light` of the back. Lightmaps hold none of it.
+/// Like Bevy's `ambient_light` for the back. Lightmaps do not contain it.
 fn add_transmitted_ambient_light(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) {
     if transmits(point) {
         (*lit).diffuse += EnvBRDFApprox((*point).transmitted_color, F_AB(1.0, 1.0)) * lights.ambient_color.rgb;
@@ -119,11 +119,11 @@ fn add_transmitted_ambient_light(point: ptr<function, ShadingPoint>, lit: ptr<fu
 }
 #endif
 
-/// What the surface makes of light from everywhere: factors of it.
+/// Response of the surface to environment light, as factors of it.
 struct EnvironmentResponse {
-    /// Of the mean radiance.
+    /// Factor of the mean radiance.
     diffuse: vec3<f32>,
-    /// Of the radiance from the mirrored direction.
+    /// Factor of the radiance from the mirrored direction.
     specular: vec3<f32>,
 }
 
@@ -139,7 +139,7 @@ fn environment_response(point: ptr<function, ShadingPoint>) -> EnvironmentRespon
     );
 }
 
-/// What microfacets with one reflectance send back, scattered once and more often.
+/// Light reflected by microfacets of one reflectance, after single and multiple scattering.
 struct Scattered {
     once: vec3<f32>,
     again: vec3<f32>,
@@ -154,15 +154,15 @@ fn scattered(point: ptr<function, ShadingPoint>, F0: vec3<f32>) -> Scattered {
 }
 
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-/// What the coat reflects of what is mirrored.
+/// Share of mirrored light that the coat reflects.
 fn coat_fresnel(point: ptr<function, ShadingPoint>) -> f32 {
     return (0.04 + 0.96 * (*point).view_fresnel) * (*point).clearcoat;
 }
 #endif
 
 #ifdef INDIRECT_LIGHT
-/// What other effects have found. Lightmaps have the diffuse part. The environment is `visible` in the mirrored direction: what
-/// hides it, and is not found to be mirrored, shines as the surfaces around do on the mean.
+/// Adds the light of other effects. Lightmaps have the diffuse part already. The environment is `visible` in the mirrored
+/// direction; occluders without a reflection get the mean radiance of the surfaces around.
 fn add_found_light(
     point: ptr<function, ShadingPoint>,
     visible: f32,
@@ -174,7 +174,7 @@ fn add_found_light(
     var roughness = (*point).perceptual_roughness;
     var diffuse = response.diffuse * found.irradiance * found.material_visibility;
     var specular = response.specular;
-    // Of the base beneath a coat, which mirrors nothing that is found.
+    // Factor of the base beneath a coat: only the coat has reflections.
     var below = vec3(0.0);
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     if (*point).clearcoat > 0.0 {
@@ -196,7 +196,7 @@ fn add_found_light(
 #endif
 
 #ifdef ENVIRONMENT_MAP
-/// As Bevy's `environment_map_light`. `confidence` is that with which something else is mirrored.
+/// Like Bevy's `environment_map_light`. `confidence` is that of the reflection that replaces the environment.
 fn add_environment(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
@@ -245,12 +245,12 @@ fn add_environment(
     (*lit).specular += specular;
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     if transmits(point) {
-        // What Bevy does not take for reflected there, with a look-up value of 0.1.
+        // Share that Bevy counts as not reflected there, with a look-up value of 0.1.
         let transmitted = 1.0 - (0.1 + 0.1);
         let back = LayerLightingInput(-(*point).N, -(*point).N, 1.0, 1.0, 1.0);
         var is_left_out = false;
 #ifdef LIGHTMAPPED_SURFACES
-        // Bevy asks each probe whether it affects surfaces with lightmaps: the view's map answers for all of them.
+        // Bevy asks each probe whether it affects lightmapped surfaces; here the view's map decides for all of them.
         is_left_out = (*point).is_lightmapped
             && light_probes.view_environment_map_affects_lightmapped_mesh_diffuse == 0u;
 #endif
@@ -263,7 +263,7 @@ fn add_environment(
 
 #ifdef STANDARD_MATERIAL_ANISOTROPY
 #ifdef ENVIRONMENT_MAP
-/// As Bevy's `bend_normal_for_anisotropy`, from the glTF extension `KHR_materials_anisotropy`.
+/// Like Bevy's `bend_normal_for_anisotropy`, from the glTF extension `KHR_materials_anisotropy`.
 fn bend(point: ptr<function, ShadingPoint>, layer: ptr<function, LayerLightingInput>) {
     let V = (*point).V;
     let bitangent = (*point).bitangent;

@@ -1,4 +1,4 @@
-// Which lights can reach some of the pixels of a tile.
+// Culls lights that reach no pixel of a tile.
 #define_import_path bevy_lean_deferred::lighting::lights::reach
 
 #import bevy_lean_deferred::lighting::lights::clustered_light::{is_spot_light, spot_direction}
@@ -8,13 +8,13 @@
 #import bevy_lean_deferred::tiles::SIDE
 #import bevy_pbr::mesh_view_bindings::{clustered_lights, view}
 
-/// A box in view space around surfaces.
+/// Bounding box of surfaces in view space.
 struct Box {
     least: vec3<f32>,
     most: vec3<f32>,
     /// Distance by which lit points may lie outside: behind their surface, or by rounding.
     slack: f32,
-    /// Bounds of the length in metres of a unit vector of view space. Both are 1 unless the camera is scaled.
+    /// Bounds of the length in metres of a view-space unit vector. Both are 1 unless the camera is scaled.
     scale: vec2<f32>,
 }
 
@@ -29,8 +29,8 @@ fn stretch(m: mat3x3<f32>) -> vec2<f32> {
     return sqrt(vec2(max(min(least.x, min(least.y, least.z)), 0.0), max(most.x, max(most.y, most.z))));
 }
 
-/// Bounds all points of the tile, whose first pixel is `corner`, with depths between these. Light that enters through the back
-/// is gathered up to `reach` metres behind them.
+/// Bounds all points of a tile with depths in this range. `corner` is its first pixel. Light that enters through the back is
+/// gathered up to `reach` metres behind them.
 fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>, reach: f32) -> Box {
     let viewport = view.main_pass_viewport;
     let first = ndc_of_fragment(vec2<f32>(corner) + 0.5, viewport);
@@ -44,8 +44,8 @@ fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>, reach: f32) -> Box {
     var most = max(max(a, b), max(c, e));
 #ifndef PROJECTION_PERSPECTIVE
 #ifndef PROJECTION_ORTHOGRAPHIC
-    // Each coordinate may depend on all others. With a near plane that is askew, what is far away in one pixel may lie beyond
-    // infinity in another: then the box is all there is.
+    // Each coordinate may depend on all others. With an oblique near plane, points that are far away in one pixel may lie beyond
+    // infinity in another: the box is then unbounded.
     var least_w = 1.0;
     for (var i = 0u; i < 8u; i++) {
         let ndc = select(first, last, vec2((i & 1u) != 0u, (i & 2u) != 0u));
@@ -62,22 +62,22 @@ fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>, reach: f32) -> Box {
 #endif
     let axes = view.world_from_view;
     let scale = stretch(mat3x3(axes[0].xyz, axes[1].xyz, axes[2].xyz));
-    // World positions lose digits far from the origin; distances do with both.
+    // Rounding errors grow with the camera's distance from the world's origin and with the distance from the camera.
     let shortest = max(scale.x, 1e-20);
     let origin = abs(view.world_position) / shortest;
     let farthest = max(max(origin.x, origin.y), max(origin.z, max(abs(least.z), abs(most.z))));
     return Box(least, most, 2e-6 * farthest + reach / shortest, scale);
 }
 
-/// False if the light with this index gives nothing to any surface in the box.
+/// False if the light with this index reaches no surface in the box.
 fn may_reach(bounds: Box, id: u32) -> bool {
     let light = &clustered_lights.data[id];
     let center = (view.view_from_world * vec4((*light).position_radius.xyz, 1.0)).xyz;
     let away = max(max(bounds.least - center, center - bounds.most) - bounds.slack, vec3(0.0));
     let inverse_square_range = (*light).color_inverse_square_range.w;
-    // False for NaN, too: such a light gives nothing.
+    // Also false for NaN: such a light has no effect.
     let is_near = dot(away, away) * bounds.scale.x * bounds.scale.x * inverse_square_range < 1.0001;
-    // Uneven scale turns a cone of the world into something else in view space.
+    // Non-uniform scale turns a cone in world space into another shape in view space.
     let is_even = bounds.scale.y < 1.0001 * bounds.scale.x;
     if !is_near || !is_even || !is_spot_light((*light).flags) {
         return is_near;
@@ -85,14 +85,14 @@ fn may_reach(bounds: Box, id: u32) -> bool {
     return cone_meets(bounds, id, center);
 }
 
-/// Bound of the rounding errors of the cosines that are compared with that of a cone, in the shading too.
+/// Bound of the rounding errors of cosines compared with a cone's, in the shading too.
 const COSINE_SLACK: f32 = 1e-6;
 
-/// Whether the cone of a spot light meets the sphere around the box (Wronski 2017, "Cull that cone!").
+/// True if the cone of a spot light intersects the sphere around the box (Wronski 2017, "Cull that cone!").
 fn cone_meets(bounds: Box, id: u32, apex: vec3<f32>) -> bool {
     let light = &clustered_lights.data[id];
     let data = (*light).light_custom_data;
-    // Where `data.z cosine + data.w` is 0. Of narrow cones, rounding is a good part of the angle.
+    // Root of `data.z * cosine + data.w`. In narrow cones, rounding is a good part of the angle.
     let cosine = clamp(-data.w / data.z - COSINE_SLACK, -1.0, 1.0);
     let world = spot_direction(data.xy, (*light).flags);
     let direction = normalize((view.view_from_world * vec4(world, 0.0)).xyz);
@@ -101,7 +101,7 @@ fn cone_meets(bounds: Box, id: u32, apex: vec3<f32>) -> bool {
     let along = dot(to_sphere, direction);
     let across = sqrt(max(dot(to_sphere, to_sphere) - along * along, 0.0));
     let sine = sqrt(max((1.0 - cosine) * (1.0 + cosine), 0.0));
-    // From the sphere's centre to the cone's side, positive outside.
+    // Distance from the sphere's centre to the cone's side, positive outside.
     let outside = across * cosine - along * sine;
     return !(outside > radius * 1.0001 + 1e-5 * length(to_sphere));
 }

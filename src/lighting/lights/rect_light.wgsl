@@ -1,4 +1,4 @@
-// Light from all rectangular lights, as Bevy's `rect_light`: linearly transformed cosines (Heitz et al. 2016, "Real-Time
+// Light from all rectangular lights, like Bevy's `rect_light`: linearly transformed cosines (Heitz et al. 2016, "Real-Time
 // Polygonal-Light Shading with Linearly Transformed Cosines").
 #define_import_path bevy_lean_deferred::lighting::lights::rect_light
 
@@ -15,11 +15,11 @@
 #import bevy_lean_deferred::lighting::lights::shading_point::transmits
 #endif
 
-/// What the tables hold of a roughness, seen at an angle.
+/// Table entry of a roughness and a view angle.
 struct Lobe {
-    /// From the lobe to a cosine.
+    /// Transform from the lobe to a cosine.
     inverse: mat3x3<f32>,
-    /// How much it reflects, by the reflectance at normal incidence and by the rest.
+    /// Reflected share, as factors of the reflectance at normal incidence and of its complement.
     magnitude: vec2<f32>,
 }
 
@@ -33,8 +33,8 @@ fn lobe(perceptual_roughness: f32, NdotV: f32) -> Lobe {
     );
 }
 
-/// `V`, unless it is `N`: another direction then. `ltc_integrate_quad` normalises the part of it that lies across `N`, and from
-/// straight above all of these look alike.
+/// `V`, or another direction if it is `N`: `ltc_integrate_quad` normalises its part perpendicular to `N`. Seen from straight
+/// above, all such directions give the same result.
 fn beside(N: vec3<f32>, V: vec3<f32>) -> vec3<f32> {
     let across = V - N * dot(V, N);
     let other = select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), abs(N.x) > 0.5);
@@ -55,7 +55,7 @@ fn corners_of(id: u32) -> array<vec3<f32>, 4> {
     );
 }
 
-/// How much of the light's colour comes as far as `position`: 0 behind it.
+/// Share of the light's colour that reaches `position`: 0 behind the light.
 fn falloff_at(id: u32, position: vec3<f32>, corner: vec3<f32>) -> f32 {
     let light = &lights.rect_lights[id];
     if dot(cross((*light).up, (*light).right), position - corner) <= 0.0 {
@@ -110,8 +110,8 @@ fn add_rect_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) 
 }
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-/// Per colour of the light. Bevy takes the back for a surface of roughness 1 without reflectance, seen from straight
-/// behind, and adds what that reflects specularly.
+/// Light transmitted from the back, per colour of the light. Bevy treats the back as a surface of roughness 1 without
+/// reflectance, seen from straight behind, and adds its specular reflection.
 fn transmitted_rect_light(
     point: ptr<function, ShadingPoint>,
     id: u32,

@@ -1,4 +1,4 @@
-// A point on a surface, and what all lights that reach it have in common.
+// A point on a surface, with the terms that all lights share.
 #define_import_path bevy_lean_deferred::lighting::lights::shading_point
 
 #import bevy_lean_deferred::lighting::surface::Pixel
@@ -18,22 +18,22 @@
 #import bevy_lean_deferred::gbuffer::layout::specialization
 #endif
 
-/// Of pixels that no light reaches.
+/// Cluster of pixels that no light reaches.
 const NO_CLUSTER: u32 = 0xffffffffu;
 
-/// Directions are of unit length and in world space.
+/// Directions are unit vectors in world space.
 struct ShadingPoint {
     pixel: vec2<i32>,
     depth: f32,
     position: vec3<f32>,
     view_z: f32,
     N: vec3<f32>,
-    /// To the viewer.
+    /// Direction to the viewer.
     V: vec3<f32>,
     /// 0.0001 to 1.
     NdotV: f32,
     perceptual_roughness: f32,
-    /// Its square, as Bevy clamps it.
+    /// Square of `perceptual_roughness`, clamped like Bevy's.
     roughness: f32,
     diffuse_color: vec3<f32>,
     metallic: f32,
@@ -42,25 +42,25 @@ struct ShadingPoint {
     F_normal: vec3<f32>,
     F_grazing: f32,
     F_ab: vec2<f32>,
-    /// What light that is scattered more than once adds to specular reflection: a factor.
+    /// Factor of specular reflection that adds multiple scattering.
     multiscatter: vec3<f32>,
     /// (1 - N·V)⁵
     view_fresnel: f32,
-    /// `smith` of the view.
+    /// `smith` of the view direction.
     view_smith: f32,
-    /// N·V as it is: may be negative, or above 1 by rounding.
+    /// N·V before clamping: may be negative, or above 1 by rounding.
     signed_NdotV: f32,
     receives_shadows: bool,
 #ifdef GEOMETRIC_NORMAL
     knows_geometric_normal: bool,
-    /// Once it is known.
+    /// Valid if `knows_geometric_normal`.
     geometric_normal: vec3<f32>,
 #endif
 #ifdef LIGHTMAPPED_SURFACES
     is_lightmapped: bool,
 #endif
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    /// 0 without a coat, whose normal is N.
+    /// 0 without a coat. The coat's normal is `N`.
     clearcoat: f32,
     clearcoat_perceptual_roughness: f32,
     clearcoat_roughness: f32,
@@ -72,9 +72,9 @@ struct ShadingPoint {
     bitangent: vec3<f32>,
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    /// 0 where no light shines through.
+    /// 0 where no light is transmitted.
     transmitted_color: vec3<f32>,
-    /// Where light from behind enters.
+    /// Point where light from behind enters.
     back_position: vec3<f32>,
     back_receives_shadows: bool,
 #endif
@@ -85,7 +85,7 @@ fn fifth_power(x: f32) -> f32 {
     return square * square * x;
 }
 
-/// A direction's part of the visibility of microfacets (Heitz 2014, "Understanding the Masking-Shadowing Function in
+/// One direction's factor of the visibility of microfacets (Heitz 2014, "Understanding the Masking-Shadowing Function in
 /// Microfacet-Based BRDFs"), from its cosine.
 fn smith(roughness: f32, cosine: f32) -> f32 {
     let square = roughness * roughness;
@@ -101,13 +101,13 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.view_z = view_z;
     point.N = pbr.N;
 #ifdef GEOMETRIC_NORMAL
-    // Decals turn `pbr.N` alone.
+    // Decals change `pbr.N` alone.
     point.geometric_normal = pbr.world_normal;
     point.knows_geometric_normal = unpack_has_mesh_normal(pixel.surface_word);
 #endif
     point.V = pbr.V;
     point.signed_NdotV = dot(pbr.N, pbr.V);
-    // Bevy has no upper bound; roots and powers of 1 - N·V are NaN above 1.
+    // Bevy has no upper bound, but roots and powers of 1 - N·V are NaN for N·V above 1.
     point.NdotV = clamp(point.signed_NdotV, 0.0001, 1.0);
     point.perceptual_roughness = material.perceptual_roughness;
     point.roughness = perceptualRoughnessToRoughness(material.perceptual_roughness);
@@ -121,7 +121,7 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.F0_dielectric = calculate_F0_dielectric(material.reflectance);
     point.F0_metallic = material.base_color.rgb;
     point.F_normal = calculate_F0(material.base_color.rgb, material.metallic, material.reflectance);
-    // Less than any surface reflects: taken as a wish for less at grazing angles too.
+    // A reflectance below that of any real surface also lowers reflection at grazing angles.
     point.F_grazing = saturate(dot(point.F_normal, vec3(50.0 * 0.33)));
     point.F_ab = F_AB(material.perceptual_roughness, point.NdotV);
     point.multiscatter = 1.0 + point.F_normal * (1.0 / (point.F_ab.x + point.F_ab.y) - 1.0);
@@ -163,7 +163,7 @@ fn transmits(point: ptr<function, ShadingPoint>) -> bool {
 #endif
 
 #ifdef GEOMETRIC_NORMAL
-/// Found when it is first asked for: in many a pixel no light that casts shadows shines on the surface.
+/// Evaluated lazily: in many pixels no light with shadows reaches the surface.
 fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
     if !(*point).knows_geometric_normal {
         (*point).geometric_normal = shadow_normal((*point).pixel, (*point).depth, (*point).N);
@@ -172,7 +172,7 @@ fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
     return (*point).geometric_normal;
 }
 #else
-/// The shading normal, where nothing casts shadows.
+/// Shading normal, because nothing casts shadows.
 fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
     return (*point).N;
 }

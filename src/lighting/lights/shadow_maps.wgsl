@@ -1,4 +1,4 @@
-// How much of a light that casts shadows reaches a point: Bevy's shadow maps.
+// Visibility of lights in Bevy's shadow maps.
 #define_import_path bevy_lean_deferred::lighting::lights::shadow_maps
 
 #import bevy_pbr::mesh_view_bindings as view_bindings
@@ -7,7 +7,7 @@
 #import bevy_pbr::shadows::{fetch_directional_shadow, fetch_point_shadow, fetch_spot_shadow}
 
 #ifdef SOFT_SHADOWS
-/// As Bevy's, which takes the level of detail from derivatives, and so is for fragment shaders alone: shadow maps have one level.
+/// Like Bevy's, with an explicit mip: derivatives exist in fragment shaders only, and shadow maps have one mip.
 override fn shadow_sampling::search_for_blockers_in_shadow_cubemap_hardware(
     light_local: vec3<f32>,
     depth: f32,
@@ -36,7 +36,7 @@ override fn shadow_sampling::search_for_blockers_in_shadow_cubemap_hardware(
 #endif
 }
 #else   // SOFT_SHADOWS
-// No light has percentage-closer soft shadows: their filters are left out.
+// No light has percentage-closer soft shadows, so their filters are compiled out.
 
 override fn shadow_sampling::sample_shadow_map_pcss(
     light_local: vec2<f32>,
@@ -61,12 +61,12 @@ override fn shadow_sampling::sample_shadow_cubemap_pcss(
 }
 #endif  // SOFT_SHADOWS
 
-/// Of the directional light with this index.
+/// Visibility of the directional light with this index.
 fn directional_shadow(id: u32, position: vec3<f32>, normal: vec3<f32>, view_z: f32, pixel: vec2<i32>) -> f32 {
     return fetch_directional_shadow(id, vec4(position, 1.0), normal, view_z, vec2<f32>(pixel) + 0.5);
 }
 
-/// Of the point or spot light with this index.
+/// Visibility of the point or spot light with this index.
 fn clustered_shadow(id: u32, is_spot: bool, position: vec3<f32>, normal: vec3<f32>, pixel: vec2<i32>) -> f32 {
     let coordinates = vec2<f32>(pixel) + 0.5;
     if is_spot {

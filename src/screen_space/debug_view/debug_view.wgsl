@@ -1,4 +1,4 @@
-// A texture that covers the viewport, in place of the picture.
+// Shows a texture that covers the viewport in place of the picture.
 #import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput
 
 #ifdef SHOWS_HIT
@@ -20,7 +20,7 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) vec4<f32> {
 #else ifdef SHOWS_ONE_MINUS_ALPHA
     let color = vec3(1.0 - texel.a);
 #else
-    // See `pack_hit` of reflections: metres, and eight bits of something else.
+    // Packed by `pack_hit` of reflections: metres, and eight bits of other data.
     let metres = bitcast<f32>(texel.r & 0xffffff00u);
     let color = vec3(select(1.0 / (1.0 + metres), 0.0, metres == 0.0));
 #endif

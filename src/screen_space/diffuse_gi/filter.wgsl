@@ -1,14 +1,14 @@
-// Brings together what the 4×4 texels of the pattern have found, each of which looked in another direction: the mean of a
-// square of so many, but for those that show another surface.
+// Filters gathered light: the mean of 4×4 texels, whose slices cover all directions of the pattern, without texels of other
+// surfaces.
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
     edge_step, gathered_texture, levels, output_texture, view,
 }
 
-/// Pixels a side of a texel.
+/// Side of a texel in pixels.
 const DIVISOR: i32 = #{DIVISOR};
 
-/// Texels a side that a workgroup reads: its 8×8, one before and two after.
+/// Side of the texels that a workgroup reads: its 8×8, one before and two after.
 const SIDE: u32 = 11u;
 
 var<workgroup> light: array<vec4<f32>, 121>;
@@ -23,7 +23,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         let inside = clamp(texel, vec2(0), last);
         light[read] = textureLoad(gathered_texture, inside, 0);
         let depth = bitcast<f32>(textureLoad(levels, inside, 0).r);
-        // What is beyond the rim counts for nothing.
+        // Texels beyond the border have no weight.
         depths[read] = select(0.0, depth, all(texel == inside));
     }
     workgroupBarrier();
@@ -56,6 +56,6 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         }
     }
     let mean = sum / max(weights, 1e-6);
-    // No more than the whole hemisphere.
+    // Clamp to the whole hemisphere.
     textureStore(output_texture, texel, mean / max(mean.a, 1.0));
 }

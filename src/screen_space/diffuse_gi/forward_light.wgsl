@@ -1,5 +1,5 @@
-// What Bevy's forward passes have drawn shines too: their pixels of the picture, where they are the nearest, join the diffuse
-// light that lighting has written.
+// Adds the light of surfaces drawn by Bevy's forward passes: where they are nearest, their pixels of the picture are copied to
+// the diffuse light that lighting wrote.
 #import bevy_lean_deferred::gbuffer::layout::NO_GEOMETRY
 #import bevy_lean_deferred::gbuffer::layout::light::pack_light
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{

@@ -1,6 +1,6 @@
-// Finds the light that falls onto each texel from other surfaces, and what part of the hemisphere these take: along slices
-// of the picture each surface that is higher than all before it covers an arc of the hemisphere, and fills it with its
-// light (Mayaux 2018, "Horizon-based indirect lighting"). Weighted by the cosine in closed form, as ambient occlusion is.
+// Gathers the light on each texel from other surfaces, and the share of the hemisphere that they cover. Along slices of the
+// picture, each surface above all previous ones covers an arc of the hemisphere and fills it with its light (Mayaux 2018,
+// "Horizon-based indirect lighting"). Cosine-weighted in closed form, like ambient occlusion.
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, is_finite, unpack_normal}
 #import bevy_lean_deferred::horizon::{PI, SliceNormal, side_occlusion, slice_normal, tangents}
 #import bevy_lean_deferred::pattern::turn_of
@@ -12,32 +12,32 @@
 }
 #import bevy_lean_deferred::tiles::pixel_in_view
 
-/// Pixels a side of a texel.
+/// Side of a texel in pixels.
 const DIVISOR: i32 = #{DIVISOR};
 const SLICES: u32 = #{SLICES}u;
 const STEPS: u32 = #{STEPS}u;
-/// The last level.
+/// Index of the coarsest level.
 const LAST_LEVEL: i32 = 3;
 
-/// The receiver.
+/// Surface that receives the light.
 struct Receiver {
     texel: Start,
-    /// `ray_at` where its depth was taken.
+    /// `ray_at` of the pixel from which its depth was taken.
     ray: vec2<f32>,
     position: vec3<f32>,
     to_viewer: vec3<f32>,
     geometric: vec3<f32>,
-    /// How much surfaces weigh less by the square of their distance.
+    /// A surface's weight falls by this times its squared distance.
     decline: f32,
 }
 
-/// Where the surface of this depth is, `texels` from the receiver.
+/// Vector from the receiver to the surface of this depth, `texels` away on screen.
 fn delta_to(receiver: Receiver, texels: vec2<f32>, depth: f32) -> vec3<f32> {
     let ray = receiver.ray + ray_step(view.view_from_pixel, texels * f32(DIVISOR));
     return position_on(view.view_from_pixel, ray, depth) - receiver.position;
 }
 
-/// Height of the horizon that a surface at `delta` from the receiver makes: a cosine; `base` if it is none.
+/// Horizon cosine of a surface at `delta` from the receiver; `base` if it does not count.
 fn height_of(receiver: Receiver, base: f32, delta: vec3<f32>) -> f32 {
     let distance_squared = dot(delta, delta);
     let inverse_distance = inverseSqrt(distance_squared);
@@ -48,8 +48,8 @@ fn height_of(receiver: Receiver, base: f32, delta: vec3<f32>) -> f32 {
     return select(base, mix(base, cosine, weight), counts);
 }
 
-/// The surface at `texel`, which is `texels` from the receiver, half of the `gap` to the next sample further out: it ends somewhere
-/// between the two. As depth is affine on screen, two depths tell of a plane.
+/// Vector to the surface at `texel`, which is `texels` from the receiver, continued by half of the `gap` to the next sample: the
+/// surface ends somewhere between the two. Two depths define a plane, because depth is affine on screen.
 fn further_out(
     receiver: Receiver,
     texel: vec2<i32>,
@@ -67,7 +67,7 @@ fn further_out(
     return delta_to(receiver, texels + step * way, max(depth + slope * way, 0.5 * depth));
 }
 
-/// The light of a surface, from about as many texels as there are to the next sample.
+/// Light of a surface, averaged over about as many texels as there are to the next sample.
 fn light_of(texel: vec2<i32>, entry: Entry, gap: f32) -> vec3<f32> {
     let level = clamp(i32(log2(max(gap, 1.0))) - 1, 0, LAST_LEVEL);
     if level == 0 {
@@ -78,7 +78,7 @@ fn light_of(texel: vec2<i32>, entry: Entry, gap: f32) -> vec3<f32> {
     return select(entry.light, coarse.light, is_surface);
 }
 
-/// What is found: light, and in w the part of the hemisphere that it comes from.
+/// Light from one side of a slice, and in w the part of the hemisphere that it covers.
 fn march(
     receiver: Receiver,
     lobe: SliceNormal,
@@ -92,7 +92,7 @@ fn march(
     var highest = base;
     var before = 0.0;
     for (var i = 0u; i < STEPS; i++) {
-        // Closer together near the texel, and never the texel itself nor the one before.
+        // Denser near the texel; no sample repeats the texel or the last sample.
         let t = (f32(i) + offset) / f32(STEPS);
         let distance = max(reach * t * t, f32(i + 1u));
         let gap = max(reach * (2.0 * t + 1.0 / f32(STEPS)) / f32(STEPS), 1.0);
@@ -141,7 +141,7 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     let shrink = min(view.largest_radius_in_pixels / max(abs(pixels.x), abs(pixels.y)), 1.0);
     pixels *= shrink;
     let metres = view.radius * shrink;
-    // Also true of what is not a number.
+    // Also true of NaN.
     if !(max(abs(pixels.x), abs(pixels.y)) > f32(DIVISOR)) {
         return vec4(0.0);
     }
@@ -156,7 +156,7 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     let word = textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
     if word != NO_GEOMETRY {
         normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
-        // On outlines depth may tell of another surface; no shading normal leans that far off its own.
+        // At silhouettes, depth may belong to another surface. No shading normal leans that far from its surface.
         if dot(normal, receiver.geometric) < 0.5 {
             receiver.geometric = normal;
         }
@@ -167,7 +167,7 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     var found = vec4(0.0);
     for (var slice = 0u; slice < SLICES; slice++) {
         let turn = (f32(slice) + (f32(turn_index) + view.turn) / 16.0) / f32(SLICES);
-        // Evenly about the view direction, not on the screen: so perspective is exact off its centre too.
+        // Even in angle about the view direction, not on screen: perspective is exact off-centre too.
         let tangent = basis * vec2(cos(PI * turn), sin(PI * turn));
 #ifdef PROJECTION_ORTHOGRAPHIC
         let direction = tangent.xy;
@@ -179,18 +179,18 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
         let on_screen = pixels * vec2(direction.x, -direction.y) / f32(DIVISOR);
         let reach = max(abs(on_screen.x), abs(on_screen.y));
         let step = on_screen / reach;
-        // Steps are spread too, in another order than directions.
+        // Steps are jittered too, in another order than directions.
         let offset = fract((f32((turn_index * 7u) & 15u) + 0.5) / 16.0 + 0.618 * f32(slice) + view.turn);
         found += march(receiver, lobe, -surface.sine, 1.0, step, reach, offset);
         found += march(receiver, lobe, surface.sine, -1.0, -step, reach, fract(offset + 0.5));
     }
     found /= f32(SLICES);
-    // A slice alone may have more than its part of the hemisphere, and another one less.
+    // Not clamped: a single slice may exceed its share of the hemisphere, and another fall below it.
     let is_number = is_finite(found.r + found.g + found.b + found.a);
     return select(vec4(0.0), vec4(found.rgb * view.intensity, found.a), is_number);
 }
 
-/// Each workgroup finds the texels of 32×32 that look in one direction: the invocations of a subgroup walk side by side.
+/// Each workgroup gathers the texels of 32×32 that share directions, so that the invocations of a subgroup march in parallel.
 @compute @workgroup_size(64, 1, 1)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,

@@ -1,5 +1,5 @@
-// Depth, and the light that each surface sent out in the last frame, as seen in this one: at four levels, each half as
-// large as the one before.
+// Depth, and the light that each surface sent out in the last frame, reprojected to this one. Four levels, each half as large
+// as the one before.
 #import bevy_lean_deferred::reconstruction::position::homogeneous_position
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::screen_space::diffuse_gi::bindings::{
@@ -8,21 +8,21 @@
 }
 #import bevy_lean_deferred::screen_space::shown_exposure::light_of_whites
 
-/// Pixels a side of a texel.
+/// Side of a texel in pixels.
 const DIVISOR: i32 = #{DIVISOR};
 
-/// What a texel may send out, in multiples of what shows as white. A smaller light is as bright as it likes by covering more
-/// texels; what is brighter on a single one would make neighbours flicker.
+/// Clamp of a texel's light, in multiples of what shows as white: brighter single texels would make neighbours flicker. The total
+/// light of a source is not clamped, because it may cover more texels.
 const MOST_WHITES: f32 = 256.0;
 
-/// How many steps apart in depth the last frame may show the same surface: between two texels.
+/// Depth steps within which a texel of the last frame shows the same surface, which may lie between two texels.
 const SAME_SURFACE: f32 = 4.0;
 
 var<workgroup> entries_0: array<vec4<f32>, 256>;
 var<workgroup> entries_1: array<vec4<f32>, 64>;
 var<workgroup> entries_2: array<vec4<f32>, 16>;
 
-/// The middle of the light of the last frame's texel, which covers `DIVISOR` × `DIVISOR` pixels.
+/// Mean light of a texel of the last frame, which covers `DIVISOR` × `DIVISOR` pixels.
 fn light_of(texel: vec2<i32>) -> vec3<f32> {
     let last_pixel = vec2<i32>(view.viewport_size) - 1;
     var light = vec3(0.0);
@@ -33,11 +33,11 @@ fn light_of(texel: vec2<i32>) -> vec3<f32> {
     return light / f32(DIVISOR * DIVISOR);
 }
 
-/// What the surface at `pixel` sent out in the last frame; 0 if that frame did not show it.
+/// Light that the surface at `pixel` sent out in the last frame; 0 if that frame did not show it.
 fn last_light(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     let here = vec3(vec2<f32>(pixel) + 0.5, depth);
     let last = view.last_pixel_from_view * homogeneous_position(view.view_from_pixel, here);
-    // Behind the camera, or not a number.
+    // Behind the camera, or NaN.
     if !(last.w > 0.0) {
         return vec3(0.0);
     }
@@ -50,7 +50,7 @@ fn last_light(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     if !(all(at >= vec2(0.0)) && all(at < vec2<f32>(view.viewport_size))) {
         return vec3(0.0);
     }
-    // Of the four texels around it, the nearest that shows the surface.
+    // Nearest of the four texels around that shows the surface.
     let texels = (at - 0.5) / f32(DIVISOR);
     let first = vec2<i32>(floor(texels + 1e-3));
     let along = texels - vec2<f32>(first);
@@ -81,7 +81,7 @@ fn entry_at(texel: vec2<u32>) -> Entry {
     let pixel = vec2<i32>(texel) * DIVISOR;
     let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
     var entry: Entry;
-    // The sky stays 0, and so does what is not a number.
+    // Sky and NaN stay 0.
     if depth > 0.0 {
         entry.depth = depth;
         if view.exposure_ratio > 0.0 {
@@ -91,7 +91,7 @@ fn entry_at(texel: vec2<u32>) -> Entry {
     return entry;
 }
 
-/// The mean of the nearest surface among four: xyz are light, w is depth.
+/// Mean of the nearest surface among four texels. xyz: light, w: depth.
 fn joined(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, pixels: f32) -> vec4<f32> {
     let depths = vec4(a.w, b.w, c.w, d.w);
     let nearest = max(max(a.w, b.w), max(c.w, d.w));
@@ -105,7 +105,7 @@ fn pack(entry: vec4<f32>) -> vec4<u32> {
     return pack_entry(Entry(entry.w, entry.rgb));
 }
 
-/// 256 invocations make 16×16 texels and what is above them.
+/// 256 invocations make 16×16 texels and the coarser levels above them.
 @compute @workgroup_size(256, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
     let place = vec2(i % 16u, i / 16u);

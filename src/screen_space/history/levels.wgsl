@@ -1,25 +1,25 @@
-// The last frame, kept for the next: its light, and how far away each pixel's surface is; and at levels each half as large as
-// the one before, the sum of the light of surfaces, and their share: so the sky is no part of what they show from afar. Two
-// dispatches: the first makes four levels of the picture, the second (OF_LEVEL) three more of the last of these.
+// History for the next frame: light and distance per pixel. Each coarser level is half as large as the one before. It holds the
+// light of surfaces times their share, and that share, so that the sky does not enter their mean. Two dispatches: the first makes
+// four levels from the picture, the second (OF_LEVEL) three more from the last of these.
 #import bevy_lean_deferred::gbuffer::layout::is_nan
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, unpack_halves}
 #import bevy_lean_deferred::reconstruction::position::view_position
 #import bevy_lean_deferred::screen_space::shown_exposure::light_of_whites
 #import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
 
-/// Pixels count from the viewport's corner.
+/// Pixel coordinates are relative to the viewport's corner.
 struct HistoryView {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
-    /// Of distances as they are kept.
+    /// Scale of the stored distances.
     units_per_metre: f32,
 }
 
-/// What the main passes have left, or the last level of the first dispatch.
+/// Picture after the main passes, or the last level of the first dispatch.
 @group(0) @binding(0) var color_texture: texture_2d<f32>;
-/// Those that are made, largest first.
+/// Levels to be made, largest first.
 @group(0) @binding(1) var level_0: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(2) var level_1: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(3) var level_2: texture_storage_2d<rgba16float, write>;
@@ -27,21 +27,21 @@ struct HistoryView {
 @group(0) @binding(4) var level_3: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(5) var<uniform> view: HistoryView;
 @group(0) @binding(6) var depth_texture: texture_depth_2d;
-/// x: in stops, as the last frame was shown.
+/// x: exposure with which the last frame was shown, in stops.
 @group(0) @binding(7) var<uniform> shown_exposure: vec4<f32>;
 #endif
 
-/// What a pixel may show, in multiples of what shows as white. A smaller light is as bright as it likes by covering more
-/// pixels; what is brighter on a single one would make rough mirrors flicker.
+/// Clamp of a pixel's light, in multiples of what shows as white: brighter single pixels would make rough mirrors flicker. The
+/// total light of a source is not clamped, because it may cover more pixels.
 const MOST_WHITES: f32 = 1024.0;
 
-/// Of the sky: it is no surface. In units of distance as it is kept, as is all that is further away than these tell.
+/// Stored distance of the sky, which is no surface, and of all that is beyond the range of stored distances.
 const NO_SURFACE: f32 = 65504.0;
 
-/// Of 16×16 texels, then of 8×8, then of 4×4; in half floats, as the textures have them.
+/// Shares of 16×16, 8×8 and 4×4 texels, in half floats like the textures.
 var<workgroup> shares: array<vec2<u32>, 336>;
 
-/// What a level says of a texel: light of surfaces, and their share.
+/// Contribution of a texel to coarser levels: light of surfaces, and their share.
 fn share_of(texel: vec4<f32>) -> vec4<f32> {
 #ifdef OF_LEVEL
     return texel;
@@ -57,7 +57,7 @@ fn texel_at(place: vec2<u32>) -> vec4<f32> {
     return textureLoad(color_texture, vec2<i32>(min(place, last)), 0);
 }
 #else
-/// Light without what is not a number, with its hue where it is too bright.
+/// Replaces NaN by 0, and clamps bright light without changing its hue.
 fn bounded(light: vec3<f32>) -> vec3<f32> {
     let largest = light_of_whites(MOST_WHITES, shown_exposure.x);
     let number = select(light, vec3(0.0), is_nan(light.r + light.g + light.b));
@@ -66,7 +66,7 @@ fn bounded(light: vec3<f32>) -> vec3<f32> {
     return finite * min(largest / max(brightest, 1e-6), 1.0);
 }
 
-/// Beyond the viewport its last pixels go on.
+/// Light and distance at `place`; beyond the viewport, of its last pixels.
 fn texel_at(place: vec2<u32>) -> vec4<f32> {
     let inside = min(place, view.viewport_size - 1u);
     let pixel = vec2<i32>(view.viewport_origin + inside);
@@ -98,13 +98,13 @@ fn store(level: u32, place: vec2<u32>, texel: vec4<f32>) {
 #endif
 }
 
-/// Stores it, and keeps its share.
+/// Stores a texel, and keeps its share for coarser levels.
 fn keep(corner: vec2<u32>, in_square: vec2<u32>, texel: vec4<f32>) {
     store(0u, corner + in_square, texel);
     shares[in_square.x + 16u * in_square.y] = pack_halves(share_of(texel));
 }
 
-/// The means of 2×2 of the `side` times `side` shares from `first` on. Of constants compilers make less than of a loop.
+/// Makes the means of 2×2 of the `side` × `side` shares from `first` on. Compilers optimise constant arguments better than a loop.
 fn make_level(level: u32, first: u32, side: u32, workgroup: vec2<u32>, i: u32) {
     workgroupBarrier();
     let half_side = side / 2u;
@@ -114,7 +114,7 @@ fn make_level(level: u32, first: u32, side: u32, workgroup: vec2<u32>, i: u32) {
         let above = unpack_halves(shares[corner]) + unpack_halves(shares[corner + 1u]);
         let below = unpack_halves(shares[corner + side]) + unpack_halves(shares[corner + side + 1u]);
         let mean = 0.25 * (above + below);
-        // The last one is 2×2, which nobody reads.
+        // The last shares, 2×2, are not read.
         if level < 3u {
             shares[first + side * side + i] = pack_halves(mean);
         }
@@ -122,15 +122,15 @@ fn make_level(level: u32, first: u32, side: u32, workgroup: vec2<u32>, i: u32) {
     }
 }
 
-/// 64 invocations read 16×16 texels, level 0 here, and make what is above them.
+/// 64 invocations read 16×16 texels, level 0 here, and make the coarser levels above them.
 @compute @workgroup_size(64, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
-    // The texels of a subgroup are a square: memory takes that faster than rows.
+    // A subgroup's texels form a square, which memory serves faster than rows.
     let in_tile = place_in_tile(i);
     let right = in_tile + vec2(SIDE, 0u);
     let below = in_tile + vec2(0u, SIDE);
     let corner = workgroup.xy * 16u;
-    // Asked for before any is waited for.
+    // All reads are issued before the first is used.
     let texel_0 = texel_at(corner + in_tile);
     let texel_1 = texel_at(corner + right);
     let texel_2 = texel_at(corner + below);

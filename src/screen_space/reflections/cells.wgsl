@@ -1,5 +1,5 @@
-// The nearest depth in cells of 4, 16 and 64 pixels a side, and the depth behind which the furthest surface in them ends: rays
-// pass through those that they are in front of or behind. The three sizes stand one below the other in one texture.
+// Makes cells of 4, 16 and 64 pixels a side: the nearest depth, and the depth of the back of the furthest surface. Rays skip cells
+// that they pass in front of or behind. The three sizes are stored one below the other in one texture.
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
     behind, cells_output, depth_sampler, depth_texture, edge_step, view,
 }
@@ -12,9 +12,9 @@ fn joined(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return vec2(max(a.x, b.x), min(a.y, b.y));
 }
 
-/// The nearest and the furthest of 4×4 pixels.
+/// Nearest and furthest depth of 4×4 pixels.
 fn cell_at(first: vec2<u32>) -> vec2<f32> {
-    // Beyond the viewport nothing is.
+    // Pixels beyond the viewport do not count.
     var cell = vec2(0.0, 1.0);
     if all(first + 4u <= view.viewport_size) {
         let origin = vec2<f32>(view.viewport_origin + first);

@@ -1,6 +1,6 @@
-// What a lobe of each texel shows: the mean of 5×5 rays, its own and its neighbours', whose sixteen directions make a lobe (after
-// Stachowiak 2015, "Stochastic Screen-Space Reflections"). The outer rays weigh half as much: each of the four directions that rays
-// have along an axis then weighs alike, and what a ray has met has no hard edges.
+// Makes the lobe of each texel: the mean of 5×5 rays, its own and its neighbours', whose sixteen directions form a lobe (after
+// Stachowiak 2015, "Stochastic Screen-Space Reflections"). The outer rays weigh half: the four directions along each axis then
+// weigh alike, and hits have no hard edges.
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
 #import bevy_lean_deferred::screen_space::reflections::bindings::{lobes_output, unpack_weight}
 #import bevy_lean_deferred::screen_space::reflections::texels::{
@@ -17,7 +17,7 @@ fn lobe_at(texel: i32) -> vec4<f32> {
     let inverse_step = inverse_step_at(depth);
     var sum = vec4(0.0);
     var weights = 0.0;
-    // Goes along, since products of integers are slow.
+    // Incremented, because integer products are slow.
     var other = texel - RIM * (1 + SIDE);
     for (var y = -RIM; y <= RIM; y++) {
         let expected_in_row = depth + slope.y * f32(y);
@@ -39,7 +39,7 @@ fn lobe_at(texel: i32) -> vec4<f32> {
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
     let corner = vec2<i32>(workgroup.xy) * MADE;
-    // Asked for before any is waited for.
+    // Both reads are issued before the first is used.
     let first = texel_at(corner, i);
     let second = texel_at(corner, i + INVOCATIONS);
     var counts = keep(i, first);
@@ -51,7 +51,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     let place = vec2<i32>(vec2(invocation % u32(MADE), invocation / u32(MADE)));
     let made = place.x + SIDE * place.y + FIRST_MADE;
-    // Nobody reads others.
+    // Other texels are not read.
     if depths[made] > 0.0 {
         textureStore(lobes_output, corner + place, lobe_at(made));
     }

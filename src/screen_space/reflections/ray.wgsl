@@ -1,4 +1,4 @@
-// A ray through the picture, and what it meets. On screen it is a line, along which depth is affine too.
+// A ray through the picture, and its hit. On screen it is a line, along which depth is affine too.
 #define_import_path bevy_lean_deferred::screen_space::reflections::ray
 
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
@@ -7,36 +7,36 @@
     behind, depth_in_view, edge_step, homogeneous_pixel, normal_texture, to_viewer, view, view_position,
 }
 
-/// `start + step * u` in (pixel x, pixel y, depth), `u` from 0 to `end`; so a pixel is passed as `u` grows by about 1.
+/// `start + step * u` in (pixel x, pixel y, depth), for `u` from 0 to `end`. `u` grows by about 1 per pixel.
 struct Ray {
     start: vec3<f32>,
     step: vec3<f32>,
     end: f32,
-    /// Metres from the start are `metres * u / (1 - vanishing * u)`.
+    /// The distance from the start is `metres * u / (1 - vanishing * u)`, in metres.
     metres: f32,
     vanishing: f32,
 }
 
-/// Where a ray is on its way.
+/// State of a march.
 struct Way {
     u: f32,
-    /// What it does not enter from in front it passes behind.
+    /// True if the ray is in front of the visible surfaces. It hits those that it enters from in front, and passes behind others.
     is_in_front: bool,
-    /// How far it went at once.
+    /// Length of the last step.
     span: f32,
 }
 
-/// What a ray met.
+/// Result of a march.
 struct Met {
     is_hit: bool,
     u: f32,
     /// In pixels, and depth.
     place: vec3<f32>,
-    /// 1 on the front of a surface, 0 as far behind it as it is thick.
+    /// 1 on the front of a surface, 0 at its thickness behind it.
     certainty: f32,
 }
 
-/// Where the line leaves 0 to `size`; never if it goes along.
+/// Parameter at which the line leaves 0 to `size`; 1e9 on axes along which it does not move.
 fn leaves(start: vec2<f32>, step: vec2<f32>, size: vec2<f32>) -> f32 {
     let ends = (select(vec2(0.0), size, step > vec2(0.0)) - start) / step;
     let along = abs(step) < vec2(1e-12);
@@ -44,7 +44,7 @@ fn leaves(start: vec2<f32>, step: vec2<f32>, size: vec2<f32>) -> f32 {
     return min(never.x, never.y);
 }
 
-/// The ray from `position`, which is seen at `start`, in a direction of unit length; both in view space.
+/// Ray from `position`, which is seen at `start`, in unit direction `direction`; both in view space.
 fn ray_on_screen(start: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) -> Ray {
     let here = homogeneous_pixel(position, 1.0);
     let towards = homogeneous_pixel(direction, 0.0);
@@ -56,27 +56,27 @@ fn ray_on_screen(start: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) ->
     ray.vanishing = ray.metres * towards.w / here.w;
     let sides = leaves(start.xy, ray.step.xy, vec2<f32>(view.viewport_size));
     let planes = leaves(start.zz, ray.step.zz, vec2(1.0));
-    // As far away as anything is.
+    // The vanishing point, at infinite distance.
     let infinity = select(1e9, 1.0 / ray.vanishing, ray.vanishing > 0.0);
     ray.end = min(min(sides, planes), infinity);
     return ray;
 }
 
-/// The pixel that the ray passes at `u`.
+/// Pixel that the ray crosses at `u`.
 fn pixel_on(ray: Ray, u: f32) -> vec2<i32> {
     return clamp(vec2<i32>(ray.start.xy + ray.step.xy * u), vec2(0), vec2<i32>(view.viewport_size) - 1);
 }
 
-/// How far `u` is from the start, in metres.
+/// Distance from the start at `u`, in metres.
 fn metres_at(ray: Ray, u: f32) -> f32 {
     return ray.metres * u / max(1.0 - ray.vanishing * u, 1e-6);
 }
 
-/// What share of the thickness that surfaces have is that of what is at `pixel`: 1 where it faces the viewer, less towards
-/// outlines; 0 where it turns its back to the ray.
+/// Share of the assumed thickness that the surface at `pixel` has: 1 where it faces the viewer, less towards silhouettes, and 0
+/// where it faces away from the ray.
 fn share_of_thickness(pixel: vec2<i32>, depth: f32, direction: vec3<f32>) -> f32 {
     let word = textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
-    // Who is not in the G-buffer may.
+    // Surfaces outside the G-buffer have the full thickness.
     if word == NO_GEOMETRY {
         return 1.0;
     }
@@ -85,7 +85,7 @@ fn share_of_thickness(pixel: vec2<i32>, depth: f32, direction: vec3<f32>) -> f32
     return select(0.0, saturate(facing), dot(normal, direction) < 0.0);
 }
 
-/// How far behind the front at `pixel` a ray is that enters it at depth `z`, as a share of the thickness: above 1 it passes.
+/// Distance behind the front at `pixel` of a ray that enters it at depth `z`, as a share of the thickness. Above 1, the ray misses.
 fn depth_inside(pixel: vec2<i32>, depth: f32, z: f32, direction: vec3<f32>) -> f32 {
     let tolerance = edge_step(depth, 1.0);
     let thickness = depth - behind(depth);
@@ -97,8 +97,8 @@ fn depth_inside(pixel: vec2<i32>, depth: f32, z: f32, direction: vec3<f32>) -> f
     return select(inside, 2.0, share == 0.0);
 }
 
-/// Where the ray meets the plane that the depth around `pixel` tells of; `u` is where it passes the pixel, within a `span` of
-/// others that it did not look at, and `certainty` that of a ray that comes from behind something else.
+/// Intersects the ray with the plane of the depths around `pixel`. `u` is where the ray crosses the pixel, within a `span` of
+/// pixels that it did not sample. `certainty` is that of a ray that comes from behind another surface.
 fn met_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: f32) -> Met {
     let slope = vec2(
         flatter_slope(depth_in_view(pixel - vec2(1, 0)), depth, depth_in_view(pixel + vec2(1, 0))),
@@ -111,7 +111,7 @@ fn met_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: 
     var met: Met;
     met.is_hit = true;
     met.u = clamp(select(u, exact, is_crossed), 0.5, ray.end);
-    // Within the pixel: the next one may show something else.
+    // Within the pixel, because the next one may show another surface.
     met.place = vec3(ray.start.xy + ray.step.xy * clamp(met.u, u - 0.4, u + 0.4), 0.0);
     met.place.z = clamp(depth + dot(slope, met.place.xy - center), 0.5 * depth, 2.0 * depth);
     met.certainty = select(certainty, 1.0, is_crossed);

@@ -1,5 +1,5 @@
-// What each pixel mirrors, of what the rays around it have found. A rough mirror has what lies between the lobes around it. A smooth
-// one has the light of one place: where its own ray ends, as far away as those beside it went.
+// Resolves the reflection of each pixel from the rays around it. A rough mirror interpolates the lobes around it. A smooth one
+// has the light of one point: the end of its own ray, which is as long as those beside it.
 #import bevy_lean_deferred::screen_space::reflections::bindings::{DIVISOR, depth_texture, output_texture, view, view_position}
 #import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, likeness_beside, width_at}
 #import bevy_lean_deferred::screen_space::reflections::rough_light::{keep_lobe, lobe_at, rough_light}
@@ -11,19 +11,18 @@
 #import bevy_lean_deferred::tiles::{SIDE as TILE, place_in_tile}
 #import bevy_lean_deferred::workgroup::is_any
 
-/// Radius of a lobe where it meets a surface, in pixels, up to which it is taken for a single place, and from which on it
-/// is the mean of rays.
+/// Radius of a lobe at its hit, in pixels: up to the first it counts as a single point, from the second on as the mean of rays.
 const SMOOTH_UP_TO: f32 = 2.0;
 const ROUGH_FROM: f32 = 8.0;
-/// The same where it is not certain which place that is: a single ray would show as a speck.
+/// The same where that point is uncertain: a single ray would show as a speck.
 const UNCERTAIN_UP_TO: f32 = 0.25;
 const UNCERTAIN_FROM: f32 = 1.0;
 
-/// Pixels a side of a tile, and tiles a side of what a workgroup makes.
+/// Side of a tile in pixels, and of a workgroup's output in tiles.
 const TILE_SIDE: i32 = i32(TILE);
 const TILES_SIDE: u32 = u32(WORKGROUP_SIDE / TILE_SIDE);
 
-/// `first` is the first of the four texels around the pixel, which is `along` of the way to the others.
+/// Light and confidence. `first` is the first of the four texels around the pixel, which is `along` of the way to the others.
 fn light_at(pixel: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
     let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
     let mirror = mirror_of(pixel, normal_word_at(pixel));
@@ -38,7 +37,7 @@ fn light_at(pixel: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
     receiver.roughness = mirror.roughness;
     receiver.slope = slope_at(first);
     receiver.inverse_step = inverse_step_at(depth);
-    // Smooth and rough light both ask for it.
+    // Used by smooth and rough light.
     for (var i = 0; i < 4; i++) {
         receiver.alike[i] = likeness_beside(receiver, first, i, along);
     }
@@ -72,7 +71,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         mirrors |= counts;
     }
     let is_empty = !is_any(mirrors, invocation);
-    // By tiles of 8×8: those that run together are a square. Each invocation has the same place in all of its tiles.
+    // By tiles of 8×8, so that a subgroup's pixels form a square. An invocation has the same place in all of its tiles.
     let in_tile = place_in_tile(invocation % 64u);
     let along = vec2<f32>(in_tile % u32(DIVISOR)) / f32(DIVISOR);
     let texel = vec2<i32>(in_tile / u32(DIVISOR));

@@ -1,4 +1,4 @@
-// What a rough surface mirrors: what lies between the lobes of the texels around it.
+// Reflection of a rough surface: interpolates the lobes of the texels around it.
 #define_import_path bevy_lean_deferred::screen_space::reflections::rough_light
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, unpack_halves}
@@ -13,12 +13,12 @@ fn lobe_at(texel: vec2<i32>) -> vec4<f32> {
     return textureLoad(lobes_texture, nearest_inside(texel), 0);
 }
 
-/// Where `counts` is not set, the texture holds anything.
+/// Without `counts`, the texel of the texture is undefined.
 fn keep_lobe(read: i32, lobe: vec4<f32>, counts: bool) {
     lobes[read] = select(vec2(0u), pack_halves(lobe), counts);
 }
 
-/// Light times confidence, and confidence. In each lobe its directions weigh alike, and so they do between them.
+/// Light times confidence, and confidence. The directions of each lobe weigh alike, and so do those of their mean.
 fn rough_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var sum = vec4(0.0);
     var weights = 1e-12;

@@ -1,25 +1,24 @@
-// The way of a ray in segments: that of a rough surface's, and the rest of a smooth one's that has had its steps.
+// Marches a ray in segments: for rough surfaces, and for smooth ones whose steps are used up.
 #define_import_path bevy_lean_deferred::screen_space::reflections::rough_march
 
 #import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_in_view, view}
 #import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
 #import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, Way, depth_inside, pixel_on}
 
-/// Of the shortest segment, in pixels.
+/// Length of the shortest segment, in pixels.
 const SHORTEST: f32 = f32(#{SHORTEST_SEGMENT}u);
-/// Before nothing segments are longer, at most so many times.
+/// Largest factor on the length of segments, reached in front of all surfaces.
 const LONGER: f32 = 4.0;
-/// Segments that are looked at together: what is read does not depend on what the one before has met, so that all is asked for
-/// before any of it is waited for.
+/// Segments per iteration. Their reads do not depend on each other's results, so all are issued before the first is used.
 const TOGETHER: u32 = 4u;
 
-/// The longest segments that are halved down to a pixel are 2 to this pixels long.
+/// Number of bisections. Segments of up to 2 to this power pixels are bisected down to a pixel.
 const HALVINGS: u32 = 8u;
 
-/// What a ray meets on its way from `front`, where it is in front of what is seen, to `back`, where it is behind `depth_at_back`. A
-/// wall that it meets at an angle may be far in front of it there already, so the way is halved to where it goes behind: if that is
-/// further than surfaces are thick even there, it passes an edge, and meets nothing. If the hit is to be `exact`, the way is halved
-/// further, to the pixel where the ray goes in.
+/// Finds the hit between `front`, where the ray is in front of the visible surfaces, and `back`, where it is behind
+/// `depth_at_back`. A wall at an angle may be far in front of the ray at `back`, so the interval is bisected towards the point where
+/// the ray goes behind. If that is behind by more than the thickness even there, the ray passes an edge: a miss. For an `exact` hit,
+/// bisection continues to the pixel where the ray enters.
 fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_back: f32, exact: bool) -> Met {
     var before = front;
     var after = back;
@@ -51,19 +50,19 @@ fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
     return met;
 }
 
-/// A ray on its way in segments.
+/// State of a march in segments.
 struct March {
     u: f32,
     is_in_front: bool,
-    /// How much longer than they grow to the next segments are.
+    /// Factor on the length of the next segments, beside their growth.
     factor: f32,
-    /// Of the last one.
+    /// Length of the last segment.
     length: f32,
-    /// How many there have been.
+    /// Number of segments so far.
     segments: u32,
 }
 
-/// Where a ray goes behind something: in front of it at `front`, and behind `depth` at `back`.
+/// Interval in which a ray goes behind a surface: in front of it at `front`, and behind `depth` at `back`.
 struct Crossing {
     is_one: bool,
     front: f32,
@@ -71,8 +70,8 @@ struct Crossing {
     depth: f32,
 }
 
-/// Goes on to where the ray next goes behind something: looks at the cells and, where these do not leave the ray alone, at the pixels
-/// in the middle of the segments. `begin` is where the way in segments began.
+/// Marches to the next crossing. Tests the cells and, where these are not conclusive, the pixels in the middle of the segments.
+/// `begin` is where the march in segments began.
 fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<function, March>) -> Crossing {
     let rows = largest_rows(view.viewport_size.y);
     var now = *march;
@@ -80,7 +79,7 @@ fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<fu
     while now.segments < segments && now.u < ray.end && !crossing.is_one {
         let length = max(SHORTEST, growth * now.u) * now.factor;
         now.length = length;
-        // The smallest cells that are no shorter.
+        // The smallest cells that are at least as long.
         let is_16 = length > 4.0;
         let is_64 = length > 16.0;
         let inverse_side = select(select(1.0 / 4.0, 1.0 / 16.0, is_16), 1.0 / 64.0, is_64);
@@ -101,11 +100,11 @@ fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<fu
         let half_z = 0.5 * abs(along.z);
         let is_in_front = z - half_z > vec4(cell_0.x, cell_1.x, cell_2.x, cell_3.x);
         let is_behind = z + half_z < vec4(cell_0.y, cell_1.y, cell_2.y, cell_3.y);
-        // It goes behind something, or might do so, or come out from there.
+        // It goes behind a surface, may do so, or may come out from behind one.
         let enters = vec4(now.is_in_front, is_in_front.xyz) & is_behind;
         let looks = any(enters | !(is_in_front | is_behind));
         if looks && now.factor > 1.5 {
-            // Once more, in shorter ones.
+            // Repeated with shorter segments.
             now.segments += TOGETHER;
             now.factor = 1.0;
             continue;
@@ -139,10 +138,10 @@ fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<fu
     return crossing;
 }
 
-/// Goes along in segments that grow with the way, as long as `growth` times that, up to the first surface that turns its front to the
-/// ray. `direction` is the ray's in view space. Neighbours with other `phases`, 0 to 1, have their segments elsewhere, so that what one
-/// passes by another one meets. It goes on from where it is on its `way`, and is given up after so many `segments`. The ray of a smooth
-/// surface ends at an exact pixel.
+/// Marches in segments to the first surface whose front faces the ray. Their length grows to `growth` times the distance marched.
+/// `direction` is the ray's in view space. Different `phase`s (0 to 1) shift the segments of neighbouring rays, so that one hits
+/// what another misses. The march continues from `way`, and ends after this many `segments`. A hit with `is_smooth` is exact to
+/// the pixel.
 fn march(
     ray: Ray,
     direction: vec3<f32>,
@@ -156,7 +155,7 @@ fn march(
     var march = March(begin, (*way).is_in_front, 0.5 + phase, 0.0, 0u);
     var met: Met;
     loop {
-        // Rays that run together go on together, and are halved together.
+        // Marching and bisection alternate, so that the rays of a subgroup do each together.
         let crossing = next_crossing(ray, begin, growth, segments, &march);
         if !crossing.is_one {
             break;

@@ -1,4 +1,4 @@
-// What a smooth surface mirrors: the light of one place, where the pixel's own ray ends, as far away as those beside it went.
+// Reflection of a smooth surface: the light at the end of the pixel's own ray, which is as long as those beside it.
 #define_import_path bevy_lean_deferred::screen_space::reflections::smooth_light
 
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
@@ -10,33 +10,33 @@
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, rotated}
 #import bevy_lean_deferred::screen_space::reflections::texels::{hits, lights}
 
-/// The gap where it is not to be looked at.
+/// Gap where no surface is to be tested.
 const NOTHING_NEAR: f32 = 9.0;
-/// How often the way between two rays is narrowed down.
+/// Iterations of the search between two rays.
 const NARROWINGS: i32 = 3;
-/// By what share of the longest the ways of rays differ that have met one surface.
+/// Spread of the lengths of rays that hit one surface, relative to the longest.
 const SPREAD: f32 = 0.2;
 
-/// What a ray beside the pixel has met.
+/// Hit of a ray beside the pixel.
 struct Beside {
-    /// On the way of the pixel's own; 0 if it met nothing.
+    /// Distance along the pixel's own ray; 0 for a miss.
     metres: f32,
     confidence: f32,
-    /// How much it counts: not at all if it met nothing.
+    /// Interpolation weight; 0 for a miss.
     weight: f32,
-    /// It is of the same mirror.
+    /// True if it belongs to the same mirror.
     is_alike: bool,
 }
 
-/// The light of a pixel.
+/// Reflection of a pixel.
 struct SmoothLight {
-    /// Times confidence, and confidence.
+    /// Light times confidence, and confidence.
     light: vec4<f32>,
-    /// The rays around have met one surface, and the pixel's own ray meets it too.
+    /// True if the rays around hit one surface, and the pixel's own ray hits it too.
     is_certain: bool,
 }
 
-/// Where a ray is seen: linear in the metres of its way.
+/// Homogeneous projection of a ray, linear in the metres along it.
 struct Line {
     first: vec4<f32>,
     along: vec4<f32>,
@@ -45,28 +45,28 @@ struct Line {
 /// In pixels, and depth.
 fn seen_at(line: Line, metres: f32) -> vec3<f32> {
     let seen = line.first + line.along * metres;
-    // What is behind the camera is nowhere.
+    // Points behind the camera are off-screen.
     return select(vec3(-1e9), seen.xyz / seen.w, seen.w > 0.0);
 }
 
-/// How far the pixel's ray is in front of what is seen where it is, in the steps that separate surfaces a pixel apart.
+/// Gap by which the pixel's ray is in front of the visible surface at `at`, in depth steps of surfaces a pixel apart.
 fn gap_at(receiver: Receiver, at: vec3<f32>) -> f32 {
-    // As `depth_in_view`, in fewer instructions: what is below 0 becomes 0 where it becomes unsigned.
+    // Like `depth_in_view`, in fewer instructions: negative values become 0 in the conversion to unsigned.
     let pixel = min(vec2<u32>(at.xy), vec2<u32>(view.viewport_size) - 1u);
     let depth = textureLoad(depth_texture, vec2<u32>(view.viewport_origin) + pixel, 0);
-    // What is a pixel away may be the mirror itself, which would see its own light for ever.
+    // An adjacent pixel may be the mirror itself, which would keep its own light forever.
     let way = abs(at.xy - receiver.at);
     let is_away = max(way.x, way.y) > 1.5;
     return select(NOTHING_NEAR, (at.z - depth) / max(edge_step(depth, 1.0), 1e-30), is_away);
 }
 
-/// Whether a surface is there on the way of the pixel's ray: 0 to 1.
+/// Match of the ray with a surface, 0 to 1.
 fn match_of(gap: f32) -> f32 {
     return saturate(2.0 - abs(gap));
 }
 
-/// Metres to where the pixel's ray meets a surface between `front`, where it is in front of what is seen, and `back`, where it is
-/// behind it: metres and gap each (regula falsi). Less than 0 if it meets none.
+/// Distance in metres at which the pixel's ray hits a surface between `front`, where it is in front of the visible surface, and
+/// `back`, where it is behind it: metres and gap each (regula falsi). Negative for a miss.
 fn metres_between(receiver: Receiver, line: Line, front: vec2<f32>, back: vec2<f32>) -> f32 {
     var before = front;
     var after = back;
@@ -86,7 +86,7 @@ fn metres_between(receiver: Receiver, line: Line, front: vec2<f32>, back: vec2<f
     return -1.0;
 }
 
-/// Ray `i` of the four around the pixel.
+/// Hit of ray `i` of the four around the pixel.
 fn ray_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance_to_viewer: f32) -> Beside {
     let corner = vec2(i & 1, i >> 1u);
     let near = select(1.0 - along, along, corner == vec2(1));
@@ -102,8 +102,8 @@ fn ray_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance
     );
 }
 
-/// Where the pixel's ray ends if what those beside it have met differs: on whose surface it is, or on what bends between them. Metres,
-/// confidence and weight; what bends has the `confidence` of all.
+/// Hit of the pixel's ray where those beside it hit different surfaces: on one of these, or on one that curves between them. Metres,
+/// confidence and weight; on a curved one, `confidence`, the mean of all rays.
 fn place_of_some(
     receiver: Receiver,
     line: Line,
@@ -114,7 +114,7 @@ fn place_of_some(
 ) -> vec3<f32> {
     var sum = vec2(0.0);
     var weights = 0.0;
-    // The last place in front of what is seen and the first one behind it: metres and gap.
+    // The last point in front of the visible surface, and the first one behind it: metres and gap.
     var front = vec2(-1.0, 0.0);
     var back = vec2(0.0);
     for (var i = 0; i < 4; i++) {
@@ -163,7 +163,7 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight
     }
     var mean = sum / max(weights, 1e-6);
     var at = seen_at(line, mean.x);
-    // Most often all have met the same surface, and between them the pixel's own ray meets it too.
+    // Most often all rays have hit the same surface, and the pixel's own ray hits it between them.
     let is_met = weights > 0.02 && match_of(gap_at(receiver, at)) == 1.0;
     let is_certain = is_met && longest - shortest < SPREAD * longest;
     if weights > 0.02 && !is_met {
@@ -173,7 +173,7 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight
         at = seen_at(line, mean.x);
     }
     if !(weights > 0.02) {
-        // For outlines.
+        // At silhouettes.
         return SmoothLight(light_around(receiver, first, along), false);
     }
     let position = origin + direction * mean.x;

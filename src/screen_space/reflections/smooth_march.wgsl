@@ -1,29 +1,29 @@
-// The way of a smooth surface's ray, from cell to cell and from pixel to pixel.
+// Marches the ray of a smooth surface through cells and pixels.
 #define_import_path bevy_lean_deferred::screen_space::reflections::smooth_march
 
 #import bevy_lean_deferred::screen_space::reflections::bindings::{behind, cells_texture, depth_texture, view}
 #import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
 #import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, Way, depth_inside, pixel_on}
 
-/// Pixels a side of the smallest and the largest cells, and how many times larger the next ones are. Pixels come before the
-/// smallest.
+/// Sides of the smallest and the largest cells in pixels, and the ratio of consecutive sides. Pixels come before the smallest
+/// cells.
 const FIRST_SIDE: f32 = 4.0;
 const STEP_OF_SIDES: f32 = 4.0;
 const LAST_SIDE: f32 = 64.0;
-/// More than the depth of sky, as cells have it.
+/// Above the depth of the sky as stored in cells.
 const NEAREST_TO_SKY: f32 = 1e-9;
-/// Into the next cell, in pixels: more than numbers are rounded by.
+/// Offset into the next cell, in pixels: above rounding errors.
 const INTO: f32 = 1.0 / 256.0;
 
-/// Goes through the largest cells that leave the ray alone, up to the first surface that turns its front to it (Uludag 2014,
-/// "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. After so many `steps` it stops on its `way`.
+/// Marches through the largest cells that the ray passes in front of or behind, to the first surface whose front faces it (Uludag
+/// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. After `steps`, the state is in `way`.
 fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) -> Met {
     let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
     let inverse_step = 1.0 / step;
     let ends_from = -ray.start.xy * inverse_step;
     let is_forward = step > vec2(0.0);
     let forwards = vec2<f32>(is_forward);
-    // Of the last cell in a larger one.
+    // Coordinates of the last of 4×4 cells in a larger one, in the ray's direction.
     let last_of_four = select(vec2(0), vec2(3), is_forward);
     let start = ray.start.xy + select(vec2(-INTO), vec2(INTO), is_forward);
     let rows = largest_rows(view.viewport_size.y);
@@ -38,7 +38,7 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) ->
         let place = floor((start + ray.step.xy * u) * inverse_side);
         let cell = vec2<i32>(place);
         let is_pixel = side < FIRST_SIDE;
-        // Both are waited for together, since rays of a subgroup are in both.
+        // Both reads are awaited together, because a subgroup has rays in both.
         var depth = 0.0;
         var word = 0u;
         if is_pixel {
@@ -50,11 +50,11 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) ->
         let ends = (place + forwards) * (side * inverse_step) + ends_from;
         let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
         let next_z = ray.start.z + ray.step.z * next;
-        // Nothing that was in front passes behind a single pixel without a look at how thick that is.
+        // A ray in front passes behind a single pixel only after a test of the surface's thickness.
         let depths = select(unpack_cell(word), vec2(depth, -1.0), is_pixel);
         var is_in_front = min(z, next_z) > depths.x;
-        // Where it is behind something already, it stays there as long as it is behind all fronts, however near they are: its depth is
-        // moved as theirs are in cells. Cells with sky have the least depth that is told from 0.
+        // A ray that is already behind stays so while it is behind all fronts, regardless of thickness: its depth is shifted like the
+        // depths of backs in cells. The lower bound keeps it from passing behind the sky, which cells store as their least depth.
         let nearest = max(z, next_z);
         let reached = select(max(behind(nearest), NEAREST_TO_SKY), nearest, was_in_front);
         var passes = is_in_front || reached < depths.y;
@@ -76,7 +76,7 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) ->
             u = next;
             z = next_z;
             was_in_front = is_in_front;
-            // Into larger cells only where one begins.
+            // Goes to larger cells only where one begins.
             let crosses_x = ends.x < ends.y;
             let crossed = select(cell.y ^ last_of_four.y, cell.x ^ last_of_four.x, crosses_x);
             let rises = (crossed & 3) == 0 && side < LAST_SIDE;

@@ -1,4 +1,4 @@
-// What mirrors, and what was where it is in the last frame.
+// Mirrors, and the light of surfaces in the last frame.
 #define_import_path bevy_lean_deferred::screen_space::reflections::surface
 
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal, unpack_roughness}
@@ -18,18 +18,18 @@
 struct Mirror {
     /// In world space.
     normal: vec3<f32>,
-    /// Perceptual: that of the coat, if there is one. Above 1: it mirrors nothing.
+    /// Perceptual roughness, of the coat if there is one. Above 1: no mirror.
     roughness: f32,
 }
 
-/// Rougher than anything.
+/// Above any roughness.
 const NO_MIRROR: f32 = 2.0;
 
 fn normal_word_at(pixel: vec2<i32>) -> u32 {
     return textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
 }
 
-/// Of a word that has been read already.
+/// Mirror at a pixel whose normal word has been read already.
 fn mirror_of(pixel: vec2<i32>, word: u32) -> Mirror {
     if word == NO_GEOMETRY {
         return Mirror(vec3(0.0, 0.0, 1.0), NO_MIRROR);
@@ -52,19 +52,19 @@ fn mirror_of(pixel: vec2<i32>, word: u32) -> Mirror {
     return mirror;
 }
 
-/// In view space.
+/// Rotates a normal to view space.
 fn rotated(normal: vec3<f32>) -> vec3<f32> {
     return (view.view_from_world * vec4(normal, 0.0)).xyz;
 }
 
-/// 1 for what mirrors, down to 0 for what is too rough to.
+/// Fade of reflections: 1 for smooth surfaces, 0 for those that are too rough.
 fn smoothness(roughness: f32) -> f32 {
     return saturate((view.max_roughness - roughness) / max(0.25 * view.max_roughness, 1e-6));
 }
 
-/// The mean light of surfaces around a place in the history.
+/// Mean light of surfaces around a point of the history.
 fn mean_light(at: vec2<f32>, level: f32) -> vec3<f32> {
-    // From the second level on, alpha is the share of surfaces.
+    // From level 1 on, alpha is the share of surfaces.
     let coarse = textureSampleLevel(history_texture, history_sampler, at, max(level, 1.0));
     let mean = coarse.rgb / max(coarse.a, 1e-3);
     if level >= 1.0 {
@@ -74,11 +74,11 @@ fn mean_light(at: vec2<f32>, level: f32) -> vec3<f32> {
     return mix(fine, mean, level);
 }
 
-/// The light of what is at `place` (pixels and depth) and at `position` in view space, as the last frame showed it: in w 1,
-/// or 0 if it did not. `level` is that of the history.
+/// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w is 1, or 0 if that frame did
+/// not show it. `level` is that of the history.
 fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
     let last = view.last_pixel_from_view * vec4(position, 1.0);
-    // Behind the camera, or not a number.
+    // Behind the camera, or NaN.
     if !(last.w > 0.0) {
         return vec4(0.0);
     }
@@ -93,19 +93,19 @@ fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
         let pixel = clamp(vec2<i32>(place.xy), vec2(0), vec2<i32>(view.viewport_size) - 1);
         let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
         at = place.xy - motion * vec2<f32>(view.viewport_size);
-        // It may have come nearer.
+        // The surface may have come nearer.
         tolerance += view.thickness;
     }
     let is_inside = all(at >= vec2(0.0)) && all(at < vec2<f32>(view.viewport_size));
-    // How far away the four texels around it are. Their corner names them better than a place near the middle of one.
+    // Distances of the four texels around, gathered at their common corner: near a texel's centre, rounding may select others.
     let first = floor(at - 0.5);
     let is_second = at - 0.5 - first >= vec2(0.5);
     let around = textureGather(3, history_texture, history_sampler, (first + 1.0) / view.history_size) * view.metres_per_unit;
     let kept = select(select(around.w, around.z, is_second.x), select(around.x, around.y, is_second.x), is_second.y);
-    // A half float has eleven bits.
+    // Half floats have eleven significant bits.
     let rounding = 0.002 * abs(distance);
     if level < 1.0 {
-        // Between what belongs together, else the nearest.
+        // Interpolates within a surface, else takes the nearest texel.
         let off = abs(around - kept);
         let most = max(max(off.x, off.y), max(off.z, off.w));
         at = select(at, floor(at) + 0.5, most > tolerance + rounding);

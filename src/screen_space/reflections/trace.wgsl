@@ -1,5 +1,5 @@
-// Finds what each texel mirrors: one ray of the lobe of its surface, another one for each of 4×4 texels, through the depth
-// of this frame into the light of the last one.
+// Traces a ray of the lobe of each texel's surface, a different one for each of 4×4 texels, through the depth of this frame into
+// the light of the last one.
 #import bevy_lean_deferred::ggx::sample_lobe
 #import bevy_lean_deferred::gbuffer::layout::is_finite
 #import bevy_lean_deferred::horizon::tangents
@@ -13,38 +13,38 @@
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_of, normal_word_at, rotated, smoothness}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
-/// Rays that make a lobe together: those of 4×4 texels.
+/// Rays that form a lobe together: those of 4×4 texels.
 const RAYS: u32 = 16u;
 
-/// Perceptual roughness from which on rays go in segments from the start: between two of those that the G-buffer holds, so that
-/// rounding makes no difference.
+/// Perceptual roughness above which rays march in segments from the start: between two values of the G-buffer, so that rounding
+/// makes no difference.
 const ROUGH: f32 = 51.5 / 255.0;
 
 const ROUGH_SEGMENTS: u32 = #{ROUGH_SEGMENTS}u;
 const SMOOTH_STEPS: u32 = #{SMOOTH_STEPS}u;
-/// By how much the segments of a ray grow with its way, in hundredths of its roughness squared: 50 is the radius of
-/// what one of sixteen rays stands for, a quarter of that of the lobe.
+/// Growth of a ray's segments with its length, in hundredths of its squared roughness. 50 is the radius of the part that one of
+/// sixteen rays represents: a quarter of the lobe's radius.
 const GROWTH_PERCENT: f32 = f32(#{GROWTH_PERCENT}u);
-/// By how much they grow at least: so most rays get out of the picture before they are given up.
+/// Least growth, so that most rays leave the picture before their segments are used up.
 const LEAST_GROWTH: f32 = 0.03;
 
-/// What a ray has found.
+/// Result of a ray.
 struct Found {
-    /// Of the mirror: the word of its normal, and its depth; 0 if there is no ray.
+    /// Normal word and depth of the mirror; 0 without a ray.
     surface: vec2<u32>,
-    /// With confidence.
+    /// Light and confidence.
     light: vec4<f32>,
-    /// See `pack_hit`.
+    /// Packed by `pack_hit`.
     hit: u32,
 }
 
-/// Two random numbers from 0 to 1 for each of them (Hammersley 1960, "Monte Carlo methods for solving multivariable problems").
+/// Two numbers from 0 to 1 per ray (Hammersley 1960, "Monte Carlo methods for solving multivariable problems").
 fn numbers_of(ray: u32) -> vec2<f32> {
     let pair = (vec2(f32(ray), f32(reverseBits(ray) >> 28u)) + 0.5) / f32(RAYS);
     return fract(pair + view.turn * vec2(1.0, 0.754877));
 }
 
-/// How far from the rim of the picture, 1 where far enough.
+/// Fade towards the edge of the picture: 1 from `view.edge_fade` pixels on.
 fn rim_fade(at: vec2<f32>) -> f32 {
     let room = min(at, vec2<f32>(view.viewport_size) - at);
     return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
@@ -81,15 +81,15 @@ fn found_at(texel: vec2<i32>) -> Found {
     let direction = basis * sample.direction.xy + normal * sample.direction.z;
     let ray = ray_on_screen(start, position, direction);
     var met: Met;
-    // Not the pixel itself.
+    // Skips the pixel itself.
     var way = Way(1.0, true, 0.0);
     if !is_rough {
         met = smooth_march::march(ray, direction, SMOOTH_STEPS, &way);
     }
-    // Rough surfaces' rays go in segments from the start. Those of smooth ones that have had their steps go on in them: few, but all
-    // others would wait for them.
+    // Rays of rough surfaces march in segments from the start. Smooth ones whose steps are used up continue in segments: they are few,
+    // but all others would wait for them.
     if !met.is_hit && way.u < ray.end {
-        // Other than those of the rays beside it.
+        // Differs from that of neighbouring rays.
         let phase = fract(f32(turn) * 0.618034);
         let growth = max(0.01 * GROWTH_PERCENT * alpha, LEAST_GROWTH);
         met = rough_march::march(ray, direction, growth, phase, ROUGH_SEGMENTS, !is_rough, &way);
@@ -97,11 +97,11 @@ fn found_at(texel: vec2<i32>) -> Found {
     if !met.is_hit {
         return found;
     }
-    // Here, where rays that ended at different times are together again.
+    // Here, where the rays of a subgroup have converged again.
     met = met_at(ray, vec2<i32>(met.place.xy), met.place.z, met.u, way.span, met.certainty);
     let hit = view_position(met.place.xy, met.place.z);
     let metres = metres_at(ray, met.u);
-    // As wide as the share of this ray in the lobe.
+    // As wide as this ray's share of the lobe.
     let scale = abs(view.pixels_per_metre.y);
 #ifdef PROJECTION_ORTHOGRAPHIC
     let wide = metres * scale;
@@ -135,7 +135,7 @@ fn main(
         let found = found_at(vec2<i32>(texel));
         textureStore(surfaces_output, texel, vec4(found.surface, 0u, 0u));
 #ifndef SHOWN
-        // What is there otherwise nobody reads.
+        // Other texels are not read.
         if found.surface.y == 0u {
             return;
         }

@@ -1,7 +1,7 @@
-// What the passes of reflections know of a view.
+// View uniform of the reflection passes.
 #define_import_path bevy_lean_deferred::screen_space::reflections::view
 
-/// Pixels count from the viewport's corner. A texel stands for a square of pixels, and its ray starts at the first one.
+/// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and its ray starts at the first one.
 struct ReflectionView {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,
@@ -10,38 +10,38 @@ struct ReflectionView {
     view_from_world: mat4x4<f32>,
     /// From view space to (pixel x, pixel y, depth, 1) of the last frame, homogeneous.
     last_pixel_from_view: mat4x4<f32>,
-    /// The distance along the last frame's view direction is the dot product with a homogeneous position in view space.
+    /// Its dot product with a homogeneous view-space position is the distance along the last frame's view direction.
     last_distance: vec4<f32>,
-    /// At a distance of one metre; in orthographic views anywhere. Negative along axes that the projection mirrors.
+    /// Value at a distance of one metre; in orthographic views, at any distance. Negative along axes that the projection mirrors.
     pixels_per_metre: vec2<f32>,
-    /// The step in depth that separates surfaces a pixel apart is `edge.x * depth + edge.y`.
+    /// `edge.x * depth + edge.y` is the depth step that separates surfaces one pixel apart.
     edge: vec2<f32>,
-    /// How surfaces end behind their front: see `behind`.
+    /// Parameters of `behind`, the depth of the backs of surfaces.
     behind: vec2<f32>,
-    /// The first level of the history.
+    /// Size of the history's first level.
     history_size: vec2<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
-    /// Texels of the viewport.
+    /// Size of the viewport in texels.
     texture_size: vec2<u32>,
-    /// Metres that separate surfaces a pixel apart, at a distance of one; in orthographic views anywhere.
+    /// Metres that separate surfaces one pixel apart, at a distance of one metre; in orthographic views, at any distance.
     edge_metres: f32,
-    /// In the history.
+    /// Unit of distances in the history.
     metres_per_unit: f32,
-    /// Metres.
+    /// Assumed thickness of surfaces, in metres.
     thickness: f32,
-    /// Pixels from the rim over which reflections fade.
+    /// Distance from the edge of the picture over which reflections fade, in pixels.
     edge_fade: f32,
-    /// Perceptual roughness from which on nothing is mirrored.
+    /// Perceptual roughness from which on there are no reflections.
     max_roughness: f32,
     /// Factor of the confidence.
     intensity: f32,
-    /// This frame's exposure over that of the last one; 0 without a last frame.
+    /// This frame's exposure divided by that of the last one; 0 without a last frame.
     exposure_ratio: f32,
-    /// What of the pattern changes from frame to frame, 0 to 1; 0 without TAA.
+    /// Temporal part of the pattern, 0 to 1; 0 without TAA.
     turn: f32,
     row_stride: u32,
-    /// 1 if `motion_texture` has the motion of each pixel. Not a shader definition: motion comes and goes with what averages
-    /// frames, and must not leave the view without reflections while shaders compile.
+    /// 1 if `motion_texture` has the motion of each pixel. Not a shader definition: motion is toggled with effects that average
+    /// frames, and compiling shaders would leave the view without reflections meanwhile.
     has_motion: u32,
 }

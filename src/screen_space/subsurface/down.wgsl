@@ -1,5 +1,5 @@
-// The light that enters surfaces, in ever coarser levels. Either of the listed blocks of the picture, two levels of it; or of a
-// whole level, three more.
+// Downsamples the light that enters surfaces: the listed blocks of the picture to the first two levels (LISTED), or a whole level
+// to three more.
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{level_output, light_texture, next_output},
     entries::{Square, count_of, is_within, keep, read_materials, texel_of},
@@ -14,14 +14,14 @@
 
 const INVOCATIONS: i32 = 256;
 
-// What a workgroup makes has a rim that only the next level needs.
+// A workgroup's squares have a border that only its next level needs.
 #ifdef LISTED
-/// The light of a pixel.
+/// Light of a pixel; 0 where this frame has none.
 fn words_at(pixel: vec2<i32>) -> vec2<u32> {
     return select(vec2(0u), textureLoad(light_texture, max(pixel, vec2(0)), 0).rg, is_written(pixel));
 }
 
-/// The first two levels of a block.
+/// Makes the first two levels of a block.
 fn make(block: vec2<i32>, invocation: i32) {
     let read = Square(0, 38, 32 * block - 3);
     let first = Square(count_of(read), 18, 16 * block - 1);
@@ -62,7 +62,7 @@ fn main(
     }
 }
 #else   // LISTED
-/// The light of a texel of the second level; of blocks without any it is of another frame.
+/// Light of a texel of the second level; 0 in blocks without light, whose texels are of another frame.
 fn words_at(texel: vec2<i32>) -> vec2<u32> {
     return select(vec2(0u), textureLoad(light_texture, max(texel, vec2(0)), 0).rg, is_listed(texel >> vec2(3u)));
 }
@@ -77,7 +77,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let texel = texel_of(first, invocation);
     let next = texel_of(second, invocation);
     let last = texel_of(Square(0, 2, corner / 4), invocation);
-    // Where no block has light, none of its texels has.
+    // Without listed blocks, all texels are empty.
     let block = corner / 4;
     if !(is_listed(block) || is_listed(block + vec2(1, 0)) || is_listed(block + vec2(0, 1)) || is_listed(block + 1)) {
         if is_within(first, 3, texel) {

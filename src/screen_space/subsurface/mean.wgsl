@@ -1,4 +1,4 @@
-// A texel of the next coarser level.
+// Makes a texel of the next coarser level.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::mean
 
 #import bevy_lean_deferred::lighting::subsurface_light::{
@@ -9,17 +9,18 @@
     texel::pixels_per_metre_at,
 }
 
-/// The step between surfaces: in texels of the coarser level, as much as one has that is turned away by 60 degrees, and in mean
-/// free paths.
+/// Distance that separates surfaces: in texels of the coarser level, as much as on a surface turned away by 60 degrees, and in
+/// mean free paths.
 const STEP: vec2<f32> = vec2(2.0, 10.0);
-/// Further than the word of any entry.
+/// Above the word of any entry.
 const NOTHING: u32 = 0xffffffffu;
 
-/// The texel of `level` as the mean of 4×4 entries of the next finer level, by the weights 1, 3, 3, 1 each way (Burt and Adelson
-/// 1983, "The Laplacian Pyramid as a Compact Image Code", have five such), of the nearest surface of its own 2×2 and its material.
+/// Texel of `level`: the mean of 4×4 entries of the next finer level with weights 1, 3, 3, 1 along each axis (Burt and Adelson
+/// 1983, "The Laplacian Pyramid as a Compact Image Code", have five). Only entries of the nearest surface of its own 2×2 count,
+/// and of that surface's material.
 fn mean_of(finer: Square, texel: vec2<i32>, level: u32) -> vec2<u32> {
     let first = 2 * texel - 1;
-    // Words have the order of distances.
+    // Words sort by distance.
     var nearest = NOTHING;
     for (var i = 0; i < 4; i++) {
         let word = kept_at(finer, first + 1 + vec2(i & 1, i >> 1u)).word;
@@ -41,7 +42,7 @@ fn mean_of(finer: Square, texel: vec2<i32>, level: u32) -> vec2<u32> {
         for (var x = 0; x < 4; x++) {
             let kept = kept_at(finer, first + vec2(x, y));
             let near = select(1.0, 3.0, x % 3 != 0) * select(1.0, 3.0, y % 3 != 0);
-            // From the nearest: the sum of large distances would be rounded.
+            // Relative to the nearest: a sum of large distances would lose precision.
             let behind = unpack_metres(kept.word) - nearest_metres;
             let is_beside = unpack_material(kept.word) == material && abs(behind) < step;
             let weight = select(0.0, near, is_beside);

@@ -1,4 +1,4 @@
-// The picture, with what scattering changes of it, in the listed blocks.
+// Adds the change by scattering to the picture, in the listed blocks.
 #import bevy_lean_deferred::gbuffer::layout::light::within_halfs
 #import bevy_lean_deferred::lighting::subsurface_light::{tile_bit, unpack_entry, unpack_material, unpack_receiver}
 #import bevy_lean_deferred::screen_space::subsurface::{
@@ -8,15 +8,15 @@
     texel::{count_of_blocks, is_listed, listed_block, mask_of, to_viewer},
 }
 
-/// Pixels a side that a workgroup goes over at once: a quarter of a block.
+/// Side in pixels of the quarter of a block that a workgroup processes at once.
 const MADE: i32 = 16;
 
-/// Of the first level.
+/// Scattered light of a texel of the first level.
 fn coarser_at(texel: vec2<i32>) -> vec2<u32> {
     return select(vec2(0u), textureLoad(scattered_texture, max(texel, vec2(0)), 0).rg, is_listed(texel >> vec2(4u)));
 }
 
-/// What lighting has written of a pixel.
+/// Words that lighting wrote for a pixel.
 struct Written {
     entering: vec2<u32>,
     receiver: vec4<u32>,
@@ -28,7 +28,7 @@ fn show(pixel: vec2<i32>, written: Written, coarser: Square) {
     let toward = to_viewer(vec2<f32>(pixel) + 0.5);
     let surface = surface_with(normal_of(receiver.normal_word, toward), toward, entry, 0u);
     let added = added_at(pixel, surface, coarser);
-    // Where that is nothing, or not a number, the picture stays as it is.
+    // The pixel is kept if nothing, or NaN, is added.
     if any(added != vec3(0.0)) && all(abs(added) < vec3(1e30)) {
         let color = within_halfs(receiver.color.rgb + receiver.leaving * added);
         textureStore(output_texture, vec2<i32>(view.viewport_origin) + pixel, vec4(color, receiver.color.a));
@@ -52,7 +52,7 @@ fn main(
         let written = Written(textureLoad(light_texture, pixel, 0).rg, textureLoad(picture_texture, pixel, 0));
         let coarser_words = coarser_at(texel_of(coarser, invocation));
         let is_written = (mask_of(block) & tile_bit(vec2<u32>(pixel))) != 0u;
-        // What the last ones have read.
+        // Waits until the previous entries are read.
         workgroupBarrier();
         keep(coarser, invocation, coarser_words);
         workgroupBarrier();

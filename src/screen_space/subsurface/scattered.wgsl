@@ -1,5 +1,5 @@
-// Light that has scattered: some of a texel's light stays with it, the rest is what has scattered in coarser levels around it.
-// So each level spreads some of the light by its own kernel, and all of them together are the profile.
+// Scattered light: part of a texel's light stays in it, the rest is the scattered light of coarser levels around it. Each level
+// thus spreads part of the light by its own kernel, and all levels together form the profile.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::scattered
 
 #import bevy_lean_deferred::gbuffer::layout::unpack_normal
@@ -17,42 +17,42 @@
 #import bevy_lean_deferred::screen_space::subsurface::texel::is_written
 #endif
 
-/// How far the two places are away where a kernel is twice as wide in the square, in texels of the coarser level. By variances
-/// it would be 0.5; this fits better what leaves beside edges.
+/// Offset of the two taps for a kernel of twice the squared width, in texels of the coarser level. By variances it would be 0.5;
+/// this fits the light that leaves beside edges better.
 const DRAWN: f32 = 0.6;
-/// By how much wider than high a part of the surface may look for its kernel to be as wide.
+/// Largest aspect ratio to which kernels are stretched.
 const WIDEST: f32 = 2.0;
-/// The cosine of how much surfaces are turned away at most.
+/// Cosine of the largest angle by which surfaces are turned away.
 const LEAST_FACING: f32 = 0.1;
-/// The step between surfaces, in texels of the coarser level.
+/// Distance that separates surfaces, in texels of the coarser level.
 const STEP: f32 = 0.25;
-/// How steep a surface may be, in metres of distance for each metre across.
+/// Largest slope of a surface, in metres of distance per metre across.
 const STEEPEST: f32 = 3.0;
 
-/// The surface at a texel.
+/// Surface at a texel.
 struct Surface {
     level: u32,
     entry: Entry,
     /// In view space, facing the viewer.
     normal: vec3<f32>,
-    /// The cosine of how much it is turned away.
+    /// Cosine of the angle by which it is turned away.
     facing: f32,
-    /// Mean free paths of the channels, in pixels.
+    /// Mean free path per channel, in pixels.
     paths: vec3<f32>,
-    /// Metres that a pixel is wide there.
+    /// Width of a pixel at the surface, in metres.
     metres_per_pixel: f32,
-    /// How much further away the surface is with each pixel to the right and down.
+    /// Increase in distance per pixel to the right and down.
     slope: vec2<f32>,
 }
 
-/// The normal of this word, in view space, of a surface to which the viewer is in the direction `toward`.
+/// View-space normal of this word, turned to face the viewer, who is in the direction `toward`.
 fn normal_of(word: u32, toward: vec3<f32>) -> vec3<f32> {
     let normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
     // Shading normals may lean away from the viewer.
     return normalize(normal + toward * max(LEAST_FACING - dot(normal, toward), 0.0));
 }
 
-/// The surface with this normal, which faces the viewer, as `toward` does.
+/// Surface with this normal, which faces the viewer. `toward` is the direction to the viewer.
 fn surface_with(normal: vec3<f32>, toward: vec3<f32>, entry: Entry, level: u32) -> Surface {
     var surface: Surface;
     surface.level = level;
@@ -69,9 +69,9 @@ fn surface_with(normal: vec3<f32>, toward: vec3<f32>, entry: Entry, level: u32) 
     return surface;
 }
 
-/// The mean of what light that has scattered in the coarser level has more than the texel's own, between the four texels of that
-/// level from `first` on, `along` of the way; in w how much of what is there belongs to the surface. That is `offset` beside the
-/// texel's middle.
+/// Interpolates the difference between the scattered light of the coarser level and the texel's own light, `along` of the way
+/// between the four texels of that level from `first` on. w is the share of these that belongs to the surface. The point is `offset`
+/// from the texel's centre, in texels of that level.
 fn mean_between(surface: Surface, coarser: Square, first: vec2<i32>, along: vec2<f32>, offset: vec2<f32>) -> vec4<f32> {
     let texel = f32(2u << surface.level);
     let longest = max(surface.paths.r, max(surface.paths.g, surface.paths.b));
@@ -89,23 +89,24 @@ fn mean_between(surface: Surface, coarser: Square, first: vec2<i32>, along: vec2
         let is_beside = saturate(2.0 - abs(unpack_metres(kept.word) - expected) * inverse_step);
         let is_alike = unpack_material(kept.word) == surface.entry.material;
         let weight = near.x * near.y * select(0.0, is_beside, is_alike);
-        // Of the difference: where there is none, nothing changes.
+        // Of the difference, so that uniform light is unchanged.
         sum += weight * vec4(kept.light - surface.entry.light, 1.0);
     }
     return sum;
 }
 
-/// The same, so many texels of the coarser level beside the middle of the texel at `place`.
+/// `mean_between` at `offset` from the centre of the texel at `place`, in texels of the coarser level.
 fn mean_beside(surface: Surface, coarser: Square, place: vec2<i32>, offset: vec2<f32>) -> vec4<f32> {
     let at = (vec2<f32>(place) + 0.5) * 0.5 + offset - 0.5;
     let first = floor(at);
-    // Two texels around those beneath the workgroup's are known: as far as kernels are drawn out.
+    // Entries reach two texels around those beneath the workgroup's: as far as kernels are stretched.
     let known = clamp(vec2<i32>(first), coarser.corner, coarser.corner + coarser.side - 2);
     return mean_between(surface, coarser, known, at - first, offset);
 }
 
-/// A circle on a surface that is turned away looks narrow one way. The kernel is as narrow, and drawn out the other way: by two
-/// places on either side of the middle, whose squared offsets add up over all levels. The picture's own is too small to matter.
+/// Offset of the two taps on either side of the centre. A circle on a surface that is turned away looks narrow along one axis. The
+/// kernel is as narrow, and the taps stretch it along the other axis; their squared offsets add up over all levels. The picture's
+/// own offset is too small to matter.
 fn offset_of(surface: Surface, middle: vec2<f32>) -> vec2<f32> {
 #ifdef DRAWN_OUT
     let width = min(1.0 / surface.facing, WIDEST);
@@ -118,12 +119,12 @@ fn offset_of(surface: Surface, middle: vec2<f32>) -> vec2<f32> {
     return vec2(0.0);
 }
 
-/// What scattering adds to the light of a texel, of what `coarser` has of the next coarser level.
+/// Change of a texel's light by scattering, from entries of the next coarser level.
 fn added_at(place: vec2<i32>, surface: Surface, coarser: Square) -> vec3<f32> {
     let offset = offset_of(surface, (vec2<f32>(place) + 0.5) * 0.5);
     var sum: vec4<f32>;
     if all(offset == vec2(0.0)) {
-        // The middle is a quarter of a texel from that of the one beneath it.
+        // The centre is a quarter of a texel from that of the coarser texel beneath it.
         let along = select(vec2(0.25), vec2(0.75), (place & vec2(1)) == vec2(0));
         sum = mean_between(surface, coarser, (place - 1) >> vec2(1u), along, vec2(0.0));
     } else {
@@ -133,10 +134,10 @@ fn added_at(place: vec2<i32>, surface: Surface, coarser: Square) -> vec3<f32> {
 }
 
 #ifndef PICTURE
-/// What the picture shows in the middle of a texel.
+/// Content of the picture at a texel's centre.
 struct Shown {
     middle: vec2<f32>,
-    /// Of its material; 0 if no light scatters there.
+    /// Number of the material; 0 if no light scatters there.
     material: u32,
     normal_word: u32,
 }
@@ -150,7 +151,7 @@ fn shown_at(place: vec2<i32>, level: u32) -> Shown {
     return Shown(middle, material, normal_word);
 }
 
-/// The words of a texel with what has scattered in place of what enters.
+/// Words of a texel with scattered light in place of the light that enters.
 fn scattered(place: vec2<i32>, words: vec2<u32>, shown: Shown, level: u32, coarser: Square) -> vec2<u32> {
     var entry = unpack_entry(words);
     if entry.material == 0u {
@@ -158,7 +159,7 @@ fn scattered(place: vec2<i32>, words: vec2<u32>, shown: Shown, level: u32, coars
     }
     let toward = to_viewer(shown.middle);
     var normal = toward;
-    // It may be of something else.
+    // The normal of another material may be that of another surface.
     if shown.material == entry.material {
         normal = normal_of(shown.normal_word, toward);
     }

@@ -1,5 +1,5 @@
-// The two coarsest levels, which are made and scattered at once, and the light that scatters from them in the finest level that
-// is read here. Each workgroup makes of the coarsest what its own texels are reached by.
+// Makes and scatters the two coarsest levels, and scatters them into the finest level that is read here. Each workgroup makes the
+// part of the coarsest levels that reaches its own texels.
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{level_output, light_texture},
     entries::{Square, count_of, keep, read_materials, texel_of, words_kept_at},
@@ -9,7 +9,7 @@
 #import bevy_lean_deferred::workgroup::is_any
 
 const INVOCATIONS: i32 = 256;
-/// Texels a side that a workgroup makes.
+/// Side of a workgroup's output in texels.
 const MADE: i32 = 8;
 
 fn words_at(texel: vec2<i32>) -> vec2<u32> {
@@ -29,11 +29,11 @@ fn store(texel: vec2<i32>, words: vec2<u32>) {
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     let invocation = i32(index);
     let is_maker = invocation < MADE * MADE;
-    // What is made, and two texels around what is beneath: in the coarsest level as it is, in the next finer one as it scatters.
+    // The output, and beneath it, with a border of two texels, the next coarser level as it scatters and the coarsest as it is.
     let made = Square(0, MADE, vec2<i32>(workgroup.xy) * MADE);
     let coarser = Square(64, 8, made.corner / 2 - 2);
     let coarsest = Square(0, 8, coarser.corner / 2 - 2);
-    // And what these are made of.
+    // Sources of these.
     let next = Square(1444, 18, 2 * coarsest.corner - 1);
     let read = Square(0, 38, 2 * next.corner - 1);
 

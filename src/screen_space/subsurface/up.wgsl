@@ -1,5 +1,5 @@
-// Light that has scattered, in a level: of what has scattered in the level after the next coarser one. That between them is made
-// here, around the texels of each workgroup. Either of a whole level, or of the listed blocks.
+// Scatters a level from the scattered light two levels coarser. The level between is scattered here too, around the texels of each
+// workgroup. Either a whole level, or the listed blocks (LISTED).
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{coarser_texture, level_output, light_texture, scattered_texture, view},
     entries::{Square, count_of, keep, read_materials, texel_of},
@@ -11,17 +11,17 @@
 #import bevy_lean_deferred::workgroup::is_any
 #endif
 
-/// Texels a side that a workgroup makes, each by one invocation. The listed blocks have as many in the first level, and the whole level
-/// has a multiple of them: the textures are as large as texels of the coarsest level need.
+/// Side of a workgroup's output in texels, one per invocation. A listed block has this side in the first level, and a whole level a
+/// multiple of it: the textures are as large as the texels of the coarsest level need.
 const MADE: u32 = 16u;
 
-/// What has scattered two levels further.
+/// Scattered light two levels coarser.
 fn coarsest_at(texel: vec2<i32>) -> vec2<u32> {
     let inside = clamp(texel, vec2(0), vec2<i32>(textureDimensions(scattered_texture)) - 1);
     return select(vec2(0u), textureLoad(scattered_texture, inside, 0).rg, all(inside == texel));
 }
 
-/// What enters a level further.
+/// Light that enters surfaces, one level coarser.
 fn coarser_at(texel: vec2<i32>) -> vec2<u32> {
     let inside = clamp(texel, vec2(0), vec2<i32>(textureDimensions(coarser_texture)) - 1);
     var is_known = all(inside == texel);
@@ -31,10 +31,10 @@ fn coarser_at(texel: vec2<i32>) -> vec2<u32> {
     return select(vec2(0u), textureLoad(coarser_texture, inside, 0).rg, is_known);
 }
 
-/// Of the texels from `corner` on.
+/// Makes the texels from `corner` on.
 fn make(corner: vec2<i32>, index: u32) {
     let invocation = i32(index);
-    // Two texels around those beneath are as far as kernels are drawn out.
+    // Two texels around those beneath: as far as kernels are stretched.
     let coarser = Square(0, 12, corner / 2 - 2);
     let coarsest = Square(count_of(coarser), 10, coarser.corner / 2 - 2);
     let texel = corner + vec2<i32>(vec2(index % MADE, index / MADE));
@@ -50,7 +50,7 @@ fn make(corner: vec2<i32>, index: u32) {
     let coarsest_words = coarsest_at(texel_of(coarsest, invocation));
     let shown = shown_at(texel, view.level);
     let shown_beneath = shown_at(beneath, view.level + 1u);
-    // What the last ones have read.
+    // Waits until the previous entries are read.
     workgroupBarrier();
     keep(coarsest, invocation, coarsest_words);
     workgroupBarrier();

@@ -1,20 +1,19 @@
-// What the passes of subsurface scattering know of a view.
+// View uniform of the subsurface scattering passes.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::view
 
-/// Pixels count from the viewport's corner.
+/// Pixel coordinates are relative to the viewport's corner.
 struct SubsurfaceView {
-    /// To view space.
     view_from_world: mat4x4<f32>,
-    /// The pixel, with fractions, of what is straight ahead.
+    /// Pixel straight ahead of the camera, with fractions.
     center: vec2<f32>,
-    /// Of a metre at a distance of one metre; in orthographic views anywhere. Negative along axes that point the other way.
+    /// Value at a distance of one metre; in orthographic views, at any distance. Negative along axes that point the other way.
     pixels_per_metre: vec2<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
-    /// Of 32×32 pixels, that the textures have.
+    /// Number of blocks of 32×32 pixels in the textures.
     blocks: vec2<u32>,
-    /// The finest level that a pass writes: its texels are 2 to the power of it pixels wide.
+    /// Finest level that a pass writes. Its texels are 2 to this power pixels wide.
     level: u32,
-    /// Pixels from which light comes at most.
+    /// Largest radius from which light comes, in pixels.
     largest_radius: f32,
 }

@@ -1,4 +1,4 @@
-// Light with a shared exponent, and in half floats.
+// Light packed with a shared exponent, and in half floats.
 //
 // Mantissas R 9, G 9, B 9, exponent 5, low to high, as in the graphics APIs' RGB9E5.
 #define_import_path bevy_lean_deferred::gbuffer::layout::light
@@ -15,14 +15,14 @@ fn power_of_two(n: i32) -> f32 {
     return bitcast<f32>(u32(n + 127) << 23u);
 }
 
-/// Packs linear, exposed light. Negative values become 0, and so does a colour with a NaN.
+/// Packs linear, exposed light. Negative values and colours with a NaN become 0.
 fn pack_light(color: vec3<f32>) -> u32 {
     let number = select(color, vec3(0.0), is_nan(color.r + color.g + color.b));
     let valid = clamp(number, vec3(0.0), vec3(LARGEST_LIGHT));
     let largest = max(valid.r, max(valid.g, valid.b));
-    // The logarithm's integer part stands in the bits of a float.
+    // The float's exponent bits hold the integer part of the logarithm.
     var exponent = max(i32(bitcast<u32>(largest) >> 23u) - 127, -16) + 16;
-    // Rounded up to a mantissa of ten bits?
+    // The mantissa would be rounded up to ten bits.
     if largest * power_of_two(24 - exponent) + 0.5 >= 512.0 {
         exponent += 1;
     }
@@ -30,15 +30,15 @@ fn pack_light(color: vec3<f32>) -> u32 {
     return mantissas.r | (mantissas.g << 9u) | (mantissas.b << 18u) | (u32(exponent) << 27u);
 }
 
-/// The light of a word of the emissive target.
+/// Unpacks light from `pack_light`.
 fn unpack_light(word: u32) -> vec3<f32> {
     let mantissas = vec3(word & 0x1ffu, (word >> 9u) & 0x1ffu, (word >> 18u) & 0x1ffu);
-    // As the last bits of 2 to the power of 23: GPUs convert integers at a fraction of the rate at which they add.
+    // As the lowest bits of 2²³: GPUs convert integers at a fraction of the rate at which they add.
     let numbers = bitcast<vec3<f32>>(mantissas | vec3(0x4b000000u)) - 8388608.0;
     return numbers * power_of_two(i32(word >> 27u) - 24);
 }
 
-/// Four half floats.
+/// Packs four half floats.
 fn pack_halves(x: vec4<f32>) -> vec2<u32> {
     return vec2(pack2x16float(x.xy), pack2x16float(x.zw));
 }
@@ -47,8 +47,8 @@ fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
     return vec4(unpack2x16float(words.x), unpack2x16float(words.y));
 }
 
-/// Light for a texture of half floats: brighter light, and infinite light, becomes the largest of them. Else drivers may make infinity of
-/// either, of which bloom makes NaN. What is not a number stays so.
+/// Clamps light, infinite light too, to the range of half floats. Otherwise drivers may store infinity, of which bloom makes NaN.
+/// NaN is kept.
 fn within_halfs(color: vec3<f32>) -> vec3<f32> {
     return select(color, sign(color) * LARGEST_HALF, abs(color) > vec3(LARGEST_HALF));
 }

@@ -1,4 +1,4 @@
-// What of a surface is not at its default. The bit table is in `specialization.rs`.
+// Properties of a surface that differ from their defaults. The bit table is in `specialization.rs`.
 #define_import_path bevy_lean_deferred::gbuffer::layout::specialization
 
 #import bevy_lean_deferred::gbuffer::layout::quantize
@@ -12,22 +12,22 @@ const BACKLIGHT: u32 = 5u;
 const UNLIT: u32 = 6u;
 
 const REFLECTANCE_STEPS: f32 = 126.0;
-/// The largest specular constant that is stored.
+/// Largest specular constant that is stored.
 const LARGEST_REFLECTANCE: f32 = 2.0;
-/// The code of the default, 0.5.
+/// Code of the default, 0.5.
 const DEFAULT_REFLECTANCE: u32 = 63u;
 
-/// A surface without fog.
+/// Surface without fog.
 const NO_FOG: u32 = 1u << 11u;
-/// A surface that receives no shadows.
+/// Surface that receives no shadows.
 const NO_SHADOWS: u32 = 1u << 12u;
-/// The bits that say what the emissive target holds.
+/// Content of the emissive target.
 const LIGHTMAP_BITS: u32 = 3u << 13u;
-/// It holds emitted light.
+/// Emitted light.
 const LIGHTMAP_NONE: u32 = 0u;
-/// It holds the exposed light of a lightmap, which is yet to be multiplied by the surface's diffuse colour.
+/// Exposed light of a lightmap, not yet multiplied by the surface's diffuse colour.
 const LIGHTMAP_INCIDENT: u32 = 1u << 13u;
-/// It holds emitted light and what the surface reflects of a lightmap's.
+/// Emitted light, and lightmap light that the surface reflects.
 const LIGHTMAP_REFLECTED: u32 = 2u << 13u;
 
 const ARGUMENTS_SHIFT: u32 = 15u;
@@ -38,27 +38,27 @@ fn pack_specialization(reflectance: f32, shading_model: u32, flags: u32) -> u32 
     return (code ^ DEFAULT_REFLECTANCE) | (shading_model << 8u) | flags;
 }
 
-/// The specular constant: `F0` of a dielectric is 0.16 times its square.
+/// Specular constant: `F0` of a dielectric is 0.16 times its square.
 fn unpack_reflectance(word: u32) -> f32 {
     return f32((word & 0xffu) ^ DEFAULT_REFLECTANCE) / REFLECTANCE_STEPS;
 }
 
-/// The number of the shading model.
+/// Number of the shading model.
 fn unpack_shading_model(word: u32) -> u32 {
     return (word >> 8u) & 7u;
 }
 
-/// Whether the surface has a lightmap.
+/// True if the surface has a lightmap.
 fn is_lightmapped(word: u32) -> bool {
     return (word & LIGHTMAP_BITS) != LIGHTMAP_NONE;
 }
 
-/// Puts arguments into a packed word.
+/// Adds arguments to a packed word.
 fn with_arguments(word: u32, arguments: u32) -> u32 {
     return word | (arguments << ARGUMENTS_SHIFT);
 }
 
-/// The arguments of a word.
+/// Arguments of a word.
 fn unpack_arguments(word: u32) -> u32 {
     return word >> ARGUMENTS_SHIFT;
 }

@@ -1,10 +1,10 @@
-// From depth to the motion of surfaces at rest. Without bindings: matrices are passed in by value.
+// Motion of surfaces at rest, from depth. Without bindings: matrices are passed in by value.
 #define_import_path bevy_lean_deferred::reconstruction::motion
 
 #import bevy_lean_deferred::gbuffer::layout::motion::motion_between
 
-/// The way across the picture, in UV units, of what is at rest at `position`, which is homogeneous in view space: only the
-/// camera moves. Never divided by w, so that surfaces infinitely far away have a motion too.
+/// Motion across the picture, in UV units, of a point at rest at `position`, which is homogeneous in view space: only the camera
+/// moves. Never divided by w, so that points infinitely far away have motion too.
 fn motion_at_rest(
     position: vec4<f32>,
     world_from_view: mat4x4<f32>,

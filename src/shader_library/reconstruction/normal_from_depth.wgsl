@@ -1,4 +1,4 @@
-// The normal of the surface that a depth texture shows. Without bindings: the texture is passed in.
+// Geometric normal of the surface in a depth texture. Without bindings: the texture is passed in.
 #define_import_path bevy_lean_deferred::reconstruction::normal_from_depth
 
 #import bevy_lean_deferred::reconstruction::{
@@ -6,10 +6,10 @@
     position::{ray_at, view_position},
 }
 
-/// Further from any surface than the other side of an axis can be, so that that is chosen.
+/// Further from any surface than the neighbour on the other side can be, so that the other side is chosen.
 const OUTSIDE: f32 = 1e9;
 
-/// Where in a depth texture a view is. Pixels count from the view's corner.
+/// Area of a view in a depth texture. Pixel coordinates are relative to the view's corner.
 struct DepthView {
     origin: vec2<i32>,
     size: vec2<i32>,
@@ -23,17 +23,17 @@ struct DepthsAround {
     bottom: vec2<f32>,
 }
 
-/// `is_inside` says that the pixel does not lie outside of the view.
+/// Depth at `pixel`, or `OUTSIDE`. `is_inside` must only be set if the pixel lies in the view.
 fn depth_or_outside(depths: texture_depth_2d, view: DepthView, pixel: vec2<i32>, is_inside: bool) -> f32 {
     if !is_inside && !(all(pixel >= vec2(0)) && all(pixel < view.size)) {
         return OUTSIDE;
     }
     let depth = textureLoad(depths, view.origin + pixel, 0);
-    // Nor is the sky a neighbour, though its depth of 0 may be the nearer one at a horizon.
+    // The sky is no neighbour either, though its depth of 0 may be the nearer one at a horizon.
     return select(OUTSIDE, depth, depth > 0.0);
 }
 
-/// One and two pixels from `pixel`, a `step` each.
+/// Depths one and two steps from `pixel`.
 fn depths_along(
     depths: texture_depth_2d,
     view: DepthView,
@@ -47,7 +47,7 @@ fn depths_along(
     );
 }
 
-/// `is_inside` says that none of them lies outside of the view.
+/// `is_inside` must only be set if all of them lie in the view.
 fn depths_around(depths: texture_depth_2d, view: DepthView, pixel: vec2<i32>, is_inside: bool) -> DepthsAround {
     return DepthsAround(
         depths_along(depths, view, pixel, vec2(-1, 0), is_inside),
@@ -57,20 +57,20 @@ fn depths_around(depths: texture_depth_2d, view: DepthView, pixel: vec2<i32>, is
     );
 }
 
-/// Depth of the neighbour's neighbour; the neighbour's where there is none, which leaves nearness alone to choose by.
+/// Depth two pixels away, or one pixel away if there is none, so that nearness alone decides.
 fn second_depth(depths: vec2<f32>) -> f32 {
     return select(depths.y, depths.x, depths.y == OUTSIDE);
 }
 
-/// Depth of the neighbour on the chosen side. What stands before both sides, or has none, is a ridge or too thin to have
-/// a neighbour of its own surface: it faces the viewer.
+/// Depth of the neighbour on the chosen side. A centre in front of both sides, or without any, is a ridge or too thin to have a
+/// neighbour on its own surface: it faces the viewer.
 fn depth_on_side(center: f32, before: f32, after: f32, side: f32) -> f32 {
     let faces_viewer = max(before, after) < center || min(before, after) == OUTSIDE;
     return select(select(before, after, side > 0.0), center, faces_viewer);
 }
 
-/// The unit normal of the surface at the `center` of a pixel, where its `position` is and the depths are known, towards the viewer.
-/// `pixels_per_ray` are the pixels from one to the next whole `ray_at`. Nine taps: see `straighter_side`.
+/// Unit normal, facing the viewer, of the surface at a pixel with this `center`, `position` and these depths. `pixels_per_ray` is in
+/// pixels per unit of `ray_at`. Nine taps: see `straighter_side`.
 fn geometric_normal(
     view_from_pixel: mat4x4<f32>,
     pixels_per_ray: vec2<f32>,
@@ -103,7 +103,7 @@ fn geometric_normal(
         view_position(view_from_pixel, vec3(center + vec2(h, 0.0), horizontal)), h,
         view_position(view_from_pixel, vec3(center + vec2(0.0, v), vertical)), v,
     );
-    // A mirrored projection turns the order of the taps, and the normal, around.
+    // A mirrored projection reverses the order of the taps, and thus the normal.
     return select(n, -n, dot(n, to_viewer) < 0.0);
 #endif
 }
