@@ -1,7 +1,7 @@
 //! A leaner renderer for any Bevy 3D camera, switched on by components.
 //!
-//! Add the plugins, and put [`LeanDeferred`] on a camera. It shows the picture of Bevy's forward renderer from a G-buffer half the
-//! size of Bevy deferred's: 8 bytes a pixel beside depth, where that has 17.
+//! Add the plugins, and put [`LeanDeferred`] on a camera. It renders the image of Bevy's forward renderer from a G-buffer half the
+//! size of that of Bevy's deferred renderer: 8 bytes per pixel in addition to depth, instead of 17.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -19,42 +19,42 @@
 //! |---|---|---|
 //! | [`LeanDeferred`] | packed G-buffer, lighting in one compute pass | 3D cameras |
 //! | [`LeanAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
-//! | [`LeanScreenSpaceGi`] | diffuse light from one surface to another | cameras with [`LeanDeferred`] |
-//! | [`LeanScreenSpaceReflections`] | reflections of the picture, smooth and rough | cameras with [`LeanDeferred`] |
-//! | [`LeanSubsurfaceScattering`] | how light scatters beneath surfaces | cameras with [`LeanDeferred`] |
-//! | [`LeanAutoExposure`] | exposure from the picture's luminance | 3D and 2D cameras; adds `Hdr` |
-//! | [`CameraCut`] | the camera jumps: effects forget its last frame | all of these |
+//! | [`LeanScreenSpaceGi`] | screen-space diffuse global illumination | cameras with [`LeanDeferred`] |
+//! | [`LeanScreenSpaceReflections`] | screen-space reflections, smooth and rough | cameras with [`LeanDeferred`] |
+//! | [`LeanSubsurfaceScattering`] | settings of subsurface scattering | cameras with [`LeanDeferred`] |
+//! | [`LeanAutoExposure`] | exposure from the image's luminance | 3D and 2D cameras; adds `Hdr` |
+//! | [`CameraCut`] | the camera jumps: effects drop their history | all of these |
 //!
-//! Each can be added, changed and removed at run time; without it nothing is allocated, bound or run for it.
-//! [`GBufferMaterial`](gbuffer::GBufferMaterial) takes custom materials into the G-buffer,
+//! Each can be added, changed and removed at run time; without it nothing is allocated, bound or dispatched for it.
+//! [`GBufferMaterial`](gbuffer::GBufferMaterial) renders custom materials to the G-buffer,
 //! [`ShadingExtension`](shading_extension::ShadingExtension) adds shading models to `StandardMaterial`.
 //!
 //! # The frame of a camera with [`LeanDeferred`]
 //!
-//! 1. **G-buffer** ([`gbuffer`]): opaque and alpha-masked meshes are rasterised once, into two 32-bit targets and the
-//!    view's depth. Those that need more (emission, clearcoat, motion, … : [`GBufferTargets`](gbuffer::GBufferTargets)) come
-//!    after, in a pass with optional targets, which exist only while something visible writes them. What no target has bits
-//!    for stays in Bevy's forward passes on the same camera.
+//! 1. **G-buffer** ([`gbuffer`]): opaque and alpha-masked meshes are rasterised once, into two 32-bit targets and the view's depth.
+//!    Meshes that need more (emission, clearcoat, motion, … : [`GBufferTargets`](gbuffer::GBufferTargets)) follow in a pass with
+//!    optional targets, which exist only while something visible writes them. Meshes that no target can represent stay in Bevy's
+//!    forward passes on the same camera.
 //! 2. **Lighting** ([`lighting`]): one compute pass lights every pixel as Bevy's forward pass does and writes the view's HDR
-//!    texture. Tiles with special surfaces have a dispatch of their own. What the view does not have (fog, probes, shadows,
-//!    decals, …) is neither compiled in nor bound.
-//! 3. Bevy goes on: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
+//!    texture. Tiles with special surfaces have a dispatch of their own. Features that the view does not use (fog, probes, shadows,
+//!    decals, …) are neither compiled in nor bound.
+//! 3. **Bevy's passes**: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
 //!
 //! Occlusion, diffuse GI and reflections run between 1 and 2, subsurface scattering after 2, auto exposure after anti-aliasing
 //! and before post-processing.
 //!
-//! # Which cameras
+//! # Supported cameras
 //!
-//! A camera without these components renders as Bevy renders it. So does one whose settings or whose device lack what a component
-//! needs; `docs/reliability.md` lists that for each component. One warning says why, and [`LeanStatus`] says it to the app of
-//! cameras with [`LeanDeferred`]. `Hdr` and `Msaa::Off` are set when the component is added, and given back with it. While shaders
+//! A camera without these components renders as Bevy renders it. So does one whose settings or device do not meet the requirements of
+//! a component, listed in `docs/reliability.md`. One warning gives the reason; on cameras with [`LeanDeferred`], [`LeanStatus`] gives
+//! it to the app. `Hdr` and `Msaa::Off` are set when the component is added, and restored when it is removed. While pipelines
 //! compile, in the first frames, Bevy renders the camera.
 //!
 //! # GPU times
 //!
-//! Each pass is recorded under `lean_deferred/…`; add Bevy's `RenderDiagnosticsPlugin` to read the times from its
+//! Each pass is timed under `lean_deferred/…`; add Bevy's `RenderDiagnosticsPlugin` to read the times from its
 //! `DiagnosticsStore`. Pipelines and textures have the same labels in graphics debuggers.
-//! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the picture.
+//! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the image.
 
 #![warn(missing_docs)]
 
@@ -88,7 +88,7 @@ pub use view::{
 
 use bevy::app::plugin_group;
 
-/// What most programs need.
+/// The types that most apps need.
 pub mod prelude {
     pub use crate::{
         CameraCut, DebugChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
@@ -117,8 +117,8 @@ pub mod prelude {
 }
 
 plugin_group! {
-    /// All effects of this crate. Add it after `DefaultPlugins`. Each plugin can be added alone, too; diffuse GI and reflections do
-    /// nothing without [`LeanDeferredPlugin`].
+    /// All effects of this crate. Add it after `DefaultPlugins`. Each plugin can also be added alone; diffuse GI and reflections have no
+    /// effect without [`LeanDeferredPlugin`].
     pub struct LeanDeferredPlugins {
         :LeanDeferredPlugin,
         :LeanAmbientOcclusionPlugin,

@@ -1,11 +1,11 @@
-//! Structs with the parameters of systems and with what is queried, of which Bevy's derive macros take long to compile.
+//! Macros that define structs of system parameters and of query items, in place of Bevy's derive macros, which compile slowly.
 //!
-//! They write bounds in which resources or components occur, or lifetimes. Where one of those has something of `wgpu`, the compiler walks
-//! over the types of `wgpu` to prove such bounds: for seconds, and for each derived struct anew.
+//! The derives emit bounds on resources, components and lifetimes. If those types contain types of `wgpu`, the compiler walks over
+//! them to prove the bounds, which takes seconds for each derived struct.
 
-/// Makes a struct, with the lifetimes `'w` or `'w` and `'s`, a parameter of systems. It is not a `ReadOnlySystemParam`.
+/// Defines a struct, with the lifetimes `'w` or `'w` and `'s`, as a system parameter. It is not a `ReadOnlySystemParam`.
 macro_rules! system_param {
-    // Pairs in pairs, since tuples of parameters have 16 fields at most.
+    // Nested pairs, since tuples of parameters have at most 16 fields.
     (@nested $first:tt $($rest:tt)*) => { ($first, system_param!(@nested $($rest)*)) };
     (@nested) => { () };
 
@@ -36,7 +36,7 @@ macro_rules! system_param {
                 <Fields<'static, 'static $(, $constant)?> as SystemParam>::State,
             );
 
-            // SAFETY: the tuple of the fields does it all.
+            // SAFETY: every call is forwarded to the tuple of the fields.
             unsafe impl<$(const $constant: $of)?> SystemParam for Named<'_, '_ $(, $constant)?> {
                 type State = State<$($constant)?>;
                 type Item<'w, 's> = Named<'w, 's $(, $constant)?>;
@@ -71,7 +71,7 @@ macro_rules! system_param {
                     world: UnsafeWorldCell<'w>,
                     tick: Tick,
                 ) -> Result<Self::Item<'w, 's>, SystemParamValidationError> {
-                    // SAFETY: the caller promises what the tuple asks for.
+                    // SAFETY: the caller upholds the requirements of the tuple.
                     let system_param!(@nested $($field)*) = unsafe {
                         <Fields<$($constant)?> as SystemParam>::get_param(
                             &mut state.0, meta, world, tick,
@@ -84,7 +84,7 @@ macro_rules! system_param {
     };
 }
 
-/// Makes a struct of the items that a query finds, of a tuple with the items of `$query`.
+/// Defines a struct of query items, and `$query`, the tuple to query for them.
 macro_rules! query_item {
     (@nested $first:tt $($rest:tt)*) => { ($first, query_item!(@nested $($rest)*)) };
     (@nested) => { () };

@@ -1,4 +1,4 @@
-//! Per camera and frame: whether and how occlusion is found and applied.
+//! Decides per camera and frame if occlusion is computed, and with which pipelines.
 
 use bevy::{
     pbr::DistanceFog,
@@ -25,13 +25,13 @@ use crate::{
     },
 };
 
-/// On a view of the render world: this frame it has ambient occlusion.
+/// On a view of the render world that has ambient occlusion this frame.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct ActiveOcclusion {
-    /// What the frame goes by: the camera's settings, or until those are compiled the last ones that were.
+    /// Settings used this frame: the camera's, or the last compiled ones while the camera's compile.
     pub(super) settings: LeanAmbientOcclusion,
     pub(super) key: GatherKey,
-    /// `None` while lighting applies occlusion, but nothing that could find it is compiled: there is none then.
+    /// `None` while lighting applies occlusion but no gather is compiled: nothing is occluded then.
     pub(super) gather: Option<GatherPipeline>,
     /// The merge pass; `None` if lighting applies the occlusion.
     pub(super) merge: Option<(MergeKey, CachedRenderPipelineId)>,
@@ -45,15 +45,14 @@ impl ActiveOcclusion {
                 .is_none_or(|(_, merge)| cache.get_render_pipeline(merge).is_some())
     }
 
-    /// What else a view may go by in a frame in which `self` is not compiled: what it went by `last`, as far as that is
-    /// possible.
+    /// Fallbacks for a frame in which `self` is not compiled: the `last` state, where it is compatible.
     fn stand_ins(self, last: Option<Self>) -> impl Iterator<Item = Self> {
-        // The G-buffer's normals exist for lighting alone.
+        // Only occlusion for lighting is weighted about the G-buffer's normals.
         let last = last.filter(|last| {
             last.key.projection.covers(self.key.projection)
                 && (self.merge.is_none() || !last.key.reads_normals())
         });
-        // Lighting and merge are compiled for one resolution.
+        // Pipelines of lighting and merge are compiled for one resolution.
         let gather = last
             .filter(|last| last.key.divisor == self.key.divisor)
             .map(|last| Self {
@@ -70,14 +69,14 @@ impl ActiveOcclusion {
 }
 
 impl LeanAmbientOcclusion {
-    /// Whether the lighting pass of a lean view is to apply it.
+    /// True if the lighting pass of a lean view applies the occlusion.
     pub(crate) fn is_for_lighting(&self) -> bool {
         self.application != OcclusionApplication::MultiplicativeBlend
     }
 }
 
-/// Inserts or removes [`ActiveOcclusion`]. A view keeps its occlusion until that of new settings is compiled. Cameras
-/// that are switched off lose it, and so what they hold on the GPU.
+/// Inserts or removes [`ActiveOcclusion`]. A view keeps its pipelines until those for new settings are compiled. Cameras that are
+/// switched off lose it, which frees their GPU resources.
 pub(super) fn decide_active_occlusion(
     mut commands: Commands,
     support: Option<Res<OcclusionSupport>>,
@@ -112,7 +111,7 @@ pub(super) fn decide_active_occlusion(
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanAmbientOcclusion", camera, reason);
         let is_for_lighting = active_lean.is_some() && settings.is_for_lighting();
-        // Whoever finds the light of surfaces finds what they hide too.
+        // Diffuse GI also outputs visibility, so occlusion is skipped.
         let is_found =
             active_lean.is_some_and(|lean| lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE));
         let shows_channel = lean.is_some_and(LeanDeferred::shows_channel);
@@ -125,7 +124,7 @@ pub(super) fn decide_active_occlusion(
         let key = GatherKey {
             kernel: settings.kernel,
             samples: (settings.quality.is_preset()).then(|| settings.quality.samples()),
-            // After the opaque meshes, the G-buffer's are those of what forward has drawn over.
+            // After the opaque meshes, the G-buffer's normals may be of surfaces that forward meshes have covered.
             shading_normals: is_for_lighting && settings.normals == OcclusionNormals::Shading,
             thin: settings.thickness < 1.0,
             wide: settings.has_wide_pattern(),

@@ -1,4 +1,4 @@
-//! What the shaders are compiled by.
+//! Pipeline keys.
 
 use bevy::{render::render_resource::TextureFormat, shader::ShaderDefVal};
 
@@ -7,16 +7,16 @@ use super::settings::{
 };
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
-/// What the gather is compiled by.
+/// Pipeline key of the gather.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct GatherKey {
     pub(super) kernel: OcclusionKernel,
-    /// Slices, and steps a side; `None` if the shader reads them from its uniform.
+    /// Slices, and steps per side; `None` if the shader reads them from its uniform.
     pub(super) samples: Option<(u32, u32)>,
     pub(super) shading_normals: bool,
-    /// Horizons sink behind thin parts.
+    /// Horizons decay behind thin occluders.
     pub(super) thin: bool,
-    /// Directions are spread over 4×4 pixels, as a wide filter brings them together; else over 2×2.
+    /// Directions are spread over 4×4 pixels, for a wide filter; otherwise over 2×2.
     pub(super) wide: bool,
     pub(super) divisor: u32,
     pub(super) format: OcclusionFormat,
@@ -24,7 +24,7 @@ pub(super) struct GatherKey {
 }
 
 impl GatherKey {
-    /// As the shaders see it: what a kernel does not read is not in its key.
+    /// Resets the fields that the kernel does not read.
     pub(super) fn reduced(mut self) -> Self {
         if self.kernel == OcclusionKernel::Hdao {
             self.samples = None;
@@ -39,7 +39,7 @@ impl GatherKey {
         self.reduced().shading_normals
     }
 
-    /// Whether a workgroup of the compute pass reads the depths of its pixels once for all: where it has all of them.
+    /// True if workgroups of the compute pass load depth into workgroup memory. Needs full resolution, where the pixels are contiguous.
     pub(super) fn shares_depths(self) -> bool {
         self.kernel == OcclusionKernel::Hbao && self.divisor == 1
     }
@@ -65,7 +65,7 @@ impl GatherKey {
     }
 }
 
-/// What the filter is compiled by.
+/// Pipeline key of the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct FilterKey {
     flat: bool,
@@ -78,7 +78,7 @@ impl From<&LeanAmbientOcclusion> for FilterKey {
     fn from(settings: &LeanAmbientOcclusion) -> Self {
         let half = settings.resolution == OcclusionResolution::Half;
         Self {
-            // From half resolution there is one set of weights.
+            // Half resolution has a single set of weights.
             flat: settings.filter.is_flat() && !half,
             wide: settings.has_wide_pattern(),
             edge_aware: settings.filter.is_edge_aware(),
@@ -101,7 +101,7 @@ impl FilterKey {
     }
 }
 
-/// What the merge is compiled by.
+/// Pipeline key of the merge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct MergeKey {
     pub(super) target: TextureFormat,

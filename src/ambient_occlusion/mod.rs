@@ -1,29 +1,37 @@
-//! Ambient occlusion: what neighbouring surfaces hide from the light that comes from everywhere, found from depth.
+//! Ambient occlusion: neighbouring surfaces in the depth buffer block ambient light.
 //!
-//! Put [`LeanAmbientOcclusion`] on any `Camera3d`. It needs no prepass: it reads the depth that the opaque meshes leave.
+//! Put [`LeanAmbientOcclusion`] on any `Camera3d`. It needs no prepass: it reads the depth of the opaque meshes.
 //!
-//! 1. A pass gathers occlusion into a texture of one channel, by horizons ([`OcclusionKernel::Hbao`]) or by valleys of depth
-//!    ([`OcclusionKernel::Hdao`]), at full or half resolution.
-//! 2. A filter removes the pattern of 2×2 or 4×4 pixels in which samples are laid out ([`OcclusionFilter`]).
-//! 3. The occlusion reaches the picture ([`OcclusionApplication`]):
+//! 1. A pass gathers occlusion into a single-channel texture at full or half resolution, from horizons ([`OcclusionKernel::Hbao`]) or
+//!    from valleys of depth ([`OcclusionKernel::Hdao`]).
+//! 2. A filter removes the pattern of the samples, 2×2 or 4×4 pixels ([`OcclusionFilter`]).
+//! 3. The occlusion is applied ([`OcclusionApplication`]):
 //!
-//! | application | default for cameras | what it darkens |
+//! | application | default for cameras | darkens |
 //! |---|---|---|
-//! | `Indirect` | with [`LeanDeferred`](crate::LeanDeferred) | ambient light, environment maps, probes, irradiance volumes; in the lighting pass |
+//! | `Indirect` | with [`LeanDeferred`] | ambient light, environment maps, probes, irradiance volumes; in the lighting pass |
 //! | `MultiplicativeBlend` | without | the whole picture after the opaque meshes, direct light too |
 //!
-//! The samples are the same in every frame: there is no noise, and TAA is not needed. Passes are timed as
+//! The pattern of the samples is the same in every frame: there is no noise, and TAA is not needed. GPU times are recorded as
 //! `lean_deferred/ambient_occlusion/gather` and `…/merge`.
 //!
-//! A device that cannot store the texture's format from compute shaders draws it instead ([`OcclusionSupport`]).
+//! Where compute shaders cannot store the texture's format, a raster pass writes it ([`OcclusionSupport`]).
+//!
+//! [`LeanDeferred`]: crate::LeanDeferred
 
-// - `settings.rs`: the component. `support.rs`: what the device can do.
-// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-// - `active.rs`: whether and how a view gets it in this frame. `prepare.rs`: what the passes need of the view.
+// - `settings.rs`: the component.
+// - `support.rs`: capabilities of the device.
+// - `uniforms.rs`, `view.wgsl`: the uniform of a view.
+// - `key.rs`: pipeline keys.
+// - `pipelines.rs`: layouts and pipelines.
+// - `active.rs`: decides per view and frame if and how occlusion is computed and applied.
+// - `prepare.rs`: uniforms, textures and bind groups of views.
 // - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
-// - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
-// - `hbao.wgsl`, `hdao.wgsl`: the kernels. `gather.wgsl`: their entry points.
-// - `filter.wgsl`: the filter, for `merge.wgsl` and the lighting pass.
+// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
+// - `hbao.wgsl`, `hdao.wgsl`: the kernels.
+// - `gather.wgsl`: entry points of the kernels.
+// - `filter.wgsl`: the filter, for the merge and for the lighting pass.
+// - `merge.wgsl`: filters occlusion and darkens the picture by it.
 
 mod active;
 #[doc(hidden)]
@@ -76,13 +84,13 @@ use crate::{
     },
 };
 
-/// What the lighting pass imports, whether there is occlusion or not: Bevy wants all modules that a shader names.
+/// Loads the modules that the lighting pass imports. Bevy needs them even if nothing uses occlusion.
 pub(crate) fn load_shader_library(app: &mut App) {
     load_shader_library!(app, "view.wgsl");
     load_shader_library!(app, "filter.wgsl");
 }
 
-/// Ambient occlusion, for cameras with [`LeanAmbientOcclusion`]. Part of
+/// Adds ambient occlusion for cameras with [`LeanAmbientOcclusion`]. Part of
 /// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
 #[derive(Default)]
 pub struct LeanAmbientOcclusionPlugin;

@@ -1,5 +1,5 @@
-//! The passes. Where lighting applies occlusion, it is found after the G-buffer; else after all opaque meshes, and
-//! merged there.
+//! The passes. If lighting applies occlusion, the gather runs after the G-buffer; otherwise gather and merge run after all opaque
+//! meshes.
 
 use bevy::{
     prelude::*,
@@ -32,7 +32,7 @@ pub(super) type OcclusionViewQuery = (
     &'static ViewTarget,
 );
 
-/// Between G-buffer and lighting.
+/// Runs between G-buffer and lighting.
 pub(super) fn occlusion_for_lighting(
     view: ViewQuery<OcclusionViewQuery>,
     pipeline_cache: Res<PipelineCache>,
@@ -44,7 +44,7 @@ pub(super) fn occlusion_for_lighting(
     }
 }
 
-/// After the opaque meshes.
+/// Runs after the opaque meshes.
 pub(super) fn occlusion_after_opaque(
     view: ViewQuery<OcclusionViewQuery>,
     pipeline_cache: Res<PipelineCache>,
@@ -58,7 +58,7 @@ pub(super) fn occlusion_after_opaque(
     }
 }
 
-/// `None` while the pipeline is compiling.
+/// `None` while the pipeline is compiling or the bind group is missing.
 fn gather(
     active: &ActiveOcclusion,
     texture: &OcclusionTexture,

@@ -30,7 +30,7 @@ use super::{
 };
 use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
 
-/// `dst · (1 - occlusion)`, and alpha as it is.
+/// `dst · (1 - occlusion)`; alpha is unchanged.
 const MULTIPLICATIVE: BlendState = BlendState {
     color: BlendComponent {
         src_factor: BlendFactor::Zero,
@@ -44,7 +44,7 @@ const MULTIPLICATIVE: BlendState = BlendState {
     },
 };
 
-/// How occlusion is found.
+/// Pipeline of the gather.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum GatherPipeline {
     Compute(CachedComputePipelineId),
@@ -60,7 +60,7 @@ impl GatherPipeline {
     }
 }
 
-/// The pipelines by key. Made by `init_occlusion_pipelines`.
+/// Pipelines by key. Created by `init_occlusion_pipelines`.
 #[derive(Resource)]
 pub(crate) struct OcclusionPipelines {
     gather_shader: Handle<Shader>,
@@ -68,7 +68,7 @@ pub(crate) struct OcclusionPipelines {
     fullscreen: FullscreenShader,
     pub(crate) nearest_sampler: Sampler,
     pub(super) merge_layout: FoundLayout,
-    /// By key and whether they are compute pipelines.
+    /// The flag is true for compute pipelines.
     gathers: HashMap<(GatherKey, bool), (GatherPipeline, FoundLayout)>,
     merges: HashMap<MergeKey, CachedRenderPipelineId>,
 }
@@ -129,7 +129,7 @@ fn gather_layout(key: GatherKey, compute: bool) -> BindGroupLayoutDescriptor {
     )
 }
 
-/// What both passes bind.
+/// Entries that both passes bind.
 fn common_entries() -> [(u32, BindGroupLayoutEntryBuilder); 3] {
     [
         (VIEW, uniform_buffer::<OcclusionView>(true)),
@@ -139,13 +139,13 @@ fn common_entries() -> [(u32, BindGroupLayoutEntryBuilder); 3] {
 }
 
 impl OcclusionPipelines {
-    /// The layout of the gather's only bind group, if there is a pipeline for `key`.
+    /// Layout of the gather's only bind group; `None` before [`gather`](Self::gather) was called for `key`.
     pub(super) fn gather_layout(&self, key: GatherKey, compute: bool) -> Option<&FoundLayout> {
         let (_, layout) = self.gathers.get(&(key.reduced(), compute))?;
         Some(layout)
     }
 
-    /// The pipeline that finds occlusion; it may still be compiling.
+    /// Pipeline of the gather; it may still be compiling.
     pub(super) fn gather(
         &mut self,
         pipeline_cache: &PipelineCache,
@@ -196,7 +196,7 @@ impl OcclusionPipelines {
         pipeline
     }
 
-    /// The pipeline that multiplies the picture by occlusion; it may still be compiling.
+    /// Pipeline that blends the occlusion into the image; it may still be compiling.
     pub(super) fn merge(
         &mut self,
         pipeline_cache: &PipelineCache,

@@ -1,5 +1,4 @@
-//! What the passes need of a view: its uniform, its texture, and bind groups, which are made anew only when what they bind
-//! changed.
+//! Per-view resources of the passes: uniform, texture and bind groups. Bind groups are recreated only when their resources change.
 
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
@@ -34,11 +33,11 @@ use crate::{
     view::{FrameAveraging, OutOfMemory},
 };
 
-/// The uniforms of all views.
+/// Uniforms of all views.
 #[derive(Resource, Default)]
 pub(crate) struct OcclusionUniforms(pub(crate) DynamicUniformBuffer<OcclusionView>);
 
-/// On a view with ambient occlusion: where in the buffer its uniform is.
+/// On a view with ambient occlusion: the offset of its uniform, its viewport and the size of its texture.
 #[derive(Component)]
 pub struct ViewOcclusion {
     pub(crate) offset: u32,
@@ -99,11 +98,11 @@ pub(super) fn write_occlusion_uniforms(
     }
 }
 
-/// The occlusion of a view, as large as its viewport or half that. 0 is none.
+/// Occlusion of a view, at full or half the size of its viewport. 0 is unoccluded.
 #[derive(Component, Clone)]
 pub struct OcclusionTexture(pub CachedTexture);
 
-/// Gives each view that finds occlusion its texture, which it keeps while its size, format and usage stay.
+/// Creates the occlusion textures of active views. A texture is kept while its size, format and usage stay the same.
 pub(super) fn prepare_occlusion_textures(
     mut commands: Commands,
     render_device: Res<RenderDevice>,
@@ -167,7 +166,7 @@ pub struct OcclusionBindings {
 }
 
 impl OcclusionBindings {
-    /// Those that stay from frame to frame as long as nothing changes.
+    /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
         [&self.gather, &self.merge]
             .into_iter()
@@ -175,7 +174,7 @@ impl OcclusionBindings {
     }
 }
 
-/// Makes the bind groups of all active views.
+/// Updates the bind groups of all active views.
 pub(super) fn prepare_occlusion_bind_groups(
     mut commands: Commands,
     device: Res<RenderDevice>,

@@ -5,12 +5,12 @@ use bevy::{
 
 use crate::view::overrides::{CameraEffect, Need};
 
-/// Darkens what neighbouring surfaces hide from the light that comes from everywhere.
+/// Ambient occlusion from depth: darkens surfaces where nearby surfaces block ambient light.
 ///
-/// Works on any `Camera3d`, with or without [`LeanDeferred`](crate::LeanDeferred): it reads the depth that the opaque
-/// meshes leave, and needs no prepass. No MSAA (switched off when the component is added, given back when it is removed); the schedule is
-/// `Core3d`, and the viewport has all of depth.
-/// Adding or removing it at run time switches the effect and frees what it held.
+/// Works on any `Camera3d`, with or without [`LeanDeferred`](crate::LeanDeferred). It reads the depth of the opaque meshes and needs
+/// no prepass. MSAA is switched off when the component is added and restored when it is removed. The camera's schedule must be
+/// `Core3d`, and its viewport must have the full depth range.
+/// Can be added and removed at run time; removing it frees its GPU resources.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -18,7 +18,7 @@ use crate::view::overrides::{CameraEffect, Need};
 /// fn spawn_camera(mut commands: Commands) {
 ///     commands.spawn((
 ///         Camera3d::default(),
-///         // With it, occlusion darkens indirect light alone; without it, the whole picture.
+///         // With it, occlusion darkens only indirect light; without it, the whole image.
 ///         LeanDeferred::default(),
 ///         LeanAmbientOcclusion {
 ///             radius: 1.0,
@@ -29,51 +29,50 @@ use crate::view::overrides::{CameraEffect, Need};
 /// }
 /// ```
 ///
-/// Occlusion is stored as occlusion (0 = none) in one channel, so that rounding errs towards none and open surfaces
-/// stay exactly as they were.
+/// The texture stores occlusion (0 = none) in one channel, so that rounding errs towards none and open surfaces stay exactly
+/// unchanged.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LeanAmbientOcclusion {
-    /// Distance past which nothing occludes, in metres. More than 0. On screen it is at most a quarter of the
-    /// viewport's height; nearer to the camera it shrinks to that. Default 0.5.
+    /// Distance in metres beyond which nothing occludes. More than 0. Clamped on screen to a quarter of the viewport's height.
+    /// Default 0.5.
     pub radius: f32,
-    /// Factor on the occlusion, from 0. 1 (the default) is the physical amount.
+    /// Factor on the occlusion, at least 0. Default 1, the physical amount.
     pub intensity: f32,
-    /// Angle above the surface, in radians, below which nothing counts: keeps noise of depth and normals out of flat
-    /// regions. 0 to π/2; more than 0.5 is hardly of use. Default 0.02.
+    /// Angle above the surface, in radians, below which samples are ignored: suppresses noise from depth and normals on flat
+    /// surfaces. 0 to π/2; more than 0.5 is rarely useful. Default 0.02.
     pub bias: f32,
     /// Share of the squared radius over which occluders fade out, 0 (hard edge) to 1. Default 0.1.
     pub falloff: f32,
-    /// How far back what is in front of a surface reaches, 0 to 1. 1 (the default): without end, as a height field does. Below that,
-    /// horizons sink again behind thin parts, by `1 - thickness` a step (Jimenez et al. 2016).
+    /// Assumed thickness of occluders, 0 to 1. At 1 (the default) they are infinitely thick, as in a height field. Below 1, horizons
+    /// decay by `1 - thickness` per step behind thin occluders (Jimenez et al. 2016).
     pub thickness: f32,
-    /// How occlusion is found. Default [`OcclusionKernel::Hbao`].
+    /// Kernel that computes the occlusion. Default [`OcclusionKernel::Hbao`].
     pub kernel: OcclusionKernel,
-    /// How many samples are taken. Only of [`OcclusionKernel::Hbao`]. Default [`OcclusionQuality::Medium`].
+    /// Number of samples, for [`OcclusionKernel::Hbao`] only. Default [`OcclusionQuality::Medium`].
     pub quality: OcclusionQuality,
-    /// About which normal occlusion is weighted. Default [`OcclusionNormals::Shading`], where there is a G-buffer.
+    /// Normals that occlusion is weighted about. Default [`OcclusionNormals::Shading`], which needs a G-buffer.
     pub normals: OcclusionNormals,
-    /// How many pixels share an occlusion value. Default [`OcclusionResolution::Full`].
+    /// Resolution of the occlusion. Default [`OcclusionResolution::Full`].
     pub resolution: OcclusionResolution,
-    /// What removes the samples' pattern. Default [`OcclusionFilter::BinomialEdgeAware`].
+    /// Filter that removes the sample pattern. Default [`OcclusionFilter::BinomialEdgeAware`].
     pub filter: OcclusionFilter,
-    /// How occlusion is stored. Default [`OcclusionFormat::Unorm8`].
+    /// Storage format of the occlusion. Default [`OcclusionFormat::Unorm8`].
     pub format: OcclusionFormat,
-    /// How occlusion reaches the picture. Default [`OcclusionApplication::Auto`].
+    /// Application of the occlusion to the image. Default [`OcclusionApplication::Auto`].
     pub application: OcclusionApplication,
-    /// Light that bounces between bright walls lifts their occlusion and tints it (Jimenez et al. 2016). Only of
-    /// [`OcclusionApplication::Indirect`]. Default true.
+    /// Approximates light that bounces between bright walls: brightens and tints their occlusion (Jimenez et al. 2016). For
+    /// [`OcclusionApplication::Indirect`] only. Default true.
     pub multibounce: bool,
-    /// How far direct light is darkened too, 0 (not; physical) to 1. Only of [`OcclusionApplication::Indirect`]; more
-    /// than 0 lights each pixel twice. Default 0.
+    /// Share of the occlusion that darkens direct light too, 0 (physical) to 1. For [`OcclusionApplication::Indirect`] only. Default 0.
     pub direct_light_affect: f32,
-    /// Shows the filtered occlusion alone, white where there is none; with [`OcclusionApplication::Indirect`] on what the
-    /// G-buffer holds. What is drawn later lies over it. Default false.
+    /// Shows the filtered occlusion alone, white where unoccluded. With [`OcclusionApplication::Indirect`] it covers only meshes in
+    /// the G-buffer. Later passes draw over it. Default false.
     pub debug_view: bool,
 }
 
 impl LeanAmbientOcclusion {
-    /// Whether directions are spread over 4×4 pixels, for a wide filter of them: from half resolution there is one filter.
+    /// True if directions are spread over 4×4 pixels, for a wide filter. Half resolution has a single filter.
     #[doc(hidden)]
     pub fn has_wide_pattern(&self) -> bool {
         self.filter.is_wide() && self.resolution == OcclusionResolution::Full
@@ -107,36 +106,36 @@ impl Default for LeanAmbientOcclusion {
     }
 }
 
-/// Ways to find the occlusion of a pixel.
+/// Kernels that compute the occlusion of a pixel.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionKernel {
-    /// Horizon-based (Bavoil and Sainz 2008, "Image-space horizon-based ambient occlusion"): directions × steps, the
-    /// highest sample of each direction. What the horizons hide is weighted by the **cosine** to the normal, in closed
-    /// form (Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion").
+    /// Horizon-based (Bavoil and Sainz 2008, "Image-space horizon-based ambient occlusion"): marches directions × steps and keeps
+    /// the highest sample of each direction. The part below the horizons is weighted by the **cosine** to the normal, in closed form
+    /// (Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion").
     #[default]
     Hbao,
-    /// The small, gather-based one (after AMD's HDAO, 2009, "High Definition Ambient Occlusion"): opposite pairs of
-    /// depths that form a valley, 4 at a time, without normals. Cheap; finds creases, underestimates walls.
+    /// Small gather-based kernel (after AMD's HDAO, 2009, "High Definition Ambient Occlusion"): opposite pairs of depths that form a
+    /// valley, 4 at a time, without normals. Cheap; detects creases, underestimates walls.
     Hdao,
 }
 
-/// How many samples [`OcclusionKernel::Hbao`] takes a pixel. Each slice has two sides, and a block of pixels takes
-/// different slices, 2×2 of them or 4×4, which the filter brings together.
+/// Samples per pixel of [`OcclusionKernel::Hbao`]. Each slice has two sides. The pixels of a 2×2 or 4×4 block take different slices,
+/// which the filter averages.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionQuality {
-    /// 1 slice, 3 steps a side.
+    /// 1 slice, 3 steps per side.
     Low,
-    /// 1 slice, 6 steps a side.
+    /// 1 slice, 6 steps per side.
     #[default]
     Medium,
-    /// 2 slices, 8 steps a side.
+    /// 2 slices, 8 steps per side.
     High,
-    /// 4 slices, 12 steps a side.
+    /// 4 slices, 12 steps per side.
     Ultra,
-    /// Any number: slices 1 to 16, steps 1 to 64. They may change from frame to frame: one shader runs them all. Those of
-    /// the presets are compiled for their numbers.
+    /// Any number: slices 1 to 16, steps 1 to 64. They may change every frame: one shader reads them from its uniform. Presets are
+    /// compiled in.
     Custom {
         /// Directions through the pixel, 1 to 16.
         slices: u32,
@@ -149,12 +148,12 @@ impl OcclusionQuality {
     /// All presets, cheapest first.
     pub const PRESETS: [Self; 4] = [Self::Low, Self::Medium, Self::High, Self::Ultra];
 
-    /// Whether shaders are compiled for the numbers.
+    /// True if the numbers are compiled into the shader.
     pub(super) fn is_preset(self) -> bool {
         !matches!(self, Self::Custom { .. })
     }
 
-    /// Slices, and steps on each side of one.
+    /// Slices, and steps per side.
     pub fn samples(self) -> (u32, u32) {
         match self {
             Self::Low => (1, 3),
@@ -166,31 +165,31 @@ impl OcclusionQuality {
     }
 }
 
-/// About which normal occlusion is weighted. The surface itself, as depth tells it, never occludes itself with
-/// either: flat regions are 0 however their normals are mapped or interpolated.
+/// Normals that occlusion is weighted about. With either, the surface known from depth does not occlude itself: flat surfaces stay
+/// at 0, even with mapped or interpolated normals.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionNormals {
-    /// The G-buffer's where lighting applies the occlusion ([`OcclusionApplication::Indirect`]); else the geometric one.
+    /// The G-buffer's if lighting applies the occlusion ([`OcclusionApplication::Indirect`]); otherwise the geometric ones.
     #[default]
     Shading,
-    /// Reconstructed from depth, nine taps (atyuwen 2021, "Accurate Normal Reconstruction from Depth Buffer").
+    /// Reconstructed from depth with nine taps (atyuwen 2021, "Accurate Normal Reconstruction from Depth Buffer").
     Geometric,
 }
 
-/// How many pixels share an occlusion value.
+/// Resolution of the occlusion.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionResolution {
-    /// One value a pixel.
+    /// One value per pixel.
     #[default]
     Full,
-    /// One for each 2×2; the filter scales up along the edges that depth shows.
+    /// One value per 2×2 pixels; the filter upsamples along depth edges.
     Half,
 }
 
 impl OcclusionResolution {
-    /// Pixels a side that share a value.
+    /// Pixels per side that share a value.
     pub(super) fn divisor(self) -> u32 {
         match self {
             Self::Full => 1,
@@ -199,8 +198,8 @@ impl OcclusionResolution {
     }
 }
 
-/// The weights of the filter that removes the samples' pattern, in which pixels look in different directions. From
-/// [half resolution](OcclusionResolution::Half) there is one set of weights for all of them.
+/// Weights of the filter that removes the sample pattern, in which pixels sample different directions.
+/// [Half resolution](OcclusionResolution::Half) has a single set of weights for all of them.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionFilter {
@@ -208,20 +207,20 @@ pub enum OcclusionFilter {
     Binomial,
     /// √2 2 √2 / 2 2.34 2 / √2 2 √2: flatter.
     Flat,
-    /// 1 2 2 2 1 along each axis: removes any 4×4 pattern exactly, so samples are laid out in one, with four times as many
-    /// directions. For surfaces so near to the camera that the others show their few directions and steps. Takes longer.
+    /// 1 2 2 2 1 along each axis: removes any 4×4 pattern exactly, so samples use one, with four times as many directions. For
+    /// surfaces so close to the camera that the other filters leave their few directions and steps visible. Slower.
     Wide,
-    /// As `Binomial`, without neighbours from across a step in depth.
+    /// As `Binomial`, ignoring neighbours across a depth step.
     #[default]
     BinomialEdgeAware,
-    /// As `Flat`, without neighbours from across a step in depth.
+    /// As `Flat`, ignoring neighbours across a depth step.
     FlatEdgeAware,
-    /// As `Wide`, without neighbours from across a step in depth.
+    /// As `Wide`, ignoring neighbours across a depth step.
     WideEdgeAware,
 }
 
 impl OcclusionFilter {
-    /// All of them.
+    /// All variants.
     pub const ALL: [Self; 6] = [
         Self::Binomial,
         Self::Flat,
@@ -235,12 +234,12 @@ impl OcclusionFilter {
         matches!(self, Self::Flat | Self::FlatEdgeAware)
     }
 
-    /// Whether 5×5 pixels are brought together.
+    /// True if 5×5 pixels are averaged.
     pub fn is_wide(self) -> bool {
         matches!(self, Self::Wide | Self::WideEdgeAware)
     }
 
-    /// Whether neighbours from across a step in depth are left out.
+    /// True if neighbours across a depth step are ignored.
     pub fn is_edge_aware(self) -> bool {
         matches!(
             self,
@@ -249,19 +248,19 @@ impl OcclusionFilter {
     }
 }
 
-/// How occlusion is stored.
+/// Storage format of the occlusion.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionFormat {
-    /// R8Unorm: 1 byte a pixel, steps of 1/255 before the filter.
+    /// R8Unorm: 1 byte per pixel, steps of 1/255 before the filter.
     #[default]
     Unorm8,
-    /// R16Float: 2 bytes.
+    /// R16Float: 2 bytes per pixel.
     Float16,
 }
 
 impl OcclusionFormat {
-    /// The texture's format.
+    /// Format of the occlusion texture.
     pub fn texture_format(self) -> TextureFormat {
         match self {
             Self::Unorm8 => TextureFormat::R8Unorm,
@@ -270,21 +269,19 @@ impl OcclusionFormat {
     }
 }
 
-/// How occlusion reaches the picture.
+/// Application of the occlusion to the image.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionApplication {
-    /// [`Indirect`](Self::Indirect) on cameras with [`LeanDeferred`](crate::LeanDeferred), because it is the exact one
-    /// and costs no pass; [`MultiplicativeBlend`](Self::MultiplicativeBlend) on all others, because Bevy's own shaders
-    /// cannot read it.
+    /// [`Indirect`](Self::Indirect) on cameras with [`LeanDeferred`](crate::LeanDeferred): it is exact and needs no pass.
+    /// [`MultiplicativeBlend`](Self::MultiplicativeBlend) on all others, since Bevy's own shaders cannot read the occlusion.
     #[default]
     Auto,
-    /// After the opaque meshes and before transmissive and transparent ones, the picture is multiplied by
-    /// `1 - occlusion`: all of its light, direct too. Distance fog in front of a surface is spared. Pixels without
-    /// occlusion keep every bit, alpha too.
+    /// Multiplies the image by `1 - occlusion`, after the opaque meshes and before transmissive and transparent ones. Darkens all
+    /// light, including direct light, but not distance fog in front of a surface. Unoccluded pixels are bit-identical, as is alpha.
     MultiplicativeBlend,
-    /// The lighting pass darkens ambient light, environment maps, probes and irradiance volumes by it. Meshes that
-    /// Bevy's forward passes draw are neither darkened nor do they occlude. Where the camera is not rendered lean, as
-    /// [`MultiplicativeBlend`](Self::MultiplicativeBlend).
+    /// The lighting pass darkens ambient light, environment maps, probes and irradiance volumes. Meshes in Bevy's forward passes
+    /// neither receive nor cast occlusion. Falls back to [`MultiplicativeBlend`](Self::MultiplicativeBlend) where the camera is not
+    /// rendered lean.
     Indirect,
 }

@@ -1,4 +1,4 @@
-//! What the device can do.
+//! Capabilities of the device.
 
 use bevy::{
     prelude::*,
@@ -11,7 +11,7 @@ use bevy::{
 use super::OcclusionFormat;
 use crate::gpu::needed_limits::{NeededLimit, needed_limits, unmet};
 
-/// Limits that the compute passes need; without them occlusion is drawn.
+/// Limits that the compute pass needs; without them a raster pass computes occlusion.
 #[doc(hidden)]
 pub const COMPUTE_LIMITS: &[NeededLimit] = &needed_limits![
     max_storage_textures_per_shader_stage: 1,
@@ -20,7 +20,7 @@ pub const COMPUTE_LIMITS: &[NeededLimit] = &needed_limits![
     max_compute_workgroup_storage_size: 1600,
 ];
 
-/// Which formats compute shaders can store occlusion in. The others are drawn to, which every device can.
+/// Occlusion formats that compute shaders can store to. The others are rendered to, which every device supports.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OcclusionSupport {
     /// R8Unorm.
@@ -30,7 +30,7 @@ pub struct OcclusionSupport {
 }
 
 impl FromWorld for OcclusionSupport {
-    /// Looks at the device and adapter of a render world. Without them nothing can be stored.
+    /// Queries the device and adapter of a render world. Without them no format can be stored to.
     fn from_world(world: &mut World) -> Self {
         let (Some(device), Some(adapter)) = (
             world.get_resource::<RenderDevice>(),
@@ -46,7 +46,7 @@ impl FromWorld for OcclusionSupport {
             .flags
             .contains(DownlevelFlags::COMPUTE_SHADERS)
             && unmet(COMPUTE_LIMITS, &device.limits()).next().is_none();
-        // Outside of what WebGPU guarantees, so the device must have been asked for it.
+        // Beyond WebGPU's guarantees, so the device must have been created with this feature.
         let extended = device
             .features()
             .contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);

@@ -1,4 +1,4 @@
-//! What the shaders know of a view.
+//! Uniforms of a view.
 
 use core::f32::consts::{FRAC_PI_2, PI};
 
@@ -16,15 +16,15 @@ use crate::shader_library::{
     tiles,
 };
 
-/// The largest radius on screen, as a share of the viewport's height: what lies further apart is too few samples for a
-/// smooth picture, and too far apart in memory for a fast one.
+/// Largest radius on screen, as a share of the viewport's height. With a larger one, samples would be too sparse for a smooth image,
+/// and too far apart in memory for the caches.
 const LARGEST_RADIUS: f32 = 0.25;
-/// Larger than any screen.
+/// Upper bound of the radius, in metres: keeps its size in pixels finite.
 const LARGEST_METRES: f32 = 1e9;
-/// Steps in depth of this share of the radius separate surfaces.
+/// Depth steps above this share of the radius separate surfaces.
 const EDGE: f32 = 0.1;
 
-/// What the passes know of a view.
+/// Uniform of the passes, one per view.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct OcclusionView {
@@ -36,10 +36,10 @@ pub struct OcclusionView {
     slice_rotation: Vec2,
     pixels_per_ray: Vec2,
     radius_in_pixels: Vec2,
-    /// Pixels.
+    /// In pixels.
     pub viewport_origin: UVec2,
     viewport_size: UVec2,
-    /// Texels of the occlusion texture.
+    /// Size of the occlusion texture, in texels.
     pub texture_size: UVec2,
     radius: f32,
     largest_nearness: f32,
@@ -56,17 +56,17 @@ pub struct OcclusionView {
 }
 
 impl OcclusionView {
-    /// What `settings` make of a view with the matrix `clip_from_view`, `viewport_size` pixels large. The rest stays 0.
+    /// Derives the uniform from `settings`, the projection and the viewport's size in pixels. `view_from_world`, `fog` and
+    /// `viewport_origin` stay 0.
     pub fn new(
         settings: &LeanAmbientOcclusion,
         clip_from_view: Mat4,
         viewport_size: UVec2,
     ) -> Self {
         let view_from_pixel = view_from_pixel(clip_from_view, viewport_size);
-        // So that its size in pixels is finite.
         let radius = up_to(LARGEST_METRES, settings.radius);
 
-        // In perspective depth / distance² is constant: a step of metres is one of 1/distance there.
+        // In perspective, 1 / distance is affine in depth: a step in metres is a depth step proportional to 1 / distance².
         let m = &view_from_pixel;
         let step = EDGE * radius;
         let (slices, steps) = settings.quality.samples();
@@ -77,7 +77,7 @@ impl OcclusionView {
         };
         let radius_in_pixels = radius * pixels_per_metre(clip_from_view, viewport_size);
         let largest_radius = (LARGEST_RADIUS * viewport_size.y as f32).max(1.0);
-        // So that 0 is a hard edge, but no division by it.
+        // At least 1e-4, so that 0 is a hard edge without a division by 0.
         let inverse_falloff = 1.0 / settings.falloff.clamp(1e-4, 1.0);
         let mut view = Self {
             view_from_pixel,
@@ -95,7 +95,7 @@ impl OcclusionView {
             intensity: up_to(f32::MAX, settings.intensity),
             sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
             inverse_falloff,
-            // Divided by; a pixel whose radius is 0 is not looked at.
+            // A divisor in the shader, which skips pixels with a radius of 0.
             decline: (inverse_falloff.sqrt() / radius).clamp(1e-15, 1e15),
             thickness: settings.thickness.clamp(0.0, 1.0),
             direct_light_affect: settings.direct_light_affect.clamp(0.0, 1.0),
@@ -108,7 +108,7 @@ impl OcclusionView {
         view
     }
 
-    /// The part of the pattern that changes from frame to frame, 0 to 1.
+    /// Sets the part of the pattern that changes per frame, 0 to 1.
     pub(super) fn set_turn(&mut self, turn: f32) {
         self.turn = turn;
         for (i, rotation) in self.rotations.iter_mut().enumerate() {
@@ -120,24 +120,24 @@ impl OcclusionView {
     }
 }
 
-/// `x` within 0 and `largest`; 0 for what is not a number.
+/// Clamps `x` to 0..`largest`; NaN becomes 0.
 fn up_to(largest: f32, x: f32) -> f32 {
     if x > 0.0 { x.min(largest) } else { 0.0 }
 }
 
-/// Texels of the occlusion texture.
+/// Size of the occlusion texture, in texels.
 fn texture_size(settings: &LeanAmbientOcclusion, viewport_size: UVec2) -> UVec2 {
     let divisor = settings.resolution.divisor();
     // Viewports may be empty.
     viewport_size.map(|side| side.div_ceil(divisor).max(1))
 }
 
-/// Of the gather: each finds four tiles of `texture_size` texels.
+/// Workgroups of the gather. Each covers four tiles of the texture.
 pub(super) fn workgroups(texture_size: UVec2) -> UVec2 {
     tiles::count(texture_size.map(|side| side.div_ceil(2)))
 }
 
-/// As `OcclusionView::fog`. What attenuates channels differently counts with their mean.
+/// Packs fog as in `OcclusionView::fog`. Extinction that differs per channel is averaged.
 pub(super) fn fog_parameters(fog: Option<&DistanceFog>) -> Vec4 {
     let Some(fog) = fog else {
         return Vec4::ZERO;

@@ -1,4 +1,4 @@
-//! Per camera and frame: whether and how it is metered.
+//! Decides per camera and frame if it is metered, and with which pipelines.
 
 use bevy::{
     core_pipeline::{
@@ -19,16 +19,16 @@ use super::{
 };
 use crate::view::warn_once::WarnOnce;
 
-/// On a view with auto exposure: what it is metered with.
+/// On a view with auto exposure: the pipelines it is metered with.
 #[derive(Component, Clone)]
 pub struct ViewExposurePipelines {
     pub(super) key: ExposureKey,
-    /// `Some` if the key has one.
+    /// `Some` if the key has a mask.
     pub(super) mask: Option<Handle<Image>>,
     pub(super) passes: PassPipelines,
 }
 
-/// Why a camera cannot be metered.
+/// The reason that a camera cannot be metered.
 fn reason_against(camera: &ExtractedCamera) -> Option<&'static str> {
     if !camera.hdr {
         Some("it has no Hdr component")
@@ -39,7 +39,7 @@ fn reason_against(camera: &ExtractedCamera) -> Option<&'static str> {
     }
 }
 
-/// Why the exposure of a camera that is metered is not applied.
+/// The reason that the exposure of a metered camera is not applied.
 fn reason_not_applied(tonemapping: Option<&Tonemapping>) -> Option<&'static str> {
     let applies = tonemapping.is_some_and(Tonemapping::is_enabled);
     (!applies).then_some(
@@ -48,9 +48,8 @@ fn reason_not_applied(tonemapping: Option<&Tonemapping>) -> Option<&'static str>
     )
 }
 
-/// Inserts or removes [`ViewExposurePipelines`]. A view keeps the pipelines that it has until those of new settings are
-/// compiled: without any, the picture would flash. Cameras that are switched off lose them, and so what they hold on the
-/// GPU, but for their history.
+/// Inserts or removes [`ViewExposurePipelines`]. A view keeps its pipelines until those for new settings are compiled: without any,
+/// the image would flash. Cameras that are switched off lose them, which frees their GPU resources except their history.
 pub(super) fn queue_exposure_pipelines(
     mut commands: Commands,
     support: Res<ExposureSupport>,

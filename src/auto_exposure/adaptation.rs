@@ -1,7 +1,7 @@
-//! How exposure follows the metered luminance.
+//! Adaptation of the exposure to the metered luminance.
 
-/// What of a distance of `stops` to the target is covered after `seconds`: constant `speed` (stops a second) down to
-/// `transition` stops, exponential from there. Solved exactly, so that neither the frame rate nor a long frame matters.
+/// Part of a distance of `stops` to the target that is covered within `seconds`: constant `speed` (stops per second) down to
+/// `transition` stops, exponential from there. In closed form, so that it does not depend on the frame rate.
 pub fn covered(stops: f32, seconds: f32, speed: f32, transition: f32) -> f32 {
     let linear_part = (stops - transition).max(0.0);
     let linear_travel = speed * seconds;
@@ -12,7 +12,7 @@ pub fn covered(stops: f32, seconds: f32, speed: f32, transition: f32) -> f32 {
         return stops;
     }
     let x = (linear_travel - linear_part) / transition;
-    // 1 - exp(-x); of a small x, the difference would keep few digits.
+    // 1 - exp(-x), which would cancel for small x.
     let share = if x < 0.01 {
         x - 0.5 * x * x
     } else {
@@ -21,7 +21,7 @@ pub fn covered(stops: f32, seconds: f32, speed: f32, transition: f32) -> f32 {
     linear_part + (stops - linear_part) * share
 }
 
-/// The exposure after `seconds` on the way from `current` to `target_exposure`, in stops.
+/// Exposure in stops, `seconds` later, on the way from `current` to `target_exposure`.
 pub fn adapted(
     current: f32,
     target_exposure: f32,
@@ -34,7 +34,7 @@ pub fn adapted(
     if distance == 0.0 {
         return target_exposure;
     }
-    // The scene is darker than it was, or brighter.
+    // A rising exposure follows a darker scene.
     let speed = if distance > 0.0 {
         speed_darken
     } else {

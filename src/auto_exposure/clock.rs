@@ -1,4 +1,4 @@
-//! The times in which exposure may adapt.
+//! Clocks that exposure can adapt by.
 
 use bevy::{prelude::*, render::Extract, time::Real};
 
@@ -12,7 +12,7 @@ pub(super) struct Clocks {
 }
 
 impl Clocks {
-    /// Since `last`, by one of them.
+    /// Seconds since `last`, by one of the clocks.
     pub(super) fn seconds_since(&self, last: &Self, clock: ExposureClock) -> f32 {
         let seconds = match clock {
             ExposureClock::Real => self.real - last.real,

@@ -1,19 +1,19 @@
-//! What the shaders are compiled by.
+//! Pipeline key, and sizes of dispatches and buffers.
 
 use bevy::{math::UVec2, shader::ShaderDefVal};
 
 use super::{ExposureSampling, LeanAutoExposure, Metering, MeteringPattern};
 
-/// Columns of pixels that a workgroup of the first pass reads if it reads all.
+/// Columns of pixels that a workgroup of the first pass reads if every pixel is sampled.
 pub const TILE_WIDTH: u32 = 64;
-/// Rows that it may read. Few workgroups would leave parts of a large GPU idle; many leave much to the second pass.
+/// Rows that it may read. Few workgroups leave parts of a large GPU idle; many leave much work to the second pass.
 const TILE_HEIGHTS: [u32; 2] = [64, 128];
-/// As many partial sums as the second pass adds up at once.
+/// Partial sums that the second pass adds in one iteration.
 const MOST_WORKGROUPS: u32 = 1024;
 /// Bins of the histogram.
 pub const BINS: u64 = 256;
 
-/// What the shaders are compiled by.
+/// Pipeline key of both passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ExposureKey {
     metering: Metering,
@@ -32,7 +32,7 @@ enum PatternKey {
 }
 
 impl ExposureKey {
-    /// Of `settings` on a device that reduces by subgroups or does not, with the mask, if there is one, loaded or not.
+    /// Derives the key from `settings`. `subgroups`: the device reduces by subgroups. Until a mask is loaded, all pixels count.
     pub fn new(settings: &LeanAutoExposure, subgroups: bool, mask_is_loaded: bool) -> Self {
         Self {
             metering: settings.metering,
@@ -48,23 +48,23 @@ impl ExposureKey {
         }
     }
 
-    /// Whether the darkest and the brightest pixels are left out.
+    /// True if the darkest and brightest pixels are left out.
     pub fn has_histogram(self) -> bool {
         self.histogram
     }
 
-    /// Whether pixels count as a mask says.
+    /// True if pixels are weighted by a mask.
     pub fn has_mask(self) -> bool {
         self.pattern == PatternKey::Mask
     }
 
-    /// Of the first pass.
+    /// Workgroups of the first pass.
     pub fn workgroups(self, viewport_size: UVec2) -> UVec2 {
         let height = tile_height(viewport_size, self.sampling);
         workgroups_with(height, viewport_size, self.sampling)
     }
 
-    /// Bytes that the first pass leaves for the second: partial sums, or the histogram.
+    /// Size in bytes of the buffer between the passes: partial sums, or the histogram.
     pub fn sums_size(self, viewport_size: UVec2) -> u64 {
         if self.histogram {
             4 * BINS
@@ -73,7 +73,7 @@ impl ExposureKey {
         }
     }
 
-    /// What of it the overlay's shader sees.
+    /// The key without the fields that the overlay's shader does not read.
     pub(super) fn of_overlay(self) -> Self {
         Self {
             metering: Metering::default(),
@@ -84,7 +84,7 @@ impl ExposureKey {
         }
     }
 
-    /// What both shaders are compiled with.
+    /// Shader defs of both passes.
     pub fn shader_defs(self) -> Vec<ShaderDefVal> {
         let log_average = self.metering == Metering::LogAverage;
         let weighted = self.pattern != PatternKey::Average;
@@ -114,7 +114,7 @@ impl ExposureKey {
     }
 }
 
-/// How many workgroups read so many rows each.
+/// Workgroups of the first pass, if each reads `height` rows of samples.
 fn workgroups_with(height: u32, viewport_size: UVec2, sampling: ExposureSampling) -> UVec2 {
     let tile = UVec2::new(TILE_WIDTH, height) * sampling.stride();
     UVec2::new(
@@ -123,7 +123,7 @@ fn workgroups_with(height: u32, viewport_size: UVec2, sampling: ExposureSampling
     )
 }
 
-/// How many rows a workgroup of the first pass reads: as few as leave no more partial sums than the second one adds up at once.
+/// Rows that a workgroup of the first pass reads: the fewest that keep the partial sums within one iteration of the second pass.
 pub(super) fn tile_height(viewport_size: UVec2, sampling: ExposureSampling) -> u32 {
     let [low, high] = TILE_HEIGHTS;
     let workgroups = workgroups_with(low, viewport_size, sampling);

@@ -1,17 +1,17 @@
-//! The luminance of a pixel, safe against anything a picture may hold.
+//! Luminance of a pixel, robust against any value that a texture may hold.
 
 use bevy::math::Vec3;
 
 /// ITU-R BT.709-6, 3.2.
 pub const WEIGHTS: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
-/// The largest luminance that counts.
+/// Largest luminance; brighter pixels are clamped to it.
 pub const LARGEST: f32 = 65504.0;
-/// Base-2 logarithms below this, and so black, count as this.
+/// Smallest base-2 logarithm; darker pixels, including black, are clamped to it.
 pub const LOWEST_LOG: f32 = -14.0;
-/// The luminance with that logarithm.
+/// Luminance whose logarithm is [`LOWEST_LOG`].
 pub const SMALLEST: f32 = 6.103_515_6e-5;
 
-/// Luminance 0 to [`LARGEST`]; -1 for what is not a number.
+/// Luminance, 0 to [`LARGEST`]; -1 for NaN.
 pub fn luminance(color: Vec3) -> f32 {
     let y = color.dot(WEIGHTS);
     if y.is_nan() {

@@ -1,27 +1,36 @@
-//! Auto exposure: the picture's luminance, reduced in two dispatches, and an exposure that follows it.
+//! Auto exposure: reduces the luminance of the picture in two dispatches, and adapts the exposure to it.
 //!
 //! Put [`LeanAutoExposure`] on any camera, 3D or 2D; it adds `Hdr`. Each frame, after anti-aliasing and before bloom:
 //!
-//! 1. *meter*: workgroups sum up the luminance of the camera's viewport, with the weights of [`MeteringPattern`], by the mean of
-//!    [`Metering`]; with a [`LuminanceTrim`] they count it in a histogram.
-//! 2. *adapt*: one workgroup adds up these sums and moves the exposure towards its target, in stops a second. The solution is exact:
-//!    its path is the same at any frame rate.
+//! 1. *meter*: workgroups sum the luminance of the camera's viewport, weighted by [`MeteringPattern`], for the mean of [`Metering`];
+//!    with a [`LuminanceTrim`] they bin it in a histogram.
+//! 2. *adapt*: one workgroup adds up these sums and moves the exposure towards its target, in stops per second. The solution is
+//!    exact: its path is the same at any frame rate.
 //!
 //! Bevy's tonemapping applies the exposure. It stays on the GPU; [`MeteredExposure`] on the camera reads it back, some frames later.
-//! [`CameraCut`](crate::CameraCut) starts it adapted anew.
+//! After a [`CameraCut`](crate::CameraCut) the exposure starts adapted.
 //!
-//! The passes are timed together as `lean_deferred/auto_exposure`. Where the device lacks what they need ([`ExposureSupport`]) the
-//! effect is off, and one warning says why.
+//! The GPU time of both passes is recorded together as `lean_deferred/auto_exposure`. On devices that lack what they need
+//! ([`ExposureSupport`]), the effect is off, and one warning says why.
 
-// - `settings.rs`: the components. `support.rs`: what the device can do.
-// - `clock.rs`: the times in which it may adapt. `state.rs`: the exposure of a camera on the GPU, and cuts. `readback.rs`: its way back, for cameras that ask.
-// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-// - `active.rs`: whether and how a view is metered in this frame. `prepare.rs`: what the passes need of the view.
-// - `pass.rs`: the passes.
-// - `meter.wgsl`, `adapt.wgsl`: the shaders. `reduction.wgsl`: the sum of a workgroup. `bindings.wgsl`, `binding_numbers.rs`: what
-//   they bind, and where.
-// - `overlay.{rs,wgsl}`: what is metered, shown over the picture. `pattern.wgsl`: how much a pixel counts.
-// - `luminance.{wgsl,rs}`, `adaptation.{wgsl,rs}`: binding-free maths, twice.
+// - `settings.rs`: the components.
+// - `support.rs`: capabilities of the device.
+// - `clock.rs`: real and virtual time, one of which drives adaptation.
+// - `state.rs`: the exposure of a camera on the GPU.
+// - `readback.rs`: reads the exposure back, for cameras with `MeteredExposure`.
+// - `uniforms.rs`: the uniform of a view, and the adaptation state.
+// - `key.rs`: pipeline key, and sizes of dispatches and buffers.
+// - `pipelines.rs`: layouts and pipelines.
+// - `active.rs`: decides per view and frame if and how it is metered.
+// - `prepare.rs`: uniforms, buffers and bind groups of views.
+// - `pass.rs`: the two dispatches.
+// - `meter.wgsl`: the first dispatch.
+// - `adapt.wgsl`: the second dispatch.
+// - `reduction.wgsl`: sums over a workgroup.
+// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
+// - `overlay.{rs,wgsl}`: shows pixel weights and the exposure over the picture.
+// - `pattern.wgsl`: the weight of a pixel.
+// - `luminance.{rs,wgsl}`, `adaptation.{rs,wgsl}`: binding-free maths, with Rust twins.
 
 mod active;
 #[doc(hidden)]
@@ -85,7 +94,7 @@ use crate::{
     },
 };
 
-/// Auto exposure, for cameras with [`LeanAutoExposure`]. Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it
+/// Adds auto exposure for cameras with [`LeanAutoExposure`]. Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it
 /// after `DefaultPlugins`.
 #[derive(Default)]
 pub struct LeanAutoExposurePlugin;
@@ -116,7 +125,7 @@ impl Plugin for LeanAutoExposurePlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        // The history outlasts pauses.
+        // `ExposureHistory` outlasts `ViewExposurePipelines`: the effect may pause.
         removal::remove_with::<
             LeanAutoExposure,
             (ViewExposurePipelines, ExposureHistory, ExposureReadback),

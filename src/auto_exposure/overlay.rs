@@ -1,4 +1,4 @@
-//! What is metered, shown over the tonemapped picture of cameras that ask for it.
+//! Debug overlay of the metering, drawn over the tonemapped image of cameras that ask for it.
 
 use bevy::{
     asset::load_embedded_asset,
@@ -44,7 +44,7 @@ pub struct ExposureOverlay {
     group: CachedBindGroup,
 }
 
-/// The pipelines by target and key. Made by `init_overlay_pipelines`.
+/// Pipelines by target and key. Created by `init_overlay_pipelines`.
 #[derive(Resource)]
 pub(super) struct OverlayPipelines {
     shader: Handle<Shader>,
@@ -64,7 +64,7 @@ pub(super) fn init_overlay_pipelines(
     });
 }
 
-/// Settings and state; mask and its sampler.
+/// Settings and state; with a mask also the mask and its sampler.
 fn overlay_layout(key: ExposureKey) -> BindGroupLayoutDescriptor {
     let state = storage_buffer_read_only_sized(false, Some(ExposureState::min_size()));
     layout(
@@ -175,7 +175,7 @@ pub(super) fn prepare_overlay_bind_groups(
     }
 }
 
-/// After tonemapping.
+/// Runs after tonemapping.
 pub(super) fn exposure_overlay(
     view: ViewQuery<(
         &ExposureOverlay,
@@ -199,7 +199,7 @@ pub(super) fn exposure_overlay(
         &mut |ctx| {
             let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
                 label: Some("lean_deferred/auto_exposure/overlay"),
-                // Tonemapping has resolved what was sampled several times.
+                // Tonemapping has already resolved MSAA.
                 color_attachments: &[Some(target.get_unsampled_color_attachment())],
                 ..default()
             });

@@ -1,5 +1,5 @@
-//! The two dispatches, in one pass. Their GPU time is that of the span `lean_deferred/auto_exposure`: timestamps between them would
-//! cost as much as they do.
+//! The two dispatches, in one compute pass. The span `lean_deferred/auto_exposure` times both: timestamps between them would cost as
+//! much as the dispatches.
 
 use bevy::{
     prelude::*,
@@ -18,7 +18,7 @@ use super::{
 };
 use crate::gpu::timed::timed;
 
-/// Between anti-aliasing and post-processing: measures the picture, and adapts the view's exposure.
+/// Meters the image and adapts the view's exposure, between anti-aliasing and post-processing.
 pub(super) fn auto_exposure(
     view: ViewQuery<(
         &ViewExposure,

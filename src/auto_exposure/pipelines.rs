@@ -22,7 +22,7 @@ use super::{
 };
 use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
 
-/// Those of the two passes.
+/// Pipelines of the two passes.
 #[derive(Clone, Copy)]
 pub(super) struct PassPipelines {
     pub(super) meter: CachedComputePipelineId,
@@ -37,7 +37,7 @@ impl PassPipelines {
     }
 }
 
-/// The pipelines by key. Made by `init_exposure_pipelines`.
+/// Pipelines by key. Created by `init_exposure_pipelines`.
 #[derive(Resource)]
 pub(super) struct ExposurePipelines {
     meter_shader: Handle<Shader>,
@@ -59,7 +59,7 @@ pub(super) fn init_exposure_pipelines(
     });
 }
 
-/// The layout of the first pass: settings, picture, sums; mask and its sampler.
+/// Layout of the first pass: settings, image, sums; with a mask also the mask and its sampler.
 pub fn meter_layout(key: ExposureKey) -> BindGroupLayoutDescriptor {
     let picture = texture_2d(TextureSampleType::Float { filterable: false });
     layout(
@@ -75,7 +75,7 @@ pub fn meter_layout(key: ExposureKey) -> BindGroupLayoutDescriptor {
     )
 }
 
-/// The layout of the second pass: settings, sums, state, Bevy's view.
+/// Layout of the second pass: settings, sums, state, Bevy's view.
 pub fn adapt_layout() -> BindGroupLayoutDescriptor {
     layout(
         "lean_deferred/auto_exposure/adapt",
@@ -95,7 +95,7 @@ pub fn adapt_layout() -> BindGroupLayoutDescriptor {
     )
 }
 
-/// The mask and its sampler, if pixels are weighted by one.
+/// Entries of the mask and its sampler, if `key` has a mask.
 pub(super) fn mask_entries(
     key: ExposureKey,
 ) -> impl Iterator<Item = (u32, BindGroupLayoutEntryBuilder)> {
@@ -109,13 +109,13 @@ pub(super) fn mask_entries(
 }
 
 impl ExposurePipelines {
-    /// The layout of the first pass, if there is a pipeline for `key`.
+    /// Layout of the first pass; `None` before [`get`](Self::get) was called for `key`.
     pub(super) fn meter_layout(&self, key: ExposureKey) -> Option<&FoundLayout> {
         let (_, layout) = self.by_key.get(&key)?;
         Some(layout)
     }
 
-    /// Those of both passes; they may still be compiling.
+    /// Pipelines of both passes; they may still be compiling.
     pub(super) fn get(
         &mut self,
         key: ExposureKey,

@@ -1,5 +1,4 @@
-//! What the passes need of a view: its uniform, its buffers, and bind groups, which are made anew only when what they bind
-//! changed.
+//! Per-view resources of the passes: uniform, buffers and bind groups. Bind groups are recreated only when their resources change.
 
 use bevy::{
     prelude::*,
@@ -32,16 +31,16 @@ use crate::{
     view::CameraCuts,
 };
 
-/// The uniforms of all views.
+/// Uniforms of all views.
 #[derive(Resource, Default)]
 pub(super) struct ExposureUniforms(pub(super) DynamicUniformBuffer<ExposureView>);
 
-/// On a view with auto exposure: where its uniform is, and its buffers between the passes.
+/// On a view with auto exposure: the offset of its uniform, and the buffer between the passes.
 #[derive(Component)]
 pub struct ViewExposure {
     pub(super) offset: u32,
     pub(super) workgroups: UVec2,
-    /// What the first pass leaves for the second: partial sums, or the histogram.
+    /// Output of the first pass: partial sums, or the histogram.
     pub(super) sums: Buffer,
     is_histogram: bool,
 }
@@ -61,13 +60,13 @@ impl ViewExposure {
         }
     }
 
-    /// Whether the buffer is what the shaders of `key` expect.
+    /// True if the buffer has the layout that the shaders of `key` expect.
     fn fits(&self, key: ExposureKey, viewport_size: UVec2) -> bool {
         self.sums.size() == key.sums_size(viewport_size) && self.is_histogram == key.has_histogram()
     }
 }
 
-/// Fills [`ExposureUniforms`], and makes the buffers where there are none that fit.
+/// Fills [`ExposureUniforms`], and creates buffers where none fits.
 pub(super) fn write_exposure_uniforms(
     mut commands: Commands,
     mut uniforms: ResMut<ExposureUniforms>,
@@ -91,7 +90,7 @@ pub(super) fn write_exposure_uniforms(
         let (origin, size) = match &camera.viewport {
             Some(viewport) => (viewport.physical_position, viewport.physical_size),
             None => {
-                // Not as the camera has it, which may lag behind a target that is resized or replaced.
+                // The camera's own target size may lag behind a target that is resized or replaced.
                 let picture = target.main_texture();
                 (UVec2::ZERO, UVec2::new(picture.width(), picture.height()))
             }
@@ -119,20 +118,20 @@ pub(super) fn write_exposure_uniforms(
 /// On a view with auto exposure: the bind groups of its passes.
 #[derive(Component, Default)]
 pub struct ExposureBindings {
-    /// Post-processing swaps the two main textures: there is a group for each.
+    /// One per main texture, since post-processing swaps the two.
     pub(super) meter: [(Option<TextureViewId>, CachedBindGroup); 2],
     pub(super) adapt: CachedBindGroup,
 }
 
 impl ExposureBindings {
-    /// Those that stay from frame to frame as long as nothing changes.
+    /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
         let meter = self.meter.iter().map(|(_, group)| group);
         meter.chain([&self.adapt]).filter_map(CachedBindGroup::get)
     }
 }
 
-/// Makes the bind groups of all views with auto exposure.
+/// Updates the bind groups of all views with auto exposure.
 pub(super) fn prepare_exposure_bind_groups(
     mut commands: Commands,
     device: Res<RenderDevice>,
@@ -192,7 +191,7 @@ pub(super) fn prepare_exposure_bind_groups(
 }
 
 system_param! {
-    /// The images that cameras are metered by.
+    /// Images of the metering masks.
     pub(super) struct Masks<'w> {
         device: Res<'w, RenderDevice>,
         images: Res<'w, RenderAssets<GpuImage>>,
@@ -201,7 +200,7 @@ system_param! {
 }
 
 impl Masks<'_> {
-    /// An image, if it is loaded; or why it is no mask.
+    /// The mask's image; `None` while it is loading. The error is the reason that the image cannot be a mask.
     pub(super) fn get(&self, mask: &Handle<Image>) -> Result<Option<&GpuImage>, &'static str> {
         let Some(image) = self.images.get(mask) else {
             return Ok(None);
@@ -226,7 +225,8 @@ impl Masks<'_> {
         }
     }
 
-    /// The mask of `pipelines` and its sampler, if there is one. All pixels count if it has been unloaded, or replaced by what is none.
+    /// Binds the mask of `pipelines` and its sampler, if it has one. If the mask was unloaded or replaced by an unsuitable image, all
+    /// pixels count.
     pub(super) fn push(
         &self,
         pipelines: &ViewExposurePipelines,

@@ -1,7 +1,7 @@
-//! The way of the exposure back to the cameras that have [`MeteredExposure`]: copied after it was found, and read when
-//! the GPU has got there, so that nobody waits.
+//! Readback of the exposure for cameras with [`MeteredExposure`]: copied after adaptation and mapped asynchronously, so that nothing
+//! waits for the GPU.
 //!
-//! Not by Bevy's `Readback`, which panics where a device is lost.
+//! Bevy's `Readback` is not used, since it panics on device loss.
 
 use std::sync::{Arc, Mutex};
 
@@ -22,14 +22,14 @@ use super::{
     MeteredExposure, prepare::ViewExposure, state::ExposureHistory, uniforms::ExposureState,
 };
 
-/// Frames that may be on their way at a time. While none of these is free, frames go unread.
+/// Frames in flight. Frames are not read back while no slot is free.
 const SLOTS: usize = 4;
 
 /// On a view whose exposure is read back.
 #[derive(Component)]
 pub struct ExposureReadback {
     slots: [Slot; SLOTS],
-    /// Frames that have been copied.
+    /// Number of frames copied so far.
     frames: Mutex<u64>,
 }
 
@@ -38,13 +38,13 @@ struct Slot {
     progress: Arc<Mutex<Progress>>,
 }
 
-/// How far a slot is; with the number of its frame.
+/// State of a slot, with the number of its frame.
 #[derive(Clone, Copy, Default)]
 enum Progress {
     #[default]
     Free,
     Copied(u64),
-    /// Waiting for the GPU, or given up: its device was lost.
+    /// Waiting for the GPU, or abandoned after device loss.
     Mapping,
     Read(u64, ExposureState),
 }
@@ -82,7 +82,7 @@ impl ExposureReadback {
         }
     }
 
-    /// Copies the `state` that has just been found.
+    /// Copies this frame's `state` if a slot is free.
     pub(super) fn copy(&self, state: &Buffer, encoder: &mut CommandEncoder) {
         let is_free = |slot: &&Slot| matches!(slot.progress(), Progress::Free);
         let Some(slot) = self.slots.iter().find(is_free) else {
@@ -94,7 +94,7 @@ impl ExposureReadback {
         slot.set(Progress::Copied(*frames));
     }
 
-    /// The latest state that has come back since the last call.
+    /// The newest state that has arrived since the last call.
     fn latest(&self) -> Option<ExposureState> {
         let read = self.slots.iter().filter_map(|slot| match slot.progress() {
             Progress::Read(frame, state) => {
@@ -108,7 +108,7 @@ impl ExposureReadback {
     }
 }
 
-/// Begins to read back what somebody asks for.
+/// Creates readbacks for views with [`MeteredExposure`].
 pub(super) fn prepare_readbacks(
     mut commands: Commands,
     device: Res<RenderDevice>,
@@ -128,7 +128,7 @@ pub(super) fn prepare_readbacks(
     }
 }
 
-/// After the frame was submitted: asks for what was copied in it.
+/// Maps the slots that were copied this frame. Runs after the frame is submitted.
 pub(super) fn map_readbacks(views: Query<&ExposureReadback>) {
     for slot in views.iter().flat_map(|readback| &readback.slots) {
         let Progress::Copied(frame) = slot.progress() else {
@@ -145,7 +145,7 @@ pub(super) fn map_readbacks(views: Query<&ExposureReadback>) {
                 let bytes = StorageBuffer::new(buffer.slice(..).get_mapped_range().to_vec());
                 buffer.unmap();
                 *lock(&progress) = match bytes.create::<ExposureState>() {
-                    // Before its first frame it says nothing.
+                    // 0 before the first metered frame.
                     Ok(state) if state.cuts_seen > 0 => Progress::Read(frame, state),
                     _ => Progress::Free,
                 };
@@ -153,7 +153,7 @@ pub(super) fn map_readbacks(views: Query<&ExposureReadback>) {
     }
 }
 
-/// Hands what has come back to the cameras in the main world.
+/// Writes the states that have arrived to the cameras in the main world.
 pub(super) fn report_metered(
     mut main_world: ResMut<MainWorld>,
     views: Query<(&MainEntity, &ExposureReadback), With<ExposureHistory>>,

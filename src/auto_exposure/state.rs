@@ -1,4 +1,4 @@
-//! What a camera keeps from frame to frame: its exposure, on the GPU, and how many cuts it had.
+//! State of a camera across frames: its exposure and the cuts it has seen, on the GPU.
 
 use bevy::{
     prelude::*,
@@ -14,16 +14,16 @@ use super::{
     uniforms::ExposureState,
 };
 
-/// On a view with auto exposure, also while it is off: its exposure.
+/// On a view with auto exposure, even while its camera is off: its exposure.
 #[derive(Component)]
 pub struct ExposureHistory {
     /// An [`ExposureState`].
     pub(super) state: Buffer,
-    /// When the view was rendered last: it may have paused.
+    /// Time of the view's last frame, which may have been long ago.
     pub(super) rendered: Clocks,
 }
 
-/// Gives views their histories.
+/// Creates missing histories.
 pub(super) fn begin_histories(
     mut commands: Commands,
     device: Res<RenderDevice>,
@@ -31,7 +31,7 @@ pub(super) fn begin_histories(
 ) {
     for entity in &views {
         commands.entity(entity).insert(ExposureHistory {
-            // Zeros: no frame has been seen yet.
+            // Zero-initialised: no frame has been seen yet.
             state: device.create_buffer(&BufferDescriptor {
                 label: Some("lean_deferred/auto_exposure/state"),
                 size: ExposureState::min_size().get(),
@@ -43,7 +43,7 @@ pub(super) fn begin_histories(
     }
 }
 
-/// Without auto exposure nothing is metered.
+/// Resets the readback, since nothing is metered without auto exposure.
 pub(super) fn remove_state(removed: On<Remove, LeanAutoExposure>, mut commands: Commands) {
     commands
         .entity(removed.entity)

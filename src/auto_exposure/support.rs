@@ -1,4 +1,4 @@
-//! What the device can do.
+//! Capabilities of the device.
 
 use bevy::{
     prelude::*,
@@ -23,10 +23,11 @@ pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
     max_storage_buffers_per_shader_stage: 4,
 ];
 
-/// Support for metering on this device. In the main world from before `Startup` on, and in the render world from `RenderStartup` on.
+/// Support for metering on this device. Exists in the main world from before `Startup` on, and in the render world from
+/// `RenderStartup` on.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExposureSupport {
-    /// What is missing; then the effect is off.
+    /// Missing capability; the effect is off if there is one.
     pub missing: Option<String>,
     pub(crate) subgroups: Subgroups,
 }
@@ -55,7 +56,7 @@ impl ExposureSupport {
         } else if limits.min_storage_buffer_offset_alignment
             > limits.min_uniform_buffer_offset_alignment
         {
-            // Bevy lays its views out as uniforms; the exposure is written into them.
+            // Bevy lays views out as uniforms, and the second pass writes the exposure into them as storage.
             Some("storage buffers at the offsets of uniforms".into())
         } else {
             None
@@ -66,10 +67,10 @@ impl ExposureSupport {
         }
     }
 
-    /// Whether a camera with `settings` meters by subgroups.
+    /// True if a camera with `settings` is metered by subgroups.
     pub(super) fn uses_subgroups(&self, settings: &LeanAutoExposure) -> bool {
         match settings.reduction {
-            // The histogram is faster without: see the bench.
+            // The histogram is faster without subgroups, by the bench.
             ReductionPath::Auto => self.subgroups.are_useful() && settings.trim.is_none(),
             ReductionPath::Subgroup => self.subgroups.exist(),
             ReductionPath::SharedMemory => false,
@@ -77,7 +78,7 @@ impl ExposureSupport {
     }
 }
 
-/// Tells the main world of the device; true if that can meter.
+/// Inserts [`ExposureSupport`] into the main world; true if the device can meter.
 pub(super) fn tell_main_world(world: &mut World) -> bool {
     let support = ExposureSupport::from_world(world);
     let can_meter = support.missing.is_none();
@@ -85,7 +86,7 @@ pub(super) fn tell_main_world(world: &mut World) -> bool {
     can_meter
 }
 
-/// Looks at the device, each time there is a new one. In the render world.
+/// Queries each new device. Runs in the render world.
 pub(super) fn init_exposure_support(world: &mut World) {
     let support = ExposureSupport::from_world(world);
     if let Some(missing) = &support.missing {

@@ -1,4 +1,4 @@
-//! What the shaders know of a view, and the state that they keep.
+//! Uniforms of a view, and the state that the shaders keep.
 
 use bevy::{prelude::*, render::render_resource::ShaderType};
 
@@ -7,14 +7,14 @@ use super::{
     settings::{LeanAutoExposure, MeteringPattern},
 };
 
-/// Points of a compensation curve that count.
+/// Points of a compensation curve that are used.
 const CURVE_POINTS: usize = 16;
-/// The largest target and speed: with any more, differences and products might not be numbers.
+/// Upper bound of the target and of speeds. Above it, differences and products could be NaN.
 const LARGEST: f32 = 65504.0;
 /// The largest exposure and compensation, in stops.
 const LARGEST_STOPS: f32 = 64.0;
 
-/// Settings, and what the passes know of a view.
+/// Uniform of the passes: settings and viewport.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct ExposureView {
@@ -39,7 +39,7 @@ pub struct ExposureView {
 }
 
 impl ExposureView {
-    /// What `settings` make of a viewport in a frame that follows the last one after `seconds`.
+    /// Derives the uniform from `settings` and the viewport, `seconds` after the last frame. `cuts` counts camera cuts.
     pub fn new(
         settings: &LeanAutoExposure,
         viewport_origin: UVec2,
@@ -83,21 +83,21 @@ impl ExposureView {
     }
 }
 
-/// `value`, or `default` if it is not a number.
+/// `value`, or `default` for NaN.
 fn number(value: f32, default: f32) -> f32 {
     if value.is_nan() { default } else { value }
 }
 
-/// Kept from frame to frame, and read back.
+/// GPU state of a camera, kept across frames and read back.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct ExposureState {
-    /// As metered, before the exposure.
+    /// Metered luminance, before exposure.
     pub luminance: f32,
     /// In stops.
     pub exposure: f32,
     /// In stops.
     pub target_exposure: f32,
-    /// Camera cuts seen, plus one; 0 before the first frame. With the highest bit while no frame since has shown light.
+    /// Camera cuts seen, plus one; 0 before the first frame. The highest bit is set while no frame since has shown light.
     pub cuts_seen: u32,
 }

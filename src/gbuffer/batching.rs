@@ -1,4 +1,5 @@
-//! Batching of the G-buffer's phases: the systems of Bevy's `BinnedRenderPhasePlugin`, which has no set to skip them by.
+//! Batching of the G-buffer's phases. Repeats the systems of Bevy's `BinnedRenderPhasePlugin`, which are in no set by which they could
+//! be skipped.
 
 use bevy::{
     pbr::{DrawPrepass, MeshInputUniform, MeshPipeline, MeshUniform},
@@ -26,7 +27,7 @@ use crate::view::EffectSystems;
 type InstancesFromCpu = BatchedInstanceBuffer<MeshUniform>;
 type InstancesFromGpu = BatchedInstanceBuffers<MeshUniform, MeshInputUniform>;
 
-/// Adds a phase whose meshes are batched and drawn as in Bevy's prepasses.
+/// Adds a phase that is batched and drawn like Bevy's prepasses.
 pub(super) fn add_phase<P>(app: &mut App)
 where
     P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey> + CachedRenderPipelinePhaseItem,

@@ -1,5 +1,5 @@
-//! Bevy's own phases of a lean view: what the G-buffer carries from now on is taken out of them, and what it no longer
-//! carries is put back, without Bevy having to specialize and queue it anew.
+//! Edits Bevy's own phases of a lean view: removes meshes that the G-buffer now draws and returns those that it no
+//! longer draws. Bevy need not specialize and queue them again.
 
 use bevy::{
     core_pipeline::{
@@ -42,7 +42,7 @@ system_param! {
     }
 }
 
-/// The phases of one view, as far as it has them.
+/// The phases of one view; `None` for those that it lacks.
 pub(super) struct BevyViewPhases<'a> {
     opaque: Option<&'a mut BinnedRenderPhase<Opaque3d>>,
     alpha_mask: Option<&'a mut BinnedRenderPhase<AlphaMask3d>>,
@@ -51,7 +51,7 @@ pub(super) struct BevyViewPhases<'a> {
 }
 
 impl BevyPhases<'_> {
-    /// Whether Bevy's deferred pass draws into the view.
+    /// True if Bevy's deferred pass draws into the view.
     pub(super) fn draws_deferred(&self, view: &RetainedViewEntity) -> bool {
         self.opaque_deferred.contains_key(view)
     }
@@ -67,8 +67,8 @@ impl BevyPhases<'_> {
 }
 
 impl BevyViewPhases<'_> {
-    /// Leaves the drawing of a mesh to the G-buffer. It stays in the prepass if the G-buffer does not write all that the
-    /// prepass does.
+    /// Removes a mesh that the G-buffer draws. It stays in the prepass if the G-buffer does not write everything that
+    /// the prepass writes.
     pub(super) fn take_out(&mut self, mesh: MainEntity, keeps_prepass: bool) {
         remove(&mut self.opaque, mesh);
         remove(&mut self.alpha_mask, mesh);
@@ -78,8 +78,8 @@ impl BevyViewPhases<'_> {
         }
     }
 
-    /// Has the forward renderer draw `mesh`, whoever drew it before: what Bevy's `queue_material_meshes` does for opaque and
-    /// alpha-masked meshes whose method is `Forward`.
+    /// Queues `mesh` for the forward renderer in place of any earlier entry. Mirrors Bevy's `queue_material_meshes` for
+    /// opaque and alpha-masked meshes whose method is `Forward`.
     pub(super) fn put_into_main(
         &mut self,
         entity: MainEntity,
@@ -88,7 +88,7 @@ impl BevyViewPhases<'_> {
         pipelines: &SpecializedMaterialViewPipelineCache,
     ) {
         let Some(&pipeline) = pipelines.get(&entity) else {
-            // Bevy waits for it, too, and queues it then.
+            // Bevy waits for the pipeline too and then queues the mesh.
             return;
         };
         let properties = &mesh.material.properties;
@@ -131,12 +131,12 @@ impl BevyViewPhases<'_> {
                     phase.add(key, bin, entities, uniform_index, phase_type);
                 }
             }
-            // These were never taken out.
+            // `take_out` never removes these.
             RenderPhaseType::Transmissive | RenderPhaseType::Transparent => {}
         }
     }
 
-    /// As Bevy's `queue_prepass_material_meshes` does it for meshes whose method is `Forward`.
+    /// Mirrors Bevy's `queue_prepass_material_meshes` for meshes whose method is `Forward`.
     pub(super) fn put_into_prepass(
         &mut self,
         entity: MainEntity,
@@ -181,8 +181,9 @@ impl BevyViewPhases<'_> {
     }
 }
 
-/// After Bevy's systems that keep phases for all active cameras: drops those of lean cameras that are not extracted. Bevy 0.19 keeps them
-/// (bevy#25649), with meshes that go meanwhile, and puts those that stay into them once more.
+/// Drops the phases of lean cameras that are not extracted; runs after Bevy's systems that keep phases for all active
+/// cameras. Bevy 0.19 keeps these phases (bevy#25649): meshes despawned meanwhile stay in them, and the others are
+/// added a second time.
 pub(super) fn drop_phases_of_views_without_pixels(
     mut binned: BevyPhases,
     mut transmissive: Option<ResMut<ViewSortedRenderPhases<Transmissive3d>>>,

@@ -1,10 +1,10 @@
-//! Where the shaders of the G-buffer have what they bind.
+//! Binding numbers of the G-buffer's shaders.
 
 use crate::gpu::bindings::binding_numbers;
 
-/// Of `pack.wgsl`.
+/// Bindings of `pack.wgsl`.
 pub mod pack {
-    /// The bind group of the masks. Bevy's prepass pipelines have an empty one there.
+    /// Bind group of the masks. Bevy's prepass pipelines have an empty one at this index.
     pub const VISIBILITY_MASK_GROUP: usize = 1;
 
     super::binding_numbers! {
@@ -12,7 +12,7 @@ pub mod pack {
     }
 }
 
-/// Of `resolve_motion.wgsl`.
+/// Bindings of `resolve_motion.wgsl`.
 pub mod resolve_motion {
     super::binding_numbers! {
         VIEW = 0,

@@ -1,4 +1,5 @@
-//! What the visible meshes of each view need of the G-buffer and of lighting, and what a view gets for it.
+//! Tracks the G-buffer targets and lighting variants that the visible meshes of each view need, and derives those that
+//! the view gets.
 
 use bevy::{
     platform::collections::HashMap,
@@ -11,11 +12,11 @@ use bevy::{
 
 use crate::view::Demand;
 
-/// Frames that a view keeps what none of its visible meshes needs any more: what goes out of sight and comes back
-/// finds textures and pipelines as they were.
+/// Frames for which a view keeps targets and pipelines that none of its visible meshes needs, so that a mesh which
+/// returns to view finds them ready.
 const LINGERING_FRAMES: u32 = 120;
 
-/// What a mesh needs, and what else says where it goes.
+/// Needs of a mesh, with the other property that decides its placement.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct MeshDemand {
     pub(super) demand: Demand,
@@ -23,30 +24,30 @@ pub(super) struct MeshDemand {
 }
 
 impl MeshDemand {
-    /// Nothing that a view may come to have concerns the mesh.
+    /// True if no possible change of a view's demand concerns the mesh.
     fn is_plain(self) -> bool {
         self.demand.is_empty() && !self.is_alpha_masked
     }
 }
 
-/// The demand of one view. Of each mesh it is the largest that there can be, whether the view has a use for all of it
-/// or not: see [`Demand::on`].
+/// The demand of one view. Each mesh counts with its largest possible demand, including parts that the view has no use
+/// for: see [`Demand::on`].
 #[derive(Default)]
 pub(super) struct ViewDemand {
     by_mesh: MainEntityHashMap<MeshDemand>,
-    /// How many meshes have each demand.
+    /// Number of meshes per demand.
     counts: HashMap<Demand, usize>,
-    /// For how many more frames each demand of before is met.
+    /// Remaining frames for which each current or former demand is met.
     lingering: HashMap<Demand, u32>,
 }
 
 impl ViewDemand {
-    /// The meshes that need more than the base targets and plain lighting, and those that are alpha-masked.
+    /// Meshes that need more than the base targets and plain lighting, and alpha-masked meshes.
     pub(super) fn each(&self) -> impl Iterator<Item = (MainEntity, MeshDemand)> {
         self.by_mesh.iter().map(|(mesh, demand)| (*mesh, *demand))
     }
 
-    /// Records what `mesh` needs, in place of what it needed before.
+    /// Records the needs of `mesh` in place of its former ones.
     pub(super) fn insert(&mut self, mesh: MainEntity, demand: MeshDemand) {
         if self.by_mesh.get(&mesh) == Some(&demand) {
             return;
@@ -58,7 +59,6 @@ impl ViewDemand {
         }
     }
 
-    /// Forgets a mesh.
     pub(super) fn remove(&mut self, mesh: MainEntity) {
         if self.by_mesh.is_empty() {
             return;
@@ -74,7 +74,8 @@ impl ViewDemand {
         }
     }
 
-    /// Forgets all meshes, as those of a camera that is switched off. What they need is kept in mind as long as that of meshes out of sight.
+    /// Forgets all meshes, as for a camera that is switched off. Their demands linger like those of meshes out of
+    /// sight.
     fn forget_meshes(&mut self) {
         self.by_mesh.clear();
         for (demand, _) in self.counts.drain() {
@@ -82,7 +83,7 @@ impl ViewDemand {
         }
     }
 
-    /// What is needed now and what was a little while ago, and what is needed now. To be called once a frame.
+    /// Returns the current demand with and without lingering ones. Call once per frame.
     fn wanted(&mut self) -> [Demand; 2] {
         self.lingering.retain(|_, frames| {
             *frames = frames.saturating_sub(1);
@@ -110,8 +111,8 @@ impl ViewDemands {
         self.0.entry(view).or_default()
     }
 
-    /// Forgets the meshes of views that are not `active`, and those that `exist` no more. The first frame after a pause then has targets and
-    /// lighting for what the last one before it showed.
+    /// Forgets the meshes of views that are not `active`, and drops views that no longer `exist`. The first frame after
+    /// a pause then has targets and lighting for the content of the last frame before it.
     pub(super) fn retain(
         &mut self,
         active: impl Fn(&RetainedViewEntity) -> bool,
@@ -126,14 +127,14 @@ impl ViewDemands {
         });
     }
 
-    /// Needs of the meshes of all views, of this frame or a little while ago.
+    /// Demand of the meshes of all views, including lingering ones.
     fn of_all(&self) -> Demand {
         let demands = self.0.values().flat_map(|view| view.lingering.keys());
         demands.fold(Demand::default(), |all, demand| all.union(*demand))
     }
 
-    /// True if `view` has, or had a little while ago, visible meshes beneath whose surfaces light scatters. A view in its first frame may
-    /// have some if others do.
+    /// True if visible meshes of `view` scatter light beneath their surfaces, now or within the lingering time. A view
+    /// in its first frame is assumed to if any other does.
     pub(crate) fn scatter(&self, view: RetainedViewEntity) -> bool {
         match self.0.get(&view) {
             Some(demand) => (demand.lingering.keys()).any(|demand| demand.variants.scatter()),
@@ -141,8 +142,8 @@ impl ViewDemands {
         }
     }
 
-    /// What `view` should have in this frame, by what its meshes needed up to the last one: with what they needed a little
-    /// while ago, and without. A view in its first frame shows, for all that is known, what others do.
+    /// Demand that `view` should meet in this frame, from the needs of its meshes up to the last one: with and without
+    /// lingering ones. For a view in its first frame the best guess is the demand of all other views.
     pub(crate) fn wanted(&mut self, view: RetainedViewEntity) -> [Demand; 2] {
         match self.0.get_mut(&view) {
             Some(demand) => demand.wanted(),

@@ -1,7 +1,8 @@
-//! The copy of depth that whoever asked for a depth prepass reads.
+//! Provides the depth copy of the depth prepass to its readers.
 //!
-//! Bevy's prepass makes it right after it has drawn, when the lean meshes are still missing, and once more in the second
-//! phase of occlusion culling. On lean views the copy's texture is kept from it, and one copy made when depth is complete.
+//! Bevy's prepass copies depth right after drawing, when the lean meshes are still missing, and again in the second
+//! phase of occlusion culling. On lean views these systems withhold the copy's texture from it and copy once, when
+//! depth is complete.
 
 use bevy::{
     core_pipeline::prepass::ViewPrepassTextures,
@@ -15,15 +16,16 @@ use bevy::{
 
 use crate::view::ActiveLeanView;
 
-/// The systems of this file. They change what shadow passes do not read.
+/// The systems of this file. They change nothing that shadow passes read.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct DepthCopySystems;
 
-/// The texture, while it is kept from Bevy's prepass. The views of a frame are drawn one after the other.
+/// The texture, while it is withheld from Bevy's prepass. One slot suffices: the views of a frame are drawn in
+/// sequence.
 #[derive(Resource, Default)]
 pub(super) struct WithheldDepthCopy(Option<ColorAttachment>);
 
-/// Before Bevy's early prepass.
+/// Withholds the texture before Bevy's early prepass.
 pub(super) fn withhold_depth_copy(
     view: ViewQuery<&mut ViewPrepassTextures, With<ActiveLeanView>>,
     mut withheld: ResMut<WithheldDepthCopy>,
@@ -31,7 +33,8 @@ pub(super) fn withhold_depth_copy(
     withheld.0 = view.into_inner().depth.take();
 }
 
-/// Before Bevy's late prepass: motion vectors are resolved by what that changes in depth, so its copy is needed.
+/// Returns the texture before Bevy's late prepass on views that resolve motion: the late resolve compares depth with
+/// the copy which that prepass makes.
 pub(super) fn allow_late_depth_copy(
     view: ViewQuery<(&mut ViewPrepassTextures, &ActiveLeanView)>,
     mut withheld: ResMut<WithheldDepthCopy>,
@@ -42,7 +45,7 @@ pub(super) fn allow_late_depth_copy(
     }
 }
 
-/// After the last pass that draws in the place of the prepass.
+/// Copies depth after the last pass that draws in place of the prepass.
 pub(super) fn copy_depth(
     view: ViewQuery<(&mut ViewPrepassTextures, &ViewDepthTexture), With<ActiveLeanView>>,
     mut withheld: ResMut<WithheldDepthCopy>,
@@ -50,8 +53,8 @@ pub(super) fn copy_depth(
 ) {
     let (mut textures, depth) = view.into_inner();
     give_back(&mut textures, &mut withheld);
-    // Where cameras of one target say different sizes, Bevy's two textures may differ, and from what the view says. Depth
-    // can only be copied whole.
+    // Cameras that share a target may report different sizes. Bevy's two textures may then differ in size from each
+    // other and from the view, and depth can only be copied whole.
     if let Some(copy) = &textures.depth
         && copy.texture.texture.size() == depth.texture.size()
     {

@@ -1,4 +1,4 @@
-//! The meshes that Bevy has extracted anew in this frame.
+//! Lists the meshes that Bevy extracted in this frame.
 
 use bevy::{
     ecs::system::SystemParam,
@@ -7,15 +7,15 @@ use bevy::{
     render::sync_world::MainEntity,
 };
 
-/// After Bevy's `MeshExtractionSystems`: the visible meshes that moved, changed or became visible. Bevy looks for them among all meshes,
-/// in parallel; what concerns a few of them need not do so again.
+/// Visible meshes that moved, changed or became visible; valid after Bevy's `MeshExtractionSystems`. Bevy searches all
+/// meshes in parallel; systems that concern a few of them need not repeat that.
 #[derive(SystemParam)]
 pub(super) struct ExtractedMeshes<'w> {
     queues: Option<ResMut<'w, RenderMeshInstanceGpuQueues>>,
 }
 
 impl ExtractedMeshes<'_> {
-    /// `None` where Bevy does not list them: on devices for which it makes the uniforms of meshes on the CPU.
+    /// `None` if Bevy keeps no list: on devices for which it builds mesh uniforms on the CPU.
     pub(super) fn iter(&mut self) -> Option<impl Iterator<Item = MainEntity>> {
         let queues = self.queues.as_mut()?.bypass_change_detection();
         Some(queues.iter_mut().flat_map(|queue| {

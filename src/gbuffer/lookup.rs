@@ -1,4 +1,4 @@
-//! What a mesh needs of the G-buffer, and whether that can carry it.
+//! Looks up the G-buffer needs of a mesh, or finds that only forward can draw it.
 
 use core::{hash::BuildHasher, ops::Deref};
 
@@ -36,7 +36,7 @@ use crate::{
 };
 
 system_param! {
-    /// Meshes and materials, as far as they decide how a mesh is drawn.
+    /// The meshes and materials that decide how a mesh is drawn.
     pub(super) struct MeshLookup<'w> {
         mesh_instances: Res<'w, RenderMeshInstances>,
         material_instances: Res<'w, RenderMaterialInstances>,
@@ -52,7 +52,7 @@ system_param! {
     }
 }
 
-/// What meshes of one form and one material have in common.
+/// Properties that meshes of one mesh asset and one material share.
 #[derive(Clone, Copy)]
 pub(super) struct MeshKind<'a> {
     pub(super) material: &'a PreparedMaterial,
@@ -60,24 +60,24 @@ pub(super) struct MeshKind<'a> {
     pub(super) mesh: &'a RenderMesh,
     mesh_id: AssetId<Mesh>,
     pub(super) slabs: MeshSlabs,
-    /// The needs of their material, and the shaders to draw them into the G-buffer with; `None` if forward must draw them.
+    /// Needs of the material and the shaders that draw it into the G-buffer; `None` if forward must draw it.
     needs: Option<(GBufferNeeds, &'a MaterialShaders)>,
-    /// Whether their vertices may move within them.
+    /// True if vertices may move within the mesh.
     deforms: bool,
 }
 
-/// How many kinds of meshes are kept in mind while views are sorted.
+/// Number of mesh kinds that are cached while views are sorted.
 pub(super) const RECENT_KINDS: usize = 1024;
 
-/// The kinds of meshes that were looked up last, at places that follow from form and material.
+/// Cache of the kinds that were looked up last, indexed by a hash of mesh asset and material.
 #[derive(Default)]
 pub(super) struct RecentKinds<'a>(Vec<Option<MeshKind<'a>>>);
 
-/// A mesh of which everything is loaded.
+/// A mesh whose assets are all loaded.
 pub(super) struct MeshToQueue<'a> {
     pub(super) instance: RenderMeshQueueData<'a>,
     kind: MeshKind<'a>,
-    /// Where its kind stands among the recent ones.
+    /// Index of its kind in the cache.
     pub(super) place: usize,
 }
 
@@ -90,8 +90,8 @@ impl<'a> Deref for MeshToQueue<'a> {
 }
 
 impl MeshLookup<'_> {
-    /// `Err(true)` if it may be there in a later frame, `Err(false)` if waiting is of no use. The conditions are those
-    /// of Bevy's own queue systems, so that both wait for the same meshes.
+    /// Returns `Err(true)` if the mesh may be ready in a later frame, `Err(false)` if waiting is of no use. The
+    /// conditions are those of Bevy's own queue systems, so that both wait for the same meshes.
     pub(super) fn find<'a>(
         &'a self,
         entity: MainEntity,
@@ -134,9 +134,10 @@ impl MeshLookup<'_> {
         let needs = self
             .gbuffer_materials
             .get(material_id)
-            // Without normals forward lights by what the vertex shader happens to leave there; it alone can match that.
+            // Without normals, forward lights with undefined output of the vertex shader, which the G-buffer cannot
+            // reproduce.
             .filter(|_| opaque && has(Mesh::ATTRIBUTE_NORMAL))
-            // The same without tangents.
+            // The same applies without tangents.
             .filter(|(needs, _)| {
                 needs.shading_model != ShadingModel::Anisotropy || has(Mesh::ATTRIBUTE_TANGENT)
             });
@@ -153,8 +154,8 @@ impl MeshLookup<'_> {
         })
     }
 
-    /// Whether Bevy has only this frame's weights of the morph targets: those of the last are there from the next frame
-    /// on, for which other pipelines are needed.
+    /// True if Bevy has only this frame's morph weights. The previous ones exist from the next frame on, and need
+    /// another pipeline.
     pub(super) fn awaits_previous_morph(&self, entity: MainEntity, mesh: &MeshToQueue) -> bool {
         let flags = mesh.instance.flags();
         let is_morphed = match &*self.morph_indices {
@@ -166,7 +167,8 @@ impl MeshLookup<'_> {
         is_morphed && !flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH)
     }
 
-    /// The needs that it may have, and the shaders to draw it into the G-buffer with, or `None` if forward must draw it.
+    /// Returns the largest possible demand of the mesh and the shaders that draw it into the G-buffer; `None` if
+    /// forward must draw it.
     pub(super) fn gbuffer_needs<'a>(
         &self,
         entity: MainEntity,
@@ -175,8 +177,8 @@ impl MeshLookup<'_> {
     ) -> Option<(Demand, &'a MaterialShaders)> {
         let (needs, shaders) = mesh.needs?;
         let lightmapped = self.special_meshes.lightmap_key(entity).is_some();
-        // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward draws nothing
-        // there either; but lighting that is never compiled would keep all other special surfaces waiting.
+        // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward fails there too,
+        // but a lighting pipeline that never compiles would block all other special surfaces.
         if lightmapped
             && view_key.contains(MeshPipelineKey::ENVIRONMENT_MAP)
             && !self.mesh_pipeline.binding_arrays_are_usable

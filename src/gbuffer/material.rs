@@ -1,4 +1,4 @@
-//! Which materials the G-buffer carries, and with which fragment shader.
+//! Decides which materials the G-buffer carries, and with which fragment shader.
 
 use bevy::{
     material::OpaqueRendererMethod,
@@ -16,18 +16,18 @@ use crate::{
 
 /// A [`Material`] that can be drawn into the packed G-buffer.
 ///
-/// Implement it for your own material, add [`GBufferMaterialPlugin`](super::GBufferMaterialPlugin) for it, and its meshes go through the
-/// G-buffer of every [`LeanDeferred`](crate::LeanDeferred) camera; without, Bevy's forward pass draws them there. For a material of another
-/// crate, for which it cannot be implemented, [`GBufferMaterialPlugin::new`](super::GBufferMaterialPlugin::new) takes the same by value.
+/// Implement it for your own material and add [`GBufferMaterialPlugin`](super::GBufferMaterialPlugin): its meshes are then drawn into
+/// the G-buffer of every [`LeanDeferred`](crate::LeanDeferred) camera instead of by Bevy's forward pass. For a material of another crate,
+/// which cannot implement this trait, [`GBufferMaterialPlugin::new`](super::GBufferMaterialPlugin::new) takes the same by value.
 ///
 /// ```no_run
 /// use bevy::{prelude::*, reflect::TypePath, render::render_resource::AsBindGroup, shader::ShaderRef};
 /// use bevy_lean_deferred::prelude::*;
 ///
-/// /// Dark rings around a mesh, by height.
+/// /// Dark horizontal rings around a mesh.
 /// #[derive(Asset, AsBindGroup, TypePath, Clone)]
 /// struct Rings {
-///     /// Colour, linear, and rings a metre.
+///     /// Linear colour, and rings per metre.
 ///     #[uniform(0)]
 ///     rings: Vec4,
 /// }
@@ -39,7 +39,7 @@ use crate::{
 /// }
 ///
 /// impl GBufferMaterial for Rings {
-///     // The same file: `PREPASS_PIPELINE` is defined where it draws into the G-buffer.
+///     // The same file: `PREPASS_PIPELINE` is defined when it draws into the G-buffer.
 ///     fn gbuffer_fragment_shader() -> ShaderRef {
 ///         "shaders/rings.wgsl".into()
 ///     }
@@ -80,36 +80,36 @@ use crate::{
 ///
 /// # The shader
 ///
-/// It runs in Bevy's prepass pipeline: it gets `bevy_pbr::prepass_io::VertexOutput` and the material's own bind group, and
-/// returns what `bevy_lean_deferred::gbuffer::pack::pack_pbr_input` makes of a `PbrInput` and that. Alpha masks and the crossfade of
-/// visibility ranges need `apply_discards` of the same module before it.
+/// The shader runs in Bevy's prepass pipeline. Its inputs are `bevy_pbr::prepass_io::VertexOutput` and the material's own bind
+/// group. It builds a `PbrInput` and returns `bevy_lean_deferred::gbuffer::pack::pack_pbr_input` of it and the vertex output. Alpha
+/// masks and the crossfade of visibility ranges need `apply_discards` of the same module before that.
 ///
-/// The shader is compiled once without optional targets, and if the material needs some, with `GBUFFER_EMISSIVE`,
-/// `GBUFFER_SPECIALIZATION`, `GBUFFER_MOTION` and `GBUFFER_VISIBILITY_MASK` for those that its mesh needs and the view
-/// has. `pack_pbr_input` fills them all. For meshes that do not move `VertexOutput` has no previous position.
+/// The shader is compiled once without optional targets. If the material needs some, it is also compiled with `GBUFFER_EMISSIVE`,
+/// `GBUFFER_SPECIALIZATION`, `GBUFFER_MOTION` and `GBUFFER_VISIBILITY_MASK` for those that its mesh needs and the view has.
+/// `pack_pbr_input` fills all of them. For meshes that do not move, `VertexOutput` has no previous position.
 ///
-/// Its vertex shader is the one of the material's deferred pass ([`Material::deferred_vertex_shader`]).
+/// The vertex shader is that of the material's deferred pass ([`Material::deferred_vertex_shader`]).
 pub trait GBufferMaterial: Material {
     /// The fragment shader for the G-buffer. The default packs a `StandardMaterial` bind group.
     fn gbuffer_fragment_shader() -> ShaderRef {
         ShaderRef::Default
     }
 
-    /// What this very material needs of the G-buffer. One that answers `None` is drawn by Bevy's forward pass; it may
-    /// answer differently after it was changed.
+    /// The needs of this material. Return `None` to have Bevy's forward pass draw it. The answer may differ after the
+    /// material has changed.
     fn gbuffer_needs(&self) -> Option<GBufferNeeds>;
 }
 
 impl GBufferMaterial for StandardMaterial {
-    /// Opaque and alpha-masked materials fit, except with what no target has bits for: an explicit
-    /// `OpaqueRendererMethod::Forward`, specular transmission, a coloured specular tint, clearcoat and anisotropy on a
-    /// normal map, clearcoat with one of its own, two of clearcoat, anisotropy and diffuse transmission at once, a depth bias, and values
-    /// out of range. Nor does anisotropy fit where Bevy is built without its feature `pbr_anisotropy_texture`, which is not a default
-    /// one: there Bevy shades it in another way.
+    /// Carries opaque and alpha-masked materials, except those with properties that no target encodes: an explicit
+    /// `OpaqueRendererMethod::Forward`, specular transmission, a coloured specular tint, clearcoat or anisotropy with a
+    /// normal map, clearcoat with a normal map of its own, more than one of clearcoat, anisotropy and diffuse
+    /// transmission, a depth bias, and values out of range. Anisotropy also needs Bevy's feature
+    /// `pbr_anisotropy_texture`, which is off by default: without it Bevy shades anisotropy differently.
     fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
         if self.opaque_render_method == OpaqueRendererMethod::Forward
             || self.specular_transmission != 0.0
-            // It moves the depth from which lighting finds the position.
+            // It offsets the depth from which lighting reconstructs the position.
             || self.depth_bias != 0.0
         {
             return None;
@@ -136,7 +136,7 @@ impl GBufferMaterial for StandardMaterial {
             1.0,
         );
         let emissive = [self.emissive.red, self.emissive.green, self.emissive.blue];
-        // Light that a surface takes away has no code. What is not a number is black.
+        // Negative emission cannot be encoded. NaN becomes black.
         if !in_range || emissive.iter().any(|&channel| channel < 0.0) {
             return None;
         }
@@ -163,9 +163,9 @@ impl GBufferMaterial for StandardMaterial {
     }
 }
 
-/// What the shading model of a `StandardMaterial` follows from.
+/// Selects the shading model of a `StandardMaterial`.
 trait SpecialShadingModel {
-    /// `None` if there is none for it.
+    /// `None` if no shading model matches.
     fn special_shading_model(&self) -> Option<ShadingModel>;
 }
 
@@ -176,7 +176,7 @@ impl SpecialShadingModel for StandardMaterial {
         let backlight = self.diffuse_transmission > 0.0;
         match (clearcoat, anisotropy, backlight) {
             (false, false, false) => Some(ShadingModel::Plain),
-            // The layer lies on the mesh's normal, or on one of its own; there are bits for one normal.
+            // The coat's normal is the mesh's or one of its own; only one normal is stored.
             (true, false, false) => (self.normal_map_texture.is_none()
                 && !has_texture(self, "clearcoat_normal_texture")
                 && all_in(
@@ -185,8 +185,8 @@ impl SpecialShadingModel for StandardMaterial {
                     1.0,
                 ))
             .then_some(ShadingModel::Clearcoat),
-            // Without the feature `pbr_anisotropy_texture` forward shades in a way of its own. It stretches highlights
-            // along the mesh's surface, not along that of the normal map, which is what is stored.
+            // Without the feature `pbr_anisotropy_texture`, forward shades differently. Forward stretches highlights
+            // along the mesh's surface, but the stored normal is that of the normal map.
             (false, true, false) => (self.field("anisotropy_texture").is_some()
                 && self.normal_map_texture.is_none()
                 && self.anisotropy_strength <= 1.0)
@@ -198,15 +198,15 @@ impl SpecialShadingModel for StandardMaterial {
     }
 }
 
-/// Also `false` if one is not a number.
+/// False if a value is NaN.
 fn all_in<const N: usize>(values: [f32; N], least: f32, largest: f32) -> bool {
     values
         .into_iter()
         .all(|value| (least..=largest).contains(&value))
 }
 
-/// Whether the optional texture `field` is set. By reflection, because whether `StandardMaterial` has the field depends
-/// on features of Bevy that are not ours to see.
+/// True if the optional texture `field` is set. Uses reflection because the fields of `StandardMaterial` depend on
+/// features of Bevy that this crate cannot see.
 fn has_texture(material: &StandardMaterial, field: &str) -> bool {
     material
         .field(field)
@@ -214,8 +214,8 @@ fn has_texture(material: &StandardMaterial, field: &str) -> bool {
         .is_some_and(|option| option.variant_name() == "Some")
 }
 
-/// The definitions with which Bevy's shaders read the textures of a `StandardMaterial` that it has only with some
-/// features. Its prepass does without.
+/// Definitions with which Bevy's shaders read the feature-gated textures of a `StandardMaterial`. Bevy's prepass does
+/// not set them.
 pub(super) fn material_texture_defs() -> Vec<ShaderDefVal> {
     let material = StandardMaterial::default();
     [
@@ -294,15 +294,14 @@ pub(super) fn material_texture_defs() -> Vec<ShaderDefVal> {
 /// }
 /// ```
 ///
-/// [`GBufferMaterial`] says more of the shader.
+/// [`GBufferMaterial`] describes the shader.
 pub trait GBufferMaterialExtension: MaterialExtension {
     /// The fragment shader for the G-buffer. The default ignores the extension.
     fn gbuffer_fragment_shader() -> ShaderRef {
         ShaderRef::Default
     }
 
-    /// What the G-buffer needs for what the extension makes of its base, of which `base` is needed. Not asked if
-    /// forward draws the base.
+    /// Needs of the extended material, given the needs of its `base`. Not called if forward draws the base.
     fn gbuffer_needs(&self, base: GBufferNeeds) -> Option<GBufferNeeds> {
         Some(base)
     }

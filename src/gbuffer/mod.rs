@@ -1,43 +1,56 @@
-//! The packed G-buffer: what lighting needs to know of each pixel's surface, in 64 bits beside depth.
+//! The packed G-buffer: the surface of each pixel for lighting, in 64 bits beside depth.
 //!
-//! | target | format | bytes a pixel | holds | there is one |
+//! | target | format | bytes per pixel | contents | allocated |
 //! |---|---|---|---|---|
-//! | surface | `R32Uint` | 4 | albedo (square roots, 7 + 7 + 7 bits), their exponent (1), metallic and material occlusion (9), whether the normal is the mesh's (1) | always |
+//! | surface | `R32Uint` | 4 | albedo (square roots 7 + 7 + 7, exponent 1), metallic and occlusion (9), mesh-normal flag (1) | always |
 //! | normal | `R32Uint` | 4 | octahedral shading normal (12 + 12), perceptual roughness (8) | always |
-//! | written | `R8Uint` | 1 | which of the following hold a word of this surface | with any of them |
-//! | emissive | `R32Uint` | 4 | light that is emitted or baked into a lightmap (9 + 9 + 9, shared exponent 5) | while a visible mesh writes it |
+//! | written | `R8Uint` | 1 | mask of the targets below that hold a word of this surface | with any of them |
+//! | emissive | `R32Uint` | 4 | emitted or lightmapped light (9 + 9 + 9, shared exponent 5) | while a visible mesh writes it |
 //! | specialization | `R32Uint` | 4 | specular constant, shading model with its arguments, flags | while a visible mesh writes it |
-//! | motion | `R32Uint` | 4 | where the surface was in the last frame (two half floats) | as above, with `MotionVectorPrepass` |
-//! | visibility mask | `R32Uint` | 4 | render layers of the mesh, one bit each | as above, where a light has layers of its own |
+//! | motion | `R32Uint` | 4 | motion vector (two half floats) | while a visible mesh writes it, with `MotionVectorPrepass` |
+//! | visibility mask | `R32Uint` | 4 | render layers of the mesh, one bit each | while a visible mesh writes it, with light layers |
 //!
-//! The last four are [`GBufferTargets`]. [`GBufferUsage`], on each lean camera, tells which of them it has and how many bytes they take.
+//! Numbers in parentheses are bits. A view has light layers if a light, decal or light probe has layers that exclude some meshes. The
+//! last four targets are [`GBufferTargets`]. [`GBufferUsage`], on each lean camera, lists its targets and their bytes.
 //!
-//! # Which meshes
+//! # Meshes
 //!
-//! All opaque and alpha-masked ones whose material has a place in it. For each material
-//! [`GBufferMaterial::gbuffer_needs`] decides: [`GBufferNeeds`], or `None`. Bevy's forward pass draws the others on the same camera, against
-//! the same depth. `StandardMaterial` is registered; for your own materials implement [`GBufferMaterial`] (or
-//! [`GBufferMaterialExtension`]) and add [`GBufferMaterialPlugin`]; for those of other crates add [`GBufferMaterialPlugin::new`].
+//! The G-buffer has all opaque and alpha-masked meshes whose material fits into it. [`GBufferMaterial::gbuffer_needs`] returns, per
+//! material, [`GBufferNeeds`], or `None` if it does not fit. Bevy's forward pass draws the others on the same camera, against the same
+//! depth. `StandardMaterial` is registered. For your own materials implement [`GBufferMaterial`] (or [`GBufferMaterialExtension`]) and
+//! add [`GBufferMaterialPlugin`]; for those of other crates add [`GBufferMaterialPlugin::new`].
 //!
 //! # Order
 //!
-//! The systems of [`GBufferPasses`] draw it in `Core3d`, before [`LightingPasses`](crate::lighting::LightingPasses). Render-world systems find
-//! the textures in [`GBufferTextures`] on the view. The passes are timed as `lean_deferred/gbuffer`.
+//! The systems of [`GBufferPasses`] draw it in `Core3d`, before [`LightingPasses`](crate::lighting::LightingPasses). Render-world
+//! systems get the textures from [`GBufferTextures`] on the view. GPU time is recorded as `lean_deferred/gbuffer`.
 
-// - `targets.rs`: the optional targets.
-// - `material.rs`: which materials and meshes it carries, and what they need. `custom_material.wgsl`: the shader of its example.
-// - `registration.rs`: the plugin that registers them.
-// - `special.rs`, `moving.rs`: which meshes need more than their material says. `extracted.rs`: which have changed.
-// - `demand.rs`: what all visible meshes of a view need together.
-// - `lookup.rs`: what a mesh needs.
-// - `phase.rs`, `phase_item.rs`, `batching.rs`, `pipeline.rs`, `specialize.rs`: the render phases and their pipelines.
-// - `queue.rs`, `placement.rs`: which meshes go there.
-// - `offer.rs`, `bevy_phases.rs`: Bevy queues the others; how meshes get out of Bevy's phases and back.
-// - `visibility_masks.rs`: the layers of meshes, as data for their draws.
-// - `textures.rs`, `pass.rs`: the targets, and the passes that draw into them. `depth_copy.rs`: depth, for others.
-// - `usage.rs`: what a camera has of them, for users.
-// - `resolve_motion.{rs,wgsl}`: motion vectors into Bevy's texture. `binding_numbers.rs`: where it has what it binds.
-// - `pack.wgsl`, `gbuffer.wgsl`: from a `PbrInput` to the targets; the shader for `StandardMaterial`.
+// - `targets.rs`: the optional targets, and the needs of a material.
+// - `material.rs`: decides which materials the G-buffer carries.
+// - `custom_material.wgsl`: the shader of the example in `material.rs`.
+// - `registration.rs`: the plugin that registers materials.
+// - `special.rs`: meshes whose other components add to the needs of their material.
+// - `moving.rs`: meshes that need motion vectors of their own.
+// - `extracted.rs`: meshes that Bevy extracted in this frame.
+// - `demand.rs`: optional targets that the visible meshes of a view need.
+// - `lookup.rs`: the needs of a mesh.
+// - `phase.rs`, `phase_item.rs`: the render phases and their items.
+// - `batching.rs`: batching of the phases.
+// - `pipeline.rs`: specializes pipelines.
+// - `specialize.rs`: looks up the pipeline of a mesh.
+// - `queue.rs`: sorts meshes into the G-buffer or leaves them to Bevy.
+// - `placement.rs`: places meshes in the passes of a view.
+// - `offer.rs`: limits the meshes that Bevy's queue systems see.
+// - `bevy_phases.rs`: removes meshes from Bevy's phases, and returns them.
+// - `visibility_masks.rs`: uniforms of the render layers of meshes.
+// - `textures.rs`: allocates the targets.
+// - `pass.rs`: the raster passes.
+// - `depth_copy.rs`: the copy of depth for its readers.
+// - `usage.rs`: reports the targets of a camera and their bytes.
+// - `resolve_motion.{rs,wgsl}`: resolves motion vectors into Bevy's texture.
+// - `binding_numbers.rs`: binding numbers.
+// - `pack.wgsl`: packs a `PbrInput` into the targets.
+// - `gbuffer.wgsl`: the fragment shader of `StandardMaterial`.
 
 mod batching;
 mod bevy_phases;
@@ -138,7 +151,7 @@ impl Plugin for GBufferPlugin {
             .register_type::<GBufferUsage>()
             .add_observer(usage::remove_usage);
 
-        // Refused if there are such cameras already: those go without.
+        // Refused if cameras with `LeanDeferred` exist already; then no camera gets a `GBufferUsage`.
         let _ = app.try_register_required_components::<LeanDeferred, GBufferUsage>();
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -184,7 +197,7 @@ impl Plugin for GBufferPlugin {
                 )
                     .in_set(EffectSystems::Lean),
             )
-            // Without lean cameras too.
+            // Runs without lean cameras too: it also prevents an error in Bevy's own passes.
             .add_systems(
                 ExtractSchedule,
                 special::extract_lightmapped_meshes

@@ -1,4 +1,4 @@
-//! Which meshes move: their motion vectors do not follow from depth and the cameras alone.
+//! Tracks moving meshes, whose motion vectors do not follow from depth and the cameras alone.
 
 use bevy::{
     camera::visibility::ViewVisibility,
@@ -14,12 +14,12 @@ use bevy::{
 use super::{extracted::ExtractedMeshes, special::ChangedMeshes};
 use crate::view::LeanDeferred;
 
-/// Frames that a mesh goes on writing its motion after it stopped: one that stops and goes, as by the steps of a
-/// physics simulation slower than the display, is not queued anew each time.
+/// Frames for which a mesh still writes motion after it stopped. Meshes that alternate, as with physics steps slower
+/// than the display, are not requeued each time.
 const LINGERING_FRAMES: u32 = 30;
 
-/// In the render world: the visible meshes that moved in this frame or a little while ago, with the frames that they are
-/// still listed. Empty without a lean camera that asks for motion vectors.
+/// In the render world: visible meshes that moved recently, with the frames for which they remain listed. Empty without
+/// an active lean camera whose motion vectors come from the G-buffer.
 #[derive(Resource, Default)]
 pub(crate) struct MovingMeshes(MainEntityHashMap<u32>);
 
@@ -29,8 +29,8 @@ impl MovingMeshes {
     }
 }
 
-/// Has meshes sorted anew in the frame in which they start to move and when they have stopped. Static meshes cost nothing, but where Bevy
-/// does not list those that moved: there, the look at a change tick.
+/// Has meshes sorted again when they start to move and once they have stopped. Static meshes cost nothing where Bevy
+/// lists the moved ones; elsewhere each costs a check of its change tick.
 pub(super) fn extract_moving_meshes(
     mut moving: ResMut<MovingMeshes>,
     mut changed_meshes: ResMut<ChangedMeshes>,

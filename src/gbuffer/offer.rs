@@ -1,8 +1,8 @@
-//! What Bevy's queue systems get to see of a lean view: the meshes that Bevy draws.
+//! Limits the meshes of a lean view that Bevy's queue systems see to those that Bevy draws.
 //!
-//! Bevy queues a mesh with the pipeline that it specialized for it, and passes over meshes that have none. While its queue
-//! systems run, each lean view has the pipelines of those meshes alone that are offered to Bevy; the others wait aside. So
-//! no mesh goes into a phase of Bevy's just to be taken out again.
+//! Bevy queues a mesh with its specialized pipeline and skips meshes without one. While Bevy's queue systems run, each
+//! lean view exposes only the pipelines of meshes that are offered to Bevy; the others are set aside. So no mesh enters
+//! a phase of Bevy's only to be removed again.
 
 use bevy::{
     ecs::system::SystemParam,
@@ -23,14 +23,15 @@ use super::{
     lookup::{MeshLookup, RecentKinds},
 };
 
-/// The pipelines that Bevy specialized, for all views.
+/// The pipelines that Bevy specialized for all views.
 #[derive(SystemParam)]
 pub(super) struct BevyPipelines<'w> {
     main: ResMut<'w, SpecializedMaterialPipelineCache>,
     prepass: ResMut<'w, SpecializedPrepassMaterialPipelineCache>,
 }
 
-/// What is offered to Bevy in this frame, of all lean views. While Bevy queues: what is withheld.
+/// Pipelines that are offered to Bevy in this frame, per lean view. While Bevy queues, it contains the withheld ones
+/// instead.
 #[derive(Resource, Default)]
 pub(super) struct Offers(HashMap<RetainedViewEntity, ViewOffer>);
 
@@ -38,19 +39,19 @@ pub(super) struct Offers(HashMap<RetainedViewEntity, ViewOffer>);
 struct ViewOffer {
     main: SpecializedMaterialViewPipelineCache,
     prepass: SpecializedPrepassMaterialViewPipelineCache,
-    /// Meshes that Bevy would not queue, to be put into its phases after it has queued its own.
+    /// Meshes that Bevy would not queue; added to its phases after it has queued its own.
     forced: Vec<Forced>,
 }
 
-/// A mesh that goes into Bevy's prepass, if the view has one, although Bevy does not queue it.
+/// A mesh that is added to Bevy's prepass, if the view has one, although Bevy does not queue it.
 struct Forced {
     mesh: MainEntity,
-    /// Into the main phases too.
+    /// Adds it to the main phases too.
     into_main: bool,
 }
 
 impl ViewOffer {
-    /// Changes places with the pipelines that Bevy sees.
+    /// Swaps these pipelines with those that Bevy sees.
     fn exchange(&mut self, view: &RetainedViewEntity, pipelines: &mut BevyPipelines) {
         if let Some(main) = pipelines.main.get_mut(view) {
             core::mem::swap(main, &mut self.main);
@@ -62,7 +63,7 @@ impl ViewOffer {
 }
 
 impl Offers {
-    /// Nothing is offered yet.
+    /// Returns the offer of `view`, to add meshes to.
     pub(super) fn of<'a>(
         &'a mut self,
         view: RetainedViewEntity,
@@ -75,7 +76,7 @@ impl Offers {
         }
     }
 
-    /// From here on Bevy sees what is offered. Views that are gone are forgotten.
+    /// Exposes only the offered pipelines to Bevy, and drops views that are not in `views`.
     pub(super) fn show(
         &mut self,
         views: &HashSet<RetainedViewEntity>,
@@ -88,7 +89,7 @@ impl Offers {
     }
 }
 
-/// What is offered of one view.
+/// The offer of one view.
 pub(super) struct Offer<'a> {
     main: Option<&'a SpecializedMaterialViewPipelineCache>,
     prepass: Option<&'a SpecializedPrepassMaterialViewPipelineCache>,
@@ -96,7 +97,7 @@ pub(super) struct Offer<'a> {
 }
 
 impl Offer<'_> {
-    /// Bevy may queue the mesh.
+    /// Lets Bevy queue the mesh.
     pub(super) fn add(&mut self, mesh: MainEntity) {
         if let Some(&pipeline) = self.main.and_then(|pipelines| pipelines.get(&mesh)) {
             self.offer.main.insert(mesh, pipeline);
@@ -104,14 +105,14 @@ impl Offer<'_> {
         self.add_to_prepass(mesh);
     }
 
-    /// Bevy may queue the mesh, for its prepass alone.
+    /// Lets Bevy queue the mesh for its prepass alone.
     pub(super) fn add_to_prepass(&mut self, mesh: MainEntity) {
         if let Some(&pipeline) = self.prepass.and_then(|pipelines| pipelines.get(&mesh)) {
             self.offer.prepass.insert(mesh, pipeline);
         }
     }
 
-    /// The mesh goes into Bevy's phases, although Bevy does not queue it.
+    /// Adds the mesh to Bevy's phases although Bevy does not queue it.
     pub(super) fn force(&mut self, mesh: MainEntity) {
         self.offer.forced.push(Forced {
             mesh,
@@ -119,7 +120,7 @@ impl Offer<'_> {
         });
     }
 
-    /// The mesh goes into Bevy's prepass, although Bevy does not queue it.
+    /// Adds the mesh to Bevy's prepass although Bevy does not queue it.
     pub(super) fn force_into_prepass(&mut self, mesh: MainEntity) {
         self.offer.forced.push(Forced {
             mesh,
@@ -128,7 +129,7 @@ impl Offer<'_> {
     }
 }
 
-/// After Bevy's queue systems: gives Bevy its pipelines back, and puts what it did not queue into its phases.
+/// Restores Bevy's pipelines after its queue systems, and adds the forced meshes to its phases.
 pub(super) fn take_offers_back(
     lookup: MeshLookup,
     gpu_preprocessing: Res<GpuPreprocessingSupport>,

@@ -1,12 +1,13 @@
-//! The raster passes: first the meshes that write the base targets alone, then, while the view has optional targets,
-//! those that write them, and all alpha-masked ones, which hide opaque ones at the same depth. Each mesh writes the
-//! optional targets that it needs, and one more, which says which these are: a pixel's words of others were left by what
-//! lies behind, and are not read. Where the passes stand in the frame depends on the view:
+//! The raster passes of the G-buffer. The first draws meshes that write only the base targets. The second runs while
+//! the view has optional targets. It draws the meshes that write these, and all alpha-masked ones, which hide opaque
+//! ones at equal depth. Each mesh writes the optional targets that it needs, and `written`, which lists them: words in
+//! other targets at that pixel stem from surfaces behind and are not read. The view decides when the passes run:
 //!
 //! - No prepass: once, after Bevy has built the indirect draws for the main passes.
-//! - A depth prepass, which something else asked for: in its place, so that what reads depth between prepass and main
-//!   pass (Bevy's SSAO, contact shadows) finds the lean meshes there.
-//! - With `OcclusionCulling` twice: what was visible last frame, then what the depth of that does not hide.
+//! - A depth prepass, which something else requested: in its place, so that readers of depth between prepass and main
+//!   pass (Bevy's SSAO, contact shadows) see the lean meshes.
+//! - `OcclusionCulling`: twice. First the meshes that were visible in the last frame, then those that the resulting
+//!   depth does not occlude.
 
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
@@ -38,13 +39,13 @@ pub(super) type GBufferView = (
     Option<&'static MainPassResolutionOverride>,
 );
 
-/// When a pass draws.
+/// Point in the frame at which a pass draws.
 enum Moment {
-    /// In the place of the early prepass.
+    /// In place of the early prepass.
     Early,
-    /// In the place of the late prepass: what the first depth did not hide.
+    /// In place of the late prepass: the meshes that the first depth does not occlude.
     Late,
-    /// Before the main pass, on views without any prepass.
+    /// Before the main pass, on views without a prepass.
     Main,
 }
 
@@ -103,7 +104,7 @@ fn draw(
 
     let viewport =
         Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
-    // The first to ask for depth has it cleared.
+    // The first attachment that is requested in a frame clears depth.
     let mut first_depth = is_first.then(|| depth.get_attachment(StoreOp::Store));
     let mut base_load = match &first_depth {
         Some(depth) => BaseLoad::first(active, depth),
@@ -115,9 +116,9 @@ fn draw(
     };
     let has_optional = !active.targets.is_empty();
 
-    // Around the passes, not in them: clearing is part of what they cost.
+    // Timed around the passes, not inside: the cost includes clearing.
     timed(ctx, "lean_deferred/gbuffer", &mut |ctx| {
-        // Each target must be cleared once, by whichever pass is the first to have it.
+        // The first pass that has a target must clear it, so it runs even without meshes.
         if !phases.base.is_empty(&retained) || (is_first && !has_optional) {
             let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
                 label: Some("lean_deferred/gbuffer"),

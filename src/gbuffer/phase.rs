@@ -20,7 +20,7 @@ use super::phase_item::{GBufferBatchSetKey, GBufferItem, QueuedMesh};
 use crate::{named::system_param, view::LeanDeferred};
 
 system_param! {
-    /// The opaque and the alpha-masked phases of all views, of meshes that write optional targets too or of those that do not.
+    /// The opaque and alpha-masked phases of all views, for meshes with or without optional targets.
     struct PhasePair<'w, const EXTENDED: bool> {
         opaque: ResMut<'w, ViewBinnedRenderPhases<GBufferItem<false, EXTENDED>>>,
         alpha_masked: ResMut<'w, ViewBinnedRenderPhases<GBufferItem<true, EXTENDED>>>,
@@ -90,13 +90,13 @@ pub(super) struct GBufferViewPhases<'a> {
 }
 
 impl GBufferViewPhases<'_> {
-    /// Takes `mesh` out of whichever phase it is in.
+    /// Removes `mesh` from its phase, if it is in any.
     pub(super) fn remove(&mut self, mesh: MainEntity) {
         self.base.remove(mesh);
         self.extended.remove(mesh);
     }
 
-    /// Puts a mesh that is in none of the phases into one of them.
+    /// Adds a mesh that is in none of the phases.
     pub(super) fn add(&mut self, alpha_masked: bool, extended: bool, item: QueuedMesh) {
         if extended {
             self.extended.add(alpha_masked, item);
@@ -113,7 +113,7 @@ fn remove<P: BinnedPhaseItem>(phase: &mut BinnedRenderPhase<P>, mesh: MainEntity
 }
 
 system_param! {
-    /// As [`PhasePair`], to be drawn.
+    /// Read-only [`PhasePair`], for drawing.
     pub(super) struct DrawnPhasePair<'w, const EXTENDED: bool> {
         opaque: Res<'w, ViewBinnedRenderPhases<GBufferItem<false, EXTENDED>>>,
         alpha_masked: Res<'w, ViewBinnedRenderPhases<GBufferItem<true, EXTENDED>>>,
@@ -121,7 +121,7 @@ system_param! {
 }
 
 impl<const EXTENDED: bool> DrawnPhasePair<'_, EXTENDED> {
-    /// No such phase of `view` has a mesh.
+    /// True if neither phase of `view` has a mesh.
     pub(super) fn is_empty(&self, view: &RetainedViewEntity) -> bool {
         self.opaque.get(view).is_none_or(|phase| phase.is_empty())
             && self
@@ -156,7 +156,7 @@ impl<const EXTENDED: bool> DrawnPhasePair<'_, EXTENDED> {
     }
 }
 
-/// The phases of all views, to be drawn.
+/// The phases of all views, read-only, for drawing.
 #[derive(SystemParam)]
 pub(super) struct DrawnGBufferPhases<'w> {
     pub(super) base: DrawnPhasePair<'w, false>,
@@ -164,7 +164,7 @@ pub(super) struct DrawnGBufferPhases<'w> {
 }
 
 impl DrawnGBufferPhases<'_> {
-    /// All that are written.
+    /// All visibility masks that queued meshes write.
     pub(super) fn visibility_masks(&self) -> HashSet<u32> {
         fn of<P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey>>(
             phases: &ViewBinnedRenderPhases<P>,
@@ -185,14 +185,14 @@ impl DrawnGBufferPhases<'_> {
     }
 }
 
-/// True if Bevy extracts the camera in this frame. Not while its window is minimised: its target has size 0 then.
+/// True if Bevy extracts the camera in this frame. False while its window is minimised: its target then has size 0.
 pub(super) fn is_extracted(camera: &Camera) -> bool {
     let has_pixels = |size: UVec2| size.cmpne(UVec2::ZERO).all();
     camera.is_active && camera.physical_target_size().is_none_or(has_pixels)
 }
 
-/// Keeps a phase of each kind for every camera with [`LeanDeferred`] that is extracted, and none for others: of what goes while a camera is
-/// not extracted, its phases are not told.
+/// Keeps a phase of each kind for every extracted camera with [`LeanDeferred`], and none for others: phases of a camera
+/// that is not extracted are not notified of despawned meshes.
 pub(super) fn extract_gbuffer_phases(
     mut phases: GBufferPhases,
     cameras: Extract<

@@ -1,4 +1,4 @@
-//! What is drawn in the render phases of the G-buffer.
+//! The items in the render phases of the G-buffer.
 
 use core::ops::Range;
 
@@ -19,12 +19,12 @@ use bevy::{
     },
 };
 
-/// What meshes must have in common to be drawn by one multi-draw.
+/// Key of a multi-draw; all its meshes share it.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct GBufferBatchSetKey {
     /// As in Bevy's opaque phase.
     pub mesh: Opaque3dBatchSetKey,
-    /// The visibility mask that they write, if they write any.
+    /// The visibility mask that they write, if any.
     pub visibility_mask: Option<u32>,
 }
 
@@ -34,12 +34,12 @@ impl PhaseItemBatchSetKey for GBufferBatchSetKey {
     }
 }
 
-/// Meshes of the G-buffer that are drawn together: opaque or alpha-masked ones, those that write the base targets alone or
-/// those that write optional targets too.
+/// Meshes of the G-buffer that are drawn together: opaque or alpha-masked, with the base targets alone or with optional
+/// targets too.
 pub struct GBufferItem<const ALPHA_MASKED: bool, const EXTENDED: bool> {
-    /// What must be equal to be drawn by one multi-draw.
+    /// Key that meshes of one multi-draw share.
     pub batch_set_key: GBufferBatchSetKey,
-    /// An entity that stands for the batch.
+    /// An entity that represents the batch.
     pub representative_entity: (Entity, MainEntity),
     /// The instances.
     pub batch_range: Range<u32>,
@@ -118,9 +118,9 @@ impl<const ALPHA_MASKED: bool, const EXTENDED: bool> CachedRenderPipelinePhaseIt
     }
 }
 
-/// What a phase must know to draw a mesh.
+/// The data with which a mesh is added to a phase.
 pub(super) struct QueuedMesh {
-    /// With what it fills the target of that name, if it does.
+    /// The value that it writes to the visibility mask target, if any.
     pub(super) visibility_mask: Option<u32>,
     pub(super) pipeline: CachedRenderPipelineId,
     pub(super) draw_function: DrawFunctionId,

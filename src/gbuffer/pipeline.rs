@@ -1,4 +1,4 @@
-//! The pipelines that draw meshes into the G-buffer.
+//! Specializes the pipelines that draw meshes into the G-buffer.
 
 use alloc::sync::Arc;
 
@@ -19,30 +19,30 @@ use super::{
 };
 use crate::view::GBufferTargets;
 
-/// Bevy's deferred prepass pipeline with the fragment shader and the targets swapped: vertex shader, bind groups,
-/// culling and depth stay Bevy's, so that positions agree bit for bit with its other passes.
+/// Bevy's deferred prepass pipeline with other fragment shader and targets. Vertex shader, bind groups, culling and
+/// depth stay Bevy's, so that positions match its other passes bit for bit.
 pub(super) struct GBufferPipelineSpecializer {
     pub(super) pipeline: Arc<PrepassPipeline>,
     pub(super) properties: Arc<MaterialProperties>,
     pub(super) fragment_shader: Handle<Shader>,
-    /// In the place of the material's; it follows from the material's type.
+    /// Replaces the material's vertex stage. Not part of the key: the material's type determines it.
     pub(super) vertex: Option<Arc<VertexStage<Handle<Shader>>>>,
 }
 
-/// The key of [`GBufferPipelineSpecializer`]: the material's, the shader, because pipelines of different material
-/// types share one cache, and what the mesh writes.
+/// The key of [`GBufferPipelineSpecializer`]: the material's key, the shader (pipelines of different material types
+/// share one cache), and the targets.
 pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>, MeshOutput);
 
-/// What a mesh writes beside the base targets.
+/// The optional targets of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct MeshOutput {
     /// The optional targets of the pass that it is drawn in.
     pub(super) pass: GBufferTargets,
-    /// Those of them that it writes.
+    /// The targets of that pass that the mesh writes.
     pub(super) targets: GBufferTargets,
 }
 
-/// What Bevy's shaders need to know where a mesh was in the last frame.
+/// Definitions with which Bevy's shaders compute previous positions.
 const MOTION_DEFS: [&str; 3] = [
     "MOTION_VECTOR_PREPASS",
     "HAS_PREVIOUS_SKIN",
@@ -74,7 +74,7 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         if output.targets.contains(GBufferTargets::VISIBILITY_MASK) {
             descriptor.layout[VISIBILITY_MASK_GROUP] = visibility_mask_layout();
         }
-        // The layouts stay: on a view with motion vectors Bevy binds the groups that have previous positions.
+        // The layouts stay: on a view with motion vectors, Bevy binds the groups with previous positions.
         let needs_def = |def: &ShaderDefVal| {
             output.targets.contains(GBufferTargets::MOTION)
                 || !matches!(def, ShaderDefVal::Bool(name, _) if MOTION_DEFS.contains(&name.as_str()))
@@ -99,8 +99,8 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
     }
 }
 
-/// What Bevy's view key contributes to a G-buffer pipeline. The rest of it is about lighting; leaving it out keeps
-/// pipelines shared between views that are lit differently.
+/// The bits of Bevy's view key that matter for a G-buffer pipeline. The others concern lighting; without them, views
+/// that are lit differently share pipelines.
 pub(super) const VIEW_KEY_BITS: MeshPipelineKey = MeshPipelineKey::MOTION_VECTOR_PREPASS
     .union(MeshPipelineKey::INVERT_CULLING)
     .union(MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS);

@@ -1,13 +1,14 @@
-//! Where a mesh goes on a view, and which meshes a change of the view concerns.
+//! Places meshes in the passes of a view, and tells which meshes a change of the view concerns.
 
 use super::demand::MeshDemand;
 use crate::view::{ActiveLeanView, Demand, GBufferTargets};
 
-/// Which meshes a change of their view concerns.
+/// The meshes that a change of their view concerns.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum ViewChange {
     None,
-    /// Those that need more than the base targets and plain lighting, and alpha-masked ones, where their [`Placement`] is another.
+    /// Meshes that need more than the base targets and plain lighting, and alpha-masked ones, if their [`Placement`]
+    /// changes.
     Demand,
     All,
 }
@@ -20,7 +21,7 @@ impl ViewChange {
                 let same_passes = former.draws_in_prepass == now.draws_in_prepass
                     && former.keeps_prepass == now.keeps_prepass
                     && former.extends_all() == now.extends_all()
-                    // Where all meshes are in the pass of these targets, more of them concern all.
+                    // If the extended pass has all meshes, a change of its targets concerns all.
                     && (!now.extends_all() || former.targets == now.targets);
                 if former == now {
                     Self::None
@@ -35,19 +36,20 @@ impl ViewChange {
     }
 }
 
-/// Where a mesh with some demand goes on a view.
+/// Placement of a mesh on a view.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Placement {
-    /// As far as the view has a use for it.
+    /// Its demand, reduced to what the view has a use for.
     pub(super) demand: Demand,
-    /// The view has all of it.
+    /// True if the view meets this demand.
     pub(super) is_met: bool,
     /// The optional targets of the pass that it is drawn in.
     pub(super) pass: GBufferTargets,
 }
 
 impl Placement {
-    /// Alpha-masked meshes hide opaque ones at the same depth, in Bevy's passes too: they are drawn after all of these.
+    /// Puts alpha-masked meshes into the extended pass: they hide opaque ones at equal depth, as in Bevy's passes, so
+    /// they are drawn after all of these.
     pub(super) fn of(mesh: MeshDemand, view: &ActiveLeanView) -> Self {
         let demand = mesh.demand.on(view);
         let is_extended = !demand.targets.is_empty() || mesh.is_alpha_masked || view.extends_all();

@@ -1,8 +1,8 @@
-//! Sorts the meshes of a lean view, before Bevy queues them: into the G-buffer, or left to Bevy's phases.
+//! Sorts the meshes of a lean view before Bevy queues them: into the G-buffer, or left to Bevy's phases.
 //!
-//! A mesh is looked at when Bevy queues it (it became visible or changed), when its components changed what it needs
-//! ([`ChangedMeshes`]), when it was not ready before, and when its view changed in a way that concerns it. In all other
-//! frames it stays where it is.
+//! A mesh is sorted when Bevy queues it (it became visible or changed), when a change of its components changed its
+//! needs ([`ChangedMeshes`]), when it was not ready before, and when its view changed in a way that concerns it.
+//! Otherwise its phase retains it.
 
 use bevy::{
     material::{OpaqueRendererMethod, RenderPhaseType},
@@ -46,12 +46,12 @@ use crate::{
     view::{ActiveLeanView, GBufferTargets, LeanDeferred},
 };
 
-/// Meshes whose assets or pipelines were not ready; tried again each frame, drawn by forward until then.
+/// Meshes whose assets or pipelines were not ready. They are retried each frame and drawn by forward until then.
 #[derive(Resource, Default)]
 pub(super) struct PendingGBufferQueues(PendingQueues);
 
-/// In the render world: how many meshes lean views sorted in this frame, into the G-buffer or out of it. 0 while nothing
-/// changes; a change of a view counts just the meshes that it concerns.
+/// In the render world: number of meshes that lean views sorted in this frame, into the G-buffer or out of it. 0 while
+/// nothing changes; a change of a view counts only the meshes that it concerns.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SortedMeshes(pub usize);
 
@@ -63,7 +63,7 @@ system_param! {
         extended_opaque: Res<'w, DrawFunctions<ExtendedOpaqueGBuffer>>,
         extended_alpha_mask: Res<'w, DrawFunctions<ExtendedAlphaMaskGBuffer>>,
         visibility_masks: ResMut<'w, VisibilityMasks>,
-        /// Those of meshes that write no visibility mask, in the order of these phases.
+        /// Draw functions of meshes without a visibility mask, in the order of the phases above.
         plain: Local<'s, Option<[DrawFunctionId; 4]>>,
     }
 }
@@ -96,20 +96,21 @@ impl GBufferDrawFunctions<'_, '_> {
     }
 }
 
-/// Who had a mesh up to now.
+/// Owner of a mesh before it is sorted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Holder {
-    /// Nobody: it has changed or become visible, and Bevy queues it in this frame, if it is offered it.
+    /// None: the mesh changed or became visible, and Bevy queues it in this frame if it is offered.
     Nobody,
-    /// Bevy, which has it in its phases or waits for it.
+    /// Bevy: the mesh is in its phases, or Bevy waits for it.
     Bevy,
     /// Bevy or the G-buffer.
     Either,
 }
 
-/// Before Bevy's own queue systems: moves the meshes that the G-buffer carries into its phases, and offers Bevy the others.
+/// Moves the meshes that the G-buffer draws into its phases and offers the others to Bevy; runs before Bevy's own queue
+/// systems.
 ///
-/// A mesh that needs more than its view has is left to forward, and its need recorded: the view has it from a later
+/// A mesh that needs more than its view has is left to forward and its need is recorded. The view meets it from a later
 /// frame on, once lighting is compiled for it.
 pub(super) fn queue_gbuffer_meshes(
     lookup: MeshLookup,
@@ -165,7 +166,7 @@ pub(super) fn queue_gbuffer_meshes(
         let mut waiting: Vec<_> = pending.prev_frame.drain().collect();
         let is_new = !sorted.contains_key(&retained);
         if is_new {
-            // What Bevy waits for since the camera was not lean.
+            // Meshes that Bevy has waited for since before the camera was lean.
             for queues in [&bevy_pending.0, &bevy_prepass_pending.0] {
                 let former = queues.get(&retained).map(|queue| &queue.prev_frame);
                 waiting.extend(former.into_iter().flatten());
@@ -217,11 +218,11 @@ pub(super) fn queue_gbuffer_meshes(
         for pair in dirty.iter_to_queue(retained, visible, &HashSet::default()) {
             sorter.sort(pair, Holder::Nobody);
         }
-        // In the order of the entities, as Bevy queues: it decides which is drawn first, and so what hides what.
+        // In entity order, as Bevy queues: it decides the draw order, and so which mesh wins at equal depth.
         waiting.sort_unstable_by_key(|(_, entity)| *entity);
         for (render_entity, entity) in &waiting {
-            // Bevy's own look-up by both entities misses some where meshes are something else too, as lights are: only such
-            // have entities in the render world, and its list is in the order of the main world's.
+            // Bevy's own look-up by both entities misses some meshes that are also, say, lights: only those have
+            // entities in the render world, while its list is sorted by main-world entity.
             if visible_pair(visible, *entity) == Some((*render_entity, *entity)) {
                 sorter.sort((render_entity, entity), Holder::Bevy);
             }
@@ -251,18 +252,17 @@ pub(super) fn queue_gbuffer_meshes(
     );
 }
 
-/// How the meshes of a view are sorted.
+/// State with which the meshes of a view were last sorted.
 #[derive(Default)]
 pub(super) struct SortedView {
-    /// What the view was then.
     active: Option<ActiveLeanView>,
     /// Meshes that need another pipeline in the next frame.
     look_again: Vec<MainEntity>,
-    /// Those that meshes were sorted by: when a shader has changed, they are compiled again, and may fail or no longer fail.
+    /// The pipelines and their states. After a shader change they are compiled again, and may newly fail or succeed.
     pipelines: HashMap<CachedRenderPipelineId, GBufferPipeline>,
 }
 
-/// The entities of a visible mesh; as Bevy's `DirtySpecializations` finds them.
+/// Returns the entities of a visible mesh, searched as in Bevy's `DirtySpecializations`.
 fn visible_pair(
     visible: &RenderVisibleEntitiesClass,
     mesh: MainEntity,
@@ -284,7 +284,7 @@ struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     pipelines: &'a mut GBufferPipelines<'w, 's>,
     draw_functions: &'a mut GBufferDrawFunctions<'dw, 'ds>,
     gpu_preprocessing: &'a GpuPreprocessingSupport,
-    /// Bevy's deferred pass draws into this view, which is not lean then.
+    /// True if Bevy's deferred pass draws into this view; the view is not lean then.
     draws_deferred: bool,
     bevy: BevyViewPhases<'a>,
     offer: Offer<'a>,
@@ -354,7 +354,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         }
         let GBufferPipeline::Ready(pipeline) = pipeline else {
             self.leave_to_forward(entity, &mesh, holder);
-            // What the view does not have yet is there when the view changes.
+            // An unmet demand needs no retry: the mesh is sorted again when the view changes.
             if pipeline == GBufferPipeline::Pending && placement.is_met {
                 self.pending.insert((render_entity, entity));
             }
@@ -392,7 +392,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         );
     }
 
-    /// The view has no deferred pass of Bevy's for a mesh whose method is `Deferred`: Bevy must not queue it.
+    /// True if the mesh's method is `Deferred` but the view has no deferred pass of Bevy's: Bevy must not queue it.
     fn is_strange_to_bevy(&self, mesh: &MeshToQueue) -> bool {
         let properties = &mesh.material.properties;
         properties.render_method == OpaqueRendererMethod::Deferred
@@ -413,7 +413,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         }
     }
 
-    /// The mesh stays in Bevy's prepass if the G-buffer does not write all that the prepass does.
+    /// Keeps the mesh in Bevy's prepass if the G-buffer does not write everything that the prepass writes.
     fn take_from_forward(
         &mut self,
         entity: MainEntity,

@@ -1,4 +1,4 @@
-//! The plugin that lets a material into the G-buffer, and what is known of all such materials.
+//! Registers materials for the G-buffer, and tracks the needs of their assets.
 
 use core::{any::TypeId, mem::replace};
 
@@ -17,9 +17,9 @@ use bevy::{
 use super::{GBufferPlugin, material::GBufferMaterial, targets::GBufferNeeds};
 use crate::view::{EffectSystems, LeanDeferred};
 
-/// Lets meshes with material `M` into the G-buffer. Add it beside `M`'s [`MaterialPlugin`], in any order.
+/// Draws meshes with material `M` into the G-buffer. Add it beside `M`'s [`MaterialPlugin`], in any order.
 ///
-/// [`default`](Self::default) registers a [`GBufferMaterial`]; [`new`](Self::new) a material of another crate.
+/// [`default`](Self::default) registers a [`GBufferMaterial`], [`new`](Self::new) a material of another crate.
 pub struct GBufferMaterialPlugin<M: Material> {
     shaders: Arc<ShaderRefs>,
     needs: Arc<Needs<M>>,
@@ -32,7 +32,7 @@ struct ShaderRefs {
     vertex: Option<VertexStage<ShaderRef>>,
 }
 
-/// A vertex shader, and the attributes that it reads beside those of Bevy's prepass.
+/// A vertex shader, and the attributes that it reads in addition to those of Bevy's prepass.
 pub(super) struct VertexStage<S> {
     pub(super) shader: S,
     pub(super) attributes: Arc<[VertexAttributeDescriptor]>,
@@ -45,8 +45,8 @@ impl<M: GBufferMaterial> Default for GBufferMaterialPlugin<M> {
 }
 
 impl<M: Material> GBufferMaterialPlugin<M> {
-    /// For any material: the fragment shader that packs it, and what each asset of it needs; `None` leaves meshes with it to Bevy's forward
-    /// pass. [`GBufferMaterial`] says more of both.
+    /// Registers any material, with the fragment shader that packs it and a function for the needs of each asset. Meshes whose asset
+    /// returns `None` are left to Bevy's forward pass. [`GBufferMaterial`] documents both.
     ///
     /// ```
     /// use bevy::{pbr::ExtendedMaterial, prelude::*};
@@ -81,11 +81,11 @@ impl<M: Material> GBufferMaterialPlugin<M> {
         }
     }
 
-    /// With a vertex shader in the place of [`Material::deferred_vertex_shader`], and the `attributes` that it reads beside those of Bevy's
-    /// prepass (`bevy_pbr::prepass_io::Vertex`, locations 0 to 7). For materials that have a vertex shader for Bevy's main pass alone.
+    /// Replaces [`Material::deferred_vertex_shader`]. `attributes` are those that the shader reads in addition to Bevy's prepass
+    /// (`bevy_pbr::prepass_io::Vertex`, locations 0 to 7). For materials with a vertex shader for Bevy's main pass only.
     ///
-    /// It has the definitions of the prepass, among them `PREPASS_PIPELINE`. It must write what `bevy_pbr::prepass_io::VertexOutput` has, at the
-    /// same locations; more begins at location 10.
+    /// The shader has the definitions of the prepass, including `PREPASS_PIPELINE`. It must write the fields of
+    /// `bevy_pbr::prepass_io::VertexOutput` at their locations. Further outputs start at location 10.
     pub fn with_vertex_shader(
         self,
         shader: impl Into<ShaderRef>,
@@ -116,7 +116,7 @@ where
 {
     fn build(&self, _: &mut App) {}
 
-    /// Here, so that it does not matter in which order the plugins are added.
+    /// In `finish`, so that the plugins may be added in any order.
     fn finish(&self, app: &mut App) {
         let has_material = app.is_plugin_added::<MaterialPlugin<M>>();
         let has_gbuffer = app.is_plugin_added::<GBufferPlugin>();
@@ -153,24 +153,24 @@ where
         };
         render_app
             .init_resource::<GBufferMaterials>()
-            // Each type of material has entries of its own.
+            // Each material type writes only its own entries.
             .allow_ambiguous_resource::<GBufferMaterials>()
             .add_systems(RenderStartup, load_shaders)
             .add_systems(ExtractSchedule, extract_needs.in_set(EffectSystems::Lean));
     }
 }
 
-/// In the render world: what the G-buffer carries.
+/// In the render world: shaders of the registered material types, and needs of their assets.
 #[derive(Resource, Default)]
 pub(crate) struct GBufferMaterials {
     shaders: HashMap<TypeId, MaterialShaders>,
     needs: HashMap<UntypedAssetId, GBufferNeeds>,
 }
 
-/// With what a type of material is drawn into the G-buffer.
+/// Shaders that draw a material type into the G-buffer.
 pub(crate) struct MaterialShaders {
     pub(super) fragment: Handle<Shader>,
-    /// In the place of the material's own.
+    /// Replaces the vertex shader of the material.
     pub(super) vertex: Option<Arc<VertexStage<Handle<Shader>>>>,
 }
 
@@ -196,7 +196,7 @@ impl MaterialShaders {
 }
 
 impl GBufferMaterials {
-    /// The needs of `material`, and the shaders to draw it into the G-buffer with; `None` if forward must draw it.
+    /// Needs and shaders of `material`; `None` if Bevy's forward pass must draw it.
     pub(crate) fn get(&self, material: UntypedAssetId) -> Option<(GBufferNeeds, &MaterialShaders)> {
         let needs = self.needs.get(&material)?;
         let shaders = self.shaders.get(&material.type_id())?;
@@ -204,8 +204,8 @@ impl GBufferMaterials {
     }
 }
 
-/// Follows the assets of type `M`. Bevy marks the meshes of a changed material as dirty, so they are queued anew, with
-/// what is recorded here, in the same frame. All are read where they were not followed in the last frame.
+/// Tracks the needs of the assets of type `M`. Bevy marks the meshes of a changed material as dirty, so they are queued again with
+/// the new needs in the same frame. Reads all assets if they were not tracked in the last frame.
 fn extract_material_needs<M: Material>(
     needs: &Needs<M>,
     was_following: bool,

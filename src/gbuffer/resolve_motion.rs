@@ -1,17 +1,17 @@
-//! Motion vectors of lean meshes, into the texture where Bevy's prepass has those of all others.
+//! Resolves motion vectors of lean meshes into the texture in which Bevy's prepass writes those of all others.
 //!
-//! On a view with `MotionVectorPrepass` lean meshes do not go through Bevy's prepass. Those that move or deform write the
-//! motion target of the G-buffer; a full-screen triangle after it writes their motion, and that of what is at rest, to
+//! On a view with `MotionVectorPrepass`, lean meshes skip Bevy's prepass. Those that move or deform write the motion
+//! target of the G-buffer. A full-screen triangle then writes the motion of these and of static ones to
 //! `ViewPrepassTextures::motion_vectors`, which temporal anti-aliasing and motion blur read. It discards pixels without
-//! a lean mesh: they keep what Bevy's prepass has drawn, meshes that only forward draws and the background.
+//! a lean mesh, which keep the output of Bevy's prepass: forward-only meshes and the background.
 //!
-//! A raster pass, not a compute pass: Bevy makes that texture without `STORAGE_BINDING`, and not every device can store
-//! to `Rg16Float`.
+//! This is a raster pass because Bevy creates that texture without `STORAGE_BINDING`, and not every device can store to
+//! `Rg16Float`.
 //!
-//! With two-phase occlusion culling it runs after each phase. After the first, pixels of lean meshes are known by the
-//! G-buffer. Then Bevy's late prepass draws over some of them; so after the second, the pixels of lean meshes are those
-//! whose depth is no longer that of the copy which the late prepass made. That copy exists with `DepthPrepass` alone;
-//! views without, and those with `NormalPrepass`, leave motion vectors to Bevy's prepass.
+//! With two-phase occlusion culling it runs after each phase. After the first, the G-buffer marks the pixels of lean
+//! meshes. Bevy's late prepass then overdraws some of them. After the second, pixels of lean meshes are therefore those
+//! whose depth differs from the copy that the late prepass made. That copy exists only with `DepthPrepass`; views
+//! without it, and those with `NormalPrepass`, leave motion vectors to Bevy's prepass.
 
 use bevy::{
     asset::load_embedded_asset,
@@ -51,10 +51,10 @@ use crate::{
     view::{ActiveLeanView, GBufferTargets},
 };
 
-/// What the resolve is compiled by.
+/// Pipeline key of the resolve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ResolveKey {
-    /// After the second phase of culling.
+    /// Runs after the second phase of culling.
     late: bool,
     /// The view has a motion target.
     motion_target: bool,
@@ -84,7 +84,7 @@ impl ResolveKey {
     }
 }
 
-/// The pipelines of the resolve, made when a view first needs them.
+/// The pipelines of the resolve, queued when a view first needs them.
 #[derive(Resource)]
 pub(crate) struct MotionResolvePipelines {
     shader: Handle<Shader>,
@@ -105,7 +105,7 @@ pub(super) fn init_motion_resolve_pipelines(
 }
 
 impl MotionResolvePipelines {
-    /// Whether all that a view may need is compiled, with and without a motion target; starts that if need be.
+    /// True if all pipelines that a view may need are compiled, with and without a motion target. Queues missing ones.
     pub(crate) fn are_ready(&mut self, cache: &PipelineCache, in_two_phases: bool) -> bool {
         let mut ready = true;
         for late in [false, true] {
@@ -155,7 +155,7 @@ impl MotionResolvePipelines {
     }
 }
 
-/// On a view whose lean meshes' motion is resolved: the bind groups, early and late, and the pipelines they are for.
+/// Bind groups, early and late, of a view that resolves motion, and their pipelines.
 #[derive(Component, Default)]
 pub struct ViewMotionResolve {
     offsets: [u32; 2],
@@ -238,7 +238,7 @@ pub(super) fn prepare_motion_resolve(
 }
 
 impl ViewMotionResolve {
-    /// Draws after the early or the late pass of the G-buffer, before depth is copied.
+    /// Draws the resolve after the early or the late pass of the G-buffer, before depth is copied.
     pub(super) fn draw(
         &self,
         late: bool,

@@ -1,4 +1,4 @@
-//! Meshes of which the G-buffer must know more than their material says: what their other components are.
+//! Tracks meshes whose other components add to the needs of their material.
 
 use core::mem::replace;
 
@@ -18,8 +18,8 @@ use bevy::{
 use super::layout::{DEFAULT_VISIBILITY_MASK, visibility_mask};
 use crate::view::{GBufferTargets, LeanDeferred};
 
-/// In the render world: meshes whose components changed what they need of the G-buffer, since the last frame. Lean views
-/// sort them anew; Bevy does not look at them again.
+/// In the render world: meshes whose components changed their needs of the G-buffer since the last frame. Lean views
+/// sort them again; Bevy does not requeue them.
 #[derive(Resource, Default)]
 pub(crate) struct ChangedMeshes(MainEntityHashSet);
 
@@ -37,18 +37,18 @@ pub(super) fn clear_changed_meshes(mut changed: ResMut<ChangedMeshes>) {
     changed.0.clear();
 }
 
-/// In the render world: all such meshes.
+/// In the render world: all meshes with such components.
 #[derive(Resource, Default)]
 pub(crate) struct SpecialMeshes {
     without_shadows: MainEntityHashSet,
-    /// With whether the lightmap is sampled bicubically.
+    /// True if the lightmap is sampled bicubically.
     lightmapped: MainEntityHashMap<bool>,
-    /// Those on other layers than layer 0 alone.
+    /// Masks of meshes that are not on layer 0 alone.
     visibility_masks: MainEntityHashMap<u32>,
 }
 
 impl SpecialMeshes {
-    /// The targets that `mesh` needs, whatever its material, on views that tell light by layers and on others.
+    /// Targets that `mesh` needs regardless of its material and of light layers.
     pub(crate) fn targets(&self, mesh: MainEntity) -> GBufferTargets {
         let mut targets = GBufferTargets::empty();
         if self.without_shadows.contains(&mesh) {
@@ -60,7 +60,7 @@ impl SpecialMeshes {
         targets
     }
 
-    /// What the lightmap of `mesh`, if it has one, adds to the key of its pipelines.
+    /// Key bits that the lightmap of `mesh`, if any, adds to its pipelines.
     pub(crate) fn lightmap_key(&self, mesh: MainEntity) -> Option<MeshPipelineKey> {
         let bicubic = *self.lightmapped.get(&mesh)?;
         let mut key = MeshPipelineKey::LIGHTMAPPED;
@@ -68,13 +68,13 @@ impl SpecialMeshes {
         Some(key)
     }
 
-    /// Forgets what [`extract_special_meshes`] follows.
+    /// Forgets the state that [`extract_special_meshes`] tracks.
     fn clear_followed(&mut self) {
         self.without_shadows.clear();
         self.visibility_masks.clear();
     }
 
-    /// Whether that changes something.
+    /// Returns true if that changes something.
     fn set_without_shadows(&mut self, mesh: MainEntity, is_without: bool) -> bool {
         if is_without {
             self.without_shadows.insert(mesh)
@@ -83,7 +83,7 @@ impl SpecialMeshes {
         }
     }
 
-    /// Puts `mesh` on the layers of a mask. Whether that changes something.
+    /// Puts `mesh` on the layers of a mask. Returns true if that changes something.
     fn put_on(&mut self, mesh: MainEntity, mask: u32) -> bool {
         let before = self.visibility_mask(mesh);
         if mask == DEFAULT_VISIBILITY_MASK {
@@ -94,7 +94,7 @@ impl SpecialMeshes {
         before != mask
     }
 
-    /// The layers that `mesh` is on.
+    /// The layers of `mesh`.
     pub(crate) fn visibility_mask(&self, mesh: MainEntity) -> u32 {
         let mask = self.visibility_masks.get(&mesh);
         mask.copied().unwrap_or(DEFAULT_VISIBILITY_MASK)
@@ -103,7 +103,7 @@ impl SpecialMeshes {
 
 type SpecialComponents = Or<(With<NotShadowReceiver>, With<RenderLayers>)>;
 
-/// Follows the components in extraction, whenever the app changed them; while no camera is to be lean, it does not.
+/// Tracks the components during extraction, and so changes from any schedule of the app; idle without lean cameras.
 pub(super) fn extract_special_meshes(
     mut special: ResMut<SpecialMeshes>,
     mut changed: ResMut<ChangedMeshes>,
@@ -112,7 +112,7 @@ pub(super) fn extract_special_meshes(
     mut removed_receivers: Extract<RemovedComponents<NotShadowReceiver>>,
     layers: Extract<Query<(Entity, &RenderLayers), Changed<RenderLayers>>>,
     mut removed_layers: Extract<RemovedComponents<RenderLayers>>,
-    // What changed while they were disabled no query has told.
+    // Queries skip disabled entities, so changes made meanwhile are read once they are enabled.
     mut enabled: Extract<RemovedComponents<Disabled>>,
     all: Extract<Query<(Has<NotShadowReceiver>, Option<&RenderLayers>)>>,
     candidates: Extract<
@@ -128,7 +128,7 @@ pub(super) fn extract_special_meshes(
         return;
     }
     if !was_following {
-        // All that a camera sees is sorted when it becomes lean.
+        // No need to record changes: a camera that becomes lean sorts all that it sees.
         for (entity, is_without_shadows, layers) in &candidates {
             let mesh = MainEntity::from(entity);
             special.set_without_shadows(mesh, is_without_shadows);
@@ -144,7 +144,7 @@ pub(super) fn extract_special_meshes(
     }
 
     let without = removed_receivers.read().map(|entity| (entity, false));
-    // What was removed and inserted in one frame is there.
+    // Insertions last: a component that was removed and inserted in one frame is present.
     for (entity, is_without) in without.chain(receivers.iter().map(|entity| (entity, true))) {
         let mesh = MainEntity::from(entity);
         if special.set_without_shadows(mesh, is_without) {
@@ -178,14 +178,15 @@ pub(super) fn extract_special_meshes(
     }
 }
 
-/// On a new device Bevy's list, which is made anew there, is empty.
+/// Matches Bevy's list, which is recreated empty on a new device.
 pub(super) fn forget_lightmapped_meshes(mut special: ResMut<SpecialMeshes>) {
     special.lightmapped.clear();
 }
 
-/// Keeps the same lightmapped meshes as Bevy's private `extract_lightmaps`, by its rules, because by that list Bevy picks
-/// the bind group of a mesh: a pipeline made for another one is an error. Bevy does not look at pipelines again when that
-/// changes, so it is asked to; without lean cameras too, because the error ends the app there as well.
+/// Mirrors the list of lightmapped meshes in Bevy's private `extract_lightmaps`, by its rules: Bevy selects a mesh's
+/// bind group by that list, and a pipeline specialized for another one is an error. Bevy does not respecialize when the
+/// list changes, so the mesh is marked as changed; without lean cameras too, because the error ends the app there as
+/// well.
 pub(super) fn extract_lightmapped_meshes(
     mut special: ResMut<SpecialMeshes>,
     mut dirty: ResMut<DirtySpecializations>,

@@ -1,4 +1,4 @@
-//! Finds the pipeline that draws a mesh into the G-buffer, or has it made.
+//! Looks up the pipeline that draws a mesh into the G-buffer, or specializes it.
 
 use alloc::sync::Arc;
 
@@ -24,24 +24,24 @@ use super::{
 use crate::{named::system_param, view::GBufferTargets};
 
 system_param! {
-    /// The pipelines of the G-buffer and what makes them.
+    /// The pipelines of the G-buffer, with what is needed to specialize them.
     pub(super) struct GBufferPipelines<'w, 's> {
         cache: Res<'w, PipelineCache>,
         prepass_pipeline: Res<'w, PrepassPipeline>,
         specialized: ResMut<'w, SpecializedMeshPipelines<GBufferPipelineSpecializer>>,
-        /// Bevy's pipeline is a struct of many layouts: copied when it changes, not for each mesh.
+        /// Bevy's pipeline is a large struct of layouts: it is cloned when it changes, not per mesh.
         shared_prepass_pipeline: Local<'s, Option<Arc<PrepassPipeline>>>,
-        /// Pipelines found in this frame: most meshes share theirs with many others.
+        /// Pipelines looked up in this frame; most meshes share theirs with many others.
         found: Local<'s, HashMap<PipelineQuery, GBufferPipeline>>,
-        /// The last of these for each of the recent kinds of meshes.
+        /// The last of these for each recent mesh kind.
         recent: Local<'s, Vec<Option<(PipelineQuery, GBufferPipeline)>>>,
-        /// Errors that have been reported, once each.
+        /// Errors that have been logged; each is logged once.
         reported: Local<'s, HashSet<String>>,
     }
 }
 
-/// All that the pipeline of a mesh follows from. Material and layout are known by their addresses, which are good for one
-/// frame.
+/// Everything that determines the pipeline of a mesh. Material and layout are identified by address, which is valid for
+/// one frame.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct PipelineQuery {
     material: usize,
@@ -51,18 +51,18 @@ struct PipelineQuery {
     output: MeshOutput,
 }
 
-/// Whether a mesh can be drawn.
+/// State of the pipeline of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum GBufferPipeline {
     Ready(CachedRenderPipelineId),
-    /// It is being compiled.
+    /// Not compiled yet.
     Pending,
-    /// It cannot be, unless its shader changes; `None` if not even then.
+    /// Compilation failed, and is retried if a shader changes; `None` if it never can succeed.
     Failed(Option<CachedRenderPipelineId>),
 }
 
 impl GBufferPipelines<'_, '_> {
-    /// To be called once a frame, before all others.
+    /// Call once per frame, before all other methods.
     pub(super) fn start_frame(&mut self) {
         self.found.clear();
         self.recent.clear();
@@ -71,7 +71,7 @@ impl GBufferPipelines<'_, '_> {
         }
     }
 
-    /// All that is known of pipelines is of the past.
+    /// True if the device was recreated, so that all known pipelines are invalid.
     pub(super) fn are_of_another_device(&self) -> bool {
         self.cache.is_added()
     }
@@ -152,7 +152,7 @@ impl GBufferPipelines<'_, '_> {
     pub(super) fn state(&self, id: CachedRenderPipelineId) -> GBufferPipeline {
         match self.cache.get_render_pipeline_state(id) {
             CachedPipelineState::Ok(_) => GBufferPipeline::Ready(id),
-            // Bevy has reported it, and tries again when it is told of another shader.
+            // Bevy has logged the error, and compiles again when a shader changes.
             CachedPipelineState::Err(
                 ShaderCacheError::ProcessShaderError(_) | ShaderCacheError::CreateShaderModule(_),
             ) => GBufferPipeline::Failed(Some(id)),

@@ -1,4 +1,4 @@
-//! The optional targets of the G-buffer, and what a material needs of it.
+//! The optional targets of the G-buffer, and the needs of a material.
 
 use bevy::render::render_resource::{ColorTargetState, ColorWrites, TextureFormat};
 
@@ -8,7 +8,7 @@ use crate::shader_library::layout::{
 };
 use crate::view::{GBufferTargets, ShadingModel};
 
-/// What is known of one target.
+/// Properties of one target.
 struct OptionalTarget {
     format: TextureFormat,
     name: &'static str,
@@ -16,7 +16,7 @@ struct OptionalTarget {
     shader_def: &'static str,
 }
 
-/// In the order of their bits, which is that of the fragment shader's outputs.
+/// The optional targets in the order of their bits, which is that of the fragment shader's outputs.
 const OPTIONAL_TARGETS: [OptionalTarget; GBufferTargets::all().bits().count_ones() as usize] = [
     OptionalTarget {
         format: EMISSIVE_FORMAT,
@@ -45,12 +45,12 @@ const OPTIONAL_TARGETS: [OptionalTarget; GBufferTargets::all().bits().count_ones
 ];
 
 impl GBufferTargets {
-    /// Those that lighting reads.
+    /// The targets that lighting reads.
     pub(crate) const LIT: Self = Self::all().difference(Self::MOTION);
 
-    /// The colour targets of a pipeline that writes `written` of these, in a pass that has all of these: two of the
-    /// base, and in a pass with optional targets the one that says which are written, and one for each up to the last, in
-    /// the order of the fragment shader's outputs.
+    /// Colour targets of a pipeline that writes `written` in a pass with the targets `self`, in the order of the
+    /// fragment shader's outputs: the two of the base; in a pass with optional targets also the `written` target, and a
+    /// slot for each optional target up to the last.
     pub(crate) fn color_targets(self, written: Self) -> Vec<Option<ColorTargetState>> {
         let target = |format, write_mask| {
             Some(ColorTargetState {
@@ -77,7 +77,7 @@ impl GBufferTargets {
             .collect()
     }
 
-    /// The attachment of a single target.
+    /// Attachment index of a single target.
     pub(crate) const fn slot(self) -> usize {
         3 + self.bits().trailing_zeros() as usize
     }
@@ -96,18 +96,18 @@ impl GBufferTargets {
         self.described().name
     }
 
-    /// The name of a single target, in labels of the graphics API.
+    /// The label of a single target in the graphics API.
     pub(crate) fn label(self) -> &'static str {
         self.described().label
     }
 
-    /// The shader definition that makes shaders write or read a single target.
+    /// The shader definition with which shaders write or read a single target.
     pub(crate) fn shader_def(self) -> &'static str {
         self.described().shader_def
     }
 
-    /// Bytes a pixel of these targets, and of the one that says which of them a surface has written; the base targets
-    /// not counted.
+    /// Bytes per pixel of these targets and of the one that records which of them a surface has written, without the
+    /// base targets.
     pub fn bytes_per_pixel(self) -> u32 {
         let written = (!self.is_empty()).then_some(WRITTEN_FORMAT);
         (self.iter().map(Self::format))
@@ -117,12 +117,12 @@ impl GBufferTargets {
     }
 }
 
-/// What a material needs of the G-buffer beside the base targets.
+/// The needs of a material beyond the base targets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct GBufferNeeds {
     /// The optional targets that it writes.
     pub targets: GBufferTargets,
-    /// How its pixels are lit.
+    /// The shading model of its pixels.
     pub shading_model: ShadingModel,
 }
 
@@ -133,7 +133,7 @@ impl GBufferNeeds {
         shading_model: ShadingModel::Plain,
     };
 
-    /// The same with another shading model, which the specialization target names.
+    /// The same with another shading model, which is stored in the specialization target.
     pub fn with_shading_model(self, shading_model: ShadingModel) -> Self {
         Self {
             targets: self.targets | GBufferTargets::SPECIALIZATION,

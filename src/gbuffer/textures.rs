@@ -1,4 +1,4 @@
-//! The targets of the G-buffer.
+//! Allocates the targets of the G-buffer.
 
 use bevy::{
     image::ToExtents,
@@ -24,51 +24,54 @@ use crate::{
 
 /// The targets of one view, as large as its render target.
 ///
-/// They hold this frame's words of the view from its [`GBufferPasses`](super::GBufferPasses) to the end of its `Core3d` schedule: a pass in
-/// `Core3d` after that set reads them. Before, and once the schedule of the next camera runs, they hold words of another camera or frame:
-/// cameras whose targets are of one size and which need the same optional targets share their textures. A pass that needs them longer
-/// copies them.
+/// They contain this frame's words of the view from its [`GBufferPasses`](super::GBufferPasses) to the end of its
+/// `Core3d` schedule, so a pass that reads them runs in `Core3d` after that set. At other times they may contain words
+/// of another camera or frame: cameras with render targets of one size and the same optional targets share textures. A
+/// pass that needs them longer copies them.
 ///
-/// `normal` tells which other words may be read, on views with [`ReadsGBuffer`].
+/// On views with [`ReadsGBuffer`], `normal` marks the pixels whose other words may be read.
 #[derive(Component, Clone)]
 pub struct GBufferTextures {
     /// Albedo, metallic, occlusion; undefined where `normal` has [`NO_GEOMETRY`]; `R32Uint`.
     pub surface: CachedTexture,
-    /// Normal, roughness; [`NO_GEOMETRY`] wherever no lean mesh was drawn, also outside of the viewport; `R32Uint`. Without [`ReadsGBuffer`]
-    /// undefined there while [`ActiveLeanView::depth_tells_geometry`] is set: lighting finds depth 0 in these pixels.
+    /// Normal, roughness; [`NO_GEOMETRY`] wherever no lean mesh was drawn, also outside the viewport; `R32Uint`.
+    /// Without [`ReadsGBuffer`] undefined there while [`ActiveLeanView::depth_tells_geometry`] is set: lighting tests
+    /// for depth 0 instead.
     pub normal: CachedTexture,
-    /// The [`GBufferTargets`] that hold a word of the surface, as their bits, on a view that has some; 0 where `normal` has
-    /// [`NO_GEOMETRY`]; `R8Uint`.
+    /// The [`GBufferTargets`] that contain a word of the surface, as their bits, on a view that has some; 0 where
+    /// `normal` has [`NO_GEOMETRY`]; `R8Uint`.
     pub written: Option<CachedTexture>,
     /// The optional targets that the view has in this frame, in the order of their bits.
     optional: Vec<(GBufferTargets, CachedTexture)>,
 }
 
-/// On a view of the render world: a pass of the app reads its [`GBufferTextures`], so that they are cleared in each frame. To be inserted
-/// before [`LeanViewSystems`](crate::view::LeanViewSystems). Clearing took 0.7 to 0.9 ms at 4K on an NVIDIA H200, which rasterises weakly.
+/// On a view of the render world: a pass of the app reads its [`GBufferTextures`], so they are cleared in each frame.
+/// Insert it before [`LeanViewSystems`](crate::view::LeanViewSystems). Clearing took 0.7 to 0.9 ms at 4K on an NVIDIA
+/// H200, which rasterises weakly.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ReadsGBuffer;
 
 impl GBufferTextures {
-    /// The texture of a single optional target, if the view has it in this frame. Undefined where `written` has not its bit.
+    /// The texture of a single optional target, if the view has it in this frame. Undefined at pixels where `written`
+    /// lacks its bit.
     pub fn optional(&self, target: GBufferTargets) -> Option<&CachedTexture> {
         self.optional
             .iter()
             .find_map(|(other, texture)| (*other == target).then_some(texture))
     }
 
-    /// The optional targets that there are.
+    /// The optional targets that are allocated.
     pub(super) fn targets(&self) -> GBufferTargets {
         self.optional.iter().map(|(target, _)| *target).collect()
     }
 
-    /// Their size, and the optional ones.
+    /// Key by which views share textures: size and optional targets.
     fn key(&self) -> (UVec2, GBufferTargets) {
         let normal = &self.normal.texture;
         (UVec2::new(normal.width(), normal.height()), self.targets())
     }
 
-    /// The attachments of the pass that writes the base targets alone.
+    /// The attachments of the pass that writes only the base targets.
     pub(super) fn base_attachments(
         &self,
         load: BaseLoad,
@@ -88,8 +91,8 @@ impl GBufferTextures {
             .map(|(texture, load)| Some(attachment(texture, load)))
     }
 
-    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs. If it `is_first` to write the
-    /// optional ones, none is written yet.
+    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs. `is_first`:
+    /// the optional targets are not written yet in this frame.
     pub(super) fn all_attachments(
         &self,
         base: BaseLoad,
@@ -127,16 +130,17 @@ fn attachment(texture: &CachedTexture, load: LoadOp<wgpu::Color>) -> RenderPassC
 /// State of the base targets at the start of a pass.
 #[derive(Clone, Copy)]
 pub(super) enum BaseLoad {
-    /// A pass before has drawn into them.
+    /// An earlier pass has drawn into them.
     Drawn,
-    /// Without geometry.
+    /// Cleared to no geometry.
     Cleared,
-    /// Depth tells which words are read.
+    /// Undefined: depth tells which words may be read.
     Anything,
 }
 
 impl BaseLoad {
-    /// For the first pass of a view. Depth that others have drawn into before tells of nothing that is in the G-buffer.
+    /// The state for the first pass of a view. Depth that was not cleared may be of other systems' surfaces, so it does
+    /// not mark geometry in the G-buffer.
     pub(super) fn first(view: &ActiveLeanView, depth: &RenderPassDepthStencilAttachment) -> Self {
         let is_cleared = (depth.depth_ops).is_some_and(|ops| matches!(ops.load, LoadOp::Clear(_)));
         if view.depth_tells_geometry && is_cleared {
@@ -147,9 +151,10 @@ impl BaseLoad {
     }
 }
 
-/// For targets whose words are read only where a cleared one, `normal` or `written`, or depth says that a mesh has written them.
+/// Load operation for targets that are read only where `normal`, `written` (both cleared) or depth marks a word as
+/// written.
 fn load_anything<T>() -> LoadOp<T> {
-    // SAFETY: no word is read that was not written, see above.
+    // SAFETY: only written words are read, see above.
     LoadOp::DontCare(unsafe { wgpu::LoadOpDontCare::enabled() })
 }
 
@@ -185,8 +190,8 @@ fn make_textures(
 }
 
 system_param! {
-    /// Textures of the sizes that views have asked for in this frame. Cameras are drawn one after the other, so those of one size that need the
-    /// same share them.
+    /// Textures that views requested in this frame, by size and targets. Cameras are drawn in sequence, so those with
+    /// equal keys share them.
     pub(super) struct SharedTextures<'w, 's> {
         cache: ResMut<'w, TextureCache>,
         device: Res<'w, RenderDevice>,
@@ -196,8 +201,8 @@ system_param! {
 }
 
 impl SharedTextures<'_, '_> {
-    /// `None` if they do not fit into memory. What the view `held` in the last frame Bevy's cache still has: nothing is allocated then, and
-    /// no error can come of it.
+    /// Returns `None` if they do not fit into memory. Textures that the view `held` in the last frame are still in
+    /// Bevy's cache: nothing is allocated, so no check is needed.
     fn get(
         &mut self,
         view: Entity,
@@ -219,7 +224,7 @@ impl SharedTextures<'_, '_> {
     }
 }
 
-/// Gives each active view its targets and takes them from views that are no longer active.
+/// Assigns each active view its targets and removes them from views that are no longer active.
 pub(super) fn prepare_gbuffer_textures(
     mut commands: Commands,
     mut textures: SharedTextures,
@@ -252,8 +257,8 @@ pub(super) fn prepare_gbuffer_textures(
     textures.by_size.clear();
 }
 
-/// Targets must be as large as the depth that they are drawn with. What the camera says may lag behind a target that was resized or
-/// replaced: then Bevy gives cameras of one target one depth, though they say different sizes.
+/// Matches the size of the targets to that of depth. The size that the camera reports may lag behind a target that was
+/// resized or replaced; Bevy then gives cameras of one target one depth texture although they report different sizes.
 pub(super) fn fit_gbuffer_textures_to_depth(
     mut textures: SharedTextures,
     mut views: Query<(

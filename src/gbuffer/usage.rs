@@ -1,4 +1,4 @@
-//! Tells users which targets a camera has, and what they cost.
+//! Reports the targets of a camera and their memory cost.
 
 use bevy::{
     prelude::*,
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::view::{GBufferTargets, LeanDeferred};
 
-/// On a camera with [`LeanDeferred`]: what its G-buffer was made of in the last frame that was rendered.
+/// On a camera with [`LeanDeferred`]: the targets of its G-buffer in the last frame that was rendered.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -27,14 +27,13 @@ use crate::view::{GBufferTargets, LeanDeferred};
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct GBufferUsage {
-    /// Pixels of the targets; zero while Bevy's forward passes render the camera.
+    /// Size of the targets in pixels; zero while Bevy's forward passes render the camera.
     pub size: UVec2,
-    /// The optional targets beside the base.
+    /// The optional targets.
     pub targets: GBufferTargets,
 }
 
 impl GBufferUsage {
-    /// What `textures` are.
     fn of(textures: &GBufferTextures) -> Self {
         let surface = &textures.surface.texture;
         Self {
@@ -43,12 +42,12 @@ impl GBufferUsage {
         }
     }
 
-    /// Whether the camera was rendered through the G-buffer.
+    /// True if the camera was rendered through the G-buffer.
     pub fn is_active(&self) -> bool {
         self.size != UVec2::ZERO
     }
 
-    /// Bytes a pixel of all targets, depth not counted.
+    /// Bytes per pixel of all targets, without depth.
     pub fn bytes_per_pixel(&self) -> u32 {
         if self.is_active() {
             BASE_BYTES_PER_PIXEL + self.targets.bytes_per_pixel()
@@ -57,12 +56,12 @@ impl GBufferUsage {
         }
     }
 
-    /// Bytes of all targets. Cameras of one size that need the same share theirs.
+    /// Bytes of all targets. Cameras of one size with the same targets share them.
     pub fn bytes(&self) -> u64 {
         self.pixels() * u64::from(self.bytes_per_pixel())
     }
 
-    /// The name of each target, and its bytes.
+    /// Name and bytes of each target.
     pub fn each(&self) -> impl Iterator<Item = (&'static str, u64)> {
         let base = self
             .is_active()
@@ -86,7 +85,7 @@ impl GBufferUsage {
     }
 }
 
-/// Hands what the last frame's views had to their cameras in the main world.
+/// Copies the usage of the last frame's views to their cameras in the main world.
 pub(super) fn report_usage(
     mut main_world: ResMut<MainWorld>,
     views: Query<(&MainEntity, Option<&GBufferTextures>), With<LeanDeferred>>,

@@ -1,5 +1,5 @@
-//! The visibility masks of meshes, as the shaders of the G-buffer read them: a uniform for each set of layers, bound
-//! before each batch. Meshes on different layers are drawn by one pipeline, though not by one draw.
+//! Binds the visibility masks of meshes for the G-buffer's shaders: a uniform per set of layers, bound before each
+//! batch. Meshes on different layers share a pipeline, though not a draw.
 
 use bevy::{
     ecs::system::{SystemParamItem, lifetimeless::SRes},
@@ -23,7 +23,7 @@ use super::{
 };
 use crate::gpu::bindings::layout;
 
-/// Bevy's `DrawPrepass`, with the mask of the batch in place of the empty bind group.
+/// Bevy's `DrawPrepass` with the mask of the batch in place of the empty bind group.
 pub(super) type DrawWithVisibilityMask = (
     SetItemPipeline,
     SetPrepassViewBindGroup<0>,
@@ -64,19 +64,19 @@ impl<const ALPHA_MASKED: bool, const I: usize> RenderCommand<GBufferItem<ALPHA_M
     }
 }
 
-/// The masks of the meshes of all views that write any.
+/// The masks that the meshes of all views write.
 #[derive(Resource, Default)]
 pub(super) struct VisibilityMasks {
     offsets: HashMap<u32, u32>,
     buffer: DynamicUniformBuffer<u32>,
     bind_group: Option<BindGroup>,
     is_uploaded: bool,
-    /// How many there may be before those of layers that no mesh is on any more are dropped.
+    /// Number of masks above which unused ones are dropped.
     limit: usize,
 }
 
 impl VisibilityMasks {
-    /// To be called for each mesh that writes a mask, before [`upload_visibility_masks`].
+    /// Call for each mesh that writes a mask, before [`upload_visibility_masks`].
     pub(super) fn insert(&mut self, mask: u32) {
         let buffer = &mut self.buffer;
         self.offsets.entry(mask).or_insert_with(|| {
@@ -94,7 +94,7 @@ impl VisibilityMasks {
     }
 }
 
-/// What a pipeline that writes masks binds as [`VISIBILITY_MASK_GROUP`].
+/// The layout at [`VISIBILITY_MASK_GROUP`] of pipelines that write masks.
 pub(super) fn visibility_mask_layout() -> BindGroupLayoutDescriptor {
     layout(
         "lean_deferred/gbuffer/visibility_mask",
@@ -103,10 +103,10 @@ pub(super) fn visibility_mask_layout() -> BindGroupLayoutDescriptor {
     )
 }
 
-/// The fewest masks that are worth looking for those that are used.
+/// Lower bound of that limit: with fewer masks, a search for unused ones is not worth its cost.
 const SMALLEST_LIMIT: usize = 64;
 
-/// After meshes were queued, in frames in which one came with a new mask.
+/// Uploads the masks after meshes were queued, in frames with a new mask.
 pub(super) fn upload_visibility_masks(
     mut masks: ResMut<VisibilityMasks>,
     phases: DrawnGBufferPhases,
@@ -134,7 +134,7 @@ pub(super) fn upload_visibility_masks(
     masks.is_uploaded = true;
 }
 
-/// On each new device: the meshes that are queued keep their masks.
+/// Drops the uploads on each new device; queued meshes keep their masks.
 pub(super) fn forget_uploaded_visibility_masks(mut masks: ResMut<VisibilityMasks>) {
     let used = masks.offsets.keys().copied().collect();
     masks.buffer = default();

@@ -1,4 +1,4 @@
-//! Bind groups that are made anew only when what they bind has changed. While nothing changes, a look at them costs
+//! Caches bind groups and recreates them only when a bound resource has changed. While nothing changes, the check costs
 //! neither an allocation nor a look-up.
 
 use core::num::NonZeroU64;
@@ -12,8 +12,8 @@ use bevy::render::{
 };
 use wgpu::BufferBinding;
 
-/// A layout that has been looked up once: Bevy's cache clones and hashes its description at each look-up. Belongs to
-/// one device.
+/// A layout that was looked up once: Bevy's cache clones and hashes its descriptor at each look-up. Belongs to one
+/// device.
 #[derive(Clone)]
 pub(crate) struct FoundLayout {
     descriptor: BindGroupLayoutDescriptor,
@@ -33,8 +33,8 @@ impl FoundLayout {
     }
 }
 
-/// What stands at one binding. Compared by identity; what is held here stays alive, so that no other can take its
-/// identity.
+/// The resource at one binding, compared by identity. This handle keeps it alive, so that no other resource can get the
+/// same identity.
 #[derive(Clone, PartialEq)]
 enum Bound {
     Buffer(wgpu::Buffer, u64, Option<NonZeroU64>),
@@ -44,7 +44,7 @@ enum Bound {
 }
 
 impl Bound {
-    /// `None` for kinds that nothing here binds.
+    /// `None` for kinds that this crate does not bind.
     fn new(resource: &BindingResource) -> Option<Self> {
         Some(match resource {
             BindingResource::Buffer(b) => Self::Buffer(b.buffer.clone(), b.offset, b.size),
@@ -66,23 +66,23 @@ impl Bound {
     }
 }
 
-/// See the module's documentation.
+/// A cached bind group; see the module's documentation.
 #[derive(Default)]
 pub(crate) struct CachedBindGroup {
     bound: Vec<(u32, Bound)>,
     layout: Option<BindGroupLayoutId>,
-    /// `None` as soon as it no longer is one of `bound` by `layout`.
+    /// `None` once `bound` or `layout` has changed.
     group: Option<BindGroup>,
 }
 
-/// The entries of a bind group, while they are compared with those of the last frame.
+/// The entries of a bind group during their comparison with those of the last frame.
 pub(crate) struct Entries<'a> {
     cached: &'a mut CachedBindGroup,
     count: usize,
 }
 
 impl Entries<'_> {
-    /// The next entry; `None` for kinds of resources that nothing here binds.
+    /// Pushes the next entry. Returns `None` for kinds of resources that this crate does not bind.
     pub(crate) fn push(&mut self, binding: u32, resource: BindingResource) -> Option<()> {
         let fits = |(other, bound): &(u32, Bound)| *other == binding && bound.is(&resource);
         if !self.cached.bound.get(self.count).is_some_and(fits) {
@@ -92,7 +92,7 @@ impl Entries<'_> {
         Some(())
     }
 
-    /// The next entry: an array of `length` textures.
+    /// Pushes an array of `length` textures as the next entry.
     pub(crate) fn push_textures<'t>(
         &mut self,
         binding: u32,
@@ -122,8 +122,8 @@ impl Entries<'_> {
 }
 
 impl CachedBindGroup {
-    /// Makes the bind group if there is none, or if `layout` or the entries that `fill` pushes are not those of the last
-    /// call. Drops it if `fill` returns `None`: something is missing.
+    /// Creates the bind group if there is none, or if `layout` or the entries that `fill` pushes differ from those of
+    /// the last call. Drops it if `fill` returns `None` because a resource is missing.
     pub(crate) fn update(
         &mut self,
         device: &RenderDevice,

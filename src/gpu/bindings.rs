@@ -1,10 +1,10 @@
-//! Names for the bindings of bind groups, and layouts made of them.
+//! Constants for binding numbers, and layouts built from them.
 
 use bevy::render::render_resource::{
     BindGroupLayoutDescriptor, BindGroupLayoutEntryBuilder, ShaderStages,
 };
 
-/// Defines a constant for each binding, named as the variable of the shaders, and a table of them, by which
+/// Defines a constant per binding, named like the shader's variable, and a table of them with which
 /// `tests/shaders/twins.rs` compares both.
 macro_rules! binding_numbers {
     ($($name:ident = $number:literal,)*) => {
@@ -12,14 +12,14 @@ macro_rules! binding_numbers {
             #[doc = concat!("`@binding(", $number, ")`")]
             pub const $name: u32 = $number;
         )*
-        /// All of them.
+        /// All bindings by name.
         pub const ALL: &[(&str, u32)] = &[$((stringify!($name), $number)),*];
     };
 }
 
 pub(crate) use binding_numbers;
 
-/// A layout of `entries`, each with its number, all for `stages`.
+/// Builds a layout of `entries`, each with its number, all visible to `stages`.
 pub(crate) fn layout(
     label: &'static str,
     stages: ShaderStages,

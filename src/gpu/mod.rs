@@ -1,14 +1,14 @@
-//! What belongs to the device, whichever effect uses it.
+//! Helpers for the device, shared by the effects.
 //!
-//! - `bindings.rs`: names for the bindings of bind groups, and layouts made of them.
-//! - `bind_group_cache.rs`: bind groups that are made anew only when what they bind changed.
-//! - `needed_limits.rs`: limits of the device that effects need.
-//! - `picture_bind_groups.rs`: those of what reads the picture.
-//! - `pipeline_watch.rs`: pipelines of this crate that cannot be compiled.
-//! - `recovery.rs`: what is left of a device that was lost.
-//! - `storage_texture.rs`: what a pass writes and another one reads.
-//! - `subgroups.rs`: whether the device has them, and how small they get.
-//! - `timed.rs`: passes whose time is recorded.
+//! - `bindings.rs`: named binding numbers, and bind group layouts from them.
+//! - `bind_group_cache.rs`: bind groups that are recreated only when a bound resource has changed.
+//! - `needed_limits.rs`: device limits that effects need.
+//! - `picture_bind_groups.rs`: bind groups of passes that read the main texture.
+//! - `pipeline_watch.rs`: reports pipelines of this crate that fail to compile.
+//! - `recovery.rs`: removes from views the resources of a lost device.
+//! - `storage_texture.rs`: textures that one pass writes and another reads.
+//! - `subgroups.rs`: subgroup support, and the smallest subgroup size.
+//! - `timed.rs`: passes whose GPU time is recorded.
 
 pub(crate) mod bind_group_cache;
 pub(crate) mod bindings;

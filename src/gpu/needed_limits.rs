@@ -4,12 +4,12 @@ use core::fmt;
 
 use wgpu::Limits;
 
-/// One limit, and the least value of it that is enough.
+/// A limit and its least sufficient value.
 #[derive(Clone, Copy, Debug)]
 pub struct NeededLimit {
     /// Its name in `wgpu::Limits`.
     pub name: &'static str,
-    /// The least value that is enough.
+    /// The least sufficient value.
     pub least: u32,
     /// The field of that name.
     pub field: fn(&mut Limits) -> &mut u32,

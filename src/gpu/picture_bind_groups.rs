@@ -1,4 +1,4 @@
-//! Bind groups of what reads the picture.
+//! Bind groups of passes that read the picture.
 
 use bevy::render::{
     render_resource::{BindGroup, Texture, TextureId, TextureView},
@@ -8,12 +8,12 @@ use bevy::render::{
 
 use super::bind_group_cache::{CachedBindGroup, Entries, FoundLayout};
 
-/// One for each of the two main textures that Bevy has for a view, and may use one or the other of.
+/// A bind group per main texture: Bevy has two for a view and may use either.
 #[derive(Default)]
 pub(crate) struct PictureBindGroups([(Option<TextureId>, CachedBindGroup); 2]);
 
 impl PictureBindGroups {
-    /// `push` gets each picture in turn.
+    /// Updates both groups. `push` gets each picture in turn.
     pub(crate) fn update(
         &mut self,
         device: &RenderDevice,
@@ -21,7 +21,7 @@ impl PictureBindGroups {
         target: &ViewTarget,
         push: impl Fn(&mut Entries, &TextureView) -> Option<()>,
     ) {
-        // In an order that stays.
+        // A stable order, although the textures swap roles.
         let mut pictures = [
             (target.main_texture(), target.main_texture_view()),
             (
@@ -36,7 +36,7 @@ impl PictureBindGroups {
         }
     }
 
-    /// The one that reads `picture`.
+    /// The group that reads `picture`.
     pub(crate) fn of(&self, picture: &Texture) -> Option<&BindGroup> {
         let (_, group) = self.0.iter().find(|(id, _)| *id == Some(picture.id()))?;
         group.get()

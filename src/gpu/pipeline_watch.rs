@@ -1,7 +1,7 @@
-//! Pipelines of this crate that cannot be compiled: each is reported once, with the cause.
+//! Reports pipelines of this crate that cannot be compiled, once each, with the cause.
 //!
-//! Bevy logs what is wrong with a shader that it cannot compose, but not which effect is off for it. For an import that
-//! nothing provides it waits for ever, without a word.
+//! Bevy logs errors of a shader that it cannot compose, but not which effect is off because of it. For an import that
+//! nothing provides it waits forever and logs nothing.
 
 use core::time::Duration;
 
@@ -24,37 +24,37 @@ use bevy::{
     shader::{CachedPipelineId, ShaderCacheError, ShaderImport},
 };
 
-/// What the labels of this crate's pipelines begin with.
+/// Prefix of the labels of this crate's pipelines.
 const PREFIX: &str = "lean_deferred/";
-/// How long a pipeline may wait for shaders that nothing provides. Those of plugins are there within a few frames; those
-/// that an app loads from files may take longer, and are not missing while they load.
+/// Time for which a pipeline may wait for shaders that nothing provides. Those of plugins arrive within a few frames.
+/// Those that an app loads from files may take longer, and do not count as missing while they load.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// In the render world: the pipelines of this crate that cannot be compiled.
 #[derive(Resource, Default)]
 pub(crate) struct PipelineWatch {
-    /// Since when pipelines have been waiting for shaders.
+    /// Start of each pipeline's wait for shaders.
     waiting: HashMap<CachedPipelineId, Instant>,
     failures: HashMap<CachedPipelineId, Failure>,
 }
 
 #[derive(Clone, PartialEq)]
 struct Failure {
-    /// Its label and the file of its shader.
+    /// Label of the pipeline and file of its shader.
     name: String,
     cause: Arc<str>,
-    /// It may come yet, and the pipeline is compiled then.
+    /// True if the missing shader may still arrive; the pipeline is then compiled.
     awaits_shader: bool,
 }
 
 impl PipelineWatch {
-    /// Why the pipeline cannot be compiled; `None` if it is, or may soon be.
+    /// The reason that the pipeline cannot be compiled; `None` if it is compiled or may soon be.
     pub(crate) fn failure(&self, pipeline: CachedComputePipelineId) -> Option<Arc<str>> {
         let failure = self.failures.get(&pipeline.id())?;
         Some(failure.cause.clone())
     }
 
-    /// Many pipelines may fail for one cause, which is logged once.
+    /// Records a failure. Many pipelines may fail for one cause, which is logged once.
     fn fail(&mut self, id: CachedPipelineId, failure: Failure) {
         if self.failures.values().all(|other| *other != failure) {
             let Failure { name, cause, .. } = &failure;
@@ -64,8 +64,8 @@ impl PipelineWatch {
     }
 }
 
-/// In `ExtractSchedule`, where both the pipelines of the last frame and the shaders of the main world can be seen.
-/// Looks only at pipelines that are not compiled.
+/// Checks pipelines that are not compiled. Runs in `ExtractSchedule`, where both the pipelines of the last frame and
+/// the shaders of the main world are visible.
 pub(crate) fn watch_pipelines(
     mut watch: ResMut<PipelineWatch>,
     cache: Res<PipelineCache>,
@@ -86,7 +86,7 @@ pub(crate) fn watch_pipelines(
             pipeline(*id).is_some_and(|pipeline| match &pipeline.state {
                 CachedPipelineState::Ok(_) => false,
                 CachedPipelineState::Err(error) => failure.awaits_shader == awaits_shader(error),
-                // Bevy tries again each frame, or was told of another shader.
+                // Bevy retries each frame, or was notified of another shader.
                 _ => failure.awaits_shader,
             })
         });
@@ -139,7 +139,7 @@ fn own_label(pipeline: &CachedPipeline) -> Option<&str> {
     label.as_deref().filter(|label| label.starts_with(PREFIX))
 }
 
-/// Where the shader that tells a pipeline from others of its kind was loaded from.
+/// File of the shader that distinguishes a pipeline from others of its kind.
 fn file<'a>(pipeline: &CachedPipeline, shaders: &'a Assets<Shader>) -> Option<&'a str> {
     let shader = match &pipeline.descriptor {
         PipelineDescriptor::RenderPipelineDescriptor(descriptor) => {
@@ -151,7 +151,7 @@ fn file<'a>(pipeline: &CachedPipeline, shaders: &'a Assets<Shader>) -> Option<&'
     Some(&shaders.get(shader)?.path)
 }
 
-/// Whether Bevy tries again by itself.
+/// True if Bevy retries by itself.
 fn awaits_shader(error: &ShaderCacheError) -> bool {
     matches!(
         error,
@@ -159,7 +159,7 @@ fn awaits_shader(error: &ShaderCacheError) -> bool {
     )
 }
 
-/// The names of shaders that `pipeline` needs, of itself or through imports, and that are neither there nor loading.
+/// Names of shaders that `pipeline` needs, directly or through imports, and that are neither loaded nor loading.
 fn missing_shaders(
     pipeline: &CachedPipeline,
     shaders: &Assets<Shader>,
@@ -202,7 +202,7 @@ fn missing_shaders(
     missing
 }
 
-/// Whether `shader` names `import` by the path of a file that is on its way.
+/// True if `shader` imports `import` by the path of a file that is still loading.
 fn is_loading(import: &ShaderImport, shader: &Shader, asset_server: &AssetServer) -> bool {
     matches!(import, ShaderImport::AssetPath(_))
         && (shader.file_dependencies.iter())

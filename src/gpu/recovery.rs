@@ -1,15 +1,14 @@
-//! What is left of a device that was lost.
+//! Cleans up after a lost device.
 //!
-//! Bevy makes the resources of the render world anew on the next device, but keeps its entities, with the buffers and
-//! bind groups of the last one in their components.
+//! Bevy recreates the resources of the render world on the next device, but keeps its entities, with the buffers and
+//! bind groups of the lost one in their components.
 
 use bevy::{
     prelude::*,
     render::{extract_component::ExtractComponent, sync_component::SyncComponent},
 };
 
-/// Takes from all views what they have because of `C`, as if it was removed; in `RenderStartup`. Extraction then brings
-/// `C` back.
+/// Removes `C` and its dependent components from all views; runs in `RenderStartup`. Extraction then inserts `C` again.
 pub(crate) fn forget<C: ExtractComponent>(mut commands: Commands, views: Query<Entity, With<C>>) {
     for entity in &views {
         commands

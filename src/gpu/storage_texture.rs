@@ -12,17 +12,17 @@ use bevy::{
     },
 };
 
-/// A texture with so many levels, each half as large as the one before.
+/// A texture with `LEVELS` mips.
 pub(crate) struct StorageTexture<const LEVELS: usize = 1> {
     pub(crate) texture: Texture,
-    /// All levels, to be read.
+    /// All mips, for reading.
     pub(crate) view: TextureView,
-    /// Each, to be written.
+    /// Each mip, for writing.
     pub(crate) levels: [TextureView; LEVELS],
 }
 
 impl<const LEVELS: usize> StorageTexture<LEVELS> {
-    /// `size` is that of the first level, made as large as the last one needs.
+    /// `size` is that of mip 0, enlarged if needed so that the last mip has a texel per axis.
     pub(crate) fn new(
         device: &RenderDevice,
         label: &'static str,

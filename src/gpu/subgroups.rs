@@ -1,14 +1,14 @@
-//! Whether the device has subgroups.
+//! Detects subgroup operations of the device.
 
 use bevy::{
     prelude::*,
     render::renderer::{RenderAdapterInfo, RenderDevice},
 };
 
-/// Below this a subgroup saves hardly anything.
+/// Smaller subgroups save hardly any time.
 const SMALLEST_USEFUL: u32 = 4;
 
-/// What the device has of subgroup operations.
+/// Subgroup operations of the device.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Subgroups {
     /// Invocations of the smallest subgroup; 0 if shaders have no subgroup operations.
@@ -41,7 +41,7 @@ impl Subgroups {
         self.smallest > 0
     }
 
-    /// Whether they are worth their while.
+    /// True if subgroups are large enough to save time.
     pub(crate) fn are_useful(self) -> bool {
         self.smallest >= SMALLEST_USEFUL
     }

@@ -1,4 +1,4 @@
-//! Passes whose GPU time Bevy's `RenderDiagnosticsPlugin` records.
+//! Runs passes with GPU times for Bevy's `RenderDiagnosticsPlugin`.
 
 use core::slice;
 
@@ -16,7 +16,7 @@ use bevy::{
 pub(crate) fn timed(
     ctx: &mut RenderContext,
     label: &'static str,
-    // Not generic: with bounds, the compiler takes seconds to prove that what records is `Send`.
+    // Not generic: with bounds, the compiler takes seconds to prove that the recorder is `Send`.
     passes: &mut dyn FnMut(&mut RenderContext),
 ) {
     let diagnostics = ctx.diagnostic_recorder();
@@ -26,14 +26,14 @@ pub(crate) fn timed(
     span.end(ctx.command_encoder());
 }
 
-/// A resource of the render world: where an effect has several dispatches, each has a pass of its own, and its time is recorded by
-/// itself. For those who optimise. An effect takes longer so: some 7 µs for each dispatch but the first, on a desktop GPU.
+/// In the render world: gives each dispatch of an effect a pass of its own and records its time separately, for
+/// profiling. An effect takes longer then: some 7 µs per dispatch after the first, on a desktop GPU.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct TimesEachDispatch;
 
-/// A dispatch of so many workgroups. Group 0 has one dynamic offset.
+/// A dispatch of workgroups. Bind group 0 has one dynamic offset.
 pub(crate) struct Dispatch<'a> {
-    /// Of its time, where that is recorded by itself.
+    /// Label of its time if that is recorded separately.
     pub(crate) label: &'static str,
     pub(crate) pipeline: &'a ComputePipeline,
     pub(crate) group: &'a BindGroup,
@@ -49,7 +49,8 @@ pub(crate) fn timed_dispatch(ctx: &mut RenderContext, dispatch: &Dispatch) {
     });
 }
 
-/// Runs `dispatches` in one pass, recorded under `label`: each pass is a command buffer by itself, which takes time. Or one by one.
+/// Runs `dispatches` in one pass, recorded under `label`: each pass is a separate command buffer, which costs time.
+/// With `one_by_one`, each runs in its own pass.
 pub(crate) fn timed_dispatches(
     ctx: &mut RenderContext,
     label: &'static str,

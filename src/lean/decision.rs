@@ -1,4 +1,4 @@
-//! Which views are lean, and what they are in this frame.
+//! Decides which views are lean in this frame, and with which targets and lighting.
 
 use core::iter::once;
 
@@ -55,7 +55,7 @@ fn reason_against(
     }
 }
 
-/// Whether all depth is above 0 where a lean mesh is drawn, and 0 elsewhere, when lighting reads it.
+/// True if, when lighting reads depth, it is above 0 exactly at pixels with a lean mesh.
 fn depth_tells_geometry(
     camera: Option<&Camera3d>,
     view: &ExtractedView,
@@ -68,7 +68,8 @@ fn depth_tells_geometry(
         && !others_may_draw_depth(visible)
 }
 
-/// How a view that can be lean is drawn. `can_resolve_motion` is asked with whether meshes are drawn twice.
+/// Decides the draw order of a view that can be lean. The argument of `can_resolve_motion` is true if meshes are culled
+/// in two phases.
 fn draw_order(
     depth_tells_geometry: bool,
     (depth, normal, motion): (bool, bool, bool),
@@ -96,10 +97,10 @@ fn draw_order(
 }
 
 /// Inserts or removes [`ActiveLeanView`], and [`ViewLighting`] on all views that can be lean. A view is active only
-/// while the lighting pipelines that it needs in this frame are compiled; until then forward draws it, so that neither
-/// switching over nor a new kind of light shows a dark frame. What its meshes newly ask for it gets once that is
-/// compiled; until then forward draws those.
-/// Cameras that are switched off lose both, and so what they hold on the GPU.
+/// while the lighting pipelines that it needs in this frame are compiled. Until then forward draws it, so that neither
+/// a switch of renderers nor a new kind of light shows a dark frame. New needs of its meshes are met once lighting for
+/// them is compiled; until then forward draws those meshes. Cameras that are switched off lose both components, and
+/// with them their GPU resources.
 pub(super) fn decide_active_views(
     mut commands: Commands,
     support: Option<Res<LeanDeferredSupport>>,
@@ -154,7 +155,7 @@ pub(super) fn decide_active_views(
         }
         return;
     }
-    // Looks at all lights.
+    // Iterates over all lights.
     let lights = if views.is_empty() {
         default()
     } else {
@@ -193,7 +194,7 @@ pub(super) fn decide_active_views(
             statuses.on(main_entity, false, None);
             continue;
         };
-        // In its first frame a camera has none, and is lean if all is compiled.
+        // A camera has none in its first frame; it is lean at once if everything is compiled.
         let mut new_lighting = None;
         let lighting = match lighting {
             Some(lighting) => lighting.into_inner(),
@@ -219,7 +220,7 @@ pub(super) fn decide_active_views(
         let before = last.map_or(Demand::default(), ActiveLeanView::demand);
         let held = last.map(|last| last.exchange);
         let held = held.filter(|held| *held != exchange);
-        // Lighting for what is not needed any more may never be compiled.
+        // Lighting for lingering demands may never be compiled, so `needed` alone is a choice too.
         let [wanted, needed] = demands.wanted(view.retained_view_entity);
         let choices = if before.contains(needed) {
             [wanted, before, needed]
@@ -291,8 +292,8 @@ pub(super) fn decide_active_views(
         }
     }
 
-    // The meshes of those that are lean, or still could be, are sorted by `queue_gbuffer_meshes`. On others Bevy has to
-    // queue them again.
+    // `queue_gbuffer_meshes` sorts the meshes of views that are lean or still could be. On other views Bevy must queue
+    // them again.
     for view in active_before.keys() {
         if !candidates.contains(view) {
             dirty_specializations.views.insert(*view);
@@ -301,7 +302,8 @@ pub(super) fn decide_active_views(
     *active_before = active_now;
 }
 
-/// Once the textures of all views are made: leaves the views whose textures do not fit to Bevy, before their meshes are queued.
+/// Leaves views whose textures do not fit into memory to Bevy. Runs after the textures of all views are allocated and
+/// before meshes are queued.
 pub(super) fn withdraw_views_without_memory(
     mut commands: Commands,
     memory: Res<OutOfMemory>,
@@ -318,8 +320,8 @@ pub(super) fn withdraw_views_without_memory(
     }
 }
 
-/// The lighting pass writes the main texture. Cameras of one target share it only while they ask for the same usages,
-/// so all of them ask for that one.
+/// Adds the usage with which lighting writes the main texture. Cameras of one target share that texture only if they
+/// request equal usages, so all of them get it.
 pub(super) fn make_main_textures_writable(
     lean: Query<&ExtractedCamera, With<ViewLighting>>,
     mut views: Query<(

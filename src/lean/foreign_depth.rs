@@ -1,4 +1,4 @@
-//! Whether something besides meshes may draw depth before the G-buffer.
+//! Detects renderers other than those of meshes that may draw depth before the G-buffer.
 
 use core::any::TypeId;
 
@@ -8,16 +8,16 @@ use bevy::{
     render::view::RenderExtractedVisibleEntities,
 };
 
-/// Whether the view has seen entities of a kind (a visibility class) that is neither meshes nor lights. Bevy's meshlets
-/// are such a kind: they are in the depth buffer before any mesh is drawn. Their type cannot be named here, since Bevy
-/// has it only with the feature `meshlet`; and other renderers of that sort may come with other crates.
+/// True if the view sees entities of a visibility class that is neither meshes nor lights. Bevy's meshlets are such a
+/// class: they are in the depth buffer before any mesh is drawn. Their type cannot be named here because it exists only
+/// with Bevy's feature `meshlet`, and other crates may have similar renderers.
 pub(super) fn others_may_draw_depth(visible: Option<&RenderExtractedVisibleEntities>) -> bool {
     let harmless = [
         TypeId::of::<Mesh3d>(),
         TypeId::of::<Mesh2d>(),
         TypeId::of::<ClusterVisibilityClass>(),
     ];
-    // Bevy lists the classes that any camera of the app has seen.
+    // Bevy lists every class that any camera of the app has seen, so the list of entities decides.
     visible.is_some_and(|visible| {
         let mut classes = visible.classes.iter();
         classes.any(|(class, seen)| !harmless.contains(class) && !seen.entities.is_empty())

@@ -1,16 +1,17 @@
-//! The decision, in each frame, which cameras with [`LeanDeferred`] are rendered lean.
+//! Decides in each frame which cameras with [`LeanDeferred`] are rendered lean.
 //!
-//! A camera is lean if it is enabled, HDR without MSAA and `DeferredPrepass`, its schedule is `Core3d`, its viewport has all of depth, the
-//! device has what [`missing_capabilities`] lists, its textures fit into memory and its shaders are compiled. Else Bevy renders it.
-//! [`LeanStatus`] tells the app, and one warning for each reason tells the log.
+//! A `Camera3d` is lean if it is enabled and has `Hdr`, an `Rgba16Float` main texture, the schedule `Core3d`, a viewport with the depth
+//! range 0 to 1, and neither MSAA nor `DeferredPrepass`. The device must have what [`missing_capabilities`] lists, the textures must fit
+//! into memory, and the shaders must be compiled. Otherwise Bevy renders the camera. [`LeanStatus`] reports the state to the app, and one
+//! warning per reason is logged.
 //!
-//! [`LeanDeferredSupport`], a resource of both worlds, tells if the device can do it. Where it cannot, cameras keep their `Msaa` and get no
-//! `Hdr`.
+//! [`LeanDeferredSupport`], a resource of both worlds, holds the capabilities that the device lacks. If it lacks any, cameras keep their
+//! `Msaa` and get no `Hdr`.
 
-// - `decision.rs`: per camera and frame, lean or Bevy's forward, with one warning per reason.
-// - `support.rs`: what the device must offer, in one function.
-// - `statuses.rs`: what the camera is doing, for the main world.
-// - `foreign_depth.rs`: whether other renderers than Bevy's for meshes draw depth.
+// - `decision.rs`: decides per view and frame.
+// - `support.rs`: capabilities that the device needs.
+// - `statuses.rs`: reports statuses to the main world, and logs reasons.
+// - `foreign_depth.rs`: detects other renderers that may draw depth before the G-buffer.
 
 mod decision;
 mod foreign_depth;
@@ -46,7 +47,7 @@ use crate::{
     },
 };
 
-/// The packed G-buffer and compute lighting, for cameras with [`LeanDeferred`]; subsurface scattering, and
+/// Adds the packed G-buffer, compute lighting and subsurface scattering for cameras with [`LeanDeferred`], and
 /// [`ExtendedStandardMaterial`](crate::shading_extension::ExtendedStandardMaterial). Part of
 /// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
 #[derive(Default)]

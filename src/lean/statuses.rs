@@ -1,4 +1,4 @@
-//! Tells cameras in the main world what they are doing.
+//! Reports the status of cameras to the main world.
 
 use alloc::sync::Arc;
 use core::mem::{discriminant, replace};
@@ -15,7 +15,8 @@ use crate::view::{LeanDeferred, LeanOffReason, LeanStatus, warn_once::WarnOnce};
 
 const EFFECT: &str = "LeanDeferred";
 
-/// In the render world: what was decided for each camera. It stays from frame to frame, so that nothing is made of what is no news.
+/// In the render world: the status of each camera. It is kept between frames, so that an unchanged status allocates
+/// nothing.
 #[derive(Resource, Default)]
 pub(super) struct LeanStatuses {
     statuses: MainEntityHashMap<Decided>,
@@ -34,7 +35,7 @@ impl LeanStatuses {
         self.decide(camera, LeanStatus::Off(reason));
     }
 
-    /// As [`off`](Self::off), for a reason of which cameras are not warned one by one.
+    /// Like [`off`](Self::off), for a reason that is not logged per camera.
     pub(super) fn off_for(
         &mut self,
         camera: MainEntity,
@@ -53,7 +54,8 @@ impl LeanStatuses {
         self.decide(camera, LeanStatus::Off(reason(text.into())));
     }
 
-    /// A camera that nothing speaks against; `failure` is the cause why a pipeline that it waits for does not compile.
+    /// Sets the status of a camera that may be lean. `failure` is the reason that a pipeline which it waits for does
+    /// not compile.
     pub(super) fn on(&mut self, camera: MainEntity, is_active: bool, failure: Option<Arc<str>>) {
         match (is_active, failure) {
             (false, Some(cause)) => self.off_for(camera, LeanOffReason::Shader, &cause),
@@ -77,7 +79,7 @@ impl LeanStatuses {
     }
 }
 
-/// Hands what was decided for the last frame to the cameras in the main world.
+/// Copies the statuses of the last frame to the cameras in the main world.
 pub(super) fn report_statuses(
     mut main_world: ResMut<MainWorld>,
     mut statuses: ResMut<LeanStatuses>,

@@ -1,4 +1,4 @@
-//! What the device must offer.
+//! Checks the device for the capabilities that lean cameras need.
 
 use bevy::{
     prelude::*,
@@ -13,8 +13,8 @@ use crate::{
     shader_library::layout::{NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT},
 };
 
-/// Tells if the device can run [`LeanDeferred`](crate::LeanDeferred). In the main world from before `Startup` on, and in the render
-/// world from `RenderStartup` on; replaced when there is another device.
+/// Tells if the device can run [`LeanDeferred`](crate::LeanDeferred). Available in the main world from before `Startup`
+/// on, and in the render world from `RenderStartup` on. Replaced with each new device.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -32,14 +32,14 @@ use crate::{
 /// ```
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub enum LeanDeferredSupport {
-    /// It can.
+    /// The device can run it.
     Full,
-    /// It cannot; the text names what is missing.
+    /// The device cannot run it; the text names the missing capabilities.
     Missing(String),
 }
 
 impl LeanDeferredSupport {
-    /// Looks at the device and adapter of a world. Without them everything is missing.
+    /// Checks the device and adapter of a world. Without a device, the device itself is missing.
     fn from_world(world: &World) -> Self {
         let (Some(device), Some(adapter)) = (
             world.get_resource::<RenderDevice>(),
@@ -60,7 +60,7 @@ impl LeanDeferredSupport {
         *self == Self::Full
     }
 
-    /// Names what is missing.
+    /// Names the missing capabilities.
     pub fn missing(&self) -> Option<&str> {
         match self {
             Self::Full => None,
@@ -69,7 +69,8 @@ impl LeanDeferredSupport {
     }
 }
 
-/// Tells the main world of the device; true if that can run [`LeanDeferred`](crate::LeanDeferred).
+/// Inserts the support of its device into the main world; true if the device can run
+/// [`LeanDeferred`](crate::LeanDeferred).
 pub(super) fn tell_main_world(world: &mut World) -> bool {
     let support = LeanDeferredSupport::from_world(world);
     let is_full = support.is_full();
@@ -77,7 +78,7 @@ pub(super) fn tell_main_world(world: &mut World) -> bool {
     is_full
 }
 
-/// Looks at the device, each time there is a new one. In the render world.
+/// Checks each new device, in the render world.
 pub(super) fn init_lean_deferred_support(world: &mut World) {
     let support = LeanDeferredSupport::from_world(world);
     if let LeanDeferredSupport::Missing(missing) = &support {
@@ -91,7 +92,7 @@ pub(super) fn init_lean_deferred_support(world: &mut World) {
 pub const NEEDED_FLAGS: [(DownlevelFlags, &str); 3] = [
     (DownlevelFlags::COMPUTE_SHADERS, "compute shaders"),
     (DownlevelFlags::SHADER_F16_IN_F32, "packing of half floats"),
-    // Meshes write some of the optional targets, not all.
+    // Meshes write only some of the optional targets.
     (
         DownlevelFlags::INDEPENDENT_BLEND,
         "a write mask for each render target",
@@ -136,20 +137,20 @@ pub const NEEDED_FORMATS: [(TextureFormat, TextureUsages, &str); 6] = [
 /// Limits that [`LeanDeferred`](crate::LeanDeferred) needs. `tests/shaders/twins/limits.rs` compares them with its shaders.
 #[doc(hidden)]
 pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
-    // Lighting writes the picture; what it writes for GI and scattering needs three more. Every device has them that has any.
+    // One for the picture, three for GI and scattering. Every device with storage textures has four.
     max_storage_textures_per_shader_stage: 4,
-    // Bevy keeps lights and clusters in storage buffers only from 3 on; the compute pass has no other path. Decals,
-    // the atmosphere, the lights' layers and the lists of special surfaces' tiles need one, one, one and two more.
+    // Bevy keeps lights and clusters in storage buffers only from 3 on; the compute pass has no other path. Decals, the
+    // atmosphere, the light layers and the tile list of special surfaces need one, one, one and two more.
     max_storage_buffers_per_shader_stage: 8,
     max_color_attachments: 7,
-    // Six words, and the byte of those that are written: a word with its alignment.
+    // Six words, and the `written` byte, which alignment pads to a word.
     max_color_attachment_bytes_per_sample: 28,
     max_bind_groups: 4,
     max_compute_invocations_per_workgroup: 64,
     max_compute_workgroup_size_x: 64,
 ];
 
-/// The one list of what [`LeanDeferred`](crate::LeanDeferred) needs; returns what `device` does not have of it.
+/// Returns the capabilities that `device` lacks for [`LeanDeferred`](crate::LeanDeferred). This is the only such check.
 pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> Vec<String> {
     missing_of(
         adapter.get_downlevel_capabilities().flags,
@@ -158,7 +159,7 @@ pub fn missing_capabilities(device: &RenderDevice, adapter: &RenderAdapter) -> V
     )
 }
 
-/// As [`missing_capabilities`], of any device.
+/// Like [`missing_capabilities`], for any device.
 #[doc(hidden)]
 pub fn missing_of(
     flags: DownlevelFlags,

@@ -1,7 +1,7 @@
-//! The definitions of Bevy's mesh pipeline, by which its lighting functions and the bindings of a view are compiled.
+//! The shader definitions of Bevy's mesh pipeline with which its lighting functions and the view bindings are compiled.
 //!
-//! None of Bevy's rules for them is repeated here: they depend on Bevy's features and on the platform, which only Bevy's own
-//! crates see.
+//! They are read from Bevy instead of derived here: they depend on Bevy's features and on the platform, which only
+//! Bevy's own crates see.
 
 use alloc::sync::Arc;
 
@@ -14,9 +14,9 @@ use bevy::{
 
 use super::binding_numbers::{arrays, view};
 
-/// The bits of Bevy's view key that the lighting shader is compiled by. The rest is about how meshes are rasterised,
-/// or about passes after lighting. `TEMPORAL_JITTER` is read by transmission and SSAO alone: with it, a camera that gets TAA would be
-/// left to forward until lighting is compiled anew.
+/// The bits of Bevy's view key for which the lighting shader is specialized. The others concern the rasterization of
+/// meshes or passes after lighting. `TEMPORAL_JITTER` is left out because only transmission and SSAO read it; with it,
+/// a camera that gets TAA would fall back to forward until lighting is compiled again.
 pub const VIEW_BITS: MeshPipelineKey = MeshPipelineKey::ENVIRONMENT_MAP
     .union(MeshPipelineKey::IRRADIANCE_VOLUME)
     .union(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION)
@@ -41,7 +41,7 @@ pub const OF_MESHES: [&str; 10] = [
     "PER_OBJECT_BUFFER_BATCH_SIZE",
 ];
 
-/// A binding of Bevy's.
+/// A binding of Bevy's view layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BevyBinding {
     /// In bind group 0.
@@ -50,7 +50,7 @@ pub enum BevyBinding {
     Arrays(u32),
 }
 
-/// Definitions by which shaders read what lighting binds for some views only, or not at all.
+/// Definitions with which shaders read bindings that lighting binds for some views only, or never.
 pub const OF_BINDINGS: [(&str, BevyBinding); 4] = [
     ("AREA_LIGHT_LUTS", BevyBinding::View(view::AREA_LIGHT_LUTS)),
     (
@@ -75,7 +75,7 @@ pub fn of_mesh_pipeline(pipeline: &MeshPipeline, key: MeshPipelineKey) -> Vec<Sh
     descriptor.map_or_else(|_| Vec::new(), |descriptor| descriptor.vertex.shader_defs)
 }
 
-/// Those of them that lighting reads, where it `binds` these bindings.
+/// Filters the definitions that lighting reads if it `binds` these bindings.
 pub fn read_by_lighting(
     mut definitions: Vec<ShaderDefVal>,
     binds: impl Fn(BevyBinding) -> bool,
@@ -89,7 +89,6 @@ pub fn read_by_lighting(
     definitions
 }
 
-/// What a shader calls it.
 pub fn name_of(definition: &ShaderDefVal) -> &str {
     match definition {
         ShaderDefVal::Bool(name, _) | ShaderDefVal::Int(name, _) | ShaderDefVal::UInt(name, _) => {

@@ -1,4 +1,4 @@
-//! Where the shaders of lighting have what they bind, by bind group.
+//! Binding numbers of the lighting shaders, by bind group.
 
 use crate::gpu::bindings::binding_numbers;
 
@@ -46,7 +46,7 @@ pub mod view {
         DFG_LUT_SAMPLER = 38,
     }
 
-    /// Those that no lighting function reads.
+    /// Bindings that no lighting function reads.
     pub const UNUSED: &[u32] = &[
         VISIBILITY_RANGES,
         SSR_SETTINGS,
@@ -104,7 +104,7 @@ pub mod targets {
     }
 }
 
-/// Bind group 3, where there are special surfaces: as in `tile_list.wgsl`.
+/// Bind group 3, on views with special surfaces: as in `tile_list.wgsl`.
 pub mod list {
     super::binding_numbers! {
         DISPATCH = 0,

@@ -21,23 +21,23 @@ use crate::{
     view::{ActiveLeanView, LightExchange},
 };
 
-/// The bind groups of one view, and what the dispatch needs beside them.
+/// The bind groups of one view, with the other arguments of its dispatches.
 #[derive(Default)]
 pub(super) struct ViewLightingBindings {
     pub(super) view: CachedBindGroup,
     pub(super) view_offsets: Vec<u32>,
     pub(super) arrays: CachedBindGroup,
-    /// Post-processing swaps the two main textures, also between cameras of one target: there is a group for each.
+    /// Post-processing swaps the two main textures, also between cameras of one target, so each has its group.
     targets: [(Option<TextureViewId>, CachedBindGroup); 2],
-    /// The list of tiles, to be filled and to be read. Empty where there are no special surfaces.
+    /// The tile list, to fill and to read. Empty without special surfaces.
     pub(super) fill_list: CachedBindGroup,
     pub(super) read_list: CachedBindGroup,
     /// Offsets of the uniform without and with `writes_background`.
     pub(super) uniform_offsets: [u32; 2],
-    /// Offset of the view's uniform of ambient occlusion, if lighting applies that.
+    /// Offset of the view's ambient occlusion uniform, if lighting applies occlusion.
     pub(super) occlusion_offset: Option<u32>,
     pub(super) viewport_size: UVec2,
-    /// The viewport is the whole render target.
+    /// True if the viewport is the whole render target.
     pub(super) covers_target: bool,
 }
 
@@ -50,7 +50,7 @@ impl ViewLightingBindings {
             .and_then(|(_, group)| group.get())
     }
 
-    /// All but that of the view.
+    /// All bind groups except that of the view.
     pub(super) fn lasting(&self) -> impl Iterator<Item = &BindGroup> {
         let targets = self.targets.iter().map(|(_, group)| group);
         [&self.arrays, &self.fill_list, &self.read_list]
@@ -59,7 +59,7 @@ impl ViewLightingBindings {
             .filter_map(CachedBindGroup::get)
     }
 
-    /// How many textures of light probes and decals are bound.
+    /// Number of bound textures of light probes and decals.
     pub(super) fn textures_in_arrays(&self) -> usize {
         self.arrays.texture_views()
     }
@@ -73,7 +73,7 @@ impl ViewLightingBindings {
     }
 }
 
-/// Makes the bind groups of the active views, where something they bind has changed.
+/// Updates the bind groups of the active views if a bound resource has changed.
 pub(super) fn prepare_lighting_bind_groups(
     render_device: Res<RenderDevice>,
     pipelines: Res<LightingPipelines>,
@@ -90,7 +90,7 @@ pub(super) fn prepare_lighting_bind_groups(
         };
         let tiles = tiles::count(view.lighting.bindings.viewport_size).element_product();
         view.lighting.update_tile_list(&render_device, key, tiles);
-        // Out of the view while its other parts are borrowed for the entries.
+        // Taken out because other parts of the view are borrowed for the entries.
         let mut bindings = core::mem::take(&mut view.lighting.bindings);
         let complete = update_bind_groups(
             &mut bindings,
@@ -107,7 +107,7 @@ pub(super) fn prepare_lighting_bind_groups(
     }
 }
 
-/// `None` if something that the layouts ask for is not there.
+/// Returns `None` if a resource that the layouts need is missing.
 fn update_bind_groups(
     bindings: &mut ViewLightingBindings,
     layouts: &LightingLayouts,
@@ -157,7 +157,7 @@ fn update_bind_groups(
         view.target.main_texture_view(),
         view.target.main_texture_other_view(),
     ];
-    // The textures keep their slots while they swap roles, so that neither group is made anew.
+    // The textures keep their slots while they swap roles, so that neither group is recreated.
     if bindings.targets[0].0 == Some(outputs[1].id())
         || bindings.targets[1].0 == Some(outputs[0].id())
     {
@@ -197,7 +197,7 @@ fn push_target_entries(
     entries.push(targets::UNIFORMS, resources.buffers.uniforms.binding()?)?;
     if layouts.has_occlusion() {
         let pipelines = resources.occlusion_pipelines.as_ref()?;
-        // Without the texture, nothing that could find occlusion is compiled: there is none.
+        // Without a texture, the occlusion passes are not compiled yet: nothing is occluded.
         let texture = match view.occlusion_texture {
             Some(texture) => &texture.0.default_view,
             None => &resources.fallback_zero.texture_view,
@@ -245,7 +245,7 @@ fn push_target_entries(
     for (found, binding) in INDIRECT_LIGHT {
         if layouts.exchange.contains(found) {
             let light = view.found_light(found);
-            // Of zeros: nothing is found, nothing is hidden.
+            // Zeros mean no light and no occlusion.
             let light = light.unwrap_or(&resources.fallback_zero.texture_view);
             entries.push(binding, light.into_binding())?;
         }

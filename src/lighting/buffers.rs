@@ -21,7 +21,7 @@ use crate::{
     view::ActiveLeanView,
 };
 
-/// What the lighting shader knows of a view beside Bevy's uniforms.
+/// Parameters of a view for the lighting shader, beside Bevy's uniforms.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct LightingUniform {
@@ -38,7 +38,7 @@ pub struct LightingUniform {
 #[derive(Resource, Default)]
 pub(super) struct LightingBuffers {
     pub(super) uniforms: DynamicUniformBuffer<LightingUniform>,
-    /// Bevy keeps its own copy to itself. Only there while a lean view has an atmosphere.
+    /// Bevy's own copy is private. `None` unless a lean view has an atmosphere.
     pub(super) atmosphere: Option<StorageBuffer<GpuAtmosphere>>,
 }
 
@@ -102,13 +102,13 @@ pub(super) fn write_lighting_buffers(
     }
 }
 
-/// Not as the camera has it, which may lag behind a target that is resized or replaced.
+/// The actual size; the one that the camera reports may lag behind a target that is resized or replaced.
 fn target_size(target: &ViewTarget) -> UVec2 {
     let texture = target.main_texture();
     UVec2::new(texture.width(), texture.height())
 }
 
-/// The corner and the size of what is lit of a target.
+/// Origin and size of the lit part of a target, in pixels.
 pub(super) fn lit_pixels(
     camera: &ExtractedCamera,
     target: &ViewTarget,

@@ -1,4 +1,4 @@
-//! The texture of the light that surfaces send out in all directions alike, for those that read it.
+//! Allocates the texture of the light that surfaces emit, transmit or reflect diffusely, for effects that read it.
 
 use bevy::{
     camera::MainPassResolutionOverride,
@@ -19,11 +19,12 @@ use bevy::{
 use super::buffers::lit_pixels;
 use crate::view::{ActiveLeanView, DiffuseLight, LightExchange, OutOfMemory};
 
-/// Words with a shared exponent.
+/// One word per pixel, with a shared exponent.
 pub(super) const DIFFUSE_LIGHT_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
-/// Gives each view whose lighting writes it its texture, as large as its viewport, and takes it from other lean views. With
-/// [`ActiveLeanView`] it goes too. It outlasts frames: the next one reads it before it is written again.
+/// Assigns a texture, as large as the viewport, to each view whose lighting writes it, and removes it from other lean
+/// views. It is also removed with [`ActiveLeanView`]. It persists between frames: the next one reads it before it is
+/// rewritten.
 pub(super) fn prepare_diffuse_light(
     mut commands: Commands,
     device: Res<RenderDevice>,

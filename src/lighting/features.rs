@@ -1,4 +1,4 @@
-//! What a view has to be lit with.
+//! Selects the lighting pipeline of a view from its features.
 
 use bevy::{
     camera::visibility::RenderLayers,
@@ -24,16 +24,16 @@ use crate::{
     },
 };
 
-/// Which lighting pipeline a view needs. Everything in it is compiled in or out.
+/// Pipeline key of lighting. Everything in it is compiled in or out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct LightingKey {
     /// The bits of Bevy's view key that matter to lighting.
     pub(super) view: MeshPipelineKey,
-    /// What lights in clusters there are.
+    /// The kinds of clustered lights in the scene.
     pub(super) clustered_lights: ClusteredLights,
     /// The kinds of lights of which some cast shadows with a shadow map.
     pub(super) shadow_maps: ShadowMaps,
-    /// How the normal of the surface itself is found, if something asks for that.
+    /// Reconstruction of the geometric normal, if needed.
     pub(super) geometric_normal: Option<GeometricNormal>,
     pub(super) projection: ProjectionKind,
     /// Never `Auto`.
@@ -44,20 +44,20 @@ pub(crate) struct LightingKey {
     pub(super) debug_view: Option<DebugChannel>,
     pub(super) occlusion: Option<OcclusionKey>,
     pub(super) exchange: LightExchange,
-    /// Light scatters beneath some surfaces, and is written apart there.
+    /// Some surfaces scatter light beneath them; lighting writes that light separately.
     pub(super) scatters: bool,
-    /// Some light, decal or light probe has layers that keep it from some meshes.
+    /// Some light, decal or light probe has layers that exclude some meshes.
     pub(super) light_layers: bool,
-    /// The optional targets that the view has, as far as they are read.
+    /// The optional targets of the view that are read.
     pub(super) targets: GBufferTargets,
-    /// The kinds of special surfaces that the view has: the plain variant lists their tiles.
+    /// The kinds of special surfaces on the view. The dispatch over all tiles lists the tiles that have some.
     pub(super) listed: LightingVariants,
-    /// The kinds of special surfaces that this dispatch lights, in the tiles that have some. Empty: the one that goes over
-    /// all tiles.
+    /// The kinds of special surfaces that this dispatch lights, in the listed tiles. Empty for the dispatch over all
+    /// tiles.
     pub(super) visited: LightingVariants,
 }
 
-/// From here on, leaving out what does not reach a tile is worth its while. `docs/frame_times.md` has the figures.
+/// Number of point and spot lights from which culling per tile is worth its cost. Figures: `docs/frame_times.md`.
 const MANY_LIGHTS: usize = 2048;
 
 bitflags! {
@@ -66,11 +66,11 @@ bitflags! {
     pub(crate) struct ClusteredLights: u8 {
         const ANY = 1 << 0;
         const SPOT = 1 << 1;
-        /// With a radius.
+        /// Has a radius.
         const SPHERE = 1 << 2;
     }
 
-    /// Kinds of lights.
+    /// Kinds of lights that cast shadows with a shadow map.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub(crate) struct ShadowMaps: u8 {
         const DIRECTIONAL = 1 << 0;
@@ -81,7 +81,7 @@ bitflags! {
     }
 }
 
-/// The kinds of lights that the scene has.
+/// The kinds of lights in the scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SceneLights {
     clustered: ClusteredLights,
@@ -89,7 +89,7 @@ pub(crate) struct SceneLights {
 }
 
 impl LightingKey {
-    /// The keys of all dispatches, that over all tiles first.
+    /// The keys of all dispatches; the one over all tiles comes first.
     pub(crate) fn dispatches(self) -> impl Iterator<Item = Self> {
         let special = (!self.listed.is_empty()).then_some(self.listed);
         core::iter::once(LightingVariants::empty())
@@ -97,8 +97,8 @@ impl LightingKey {
             .map(move |visited| Self { visited, ..self })
     }
 
-    /// Keys whose pipelines light the view as well, for frames in which those of this one are not compiled yet: in perspective, those for
-    /// any projection.
+    /// Keys whose pipelines light the view as well, for frames in which those of this key are not compiled yet: for
+    /// perspective views, those for any projection.
     pub(crate) fn stand_ins(self) -> impl Iterator<Item = Self> {
         let is_perspective = self.projection == ProjectionKind::Perspective;
         let general = is_perspective.then_some(Self {
@@ -114,7 +114,7 @@ impl LightingKey {
     }
 }
 
-/// How lighting applies ambient occlusion.
+/// Parameters for which lighting with ambient occlusion is specialized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct OcclusionKey {
     pub(super) filter: FilterKey,
@@ -135,7 +135,7 @@ impl OcclusionKey {
 }
 
 system_param! {
-    /// The features of the scene, the same for all views.
+    /// The features of the scene, which all views share.
     pub(crate) struct SceneFeatures<'w, 's> {
         point_lights: Query<'w, 's, &'static ExtractedPointLight>,
         directional_lights: Query<'w, 's, &'static ExtractedDirectionalLight>,
@@ -149,7 +149,7 @@ system_param! {
 }
 
 impl SceneFeatures<'_, '_> {
-    /// Whether a view with these settings and layers tells lights by their layers.
+    /// True if a view with these settings and layers must test the layers of lights.
     pub(crate) fn has_light_layers(
         &self,
         settings: &LeanDeferred,
@@ -158,7 +158,7 @@ impl SceneFeatures<'_, '_> {
         settings.light_layers && self.light_layers.matter_to(view_layers.unwrap_or_default())
     }
 
-    /// What lights there are. Looks at each of them: to be asked for once a frame.
+    /// Collects the kinds of lights. Iterates over all lights: call once per frame.
     pub(crate) fn lights(&self) -> SceneLights {
         let mut lights = SceneLights::default();
         for light in &self.point_lights {
@@ -234,14 +234,14 @@ impl SceneFeatures<'_, '_> {
             debug_view: settings.debug_view,
             occlusion: occlusion
                 .filter(|_| self.occlusion_pipelines.is_some() && shows_light)
-                // Who finds what shines on surfaces finds what is hidden by it too.
+                // Diffuse GI also outputs visibility, so AO is skipped.
                 .filter(|_| !order.exchange.contains(LightExchange::INDIRECT_DIFFUSE))
                 .and_then(OcclusionKey::new),
             exchange: order.exchange,
             scatters: order.scatters() && shows_light,
             light_layers: order.has_light_layers && shows_light,
             targets: order.targets & read_targets,
-            // Channels are shown for all surfaces alike.
+            // Debug channels are shown alike for all surfaces.
             listed: if shows_light {
                 order.variants.unscattered()
             } else {

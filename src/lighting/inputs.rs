@@ -1,4 +1,4 @@
-//! What lighting reads, of a view and of the scene.
+//! The inputs of lighting, per view and of the scene.
 
 use bevy::{
     light::IrradianceVolume,
@@ -60,7 +60,7 @@ query_item! {
 }
 
 impl LitViewItem<'_, '_> {
-    /// The texture of one kind of light that an effect has found.
+    /// The texture of one kind of indirect light, if an effect provides it.
     pub(super) fn found_light(&self, kind: LightExchange) -> Option<&TextureView> {
         match kind {
             LightExchange::INDIRECT_SPECULAR => self.indirect_specular?.0.as_ref(),

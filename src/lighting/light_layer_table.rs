@@ -1,4 +1,4 @@
-//! The layers of lights as the lighting shader reads them: a table for each view, written when it has changed.
+//! Uploads the layers of lights for the lighting shader: a table per view, written when it has changed.
 
 use bevy::{
     camera::visibility::RenderLayers,
@@ -23,7 +23,7 @@ use super::{
 };
 use crate::{named::system_param, view::ActiveLeanView};
 
-/// The visibility masks of lights, light probes and decals, each by the index by which Bevy's shaders know it.
+/// The visibility masks of lights, light probes and decals, at the index by which Bevy's shaders know each.
 #[derive(ShaderType, Reflect, Clone, Debug, PartialEq)]
 #[reflect(no_auto_register)]
 pub struct LightLayersTable {
@@ -31,7 +31,7 @@ pub struct LightLayersTable {
     rect_lights: [u32; MAX_RECT_LIGHTS],
     reflection_probes: [u32; MAX_VIEW_LIGHT_PROBES],
     irradiance_volumes: [u32; MAX_VIEW_LIGHT_PROBES],
-    /// The buffer may be longer: it does not shrink.
+    /// Length of `clustered`. The buffer may be longer: it does not shrink.
     clustered_count: u32,
     #[shader(size(runtime))]
     clustered: Vec<UVec2>,
@@ -45,7 +45,7 @@ impl Default for LightLayersTable {
             reflection_probes: [ALL; MAX_VIEW_LIGHT_PROBES],
             irradiance_volumes: [ALL; MAX_VIEW_LIGHT_PROBES],
             clustered_count: 0,
-            // A buffer holds one element at least.
+            // A runtime-sized array needs at least one element.
             clustered: vec![UVec2::splat(ALL)],
         }
     }
@@ -73,7 +73,7 @@ impl LightLayersTable {
 }
 
 system_param! {
-    /// The lights, decals and light probes of the render world, as far as their places in Bevy's buffers follow from it.
+    /// The lights, decals and light probes of the render world that determine their indices in Bevy's buffers.
     pub(super) struct PlacedLights<'w, 's> {
         layers: Res<'w, LightLayers>,
         clustered: Res<'w, GlobalClusterableObjectMeta>,
@@ -88,7 +88,7 @@ system_param! {
                 &'static RenderLayers,
             ),
         >,
-        // The query that Bevy has, so that its items come in Bevy's order.
+        // Same query as Bevy's, so that its items come in the same order.
         rect_lights: Query<
             'w,
             's,
@@ -103,12 +103,12 @@ system_param! {
 }
 
 impl PlacedLights<'_, '_> {
-    /// Fills in what is the same for all views.
+    /// Fills in the masks that all views share.
     fn fill_common(&self, table: &mut LightLayersTable) {
         table.clear();
         for (entity, mask, kind) in self.layers.masks() {
-            // Bevy keeps the indices of lights and of decals, which are of two buffers, in one map; and the textures of
-            // lights in the list of decals.
+            // Bevy keeps the indices of lights and decals in one map, although they refer to two buffers, and the
+            // textures of lights in the list of decals.
             match kind {
                 LightKind::Decal => {
                     let decals = self.decals.as_ref();
@@ -121,7 +121,7 @@ impl PlacedLights<'_, '_> {
                         table.clustered_at(*index).x = mask;
                     }
                 }
-                // Looked up by their entities in the main world.
+                // Looked up by main-world entity below.
                 LightKind::Other => {}
             }
         }
@@ -130,7 +130,7 @@ impl PlacedLights<'_, '_> {
         }
     }
 
-    /// The masks of the directional lights that a view has, in the order of Bevy's `prepare_lights`.
+    /// The masks of a view's directional lights, in the order of Bevy's `prepare_lights`.
     fn directional_lights(&self, view_layers: &RenderLayers) -> [u32; MAX_DIRECTIONAL_LIGHTS] {
         let mut lights: Vec<_> = self
             .directional_lights
@@ -149,7 +149,7 @@ impl PlacedLights<'_, '_> {
         masks
     }
 
-    /// The masks of the probes of a view of one kind.
+    /// The masks of a view's probes of one kind.
     fn probes<C: bevy::pbr::LightProbeComponent>(
         &self,
         probes: Option<&RenderViewLightProbes<C>>,
@@ -167,7 +167,7 @@ impl PlacedLights<'_, '_> {
     }
 }
 
-/// Fills the tables of the views whose lighting is compiled for them.
+/// Fills the tables of views whose lighting is compiled for light layers.
 pub(super) fn write_light_layers(
     lights: PlacedLights,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),

@@ -1,7 +1,7 @@
-//! The layers of lights, decals and light probes: which meshes each affects.
+//! Tracks the layers of lights, decals and light probes, which limit the meshes that each affects.
 //!
-//! Bevy asks the `RenderLayers` of a light which cameras see its light, and which meshes throw its shadows, but not which
-//! meshes it lights. Here it lights those that share a layer with it.
+//! In Bevy, the `RenderLayers` of a light select the cameras that see its light and the meshes that cast its shadows,
+//! but not the meshes that it lights. Here it lights meshes that share a layer with it.
 
 use core::mem::replace;
 use std::collections::BTreeMap;
@@ -19,47 +19,47 @@ use bevy::{
 
 use crate::{shader_library::layout::visibility_mask, view::LeanDeferred};
 
-/// The mask of what affects all meshes.
+/// The mask of lights that affect all meshes.
 pub(super) const ALL: u32 = !0;
 
-/// In the render world: the lights, decals and light probes that have layers of their own.
+/// In the render world: the lights, decals and light probes with layers of their own.
 #[derive(Resource, Default)]
 pub(crate) struct LightLayers {
     by_light: MainEntityHashMap<LayeredLight>,
-    /// How many lights share each set of layers. There are few sets, however many lights there are.
+    /// Number of lights per set of layers. There are few sets, however many lights there are.
     sets: BTreeMap<LayerSet, usize>,
 }
 
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct LayerSet {
     layers: RenderLayers,
-    /// Bevy keeps the light from views that share no layer with it.
+    /// Bevy culls the light from views that share no layer with it.
     is_culled: bool,
 }
 
 struct LayeredLight {
     set: LayerSet,
     mask: u32,
-    /// Irradiance volumes have none.
+    /// `None` for irradiance volumes.
     render_entity: Option<Entity>,
     kind: LightKind,
 }
 
-/// The list of Bevy's in which a light has an index.
+/// Bevy's list in which a light has an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LightKind {
     /// Point and spot lights.
     Clustered,
-    /// An entity that is a light too is a decal to Bevy: of its two indices it keeps that of the decal.
+    /// Decals. An entity that is a light too counts as a decal: of its two indices Bevy keeps that of the decal.
     Decal,
     Other,
 }
 
 impl LightLayers {
-    /// Whether some of them may affect a part only of what a view with `view_layers` sees.
+    /// True if some light may affect only a part of the meshes that a view with `view_layers` sees.
     pub(super) fn matter_to(&self, view_layers: &RenderLayers) -> bool {
         self.sets.keys().any(|LayerSet { layers, is_culled }| {
-            // A light that is on all layers of the view is on one of each mesh in it.
+            // A light on all layers of the view shares one with each mesh in it.
             let shared = layers.intersection(view_layers);
             shared != *view_layers && !(*is_culled && shared == RenderLayers::none())
         })
@@ -69,7 +69,7 @@ impl LightLayers {
         self.by_light.get(light).map_or(ALL, |light| light.mask)
     }
 
-    /// The entity in the render world of each of them that has one, its mask and its kind.
+    /// Render-world entity, mask and kind of each light that has such an entity.
     pub(super) fn masks(&self) -> impl Iterator<Item = (Entity, u32, LightKind)> {
         let lights = self.by_light.values();
         lights.filter_map(|light| Some((light.render_entity?, light.mask, light.kind)))
@@ -127,8 +127,8 @@ type LightQuery<'w, 's, Filter> = Query<
     (AnyLight, Filter),
 >;
 
-/// Lights that have lost their layers, or a component that made them lights; and what was disabled, of whose changes meanwhile no query
-/// has told.
+/// Lights that lost their layers or a component that made them lights, and entities that were enabled again: queries
+/// skip disabled entities and miss their changes.
 #[derive(SystemParam)]
 pub(super) struct FormerLights<'w, 's> {
     layers: RemovedComponents<'w, 's, RenderLayers>,
@@ -164,7 +164,7 @@ impl FormerLights<'_, '_> {
     }
 }
 
-/// Follows what has changed; while no camera is to be lean, it does not.
+/// Tracks changes; idle without lean cameras.
 pub(super) fn extract_light_layers(
     mut light_layers: ResMut<LightLayers>,
     lean_cameras: Extract<Query<(), With<LeanDeferred>>>,
@@ -186,7 +186,7 @@ pub(super) fn extract_light_layers(
     for light in &*former_lights {
         light_layers.remove((*light).into());
     }
-    // What is left of them may still be lights.
+    // With their remaining components they may still be lights.
     let remaining = former_lights
         .iter()
         .filter_map(|light| all.get(*light).ok());

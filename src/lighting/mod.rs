@@ -1,30 +1,42 @@
-//! The lighting pass: one compute dispatch over the packed G-buffer, in workgroups of 8×8 pixels, and a second one over the tiles
-//! that have special surfaces.
+//! The lighting pass: a compute dispatch over the packed G-buffer in workgroups of 8×8 pixels, and an indirect dispatch over the
+//! tiles with special surfaces.
 //!
-//! It lights each pixel as Bevy's forward pass does, by the same formulas: directional, point, spot and rectangular lights, shadow maps and
-//! contact shadows, environment maps, reflection probes, irradiance volumes, lightmaps, clustered decals, ambient light, fog. Its
-//! shader is compiled for what the view has of these, and binds nothing else. [`LightCulling`](crate::LightCulling) says how it passes by
-//! lights that do not reach a pixel.
+//! Lights each pixel with the formulas of Bevy's forward pass: directional, point, spot and rectangular lights, shadow maps and
+//! contact shadows, environment maps, reflection probes, irradiance volumes, lightmaps, clustered decals, ambient light, fog. The
+//! shader is compiled for, and binds, only those that the view has. [`LightCulling`](crate::LightCulling) selects how out-of-range
+//! lights are culled.
 //!
-//! Systems that must run before or after it in `Core3d` order themselves by [`LightingPasses`]. All others of Bevy's main pass run after it.
-//! It is timed as `lean_deferred/lighting`.
+//! Systems that must run before or after it in `Core3d` order themselves by [`LightingPasses`]. All others of Bevy's main pass run
+//! after it. Its GPU time is recorded as `lean_deferred/lighting`.
 
-// - `features.rs`: what a view has to be lit with, and so what its shader is compiled with and binds.
-// - `variants.rs`: what it is compiled with for special surfaces.
-// - `tile_list.{rs,wgsl}`: where on the screen these are.
-// - `light_layers.{rs,wgsl}`, `light_layer_table.rs`: which lights affect which meshes, and the table in which the
-//   shader finds that.
-// - `pipeline.rs`: layouts and pipelines. `bevy_definitions.rs`: what Bevy's part of the shader is compiled with.
-// - `inputs.rs`, `buffers.rs`: what it reads. `binding_numbers.rs`, `bindings.rs`, `view_entries.rs`: what of that it binds, and
-//   where; made anew only when something of it changed.
-// - `soft_shadows.rs`: a sampler of shadow maps.
+// - `features.rs`: selects the pipeline of a view from its features.
+// - `variants.rs`: shader definitions for special surfaces.
+// - `tile_list.{rs,wgsl}`: the list of tiles with special surfaces.
+// - `light_layers.{rs,wgsl}`: the layers of lights, decals and light probes, which limit the meshes that each affects.
+// - `light_layer_table.rs`: uploads these layers for the shader.
+// - `pipeline.rs`: layouts and pipelines.
+// - `bevy_definitions.rs`: shader definitions of Bevy's part of the shader.
+// - `inputs.rs`: the inputs, per view and of the scene.
+// - `buffers.rs`: the crate's own buffers.
+// - `bindings.rs`: bind groups, recreated only when a bound resource has changed.
+// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
+// - `view_entries.rs`: Bevy's resources that lighting binds.
+// - `soft_shadows.rs`: the sampler of percentage-closer soft shadows.
 // - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
+// - `subsurface_light.{rs,wgsl}`: the light that enters scattering surfaces, for the scattering pass.
+// - `scattering_tiles.wgsl`: writes that light and marks its tiles.
 // - `pass.rs`: the dispatches.
-// - `lighting.wgsl`, `shade.wgsl`, `surface.wgsl`, `bindings.wgsl`: the shader. `visibility.wgsl`: ambient occlusion in it.
-//   `debug_view.wgsl`: channels of the G-buffer in place of light.
-// - `lights/`: light from each kind of source, diffuse and specular apart. `lit.wgsl`, `shading_point.wgsl`, `brdf.wgsl`: what
-//   they share. `found_light.wgsl`: what other effects have found. `reach.wgsl`, `clustered_lights.wgsl`: the lights that can
-//   reach a tile, and the loop over them.
+// - `lighting.wgsl`: the entry point.
+// - `shade.wgsl`: the light of a pixel.
+// - `surface.wgsl`: unpacks the G-buffer for Bevy's lighting functions.
+// - `visibility.wgsl`: applies ambient occlusion.
+// - `debug_view.wgsl`: shows channels of the G-buffer in place of light.
+// - `lights/`: the light of each kind of source, and shadows.
+// - `lights/lit.wgsl`: outgoing light, diffuse and specular apart.
+// - `lights/shading_point.wgsl`, `lights/brdf.wgsl`: terms and BRDF that all lights share.
+// - `lights/found_light.wgsl`: indirect light that other effects computed.
+// - `lights/reach.wgsl`: culls lights that reach no pixel of a tile.
+// - `lights/clustered_lights.wgsl`: the loop over point and spot lights.
 
 #[doc(hidden)]
 pub mod bevy_definitions;
@@ -84,11 +96,11 @@ use crate::{
     },
 };
 
-/// On a view: everything its lighting pass needs. Dropped with the effect.
+/// On a view: the state of its lighting pass. Removed with [`LeanDeferred`].
 #[doc(hidden)]
 #[derive(Component, Default)]
 pub struct ViewLighting {
-    /// The keys and pipelines of this frame, that for plain surfaces first.
+    /// Keys and pipelines of this frame, the one for plain surfaces first.
     pub(crate) pipelines: Vec<(LightingKey, CachedComputePipelineId)>,
     tile_list: Option<tile_list::TileList>,
     light_layers: Option<light_layer_table::LightLayersBuffer>,
@@ -96,7 +108,7 @@ pub struct ViewLighting {
 }
 
 impl ViewLighting {
-    /// Makes the list of tiles anew if it is not the one that `key` needs.
+    /// Recreates the tile list if its capacity differs, and drops it if `key` needs none.
     fn update_tile_list(&mut self, device: &RenderDevice, key: LightingKey, capacity: u32) {
         if key.listed.is_empty() {
             self.tile_list = None;
@@ -105,14 +117,14 @@ impl ViewLighting {
         }
     }
 
-    /// The bind groups that stay as they are from frame to frame until something that they bind is replaced: light
-    /// probes and decals, and the G-buffer with either main texture. Another one, of the view, follows Bevy, which
-    /// makes the buffers of the light clusters anew in each frame.
+    /// Bind groups that are kept until a bound resource is replaced: light probes and decals, the tile list, and the G-buffer
+    /// with either main texture. The group of the view is not among them: Bevy recreates the buffers of the light clusters in
+    /// each frame.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
         self.bindings.lasting()
     }
 
-    /// How many textures of light probes and decals are bound.
+    /// Number of bound textures of light probes and decals.
     pub fn textures_in_arrays(&self) -> usize {
         self.bindings.textures_in_arrays()
     }

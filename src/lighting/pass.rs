@@ -1,4 +1,4 @@
-//! The dispatches.
+//! Dispatches lighting.
 
 use bevy::{
     prelude::*,
@@ -37,8 +37,8 @@ pub(crate) fn lighting_pass(
         return;
     };
 
-    // Asking for the attachment marks the texture as cleared for this frame: without it, the next render pass would
-    // wipe what is written here. If it was about to be cleared, this pass does that too where it reaches every pixel.
+    // Requesting the attachment marks the texture as cleared for this frame; otherwise the next render pass would clear
+    // what is written here. If a clear was due, lighting writes the background itself when it covers the whole target.
     let attachment = target.get_color_attachment();
     let must_clear = matches!(attachment.ops.load, LoadOp::Clear(_));
     let writes_background = must_clear && bindings.covers_target;

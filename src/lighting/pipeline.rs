@@ -34,8 +34,8 @@ use crate::{
     view::{GBufferTargets, GeometricNormal, LightCulling, LightExchange},
 };
 
-/// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output). All variants of a view share
-/// these.
+/// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output), which all variants of a view
+/// share.
 #[derive(Clone)]
 pub(super) struct LightingLayouts {
     pub(super) view: FoundLayout,
@@ -43,10 +43,10 @@ pub(super) struct LightingLayouts {
     pub(super) targets: FoundLayout,
     /// The optional targets in bind group 2.
     pub(super) read_targets: GBufferTargets,
-    /// What else is in bind group 2.
+    /// Effects whose textures are in bind group 2.
     pub(super) exchange: LightExchange,
     pub(super) scatters: bool,
-    /// Bind group 3, where there are special surfaces.
+    /// Bind group 3, on views with special surfaces.
     list: Option<FoundLayout>,
 }
 
@@ -74,7 +74,7 @@ impl LightingLayouts {
     }
 }
 
-/// Lighting pipelines by key. Made by `init_lighting_pipelines`.
+/// Lighting pipelines by key, created by `init_lighting_pipelines`.
 #[derive(Resource)]
 pub(crate) struct LightingPipelines {
     mesh_pipeline: MeshPipeline,
@@ -99,7 +99,7 @@ pub(super) fn init_lighting_pipelines(
     });
 }
 
-/// Where bind group 2 has the light that other effects have found.
+/// Bindings in bind group 2 of indirect light that other effects provide.
 pub(super) const INDIRECT_LIGHT: [(LightExchange, u32); 2] = [
     (
         LightExchange::INDIRECT_SPECULAR,
@@ -111,12 +111,13 @@ pub(super) const INDIRECT_LIGHT: [(LightExchange, u32); 2] = [
     ),
 ];
 
-/// Where bind group 2 has an optional target.
+/// The binding in bind group 2 of an optional target.
 pub(super) fn target_binding(target: GBufferTargets) -> u32 {
     targets::EMISSIVE_TEXTURE + target.bits().trailing_zeros()
 }
 
-/// The G-buffer, the output, the crate's uniform, and occlusion if the view has that.
+/// The layout of bind group 2: the G-buffer, the output, the crate's uniform, and the optional resources that the key
+/// needs.
 fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
     let words = || texture_2d(TextureSampleType::Uint);
     let output = texture_storage_2d(TextureFormat::Rgba16Float, StorageTextureAccess::WriteOnly);
@@ -183,14 +184,14 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
     )
 }
 
-/// What Bevy's mesh pipeline would be for the view. The G-buffer's own depth stands where Bevy's shaders look for that of a
-/// prepass.
+/// The key that Bevy's mesh pipeline would have for the view. The G-buffer's own depth takes the place of prepass depth
+/// in Bevy's shaders.
 fn bevys_key(key: LightingKey) -> MeshPipelineKey {
     key.view | MeshPipelineKey::DEPTH_PREPASS
 }
 
 impl LightingPipelines {
-    /// The pipeline for `key`; it may still be compiling.
+    /// Returns the pipeline for `key`, which may still be compiling.
     pub(crate) fn specialize(
         &mut self,
         pipeline_cache: &PipelineCache,
@@ -216,7 +217,7 @@ impl LightingPipelines {
         id
     }
 
-    /// The pipelines of all dispatches for `key`, if they are compiled; they are not asked for.
+    /// Returns the pipelines of all dispatches for `key` if they are compiled. Does not queue missing ones.
     pub(crate) fn compiled(
         &self,
         pipeline_cache: &PipelineCache,
@@ -235,7 +236,8 @@ impl LightingPipelines {
         self.by_key.get(&key).map(|(_, layouts)| layouts)
     }
 
-    /// Bevy's own view layouts, visible to compute, without what lighting does not read and the view does not have.
+    /// Derives the layouts from Bevy's view layouts: visible to compute, without bindings that lighting does not read
+    /// or that the view lacks.
     fn layouts(&self, pipeline_cache: &PipelineCache, key: LightingKey) -> LightingLayouts {
         let layout_key = MeshPipelineViewLayoutKey::from(bevys_key(key));
         let bevy_layout = self.mesh_pipeline.get_view_layout(layout_key);
@@ -291,7 +293,7 @@ impl LightingPipelines {
         Self::definitions(key, bevys)
     }
 
-    /// The definitions of a lighting shader, where it reads these of Bevy's.
+    /// The definitions of a lighting shader, given those of Bevy's that it reads.
     fn definitions(key: LightingKey, bevys: Vec<ShaderDefVal>) -> Vec<ShaderDefVal> {
         let has = |name: &str| bevys.iter().any(|other| name_of(other) == name);
         let mut defs = Vec::new();
@@ -301,8 +303,8 @@ impl LightingPipelines {
             }
         };
 
-        // Bevy blends the normal maps of decals only onto meshes with tangents; the G-buffer does not know which
-        // had them, and meshes under such decals mostly do.
+        // Bevy blends normal maps of decals only onto meshes with tangents. The G-buffer does not record tangents; most
+        // meshes under such decals have them.
         define(has("CLUSTERED_DECALS_ARE_USABLE"), "VERTEX_TANGENTS");
 
         define(

@@ -8,8 +8,8 @@ use bevy::{
     },
 };
 
-/// Samples shadow maps in the search for blockers, as the two linear samplers of Bevy's `ShadowSamplers` do. Their fields exist only
-/// with Bevy's feature `experimental_pbr_pcss`, which a crate cannot see.
+/// Samples shadow maps in the blocker search, like the two linear samplers of Bevy's `ShadowSamplers`. Those fields
+/// exist only with Bevy's feature `experimental_pbr_pcss`, which a crate cannot see.
 #[derive(Resource)]
 pub(super) struct BlockerSampler(pub(super) Sampler);
 

@@ -1,5 +1,5 @@
-//! The textures of the light that enters surfaces beneath which it scatters, and the tiles that have some, for those that scatter
-//! it.
+//! Allocates the textures of the light that enters scattering surfaces and the list of tiles that have some, for the
+//! scattering pass.
 
 use bevy::{
     camera::MainPassResolutionOverride,
@@ -21,32 +21,35 @@ use crate::{
     view::{ActiveLeanView, LightExchange, OutOfMemory, ScattersLight},
 };
 
-/// Of the light: distance and material, and the word of the light.
+/// Per texel of the light: a word of distance and material, and a word of the light.
 pub(crate) const SUBSURFACE_LIGHT_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
-/// Of the picture: colour, what is left of scattered light, and the arguments of the shading model.
+/// Per pixel of the picture: colour (two words), remaining part of scattered light, and the normal word of the
+/// G-buffer.
 pub(super) const SUBSURFACE_PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
-/// Of the light, whose coarser ones scattering makes.
+/// Mips of the light; scattering fills the coarser ones.
 pub(crate) const LEVELS: usize = 6;
-/// Pixels a side of a texel of the coarsest level that there is, though it is in no texture.
+/// Side in pixels of a texel of the coarsest level, which is in no texture.
 const COARSEST_TEXEL: u32 = 128;
-/// 2 to the power of this is how many pixels a side a block of tiles has.
+/// Base-2 logarithm of the side of a block of tiles, in pixels.
 pub const BLOCK_LOG: u32 = 5;
 
 const LABEL: &str = "lean_deferred/lighting/subsurface_light";
 
-/// Where the buffer of the tiles has the masks of its blocks. How many blocks are listed and the materials of the frame come first.
+/// Index of the block masks in the buffer of the tiles, in words. The number of listed blocks and the materials of the
+/// frame come first.
 pub const MASKS: u64 = 257;
 
-/// On a view with [`ScattersLight`], for as long as it is lean. Layouts of words: `subsurface_light.wgsl`.
+/// On a view with [`ScattersLight`], for as long as it is lean. `subsurface_light.wgsl` defines the layouts of its
+/// words.
 #[derive(Component)]
 pub struct SubsurfaceLight {
-    /// What enters, from the corner of the viewport, in tiles that have some; others have what they had in former frames. A multiple
-    /// of the coarsest level's texel.
+    /// Entering light, relative to the corner of the viewport. Valid in tiles that have some; others keep words of
+    /// former frames. The size is a multiple of the coarsest level's texel.
     pub(crate) light: StorageTexture<LEVELS>,
-    /// Of the pixels whose light scatters.
+    /// The picture at pixels that scatter light.
     pub(crate) picture: StorageTexture,
     pub(crate) tiles: Buffer,
-    /// Of the view.
+    /// Number of tiles of the view per axis.
     tile_count: UVec2,
 }
 
@@ -71,17 +74,17 @@ impl SubsurfaceLight {
         }
     }
 
-    /// Of the textures, in pixels.
+    /// Size of the textures in pixels.
     pub(crate) fn size(&self) -> UVec2 {
         size_of(self.tile_count)
     }
 
-    /// Before lighting notes tiles and materials.
+    /// Clears the list before lighting records tiles and materials.
     pub(super) fn clear_tiles(&self, encoder: &mut CommandEncoder) {
         encoder.clear_buffer(&self.tiles, 0, Some(4 * (MASKS + blocks_of(self.size()))));
     }
 
-    /// All that it holds on the GPU but for the list.
+    /// Its textures; its only other GPU resource is the list.
     pub fn textures(&self) -> [&Texture; 2] {
         [&self.light.texture, &self.picture.texture]
     }
@@ -91,13 +94,13 @@ fn size_of(tile_count: UVec2) -> UVec2 {
     (tile_count * tiles::SIDE).map(|length| length.next_multiple_of(COARSEST_TEXEL))
 }
 
-/// How many blocks of tiles textures of this size have.
+/// Number of blocks of tiles in textures of this size.
 fn blocks_of(size: UVec2) -> u64 {
     u64::from((size >> BLOCK_LOG).element_product())
 }
 
-/// Gives each view whose lighting writes it its textures, and takes them from other lean views. With [`ActiveLeanView`] they
-/// go too.
+/// Assigns textures to each view whose lighting writes this light, and removes them from other lean views. They are
+/// also removed with [`ActiveLeanView`].
 pub(crate) fn prepare_subsurface_light(
     mut commands: Commands,
     device: Res<RenderDevice>,
@@ -115,7 +118,7 @@ pub(crate) fn prepare_subsurface_light(
     )>,
 ) {
     for (entity, (camera, target, resolution), active, scatters, current) in &views {
-        // While lighting without it is still compiling, it is kept.
+        // Kept until lighting without it is compiled.
         let is_written = active.exchange.contains(LightExchange::SUBSURFACE_LIGHT);
         if !is_written {
             if current.is_some() {

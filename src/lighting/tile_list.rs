@@ -1,5 +1,5 @@
-//! The list of the tiles that have special surfaces, which the first dispatch fills on the GPU, and the indirect dispatch over
-//! it.
+//! The list of tiles with special surfaces, which the first dispatch fills on the GPU, and the arguments of the
+//! indirect dispatch over it.
 
 use bevy::render::{
     render_resource::{
@@ -17,12 +17,12 @@ use crate::gpu::bindings::layout;
 pub(super) struct TileList {
     capacity: u32,
     dispatch: Buffer,
-    /// A counter, then the tiles.
+    /// A counter, followed by the tiles.
     list: Buffer,
 }
 
 impl TileList {
-    /// A list of up to `capacity` tiles.
+    /// Creates a list of up to `capacity` tiles.
     pub(super) fn new(device: &RenderDevice, capacity: u32) -> Self {
         let dispatch = device.create_buffer_with_data(&BufferInitDescriptor {
             label: Some("lean_deferred/lighting/dispatch"),
@@ -42,15 +42,14 @@ impl TileList {
         }
     }
 
-    /// Whether it is what `new` would make.
+    /// True if the list has this capacity.
     pub(super) fn fits(&self, capacity: u32) -> bool {
         self.capacity == capacity
     }
 
-    /// Empties the list.
     pub(super) fn clear(&self, encoder: &mut CommandEncoder) {
         encoder.clear_buffer(&self.list, 0, Some(4));
-        // What stands in x and y.
+        // Clears x and y; z stays 1.
         encoder.clear_buffer(&self.dispatch, 0, Some(8));
     }
 
@@ -63,7 +62,7 @@ impl TileList {
     }
 }
 
-/// What the dispatch that fills the list binds of it.
+/// Bindings of the dispatch that fills the list.
 pub(super) fn filling_layout() -> BindGroupLayoutDescriptor {
     layout(
         "lean_deferred/lighting/fill_list",
@@ -75,7 +74,7 @@ pub(super) fn filling_layout() -> BindGroupLayoutDescriptor {
     )
 }
 
-/// What the dispatch over the list binds of it.
+/// Bindings of the dispatch over the list.
 pub(super) fn reading_layout() -> BindGroupLayoutDescriptor {
     layout(
         "lean_deferred/lighting/read_list",

@@ -1,11 +1,11 @@
-//! What lighting is compiled with for the special surfaces of a view.
+//! The shader definitions of lighting for the special surfaces of a view.
 
 use bevy::shader::ShaderDefVal;
 
 use crate::view::{LightingVariant, LightingVariants, ShadingModel};
 
-/// The definitions for the dispatch that lights the tiles with special surfaces of the kinds `visited`, or, if there are
-/// none in it, for the one that goes over all tiles and lists those with kinds in `listed`.
+/// Returns the definitions for the dispatch that lights the tiles with special surfaces of the kinds `visited`. If that
+/// is empty, returns those for the dispatch over all tiles, which lists tiles with kinds in `listed`.
 pub(super) fn shader_defs(
     listed: LightingVariants,
     visited: LightingVariants,
@@ -39,7 +39,7 @@ pub(super) fn shader_defs(
     );
     define(
         visited.each().any(|variant| variant.is_lightmapped()),
-        // Not `LIGHTMAP`, by which Bevy's functions know that all surfaces have one.
+        // Not `LIGHTMAP`: with it, Bevy's functions assume that all surfaces have one.
         "LIGHTMAPPED_SURFACES",
     );
     defs

@@ -1,4 +1,4 @@
-//! What lighting binds of Bevy's: the view, light probes and decals.
+//! Bevy's resources that lighting binds: the view, light probes and decals.
 
 use bevy::{
     image::Image,
@@ -15,7 +15,7 @@ use super::{
 };
 use crate::gpu::bind_group_cache::Entries;
 
-/// What bind group 0 has at `binding`, and its dynamic offset if it has one.
+/// Returns the resource at `binding` of bind group 0, and its dynamic offset if it has one.
 pub(super) fn view_entry<'a>(
     binding: u32,
     lit: &'a LitViewItem,
@@ -109,8 +109,8 @@ pub(super) fn view_entry<'a>(
     Some((resource, offset))
 }
 
-/// The next entry of bind group 1: light probes and decals. As in Bevy, arrays are padded to the length that the layout
-/// declares only where the device requires it (`pads_arrays`): elsewhere that length is 1,024 for textures of decals.
+/// Pushes the next entry of bind group 1: light probes and decals. As in Bevy, arrays are padded to the length that the
+/// layout declares only if the device requires it (`pads_arrays`); for decal textures that length is 1,024 elsewhere.
 pub(super) fn push_array_entry(
     entries: &mut Entries,
     layout: &BindGroupLayoutEntry,
@@ -139,7 +139,7 @@ pub(super) fn push_array_entry(
             entries.push_textures(layout.binding, count.clamp(least, capacity), texture);
             Some(())
         };
-    // That of the first image that is loaded.
+    // The sampler of the first image that is loaded.
     let sampler = |ids: &mut dyn Iterator<Item = AssetId<Image>>, fallback: &GpuImage| {
         let image = ids.filter_map(|id| image(Some(id))).next();
         image.unwrap_or(fallback).sampler.clone()

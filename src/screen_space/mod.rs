@@ -1,25 +1,28 @@
-//! Effects that find light on the screen: in the surfaces of this frame, and in the light of the last one.
+//! Screen-space light transport: over the surfaces of this frame, with the light of this frame or of the last one.
 //!
-//! | component | finds | reads the last frame |
+//! | component | computes | reads the last frame |
 //! |---|---|---|
-//! | [`LeanScreenSpaceGi`] | diffuse light that surfaces send to one another | yes |
-//! | [`LeanScreenSpaceReflections`] | what surfaces mirror | yes |
-//! | [`LeanSubsurfaceScattering`] | where light leaves that entered a surface elsewhere | no |
+//! | [`LeanScreenSpaceGi`] | diffuse light between surfaces | yes |
+//! | [`LeanScreenSpaceReflections`] | reflections of the picture | yes |
+//! | [`LeanSubsurfaceScattering`] | light that leaves a surface away from where it entered | no |
 //!
-//! All are for cameras with [`LeanDeferred`](crate::LeanDeferred). Lighting mixes the first two with environment maps, probes and ambient
-//! light, in whose place they are seen. They know only what the picture shows. The last frame does not count after a
-//! [`CameraCut`](crate::CameraCut), a pause, or a change of size or of the kind of projection. With `MotionVectorPrepass` on the camera they find
-//! what moves where it was; without, its light is a frame behind it. Where an app shifts its world, with all meshes and cameras in it, nothing
-//! has moved.
+//! All are for cameras with [`LeanDeferred`](crate::LeanDeferred). Lighting blends the first two with environment maps, probes and
+//! ambient light, which they replace in part. Only surfaces in the picture contribute. The last frame is invalid after a
+//! [`CameraCut`](crate::CameraCut), a pause, or a change of the viewport or of the kind of projection. With `MotionVectorPrepass` on
+//! the camera, moving surfaces are reprojected along their motion; without it, their light lags one frame behind. If an app shifts its
+//! whole world, all meshes and cameras alike, nothing counts as moved.
 
-// - `succession.rs`: which frames of a view follow one another. `reprojection.rs`: where the last one had what this one shows.
-//   `world_shift.rs`: shifts of all there is, which are no movement.
-// - `support.rs`: what they need beside a camera that can be lean.
-// - `history/`: the last frame of a view, for those that ask for it.
-// - `diffuse_gi/`: light that surfaces send to one another. `reflections/`: what they mirror.
-// - `subsurface/`: light that scatters beneath surfaces.
-// - `debug_view/`: what an effect has found, in place of the picture.
-// - `resolution.rs`: how many pixels share what effects find. `shown_exposure.{rs,wgsl}`: what shows as white.
+// - `succession.rs`: detects if the last frame of a view directly precedes this one.
+// - `reprojection.rs`: transforms into the last frame.
+// - `world_shift.rs`: detects shifts of the whole world.
+// - `support.rs`: limits that the effects need, and reasons why one is off.
+// - `history/`: light and depth of the last frame, for effects that request them.
+// - `diffuse_gi/`: diffuse light between surfaces.
+// - `reflections/`: reflections.
+// - `subsurface/`: subsurface scattering.
+// - `debug_view/`: shows the output of an effect in place of the picture.
+// - `resolution.rs`: full and half resolution.
+// - `shown_exposure.{rs,wgsl}`: the exposure that tonemapping applied to the last frame.
 
 #[doc(hidden)]
 pub mod debug_view;

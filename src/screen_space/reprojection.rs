@@ -1,10 +1,10 @@
-//! Where the last frame had what this one shows.
+//! Reprojection from this frame to the last one.
 
 use bevy::math::{DMat4, DVec3, Mat4, Vec4};
 
 use super::succession::LastFrame;
 
-/// From pixels of this frame's viewport and depth, and back: a pixel is 1 wide, the first one begins at 0, and y goes down.
+/// From view space to pixels of the viewport and depth: a pixel is 1 wide, the first one begins at 0, and y points down.
 fn pixel_from_view(frame: &LastFrame) -> DMat4 {
     let half = frame.viewport.size().as_dvec2() / 2.0;
     let pixel_from_ndc = DMat4::from_scale_rotation_translation(
@@ -20,7 +20,7 @@ pub(super) fn pixels_of(frame: &LastFrame) -> Mat4 {
     pixel_from_view(frame).as_mat4()
 }
 
-/// From the view space of a frame to that of the `last` one. With double precision: both cameras may be far from the world's
+/// From the view space of a frame to that of the `last` one. In double precision, since both cameras may be far from the world's
 /// origin.
 fn last_view_from_view(now: &LastFrame, last: &LastFrame) -> DMat4 {
     let shift_back = DMat4::from_translation(last.world_shift - now.world_shift);
@@ -32,19 +32,18 @@ pub(super) fn last_pixel_from_view(now: &LastFrame, last: &LastFrame) -> Mat4 {
     (pixel_from_view(last) * last_view_from_view(now, last)).as_mat4()
 }
 
-/// Whose dot product with a homogeneous position in the view space of a frame is the distance along the view direction of
-/// the `last` one.
+/// Vector whose dot product with a homogeneous view-space position is its distance along the view direction of the `last` frame.
 pub(super) fn last_distance(now: &LastFrame, last: &LastFrame) -> Vec4 {
     (-last_view_from_view(now, last).row(2)).as_vec4()
 }
 
-/// This frame's exposure over that of the last one; 0 without a last frame.
+/// This frame's exposure divided by that of the last one; 0 without a last frame.
 pub(super) fn exposure_ratio(now: &LastFrame, last: Option<&LastFrame>) -> f32 {
     let ratio = last.map_or(0.0, |last| now.exposure / last.exposure);
     if ratio.is_finite() { ratio } else { 0.0 }
 }
 
-/// `x` within 0 and `largest`; 0 for what is not a number.
+/// Clamps `x` to 0..`largest`; NaN becomes 0.
 pub(super) fn up_to(largest: f32, x: f32) -> f32 {
     if x > 0.0 { x.min(largest) } else { 0.0 }
 }
@@ -72,7 +71,7 @@ mod tests {
         }
     }
 
-    /// Where a frame shows what is at `world`, and how far away along its view direction.
+    /// Pixel of a frame that shows `world`, and its distance along the view direction.
     fn seen(frame: &LastFrame, world: DVec3) -> (DVec2, f64) {
         let view = frame
             .world_from_view
@@ -92,7 +91,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 4096, failure_persistence: None, ..ProptestConfig::default() })]
 
-        /// Also 20 km from the world's origin, where f32 has steps of 2 mm.
+        /// Includes positions 20 km from the world's origin, where f32 has steps of 2 mm.
         #[test]
         fn what_is_seen_is_found_where_it_was_seen(
             origin in prop_oneof![Just(Vec3::ZERO), vector(20_000.0)],
@@ -111,12 +110,12 @@ mod tests {
             let position = distance * Vec3::new(view.0, view.1, -1.0);
             let world = now.world_from_view.as_dmat4().transform_point3(position.as_dvec3());
 
-            // Where it was before all was shifted.
+            // The position before the world was shifted.
             let (pixel, far) = seen(&last, world - shift.as_dvec3());
             prop_assume!(far > 0.5);
             let found = last_pixel_from_view(&now, &last) * position.extend(1.0);
             let off = (DVec2::new(f64::from(found.x), f64::from(found.y)) / f64::from(found.w)).distance(pixel);
-            // The more the further outside of the picture.
+            // Grows with the distance from the viewport.
             let allowed = 2e-3 + 2e-6 * pixel.length();
             prop_assert!(off < allowed, "{off} pixels");
             let found = f64::from(last_distance(&now, &last).dot(position.extend(1.0)));

@@ -1,23 +1,23 @@
-//! How many pixels share what effects find.
+//! Resolution of screen-space effects.
 
 use bevy::prelude::*;
 
-/// How many pixels share a texel, in which light is found.
+/// Resolution of a screen-space effect.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceResolution {
-    /// One texel a pixel.
+    /// One texel per pixel.
     Full,
-    /// One for each 2×2, scaled up along the edges that depth shows.
+    /// One texel per 2×2 pixels, upsampled along depth edges.
     #[default]
     Half,
 }
 
 impl ScreenSpaceResolution {
-    /// Both of them, cheapest first.
+    /// All variants, cheapest first.
     pub const ALL: [Self; 2] = [Self::Half, Self::Full];
 
-    /// Pixels a side that share a texel.
+    /// Pixels per side of a texel.
     pub(super) fn divisor(self) -> u32 {
         match self {
             Self::Full => 1,
@@ -26,7 +26,7 @@ impl ScreenSpaceResolution {
     }
 }
 
-/// Texels of so many pixels a side in a viewport.
+/// Size of a viewport in texels of `divisor` pixels per side.
 pub(super) fn texels(viewport_size: UVec2, divisor: u32) -> UVec2 {
     viewport_size
         .map(|side| side.div_ceil(divisor))

@@ -1,7 +1,7 @@
-//! How bright pictures are shown: the exposure that tonemapping applies, set by hand or by whatever adapts it.
+//! The exposure that tonemapping applies to a view, set by hand or by auto exposure.
 //!
-//! Effects bound the light that they keep, so that single bright pixels do not flicker: by multiples of what shows as white, which
-//! exposure moves by any number of stops.
+//! Effects clamp the light that they keep, so that single bright pixels do not flicker. The limit is a multiple of what shows as
+//! white, which exposure moves by any number of stops.
 
 use core::{marker::PhantomData, num::NonZeroU64};
 
@@ -20,10 +20,10 @@ use bevy::{
     shader::load_shader_library,
 };
 
-/// A vector of four floats, of which the first one is the exposure.
+/// Bytes of a vector of four floats; the first is the exposure.
 const SIZE: u64 = 16;
 
-/// Of a view: its exposure in stops, as its last frame was shown, on the GPU. Before the first frame, that of its colour grading.
+/// GPU buffer with the exposure of a view in its last frame, in stops. Initially that of its colour grading.
 pub(super) struct ShownExposure(Buffer);
 
 impl ShownExposure {
@@ -45,12 +45,12 @@ impl ShownExposure {
     }
 }
 
-/// On a view of the render world: what an effect keeps, bounded by what shows as white.
+/// On a view of the render world: the state of an effect that clamps light to a multiple of white.
 pub(super) trait BoundedByWhite: Component {
     fn shown_exposure(&self) -> &ShownExposure;
 }
 
-/// Keeps the [`ShownExposure`] of each `V`.
+/// Updates the [`ShownExposure`] of each `V`.
 pub(super) struct ShownExposurePlugin<V>(PhantomData<V>);
 
 impl<V> Default for ShownExposurePlugin<V> {
@@ -84,7 +84,7 @@ impl<V: BoundedByWhite> Plugin for ShownExposurePlugin<V> {
     }
 }
 
-/// The systems of `let_uniforms_be_copied`: all add the same.
+/// The systems of `let_uniforms_be_copied`: all add the same usage, in any order.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 struct UniformUsageSystems;
 
@@ -100,20 +100,20 @@ fn can_be_copied(buffer: &Buffer) -> bool {
     buffer.usage().contains(BufferUsages::COPY_SRC)
 }
 
-/// Has Bevy make the uniforms of views so that they can be copied, before it makes those of this frame.
+/// Adds `COPY_SRC` to the usages of Bevy's view uniforms, before Bevy writes those of this frame.
 fn let_uniforms_be_copied<V: BoundedByWhite>(mut uniforms: ResMut<ViewUniforms>) {
     if !uniforms.uniforms.buffer().is_some_and(can_be_copied) {
         uniforms.uniforms.add_usages(BufferUsages::COPY_SRC);
     }
 }
 
-/// Where Bevy's uniform of a view has its exposure.
+/// Byte offset of the exposure in Bevy's view uniform.
 fn exposure_offset() -> u64 {
-    // The numbers of the fields.
+    // Indices of the fields `color_grading` and `exposure`.
     ViewUniform::METADATA.offset(13) + ColorGradingUniform::METADATA.offset(7)
 }
 
-/// After all that adapts it: Bevy's `AutoExposure` and this crate's write it into the uniform of the view.
+/// Runs after post-processing: by then Bevy's `AutoExposure` or this crate's has written the exposure to the view uniform.
 fn keep_shown_exposure<V: BoundedByWhite>(
     view: ViewQuery<(&V, &ViewUniformOffset)>,
     uniforms: Res<ViewUniforms>,

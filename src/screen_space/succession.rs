@@ -1,4 +1,4 @@
-//! Which frames of a view follow one another, so that what was kept of one says something of the next.
+//! Detects if the frames of a view directly follow one another, so that the history of one is valid in the next.
 
 use core::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,22 +15,22 @@ use crate::{
     view::CameraCuts,
 };
 
-/// What a frame was seen with.
+/// Camera state of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LastFrame {
-    /// With the jitter that it had.
+    /// Includes the jitter.
     pub clip_from_view: Mat4,
-    /// Where the camera was, without its scale: view space is in metres.
+    /// Without the scale of the camera: view space is in metres.
     pub world_from_view: Mat4,
-    /// The part of the target that was drawn: its corner and size in pixels.
+    /// The part of the target that was drawn, in pixels.
     pub viewport: URect,
-    /// The factor of light in the picture.
+    /// Factor from light to the values in the picture.
     pub exposure: f32,
-    /// By how much the world has been shifted until then.
+    /// Sum of the world shifts up to that frame, in metres.
     pub world_shift: DVec3,
 }
 
-/// The part of the target that is drawn.
+/// The part of the target that is drawn, in pixels.
 pub(super) fn drawn_part(
     view: &ExtractedView,
     resolution: Option<&MainPassResolutionOverride>,
@@ -41,7 +41,7 @@ pub(super) fn drawn_part(
 }
 
 impl LastFrame {
-    /// That of a view in the frame that is being prepared.
+    /// State of a view in the frame that is being prepared.
     pub(super) fn of(
         view: &ExtractedView,
         resolution: Option<&MainPassResolutionOverride>,
@@ -59,14 +59,14 @@ impl LastFrame {
         }
     }
 
-    /// Whether `other` shows as much in the same way.
+    /// True if the viewports and the kinds of projection are equal.
     fn is_like(&self, other: &Self) -> bool {
         self.viewport == other.viewport
             && projection_of(self.clip_from_view) == projection_of(other.clip_from_view)
     }
 }
 
-/// Counts frames.
+/// Number of the current frame.
 #[derive(Resource, Default)]
 pub(super) struct FrameNumber(pub(super) u64);
 
@@ -74,7 +74,7 @@ fn count_frames(mut number: ResMut<FrameNumber>) {
     number.0 += 1;
 }
 
-/// Counts frames, and notices shifts of the world between them. Added by all that compare frames, once.
+/// Counts frames and detects shifts of the world. Added once, by the effects that compare frames.
 pub(super) struct SuccessionPlugin;
 
 impl SuccessionPlugin {
@@ -101,7 +101,7 @@ pub(super) struct Succession {
     last: Option<LastFrame>,
     current: LastFrame,
     cuts: u32,
-    /// The frame of which something was kept.
+    /// Number of the last frame whose history was kept.
     held: AtomicU64,
 }
 
@@ -115,7 +115,7 @@ impl Succession {
         }
     }
 
-    /// To be called in each frame, of which `number` is the number.
+    /// Advances to the frame `number`. Call it in each frame.
     pub(super) fn advance(
         &mut self,
         current: LastFrame,
@@ -131,12 +131,12 @@ impl Succession {
         self.cuts = cuts;
     }
 
-    /// What the last frame was seen with; `None` if what was kept of it says nothing of this one.
+    /// Camera state of the last frame; `None` if its history is invalid.
     pub(super) fn last(&self) -> Option<&LastFrame> {
         self.last.as_ref()
     }
 
-    /// Something of this frame was kept.
+    /// Records that the history of this frame was kept.
     pub(super) fn hold(&self, number: &FrameNumber) {
         self.held.store(number.0, Ordering::Relaxed);
     }

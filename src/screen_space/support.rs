@@ -1,10 +1,10 @@
-//! What effects need beside a camera that can be lean.
+//! Requirements of the effects, in addition to those of a lean camera.
 
 use core::fmt;
 
 use crate::gpu::needed_limits::{NeededLimit, needed_limits, unmet};
 
-/// Limits that GI and reflections need, beside those of [`LeanDeferred`](crate::LeanDeferred).
+/// Limits that GI and reflections need, in addition to those of [`LeanDeferred`](crate::LeanDeferred).
 #[doc(hidden)]
 pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
     max_compute_invocations_per_workgroup: 256,
@@ -12,16 +12,16 @@ pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
     max_compute_workgroup_storage_size: 12544,
 ];
 
-/// Why an effect is off on a camera.
+/// The reason that an effect is off on a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum EffectOff {
     NotLean,
-    /// The device has less.
+    /// The device does not meet this limit.
     Limit(&'static NeededLimit),
 }
 
 impl EffectOff {
-    /// `None` if nothing speaks against an effect that needs these limits.
+    /// `None` if an effect that needs these limits can run.
     pub(super) fn of(
         is_lean: bool,
         needed: &'static [NeededLimit],

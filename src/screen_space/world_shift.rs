@@ -1,8 +1,8 @@
-//! Shifts of the world: apps whose cameras go far move all that there is from time to time, cameras and meshes alike, so that these stay
-//! near the origin, where floats are exact ("floating origin": Thorne 2005, "Using a Floating Origin to Improve Fidelity and
-//! Performance of Large, Distributed Virtual Worlds").
+//! Detects shifts of the world. Apps with distant cameras shift everything from time to time, cameras and meshes alike, to stay near
+//! the origin, where floats are precise ("floating origin": Thorne 2005, "Using a Floating Origin to Improve Fidelity and Performance
+//! of Large, Distributed Virtual Worlds").
 //!
-//! Nothing in the picture moves then, and what was kept of the last frame is where it was.
+//! A shift moves nothing in the picture, so the history stays valid.
 
 use bevy::{
     ecs::entity::EntityHashMap,
@@ -14,21 +14,21 @@ use bevy::{
 
 use crate::view::LeanDeferred;
 
-/// By how much the world has been shifted since the app began.
+/// Sum of all world shifts since the app started, in metres.
 #[derive(Resource, ExtractResource, Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct WorldShift(pub(super) DVec3);
 
-/// How far a camera goes in a frame at least, in metres, before somebody looks whether all else went along. At 60 frames a second it
-/// would be as fast as a bullet.
+/// Least movement of a camera in a frame, in metres, for which meshes are checked. At 60 frames per second this is the speed of a
+/// bullet.
 const LEAST: f32 = 16.0;
-/// So many meshes are looked at, evenly among all.
+/// Number of meshes to check, evenly spread over all.
 const SAMPLES: usize = 256;
-/// Of these, so many in four have to have gone the same way: others may move by themselves.
+/// Quarters of the checked meshes that must share the movement. The others may move on their own.
 const ALIKE: usize = 3;
-/// They may have gone further or less far by this share of the way: what moves by itself, and the rounding of floats.
+/// Tolerated deviation from the common movement, as a share of its length: allows for own movement and float rounding.
 const TOLERANCE: f32 = 0.02;
 
-/// Notices that all was shifted. Looks at meshes only in frames in which a camera was moved far.
+/// Adds up shifts of the world. Checks meshes only in frames in which a camera moved far.
 fn notice_world_shifts(
     mut shift: ResMut<WorldShift>,
     mut last: Local<EntityHashMap<Vec3>>,
@@ -54,7 +54,7 @@ fn notice_world_shifts(
     }
 }
 
-/// By how much most have moved, if that is far.
+/// The movement that most meshes share, if it is far.
 fn common_move(moves: Vec<DVec3>) -> Option<DVec3> {
     let middle = |axis: fn(&DVec3) -> f64| -> Option<f64> {
         let mut along: Vec<f64> = moves.iter().map(axis).collect();
@@ -70,11 +70,11 @@ fn common_move(moves: Vec<DVec3>) -> Option<DVec3> {
     (is_common && far.is_finite() && far > f64::from(LEAST)).then_some(middle)
 }
 
-/// Notices shifts, and tells the render world of them.
+/// Detects shifts and extracts their sum to the render world.
 pub(super) fn add_to(app: &mut App) {
     app.init_resource::<WorldShift>()
         .add_plugins(ExtractResourcePlugin::<WorldShift>::default())
-        // Where transforms are those of this frame, and the previous ones those of the last.
+        // In `Last`, `GlobalTransform` is that of this frame and `PreviousGlobalTransform` that of the last.
         .add_systems(
             Last,
             notice_world_shifts.run_if(any_with_component::<LeanDeferred>),
@@ -98,9 +98,9 @@ mod tests {
     fn what_stays_or_goes_a_way_of_its_own_is_none() {
         assert_eq!(common_move(Vec::new()), None);
         assert_eq!(common_move(vec![DVec3::ZERO; 8]), None);
-        // A carriage with its passengers, in a world that stays.
+        // Half of the meshes move, like a train with its passengers.
         assert_eq!(common_move([[SHIFT; 3], [DVec3::ZERO; 3]].concat()), None);
-        // All somewhere else.
+        // Each mesh moves by another distance.
         let apart = (0..16).map(|i| SHIFT * f64::from(i));
         assert_eq!(common_move(apart.collect()), None);
         assert_eq!(common_move(vec![DVec3::NAN; 4]), None);

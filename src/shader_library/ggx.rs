@@ -1,21 +1,21 @@
-//! The lobe of a rough mirror. The documentation is in `ggx.wgsl`.
+//! GGX lobe of a rough mirror. `ggx.wgsl` has the documentation.
 
 use core::f32::consts::PI;
 
 use bevy::math::{Vec2, Vec3};
 
-/// A direction of the lobe.
+/// Sampled direction of the lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LobeSample {
     /// Towards the light, unit length; below the surface if `weight` is 0.
     pub direction: Vec3,
-    /// What of light from there is seen, over its density: 0 to 1, but for Fresnel.
+    /// Share of the light from there that is seen, divided by the density: 0 to 1, without Fresnel.
     pub weight: f32,
-    /// Of directions, per steradian.
+    /// Probability density of the direction, per steradian.
     pub density: f32,
 }
 
-/// The microfacet that is seen from `v` at the random numbers `u`, 0 to 1.
+/// Microfacet that is visible from `v`, sampled with the random numbers `u` in 0 to 1.
 pub fn visible_microfacet(v: Vec3, alpha: f32, u: Vec2) -> Vec3 {
     let stretched = Vec3::new(alpha * v.x, alpha * v.y, v.z).normalize();
     let z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
@@ -25,7 +25,7 @@ pub fn visible_microfacet(v: Vec3, alpha: f32, u: Vec2) -> Vec3 {
     Vec3::new(alpha * half.x, alpha * half.y, half.z.max(1e-7)).normalize()
 }
 
-/// The direction that it mirrors towards `v`.
+/// Samples a direction from which light is reflected towards `v`.
 pub fn sample_lobe(v: Vec3, alpha: f32, u: Vec2) -> LobeSample {
     let microfacet = visible_microfacet(v, alpha, u);
     let direction = 2.0 * v.dot(microfacet) * microfacet - v;

@@ -1,11 +1,11 @@
-//! What a pair of horizons hides of the hemisphere, weighted by the cosine.
+//! Cosine-weighted occlusion of the hemisphere by a pair of horizons.
 
 use core::f32::consts::{FRAC_PI_2, PI};
 
 use bevy::math::{Vec2, Vec3};
 
-/// The area between an arc of the unit circle and its chord, which is `c` in -1..1 from the centre: `acos(c) - c * sqrt(1 - c * c)`.
-/// Off by at most 6.3e-6: of the largest error, the least that a cubic can have.
+/// Area between an arc of the unit circle and its chord at distance `c`, in -1..1, from the centre: `acos(c) - c * sqrt(1 - c * c)`.
+/// The error is at most 6.3e-6; the cubic minimises the largest error.
 pub fn segment(c: f32) -> f32 {
     let a = c.abs();
     let t = (1.0 - a).max(0.0);
@@ -14,7 +14,7 @@ pub fn segment(c: f32) -> f32 {
     if c >= 0.0 { area } else { PI - area }
 }
 
-/// A normal within the plane of a slice.
+/// A normal in the plane of a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SliceNormal {
     /// Length of the normal's projection into the plane.
@@ -25,7 +25,7 @@ pub struct SliceNormal {
     pub sine: f32,
 }
 
-/// `to_viewer` and `tangent` are the plane's axes, of unit length.
+/// Projects `normal` into the plane of the unit vectors `to_viewer` and `tangent`.
 pub fn slice_normal(normal: Vec3, to_viewer: Vec3, tangent: Vec3) -> SliceNormal {
     let projected = Vec2::new(normal.dot(to_viewer), normal.dot(tangent));
     let size = projected.length();
@@ -41,16 +41,16 @@ pub fn slice_normal(normal: Vec3, to_viewer: Vec3, tangent: Vec3) -> SliceNormal
     }
 }
 
-/// Cosine-weighted light of one side of a slice between the viewer's direction and the angle whose cosine is `c`, in
-/// the closed form of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion", freed of
-/// double angles. `side` is 1 or -1.
+/// Cosine-weighted light of one side of a slice, between the viewer's direction and the angle whose cosine is `c`, in the closed form
+/// of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion", without its double angles. `side` is 1
+/// or -1.
 pub fn arc(normal: SliceNormal, c: f32, side: f32) -> f32 {
     let s_squared = (1.0 - c * c).max(0.0);
     0.5 * (s_squared * normal.cosine + side * segment(c) * normal.sine)
 }
 
-/// The part of the hemisphere about `normal` that lies on `side` between the horizon `c` and the surface: the tangent
-/// plane `base`. Both are cosines of angles to the viewer. Exactly 0 where the horizon is the surface.
+/// Part of the hemisphere about `normal` that lies on `side` between the horizon `c` and the tangent plane `base` of the surface.
+/// Both are cosines of angles to the viewer. Exactly 0 where the horizon is the surface.
 pub fn side_occlusion(normal: SliceNormal, base: f32, c: f32, side: f32) -> f32 {
     let lowest = base.max(-side * normal.sine);
     if c <= lowest {
@@ -59,8 +59,7 @@ pub fn side_occlusion(normal: SliceNormal, base: f32, c: f32, side: f32) -> f32 
     normal.length * (arc(normal, lowest, side) - arc(normal, c, side)).max(0.0)
 }
 
-/// Two unit vectors across `n`, which faces +Z at least a little, and across each other (Duff et al. 2017, "Building an
-/// Orthonormal Basis, Revisited").
+/// Two orthonormal tangents of `n`, which faces +Z at least slightly (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 pub fn tangents(n: Vec3) -> [Vec3; 2] {
     let a = 1.0 / (1.0 + n.z);
     let b = -n.x * n.y * a;

@@ -2,31 +2,30 @@
 //!
 //! | word | target | bits, low to high |
 //! |---|---|---|
-//! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (square roots), their common exponent 1, metallic (21 codes) and material occlusion (24 codes) 9, whether the normal is the mesh's 1 |
+//! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (roots), shared exponent 1, metallic (21 codes) and occlusion (24) 9, mesh normal 1 |
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
-//! | with any optional | [`WRITTEN_FORMAT`] | which of the optional targets hold a word of this surface: the bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets) |
+//! | with any optional | [`WRITTEN_FORMAT`] | optional targets written, as bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets) |
 //! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](light) |
 //! | optional | [`SPECIALIZATION_FORMAT`] | [specular constant, shading model, flags](specialization) |
 //! | optional | [`MOTION_FORMAT`] | [motion vector](motion) |
-//! | optional | [`VISIBILITY_MASK_FORMAT`] | one bit for each render layer; see [`visibility_mask`] |
+//! | optional | [`VISIBILITY_MASK_FORMAT`] | one bit per render layer; see [`visibility_mask`] |
 //!
-//! Choices, with what they cost (`tests/shaders/layout.rs` measures and bounds each figure):
+//! Choices and their costs (`tests/shaders/layout.rs` measures and bounds each figure):
 //!
-//! - **Square roots for albedo** (gamma 2). Over inputs uniform in sRGB, RMS error of 7 bits in 1/255 of sRGB: square
-//!   root 0.60, sRGB's own curve 0.58, gamma 2.2 0.60, linear 2.25; largest: 1.43, 1.00, 1.21, 12.75. The little that
-//!   sRGB's curve would gain did not show in a picture (51.1 dB against 51.5 dB on the benches' boxes scene), and its
-//!   powers cost 7% of the raster pass there (3.60 ms against 3.37 ms, H200, 4K).
-//! - **A common exponent for the roots**: a colour whose brightest channel is at most 1/16 is stored 16 times as bright.
-//!   Strong light magnifies the steps of dark albedo; by this they stay within 1.6 to 6.5% of the brightest channel down
-//!   to 1/256. Equal channels have equal codes: grey stays grey.
-//! - **21 codes for metallic, 24 for occlusion**: multiples of 1/20 are exact metallic values, as materials name them.
-//!   With multiples of 1/10 the benches' boxes, a half of which is metal by 1/4 or 3/4, are at 43.3 dB from forward, in
-//!   place of 55.9.
-//! - **A bit for normals that no map turns**: shadow bias follows them as it does in forward. Under a map it follows the
-//!   surface, which depth tells.
-//! - **4095 codes an axis, not 4096**, so that 0 is a code: axes, walls and floors are exact.
-//! - **Best of four** rounding for the normal: mean error 0.0195°, largest 0.0395°, against 0.0209° and 0.0592° for
-//!   rounding each axis on its own.
+//! - **Square roots for albedo** (gamma 2). RMS error of 7 bits over inputs uniform in sRGB, in 1/255 of sRGB: square root 0.60,
+//!   sRGB's own curve 0.58, gamma 2.2 0.60, linear 2.25; largest error: 1.43, 1.00, 1.21, 12.75. The small gain of sRGB's curve was
+//!   not visible in an image (51.1 dB against 51.5 dB on the benches' boxes scene), and its powers cost 7% of the raster pass there
+//!   (3.60 ms against 3.37 ms, H200, 4K).
+//! - **A shared exponent for the roots**: a colour whose brightest channel is at most 1/16 is stored 16 times as bright. Strong light
+//!   magnifies the steps of dark albedo; with the exponent they stay within 1.6 to 6.5% of the brightest channel down to 1/256. Equal
+//!   channels have equal codes: grey stays grey.
+//! - **21 codes for metallic, 24 for material occlusion**: multiples of 1/20, usual in materials, are exact metallic values. With
+//!   multiples of 1/10 the benches' boxes, half of which have a metallic of 1/4 or 3/4, are at 43.3 dB from forward instead of 55.9.
+//! - **A flag for normals without a normal map**: shadow bias follows them as it does in forward. With a map it follows the geometric
+//!   normal, from depth.
+//! - **4095 codes per axis, not 4096**, so that 0 is a code: axes, walls and floors are exact.
+//! - **Best of four** rounding for the normal: mean error 0.0195°, largest 0.0395°, against 0.0209° and 0.0592° for rounding each
+//!   axis on its own.
 //! - Values that cannot be stored are clamped; NaN becomes 0, a normal without a direction becomes +Y.
 
 pub mod light;
@@ -43,53 +42,52 @@ use bevy::{
 pub const SURFACE_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the target that holds normal and roughness.
 pub const NORMAL_FORMAT: TextureFormat = TextureFormat::R32Uint;
-/// Format of the target that says which optional ones hold a word of the surface.
+/// Format of the target that flags the optional targets with a word of the surface.
 pub const WRITTEN_FORMAT: TextureFormat = TextureFormat::R8Uint;
 /// Format of the optional target that holds emitted light.
 pub const EMISSIVE_FORMAT: TextureFormat = TextureFormat::R32Uint;
-/// Format of the optional target that holds what of a surface is not at its default.
+/// Format of the optional target that holds properties of a surface that are not at their defaults.
 pub const SPECIALIZATION_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the optional target that holds the motion of meshes that move or deform.
 pub const MOTION_FORMAT: TextureFormat = TextureFormat::R32Uint;
-/// Format of the optional target that holds which [`RenderLayers`] a mesh is on.
+/// Format of the optional target that holds the [`RenderLayers`] of a mesh.
 pub const VISIBILITY_MASK_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// The visibility mask of a mesh without `RenderLayers`: layer 0 alone.
 pub const DEFAULT_VISIBILITY_MASK: u32 = 1;
-/// Layers from this one on share one bit of the visibility mask.
+/// First of the layers that share one bit of the visibility mask.
 pub const SHARED_LAYERS: usize = 31;
-/// Bytes a pixel of the base targets, depth not counted.
+/// Bytes per pixel of the base targets, without depth.
 pub const BASE_BYTES_PER_PIXEL: u32 = 8;
 
-/// The largest code of a channel of albedo.
+/// Largest code of an albedo channel.
 pub const ALBEDO_MAX: f32 = 127.0;
-/// Of metallic.
+/// Largest code of metallic.
 pub const METALLIC_MAX: f32 = 20.0;
-/// Of occlusion.
+/// Largest code of occlusion.
 pub const OCCLUSION_MAX: f32 = 23.0;
-/// Codes of occlusion for each code of metallic.
+/// Codes of occlusion per code of metallic.
 pub const OCCLUSION_CODES: u32 = 24;
-/// In word 0: the shading normal is that of the mesh.
+/// Flag in word 0: the shading normal is that of the mesh.
 pub const MESH_NORMAL_BIT: u32 = 1 << 31;
-/// Of roughness.
+/// Largest code of roughness.
 pub const ROUGHNESS_MAX: f32 = 255.0;
 
 /// Steps of one octahedral axis. Even, so that 0 is a code and the axes and flat floors are stored exactly.
 pub const NORMAL_STEPS: f32 = 4094.0;
-/// Half as many.
+/// Half of [`NORMAL_STEPS`].
 pub const HALF_STEPS: f32 = 2047.0;
 
-/// A bit for each layer; one more for all from [`SHARED_LAYERS`] on, so that none is lost. The word itself is what
-/// shaders read.
+/// One bit per layer, and one shared by all from [`SHARED_LAYERS`] on, so that none is lost. Shaders read the same word.
 pub fn visibility_mask(layers: &RenderLayers) -> u32 {
     layers
         .iter()
         .fold(0, |mask, layer| mask | 1 << layer.min(SHARED_LAYERS))
 }
 
-/// Both words of a pixel that no mesh was drawn to.
+/// Both words of a pixel without geometry.
 pub const NO_GEOMETRY: u32 = 0;
 
-/// What the base targets hold of one pixel.
+/// Content of the base targets at one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     /// Linear, 0 to 1.
@@ -102,7 +100,7 @@ pub struct Surface {
     pub normal: Vec3,
     /// 0 to 1.
     pub perceptual_roughness: f32,
-    /// The shading normal is that of the mesh: no map turns it.
+    /// The shading normal is that of the mesh: no normal map changes it.
     pub has_mesh_normal: bool,
 }
 
@@ -112,8 +110,7 @@ pub(crate) fn quantize(x: f32, steps: f32) -> u32 {
     (valid.clamp(0.0, 1.0) * steps + 0.5) as u32
 }
 
-/// Rounds the square roots of `color`, clamped to 0..1, to the nearest of `steps + 1` codes; with a NaN it becomes
-/// black.
+/// Rounds the square roots of `color`, clamped to 0..1, to the nearest of `steps + 1` codes; a colour with a NaN becomes black.
 pub(crate) fn quantize_roots(color: Vec3, steps: Vec3) -> [u32; 3] {
     let valid = if (color.x + color.y + color.z).is_nan() {
         Vec3::ZERO
@@ -124,13 +121,13 @@ pub(crate) fn quantize_roots(color: Vec3, steps: Vec3) -> [u32; 3] {
     (root * steps + 0.5).to_array().map(|code| code as u32)
 }
 
-/// The exponent that the roots of `albedo` have in common, 0 or 1. Decided on linear values: comparisons of floats
-/// agree with the device, square roots may not.
+/// Shared exponent of the roots of `albedo`, 0 or 1. Decided on linear values: float comparisons agree with the device, square roots
+/// may not.
 pub fn albedo_exponent(albedo: Vec3) -> u32 {
     u32::from(albedo.max_element() <= 0.0625)
 }
 
-/// By how much albedo of this exponent is multiplied: 1 or 16.
+/// Factor on albedo of this exponent: 1 or 16.
 pub fn albedo_scale(exponent: u32) -> f32 {
     (1u32 << (4 * exponent)) as f32
 }
@@ -163,14 +160,14 @@ pub fn unpack_albedo(word: u32) -> Vec3 {
     root * root / albedo_scale((word >> 21) & 1)
 }
 
-/// The code of metallic, times [`OCCLUSION_CODES`], and that of occlusion.
+/// Code of metallic times [`OCCLUSION_CODES`], plus that of occlusion.
 fn metallic_and_occlusion(word: u32) -> u32 {
     (word >> 22) & 0x1ff
 }
 
 /// Metallic of word 0.
 pub fn unpack_metallic(word: u32) -> f32 {
-    // Words that nothing has packed may hold a larger code.
+    // A word that was not packed may hold a larger code.
     ((metallic_and_occlusion(word) / OCCLUSION_CODES) as f32 / METALLIC_MAX).min(1.0)
 }
 
@@ -179,7 +176,7 @@ pub fn unpack_occlusion(word: u32) -> f32 {
     (metallic_and_occlusion(word) % OCCLUSION_CODES) as f32 / OCCLUSION_MAX
 }
 
-/// True if the normal in word 1 is that of the mesh, by word 0.
+/// True if word 0 flags the normal in word 1 as that of the mesh.
 pub fn unpack_has_mesh_normal(word: u32) -> bool {
     word & MESH_NORMAL_BIT != 0
 }
@@ -188,8 +185,8 @@ fn sign_not_zero(x: f32) -> f32 {
     if x >= 0.0 { 1.0 } else { -1.0 }
 }
 
-/// The square -1..1 back to the octahedron (Cigolle et al. 2014, "A Survey of Efficient Representations for
-/// Independent Unit Vectors"); the result is not normalised.
+/// Maps the square -1..1 to the octahedron (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
+/// Vectors"); the result is not normalised.
 pub fn direction_from_octahedral(p: Vec2) -> Vec3 {
     let z = 1.0 - p.x.abs() - p.y.abs();
     if z >= 0.0 {
@@ -204,24 +201,23 @@ fn unit_from_codes(codes: Vec2) -> Vec3 {
     direction_from_octahedral(codes * (2.0 / NORMAL_STEPS) - 1.0).normalize()
 }
 
-/// Whether quotients by a length are exact: small ones would lose their digits, and of those above 2^126 WGSL promises nothing.
+/// True if quotients by a length are exact: small lengths would lose digits, and WGSL guarantees nothing above 2^126.
 pub(crate) fn is_divisor(size: f32) -> bool {
     (1e-30..8e37).contains(&size)
 }
 
-/// Packs word 1 from a normal of any length and a perceptual roughness 0 to 1. Of the four codes around the exact
-/// point it takes the one whose direction is nearest: the "precise" rounding of Cigolle et al. 2014, by the metric of
-/// the map in place of four decodes. What has no direction (zero, NaN, infinite or nearly so) becomes +Y: up lights
-/// like a floor, and no NaN reaches the lighting.
+/// Packs word 1 from a normal of any length and a perceptual roughness of 0 to 1. Of the four codes around the exact point it takes
+/// the one nearest in direction: the "precise" rounding of Cigolle et al. 2014, by the metric of the map instead of four decodes.
+/// Normals without a direction (zero, NaN, infinite or nearly so) become +Y, lit like a floor, so that no NaN reaches lighting.
 pub fn pack_normal(normal: Vec3, perceptual_roughness: f32) -> u32 {
     let mut n = normal;
     let mut size = n.x.abs() + n.y.abs() + n.z.abs();
-    // A NaN or infinite part makes the sum so.
+    // A NaN or infinite component makes the sum NaN or infinite.
     if !is_divisor(size) {
         n = Vec3::Y;
         size = 1.0;
     }
-    // All octants alike: on the octahedron's face of positive x and y, the lower half folded out.
+    // All octants are treated alike: on the octahedron's face of positive x and y, with the lower half folded out.
     let m = n.abs() / size;
     let is_upper = n.z >= 0.0;
     let across = if is_upper { m.xy() } else { m.yx() };
@@ -230,17 +226,17 @@ pub fn pack_normal(normal: Vec3, perceptual_roughness: f32) -> u32 {
     let low = exact.floor().min(Vec2::splat(HALF_STEPS - 1.0));
     let f = exact - low;
 
-    // A step (dx, dy) of codes turns the direction by an angle whose square is proportional to
-    // a dx² + 2 b dx dy + c dy²: the parts of the map's derivatives (1, 0, -1) and (0, 1, -1) across the direction.
+    // A step (dx, dy) of codes rotates the direction by an angle whose square is proportional to
+    // a dx² + 2 b dx dy + c dy²: the components of the map's derivatives (1, 0, -1) and (0, 1, -1) across the direction.
     let length_squared = m.length_squared();
     let along = across - m.z;
     let ac = 2.0 * length_squared - along * along;
     let b = length_squared - along.x * along.y;
 
-    // Of that, what a code more in x, in y or in both adds to the error of `low`.
+    // Change of the squared error of `low` by one more code in x, in y or in both.
     let one = ac * (1.0 - 2.0 * f) - 2.0 * b * f.yx();
     let both = one.x + one.y + 2.0 * b;
-    // One of the best, also where some are as good: on the diagonals of the octants three are.
+    // One of the best even in a tie: on the diagonals of the octants three are equally good.
     let least = one.min_element().min(0.0);
     let more = if both <= least {
         Vec2::ONE

@@ -1,10 +1,14 @@
-//! WGSL without bindings that more than one stage imports, registered once, and its twins in Rust.
+//! Binding-free WGSL modules that several stages import, registered once, and their Rust twins.
 //!
-//! - `layout.{rs,wgsl}`, `layout/`: the words of the G-buffer.
-//! - `reconstruction/`: from depth back to positions, normals and motion.
-//! - `horizon.{rs,wgsl}`: what a pair of horizons hides. `ggx.{rs,wgsl}`: the lobe of a rough mirror.
-//! - `pattern.wgsl`: which texels of a picture look where. `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, and their order.
-//!   `workgroup.wgsl`: what the invocations of a workgroup tell one another.
+//! - `layout.{rs,wgsl}`: the words of the G-buffer's base targets.
+//! - `layout/`: the words of its optional targets, and packed light.
+//! - `reconstruction/`: positions, normals and motion from depth.
+//! - `horizon.{rs,wgsl}`: cosine-weighted occlusion by a pair of horizons.
+//! - `ggx.{rs,wgsl}`: samples of the GGX lobe.
+//! - `pattern.wgsl`: the 4×4 pattern in which neighbouring texels take different directions.
+//! - `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, and their order.
+//! - `workgroup.wgsl`: a vote over the invocations of a workgroup.
+//! - `rounding.wgsl`: rounding without conversions.
 
 pub mod ggx;
 pub mod horizon;
@@ -14,7 +18,7 @@ pub mod tiles;
 
 use bevy::{prelude::*, shader::load_shader_library};
 
-/// Bevy wants all modules that a shader imports, also where `#ifdef` leaves them out.
+/// Bevy needs all modules that a shader imports, even where `#ifdef` excludes the import.
 pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "tiles.wgsl");
     load_shader_library!(app, "workgroup.wgsl");

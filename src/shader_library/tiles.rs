@@ -1,9 +1,9 @@
-//! The 8×8 tiles in which compute passes cover a view, and the order in which a software driver walks over them.
+//! The 8×8 tiles in which compute passes cover a view, and their row order on software drivers.
 
 use bevy::{prelude::*, render::renderer::RenderAdapterInfo};
 use wgpu::DeviceType;
 
-/// Pixels a side of the square that one workgroup covers.
+/// Pixels per side of the tile that one workgroup covers.
 pub const SIDE: u32 = 8;
 
 /// Workgroups that cover `size` pixels.
@@ -11,14 +11,13 @@ pub(crate) fn count(size: UVec2) -> UVec2 {
     UVec2::new(size.x.div_ceil(SIDE), size.y.div_ceil(SIDE))
 }
 
-/// How the rows of tiles follow one another.
+/// Order of the rows of tiles.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RowOrder {
-    /// From top to bottom. GPUs hand workgroups out one by one, and neighbours share caches.
+    /// Top to bottom. GPUs dispatch workgroups one by one, and neighbours share caches.
     TopDown,
-    /// Consecutive rows lie far apart. llvmpipe gives each of its threads one contiguous range of workgroups, so that
-    /// from top to bottom one thread gets the sky and another all the lit floor: on 2 threads that made lighting
-    /// 1.8 × slower.
+    /// Consecutive rows lie far apart. llvmpipe gives each thread a contiguous range of workgroups: from top to bottom, one thread would
+    /// get the sky and another all of the lit floor, which made lighting 1.8 × slower on 2 threads.
     Spread,
 }
 
@@ -30,7 +29,7 @@ impl RowOrder {
         }
     }
 
-    /// The factor that the shader takes the number of a row times, modulo `rows`.
+    /// Factor by which the shader multiplies the number of a row, modulo `rows`.
     pub(crate) fn stride(self, rows: u32) -> u32 {
         match self {
             Self::TopDown => 1,
@@ -39,9 +38,8 @@ impl RowOrder {
     }
 }
 
-/// The number nearest to the golden section of `rows` that has no divisor in common with it: its multiples reach every
-/// row once, and any number of consecutive ones is spread evenly (Weyl 1916, "Über die Gleichverteilung von Zahlen mod.
-/// Eins").
+/// The number nearest to the golden section of `rows` that is coprime to it: its multiples reach every row once, and any run of
+/// consecutive ones is spread evenly (Weyl 1916, "Über die Gleichverteilung von Zahlen mod. Eins").
 fn spreading_stride(rows: u32) -> u32 {
     let golden = (rows as f32 * 0.618_034) as u32;
     (0..rows)
@@ -68,7 +66,7 @@ mod tests {
             let stride = RowOrder::Spread.stride(rows);
             let mut reached = vec![false; rows as usize];
             for row in 0..rows {
-                // As the shader counts, in 32 bits.
+                // In 32 bits, as in the shader.
                 reached[(row.wrapping_mul(stride) % rows) as usize] = true;
             }
             assert!(

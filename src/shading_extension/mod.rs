@@ -1,11 +1,12 @@
-//! Shading models that a `StandardMaterial` does not have, as an extension of it.
+//! Shading models that `StandardMaterial` lacks, as a material extension.
 //!
-//! [`ExtendedStandardMaterial`] is a `StandardMaterial` with a [`ShadingExtension`]: rim light or subsurface scattering. It is drawn on all
-//! cameras; those with [`LeanDeferred`](crate::LeanDeferred) have it in the G-buffer. [`ShadingExtensionPlugin`], part of
+//! [`ExtendedStandardMaterial`] is a `StandardMaterial` with a [`ShadingExtension`]: rim light or subsurface scattering. All cameras
+//! draw it; those with [`LeanDeferred`](crate::LeanDeferred) draw it into the G-buffer. [`ShadingExtensionPlugin`], part of
 //! [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), registers it.
 
 // - `extension.wgsl`: its bindings.
-// - `forward.wgsl`, `gbuffer.wgsl`: the fragment shaders of cameras without and with `LeanDeferred`.
+// - `forward.wgsl`: the fragment shader of Bevy's forward passes.
+// - `gbuffer.wgsl`: the fragment shader of the G-buffer.
 
 use bevy::{
     asset::{AssetPath, embedded_asset, embedded_path},
@@ -46,45 +47,46 @@ pub type ExtendedStandardMaterial = ExtendedMaterial<StandardMaterial, ShadingEx
 /// }
 /// ```
 ///
-/// A surface has one special shading model: on a base that is unlit or has clearcoat, anisotropy or diffuse
-/// transmission, forward draws the mesh, with both. Every camera shows the arguments as rounded to the bits that the
-/// G-buffer has for them. Bevy's own deferred renderer shows the base alone.
+/// The G-buffer holds one special shading model per pixel. If the base is unlit or has clearcoat, anisotropy or diffuse
+/// transmission, Bevy's forward pass draws the mesh: rim light is added unless the base is unlit, and nothing is scattered. On
+/// all cameras the arguments are rounded to their bits in the G-buffer. Bevy's own deferred renderer shows the base alone.
 #[derive(Asset, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ShadingExtension {
-    /// The base as it is. Default.
+    /// The base alone. Default.
     #[default]
     None,
     /// Light that enters scatters and leaves elsewhere (Christensen and Burley 2015, "Approximate Reflectance Profiles for
-    /// Efficient Subsurface Scattering"). Lean cameras scatter it, as
-    /// [`LeanSubsurfaceScattering`](crate::LeanSubsurfaceScattering) says; on others it is lit as the base is.
+    /// Efficient Subsurface Scattering"). Lean cameras scatter it as set by
+    /// [`LeanSubsurfaceScattering`](crate::LeanSubsurfaceScattering); others light the surface like the base.
     Subsurface {
-        /// How far each channel scatters, as a factor on `mean_free_path`, 0 to 1. Skin is about `(1.0, 0.35, 0.2)`, linear.
+        /// Factor on `mean_free_path` per channel, 0 to 1. Skin is about `(1.0, 0.35, 0.2)`, linear.
         color: Color,
-        /// The profile's `d`, in metres, 0.0001 to 1: a quarter of the light leaves within 0.6 of it, half within 1.6, nine
-        /// tenths within 6. More is softer.
+        /// `d` of the profile in metres, 0.0001 to 1: a quarter of the light leaves within 0.6 d, half within 1.6 d, nine tenths
+        /// within 6 d. Larger is softer.
         mean_free_path: f32,
-        /// When the base colour is applied.
+        /// Stage at which the base colour is applied.
         albedo: SubsurfaceAlbedo,
     },
-    /// Ambient and environment light from behind, caught along the silhouette of what faces up (Mitchell, Francke and Eng 2007,
-    /// "Illustrative Rendering in Team Fortress 2").
+    /// Ambient and environment light from behind the surface, along the silhouette where it faces up (Mitchell, Francke and
+    /// Eng 2007, "Illustrative Rendering in Team Fortress 2").
     Rim {
-        /// Factor on the light, each channel from 0 (none) to 1 (all of it).
+        /// Factor on the light per channel, 0 to 1.
         color: Color,
-        /// 1 to 16. Less is a wider rim; Mitchell, Francke and Eng use 4.
+        /// Exponent of the falloff, 1 to 16. Smaller is a wider rim; Mitchell, Francke and Eng use 4.
         exponent: f32,
     },
 }
 
-/// When the base colour of a surface with subsurface scattering is applied.
+/// Stage at which the base colour of a surface with subsurface scattering is applied.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum SubsurfaceAlbedo {
-    /// To light that has scattered: textures stay sharp. Channels of it under 0.04 count as that much where light enters.
+    /// Applied to scattered light: textures stay sharp. Entering light is divided by the base colour; channels below 0.04 count
+    /// as 0.04 there. Default.
     #[default]
     AfterScattering,
-    /// To light that is yet to scatter: textures get as soft as light.
+    /// Applied to entering light: textures blur as the light does.
     BeforeScattering,
 }
 
@@ -97,7 +99,7 @@ impl ShadingExtension {
         }
     }
 
-    /// As the G-buffer stores them.
+    /// Arguments as packed in the G-buffer.
     fn packed_arguments(self) -> u32 {
         let linear = |color: Color| color.to_linear().to_vec3();
         match self {
@@ -140,7 +142,7 @@ fn embedded(file: &str) -> ShaderRef {
     ShaderRef::Path(AssetPath::from_path_buf(embedded_path!(file)).with_source("embedded"))
 }
 
-/// What the shaders know of a material's extension.
+/// Uniform of a material's extension.
 #[doc(hidden)]
 #[derive(ShaderType, Reflect)]
 #[reflect(no_auto_register)]
@@ -159,7 +161,7 @@ impl From<&ExtensionBindings> for ExtensionUniform {
     }
 }
 
-/// What the shaders read of the extension, in the bind group of the material: numbers that no `StandardMaterial` uses.
+/// Bindings of the extension in the bind group of the material. No `StandardMaterial` uses these numbers.
 #[derive(AsBindGroup)]
 #[data(50, ExtensionUniform, binding_array(101))]
 #[bindless(index_table(range(50..51), binding(100)))]
@@ -168,12 +170,12 @@ pub struct ExtensionBindings {
     extension: ShadingExtension,
 }
 
-/// Whether the bind group cannot hold many materials: as that of the base, which has textures beside.
+/// True if the device cannot bind the base bindlessly: both share one bind group.
 fn has_no_bindless(render_device: &RenderDevice) -> bool {
     !StandardMaterial::bindless_supported(render_device)
 }
 
-/// Not derived: Bevy derives it for structs only.
+/// Not derived: Bevy's derive macro supports structs only.
 impl AsBindGroup for ShadingExtension {
     type Data = ();
     type Param = <ExtensionBindings as AsBindGroup>::Param;
@@ -222,9 +224,9 @@ impl AsBindGroup for ShadingExtension {
     }
 }
 
-/// Draws [`ExtendedStandardMaterial`]s, on cameras with and without `LeanDeferred`. Part of
-/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Adds their [`MaterialPlugin`] unless the app has: one with settings of
-/// your own must be added before.
+/// Draws [`ExtendedStandardMaterial`]s on cameras with and without `LeanDeferred`. Part of
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Adds their [`MaterialPlugin`] unless the app has one: add one with your own
+/// settings before this plugin.
 #[derive(Default)]
 pub struct ShadingExtensionPlugin;
 

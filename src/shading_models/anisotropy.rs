@@ -3,15 +3,15 @@
 //! | bits, low to high | |
 //! |---|---|
 //! | 7 | strength |
-//! | 10 | angle of the tangent about the normal, in 180° |
+//! | 10 | angle of the tangent about the normal, over 180° |
 //!
-//! The tangent is off by 0.088° about the stored normal at most, with whose error 0.095°.
+//! The tangent is off by at most 0.088° about the stored normal, and by 0.095° with the normal's own error.
 
 use bevy::math::{Vec2, Vec3};
 
 use crate::shader_library::layout::{is_divisor, quantize};
 
-/// Where `tangents` takes another frame. Not at 0, where walls are: passes may differ in a normal's last bits.
+/// Value of z at which `tangents` switches frames. Not 0, where walls are: passes may differ in a normal's last bits.
 pub const FRAME_SEAM: f32 = -0.3;
 
 /// Two tangents of a unit vector (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
@@ -25,9 +25,8 @@ fn tangents(n: Vec3) -> [Vec3; 2] {
     ]
 }
 
-/// Packs the arguments of anisotropy. `normal` must be the unpacked one, so that decoding finds the same frame; of
-/// `tangent`, of any length, what lies across the normal counts, and its sign does not. One without a direction gets
-/// the angle 0.
+/// Packs the arguments of anisotropy. `normal` must be the unpacked one, so that decoding uses the same frame. `tangent` may have any
+/// length; its component along the normal and its sign are dropped. A tangent without a direction gets the angle 0.
 pub fn pack_anisotropy(strength: f32, tangent: Vec3, normal: Vec3) -> u32 {
     let [t, b] = tangents(normal);
     let p = Vec2::new(tangent.dot(t), tangent.dot(b));

@@ -1,4 +1,4 @@
-//! Light that falls on the back shines through: Bevy's diffuse transmission.
+//! Light on the back of a surface that is transmitted to its front: Bevy's diffuse transmission.
 //!
 //! | bits, low to high | |
 //! |---|---|
@@ -6,13 +6,13 @@
 //! | 9 | thickness: 0, or logarithmic, 1 µm to 4 km |
 //! | 1 | receives transmitted shadows |
 //!
-//! The thickness is off by 2.2% at most.
+//! The thickness is off by at most 2.2%.
 
 use crate::shader_library::layout::quantize;
 
-/// Steps of a factor of 2.
+/// Codes per factor of 2 in thickness.
 pub const THICKNESS_STEPS: f32 = 16.0;
-/// The base-2 logarithm of the least thickness in metres.
+/// Base-2 logarithm of the smallest thickness in metres.
 pub const LEAST_THICKNESS_LOG: f32 = -20.0;
 
 /// Packs the arguments of backlight: transmission 0 to 1, thickness in metres.
@@ -24,19 +24,19 @@ pub fn pack_backlight(transmission: f32, thickness: f32, receives_shadows: bool)
         | (u32::from(receives_shadows) << 16)
 }
 
-/// The part of light that is transmitted, 0 to 1.
+/// Share of light that is transmitted, 0 to 1.
 pub fn unpack_backlight_transmission(arguments: u32) -> f32 {
     (arguments & 0x7f) as f32 / 127.0
 }
 
-/// Metres.
+/// Thickness in metres.
 pub fn unpack_backlight_thickness(arguments: u32) -> f32 {
     let code = (arguments >> 7) & 0x1ff;
     let thickness = ((code as f32 - 1.0) / THICKNESS_STEPS + LEAST_THICKNESS_LOG).exp2();
     if code == 0 { 0.0 } else { thickness }
 }
 
-/// Whether transmitted light is shadowed.
+/// True if transmitted light is shadowed.
 pub fn unpack_backlight_shadows(arguments: u32) -> bool {
     arguments >> 16 != 0
 }

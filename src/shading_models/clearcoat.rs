@@ -1,4 +1,4 @@
-//! A second, clear layer.
+//! A second, clear layer on top of a surface.
 //!
 //! | bits, low to high | |
 //! |---|---|

@@ -1,10 +1,8 @@
-//! The shading models beside the plain one, a file each: the bits of its arguments, how they are packed and unpacked, and
-//! how it is lit. Each WGSL module stands beside its twin in Rust, which is here for tests and measurements, and for
-//! materials whose arguments are known on the CPU.
+//! The special shading models, one file each: bit table of the arguments, packing and unpacking, lighting. Each WGSL module has a
+//! Rust twin for tests, measurements, and materials whose arguments are known on the CPU.
 //!
-//! The specialization word (`shader_library/layout/specialization.rs`) has 17 bits for the arguments of one model.
-//! Largest errors of linear values: half a step; of others, in the files. `tests/shaders/layout_optional.rs` measures and
-//! bounds them.
+//! The specialization word (`shader_library/layout/specialization.rs`) has 17 bits for the arguments of one model. The largest error
+//! of linear values is half a step; the files state those of others. `tests/shaders/layout_optional.rs` measures and bounds them.
 
 pub mod anisotropy;
 pub mod backlight;

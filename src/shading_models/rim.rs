@@ -1,11 +1,11 @@
-//! Light caught along the silhouette.
+//! Rim light along silhouettes.
 //!
 //! | bits, low to high | |
 //! |---|---|
 //! | 4, 4, 4 | colour R, G, B (square roots) |
 //! | 5 | exponent, 1 to 16 (quadratic) |
 //!
-//! The exponent is off by 0.48 at most.
+//! The exponent is off by at most 0.48.
 
 use bevy::math::Vec3;
 

@@ -1,4 +1,4 @@
-//! Light that enters scatters and leaves elsewhere: `screen_space/subsurface/` scatters it.
+//! Light that enters, scatters and leaves elsewhere; `screen_space/subsurface/` scatters it.
 //!
 //! | bits, low to high | |
 //! |---|---|
@@ -6,21 +6,21 @@
 //! | 6 | mean free path, 0.1 mm to 1 m (logarithmic) |
 //! | 1 | the base colour is applied before light scatters |
 //!
-//! The mean free path is off by 7.6% at most. That of a channel is its product with the colour, whose square root is off by
-//! 1/30 (red) or 1/14 (green, blue).
+//! The mean free path is off by at most 7.6%. That of a channel is its product with the colour, whose square root is off by 1/30
+//! (red) or 1/14 (green, blue).
 
 use bevy::math::Vec3;
 
 use crate::shader_library::layout::{quantize, quantize_roots};
 
-/// The base-2 logarithm of the shortest mean free path in metres.
+/// Base-2 logarithm of the shortest mean free path in metres.
 pub const LEAST_PATH_LOG: f32 = -13.287_713;
 
 /// Largest codes of the colour.
 pub const STEPS: Vec3 = Vec3::new(15.0, 7.0, 7.0);
 
-/// Packs the arguments of subsurface scattering: colour 0 to 1, mean free path in metres, and whether the base colour is
-/// applied before light scatters.
+/// Packs the arguments of subsurface scattering: colour 0 to 1, mean free path in metres, and true if the base colour is applied
+/// before light scatters.
 pub fn pack_subsurface(color: Vec3, mean_free_path: f32, colors_before: bool) -> u32 {
     let codes = quantize_roots(color, STEPS);
     let valid = if mean_free_path.is_nan() {
@@ -50,7 +50,7 @@ pub fn unpack_subsurface_path(arguments: u32) -> f32 {
     ((1.0 - code / 63.0) * LEAST_PATH_LOG).exp2()
 }
 
-/// Whether the base colour is applied before light scatters.
+/// True if the base colour is applied before light scatters.
 pub fn unpack_subsurface_colors_before(arguments: u32) -> bool {
     (arguments >> 16) & 1 != 0
 }

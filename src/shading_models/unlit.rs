@@ -1,9 +1,9 @@
-//! The base colour, whatever the light.
+//! Base colour, independent of light.
 //!
-//! Such surfaces have no specular constant, shadows or lightmap: all bits of the word but those of the shading model and the
-//! fog hold the colour, 8 + 8 + 8 (square roots) and a shared exponent of 4.
+//! Unlit surfaces have no specular constant, shadows or lightmap: all bits of the word but those of the shading model and the fog
+//! hold the colour, 8 + 8 + 8 (square roots) and a shared exponent of 4.
 //!
-//! Colours up to 1 are off by 0.71 in 1/255 of sRGB at most (RMS 0.30), brighter ones by 0.56% of the brightest channel.
+//! Colours up to 1 are off by at most 0.71 in 1/255 of sRGB (RMS 0.30), brighter ones by 0.56% of the brightest channel.
 
 use bevy::math::Vec3;
 
@@ -12,19 +12,19 @@ use crate::{
     view::ShadingModel,
 };
 
-/// The brightest channel of an unlit colour that is stored.
+/// Largest channel of an unlit colour that is stored.
 pub const LARGEST_UNLIT: f32 = 32768.0;
 
 /// Packs a whole word for an unlit surface: colour 0 to [`LARGEST_UNLIT`]; a colour with a NaN becomes black. `flags`
 /// may have [`NO_FOG`].
 pub fn pack_unlit(color: Vec3, flags: u32) -> u32 {
-    // The NaN of one channel must not depend on which one `max` drops.
+    // Checked first, since `max` may drop either operand if one is NaN.
     let valid = if (color.x + color.y + color.z).is_nan() {
         Vec3::ZERO
     } else {
         color.clamp(Vec3::ZERO, Vec3::splat(LARGEST_UNLIT))
     };
-    // The least exponent, from 0, whose power of two is no less than the brightest channel.
+    // Smallest exponent, at least 0, whose power of two is no less than the brightest channel.
     let above = (valid.max_element().to_bits() + 0x7f_ffff) >> 23;
     let exponent = above.max(127) - 127;
     let scale = f32::from_bits((127 - exponent) << 23);

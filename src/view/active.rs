@@ -1,4 +1,4 @@
-//! What a view is in this frame.
+//! The state of a view in this frame.
 
 use bevy::prelude::*;
 
@@ -7,34 +7,35 @@ use super::{
     surfaces::{GBufferTargets, LightingVariants},
 };
 
-/// On a view of the render world: this frame it is rendered through the G-buffer.
+/// On a view of the render world: it is rendered through the G-buffer in this frame.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ActiveLeanView {
-    /// The view has a depth prepass, so Bevy builds its indirect draws early and wants depth before the main pass:
-    /// the G-buffer is drawn in the prepass' place.
+    /// The view has a depth prepass, so Bevy builds its indirect draws early and needs depth before the main pass. The
+    /// G-buffer is drawn in place of the prepass.
     pub draws_in_prepass: bool,
-    /// Lean meshes stay in Bevy's prepass, because it writes what only it can write: normals, and then motion vectors
-    /// too.
+    /// Lean meshes stay in Bevy's prepass for outputs that only it can write: normals, and with these motion vectors.
     pub keeps_prepass: bool,
-    /// The view has motion vectors, and those of lean meshes are made from the G-buffer.
+    /// The view has motion vectors, and those of lean meshes are resolved from the G-buffer.
     pub resolves_motion: bool,
-    /// Some light, decal or light probe has layers that keep it from some meshes.
+    /// Some light, decal or light probe has layers that exclude some meshes.
     pub has_light_layers: bool,
     /// The optional targets that the view has.
     pub targets: GBufferTargets,
     /// The kinds of special surfaces that lighting is compiled for.
     pub(crate) variants: LightingVariants,
-    /// What lighting takes from other effects, and gives to them.
+    /// The light that lighting exchanges with other effects.
     pub exchange: LightExchange,
-    /// Meshes are drawn twice: those that were visible before, and those that the depth of these does not hide.
+    /// Meshes are drawn in two phases: those that were visible before, then those that the resulting depth does not
+    /// occlude.
     pub culls_in_two_phases: bool,
-    /// At the time of lighting, depth other than 0 means that a lean mesh was drawn there: no other known system writes depth before, it starts
-    /// at 0, and the projection gives no surface that depth. Then the G-buffer is not cleared, unless depth is found to be drawn into already.
+    /// When lighting runs, depth other than 0 means that a lean mesh was drawn at the pixel: no other known system
+    /// writes depth before, depth is cleared to 0, and the projection gives no surface that depth. The G-buffer is then
+    /// not cleared, unless depth turns out to be drawn into already.
     pub depth_tells_geometry: bool,
 }
 
 impl ActiveLeanView {
-    /// What meshes may need to be drawn into the G-buffer.
+    /// The demand of meshes that the view meets.
     pub(crate) fn demand(&self) -> Demand {
         Demand {
             targets: self.targets,
@@ -42,19 +43,19 @@ impl ActiveLeanView {
         }
     }
 
-    /// Whether light scatters beneath some of its surfaces.
+    /// True if light scatters beneath some of its surfaces.
     pub(crate) fn scatters(&self) -> bool {
         self.exchange.contains(LightExchange::SUBSURFACE_LIGHT) && self.variants.scatter()
     }
 
-    /// Whether meshes that need no optional targets are drawn in the pass that has these all the same: in the second phase
-    /// of culling they may come to lie in front of some that do.
+    /// True if meshes that need no optional targets are drawn in the pass with these too: in the second phase of
+    /// culling they may lie in front of meshes that need them.
     pub(crate) fn extends_all(&self) -> bool {
         self.culls_in_two_phases && !self.targets.is_empty()
     }
 }
 
-/// Targets to write and ways to light.
+/// A set of optional targets and lighting variants.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct Demand {
     pub(crate) targets: GBufferTargets,
@@ -62,7 +63,7 @@ pub(crate) struct Demand {
 }
 
 impl Demand {
-    /// Whether all of `other` is in this.
+    /// True if this includes all of `other`.
     pub(crate) fn contains(self, other: Self) -> bool {
         self.targets.contains(other.targets) && self.variants.contains(other.variants)
     }
@@ -71,7 +72,7 @@ impl Demand {
         self == Self::default()
     }
 
-    /// What is left of it on a view like this one, which may have no use for motion or for layers, or scatter no light.
+    /// Removes parts that `view` has no use for: motion, layers or scattering.
     pub(crate) fn on(mut self, view: &ActiveLeanView) -> Self {
         if !view.resolves_motion {
             self.targets.remove(GBufferTargets::MOTION);

@@ -1,11 +1,12 @@
-//! Views whose frames are averaged over time, as TAA and DLSS do: only there noise that changes from frame to frame does good.
+//! Detects views whose frames are averaged over time, as by TAA and DLSS: noise that changes per frame helps only
+//! there.
 //!
-//! Whoever averages frames moves the jitter of the projection in each of them. `TemporalJitter` alone says nothing: Bevy leaves it on the
-//! camera when `TemporalAntiAliasing` goes, and then the jitter stands still.
+//! Temporal averaging changes the jitter of the projection in each frame. The presence of `TemporalJitter` alone proves
+//! nothing: Bevy leaves it on the camera when `TemporalAntiAliasing` is removed, and the jitter then stays constant.
 
 use bevy::{diagnostic::FrameCount, prelude::*, render::camera::TemporalJitter};
 
-/// On a view of the render world that has or had a `TemporalJitter`: whether its frames are averaged.
+/// On a view of the render world with a `TemporalJitter`: tells if its frames are averaged.
 #[derive(Component)]
 pub(crate) struct FrameAveraging {
     offset: Vec2,
@@ -13,10 +14,10 @@ pub(crate) struct FrameAveraging {
 }
 
 impl FrameAveraging {
-    /// By how much patterns of directions are turned in this frame, as a share of a whole turn. 0 in views whose frames stand alone.
+    /// Rotation of direction patterns in this frame, in turns. 0 in views whose frames are not averaged.
     pub(crate) fn turn(averaging: Option<&Self>, frame: &FrameCount) -> f32 {
         if averaging.is_some_and(|averaging| averaging.is_on) {
-            // The golden section spreads any number of frames.
+            // The golden ratio spreads any number of frames evenly.
             (frame.0 % 1024) as f32 * 0.618_034 % 1.0
         } else {
             0.0
@@ -24,7 +25,7 @@ impl FrameAveraging {
     }
 }
 
-/// After what jitters projections, which does so in `RenderSystems::PrepareViews`.
+/// Runs after the systems that jitter projections, which are in `RenderSystems::PrepareViews`.
 pub(super) fn note_frame_averaging(
     mut commands: Commands,
     mut views: Query<(Entity, &TemporalJitter, Option<&mut FrameAveraging>)>,

@@ -1,9 +1,9 @@
-//! Camera cuts: what jumps, so that the last frame says nothing of this one.
+//! Camera cuts, after which history is invalid.
 
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-/// Put on a camera at a cut, when it jumps to another place or scene: nothing of its last frame counts in the next one.
-/// Exposure starts adapted, and effects that read the last frame do without. Removed at the end of the frame.
+/// Insert on a camera at a cut, when it jumps to another place or scene: its next frame uses no history. Exposure
+/// starts adapted, and effects that read the last frame do without. Removed at the end of the frame.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -18,8 +18,8 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 #[reflect(Component, Default, Clone)]
 pub struct CameraCut;
 
-/// On a camera that had a cut, or whose effects ask for it: how many it had. Those that remember how many they have seen
-/// lose none with a frame.
+/// Number of cuts, on a camera that had one or whose effects request it. Effects compare it with the last count that
+/// they saw, so a skipped frame loses no cut.
 #[doc(hidden)]
 #[derive(Component, ExtractComponent, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CameraCuts(pub(crate) u32);

@@ -1,4 +1,4 @@
-//! What depth textures are made for.
+//! Extends the usages of depth textures.
 
 use bevy::{
     core_pipeline::core_3d::prepare_core_3d_depth_textures,
@@ -7,11 +7,12 @@ use bevy::{
     render::{RenderSystems, render_resource::TextureUsages},
 };
 
-/// The systems of [`extend_depth_usage`]: each adds what it needs, in any order.
+/// The systems of [`extend_depth_usage`]. Each adds its usage, in any order.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 struct DepthUsageSystems;
 
-/// For `Render`: views with `C` have depth textures that can be used for `usage` too, so that depth is read where it was drawn.
+/// System for `Render` that adds `usage` to the depth textures of views with `C`, so that depth can be read without a
+/// copy.
 pub(crate) fn extend_depth_usage<C: Component>(
     usage: TextureUsages,
 ) -> ScheduleConfigs<ScheduleSystem> {
@@ -25,6 +26,6 @@ pub(crate) fn extend_depth_usage<C: Component>(
         .in_set(RenderSystems::PrepareResources)
         .in_set(DepthUsageSystems)
         .ambiguous_with(DepthUsageSystems)
-        // Makes them with the usages found here.
+        // Creates the textures with these usages.
         .before(prepare_core_3d_depth_textures)
 }

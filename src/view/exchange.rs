@@ -1,8 +1,9 @@
-//! What other effects take from lighting, and give to it.
+//! Exchange of light between lighting and other effects.
 //!
-//! An effect inserts these components on its views in the render world before [`LeanViewSystems`](super::LeanViewSystems),
-//! and removes them when it is done. [`ActiveLeanView`](super::ActiveLeanView) says what lighting does in this frame: while
-//! it is compiling for what is new, it does what it did before.
+//! An effect inserts these components on its views in the render world before
+//! [`LeanViewSystems`](super::LeanViewSystems), and removes them when it is done.
+//! [`ActiveLeanView`](super::ActiveLeanView) lists the exchanges of this frame: while lighting compiles for a new set,
+//! it keeps the former one.
 
 use bevy::{
     prelude::*,
@@ -11,61 +12,61 @@ use bevy::{
 use bitflags::bitflags;
 
 bitflags! {
-    /// What lighting takes and gives.
+    /// Inputs and outputs of lighting that effects provide or read.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub struct LightExchange: u8 {
-        /// It writes the [`DiffuseLight`].
+        /// Lighting writes the [`DiffuseLight`].
         const DIFFUSE_LIGHT = 1 << 0;
-        /// It adds the [`IndirectSpecular`].
+        /// Lighting adds the [`IndirectSpecular`].
         const INDIRECT_SPECULAR = 1 << 1;
-        /// It adds the [`IndirectDiffuse`].
+        /// Lighting adds the [`IndirectDiffuse`].
         const INDIRECT_DIFFUSE = 1 << 2;
-        /// It writes the light that scatters beneath surfaces: [`ScattersLight`].
+        /// Lighting writes the light that scatters beneath surfaces: [`ScattersLight`].
         const SUBSURFACE_LIGHT = 1 << 3;
-        /// Either of those that it adds.
+        /// All kinds of indirect light that lighting adds.
         const INDIRECT = Self::INDIRECT_SPECULAR.bits() | Self::INDIRECT_DIFFUSE.bits();
     }
 }
 
-/// Something reads the [`DiffuseLight`] of this view.
+/// On a view: an effect reads its [`DiffuseLight`].
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ReadsDiffuseLight;
 
-/// Something scatters the light beneath the surfaces of this view that let it in, where lighting has written it apart.
+/// On a view: an effect scatters the light that enters its surfaces, which lighting writes separately.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ScattersLight;
 
-/// On a view with [`ReadsDiffuseLight`], for as long as it is lean: what of the picture is light that surfaces send out in all
-/// directions alike, because they reflect it diffusely, transmit or emit it. The picture has it too.
+/// On a view with [`ReadsDiffuseLight`], for as long as it is lean: the part of the picture that surfaces emit,
+/// transmit or reflect diffusely. The picture contains it too.
 ///
-/// `R32Uint`, as large as the viewport, each word with a shared exponent (`layout/light.wgsl`: off by at most 1/511 of
-/// the brightest channel). Exposed, before fog; 0 where no lean mesh is. Until lighting writes it, it holds what the last
-/// frame has sent out, or zeros.
+/// `R32Uint`, as large as the viewport, each word with a shared exponent (`layout/light.wgsl`: error at most 1/511 of
+/// the brightest channel). Exposed, before fog; 0 at pixels without a lean mesh. Until lighting writes it, it contains
+/// the light of the last frame, or zeros.
 #[derive(Component, Clone)]
 pub struct DiffuseLight(pub CachedTexture);
 
-/// An effect finds what surfaces of this view mirror. Lighting mixes it with the environment maps, reflection probes and
-/// ambient light that it finds itself, with the same Fresnel and roughness terms.
+/// An effect provides the reflections on surfaces of this view. Lighting blends them with environment maps, reflection
+/// probes and ambient light, with the same Fresnel and roughness terms.
 ///
-/// In the texture, of a format with floats and as large as the viewport: radiance from about the mirrored direction, as
-/// rough as the surface is (its coat, if it has one), exposed as this frame is; and, in alpha, the confidence, 0 to 1, with
-/// which it takes the place of the others. What is there was seen, so that ambient occlusion does not darken it. Without a
-/// texture nothing is found.
+/// The texture has a float format and is as large as the viewport. RGB: radiance around the mirrored direction, for the
+/// roughness of the surface (of its coat, if it has one), with the exposure of this frame. Alpha: confidence, 0 to 1,
+/// with which it replaces the other sources. Its visibility was tested, so ambient occlusion does not darken it.
+/// Without a texture there are no reflections.
 #[derive(Component, Clone, Debug, Default)]
 pub struct IndirectSpecular(pub Option<TextureView>);
 
-/// An effect finds light that falls onto surfaces of this view from others. Lighting adds it to the irradiance volumes,
-/// environment maps and ambient light that it finds itself, but on lightmapped surfaces, whose lightmap has it.
+/// An effect provides light that surfaces of this view receive from others. Lighting adds it to irradiance volumes,
+/// environment maps and ambient light, except on lightmapped surfaces, whose lightmap contains it.
 ///
-/// In the texture, of a format with floats and as large as the viewport: irradiance over π (the mean radiance), exposed
-/// as this frame is; and, in alpha, what part of the light from everywhere else is hidden, 0 to 1: applied in the place of
-/// ambient occlusion. Without a texture nothing is found or hidden. It may also be half as large each way, rounded up: then
-/// each texel is about the middle of the 2×2 pixels that it stands for, and lighting scales up along the edges that depth
-/// shows.
+/// The texture has a float format and is as large as the viewport. RGB: irradiance over π (the mean radiance), with the
+/// exposure of this frame. Alpha: occluded fraction of the light from elsewhere, 0 to 1, which replaces ambient
+/// occlusion. Without a texture there is neither light nor occlusion. It may also have half the size per axis, rounded
+/// up: each texel then represents the middle of 2×2 pixels, and lighting upsamples along the edges in depth.
 #[derive(Component, Clone, Debug, Default)]
 pub struct IndirectDiffuse(pub Option<TextureView>);
 
-/// What effects ask of a view. A tuple: the bounds in a derived query have the compiler walk over all types of `wgpu`.
+/// Exchanges that effects request on a view. A tuple, because the bounds of a derived query make the compiler walk all
+/// types of `wgpu`.
 pub(crate) type ExchangeQuery = (
     Has<ReadsDiffuseLight>,
     Has<ScattersLight>,
@@ -74,7 +75,7 @@ pub(crate) type ExchangeQuery = (
 );
 
 impl LightExchange {
-    /// What has been found by an [`ExchangeQuery`].
+    /// Converts the result of an [`ExchangeQuery`].
     pub(crate) fn asked(
         (diffuse_light, scatters, specular, diffuse): (bool, bool, bool, bool),
     ) -> Self {

@@ -1,4 +1,4 @@
-//! Skips the systems of effects that no camera has: with the plugins alone an app pays for a few conditions per frame.
+//! Skips the systems of effects that no camera has. An app with the plugins alone pays for a few run conditions per frame.
 
 use bevy::{
     core_pipeline::schedule::{Core2d, Core3d},
@@ -7,10 +7,10 @@ use bevy::{
     render::{Extract, ExtractSchedule, Render, renderer::CurrentView},
 };
 
-/// The systems of an effect in the render world's schedules. They are skipped while no camera has the effect.
+/// The systems of an effect in the schedules of the render world. They are skipped while no camera has the effect.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) enum EffectSystems {
-    /// Of the G-buffer and lighting.
+    /// The systems of the G-buffer and of lighting.
     Lean,
     SubsurfaceScattering,
     AmbientOcclusion,
@@ -20,11 +20,11 @@ pub(crate) enum EffectSystems {
     History,
 }
 
-/// Frames that systems keep running after the last camera lost the effect: they release what they keep per frame, and cameras with the
-/// same target get their settings back one frame later.
+/// Frames for which systems keep running after the last camera lost the effect: they release resources that they keep per frame, and
+/// other cameras of the target get their settings back one frame later.
 const LINGERING_FRAMES: u32 = 4;
 
-/// Counts down after `is_used` became false.
+/// True while used and for [`LINGERING_FRAMES`] after that; `left` counts down.
 fn lingers(is_used: bool, left: &mut u32) -> bool {
     let runs = is_used || *left > 0;
     *left = if is_used {
@@ -46,7 +46,7 @@ fn is_used<F: QueryFilter + 'static>(views: Query<(), F>, mut left: Local<u32>) 
     lingers(!views.is_empty(), &mut left)
 }
 
-/// Passes act on views that have the effect only.
+/// True if the current view has the effect. Passes affect no other views, so they need not linger.
 fn is_used_by_view<F: QueryFilter + 'static>(
     view: Option<Res<CurrentView>>,
     views: Query<(), F>,

@@ -1,26 +1,33 @@
-//! What a view is: as the app wants it, in components of the camera, and in this frame, in components of the render world.
+//! State of a view: in the main world on the camera, in the render world per frame.
 //!
-//! | of | type | says |
+//! | on | type | state |
 //! |---|---|---|
-//! | cameras | [`LeanDeferred`] | that this camera is to be lean, and how |
-//! | cameras | [`LeanStatus`] | whether it is, or why not |
-//! | cameras | [`CameraCut`] | that it jumps in this frame |
-//! | views of the render world | [`ActiveLeanView`] | that it is lean in this frame, and what its G-buffer has |
+//! | cameras | [`LeanDeferred`] | requests lean rendering, with its settings |
+//! | cameras | [`LeanStatus`] | if the last frame was lean, or why not |
+//! | cameras | [`CameraCut`] | the camera jumps in this frame |
+//! | views of the render world | [`ActiveLeanView`] | the view is lean in this frame, with the contents of its G-buffer |
 //!
 //! Systems of the render world order themselves by [`LeanViewSystems`], passes in `Core3d` by [`GBufferPasses`],
 //! [`LightingPasses`] and [`OpaquePicturePasses`].
 
-// The ground floor: all stages read it, and it reads none of them.
+// The base layer: all stages depend on it, and it depends on none of them.
 //
-// - `settings.rs`, `status.rs`: `LeanDeferred` and `LeanStatus`, the components of cameras.
-// - `active.rs`: `ActiveLeanView`, what a view is in this frame. `surfaces.rs`: the kinds of surfaces.
-// - `schedule.rs`: when stages run. `pass_order.rs`: the order of passes among those of others.
-// - `cut.rs`: when the last frame says nothing of this one. `averaging.rs`: where frames are averaged over time.
-// - `depth_usage.rs`: what depth textures are made for. `exchange.rs`: what effects take from lighting, and give to it.
-// - `overrides/`: what effects change about a camera and the others of its target, and give back.
-// - `in_use.rs`: systems are skipped while no camera has their effect.
-// - `removal.rs`: what goes with a component. `unfit_items.rs`: what other crates leave in phases of a camera that was changed.
-// - `out_of_memory.rs`: textures that do not fit. `warn_once.rs`: why an effect is off, once for each camera.
+// - `settings.rs`: `LeanDeferred`, the settings of a camera.
+// - `status.rs`: `LeanStatus`, the status of a camera.
+// - `active.rs`: `ActiveLeanView`, the state of a view in this frame.
+// - `surfaces.rs`: kinds of surfaces and their G-buffer targets.
+// - `schedule.rs`: system sets.
+// - `pass_order.rs`: orders passes among those of apps and other crates.
+// - `cut.rs`: camera cuts.
+// - `averaging.rs`: detects views whose frames are averaged over time.
+// - `depth_usage.rs`: usages of depth textures.
+// - `exchange.rs`: data that effects take from lighting and give to it.
+// - `overrides/`: changes to cameras, and their reversal.
+// - `in_use.rs`: skips the systems of effects that no camera has.
+// - `removal.rs`: removes dependent components together with their source.
+// - `unfit_items.rs`: removes phase items of other crates that no longer fit a changed camera.
+// - `out_of_memory.rs`: textures that do not fit into memory.
+// - `warn_once.rs`: warns once per camera why an effect is off.
 
 mod active;
 mod averaging;
@@ -88,7 +95,7 @@ use crate::{
     shader_library::{self, tiles::RowOrder},
 };
 
-/// What more than one effect needs, whichever of them are added. Added by each of them, once.
+/// Resources and systems that several effects share. Added once, by the first of them.
 pub(crate) struct SharedPlugin;
 
 impl SharedPlugin {
@@ -107,7 +114,7 @@ impl Plugin for SharedPlugin {
             .add_plugins(ExtractComponentPlugin::<CameraCuts>::default())
             .add_systems(
                 First,
-                // Bevy may make another device when one is lost.
+                // Bevy may create a new device when one is lost.
                 overrides::fit_device
                     .run_if(resource_exists_and_changed::<RenderDevice>)
                     .ambiguous_with_all(),
@@ -116,7 +123,7 @@ impl Plugin for SharedPlugin {
                 Last,
                 (
                     cut::count_cuts.run_if(any_with_component::<CameraCut>),
-                    // Reads of the world what is about cameras.
+                    // Has `&World`, but reads only cameras.
                     overrides::fit_partners
                         .run_if(overrides::are_cameras_changed)
                         .ambiguous_with_all(),
@@ -130,7 +137,7 @@ impl Plugin for SharedPlugin {
         render_app
             .init_gpu_resource::<PipelineWatch>()
             .init_gpu_resource::<OutOfMemory>()
-            // Each system notes the cameras for which it found no memory.
+            // Each system records its own failed allocations, in any order.
             .allow_ambiguous_resource::<OutOfMemory>()
             .configure_sets(
                 Render,
@@ -182,7 +189,7 @@ impl Plugin for SharedPlugin {
     }
 }
 
-/// Whether what the effect `plugin` builds upon is there. Else it is to add nothing, and users are told why.
+/// True if the app has the plugins that the effect `plugin` depends on. Otherwise logs an error, and the plugin must add nothing.
 pub(crate) fn can_build(app: &mut App, plugin: &'static str, with_pbr: bool) -> bool {
     let missing = if !app.world().contains_resource::<EmbeddedAssetRegistry>() {
         "AssetPlugin"
@@ -197,7 +204,7 @@ pub(crate) fn can_build(app: &mut App, plugin: &'static str, with_pbr: bool) -> 
     false
 }
 
-/// Tells, once there is a log, that a plugin of this crate has added nothing.
+/// Logs in `finish`, once there is a log, that a plugin of this crate has added nothing.
 struct OffNotice {
     plugin: &'static str,
     missing: &'static str,

@@ -1,7 +1,7 @@
-//! Textures that do not fit into the GPU's memory.
+//! Handles textures that do not fit into the GPU's memory.
 //!
-//! Bevy quits the app for an error that nobody catches. Textures of this crate are made within an error scope: the camera of one that does
-//! not fit is left to Bevy, which needs less.
+//! Bevy quits the app on an uncaught error. Textures of this crate are therefore created within an error scope: if one
+//! does not fit, its camera is left to Bevy, which needs less.
 
 use bevy::{
     ecs::entity::EntityHashMap,
@@ -21,22 +21,23 @@ use super::{ExchangeQuery, LightExchange};
 #[derive(Resource, Default)]
 pub struct OutOfMemory {
     lacking: EntityHashMap<Lack>,
-    /// For tests: textures whose labels begin with this do not fit.
+    /// For tests: textures whose labels have this prefix do not fit.
     scarce: Option<&'static str>,
-    /// For tests: how often something was made within an error scope.
+    /// For tests: number of creations within an error scope.
     attempts: usize,
 }
 
 struct Lack {
     label: &'static str,
-    /// Of the camera's target, and what effects ask of its lighting: with others it is tried again.
+    /// Size of the camera's target, and exchange of its effects with lighting. If these change, it is tried again.
     tried_with: Option<(Option<UVec2>, LightExchange)>,
 }
 
 impl OutOfMemory {
-    /// What `make` makes for the camera `view`: a texture, or some; `None` if it does not fit, or if something else of this camera did not.
+    /// Returns the texture or textures that `make` creates for the camera `view`; `None` if they do not fit, or if
+    /// other textures of this camera did not.
     ///
-    /// In a browser, which says so only later, everything fits.
+    /// In a browser, which reports errors only later, everything fits.
     pub(crate) fn fit<T>(
         &mut self,
         device: &RenderDevice,
@@ -69,25 +70,25 @@ impl OutOfMemory {
         None
     }
 
-    /// The label of what did not fit.
+    /// The label of the texture that did not fit.
     pub(crate) fn label(&self, view: Entity) -> Option<&'static str> {
         self.lacking.get(&view).map(|lack| lack.label)
     }
 
-    /// For tests: how often something was made. Not in frames in which nothing changed.
+    /// For tests: number of creations. It does not grow in frames in which nothing changed.
     #[doc(hidden)]
     pub fn attempts(&self) -> usize {
         self.attempts
     }
 
-    /// For tests: as if there was no memory for textures whose labels begin so.
+    /// For tests: pretends that textures whose labels have this prefix do not fit.
     #[doc(hidden)]
     pub fn make_scarce(&mut self, labels: Option<&'static str>) {
         self.scarce = labels;
     }
 }
 
-/// A texture that no GPU has room for.
+/// Creates a texture that exceeds the memory of any GPU.
 fn make_huge(device: &RenderDevice) {
     let limits = device.limits();
     device.create_texture(&TextureDescriptor {
@@ -106,7 +107,7 @@ fn make_huge(device: &RenderDevice) {
     });
 }
 
-/// Cameras that ask for something else, are switched off or gone may try again.
+/// Lets cameras try again if their target's size or their effects changed, or if they are switched off or despawned.
 pub(super) fn forget_cameras(
     mut memory: ResMut<OutOfMemory>,
     cameras: Query<(&ExtractedCamera, ExchangeQuery)>,
@@ -116,7 +117,7 @@ pub(super) fn forget_cameras(
     }
     memory.lacking.retain(|view, lack| {
         cameras.get(*view).is_ok_and(|(camera, exchange)| {
-            // What scatters comes into sight and goes again.
+            // Ignored because scattering meshes enter and leave the view.
             let exchange = LightExchange::asked(exchange) - LightExchange::SUBSURFACE_LIGHT;
             let now = (camera.physical_target_size, exchange);
             *lack.tried_with.get_or_insert(now) == now

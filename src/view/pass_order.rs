@@ -1,8 +1,8 @@
-//! The order of this crate's passes among those of apps and other crates.
+//! Orders this crate's passes among those of apps and other crates.
 //!
-//! Bevy records a camera's passes in parallel and submits them in the order of the sorted schedule. The first pass that is
-//! *recorded* clears colour and depth. Two passes without an order race: the later one may clear what the earlier one has
-//! drawn. Each rule here gives passes of this crate an order against passes that have none against them.
+//! Bevy records a camera's passes in parallel and submits them in the order of the sorted schedule. The first pass that
+//! is *recorded* clears colour and depth. Two unordered passes race: the later one may clear the output of the earlier.
+//! Each rule here orders passes of this crate against passes that have no order against them.
 
 use core::iter;
 
@@ -28,17 +28,17 @@ use super::schedule::{
     HistoryPasses, LightingPasses, OpaquePicturePasses,
 };
 
-/// Orders the systems of some sets before or after others that have no order against them. The others may be of other
-/// crates, which know nothing of these sets and whose systems cannot be named where they are private.
+/// Orders the systems of some sets before or after others that have no order against them. The others may belong to
+/// other crates, which do not know these sets and whose private systems cannot be named.
 ///
-/// A schedule has one of it: build passes are told apart by their type.
+/// One per schedule: build passes are identified by their type.
 #[derive(Debug)]
 pub(super) struct PassOrder(Vec<Rule>);
 
-/// Adds an order where there is none. Rules apply one after the other: an earlier one is stronger.
+/// Adds an order between unordered systems. Rules apply in sequence: an earlier one takes precedence.
 #[derive(Debug)]
 struct Rule {
-    /// Members of all of these sets.
+    /// Selects the members of all of these sets.
     ours: Vec<InternedSystemSet>,
     side: Side,
     others: Others,
@@ -55,13 +55,13 @@ enum Side {
 #[derive(Debug)]
 enum Others {
     All,
-    /// Those asked to run after the members of a set.
+    /// Systems ordered directly after the members of a set.
     Following(InternedSystemSet),
-    /// Those that run before all systems within a set, without the members of others.
+    /// Systems that run before all systems within a set, except members of the listed sets.
     Preceding(InternedSystemSet, Vec<InternedSystemSet>),
-    /// Those of a set, or of sets within it.
+    /// Systems of a set, or of sets within it.
     Within(InternedSystemSet),
-    /// Those of ours that were added later.
+    /// Systems of ours that were added later.
     LaterOfOurs,
 }
 
@@ -70,16 +70,16 @@ impl PassOrder {
         let prepass_gbuffer = [GBufferPasses.intern(), Core3dSystems::Prepass.intern()];
         let main_pass = Core3dSystems::MainPass.intern();
         let mut rules = vec![
-            // A reader of the prepass finds lean meshes in it.
+            // Readers of the prepass must see lean meshes in it.
             Rule::before(&prepass_gbuffer, following(early_prepass)),
             Rule::before(&prepass_gbuffer, following(late_prepass)),
-            // The G-buffer is cleared where others have drawn, and its meshes are tested against their depth. A pass between
-            // G-buffer and lighting would be overwritten by the light of the meshes that it hides.
+            // The G-buffer is cleared if others have drawn depth, and its meshes are tested against that depth. A pass
+            // between G-buffer and lighting would be overwritten by the lighting of meshes that it occludes.
             Rule::after(
                 &[GBufferPasses.intern()],
                 Others::Preceding(LightingPasses.intern(), shadow_passes()),
             ),
-            // What precedes Bevy's opaque pass, in the main pass or in no set, is drawn among lit meshes, as among those
+            // Passes before Bevy's opaque pass, in the main pass or in no set, draw among lit meshes, as among those
             // that Bevy draws.
             Rule::before(&[LightingPasses.intern()], Others::All),
             // Before Bevy's `render_sky`, which draws the air in front of meshes.
@@ -87,7 +87,7 @@ impl PassOrder {
                 &[OpaquePicturePasses.intern()],
                 following(main_opaque_pass_3d),
             ),
-            // The picture is kept, and shown over, once it is complete: after `oit_resolve`.
+            // History and debug views need the complete picture: after `oit_resolve`.
             Rule::after(&[HistoryPasses.intern()], Others::Within(main_pass)),
             Rule::after(&[DebugViewPasses.intern()], Others::Within(main_pass)),
         ];
@@ -114,7 +114,7 @@ fn following<M>(system: impl IntoSystemSet<M>) -> Others {
     Others::Following(system.into_system_set().intern())
 }
 
-/// They draw nothing into the view. Recorded beside the prepass, they cost less time.
+/// Shadow passes draw nothing into the view. They take less time if recorded in parallel with the prepass.
 pub(crate) fn shadow_passes() -> Vec<InternedSystemSet> {
     vec![
         per_view_shadow_pass::<EARLY_SHADOW_PASS>
@@ -143,7 +143,8 @@ impl Rule {
         Self { ours, side, others }
     }
 
-    /// Exposure is metered in the picture that post-processing begins with. Its overlay is neither smoothed nor sharpened.
+    /// Meters exposure in the input of post-processing. The overlay comes last, so that it is neither smoothed nor
+    /// sharpened.
     fn of_exposure(post_process: InternedSystemSet) -> [Self; 2] {
         [
             Self::after(
@@ -165,7 +166,7 @@ impl Rule {
                 Others::LaterOfOurs => &ours[place + 1..],
                 _ => &[],
             };
-            // Edges from `one` change nothing of what leads to it, and the other way around: none makes a circle.
+            // Edges from `one` do not change the systems that lead to it, and vice versa: no edge closes a cycle.
             let ordered = [Direction::Incoming, Direction::Outgoing]
                 .map(|direction| reachable(dependencies.graph(), one, direction));
             let is_foreign = |other: &&SystemKey| !ours.contains(other);
@@ -205,7 +206,7 @@ impl Others {
                         preceding.remove(&system);
                     }
                 }
-                // In an order that does not depend on hashes.
+                // This order does not depend on hashes.
                 let is_preceding = |system: &SystemKey| preceding.contains(system);
                 dependencies.nodes().filter(is_preceding).collect()
             }
@@ -215,7 +216,7 @@ impl Others {
     }
 }
 
-/// Those that were put into `set` by name, in the order in which they were added: the graph of sets has lost that order.
+/// Systems put directly into `set`, in the order in which they were added, which the graph of sets does not keep.
 fn members(graph: &ScheduleGraph, set: InternedSystemSet) -> Vec<SystemKey> {
     let Some(set) = graph.system_sets.get_key(set) else {
         return Vec::new();
@@ -235,7 +236,7 @@ fn members_of_all(graph: &ScheduleGraph, sets: &[InternedSystemSet]) -> Vec<Syst
     systems
 }
 
-/// Those that were put into `set`, or into a set within it.
+/// Systems put into `set`, or into a set within it.
 fn systems_within(graph: &ScheduleGraph, set: InternedSystemSet) -> Vec<SystemKey> {
     let mut sets: Vec<SystemSetKey> = graph.system_sets.get_key(set).into_iter().collect();
     let mut systems = Vec::new();
@@ -253,7 +254,7 @@ fn systems_within(graph: &ScheduleGraph, set: InternedSystemSet) -> Vec<SystemKe
     systems
 }
 
-/// All systems that edges of one direction lead to, without `from`.
+/// All systems that are reachable from `from` along edges of one direction.
 fn reachable(
     graph: &DiGraph<SystemKey>,
     from: SystemKey,
@@ -322,7 +323,7 @@ mod tests {
     #[derive(Resource, Default)]
     struct Ran(Vec<&'static str>);
 
-    /// Systems that note when they run.
+    /// Systems that record their runs.
     macro_rules! noted {
         ($($name:ident),*) => {
             $(fn $name(mut ran: ResMut<Ran>) {
@@ -351,7 +352,7 @@ mod tests {
         ran.0.push("follower");
     }
 
-    /// What ran, in order.
+    /// Names of the systems that ran, in order.
     fn run(mut schedule: Schedule) -> Vec<&'static str> {
         let mut world = World::new();
         world.init_resource::<Ran>();
@@ -359,7 +360,7 @@ mod tests {
         core::mem::take(&mut world.resource_mut::<Ran>().0)
     }
 
-    /// The frame with `other`, added before and after all else.
+    /// Runs the frame with `other` added before and after all else.
     fn run_with(other: impl Fn() -> ScheduleConfigs<ScheduleSystem>) -> [Vec<&'static str>; 2] {
         [true, false].map(|is_before| {
             let mut schedule = Schedule::new(Frame);
@@ -405,7 +406,7 @@ mod tests {
         })
     }
 
-    /// The one that runs right after `other`, whether that was added before or after all else.
+    /// The system that runs right after `other`, if that was added before or after all else.
     fn next_of(other: impl Fn() -> ScheduleConfigs<ScheduleSystem>) -> [&'static str; 2] {
         run_with(other).map(|ran| {
             let place = ran.iter().position(|name| *name == "other");
@@ -421,18 +422,18 @@ mod tests {
 
     #[test]
     fn passes_of_others_have_their_place() {
-        // Nothing of the G-buffer is drawn yet. Bevy's prepass has no order against such a pass.
+        // The G-buffer is not drawn yet. Bevy's prepass has no order against such a pass.
         let early = |next: &str| ["early_prepass", "gbuffer"].contains(&next);
         assert!(next_of(|| other.in_set(Prepass)).into_iter().all(early));
         assert!(next_of(|| other.before(MainPass)).into_iter().all(early));
-        // All of it is, and lit.
+        // The G-buffer is drawn and lit.
         assert_eq!(next(|| other.before(opaque)), "opaque");
         assert_eq!(next(|| other.in_set(MainPass).before(opaque)), "opaque");
         assert_eq!(
             next(|| other.after(opaque).before(transparent)),
             "transparent"
         );
-        // Readers of the prepass find all of it.
+        // Readers of the prepass see all of the G-buffer.
         assert_eq!(
             next(|| other.in_set(Prepass).after(early_prepass)),
             "lighting"
@@ -450,7 +451,7 @@ mod tests {
         assert_eq!(next(|| other.in_set(PostProcess).after(bloom)), "overlay");
     }
 
-    /// What is asked for by name is kept.
+    /// An order that is requested by name is kept.
     #[test]
     fn passes_of_others_can_choose() {
         assert_eq!(
@@ -467,7 +468,7 @@ mod tests {
         );
     }
 
-    /// Systems that follow were added before and after, and one of them is asked to run before the first ones.
+    /// Following systems are added before and after, and one of them requests to run before the first ones.
     #[test]
     fn first_systems_run_before_all_that_follow() {
         let mut schedule = Schedule::new(Frame);
@@ -492,7 +493,7 @@ mod tests {
         assert_eq!(run(schedule), [&first[..], &["follower"; 4]].concat());
     }
 
-    /// Others were added before and after, into the set or into one within it, and one is asked to run before.
+    /// Others are added before and after, into the set or into one within it, and one requests to run before.
     #[test]
     fn first_systems_run_before_all_others_of_the_set() {
         let mut schedule = Schedule::new(Frame);
@@ -525,7 +526,7 @@ mod tests {
         assert_eq!(run(schedule), expected);
     }
 
-    /// Where an app has neither the systems nor any that are to be ordered.
+    /// An app may lack both our systems and those that they are ordered against.
     #[test]
     fn a_schedule_without_them_is_left_alone() {
         let mut schedule = Schedule::new(Frame);

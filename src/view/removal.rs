@@ -1,8 +1,8 @@
-//! What goes with a component.
+//! Removes dependent components together with their source.
 
 use bevy::{app::SubApp, prelude::*};
 
-/// Has views lose `B` when they lose `C`: when it was removed from the camera, and with a lost device.
+/// Removes `B` from views that lose `C`: when it is removed from the camera, and with a lost device.
 pub(crate) fn remove_with<C: Component, B: Bundle>(render_app: &mut SubApp) {
     render_app
         .world_mut()

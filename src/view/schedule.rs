@@ -1,4 +1,4 @@
-//! When the stages of a frame run.
+//! System sets for the stages of a frame.
 
 use bevy::prelude::*;
 
@@ -6,40 +6,43 @@ use bevy::prelude::*;
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LeanViewSystems;
 
-/// The systems that make the textures of views; after `RenderSystems::PrepareViews`, before `RenderSystems::Queue`: a lean camera whose
-/// textures do not fit into memory is left to Bevy before its meshes are queued.
+/// The systems that allocate the textures of views; after `RenderSystems::PrepareViews` and before
+/// `RenderSystems::Queue`, so that a lean camera whose textures do not fit into memory is left to Bevy before its
+/// meshes are queued.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct ViewTextureSystems;
 
-/// The passes that draw the G-buffer, in `Core3d`. They run after all other systems that precede `Core3dSystems::MainPass`, and may have drawn
-/// colour and depth, but for those asked to run after Bevy's prepass: these find lean meshes in it.
+/// The passes that draw the G-buffer, in `Core3d`. They run after all other systems before `Core3dSystems::MainPass`,
+/// which may have drawn colour and depth. Systems that are ordered after Bevy's prepass run later and see lean meshes
+/// in it.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct GBufferPasses;
 
-/// The passes that light it, in `Core3d`. They run before all other systems that may run after them: a renderer that draws colour and depth
-/// before Bevy's opaque pass draws among lit meshes. A system that prepares data for lighting must be asked to run before.
+/// The passes that light the G-buffer, in `Core3d`. They run before all other systems that are not ordered before them:
+/// a renderer that draws colour and depth before Bevy's opaque pass draws among lit meshes. Order a system that
+/// prepares data for lighting before this set.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LightingPasses;
 
-/// The passes that change or read the picture as opaque meshes left it, in `Core3d`. They run before all others that follow Bevy's opaque
-/// pass, such as that of its atmosphere.
+/// The passes that change or read the picture right after opaque meshes, in `Core3d`. They run before all others that
+/// follow Bevy's opaque pass, such as that of its atmosphere.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct OpaquePicturePasses;
 
-/// Effects that find light or occlusion in the G-buffer, before lighting reads it, in `Core3d`.
+/// Effects that compute indirect light or occlusion from the G-buffer, before lighting reads it, in `Core3d`.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct FoundLightPasses;
 
-/// Keeps the frame for effects that read it in the next one: after all other systems of `Core3dSystems::MainPass` that are not asked to run
-/// after it.
+/// Keeps the frame as history for the next one: after all other systems of `Core3dSystems::MainPass` that are not
+/// ordered after it.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct HistoryPasses;
 
-/// Draws debug views of screen-space effects, in `Core3d`, once the frame is kept.
+/// Draws debug views of screen-space effects, in `Core3d`, after the history is kept.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct DebugViewPasses;
 
-/// Meters the picture: after what precedes post-processing, in `Core3d` and `Core2d`.
+/// Meters the picture, after all systems before post-processing, in `Core3d` and `Core2d`.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct ExposurePasses;
 

@@ -1,4 +1,4 @@
-//! What an app wants from a camera.
+//! The component with which an app makes a camera lean, and its settings.
 
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
@@ -10,11 +10,11 @@ use super::{
 
 /// Renders this `Camera3d` through a packed 64-bit G-buffer and one compute lighting pass.
 ///
-/// The picture is that of Bevy's forward renderer. Opaque and alpha-masked meshes whose material the G-buffer can
-/// carry go through it; every other mesh is drawn by Bevy's forward passes on the same camera, against the same depth.
-/// Adding or removing the component at run time switches the camera over and frees what it held. [`enabled`](Self::enabled) does so too,
-/// and leaves the camera's settings alone.
-/// What the camera is doing is in [`LeanStatus`], what its targets cost in [`GBufferUsage`](crate::gbuffer::GBufferUsage).
+/// The picture is that of Bevy's forward renderer. Opaque and alpha-masked meshes whose material the G-buffer can carry
+/// are drawn into it. Bevy's forward passes draw all other meshes on the same camera, against the same depth. Adding or
+/// removing the component at run time switches the renderer and frees its resources. [`enabled`](Self::enabled) does so
+/// too, without changing the camera's settings. [`LeanStatus`] reports the active renderer,
+/// [`GBufferUsage`](crate::gbuffer::GBufferUsage) the memory cost of the targets.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -27,7 +27,7 @@ use super::{
 ///     ));
 /// }
 ///
-/// /// Back to Bevy's renderer, and to this one again.
+/// /// Switches to Bevy's renderer and back.
 /// fn toggle(mut cameras: Query<&mut LeanDeferred>) {
 ///     for mut lean in &mut cameras {
 ///         lean.enabled = !lean.enabled;
@@ -42,39 +42,39 @@ use super::{
 /// }
 /// ```
 ///
-/// Needs HDR (`Hdr` is added with the component) and no MSAA (switched off then). Removing the component gives back what
-/// the camera had, unless another effect needs it or the app has set it since. Other cameras of its target that had the
-/// same get the same, so that they go on sharing a picture. On devices that cannot run it
-/// ([`LeanDeferredSupport`](crate::LeanDeferredSupport)) nothing is changed. A camera that
-/// breaks these later, or whose device lacks something, is rendered as Bevy has it, with one warning that names the
-/// reason. `docs/reliability.md` lists all that is needed.
+/// Needs HDR (`Hdr` is added with the component) and no MSAA (`Msaa` is set to `Off`). Removing the component restores
+/// the former settings, unless another effect needs the changed ones or the app has changed them since. Other cameras
+/// of the same target with equal settings are changed too, so that they still share a picture. Nothing is changed on
+/// devices that cannot run it ([`LeanDeferredSupport`](crate::LeanDeferredSupport)). Bevy renders a camera that later
+/// violates these needs or whose device lacks a capability, and one warning names the reason. `docs/reliability.md`
+/// lists all needs.
 ///
 /// # On a camera that is rendered already
 ///
-/// Give a camera that is to become lean later `Hdr` and `Msaa::Off` when it is spawned, or `LeanDeferred` with `enabled: false`. Added to a
-/// rendered camera that has Bevy's defaults, the component changes its sample count and the format of its main texture. Bevy makes its
-/// own pipelines anew then. Those that other crates keep for each camera may not follow: with `bevy_mod_outline` 0.13 a validation error
-/// ends the app. A message warns of it, once for each camera.
+/// If a camera is to become lean later, spawn it with `Hdr` and `Msaa::Off`, or with `LeanDeferred` and
+/// `enabled: false`. Added to a rendered camera with Bevy's defaults, the component changes its sample count and the
+/// format of its main texture. Bevy then recreates its own pipelines. Those that other crates keep per camera may not follow:
+/// with `bevy_mod_outline` 0.13 a validation error ends the app. A message warns of this once per camera.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(LeanStatus)]
 #[extract_component_sync_target((Self, ActiveLeanView))]
 pub struct LeanDeferred {
-    /// Renders the camera lean. While it is false, Bevy renders the camera, without MSAA and with `Hdr`, and nothing is kept for it.
-    /// Default: true.
+    /// Renders the camera lean. While false, Bevy renders the camera, without MSAA and with `Hdr`, and no resources are
+    /// kept for it. Default: true.
     pub enabled: bool,
-    /// How the normal of the surface itself is found from depth. Shadow bias uses it where a normal map turns the shading normal; elsewhere
-    /// that is exact. Default: the most exact.
+    /// Reconstruction of the geometric normal from depth. Shadow bias uses it at pixels whose shading normal comes from
+    /// a normal map; elsewhere the shading normal is exact. Default: the most exact one.
     pub geometric_normal: GeometricNormal,
     /// Lights, decals and light probes that have a [`RenderLayers`](bevy::camera::visibility::RenderLayers) component
     /// affect only meshes that share a layer with them. Default: true.
     ///
-    /// Bevy's forward pass asks only whether the camera shares one. The two differ on cameras that see several layers,
-    /// where a light has some of these but not all; elsewhere, and where no such light exists, this costs nothing.
-    /// Lights without the component affect all meshes. Layers from 31 on count as one. Meshes that Bevy's forward pass
-    /// draws, such as transparent ones, are lit as Bevy has it.
+    /// Bevy's forward pass tests only if the camera shares a layer with a light. The two differ on cameras that see
+    /// several layers when a light has some but not all of these. In other cases, and without such lights, this costs
+    /// nothing. Lights without the component affect all meshes. Layers from 31 on count as one. Meshes that Bevy's
+    /// forward pass draws, such as transparent ones, are lit as in Bevy.
     pub light_layers: bool,
-    /// How lights that do not reach a pixel are passed by. Default: [`LightCulling::Auto`].
+    /// Culling of point and spot lights that do not reach a pixel. Default: [`LightCulling::Auto`].
     pub light_culling: LightCulling,
     /// Shows one channel of the G-buffer, or one part of the light, in place of the picture. Default: none.
     pub debug_view: Option<DebugChannel>,
@@ -93,7 +93,7 @@ impl Default for LeanDeferred {
 }
 
 impl LeanDeferred {
-    /// Whether surfaces are not lit.
+    /// True if a channel of the G-buffer is shown, so that surfaces are not lit.
     pub(crate) fn shows_channel(&self) -> bool {
         self.debug_view.is_some_and(|channel| !channel.is_light())
     }
@@ -106,46 +106,48 @@ impl CameraEffect for LeanDeferred {
 
 /// Ways to reconstruct the geometric normal of a pixel from the depth buffer.
 ///
-/// All find two tangents from neighbouring depths and cross them; they differ in how they keep neighbours from
-/// across an edge out. Parts a pixel high have no neighbour of their own surface: where the result is more than 75° from the shading normal,
-/// shadows are biased by a normal between the two, 75° from that. `docs/accuracy.md` and `docs/frame_times.md` have their errors and times.
+/// All take the cross product of two tangents from neighbouring depths. They differ in how they reject neighbours
+/// across an edge. Surfaces one pixel high have no neighbour of their own: where the result is more than 75° from the
+/// shading normal, shadow bias uses a normal between the two, 75° from the shading normal. `docs/accuracy.md` and
+/// `docs/frame_times.md` list errors and times.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum GeometricNormal {
-    /// Right and lower neighbour, as a screen-space derivative takes them: 3 taps, wrong along every edge.
+    /// The right and the lower neighbour, like a screen-space derivative: 3 taps, wrong along every edge.
     ThreeTap,
-    /// On each axis the neighbour with the nearer depth: 5 taps (Turánszki 2019, "Improved normal reconstruction
-    /// from depth", Wicked Engine).
+    /// Per axis, the neighbour nearer in depth: 5 taps (Turánszki 2019, "Improved normal reconstruction from
+    /// depth", Wicked Engine).
     FiveTap,
-    /// On each axis the side whose two depths extrapolate best to the centre: 9 taps (atyuwen 2021, "Accurate Normal
-    /// Reconstruction from Depth Buffer"). Also right beside edges; on parts a few pixels thin it equals the five taps.
+    /// Per axis, the side whose two depths extrapolate best to the centre: 9 taps (atyuwen 2021, "Accurate Normal
+    /// Reconstruction from Depth Buffer"). Also correct next to edges; on surfaces a few pixels thin it equals the five
+    /// taps.
     #[default]
     NineTap,
 }
 
 impl GeometricNormal {
-    /// All of them, cheapest first.
+    /// All variants, cheapest first.
     pub const ALL: [Self; 3] = [Self::ThreeTap, Self::FiveTap, Self::NineTap];
 }
 
-/// How point and spot lights that do not reach a pixel are passed by. The picture is the same.
+/// Culling of point and spot lights that do not reach a pixel. All variants give the same picture.
 ///
-/// Bevy sorts lights into clusters (Olsson, Billeter and Assarsson 2012, "Clustered Deferred and Forward Shading"). Within one the
-/// pixels of a tile may find the lights that reach it together (Olsson and Assarsson 2011, "Tiled Shading"; spot lights by Wronski
-/// 2017, "Cull that cone!").
+/// Bevy bins lights into clusters (Olsson, Billeter and Assarsson 2012, "Clustered Deferred and Forward Shading").
+/// Within a cluster, the pixels of a tile may cull lights together (Olsson and Assarsson 2011, "Tiled Shading"; spot
+/// lights by Wronski 2017, "Cull that cone!").
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum LightCulling {
-    /// The faster one, as measured so far: [`PerPixel`](Self::PerPixel), and from 2,048 point and spot lights on
+    /// The faster variant, as measured so far: [`PerPixel`](Self::PerPixel), and from 2,048 point and spot lights on
     /// [`SharedMemory`](Self::SharedMemory).
     #[default]
     Auto,
-    /// Each pixel looks at all lights of its cluster.
+    /// Each pixel tests all lights of its cluster.
     PerPixel,
-    /// The subgroups of an 8×8 tile first find those that reach it, by ballots. Where the device has no subgroups:
-    /// [`SharedMemory`](Self::SharedMemory).
+    /// The subgroups of an 8×8 tile first cull lights that do not reach it, by ballots. Falls back to
+    /// [`SharedMemory`](Self::SharedMemory) on devices without subgroups.
     Subgroup,
-    /// The workgroup of an 8×8 tile first finds those that reach it, in shared memory.
+    /// The workgroup of an 8×8 tile first culls lights that do not reach it, in shared memory.
     SharedMemory,
 }
 
@@ -157,7 +159,7 @@ pub enum DebugChannel {
     Albedo,
     /// Metallic, grey.
     Metallic,
-    /// Baked material occlusion, grey: white is open.
+    /// Baked material occlusion, grey: white is unoccluded.
     Occlusion,
     /// World-space shading normal, `n / 2 + 1/2`.
     Normal,
@@ -167,24 +169,25 @@ pub enum DebugChannel {
     GeometricNormal,
     /// Distance along the view axis, grey: `1 / (1 + metres)`.
     Depth,
-    /// Emitted light and that of lightmaps, as exposed. Black while no visible mesh has any.
+    /// Emitted light and that of lightmaps, exposed. Black while no visible mesh has any.
     Emissive,
-    /// A colour for each shading model: subsurface pink, anisotropy yellow, rim cyan, clearcoat blue, backlight green,
-    /// unlit magenta; plain surfaces grey by their specular constant (white at 2).
+    /// A colour per shading model: subsurface pink, anisotropy yellow, rim cyan, clearcoat blue, backlight green, unlit
+    /// magenta; plain surfaces grey by their specular constant (white at 2).
     ShadingModel,
     /// Motion of meshes that move or deform: grey at rest, red and green with the motion across the picture (full at a
-    /// tenth of it), black where it follows from the cameras. Black without `MotionVectorPrepass`.
+    /// tenth of it), black for pixels whose motion follows from the cameras. Black without `MotionVectorPrepass`.
     Motion,
-    /// Render layers: a colour for each set, grey for layer 0 alone. All grey while no light's layers tell meshes apart.
+    /// Render layers: a colour per set, grey for layer 0 alone. All grey while no light has layers that exclude some
+    /// meshes.
     VisibilityMask,
-    /// Light that surfaces reflect diffusely or transmit, exposed; without fog and without what they emit.
+    /// Light that surfaces reflect diffusely or transmit, exposed; without fog and emission.
     DiffuseLight,
-    /// Light that the boundaries of surfaces reflect, exposed; without fog and without what they emit.
+    /// Light that surfaces reflect specularly, exposed; without fog and emission.
     SpecularLight,
 }
 
 impl DebugChannel {
-    /// All channels, in the order of the bit table, and the parts of the light.
+    /// All channels, in the order of the bit table, followed by the parts of the light.
     pub const ALL: [Self; 13] = [
         Self::Albedo,
         Self::Metallic,
@@ -201,7 +204,7 @@ impl DebugChannel {
         Self::SpecularLight,
     ];
 
-    /// Whether it shows light, for which surfaces are lit.
+    /// True if it shows light, for which surfaces must be lit.
     pub(crate) fn is_light(self) -> bool {
         matches!(self, Self::DiffuseLight | Self::SpecularLight)
     }

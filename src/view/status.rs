@@ -1,4 +1,4 @@
-//! What a camera is doing, for the main world.
+//! The status of a camera, for the main world.
 
 use core::fmt;
 
@@ -10,8 +10,8 @@ use bevy::{
     render::{camera::ExtractedCamera, render_resource::TextureFormat},
 };
 
-/// On a camera with [`LeanDeferred`](super::LeanDeferred): whether the last frame was rendered lean, or why it was not. Added and removed with
-/// it.
+/// On a camera with [`LeanDeferred`](super::LeanDeferred): tells if the last frame was rendered lean, or the reason
+/// that it was not. Added and removed with it.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -27,11 +27,11 @@ use bevy::{
 #[derive(Component, Reflect, Clone, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub enum LeanStatus {
-    /// It was rendered through the G-buffer.
+    /// The camera was rendered through the G-buffer.
     Lean,
-    /// Bevy renders it until its lighting shaders are compiled.
+    /// Bevy renders the camera until its lighting shaders are compiled.
     Compiling,
-    /// Bevy renders it, or nothing does.
+    /// Bevy renders the camera, or nothing does.
     Off(LeanOffReason),
 }
 
@@ -51,37 +51,37 @@ impl fmt::Display for LeanStatus {
     }
 }
 
-/// Why a camera with [`LeanDeferred`](super::LeanDeferred) is not rendered lean. Shown, it completes the sentence "It is off: …".
-/// `docs/reliability.md` lists what a camera and its device need.
+/// The reason that a camera with [`LeanDeferred`](super::LeanDeferred) is not rendered lean. Its text completes the
+/// sentence "It is off: …". `docs/reliability.md` lists the requirements for camera and device.
 #[derive(Reflect, Clone, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum LeanOffReason {
-    /// It was not rendered: it is not active, its target is not there, no frame has been rendered yet, or the app has no
-    /// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin).
+    /// The camera was not rendered: it is not active, its target does not exist, no frame has been rendered yet, or the
+    /// app has no [`LeanDeferredPlugin`](crate::LeanDeferredPlugin).
     NotRendered,
     /// [`LeanDeferred::enabled`](super::LeanDeferred::enabled) is false.
     Disabled,
     /// Its `Msaa` is not `Off`.
     Msaa,
-    /// Its `CameraRenderGraph` is not `Core3d`, where the passes of this crate are.
+    /// Its `CameraRenderGraph` is not `Core3d`, in which the passes of this crate run.
     Schedule,
     /// It has no `Camera3d`.
     NotCamera3d,
-    /// Its `Viewport::depth` is not `0.0..1.0`: depth does not tell where surfaces are.
+    /// Its `Viewport::depth` is not `0.0..1.0`, so positions cannot be reconstructed from depth.
     ViewportDepth,
     /// It has no `Hdr`.
     NotHdr,
-    /// Its main texture has this format.
+    /// Its main texture has this format instead of `Rgba16Float`.
     Format(TextureFormat),
-    /// It has `DeferredPrepass`, so Bevy's own deferred renderer.
+    /// It has `DeferredPrepass`, that is, Bevy's own deferred renderer.
     DeferredPrepass,
-    /// The device lacks this.
+    /// The device lacks these capabilities.
     Device(String),
-    /// A shader cannot be compiled, for this cause.
+    /// A shader cannot be compiled, for this reason.
     Shader(String),
-    /// The texture with this label does not fit into the GPU's memory. It is tried again once the camera's target has another size, its
-    /// effects change, or it was switched off.
+    /// The texture with this label does not fit into the GPU's memory. It is tried again once the size of the camera's
+    /// target or the camera's effects have changed, or the camera was switched off.
     OutOfMemory(String),
 }
 
@@ -112,7 +112,7 @@ impl fmt::Display for LeanOffReason {
 }
 
 impl LeanOffReason {
-    /// What speaks against effects that find surfaces by the depth of `camera`.
+    /// The reason that effects cannot reconstruct surfaces from the depth of `camera`, if any.
     pub(crate) fn against_reading_depth(
         camera: &ExtractedCamera,
         is_3d: bool,
@@ -132,7 +132,7 @@ impl LeanOffReason {
         }
     }
 
-    /// The text that says more of it.
+    /// The text of reasons that have one.
     pub(crate) fn text(&self) -> Option<&str> {
         match self {
             Self::Device(text) | Self::Shader(text) | Self::OutOfMemory(text) => Some(text),
@@ -140,7 +140,7 @@ impl LeanOffReason {
         }
     }
 
-    /// Whether cameras are warned of it one by one. Of the others there is a message elsewhere, or the app knows.
+    /// True if each camera gets a warning. Other reasons are logged elsewhere, or the app knows them.
     pub(crate) fn is_of_camera(&self) -> bool {
         !matches!(
             self,

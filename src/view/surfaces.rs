@@ -1,29 +1,29 @@
-//! The kinds of surfaces that there are, and what of the G-buffer they need.
+//! The kinds of surfaces, and the targets of the G-buffer that they need.
 
 use bevy::prelude::*;
 use bitflags::bitflags;
 
 bitflags! {
-    /// Targets beside the base ones. Each exists only while a visible mesh writes it (and a little longer, so that what
-    /// comes and goes does not make textures and pipelines anew).
+    /// Optional targets. Each exists while a visible mesh writes it, and for some frames longer, so that meshes which
+    /// come and go do not recreate textures and pipelines.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Reflect)]
     #[reflect(opaque, Default, Clone, PartialEq, Hash)]
     pub struct GBufferTargets: u8 {
-        /// Light that a surface emits, or that a lightmap holds for it.
+        /// Light that a surface emits, or that its lightmap contains.
         const EMISSIVE = 1 << 0;
-        /// Specular constant, shading model with its arguments, and flags that are not at their defaults.
+        /// Specular constant, shading model with its arguments, and non-default flags.
         const SPECIALIZATION = 1 << 1;
-        /// Where a surface was in the last frame. Meshes that move, are skinned or have morph targets write it without
-        /// being told; a material whose vertex shader animates names it. Only on views with `MotionVectorPrepass`.
+        /// Motion of a surface since the last frame. Written automatically by meshes that move, are skinned or have
+        /// morph targets; a material whose vertex shader animates must request it. Only on views with
+        /// `MotionVectorPrepass`.
         const MOTION = 1 << 2;
-        /// Which [`RenderLayers`](bevy::camera::visibility::RenderLayers) a mesh is on. Meshes on other layers than
-        /// layer 0 alone write it without being told, on views with a light, decal or light probe that its own layers
-        /// keep from some meshes.
+        /// The [`RenderLayers`](bevy::camera::visibility::RenderLayers) of a mesh. Written automatically by meshes that
+        /// are not on layer 0 alone, on views with a light, decal or light probe whose layers exclude some meshes.
         const VISIBILITY_MASK = 1 << 3;
     }
 }
 
-/// How a surface reflects light. A pixel has one of these; a material that asks for two at once is drawn forward.
+/// Reflection model of a surface, one per pixel. Forward draws materials that need two at once.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq, Hash)]
 #[repr(u8)]
@@ -31,21 +31,21 @@ pub enum ShadingModel {
     /// Base colour, metallic, roughness.
     #[default]
     Plain = 0,
-    /// Light that enters scatters and leaves elsewhere. Lit as [`Plain`](Self::Plain), then scattered.
+    /// Entering light scatters and leaves elsewhere. Lit as [`Plain`](Self::Plain), then scattered.
     Subsurface = 1,
     /// Highlights stretched along a tangent.
     Anisotropy = 2,
-    /// Light caught along the silhouette.
+    /// A highlight along the silhouette.
     Rim = 3,
-    /// A second, clear layer.
+    /// A second, clear lobe on top.
     Clearcoat = 4,
-    /// Light that falls on the back shines through.
+    /// Light on the back side is transmitted to the front.
     Backlight = 5,
-    /// The base colour, whatever the light.
+    /// The base colour, regardless of light.
     Unlit = 6,
 }
 
-/// One kind of surface, as lighting tells them apart.
+/// A kind of surface that lighting treats on its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct LightingVariant {
     shading_model: ShadingModel,
@@ -53,8 +53,8 @@ pub(crate) struct LightingVariant {
 }
 
 bitflags! {
-    /// A set of kinds, by [`LightingVariant::index`]: lighting is compiled for these, and nothing else. The plain one is always
-    /// there, and not in it.
+    /// A set of kinds, by [`LightingVariant::index`], for which lighting is compiled. The plain kind is always included
+    /// and has no bit.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub(crate) struct LightingVariants: u16 {
         const _ = !0;
@@ -62,12 +62,12 @@ bitflags! {
 }
 
 impl LightingVariants {
-    /// Whether light scatters beneath one of them.
+    /// True if light scatters beneath surfaces of one of these kinds.
     pub(crate) fn scatter(self) -> bool {
         self.intersects(LightingVariant::scattering_ones())
     }
 
-    /// What they are where no light scatters beneath surfaces.
+    /// Replaces scattering kinds by those without scattering, for views that do not scatter light.
     pub(crate) fn unscattered(self) -> Self {
         let plain = LightingVariant::SCATTERING
             .into_iter()
@@ -81,7 +81,7 @@ impl LightingVariants {
 }
 
 impl LightingVariant {
-    /// Those beneath which light scatters.
+    /// The kinds with scattering.
     const SCATTERING: [Self; 2] = [
         Self {
             shading_model: ShadingModel::Subsurface,
@@ -103,10 +103,10 @@ impl LightingVariant {
         lightmapped: false,
     };
 
-    /// How surfaces with `shading_model` are lit.
+    /// The kind of surfaces with `shading_model`.
     pub(crate) fn new(shading_model: ShadingModel, lightmapped: bool) -> Self {
         match shading_model {
-            // No light reaches it.
+            // Lightmaps do not affect it.
             ShadingModel::Unlit => Self::PLAIN,
             _ => Self {
                 shading_model,
@@ -115,13 +115,13 @@ impl LightingVariant {
         }
     }
 
-    /// The number by which shaders know it; that of the plain one is 0. `variant_of` in `tile_list.wgsl` finds it; it knows
-    /// those only that are lit in a way of their own: [`unscattered`](Self::unscattered) ones.
+    /// Its number in shaders; 0 for the plain kind. `variant_of` in `tile_list.wgsl` computes it, but only for
+    /// [`unscattered`](Self::unscattered) kinds, which are those that lighting treats differently.
     pub(crate) fn index(self) -> u32 {
         self.shading_model as u32 | (u32::from(self.lightmapped) << 3)
     }
 
-    /// What it is where no light scatters beneath surfaces.
+    /// The same kind without scattering.
     pub(crate) fn unscattered(self) -> Self {
         match self.shading_model {
             ShadingModel::Subsurface => Self {
@@ -132,17 +132,16 @@ impl LightingVariant {
         }
     }
 
-    /// The set of just this one.
+    /// The set of this kind alone.
     pub(crate) fn as_set(self) -> LightingVariants {
         LightingVariants::from_bits_retain((1 << self.index()) & !1)
     }
 
-    /// How light is reflected.
     pub(crate) fn shading_model(self) -> ShadingModel {
         self.shading_model
     }
 
-    /// Whether a lightmap's light is added.
+    /// True if light from a lightmap is added.
     pub(crate) fn is_lightmapped(self) -> bool {
         self.lightmapped
     }

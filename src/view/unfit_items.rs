@@ -1,9 +1,9 @@
-//! What other crates have left in Bevy's phases of a camera whose `Msaa` or `Hdr` was changed.
+//! Drops items of other crates from Bevy's phases of a camera whose `Msaa` or `Hdr` has changed.
 //!
-//! Bevy takes its own meshes out of the phases of such a view and queues them anew. Items of others stay there with a pipeline for another
-//! sample count or format, which ends the app when it is set, and with entities that may be gone, which their draw functions may not
-//! expect. (`bevy_hanabi` 0.19 adds particles to `Opaque3d` in each frame, by a key that has the pipeline: under the old key the
-//! particles of a frame before remain.)
+//! Bevy removes its own meshes from the phases of such a view and queues them again. Items of other crates stay, with a
+//! pipeline for another sample count or format, which ends the app when it is set. Their entities may be despawned,
+//! which their draw functions may not expect. (`bevy_hanabi` 0.19 adds particles to `Opaque3d` in each frame, with a
+//! key that includes the pipeline: particles of an earlier frame stay under the old key.)
 
 use bevy::{
     core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
@@ -22,7 +22,7 @@ use bevy::{
     },
 };
 
-/// What the passes of a view have their pipelines for.
+/// Sample count and format of a view's attachments, which pipelines must match.
 #[derive(Clone, Copy)]
 struct Attachments {
     samples: u32,
@@ -30,7 +30,7 @@ struct Attachments {
 }
 
 impl Attachments {
-    /// Of pipelines that are not known yet nothing is said.
+    /// True if the pipeline matches, or is not known yet.
     fn fit(self, pipeline: CachedRenderPipelineId, cache: &PipelineCache) -> bool {
         let descriptor = cache.pipelines().nth(pipeline.id());
         let Some(PipelineDescriptor::RenderPipelineDescriptor(descriptor)) =
@@ -45,8 +45,8 @@ impl Attachments {
     }
 }
 
-/// Takes items out of the phases of views that changed in this frame whose pipeline does not fit the view any more. Before all queue
-/// systems, which may add them again.
+/// Removes items whose pipeline no longer matches their view from the phases of views that changed in this frame. Runs
+/// before all queue systems, which may add them again.
 pub(super) fn drop_unfit_items(
     cache: Res<PipelineCache>,
     dirty: Res<DirtySpecializations>,
@@ -82,7 +82,7 @@ pub(super) fn drop_unfit_items(
     }
 }
 
-/// Bevy puts nothing but meshes into these phases, and takes those out itself.
+/// Drops only non-mesh items: Bevy adds none to these phases, and removes its meshes itself.
 fn drop_non_meshes<P: BinnedPhaseItem>(
     phases: &mut ViewBinnedRenderPhases<P>,
     view: &RetainedViewEntity,

@@ -1,4 +1,4 @@
-//! Tells users once for each camera why an effect is off.
+//! Warns once per camera that an effect is off, with the reason.
 
 use core::fmt::Display;
 
@@ -7,7 +7,7 @@ use bevy::{
     render::sync_world::{MainEntity, MainEntityHashMap},
 };
 
-/// What users have been told of, by camera.
+/// The last warning per camera.
 pub(crate) struct WarnOnce<R> {
     told: MainEntityHashMap<R>,
 }
@@ -19,13 +19,13 @@ impl<R> Default for WarnOnce<R> {
 }
 
 impl<R: Display + PartialEq> WarnOnce<R> {
-    /// Called in each frame in which `camera` is rendered, with the reason why its `effect` is off. Warns if that is another one
-    /// than in the last of these frames.
+    /// Call in each frame in which `camera` is rendered, with the reason that its `effect` is off. Warns if the reason
+    /// differs from that of the last such frame.
     pub(crate) fn tell(&mut self, effect: &str, camera: MainEntity, reason: Option<R>) {
         self.tell_that("is off", effect, camera, reason);
     }
 
-    /// As [`tell`](Self::tell), of an effect of which there is something else to be said.
+    /// Like [`tell`](Self::tell), with another state than "is off".
     pub(crate) fn tell_that(
         &mut self,
         state: &str,
@@ -43,7 +43,7 @@ impl<R: Display + PartialEq> WarnOnce<R> {
         }
     }
 
-    /// Forgets the cameras that are not among `cameras`: those that have the effect, rendered or not.
+    /// Forgets cameras that are not among `cameras`: those with the effect, rendered or not.
     pub(crate) fn keep_only<'a>(&mut self, cameras: impl Iterator<Item = &'a MainEntity> + Clone) {
         self.told
             .retain(|camera, _| cameras.clone().any(|other| other == camera));

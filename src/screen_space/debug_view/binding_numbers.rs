@@ -1,4 +1,4 @@
-//! Where `debug_view.wgsl` has what it binds.
+//! Binding numbers of `debug_view.wgsl`.
 
 use crate::gpu::bindings::binding_numbers;
 

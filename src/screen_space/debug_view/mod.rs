@@ -1,5 +1,5 @@
-//! What an effect has found, shown in place of the picture: after the last frame has been kept, of which it is to be no part,
-//! and before post-processing.
+//! Shows the output of an effect in place of the picture: before post-processing, and after the history is kept, which must not
+//! contain it.
 
 #[doc(hidden)]
 pub mod binding_numbers;
@@ -40,18 +40,18 @@ use crate::{
 
 const LABEL: &str = "lean_deferred/screen_space/debug_view";
 
-/// What of a texture is shown.
+/// Channels of a texture to show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Shows {
-    /// Red, green and blue, times alpha.
+    /// RGB times alpha.
     Light,
-    /// Red, green and blue alone.
+    /// RGB alone.
     BareLight,
-    /// Grey.
+    /// Alpha as grey.
     Alpha,
-    /// 1 less alpha, grey.
+    /// 1 - alpha, as grey.
     OneMinusAlpha,
-    /// Words of reflections' hits: 1 / (1 + metres), grey, and black for none.
+    /// Hit words of reflections: 1 / (1 + metres) as grey, black without a hit.
     Hit,
 }
 
@@ -74,13 +74,13 @@ impl Shows {
     }
 }
 
-/// On a view of the render world: what an effect holds there.
+/// On a view of the render world: the state of an effect with a debug view.
 pub(super) trait DebugShown: Component {
-    /// What its settings ask to be shown, in a texture that covers the viewport; `None` for nothing.
+    /// Channels and texture that the settings select; the texture covers the viewport. `None` without a debug view.
     fn shown(&self) -> Option<(Shows, &TextureView)>;
 }
 
-/// Shows what a `V` asks for.
+/// Shows the debug view of a `V`.
 pub(super) struct DebugViewPlugin<V>(PhantomData<V>);
 
 impl<V> Default for DebugViewPlugin<V> {
@@ -131,7 +131,7 @@ impl Plugin for DebugViewPipelinesPlugin {
 
 type Key = (TextureFormat, Shows);
 
-/// Made for what is shown.
+/// Created on first use.
 #[derive(Resource)]
 struct DebugViewPipelines {
     shader: Handle<Shader>,
@@ -179,7 +179,7 @@ impl DebugViewPipelines {
     }
 }
 
-/// On a view that shows what a `V` has found: the pipeline, which may still be compiling.
+/// On a view that shows the output of a `V`. The pipeline may still be compiling.
 #[derive(Component)]
 struct DebugView<V> {
     pipeline: CachedRenderPipelineId,

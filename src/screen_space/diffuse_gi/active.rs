@@ -1,4 +1,4 @@
-//! Per camera and frame: whether light is found, and by which shaders.
+//! Decides per camera and frame if diffuse GI runs, and with which pipelines.
 
 use bevy::{
     prelude::*,
@@ -19,7 +19,7 @@ use crate::{
     view::{ActiveLeanView, IndirectDiffuse, LeanDeferred, ReadsDiffuseLight, warn_once::WarnOnce},
 };
 
-/// On a view of the render world: its shaders are compiled, and lighting is asked to take in what they find.
+/// On a view of the render world: the pipelines are compiled, and lighting is asked to add their output.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct ActiveGi {
     pub(super) settings: LeanScreenSpaceGi,
@@ -27,8 +27,8 @@ pub struct ActiveGi {
     pub(super) passes: GiPasses,
 }
 
-/// Inserts or removes [`ActiveGi`], and what it asks of lighting. While the shaders of new settings compile, a view keeps
-/// those that it had. Cameras that are switched off lose it, and so what they hold on the GPU.
+/// Inserts or removes [`ActiveGi`] and its requests to lighting. While pipelines for new settings compile, a view keeps its current
+/// ones. Cameras that are switched off lose it, which frees their GPU resources.
 pub(super) fn decide_active_gi(
     mut commands: Commands,
     pipelines: Option<ResMut<GiPipelines>>,
@@ -82,7 +82,7 @@ pub(super) fn decide_active_gi(
                 if was_lean {
                     view.insert_if_new(IndirectDiffuse::default());
                 } else {
-                    // Nothing is kept for a camera that is not lean after all.
+                    // The camera was not rendered lean: drop its output.
                     view.insert(IndirectDiffuse::default());
                 }
             }

@@ -1,4 +1,4 @@
-//! Where the shaders of diffuse GI have what they bind; each pass binds a part. Names as in `bindings.wgsl`.
+//! Binding numbers of the diffuse GI shaders; each pass binds a subset. Names as in `bindings.wgsl`.
 
 use crate::gpu::bindings::binding_numbers;
 

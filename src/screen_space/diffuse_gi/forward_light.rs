@@ -1,5 +1,5 @@
-//! The light of what Bevy's forward passes draw, on views whose depth prepass has drawn it: else this frame's GI would not
-//! know where it is.
+//! Light of meshes in Bevy's forward passes, on views with a depth prepass. Without the prepass, this frame's GI would not know
+//! their depth.
 
 use bevy::{
     asset::load_embedded_asset,
@@ -36,7 +36,7 @@ use crate::{
 
 const LABEL: &str = "lean_deferred/screen_space/diffuse_gi/forward_light";
 
-/// Made when the first view asks for it.
+/// The pipeline is created when the first view needs it.
 #[derive(Resource)]
 pub(super) struct ForwardLightPipeline {
     shader: Handle<Shader>,
@@ -51,7 +51,7 @@ pub(super) fn init_forward_light_pipeline(mut commands: Commands, asset_server: 
 }
 
 impl ForwardLightPipeline {
-    /// Has it compiled, once.
+    /// Queues the pipeline for compilation, once.
     fn queue(&mut self, cache: &PipelineCache) -> &FoundLayout {
         let shader = &self.shader;
         let (layout, _) = self.queued.get_or_insert_with(|| {
@@ -80,18 +80,18 @@ impl ForwardLightPipeline {
     }
 }
 
-/// On a view whose forward meshes shine.
+/// On a view whose forward meshes emit light into GI.
 #[derive(Component, Default)]
 pub struct ForwardLight(PictureBindGroups);
 
 impl ForwardLight {
-    /// Those that stay from frame to frame as long as nothing changes.
+    /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
         self.0.all()
     }
 }
 
-/// Inserts or removes [`ForwardLight`], and makes its bind groups.
+/// Inserts or removes [`ForwardLight`], and updates its bind groups.
 pub(super) fn prepare_forward_light(
     mut commands: Commands,
     device: Res<RenderDevice>,
@@ -138,7 +138,7 @@ pub(super) fn prepare_forward_light(
     }
 }
 
-/// After the opaque meshes.
+/// Runs after the opaque meshes.
 pub(super) fn add_forward_light(
     view: ViewQuery<(&ForwardLight, &ViewGi, &ActiveLeanView, &ViewTarget)>,
     cache: Res<PipelineCache>,

@@ -1,13 +1,13 @@
-//! What the shaders are compiled by.
+//! Pipeline key.
 
 use bevy::shader::ShaderDefVal;
 
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
-/// What all passes are compiled by.
+/// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct GiKey {
-    /// Slices, and steps a side.
+    /// Slices, and steps per side.
     pub(super) samples: (u32, u32),
     pub(super) divisor: u32,
     pub(super) projection: ProjectionKind,
@@ -25,7 +25,7 @@ impl GiKey {
         defs
     }
 
-    /// Whether its shaders do for a view of the other key until those are compiled.
+    /// True if its pipelines can stand in for those of `other` until they are compiled.
     pub(super) fn stands_in_for(self, other: Self) -> bool {
         self.projection.covers(other.projection)
     }

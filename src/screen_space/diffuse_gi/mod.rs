@@ -1,22 +1,27 @@
-//! Diffuse global illumination: light that surfaces send to one another, and what they hide of the sky, in one march over depth
+//! Diffuse global illumination: diffuse light between surfaces, and their occlusion of the environment, from one march over depth
 //! (Mayaux 2018, "Horizon-based indirect lighting").
 //!
 //! Put [`LeanScreenSpaceGi`] beside [`LeanDeferred`](crate::LeanDeferred). Three passes run between G-buffer and lighting:
 //!
-//! 1. *levels* brings the diffuse light of the last frame to where this frame shows its surfaces, at four levels of detail.
-//! 2. *gather* marches over depth from each texel. Those of 4×4 texels take different directions.
-//! 3. *filter* joins what these sixteen have found.
+//! 1. *levels* reprojects the diffuse light of the last frame onto the surfaces of this frame, at four mip levels.
+//! 2. *gather* marches over depth from each texel. The sixteen texels of a 4×4 block take different directions.
+//! 3. *filter* averages 4×4 texels of the same surface, which brings the sixteen directions together.
 //!
-//! Lighting adds the light, and takes the hidden part of the hemisphere from environment maps, irradiance volumes and ambient light.
-//! The passes are timed as `lean_deferred/screen_space/diffuse_gi/levels`, `…/gather` and `…/filter`.
+//! Lighting adds the light and attenuates environment maps, irradiance volumes and ambient light by the occlusion. GPU times are
+//! recorded as `lean_deferred/screen_space/diffuse_gi/levels`, `…/gather` and `…/filter`.
 
 // - `settings.rs`: the component.
-// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-// - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-// - `pass.rs`: the three passes. `levels.wgsl`: depth, and the light of the last frame, as this one sees it.
-//   `gather.wgsl`: what falls onto each texel. `filter.wgsl`: what sixteen texels have found, together.
-// - `forward_light.{rs,wgsl}`: the light of what Bevy's forward passes draw.
-// - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
+// - `uniforms.rs`, `view.wgsl`: the uniform of a view.
+// - `key.rs`: pipeline keys.
+// - `pipelines.rs`: layouts and pipelines.
+// - `active.rs`: decides per view and frame if light is computed.
+// - `prepare.rs`: uniforms, textures and bind groups of views.
+// - `pass.rs`: the three passes.
+// - `levels.wgsl`: depth, and the reprojected light of the last frame.
+// - `gather.wgsl`: light and occlusion of each texel.
+// - `filter.wgsl`: the mean of 4×4 texels.
+// - `forward_light.{rs,wgsl}`: adds the light of meshes that Bevy's forward passes draw.
+// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
 
 mod active;
 #[doc(hidden)]
@@ -62,7 +67,7 @@ use crate::{
     },
 };
 
-/// Diffuse GI, for cameras with [`LeanScreenSpaceGi`]. Does nothing without
+/// Adds diffuse GI for cameras with [`LeanScreenSpaceGi`]. Does nothing without
 /// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after
 /// `DefaultPlugins`.
 #[derive(Default)]

@@ -29,7 +29,7 @@ const PASSES: [&str; 3] = [
     "lean_deferred/screen_space/diffuse_gi/filter",
 ];
 
-/// Finds what surfaces send to one another, for the lighting pass.
+/// Computes indirect diffuse light for the lighting pass.
 pub(super) fn find_diffuse_light(
     view: ViewQuery<(&ActiveGi, &ActiveLeanView, &ViewGi, &GiBindings)>,
     cache: Res<PipelineCache>,
@@ -47,7 +47,7 @@ pub(super) fn find_diffuse_light(
     }
 }
 
-/// `None` if something is missing.
+/// `None` if a pipeline or bind group is missing.
 fn dispatches<'a>(
     active: &ActiveGi,
     gi: &ViewGi,

@@ -24,14 +24,14 @@ use crate::{
     screen_space::shown_exposure::ShownExposure,
 };
 
-/// Of the depth and light of texels: two words each.
+/// Format of the depth and light of texels: two words each.
 pub(super) const LEVELS_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
-/// Of light and what it hides.
+/// Format of light, with the occluded part of the hemisphere in alpha.
 pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
-/// How many levels there are. Compute shaders can store to at least four textures on any device.
+/// Number of levels. Any device has at least four storage textures per compute shader.
 pub(super) const LEVEL_COUNT: u32 = 4;
 
-/// The pipelines of one key.
+/// Pipelines of one key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct GiPasses {
     pub(super) levels: CachedComputePipelineId,
@@ -47,7 +47,7 @@ impl GiPasses {
     }
 }
 
-/// The pipelines by key. Made by `init_gi_pipelines`.
+/// Pipelines by key. Created by `init_gi_pipelines`.
 #[derive(Resource)]
 pub(super) struct GiPipelines {
     shaders: [Handle<Shader>; 3],
@@ -115,7 +115,7 @@ pub(super) fn init_gi_pipelines(
 }
 
 impl GiPipelines {
-    /// The pipelines for `key`; they may still be compiling.
+    /// Pipelines for `key`; they may still be compiling.
     pub(super) fn specialize(&mut self, cache: &PipelineCache, key: GiKey) -> GiPasses {
         if let Some(passes) = self.by_key.get(&key) {
             return *passes;

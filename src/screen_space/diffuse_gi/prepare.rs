@@ -1,5 +1,4 @@
-//! What the passes need of a view: its uniform, its textures, and bind groups, which are made anew only when what they bind
-//! changed.
+//! Per-view resources of the passes: uniform, textures and bind groups. Bind groups are recreated only when their resources change.
 
 use bevy::{
     camera::MainPassResolutionOverride,
@@ -44,13 +43,14 @@ use crate::{
     },
 };
 
-/// Texels a side that a workgroup of the first pass makes, and that the workgroups of the second share.
+/// Texels per side that a workgroup of the first pass writes.
 const LEVELS_SIDE: u32 = 16;
+/// Texels per side of a block of the second pass.
 const GATHER_SIDE: u32 = 32;
-/// Workgroups that share these.
+/// Workgroups that share such a block.
 const PHASES: u32 = 16;
 
-/// The uniforms of all views.
+/// Uniforms of all views.
 #[derive(Resource, Default)]
 pub(super) struct GiUniforms(DynamicUniformBuffer<GiView>);
 
@@ -61,10 +61,10 @@ impl GiUniforms {
     }
 }
 
-/// On a view whose light is found: what is kept from frame to frame, and what the passes write.
+/// On a view with diffuse GI: its history, and the outputs of the passes.
 #[derive(Component)]
 pub struct ViewGi {
-    /// Of this frame and the last one, in turns.
+    /// Of this frame and the last one, alternating.
     levels: [StorageTexture<{ LEVEL_COUNT as usize }>; 2],
     current: usize,
     gathered: StorageTexture,
@@ -72,7 +72,7 @@ pub struct ViewGi {
     texture_size: UVec2,
     pub(super) viewport_size: UVec2,
     debug_view: Option<ScreenSpaceGiDebugView>,
-    /// Where things were in the last frame is read from motion vectors, not only from the cameras.
+    /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
     has_motion: bool,
     pub(super) frames: Succession,
     pub(super) offset: u32,
@@ -114,12 +114,12 @@ impl ViewGi {
         ]
     }
 
-    /// What the last frame was seen with; `None` if what is kept of it says nothing of this one.
+    /// Parameters of the last frame; `None` if its levels are invalid for this frame.
     pub fn last(&self) -> Option<&LastFrame> {
         self.frames.last()
     }
 
-    /// All that it holds on the GPU.
+    /// All textures that it holds.
     pub fn textures(&self) -> impl Iterator<Item = &Texture> {
         let levels = self.levels.iter().map(|levels| &levels.texture);
         levels.chain([&self.gathered.texture, &self.output.texture])
@@ -142,7 +142,7 @@ impl DebugShown for ViewGi {
     }
 }
 
-/// Makes the textures of views that have none, says where what they find is, and writes [`GiUniforms`].
+/// Creates missing textures, sets [`IndirectDiffuse`] to the output, and writes [`GiUniforms`].
 pub(super) fn prepare_gi(
     mut commands: Commands,
     mut uniforms: ResMut<GiUniforms>,
@@ -208,10 +208,10 @@ pub(super) fn prepare_gi(
     }
 }
 
-/// On a view whose light is found: the bind groups of its passes.
+/// On a view with diffuse GI: the bind groups of its passes.
 #[derive(Component, Default)]
 pub struct GiBindings {
-    /// By which of the two levels is this frame's.
+    /// By the index of this frame's levels.
     pub(super) groups: [GiGroups; 2],
     pub(super) current: usize,
 }
@@ -224,7 +224,7 @@ pub(super) struct GiGroups {
 }
 
 impl GiBindings {
-    /// Those that stay from frame to frame as long as nothing changes.
+    /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
         self.groups
             .iter()
@@ -233,7 +233,7 @@ impl GiBindings {
     }
 }
 
-/// Makes the bind groups of all active views.
+/// Updates the bind groups of all active views.
 pub(super) fn prepare_gi_bind_groups(
     mut commands: Commands,
     device: Res<RenderDevice>,

@@ -2,21 +2,20 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
 use crate::screen_space::ScreenSpaceResolution;
 
-/// Light that surfaces send to one another: what the picture shows of it, from the last frame (Mayaux 2018, "Horizon-based indirect
+/// Screen-space diffuse GI: gathers the last frame's diffuse light from surfaces on screen (Mayaux 2018, "Horizon-based indirect
 /// lighting").
 ///
-/// For cameras with [`LeanDeferred`](crate::LeanDeferred). What a surface sends out in all directions (ambient and diffuse
-/// light, transmitted light, emission) falls onto those around it in the next frame, and there is part of what it sends out
-/// again: light bounces as often as it likes. The part of the hemisphere that those surfaces take is hidden from environment
-/// maps, irradiance volumes and ambient light, so that light is never made: beside this component
-/// [`LeanAmbientOcclusion`](crate::LeanAmbientOcclusion) has nothing to do in the lighting pass, and is off.
+/// For cameras with [`LeanDeferred`](crate::LeanDeferred). The diffuse radiance of a surface (ambient and diffuse light, transmitted
+/// light, emission) illuminates surfaces around it in the next frame, and becomes part of their radiance: light bounces any number
+/// of times. Surfaces also occlude environment maps, irradiance volumes and ambient light over the part of the hemisphere that they
+/// cover, so that no energy is added. This replaces [`LeanAmbientOcclusion`](crate::LeanAmbientOcclusion), which is off beside this
+/// component.
 ///
-/// What the picture does not show sends nothing: what is beyond its rim, or hidden. Meshes that Bevy's forward passes draw shine
-/// and hide where the camera has `DepthPrepass`, and get no light. A surface that faces away is taken to shine as its front
-/// does. Without `MotionVectorPrepass` the light of what moves
-/// is a frame behind it.
+/// Off-screen and hidden surfaces emit nothing. Meshes in Bevy's forward passes emit and occlude if the camera has `DepthPrepass`,
+/// but receive no light. A surface that faces away is assumed to emit as its front does. Without `MotionVectorPrepass`, the light of
+/// moving surfaces lags one frame behind.
 ///
-/// Adding or removing it at run time switches the effect and frees what it held.
+/// Can be added and removed at run time; removing it frees its GPU resources.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -36,21 +35,21 @@ use crate::screen_space::ScreenSpaceResolution;
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LeanScreenSpaceGi {
-    /// Distance past which surfaces neither shine on one another nor hide the sky, in metres. More than 0. On screen it is
-    /// at most half of the viewport's height; nearer to the camera it shrinks to that. Default 4.
+    /// Distance in metres beyond which surfaces neither illuminate one another nor occlude. More than 0. Clamped on screen to half of
+    /// the viewport's height. Default 4.
     pub radius: f32,
-    /// Factor on the light, 0 to 1. 1 (the default) is the physical amount.
+    /// Factor on the light, 0 to 1. Default 1, the physical amount.
     pub intensity: f32,
-    /// Angle above the surface, in radians, below which nothing counts: keeps noise of depth and normals out of flat
-    /// regions. 0 to π/2; more than 0.5 is hardly of use. Default 0.02.
+    /// Angle above the surface, in radians, below which samples are ignored: suppresses noise from depth and normals on flat
+    /// surfaces. 0 to π/2; more than 0.5 is rarely useful. Default 0.02.
     pub bias: f32,
     /// Share of the squared radius over which surfaces fade out, 0 (hard edge) to 1. Default 0.5.
     pub falloff: f32,
-    /// How many samples are taken. Default [`ScreenSpaceGiQuality::Medium`].
+    /// Number of samples. Default [`ScreenSpaceGiQuality::Medium`].
     pub quality: ScreenSpaceGiQuality,
-    /// How many pixels share a texel, for which light is found. Default [`ScreenSpaceResolution::Half`].
+    /// Resolution at which light is gathered. Default [`ScreenSpaceResolution::Half`].
     pub resolution: ScreenSpaceResolution,
-    /// What is shown in place of the picture. Default `None`, the picture.
+    /// Output that is shown in place of the image. Default `None`, the image.
     pub debug_view: Option<ScreenSpaceGiDebugView>,
 }
 
@@ -68,26 +67,26 @@ impl Default for LeanScreenSpaceGi {
     }
 }
 
-/// How many samples a texel takes. Its slices are those of sixteen texels, which a filter brings together.
+/// Samples per texel. Sixteen texels take different slices, which a filter averages.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ScreenSpaceGiQuality {
-    /// 1 slice, 8 steps a side.
+    /// 1 slice, 8 steps per side.
     Low,
-    /// 2 slices, 10 steps a side.
+    /// 2 slices, 10 steps per side.
     #[default]
     Medium,
-    /// 3 slices, 12 steps a side.
+    /// 3 slices, 12 steps per side.
     High,
-    /// 4 slices, 16 steps a side.
+    /// 4 slices, 16 steps per side.
     Ultra,
 }
 
 impl ScreenSpaceGiQuality {
-    /// All of them, cheapest first.
+    /// All variants, cheapest first.
     pub const ALL: [Self; 4] = [Self::Low, Self::Medium, Self::High, Self::Ultra];
 
-    /// Slices, and steps on each side of one.
+    /// Slices, and steps per side.
     pub fn samples(self) -> (u32, u32) {
         match self {
             Self::Low => (1, 8),
@@ -98,17 +97,17 @@ impl ScreenSpaceGiQuality {
     }
 }
 
-/// What has been found, for [`LeanScreenSpaceGi::debug_view`].
+/// Outputs for [`LeanScreenSpaceGi::debug_view`].
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Clone, PartialEq)]
 pub enum ScreenSpaceGiDebugView {
-    /// Light that other surfaces send, exposed: what a white surface would show of it.
+    /// Indirect diffuse light, exposed, as a white surface reflects it.
     Light,
-    /// What they leave of the environment, grey: white where nothing is hidden.
+    /// Visibility of the environment, in grey: white where unoccluded.
     Visibility,
 }
 
 impl ScreenSpaceGiDebugView {
-    /// Both of them.
+    /// All variants.
     pub const ALL: [Self; 2] = [Self::Light, Self::Visibility];
 }

@@ -1,4 +1,4 @@
-//! What the shaders know of a view.
+//! Uniforms of a view.
 
 use core::f32::consts::FRAC_PI_2;
 
@@ -16,12 +16,12 @@ use crate::{
     },
 };
 
-/// The largest radius on screen, as a share of the viewport's height.
+/// Largest radius on screen, as a share of the viewport's height.
 const LARGEST_RADIUS: f32 = 0.5;
-/// Larger than any screen.
+/// Upper bound of the radius, in metres.
 const LARGEST_METRES: f32 = 1e9;
 
-/// What the passes know of a view.
+/// Uniform of the passes, one per view.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct GiView {
@@ -46,7 +46,7 @@ pub struct GiView {
 }
 
 impl GiView {
-    /// What `settings` make of a frame after the `last` one.
+    /// Derives the uniform from `settings`, for the frame `now` after the `last` one.
     pub fn new(settings: &LeanScreenSpaceGi, now: &LastFrame, last: Option<&LastFrame>) -> Self {
         let clip_from_view = now.clip_from_view;
         let size = now.viewport.size();
@@ -64,7 +64,7 @@ impl GiView {
             texture_size: resolution::texels(size, settings.resolution.divisor()),
             radius: up_to(LARGEST_METRES, settings.radius),
             largest_radius_in_pixels: (LARGEST_RADIUS * size.y as f32).max(1.0),
-            // So that 0 is a hard edge, but no division by it.
+            // At least 1e-4, so that 0 is a hard edge without a division by 0.
             inverse_falloff: 1.0 / settings.falloff.clamp(1e-4, 1.0),
             sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
             intensity: up_to(1.0, settings.intensity),

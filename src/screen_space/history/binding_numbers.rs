@@ -1,4 +1,4 @@
-//! Where `levels.wgsl` has what it binds. Names as there.
+//! Binding numbers of `levels.wgsl`. Names as there.
 
 use crate::gpu::bindings::binding_numbers;
 

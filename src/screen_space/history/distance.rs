@@ -1,16 +1,16 @@
-//! The unit in which the history keeps distances: half floats, which end at 65504, have all of them.
+//! Unit of the distances in the history, scaled so that half floats, which end at 65504, can hold all of them.
 
 use bevy::math::{DMat4, DVec4, Mat4};
 
 use crate::shader_library::reconstruction::position::{ProjectionKind, projection_of};
 
-/// The smallest half float of full precision.
+/// Smallest half float of full precision.
 const SMALLEST: f64 = 1.0 / 16384.0;
-/// The largest one that is told from that of the sky, with room for what surfaces are bounded by.
+/// Largest distance that differs from the sky's, with headroom.
 const LARGEST: f64 = 65000.0;
 
-/// How many units a metre has in frames with this projection. A power of two, so that nothing is rounded, and no more than 1: in
-/// perspective what is as near as anything has the smallest unit, and what is 10⁹ times as far away the largest.
+/// Units per metre in frames with this projection. A power of two, so that scaling does not round, and at most 1. In perspective, the
+/// near plane has about the smallest distance of full precision, and 10⁹ times its distance the largest.
 pub(in crate::screen_space) fn units_per_metre(clip_from_view: Mat4) -> f32 {
     let view_from_clip = clip_from_view.as_dmat4().inverse();
     let [near, far] = [1.0, 0.0].map(|depth| distance_at(view_from_clip, depth));
@@ -19,7 +19,7 @@ pub(in crate::screen_space) fn units_per_metre(clip_from_view: Mat4) -> f32 {
     } else {
         (SMALLEST / near).log2().ceil()
     };
-    // Also of what is no number.
+    // False for NaN as well.
     if exponent > -100.0 && exponent < 0.0 {
         exponent.exp2() as f32
     } else {
@@ -27,7 +27,7 @@ pub(in crate::screen_space) fn units_per_metre(clip_from_view: Mat4) -> f32 {
     }
 }
 
-/// In the middle of the picture.
+/// Distance of this depth in the middle of the view.
 fn distance_at(view_from_clip: DMat4, depth: f64) -> f64 {
     let position = view_from_clip * DVec4::new(0.0, 0.0, depth, 1.0);
     (position.z / position.w).abs()
@@ -40,7 +40,7 @@ mod tests {
 
     use super::*;
 
-    /// What is kept of a distance, in metres.
+    /// A distance after a round trip through the history, in metres.
     fn kept(clip_from_view: Mat4, metres: f32) -> f32 {
         let units = units_per_metre(clip_from_view);
         f16::from_f32(metres * units).to_f32() / units
@@ -75,7 +75,7 @@ mod tests {
         }
     }
 
-    /// Usual cameras kept metres to 65504 in half floats, and those stay what they were.
+    /// Powers of two scale distances without rounding.
     #[test]
     fn units_are_powers_of_two() {
         for near in [1e-5, 0.1, 0.7, 100.0, f32::NAN, 0.0] {

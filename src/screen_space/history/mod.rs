@@ -1,11 +1,15 @@
-//! The last frame of a view, its light and its depth, as they were before post-processing: for effects that find in it what
-//! this frame cannot know yet.
+//! History of a view: light and depth of its last frame, before post-processing, for effects that read them in this frame.
 //!
-//! An effect inserts [`ReadsHistory`] on its views, and finds [`ViewHistory`] there. It is valid while each frame follows the
-//! one before: not after a cut, a pause, a change of size, or of the kind of projection.
+//! An effect inserts [`ReadsHistory`] on its views and reads [`ViewHistory`] there. The history is valid if its frame directly
+//! precedes this one: not after a cut, a pause, a change of the viewport or of the kind of projection.
 //!
-//! - `prepare.rs`: the textures, and whether they are valid. `uniforms.rs`, `pipelines.rs`, `pass.rs`, `levels.wgsl`: what fills
-//!   them. `distance.rs`: the unit of the distances in them. `opaque_depth.rs`: depth without transmissive meshes.
+//! - `prepare.rs`: the textures and their validity.
+//! - `uniforms.rs`: the uniform of a view.
+//! - `pipelines.rs`: layouts and pipelines.
+//! - `binding_numbers.rs`: binding numbers.
+//! - `pass.rs`, `levels.wgsl`: the pass that fills the textures.
+//! - `distance.rs`: the unit of stored distances.
+//! - `opaque_depth.rs`: depth without transmissive meshes.
 
 #[doc(hidden)]
 pub mod binding_numbers;
@@ -40,12 +44,11 @@ use crate::view::{
     depth_usage::extend_depth_usage, removal,
 };
 
-/// On a view of the render world: something reads its last frame. To be inserted before `RenderSystems::PrepareViews`,
-/// and removed when nothing does any more.
+/// On a view of the render world: requests its history. Insert before `RenderSystems::PrepareViews`; remove once nothing reads it.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ReadsHistory;
 
-/// Keeps the last frame of views that somebody reads. Added by those that do, once.
+/// Keeps the history of views with [`ReadsHistory`]. Added once, by the effects that need it.
 pub(crate) struct HistoryPlugin;
 
 impl HistoryPlugin {
@@ -92,7 +95,7 @@ impl Plugin for HistoryPlugin {
                 Core3d,
                 (
                     opaque_depth::copy_opaque_depth.in_set(OpaquePicturePasses),
-                    // Volumetric fog and what else comes between here and post-processing has no order of its own.
+                    // Volumetric fog runs after this set, so the history has none.
                     pass::keep_frame
                         .in_set(Core3dSystems::MainPass)
                         .in_set(HistoryPasses)

@@ -1,5 +1,5 @@
-//! Depth as the opaque meshes leave it, on views that show meshes with specular transmission. These write depth, but their pixels have
-//! the light of what is seen through them, and rays pass through them: the history keeps that light at the depth that it is from.
+//! Depth of the opaque meshes, on views that show meshes with specular transmission. Those write depth, but their pixels show light
+//! from behind, and rays pass through them: the history stores that light at the depth of the opaque surface.
 
 use bevy::{
     pbr::Transmissive3d,
@@ -19,8 +19,8 @@ use bevy::{
 use super::{ReadsHistory, prepare::ViewHistory};
 use crate::view::OutOfMemory;
 
-/// In the render world: copies of depth, by size. Views are drawn one after the other, so those of one size share one. Each is made
-/// when the first transmissive mesh comes into sight, and stays for as long as some history is of its size.
+/// In the render world: copies of depth, by size. Views are rendered one after another, so views of one size share a copy. A copy is
+/// created when the first transmissive mesh becomes visible, and kept while any history has its size.
 #[derive(Resource, Default)]
 pub(super) struct OpaqueDepths(HashMap<Extent3d, CachedTexture>);
 
@@ -60,7 +60,7 @@ impl OpaqueDepths {
     }
 }
 
-/// Gives each history whose view shows a transmissive mesh a copy of depth, and takes it from others.
+/// Gives a copy of depth to each history whose view shows a transmissive mesh, and removes it from the others.
 pub(super) fn prepare_opaque_depths(
     device: Res<RenderDevice>,
     mut depths: ResMut<OpaqueDepths>,
@@ -89,13 +89,13 @@ pub(super) fn prepare_opaque_depths(
     }
 }
 
-/// Before transmissive meshes are drawn.
+/// Runs before transmissive meshes are drawn.
 pub(super) fn copy_opaque_depth(
     view: ViewQuery<(&ViewHistory, &ViewDepthTexture)>,
     mut ctx: RenderContext,
 ) {
     let (history, depth) = view.into_inner();
-    // Depth can only be copied whole.
+    // Depth textures can only be copied whole.
     if let Some(copy) = &history.opaque_depth
         && copy.texture.size() == depth.texture.size()
         && depth.texture.usage().contains(TextureUsages::COPY_SRC)

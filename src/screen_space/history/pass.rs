@@ -1,4 +1,4 @@
-//! Keeps what the main passes have left.
+//! Writes the output of the main passes to the history.
 
 use bevy::{
     prelude::*,

@@ -21,17 +21,17 @@ use crate::{
     screen_space::shown_exposure::ShownExposure,
 };
 
-/// Of light and distance.
+/// Format of light and distance.
 pub(super) const FORMAT: TextureFormat = TextureFormat::Rgba16Float;
-/// Levels that each dispatch stores. Compute shaders can store to at least four textures on any device.
+/// Levels stored by each dispatch. Any device has at least four storage textures per compute shader.
 pub(super) const LEVELS: [u32; 2] = [4, 3];
 
-/// Made by `init_history_pipelines`.
+/// Pipelines of the two dispatches. Created by `init_history_pipelines`.
 #[derive(Resource)]
 pub(in crate::screen_space) struct HistoryPipelines {
     pub(super) layouts: [FoundLayout; 2],
     shader: Handle<Shader>,
-    /// `None` until somebody reads a history.
+    /// `None` until an effect reads a history.
     pub(super) queued: Option<[CachedComputePipelineId; 2]>,
 }
 
@@ -76,7 +76,7 @@ pub(super) fn init_history_pipelines(
 }
 
 impl HistoryPipelines {
-    /// Has them compiled, once.
+    /// Queues the pipelines for compilation, once.
     pub(super) fn queue(&mut self, cache: &PipelineCache) {
         let (layouts, shader) = (&self.layouts, &self.shader);
         self.queued.get_or_insert_with(|| {

@@ -1,4 +1,4 @@
-//! The textures of views whose last frame is read, and whether what they hold says something of this frame.
+//! History textures of views, and their validity.
 
 use bevy::{
     camera::MainPassResolutionOverride,
@@ -36,70 +36,71 @@ use crate::{
 
 const LABEL: &str = "lean_deferred/screen_space/history";
 const LEVEL_COUNT: usize = (LEVELS[0] + LEVELS[1]) as usize;
-/// Texels a side that a workgroup reads.
+/// Texels per side that a workgroup reads.
 const SIDE: u32 = 16;
 
-/// The uniforms of all views.
+/// Uniforms of all views.
 #[derive(Resource, Default)]
 pub(in crate::screen_space) struct HistoryUniforms(DynamicUniformBuffer<HistoryView>);
 
 /// On a view of the render world with [`ReadsHistory`]: its last frame.
 ///
-/// The texture is as large as the viewport, rounded up to a multiple of the last level's texel. Its colour is the lit picture,
-/// linear, exposed as the last frame was: finite, and at most 1024 times what showed as white. Its alpha is the distance of the
-/// surface along the view direction, [`units_per_metre`](Self::units_per_metre) times as many as metres; 65504 where there is none.
-/// Further levels have the sum of the light of surfaces over the number of texels, of which they are a part, and in alpha that part.
+/// The texture has the size of the viewport, rounded up to a multiple of the last level's texel. Its colour is the lit image, linear
+/// and exposed as the last frame was: finite, and at most 1024 times the light that showed as white. Its alpha is the distance of
+/// the surface along the view direction, in metres times [`units_per_metre`](Self::units_per_metre); 65504 where there is none.
+/// Coarser levels average over their texels: colour is the light of surfaces, 0 for texels without one, and alpha the share of
+/// texels with a surface.
 #[derive(Component)]
 pub struct ViewHistory {
     kept: StorageTexture<LEVEL_COUNT>,
-    /// Of the first dispatch.
+    /// Bind groups of the first dispatch.
     pictures: PictureBindGroups,
     means: CachedBindGroup,
     frames: Succession,
     offset: u32,
-    /// While the view shows meshes with specular transmission.
+    /// `Some` while the view shows meshes with specular transmission.
     pub(super) opaque_depth: Option<CachedTexture>,
     shown_exposure: ShownExposure,
 }
 
 impl ViewHistory {
-    /// What the last frame was seen with; `None` if what the texture holds says nothing of this frame.
+    /// Parameters of the last frame; `None` if the history is invalid for this frame.
     pub fn last(&self) -> Option<&LastFrame> {
         self.frames.last()
     }
 
-    /// Of the distances that the texture holds of the last frame.
+    /// Unit of the last frame's distances.
     pub fn units_per_metre(&self) -> f32 {
         self.last()
             .map_or(1.0, |last| units_per_metre(last.clip_from_view))
     }
 
-    /// All levels.
+    /// View of all levels.
     pub fn view(&self) -> &TextureView {
         &self.kept.view
     }
 
-    /// What [`view`](Self::view) shows.
+    /// Texture of [`view`](Self::view).
     pub fn texture(&self) -> &Texture {
         &self.kept.texture
     }
 
-    /// Pixels of the first level.
+    /// Size of the first level, in texels.
     pub fn size(&self) -> UVec2 {
         UVec2::new(self.kept.texture.width(), self.kept.texture.height())
     }
 
-    /// Of the dispatch that reads `picture`.
+    /// Bind group of the dispatch that reads `picture`.
     pub(super) fn bind_group_of(&self, picture: &Texture) -> Option<&BindGroup> {
         self.pictures.of(picture)
     }
 
-    /// Of the second dispatch.
+    /// Bind group of the second dispatch.
     pub(super) fn bind_group_of_means(&self) -> Option<&BindGroup> {
         self.means.get()
     }
 
-    /// Those that stay from frame to frame as long as nothing changes.
+    /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
         self.pictures.all().chain(self.means.get())
     }
@@ -108,13 +109,13 @@ impl ViewHistory {
         self.offset
     }
 
-    /// Of the two dispatches.
+    /// Workgroups of the two dispatches.
     pub(super) fn workgroups(&self) -> [UVec2; 2] {
         let last_of_first = self.size() >> (LEVELS[0] - 1);
         [self.size(), last_of_first].map(|texels| texels.map(|side| side.div_ceil(SIDE)))
     }
 
-    /// This frame's light is there.
+    /// Marks this frame's light as stored.
     pub(super) fn hold(&self, number: &FrameNumber) {
         self.frames.hold(number);
     }
@@ -138,20 +139,20 @@ impl BoundedByWhite for ViewHistory {
     }
 }
 
-/// Pixels of the texture for a viewport of this size: each texel of the last level stands for as many.
+/// Size of the texture for a viewport: a multiple of the last level's texel.
 fn texture_size(viewport_size: UVec2) -> UVec2 {
     let side = 1 << (LEVEL_COUNT - 1);
     viewport_size.map(|length| length.max(1).next_multiple_of(side))
 }
 
-/// On each new device.
+/// Drops all histories. Runs on each new device.
 pub(super) fn forget_histories(mut commands: Commands, views: Query<Entity, With<ViewHistory>>) {
     for view in &views {
         commands.entity(view).remove::<ViewHistory>();
     }
 }
 
-/// Makes the textures of views that have none, and says whether those of others are valid.
+/// Creates missing textures, and updates the validity of the others.
 pub(in crate::screen_space) fn prepare_histories(
     mut commands: Commands,
     mut uniforms: ResMut<HistoryUniforms>,
@@ -173,7 +174,7 @@ pub(in crate::screen_space) fn prepare_histories(
         return;
     };
     for (entity, (view, camera), msaa, resolution, cuts, history) in &mut views {
-        // Depth cannot be resolved.
+        // Multisampled depth cannot be resolved.
         if msaa.samples() != 1 {
             commands.entity(entity).remove::<ViewHistory>();
             continue;
@@ -204,7 +205,7 @@ pub(in crate::screen_space) fn prepare_histories(
     }
 }
 
-/// Makes the bind groups of views whose last frame is read.
+/// Updates the bind groups of all views with a history.
 pub(in crate::screen_space) fn prepare_history_bind_groups(
     device: Res<RenderDevice>,
     cache: Res<PipelineCache>,

@@ -1,4 +1,4 @@
-//! What the shader knows of a view.
+//! Uniforms of a view.
 
 use bevy::{prelude::*, render::render_resource::ShaderType};
 
@@ -7,7 +7,7 @@ use crate::{
     screen_space::succession::LastFrame, shader_library::reconstruction::position::view_from_pixel,
 };
 
-/// What the passes know of a view.
+/// Uniform of the passes, one per view.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct HistoryView {
@@ -18,7 +18,7 @@ pub struct HistoryView {
 }
 
 impl HistoryView {
-    /// What is kept of the frame `now`.
+    /// Derives the uniform of the frame `now`.
     pub(super) fn new(now: &LastFrame) -> Self {
         let size = now.viewport.size();
         Self {

@@ -1,4 +1,4 @@
-//! Per camera and frame: whether reflections are found, and by which shaders.
+//! Decides per camera and frame if reflections run, and with which pipelines.
 
 use bevy::{
     camera::MainPassResolutionOverride,
@@ -24,7 +24,7 @@ use crate::{
     view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LeanDeferred, warn_once::WarnOnce},
 };
 
-/// On a view of the render world: its shaders are compiled, and lighting is asked to take in what they find.
+/// On a view of the render world: the pipelines are compiled, and lighting is asked to add their output.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct ActiveReflections {
     pub(super) settings: LeanScreenSpaceReflections,
@@ -32,8 +32,8 @@ pub struct ActiveReflections {
     pub(super) passes: ReflectionPasses,
 }
 
-/// Inserts or removes [`ActiveReflections`], and what it asks of others. While the shaders of new settings compile, a view
-/// keeps those that it had. Cameras that are switched off lose it, and so what they hold on the GPU.
+/// Inserts or removes [`ActiveReflections`] and its requests to other passes. While pipelines for new settings compile, a view keeps
+/// its current ones. Cameras that are switched off lose it, which frees their GPU resources.
 pub(super) fn decide_active_reflections(
     mut commands: Commands,
     pipelines: Option<ResMut<ReflectionPipelines>>,
@@ -71,7 +71,7 @@ pub(super) fn decide_active_reflections(
             quality: settings.quality,
             divisor: settings.texel_side(rows),
             shortest_segment: settings.shortest_segment(rows),
-            // Those of the last frame: where the target is new, coats mirror a frame later.
+            // From the last frame: if the target is new, coats reflect one frame late.
             specialization: last
                 .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
             projection: projection_of(view.clip_from_view),
@@ -95,7 +95,7 @@ pub(super) fn decide_active_reflections(
                     view.insert(ReadsHistory);
                     view.insert_if_new(IndirectSpecular::default());
                 } else {
-                    // Nothing is kept for a camera that is not lean after all.
+                    // The camera was not rendered lean: drop its history and output.
                     view.remove::<ReadsHistory>();
                     view.insert(IndirectSpecular::default());
                 }

@@ -1,22 +1,22 @@
-//! What the shaders are compiled by.
+//! Pipeline key.
 
 use bevy::shader::ShaderDefVal;
 
 use super::settings::ScreenSpaceReflectionsQuality;
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
-/// What all passes are compiled by.
+/// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ReflectionKey {
     pub(super) quality: ScreenSpaceReflectionsQuality,
-    /// Pixels a side of a texel.
+    /// Pixels per side of a texel.
     pub(super) divisor: u32,
-    /// The shortest segment of a ray, in pixels.
+    /// Shortest segment of a ray, in pixels.
     pub(super) shortest_segment: u32,
     /// The view may have special surfaces.
     pub(super) specialization: bool,
     pub(super) projection: ProjectionKind,
-    /// What rays have found is shown: then it is written where there is no ray, too.
+    /// The debug view shows hits, which are then written for texels without a ray too.
     pub(super) shown: bool,
 }
 
@@ -39,7 +39,7 @@ impl ReflectionKey {
         defs
     }
 
-    /// Whether its shaders do for a view of the other key until those are compiled.
+    /// True if its pipelines can stand in for those of `other` until they are compiled.
     pub(super) fn stands_in_for(self, other: Self) -> bool {
         self.projection.covers(other.projection)
     }

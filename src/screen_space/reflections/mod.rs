@@ -1,26 +1,37 @@
 //! Screen-space reflections: rays through the depth of this frame, into the light of the last one.
 //!
-//! Put [`LeanScreenSpaceReflections`] beside [`LeanDeferred`](crate::LeanDeferred). It keeps the picture of each frame, as it is after
-//! Bevy's transparent pass, for the next one. Between G-buffer and lighting four passes read it:
+//! Put [`LeanScreenSpaceReflections`] beside [`LeanDeferred`](crate::LeanDeferred). The picture of each frame, as Bevy's transparent
+//! pass leaves it, is kept as history for the next frame. Four passes run between G-buffer and lighting:
 //!
-//! 1. *cells* notes how near and how far the surfaces of each cell of pixels are.
-//! 2. *trace* sends a ray from each texel along one of the sixteen directions of the lobe (GGX) that neighbours share, from cell to cell and
-//!    then from pixel to pixel; or, of rough surfaces, in segments that grow with the way.
-//! 3. *lobes* takes the mean of the rays around each texel.
-//! 4. *resolve* finds for each pixel what it mirrors, of the rays or the lobes around it.
+//! 1. *cells* stores the nearest and the furthest depth of each cell of pixels.
+//! 2. *trace* traces a ray from each texel, in one of sixteen directions of the GGX lobe, which a block of 4×4 texels shares. Rays of
+//!    smooth surfaces step from cell to cell and then from pixel to pixel; those of rough ones step in segments that grow with distance.
+//! 3. *lobes* averages the rays around each texel.
+//! 4. *resolve* computes the reflection of each pixel from the rays or lobes around it.
 //!
-//! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. The
-//! passes are timed as `lean_deferred/screen_space/history`, `lean_deferred/screen_space/reflections/cells`, `…/trace`, `…/lobes` and `…/resolve`.
+//! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. GPU
+//! times are recorded as `lean_deferred/screen_space/history`, `lean_deferred/screen_space/reflections/cells`, `…/trace`, `…/lobes` and
+//! `…/resolve`.
 
 // - `settings.rs`: the component.
-// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-// - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-// - `pass.rs`: the four passes. `cells.wgsl`: how near and how far cells of pixels reach, in words by `cell.{rs,wgsl}`.
-//   `trace.wgsl`: a ray (`ray.wgsl`) for each texel, by `smooth_march.wgsl` or `rough_march.wgsl`. `lobes.wgsl`: the
-//   mean of the rays around each texel. `resolve.wgsl`: what each pixel (`receiver.wgsl`) mirrors, by `smooth_light.wgsl` or
-//   `rough_light.wgsl`. Both of the latter passes know texels by `texels.wgsl`.
-// - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where. `surface.wgsl`: what mirrors, and
-//   what the last frame showed of it.
+// - `uniforms.rs`, `view.wgsl`: the uniform of a view.
+// - `key.rs`: pipeline keys.
+// - `pipelines.rs`: layouts and pipelines.
+// - `active.rs`: decides per view and frame if reflections are computed.
+// - `prepare.rs`: uniforms, textures and bind groups of views.
+// - `pass.rs`: the four passes.
+// - `cells.wgsl`: the first pass.
+// - `cell.{rs,wgsl}`: cells, and their depths packed into a word.
+// - `trace.wgsl`: the second pass.
+// - `ray.wgsl`: a ray on screen, and its hits.
+// - `smooth_march.wgsl`, `rough_march.wgsl`: the steps of rays of smooth and of rough surfaces.
+// - `lobes.wgsl`: the third pass.
+// - `resolve.wgsl`: the fourth pass.
+// - `receiver.wgsl`: the pixel that is resolved.
+// - `smooth_light.wgsl`, `rough_light.wgsl`: reflections of smooth and of rough surfaces.
+// - `texels.wgsl`: texels in shared memory, for the last two passes.
+// - `surface.wgsl`: the reflecting surface, and its light in the last frame.
+// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
 
 mod active;
 #[doc(hidden)]
@@ -69,7 +80,7 @@ use crate::{
     },
 };
 
-/// Reflections, for cameras with [`LeanScreenSpaceReflections`]. Does nothing without
+/// Adds reflections for cameras with [`LeanScreenSpaceReflections`]. Does nothing without
 /// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after
 /// `DefaultPlugins`.
 #[derive(Default)]

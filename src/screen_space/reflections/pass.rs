@@ -26,7 +26,7 @@ pub(super) const PASSES: [&str; 4] = [
     "lean_deferred/screen_space/reflections/resolve",
 ];
 
-/// Finds what surfaces mirror, for the lighting pass.
+/// Computes reflections for the lighting pass.
 pub(super) fn find_reflections(
     view: ViewQuery<(
         &ActiveReflections,
@@ -47,7 +47,7 @@ pub(super) fn find_reflections(
     }
 }
 
-/// `None` if something is missing.
+/// `None` if a pipeline or bind group is missing.
 fn dispatches<'a>(
     active: &ActiveReflections,
     held: &ViewReflections,

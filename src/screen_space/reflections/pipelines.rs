@@ -34,19 +34,19 @@ use super::{
 };
 use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
 
-/// Of the nearest and the furthest depth, in a word.
+/// Format of the nearest and furthest depth, packed in a word.
 pub(super) const CELLS_FORMAT: TextureFormat = TextureFormat::R32Uint;
-/// Of light and confidence.
+/// Format of light and confidence.
 pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
-/// Of the surfaces that send rays.
+/// Format of the surfaces that send rays.
 pub(super) const SURFACES_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
-/// Of where rays ended.
+/// Format of the rays' hits.
 pub(super) const HITS_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
-/// What the shader of each pass is compiled by beside the key.
+/// Shader defs of each pass, in addition to those of the key.
 const DEFS: [&[&str]; PASSES.len()] = [&[], &[], &["LOBES"], &[]];
 
-/// The pipelines of one key, in the order of the passes.
+/// Pipelines of one key, in the order of the passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ReflectionPasses(pub(super) [CachedComputePipelineId; PASSES.len()]);
 
@@ -58,10 +58,10 @@ impl ReflectionPasses {
     }
 }
 
-/// The layouts of the passes, in their order.
+/// Layouts of the passes, in order.
 pub(super) struct ReflectionLayouts(pub(super) [FoundLayout; PASSES.len()]);
 
-/// What is bound the same for all views.
+/// Resources shared by all views.
 pub(super) struct Fixtures {
     pub(super) history_sampler: Sampler,
     pub(super) depth_sampler: Sampler,
@@ -69,11 +69,11 @@ pub(super) struct Fixtures {
     pub(super) nothing: TextureView,
 }
 
-/// The pipelines by key, and what they bind: made when the first view asks for them.
+/// Pipelines by key, their layouts and fixtures, created when the first view needs them.
 #[derive(Resource)]
 pub(super) struct ReflectionPipelines {
     shaders: [Handle<Shader>; PASSES.len()],
-    /// Without and with special surfaces.
+    /// By [`ReflectionKey::specialization`].
     layouts: HashMap<bool, ReflectionLayouts>,
     fixtures: OnceLock<Fixtures>,
     by_key: HashMap<ReflectionKey, ReflectionPasses>,
@@ -129,7 +129,7 @@ fn layouts(cache: &PipelineCache, special: bool) -> ReflectionLayouts {
     let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
     let view = (VIEW, uniform_buffer::<ReflectionView>(true));
     let depth = (DEPTH_TEXTURE, texture_depth_2d());
-    // What passes read that look at the G-buffer and at the last frame's light.
+    // Entries of passes that read the G-buffer and the last frame's light.
     let scene: Vec<_> = [
         depth,
         (NORMAL_TEXTURE, words()),
@@ -141,7 +141,7 @@ fn layouts(cache: &PipelineCache, special: bool) -> ReflectionLayouts {
     .chain(special.then(|| (WRITTEN_TEXTURE, words())))
     .chain(special.then(|| (SPECIALIZATION_TEXTURE, words())))
     .collect();
-    // What rays have found.
+    // Output of the rays.
     let texels = [
         (SURFACES_TEXTURE, words()),
         (RAYS_TEXTURE, floats()),
@@ -196,12 +196,12 @@ impl ReflectionPipelines {
         self.fixtures.get_or_init(|| Fixtures::new(device))
     }
 
-    /// Those of a key that has been specialized.
+    /// Layouts of a key that has been specialized.
     pub(super) fn layouts(&self, key: ReflectionKey) -> Option<&ReflectionLayouts> {
         self.layouts.get(&key.specialization)
     }
 
-    /// The pipelines for `key`; they may still be compiling.
+    /// Pipelines for `key`; they may still be compiling.
     pub(super) fn specialize(
         &mut self,
         cache: &PipelineCache,

@@ -1,5 +1,4 @@
-//! What the passes need of a view: its uniform, its textures, and bind groups, which are made anew only when what they bind
-//! changed.
+//! Per-view resources of the passes: uniform, textures and bind groups. Bind groups are recreated only when their resources change.
 
 use bevy::{
     camera::MainPassResolutionOverride,
@@ -49,16 +48,16 @@ use crate::{
     },
 };
 
-/// Pixels a side of the largest cells.
+/// Pixels per side of the largest cells.
 const LARGEST_CELL: u32 = 64;
-/// Texels a side whose lobes a workgroup makes, and pixels a side whose light one makes. Twin of that in `texels.wgsl`.
+/// Side of a workgroup, in texels when it writes lobes, and in pixels when it resolves. Same value as in `texels.wgsl`.
 pub const WORKGROUP_SIDE: u32 = 16;
 
-/// The uniforms of all views.
+/// Uniforms of all views.
 #[derive(Resource, Default)]
 pub(super) struct ReflectionUniforms(DynamicUniformBuffer<ReflectionView>);
 
-/// On a view whose reflections are found: what the passes write.
+/// On a view with reflections: the outputs of the passes.
 #[derive(Component)]
 pub struct ViewReflections {
     cells: StorageTexture,
@@ -70,7 +69,7 @@ pub struct ViewReflections {
     viewport_size: UVec2,
     texture_size: UVec2,
     debug_view: Option<ScreenSpaceReflectionsDebugView>,
-    /// Where things were in the last frame is read from motion vectors, not only from the cameras.
+    /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
     has_motion: bool,
     pub(super) offset: u32,
 }
@@ -78,7 +77,7 @@ pub struct ViewReflections {
 impl ViewReflections {
     fn new(device: &RenderDevice, view: &ReflectionView) -> Self {
         let cells = cell_count(view.viewport_size);
-        // Cells of 4, 16 and 64 pixels, one below the other.
+        // Cells of 4, 16 and 64 pixels, stacked vertically.
         let cells = UVec2::new(cells.x * 16, cells.y * (16 + 4 + 1));
         let texels = view.texture_size;
         let texture = |label, size, format| StorageTexture::new(device, label, size, format);
@@ -136,7 +135,7 @@ impl ViewReflections {
         ]
     }
 
-    /// All that it holds on the GPU.
+    /// All textures that it holds.
     pub fn textures(&self) -> impl Iterator<Item = &Texture> {
         [
             &self.cells,
@@ -161,12 +160,12 @@ impl DebugShown for ViewReflections {
     }
 }
 
-/// The largest cells of a viewport.
+/// Number of the largest cells in a viewport.
 fn cell_count(viewport_size: UVec2) -> UVec2 {
     viewport_size.map(|side| side.div_ceil(LARGEST_CELL).max(1))
 }
 
-/// Makes the textures of views that have none, says where what they find is, and writes [`ReflectionUniforms`].
+/// Creates missing textures, sets [`IndirectSpecular`] to the output, and writes [`ReflectionUniforms`].
 pub(super) fn prepare_reflections(
     mut commands: Commands,
     mut uniforms: ResMut<ReflectionUniforms>,
@@ -188,7 +187,7 @@ pub(super) fn prepare_reflections(
     };
     for (entity, (active, lean), (camera, view), resolution, of_view, history, held) in &mut views {
         let ((averaging, has_motion), (reflections, mut found)) = (of_view, held);
-        // In the first frame there is none.
+        // The first frame has no history.
         let Some(history) = history else {
             found.0 = None;
             continue;
@@ -231,23 +230,23 @@ pub(super) fn prepare_reflections(
     }
 }
 
-/// On a view whose reflections are found: the bind groups of its passes.
+/// On a view with reflections: the bind groups of its passes.
 #[derive(Component, Default)]
 pub struct ReflectionBindings([CachedBindGroup; PASSES.len()]);
 
 impl ReflectionBindings {
-    /// In the order of the passes.
+    /// Bind groups in the order of the passes.
     pub(super) fn groups(&self) -> [Option<&BindGroup>; PASSES.len()] {
         self.0.each_ref().map(CachedBindGroup::get)
     }
 
-    /// Those that stay from frame to frame as long as nothing changes.
+    /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
         self.groups().into_iter().flatten()
     }
 }
 
-/// Makes the bind groups of all active views.
+/// Updates the bind groups of all active views.
 pub(super) fn prepare_reflection_bind_groups(
     mut commands: Commands,
     device: Res<RenderDevice>,

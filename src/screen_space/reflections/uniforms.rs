@@ -1,4 +1,4 @@
-//! What the shaders know of a view.
+//! Uniforms of a view.
 
 use bevy::{prelude::*, render::render_resource::ShaderType};
 
@@ -15,10 +15,10 @@ use crate::{
     },
 };
 
-/// Thicker than anything.
+/// Upper bound of the thickness, in metres.
 const LARGEST_METRES: f32 = 1e6;
 
-/// What the passes know of a view.
+/// Uniform of the passes, one per view.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct ReflectionView {
@@ -47,7 +47,7 @@ pub struct ReflectionView {
 }
 
 impl ReflectionView {
-    /// What `settings` make of a frame after the `last` one, with texels of `divisor` pixels a side.
+    /// Derives the uniform from `settings`, for the frame `now` after the `last` one, with texels of `divisor` pixels per side.
     pub fn new(
         settings: &LeanScreenSpaceReflections,
         divisor: u32,
@@ -86,8 +86,8 @@ impl ReflectionView {
     }
 }
 
-/// By which shaders know what depth is so many metres behind another: in orthographic views x less, in others y + q / (1 + xq),
-/// where q is depth less y.
+/// Coefficients x and y for the depth that is `metres` behind a depth: in orthographic views depth - x, otherwise
+/// y + q / (1 + xq) with q = depth - y.
 fn behind_of(clip_from_view: Mat4, metres: f32) -> Vec2 {
     let [z, w] = [clip_from_view.z_axis.z, clip_from_view.w_axis.z];
     if projection_of(clip_from_view) == ProjectionKind::Orthographic {

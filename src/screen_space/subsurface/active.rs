@@ -1,4 +1,4 @@
-//! Per camera and frame: whether light scatters, and by which shaders.
+//! Decides per camera and frame if light scatters, and with which pipelines.
 
 use bevy::{
     prelude::*,
@@ -21,8 +21,8 @@ use crate::{
     view::{LeanDeferred, ScattersLight, warn_once::WarnOnce},
 };
 
-/// On a view of the render world: something in it scatters light, the shaders for that are compiled, and lighting is asked to
-/// write the light that enters apart.
+/// On a view of the render world: a surface in it scatters light, the pipelines are compiled, and lighting writes the light that
+/// enters to a target of its own.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct ActiveScattering {
     pub(super) settings: LeanSubsurfaceScattering,
@@ -30,8 +30,8 @@ pub struct ActiveScattering {
     pub(super) passes: SubsurfacePasses,
 }
 
-/// Inserts or removes [`ActiveScattering`], and what it asks of lighting. While the shaders of new settings compile, a view
-/// keeps those that it had. Cameras that are switched off lose it.
+/// Inserts or removes [`ActiveScattering`] and its request to lighting. While pipelines for new settings compile, a view keeps its
+/// current ones. Cameras that are switched off lose it.
 pub(super) fn decide_active_scattering(
     mut commands: Commands,
     pipelines: Option<ResMut<SubsurfacePipelines>>,

@@ -1,4 +1,4 @@
-//! Where the shaders of subsurface scattering have what they bind; each pass binds a part. Names as in `bindings.wgsl`.
+//! Binding numbers of the subsurface scattering shaders; each pass binds a subset. Names as in `bindings.wgsl`.
 
 use crate::gpu::bindings::binding_numbers;
 

@@ -1,20 +1,20 @@
-//! What the shaders are compiled by.
+//! Pipeline key.
 
 use bevy::shader::ShaderDefVal;
 
 use super::settings::SubsurfaceScatteringQuality;
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
-/// What all passes are compiled by.
+/// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct SubsurfaceKey {
-    /// On surfaces that are turned away, kernels are drawn out.
+    /// Kernels are elongated on surfaces seen at an angle.
     is_drawn_out: bool,
     pub(super) is_orthographic: bool,
 }
 
 impl SubsurfaceKey {
-    /// `None` if nothing scatters.
+    /// `None` if scattering is off.
     pub(super) fn new(
         quality: SubsurfaceScatteringQuality,
         projection: ProjectionKind,
@@ -30,14 +30,14 @@ impl SubsurfaceKey {
         })
     }
 
-    /// What all passes are compiled with.
+    /// Shader defs of all passes.
     pub(super) fn shader_defs(self) -> Option<ShaderDefVal> {
         let orthographic = ProjectionKind::Orthographic.shader_def();
         let projection = orthographic.filter(|_| self.is_orthographic);
         projection.map(ShaderDefVal::from)
     }
 
-    /// What those that are about kernels of more than a few pixels are compiled with beside.
+    /// Additional shader defs of passes whose kernels cover more than a few pixels.
     pub(super) fn drawn_out(self) -> &'static [&'static str] {
         if self.is_drawn_out {
             &["DRAWN_OUT"]

@@ -3,23 +3,35 @@
 //!
 //! Give a mesh an [`ExtendedStandardMaterial`](crate::shading_extension::ExtendedStandardMaterial) with
 //! [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension::Subsurface). Cameras with
-//! [`LeanDeferred`] scatter its light without being told; [`LeanSubsurfaceScattering`] on the camera has the quality.
+//! [`LeanDeferred`] scatter its light by default; [`LeanSubsurfaceScattering`] on the camera changes the quality.
 //!
-//! Lighting writes the diffuse light of such surfaces apart, in the tiles that have some. The passes go over the blocks of tiles
-//! with any, and add to the picture what scattering changes. Until they are compiled, and where light leaves where it entered, the picture
-//! stays as it is. What enters is brought into ever coarser levels, and back: on the way, each level keeps a share of what it has, so
-//! that it is spread by this level's kernel, about two texels wide (Strengert, Kraus and Ertl 2006, "Pyramid Methods in GPU-Based
-//! Image Processing"). All kernels together are the profile.
+//! Lighting writes the diffuse light of such surfaces to a texture of its own, in the tiles that have some. The passes run on the
+//! blocks of tiles with such light and add the change due to scattering to the picture. The picture is unchanged until they are
+//! compiled, and where light leaves where it entered.
+//!
+//! Entering light is reduced into a pyramid of ever coarser levels, and accumulated back to the finest. On the way, each level keeps
+//! a share of its light, which this level's kernel, about two texels wide, spreads (Strengert, Kraus and Ertl 2006, "Pyramid Methods
+//! in GPU-Based Image Processing"). The sum of all kernels is the profile.
 
-// - `settings.rs`: the component. `support.rs`: what the device can do.
-// - `uniforms.rs`, `key.rs`, `pipelines.rs`: what the shaders read, and what they are compiled by.
-// - `active.rs`: whether a view gets it in this frame. `prepare.rs`: what the passes need of the view.
-// - `pass.rs`: the passes. `down.wgsl`: to coarser levels. `turn.wgsl`: to the coarsest one and back. `up.wgsl`: to finer ones.
-//   `picture.wgsl`: to the picture.
-// - `mean.wgsl`: a texel of a coarser level. `scattered.wgsl`: what scatters to a finer one. `profile.{rs,wgsl}`: the shares.
-// - `texel.wgsl`: what passes go over. `entries.wgsl`: what a workgroup keeps of that.
-// - `view.wgsl`, `bindings.wgsl`, `binding_numbers.rs`: what the shaders read, and where.
-// - The light comes from `lighting/subsurface_light.rs`.
+// - `settings.rs`: the component.
+// - `support.rs`: limits that the device needs.
+// - `uniforms.rs`, `view.wgsl`: the uniforms of a view.
+// - `key.rs`: pipeline keys.
+// - `pipelines.rs`: layouts and pipelines.
+// - `active.rs`: decides per view and frame if light is scattered.
+// - `prepare.rs`: uniforms, textures and bind groups of views.
+// - `pass.rs`: the passes.
+// - `down.wgsl`: from finer to coarser levels.
+// - `turn.wgsl`: the two coarsest levels.
+// - `up.wgsl`: from coarser to finer levels.
+// - `picture.wgsl`: from the finest level to the picture.
+// - `mean.wgsl`: a texel of a coarser level.
+// - `scattered.wgsl`: scattered light of a texel, from its own level and the coarser one.
+// - `profile.{rs,wgsl}`: the shares of the levels.
+// - `texel.wgsl`: listed blocks, and positions of texels.
+// - `entries.wgsl`: texels in shared memory.
+// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
+// - `lighting/subsurface_light.rs` allocates the textures of entering light.
 
 mod active;
 #[doc(hidden)]
@@ -67,8 +79,8 @@ use crate::{
     },
 };
 
-/// Subsurface scattering, for cameras with [`LeanDeferred`]. Part of
-/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), whose materials ask for it.
+/// Adds subsurface scattering for cameras with [`LeanDeferred`]. Part of [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), whose
+/// materials need it.
 pub(crate) struct SubsurfacePlugin;
 
 impl Plugin for SubsurfacePlugin {

@@ -1,5 +1,5 @@
-//! The passes, after lighting: the light in ever coarser levels, and from the coarsest one back to the picture. The finest levels
-//! only of the blocks that lighting has listed.
+//! The passes, after lighting: they downsample the light to ever coarser levels, and scatter it from the coarsest back to the image.
+//! The finest levels are processed only in the blocks that lighting has listed.
 
 use bevy::{
     prelude::*,
@@ -16,11 +16,11 @@ use super::{active::ActiveScattering, prepare::ViewSubsurface};
 use crate::{gpu::timed::timed, lighting::SUBSURFACE_BLOCK_LOG};
 
 const LABEL: &str = "lean_deferred/screen_space/subsurface";
-/// Workgroups that share the listed blocks, however many there are: enough for any GPU. An indirect dispatch would need one
-/// of its own before it, in which its size is made sure of.
+/// Workgroups that share the listed blocks, however many there are: enough for any GPU. An indirect dispatch would need an extra
+/// dispatch before it, to validate its size.
 const WORKGROUPS: u32 = 4096;
 
-/// The pass, while it is recorded.
+/// The pass being recorded.
 struct Recording<'a, 'p> {
     pass: ComputePass<'p>,
     cache: &'a PipelineCache,
@@ -28,7 +28,7 @@ struct Recording<'a, 'p> {
 }
 
 impl Recording<'_, '_> {
-    /// The pass with this number. `None` if something is missing: then nothing more is to be done.
+    /// Records the pass with this number. `None` if a resource is missing; the remaining passes are then skipped.
     fn dispatch(
         &mut self,
         number: usize,
@@ -47,9 +47,9 @@ impl Recording<'_, '_> {
     fn all(&mut self, active: &ActiveScattering, picture: Option<&BindGroup>) -> Option<()> {
         let (passes, view) = (active.passes, self.view);
         let blocks = (view.size >> SUBSURFACE_BLOCK_LOG).element_product();
-        // As many as a list may need at most, `each` for one of its blocks.
+        // The most workgroups that a list may need, at `each` per block.
         let listed = |each: u32| UVec2::new((each * blocks).min(WORKGROUPS), 1);
-        // Workgroups that make so many texels a side of a level.
+        // Workgroups that each write `made` × `made` texels of a level.
         let whole = |level: u32, made: u32| (view.size >> level).map(|side| side.div_ceil(made));
         self.dispatch(0, passes.first, view.first.get(), listed(1))?;
         self.dispatch(1, passes.down, view.down.get(), whole(3, 8))?;
@@ -60,7 +60,7 @@ impl Recording<'_, '_> {
     }
 }
 
-/// Scatters the light that lighting has written apart, and adds what that changes to the picture.
+/// Scatters the light that lighting has written separately, and adds the change to the image.
 pub(super) fn scatter_light(
     view: ViewQuery<(&ActiveScattering, &ViewSubsurface, &ViewTarget)>,
     cache: Res<PipelineCache>,

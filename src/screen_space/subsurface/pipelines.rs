@@ -29,20 +29,20 @@ use crate::{
     lighting::SUBSURFACE_LIGHT_FORMAT,
 };
 
-/// The pipelines of one key.
+/// Pipelines of one key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SubsurfacePasses {
-    /// Levels 1 and 2, of the listed blocks.
+    /// Downsamples to levels 1 and 2, in the listed blocks.
     pub(super) first: CachedComputePipelineId,
-    /// Levels 3, 4 and 5.
+    /// Downsamples to levels 3, 4 and 5.
     pub(super) down: CachedComputePipelineId,
-    /// Levels 6 and 7, and back to level 5.
+    /// Downsamples to levels 6 and 7, and scatters back to level 5.
     pub(super) turn: CachedComputePipelineId,
-    /// Back to level 3.
+    /// Scatters to level 3.
     pub(super) up: CachedComputePipelineId,
-    /// Back to level 1, of the listed blocks.
+    /// Scatters to level 1, in the listed blocks.
     pub(super) last: CachedComputePipelineId,
-    /// Back to the picture, of the listed blocks.
+    /// Scatters to the image, in the listed blocks.
     pub(super) picture: CachedComputePipelineId,
 }
 
@@ -61,17 +61,17 @@ impl SubsurfacePasses {
     }
 }
 
-/// What the passes bind.
+/// Layouts of the passes.
 pub(super) struct SubsurfaceLayouts {
     pub(super) first: FoundLayout,
     pub(super) down: FoundLayout,
     pub(super) turn: FoundLayout,
-    /// Of both passes from two levels further.
+    /// Shared by the two passes that scatter across two levels.
     pub(super) up: FoundLayout,
     pub(super) picture: FoundLayout,
 }
 
-/// The pipelines by key, and their layouts: made when the first view asks for them.
+/// Pipelines by key, and their layouts, created when the first view needs them.
 #[derive(Resource)]
 pub(super) struct SubsurfacePipelines {
     down: Handle<Shader>,
@@ -142,12 +142,12 @@ impl SubsurfaceLayouts {
 }
 
 impl SubsurfacePipelines {
-    /// `None` before a view has asked for any.
+    /// `None` until a view has needed pipelines.
     pub(super) fn layouts(&self) -> Option<&SubsurfaceLayouts> {
         self.layouts.get()
     }
 
-    /// The pipelines for `key`; they may still be compiling.
+    /// Pipelines for `key`; they may still be compiling.
     pub(super) fn specialize(
         &mut self,
         cache: &PipelineCache,

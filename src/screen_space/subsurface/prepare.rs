@@ -1,5 +1,5 @@
-//! What the passes need of a view: uniforms, the light that has scattered, and bind groups, which are made anew only when what
-//! they bind changed.
+//! Per-view resources of the passes: uniforms, scattered light and bind groups. Bind groups are recreated only when their resources
+//! change.
 
 use bevy::{
     camera::MainPassResolutionOverride,
@@ -33,20 +33,20 @@ use crate::{
 };
 
 const LABEL: &str = "lean_deferred/screen_space/subsurface/scattered";
-/// The finest level that each pass writes, in their order; the last one writes the picture.
+/// Finest level that each pass writes, in order; the last pass writes the image.
 pub(super) const PASSES: [u32; 6] = [1, 3, 5, 3, 1, 0];
 
-/// The uniforms of all views, one for each level.
+/// Uniforms of all views, one per pass.
 #[derive(Resource, Default)]
 pub(super) struct SubsurfaceUniforms(DynamicUniformBuffer<SubsurfaceView>);
 
-/// On a view whose light scatters.
+/// On a view with subsurface scattering.
 #[derive(Component)]
 pub struct ViewSubsurface {
-    /// Light that has scattered, of levels 1, 3 and 5; those between them are made where they are needed.
+    /// Scattered light of levels 1, 3 and 5; the passes compute the levels in between on the fly.
     scattered: StorageTexture<5>,
     pub(super) size: UVec2,
-    /// Of the uniforms of each pass.
+    /// Offsets of the uniforms, by pass.
     pub(super) offsets: [u32; PASSES.len()],
     pub(super) first: CachedBindGroup,
     pub(super) down: CachedBindGroup,
@@ -71,7 +71,7 @@ impl ViewSubsurface {
         }
     }
 
-    /// Those that stay from frame to frame as long as nothing changes.
+    /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
         let groups = [&self.first, &self.down, &self.turn, &self.up, &self.last];
         self.picture
@@ -79,13 +79,13 @@ impl ViewSubsurface {
             .chain(groups.into_iter().filter_map(CachedBindGroup::get))
     }
 
-    /// What it holds on the GPU beside [`SubsurfaceLight`].
+    /// GPU memory that it holds in addition to [`SubsurfaceLight`].
     pub fn texture(&self) -> &Texture {
         &self.scattered.texture
     }
 }
 
-/// Inserts or removes [`ViewSubsurface`], and writes [`SubsurfaceUniforms`]. After [`SubsurfaceLight`] was made.
+/// Inserts or removes [`ViewSubsurface`], and writes [`SubsurfaceUniforms`]. Runs after [`SubsurfaceLight`] is created.
 pub(super) fn prepare_subsurface(
     mut commands: Commands,
     mut uniforms: ResMut<SubsurfaceUniforms>,
@@ -136,7 +136,7 @@ pub(super) fn prepare_subsurface(
     }
 }
 
-/// Makes the bind groups of all views whose light scatters.
+/// Updates the bind groups of all views with subsurface scattering.
 pub(super) fn prepare_subsurface_bind_groups(
     device: Res<RenderDevice>,
     pipelines: Option<Res<SubsurfacePipelines>>,

@@ -1,16 +1,16 @@
-//! The shares of a pyramid's levels, for tests, and the profile itself.
+//! Shares of the pyramid's levels, for tests, and the profile itself.
 
 use bevy::math::{Vec2, Vec3};
 
-/// Mean free paths within which light counts as having left.
+/// Radius in mean free paths within which all light is assumed to leave.
 pub const REACH: f32 = 10.0;
-/// Pixels that are too few to divide by.
+/// Smallest mean free path in pixels that is divided by.
 pub const SHORTEST: f32 = 1e-4;
 
-/// The logarithm of the share of light, less than 0, that levels from this one on spread, of paths so many pixels long. The
-/// level is 1 at least: it has less of it than would follow from the others, whose kernels are all of one shape.
+/// Logarithm, less than 0, of the share of light that levels from `level` on spread, for mean free paths of `paths` pixels. `level`
+/// is at least 1. Level 1 has factors of its own; the kernels of the others all have one shape.
 ///
-/// Fitted to what leaves beside an edge, at all places of the edge among texels, for paths of 0.5 to 20 pixels.
+/// Fitted to the light that leaves beside an edge, for all positions of the edge within a texel, and paths of 0.5 to 20 pixels.
 pub fn log_share_from(level: f32, paths: Vec3) -> Vec3 {
     let texels = level.exp2() / paths.max(Vec3::splat(SHORTEST));
     let factors = if level < 1.5 {
@@ -21,7 +21,7 @@ pub fn log_share_from(level: f32, paths: Vec3) -> Vec3 {
     -texels * (factors.x + factors.y * texels)
 }
 
-/// The share of what reaches a level that goes on to coarser ones.
+/// Share of the light in a level that is passed on to coarser ones.
 pub fn share_beyond(level: f32, paths: Vec3) -> Vec3 {
     let mut share = log_share_from(level + 1.0, paths);
     if level >= 1.0 {
@@ -30,8 +30,8 @@ pub fn share_beyond(level: f32, paths: Vec3) -> Vec3 {
     share.min(Vec3::ZERO).map(f32::exp)
 }
 
-/// The share of light that leaves within so many mean free paths of a line, over both of its sides: the mean of the share
-/// within a radius over the angles at which a circle meets the line.
+/// Share of light that leaves within `paths_away` mean free paths of a line, on both sides: the mean of the share within a radius,
+/// over the angles at which a circle meets the line.
 pub fn share_beside(paths_away: f32) -> f32 {
     let angles = 4096;
     let sum: f64 = (0..angles)

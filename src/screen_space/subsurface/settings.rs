@@ -1,14 +1,14 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-/// How light scatters beneath surfaces with [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension).
+/// Settings of light scattering beneath surfaces with [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension).
 ///
-/// For cameras with [`LeanDeferred`](crate::LeanDeferred), which scatter it also without this component, as its defaults say.
-/// What enters is the diffuse light of the lighting pass, ambient light included; emission, reflections and the light of
-/// lightmaps stay where they are. It leaves up to some ten mean free paths away: in metres, so that the picture is the same at
-/// any distance, resolution and projection. Nothing goes to another material, across a step in depth, or beyond the picture:
-/// light that would stays on the surface, so that none is lost; so thin parts do not let light through.
+/// For cameras with [`LeanDeferred`](crate::LeanDeferred), which scatter with the default settings without this component. Diffuse
+/// light of the lighting pass scatters, including ambient light; emission, reflections and lightmaps do not. Light leaves up to about
+/// ten mean free paths away, in metres: the result does not depend on distance, resolution or projection. Light does not cross to
+/// another material, over a step in depth, or off screen; it stays on the surface instead, so that none is lost. Thin parts
+/// therefore do not transmit light.
 ///
-/// A frame has no noise, and needs no other frame.
+/// The result is free of noise, and independent of other frames.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -22,7 +22,7 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 ///         Mesh3d(meshes.add(Sphere::new(0.1))),
 ///         MeshMaterial3d(materials.add(ExtendedStandardMaterial {
 ///             base: Color::srgb(0.85, 0.7, 0.6).into(),
-///             // Skin: red light goes furthest, 5 mm.
+///             // Skin: red light scatters furthest, 5 mm.
 ///             extension: ShadingExtension::Subsurface {
 ///                 color: LinearRgba::rgb(1.0, 0.35, 0.2).into(),
 ///                 mean_free_path: 0.005,
@@ -36,7 +36,7 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 ///     commands.spawn((
 ///         Camera3d::default(),
 ///         LeanDeferred::default(),
-///         // Only to change how: the default scatters without it.
+///         // Only for other settings: light scatters with the defaults without it.
 ///         LeanSubsurfaceScattering {
 ///             quality: SubsurfaceScatteringQuality::Low,
 ///             ..default()
@@ -49,8 +49,8 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 pub struct LeanSubsurfaceScattering {
     /// Default [`SubsurfaceScatteringQuality::High`].
     pub quality: SubsurfaceScatteringQuality,
-    /// From how far light comes at most, in pixels: nearer to the camera the profile shrinks to that. More than 0; 256 is the
-    /// default, and the most.
+    /// Largest distance that light travels on screen, in pixels; close to the camera the profile shrinks to it. More than 0, at most
+    /// 256. Default 256.
     pub largest_radius: f32,
 }
 
@@ -63,23 +63,24 @@ impl Default for LeanSubsurfaceScattering {
     }
 }
 
-/// What the coarsest level of the light has room for.
+/// Limit of the coarsest level, in pixels.
 pub(super) const LARGEST_RADIUS: f32 = 256.0;
 
-/// How exactly light scatters.
+/// Accuracy of the scattering.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum SubsurfaceScatteringQuality {
-    /// Light leaves where it enters.
+    /// No scattering: light leaves where it enters.
     Off,
-    /// On surfaces that are turned away light scatters as little along their width as it seems to across.
+    /// Kernels are circular on screen. On surfaces seen at an angle they are as narrow along the width as across it, where the surface
+    /// is foreshortened.
     Low,
-    /// It scatters twice as far that way: right on surfaces that are turned away by up to 60 degrees.
+    /// Kernels are up to twice as long along the width: correct on surfaces turned away by up to 60 degrees.
     #[default]
     High,
 }
 
 impl SubsurfaceScatteringQuality {
-    /// All of them, cheapest first.
+    /// All variants, cheapest first.
     pub const ALL: [Self; 3] = [Self::Off, Self::Low, Self::High];
 }

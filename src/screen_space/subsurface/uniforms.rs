@@ -1,4 +1,4 @@
-//! What the shaders know of a view.
+//! Uniforms of a view.
 
 use bevy::{prelude::*, render::render_resource::ShaderType};
 
@@ -8,7 +8,7 @@ use crate::{
     shader_library::reconstruction::position::pixels_per_metre,
 };
 
-/// What the passes know of a view.
+/// Uniform of the passes, one per view and pass.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
 pub struct SubsurfaceView {
@@ -23,7 +23,7 @@ pub struct SubsurfaceView {
 }
 
 impl SubsurfaceView {
-    /// What `settings` make of a view with so many blocks of tiles, for a pass that writes `level`.
+    /// Derives the uniform from `settings` for a pass that writes `level`, in a view with `blocks` blocks of tiles.
     pub fn new(
         settings: &LeanSubsurfaceScattering,
         now: &LastFrame,

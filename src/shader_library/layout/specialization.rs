@@ -1,4 +1,4 @@
-//! What of a surface is not at its default.
+//! Properties of a surface that are not at their defaults.
 //!
 //! | bits, low to high | |
 //! |---|---|
@@ -6,42 +6,42 @@
 //! | 3 | [`ShadingModel`](crate::gbuffer::ShadingModel) |
 //! | 1 | no fog |
 //! | 1 | receives no shadows |
-//! | 2 | what the emissive target holds, [`LIGHTMAP_NONE`] … |
+//! | 2 | content of the emissive target, [`LIGHTMAP_NONE`] … |
 //! | 17 | arguments of the shading model |
 //!
-//! What the arguments are, `shading_models/` says, a file each. Unlit surfaces have no specular constant, shadows or
-//! lightmap: all bits but those of the shading model and the fog hold the colour.
+//! `shading_models/` documents the arguments, one file per model. Unlit surfaces have no specular constant, shadows or lightmap: all
+//! bits but those of the shading model and the fog hold the colour.
 //!
-//! A word of 0 is a plain surface with nothing but defaults. The specular constant is off by half a step at most.
+//! A word of 0 is a plain surface with all defaults. The specular constant is off by at most half a step.
 
 use super::quantize;
 
-/// Steps of the specular constant.
+/// Steps per unit of the specular constant.
 pub const REFLECTANCE_STEPS: f32 = 126.0;
-/// The largest specular constant that is stored.
+/// Largest specular constant that is stored.
 pub const LARGEST_REFLECTANCE: f32 = 2.0;
-/// The code of the default, 0.5.
+/// Code of the default, 0.5.
 pub const DEFAULT_REFLECTANCE: u32 = 63;
 
-/// A surface without fog.
+/// Flag of a surface without fog.
 pub const NO_FOG: u32 = 1 << 11;
-/// A surface that receives no shadows.
+/// Flag of a surface that receives no shadows.
 pub const NO_SHADOWS: u32 = 1 << 12;
-/// The bits that say what the emissive target holds.
+/// Mask of the bits with the content of the emissive target.
 pub const LIGHTMAP_BITS: u32 = 3 << 13;
-/// It holds emitted light.
+/// The target holds emitted light.
 pub const LIGHTMAP_NONE: u32 = 0;
-/// It holds the exposed light of a lightmap, which is yet to be multiplied by the surface's diffuse colour.
+/// The target holds the exposed light of a lightmap, not yet multiplied by the surface's diffuse colour.
 pub const LIGHTMAP_INCIDENT: u32 = 1 << 13;
-/// It holds emitted light and what the surface reflects of a lightmap's.
+/// The target holds emitted light and reflected light of a lightmap.
 pub const LIGHTMAP_REFLECTED: u32 = 2 << 13;
 
-/// Where the arguments of the shading model begin.
+/// Offset of the shading model's arguments, in bits.
 pub const ARGUMENTS_SHIFT: u32 = 15;
 /// Bits of a shading model's arguments.
 pub const ARGUMENT_BITS: u32 = 17;
 
-/// Packs all but the arguments. `reflectance` is clamped to 0..2, NaN becomes 0.
+/// Packs all but the arguments. `reflectance` is clamped to 0..2; NaN becomes 0.
 pub fn pack_specialization(reflectance: f32, shading_model: u32, flags: u32) -> u32 {
     let code = quantize(
         reflectance / LARGEST_REFLECTANCE,
@@ -50,22 +50,22 @@ pub fn pack_specialization(reflectance: f32, shading_model: u32, flags: u32) -> 
     (code ^ DEFAULT_REFLECTANCE) | (shading_model << 8) | flags
 }
 
-/// The specular constant: `F0` of a dielectric is 0.16 times its square.
+/// Specular constant: `F0` of a dielectric is 0.16 times its square.
 pub fn unpack_reflectance(word: u32) -> f32 {
     ((word & 0xff) ^ DEFAULT_REFLECTANCE) as f32 / REFLECTANCE_STEPS
 }
 
-/// The number of the shading model.
+/// Number of the shading model.
 pub fn unpack_shading_model(word: u32) -> u32 {
     (word >> 8) & 7
 }
 
-/// Puts arguments into a packed word.
+/// Adds arguments to a packed word.
 pub fn with_arguments(word: u32, arguments: u32) -> u32 {
     word | (arguments << ARGUMENTS_SHIFT)
 }
 
-/// The arguments of a word.
+/// Arguments of the shading model.
 pub fn unpack_arguments(word: u32) -> u32 {
     word >> ARGUMENTS_SHIFT
 }

@@ -1,5 +1,5 @@
-//! From depth back to the surface that it shows: its position, its normal, and its motion if it is at rest. Each WGSL
-//! module stands beside its twin in Rust, which is here for tests and measurements; only the device's is used to render.
+//! Reconstructs the position, the normal and the motion at rest of a surface from depth. Each WGSL module has a Rust twin for tests
+//! and measurements; `position.rs` also has helpers for projections.
 
 pub mod motion;
 pub mod normal;

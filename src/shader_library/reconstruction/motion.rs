@@ -1,11 +1,10 @@
-//! From depth to the motion of surfaces at rest.
+//! Motion of static surfaces, from depth.
 
 use bevy::math::{Mat4, Vec2, Vec4};
 
 use crate::shader_library::layout::motion::motion_between;
 
-/// The way across the picture, in UV units, of what is at rest at `position`, which is homogeneous in view space: only the
-/// camera moves.
+/// Screen-space motion, in UV units, of a static point at `position`, which is homogeneous in view space: only the camera moves.
 pub fn motion_at_rest(
     position: Vec4,
     world_from_view: Mat4,

@@ -1,12 +1,11 @@
-//! The normal of the surface itself, from depth. It is here for
-//! tests and measurements; only the device's is used to render.
+//! Geometric normal from depth: a CPU twin for tests and measurements. Rendering uses the WGSL.
 
 use bevy::math::{Mat4, Vec2, Vec3, Vec4Swizzles};
 
 use super::position::ProjectionKind;
 
-/// Which of the two neighbours on an axis lies on the surface of the centre: -1 or 1.
-/// `near_*` are the depths one pixel away, the sides being `a` (towards -1) and `b` (towards +1).
+/// Side, -1 or 1, of the neighbour on an axis that lies on the surface of the centre. `near_*` are the depths one pixel away, on the
+/// sides `a` (towards -1) and `b` (towards +1).
 pub fn nearer_side(center: f32, near_a: f32, near_b: f32) -> f32 {
     if (near_a - center).abs() < (near_b - center).abs() {
         -1.0
@@ -15,16 +14,15 @@ pub fn nearer_side(center: f32, near_a: f32, near_b: f32) -> f32 {
     }
 }
 
-/// As [`nearer_side`], with the depths two pixels away too: the side whose two depths, extended in a straight line,
-/// come nearest to the centre.
+/// As [`nearer_side`], with the depths two pixels away too: picks the side whose two depths extrapolate best to the centre.
 pub fn straighter_side(center: f32, near_a: f32, far_a: f32, near_b: f32, far_b: f32) -> f32 {
     let error_a = (2.0 * near_a - far_a - center).abs();
     let error_b = (2.0 * near_b - far_b - center).abs();
     if error_a < error_b { -1.0 } else { 1.0 }
 }
 
-/// The slope of depth from one to the next of three pixels, on the flatter side: the other one may be an edge. 0 for what is
-/// before both of its neighbours, whose slope neither side has.
+/// Slope of depth per pixel, on the flatter side of three pixels: the other side may be an edge. 0 where the centre is in front of
+/// both neighbours, since neither side has its slope.
 pub fn flatter_slope(before: f32, center: f32, after: f32) -> f32 {
     let (a, b) = (center - before, after - center);
     if a > 0.0 && b < 0.0 {
@@ -33,9 +31,8 @@ pub fn flatter_slope(before: f32, center: f32, after: f32) -> f32 {
     if a.abs() < b.abs() { a } else { b }
 }
 
-/// The unit normal that faces the viewer, from view-space positions: of the pixel, and of the chosen neighbours
-/// (`side` is 1 for the right or lower one, -1 for the other). Falls back to facing the viewer where the three are
-/// on one line.
+/// Unit normal facing the viewer, from view-space positions of the pixel and of the chosen neighbours (`side` is 1 for the right or
+/// lower one, -1 for the other). Falls back to facing the viewer if the three are collinear.
 pub fn normal_from_positions(
     center: Vec3,
     horizontal: Vec3,
@@ -53,9 +50,9 @@ pub fn normal_from_positions(
     (n / largest).normalize()
 }
 
-/// The unit normal that faces the viewer, from the slope of depth along the axes of `ray_at`: at `ray` and `depth`. For the kinds of projection for which `view_position` is cheaper, with the same matrix; all but
-/// [`ProjectionKind::Perspective`] is taken for orthographic. Falls back to facing the viewer where the slope is not
-/// finite.
+/// Unit normal facing the viewer, from the `slope` of depth along the axes of `ray_at`, at `ray` and `depth`. `view_from` is the
+/// matrix of `view_position`. All kinds but [`ProjectionKind::Perspective`] are treated as orthographic. Falls back to facing the
+/// viewer if the slope is not finite.
 pub fn normal_from_slope(
     view_from: Mat4,
     kind: ProjectionKind,

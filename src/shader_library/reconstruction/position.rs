@@ -1,18 +1,18 @@
-//! From depth to positions, and which projections have a cheaper form.
+//! Positions from depth, and the kinds of projection with a cheaper form.
 
 use bevy::math::{Mat4, UVec2, Vec2, Vec3, Vec3Swizzles, Vec4, Vec4Swizzles};
 
-/// Keeps positions finite for geometry so far away that its reversed depth is 0.
+/// Keeps positions finite for geometry so distant that its reversed depth is 0.
 pub const SMALLEST_DEPTH: f32 = 1e-14;
 
-/// Normalised device coordinates of a fragment, which counts from the corner of the target. `viewport` is a corner and a
+/// Normalised device coordinates of a fragment. `frag_coord` is relative to the corner of the target; `viewport` is a corner and a
 /// size in pixels.
 pub fn ndc_of_fragment(frag_coord: Vec2, viewport: Vec4) -> Vec2 {
     let uv = (frag_coord - viewport.xy()) / viewport.zw();
     uv * Vec2::new(2.0, -2.0) + Vec2::new(-1.0, 1.0)
 }
 
-/// View-space position of `p`, homogeneous: `view_from` leads there from the space of `p`, whose z is depth.
+/// Homogeneous view-space position of `p`. `view_from` transforms from the space of `p`, whose z is depth.
 pub fn homogeneous_position(view_from: Mat4, p: Vec3) -> Vec4 {
     view_from * p.extend(1.0)
 }
@@ -27,7 +27,7 @@ pub fn view_position(kind: ProjectionKind, view_from: Mat4, p: Vec3) -> Vec3 {
             let ray = p.xy() * scale + Vec2::new(w[0], w[1]);
             ray.extend(w[2]) / (z[3] * p.z + w[3])
         }
-        // Temporal jitter shears.
+        // Temporal jitter shears orthographic views.
         ProjectionKind::Orthographic => {
             (p.xy() * scale).extend(0.0)
                 + p.z * Vec3::new(z[0], z[1], z[2])
@@ -40,19 +40,19 @@ pub fn view_position(kind: ProjectionKind, view_from: Mat4, p: Vec3) -> Vec3 {
     }
 }
 
-/// The kinds of matrices for which positions are cheaper to compute.
+/// Kinds of projection; positions are cheaper to compute for the first two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ProjectionKind {
-    /// Any, also off centre or with a far plane.
+    /// Any perspective projection, including off-centre ones and those with a far plane.
     Perspective,
-    /// Any, also off centre, and with temporal jitter.
+    /// Any orthographic projection, including off-centre ones and those with temporal jitter.
     Orthographic,
-    /// Anything else, such as an oblique near plane.
+    /// Any other projection, such as with an oblique near plane.
     Other,
 }
 
 impl ProjectionKind {
-    /// What `position.wgsl` is compiled with.
+    /// Shader def that `position.wgsl` is compiled with.
     pub fn shader_def(self) -> Option<&'static str> {
         match self {
             Self::Perspective => Some("PROJECTION_PERSPECTIVE"),
@@ -61,14 +61,14 @@ impl ProjectionKind {
         }
     }
 
-    /// Whether shaders that are compiled for this kind are right for the other one too. Those for any projection take rays to start at the
-    /// camera, as they do in perspective.
+    /// True if shaders that are compiled for this kind are correct for `other` too. Those for [`ProjectionKind::Other`] assume that rays
+    /// start at the camera, as in perspective.
     pub(crate) fn covers(self, other: Self) -> bool {
         self == other || (self, other) == (Self::Other, Self::Perspective)
     }
 }
 
-/// The kind of `clip_from_view`.
+/// Kind of the projection `clip_from_view`.
 pub fn projection_of(clip_from_view: Mat4) -> ProjectionKind {
     let [x, y, z, w] = clip_from_view.to_cols_array_2d();
     let independent = x[1..] == [0.0; 3] && [y[0], y[2], y[3]] == [0.0; 3];
@@ -79,26 +79,26 @@ pub fn projection_of(clip_from_view: Mat4) -> ProjectionKind {
     }
 }
 
-/// True for perspective projections without a far plane: the depth of what they show approaches 0, and never is.
+/// True for perspective projections without a far plane: the depth of surfaces approaches 0 but never reaches it.
 pub fn depth_of_surfaces_is_above_zero(clip_from_view: Mat4) -> bool {
     projection_of(clip_from_view) == ProjectionKind::Perspective
         && clip_from_view.z_axis.z == 0.0
         && clip_from_view.w_axis.z > 0.0
 }
 
-/// `clip_from_view` and `world_from_view` of the same view in a view space in metres, however its camera is scaled, as children of what is
-/// scaled are. The shear that children of turned ones may have is left out. Those of cameras without scale stay as they are.
+/// `clip_from_view` and `world_from_view` of the same view, in a view space in metres: removes the scale that a camera inherits from
+/// its ancestors. Shear, from rotated ancestors, is dropped. Cameras without scale are returned unchanged.
 pub fn without_scale(clip_from_view: Mat4, world_from_view: Mat4) -> (Mat4, Mat4) {
     let (scale, rotation, translation) = world_from_view.to_scale_rotation_translation();
     let is_scaled = (scale - Vec3::ONE).abs().max_element() > 1e-5;
-    // Also false of what is not a number.
+    // False for NaN as well.
     let is_regular = scale.abs().min_element() > 0.0 && scale.is_finite();
     if !(is_scaled && is_regular) {
         return (clip_from_view, world_from_view);
     }
     let mut clip = clip_from_view * Mat4::from_scale(scale.recip());
     if clip_from_view.z_axis.w != 0.0 {
-        // A multiple is the same projection: the one whose kind is known.
+        // Any multiple is the same projection; this is the one whose kind is recognised.
         clip *= scale.z;
         clip.z_axis.w = clip_from_view.z_axis.w;
     }
@@ -106,8 +106,7 @@ pub fn without_scale(clip_from_view: Mat4, world_from_view: Mat4) -> (Mat4, Mat4
     (clip, world)
 }
 
-/// Scaled so that the short cuts of [`view_position`] hold: rays end at z = -1 in perspective, w is 1 in orthographic
-/// views.
+/// Scales the matrix for the short cuts of [`view_position`]: rays end at z = -1 in perspective, and w is 1 in orthographic views.
 pub fn normalized(view_from: Mat4) -> Mat4 {
     let w = view_from.w_axis;
     if view_from.z_axis.w == 0.0 && w.w != 0.0 {
@@ -119,7 +118,7 @@ pub fn normalized(view_from: Mat4) -> Mat4 {
     }
 }
 
-/// From pixels of a viewport of this size and depth to view space, homogeneous and [`normalized`].
+/// From pixels of a viewport of this size, and depth, to view space; homogeneous and [`normalized`].
 pub fn view_from_pixel(clip_from_view: Mat4, viewport_size: UVec2) -> Mat4 {
     let size = viewport_size.as_vec2();
     let ndc_from_pixel = Mat4::from_translation(Vec3::new(-1.0, 1.0, 0.0))
@@ -127,15 +126,15 @@ pub fn view_from_pixel(clip_from_view: Mat4, viewport_size: UVec2) -> Mat4 {
     normalized(clip_from_view.inverse() * ndc_from_pixel)
 }
 
-/// Pixels from one to the next whole `ray_at`, of [`view_from_pixel`]. Of projections of no kind that is known it means nothing.
+/// Pixels per unit of `ray_at`, for a matrix from [`view_from_pixel`]. Meaningless for [`ProjectionKind::Other`].
 pub fn pixels_per_ray(view_from_pixel: Mat4) -> Vec2 {
     Vec2::new(view_from_pixel.x_axis.x, view_from_pixel.y_axis.y).recip()
 }
 
-/// Pixels that a metre takes at a distance of one metre; in orthographic views anywhere. Negative along axes that the
-/// projection mirrors.
+/// Pixels per metre at a distance of one metre; in orthographic views at any distance. Negative along axes that the projection
+/// mirrors.
 pub fn pixels_per_metre(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {
-    // Of a homogeneous matrix: any multiple of it is the same projection.
+    // The matrix is homogeneous: any multiple of it is the same projection.
     let w = if clip_from_view.z_axis.w == 0.0 {
         clip_from_view.w_axis.w
     } else {
@@ -145,17 +144,17 @@ pub fn pixels_per_metre(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {
     scale * viewport_size.as_vec2() / 2.0
 }
 
-/// How steep a surface may be, in pixels of depth for each pixel across: 83 degrees away from facing the viewer.
+/// Slope of the steepest surface, in pixels of depth per pixel across: 83 degrees away from facing the viewer.
 pub const STEEPEST: f32 = 8.0;
 
-/// x and y so that `x * depth + y` is the step in depth that separates surfaces a pixel apart: steeper than
-/// 83 degrees away from facing the viewer.
+/// x and y such that `x * depth + y` is the depth step that separates the surfaces of neighbouring pixels: steeper than
+/// [`STEEPEST`].
 pub fn edge_of(clip_from_view: Mat4, viewport_size: UVec2) -> Vec2 {
     let step = STEEPEST / pixels_per_metre(clip_from_view, viewport_size).y.abs();
     if projection_of(clip_from_view) == ProjectionKind::Orthographic {
         Vec2::new(0.0, step * clip_from_view.z_axis.z.abs())
     } else {
-        // Depth less this constant is inverse to the distance, and a pixel is as many metres as the distance is long.
+        // Depth minus this constant is inverse to distance, and the width of a pixel in metres is proportional to distance.
         let constant = -clip_from_view.z_axis.z;
         Vec2::new(step, -step * constant)
     }

@@ -1,4 +1,4 @@
-//! Cameras are changed for effects that the device can run, and for no others.
+//! Changes cameras only for effects that the device can run.
 
 use bevy::{ecs::component::ComponentId, prelude::*};
 
@@ -7,8 +7,8 @@ use super::{
     record::CameraOverrides,
 };
 
-/// Looks at the device of the main world. Cameras that have effects already fit those that it can run, and get back what they had
-/// before others. To be called for each new device.
+/// Checks the device of the main world. Cameras that already have effects are changed for those that it can run;
+/// changes for others are reverted. Call for each new device.
 pub(crate) fn fit_device(world: &mut World) {
     let looks: Vec<fn(&mut World) -> bool> = (world.resource::<CameraNeeds>().0.iter())
         .map(|effect| effect.look_at_device)

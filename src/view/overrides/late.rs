@@ -1,14 +1,15 @@
-//! Tells apps of changes to cameras that are rendered already.
+//! Warns of changes to cameras that are already rendered.
 
 use bevy::prelude::*;
 
 use super::needs::{CameraEffect, Need};
 
-/// On a camera: its app was told.
+/// On a camera: the warning was logged.
 #[derive(Component)]
 struct ToldOfChange;
 
-/// Warns, once for each camera, that the effect `E` has changed one that is rendered already: what other crates keep for it may not follow.
+/// Warns once per camera that the effect `E` has changed one that is already rendered: pipelines that other crates keep
+/// for it may no longer match.
 pub(super) fn warn_of_change<E: CameraEffect>(camera: &mut EntityWorldMut, changed: &[Need]) {
     let is_rendered = camera
         .get::<Camera>()

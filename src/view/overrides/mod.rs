@@ -1,12 +1,15 @@
-//! What the effects of this crate change about a camera, and give back: `Msaa`, which is switched off, and `Hdr`, which
-//! is added.
+//! Changes that effects make to a camera and revert when they are removed: `Msaa` is switched off, `Hdr` is added.
 //!
-//! `#[require(Hdr)]` would not do: afterwards nothing tells whether the camera had it before.
+//! `#[require(Hdr)]` would not do: it does not record if the camera had `Hdr` before.
 //!
-//! A device that cannot run an effect (`device.rs`) has nothing changed for it. Who changes a camera late is told so (`late.rs`).
+//! Cameras with equal settings on one target share main texture and depth, and draw over one another. To keep that, the same changes
+//! are made to such partners.
 //!
-//! Cameras that were alike share their main texture and depth, and each is drawn over those before it. So that they still
-//! do, the same is changed about the others (`partners.rs`).
+//! - `needs.rs`: the changes that effects need.
+//! - `record.rs`: the changes made to a camera.
+//! - `device.rs`: cameras are changed only for effects that the device can run.
+//! - `late.rs`: warns if a camera is changed that is already rendered.
+//! - `partners.rs`: changes to cameras of the same target.
 
 mod device;
 mod late;
@@ -25,8 +28,8 @@ use bevy::prelude::*;
 use needs::{EffectNeeds, is_needed};
 use record::CameraOverrides;
 
-/// Makes cameras fit the effect `E` when they get it, once, and gives back what they had when they lose it. `look_at_device`
-/// tells the main world what its device can do for the effect; where it returns false, cameras stay as they are.
+/// Changes cameras once when they get the effect `E`, and reverts that when they lose it. `look_at_device` publishes the capabilities
+/// of the device in the main world; if it returns false, cameras stay unchanged.
 pub(crate) fn add_to<E: CameraEffect>(app: &mut App, look_at_device: fn(&mut World) -> bool) {
     let effect = app.world_mut().register_component::<E>();
     let mut needs = app.world_mut().resource_mut::<CameraNeeds>();
@@ -40,7 +43,7 @@ pub(crate) fn add_to<E: CameraEffect>(app: &mut App, look_at_device: fn(&mut Wor
         .add_observer(give_back::<E>);
 }
 
-/// For entities that have an effect before they are a camera.
+/// Handles entities that get an effect before they become a camera.
 pub(crate) fn override_new_camera(added: On<Add, Msaa>, mut commands: Commands) {
     let override_camera = |mut camera: EntityWorldMut| {
         if is_needed(&camera, Need::WithoutMsaa) {

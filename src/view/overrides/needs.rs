@@ -1,38 +1,38 @@
-//! What cameras need, for effects of their own and for those of other cameras of their target.
+//! The needs of cameras, for their own effects and for those of other cameras of their target.
 
 use bevy::{ecs::component::ComponentId, prelude::*};
 
-/// What a camera needs.
+/// A setting that effects need of a camera.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Need {
     WithoutMsaa,
     Hdr,
-    /// A main texture apart from those of cameras that are alike only since they were changed. No effect needs it for its
-    /// own camera.
+    /// A main texture of its own, not shared with cameras whose settings are equal only since they were changed. No
+    /// effect needs it for its own camera.
     OwnTexture,
 }
 
-/// An effect that a camera must fit.
+/// An effect with needs that its camera must meet.
 pub(crate) trait CameraEffect: Component {
     const NAME: &'static str;
     const NEEDS: &'static [Need];
 }
 
-/// What each of the effects that were added needs, on devices that can run it.
+/// The needs of each effect that was added, on devices that can run it.
 #[derive(Resource, Default)]
 pub(crate) struct CameraNeeds(pub(super) Vec<EffectNeeds>);
 
 pub(super) struct EffectNeeds {
     pub(super) effect: ComponentId,
     pub(super) needs: &'static [Need],
-    /// Tells the main world what its device can do for the effect; true if it can run it.
+    /// Inserts the effect's device support into the main world; true if the device can run the effect.
     pub(super) look_at_device: fn(&mut World) -> bool,
-    /// False until there is a device.
+    /// True if the device can run the effect; false until there is a device.
     pub(super) runs: bool,
 }
 
 impl EffectNeeds {
-    /// What `camera` needs for this effect.
+    /// Needs of this effect on `camera`; none if the camera lacks the effect.
     pub(super) fn of(&self, camera: EntityRef) -> &'static [Need] {
         if self.runs && camera.contains_id(self.effect) {
             self.needs
@@ -43,12 +43,12 @@ impl EffectNeeds {
 }
 
 impl CameraNeeds {
-    /// Whether some effect on `camera` needs it.
+    /// True if some effect on `camera` needs it.
     pub(super) fn has(&self, camera: EntityRef, need: Need) -> bool {
         (self.0.iter()).any(|effect| effect.of(camera).contains(&need))
     }
 
-    /// What `effect` needs of a camera that has it.
+    /// Needs of `effect` on any camera that has it.
     pub(super) fn of_effect(&self, effect: Option<ComponentId>) -> &'static [Need] {
         (self.0.iter())
             .find(|needs| needs.runs && Some(needs.effect) == effect)
@@ -56,11 +56,11 @@ impl CameraNeeds {
     }
 }
 
-/// On a camera: what effects of other cameras need of it.
+/// On a camera: needs of the effects of other cameras.
 #[derive(Component, Default)]
 pub(crate) struct PartnerNeeds(pub(super) Vec<Need>);
 
-/// Whether some effect of this crate on `camera`, or on a partner, needs it.
+/// True if some effect of this crate on `camera`, or on a partner, needs it.
 pub(super) fn is_needed(camera: &EntityWorldMut, need: Need) -> bool {
     let needs = camera.world().resource::<CameraNeeds>();
     needs.has(camera.as_readonly(), need)

@@ -1,6 +1,8 @@
-//! Cameras of one target. Bevy has them share a main texture if they ask for the same one, and depth if they have the same
-//! `Msaa`, and counts those with and without `Hdr` apart to know which is drawn first. What is changed about one of them is
-//! changed about those that were alike, too, as long as both are rendered to that target.
+//! Applies changes of a camera's settings to other cameras of its target.
+//!
+//! In Bevy, cameras of one target share a main texture if they request equal ones, and depth if they have equal `Msaa`.
+//! Those with and without `Hdr` are counted separately to decide which is drawn first. A change to one camera is
+//! therefore applied to those with equal settings too, as long as both render to that target.
 
 use bevy::{
     camera::{CompositingSpace, Hdr, NormalizedRenderTarget, RenderTarget},
@@ -15,17 +17,18 @@ use super::{
     record::{AppSettings, CameraOverrides},
 };
 
-/// On a camera: the others of its target for whose effects it was changed.
+/// On a camera: the other cameras of its target for whose effects it was changed.
 #[derive(Component)]
 pub(crate) struct Partners(Vec<Tie>);
 
-/// What a camera shared with another one before that was changed. What the app changes afterwards is the app's own, and
-/// does not part them.
+/// Settings that a camera shared with another one before that was changed. Later changes by the app do not dissolve the
+/// tie.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Tie {
     with: Entity,
     same_msaa: bool,
-    /// Each cleared a main texture of its own. Drawn into one, the later would wipe out what the earlier has drawn.
+    /// True if each cleared a main texture of its own. In a shared one, the later camera would clear the output of the
+    /// earlier.
     own_textures: bool,
 }
 
@@ -33,13 +36,13 @@ struct Tie {
 struct Seat {
     camera: Entity,
     target: NormalizedRenderTarget,
-    /// What it covers of the target; `None`: all of it.
+    /// Part of the target that it covers; `None` for all of it.
     viewport: Option<URect>,
     settings: AppSettings,
     space: Option<CompositingSpace>,
     order: isize,
     clears: bool,
-    /// What was changed about it for its own effects.
+    /// Needs of its own effects for which it was changed.
     changed: Vec<Need>,
 }
 
@@ -69,7 +72,7 @@ impl Seat {
         })
     }
 
-    /// Whether one is drawn over the other. Those of a split screen are not, and stay as they are.
+    /// True if one camera draws over the other. Cameras of a split screen do not, and keep their settings.
     fn overlaps(&self, other: &Self) -> bool {
         self.target == other.target
             && match (self.viewport, other.viewport) {
@@ -78,7 +81,7 @@ impl Seat {
             }
     }
 
-    /// None if only one of them has `Hdr`: they were never drawn over one another.
+    /// Returns `None` if only one of them has `Hdr`: such cameras never drew over one another.
     fn tie(&self, other: &Self) -> Option<Tie> {
         let later = if (self.order, self.camera) > (other.order, other.camera) {
             self
@@ -93,19 +96,19 @@ impl Seat {
         })
     }
 
-    /// Whether effects of `other` need it of this one.
+    /// True if effects of `other` require that this camera meets `need`.
     fn must_fit(&self, need: Need, tie: &Tie, other: &Self) -> bool {
         match need {
             Need::WithoutMsaa => tie.same_msaa && other.changed.contains(&need),
             Need::Hdr => other.changed.contains(&need),
-            // One of two is enough, and parts them.
+            // It suffices that one of the two has it.
             Need::OwnTexture => {
                 tie.own_textures && (self.changed.is_empty() || self.camera > other.camera)
             }
         }
     }
 
-    /// The cameras that this one has ties with, of which some are as before.
+    /// The cameras to which this one has ties. Existing ties (`before`) stay as they are.
     fn partners<'a>(&self, leaders: &[&'a Self], before: &[Tie]) -> Vec<(Tie, &'a Self)> {
         (leaders.iter())
             .filter(|other| self.camera != other.camera && self.overlaps(other))
@@ -125,7 +128,7 @@ type CameraChanged = (
     Changed<CameraOverrides>,
 );
 
-/// Whether something was changed about a camera, and partners may have come or gone since.
+/// True if some camera has overrides and partners may have appeared or disappeared.
 pub(crate) fn are_cameras_changed(
     overridden: Query<(), Or<(With<CameraOverrides>, With<Partners>)>>,
     changed: Query<(), (With<Camera>, Or<CameraChanged>)>,
@@ -146,7 +149,7 @@ pub(crate) fn are_cameras_changed(
     !overridden.is_empty() && (removed > 0 || !changed.is_empty() || !windows.is_empty())
 }
 
-/// Changes about cameras what was changed about others of their target, once, and gives it back when these are gone.
+/// Applies the changes of cameras to others of their target, once, and reverts them when the former are gone.
 pub(crate) fn fit_partners(
     mut commands: Commands,
     world: &World,
@@ -209,7 +212,7 @@ pub(crate) fn fit_partners(
     }
 }
 
-/// What the picture of `camera` loses when it is made to fit for `other`.
+/// Describes the loss of quality in the picture of `camera` when it is changed for `other`.
 fn loss(camera: EntityRef, need: Need, other: Option<EntityRef>) -> Option<&'static str> {
     let tonemaps = |camera: EntityRef| camera.get().is_some_and(Tonemapping::is_enabled);
     match need {

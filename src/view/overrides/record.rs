@@ -1,4 +1,4 @@
-//! What was changed about a camera.
+//! Records the changes that effects made to a camera.
 
 use bevy::{
     camera::{CameraMainTextureUsages, Hdr},
@@ -12,21 +12,22 @@ use bevy::{
 
 use super::needs::{Need, is_needed};
 
-/// On a camera: what was changed about it, and when. What has changed again since is the app's own.
+/// On a camera: changes to its settings, with their ticks. A setting that changed again since belongs to the app.
 #[derive(Component, Default)]
 pub(crate) struct CameraOverrides {
-    /// What it had before it was switched off.
+    /// Value before it was set to `Off`.
     msaa: Option<(Msaa, Tick)>,
-    /// It was added.
+    /// `Some` if `Hdr` was added.
     hdr: Option<Tick>,
-    /// [`APART`] was added.
+    /// `Some` if [`APART`] was added.
     usages: Option<Tick>,
 }
 
-/// Cameras whose main textures have different usages do not share them. Bevy never asks for this one.
+/// Gives a camera its own main texture: cameras with different usages do not share one, and Bevy never requests this
+/// usage.
 const APART: TextureUsages = TextureUsages::COPY_DST;
 
-/// What the app wants of a camera.
+/// The settings of a camera as the app wants them.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct AppSettings {
     pub(super) msaa: Msaa,
@@ -35,7 +36,7 @@ pub(super) struct AppSettings {
 }
 
 impl CameraOverrides {
-    /// Changes the record of `camera`, and with it the camera.
+    /// Applies `change` to `camera` and its record.
     pub(super) fn change(
         camera: &mut EntityWorldMut,
         change: impl FnOnce(&mut Self, &mut EntityWorldMut),
@@ -47,14 +48,14 @@ impl CameraOverrides {
         }
     }
 
-    /// As [`fit`](Self::fit), for each of these. Returns those in which the camera was changed.
+    /// Applies [`fit`](Self::fit) for each need. Returns those for which the camera was changed.
     pub(super) fn fit_all(&mut self, camera: &mut EntityWorldMut, needs: &[Need]) -> Vec<Need> {
         let mut changed = needs.to_vec();
         changed.retain(|need| self.fit(camera, *need));
         changed
     }
 
-    /// Makes the camera fit; false if it did.
+    /// Changes the camera to meet `need`. Returns false if it already did.
     pub(super) fn fit(&mut self, camera: &mut EntityWorldMut, need: Need) -> bool {
         match need {
             Need::WithoutMsaa => {
@@ -87,7 +88,7 @@ impl CameraOverrides {
         false
     }
 
-    /// Gives back what nothing needs any more.
+    /// Reverts changes that nothing needs any more.
     pub(super) fn give_back(&mut self, camera: &mut EntityWorldMut) {
         if !is_needed(camera, Need::WithoutMsaa) {
             let before = self.msaa_before(camera.as_readonly());
@@ -114,7 +115,7 @@ impl CameraOverrides {
         }
     }
 
-    /// Whether what `camera` needs was changed for that, and is as it was changed.
+    /// True if `camera` was changed to meet `need` and the app has not changed that setting since.
     pub(super) fn holds(&self, camera: EntityRef, need: Need) -> bool {
         match need {
             Need::WithoutMsaa => self.msaa_before(camera).is_some(),
@@ -126,7 +127,7 @@ impl CameraOverrides {
     fn msaa_before(&self, camera: EntityRef) -> Option<Msaa> {
         let (before, when) = self.msaa?;
         let is_untouched = last_changed::<Msaa>(camera) == Some(when)
-            // Two changes within one system have one tick.
+            // Two changes within one system have the same tick.
             && camera.get() == Some(&Msaa::Off);
         is_untouched.then_some(before)
     }
@@ -141,7 +142,7 @@ impl CameraOverrides {
 }
 
 impl AppSettings {
-    /// None for what is no camera.
+    /// Returns `None` for entities that are not cameras.
     pub(super) fn of(camera: EntityRef, components: &Components) -> Option<Self> {
         let overrides = camera.get::<CameraOverrides>();
         let msaa = *camera.get::<Msaa>()?;
@@ -160,7 +161,7 @@ impl AppSettings {
     }
 }
 
-/// Ticks are compared with those of components, which Bevy keeps from growing too old.
+/// Keeps recorded ticks comparable with those of components, which Bevy keeps from growing too old.
 pub(crate) fn keep_ticks_young(
     check: On<CheckChangeTicks>,
     mut cameras: Query<&mut CameraOverrides>,
@@ -178,7 +179,7 @@ fn last_changed<C: Component>(camera: EntityRef) -> Option<Tick> {
     Some(camera.get_change_ticks::<C>()?.changed)
 }
 
-/// Whether another component, such as Bevy's `Bloom`, was promised that `Hdr` is there.
+/// True if another component, such as Bevy's `Bloom`, requires `Hdr`.
 fn something_requires_hdr(camera: EntityRef, components: &Components) -> bool {
     let Some(hdr) = components.component_id::<Hdr>() else {
         return false;
