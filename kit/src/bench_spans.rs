@@ -19,16 +19,16 @@ use bevy::{
 
 use crate::gpu_time::{begin, end};
 
-/// Everything from the first to the last pass of the camera, shadow maps and post-processing too.
+/// Everything from the camera's first to its last pass, including shadow maps and post-processing.
 pub const CAMERA: &str = "bench/camera";
-/// Bevy's prepass, with its G-buffer if there is one.
+/// Bevy's prepass, including its G-buffer if it has one.
 pub const PREPASS: &str = "bench/prepass";
-/// Bevy's lighting of its G-buffer.
+/// Bevy's deferred lighting pass.
 pub const DEFERRED_LIGHTING: &str = "bench/deferred_lighting";
-/// Bevy's forward pass over opaque meshes, which rasterises and lights.
+/// Bevy's forward pass over opaque meshes: rasterisation and lighting in one.
 pub const OPAQUE: &str = "bench/opaque";
 
-/// [`CAMERA`]. Spans of one thread nest, so the schedule runs on one.
+/// Adds the [`CAMERA`] span. Spans of one thread nest, so the schedule runs single-threaded.
 pub fn add_camera_span(app: &mut App) {
     app.sub_app_mut(RenderApp)
         .edit_schedule(Core3d, |schedule| {
@@ -45,8 +45,8 @@ pub fn add_camera_span(app: &mut App) {
         );
 }
 
-/// [`CAMERA`], and spans around whole stages of Bevy's renderers, with their clears and copies, as this crate's own spans
-/// have them: Bevy's spans lie inside its passes, and its deferred lighting has none.
+/// Adds [`CAMERA`] and spans around whole stages of Bevy's renderers with their clears and copies, like this crate's own spans: Bevy's
+/// spans lie inside its passes, and its deferred lighting has none.
 pub fn add_bench_spans(app: &mut App) {
     add_camera_span(app);
     app.sub_app_mut(RenderApp).add_systems(

@@ -3,18 +3,18 @@
 use crate::wgsl::{WgslModule, compile, numbers};
 use bevy::tasks::block_on;
 
-/// Invocations of a workgroup, twin of `WORKGROUP` in [`entry_point`].
+/// Invocations per workgroup.
 const WORKGROUP: usize = 64;
-/// Workgroups in a row of the dispatch: every device can do as many.
+/// Workgroups per row of the dispatch: the limit that every device supports.
 const WORKGROUPS_IN_ROW: usize = 65_535;
 
-/// A device of its own, beside any that Bevy may have.
+/// A wgpu device separate from Bevy's.
 pub struct Compute {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
 }
 
-/// A WGSL function from `INPUT` words to `OUTPUT` words, ready to run over many inputs.
+/// A WGSL function from `INPUT` words to `OUTPUT` words, compiled to run over many inputs.
 pub struct Kernel<'a, const INPUT: usize, const OUTPUT: usize> {
     compute: &'a Compute,
     pipeline: wgpu::ComputePipeline,
@@ -77,7 +77,7 @@ impl Compute {
 }
 
 impl<const INPUT: usize, const OUTPUT: usize> Kernel<'_, INPUT, OUTPUT> {
-    /// The kernel's result for each of `inputs`.
+    /// Returns the kernel's result for each of `inputs`.
     pub fn run(&self, inputs: &[[u32; INPUT]]) -> Vec<[u32; OUTPUT]> {
         if inputs.is_empty() {
             return Vec::new();
@@ -145,7 +145,7 @@ impl<const INPUT: usize, const OUTPUT: usize> Kernel<'_, INPUT, OUTPUT> {
     }
 }
 
-/// Calls `kernel` once for each input.
+/// The compute entry point, which calls `kernel` once per input.
 fn entry_point(input: usize, output: usize) -> String {
     format!(
         "

@@ -1,4 +1,4 @@
-//! What the devices of tests may do: all that the adapter can, or less, as `LEAN_TEST_DEVICE` says.
+//! Limits and features of test devices: all that the adapter has, or fewer, as `LEAN_TEST_DEVICE` says.
 
 use bevy::render::{
     RenderPlugin,
@@ -6,33 +6,33 @@ use bevy::render::{
 };
 use wgpu::{Features, Limits};
 
-/// With arrays of textures, of which each invocation may read another: Bevy has decals, textures of lights and several
-/// environment maps only with these.
+/// Features for arrays of textures that each invocation indexes differently. Bevy needs them for decals, light textures and more than one
+/// environment map.
 pub(crate) const BINDING_ARRAYS: Features = Features::TEXTURE_BINDING_ARRAY
     .union(Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING);
 
-/// Bevy's forward pass alone asks for more textures and samplers in the fragment stage than the 16 that WebGPU grants to all, with the
-/// features that the tests enable.
+/// Textures and samplers per fragment stage: with the features that the tests enable, Bevy's forward pass alone exceeds the 16 that WebGPU
+/// guarantees.
 const BEVYS_TEXTURES: u32 = 32;
 
-/// Bevy's bloom alone draws into textures of such a format.
+/// Bevy's bloom renders to this format.
 const BEVYS_FEATURES: Features = Features::RG11B10UFLOAT_RENDERABLE;
 
-/// How much of what the adapter can do a device may.
+/// Share of the adapter's capabilities that a test device gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TestDevice {
-    /// All of it.
+    /// All of them.
     Whole,
     /// All but binding arrays.
     NoBindingArrays,
-    /// What each device has that runs WebGPU, and nothing more.
+    /// The minimum that WebGPU guarantees, apart from Bevy's own needs.
     WebGpu,
-    /// What `wgpu` calls its downlevel defaults: four storage buffers for a shader stage, among others.
+    /// wgpu's downlevel defaults, apart from Bevy's own needs: four storage buffers per shader stage, among others.
     Downlevel,
 }
 
 impl TestDevice {
-    /// The one that `LEAN_TEST_DEVICE` names; [`TestDevice::Whole`] without it.
+    /// The device that `LEAN_TEST_DEVICE` names; [`TestDevice::Whole`] without it.
     pub fn chosen() -> Self {
         let name = std::env::var("LEAN_TEST_DEVICE").unwrap_or_default();
         match name.as_str() {
@@ -46,7 +46,7 @@ impl TestDevice {
         }
     }
 
-    /// The limits of a device of an adapter with these.
+    /// Limits of this device on an adapter with `limits`.
     pub fn limits(self, limits: Limits) -> Limits {
         match self {
             Self::Whole | Self::NoBindingArrays => limits,
@@ -65,7 +65,7 @@ impl TestDevice {
         }
     }
 
-    /// The features of a device of an adapter with these.
+    /// Features of this device on an adapter with `features`.
     pub fn features(self, features: Features) -> Features {
         match self {
             Self::Whole => features,
@@ -92,12 +92,12 @@ impl TestDevice {
     }
 }
 
-/// Of the chosen device.
+/// Creates the chosen device.
 pub fn render_creation() -> RenderCreation {
     RenderCreation::Automatic(Box::new(TestDevice::chosen().settings()))
 }
 
-/// Bevy's, with the chosen device and limits no better than these.
+/// Bevy's plugin with the chosen device, whose limits are no better than `limits`.
 pub fn render_plugin_within(limits: Limits) -> RenderPlugin {
     let settings = WgpuSettings {
         constrained_limits: Some(limits),
@@ -110,7 +110,7 @@ pub fn render_plugin_within(limits: Limits) -> RenderPlugin {
     }
 }
 
-/// Bevy's, with the chosen device.
+/// Bevy's plugin with the chosen device.
 pub fn render_plugin(synchronous_pipeline_compilation: bool) -> RenderPlugin {
     RenderPlugin {
         render_creation: render_creation(),

@@ -1,4 +1,4 @@
-//! What examples share beside the rest: command lines, windows, models and what stands on the screen.
+//! Code shared by the examples: command lines, windows, models and on-screen text.
 
 pub mod builder;
 pub mod choices;

@@ -18,7 +18,7 @@ use crate::{
     wgsl::{WgslModule, compile, definitions_of, key_of, wgsl},
 };
 
-/// The modules that the shaders import, in the order of their own imports.
+/// Modules that the shaders import, dependencies first.
 const MODULES: [WgslModule; 7] = [
     wgsl!("shader_library/tiles.wgsl"),
     BEVY_VIEW,
@@ -28,7 +28,7 @@ const MODULES: [WgslModule; 7] = [
     wgsl!("auto_exposure/adaptation.wgsl"),
     wgsl!("auto_exposure/reduction.wgsl"),
 ];
-/// In place of Bevy's, as far as the shaders know it.
+/// Replaces Bevy's view module, as far as the shaders use it.
 const BEVY_VIEW: WgslModule = WgslModule {
     path: "Bevy's view",
     source: "
@@ -40,15 +40,15 @@ struct View { color_grading: ColorGrading }
 const METER: WgslModule = wgsl!("auto_exposure/meter.wgsl");
 const ADAPT: WgslModule = wgsl!("auto_exposure/adapt.wgsl");
 
-/// Bytes of Bevy's view that are bound.
+/// Bound bytes of Bevy's view.
 const BEVY_VIEW_SIZE: u64 = 4096;
 
-/// A device of its own.
+/// A wgpu device separate from Bevy's.
 pub struct ExposureGpu {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub adapter: wgpu::AdapterInfo,
-    /// By path and definitions: composing takes longer than running.
+    /// Cache by path and definitions: composing takes longer than running.
     shaders: Mutex<HashMap<(&'static str, Vec<String>), wgpu::ShaderModule>>,
 }
 
@@ -76,7 +76,7 @@ impl ExposureGpu {
         self.has(wgpu::Features::SUBGROUP)
     }
 
-    /// A picture in the format of Bevy's main textures.
+    /// Creates a picture in the format of Bevy's main textures.
     pub fn picture(&self, size: UVec2, texels: &[Vec3]) -> wgpu::Texture {
         self.texture(
             size,
@@ -86,17 +86,16 @@ impl ExposureGpu {
         )
     }
 
-    /// Another picture in the same place.
     pub fn overwrite(&self, picture: &wgpu::Texture, texels: &[Vec3]) {
         self.write(picture, &texel_bytes(texels), 8);
     }
 
-    /// A metering mask.
+    /// Creates an 8-bit metering mask.
     pub fn mask(&self, size: UVec2, texels: &[u8]) -> wgpu::Texture {
         self.texture(size, wgpu::TextureFormat::R8Unorm, texels, 1)
     }
 
-    /// A metering mask in half precision.
+    /// Creates a half-precision metering mask.
     pub fn float_mask(&self, size: UVec2, texels: &[f32]) -> wgpu::Texture {
         let bytes: Vec<u8> = texels
             .iter()
@@ -159,7 +158,7 @@ impl ExposureGpu {
         })
     }
 
-    /// What a buffer holds, after all that was submitted.
+    /// Reads a buffer after all submitted work.
     pub fn read(&self, buffer: &wgpu::Buffer) -> Vec<u8> {
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let readback = self.buffer(buffer.size(), usage);
@@ -220,7 +219,7 @@ fn texel_bytes(texels: &[Vec3]) -> Vec<u8> {
         .collect()
 }
 
-/// What one camera has: its pipelines, buffers and state.
+/// One camera's pipelines, buffers and state.
 pub struct Meter<'a> {
     gpu: &'a ExposureGpu,
     settings: LeanAutoExposure,
@@ -271,7 +270,7 @@ impl<'a> Meter<'a> {
         )
     }
 
-    /// A camera of the same settings that sees the same viewport of another picture. Compiles nothing.
+    /// A camera of the same settings that sees the same viewport of another picture. Reuses the pipelines.
     pub fn another(&self, picture: &wgpu::Texture, mask: Option<&wgpu::Texture>) -> Self {
         let pipelines = self.passes.each_ref().map(|(pipeline, _)| pipeline.clone());
         Self::with_pipelines(
@@ -343,7 +342,7 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Prepares a frame that follows the last one after `seconds`.
+    /// Prepares a frame `seconds` after the last one.
     pub fn prepare(&self, seconds: f32, cuts: u32) {
         let (origin, size) = self.viewport;
         let view = ExposureView::new(&self.settings, origin, size, seconds, cuts);
@@ -355,7 +354,7 @@ impl<'a> Meter<'a> {
         self.gpu.queue.write_buffer(&self.bevy_view, 0, &[0; 4]);
     }
 
-    /// The first or the second pass, as the crate dispatches it.
+    /// Dispatches the first or second pass as the crate does.
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass, index: usize) {
         let (pipeline, group) = &self.passes[index];
         let groups = [self.key.workgroups(self.viewport.1), UVec2::ONE][index];
@@ -372,7 +371,7 @@ impl<'a> Meter<'a> {
         state
     }
 
-    /// A frame; what it left, after checking that the view got that exposure.
+    /// Runs a frame and returns its state, after checking that the view received that exposure.
     pub fn frame(&self, seconds: f32, cuts: u32) -> ExposureState {
         self.prepare(seconds, cuts);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());

@@ -1,4 +1,4 @@
-//! What the shaders should find, in double precision.
+//! CPU reference of the exposure shaders, in double precision.
 
 use bevy::math::{DVec2, UVec2, Vec3};
 use bevy_lean_deferred::auto_exposure::{
@@ -7,7 +7,7 @@ use bevy_lean_deferred::auto_exposure::{
 };
 use half::f16;
 
-/// Red channels of a mask, filtered linearly.
+/// Red channel of a mask, filtered linearly.
 pub struct Mask {
     pub size: UVec2,
     pub texels: Vec<u8>,
@@ -27,21 +27,21 @@ impl Mask {
     }
 }
 
-/// What a half-precision texel holds of `texel`.
+/// `texel` rounded to half precision, as textures store it.
 fn stored(texel: Vec3) -> [f64; 3] {
     texel
         .to_array()
         .map(|c| f64::from(f16::from_f32(c).to_f32()))
 }
 
-/// Luminance of a texel, `None` if it is not a number.
+/// Luminance of a texel, clamped to 0 to [`LARGEST`]; `None` if NaN.
 pub fn luminance(texel: Vec3) -> Option<f64> {
     let weights = WEIGHTS.to_array().map(f64::from);
     let y: f64 = stored(texel).iter().zip(weights).map(|(c, w)| c * w).sum();
     (!y.is_nan()).then(|| y.clamp(0.0, f64::from(LARGEST)))
 }
 
-/// How much a pixel of a viewport of `size` counts.
+/// Metering weight of a pixel of a viewport of `size`.
 pub fn weight(pattern: &MeteringPattern, mask: Option<&Mask>, pixel: UVec2, size: UVec2) -> f64 {
     let size = size.as_dvec2();
     let center = pixel.as_dvec2() + 0.5;
@@ -56,7 +56,7 @@ pub fn weight(pattern: &MeteringPattern, mask: Option<&Mask>, pixel: UVec2, size
     }
 }
 
-/// Whether a pixel of the viewport is read.
+/// True if a pixel of the viewport is sampled.
 fn is_read(sampling: ExposureSampling, pixel: UVec2) -> bool {
     let stride = match sampling {
         ExposureSampling::All => return true,
@@ -67,7 +67,7 @@ fn is_read(sampling: ExposureSampling, pixel: UVec2) -> bool {
     block.y.is_multiple_of(stride) && block.x % stride == (block.y / stride * (stride - 1)) % stride
 }
 
-/// Of the viewport (origin and size) of a picture: the metered luminance, `None` if there is nothing to meter.
+/// Metered luminance of the viewport (origin and size) of a picture; `None` if there is nothing to meter.
 pub fn metered(
     settings: &LeanAutoExposure,
     picture: &[Vec3],
@@ -100,7 +100,7 @@ pub fn metered(
     })
 }
 
-/// Keeps the weight between the shares that are left out.
+/// Clips each weight to the part between the trimmed shares.
 fn cut(samples: &mut [(f64, f64)], trim: LuminanceTrim, total: f64) {
     samples.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     let from = total * f64::from(trim.low);

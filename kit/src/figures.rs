@@ -1,3 +1,3 @@
-//! What benches do with what they have measured.
+//! Records the figures that benches measure.
 
 pub use ::figures::json::{figure, write_json};

@@ -1,5 +1,5 @@
-//! A material of another crate than this one and the app: that of a terrain of voxels, as crates have them. It has a shader for Bevy's main
-//! pass alone, which reads an attribute that no other material has.
+//! A material of a third crate, like those of voxel terrain crates. It has a shader for Bevy's main pass only, which reads a vertex
+//! attribute that no other material has.
 
 use bevy::{
     asset::uuid_handle,
@@ -18,11 +18,11 @@ use bevy::{
     shader::{ShaderDefVal, ShaderRef},
 };
 
-/// The row of the palette.
+/// A vertex's row of the palette.
 pub const ATTRIBUTE_ROW: MeshVertexAttribute =
     MeshVertexAttribute::new("Row", 0x5eed_0045, VertexFormat::Uint32);
 
-/// [`ATTRIBUTE_ROW`] where its shaders read it.
+/// [`ATTRIBUTE_ROW`] at its shader location.
 pub fn row_attribute() -> VertexAttributeDescriptor {
     ATTRIBUTE_ROW.at_shader_location(8)
 }
@@ -85,7 +85,7 @@ fn fragment(voxel: Voxel, @builtin(front_facing) is_front: bool) -> FragmentOutp
 }
 ";
 
-/// Colours by the row that each voxel has.
+/// Colours by palette row.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
 pub struct Palette {
     #[uniform(100)]
@@ -135,7 +135,7 @@ impl Plugin for VoxelPlugin {
     }
 }
 
-/// A cube each of whose sides is of another row.
+/// A cube with one row per side; the four rows repeat.
 pub fn voxel_mesh() -> Mesh {
     let rows: Vec<u32> = (0..24).map(|vertex| vertex / 4 % 4).collect();
     Mesh::from(Cuboid::from_length(1.4)).with_inserted_attribute(ATTRIBUTE_ROW, rows)

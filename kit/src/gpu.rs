@@ -1,4 +1,4 @@
-//! A device beside any that Bevy may have, and textures on it.
+//! A wgpu device separate from Bevy's, and textures on it.
 
 use std::sync::OnceLock;
 
@@ -7,8 +7,8 @@ use figures::time::Device;
 
 use crate::device::TestDevice;
 
-/// Keeps the drivers in memory until the process ends. The loader lets go of them with the last instance, and NVIDIA's, loaded anew for
-/// each app, no longer fits into the memory that threads have for such libraries after some 40 of them.
+/// Keeps the drivers loaded until the process ends. The loader unloads them with the last instance, and NVIDIA's, reloaded for each app, no
+/// longer fits into the static thread-local storage after about 40 apps.
 pub fn keep_drivers_loaded() {
     static INSTANCE: OnceLock<wgpu::Instance> = OnceLock::new();
     INSTANCE.get_or_init(|| {
@@ -16,8 +16,7 @@ pub fn keep_drivers_loaded() {
     });
 }
 
-/// The device that the environment names, with all its limits and those of the `wanted` features that it has, as far as
-/// [`TestDevice`] goes.
+/// Requests the device that the environment names, with all its limits and the `wanted` features that it has, within [`TestDevice`].
 pub fn request(wanted: wgpu::Features) -> (wgpu::AdapterInfo, wgpu::Device, wgpu::Queue) {
     let chosen = TestDevice::chosen();
     let adapter = request_adapter().unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
@@ -30,13 +29,13 @@ pub fn request(wanted: wgpu::Features) -> (wgpu::AdapterInfo, wgpu::Device, wgpu
     (adapter.get_info(), device, queue)
 }
 
-/// Limits that the chosen device may have.
+/// Limits of the chosen device.
 pub fn limits() -> wgpu::Limits {
     let adapter = request_adapter().unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
     TestDevice::chosen().limits(adapter.limits())
 }
 
-/// Limits of a device that was asked for these.
+/// Limits of a device requested with `limits`.
 pub fn limits_within(limits: &wgpu::Limits) -> wgpu::Limits {
     let adapter = request_adapter().unwrap_or_else(|error| panic!("no graphics adapter: {error}"));
     let device = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
@@ -47,12 +46,12 @@ pub fn limits_within(limits: &wgpu::Limits) -> wgpu::Limits {
     device.limits()
 }
 
-/// Whether a GPU renders, rather than a driver in software.
+/// True if a GPU renders rather than a software driver.
 pub fn is_there() -> bool {
     request_adapter().is_ok_and(|adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu)
 }
 
-/// Whether SwiftShader renders.
+/// True if SwiftShader renders.
 pub fn is_swiftshader() -> bool {
     request_adapter().is_ok_and(|adapter| adapter.get_info().name.contains("SwiftShader"))
 }
@@ -64,7 +63,7 @@ fn request_adapter() -> Result<wgpu::Adapter, wgpu::RequestAdapterError> {
     block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
 }
 
-/// What figures say of an adapter.
+/// An adapter as figures record it.
 pub fn device_of(adapter: &wgpu::AdapterInfo) -> Device {
     let driver = format!("{} {}", adapter.driver, adapter.driver_info);
     Device {
@@ -73,7 +72,7 @@ pub fn device_of(adapter: &wgpu::AdapterInfo) -> Device {
     }
 }
 
-/// A texture of one level.
+/// Creates a texture with one mip.
 pub fn texture(
     device: &wgpu::Device,
     size: UVec2,
@@ -96,7 +95,7 @@ pub fn texture(
     })
 }
 
-/// The texels of `texture`, row by row without gaps.
+/// Reads the texels of `texture`, row by row without padding.
 pub fn read_texture(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

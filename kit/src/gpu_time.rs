@@ -1,4 +1,4 @@
-//! GPU times of spans, and systems that open and close them.
+//! GPU times of spans, and systems that open and close spans.
 
 use bevy::{
     diagnostic::DiagnosticsStore,
@@ -11,7 +11,7 @@ pub use figures::time::Time;
 /// GPU times by span name.
 pub struct Samples {
     times: HashMap<String, Vec<f64>>,
-    /// Spans that are no longer opened keep their last value for ever.
+    /// Start of recording. Older measurements are skipped: spans that are no longer opened keep their last value.
     began: Instant,
 }
 
@@ -25,7 +25,7 @@ impl Default for Samples {
 }
 
 impl Samples {
-    /// Notes the newest value of each span.
+    /// Records the newest value of each span.
     pub fn take(&mut self, store: &DiagnosticsStore) {
         for diagnostic in store.iter() {
             let Some(name) = diagnostic.path().as_str().strip_suffix("/elapsed_gpu") else {
@@ -36,7 +36,7 @@ impl Samples {
                 let name = name.trim_start_matches("render/");
                 let name = name.strip_prefix("bench/camera/").unwrap_or(name);
                 let name = name.strip_prefix("bench/prepass/").unwrap_or(name);
-                // It may have run within any stage of Bevy's that the bench has a span around.
+                // It may have run within any of Bevy's stages that the bench wraps in a span.
                 let name = name.find("lean_deferred/").map_or(name, |at| &name[at..]);
                 let times = self.times.entry(name.to_owned()).or_default();
                 times.push(measured.value);
@@ -44,7 +44,7 @@ impl Samples {
         }
     }
 
-    /// Frame by frame, all spans together that `is_wanted` picks; none if there is none.
+    /// Sum per frame of all spans that `is_wanted` selects; none if it selects none.
     pub fn sum(&self, is_wanted: impl Fn(&str) -> bool) -> Option<Time> {
         let mut frames: Vec<f64> = Vec::new();
         for (_, times) in self.times.iter().filter(|(name, _)| is_wanted(name)) {

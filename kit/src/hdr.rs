@@ -22,7 +22,7 @@ use half::f16;
 
 use crate::{headless::Headless, lean::begin_phase};
 
-/// Linear, exposed light; four channels a pixel.
+/// Linear, exposed light; four channels per pixel.
 #[derive(Clone, PartialEq)]
 pub struct Light {
     pub size: UVec2,
@@ -37,7 +37,7 @@ impl Light {
     }
 }
 
-/// The texels of an `Rgba16Float` texture.
+/// Reads an `Rgba16Float` texture.
 pub fn read_light(headless: &Headless, texture: &Texture) -> Light {
     let bytes = headless.read(texture);
     let channels = bytes.as_chunks::<2>().0;
@@ -49,7 +49,7 @@ pub fn read_light(headless: &Headless, texture: &Texture) -> Light {
     }
 }
 
-/// Changes all views of 3D cameras in the render world. A camera has one from its first frame on.
+/// Applies `change` to all views of 3D cameras in the render world. A camera has one from its first frame on.
 pub fn change_views(headless: &mut Headless, change: impl Fn(&mut EntityWorldMut)) {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut views = world.query_filtered::<Entity, (With<ExtractedView>, With<Camera3d>)>();
@@ -59,18 +59,18 @@ pub fn change_views(headless: &mut Headless, change: impl Fn(&mut EntityWorldMut
     }
 }
 
-/// What the one camera shows before post-processing, once all is loaded; always of the same phase of jitter and noise.
+/// Light of the single camera before post-processing, once all is loaded; always at the same phase of jitter and noise.
 pub fn settled_light(headless: &mut Headless) -> Light {
     headless.settle();
     begin_phase(headless);
     light(headless)
 }
 
-/// On a view of the render world: a copy of what it shows before post-processing.
+/// Copy of a view's light before post-processing, on the view in the render world.
 #[derive(Component)]
 struct Kept(Texture);
 
-/// In the render world: copies are made.
+/// Present in the render world once light is copied.
 #[derive(Resource)]
 struct KeepsLight;
 
@@ -103,7 +103,7 @@ fn keep_light(
     commands.entity(entity).insert(Kept(copy));
 }
 
-/// From the next frame on the light of all views is copied before post-processing.
+/// Copies the light of all views before post-processing, from the next frame on.
 pub fn keep_light_of_views(headless: &mut Headless) {
     let render_app = headless.app.sub_app_mut(RenderApp);
     if !render_app.world().contains_resource::<KeepsLight>() {
@@ -118,7 +118,7 @@ pub fn keep_light_of_views(headless: &mut Headless) {
     }
 }
 
-/// The copy of the last frame in which this camera has shown something, where it is HDR.
+/// The copy from the last frame in which this camera rendered; none unless it is HDR.
 pub fn kept_light(headless: &mut Headless, camera: Entity) -> Option<Light> {
     let view = headless.world().get::<RenderEntity>(camera)?.id();
     let world = headless.app.sub_app(RenderApp).world();
@@ -126,14 +126,14 @@ pub fn kept_light(headless: &mut Headless, camera: Entity) -> Option<Light> {
     (copy.format() == TextureFormat::Rgba16Float).then(|| read_light(headless, &copy))
 }
 
-/// What the one camera shows in the frame after the next, before post-processing.
+/// Light of the single camera before post-processing, in the frame after the next.
 pub fn light(headless: &mut Headless) -> Light {
     keep_light_of_views(headless);
     headless.frames(1);
     next_light(headless)
 }
 
-/// As [`light`], of the next frame: from the second time on.
+/// As [`light`], but of the next frame; needs an earlier call of [`light`].
 pub fn next_light(headless: &mut Headless) -> Light {
     headless.frames(1);
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
@@ -146,7 +146,7 @@ pub fn next_light(headless: &mut Headless) -> Light {
     read_light(headless, &copy)
 }
 
-/// An `Rgba16Float` texture whose texels are all alike.
+/// A uniform `Rgba16Float` texture.
 pub fn even_texture(headless: &Headless, size: UVec2, texel: [f32; 4]) -> TextureView {
     float_texture(headless, size, |_| texel)
 }

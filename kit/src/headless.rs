@@ -1,4 +1,4 @@
-//! Bevy without a window: frames are made by hand and read back.
+//! Bevy without a window: frames are stepped by hand and read back.
 
 use std::time::{Duration, Instant};
 
@@ -34,12 +34,12 @@ use figures::time::Device;
 /// Simulated time between two frames.
 pub const FRAME_TIME: Duration = Duration::from_micros(16_667);
 
-/// Drivers may take as long for what compiles while frames go on, and frames of which most waits for that are short.
+/// Time limit of [`Headless::settle`]: drivers may take this long to compile in the background, over many short frames.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// How many frames in a row must have asked for nothing.
+/// Consecutive frames without pipeline requests after which an app counts as settled.
 const QUIET_FRAMES: usize = 3;
 
-/// An app that renders into an image. Pipelines are compiled in the frame that asks for them.
+/// An app that renders to an image. Unless told otherwise, it compiles pipelines in the frame that requests them.
 pub struct Headless {
     pub app: App,
     pub target: Handle<Image>,
@@ -47,7 +47,7 @@ pub struct Headless {
 }
 
 impl Headless {
-    /// With [`small_shadow_maps`].
+    /// An app with [`small_shadow_maps`].
     pub fn new(size: UVec2) -> Self {
         Self::with(size, small_shadow_maps)
     }
@@ -57,7 +57,7 @@ impl Headless {
         Self::with_compilation(size, true, configure)
     }
 
-    /// As [`with`](Self::with). Unless it is `synchronous`, compilation takes as many frames as it takes, as in apps.
+    /// As [`with`](Self::with). Unless `synchronous`, compilation may take any number of frames, as in apps.
     pub fn with_compilation(
         size: UVec2,
         synchronous: bool,
@@ -71,7 +71,7 @@ impl Headless {
         Self::from_app(size, app, configure)
     }
 
-    /// Bevy's, as set up for apps of this kind.
+    /// Bevy's default plugins, set up for headless apps.
     pub fn default_plugins() -> PluginGroupBuilder {
         DefaultPlugins
             .set(WindowPlugin {
@@ -95,7 +95,7 @@ impl Headless {
             .disable::<bevy::render::pipelined_rendering::PipelinedRenderingPlugin>()
     }
 
-    /// An app that has its plugins but for those that `configure` adds.
+    /// Wraps an app that has all its plugins but those that `configure` adds.
     pub fn from_app(size: UVec2, mut app: App, configure: impl FnOnce(&mut App)) -> Self {
         app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME_TIME));
         read_shader_files(&mut app);
@@ -119,7 +119,7 @@ impl Headless {
         self.app.world_mut()
     }
 
-    /// What a camera of this app renders to.
+    /// Render target of this app's cameras.
     pub fn render_target(&self) -> RenderTarget {
         self.target.clone().into()
     }
@@ -130,7 +130,7 @@ impl Headless {
         }
     }
 
-    /// One frame, and waits until the GPU has finished it: without a window nothing else would hold the CPU back.
+    /// Runs one frame and waits until the GPU has finished it: without a window nothing else throttles the CPU.
     pub fn frame(&mut self) {
         self.app.update();
         if let Err(error) = self.device().poll(PollType::wait_indefinitely()) {
@@ -138,8 +138,8 @@ impl Headless {
         }
     }
 
-    /// Makes frames until no pipeline is compiling, none has been asked for, and a few more: what the GPU reports, such as
-    /// how many lights its clusters have, Bevy acts on some frames later.
+    /// Runs frames until no pipeline is compiling or requested, plus a few: Bevy acts some frames later on what the GPU reports, such as
+    /// the number of lights in its clusters.
     pub fn settle(&mut self) {
         let mut quiet = 0;
         let mut asked_for = self.pipelines().pipelines().count();
@@ -163,19 +163,19 @@ impl Headless {
         self.app.sub_app(RenderApp).world().resource()
     }
 
-    /// The name of the GPU that renders.
+    /// Name of the adapter.
     pub fn adapter(&self) -> String {
         let render_world = self.app.sub_app(RenderApp).world();
         render_world.resource::<RenderAdapterInfo>().name.clone()
     }
 
-    /// The adapter and its driver, for figures.
+    /// Adapter and driver, for figures.
     pub fn adapter_and_driver(&self) -> Device {
         let render_world = self.app.sub_app(RenderApp).world();
         device_of(render_world.resource::<RenderAdapterInfo>())
     }
 
-    /// Whether pipelines are asked for that are not there yet.
+    /// True while requested pipelines are not compiled.
     pub fn is_compiling(&self) -> bool {
         self.pipelines().waiting_pipelines().next().is_some()
     }
@@ -184,13 +184,13 @@ impl Headless {
         self.app.sub_app(RenderApp).world().resource()
     }
 
-    /// The picture of the next frame, 8-bit sRGB, four bytes a pixel.
+    /// Renders the next frame and reads it back: 8-bit sRGB, four bytes per pixel.
     pub fn capture(&mut self) -> Picture {
         self.frame();
         self.picture()
     }
 
-    /// The pictures of `count` frames in a row; `change` acts on the world before each.
+    /// Pictures of `count` consecutive frames; `change` runs on the world before each.
     pub fn film(
         &mut self,
         count: usize,
@@ -204,12 +204,12 @@ impl Headless {
             .collect()
     }
 
-    /// What the last frame has left in the target.
+    /// Content of the target after the last frame.
     fn picture(&self) -> Picture {
         self.picture_of(&self.target)
     }
 
-    /// What the last frame has left in a target of the same format.
+    /// Content of a target of the same format after the last frame.
     pub fn picture_of(&self, target: &Handle<Image>) -> Picture {
         let render_world = self.app.sub_app(RenderApp).world();
         let images = render_world.resource::<RenderAssets<GpuImage>>();
@@ -221,7 +221,7 @@ impl Headless {
         }
     }
 
-    /// The texels of a texture of the render world, row by row.
+    /// Reads a texture of the render world, row by row.
     pub fn read(&self, texture: &Texture) -> Vec<u8> {
         let render_world = self.app.sub_app(RenderApp).world();
         let device = render_world.resource::<RenderDevice>().wgpu_device();
@@ -229,7 +229,7 @@ impl Headless {
     }
 }
 
-/// Half of Bevy's, on which a software renderer would spend a quarter of its time.
+/// Halves Bevy's shadow maps: a software renderer would spend a quarter of its time on the full ones.
 pub fn small_shadow_maps(app: &mut App) {
     app.insert_resource(DirectionalLightShadowMap { size: 1024 })
         .insert_resource(PointLightShadowMap { size: 512 });
@@ -240,7 +240,7 @@ pub fn target_image(size: UVec2) -> Image {
     target_image_of(size, TextureFormat::Rgba8UnormSrgb)
 }
 
-/// As [`target_image`], of any format.
+/// As [`target_image`], in any format.
 pub fn target_image_of(size: UVec2, format: TextureFormat) -> Image {
     let texel = format.block_copy_size(None).expect("one plane");
     let mut image = Image::new_fill(
@@ -267,7 +267,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The part inside of `rect`.
+    /// The part inside `rect`.
     pub fn crop(&self, rect: URect) -> Self {
         let rgba = (rect.min.y..rect.max.y)
             .flat_map(|y| {
@@ -281,7 +281,7 @@ impl Picture {
         Self { size, rgba }
     }
 
-    /// Its left half, and the right half of another picture of the same size, with a line between them.
+    /// The left half of this picture and the right half of another of the same size, with a line between them.
     pub fn split(&self, right: &Self) -> Self {
         assert_eq!(self.size, right.size);
         let middle = self.size.x as usize / 2;

@@ -1,4 +1,4 @@
-//! What is alive on the GPU.
+//! Live GPU resources.
 
 use bevy::render::{
     RenderApp,
@@ -7,21 +7,21 @@ use bevy::render::{
 
 use crate::headless::Headless;
 
-/// Handles that are alive, Bevy's and this crate's.
+/// Live handles of Bevy and this crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Held {
     pub textures: usize,
     pub texture_views: usize,
     pub buffers: usize,
     pub bind_groups: usize,
-    /// For rendering and for computing.
+    /// Render and compute pipelines.
     pub pipelines: usize,
-    /// Of memory, as wgpu's allocator counts them; 0 where a backend has no such allocator.
+    /// Memory as wgpu's allocator counts it; 0 on backends without such an allocator.
     pub bytes: usize,
 }
 
 impl Held {
-    /// After the last frame.
+    /// Counts after the last frame.
     pub fn now(headless: &Headless) -> Self {
         let render_world = headless.app.sub_app(RenderApp).world();
         let report = render_world
@@ -42,7 +42,7 @@ impl Held {
         }
     }
 
-    /// What there is more of than there was.
+    /// Growth of each count since `before`.
     pub fn more_than(&self, before: &Self) -> Self {
         let more = |count: fn(&Self) -> usize| count(self).saturating_sub(count(before));
         Self {
@@ -55,10 +55,10 @@ impl Held {
         }
     }
 
-    /// Once nothing changes any more.
+    /// Counts once nothing changes any more.
     pub fn once_settled(headless: &mut Headless) -> Self {
         headless.settle();
-        // Bevy keeps textures that nobody asks for three frames longer.
+        // Bevy keeps unused textures for three more frames.
         headless.frames(5);
         Self::now(headless)
     }

@@ -1,4 +1,4 @@
-//! Pipelines whose compilation takes as long as a test wants.
+//! Delays pipeline compilation for as long as a test wants.
 
 use std::{
     sync::{
@@ -10,10 +10,10 @@ use std::{
 
 use bevy::tasks::AsyncComputeTaskPool;
 
-/// Bevy itself waits for a pipeline of its upscaling, and would for ever.
+/// Limit of the delay: Bevy itself waits for a pipeline of its upscaling, and would wait for ever.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// While it lives, no thread has time to compile a pipeline. For apps that do not compile synchronously.
+/// While alive, it occupies all threads that compile pipelines. For apps that compile asynchronously.
 pub struct HeldBack(Arc<AtomicBool>);
 
 impl HeldBack {

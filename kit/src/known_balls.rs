@@ -1,4 +1,4 @@
-//! Balls beneath whose surface light scatters by a known profile, as in the row of the example `materials`.
+//! Balls with subsurface scattering of a known profile, as in a row of the example `materials`.
 
 use bevy::{
     math::bounding::{BoundingSphere, RayCast3d},
@@ -13,27 +13,26 @@ use crate::{
     known_slabs::{slab, stored_paths},
 };
 
-/// Metres.
+/// Radius of a ball, in metres.
 pub const RADIUS: f32 = 0.4;
 
-/// The light that enters where the surface faces so: that of a lamp far to the left, above the camera.
+/// Light that enters at a surface with this normal, from a distant lamp to the left above the camera.
 fn entering(normal: Vec3) -> f32 {
     normal.dot(Vec3::new(-0.8, 0.36, 0.48)).max(0.0)
 }
 
-/// Burley's profile, by distance in metres; without 8πd, which does not matter where shares are summed.
+/// Burley's profile by distance in metres, without the factor 1 / 8πd, which cancels in normalised sums.
 fn profile(distance: f32, path: f32) -> f32 {
     ((-distance / path).exp() + (-distance / (3.0 * path)).exp()) / distance
 }
 
-/// What leaves where the surface faces so: the mean of what enters all over the ball, by the profile of the distance straight
-/// through it.
+/// Light that leaves at this normal: the mean of the light entering all over the ball, weighted by the profile of the chord length.
 fn leaving(normal: Vec3, path: f32) -> f32 {
     let (across, up) = normal.any_orthonormal_pair();
     let (radii, turns) = (96, 24);
     let (mut sum, mut weights) = (0.0, 0.0);
     for i in 0..radii {
-        // More densely where the profile is steep.
+        // Samples are denser where the profile is steep.
         let share = (i as f32 + 0.5) / radii as f32;
         let angle = PI * share * share;
         let weight = profile(2.0 * RADIUS * (angle / 2.0).sin(), path) * angle.sin() * share;
@@ -54,17 +53,17 @@ fn leaving(normal: Vec3, path: f32) -> f32 {
 struct Spot {
     index: usize,
     normal: Vec3,
-    /// Square metres of the ball that it shows.
+    /// Area of the ball that it shows, in square metres.
     area: f32,
 }
 
-/// What leaves where `spot` is of what enters in the pixels of the picture: the best that a picture allows.
+/// Light that leaves at `spot`, of the light entering at the picture's pixels: the best that screen space allows.
 fn leaving_of_seen(spot: &Spot, spots: &[Spot], path: f32) -> f32 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for other in spots {
         let distance = RADIUS * spot.normal.distance(other.normal);
         let weight = if other.index == spot.index {
-            // All that enters within a disc of the pixel's area.
+            // Integral of the profile over a disc of the pixel's area.
             let radius = (other.area / PI).sqrt();
             let beyond = (-radius / path).exp() + 3.0 * (-radius / (3.0 * path)).exp();
             2.0 * PI * path * (4.0 - beyond)
@@ -77,14 +76,14 @@ fn leaving_of_seen(spot: &Spot, spots: &[Spot], path: f32) -> f32 {
     sum / weights
 }
 
-/// How far a picture of a ball is off, channel by channel.
+/// Errors of a picture of a ball, per channel.
 #[derive(Clone, Copy, Debug)]
 pub struct BallErrors {
-    /// From what leaves the whole ball.
+    /// Against the light that leaves the whole ball.
     pub truth: Errors,
-    /// From what a picture allows, where its every pixel is asked.
+    /// Against the best that screen space allows, with every pixel sampled.
     pub picture: Errors,
-    /// What a picture allows, from what leaves the whole ball.
+    /// The best that screen space allows, against the light that leaves the whole ball.
     pub method: Errors,
 }
 
@@ -100,7 +99,7 @@ fn spots(seen: &Seen) -> Vec<Spot> {
         let distance = RayCast3d::from_ray(*ray, f32::MAX).sphere_intersection_at(&ball)?;
         let normal = ray.get_point(distance).normalize();
         let faces = -normal.dot(*ray.direction);
-        // The outline is no pixel's own.
+        // Skips the outline, which only covers its pixels in part.
         (faces > 0.1).then(|| Spot {
             index,
             normal,
@@ -110,7 +109,7 @@ fn spots(seen: &Seen) -> Vec<Spot> {
     .collect()
 }
 
-/// A ball that scatters light of each channel so many metres far, seen from the front.
+/// Errors of a ball seen from the front; `color` scales the scattering distance `path`, in metres, per channel.
 pub fn ball(size: UVec2, color: LinearRgba, path: f32, effect: impl Bundle) -> [BallErrors; 3] {
     let (_, seen) = show(size, 2, |s| {
         let mut mesh = Sphere::new(RADIUS).mesh().uv(256, 128);
@@ -137,7 +136,7 @@ pub fn ball(size: UVec2, color: LinearRgba, path: f32, effect: impl Bundle) -> [
     let paths = stored_paths(color, path);
     [0, 1, 2].map(|channel| {
         let path = paths[channel];
-        // One pixel of 25.
+        // Checks one pixel in 25.
         let width = seen.light.size.x as usize;
         let asked = spots.iter().filter(|spot| {
             let [x, y] = [spot.index % width, spot.index / width];

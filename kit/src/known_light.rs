@@ -1,4 +1,4 @@
-//! Scenes whose light is known, what a camera shows of them, and how far that is off.
+//! Scenes with known light, and the errors of what a camera shows of them.
 
 use bevy::{camera::Exposure, light::AmbientLight, prelude::*};
 use bevy_lean_deferred::prelude::*;
@@ -10,10 +10,10 @@ use crate::{
     scenes::SceneBuilder,
 };
 
-/// After so many frames all bounces of light are there, but for less than a thousandth.
+/// Frames after which all bounces have accumulated, but for less than a thousandth.
 pub const CONVERGED: usize = 24;
 
-/// Albedo and emission that surfaces have; they reflect nothing like a mirror.
+/// A surface of this albedo and emission, without specular reflection.
 pub fn surface(albedo: f32, glow: f32) -> StandardMaterial {
     StandardMaterial {
         base_color: Color::linear_rgb(albedo, albedo, albedo),
@@ -24,7 +24,7 @@ pub fn surface(albedo: f32, glow: f32) -> StandardMaterial {
     }
 }
 
-/// A camera in a sky that shows `sky` everywhere, exposed.
+/// A camera under a uniform sky of radiance `sky`, exposed.
 pub fn camera(s: &mut SceneBuilder, transform: Transform, sky: f32, extra: impl Bundle) -> Entity {
     let dark = AmbientLight {
         brightness: 0.0,
@@ -40,19 +40,19 @@ pub fn camera(s: &mut SceneBuilder, transform: Transform, sky: f32, extra: impl 
     camera
 }
 
-/// A picture of light, and where its pixels look.
+/// A picture of light and the rays of its pixels.
 pub struct Seen {
     pub light: Light,
     rays: Vec<Ray3d>,
 }
 
 impl Seen {
-    /// Where each pixel looks, row by row.
+    /// The view ray of each pixel, row by row.
     pub fn rays(&self) -> &[Ray3d] {
         &self.rays
     }
 
-    /// The brightness of each pixel that shows the plane through `point`, and where on it.
+    /// Each pixel whose ray meets the plane through `point`, the position on the plane, and the pixel's brightness.
     pub fn on_plane(&self, point: Vec3, normal: Vec3) -> impl Iterator<Item = (UVec2, Vec3, f32)> {
         let width = self.light.size.x;
         (0..).zip(&self.rays).filter_map(move |(i, ray)| {
@@ -74,7 +74,7 @@ impl Seen {
         }
     }
 
-    /// The part inside of `rect`.
+    /// The part inside `rect`.
     pub fn within(&self, rect: URect) -> Self {
         let width = self.light.size.x;
         let rows = rect.min.y..rect.max.y;
@@ -88,7 +88,7 @@ impl Seen {
         }
     }
 
-    /// Into the folder that `LIGHT_PICTURES` names, if it does: light times `scale`, gray.
+    /// Saves light times `scale`, in gray, to the folder that `LIGHT_PICTURES` names, if set.
     pub fn save(&self, name: &str, scale: f32) {
         let Some(folder) = std::env::var_os("LIGHT_PICTURES") else {
             return;
@@ -107,20 +107,20 @@ impl Seen {
     }
 }
 
-/// What the one camera shows after so many frames.
+/// Light of the single camera, `frames` frames after it has settled.
 pub fn see(headless: &mut Headless, frames: usize) -> Seen {
     headless.settle();
     headless.frames(frames);
     look(headless)
 }
 
-/// What the one camera shows in the frame after the next.
+/// Light of the single camera in the frame after the next.
 pub fn look(headless: &mut Headless) -> Seen {
     let light = light(headless);
     seen(headless, light)
 }
 
-/// As [`look`], in the next frame: from the second time on.
+/// As [`look`], but in the next frame; needs an earlier [`look`].
 pub fn look_at_once(headless: &mut Headless) -> Seen {
     let light = next_light(headless);
     seen(headless, light)
@@ -142,14 +142,14 @@ fn seen(headless: &mut Headless, light: Light) -> Seen {
     Seen { light, rays }
 }
 
-/// Builds a scene, and shows it after so many frames.
+/// Builds a scene and looks at it after `frames` frames.
 pub fn show(size: UVec2, frames: usize, scene: impl FnOnce(&mut SceneBuilder)) -> (Headless, Seen) {
     let mut headless = build(size, scene);
     let seen = see(&mut headless, frames);
     (headless, seen)
 }
 
-/// Root of the mean square, and mean, of differences.
+/// Root mean square and mean of differences.
 pub fn errors(differences: impl IntoIterator<Item = f32>) -> (f32, f32) {
     let (mut sum, mut squares, mut count) = (0.0, 0.0, 0);
     for difference in differences {
@@ -161,7 +161,7 @@ pub fn errors(differences: impl IntoIterator<Item = f32>) -> (f32, f32) {
     ((squares / count).sqrt() as f32, (sum / count) as f32)
 }
 
-/// What effects find, over what is true, less 1; or less that, where it is a share of the light of a source.
+/// Errors relative to the truth, or absolute ones where the result is a share of a source's light.
 #[derive(Clone, Copy, Debug)]
 pub struct Errors {
     pub rmse: f32,
@@ -175,10 +175,10 @@ impl Errors {
     }
 }
 
-/// Of the hemisphere of a groove's face, the part that the other face takes.
+/// Configuration factor from the face of a groove to its other face.
 const OF_OTHER_FACE: f32 = 0.5;
 
-/// Two faces of this albedo that meet at the bottom, 90° apart, under a sky of 1, seen from above.
+/// A groove under a sky of 1, seen from above: two faces of this albedo that meet at the bottom at 90°.
 pub fn groove_app(size: UVec2, albedo: f32, effect: impl Bundle) -> Headless {
     build(size, |s| {
         let face = Plane3d::default().mesh().size(40.0, 20.0);
@@ -193,7 +193,7 @@ pub fn groove_app(size: UVec2, albedo: f32, effect: impl Bundle) -> Headless {
     })
 }
 
-/// What a groove sends out after so many bounces of its sky's light: ρL(1 − F) (1 + ρF + …), by all of them ρL(1 − F) / (1 − ρF).
+/// Light that a groove sends out after `bounces` bounces of its sky's light: ρL(1 − F) (1 + ρF + …), with all of them ρL(1 − F) / (1 − ρF).
 pub fn groove_light(albedo: f32, bounces: Option<i32>) -> f32 {
     let of_sky = albedo * (1.0 - OF_OTHER_FACE);
     let again = albedo * OF_OTHER_FACE;
@@ -201,7 +201,7 @@ pub fn groove_light(albedo: f32, bounces: Option<i32>) -> f32 {
     of_sky * (1.0 - lost) / (1.0 - again)
 }
 
-/// Relative errors near the bottom of a groove, beside how far the faces are in the picture.
+/// Relative errors near the bottom of a groove, where the distance is small beside the extent of the faces in the picture.
 pub fn groove_errors(seen: &Seen, truth: f32) -> Errors {
     let size = seen.light.size;
     let (middle, near) = (size.y / 2, 3..=6);
@@ -211,7 +211,7 @@ pub fn groove_errors(seen: &Seen, truth: f32) -> Errors {
     Errors::of(pixels.map(|pixel| seen.at(pixel) / truth - 1.0))
 }
 
-/// Relative errors of a groove that has all bounces.
+/// Relative errors of a groove with all bounces.
 pub fn groove(size: UVec2, albedo: f32, effect: impl Bundle) -> Errors {
     let mut headless = groove_app(size, albedo, effect);
     let seen = see(&mut headless, CONVERGED);
@@ -220,7 +220,7 @@ pub fn groove(size: UVec2, albedo: f32, effect: impl Bundle) -> Errors {
     groove_errors(&seen, truth)
 }
 
-/// What a floor of albedo 0.5 sends out beside what glows with 1, less what is expected where something is: shares of πL.
+/// Errors of a floor of albedo 0.5 beside an emitter of radiance 1, in shares of πL, where `expected` has a value.
 fn beside(
     name: &str,
     size: UVec2,
@@ -253,7 +253,7 @@ pub fn wall(size: UVec2, effect: impl Bundle) -> Errors {
     };
     beside("wall", size, scene, |place| {
         let x = place.z;
-        // The wall is as wide as the picture alone.
+        // In screen space the wall ends at the picture's edges.
         let is_floor = (0.03..0.75).contains(&x) && place.x.abs() < 0.5;
         is_floor.then(|| 0.5 * (1.0 - x / x.hypot(height)))
     })
@@ -281,7 +281,7 @@ pub fn sphere(size: UVec2, effect: impl Bundle) -> Errors {
     beside("sphere", size, scene, |place| {
         let squared = place.x * place.x + place.z * place.z;
         let distance = (squared + height * height).sqrt();
-        // Neither what the ball hides from the camera nor what is beneath it.
+        // Skips floor that the ball hides from the camera, and floor beneath it.
         let is_seen = place.z > 0.0 && (radius..2.0).contains(&squared.sqrt());
         is_seen.then(|| height * radius * radius / distance.powi(3))
     })

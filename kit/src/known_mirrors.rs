@@ -1,4 +1,4 @@
-//! Scenes whose reflections are known, what a camera shows of them, and how far that is off.
+//! Scenes with known reflections, and the errors of what a camera shows of them.
 
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -28,18 +28,18 @@ pub fn metal(perceptual_roughness: f32) -> StandardMaterial {
     }
 }
 
-/// What glows in the scene of a mirror.
+/// Emitters of the mirror scene.
 const WALL_Z: f32 = -1.5;
 const WALL: Vec2 = Vec2::new(3.0, 1.6);
 const BALL: (Vec3, f32) = (Vec3::new(-0.7, 0.55, 0.0), 0.4);
 const BOX: (Vec3, Vec3) = (Vec3::new(0.8, 0.5, -0.3), Vec3::new(0.3, 0.5, 0.3));
 
-/// Emission of the wall, smooth: `at` is 0 to 1 from its lower left corner.
+/// Smooth emission of the wall; `at` is 0 to 1 from its lower left corner.
 fn pattern(at: Vec2) -> f32 {
     0.5 + 0.4 * (TAU * 4.0 * at.x).sin() * (TAU * 2.0 * at.y).sin()
 }
 
-/// Something that a ray meets.
+/// A ray hit.
 #[derive(Clone, Copy)]
 struct Met {
     distance: f32,
@@ -47,7 +47,7 @@ struct Met {
     normal: Vec3,
 }
 
-/// What the ray meets above the mirror.
+/// The ray's nearest hit above the mirror.
 fn meet(ray: Ray3d) -> Option<Met> {
     let mut nearest: Option<Met> = None;
     let mut offer = |distance: f32, light: f32, normal: Vec3| {
@@ -83,24 +83,24 @@ fn meet(ray: Ray3d) -> Option<Met> {
     nearest
 }
 
-/// What a flat mirror shows of a wall, a ball and a box.
+/// A flat mirror's picture of a wall, a ball and a box.
 pub struct MirrorSeen {
     pub seen: Seen,
-    /// Differences on pixels whose ray ends in the picture; and on those of them that see no outline.
+    /// Errors of pixels whose reflected ray hits something in the picture; those of `inside` leave out outlines.
     pub everywhere: Errors,
     pub inside: Errors,
-    /// The share of mirrored pixels whose ray ends in the picture.
+    /// Share of mirror pixels whose reflected ray hits something in the picture.
     pub share: f32,
 }
 
 impl Errors {
-    /// Of light from 0 to 1, in dB.
+    /// PSNR of light from 0 to 1, in dB.
     pub fn psnr(self) -> f32 {
         -20.0 * self.rmse.log10()
     }
 }
 
-/// The app with `dress` applied to the camera, which has `extra`.
+/// An app of the mirror scene, with `dress` applied to the camera.
 pub fn mirror_app(
     size: UVec2,
     roughness: f32,
@@ -138,7 +138,7 @@ pub fn mirror_app(
     })
 }
 
-/// The wall's pattern, upside up.
+/// The wall's pattern as an upright image.
 fn image(s: &mut SceneBuilder) -> Handle<Image> {
     let side = 512;
     let texels = (0..side * side).flat_map(|i| {
@@ -161,7 +161,7 @@ fn image(s: &mut SceneBuilder) -> Handle<Image> {
     s.world().resource_mut::<Assets<Image>>().add(image)
 }
 
-/// A mirror beneath a wall, a ball and a box.
+/// Renders a mirror beneath a wall, a ball and a box, and compares it with the truth.
 pub fn mirror(size: UVec2, dress: impl FnOnce(&mut EntityWorldMut)) -> MirrorSeen {
     let mut headless = mirror_app(size, 0.0, dress);
     headless.settle();
@@ -169,19 +169,19 @@ pub fn mirror(size: UVec2, dress: impl FnOnce(&mut EntityWorldMut)) -> MirrorSee
     show_mirror(&mut headless)
 }
 
-/// What the mirror of an app shows.
+/// Renders the mirror of an app and compares it with the truth.
 pub fn show_mirror(headless: &mut Headless) -> MirrorSeen {
     let seen = look(headless);
     compare(headless, seen)
 }
 
-/// What the mirror of an app shows in the picture that it made last.
+/// Compares the last picture of an app's mirror with the truth.
 pub fn compare(headless: &mut Headless, seen: Seen) -> MirrorSeen {
     let size = seen.light.size;
     let world = headless.world();
     let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
     let (camera, transform) = cameras.single(world).expect("one camera");
-    // What the mirror shows at a pixel, if that is in the picture too.
+    // Reflected light at a pixel, and true if the picture shows its source too.
     let mirrored = |ray: Ray3d| -> Option<(f32, bool)> {
         let distance = ray.intersect_plane(Vec3::ZERO, InfinitePlane3d::new(Vec3::Y))?;
         if meet(ray).is_some_and(|met| met.distance < distance) {
@@ -198,7 +198,7 @@ pub fn compare(headless: &mut Headless, seen: Seen) -> MirrorSeen {
         let back = at.and_then(|at| camera.viewport_to_world(transform, at).ok());
         let is_seen = back.is_some_and(|back| {
             let first = meet(back).map_or(0.0, |first| first.distance);
-            // What is seen at a grazing angle has no pixels to speak of.
+            // Surfaces seen at a grazing angle cover hardly any pixels.
             let is_facing = met.normal.dot(*back.direction) < -0.2;
             is_facing && first > place.distance(back.origin) - 1e-2
         });
@@ -245,7 +245,7 @@ pub fn compare(headless: &mut Headless, seen: Seen) -> MirrorSeen {
     }
 }
 
-/// Makes `camera` one with Bevy's reflections, beneath all roughness that they know.
+/// Switches `camera` to Bevy's deferred renderer and reflections, without a lower limit of roughness.
 pub fn with_bevys_reflections(camera: &mut EntityWorldMut) {
     camera.remove::<LeanDeferred>();
     camera.insert(ScreenSpaceReflections {
@@ -257,17 +257,17 @@ pub fn with_bevys_reflections(camera: &mut EntityWorldMut) {
     });
 }
 
-/// A quad that glows, upright above a floor.
+/// An upright glowing quad above a floor.
 #[derive(Clone, Copy)]
 pub struct GlowingQuad {
     pub size: Vec2,
-    /// Of its lower edge.
+    /// Height of its lower edge above the floor.
     pub height: f32,
     pub light: f32,
 }
 
 impl GlowingQuad {
-    /// It stands on the floor.
+    /// A quad whose lower edge touches the floor.
     const WALL: Self = Self {
         size: Vec2::new(1.6, 0.9),
         height: 0.0,
@@ -275,7 +275,7 @@ impl GlowingQuad {
     };
 }
 
-/// What a rough metal floor shows of a glowing quad that stands on it. Differences of light, of which the quad has 1.
+/// A rough metal floor's picture of a glowing quad that touches it. Errors are of light, of which the quad has 1.
 pub fn rough_floor(
     size: UVec2,
     roughness: f32,
@@ -284,7 +284,7 @@ pub fn rough_floor(
     rough_floor_under(GlowingQuad::WALL, size, roughness, dress)
 }
 
-/// What a rough metal floor shows of `quad`.
+/// A rough metal floor's picture of `quad`.
 pub fn rough_floor_under(
     quad: GlowingQuad,
     size: UVec2,
@@ -312,7 +312,7 @@ pub fn rough_floor_under(
     let differences: Vec<f32> = seen
         .on_plane(Vec3::ZERO, Vec3::Y)
         .filter(|(pixel, place, _)| {
-            // Every third pixel each way, in front of the quad.
+            // Every third pixel along both axes, in front of the quad.
             pixel.x % 3 == 0
                 && pixel.y % 3 == 0
                 && (0.02..1.8).contains(&place.z)
@@ -334,12 +334,12 @@ pub fn rough_floor_under(
     (seen, Errors::of(differences))
 }
 
-/// Light that a metal floor sends from `place` to `eye`, of a glowing quad: the integral of GGX over the quad, by
-/// Smith's correlated shadowing, Fresnel 1.
+/// Light that a metal floor reflects from a glowing quad at `place` towards `eye`: the integral of GGX over the quad, with Smith's
+/// correlated shadowing and Fresnel 1.
 fn lobe_of_quad(quad: GlowingQuad, place: Vec3, eye: Vec3, roughness: f32) -> f32 {
-    // By directions of the lobe, over the visible microfacets: exact also where it is narrow.
+    // Integrates over the visible microfacets of the lobe: exact for narrow lobes too.
     let view = (eye - place).normalize();
-    // Tangent space: y of the world is z.
+    // Tangent space: the world's y is z.
     let v = Vec3::new(view.x, -view.z, view.y);
     let alpha = roughness * roughness;
     let side = 64;
@@ -359,10 +359,9 @@ fn lobe_of_quad(quad: GlowingQuad, place: Vec3, eye: Vec3, roughness: f32) -> f3
     quad.light * sum / (side * side) as f32
 }
 
-/// How much of light from everywhere a rough metal sends on: so much less than 1 as it loses by light that goes between
-/// microfacets more than once.
+/// Directional albedo of a rough metal: below 1 by the light lost to multiple scattering between microfacets.
 pub fn sent_on(cosine: f32, roughness: f32) -> f32 {
-    // Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces": the integral by its half vectors.
+    // Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces": the integral over half vectors.
     let (alpha, side) = (roughness * roughness, 256);
     let v = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
     let a2 = alpha * alpha;
@@ -386,7 +385,7 @@ pub fn sent_on(cosine: f32, roughness: f32) -> f32 {
             let distribution = a2 / (PI * spread * spread);
             let root = |z: f32| (a2 + (1.0 - a2) * z * z).sqrt();
             let visible = 0.5 / (l.z * root(v.z) + v.z * root(l.z));
-            // Light over directions, of which there are 4 (v·h) times as many as half vectors.
+            // Change of variables: dl = 4 (v·h) dh.
             sum += distribution * visible * l.z * 4.0 * v.dot(h) * theta.sin();
         }
     }

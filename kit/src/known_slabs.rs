@@ -1,4 +1,4 @@
-//! Slabs beneath whose surface light scatters by a known profile.
+//! Slabs with subsurface scattering of a known profile.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -19,12 +19,12 @@ use crate::{
     scenes::SceneBuilder,
 };
 
-/// How far channels scatter in skin, as shares of the furthest.
+/// Scattering distances of skin per channel, relative to the longest.
 pub const SKIN: LinearRgba = LinearRgba::rgb(1.0, 0.35, 0.2);
-/// Metres a side.
+/// Side length in metres.
 pub const SLAB: f32 = 4.0;
 
-/// A white slab that scatters light of each channel so many metres far.
+/// A white slab with this mean free path in metres, scaled per channel by `color`.
 pub fn slab(color: LinearRgba, mean_free_path: f32) -> ExtendedStandardMaterial {
     ExtendedStandardMaterial {
         base: StandardMaterial {
@@ -41,13 +41,13 @@ pub fn slab(color: LinearRgba, mean_free_path: f32) -> ExtendedStandardMaterial 
     }
 }
 
-/// The mean free paths of channels as the G-buffer has them, in metres.
+/// Mean free paths per channel as the G-buffer stores them, in metres.
 pub fn stored_paths(color: LinearRgba, mean_free_path: f32) -> Vec3 {
     let arguments = pack_subsurface(color.to_vec3(), mean_free_path, true);
     unpack_subsurface_color(arguments) * unpack_subsurface_path(arguments)
 }
 
-/// A pattern of `side` × `side` texels, by what each has at its centre, 0 to 1 from the upper left corner.
+/// A texture of `side` × `side` texels; `light` maps a texel's centre, 0 to 1 from the upper left corner, to its value.
 pub fn pattern(s: &mut SceneBuilder, side: u32, light: impl Fn(Vec2) -> f32) -> Handle<Image> {
     let texels = (0..side * side).flat_map(|i| {
         let at = Vec2::new((i % side) as f32 + 0.5, (i / side) as f32 + 0.5) / side as f32;
@@ -69,14 +69,13 @@ pub fn pattern(s: &mut SceneBuilder, side: u32, light: impl Fn(Vec2) -> f32) -> 
     s.world().resource_mut::<Assets<Image>>().add(image)
 }
 
-/// What leaves so many mean free paths from a line, on the lit side of it (or, negative, the other one), of light that is 1
-/// where it enters.
+/// Light that leaves at so many mean free paths from an edge of light, positive on its lit side, where incident light is 1.
 pub fn beside_edge(paths_away: f32) -> f32 {
     let within = bevy_lean_deferred::screen_space::subsurface::profile::share_beside;
     0.5 + 0.5 * within(paths_away.abs()) * paths_away.signum()
 }
 
-/// A slab that faces z, in even light, of which it lets in what `light` says, from the upper left corner.
+/// A slab that faces z under uniform light, of which it lets in the share `light`, from the upper left corner.
 pub fn patterned(
     s: &mut SceneBuilder,
     mut material: ExtendedStandardMaterial,
@@ -90,13 +89,12 @@ pub fn patterned(
         .spawn((Mesh3d(mesh), MeshMaterial3d(material), transform));
 }
 
-/// Lit where x is more than 0.
+/// Lit in the right half of the slab.
 pub fn step(at: Vec2) -> f32 {
     f32::from(at.x > 0.5)
 }
 
-/// Differences of each channel from the profile beside the edge of light on a slab at the origin, within eight mean free paths
-/// of it.
+/// Errors per channel against the profile beside an edge of light on a slab at the origin, within eight mean free paths of it.
 pub fn beside(seen: &Seen, normal: Vec3, paths: Vec3) -> [Errors; 3] {
     let along = Vec3::Y.cross(normal).normalize();
     [0, 1, 2].map(|channel| {
@@ -112,7 +110,7 @@ pub fn beside(seen: &Seen, normal: Vec3, paths: Vec3) -> [Errors; 3] {
     })
 }
 
-/// An edge of light on a slab seen from two metres.
+/// An edge of light on a slab seen from 2 m.
 pub fn edge(size: UVec2, color: LinearRgba, path: f32, effect: impl Bundle) -> [Errors; 3] {
     let (_, seen) = show(size, 2, |s| {
         patterned(s, slab(color, path), default(), step);

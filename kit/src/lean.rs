@@ -1,4 +1,4 @@
-//! Showing a scene through lean cameras and through forward ones, and comparing the pictures.
+//! Renders scenes with lean and forward cameras and compares the pictures.
 
 use bevy::{
     diagnostic::FrameCount,
@@ -23,13 +23,13 @@ pub fn build(size: UVec2, scene: impl FnOnce(&mut SceneBuilder)) -> Headless {
     headless
 }
 
-/// Shows `scene` in place of what the app has shown. Pipelines that both need are not compiled again.
+/// Replaces the app's scene. Pipelines that both scenes need are not compiled again.
 pub fn show(headless: &mut Headless, scene: impl FnOnce(&mut SceneBuilder)) {
     let world = headless.world();
     let mut shown = world.query_filtered::<Entity, With<Transform>>();
     let shown: Vec<Entity> = shown.iter(world).collect();
     for entity in shown {
-        // Not if it went with its parent.
+        // It may have been despawned with its parent.
         if let Ok(entity) = world.get_entity_mut(entity) {
             entity.despawn();
         }
@@ -37,14 +37,14 @@ pub fn show(headless: &mut Headless, scene: impl FnOnce(&mut SceneBuilder)) {
     scene(&mut SceneBuilder { headless });
 }
 
-/// A picture once all is loaded. Always of the same phase of what changes from frame to frame (jitter, noise).
+/// A picture once all is loaded, always at the same phase of jitter and noise.
 pub fn settled(headless: &mut Headless) -> Picture {
     headless.settle();
     begin_phase(headless);
     headless.capture()
 }
 
-/// Has jitter and noise begin anew in the next frame. What TAA holds of earlier frames has settled by then.
+/// Restarts jitter and noise with the next frame. TAA's history has converged by then.
 pub fn begin_phase(headless: &mut Headless) {
     let has_history = has_history(headless);
     let made = headless.world().resource::<FrameCount>().0;
@@ -56,23 +56,23 @@ pub fn begin_phase(headless: &mut Headless) {
     }
 }
 
-/// After so many frames the first ones no longer show in what TAA holds.
+/// Frames after which TAA's history no longer shows the first ones.
 const SETTLING_FRAMES: u32 = 64;
 
-/// After so many frames jitter begins anew.
+/// Period of the jitter, in frames.
 const JITTER_PHASES: u32 = 8;
 
-/// After so many frames noise begins anew.
+/// Period of the noise, in frames.
 const NOISE_PHASES: u32 = 64;
 
-/// Whether pictures hold something of earlier frames, and so of each of their phases.
+/// True if pictures blend in earlier frames, and so all of their phases.
 fn has_history(headless: &mut Headless) -> bool {
     let world = headless.world();
     let mut cameras = world.query_filtered::<(), With<TemporalJitter>>();
     cameras.iter(world).next().is_some()
 }
 
-/// Changes all cameras.
+/// Applies `change` to all cameras.
 pub fn change_cameras(headless: &mut Headless, change: impl Fn(&mut EntityWorldMut)) {
     let world = headless.world();
     let cameras: Vec<Entity> = world
@@ -84,7 +84,7 @@ pub fn change_cameras(headless: &mut Headless, change: impl Fn(&mut EntityWorldM
     }
 }
 
-/// Switches all cameras over.
+/// Switches all cameras to lean or to forward.
 pub fn set_lean(headless: &mut Headless, lean: bool) {
     change_cameras(headless, |camera| {
         if lean {
@@ -95,7 +95,7 @@ pub fn set_lean(headless: &mut Headless, lean: bool) {
     });
 }
 
-/// How many views were rendered lean in the last frame.
+/// Number of views rendered lean in the last frame.
 pub fn active_lean_views(headless: &mut Headless) -> usize {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     world
@@ -104,8 +104,8 @@ pub fn active_lean_views(headless: &mut Headless) -> usize {
         .count()
 }
 
-/// Prints how far `lean` is from `forward`; an error if that is too far. Writes both into the folder that
-/// `PARITY_PICTURES` names, if it does.
+/// Prints the difference between `lean` and `forward`; an error if it is too large. Saves both to the folder that `PARITY_PICTURES` names,
+/// if set.
 pub fn judge(name: &str, forward: &Picture, lean: &Picture, least_psnr: f64) -> Result<(), String> {
     if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
         let folder = std::path::Path::new(&folder);
@@ -121,7 +121,7 @@ pub fn judge(name: &str, forward: &Picture, lean: &Picture, least_psnr: f64) -> 
     Ok(())
 }
 
-/// As [`judge`], of each frame of two films.
+/// As [`judge`], for each frame of two films.
 pub fn judge_film(
     name: &str,
     forward: &[Picture],
@@ -137,7 +137,7 @@ pub fn judge_film(
         .collect()
 }
 
-/// Panics if a comparison failed, or the validation layer has complained.
+/// Panics if a comparison failed or the validation layer complained.
 pub fn report(results: impl IntoIterator<Item = Result<(), String>>) {
     let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));

@@ -1,5 +1,5 @@
-//! What the tests, benches and examples of `bevy_lean_deferred` share: rendering without a window, comparing pictures,
-//! scenes built in code, the shipped shaders on a device of their own, and ground truth.
+//! Shared by the tests, benches and examples of `bevy_lean_deferred`: headless rendering, picture comparison, scenes built in code, the
+//! shipped shaders on a separate device, and ground truth.
 #![allow(
     clippy::new_without_default,
     reason = "what opens a device is no default"

@@ -1,4 +1,4 @@
-//! What this process has logged, for tests that ask.
+//! Records this process's warnings and errors for tests.
 
 use core::fmt::{Debug, Write};
 use std::sync::Mutex;
@@ -11,7 +11,7 @@ use tracing::{
 
 static MESSAGES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Warnings and errors so far that contain `part`, but for what an old validation layer says of a new driver.
+/// Warnings and errors so far that contain `part`, without false alarms of an old validation layer.
 pub fn messages_with(part: &str) -> Vec<String> {
     let messages = MESSAGES.lock().unwrap_or_else(|poison| poison.into_inner());
     messages
@@ -21,8 +21,8 @@ pub fn messages_with(part: &str) -> Vec<String> {
         .collect()
 }
 
-/// What a validation layer says of a structure that newer drivers know and it does not: Debian's is of 2022, and wgpu passes
-/// `VkPhysicalDeviceRayTracingPositionFetchFeaturesKHR` to drivers that offer it.
+/// Parts of the message about a structure that newer drivers know and an old validation layer does not: Debian's is of 2022, and wgpu
+/// passes `VkPhysicalDeviceRayTracingPositionFetchFeaturesKHR` to drivers that offer it.
 const UNKNOWN_STRUCTURE: [&str; 2] = [
     "VUID-VkDeviceCreateInfo-pNext-pNext",
     "unknown VkStructureType (1000481000)",
@@ -32,18 +32,18 @@ fn tells_of_unknown_structure(message: &str) -> bool {
     UNKNOWN_STRUCTURE.iter().all(|part| message.contains(part))
 }
 
-/// What the Vulkan validation layer has complained of. wgpu loads it in builds with debug assertions, if installed.
+/// Complaints of the Vulkan validation layer. wgpu loads it in builds with debug assertions, if installed.
 pub fn validation_layer_complaints() -> Vec<String> {
     messages_with("VUID")
 }
 
-/// Panics if the Vulkan validation layer has complained. That it would be heard, `tests/apps/validation_layer.rs` shows.
+/// Panics if the Vulkan validation layer has complained. `tests/apps/validation_layer.rs` shows that complaints are recorded.
 pub fn assert_validation_layer_silent() {
     let complaints = validation_layer_complaints();
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
-/// Keeps warnings and errors.
+/// Records warnings and errors.
 pub struct LogWatch;
 
 impl Layer<Registry> for LogWatch {

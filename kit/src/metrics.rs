@@ -1,18 +1,17 @@
-//! How far two pictures are apart.
+//! Measures the difference between two pictures.
 
 use super::headless::Picture;
 
-/// The figures that are recorded for each comparison.
+/// Figures recorded for each comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
     /// Peak signal-to-noise ratio over sRGB-encoded RGB, in dB; infinite for equal pictures.
     pub psnr: f64,
-    /// Mean LDR-ꟻLIP at 67 pixels a degree (Andersson et al. 2020, "ꟻLIP: A Difference Evaluator for Alternating
-    /// Images"), 0 to 1.
+    /// Mean LDR-ꟻLIP at 67 pixels per degree (Andersson et al. 2020, "ꟻLIP: A Difference Evaluator for Alternating Images"), 0 to 1.
     pub flip: f64,
     /// Share of pixels with a channel off by more than 8/255.
     pub off_by_8: f64,
-    /// Largest difference of a channel, in 1/255.
+    /// Largest channel difference, in 1/255.
     pub largest: u8,
 }
 
@@ -36,7 +35,7 @@ pub fn difference(reference: &Picture, test: &Picture) -> Difference {
     }
 }
 
-/// As [`difference`], without FLIP, which takes long on large pictures and is NaN here.
+/// As [`difference`], without FLIP, which is slow on large pictures and is NaN here.
 pub fn pixel_difference(reference: &Picture, test: &Picture) -> Difference {
     assert_eq!(reference.size, test.size);
     let (mut squares, mut largest, mut off) = (0.0f64, 0u8, 0usize);

@@ -20,12 +20,12 @@ pub use textures::half;
 
 use super::gpu;
 
-/// A depth buffer and how it was seen.
+/// A depth buffer and its projection.
 pub struct DepthImage {
     pub depth: Vec<f32>,
     pub size: UVec2,
     pub clip_from_view: Mat4,
-    /// Where the view lies in the buffer; all of it unless told otherwise.
+    /// The view's part of the buffer, origin and size; by default all of it.
     pub viewport: (UVec2, UVec2),
 }
 
@@ -42,25 +42,25 @@ impl DepthImage {
 
 /// Occlusion, row by row.
 pub struct Occlusion {
-    /// As stored: of the viewport, or half its size.
+    /// As stored: at the size of the viewport, or half of it.
     pub gathered: Vec<f32>,
-    /// After the filter and `intensity`: of the viewport.
+    /// After the filter and `intensity`: at the size of the viewport.
     pub filtered: Vec<f32>,
 }
 
-/// Which of the gather's two entry points runs.
+/// The gather's two entry points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
     Compute,
     Raster,
 }
 
-/// A device of its own.
+/// A wgpu device separate from Bevy's.
 pub struct OcclusionGpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     nearest: wgpu::Sampler,
-    /// By source and definitions: composing takes longer than running.
+    /// Cache by source and definitions: composing takes longer than running.
     shaders: Mutex<HashMap<(String, Vec<String>), wgpu::ShaderModule>>,
 }
 
@@ -183,7 +183,7 @@ impl OcclusionGpu {
             }
         }
 
-        // The merge's debug view shows what is left of the light.
+        // The merge's debug view shows the light that remains.
         let shown = self.texture(
             image.size,
             wgpu::TextureFormat::R32Float,

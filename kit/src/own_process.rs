@@ -1,13 +1,13 @@
-//! Tests that share a process with no other: because of what is counted or looked for in all of it, or because they make
-//! many frames, of each of which Mesa's llvmpipe keeps some megabytes until the process ends.
+//! Runs tests in processes of their own: because they count or search process-wide state, or because they render many frames, of each of
+//! which Mesa's llvmpipe keeps some megabytes until the process ends.
 
 use std::process::Command;
 
 /// Set in such a process.
 const ALONE: &str = "LEAN_TEST_ALONE";
 
-/// Runs a test's body in a process of its own: what that has logged, numbered, or has its threads do is then this test's
-/// alone. To be called from the test itself, with a closure.
+/// Runs a test's body in a process of its own, so that its logs, ids and threads are this test's alone. To be called from the test itself,
+/// with a closure.
 pub fn in_own_process<F: FnOnce()>(body: F) {
     let name = test_name::<F>();
     if is_alone(name) {
@@ -17,7 +17,7 @@ pub fn in_own_process<F: FnOnce()>(body: F) {
     }
 }
 
-/// As [`in_own_process`], once for each value, one after another: the environment's variable has it there.
+/// As [`in_own_process`], once per value of the environment variable, one after another.
 pub fn in_own_processes<F: FnOnce()>(
     variable: &str,
     values: impl IntoIterator<Item = String>,
@@ -57,7 +57,7 @@ fn run_alone(name: &str, environment: &[(&str, String)]) {
     assert!(text.contains("1 passed"), "no test has the name {name}");
 }
 
-/// Of the function that has the closure `F`, as the test harness calls it: without the crate.
+/// Name of the function that contains the closure `F`, as the test harness writes it: without the crate.
 fn test_name<F>() -> &'static str {
     let closure = core::any::type_name::<F>();
     let path = closure.split_once("::").map_or(closure, |(_, path)| path);

@@ -1,4 +1,4 @@
-//! Random numbers that are the same in every run.
+//! Pseudo-random numbers that are the same in every run.
 
 /// PCG-XSH-RR (O'Neill 2014, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for Random
 /// Number Generation").
@@ -21,17 +21,17 @@ impl Random {
         xorshifted.rotate_right((state >> 59) as u32)
     }
 
-    /// 0 to 1, 1 not included.
+    /// A number from 0 to 1, 1 excluded.
     pub fn unit(&mut self) -> f32 {
         (self.bits() >> 8) as f32 / (1 << 24) as f32
     }
 
-    /// `low` to `high`.
+    /// A number from `low` to `high`.
     pub fn range(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
     }
 
-    /// One of 0 to `count`, `count` not included.
+    /// An integer from 0 to `count`, `count` excluded.
     pub fn below(&mut self, count: usize) -> usize {
         ((u64::from(self.bits()) * count as u64) >> 32) as usize
     }

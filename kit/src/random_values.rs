@@ -1,4 +1,4 @@
-//! Random values for the fields of any settings, hostile ones too; components that come and go.
+//! Random values for the fields of any settings, including hostile ones, and random toggling of components.
 
 use bevy::{
     prelude::*,
@@ -28,13 +28,13 @@ const HOSTILE: [f32; 9] = [
 
 const HOSTILE_COUNTS: [u32; 4] = [0, 1, 1000, u32::MAX];
 
-/// What values may be.
+/// Constraints on random values.
 #[derive(Clone, Copy)]
 pub struct Values<'a> {
-    /// Of so many numbers one is hostile; 0: none.
+    /// One number in so many is hostile; 0 for none.
     pub hostile: usize,
     pub images: &'a [Handle<Image>],
-    /// Fields that keep what they have.
+    /// Names of fields that keep their values.
     pub kept: &'a [&'a str],
 }
 
@@ -62,7 +62,7 @@ impl Values<'_> {
         (!self.images.is_empty()).then(|| self.images[random.below(self.images.len())].clone())
     }
 
-    /// Other values for one of this crate's components, of any kind. What it has then; none if the camera has no such component.
+    /// Changes one of this crate's components, chosen at random. Returns its new state; none if the camera lacks that component.
     pub fn change_lean(&self, camera: &mut EntityWorldMut, random: &mut Random) -> Option<String> {
         macro_rules! change {
             ($settings:ty) => {{
@@ -81,7 +81,7 @@ impl Values<'_> {
         })
     }
 
-    /// Other values for one or two fields of what is a struct.
+    /// Changes one or two fields of a struct.
     pub fn change(&self, settings: &mut dyn PartialReflect, random: &mut Random) {
         let ReflectMut::Struct(fields) = settings.reflect_mut() else {
             return self.set(settings, random);
@@ -99,7 +99,7 @@ impl Values<'_> {
         }
     }
 
-    /// Another value, in all of its fields. What has none that this knows of stays as it is.
+    /// Changes a value in all of its fields. Values of unsupported types stay unchanged.
     fn set(&self, value: &mut dyn PartialReflect, random: &mut Random) {
         if let Some(number) = value.try_downcast_mut::<f32>() {
             *number = self.number(*number, random);
@@ -132,7 +132,7 @@ impl Values<'_> {
         }
     }
 
-    /// One of the variants, or the present one with other values where its fields are of types that this cannot make.
+    /// Chooses one of the variants, or changes the fields of the present one if that variant has fields of unsupported types.
     fn choose(&self, choice: &mut dyn Enum, random: &mut Random) {
         let info = choice.get_represented_enum_info();
         let index = random.below(info.map_or(1, |info| info.variant_len()));
@@ -148,7 +148,7 @@ impl Values<'_> {
         }
     }
 
-    /// Up to four values, in place of all there are.
+    /// Replaces a list's items by up to four others.
     fn fill(&self, list: &mut dyn List, random: &mut Random) {
         let info = list.get_represented_list_info();
         let Some(item) = info.and_then(|info| info.item_info()) else {
@@ -183,7 +183,7 @@ impl Values<'_> {
         Some(DynamicEnum::new(info.name(), fields))
     }
 
-    /// A value of a type, where its fields are all of types that this knows.
+    /// Makes a value of a type; none if it has fields of unsupported types.
     fn made(&self, info: &TypeInfo, random: &mut Random) -> Option<Box<dyn PartialReflect>> {
         if info.is::<f32>() {
             return Some(Box::new(self.number(1.0, random)));
@@ -211,12 +211,12 @@ impl Values<'_> {
     }
 }
 
-/// Takes a component away, or puts its default in.
+/// Removes a component, or inserts its default.
 pub fn toggle<C: Component + Default>(entity: &mut EntityWorldMut) -> String {
     toggle_between(entity, C::default())
 }
 
-/// Takes a component away, or puts this one in.
+/// Removes a component, or inserts this one.
 pub fn toggle_between<C: Component>(entity: &mut EntityWorldMut, component: C) -> String {
     let had = entity.contains::<C>();
     if had {

@@ -1,4 +1,4 @@
-//! The renderers that are compared.
+//! The renderers under comparison.
 
 use core::str::FromStr;
 
@@ -10,7 +10,7 @@ use bevy_lean_deferred::prelude::*;
 
 use crate::bench_spans;
 
-/// A renderer as it comes.
+/// A renderer in its default configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Renderer {
     Forward,
@@ -32,7 +32,7 @@ impl FromStr for Renderer {
 }
 
 impl Renderer {
-    /// Forward first: it is the reference of the others.
+    /// Forward comes first: it is the reference.
     pub const ALL: [Self; 3] = [Self::Forward, Self::BevyDeferred, Self::Lean];
 
     pub fn name(self) -> &'static str {
@@ -43,8 +43,8 @@ impl Renderer {
         }
     }
 
-    /// Gives a camera what this renderer needs, and takes what others need. Materials are for
-    /// [`OpaqueMethod`](crate::example::opaque_method::OpaqueMethod).
+    /// Gives a camera the components that this renderer needs and removes those of others.
+    /// [`OpaqueMethod`](crate::example::opaque_method::OpaqueMethod) switches materials.
     pub fn prepare_camera(self, camera: &mut EntityCommands) {
         camera.remove::<(LeanDeferred, DepthPrepass, DeferredPrepass)>();
         match self {
@@ -58,8 +58,8 @@ impl Renderer {
         }
     }
 
-    /// Bytes a pixel that geometry must write, and that it and lighting must move in all: each target once written, once read, formats
-    /// as declared (depth 4, HDR colour 8). `gbuffer` are those of a lean camera.
+    /// Bytes per pixel that geometry must write, and that geometry and lighting must move in all: each target is written once and read
+    /// once, in the declared formats (depth 4, HDR colour 8). `gbuffer` is the size of a lean camera's.
     pub fn bytes_per_pixel(self, gbuffer: u32) -> (u32, u32) {
         match self {
             Self::Forward => (8 + 4, 8 + 4),

@@ -1,5 +1,4 @@
-//! Shaders in place of those that are compiled in: from a folder, so that what is edited in WGSL is seen without building
-//! anything, or made by a test.
+//! Replaces compiled-in shaders: by those of a folder, so that WGSL edits need no rebuild, or by those of a test.
 
 use std::{borrow::Cow, path::PathBuf};
 
@@ -7,28 +6,28 @@ use bevy::{platform::collections::HashMap, prelude::*, shader::Shader};
 
 use crate::wgsl::WgslModule;
 
-/// Names the folder, `src` of the crate or a copy of it.
+/// Names the folder: `src` of the crate or a copy of it.
 const VARIABLE: &str = "LEAN_SHADERS";
 
-/// How the paths of embedded shaders begin.
+/// Prefix of the paths of embedded shaders.
 const CRATE: &str = "bevy_lean_deferred/";
 
-/// Where shaders are from.
+/// Sources of replaced shaders.
 #[derive(Resource, Default)]
 struct ReplacedShaders {
     folder: Option<PathBuf>,
-    /// By their paths in `src`.
+    /// Sources by path in `src`.
     sources: HashMap<&'static str, String>,
 }
 
-/// Reads the crate's shaders from the folder that `LEAN_SHADERS` names, if it does.
+/// Reads the crate's shaders from the folder that `LEAN_SHADERS` names, if set.
 pub fn read_shader_files(app: &mut App) {
     if let Some(folder) = std::env::var_os(VARIABLE) {
         replacements(app).folder = Some(folder.into());
     }
 }
 
-/// The source of a module: from that folder, or as it is compiled in.
+/// The source of a module, from that folder or as compiled in.
 pub fn shader_file(module: &WgslModule) -> Cow<'static, str> {
     let (Some(folder), Some(path)) = (std::env::var_os(VARIABLE), module.path.strip_prefix("src/"))
     else {
@@ -41,7 +40,7 @@ pub fn shader_file(module: &WgslModule) -> Cow<'static, str> {
         .into()
 }
 
-/// Has the shader at `path` in `src` replaced by `source`. To be called before the app's first frame.
+/// Replaces the shader at `path` in `src` by `source`. To be called before the app's first frame.
 pub fn replace_shader(app: &mut App, path: &'static str, source: String) {
     replacements(app).sources.insert(path, source);
 }

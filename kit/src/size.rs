@@ -2,7 +2,7 @@
 
 use bevy::math::UVec2;
 
-/// Reads `WIDTHxHEIGHT`, neither of them 0.
+/// Parses `WIDTHxHEIGHT`, neither of them 0.
 pub fn parse_size(text: &str) -> Result<UVec2, String> {
     let (x, y) = text.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
     let number = |s: &str| s.parse::<u32>().map_err(|error| format!("{s}: {error}"));

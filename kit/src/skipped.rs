@@ -1,4 +1,4 @@
-//! What tests cannot show on the chosen device: they say so. `tests/drivers.sh` counts such lines.
+//! Announces what tests cannot show on the chosen device. `tests/drivers.sh` counts such lines.
 
 use bevy::render::{
     RenderApp,
@@ -10,7 +10,7 @@ use wgpu::{Features, Limits};
 
 use crate::{device::BINDING_ARRAYS, gpu, headless::Headless, own_process::in_own_process};
 
-/// Whether a device with these limits scatters light beneath surfaces. Says so where it does not.
+/// True if a device with these limits supports subsurface scattering. Says so if not.
 pub fn has_room_for_scattering(limits: &Limits) -> bool {
     let missing = missing_for_scattering(limits);
     if let Some(missing) = missing {
@@ -19,7 +19,7 @@ pub fn has_room_for_scattering(limits: &Limits) -> bool {
     missing.is_none()
 }
 
-/// As [`in_own_process`], where lighting has room for scattering.
+/// As [`in_own_process`], on devices that support subsurface scattering.
 pub fn where_light_scatters<F: FnOnce()>(body: F) {
     let (_, device, _) = gpu::request(Features::empty());
     if has_room_for_scattering(&device.limits()) {
@@ -27,7 +27,7 @@ pub fn where_light_scatters<F: FnOnce()>(body: F) {
     }
 }
 
-/// Whether a part of a test shows nothing here, for want of binding arrays. Says so where it does.
+/// True if a part of a test is skipped for want of binding arrays. Says so if it is.
 pub fn skips_without_binding_arrays(device: &RenderDevice, part: &str) -> bool {
     let skips = !device.features().contains(BINDING_ARRAYS);
     if skips {
@@ -36,7 +36,7 @@ pub fn skips_without_binding_arrays(device: &RenderDevice, part: &str) -> bool {
     skips
 }
 
-/// What a test allows: `there` on SwiftShader, for a reason that is said, and `elsewhere` on all others.
+/// A test's bound: `there` on SwiftShader, for the `reason` that is printed, and `elsewhere` on all others.
 pub fn on_swiftshader<T>(there: T, elsewhere: T, reason: &str) -> T {
     if !gpu::is_swiftshader() {
         return elsewhere;
@@ -45,7 +45,7 @@ pub fn on_swiftshader<T>(there: T, elsewhere: T, reason: &str) -> T {
     there
 }
 
-/// Whether the device can leave out what it finds to be hidden. Says so where it cannot.
+/// True if the device can cull occluded meshes. Says so if not.
 pub fn culls_what_is_hidden(headless: &Headless) -> bool {
     let world = headless.app.sub_app(RenderApp).world();
     let support = world.resource::<GpuPreprocessingSupport>();

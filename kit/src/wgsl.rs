@@ -1,4 +1,4 @@
-//! The crate's WGSL, as shipped or as `LEAN_SHADERS` has it, composed for a device beside Bevy's.
+//! Composes the crate's WGSL, as shipped or from `LEAN_SHADERS`, for a device separate from Bevy's.
 
 use std::{borrow::Cow, collections::HashMap};
 
@@ -10,13 +10,13 @@ use naga_oil::compose::{
 
 use crate::shader_files::shader_file;
 
-/// Shader definitions by their names.
+/// Shader definitions by name.
 pub type Definitions = HashMap<String, ShaderDefValue>;
 
-/// A module of the crate, or one in the place of a module.
+/// A module of the crate, or a replacement of one.
 #[derive(Clone, Copy)]
 pub struct WgslModule {
-    /// Begins with `src/` where it is the crate's. Otherwise for error messages only.
+    /// Begins with `src/` for the crate's modules; otherwise used in error messages only.
     pub path: &'static str,
     pub source: &'static str,
 }
@@ -49,8 +49,8 @@ macro_rules! wgsl {
 }
 pub(crate) use wgsl;
 
-/// `source` with what it imports from `modules`, which stand in the order of their own imports. Panics with the compiler's message
-/// where that is no valid WGSL.
+/// Compiles `source` with its imports from `modules`, which are listed dependencies first. Panics with the compiler's message on invalid
+/// WGSL.
 pub fn compile(
     device: &wgpu::Device,
     modules: &[WgslModule],
@@ -65,7 +65,7 @@ pub fn compile(
 }
 
 fn compose(modules: &[WgslModule], source: &str, definitions: Definitions) -> naga::Module {
-    // What the crate asks of every device, or has two versions of.
+    // Capabilities that the crate requires of every device, or has two versions for.
     let capabilities = Capabilities::SUBGROUP | Capabilities::SHADER_FLOAT16_IN_FLOAT32;
     let mut composer = Composer::default().with_capabilities(capabilities);
     let report = |composer: &Composer, error: ComposerError| -> ! {
@@ -97,7 +97,7 @@ pub fn numbers(definitions: &[(&str, u32)]) -> Definitions {
         .collect()
 }
 
-/// Bevy's definitions as the composer takes them.
+/// Bevy's definitions in the composer's type.
 pub fn definitions_of(definitions: impl IntoIterator<Item = ShaderDefVal>) -> Definitions {
     definitions
         .into_iter()
@@ -109,7 +109,7 @@ pub fn definitions_of(definitions: impl IntoIterator<Item = ShaderDefVal>) -> De
         .collect()
 }
 
-/// What tells `definitions` from others.
+/// A cache key of `definitions`.
 pub fn key_of(definitions: &Definitions) -> Vec<String> {
     let mut key: Vec<String> = definitions.iter().map(|def| format!("{def:?}")).collect();
     key.sort();

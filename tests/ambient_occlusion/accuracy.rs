@@ -38,7 +38,7 @@ fn variants() -> [(&'static str, LeanAmbientOcclusion); 6] {
     ]
 }
 
-/// The largest occlusion with any of the variants, up to the border and the horizon.
+/// Largest occlusion of any of the variants, including the border and the horizon.
 fn largest_occlusion(gpu: &OcclusionGpu, view: &View, radius: f64) -> f64 {
     let seen = view.seen_within(0.0);
     let on_surface: Vec<bool> = seen.truth.iter().map(Option::is_some).collect();
@@ -57,14 +57,14 @@ fn largest_occlusion(gpu: &OcclusionGpu, view: &View, radius: f64) -> f64 {
     largest.into_iter().fold(0.0, f64::max)
 }
 
-/// Wherever the plane is, and however large the radius.
+/// A plane is unoccluded at any distance and any radius.
 #[test]
 fn planes_are_not_occluded() {
     let gpu = OcclusionGpu::new();
     for tilt in [0.0, 45.0, 80.0, 88.0] {
         for distance in [1.0, 10.0, 100.0, 1000.0] {
             let view = plane(f64::to_radians(tilt), distance).with_size(SMALL);
-            // From the default, which is less than a pixel in the distance, to the largest on screen.
+            // From the default, less than a pixel in the distance, to the largest radius on screen.
             for radius in [RADIUS, 0.1 * distance, distance] {
                 let largest = largest_occlusion(&gpu, &view, radius);
                 println!("{tilt}°, {distance} m, radius {radius} m: {largest}");
@@ -74,7 +74,7 @@ fn planes_are_not_occluded() {
     }
 }
 
-/// Where the far plane sets what a depth buffer resolves, and cuts off what lies behind it.
+/// A plane is unoccluded in orthographic views, where the far plane limits the depth resolution and clips.
 #[test]
 fn planes_are_not_occluded_in_orthographic_views() {
     let gpu = OcclusionGpu::new();
@@ -85,7 +85,7 @@ fn planes_are_not_occluded_in_orthographic_views() {
             far,
         };
         for tilt in [0.0, 10.0, 45.0, 80.0, 88.0] {
-            // Nor does the near plane cut: at this tilt it would leave single pixels without neighbours.
+            // The near plane must not clip: at this tilt it would leave single pixels without neighbours.
             if tilt == 88.0 && distance < 50.0 {
                 continue;
             }
@@ -99,7 +99,7 @@ fn planes_are_not_occluded_in_orthographic_views() {
     }
 }
 
-/// A part of a view, with the largest RMSE beside the closed form: of the integral, and of each of the [`variants`].
+/// A part of a view, with bounds of the RMSE against the closed form: of the integral, and of each of the [`variants`].
 struct Case {
     name: &'static str,
     seen: Seen,
@@ -127,7 +127,7 @@ fn cases() -> Vec<Case> {
         case(pit(), 0.006, [0.085, 0.056, 0.048, 0.037, 0.056, 0.079]),
         case(trench(), 0.005, [0.109, 0.060, 0.046, 0.033, 0.061, 0.132]),
         case(stairs(), 0.007, [0.097, 0.064, 0.055, 0.048, 0.065, 0.215]),
-        // The camera does not see all of the sphere that the floor and the sphere's lower half see of each other.
+        // The camera does not see all surfaces by which the floor and the sphere's lower half occlude each other.
         of_sphere(
             "floor around sphere",
             |hit| hit.point.y < 1e-6,
@@ -147,8 +147,9 @@ fn cell(errors: Errors) -> String {
     format!("{:.4}, {:+.4}", errors.rmse, errors.bias)
 }
 
-/// Prints all figures: RMSE and bias of a result beside the closed form (everywhere, and only where that is not 0) and
-/// beside the converged integral of the same depth buffer; and of that integral beside the closed form.
+/// All presets stay within their bounds, and no preset is worse than a cheaper one. Prints RMSE and bias of each result against the closed
+/// form (everywhere, and only where that is not 0) and against the converged integral of the same depth buffer, and of that integral
+/// against the closed form.
 #[test]
 fn errors_of_all_presets() {
     let gpu = OcclusionGpu::new();
@@ -157,7 +158,7 @@ fn errors_of_all_presets() {
     let mut failures = Vec::new();
     for case in cases() {
         let (name, seen) = (case.name, &case.seen);
-        // Where nothing occludes is little to be wrong about, and views show as much of that as one likes.
+        // Unoccluded pixels have small errors, and a view may contain any number of them.
         let shade = seen.shade(0.0);
         let integral = seen.integral(6);
         let not_held = Errors::measure_sparse(&integral, &seen.truth, &seen.mask);
@@ -184,7 +185,7 @@ fn errors_of_all_presets() {
                 cell(in_shade),
                 cell(sampling),
             );
-            // What is found is there.
+            // Occlusion must not exceed the truth on average.
             if errors.rmse > case.largest[i] || errors.bias > 0.001 {
                 failures.push(format!("{name}, {setting}: {errors}"));
             }

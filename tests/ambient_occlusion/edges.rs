@@ -1,4 +1,4 @@
-//! What must stay free of occlusion beside outlines, and how near and how far the radius reaches.
+//! Surfaces beside outlines that must stay unoccluded.
 
 use bevy::math::UVec2;
 use bevy_lean_deferred::ambient_occlusion::{
@@ -28,7 +28,7 @@ fn named(settings: &LeanAmbientOcclusion) -> String {
     format!("{kernel:?}, {resolution:?}, {filter:?}")
 }
 
-/// The largest occlusion of a part of a view.
+/// Largest occlusion of a part of a view.
 fn largest(seen: &Seen, occlusion: &[f32], part: impl Fn(Option<&Hit>) -> bool) -> f32 {
     let pixels = seen.buffer.hits.iter().zip(occlusion);
     pixels
@@ -46,7 +46,7 @@ fn pole(thickness: f64, gap: f64) -> View {
 #[test]
 fn thin_poles_have_no_halo() {
     let gpu = OcclusionGpu::new();
-    // From one pixel to nine.
+    // From one to nine pixels wide.
     for thickness in [0.012, 0.03, 0.1] {
         for gap in [0.7, 1.0, 10.0] {
             let seen = pole(thickness, gap).seen();
@@ -64,13 +64,13 @@ fn thin_poles_have_no_halo() {
                 "pole of {thickness} m, {gap} m before a wall: {narrow}, {wide} with wide filters"
             );
             assert_eq!(narrow, 0.0);
-            // Of all their directions, one along a pole a pixel wide finds that it is not quite straight.
+            // Of a wide filter's many directions, one runs along a pole one pixel wide and detects that it is not quite straight.
             assert!(wide <= 0.001);
         }
     }
 }
 
-/// Within the radius a pole counts as endlessly deep, as for the integral, unless the setting says otherwise.
+/// Within the radius a pole counts as infinitely deep, as in the integral; less `thickness` narrows its halo.
 #[test]
 fn thickness_narrows_the_halo_of_near_poles() {
     let gpu = OcclusionGpu::new();
@@ -102,7 +102,7 @@ fn the_sky_is_free_and_takes_nothing_away() {
         height: 0.6,
     };
     let wall = Geometry::Wall { height: 0.4 };
-    // With the largest occlusion on what is open: with a filter that knows edges from full resolution, a wide one, and one from half.
+    // With bounds of the occlusion of open surfaces: for edge-aware filters at full resolution, wide ones, and half resolution.
     for (view, of_full, of_wide, of_half) in [
         (
             View::new("sphere", sphere, [0.0, 0.5, 3.0], [0.0, 0.7, 0.0]),
@@ -113,7 +113,7 @@ fn the_sky_is_free_and_takes_nothing_away() {
         (
             View::new("wall", wall, [1.5, 0.3, 2.0], [0.0, 0.35, 0.0]),
             0.0,
-            // Two pixels away, and seen from the side, the floor is nearer to the wall.
+            // A tap two pixels away, seen from the side, lies on floor that is nearer to the wall.
             0.024,
             0.069,
         ),
@@ -141,7 +141,7 @@ fn the_sky_is_free_and_takes_nothing_away() {
     }
 }
 
-/// Pixels of a surface with nothing else within four pixels, the reach of the filter from half resolution.
+/// Pixels with no other surface within four pixels, the reach of the half-resolution filter.
 fn within_facets(seen: &Seen) -> Vec<bool> {
     let normals = seen.buffer.normals();
     let same = |a: UVec2, b: UVec2| {
@@ -156,8 +156,8 @@ fn within_facets(seen: &Seen) -> Vec<bool> {
     pixels(SIZE).map(|(pixel, _)| is_within(pixel)).collect()
 }
 
-/// Facets are exactly free. Of the pixels on their edges, some find the tangents of two facets, and with them no plane
-/// that has all of the mesh below it.
+/// Facets of convex meshes are exactly unoccluded. At some pixels on their edges the tangents belong to two facets, and no plane through
+/// them has all of the mesh below it.
 #[test]
 fn facets_of_convex_meshes_do_not_show() {
     let gpu = OcclusionGpu::new();
@@ -186,14 +186,15 @@ fn facets_of_convex_meshes_do_not_show() {
                     all.mean
                 );
                 assert_eq!(band.largest, 0.0);
-                // Facets seen so flat that they are two pixels wide have no nine taps of their own.
+                // Facets foreshortened to two pixels do not fill the nine taps of a kernel.
                 assert!(all.mean <= 2.5e-4 && dark <= all.count / 500 && all.largest < 0.48);
             }
         }
     }
 }
 
-/// One pixel wide, in even and odd columns and rows, far before a corner: what they show and what shows between them.
+/// A grid of wires one pixel wide, in even and odd columns and rows, far in front of a corner: little occlusion bleeds onto the wires or
+/// between them.
 #[test]
 fn occlusion_hardly_bleeds_over_steps_of_one_pixel() {
     let gpu = OcclusionGpu::new();
@@ -222,7 +223,7 @@ fn occlusion_hardly_bleeds_over_steps_of_one_pixel() {
             between.rmse,
             between.bias
         );
-        // A wire between the texels of half resolution has none of its own.
+        // A wire between the texels of half resolution has no texel of its own.
         let (mean, rmse) = match (settings.filter.is_edge_aware(), settings.resolution) {
             (true, OcclusionResolution::Full) => (0.0, 0.03),
             (true, OcclusionResolution::Half) => (0.0195, 0.027),

@@ -1,4 +1,4 @@
-//! What a pair of horizons hides: `horizon.wgsl` on the device beside `horizon.rs`, and both beside numeric integrals.
+//! Occlusion by a pair of horizons: `horizon.wgsl` on the device against `horizon.rs`, and both against numeric integrals.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -28,7 +28,7 @@ fn kernel(bits: array<u32, 9>) -> array<u32, 3> {
     return array(bitcast<u32>(s.length), bitcast<u32>(s.cosine), bitcast<u32>(s.sine));
 }";
 
-/// `arc` to the horizon, and `side_occlusion` between it and the surface.
+/// Evaluates `arc` to the horizon, and `side_occlusion` between it and the surface.
 const SIDE: &str = "
 #import bevy_lean_deferred::horizon::{SliceNormal, arc, side_occlusion}
 fn kernel(bits: array<u32, 6>) -> array<u32, 2> {
@@ -41,7 +41,7 @@ fn kernel(bits: array<u32, 6>) -> array<u32, 2> {
     );
 }";
 
-/// Words that arithmetic may leave where a number should be.
+/// Floats that arithmetic may produce by mistake.
 const HOSTILE: [f32; 12] = [
     0.0,
     -0.0,
@@ -61,7 +61,7 @@ fn bits<const N: usize>(inputs: &[[f32; N]]) -> Vec<[u32; N]> {
     inputs.iter().map(|input| input.map(f32::to_bits)).collect()
 }
 
-/// The largest difference between device and twin, over inputs whose twin is finite.
+/// Largest difference between device and twin, over inputs whose twin is finite.
 fn largest_difference<const N: usize>(device: &[[u32; N]], twin: &[[f32; N]]) -> f32 {
     let device = device.as_flattened().iter().copied().map(f32::from_bits);
     device
@@ -69,7 +69,7 @@ fn largest_difference<const N: usize>(device: &[[u32; N]], twin: &[[f32; N]]) ->
         .filter(|(_, twin)| twin.is_finite())
         .map(|(device, twin)| (device - twin).abs())
         .fold(0.0, |largest, difference| {
-            // Not `max`, which passes NaN over.
+            // `max` would ignore NaN.
             if difference <= largest {
                 largest
             } else {
@@ -87,7 +87,7 @@ fn unit_vector(random: &mut Random) -> Vec3 {
     }
 }
 
-/// Cosines, evenly and crowded at both ends, where the square root is steepest.
+/// Cosines, evenly spaced and crowded at both ends, where the square root is steepest.
 fn cosines() -> Vec<f32> {
     let even = (0..=1 << 20).map(|i| i as f32 / (1 << 19) as f32 - 1.0);
     let crowded = (0..=24 << 8).map(|i| 1.0 - (-i as f32 / 256.0).exp2());
@@ -146,12 +146,12 @@ fn device_and_twin_project_normals_alike() {
     for (input, device) in inputs.iter().zip(&device) {
         let [length, cosine, sine] = device.map(f32::from_bits);
         let twin = slice_normal(input[0], input[1], input[2]);
-        // About as long as the threshold, the two may fall on either side of it.
+        // At a length near the threshold, the two may fall on either side of it.
         let is_short = (0.9e-6..1.1e-6).contains(&twin.length);
         if !twin.length.is_finite() || twin.length > 1e18 || is_short {
             continue;
         }
-        // The dot products cancel to what is left of the length.
+        // The dot products cancel down to the remaining length.
         let rounding = 4.0 * f32::EPSILON * input[0].length() / twin.length.max(1e-6);
         let difference = (length - twin.length)
             .abs()
@@ -166,19 +166,19 @@ fn device_and_twin_project_normals_alike() {
     println!("slice_normal: beyond rounding, device and twin differ by at most {largest:.1e}");
 }
 
-/// Normals in a slice, the surface's horizon, a horizon at or above it, and a side.
+/// A normal in a slice, the surface's horizon, a horizon at or above it, and a side, per input.
 fn random_sides(count: usize) -> Vec<[f32; 6]> {
     let mut random = Random::new(2);
     (0..count)
         .map(|i| {
-            // The last third all but grazes.
+            // The last third is at grazing angles.
             let angle = match i % 3 {
                 0 | 1 => random.range(-FRAC_PI_2 as f32, FRAC_PI_2 as f32),
                 _ => FRAC_PI_2 as f32 - 10f32.powf(random.range(-7.0, -1.0)),
             };
             let side = if random.bits() & 1 == 0 { -1.0 } else { 1.0 };
             let (sine, cosine) = (side * angle).sin_cos();
-            // The tangent plane of the surface, or of a normal map, and what stands above it.
+            // Horizon of the tangent plane of the surface or of a normal map, and a horizon above it.
             let base = if i.is_multiple_of(2) {
                 -side * sine
             } else {
@@ -210,8 +210,8 @@ fn device_and_twin_hide_alike() {
     println!("arc and side_occlusion: device and twin differ by at most {difference:.1e}");
     assert!(difference <= 1e-6);
 
-    // Whatever horizons come in, what comes out can be told from occlusion or is that. A slice may hold more than its
-    // share of the hemisphere: π/2 if the surface is seen from its edge.
+    // For any horizons the result is either valid occlusion or not finite. A slice may exceed its share of the hemisphere: π/2 if the
+    // surface is seen edge-on.
     let hostile: Vec<[f32; 6]> = (0..HOSTILE.len().pow(3))
         .flat_map(|i| {
             let [length, base, c] = [1, 12, 144].map(|place| HOSTILE[i / place % 12]);
@@ -285,7 +285,7 @@ fn arcs_are_integrals_of_the_cosine() {
     assert!(of_arc <= 3.8e-5 && of_side <= 4.5e-5);
 }
 
-/// The mean over all slices through a pixel is 1 if everything above the surface is hidden, and 0 if nothing is.
+/// The mean over all slices through a pixel is 1 if everything above the surface is occluded, and 0 if nothing is.
 #[test]
 fn hemispheres_are_whole() {
     const SLICES: u32 = 256;

@@ -1,4 +1,4 @@
-//! Depths and settings that should not be.
+//! Invalid depths and settings.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -13,8 +13,7 @@ use kit::{
     random::Random,
 };
 
-/// What no rasteriser leaves in a depth buffer. (Where drivers clamp what shaders write there, it is the clamped value
-/// that is read.)
+/// Depths that no rasteriser writes. (Where drivers clamp depths that shaders write, the clamped value is read.)
 const DEPTHS: [f32; 9] = [
     f32::NAN,
     f32::INFINITY,
@@ -27,7 +26,7 @@ const DEPTHS: [f32; 9] = [
     1e30,
 ];
 
-/// A depth buffer with some hostile depths where there is occlusion to spoil, and which those are.
+/// A depth buffer with some hostile depths where there is occlusion to spoil, and a mask of these.
 fn sprinkled(depth: &[f32], occlusion: &[f32]) -> (Vec<f32>, Vec<bool>) {
     let mut random = Random::new(7);
     let (mut depth, mut bad) = (depth.to_vec(), vec![false; depth.len()]);
@@ -43,7 +42,7 @@ fn sprinkled(depth: &[f32], occlusion: &[f32]) -> (Vec<f32>, Vec<bool>) {
     (depth, bad)
 }
 
-/// Pixels with nothing bad within `reach` pixels along both axes.
+/// Pixels without a bad depth within `reach` pixels along both axes.
 fn far_from(bad: &[bool], reach: i32) -> Vec<bool> {
     let size = SIZE.as_ivec2();
     let mut far = vec![true; bad.len()];
@@ -74,7 +73,7 @@ fn bad_depths_spoil_nothing_further_away_than_the_radius() {
             .collect();
         println!("the depth buffer holds {held:?}");
         for settings in kinds() {
-            // 0.1 m are at most 20 pixels in these views; the filter and its depths reach 6 further.
+            // 0.1 m is at most 20 pixels in these views; the filter and its depths reach 6 further.
             let settings = LeanAmbientOcclusion {
                 radius: 0.1,
                 ..settings
@@ -97,7 +96,7 @@ fn bad_depths_spoil_nothing_further_away_than_the_radius() {
     }
 }
 
-/// Every output is a number from 0 to 1, which `run` checks.
+/// For any depths every output is from 0 to 1, which `run` checks; uniform depths are unoccluded.
 #[test]
 fn depths_may_be_anything() {
     let gpu = OcclusionGpu::new();
@@ -141,7 +140,7 @@ fn mean(occlusion: &[f32]) -> f32 {
     occlusion.iter().sum::<f32>() / occlusion.len() as f32
 }
 
-/// Out of their range they count as its end; not a number, as any.
+/// Values out of a field's range count as its limit; NaN counts as any value in it.
 #[test]
 fn settings_may_be_anything() {
     const INF: f32 = f32::INFINITY;

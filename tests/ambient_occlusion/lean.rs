@@ -1,4 +1,4 @@
-//! What occlusion does to the pictures of lean cameras.
+//! Occlusion in the pictures of lean cameras.
 
 use bevy::{
     light::{EnvironmentMapLight, GlobalAmbientLight},
@@ -13,7 +13,7 @@ fn default() -> LeanAmbientOcclusion {
     LeanAmbientOcclusion::default()
 }
 
-/// Boxes in a corner, so rough that specular light is occluded as diffuse light is.
+/// Boxes in a corner, so rough that specular light is occluded like diffuse light.
 fn chalk(scene: &mut SceneBuilder) {
     let material = StandardMaterial {
         base_color: Color::srgb(0.8, 0.5, 0.3),
@@ -52,7 +52,7 @@ fn lit_indirectly(scene: &mut SceneBuilder) {
     set_ambient(scene, 2000.0);
 }
 
-/// How far `after` is from `before` times a visibility, relative to `before`.
+/// Largest error of `after` against `before` times a visibility, relative to `before`.
 fn product_error(before: &Colors, visibility: &Colors, after: &Colors) -> f32 {
     let error = |i: usize| {
         let expected = before.rgb(i) * visibility.rgb(i);
@@ -92,7 +92,7 @@ fn direct_light_is_left_alone_unless_told_otherwise() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// In indirect light alone, to darken that is to multiply the picture; bounces give some of it back.
+/// Under indirect light alone, occlusion multiplies the picture; multiple bounces restore some of the light.
 #[test]
 fn indirect_light_is_multiplied() {
     let mut stage = Stage::new(lit_indirectly);
@@ -111,7 +111,7 @@ fn indirect_light_is_multiplied() {
         default(),
     ]
     .map(|settings| stage.picture_with(settings));
-    // After the opaque meshes, occlusion is about the geometric normal.
+    // Applied after the opaque meshes, occlusion uses the geometric normal.
     let blended_visibility = stage.visibility(LeanAmbientOcclusion {
         application: OcclusionApplication::MultiplicativeBlend,
         ..default()
@@ -134,7 +134,7 @@ fn indirect_light_is_multiplied() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// Whatever normals the surface is shaded with, its own horizon is the geometric one.
+/// Occlusion is relative to the geometric horizon, so a normal map does not occlude a plane.
 #[test]
 fn normal_maps_do_not_occlude() {
     let mut stage = Stage::new(|scene| {
@@ -171,7 +171,7 @@ fn normal_maps_do_not_occlude() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// A ball of few facets with smooth normals before the sky.
+/// A ball of few facets with smooth normals in front of the sky shows no occluded facets.
 #[test]
 fn smooth_normals_show_no_facets() {
     let mut stage = Stage::new(|scene| {
@@ -196,7 +196,7 @@ fn smooth_normals_show_no_facets() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// Leaves before a wall, lit from behind by all that is indirect.
+/// A transmissive box in front of a wall, lit from behind by indirect light.
 fn leaves(scene: &mut SceneBuilder) {
     chalk(scene);
     scene.mesh(
@@ -245,7 +245,7 @@ fn transmitted_indirect_light_is_no_direct_light() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// Of a wall so far away that its depth is 0, nothing is hidden, and it is lit all the same.
+/// A wall so far away that its depth is 0 is unoccluded, and lit all the same.
 #[test]
 fn infinitely_far_surfaces_are_open() {
     let mut stage = Stage::new(|scene| {
@@ -263,14 +263,14 @@ fn infinitely_far_surfaces_are_open() {
     });
     stage.insert((
         LeanDeferred::default(),
-        // So that geometry is known by the G-buffer, not by its depth.
+        // Lets lighting detect geometry by the G-buffer, not by its depth.
         bevy::core_pipeline::prepass::DepthPrepass,
         Projection::from(PerspectiveProjection {
-            // So that the wall's depth, which is this by its distance, is too small for a float.
+            // Divided by the wall's distance, this underflows: its depth is 0.
             near: 1e-30,
             ..Default::default()
         }),
-        // Above the boxes, over which the far wall is seen.
+        // Looks over the boxes at the far wall.
         Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::new(0.0, 3.0, 0.0), Vec3::Y),
     ));
     let before = stage.picture();

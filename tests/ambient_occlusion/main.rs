@@ -1,5 +1,5 @@
-//! Ambient occlusion: the shipped WGSL on the device beside its Rust twin, its errors against closed forms and against
-//! the converged integral of the same depth buffer, hard cases, how it reaches Bevy's pictures, and the ground truth itself.
+//! Ambient occlusion: the shipped WGSL on the device against its Rust twin, errors against closed forms and the converged integral of the
+//! same depth buffers, hard cases, occlusion in Bevy's pictures, and the ground truth itself.
 
 mod accuracy;
 mod edges;

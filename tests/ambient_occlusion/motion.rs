@@ -1,4 +1,4 @@
-//! From frame to frame, and beside the border of the picture.
+//! Temporal stability, and stability at the border of the picture.
 
 use std::f64::consts::FRAC_PI_8;
 
@@ -25,7 +25,7 @@ impl Frame {
         Self { seen, occlusion }
     }
 
-    /// Occlusion of a surface's point, interpolated; `None` beside what is another surface, and outside.
+    /// Occlusion of a surface point, interpolated; `None` beside another surface or outside the picture.
     fn at(&self, point: DVec3, normal: DVec3) -> Option<f32> {
         let camera = &self.seen.buffer.camera;
         let position = camera.world_from_view.inverse().transform_point3(point);
@@ -49,7 +49,7 @@ impl Frame {
         Some(sum as f32)
     }
 
-    /// How far the next frame differs at this frame's points.
+    /// Differences of the next frame at this frame's surface points.
     fn change(&self, next: &Frame, mask: &[bool]) -> Errors {
         let hits = self.seen.buffer.hits.iter();
         let after: Vec<Option<f32>> = hits
@@ -63,18 +63,19 @@ impl Frame {
     }
 }
 
-/// Turns the camera to its right, in radians.
+/// Turns the camera to its right by `angle` radians.
 fn turned(mut view: View, angle: f64) -> View {
     view.camera.world_from_view *= DMat4::from_rotation_y(-angle);
     view
 }
 
-/// Radians of a pixel in the middle of the picture.
+/// Angle of a pixel in the middle of the picture, in radians.
 fn pixel_angle() -> f64 {
     FRAC_PI_8.tan() / (0.5 * f64::from(SIZE.y))
 }
 
-/// By less than half a pixel a frame. On the sphere only outlines and its own shadow are in the shade.
+/// While the camera turns by 0.4 pixels per frame, occlusion hardly changes at each surface point. On the sphere only its outlines and its
+/// shadow are occluded.
 #[test]
 fn occlusion_stays_where_it_is_while_the_camera_turns() {
     use OcclusionResolution::{Full, Half};
@@ -112,13 +113,12 @@ fn occlusion_stays_where_it_is_while_the_camera_turns() {
     }
 }
 
-/// A wall passes out of the picture on the left, seen from above: the floor beside it loses its occlusion bit by bit, not
-/// at once.
+/// A wall seen from above leaves the picture on the left: the floor beside it loses its occlusion gradually.
 #[test]
 fn occluders_leave_the_picture_gradually() {
     const EYE: f64 = 3.0;
     let gpu = OcclusionGpu::new();
-    // Of the wall's foot from the border, in pixels.
+    // A frame in which the wall's foot is `inside` pixels from the border.
     let frame = |inside: i32| {
         let pixel = pixel_angle() * EYE;
         let x = (0.5 * f64::from(SIZE.x) - f64::from(inside)) * pixel;

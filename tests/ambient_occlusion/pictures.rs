@@ -1,4 +1,4 @@
-//! What multiplying does to the pictures of Bevy's forward renderer.
+//! Multiplicative occlusion in the pictures of Bevy's forward renderer.
 
 use bevy::{
     camera::{ClearColorConfig, Viewport},
@@ -15,7 +15,7 @@ fn solids(scene: &mut SceneBuilder) {
     scene.sun(true);
 }
 
-/// Multiplied by visibility, and where that is 1 not touched: neither is alpha anywhere.
+/// The blend multiplies by visibility, changes nothing where that is 1, and keeps alpha everywhere.
 #[test]
 fn the_blend_multiplies_and_keeps_what_is_open() {
     let mut stage = Stage::new(solids);
@@ -112,7 +112,7 @@ fn with_msaa_there_is_a_warning_and_bevys_picture() {
     let mut stage = Stage::new(solids);
     stage.insert(Msaa::Sample4);
     let before = stage.picture();
-    // Adding the component switches it off.
+    // Adding the component switches MSAA off.
     let without_msaa = stage.picture_with(default());
     stage.insert(Msaa::Sample4);
     let after = stage.picture();
@@ -160,7 +160,7 @@ fn cameras_of_one_target_have_their_own() {
         stage.keep_colors(*camera);
     }
     let before = stage.picture();
-    // Of different kinds.
+    // Of different kernels and resolutions.
     let occlusion = [
         LeanAmbientOcclusion::default(),
         LeanAmbientOcclusion {

@@ -1,4 +1,4 @@
-//! Any projection.
+//! Occlusion in unusual projections.
 
 use bevy::{
     camera::{CameraProjection, PerspectiveProjection},
@@ -25,10 +25,10 @@ fn orthographic_views_are_as_exact() {
     }
 }
 
-/// A part of a picture as a view of its own: its projection is off centre.
+/// A part of a picture rendered as a view of its own, with an off-centre projection, equals that part of the whole.
 #[test]
 fn projections_may_be_off_centre() {
-    /// As wide as the radius.
+    /// At least the radius, in pixels.
     const BORDER: u32 = 32;
     const PART: (UVec2, UVec2) = (UVec2::new(136, 80), UVec2::new(208, 120));
     let gpu = OcclusionGpu::new();
@@ -55,7 +55,7 @@ fn projections_may_be_off_centre() {
         );
         assert!(projection_of(image.clip_from_view) != ProjectionKind::Other);
         for settings in kinds() {
-            // Less than a quarter of the part's height.
+            // Less than a quarter of the part's height, the limit of a radius.
             let settings = LeanAmbientOcclusion {
                 radius: 0.2,
                 ..settings
@@ -78,7 +78,7 @@ fn projections_may_be_off_centre() {
     }
 }
 
-/// The same surfaces, with the depths that another matrix gives them.
+/// The same surfaces, with the depths of another matrix.
 fn with_matrix(seen: &Seen, clip_from_view: Mat4) -> DepthImage {
     let view_from_world = seen.buffer.camera.world_from_view.inverse();
     let matrix = DMat4::from_cols_array(&clip_from_view.to_cols_array().map(f64::from));
@@ -117,7 +117,7 @@ fn other_projections_give_the_same() {
             ProjectionKind::Perspective,
             1e-4,
         ),
-        // Beside creases, the side with the nearer depth need not be the nearer one now.
+        // Beside creases the neighbour with the nearer depth may be another one under this matrix.
         (
             "oblique near plane",
             oblique.get_clip_from_view(),
@@ -141,7 +141,7 @@ fn other_projections_give_the_same() {
     }
 }
 
-/// As mirrors have it.
+/// Projections may be mirrored, as for planar mirrors.
 #[test]
 fn projections_may_mirror() {
     let gpu = OcclusionGpu::new();

@@ -1,4 +1,4 @@
-//! How near and how far the radius reaches.
+//! Limits of the radius on screen.
 
 use std::f64::consts::FRAC_PI_8;
 
@@ -15,7 +15,7 @@ fn largest(occlusion: &[f32]) -> f32 {
     occlusion.iter().copied().fold(0.0, f32::max)
 }
 
-/// A camera 0.2 m before a wall, where the radius would be larger than the screen: as if it were what it shrinks to.
+/// 0.2 m in front of a wall the radius would exceed the screen, so the result is that of the capped radius.
 #[test]
 fn the_radius_is_capped_near_the_camera() {
     let gpu = OcclusionGpu::new();
@@ -47,7 +47,7 @@ fn the_radius_is_capped_near_the_camera() {
     let mut seen = foot.seen_within(0.0);
     let view_from_world = seen.buffer.camera.world_from_view.inverse();
     let pixels_per_metre = 0.5 * f64::from(SIZE.y) / FRAC_PI_8.tan();
-    // A quarter of the picture's height.
+    // Capped to a quarter of the picture's height.
     let radius = |hit: &Hit| {
         let distance = -view_from_world.transform_point3(hit.point).z;
         RADIUS.min(0.25 * f64::from(SIZE.y) * distance / pixels_per_metre)

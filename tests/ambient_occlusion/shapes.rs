@@ -1,4 +1,4 @@
-//! Any shape and size of picture, and any place in a larger buffer.
+//! Pictures of any shape and size, and views anywhere in a larger buffer.
 
 use bevy::math::UVec2;
 use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, OcclusionFilter};
@@ -9,7 +9,7 @@ use kit::{
     occlusion_gpu::{DepthImage, OcclusionGpu},
 };
 
-/// Pictures of the same middle, wider and taller.
+/// Wider and taller pictures have the same occlusion in their common middle.
 #[test]
 fn the_aspect_ratio_does_not_matter() {
     const MIDDLE: UVec2 = UVec2::splat(272);
@@ -42,8 +42,7 @@ fn the_aspect_ratio_does_not_matter() {
     }
 }
 
-/// A view's depths in a larger buffer. Around them what was there before: depths that no surface has, and such as would
-/// occlude what is beside them.
+/// A view's depths in a larger buffer. Around them are invalid depths, and depths that would occlude neighbouring pixels.
 fn in_buffer(depth: &[f32], size: UVec2, origin: UVec2, buffer_size: UVec2) -> Vec<f32> {
     const HOSTILE: [f32; 7] = [f32::NAN, 1.0, 0.0, f32::INFINITY, 0.5, -1.0, 1e-40];
     let value = |pixel: UVec2| {

@@ -1,4 +1,4 @@
-//! Scenes in Bevy whose cameras' pictures are read back as the main texture holds them.
+//! Bevy scenes whose pictures are read back as the main texture stores them.
 
 use std::sync::{Arc, Mutex};
 
@@ -18,7 +18,7 @@ use kit::{
     scenes::SceneBuilder,
 };
 
-/// Rows of as many pixels are copied without padding.
+/// Rows of this many pixels are copied without padding.
 pub const SIZE: UVec2 = UVec2::new(256, 192);
 
 pub struct Stage {
@@ -46,7 +46,7 @@ impl Stage {
         stage
     }
 
-    /// No tone mapping, and no dither: what is read back is what was lit.
+    /// Disables tone mapping and dither, so that the lit colours are read back.
     pub fn keep_colors(&mut self, camera: Entity) {
         self.entity(camera)
             .insert((Tonemapping::None, DebandDither::Disabled));
@@ -68,7 +68,7 @@ impl Stage {
         self
     }
 
-    /// With `settings` on the camera.
+    /// The picture with `settings` on the camera.
     pub fn picture_with(&mut self, settings: LeanAmbientOcclusion) -> Colors {
         self.insert(settings);
         self.picture()
@@ -82,7 +82,6 @@ impl Stage {
         })
     }
 
-    /// Makes the target another size.
     pub fn resized(&mut self, size: UVec2) -> &mut Self {
         self.headless.size = size;
         let target = self.headless.target.id();
@@ -91,7 +90,7 @@ impl Stage {
         self
     }
 
-    /// The target, once all is loaded.
+    /// Reads the target back, once all is loaded.
     pub fn picture(&mut self) -> Colors {
         self.headless.settle();
         let read = Arc::new(Mutex::new(None));
@@ -116,7 +115,7 @@ impl Stage {
     }
 }
 
-/// A picture of half-precision numbers.
+/// A half-precision picture.
 #[derive(Clone, PartialEq)]
 pub struct Colors {
     pub size: UVec2,
@@ -152,17 +151,17 @@ impl Colors {
         pairs.all(|(a, b)| a[3] == b[3])
     }
 
-    /// Pixels that a condition holds of.
+    /// Number of pixels that satisfy a condition.
     pub fn count(&self, condition: impl Fn(usize) -> bool) -> usize {
         (0..self.len()).filter(|i| condition(*i)).count()
     }
 
-    /// How many pixels differ.
+    /// Number of differing pixels.
     pub fn different(&self, other: &Self) -> usize {
         self.count(|i| !self.same_pixel(other, i))
     }
 
-    /// The same with the part outside of a rectangle made black.
+    /// The same picture, black outside a rectangle.
     pub fn within(&self, rect: URect) -> Self {
         let mut part = self.clone();
         for (i, bits) in part.bits.iter_mut().enumerate() {
@@ -174,8 +173,8 @@ impl Colors {
         part
     }
 
-    /// Of a picture of [visibility](Stage::visibility): pixels that are open, as are all of their neighbours, so that
-    /// they are without the slightest occlusion.
+    /// In a picture of [visibility](Stage::visibility): pixels that are open like all of their neighbours, so that they have no occlusion
+    /// at all.
     pub fn open(&self) -> Vec<bool> {
         let (width, height) = (self.size.x as usize, self.size.y as usize);
         let is_open = |x: usize, y: usize| {

@@ -1,5 +1,5 @@
-//! The ground truth for ambient occlusion holds: closed forms beside Monte Carlo integrals, and the screen-space
-//! integral of depth buffers beside closed forms. Nothing runs on the device.
+//! Checks the ground truth for ambient occlusion: closed forms against Monte Carlo integrals, and the screen-space integral of depth
+//! buffers against closed forms. Nothing runs on the device.
 
 mod camera;
 mod closed_forms;

@@ -1,4 +1,4 @@
-//! What storage, filter, resolution and the kind of pass change.
+//! Effects of storage, filter, resolution and the kind of pass.
 
 use bevy_lean_deferred::ambient_occlusion::{
     LeanAmbientOcclusion, OcclusionFilter, OcclusionFormat, OcclusionKernel, OcclusionQuality,
@@ -66,7 +66,7 @@ fn raster_and_compute_passes_agree() {
                     .map(|path| run_by(path, &gpu, &settings, &seen.image).gathered);
                 let errors = difference(&raster, &compute);
                 println!("{kernel:?}, {resolution:?}, {format:?}: {errors}");
-                // Equal where they run on the same arithmetic; else a rounding may fall to the other side.
+                // Equal if both use the same arithmetic; otherwise a value may round to the other side.
                 assert!(
                     errors.rmse <= 1e-4 && errors.largest <= 1.0 / 255.0,
                     "{errors}"
@@ -76,14 +76,14 @@ fn raster_and_compute_passes_agree() {
     }
 }
 
-/// A low wall from above, its top in front of the floor: all of the top is open, the floor beside its outline is not.
+/// A low wall from above, its top in front of the floor: the top is open, the floor beside its outline is not.
 fn brink() -> View {
     let wall = Geometry::Wall { height: 0.3 };
     View::new("brink", wall, [-1.5, 2.5, 0.0], [0.0, 0.0, 0.0])
 }
 
-/// The largest difference between the means of two of the classes of pixels, each with samples of its own, which repeat after
-/// `side` pixels.
+/// Largest difference between the means of two classes of pixels. Each class has a sample pattern of its own, and they repeat every `side`
+/// pixels.
 fn pattern(occlusion: &[f32], mask: &[bool], side: usize) -> f64 {
     let mut sums = vec![(0.0, 0u32); side * side];
     for (i, (x, _)) in occlusion
@@ -118,7 +118,7 @@ fn filters_remove_the_pattern_and_keep_edges() {
     );
     use OcclusionFilter as Filter;
     use OcclusionResolution::{Full, Half};
-    // With the largest pattern left, RMSE on the wall, and occlusion that reaches the brink.
+    // With bounds of the remaining pattern, of the RMSE on the wall, and of the occlusion that bleeds onto the brink.
     for (resolution, filter, largest) in [
         (Full, Filter::Binomial, [3e-4, 0.029, 0.059]),
         (Full, Filter::Flat, [0.047, 0.030, 0.078]),
@@ -136,7 +136,7 @@ fn filters_remove_the_pattern_and_keep_edges() {
             filter,
             ..DEFAULT()
         };
-        // Narrow filters leave some of what the steps of 4×4 pixels differ by.
+        // Narrow filters leave some of the differences between the steps of 4×4 pixels.
         let side = if filter.is_wide() { 4 } else { 2 };
         let occlusion = run(&gpu, &settings, &wall.image).filtered;
         let onto_brink = brink.errors(&run(&gpu, &settings, &brink.image).filtered);
@@ -182,7 +182,7 @@ fn half_resolution_is_near_full() {
     }
 }
 
-/// The largest of a picture's values around a pixel.
+/// Largest value of a picture around a pixel.
 fn largest_around(picture: &[f32], pixel: UVec2) -> f32 {
     let around = (0..9).map(|i| (pixel + UVec2::new(i % 3, i / 3)).saturating_sub(UVec2::ONE));
     around
@@ -191,7 +191,7 @@ fn largest_around(picture: &[f32], pixel: UVec2) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// Where treads are a pixel or two high, few texels of half resolution lie on the surface of a pixel.
+/// Treads one or two pixels high, on which few texels of half resolution lie, have no dark dots.
 #[test]
 fn half_resolution_has_no_dark_dots() {
     let gpu = OcclusionGpu::new();

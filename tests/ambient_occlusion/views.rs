@@ -1,4 +1,4 @@
-//! Scenes with known occlusion, as cameras see them, and the shipped shaders over them.
+//! Views of scenes with known occlusion, and the shipped shaders run over them.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -33,7 +33,7 @@ pub const ORTHOGRAPHIC: Projection = Projection::Orthographic {
 };
 pub const TALL: f64 = f64::INFINITY;
 
-/// A scene before a camera.
+/// A scene in front of a camera.
 pub struct View {
     pub name: &'static str,
     pub scene: Scene,
@@ -41,7 +41,7 @@ pub struct View {
 }
 
 impl View {
-    /// At [`SIZE`], in perspective.
+    /// A perspective view at [`SIZE`].
     pub fn new(name: &'static str, geometry: Geometry, eye: [f64; 3], target: [f64; 3]) -> Self {
         Self {
             name,
@@ -64,7 +64,7 @@ impl View {
         self.seen_within(RADIUS)
     }
 
-    /// What the camera sees, and the truth within `radius`.
+    /// The view's depth buffer, and the truth within `radius`.
     pub fn seen_within(&self, radius: f64) -> Seen {
         let buffer = DepthBuffer::new(self.camera, &self.scene);
         Seen {
@@ -90,30 +90,30 @@ pub fn depth_image(buffer: &DepthBuffer) -> DepthImage {
     )
 }
 
-/// A view's depth buffer and what is known of it.
+/// A view's depth buffer and its ground truth.
 pub struct Seen {
     pub buffer: DepthBuffer,
     pub image: DepthImage,
-    /// Closed forms, where there are some.
+    /// Closed forms, where they are known.
     pub truth: Vec<Option<f32>>,
-    /// Surfaces with all that may occlude them in the picture.
+    /// Pixels of surfaces whose possible occluders are all in the picture.
     pub mask: Vec<bool>,
 }
 
 impl Seen {
-    /// Occlusion beside the closed form.
+    /// Errors against the closed form.
     pub fn errors(&self, occlusion: &[f32]) -> Errors {
         Errors::measure(occlusion, &self.truth, &self.mask)
     }
 
-    /// Pixels of the mask with more than `least` occlusion.
+    /// Pixels of the mask with more than `least` true occlusion.
     pub fn shade(&self, least: f32) -> Vec<bool> {
         let truth = self.truth.iter().map(|truth| truth.unwrap_or(0.0));
         let pixels = truth.zip(&self.mask);
         pixels.map(|(truth, mask)| *mask && truth > least).collect()
     }
 
-    /// The same with a smaller mask.
+    /// Restricts the mask to hits that satisfy a condition.
     pub fn only(mut self, condition: impl Fn(&Hit) -> bool) -> Self {
         for (mask, hit) in self.mask.iter_mut().zip(&self.buffer.hits) {
             *mask &= hit.as_ref().is_some_and(&condition);
@@ -204,7 +204,7 @@ pub fn kinds() -> impl Iterator<Item = LeanAmbientOcclusion> {
         })
 }
 
-/// The part of a picture from `origin` on.
+/// The part of a picture that starts at `origin`.
 pub fn crop<T: Copy>(picture: &[T], width: u32, origin: UVec2, size: UVec2) -> Vec<T> {
     let row = |y: u32| {
         let start = ((origin.y + y) * width + origin.x) as usize;
@@ -213,13 +213,13 @@ pub fn crop<T: Copy>(picture: &[T], width: u32, origin: UVec2, size: UVec2) -> V
     (0..size.y).flat_map(row).copied().collect()
 }
 
-/// Errors of `result`, taking `reference` for the truth.
+/// Errors of `result` against `reference`.
 pub fn difference(result: &[f32], reference: &[f32]) -> Errors {
     let reference: Vec<_> = reference.iter().copied().map(Some).collect();
     Errors::measure(result, &reference, &vec![true; result.len()])
 }
 
-/// As `OcclusionGpu::run`; panics if anything that comes out is not a number from 0 to 1.
+/// As `OcclusionGpu::run`; panics if any output is not a number from 0 to 1.
 pub fn run(gpu: &OcclusionGpu, settings: &LeanAmbientOcclusion, image: &DepthImage) -> Occlusion {
     run_by(gpu.path(), gpu, settings, image)
 }

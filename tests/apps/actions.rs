@@ -1,11 +1,11 @@
-//! What an app does by commands in `Update`.
+//! Runs commands in an app's `Update`.
 
 use bevy::prelude::*;
 use kit::headless::Headless;
 
 pub type Action = Box<dyn FnOnce(&mut Commands) + Send + Sync>;
 
-/// What the app does next.
+/// Actions for the next frame.
 #[derive(Resource, Default)]
 struct Actions(Vec<Action>);
 
@@ -15,18 +15,18 @@ fn run_actions(mut commands: Commands, mut actions: ResMut<Actions>) {
     }
 }
 
-/// Has `app` do what [`act`] asks for.
+/// Makes `app` run the actions that [`act`] queues.
 pub fn add_actions(app: &mut App) {
     app.init_resource::<Actions>()
         .add_systems(Update, run_actions);
 }
 
-/// Does it in the next frame.
+/// Queues an action for the next frame.
 pub fn queue(headless: &mut Headless, action: Action) {
     headless.world().resource_mut::<Actions>().0.push(action);
 }
 
-/// Does `action` to `entity`, in the next frame.
+/// Queues `action` on `entity` for the next frame.
 pub fn act(
     headless: &mut Headless,
     entity: Entity,

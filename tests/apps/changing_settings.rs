@@ -1,8 +1,7 @@
-//! Cameras whose settings change at any time, in any order, while pipelines take many frames to compile: nothing fails
-//! meanwhile, and afterwards the picture is what it was.
+//! Random changes of camera settings at any time, in any order, while pipelines take many frames to compile: nothing fails meanwhile, and
+//! the final picture equals the initial one.
 //!
-//! Each in a process of its own: errors are looked for in what the whole process has logged, and compilation is held back
-//! in all of it.
+//! Each test runs in its own process: it searches the whole process's log for errors, and delays compilation in all of it.
 
 use bevy::{
     camera::{Hdr, RenderTarget, Viewport},
@@ -24,7 +23,7 @@ use kit::{
 const SIZE: UVec2 = UVec2::new(64, 48);
 const SIZES: [UVec2; 3] = [SIZE, UVec2::new(1, 1), UVec2::new(40, 64)];
 
-/// Cameras on two targets, of which two share one.
+/// Three cameras on two targets, of which two share one.
 struct Setting {
     headless: Headless,
     cameras: [Entity; 3],
@@ -71,7 +70,7 @@ impl Setting {
         }
     }
 
-    /// As all begins and ends.
+    /// Restores the initial state.
     fn reset(&mut self) {
         for image in 0..2 {
             self.resize(image, SIZE);
@@ -99,7 +98,7 @@ impl Setting {
                 camera.is_active = true;
                 camera.viewport = None;
             }
-            // Bevy does not see a new target by itself.
+            // Bevy does not notice a new target by itself.
             if let Some(mut projection) = camera.get_mut::<Projection>() {
                 projection.set_changed();
             }
@@ -112,7 +111,7 @@ impl Setting {
             let handle = &self.images[image];
             _ = (self.headless.world().resource_mut::<Assets<Image>>())
                 .insert(handle, target_image(size));
-            // Bevy does not see a target of another size by itself, and viewports may not fit into it.
+            // Bevy does not notice a resized target by itself, and viewports may not fit into it.
             for camera in self.cameras {
                 let mut camera = self.headless.world().entity_mut(camera);
                 if let Some(mut projection) = camera.get_mut::<Projection>() {
@@ -129,7 +128,7 @@ impl Setting {
         self.headless.capture()
     }
 
-    /// Makes one change to one camera, or to a target. Returns what it was.
+    /// Makes one change to a camera or a target. Returns its description.
     fn change(&mut self, random: &mut Random) -> String {
         let camera = self.cameras[random.below(3)];
         let values = Values {
@@ -189,7 +188,7 @@ fn change_components(camera: &mut EntityWorldMut, random: &mut Random) -> String
     }
 }
 
-/// Frames with changes, and then the picture as at the beginning.
+/// Makes changes over `frames` frames, and compares the final picture with the initial one.
 fn check(seed: u64, frames: usize) {
     let mut setting = Setting::new();
     let before = setting.settled();
@@ -224,7 +223,7 @@ fn check(seed: u64, frames: usize) {
     log_watch::assert_validation_layer_silent();
 }
 
-/// One change at a time while a camera is off, and others to it while it is on.
+/// Settings may change while a camera is inactive, and change again once it is active.
 #[test]
 fn settings_of_cameras_that_are_off_may_change() {
     in_own_process(|| {
@@ -276,7 +275,7 @@ fn any_setting_may_change_at_any_time() {
     });
 }
 
-/// Cameras get other targets, and targets other sizes. Returns the errors that were logged.
+/// Gives cameras other targets, and targets other sizes. Returns the logged errors.
 fn retarget(seed: u64, effects: impl Bundle + Clone) -> Vec<String> {
     let before = log_watch::messages_with("Caught rendering error").len();
     let mut setting = Setting::new();
@@ -311,9 +310,9 @@ fn retarget(seed: u64, effects: impl Bundle + Clone) -> Vec<String> {
     log_watch::messages_with("Caught rendering error").split_off(before)
 }
 
-/// Bevy sees the size of a camera's new target only when that target changes, so that cameras of one target may be of
-/// different sizes. What Bevy makes of that is Bevy's: with a depth prepass its own copy of depth fails there, and what
-/// follows from that on Bevy's buffers of clusters ends the app. So there is no prepass here.
+/// Lean cameras cause no error that Bevy alone does not. Bevy reads the size of a camera's new target only when that target changes, so
+/// cameras of one target may differ in size. With a depth prepass Bevy's own depth copy then fails, and the consequences for its cluster
+/// buffers end the app, so there is no prepass here.
 #[test]
 fn targets_may_be_replaced_and_resized() {
     in_own_process(|| {

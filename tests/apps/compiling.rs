@@ -1,7 +1,7 @@
-//! Pictures while pipelines are compiled, which takes an app many frames: each frame shows Bevy's picture or ours, never
-//! nothing and never an old one. The camera walks, so that what is old would be seen, and a forward camera walks beside it.
+//! Pictures while pipelines compile, which takes an app many frames: each frame shows Bevy's picture or the lean one, never an empty or an
+//! old one. The cameras move, so that old pictures are detected, and a forward camera moves alongside for comparison.
 //!
-//! In processes of their own: compilation is held back in all of it.
+//! In processes of their own: compilation is delayed in all of the process.
 
 use bevy::{
     camera::RenderTarget,
@@ -24,23 +24,23 @@ use kit::{
 };
 
 const SIZE: UVec2 = UVec2::new(96, 64);
-/// How far the cameras go in a frame, about the middle of the scene.
+/// Radians that the cameras move per frame, about the middle of the scene.
 const STEP: f32 = 0.15;
-/// Frames for which nothing is compiled after a change.
+/// Frames after a change for which compilation is delayed.
 const HELD_BACK: usize = 4;
-/// Frames at most until all is compiled.
+/// Most frames until all is compiled.
 const PATIENCE: usize = 600;
-/// Frames looked at when it is.
+/// Frames compared after that.
 const FRAMES_AFTER: usize = 8;
-/// Of two cameras beside one another of which one is lean.
+/// Least PSNR in dB between two cameras of which one is lean.
 const SAME: f64 = 38.0;
-/// Of two of which one has effects.
+/// Least PSNR in dB between two cameras of which one has effects.
 const WITH_EFFECTS: f64 = 24.0;
 
 struct Walk {
     headless: Headless,
     forward: Entity,
-    /// The one that is lean, or has effects.
+    /// The camera that is lean, or has effects.
     tested: Entity,
     beside: Handle<Image>,
     material: Handle<StandardMaterial>,
@@ -126,7 +126,7 @@ impl Walk {
         change(&mut materials.get_mut(&self.material).expect("it is there"));
     }
 
-    /// Walks while all that a change asks for is compiled, and compares each frame.
+    /// Moves while the pipelines of a change compile, and compares each frame.
     fn watch(&mut self, name: &str, least_psnr: f64) {
         let held_back = HeldBack::new();
         let mut worst = f64::INFINITY;
@@ -171,8 +171,8 @@ impl Walk {
     }
 }
 
-/// All that makes other pipelines necessary, one after the other, and back. Without `LeanDeferred` the same is walked
-/// through first: Bevy draws nothing of a mesh while its own pipeline is compiled.
+/// Makes each change that needs other pipelines, one after the other, and reverts them. The sequence runs without `LeanDeferred` first:
+/// Bevy draws nothing of a mesh while its own pipeline compiles.
 fn changes(walk: &mut Walk, is_lean: bool) {
     let look = |walk: &mut Walk, name: &str| {
         if is_lean {
@@ -253,7 +253,7 @@ fn effects_show_the_frame_that_they_are_of() {
             camera.insert((DepthPrepass, NormalPrepass));
         });
         walk.settle();
-        // Scatters light on lean cameras that are not told otherwise.
+        // Scatters light on lean cameras unless their settings disable it.
         let mut s = SceneBuilder {
             headless: &mut walk.headless,
         };
@@ -301,7 +301,7 @@ fn effects_show_the_frame_that_they_are_of() {
                 ..default()
             });
         });
-        // On both, and as dark whatever is metered: a frame without it is four times as bright as the one beside it.
+        // On both cameras, with the same exposure whatever is metered: a frame without it is four times as bright as the other camera's.
         let exposure = LeanAutoExposure {
             instant: true,
             min_exposure: -2.0,
@@ -351,7 +351,7 @@ fn effects_show_the_frame_that_they_are_of() {
     });
 }
 
-/// Whether a view has the last frame for each of the effects that read it.
+/// For each effect that reads the last frame, true if a view has it.
 fn follows_last_frame(headless: &mut Headless) -> [bool; 3] {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut views = world.query::<(
@@ -366,7 +366,7 @@ fn follows_last_frame(headless: &mut Headless) -> [bool; 3] {
     found.unwrap_or_default()
 }
 
-/// Motion vectors come with what averages frames, and go with it, in the middle of play.
+/// Effects keep their last frame while motion vectors and jitter are added and removed at run time.
 #[test]
 fn effects_keep_their_last_frame_while_motion_comes() {
     in_own_process(|| {
@@ -419,7 +419,8 @@ fn effects_keep_their_last_frame_while_motion_comes() {
     });
 }
 
-/// A near plane across the view, as portals have it, and back: shaders for any projection do until those for a plain one are there.
+/// A near plane across the view, as in portals, becomes plain: shaders for any projection stay in use until those for a plain one are
+/// compiled.
 #[test]
 fn effects_go_on_when_a_projection_becomes_plain() {
     in_own_process(|| {

@@ -1,5 +1,5 @@
-//! Devices that lack something: cameras there are Bevy's, with their own settings, and the main world knows of it. In processes of their
-//! own, for what is logged.
+//! Devices that lack a capability: Bevy renders their cameras with its own settings, and the main world knows the reason. In processes of
+//! their own, because of their logs.
 
 use bevy::{
     camera::Hdr,
@@ -32,7 +32,7 @@ use wgpu::Limits;
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
-/// An app on a device with limits no better than these, and a camera of it as Bevy spawns any.
+/// An app on a device with limits no better than `limits`, and a camera with Bevy's defaults.
 fn app_within(limits: Limits) -> (Headless, Entity) {
     let mut app = App::new();
     app.add_plugins((
@@ -68,7 +68,7 @@ fn assert_no_errors() {
 
 const BEVYS: (Msaa, bool) = (Msaa::Sample4, false);
 
-/// As its own passes draw it, and as those of the camera above it do.
+/// On a device that lacks an attachment, a camera with effects and one above it keep Bevy's settings and picture.
 #[test]
 fn cameras_that_can_never_be_lean_stay_as_they_are() {
     in_own_process(|| {
@@ -77,7 +77,7 @@ fn cameras_that_can_never_be_lean_stay_as_they_are() {
             ..gpu::limits()
         };
         let (mut headless, camera) = app_within(limits);
-        // Before the first frame, so that `Startup` can ask.
+        // Before the first frame, so that `Startup` can query it.
         let support = headless.world().resource::<LeanDeferredSupport>();
         let missing = support.missing().expect("it lacks an attachment");
         assert_eq!(missing, "max_color_attachments of 7 (it has 6)");
@@ -113,8 +113,8 @@ fn cameras_that_can_never_be_lean_stay_as_they_are() {
     });
 }
 
-/// Lighting and occlusion need little shared memory, other effects more. (With fewer invocations than their 256 a workgroup Bevy's own
-/// pipelines of mip levels are refused: it ends the app there.)
+/// Lighting and occlusion need little shared memory; effects that need more are off. (With fewer than 256 invocations per workgroup Bevy's
+/// own mip pipelines are rejected, which ends the app.)
 #[test]
 fn effects_are_off_where_workgroups_are_small() {
     in_own_process(|| {
@@ -155,7 +155,7 @@ fn effects_are_off_where_workgroups_are_small() {
     });
 }
 
-/// Render passes take the place of compute passes.
+/// Occlusion falls back from compute passes to render passes.
 #[test]
 fn occlusion_is_drawn_where_it_cannot_be_computed() {
     in_own_process(|| {
@@ -177,7 +177,7 @@ fn occlusion_is_drawn_where_it_cannot_be_computed() {
     });
 }
 
-/// A device that has all but what is needed of one limit.
+/// Limits of a device that lacks only `needed`.
 fn just_less(needed: &NeededLimit) -> Limits {
     let mut limits = gpu::limits();
     *(needed.field)(&mut limits) = needed.least - 1;
@@ -223,7 +223,7 @@ fn cannot_meter(limits: Limits, expected: &str) {
     assert_no_errors();
 }
 
-/// The tables of needs, by the effects that have them.
+/// Tables of needed limits, by effect.
 const TABLES: [(&str, &[NeededLimit]); 5] = [
     ("LeanDeferred", NEEDED_LIMITS),
     ("LeanAmbientOcclusion", ambient_occlusion::COMPUTE_LIMITS),
@@ -232,7 +232,7 @@ const TABLES: [(&str, &[NeededLimit]); 5] = [
     ("LeanAutoExposure", auto_exposure::NEEDED_LIMITS),
 ];
 
-/// On a device that has no more than all tables say, everything runs.
+/// All effects run on a device with no more than the limits of all tables.
 #[test]
 fn the_tables_are_enough() {
     in_own_process(|| {
@@ -295,7 +295,7 @@ fn the_tables_are_enough() {
     });
 }
 
-/// Each limit of each table is looked at: a device with just less lacks it, and it alone.
+/// A device just below one of the limits of `LeanDeferred` lacks that limit alone.
 #[test]
 fn a_device_with_just_less_of_a_limit_is_told_from_one_with_enough() {
     let full = gpu::limits();

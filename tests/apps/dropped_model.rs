@@ -1,4 +1,4 @@
-//! A file that is dropped onto a window is shown in place of the model. One that cannot be shown changes nothing but the message.
+//! A file dropped onto a window replaces the model. A file that cannot be shown changes only the message.
 
 use core::time::Duration;
 use std::{
@@ -18,7 +18,7 @@ use kit::{
 
 use crate::viewer_errors::{folder, gltf, write};
 
-/// What the viewer has of loading, without its window.
+/// The loading part of the viewer, without its window.
 fn viewer(file: &Path) -> Headless {
     let path = file.to_string_lossy().into_owned();
     let mut headless = Headless::with(UVec2::splat(32), |app| {
@@ -48,7 +48,7 @@ fn triangle(x: f32) -> String {
     gltf("[{}]").replacen(r#"{ "mesh": 0 }"#, &moved, 1)
 }
 
-/// Drops a file, and waits until it is shown or is said to be bad.
+/// Drops a file and waits until it is shown or reported as bad.
 fn drop_file(headless: &mut Headless, path_buf: PathBuf) {
     let window = Entity::PLACEHOLDER;
     let dropped = FileDragAndDrop::DroppedFile { window, path_buf };
@@ -75,7 +75,6 @@ fn wait_until(headless: &mut Headless, condition: impl Fn(&mut World) -> bool) {
     }
 }
 
-/// What the camera looks at.
 fn focus(world: &mut World) -> Vec3 {
     let mut cameras = world.query::<&PanOrbitCamera>();
     cameras.single(world).expect("there is one camera").focus

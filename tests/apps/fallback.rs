@@ -1,5 +1,5 @@
-//! Cameras that cannot be rendered lean: one warning that names the reason, and Bevy's own picture. What counts warnings is
-//! in a process of its own.
+//! Cameras that cannot be rendered lean: one warning names the reason, and the picture is Bevy's. Tests that count warnings run in
+//! processes of their own.
 
 use bevy::{
     camera::{Hdr, Viewport},
@@ -35,7 +35,7 @@ fn scene() -> (Headless, Entity) {
     let headless = build(SIZE, |s| {
         s.solids();
         s.sun(true);
-        // Other cameras do not see it.
+        // Visible to 2D cameras only.
         s.spawn(Sprite::from_color(
             Color::srgb(0.7, 0.3, 0.2),
             Vec2::splat(40.0),
@@ -45,7 +45,7 @@ fn scene() -> (Headless, Entity) {
     (headless, camera)
 }
 
-/// Renders the solids with a camera made by `spoil` from the usual one, without and with an effect.
+/// Pictures of the solids without and with an effect, by the usual camera changed by `spoil`.
 fn pictures<E: Component + Default>(spoil: fn(&mut EntityWorldMut)) -> (Picture, Picture) {
     let (mut headless, camera) = scene();
     let render_app = headless.app.sub_app_mut(RenderApp);
@@ -55,7 +55,7 @@ fn pictures<E: Component + Default>(spoil: fn(&mut EntityWorldMut)) -> (Picture,
     let without = headless.capture();
 
     headless.world().entity_mut(camera).insert(E::default());
-    // Adding the component makes the camera fit; what comes after does not.
+    // Adding the component makes the camera fit; `spoil` undoes that.
     spoil(&mut headless.world().entity_mut(camera));
     headless.settle();
     (without, headless.capture())
@@ -75,11 +75,11 @@ fn assert_falls_back(spoil: fn(&mut EntityWorldMut), reason: &str) {
     assert_effect_is_off::<LeanDeferred>(spoil, reason);
 }
 
-/// A frame of an app's own.
+/// Label of an app's own render schedule.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 struct OwnFrame;
 
-/// Bevy's forward pass, and what it cannot do without.
+/// Bevy's forward pass and the systems that it needs.
 fn own_frame() -> Schedule {
     let mut schedule = Schedule::new(OwnFrame);
     schedule.add_systems(
@@ -182,7 +182,7 @@ fn occlusion_in_an_own_schedule() {
 const NOT_3D: &str = "it has no Camera3d component";
 const NOT_LEAN: &str = "it has no LeanDeferred";
 
-/// A camera of sprites.
+/// Turns a camera into a 2D camera.
 fn make_2d(camera: &mut EntityWorldMut) {
     camera.remove::<Camera3d>().insert((
         Camera2d,
@@ -220,7 +220,7 @@ fn gi_of_sprites() {
     });
 }
 
-/// A camera that stops being one of meshes while it is lean, and becomes one again.
+/// A lean camera that loses `Camera3d` stops being lean, and resumes once it has it again.
 #[test]
 fn what_loses_its_camera_3d() {
     in_own_process(|| {
@@ -251,7 +251,7 @@ fn what_loses_its_camera_3d() {
         let difference = pixel_difference(&before, &headless.capture());
         println!("{difference}");
         assert!(difference.psnr > 45.0);
-        // Of each time that it was none.
+        // Each loss is reported.
         let warnings = log_watch::messages_with(NOT_3D);
         assert_eq!(warnings.len(), 4, "{warnings:?}");
     });
@@ -267,7 +267,7 @@ fn exposure_in_an_own_schedule() {
     });
 }
 
-/// A device that lacks something, as `RenderStartup` would have found it.
+/// A device that lacks a capability, as `RenderStartup` would have detected it.
 #[test]
 fn missing_support() {
     let (mut headless, camera) = scene();

@@ -1,5 +1,5 @@
-//! The first frame of a camera after a pause, or ever: portals, screens of surveillance cameras, minimaps and thumbnails render one frame in
-//! several. It is lean, and shows what a camera shows that is always on.
+//! The first frame of a camera, ever or after a pause: portals, surveillance screens, minimaps and thumbnails render one frame in several.
+//! It is lean, and equals the frame of a camera that is always active.
 
 use bevy::{
     camera::{RenderTarget, visibility::RenderLayers},
@@ -21,7 +21,7 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
-/// Of what Bevy's forward draws and lean cameras do not, these have nothing.
+/// Settings whose lean picture differs visibly from Bevy's forward one.
 fn effects() -> impl Bundle {
     (
         LeanDeferred::default(),
@@ -79,7 +79,7 @@ impl Stage {
         stage
     }
 
-    /// A camera on the other screen.
+    /// Spawns a camera on the other screen.
     fn spawn(&mut self, order: isize) -> Entity {
         let mut s = SceneBuilder {
             headless: &mut self.headless,
@@ -104,7 +104,7 @@ impl Stage {
         [one, other].map(|screen| self.headless.picture_of(screen))
     }
 
-    /// What `camera` was in the last frame: its targets, and its effects.
+    /// The targets of `camera` in the last frame, and true for each of occlusion and scattering if active; none unless it was lean.
     fn state(&mut self, camera: Entity) -> Option<(GBufferTargets, bool, bool)> {
         let world = self.headless.app.sub_app_mut(RenderApp).world_mut();
         let mut views = world.query::<(
@@ -140,7 +140,7 @@ fn one_frame_in_four_is_lean() {
     for round in 0..3 {
         stage.set_active(camera, false);
         stage.headless.frames(3);
-        // Something else is seen in between, so that an old picture shows.
+        // Another view in between, so that an old picture would show.
         let turn = Quat::from_rotation_y(0.4 * (round + 1) as f32);
         stage.transform = default_camera_transform();
         stage.transform.rotate_around(Vec3::ZERO, turn);
@@ -154,7 +154,7 @@ fn one_frame_in_four_is_lean() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// Demands of a camera that is paused again and again are kept for as many of its frames as of any other.
+/// A camera that pauses again and again keeps its demands for as many of its own frames as any other.
 #[test]
 fn demands_outlast_pauses() {
     let mut stage = Stage::new();
@@ -167,7 +167,7 @@ fn demands_outlast_pauses() {
         stage.headless.frames(1);
     }
     stage.check("after 130 pauses", camera);
-    // What is out of sight in the meantime is forgotten as elsewhere.
+    // Demands of meshes out of sight expire as elsewhere.
     stage
         .headless
         .world()
@@ -183,11 +183,11 @@ fn demands_outlast_pauses() {
     assert_eq!(targets, GBufferTargets::empty());
 }
 
-/// Of a camera that is spawned for one frame all is compiled for others.
+/// A camera spawned for one frame is lean: its pipelines were compiled for other cameras.
 #[test]
 fn a_camera_that_lives_for_one_frame_is_lean() {
     let mut stage = Stage::new();
-    // Bevy makes the pipeline of a target when the target is first drawn to.
+    // Bevy creates a target's pipeline when the target is first drawn to.
     let first = stage.spawn(1);
     stage.headless.settle();
     stage.headless.world().despawn(first);

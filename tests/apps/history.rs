@@ -1,4 +1,4 @@
-//! The last frame of a view, for effects that read it.
+//! The last frame of a view, kept for effects that read it.
 
 use bevy::{
     camera::{MainPassResolutionOverride, RenderTarget, Viewport},
@@ -19,7 +19,7 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 
-/// In the render world: whether the views' last frames are read.
+/// In the render world: true while effects request the views' last frames.
 #[derive(Resource)]
 struct Asks(bool);
 
@@ -59,7 +59,7 @@ impl Stage {
             .insert_resource(Asks(true))
             .add_systems(Render, ask.in_set(RenderSystems::PrepareAssets));
         let mut stage = Self { headless, camera };
-        // What keeps a frame compiles as soon as somebody asks.
+        // The pipelines that keep a frame compile on the first request.
         stage.headless.settle();
         stage.ask(false);
         stage.frame();
@@ -72,7 +72,7 @@ impl Stage {
         render_app.insert_resource(Asks(asks));
     }
 
-    /// Makes a frame; whether the view has a history in it, and a valid one.
+    /// Renders a frame. Returns true if the view's last frame is valid, and none if it keeps no history.
     fn frame(&mut self) -> Option<bool> {
         self.headless.frame();
         let world = self.headless.app.sub_app_mut(RenderApp).world_mut();
@@ -81,7 +81,7 @@ impl Stage {
         Some(history.last().is_some())
     }
 
-    /// `change` makes the last frame say nothing of the next one; that one of the frame after it, again.
+    /// Asserts that `change` invalidates the last frame for one frame only.
     fn check_reset(&mut self, name: &str, change: impl FnOnce(&mut EntityWorldMut)) {
         assert_eq!(self.frame(), Some(true), "before {name}");
         let camera = self.camera;
@@ -107,7 +107,7 @@ fn the_last_frame_is_valid_while_one_follows_the_other() {
             ..default()
         });
     });
-    // Upscalers ask for one in the render world.
+    // Upscalers override the resolution in the render world.
     assert_eq!(stage.frame(), Some(true));
     let world = stage.headless.app.sub_app_mut(RenderApp).world_mut();
     let mut views = world.query_filtered::<Entity, With<ExtractedCamera>>();
@@ -138,7 +138,7 @@ fn the_last_frame_is_valid_while_one_follows_the_other() {
         camera.get_mut::<Camera>().unwrap().viewport = None;
         camera.insert(RenderTarget::from(larger));
     });
-    // A pause.
+    // After a pause.
     let camera = stage.camera;
     let set_active = |stage: &mut Stage, is_active| {
         let world = stage.headless.world();
@@ -150,7 +150,7 @@ fn the_last_frame_is_valid_while_one_follows_the_other() {
     assert_eq!(stage.frame(), Some(false), "after a pause");
     assert_eq!(stage.frame(), Some(true));
 
-    // Only what moves goes on.
+    // Movement keeps it valid.
     stage
         .headless
         .world()
@@ -171,7 +171,7 @@ fn nothing_is_kept_for_nobody() {
     stage.ask(true);
     assert_eq!(stage.frame(), Some(false), "somebody asks again");
     assert_eq!(stage.frame(), Some(true));
-    // Depth of several samples cannot be kept.
+    // Multisampled depth cannot be kept.
     let camera = stage.camera;
     let mut camera = stage.headless.world().entity_mut(camera);
     camera.remove::<LeanDeferred>();
@@ -221,7 +221,7 @@ fn it_holds_what_the_frame_showed() {
         surfaces += 1;
         let distance = distance / units_per_metre;
         assert!((0.1..100.0).contains(&distance), "metres away: {distance}");
-        // On the floor, which is at a height of 0, or above it.
+        // On the floor, at a height of 0, or above it.
         let at = (Vec2::new(x as f32, y as f32) + 0.5) / SIZE.as_vec2() * 2.0 - 1.0;
         let ray = last.clip_from_view.inverse() * Vec4::new(at.x, -at.y, 1.0, 1.0);
         let place = (ray.xyz() / -ray.z * distance).extend(1.0);

@@ -1,4 +1,4 @@
-//! Passes, pipelines, textures and GPU times are found in a capture by the folder that makes them.
+//! Labels of passes, pipelines, textures and GPU times name the source folder that creates them.
 
 use std::{
     collections::BTreeSet,
@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// All files below `folder` whose names end in `.rs`.
+/// All `.rs` files below `folder`.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("it is a folder") {
@@ -20,7 +20,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The labels in the files below `folder`, with the folder of each file, as from there.
+/// Labels in the files below `folder`, with the folder of each file relative to it.
 fn labels(folder: &str) -> BTreeSet<(PathBuf, String)> {
     let top = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut found = BTreeSet::new();
@@ -29,7 +29,7 @@ fn labels(folder: &str) -> BTreeSet<(PathBuf, String)> {
         let text = fs::read_to_string(&path).expect("it is text");
         for after in text.split("\"lean_deferred/").skip(1) {
             let label = after.split('"').next().unwrap_or_default();
-            // Some look for all of them.
+            // Some code matches all labels by this prefix.
             if !label.is_empty() {
                 found.insert((file.parent().expect("it is a file").into(), label.into()));
             }
@@ -51,7 +51,7 @@ fn labels_are_the_paths_of_their_folders() {
     assert!(labels.len() > 50, "{} labels were found", labels.len());
 }
 
-/// A time that nothing has is a dash, and nobody notices.
+/// Every GPU time that is shown has a label in `src`: an unknown label would silently show a dash.
 #[test]
 fn times_that_are_shown_are_taken() {
     let taken: BTreeSet<String> = labels("src").into_iter().map(|(_, label)| label).collect();

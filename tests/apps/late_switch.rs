@@ -1,11 +1,11 @@
-//! Cameras that become lean, or lose it, while they are rendered, in apps with crates that keep pipelines for each camera. In processes of
-//! their own: some of them end with an error, as they do when Bevy's own components are changed.
+//! Cameras that become lean, or stop being lean, while they are rendered, in apps with crates that keep pipelines per camera. In processes
+//! of their own: some of them end with an error, as they do when Bevy's own components change.
 //!
-//! - `Outlines` are kept as `bevy_mod_outline` 0.13 keeps them: a pipeline for each view, made when the view is first seen. Its table of
-//!   what has to be specialized anew has a list of views, as Bevy's has, into which nothing is ever put.
-//! - `Particles` are drawn as `bevy_hanabi` 0.19 draws opaque and masked ones: in each frame by an entity of that frame, in Bevy's
-//!   `Opaque3d` under a key that has the pipeline. What is left there under an old key has an entity that is gone, which it unwraps.
-//! - Those that follow `DirtySpecializations`, as Bevy's meshes do, need nothing.
+//! - `Outlines` are kept as `bevy_mod_outline` 0.13 keeps them: one pipeline per view, created when the view is first seen. Like Bevy's,
+//!   its table of items to respecialize has a list of views, but nothing is ever added to it.
+//! - `Particles` are drawn as `bevy_hanabi` 0.19 draws opaque and masked ones: in each frame by a temporary entity, in Bevy's `Opaque3d`
+//!   under a key that holds the pipeline. An item left under an old key has a despawned entity, which the crate unwraps.
+//! - Crates that follow `DirtySpecializations`, as Bevy's meshes do, need nothing.
 
 use bevy::{
     camera::Hdr,
@@ -48,7 +48,7 @@ use crate::actions;
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
-/// A triangle in the lower left corner, in front of all.
+/// A triangle in the lower left corner, in front of everything.
 const SHADER: &str = "
 @vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
     return vec4(vec2(f32(i & 1u), f32(i >> 1u)) * 0.6 - 0.95, 0.99, 1.0);
@@ -58,12 +58,12 @@ const SHADER: &str = "
 }
 ";
 
-/// In the render world, of both kinds: what draws the triangle.
+/// Shader of the triangle that both outlines and particles draw, in the render world.
 #[derive(Resource, Clone)]
 struct Triangle(Handle<Shader>);
 
 impl Triangle {
-    /// Bevy's cache makes one pipeline of equal descriptors in several frames only where somebody keeps the number.
+    /// Bevy's cache does not merge equal descriptors of different frames, so callers must keep the id.
     fn pipeline(&self, samples: u32, format: TextureFormat) -> RenderPipelineDescriptor {
         RenderPipelineDescriptor {
             label: Some("tests/triangle".into()),
@@ -101,7 +101,7 @@ fn load_triangle(app: &mut App) {
 #[derive(Resource)]
 struct Outlines {
     by_view: HashMap<RetainedViewEntity, CachedRenderPipelineId>,
-    /// Those of views that Bevy's table names are made anew.
+    /// Recreates the pipelines of views in Bevy's table.
     follow: bool,
 }
 
@@ -166,14 +166,14 @@ fn add_outlines(app: &mut App, follow: bool) {
         );
 }
 
-/// On an entity of one frame: what particles are drawn by.
+/// Marks the temporary entity by which particles are drawn.
 #[derive(Component)]
 struct Batch;
 
 #[derive(Resource, Default)]
 struct Particles {
     pipelines: HashMap<(u32, TextureFormat), CachedRenderPipelineId>,
-    /// How often something was drawn by an entity that is gone.
+    /// Number of draws by a despawned entity.
     strays: std::sync::atomic::AtomicUsize,
     drawn: std::sync::atomic::AtomicUsize,
 }
@@ -190,7 +190,7 @@ impl Draw<Opaque3d> for DrawParticles {
     ) -> Result<(), DrawError> {
         use std::sync::atomic::Ordering::Relaxed;
         let particles = world.resource::<Particles>();
-        // Where `bevy_hanabi` unwraps.
+        // `bevy_hanabi` unwraps here.
         if world.get::<Batch>(item.entity()).is_none() {
             particles.strays.fetch_add(1, Relaxed);
         }
@@ -297,7 +297,7 @@ impl Stage {
         self.headless.frames(3);
     }
 
-    /// The triangle is there.
+    /// Asserts that the triangle is visible.
     fn assert_marked(&mut self, name: &str) {
         let Picture { size, rgba } = self.headless.capture();
         let [x, y] = [size.x / 8, size.y * 7 / 8];
@@ -322,7 +322,7 @@ fn warnings() -> Vec<String> {
     log_watch::messages_with("was rendered without")
 }
 
-/// With the settings from the spawn on, nothing has to follow.
+/// A camera with the needed settings from its spawn on changes nothing that crates must follow.
 #[test]
 fn what_keeps_pipelines_goes_on_where_the_settings_stay() {
     in_own_process(|| {
@@ -370,7 +370,7 @@ fn what_keeps_pipelines_goes_on_where_the_settings_stay() {
     });
 }
 
-/// An app that is going to end is told why, and what to do, before it does; one that follows Bevy is told too, and goes on.
+/// Before a late switch ends an app, a warning names the camera and the fix. An app that follows Bevy gets the warning too, and continues.
 #[test]
 fn a_camera_that_is_changed_late_is_named() {
     in_own_process(|| {
@@ -392,7 +392,7 @@ fn a_camera_that_is_changed_late_is_named() {
         assert!(warned[0].contains("`Msaa::Off` and `Hdr`"), "{warned:?}");
         assert_eq!(errors(), [""; 0]);
 
-        // Before its first frame it is nobody's.
+        // Before its first frame no crate keeps a pipeline for the camera.
         let spawned = Stage::new(LeanDeferred::default(), |app| add_outlines(app, false));
         drop(spawned);
         assert_eq!(warnings().len(), 1);
@@ -408,7 +408,7 @@ fn a_camera_that_is_changed_late_is_named() {
     });
 }
 
-/// Nothing is drawn with a pipeline or by an entity of the frame before.
+/// Nothing is drawn with a pipeline or by an entity of an earlier frame.
 #[test]
 fn items_of_others_in_bevys_phases_follow() {
     in_own_process(|| {

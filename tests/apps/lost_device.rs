@@ -1,5 +1,5 @@
-//! A device that is lost: Bevy can make another, on which the picture is the same. In processes of their own, because a
-//! lost device is logged as an error.
+//! A lost device: Bevy can create another, on which the picture is the same. In processes of their own, because the loss is logged as an
+//! error.
 
 use bevy::{
     prelude::*,
@@ -47,11 +47,11 @@ fn scene(s: &mut SceneBuilder) {
     ));
 }
 
-/// How many devices there have been.
+/// Devices created since the loss.
 #[derive(Resource)]
 struct Devices(usize);
 
-/// Loses the device and makes frames until there is another.
+/// Loses the device and renders until there is another.
 fn lose_device(headless: &mut Headless) {
     headless
         .world()
@@ -77,7 +77,7 @@ fn lose_device(headless: &mut Headless) {
     panic!("no other device after 20 frames");
 }
 
-/// Whether a camera with `effects` shows the same before and after.
+/// Asserts that a camera with `effects` shows the same before and after the loss.
 fn survives(name: &str, effects: impl Bundle) -> Headless {
     survives_with(name, |_| {}, effects)
 }
@@ -112,7 +112,7 @@ fn survives_with(
 
 type Images = Vec<(AssetId<Image>, Image)>;
 
-/// The images as they were before any was handed to the render world.
+/// Copies of the images, made before any is moved to the render world.
 fn images(headless: &mut Headless) -> Images {
     let images = headless.world().resource::<Assets<Image>>();
     images
@@ -121,8 +121,8 @@ fn images(headless: &mut Headless) -> Images {
         .collect()
 }
 
-/// Bevy forgets the pixels of images that only the render world has, such as its look-up tables of reflected light,
-/// without which all is black: on the next device they are empty.
+/// Restores images. Bevy drops the pixels of those that only the render world has, such as its look-up tables of reflected light, without
+/// which all is black: on the next device they are empty.
 fn restore(images: &Images, headless: &mut Headless) {
     let mut assets = headless.world().resource_mut::<Assets<Image>>();
     for (id, image) in images {
@@ -217,7 +217,7 @@ fn exposure_survives() {
                 MeteredExposure::default(),
             ),
         );
-        // It is still read back.
+        // Metered exposure is still read back.
         let world = headless.world();
         let mut cameras = world.query::<&mut MeteredExposure>();
         let mut metered = cameras.single_mut(world).expect("there is one");
@@ -229,7 +229,7 @@ fn exposure_survives() {
     });
 }
 
-/// Bevy forgets which meshes have lightmaps, so these are lit without, until they come into sight again. Lean as forward.
+/// Bevy forgets which meshes have lightmaps and lights these without, until they become visible again. Lean matches forward.
 #[test]
 fn lightmapped_meshes_are_lit_as_bevy_has_them() {
     in_own_process(|| {

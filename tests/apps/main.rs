@@ -1,4 +1,4 @@
-//! Apps as a whole: plugins in any order, settings that come and go, what is warned of, what is held.
+//! Whole apps: plugins in any order, settings that change at run time, warnings, and held resources.
 
 mod actions;
 mod changing_settings;

@@ -1,5 +1,5 @@
-//! What cameras hold on the GPU for an effect they give back when its component is removed, the camera is switched off,
-//! or the effect no longer goes with it.
+//! Cameras release an effect's GPU resources when its component is removed, the camera is deactivated, or the camera no longer supports the
+//! effect.
 
 use bevy::{
     camera::Hdr,
@@ -26,8 +26,7 @@ use kit::{
     skipped::has_room_for_scattering,
 };
 
-/// Once nothing changes any more. Buffers and their bytes, which Bevy grows as it likes, and pipelines, which it keeps, are not
-/// compared.
+/// Resources once nothing changes any more. Excludes buffers and their bytes, which Bevy grows at will, and pipelines, which it keeps.
 fn held(headless: &mut Headless) -> Held {
     Held {
         buffers: 0,
@@ -71,11 +70,11 @@ fn what_is_held_is_given_back() {
     );
     assert_eq!(textures(forward_again), textures(forward));
     assert_eq!(textures(lean_off), textures(forward_off));
-    // Bevy keeps a few bind groups for each kind of render phase that was ever used. They do not become more.
+    // Bevy keeps a few bind groups per kind of render phase ever used. They do not accumulate.
     assert_eq!(lean_again, lean);
 }
 
-/// States in which a camera may be.
+/// States of a camera.
 #[derive(Clone, Copy, Debug)]
 enum State {
     Usual,
@@ -98,12 +97,12 @@ fn set_state(headless: &mut Headless, camera: Entity, state: State) {
     }
 }
 
-/// In each of `states` the camera holds as much with the component as without, though it held more before.
+/// In each of `states` the camera holds as much with the component as without it, even if it held more before.
 fn check_states<C: Component + Default>(states: &[State], compares_bind_groups: bool) {
     check_states_beside::<C>((), states, compares_bind_groups);
 }
 
-/// As [`check_states`], of a camera with `others`.
+/// As [`check_states`], for a camera with `others`.
 fn check_states_beside<C: Component + Default>(
     others: impl Bundle,
     states: &[State],
@@ -129,12 +128,12 @@ fn check_states_beside<C: Component + Default>(
         }
         held
     };
-    // Bevy keeps some of what was ever used.
+    // Bevy keeps some resources that were ever used.
     for state in [&[State::Usual], states].concat() {
         held_in(true, state);
     }
     for state in states {
-        // Views that are switched off keep what Bevy had made for them.
+        // Deactivated views keep what Bevy made for them.
         held_in(false, State::Usual);
         let without = held_in(false, *state);
         let usual = held_in(true, State::Usual);
@@ -147,7 +146,7 @@ fn check_states_beside<C: Component + Default>(
 fn lean_cameras_that_cannot_be_lean_hold_nothing() {
     check_states::<LeanDeferred>(
         &[State::SwitchedOff, State::Multisampled, State::NotHdr],
-        // Bevy's own differ with what it was used for.
+        // Bevy's own bind groups depend on earlier use.
         false,
     );
 }
@@ -203,7 +202,7 @@ fn removed_occlusion_is_given_back() {
     }
 }
 
-/// The bind groups that all views hold by their `C`.
+/// Bind groups that all views hold in their `C`.
 fn groups_of<C: Component>(
     headless: &mut Headless,
     groups: impl Fn(&C) -> Vec<&BindGroup>,
@@ -214,7 +213,7 @@ fn groups_of<C: Component>(
     groups.map(BindGroup::id).collect()
 }
 
-/// While nothing changes, the bind groups of effects stay the same.
+/// While nothing changes, no bind group of an effect is recreated.
 #[test]
 fn nothing_of_effects_is_made_anew() {
     let mut camera = Entity::PLACEHOLDER;
@@ -250,8 +249,8 @@ fn nothing_of_effects_is_made_anew() {
             ]
         };
         let first = groups();
-        // GI has two of each, for this frame's levels are the next one's last, and leaves nothing to occlusion; Bevy has two main
-        // textures; scattering one for each of its dispatches, and two for the last.
+        // GI has two of each, as this frame's levels are the next one's history, and makes occlusion unnecessary. Bevy has two main
+        // textures. Scattering has one per dispatch, and two for the last.
         let scattering = if has_room { 7 } else { 0 };
         let expected = if lean {
             [0, 6, 4, 3, scattering]

@@ -1,4 +1,4 @@
-//! What happens to meshes while a window is minimised: its cameras are active, their target has size 0, and Bevy keeps the phases of them.
+//! Meshes that are removed while a window is minimised: its cameras are active, their target has size 0, and Bevy keeps their phases.
 
 use bevy::{
     camera::visibility::VisibilitySystems,
@@ -19,11 +19,11 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
-/// The sizes of the targets of cameras while these are minimised.
+/// True while the targets of cameras have size 0.
 #[derive(Resource, Default)]
 struct Minimised(bool);
 
-/// As `camera_system` does it once a window says that it has no size; and once it has one again.
+/// Sets target sizes as `camera_system` does when a window loses its size and regains it.
 fn minimise(minimised: Res<Minimised>, mut cameras: Query<&mut Camera>) {
     for mut camera in &mut cameras {
         if let Some(info) = &mut camera.computed.target_info {
@@ -32,7 +32,7 @@ fn minimise(minimised: Res<Minimised>, mut cameras: Query<&mut Camera>) {
     }
 }
 
-/// The meshes that go: lean, drawn by forward, blended; each of them despawned and hidden.
+/// Despawns and hides meshes while minimised: lean, forward, masked and blended ones.
 fn check(name: &str, extra: impl Bundle + Clone) {
     let mut despawned = Vec::new();
     let mut hidden = Vec::new();
@@ -89,7 +89,7 @@ fn check(name: &str, extra: impl Bundle + Clone) {
     for &mesh in &hidden {
         headless.world().entity_mut(mesh).insert(Visibility::Hidden);
     }
-    // They take the places of those that go in what the GPU knows of meshes: what is still drawn of these shows there.
+    // New meshes reuse the GPU slots of the removed ones: stale items would show them there.
     let mut s = SceneBuilder {
         headless: &mut headless,
     };
@@ -105,7 +105,7 @@ fn check(name: &str, extra: impl Bundle + Clone) {
     let film = headless.film(6, |_, _| {});
     assert_eq!(active_lean_views(&mut headless), 1);
 
-    // Phases of cameras that were switched off are made anew.
+    // Phases of deactivated cameras are recreated.
     for is_active in [false, true] {
         let world = headless.world();
         let mut cameras = world.query::<&mut Camera>();

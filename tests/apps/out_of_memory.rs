@@ -1,5 +1,5 @@
 //! Textures of this crate that do not fit into memory: Bevy renders the camera, one message says what did not fit, and the camera is lean
-//! again once it does. In processes of their own, because it is logged as an error.
+//! again once it fits. In processes of their own, because the failure is logged as an error.
 
 use std::sync::mpsc;
 
@@ -17,7 +17,7 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
-/// The picture once light that goes to and fro from frame to frame has come to rest.
+/// The picture once light that accumulates over frames has converged.
 fn at_rest(headless: &mut Headless) -> Picture {
     headless.settle();
     headless.frames(32);
@@ -44,7 +44,7 @@ fn scene(s: &mut SceneBuilder) -> Entity {
     s.default_camera(())
 }
 
-/// Textures are made while other threads compile shaders, within scopes that end in any order.
+/// Error scopes of different threads may end in any order: textures are created while other threads compile shaders.
 #[test]
 fn error_scopes_belong_to_threads() {
     let headless = Headless::new(SIZE);
@@ -71,12 +71,12 @@ fn make_scarce(headless: &mut Headless, labels: Option<&'static str>) {
     memory.make_scarce(labels);
 }
 
-/// Shows `effects` on a camera, then with no room for their textures with these labels, then with room again.
+/// Renders `effects` with memory for their textures, without memory for those with these labels, and with memory again.
 fn check(label: &'static str, effects: impl Bundle + Clone) {
     check_beside(label, (), effects);
 }
 
-/// As [`check`], of a camera that has `others`, for which there is room.
+/// As [`check`], on a camera with `others`, for which there is memory.
 fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle + Clone) {
     let mut camera = Entity::PLACEHOLDER;
     let mut headless = build(SIZE, |s| camera = scene(s));
@@ -156,7 +156,7 @@ fn occlusion_of_a_lean_camera() {
     });
 }
 
-/// Exposure makes no texture: it stays with a camera that has room for nothing else, and meters what Bevy renders.
+/// Exposure needs no texture: it stays on a camera without memory for its other effects, and meters Bevy's picture.
 #[test]
 fn exposure_of_a_lean_camera() {
     in_own_process(|| {

@@ -16,7 +16,7 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 
-/// Which effects an app has, or a camera.
+/// Effects of an app or a camera.
 #[derive(Clone, Copy, Debug)]
 struct Effects {
     deferred: bool,
@@ -36,7 +36,7 @@ impl Effects {
         }
     }
 
-    /// An app with the plugins of these, one by one, that shows the solids.
+    /// An app with the plugins of these effects, added one by one, that shows the solids.
     fn app(self) -> (Headless, Entity) {
         let mut app = App::new();
         app.add_plugins(Headless::default_plugins());
@@ -100,7 +100,7 @@ fn each_plugin_alone_and_each_pair_render_as_the_group() {
         assert!(expected != plain || bits == 1, "{effects:?} shows nothing");
 
         let (mut app, camera) = effects.app();
-        // With the components of all, as an app may have that leaves a plugin out.
+        // With the components of all effects, as in an app that leaves a plugin out.
         let (found, lean_views) = picture(&mut app, camera, Effects::ALL);
         assert_eq!(lean_views, usize::from(effects.deferred), "{effects:?}");
         assert!(

@@ -1,5 +1,4 @@
-//! Cameras of one target: what an effect changes about its camera is changed about those that were alike, too, and given
-//! back.
+//! Cameras of one target: settings that an effect changes on its camera also change on cameras that had the same ones, and are restored.
 
 use bevy::{
     camera::{CameraMainTextureUsages, Hdr, RenderTarget, Viewport},
@@ -23,7 +22,7 @@ const LEAN: (Msaa, bool) = (Msaa::Off, true);
 
 struct Stage {
     headless: Headless,
-    /// Another than the one that cameras have.
+    /// A target other than the default one of cameras.
     other_target: RenderTarget,
 }
 
@@ -38,7 +37,7 @@ impl Stage {
         }
     }
 
-    /// With the settings that Bevy gives to any camera.
+    /// Spawns a camera with Bevy's default settings.
     fn spawn(&mut self, order: isize, bundle: impl Bundle) -> Entity {
         let target = self.headless.render_target();
         let camera = Camera {
@@ -84,7 +83,7 @@ impl Stage {
         });
     }
 
-    /// The camera's, and whether it has `Hdr`.
+    /// The camera's MSAA, and true if it has `Hdr`.
     fn settings(&mut self, camera: Entity) -> (Msaa, bool) {
         let camera = self.headless.world().entity(camera);
         (*camera.get::<Msaa>().unwrap(), camera.contains::<Hdr>())
@@ -96,7 +95,7 @@ impl Stage {
         }
     }
 
-    /// Whether the app's other cameras draw into its main texture.
+    /// True if the camera has a main texture of its own, into which the app's other cameras do not draw.
     fn has_own_texture(&mut self, camera: Entity) -> bool {
         let world = self.headless.world();
         let usages = world.get::<CameraMainTextureUsages>(camera).unwrap();
@@ -104,7 +103,7 @@ impl Stage {
     }
 }
 
-/// A split screen: neither is drawn over the other, and the one without an effect stays as Bevy has it.
+/// A split screen: neither camera draws over the other, so the one without an effect keeps Bevy's settings.
 #[test]
 fn cameras_beside_one_another_stay_as_they_are() {
     let mut stage = Stage::new();
@@ -126,7 +125,7 @@ fn cameras_beside_one_another_stay_as_they_are() {
     stage.insert(cameras[0], LeanDeferred::default());
     stage.assert(&cameras[..1], LEAN);
     stage.assert(&cameras[1..], BEVYS);
-    // Over all of it, the second one is drawn over the first.
+    // Without a viewport, the second camera draws over the first.
     stage.act(cameras[1], |camera| {
         let mut camera = camera.entry::<Camera>();
         camera.and_modify(|mut camera| camera.viewport = None);
@@ -182,7 +181,7 @@ fn what_other_cameras_need_stays() {
     stage.remove::<LeanAutoExposure>(overlay);
     stage.assert(&all, BEVYS);
 
-    // Another way about, and both at once.
+    // In the other order, and both at once.
     stage.insert(overlay, LeanAutoExposure::default());
     stage.insert(world, LeanDeferred::default());
     stage.assert(&all, LEAN);
@@ -202,13 +201,13 @@ fn what_other_cameras_need_stays() {
 fn cameras_come_and_go() {
     let mut stage = Stage::new();
     let (here, there) = (stage.headless.render_target(), stage.other_target.clone());
-    // The effect is there before the camera, and this before the other one.
+    // The effect exists before its camera, and this camera before the other one.
     let world = stage.headless.world().spawn(LeanDeferred::default()).id();
     stage.headless.frames(1);
     stage.insert(world, (Camera3d::default(), here.clone()));
     let overlay = stage.spawn(1, Camera2d);
     stage.assert(&[world, overlay], LEAN);
-    // To another target, and back.
+    // To another target and back.
     for _ in 0..2 {
         stage.insert(overlay, there.clone());
         stage.assert(&[overlay], BEVYS);
@@ -220,7 +219,7 @@ fn cameras_come_and_go() {
         stage.insert(world, here.clone());
         stage.assert(&[overlay], LEAN);
     }
-    // Cameras that are not rendered share nothing.
+    // Inactive cameras share nothing.
     for camera in [world, overlay] {
         stage.set_active(camera, false);
         stage.assert(&[overlay], BEVYS);
@@ -268,7 +267,7 @@ fn what_the_app_sets_on_others_stays() {
         stage.act(overlay, bundle);
         stage.headless.frames(2);
         stage.assert(&[overlay], on);
-        // It stays a partner.
+        // It remains a partner.
         stage.insert(world, LeanAmbientOcclusion::default());
         stage.assert(&[overlay], on);
         stage.remove::<LeanAmbientOcclusion>(world);
@@ -305,7 +304,7 @@ fn what_the_app_sets_on_others_stays() {
         BEVYS,
     );
 
-    // What the app takes from the camera with the effect is given back to others.
+    // A setting that the app removes from the camera with the effect is restored on the others.
     stage.insert(world, LeanDeferred::default());
     stage.insert(world, Msaa::Sample4);
     stage.assert(&[world, overlay], (Msaa::Sample4, true));
@@ -313,7 +312,7 @@ fn what_the_app_sets_on_others_stays() {
     stage.assert(&[world, overlay], BEVYS);
 }
 
-/// A camera that cleared a main texture of its own, and was blended over others, goes on with one.
+/// A camera that cleared a main texture of its own, and was blended over others, keeps a texture of its own.
 #[test]
 fn what_was_not_shared_is_not_shared() {
     let mut stage = Stage::new();
@@ -325,7 +324,7 @@ fn what_was_not_shared_is_not_shared() {
             camera.and_modify(move |mut camera| camera.clear_color = clear_color);
         }
     };
-    // One that has nothing but what others have drawn may well share it.
+    // A camera that does not clear may share the texture of the others.
     stage.insert(world, LeanDeferred::default());
     stage.assert(&[overlay], LEAN);
     assert!(!stage.has_own_texture(overlay));
@@ -371,7 +370,7 @@ fn losses_are_told_once() {
         assert_eq!(warnings(weapon, "Msaa"), 1);
         assert_eq!(warnings(weapon, "Tonemapping"), 1);
         assert_eq!(warnings(overlay, "camera"), 0);
-        // Nothing is lost.
+        // This camera loses nothing.
         let another = stage.spawn(3, (Camera3d::default(), Tonemapping::None, Msaa::Off));
         stage.insert(world, LeanDeferred::default());
         stage.assert(&[another], LEAN);

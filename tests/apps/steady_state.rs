@@ -1,7 +1,7 @@
-//! Once a scene is loaded, lean cameras make nothing on the GPU that lasts: no pipeline, no texture, no buffer, and no
-//! bind group where the old one still fits.
+//! Once a scene is loaded, lean cameras create no lasting GPU resource: no pipeline, no texture, no buffer, and no bind group where the old
+//! one still fits.
 //!
-//! In a process of its own: what Bevy's wrappers of GPU resources are numbered by is counted.
+//! In a process of its own: the ids of Bevy's GPU resource wrappers are counted.
 
 use core::{f32::consts::TAU, num::NonZero};
 use std::collections::BTreeSet;
@@ -33,7 +33,7 @@ use kit::{
 const SIZE: UVec2 = UVec2::new(160, 120);
 const FRAMES: usize = 16;
 
-/// Circles, through where it was spawned.
+/// Circles through its spawn position.
 #[derive(Component, Clone, Copy)]
 struct Circling {
     start: Vec3,
@@ -41,7 +41,7 @@ struct Circling {
 }
 
 impl Circling {
-    /// With where it starts.
+    /// The component, and a transform at its start.
     fn from(start: Vec3, radius: f32) -> (Self, Transform) {
         (Self { start, radius }, Transform::from_translation(start))
     }
@@ -59,7 +59,7 @@ fn view(order: isize, x: u32) -> Camera {
     }
 }
 
-/// Three cameras: two share a target, whose main textures they swap three times a frame, and so in turn; one has a
+/// Three cameras: two share a target and swap its main textures three times per frame, so that these alternate between frames; one has a
 /// target of its own.
 fn scene(s: &mut SceneBuilder) {
     s.world()
@@ -83,7 +83,7 @@ fn scene(s: &mut SceneBuilder) {
         };
         s.spawn((lamp, Circling::from(Vec3::new(x, 2.0, 1.0), 0.7)));
     }
-    // In sight in some frames only.
+    // Visible in some frames only.
     let walker = s.mesh(Cuboid::from_length(0.4), Color::WHITE, Transform::default());
     s.world()
         .entity_mut(walker)
@@ -121,7 +121,7 @@ fn scene(s: &mut SceneBuilder) {
         .insert(RenderTarget::from(other));
 }
 
-/// One frame; things that move are where they are in frame `frame` of a round, none for where they start.
+/// Renders one frame. Moving things are where they are in frame `frame` of a round, or at their start if none.
 fn frame(headless: &mut Headless, frame: Option<usize>) {
     let angle = frame.map_or(0.0, |frame| TAU * frame as f32 / FRAMES as f32);
     let world = headless.world();
@@ -135,12 +135,12 @@ fn frame(headless: &mut Headless, frame: Option<usize>) {
 
 const KINDS: [&str; 4] = ["textures", "texture views", "buffers", "pipelines"];
 
-/// How many resources of each kind have been made so far, whoever made them.
+/// Number of resources of each kind created so far, by any crate.
 fn made_so_far(headless: &Headless) -> [u32; 4] {
     let render_world = headless.app.sub_app(RenderApp).world();
     let pipelines = render_world.resource::<PipelineCache>().pipelines();
     let number = NonZero::<u32>::get;
-    // Ids count up. This takes one of each, so that two calls differ by one more than what was made between them.
+    // Ids count up. Each call takes one id per kind, so two calls differ by one more than the number created between them.
     [
         number(TextureId::new().into()),
         number(TextureViewId::new().into()),
@@ -149,7 +149,7 @@ fn made_so_far(headless: &Headless) -> [u32; 4] {
     ]
 }
 
-/// What each lean view holds.
+/// Bind groups and texture views of each lean view.
 fn held(
     headless: &mut Headless,
 ) -> HashMap<RetainedViewEntity, (BTreeSet<BindGroupId>, [TextureViewId; 2])> {
@@ -165,7 +165,7 @@ fn held(
         .collect()
 }
 
-/// A round in which no lean view may replace what it holds; returns what was made in it.
+/// Renders a round in which no lean view may replace its resources. Returns the number created in it.
 fn round(headless: &mut Headless, moving: bool) -> [u32; 4] {
     let before = made_so_far(headless);
     let held_before = held(headless);
@@ -184,7 +184,7 @@ fn nothing_is_made_anew() {
         for moving in [false, true] {
             let [forward, lean] = [false, true].map(|lean| {
                 set_lean(&mut headless, lean);
-                // In a first round, pipelines are compiled and buffers grow.
+                // In the first round, pipelines compile and buffers grow.
                 for i in 0..FRAMES {
                     frame(&mut headless, moving.then_some(i));
                 }

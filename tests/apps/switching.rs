@@ -1,4 +1,4 @@
-//! Effects that come and go: cameras get their own settings back, tell what they are doing, and are warned of anew.
+//! Effects added and removed at run time: cameras get their own settings back, report their status, and are warned about again.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -22,12 +22,12 @@ use kit::{
 use crate::actions::{self, Action};
 
 const SIZE: UVec2 = UVec2::new(96, 64);
-/// Longer than shaders take to be compiled.
+/// Longer than shaders take to compile.
 const PATIENCE: Duration = Duration::from_secs(100);
 
 struct Stage {
     headless: Headless,
-    /// With the settings that Bevy gives to any.
+    /// A camera with Bevy's default settings.
     camera: Entity,
 }
 
@@ -77,7 +77,7 @@ impl Stage {
         });
     }
 
-    /// The camera's, and whether it has `Hdr`.
+    /// The camera's MSAA, and true if it has `Hdr`.
     fn settings(&mut self) -> (Msaa, bool) {
         let camera = self.headless.world().entity(self.camera);
         (*camera.get::<Msaa>().unwrap(), camera.contains::<Hdr>())
@@ -87,7 +87,7 @@ impl Stage {
         self.headless.world().get(self.camera).cloned()
     }
 
-    /// How many pipelines with this label there are.
+    /// Number of pipelines with this label.
     fn pipelines(&self, label: &str) -> usize {
         let render_world = self.headless.app.sub_app(RenderApp).world();
         let pipelines = render_world.resource::<PipelineCache>().pipelines();
@@ -163,7 +163,7 @@ fn what_another_effect_needs_stays() {
     stage.remove::<LeanAutoExposure>();
     assert_eq!(stage.settings(), BEVYS);
 
-    // Bevy's own require it, too.
+    // Bevy's bloom requires `Hdr` too.
     stage.add::<LeanDeferred>();
     stage.add::<Bloom>();
     stage.remove::<LeanDeferred>();
@@ -185,25 +185,25 @@ fn what_another_effect_needs_stays() {
 
 #[test]
 fn what_the_app_set_stays() {
-    // Not every device has 2 or 8 samples: nothing is to be rendered.
+    // Not every device supports 2 or 8 samples, so nothing is rendered.
     let mut stage = Stage::new();
     stage.remove::<RenderTarget>();
 
-    // Before.
+    // Set before the effect is added.
     stage.insert((Hdr, Msaa::Off));
     stage.add::<LeanDeferred>();
     stage.remove::<LeanDeferred>();
     assert_eq!(stage.settings(), (Msaa::Off, true));
     stage.remove::<Hdr>();
 
-    // Together with the effect.
+    // Set together with the effect.
     stage.insert((Hdr, Msaa::Sample2, LeanDeferred::default()));
     assert_eq!(stage.settings(), (Msaa::Off, true));
     stage.remove::<LeanDeferred>();
     assert_eq!(stage.settings(), (Msaa::Sample2, true));
     stage.remove::<Hdr>();
 
-    // An effect that was there before the camera.
+    // The effect exists before the camera.
     stage.remove::<(Camera3d, Camera, Msaa)>();
     stage.add::<LeanDeferred>();
     stage.add::<Camera3d>();
@@ -211,7 +211,7 @@ fn what_the_app_set_stays() {
     stage.remove::<LeanDeferred>();
     assert_eq!(stage.settings(), BEVYS);
 
-    // Since.
+    // Set after the effect is added.
     stage.add::<LeanDeferred>();
     stage.insert((Hdr, Msaa::Sample8));
     stage.remove::<LeanDeferred>();
@@ -231,7 +231,7 @@ fn what_the_app_set_stays() {
     stage.remove::<LeanDeferred>();
     assert_eq!(stage.settings(), (Msaa::Off, false));
 
-    // Taken away since.
+    // Removed after the effect is added.
     stage.add::<LeanDeferred>();
     stage.remove::<Hdr>();
     stage.remove::<LeanDeferred>();
@@ -244,7 +244,7 @@ fn the_status_tells_what_the_camera_does() {
     stage.headless.frames(3);
     assert_eq!(stage.status(), None);
 
-    // Until its shaders are there, forward draws it.
+    // Forward draws until the shaders are compiled.
     let camera = stage.camera;
     let world = stage.headless.world();
     world.entity_mut(camera).insert(LeanDeferred::default());
@@ -338,7 +338,7 @@ fn warnings_come_again_when_the_cause_does() {
         for expected in 1..=2 {
             stage.add::<DeferredPrepass>();
             assert_eq!(lean(), expected);
-            // The cause stays while the camera is switched off.
+            // The reason is kept while the camera is inactive.
             for is_active in [false, true] {
                 stage.act(move |camera| {
                     camera

@@ -1,5 +1,5 @@
-//! The validation layer, of which other tests demand silence, is there and is heard. In a process of its own, because
-//! it makes the layer complain.
+//! The validation layer, whose silence other tests require, is present and its complaints are recorded. In a process of its own, because it
+//! makes the layer complain.
 
 use bevy::{
     prelude::*,
@@ -7,7 +7,7 @@ use bevy::{
 };
 use kit::{headless::Headless, log_watch, own_process::in_own_process};
 
-/// Does what Vulkan forbids and every driver bears: makes a pool for no descriptors.
+/// Does what Vulkan forbids and every driver tolerates: creates a pool for no descriptors.
 fn offend_vulkan(device: &wgpu::Device) {
     // SAFETY: only the new pool is touched, and nothing uses it.
     unsafe {
@@ -23,7 +23,7 @@ fn offend_vulkan(device: &wgpu::Device) {
 
 #[test]
 fn complaints_of_the_validation_layer_are_heard() {
-    // `tests/drivers.sh` says so, on machines that nothing is installed on.
+    // `tests/drivers.sh` sets this on machines without the layer.
     if std::env::var("LEAN_TEST_LAYER").is_ok_and(|layer| layer == "none") {
         println!(
             "skipped: the validation layer: it is not there, so nothing is heard of it in any test"

@@ -1,11 +1,11 @@
-//! The viewer without a window says what is wrong with a file, and its exit code tells.
+//! The headless viewer reports errors of a file by a message and its exit code.
 
 use std::{
     path::{Path, PathBuf},
     process::{Command, Output},
 };
 
-/// The example; cargo builds it beside the tests.
+/// Path of the example, which cargo builds beside the tests.
 fn viewer() -> PathBuf {
     let test = std::env::current_exe().expect("a test knows its own path");
     let folder = test.ancestors().nth(2).expect("tests lie in target/*/deps");
@@ -29,7 +29,7 @@ pub(crate) fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Runs the viewer on `file`, in whose folder it lies.
+/// Runs the viewer in `folder` on `file`.
 fn show(folder: &Path, file: &str, picture: &str) -> Output {
     Command::new(viewer())
         .args([
@@ -46,7 +46,7 @@ fn show(folder: &Path, file: &str, picture: &str) -> Output {
         .expect("the viewer can be run")
 }
 
-/// It must fail, with one line of its own that names `file` and says `why`, and without a picture.
+/// Asserts that the viewer fails with one line that names `file` and says `why`, and writes no picture.
 fn assert_fails(folder: &Path, file: &str, why: &str) {
     let output = show(folder, file, "out.png");
     let text = String::from_utf8_lossy(&output.stderr);
@@ -58,7 +58,7 @@ fn assert_fails(folder: &Path, file: &str, why: &str) {
     assert!(!folder.join("out.png").exists());
 }
 
-/// A triangle with the first of `materials`.
+/// A glTF triangle with the first of `materials`.
 pub(crate) fn gltf(materials: &str) -> String {
     format!(
         r#"{{

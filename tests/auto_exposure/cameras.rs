@@ -22,7 +22,7 @@ fn grey(value: f32) -> Color {
     LinearRgba::rgb(value, value, value).into()
 }
 
-/// A 3D camera that sees nothing but its background.
+/// A 3D camera that sees only its background.
 fn camera(headless: &mut Headless, background: f32, settings: LeanAutoExposure) -> Entity {
     camera_of(Camera3d::default(), headless, background, settings)
 }
@@ -68,14 +68,14 @@ fn metered_now(headless: &mut Headless, camera: Entity) -> MeteredExposure {
         .expect("it was spawned with one")
 }
 
-/// What came back after some frames.
+/// The exposure read back after some frames.
 fn metered(headless: &mut Headless, camera: Entity) -> MeteredExposure {
     headless.settle();
     headless.frames(4);
     metered_now(headless, camera)
 }
 
-/// One pixel before tonemapping.
+/// Value of one pixel before tonemapping.
 fn shown(headless: &mut Headless, pixel: UVec2) -> f32 {
     let picture = headless.capture();
     let value = picture.rgba[4 * (pixel.y * picture.size.x + pixel.x) as usize];
@@ -83,8 +83,7 @@ fn shown(headless: &mut Headless, pixel: UVec2) -> f32 {
     tonemapped / (1.0 - tonemapped)
 }
 
-/// The picture's middle grey comes out as asked for, in 3D and 2D, with and without a G-buffer; what was measured comes
-/// back.
+/// Pictures come out at the requested middle grey, in 3D and 2D, with and without a G-buffer, and the metered values are read back.
 #[test]
 fn pictures_come_out_middle_grey() {
     for background in [0.002, 0.18, 20.0] {
@@ -125,7 +124,7 @@ fn cameras_meter_their_own_viewports() {
     let cameras = backgrounds.map(|value| camera(&mut headless, value, instant()));
     let mut left = 0;
     for (order, (camera, width)) in cameras.into_iter().zip([67, 83]).enumerate() {
-        // Where there is no viewport, the target is not cleared: a wall in front of each camera is.
+        // Outside viewports the target is not cleared, so each camera sees a wall.
         let layer = bevy::camera::visibility::RenderLayers::layer(order + 1);
         let wall = headless
             .world()
@@ -168,7 +167,7 @@ fn cameras_meter_their_own_viewports() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// Exposures of the frames to come, as they come back.
+/// Exposures of the next frames, as they are read back.
 fn exposures(headless: &mut Headless, camera: Entity, frames: usize) -> Vec<f32> {
     (0..frames)
         .map(|_| {
@@ -178,7 +177,7 @@ fn exposures(headless: &mut Headless, camera: Entity, frames: usize) -> Vec<f32>
         .collect()
 }
 
-/// Adaptation takes its time, a cut and a new component do not, and resizing, a mask or other settings make no flash.
+/// Adaptation takes time, a cut or a new component does not, and resizing, masks and other settings cause no flash.
 #[test]
 fn nothing_flashes() {
     let mut headless = Headless::new(SIZE);
@@ -196,7 +195,7 @@ fn nothing_flashes() {
     }
     assert!(*adapting.last().expect("30") > -2.0);
 
-    // None of these changes what is metered: the exposure goes on as before.
+    // None of these changes what is metered: the exposure continues as before.
     let changes: [fn(&mut Headless, Entity); 4] = [
         |headless, camera| {
             let mut entity = headless.world().entity_mut(camera);
@@ -259,7 +258,7 @@ fn nothing_flashes() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// A camera that was inactive for a while has adapted meanwhile.
+/// A camera that was inactive for a while has adapted in the meantime.
 #[test]
 fn pauses_count() {
     let mut headless = Headless::new(SIZE);
@@ -281,7 +280,7 @@ fn pauses_count() {
     );
 }
 
-/// The eye adapts while the game is paused, unless it is part of the game.
+/// Exposure adapts while the game is paused, unless it uses the game's clock.
 #[test]
 fn exposure_adapts_while_the_game_is_paused() {
     for clock in [ExposureClock::Real, ExposureClock::Virtual] {
@@ -306,7 +305,7 @@ fn exposure_adapts_while_the_game_is_paused() {
     }
 }
 
-/// Bevy applies no exposure then, and the default of 2D cameras is to have no tonemapping: one warning, which names the camera.
+/// Without tonemapping, the default of 2D cameras, Bevy applies no exposure: one warning names the camera.
 #[test]
 fn without_tonemapping_there_is_a_warning() {
     in_own_process(|| {
@@ -329,7 +328,7 @@ fn without_tonemapping_there_is_a_warning() {
     });
 }
 
-/// One warning, and the picture as it was.
+/// Without `Hdr` there is one warning, and the picture is unchanged.
 #[test]
 fn without_hdr_there_is_a_warning() {
     let mut headless = Headless::new(SIZE);
@@ -347,7 +346,7 @@ fn without_hdr_there_is_a_warning() {
     assert_eq!(warnings.len(), 1, "{warnings:?}");
 }
 
-/// The mask is an asset: as long as it is not there, all pixels count.
+/// While the mask's asset is missing, all pixels count.
 #[test]
 fn masks_are_assets() {
     let mut headless = Headless::new(SIZE);
@@ -363,7 +362,7 @@ fn masks_are_assets() {
     headless.world().entity_mut(camera).insert(settings);
     let before = metered(&mut headless, camera);
     assert!((before.luminance - 2.0).abs() < 1e-3);
-    // Nothing counts: what was metered stays.
+    // With a black mask nothing counts: the metered luminance stays.
     let black = Image::new_fill(
         Extent3d::default(),
         TextureDimension::D2,
@@ -384,7 +383,7 @@ fn masks_are_assets() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// One warning, and all pixels count.
+/// An image that is no mask causes one warning, and all pixels count.
 #[test]
 fn images_that_are_no_masks_are_named() {
     for (name, layers, format) in [
@@ -418,7 +417,7 @@ fn images_that_are_no_masks_are_named() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// Exposure asks for no `Msaa::Off`: its overlay lies on the resolved picture.
+/// Exposure does not need `Msaa::Off`: its overlay is drawn on the resolved picture.
 #[test]
 fn the_overlay_lies_on_what_was_sampled_several_times() {
     let settings = LeanAutoExposure {
@@ -437,7 +436,8 @@ fn the_overlay_lies_on_what_was_sampled_several_times() {
     log_watch::assert_validation_layer_silent();
 }
 
-/// The part of a split screen that has just been closed. In a process of its own, since Bevy's own passes there are invalid in Vulkan.
+/// A viewport may be empty, as when a part of a split screen closes. In a process of its own, since Bevy's own passes are invalid in Vulkan
+/// then.
 #[test]
 fn viewports_may_be_empty() {
     in_own_process(|| {
@@ -458,7 +458,7 @@ fn viewports_may_be_empty() {
     });
 }
 
-/// Uncounted pixels are darker, the scale's marks stand where exposure and target are, and without it the picture is as before.
+/// The overlay darkens uncounted pixels and marks exposure and target on its scale; without it the picture is unchanged.
 #[test]
 fn the_overlay_shows_what_is_metered() {
     let mut headless = Headless::new(UVec2::new(640, 360));
@@ -492,7 +492,7 @@ fn the_overlay_shows_what_is_metered() {
         "{uncounted} of {counted}"
     );
 
-    // The scale of -8 to 8 stops and half a stop more lies over 0.6 of the width.
+    // The scale spans -8 to 8 stops, and half a stop on either side, over 0.6 of the width.
     let column = |stops: f32| (640.0 * (0.2 + 0.6 * (stops + 8.5) / 17.0)) as u32;
     println!("{state:?}");
     assert_eq!(at(column(state.exposure), 332), [255; 3]);

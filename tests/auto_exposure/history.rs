@@ -1,4 +1,4 @@
-//! How exposure follows the metered luminance over time.
+//! Exposure over time, as it follows the metered luminance.
 
 use bevy::math::{UVec2, Vec3};
 use bevy_lean_deferred::auto_exposure::{
@@ -18,7 +18,7 @@ fn grey(value: f32) -> Vec<Vec3> {
     vec![Vec3::splat(value); SIZE.element_product() as usize]
 }
 
-/// The state after a frame, as the documentation has it.
+/// Exposure after a frame, by the documented formula.
 fn expected(
     settings: &LeanAutoExposure,
     last: &ExposureState,
@@ -35,7 +35,7 @@ fn expected(
     )
 }
 
-/// The first frame is adapted; steps in brightness follow the curve within 1% of a step; a cut skips it.
+/// The first frame is adapted; brightness steps follow the curve within 1% of a step; a cut skips it.
 #[test]
 fn steps_follow_the_documented_curve() {
     let gpu = ExposureGpu::new();
@@ -66,7 +66,7 @@ fn steps_follow_the_documented_curve() {
                     state = meter.frame(seconds, 0);
                     worst = worst
                         .max((state.exposure - expected(&settings, &last, &state, seconds)).abs());
-                    // And from the step's beginning, in one go.
+                    // Also from the step's beginning in a single interval.
                     let whole = expected(
                         &settings,
                         &ExposureState {
@@ -92,7 +92,7 @@ fn steps_follow_the_documented_curve() {
     }
 }
 
-/// No time at all keeps the exposure; no length of a frame overshoots.
+/// A frame of no duration keeps the exposure, and none of any duration overshoots.
 #[test]
 fn frames_may_take_any_time() {
     let gpu = ExposureGpu::new();
@@ -122,7 +122,7 @@ fn frames_may_take_any_time() {
     }
 }
 
-/// A thousand pictures of any bits: the exposure stays within its bounds, and numbers later still bring it to their own.
+/// A thousand pictures of random bits keep the exposure within its bounds, and it still adapts to valid pictures afterwards.
 #[test]
 fn noise_never_spoils_the_history() {
     let gpu = ExposureGpu::new();
@@ -132,7 +132,7 @@ fn noise_never_spoils_the_history() {
         let meter = Meter::new(&gpu, &settings, path, &texture, (UVec2::ZERO, SIZE), None);
         let (mut least, mut most) = (f32::MAX, f32::MIN);
         for frame in 0..1000 {
-            // A strip of a long noise, another one each time.
+            // Another strip of the noise in each frame.
             let (_, texel) = HOSTILE[frame % HOSTILE.len()];
             let noise = picture(UVec2::new(SIZE.x, SIZE.y + frame as u32 % 50), texel);
             gpu.overwrite(
@@ -173,7 +173,7 @@ fn black_has_the_largest_exposure_and_bright_the_least() {
     }
 }
 
-/// Settings that are no numbers, or contradict one another, do no harm.
+/// NaN, infinite or contradictory settings keep the exposure finite.
 #[test]
 fn settings_may_be_hostile() {
     let gpu = ExposureGpu::new();
@@ -201,7 +201,7 @@ fn settings_may_be_hostile() {
     }
 }
 
-/// Points of the compensation curve, between them, and beyond them.
+/// The compensation curve is exact at its points, between them, and beyond them.
 #[test]
 fn compensation_curves_are_piecewise_linear() {
     let gpu = ExposureGpu::new();
@@ -233,7 +233,7 @@ fn compensation_curves_are_piecewise_linear() {
     }
 }
 
-/// Many short frames go as far as one long one.
+/// Many short frames adapt as far as one long frame.
 #[test]
 fn adaptation_is_independent_of_the_frame_rate() {
     for start in [-6.0f32, -1.0, 0.5, 7.0] {
@@ -255,7 +255,7 @@ fn adaptation_is_independent_of_the_frame_rate() {
     assert!((covered(1.0, 1.0, 1.0, 1.0) - (1.0 - (-1.0f32).exp())).abs() < 1e-6);
 }
 
-/// A scene that loads is black at first, and so is one after a cut: adaptation begins with the first light.
+/// Black frames while a scene loads, or after a cut, do not count: adaptation starts with the first light.
 #[test]
 fn black_before_the_first_light_does_not_count() {
     let gpu = ExposureGpu::new();
@@ -290,7 +290,7 @@ fn black_before_the_first_light_does_not_count() {
                     let first = meter.frame(frame_time, cuts);
                     println!("{name}: {} in the first light", first.exposure);
                     assert_eq!(first.exposure, first.target_exposure, "{name}");
-                    // The black of a night later on is adapted to as all else is.
+                    // Later darkness is adapted to as usual.
                     gpu.overwrite(&texture, &grey(0.0));
                     let night = meter.frame(frame_time, cuts);
                     let speed = settings.speed_darken * frame_time;

@@ -1,4 +1,4 @@
-//! Auto exposure: what is metered, how exposure follows, and that nothing spoils its history.
+//! Auto exposure: metering, adaptation, and robustness of its history.
 
 mod cameras;
 mod history;
@@ -12,7 +12,7 @@ use kit::exposure_gpu::ExposureGpu;
 
 const METERINGS: [Metering; 2] = [Metering::LogAverage, Metering::LinearAverage];
 
-/// No adaptation.
+/// Settings without adaptation.
 fn instant() -> LeanAutoExposure {
     LeanAutoExposure {
         instant: true,
@@ -20,7 +20,7 @@ fn instant() -> LeanAutoExposure {
     }
 }
 
-/// Whether to reduce by subgroups: both, where the device has them.
+/// Paths of the reduction, true with subgroups: both if the device supports them.
 fn paths(gpu: &ExposureGpu) -> Vec<bool> {
     if gpu.has_subgroups() {
         vec![false, true]

@@ -1,4 +1,4 @@
-//! Which pixels count how much.
+//! Weights of pixels in metering.
 
 use bevy::{
     asset::Handle,
@@ -16,7 +16,7 @@ use kit::{
     random::Random,
 };
 
-/// The largest relative error of luminance over viewports, means and paths.
+/// Largest relative error of luminance over viewports, means and paths.
 fn worst_error(gpu: &ExposureGpu, settings: &LeanAutoExposure, mask: Option<&Mask>) -> f64 {
     let mut worst = 0.0f64;
     for (size, viewport) in [
@@ -29,7 +29,7 @@ fn worst_error(gpu: &ExposureGpu, settings: &LeanAutoExposure, mask: Option<&Mas
     ] {
         for (_, texel) in [EASY[1], HOSTILE[0], HOSTILE[1]] {
             let mut texels = picture(size, texel);
-            // Beside the viewport is nothing that may count.
+            // Pixels outside the viewport must not count.
             for (i, texel) in texels.iter_mut().enumerate() {
                 let pixel = UVec2::new(i as u32 % size.x, i as u32 / size.x);
                 if pixel.cmplt(viewport.0).any() || pixel.cmpge(viewport.0 + viewport.1).any() {
@@ -78,7 +78,7 @@ fn patterns_weight() {
     }
 }
 
-/// Masks of any size; the error is that of the device's filter, which has 8 bits.
+/// Masks of any size weight pixels; the error is that of the device's filter, which has 8 bits.
 #[test]
 fn masks_weight() {
     let gpu = ExposureGpu::new();
@@ -104,7 +104,7 @@ fn masks_weight() {
     }
 }
 
-/// Where the mask is no weight, nothing counts; elsewhere all goes on.
+/// Pixels with a NaN or negative mask weight do not count; others count as usual.
 #[test]
 fn masks_may_be_hostile() {
     let gpu = ExposureGpu::new();
@@ -137,7 +137,7 @@ fn masks_may_be_hostile() {
     }
 }
 
-/// Half a bin of the histogram, and what a bin is coarser than a pixel at the limits of the shares.
+/// The error of trimming is half a bin of the histogram, plus the bin's coarseness at the limits of the shares.
 #[test]
 fn trimming() {
     let gpu = ExposureGpu::new();
@@ -165,7 +165,7 @@ fn trimming() {
     }
 }
 
-/// The histogram of a frame holds nothing of the one before.
+/// The histogram of a frame holds nothing of the previous frame.
 #[test]
 fn histograms_are_of_one_frame() {
     let gpu = ExposureGpu::new();
@@ -190,7 +190,7 @@ fn histograms_are_of_one_frame() {
     }
 }
 
-/// Bins hold what the pixels of an 8192×8192 picture put into them: a quarter is 1, the rest is 4.
+/// Bins hold the pixels of an 8192×8192 picture without overflow: a quarter is 1, the rest is 4.
 #[test]
 fn histograms_do_not_overflow() {
     let gpu = ExposureGpu::new();
@@ -217,7 +217,7 @@ fn histograms_do_not_overflow() {
     }
 }
 
-/// Fewer pixels: just those are read that the documentation names.
+/// With fewer samples, exactly the documented pixels are read.
 #[test]
 fn sampling_reads_blocks() {
     let gpu = ExposureGpu::new();

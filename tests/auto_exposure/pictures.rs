@@ -4,7 +4,7 @@ use bevy::math::{UVec2, Vec3};
 
 use kit::random::Random;
 
-/// Makes the pixel `i` of `count`.
+/// Makes pixel `i` of `count`.
 pub type Texel = fn(i: usize, count: usize, random: &mut Random) -> Vec3;
 
 pub const EASY: [(&str, Texel); 6] = [
@@ -25,7 +25,7 @@ pub const EASY: [(&str, Texel); 6] = [
     ("black", |_, _, _| Vec3::ZERO),
 ];
 
-/// Some of the pixels are no colours.
+/// Pictures with pixels that are NaN, infinite, negative or denormal.
 pub const HOSTILE: [(&str, Texel); 4] = [
     ("not a number here and there", |_, _, random| {
         let mut color = Vec3::splat(random.range(0.0, 2.0));

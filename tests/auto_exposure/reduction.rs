@@ -28,7 +28,7 @@ const SIZES: [UVec2; 10] = [
     UVec2::new(1280, 720),
 ];
 
-/// By each path: what a first frame finds in `texels`.
+/// State after a first frame of `texels`, by each path.
 fn by_paths(
     gpu: &ExposureGpu,
     settings: &LeanAutoExposure,
@@ -44,7 +44,7 @@ fn by_paths(
         .collect()
 }
 
-/// Each pixel counts once at any size, by either path and either mean, whatever the picture holds.
+/// Each pixel counts once at any size, by either path and either mean, for any content.
 #[test]
 fn every_pixel_counts_once() {
     let gpu = ExposureGpu::new();
@@ -71,7 +71,7 @@ fn every_pixel_counts_once() {
                         assert_eq!((state.luminance, state.exposure), (0.0, 0.0));
                         continue;
                     };
-                    // Relative; black is black.
+                    // Relative error; black must be black.
                     let error = (f64::from(state.luminance) - expected).abs() / expected.max(1e-30);
                     worst = worst.max(error);
                     let other = f64::from(states[0].luminance);
@@ -86,7 +86,7 @@ fn every_pixel_counts_once() {
     }
 }
 
-/// Half a gigabyte of picture: sums and weights stay exact.
+/// In a picture of half a gigabyte, sums and weights stay exact.
 #[test]
 fn large_pictures_are_as_exact() {
     let gpu = ExposureGpu::new();
@@ -117,7 +117,7 @@ fn large_pictures_are_as_exact() {
     }
 }
 
-/// Nothing to be metered: the target stays what it was.
+/// With nothing to meter, the target stays.
 #[test]
 fn a_view_of_no_numbers_keeps_its_target() {
     let gpu = ExposureGpu::new();
@@ -142,7 +142,7 @@ fn a_view_of_no_numbers_keeps_its_target() {
     }
 }
 
-/// Software renderers have subgroups of other sizes, if they are told: then all of the above holds as well.
+/// On software renderers with subgroups of other sizes, if these are requested, all of the above holds too.
 #[test]
 fn subgroups_may_have_any_size() {
     const WIDTH: &str = "LP_NATIVE_VECTOR_WIDTH";

@@ -1,4 +1,4 @@
-//! What a camera with auto exposure holds on the GPU.
+//! GPU resources of a camera with auto exposure.
 
 use bevy::{
     anti_alias::fxaa::Fxaa,
@@ -18,7 +18,7 @@ fn headless(effects: impl Bundle) -> (Headless, Entity) {
     (headless, camera)
 }
 
-/// The bind groups of all views.
+/// Bind groups of all views.
 fn bind_groups(headless: &mut Headless) -> Vec<BindGroupId> {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     world
@@ -29,7 +29,7 @@ fn bind_groups(headless: &mut Headless) -> Vec<BindGroupId> {
         .collect()
 }
 
-/// While nothing changes, no bind group is made, nor what it binds, though FXAA swaps the main textures.
+/// While nothing changes, no bind group and no resource in it is recreated, though FXAA swaps the main textures.
 #[test]
 fn nothing_is_made_anew() {
     let effects = (
@@ -43,7 +43,7 @@ fn nothing_is_made_anew() {
     for _ in 0..16 {
         headless.frames(1);
         let mut after = bind_groups(&mut headless);
-        // They change places as the main textures do.
+        // They swap like the main textures.
         if after != groups {
             after.swap(0, 1);
         }
@@ -51,7 +51,7 @@ fn nothing_is_made_anew() {
     }
 }
 
-/// Without the component, all is as before it.
+/// Removing the component releases all that it added.
 #[test]
 fn what_is_held_is_given_back() {
     let (mut headless, camera) = headless(bevy::camera::Hdr);

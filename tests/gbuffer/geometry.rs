@@ -1,4 +1,4 @@
-//! Pixels where a lean mesh was drawn: the normal target tells them to passes of apps, and depth to lighting where it can.
+//! Pixels covered by a lean mesh: the normal target marks them for passes of apps, and depth marks them for lighting where it can.
 
 use bevy::{
     camera::{RenderTarget, Viewport, visibility::RenderLayers},
@@ -27,7 +27,7 @@ use kit::{
 const SIZE: UVec2 = UVec2::new(64, 48);
 const CAMERAS: usize = 2;
 
-/// The targets cannot be copied: a compute pass moves one into a buffer.
+/// The targets cannot be copied, so a compute pass moves one to a buffer.
 const SHADER: &str = "
 @group(0) @binding(0) var normal_texture: texture_2d<u32>;
 @group(0) @binding(1) var<storage, read_write> words: array<u32>;
@@ -40,7 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }";
 
-/// In the render world: the words of the normal target, by the order of cameras.
+/// Words of the normal target by the order of cameras, in the render world.
 #[derive(Resource)]
 struct NormalProbe {
     pipeline: wgpu::ComputePipeline,
@@ -94,7 +94,7 @@ fn announce(mut commands: Commands, views: Query<Entity, With<LeanDeferred>>) {
     }
 }
 
-/// Where the documentation of `GBufferTextures` allows it.
+/// Runs where the documentation of `GBufferTextures` allows it.
 fn probe(
     view: ViewQuery<(&ExtractedCamera, &GBufferTextures)>,
     probe: Res<NormalProbe>,
@@ -129,7 +129,7 @@ fn probe(
     encoder.copy_buffer_to_buffer(words, 0, readback, 0, words.size());
 }
 
-/// The words of the last frame, row by row.
+/// Words of the last frame, row by row.
 fn words_of(headless: &mut Headless, camera: usize) -> Vec<u32> {
     let world = headless.app.sub_app(RenderApp).world();
     let [_, readback] = &world.resource::<NormalProbe>().words[camera];
@@ -150,8 +150,8 @@ fn word(words: &[u32], x: u32, y: u32) -> u32 {
     words[(y * SIZE.x + x) as usize]
 }
 
-/// Two cameras of one size, which share their textures. The first sees a floor everywhere, the second a ball that is lean and one that
-/// forward draws, and sky beside them, in the left half of its target.
+/// The normal target marks pixels without a lean mesh, on two cameras of one size, which share their textures. The first sees a floor
+/// everywhere; the second sees a lean ball, a forward ball and sky, in the left half of its target.
 #[test]
 fn where_no_lean_mesh_is_the_normal_target_says_so() {
     in_own_process(|| {
@@ -213,7 +213,7 @@ fn where_no_lean_mesh_is_the_normal_target_says_so() {
     });
 }
 
-/// How many lighting pipelines were asked for.
+/// Number of lighting pipelines requested so far.
 fn lighting_pipelines(headless: &Headless) -> usize {
     let world = headless.app.sub_app(RenderApp).world();
     let pipelines = world.resource::<PipelineCache>().pipelines();
@@ -226,7 +226,7 @@ fn lighting_pipelines(headless: &Headless) -> usize {
         .count()
 }
 
-/// Bevy lists each kind of entities that any camera sees in what all cameras see.
+/// Sprites of another camera change nothing of a lean one, though Bevy lists the kinds of entities that any camera sees for all cameras.
 #[test]
 fn sprites_of_other_cameras_change_nothing_of_a_lean_one() {
     in_own_process(|| {

@@ -1,7 +1,6 @@
-//! What is drawn into the G-buffer, when, and with which targets.
+//! Drawing into the G-buffer: geometry, motion vectors, culling, sorting, and optional targets.
 //!
-//! Each test has a process of its own: together they would take more memory than many a machine has, see
-//! `kit/src/own_process.rs`.
+//! Each test has a process of its own: together they would exceed the memory of many machines, see `kit/src/own_process.rs`.
 
 mod geometry;
 mod motion_vectors;

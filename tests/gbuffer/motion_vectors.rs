@@ -16,10 +16,10 @@ use bevy_lean_deferred::view::ActiveLeanView;
 use kit::{headless::Headless, scenes::SceneBuilder};
 
 const SIZE: UVec2 = UVec2::new(320, 240);
-/// Where no picture is looked at.
+/// For tests that compare no picture.
 const SMALL: UVec2 = UVec2::new(64, 48);
 
-/// What moves.
+/// Marks moving meshes.
 #[derive(Component)]
 struct Mover;
 
@@ -28,8 +28,8 @@ fn camera_transform(angle: f32) -> Transform {
     Transform::from_xyz(6.0 * sin, 2.5, 6.0 * cos).looking_at(Vec3::new(0.0, 0.5, 0.0), Vec3::Y)
 }
 
-/// Solids of the G-buffer; balls that only forward draws in front of and behind them, and one that cuts through the
-/// floor; an alpha-masked and an emissive one. Sky beyond.
+/// Solids of the G-buffer; balls that only forward draws in front of them, behind them and through the floor; an alpha-masked and an
+/// emissive one. Sky beyond.
 fn scene(s: &mut SceneBuilder, camera: impl Bundle) {
     s.solids();
     s.sun(false);
@@ -64,7 +64,7 @@ fn scene(s: &mut SceneBuilder, camera: impl Bundle) {
     s.camera(camera_transform(0.0), camera);
 }
 
-/// A lean and a forward-only ball, to be moved.
+/// Spawns a lean and a forward-only ball that will move.
 fn movers(s: &mut SceneBuilder) {
     for (x, method) in [
         (0.0, OpaqueRendererMethod::Auto),
@@ -108,8 +108,8 @@ fn move_all(world: &mut World, frame: usize) {
     shift_movers(world, Vec3::new(0.05, 0.02, -0.03));
 }
 
-/// Makes frames until all is loaded, and so many more without a past. They have the same numbers in each app: jitter, noise
-/// and what temporal anti-aliasing has gathered are then the same.
+/// Renders until all is loaded, then `frames` frames without history. Frame numbers are the same in each app, so that jitter, noise and TAA
+/// history are the same.
 fn align(headless: &mut Headless, frames: u32) {
     headless.settle();
     let world = headless.world();
@@ -122,7 +122,7 @@ fn align(headless: &mut Headless, frames: u32) {
     headless.frames(frames as usize);
 }
 
-/// How many frames apps seem to have made when they are aligned.
+/// Frame count of aligned apps.
 const ALIGNED: u32 = 256;
 
 /// The view of the last frame, if it was lean.

@@ -1,4 +1,4 @@
-//! With two-phase occlusion culling, a lean camera shows what comes into sight in the very frame in which it does.
+//! With two-phase occlusion culling, a lean camera shows meshes in the very frame in which they become visible.
 
 use bevy::{
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
@@ -20,7 +20,7 @@ const FRAMES: usize = 24;
 #[derive(Component)]
 struct Wall;
 
-/// A room of which a wall hides the back, where there are meshes of the G-buffer and one of forward.
+/// A room with a wall that hides its back, where there are G-buffer meshes and a forward one.
 fn room(camera: impl Bundle) -> Headless {
     build(SIZE, |s| {
         s.floor();
@@ -65,10 +65,10 @@ fn camera_at(x: f32) -> Transform {
     Transform::from_xyz(x, 1.6, 5.0).looking_at(Vec3::new(0.0, 1.0, -1.0), Vec3::Y)
 }
 
-/// Where the wall and the camera are in each frame.
+/// Sets the wall and the camera of each frame.
 fn set_in_motion(world: &mut World, frame: usize) {
     let wall = match frame {
-        // Away at once, back at once, then sliding aside.
+        // Removed at once, back at once, then sliding aside.
         4..8 => Vec3::new(30.0, 2.0, 0.0),
         10..15 => WALL + Vec3::X * (frame - 9) as f32 * 1.2,
         _ => WALL,
@@ -122,7 +122,7 @@ fn what_comes_into_sight_is_shown() {
     });
 }
 
-/// Then Bevy's prepass draws the meshes too, also in two phases.
+/// With motion vectors Bevy's prepass draws the meshes too, also in two phases.
 #[test]
 fn what_comes_into_sight_is_shown_with_motion_vectors() {
     in_own_process(|| {

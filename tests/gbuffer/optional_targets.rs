@@ -1,4 +1,4 @@
-//! Optional G-buffer targets: which there are, that every mesh is drawn with them, and hard cases.
+//! Optional G-buffer targets: their existence, that every mesh is drawn with them, and hard cases.
 
 mod existence;
 mod hard_cases;
@@ -14,10 +14,10 @@ use bevy_lean_deferred::prelude::*;
 use kit::headless::Headless;
 
 const SIZE: UVec2 = UVec2::new(320, 240);
-/// Where no picture is looked at.
+/// For tests that compare no picture.
 const SMALL: UVec2 = UVec2::new(64, 48);
 
-/// What the only lean camera has.
+/// Usage of the only lean camera.
 fn usage(headless: &mut Headless) -> GBufferUsage {
     let world = headless.world();
     *world
@@ -26,7 +26,7 @@ fn usage(headless: &mut Headless) -> GBufferUsage {
         .expect("there is one lean camera")
 }
 
-/// Whether forward draws an opaque mesh for some camera.
+/// True if forward draws an opaque mesh for any camera.
 fn forward_draws(headless: &Headless) -> bool {
     let world = headless.app.sub_app(RenderApp).world();
     let opaque = world.resource::<ViewBinnedRenderPhases<Opaque3d>>();

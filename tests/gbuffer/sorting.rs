@@ -1,4 +1,4 @@
-//! Which meshes a change makes lean views look at: those that it concerns. Bevy is not made to look at any.
+//! A change makes lean views sort the meshes that it concerns and no others, and Bevy none.
 
 use bevy::{
     core_pipeline::{core_3d::Opaque3d, prepass::MotionVectorPrepass},
@@ -18,10 +18,10 @@ use kit::{
 };
 
 const SIZE: UVec2 = UVec2::new(96, 64);
-/// Frames for which a view keeps what no mesh needs any more.
+/// Frames after which a view releases what no mesh needs.
 const LINGERING: usize = 121;
 
-/// What Bevy was asked to queue anew in the last frame: whole lean views, and single meshes.
+/// Requests to Bevy in the last frame: whole lean views, and single meshes, to queue again.
 #[derive(Resource, Default, Debug, PartialEq, Eq, Clone, Copy)]
 struct AskedOfBevy {
     views: usize,
@@ -96,7 +96,7 @@ impl Stage {
         self.headless.app.world_mut().entity_mut(entity)
     }
 
-    /// In each of the next `frames`: how many meshes lean views sorted, and what Bevy was asked.
+    /// For each of the next `frames`: number of meshes that lean views sorted, and the requests to Bevy.
     fn watch(&mut self, frames: usize) -> Vec<(usize, AskedOfBevy)> {
         (0..frames)
             .map(|_| {
@@ -110,7 +110,7 @@ impl Stage {
             .collect()
     }
 
-    /// Nothing was asked of Bevy, and no more than `most` meshes were sorted in all.
+    /// Asserts that nothing was requested of Bevy, and that at most `most` meshes were sorted in all.
     fn assert_sorts(&mut self, what: &str, frames: usize, most: usize) {
         let watched = self.watch(frames);
         let sorted: usize = watched.iter().map(|(sorted, _)| sorted).sum();
@@ -135,7 +135,7 @@ fn an_emissive_mesh_concerns_nobody_else() {
         let mut stage = stage();
         let lamp = stage.lamp;
         stage.entity(lamp).insert(Visibility::Visible);
-        // In the frame in which it appears, in that in which its target is there, and while shaders are compiled.
+        // When it appears, when its target exists, and while shaders compile.
         stage.assert_sorts("appears", 8, 8);
         stage.entity(lamp).insert(Visibility::Hidden);
         stage.assert_sorts("goes, and its target expires", LINGERING + 4, 1);
@@ -154,7 +154,7 @@ fn lights_concern_no_mesh() {
         };
         let place = Transform::from_xyz(0.0, 3.0, 0.0);
         let world = stage.headless.world();
-        // Shaders for the first light with shadows are compiled: until they are, forward draws.
+        // Compiles the shaders for the first light with shadows: until then forward draws.
         let light = world.spawn((lamp, place)).id();
         stage.headless.settle();
         stage.headless.world().despawn(light);
@@ -223,8 +223,8 @@ fn a_camera_that_becomes_lean_does_not_trouble_bevy() {
     });
 }
 
-/// Meshes that are lights as well, one in two, on a camera that becomes lean for the first time: they wait for their pipelines, and
-/// are in the G-buffer after that, as all others are. Such meshes alone have entities in the render world.
+/// Meshes that are lights as well, one in two, on a camera that becomes lean for the first time: they wait for their pipelines and are then
+/// in the G-buffer, like all others. Only such meshes have entities in the render world.
 #[test]
 fn meshes_that_are_lights_do_not_stay_forward() {
     in_own_process(|| {

@@ -1,4 +1,4 @@
-//! Surfaces that packing and depth could get wrong, beside Bevy forward and Bevy deferred.
+//! Surfaces that packing and depth could distort, against Bevy forward and Bevy deferred.
 
 mod dark_albedo;
 
@@ -15,7 +15,7 @@ use kit::{
     scenes::SceneBuilder,
 };
 
-/// One scene as each renderer shows it.
+/// One scene as each renderer renders it.
 struct Pictures {
     forward: Picture,
     deferred: Picture,
@@ -33,7 +33,8 @@ impl Pictures {
         }
     }
 
-    /// Bevy deferred's and lean's differences from forward, printed. Saves the pictures where `PARITY_PICTURES` says.
+    /// Prints the differences of Bevy deferred and lean from forward. Saves the pictures to the folder that `PARITY_PICTURES` names, if
+    /// set.
     fn compare(&self, name: &str) -> [Difference; 2] {
         if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
             let folder = std::path::Path::new(&folder);
@@ -57,7 +58,7 @@ fn picture(
     scene: impl FnOnce(&mut SceneBuilder),
     renderer: Renderer,
 ) -> Picture {
-    // Settled for each material when it is prepared: each picture has materials of its own.
+    // Bevy reads the method when it prepares a material, so each picture has materials of its own.
     let mut method = headless
         .world()
         .resource_mut::<DefaultOpaqueRendererMethod>();
@@ -85,7 +86,7 @@ fn picture(
     picture
 }
 
-/// Panics with all that failed.
+/// Panics with all failures.
 fn report(failures: &[String]) {
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
     log_watch::assert_validation_layer_silent();

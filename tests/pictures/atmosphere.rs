@@ -1,6 +1,6 @@
-//! Atmosphere: its transmittance on lights, and its sky behind and in front of lean meshes, beside Bevy forward's.
+//! Atmosphere: its transmittance on lights, and its sky behind and in front of lean meshes, against Bevy forward.
 //!
-//! The llvmpipe of Mesa 22 crashes in Bevy's own atmosphere passes, with or without this crate: there is nothing to compare with.
+//! Mesa 22's llvmpipe crashes in Bevy's own atmosphere passes, with or without this crate, so there is no reference.
 
 use bevy::{
     light::{Atmosphere, atmosphere::ScatteringMedium, light_consts::lux},
@@ -25,7 +25,7 @@ fn crashes(headless: &Headless) -> bool {
     adapter.device_type == DeviceType::Cpu && adapter.driver_info.starts_with("Mesa 22")
 }
 
-/// What `spawn` makes under a sun that stands `elevation` radians over the horizon, in air in which a unit of length is so many metres.
+/// The scene of `spawn` under a sun `elevation` radians above the horizon, in air in which a unit of length is `metres` metres.
 fn build(elevation: f32, metres: f32, spawn: impl Fn(&mut SceneBuilder)) -> Option<Headless> {
     let mut headless = Headless::new(UVec2::new(320, 240));
     if crashes(&headless) {
@@ -70,7 +70,7 @@ fn atmosphere_matches_forward() {
     });
 }
 
-/// Its cosine to the zenith is 1 and a little in some places.
+/// With the sun overhead its cosine to the zenith is slightly above 1 in some places: no NaN results.
 #[test]
 fn a_sun_overhead_makes_no_nan() {
     in_own_process(|| {
@@ -91,7 +91,7 @@ fn a_sun_overhead_makes_no_nan() {
     });
 }
 
-/// Where meshes are black all light is that of the air in front of them, which they do not hide.
+/// Occlusion does not darken the air: black meshes show only the light of the air in front of them.
 #[test]
 fn occlusion_does_not_darken_the_air() {
     in_own_process(|| {

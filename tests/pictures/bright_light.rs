@@ -1,4 +1,4 @@
-//! Highlights that are brighter than a half float can be.
+//! Highlights brighter than half floats can store.
 
 use bevy::{post_process::bloom::Bloom, prelude::*};
 use kit::{
@@ -11,10 +11,10 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 
-/// What half floats hold at most.
+/// The largest half float.
 const LARGEST: f32 = 65504.0;
 
-/// Polished balls in a sun that is seen in them.
+/// Polished balls that reflect the sun.
 fn scene(s: &mut SceneBuilder, illuminance: f32) {
     s.floor();
     for (x, metallic) in [(-1.0, 1.0), (1.0, 0.0)] {
@@ -68,7 +68,7 @@ fn highlights_are_as_bright_as_a_half_float_can_be() {
     });
 }
 
-/// Sums that leave what a float can be are as bright.
+/// Where sums overflow floats, lean is finite wherever forward is.
 #[test]
 fn light_beyond_all_bounds_is_finite_where_forward_has_it_so() {
     in_own_process(|| {

@@ -1,5 +1,5 @@
-//! An app that comes from Bevy's deferred renderer: all materials have the method `Deferred`, and `LeanDeferred` takes the
-//! place of `DeferredPrepass` on its cameras. Every mesh is there, as forward shows it, with any other prepass.
+//! An app that migrates from Bevy's deferred renderer: all materials have the method `Deferred`, and `LeanDeferred` replaces
+//! `DeferredPrepass` on its cameras. Every mesh is drawn and matches forward, with any other prepass.
 
 use bevy::{
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
@@ -18,7 +18,7 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 
-/// What the G-buffer carries, alpha-masked too, and what forward has to draw.
+/// Surfaces that the G-buffer carries, including alpha-masked ones, and surfaces that forward must draw.
 fn scene(s: &mut SceneBuilder) {
     s.solids();
     s.sun(true);
@@ -32,7 +32,7 @@ fn scene(s: &mut SceneBuilder) {
         },
         front(-1.2),
     );
-    // Two shading models at once: forward draws it.
+    // Drawn by forward, for its two shading models.
     s.mesh(
         Sphere::new(0.4),
         StandardMaterial {
@@ -52,7 +52,7 @@ fn scene(s: &mut SceneBuilder) {
         },
         front(1.2),
     );
-    // Masked, with two shading models.
+    // Alpha-masked, with two shading models.
     s.mesh(
         Sphere::new(0.3),
         StandardMaterial {
@@ -75,7 +75,7 @@ fn app_with(method: DefaultOpaqueRendererMethod) -> Headless {
 type ChangeCamera = fn(&mut EntityWorldMut);
 type Camera = (&'static str, ChangeCamera);
 
-/// Shows the scene through a camera that is changed so, in place of what was shown before.
+/// Replaces the shown scene by this one, seen by a camera that `camera` changes.
 fn show_through(headless: &mut Headless, camera: ChangeCamera) {
     show(headless, |s| {
         scene(s);
@@ -133,7 +133,7 @@ fn every_mesh_is_there() {
     });
 }
 
-/// A lean camera that cannot be rendered lean, as with MSAA, is rendered by forward, with the same meshes.
+/// A lean camera that cannot be rendered lean, as with MSAA, is rendered by forward with the same meshes.
 #[test]
 fn every_mesh_is_there_without_the_gbuffer() {
     in_own_process(|| {
@@ -158,7 +158,7 @@ fn every_mesh_is_there_without_the_gbuffer() {
     });
 }
 
-/// Prepasses that come and go while frames run.
+/// Prepasses may be added and removed while frames run.
 #[test]
 fn prepasses_come_and_go() {
     in_own_process(|| {
@@ -199,7 +199,7 @@ fn prepasses_come_and_go() {
     });
 }
 
-/// Meshes whose materials are not loaded yet when their camera becomes lean. Bevy waits for them since before then.
+/// Meshes whose materials load after their camera became lean are drawn. Bevy has waited for them since before then.
 #[test]
 fn meshes_whose_materials_come_late_are_there() {
     in_own_process(|| {
@@ -249,11 +249,11 @@ fn meshes_whose_materials_come_late_are_there() {
             assert_eq!(active_lean_views(headless), usize::from(is_lean));
             picture
         };
-        // Without a deferred prepass Bevy alone, before the camera is lean, panics where there is another.
+        // Without a deferred prepass Bevy alone, before the camera is lean, panics if there is another prepass.
         let cases = [
             (
                 DefaultOpaqueRendererMethod::forward(),
-                // With multisampling, all that goes on is left to Bevy.
+                // With multisampling Bevy renders everything.
                 &[
                     (0, Msaa::Off),
                     (4, Msaa::Off),

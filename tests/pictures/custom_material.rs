@@ -1,4 +1,4 @@
-//! A material with its own G-buffer shader goes through the G-buffer and looks as in forward.
+//! A material with its own G-buffer shader is drawn into the G-buffer and matches forward.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -31,7 +31,7 @@ const RINGS: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e03
 
 const GBUFFER_FILE: &str = "stripes_gbuffer.wgsl";
 
-/// What both shaders do to the base colour.
+/// The change that both shaders make to the base colour.
 const STRIPES: &str = r"
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> width: f32;
 
@@ -62,7 +62,7 @@ impl GBufferMaterialExtension for Stripes {
     }
 }
 
-/// The material that the documentation of `GBufferMaterial` has.
+/// The material in the documentation of `GBufferMaterial`.
 #[derive(Asset, AsBindGroup, TypePath, Clone)]
 struct Rings {
     #[uniform(0)]
@@ -128,7 +128,7 @@ fn set_shader(headless: &mut Headless, handle: Handle<Shader>, main: &str, file:
     insert_shader(headless, handle, format!("{main}{STRIPES}"), file);
 }
 
-/// How well the lean picture matches the forward one.
+/// PSNR of the lean picture against the forward one.
 fn psnr(headless: &mut Headless, camera: Entity) -> f64 {
     headless.settle();
     let forward = headless.capture();
@@ -142,7 +142,7 @@ fn psnr(headless: &mut Headless, camera: Entity) -> f64 {
     psnr
 }
 
-/// What the G-buffer holds shows through a debug view, which is grey; what forward draws is lit over it.
+/// True if the ball is in the G-buffer: a debug view shows it in grey, and forward would draw over that in colour.
 fn is_in_gbuffer(headless: &mut Headless, camera: Entity) -> bool {
     let mut show = |debug_view| {
         let mut camera = headless.world().entity_mut(camera);
@@ -201,8 +201,8 @@ fn unregistered_material_is_drawn_by_forward() {
     });
 }
 
-/// A G-buffer shader that its author got wrong: forward draws its meshes, one message names the file and the fault, and
-/// when the file is mended the G-buffer has them.
+/// With a broken G-buffer shader forward draws its meshes, one message names the file and the error, and once the file is fixed the meshes
+/// are in the G-buffer.
 fn assert_forward_draws(fault: impl Fn(&str) -> String, named: &str) {
     let (mut headless, camera) = ball(true, &fault(&gbuffer_main(CHANGE)));
     headless.settle();
@@ -231,7 +231,7 @@ fn assert_forward_draws(fault: impl Fn(&str) -> String, named: &str) {
     assert!(psnr >= 45.0, "{psnr} dB");
 }
 
-/// An edit of a shader that the app runs with: its meshes come back to forward, and none is lost while it compiles.
+/// When an edit breaks a shader in use, forward draws its meshes again, and none is missing while it compiles.
 #[test]
 fn a_shader_that_breaks_while_it_is_in_use() {
     in_own_process(|| {
@@ -298,7 +298,7 @@ fn a_shader_that_imports_what_is_not_there() {
 
 const VOXEL_GBUFFER: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e46");
 
-/// What the crate of the material lacks.
+/// The G-buffer shader that the material's own crate lacks.
 const VOXEL_GBUFFER_SOURCE: &str = r"
 #import bevy_lean_deferred::gbuffer::pack::{GBufferOutput, pack_pbr_input}
 #import bevy_pbr::{
@@ -353,7 +353,7 @@ fn fragment(voxel: Voxel, @builtin(front_facing) is_front: bool) -> GBufferOutpu
 }
 ";
 
-/// A cube of a material for which `GBufferMaterial` cannot be implemented here.
+/// A cube of a foreign material, for which `GBufferMaterial` cannot be implemented here.
 fn voxels(plugins: impl FnOnce(&mut App)) -> (Headless, Entity) {
     let mut headless = Headless::with(UVec2::new(160, 120), |app| {
         app.add_plugins(VoxelPlugin);
@@ -409,7 +409,7 @@ fn a_material_of_another_crate_goes_through_the_gbuffer() {
     });
 }
 
-/// The function from the material to its needs is asked anew when the material changes.
+/// The function from the material to its needs is evaluated again when the material changes.
 #[test]
 fn needs_of_a_material_of_another_crate_follow_it() {
     in_own_process(|| {

@@ -1,5 +1,5 @@
-//! Decals cost where they are, and what they hold: no shadow map is sampled for them elsewhere, and no texture bound that there
-//! is not.
+//! Decals cost only where they are, and only for what they hold: no shadow map is sampled for them elsewhere, and no missing texture is
+//! bound.
 
 use std::collections::BTreeMap;
 
@@ -25,13 +25,13 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(64, 64);
 
-/// Replaces what stands once in `source`.
+/// Replaces the only occurrence of `old` in `source`.
 fn replaced(source: &str, old: &str, new: &str) -> String {
     assert_eq!(source.matches(old).count(), 1, "{old}");
     source.replace(old, new)
 }
 
-/// An app whose lean cameras show how many times they have sampled the shadow map of a directional light.
+/// An app whose lean cameras show the number of samples of directional shadow maps.
 fn counting_app() -> Headless {
     let shadow_maps = include_str!("../../src/lighting/lights/shadow_maps.wgsl");
     let body = "    return fetch_directional_shadow(";
@@ -58,7 +58,7 @@ fn counting_app() -> Headless {
     })
 }
 
-/// From this direction.
+/// Spawns a sun in direction `from`.
 fn sun(s: &mut SceneBuilder, from: Vec3) -> Entity {
     s.spawn((
         DirectionalLight {
@@ -70,9 +70,9 @@ fn sun(s: &mut SceneBuilder, from: Vec3) -> Entity {
     ))
 }
 
-/// Towards the floor.
+/// Direction of a sun that the floor faces.
 const FACED: Vec3 = Vec3::new(0.3, 1.0, 0.2);
-/// From below the floor, a little.
+/// Direction of a sun slightly below the floor.
 const AVERTED: Vec3 = Vec3::new(0.95, -0.3, 0.0);
 
 /// A floor of 4 × 4 m, seen from above, and two suns.
@@ -103,7 +103,7 @@ fn floor(s: &mut SceneBuilder) -> [Entity; 2] {
     [FACED, AVERTED].map(|from| sun(s, from))
 }
 
-/// On a quarter of the floor.
+/// Spawns a decal on a quarter of the floor.
 fn decal(s: &mut SceneBuilder, has_normal_map: bool) -> Entity {
     let color = s.checker([240, 60, 40, 255], [40, 60, 240, 255]);
     let bumps = s.bumps();
@@ -119,7 +119,7 @@ fn decal(s: &mut SceneBuilder, has_normal_map: bool) -> Entity {
     ))
 }
 
-/// How many pixels of the scene have sampled shadow maps so many times.
+/// Number of pixels of the scene by their number of shadow map samples.
 fn samplings(headless: &mut Headless, scene: impl FnOnce(&mut SceneBuilder)) -> BTreeMap<u32, u32> {
     show(headless, scene);
     set_lean(headless, true);
@@ -135,7 +135,7 @@ fn samplings(headless: &mut Headless, scene: impl FnOnce(&mut SceneBuilder)) -> 
 
 const PIXELS: u32 = SIZE.x * SIZE.y;
 
-/// A sun whose layers keep it from the floor does not sample its shadow map there.
+/// A sun on layers other than the floor's does not sample its shadow map there.
 #[test]
 fn shadows_of_suns_on_other_layers_are_not_sampled() {
     in_own_process(|| {
@@ -154,7 +154,7 @@ fn shadows_of_suns_on_other_layers_are_not_sampled() {
     });
 }
 
-/// Where no decal can turn the surface, the shadow map of a sun behind it is not sampled.
+/// The shadow map of a sun behind the surface is sampled only where a decal may turn the surface.
 #[test]
 fn shadows_are_sampled_for_decals_only_where_these_turn_the_surface() {
     in_own_process(|| {
@@ -196,7 +196,7 @@ fn shadows_are_sampled_for_decals_only_where_these_turn_the_surface() {
     });
 }
 
-/// What a decal turns towards a sun behind the surface is in its shadows, as forward has it.
+/// A surface that a decal turns towards a sun behind it is in that sun's shadow, as in forward.
 #[test]
 fn surfaces_that_decals_turn_are_in_shadow() {
     in_own_process(|| {
@@ -222,7 +222,7 @@ fn surfaces_that_decals_turn_are_in_shadow() {
     });
 }
 
-/// Bevy's layout has room for 1,024 textures of decals.
+/// No texture is bound for missing decals, though Bevy's layout has room for 1,024.
 #[test]
 fn no_texture_is_bound_for_decals_that_are_not_there() {
     in_own_process(|| {

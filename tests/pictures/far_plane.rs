@@ -1,4 +1,4 @@
-//! Surfaces at depth 0, which is that of the sky too: an orthographic camera sees them from exactly `far`.
+//! Surfaces at depth 0, which is also the sky's: an orthographic camera has them at exactly `far`.
 
 use bevy::{
     camera::visibility::NoFrustumCulling, core_pipeline::prepass::DepthPrepass, prelude::*,

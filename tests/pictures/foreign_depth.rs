@@ -1,4 +1,4 @@
-//! What another renderer draws into depth before the G-buffer is no geometry of the G-buffer. Bevy's meshlets do so.
+//! Depth that another renderer draws before the G-buffer is no geometry of the G-buffer. Bevy's meshlets draw it so.
 
 use bevy::{
     camera::visibility::{VisibilityClass, add_visibility_class},
@@ -30,13 +30,13 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 
-/// Seen by a renderer of its own.
+/// An entity that another renderer draws.
 #[derive(Component, ExtractComponent, Clone)]
 #[require(Transform, Visibility, VisibilityClass)]
 #[component(on_add = add_visibility_class::<Curtain>)]
 struct Curtain;
 
-/// Draws depth alone.
+/// Draws only depth.
 #[derive(Resource)]
 struct CurtainPipeline(wgpu::RenderPipeline);
 
@@ -44,7 +44,7 @@ struct CurtainPipeline(wgpu::RenderPipeline);
 #[derive(Resource)]
 pub(super) struct WallPipeline(wgpu::RenderPipeline);
 
-/// The curtain is before all else, the wall among the solids.
+/// The curtain is in front of everything, the wall among the solids.
 const SHADER: &str = "
 override depth: f32;
 
@@ -118,7 +118,7 @@ fn insert_pipeline<R: Resource>(headless: &mut Headless, pipeline: R) {
     render_app.insert_resource(pipeline);
 }
 
-/// Over the left half.
+/// Draws the curtain over the left half.
 fn draw_curtain(
     view: ViewQuery<&ViewDepthTexture>,
     pipeline: Res<CurtainPipeline>,
@@ -137,7 +137,7 @@ fn draw_curtain(
     pass.draw(0..3, 0..1);
 }
 
-/// Over the left half. No camera knows of it by what it sees.
+/// Draws the wall over the left half. It is no visible entity of any camera.
 pub(super) fn draw_wall(
     view: ViewQuery<(&ViewDepthTexture, &ViewTarget)>,
     pipeline: Res<WallPipeline>,
@@ -159,7 +159,7 @@ pub(super) fn draw_wall(
     pass.draw(0..3, 0..1);
 }
 
-/// Pictures before the curtain, behind it, and after it.
+/// Pictures before the curtain exists, behind it, and after its removal.
 fn pictures(lean: bool) -> [Picture; 3] {
     let mut headless = Headless::with(SIZE, install);
     let pipeline = make_pipeline(&mut headless, 0.9, &[]);
@@ -205,7 +205,7 @@ fn before_prepass(app: &mut App) {
     render_app.add_systems(Core3d, draw_wall.before(Core3dSystems::Prepass));
 }
 
-/// Where Bevy's renderer of meshlets draws, too.
+/// Draws the wall where Bevy's meshlet renderer draws too.
 fn before_opaque(app: &mut App) {
     let render_app = app.sub_app_mut(RenderApp);
     render_app.add_systems(
@@ -222,7 +222,7 @@ pub(super) fn add_wall_pipeline(headless: &mut Headless) {
     insert_pipeline(headless, WallPipeline(pipeline));
 }
 
-/// Compares pictures of a wall that is drawn by what is added `before` this crate's plugins, and `after` them.
+/// Compares lean with forward pictures of a wall that systems draw, added `before` this crate's plugins and `after` them.
 fn assert_wall_is_forwards(before: fn(&mut App), after: fn(&mut App)) {
     let mut app = App::new();
     app.add_plugins(Headless::default_plugins());
@@ -235,7 +235,7 @@ fn assert_wall_is_forwards(before: fn(&mut App), after: fn(&mut App)) {
     };
     scene.solids();
     scene.sun(false);
-    // Sees nothing but the floor at first, which leaves words of it at all pixels.
+    // Sees only the floor at first, whose words then fill all pixels.
     let from_above = Transform::from_xyz(0.0, 1.0, 4.0).looking_to(Vec3::NEG_Y, Vec3::X);
     let camera = scene.camera(from_above, ambient());
     set_lean(&mut headless, true);
@@ -262,7 +262,7 @@ fn what_others_draw_before_all_else_stays() {
     in_own_process(|| assert_wall_is_forwards(nothing, before_prepass));
 }
 
-/// In whichever order systems were added.
+/// Systems that others run before the opaque pass come after lighting, in whatever order they were added.
 #[test]
 fn what_others_draw_before_the_opaque_pass_comes_after_lighting() {
     in_own_process(|| {
@@ -271,7 +271,7 @@ fn what_others_draw_before_the_opaque_pass_comes_after_lighting() {
     });
 }
 
-/// Where only meshes and lights are seen, depth tells what is geometry: the G-buffer needs no clearing.
+/// If only meshes and lights are visible, depth identifies geometry: the G-buffer needs no clearing.
 #[test]
 fn meshes_and_lights_alone_need_no_clearing() {
     in_own_process(|| {

@@ -1,5 +1,5 @@
-//! Indirect light that effects find outside of lighting, mixed in where environment maps and ambient light are added. What
-//! effects would find in a place that shines evenly is made up here.
+//! Indirect light that effects compute outside lighting is mixed in where environment maps and ambient light are added. These tests replace
+//! the effects by the light that they would compute in uniform surroundings.
 
 use bevy::{camera::Exposure, light::AmbientLight, prelude::*};
 use bevy_lean_deferred::{
@@ -17,13 +17,13 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(96, 72);
 
-/// What the made-up sky shows, exposed.
+/// Exposed light of the uniform sky.
 const EXPOSED: f32 = 0.25;
 
-/// How far two balls of the stage are clear coats and let light through.
+/// Clearcoat and diffuse transmission of two balls of the stage.
 const SPECIAL: [f32; 2] = [0.8, 0.5];
 
-/// Solids and balls of several shading models, in a sky that shines evenly or in the dark.
+/// Solids and balls of several shading models, under a uniform sky or in the dark.
 fn spawn_stage(s: &mut SceneBuilder, sky: bool, [clearcoat, transmission]: [f32; 2]) {
     s.solids();
     let materials = [
@@ -90,7 +90,7 @@ fn show_part(headless: &mut Headless, part: DebugChannel) {
     });
 }
 
-/// Panics if the two are further apart than half floats of either are.
+/// Panics if the two differ by more than the precision of half floats.
 fn assert_alike(what: &str, found: &Light, expected: &Light) {
     let lit = expected.texels.iter().filter(|texel| texel[1] > 0.0);
     assert!(lit.count() > 2000, "{what}: there is something to see");
@@ -117,7 +117,7 @@ fn what_is_mirrored_takes_the_place_of_the_sky() {
             let mixed = settled_light(&mut headless);
             assert_alike(&format!("confidence {confidence}"), &mixed, &sky);
         }
-        // A mirror image twice as bright is more of the specular light, and nothing else.
+        // A mirror image twice as bright adds specular light only.
         let twice = 2.0 * EXPOSED;
         find_specular(&mut headless, [twice, twice, twice, 1.0]);
         let brighter = settled_light(&mut headless);
@@ -132,7 +132,7 @@ fn what_is_mirrored_takes_the_place_of_the_sky() {
     });
 }
 
-/// Pixels side by side, of which some mirror something and others nothing.
+/// Adjacent pixels, of which some mirror something and others nothing, each get their own light.
 #[test]
 fn each_pixel_mirrors_its_own() {
     in_own_process(|| {
@@ -173,7 +173,7 @@ fn what_shines_on_surfaces_takes_the_place_of_what_it_hides() {
 #[test]
 fn found_light_needs_no_environment_map() {
     in_own_process(|| {
-        // Beneath its coat a surface mirrors the environment only, and its back is lit by nothing else.
+        // Without coat and transmission: beneath a coat a surface mirrors only the environment, which alone lights its back too.
         let sky = settled_light(&mut stage(true, [0.0; 2]));
         let mut headless = stage(false, [0.0; 2]);
         find_specular(&mut headless, [EXPOSED, EXPOSED, EXPOSED, 1.0]);
@@ -233,7 +233,7 @@ fn what_is_not_there_or_not_a_number_changes_nothing() {
         let lit = settled_light(&mut headless);
         assert!(lit.texels.iter().flatten().all(|x| !x.is_nan()));
 
-        // One texel stands for all.
+        // A single texel applies to all pixels.
         find_specular(&mut headless, [0.5, 0.2, 0.1, 0.7]);
         find_diffuse(&mut headless, [0.2, 0.3, 0.1, 0.4]);
         let full = settled_light(&mut headless);
@@ -252,7 +252,7 @@ fn what_is_not_there_or_not_a_number_changes_nothing() {
     });
 }
 
-/// While lighting with what is new compiles, the view stays as it was.
+/// While lighting compiles for new inputs, the view stays unchanged.
 #[test]
 fn the_picture_stays_while_lighting_compiles() {
     in_own_process(|| {

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use kit::headless::Headless;
 
-/// For the forward pass, with `change` made to `pbr` before it is lit.
+/// The forward shader, with `change` made to `pbr` before lighting.
 pub fn forward_main(change: &str) -> String {
     format!(
         r"
@@ -24,7 +24,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     )
 }
 
-/// For the G-buffer, with `change` made to `pbr` before it is packed.
+/// The G-buffer shader, with `change` made to `pbr` before packing.
 pub fn gbuffer_main(change: &str) -> String {
     format!(
         r"

@@ -1,4 +1,4 @@
-//! However lights that do not reach a pixel are culled, the light of each pixel is the same, and none is lost.
+//! All modes of light culling give each pixel the same light, and lose none.
 
 use bevy::{
     camera::{ScalingMode, Viewport, visibility::RenderLayers},
@@ -23,7 +23,7 @@ const CULLING: [LightCulling; 3] = [
     LightCulling::SharedMemory,
 ];
 
-/// The picture, and the light of each camera before post-processing.
+/// The picture, and each camera's light before post-processing.
 fn lean(headless: &mut Headless, light_culling: LightCulling) -> (Picture, Vec<Light>) {
     change_cameras(headless, |camera| {
         camera.insert(LeanDeferred {
@@ -42,7 +42,7 @@ fn lean(headless: &mut Headless, light_culling: LightCulling) -> (Picture, Vec<L
     (picture, light.collect())
 }
 
-/// The place of a half float among all of them. Zeros are one, and so are values that are not numbers.
+/// Rank of a half float among all of them. Both zeros have one rank, and so has any NaN.
 fn place(half: f32) -> i32 {
     let bits = i32::from(f16::from_f32(half).to_bits());
     match bits {
@@ -52,8 +52,8 @@ fn place(half: f32) -> i32 {
     }
 }
 
-/// The number of pixels that are more than one step of a half float apart in some channel. One step is due to Bevy: where the GPU
-/// fills clusters, the order of lights in them, in which light is summed up, is another one in each frame.
+/// Number of pixels that differ by more than one half-float step in some channel. One step is due to Bevy: where the GPU fills clusters,
+/// the order of their lights, and so of the sum of light, changes from frame to frame.
 fn pixels_apart(a: &[Light], b: &[Light]) -> usize {
     let steps = |(a, b): (&f32, &f32)| place(*a).saturating_sub(place(*b)).unsigned_abs();
     let pairs = a.iter().zip(b);
@@ -63,7 +63,7 @@ fn pixels_apart(a: &[Light], b: &[Light]) -> usize {
         .count()
 }
 
-/// Shows the scene in each way, and compares these with one another and, if `like_forward`, with forward.
+/// Renders the scene in each mode, and compares the results with one another and, if `like_forward`, with forward.
 fn compare(
     name: &str,
     size: UVec2,
@@ -88,7 +88,7 @@ fn compare(
     results
 }
 
-/// Lights of all kinds, so that the spheres of many end in a tile.
+/// Lights of all kinds, many of whose spheres end within a tile.
 fn lights(scene: &mut SceneBuilder, count: usize, seed: u64) {
     let mut random = Random::new(seed);
     for i in 0..count {
@@ -152,7 +152,7 @@ fn many_lights() {
     });
 }
 
-/// More in a cluster than invocations in a workgroup.
+/// More lights in a cluster than invocations in a workgroup.
 #[test]
 fn hundreds_of_lights_on_a_pixel() {
     in_own_process(|| {
@@ -195,7 +195,7 @@ fn from_close_to_far() {
                 StandardMaterial::default(),
                 Transform::default(),
             );
-            // Edges of it lie right in front of what is kilometres away.
+            // Its edges lie directly in front of surfaces that are kilometres away.
             s.mesh(
                 Torus::new(0.004, 0.012),
                 StandardMaterial::default(),
@@ -204,7 +204,7 @@ fn from_close_to_far() {
             lights(s, 60, 3);
             point_light(s, 0.1, 20.0, Vec3::new(0.01, 1.02, 0.0));
             point_light(s, 5e3, 1e12, Vec3::new(0.0, 500.0, -5e3));
-            // The camera is inside of it.
+            // The camera is inside its sphere.
             point_light(s, 4.0, 2_000.0, Vec3::Y);
             s.camera(
                 Transform::from_translation(Vec3::Y),
@@ -282,7 +282,7 @@ fn other_views() {
     });
 }
 
-/// Light that shines on the back is gathered a thickness behind the surface, where lights are that reach no pixel.
+/// Transmitted light is gathered a thickness behind the surface, within reach of lights that reach no pixel.
 #[test]
 fn light_from_behind() {
     in_own_process(|| {
@@ -333,7 +333,7 @@ fn light_from_behind() {
     });
 }
 
-/// Cones as narrow as cosines can tell.
+/// Cones as narrow as cosines can represent.
 #[test]
 fn narrow_cones() {
     in_own_process(|| {
@@ -360,7 +360,7 @@ fn narrow_cones() {
     });
 }
 
-/// Distances in view space are none of the world's there.
+/// Distances in the view space of sheared cameras differ from those in the world.
 #[test]
 fn sheared_cameras() {
     in_own_process(|| {

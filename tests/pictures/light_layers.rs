@@ -22,21 +22,21 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(360, 140);
 
-/// What the meshes of each column are on; the first have no such component.
+/// Layers of the meshes of each column; the first have no such component.
 const COLUMNS: [&[usize]; 4] = [&[0], &[1], &[0, 2], &[40]];
 
-/// The camera sees all of them.
+/// Layers of the camera, which sees all columns.
 const SEEN: &[usize] = &[0, 1, 2, 3, 40];
 
-/// A scene of which the lights are spawned one by one.
+/// A scene whose lights are spawned one by one.
 struct Stage<'a, 'b> {
     scene: &'a mut SceneBuilder<'b>,
-    /// Lights that do not reach these layers are left out.
+    /// If set, lights that do not reach these layers are left out.
     only_for: Option<RenderLayers>,
 }
 
 impl Stage<'_, '_> {
-    /// Spawns a light on `layers`, or without any.
+    /// Spawns a light on `layers`, or without layers.
     fn light(&mut self, layers: Option<&[usize]>, light: impl Bundle) {
         let layers = layers.map(RenderLayers::from_layers);
         let reaches = |wanted: &RenderLayers| {
@@ -53,7 +53,7 @@ impl Stage<'_, '_> {
     }
 }
 
-/// A ball and a card for each column, side by side, before a wall.
+/// A ball and a card per column, side by side, in front of a wall.
 fn columns(s: &mut SceneBuilder) {
     for (column, layers) in COLUMNS.into_iter().enumerate() {
         let x = (column as f32 - 1.5) * 2.0;
@@ -141,16 +141,16 @@ fn panel(x: f32, color: Color) -> (RectLight, Transform) {
     (light, place)
 }
 
-/// A part of space 9 m wide, 3 m high and 3 m deep.
+/// Volume of a probe: 9 m wide, 3 m high and 3 m deep.
 const PROBED: Transform = Transform::from_scale(Vec3::new(9.0, 3.0, 3.0));
 
 type Lights = fn(&mut Stage);
 
-/// Where a kind of light is seen.
+/// Devices on which a kind of light is visible.
 #[derive(PartialEq)]
 enum Shows {
     Everywhere,
-    /// Only on devices with bindless textures, which a software renderer has not.
+    /// Only devices with bindless textures, which a software renderer lacks.
     WithBindless,
 }
 
@@ -160,7 +160,7 @@ fn point_lights(s: &mut Stage) {
     s.light(Some(&[1]), point(-0.5, false));
     s.light(Some(&[1, 2]), point(2.0, true));
     s.light(Some(&[3]), point(0.0, true));
-    // All layers from 31 on are one.
+    // All layers from 31 on count as one.
     s.light(Some(&[33, 40]), point(3.5, false));
 }
 
@@ -171,7 +171,7 @@ fn spot_lights(s: &mut Stage) {
     s.light(Some(&[1]), spot(-1.0, false));
 }
 
-/// Bevy sorts them: without shadows first.
+/// Bevy sorts them: those without shadows first.
 fn directional_lights(s: &mut Stage) {
     s.light(Some(&[1]), sun(Vec3::new(2.0, 3.0, 4.0), true));
     s.light(Some(&[2]), sun(Vec3::new(-3.0, 2.0, 4.0), false));
@@ -219,7 +219,7 @@ fn decals(s: &mut Stage) {
     s.light(None, sun(Vec3::new(0.0, 2.0, 3.0), false));
 }
 
-/// Bevy numbers lights and decals each from 0: decals with layers have the numbers of lights without.
+/// Bevy numbers lights and decals separately from 0: decals with layers have the numbers of lights without.
 fn all_kinds(s: &mut Stage) {
     decals(s);
     for x in [-3.0, -1.0, 1.0] {
@@ -261,7 +261,7 @@ fn column(picture: &Picture, column: usize) -> Picture {
     picture.crop(URect::new(left, 0, left + width, SIZE.y))
 }
 
-/// Each column looks as in a scene that has only the lights of its layers.
+/// Each column matches a scene with only the lights of its layers.
 fn compare_columns(name: &str, lights: Lights) {
     let headless = &mut Headless::new(SIZE);
     let lean = picture(headless, lights, None, Some(LeanDeferred::default()));
@@ -273,7 +273,7 @@ fn compare_columns(name: &str, lights: Lights) {
     }));
 }
 
-/// Switched off, all lights affect all meshes, as they do forward; and that picture is not that of the other test.
+/// Without `light_layers` all lights affect all meshes, as in forward, and the picture differs from the one with layers.
 fn compare_without_layers(name: &str, lights: Lights, shows: Shows) {
     let headless = &mut Headless::new(SIZE);
     let forward = picture(headless, lights, None, None);
@@ -292,7 +292,7 @@ fn compare_without_layers(name: &str, lights: Lights, shows: Shows) {
     report([judge(name, &forward, &without, LEAST_PSNR)]);
 }
 
-/// Grey where the mask is that of layer 0, else a colour for each set of layers.
+/// The debug view is grey where the mask is that of layer 0, and otherwise has a colour per set of layers.
 #[test]
 fn the_mask_can_be_shown() {
     in_own_process(|| {

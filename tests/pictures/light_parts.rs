@@ -1,4 +1,4 @@
-//! Diffuse and specular light apart: what effects read of it, and what the debug views show of it.
+//! Diffuse and specular light separately, as effects read them and as debug views show them.
 
 use bevy::{camera::ClearColorConfig, prelude::*, render::RenderApp};
 use bevy_lean_deferred::{
@@ -17,14 +17,14 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(96, 72);
 
-/// Where the parts are more than the whole on SwiftShader. Why is not known.
+/// A scene whose parts exceed the whole on SwiftShader, for an unknown reason.
 const LIGHTMAPPED: &str = "lightmapped_specials_environment_map";
 
-/// What is rounded to a half float is off by so much of itself, or by so much.
+/// Rounding error of a half float, relative and absolute.
 const HALF_ROUNDING: f32 = 1.0 / 2048.0;
 const LEAST_HALF: f32 = 6e-8;
 
-/// In these, fog is before the light, or something is seen beside lean surfaces: a sky, or what forward draws.
+/// Scenes with fog in front of the light, or with something visible beside lean surfaces: a sky, or meshes that forward draws.
 const NOT_LIGHT_ALONE: [&str; 8] = [
     "fog_linear",
     "fog_exponential",
@@ -36,10 +36,10 @@ const NOT_LIGHT_ALONE: [&str; 8] = [
     DRAWN_OVER,
 ];
 
-/// In these, some surfaces emit light too, or are unlit.
+/// Prefixes of scenes in which some surfaces emit light too, or are unlit.
 const WITH_EMISSION: [&str; 2] = ["special_", "lightmapped_"];
 
-/// In this one, forward draws some meshes over others.
+/// A scene in which forward draws some meshes over others.
 const DRAWN_OVER: &str = "special_normal_map";
 
 fn set_debug_view(headless: &mut Headless, debug_view: Option<DebugChannel>) {
@@ -54,7 +54,7 @@ fn set_debug_view(headless: &mut Headless, debug_view: Option<DebugChannel>) {
     });
 }
 
-/// The words of the diffuse light of the one camera.
+/// Diffuse light of the single camera, unpacked from its words.
 fn diffuse_light(headless: &mut Headless) -> Vec<Vec3> {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut textures = world.query::<&DiffuseLight>();
@@ -67,7 +67,7 @@ fn diffuse_light(headless: &mut Headless) -> Vec<Vec3> {
         .collect()
 }
 
-/// Panics if the picture is another one while its diffuse light is read: more than what drivers make of other shaders.
+/// Panics if reading diffuse light changes the picture by more than drivers differ between shaders.
 fn assert_same_picture(name: &str, before: &Light, now: &Light) {
     let pairs = before.texels.iter().zip(&now.texels);
     let other = pairs.filter(|(before, now)| {
@@ -113,9 +113,9 @@ fn check_scene(headless: &mut Headless, scene: &Scene) {
                 i as u32 / SIZE.x
             )
         };
-        // 0 where no lean mesh is.
+        // 0 at pixels without a lean mesh.
         if read != Vec3::ZERO && scene.name != DRAWN_OVER {
-            // Words have what surfaces emit too: all that is not specular.
+            // Words include emitted light too: all that is not specular.
             let [whole, diffuse, specular] =
                 [whole, diffuse, specular].map(|texel| Vec3::from_slice(texel));
             let (expected, rounded) = match (is_all, adds_up) {

@@ -1,6 +1,5 @@
-//! Components of meshes that an app changes by commands in `Update`, while frames run: the frame of the change shows them
-//! already, as Bevy's forward renderer does, and nothing is drawn with what belonged to the frame before. In
-//! processes of their own, because no error may be logged.
+//! Components of meshes that an app changes by commands in `Update` while frames run: the frame of the change shows them, as in Bevy's
+//! forward renderer, and nothing is drawn with data of the previous frame. In processes of their own, because no error may be logged.
 
 use bevy::{
     camera::visibility::RenderLayers, ecs::entity_disabling::Disabled, light::NotShadowReceiver,
@@ -17,11 +16,11 @@ use kit::{
 };
 
 const SIZE: UVec2 = UVec2::new(160, 120);
-/// Frames before the change, and from it on.
+/// Frames before the change, and frames in all.
 const BEFORE: usize = 3;
 const FRAMES: usize = 9;
 
-/// What the app does to a mesh.
+/// A change that the app makes to a mesh.
 type Change = fn(&mut EntityCommands, &Lamps);
 
 #[derive(Resource, Clone)]
@@ -32,7 +31,7 @@ struct Lamps {
 #[derive(Resource)]
 struct Subject(Entity);
 
-/// What is to happen in this frame's `Update`.
+/// The change to make in this frame's `Update`.
 #[derive(Resource, Default)]
 struct Next(Option<Change>);
 
@@ -63,7 +62,7 @@ fn scene(s: &mut SceneBuilder) {
         Transform::from_xyz(0.0, 1.0, -0.5),
     );
     s.sun(true);
-    // Sees the lamp's layer, too.
+    // Sees the lamp's layer too.
     s.camera(
         default_camera_transform(),
         RenderLayers::from_layers(&[0, 1]),
@@ -104,13 +103,13 @@ fn stage(extra: Extra, first: Change) -> Headless {
     headless
 }
 
-/// The picture of a mesh that has been like this from the start.
+/// The picture of a mesh that had this state from the start.
 fn at_rest(extra: Extra, state: Change) -> Picture {
     stage(extra, state).capture()
 }
 
-/// Changes the mesh for the first time, and once more when all shaders have been compiled. The first time, forward draws
-/// it in between, which does not know of light layers: then `extra` has none.
+/// Changes the mesh twice, the second time with all shaders compiled. Frames of the first time are not compared with a lamp on layers:
+/// forward draws the mesh in between, and ignores light layers.
 fn assert_fresh(name: &str, extra: Extra, from: Change, to: Change) {
     let has_layers = core::ptr::fn_addr_eq(extra, layered_lamp as Extra);
     let [before, after] = [from, to].map(|state| at_rest(extra, state));
@@ -199,7 +198,7 @@ fn render_layers() {
     });
 }
 
-/// A lightmap that comes and goes in each frame.
+/// A lightmap may be added and removed in alternating frames.
 #[test]
 fn changes_in_every_frame() {
     in_own_process(|| {
@@ -218,7 +217,7 @@ fn changes_in_every_frame() {
     });
 }
 
-/// The camera loses and gets the component by commands, too.
+/// The camera, too, may lose and regain the component by commands in every frame.
 #[test]
 fn cameras_switched_in_every_frame() {
     in_own_process(|| {
@@ -245,8 +244,8 @@ fn cameras_switched_in_every_frame() {
     });
 }
 
-/// Layers that meshes and lights of a pool get while they are disabled they have once they are enabled. (Bevy does not show what is
-/// spawned disabled, then or later, and does not see `NotShadowReceiver` that came meanwhile.)
+/// Layers given to pooled meshes and lights while they are disabled apply once they are enabled. (Bevy never shows what was spawned
+/// disabled, and misses a `NotShadowReceiver` added meanwhile.)
 #[test]
 fn layers_change_while_things_are_disabled() {
     in_own_process(|| {
@@ -288,7 +287,7 @@ fn layers_change_while_things_are_disabled() {
     });
 }
 
-/// While no camera is lean nothing is followed: what changed meanwhile is known once one is.
+/// While no camera is lean nothing is tracked: changes made then are known once one is.
 fn assert_known_later(name: &str, extra: Extra, changes: [Change; 2]) {
     let picture = |is_lean_meanwhile: bool| {
         let mut headless = build(SIZE, |s| {

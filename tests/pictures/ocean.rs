@@ -1,4 +1,4 @@
-//! A sea: a smooth material whose shader turns the normal in each fragment, under a low sun and a sky that it mirrors.
+//! A sea: a smooth material whose shader turns the normal per fragment, under a low sun and a sky that it reflects.
 
 use bevy::{
     anti_alias::taa::TemporalAntiAliasing,
@@ -43,7 +43,7 @@ fn normal_of_waves(place: vec2<f32>) -> vec3<f32> {
 
 #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
 struct Waves {
-    /// The slope of each wave.
+    /// Slope of each wave.
     #[uniform(100)]
     height: f32,
 }
@@ -62,7 +62,7 @@ impl GBufferMaterialExtension for Waves {
 
 type Sea = ExtendedMaterial<StandardMaterial, Waves>;
 
-/// A sea with waves of a slope, seen against a sun that stands `elevation` radians over the horizon.
+/// A sea with waves of `slope`, seen against a sun `elevation` radians above the horizon.
 fn sea(slope: f32, elevation: f32, sky: bool) -> Headless {
     let mut headless = Headless::with(UVec2::new(320, 180), |app| {
         app.add_plugins((
@@ -143,7 +143,7 @@ fn seas_glitter_as_in_forward() {
     });
 }
 
-/// Glints come and go with the jitter; TAA averages what both renderers show of them.
+/// Glints vary with the jitter; TAA averages those of both renderers.
 #[test]
 fn seas_glitter_as_in_forward_under_taa() {
     in_own_process(|| {

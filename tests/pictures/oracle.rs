@@ -1,6 +1,6 @@
-//! The crate's light loop beside Bevy's `apply_pbr_lighting`, on the same surfaces, before anything is rounded.
+//! The crate's light loop against Bevy's `apply_pbr_lighting`, on the same surfaces, before any rounding.
 //!
-//! Scenes of the parity suite are lit twice in one shader, which writes how far the two are apart.
+//! Scenes of the parity suite are lit twice in one shader, which writes the difference.
 
 use bevy::prelude::*;
 use bevy_lean_deferred::LeanDeferred;
@@ -16,17 +16,17 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 
-/// The part of the pixels of a scene that must be within 1e-4 of what is expected, or 1e-5 of white.
+/// Share of a scene's pixels that must be within 1e-4 of the expected light, or 1e-5 of white.
 const LEAST_SHARE: f64 = 0.999;
 
-/// Which surfaces Bevy's functions are compiled for.
+/// Surfaces that Bevy's functions are compiled for.
 #[derive(Clone, Copy, PartialEq)]
 enum Surfaces {
     Usual,
     Lightmapped,
 }
 
-/// The lighting shader that compares in place of showing light.
+/// The lighting shader, changed to write the comparison in place of light.
 fn comparing_shader(surfaces: Surfaces) -> String {
     let shader = include_str!("../../src/lighting/lighting.wgsl");
     let shown = "textureStore(output_texture, pixel.position, shaded.color);";
@@ -50,12 +50,12 @@ fn app(surfaces: Surfaces) -> Headless {
     })
 }
 
-/// Whether lighting has written the pixel, and could compare it.
+/// True if lighting has written the pixel and could compare it.
 fn is_compared(texel: &[f32; 4]) -> bool {
     texel[1..] == [0.25, 0.125, 1.0]
 }
 
-/// Into the folder that `ORACLE_PICTURES` names, if it does: errors red, white where they are too large; the rest blue.
+/// Saves errors to the folder that `ORACLE_PICTURES` names, if set: red, white where too large; blue where not compared.
 fn save_errors(name: &str, pixels: &[[f32; 4]]) {
     let Some(folder) = std::env::var_os("ORACLE_PICTURES") else {
         return;
@@ -72,7 +72,7 @@ fn save_errors(name: &str, pixels: &[[f32; 4]]) {
     picture.save(std::path::Path::new(&folder).join(format!("{name}.png")));
 }
 
-/// Prints how many pixels could be compared, and how many of them are as expected.
+/// Prints the number of pixels that could be compared, and of those that are as expected.
 fn compare(
     headless: &mut Headless,
     name: &str,
@@ -120,8 +120,8 @@ fn materials_are_lit_as_bevy_has_it() {
     in_own_process(|| compare_all(scenes::MATERIALS.iter().chain(scenes::FORWARD_MATERIALS)));
 }
 
-/// Scenes with special materials, of which `keep` leaves those that are to be compared: Bevy's functions, compiled for
-/// several kinds at once, light some wrongly.
+/// Compares scenes with special materials. `keep` leaves only the features to compare: Bevy's functions, compiled for several kinds at
+/// once, light some wrongly.
 fn compare_special(keep: fn(&mut StandardMaterial)) {
     let scenes = scenes::SPECIAL_MATERIALS.iter();
     let lightmapped = scenes
@@ -138,7 +138,7 @@ fn compare_kept(
 ) {
     let mut headless = app(surfaces);
     let device = headless.device().clone();
-    // Without these Bevy's functions do not compile for surfaces with lightmaps beside an environment map.
+    // Without binding arrays Bevy's functions do not compile for lightmapped surfaces under an environment map.
     let scenes = scenes.filter(|scene| {
         surfaces == Surfaces::Usual
             || !scene.needs_binding_arrays

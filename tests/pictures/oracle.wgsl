@@ -1,5 +1,5 @@
-// Compares what lighting makes of each pixel with what Bevy's `apply_pbr_lighting` makes of the same surface, in full
-// floats. Appended to `lighting.wgsl`.
+// Compares the light of each pixel with that of Bevy's `apply_pbr_lighting` for the same surface, in full floats. Appended to
+// `lighting.wgsl`.
 #import bevy_lean_deferred::lighting::surface::pbr_input_from_gbuffer
 #import bevy_pbr::{
     lighting::F_AB,
@@ -52,14 +52,14 @@ fn expected(pixel: Pixel) -> vec4<f32> {
 #endif
     var is_known = true;
 #ifdef STANDARD_MATERIAL_ANISOTROPY
-    // Bevy's anisotropic highlight of strength 0 is not the isotropic one.
+    // Bevy's anisotropic highlight of strength 0 differs from the isotropic one.
     is_known = oracle_words::unpack_shading_model(word) == oracle_words::ANISOTROPY;
 #endif
     var is_lightmapped = false;
 #ifdef LIGHTMAPPED_SURFACES
     is_lightmapped = oracle_words::is_lightmapped(word);
 #endif
-    // Bevy takes all surfaces for lightmapped ones, or none.
+    // Bevy treats either all surfaces as lightmapped or none.
 #ifdef LIGHTMAP
     is_known = is_known && is_lightmapped;
 #else
@@ -67,14 +67,14 @@ fn expected(pixel: Pixel) -> vec4<f32> {
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #ifdef ENVIRONMENT_MAP
-    // Bevy has another definition for the part of this that an environment map sends; lighting has no use for it.
+    // For the part that an environment map transmits, Bevy has another definition, which lighting does not need.
     is_known = is_known && pbr.material.diffuse_transmission == 0.0;
 #endif
 #endif
     var color = apply_pbr_lighting(pbr);
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     if pbr.material.diffuse_transmission == 0.0 {
-        // Bevy adds this much ambient light even where nothing shines through.
+        // Bevy adds this much ambient light even without transmission.
         let added = F_AB(1.0, 1.0).y * view.exposure * lights.ambient_color.rgb;
         color = vec4(color.rgb - added, color.a);
     }
@@ -89,7 +89,7 @@ fn expected(pixel: Pixel) -> vec4<f32> {
     return vec4(color.rgb, select(0.0, 1.0, is_known));
 }
 
-/// The error of `color` in units of what is allowed, beside numbers by which such pixels are told from others.
+/// The error of `color` in units of the tolerance, with marker values that identify compared pixels.
 fn compared(color: vec4<f32>, pixel: Pixel) -> vec4<f32> {
     let expected = expected(pixel);
     let allowed = max(1e-4 * abs(expected.rgb), vec3(1e-5));

@@ -1,5 +1,5 @@
-//! Cameras that draw over the picture of another one look as if both had been given the same settings by hand, whichever
-//! of them has an effect.
+//! Cameras that draw over another camera's picture look as if both had been given the same settings by hand, whichever of them has an
+//! effect.
 
 use bevy::{
     camera::{
@@ -24,22 +24,22 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 
-/// What a second camera shows over the first one's picture, moving.
+/// Moving content of a second camera, over the first one's picture.
 #[derive(Component, Clone, Copy, PartialEq, Debug)]
 enum Overlay {
-    /// A sprite, half transparent, and a disc.
+    /// A half-transparent sprite and a disc.
     Flat,
     /// As [`Flat`](Self::Flat), by a camera without MSAA whose own picture is blended over the first one's.
     FlatApart,
-    /// A ball, in part behind what the first one shows.
+    /// A ball, partly behind the first camera's meshes.
     Solid,
 }
 
-/// What moves in front of the second camera.
+/// Marks what moves in front of the second camera.
 #[derive(Component)]
 struct Moving;
 
-/// The world's camera, and the one over it, as Bevy spawns them: without HDR, and with MSAA.
+/// The world's camera and the one over it with Bevy's defaults: without HDR, with MSAA.
 fn scene(overlay: Overlay) -> (Headless, [Entity; 2]) {
     let mut cameras = [Entity::PLACEHOLDER; 2];
     let headless = build(SIZE, |s| {
@@ -49,7 +49,7 @@ fn scene(overlay: Overlay) -> (Headless, [Entity; 2]) {
         cameras[0] = s.spawn((
             Camera3d::default(),
             target.clone(),
-            // One without, so that no picture is tonemapped twice.
+            // Without tonemapping, so that no picture is tonemapped twice.
             (Tonemapping::None, DebandDither::Disabled),
             default_camera_transform(),
             ambient(),
@@ -107,7 +107,7 @@ fn flat(s: &mut SceneBuilder, camera: Entity, apart: bool) {
     }
 }
 
-/// The last of some frames in which the overlay moves.
+/// The last of several frames in which the overlay moves.
 fn moved(headless: &mut Headless, overlay: Overlay) -> Picture {
     headless.settle();
     let film = headless.film(6, |world, frame| {
@@ -125,7 +125,7 @@ fn moved(headless: &mut Headless, overlay: Overlay) -> Picture {
 
 type Change = fn(&mut EntityWorldMut);
 
-/// Judges the picture with `effect` on a camera against that of cameras with the settings that it brings, made by hand.
+/// Judges the picture with `effect` on a camera against that of cameras with the same settings made by hand.
 fn compare(
     name: &str,
     overlay: Overlay,
@@ -156,7 +156,7 @@ fn compare(
         assert_eq!(lean, 1, "{name}");
     }
     let name = format!("overlay_{name}_{overlay:?}_on_{on}");
-    // What Bevy shows of cameras as it spawns them, but for their edges and for what blending in linear light changes.
+    // Bevy's picture with default settings differs in edges and by blending in linear light.
     println!(
         "{name}: Bevy alone {}",
         pixel_difference(&before, &expected)
@@ -190,7 +190,7 @@ fn a_lean_camera_over_another() {
     });
 }
 
-/// The first does not write to the target itself.
+/// The first camera does not write to the target itself.
 #[test]
 fn over_a_lean_camera_that_skips_its_output() {
     in_own_process(|| {

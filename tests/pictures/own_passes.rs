@@ -1,5 +1,5 @@
-//! A pass of the app's own, which draws colour and depth, in each place of Bevy's frame: a wall among the solids, lean as
-//! forward shows it.
+//! An app's own pass, which draws the colour and depth of a wall among the solids, at each place of Bevy's frame: lean shows the wall as
+//! forward does.
 
 use bevy::{
     core_pipeline::{
@@ -22,7 +22,7 @@ use super::foreign_depth::{add_wall_pipeline, draw_wall};
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 
-/// Where the wall is drawn.
+/// Place of the frame at which the wall is drawn.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 enum Place {
     BeforePrepass,
@@ -95,7 +95,7 @@ fn add_walls(app: &mut App) {
     }
 }
 
-/// An app that shows the wall at a place, before others of this crate's and of Bevy's passes, or after them.
+/// An app that draws the wall by systems added `before` this crate's plugins, and `after` them.
 fn app_with(before: fn(&mut App), after: fn(&mut App)) -> Headless {
     let mut app = App::new();
     app.add_plugins(Headless::default_plugins());
@@ -123,7 +123,7 @@ fn app_with(before: fn(&mut App), after: fn(&mut App)) -> Headless {
     headless
 }
 
-/// The wall at each place. Twice, as the order of recording may change from frame to frame.
+/// Pictures of the wall at each place. Two each, as the order of recording may change from frame to frame.
 fn pictures(headless: &mut Headless, lean: bool) -> Vec<[Picture; 2]> {
     set_lean(headless, lean);
     settled(headless);

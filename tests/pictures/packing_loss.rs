@@ -1,7 +1,7 @@
-//! How much of what lies between lean and forward pictures is packing, and how much is lighting.
+//! Separates the difference between lean and forward pictures into packing and lighting.
 //!
-//! Beside forward and lean stands forward with a material that rounds its inputs as the G-buffer does: from that, lean differs by
-//! lighting alone (positions and geometric normals from depth, light stored as exposed).
+//! The third picture is forward with a material that rounds its inputs as the G-buffer does: lean differs from it by lighting alone
+//! (positions and geometric normals from depth, light stored as exposed).
 
 use bevy::{
     asset::uuid_handle,
@@ -65,7 +65,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 }
 ";
 
-/// Rounds what it extends.
+/// Rounds the material that it extends.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
 struct Rounded {}
 
@@ -142,7 +142,7 @@ fn balls(scene: &mut SceneBuilder, base: &StandardMaterial, way: Way) {
     scene.default_camera(ambient());
 }
 
-/// The kinds of surfaces, with the least PSNR in dB of lean beside forward, and beside forward that rounds.
+/// Kinds of surfaces, with the least PSNR in dB of lean against forward, and against forward that rounds.
 fn kinds() -> [(&'static str, [f64; 2], StandardMaterial); 7] {
     let base = material((0.5, 0.5, 0.5), 0.0, 0.5);
     let metal = material((0.5, 0.5, 0.5), 1.0, 0.5);

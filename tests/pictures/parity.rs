@@ -1,4 +1,4 @@
-//! Pictures of lean cameras beside Bevy forward's.
+//! Pictures of lean cameras against Bevy forward's.
 
 mod changes;
 mod kinds;
@@ -42,7 +42,7 @@ fn compare(headless: &mut Headless, scene: &Scene) -> Result<(), String> {
         format!("{}_{}x{}", scene.name, size.x, size.y)
     };
     let least_psnr = match scene.name {
-        // Bevy's own deferred path has 16.1 dB there.
+        // Bevy's own deferred path reaches 16.1 dB there.
         "one_metre_to_one_kilometre" => {
             on_swiftshader(16.0, scene.least_psnr, "depth across large triangles")
         }
@@ -52,12 +52,12 @@ fn compare(headless: &mut Headless, scene: &Scene) -> Result<(), String> {
     judge(&name, &forward, &lean, least_psnr)
 }
 
-/// An app with shadow maps as large as Bevy has them.
+/// An app with Bevy's default sizes of shadow maps.
 fn app(size: UVec2) -> Headless {
     Headless::with(size, |_| {})
 }
 
-/// All of `scenes`, or those whose name has one of the words of `PARITY_SCENE`, which commas separate.
+/// Compares all of `scenes`, or those whose name contains one of the comma-separated words of `PARITY_SCENE`.
 fn compare_all(scenes: &[Scene]) {
     compare_all_in(app(SIZE), scenes);
 }
@@ -96,7 +96,7 @@ fn forward_materials_match_forward() {
 #[test]
 fn special_materials_match_forward() {
     in_own_process(|| {
-        // With small shadow maps, in half the time: none of these scenes is about the edges of shadows.
+        // Small shadow maps halve the time: none of these scenes is about the edges of shadows.
         compare_all_in(Headless::new(SIZE), scenes::SPECIAL_MATERIALS);
     });
 }
@@ -126,8 +126,8 @@ fn odd_sizes_match_forward() {
     });
 }
 
-/// Bevy's forward does not draw materials with an explicit `Deferred` on a camera without `DeferredPrepass`. A lean
-/// camera draws all of them: as forward does those that leave the choice to it.
+/// Bevy's forward does not draw materials with an explicit `Deferred` on a camera without `DeferredPrepass`. A lean camera draws them like
+/// those that leave the choice to it.
 #[test]
 fn explicitly_deferred_materials_look_as_others_do_forward() {
     in_own_process(|| {
@@ -199,7 +199,7 @@ fn a_lean_camera_leaves_others_of_its_target_alone() {
     });
 }
 
-/// A camera that draws over an earlier one's picture, one of both lean.
+/// A camera draws over an earlier one's picture, and one of the two is lean.
 #[test]
 fn a_lean_and_a_forward_camera_share_a_picture() {
     in_own_process(|| {
@@ -259,7 +259,7 @@ fn removing_the_component_gives_back_forward() {
     });
 }
 
-/// Cameras that are children of something scaled: shadows are biased by normals of unit length, and tiles pass by no light.
+/// Cameras that are children of a scaled entity: shadows are biased by unit normals, and tiles lose no light.
 #[test]
 fn scaled_cameras_match_forward() {
     in_own_process(|| {

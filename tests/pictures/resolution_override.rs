@@ -1,4 +1,4 @@
-//! Cameras whose main pass is smaller than their viewport, as upscalers such as DLSS want it, look as in forward.
+//! Cameras whose main pass is smaller than their viewport, as upscalers such as DLSS need it, match forward.
 
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
@@ -21,11 +21,11 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 
-/// The size of the main pass, none for that of the viewport.
+/// Size of the main pass; none for that of the viewport.
 #[derive(Resource, Clone, Copy, Default)]
 struct MainPassSize(Option<UVec2>);
 
-/// At the time at which Bevy's DLSS inserts it.
+/// Runs when Bevy's DLSS would insert it.
 fn override_resolution(
     mut commands: Commands,
     size: Res<MainPassSize>,
@@ -47,7 +47,7 @@ fn set_size(headless: &mut Headless, size: Option<UVec2>) {
         .insert_resource(MainPassSize(size));
 }
 
-/// Solids, of which one is emissive: forward draws it over the lit ones.
+/// Solids and an emissive ball, with lights.
 fn scene(camera: impl Bundle) -> Headless {
     let mut headless = build(SIZE, |s| {
         s.solids();
@@ -89,7 +89,7 @@ fn scene(camera: impl Bundle) -> Headless {
     headless
 }
 
-/// Forward and lean in turn: with the override, with another one, and without.
+/// Compares forward and lean with the override, with another one, and without.
 fn compare(name: &str, camera: impl Bundle, sizes: [UVec2; 2]) {
     let mut headless = scene(camera);
     let mut results = Vec::new();
@@ -152,7 +152,7 @@ fn with_occlusion_culling() {
     });
 }
 
-/// What Bevy's `Dlss` component brings with it.
+/// With the components that Bevy's `Dlss` requires.
 #[test]
 fn as_with_dlss() {
     in_own_process(|| {

@@ -1,4 +1,4 @@
-//! Cosines that rounding takes out of their range, and vectors that it leaves without a length, make no NaN.
+//! Cosines that rounding moves out of range, and vectors that it leaves without length, cause no NaN.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -18,11 +18,11 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::splat(32);
 
-/// Metres that the picture shows across.
+/// Height of the view, in metres.
 const HEIGHT: f32 = 4.0;
 
-/// Cards of these materials in stripes as wide as half a tile, before an orthographic camera that is turned by `rotation`. All of
-/// their normals are `normal` to the camera.
+/// Cards of these materials in stripes half a tile wide, in front of an orthographic camera turned by `rotation`. All of their normals are
+/// `normal` in view space.
 fn stripes(
     s: &mut SceneBuilder,
     rotation: Quat,
@@ -68,7 +68,7 @@ fn stripes(
     );
 }
 
-/// One of each kind, plain ones beside each.
+/// One material of each kind, each next to plain ones.
 fn materials() -> [StandardMaterial; 8] {
     let plain = || StandardMaterial {
         emissive: LinearRgba::rgb(0.02, 0.05, 0.02),
@@ -100,7 +100,7 @@ fn materials() -> [StandardMaterial; 8] {
     ]
 }
 
-/// The first two have axes along those of the world, the others any.
+/// The first two have axes along those of the world, the others random ones.
 fn rotations() -> impl Iterator<Item = Quat> {
     let mut random = Random::new(11);
     let others: Vec<Quat> = (0..6)
@@ -117,7 +117,7 @@ fn rotations() -> impl Iterator<Item = Quat> {
     axes.into_iter().chain([others[0], others[5]])
 }
 
-/// The light is finite, and the picture the same however all of the scene is turned, which changes nothing but what is rounded.
+/// The light is finite, and the picture is the same for each rotation of the scene, which changes only rounding.
 fn compare(name: &str, least_psnr: f64, scene: impl Fn(&mut SceneBuilder, Quat)) {
     let headless = &mut Headless::new(SIZE);
     let mut first: Option<Picture> = None;
@@ -137,7 +137,7 @@ fn compare(name: &str, least_psnr: f64, scene: impl Fn(&mut SceneBuilder, Quat))
     }));
 }
 
-/// N·V is 1 and a little.
+/// N·V is slightly above 1.
 #[test]
 fn cards_seen_from_straight_before() {
     in_own_process(|| {
@@ -154,8 +154,8 @@ fn cards_seen_from_straight_before() {
     });
 }
 
-/// The camera is in the middle of a ball whose normals point at it: N·V is 1 and a little in many a pixel. Each tile has coated surfaces,
-/// so that the others are lit by the same shader.
+/// The camera is in the middle of a ball whose normals point at it: N·V is slightly above 1 in many pixels. Each tile has coated surfaces,
+/// so that the same shader lights the others.
 #[test]
 fn plain_surfaces_beside_coated_ones() {
     in_own_process(|| {
@@ -186,7 +186,7 @@ fn plain_surfaces_beside_coated_ones() {
     });
 }
 
-/// The lobes of rectangular lights are turned towards the viewer: from straight above, anywhere.
+/// The lobes of rectangular lights are rotated towards the viewer, and from straight above that rotation is arbitrary.
 #[test]
 fn cards_under_a_rectangular_light() {
     in_own_process(|| {
@@ -205,7 +205,7 @@ fn cards_under_a_rectangular_light() {
     });
 }
 
-/// Normals lean away from the viewer, and light comes from behind: L is -V. And from the viewer's side, through the surface.
+/// Normals point away from the viewer and light comes from behind, so that L is -V; and from the viewer's side, through the surface.
 #[test]
 fn light_from_straight_ahead() {
     in_own_process(|| {
@@ -224,7 +224,7 @@ fn light_from_straight_ahead() {
     });
 }
 
-/// The surface goes through the middle of each of these: rounding says from where their light comes to a few pixels.
+/// The surface passes through the centre of each of these: for a few pixels rounding decides the direction of their light.
 #[test]
 fn lights_on_the_surface() {
     in_own_process(|| {

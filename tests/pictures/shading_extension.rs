@@ -1,4 +1,4 @@
-//! Rim light and subsurface scattering of `ShadingExtension` go through the G-buffer and look as in forward.
+//! Rim light and subsurface scattering of `ShadingExtension` are drawn into the G-buffer and match forward.
 
 use bevy::{
     core_pipeline::oit::OrderIndependentTransparencySettings,
@@ -25,7 +25,7 @@ const SIZE: UVec2 = UVec2::new(320, 240);
 /// Stricter than other scenes: a rim that is a fifth too dark still reaches 45 to 48 dB.
 const LEAST_RIM_PSNR: f64 = 50.0;
 
-/// What lights the balls from all around.
+/// Light that surrounds the balls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Surroundings {
     Ambient,
@@ -81,7 +81,7 @@ fn balls(
     }
 }
 
-/// Three balls on a floor in the sun, and what surrounds them.
+/// Three balls on a floor in the sun, with surroundings.
 fn scene(
     s: &mut SceneBuilder,
     surroundings: Surroundings,
@@ -114,7 +114,7 @@ fn scene(
     }
 }
 
-/// The optional targets of the only lean view.
+/// Optional targets of the only lean view.
 fn targets(headless: &mut Headless) -> GBufferTargets {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut views = world.query::<&ActiveLeanView>();
@@ -174,7 +174,7 @@ fn rims_match_forward() {
     });
 }
 
-/// Surfaces without a lightmap have their light from all around, though tiles have others with one.
+/// Surfaces without a lightmap have light from their surroundings, though their tiles contain lightmapped surfaces.
 #[test]
 fn rims_before_lightmaps_match_forward() {
     in_own_process(|| {
@@ -225,7 +225,7 @@ fn subsurface_matches_forward_and_the_plain_base() {
     });
 }
 
-/// So that a rim that neither renderer draws fails too.
+/// Rims are visible, so that the other tests fail if neither renderer draws them.
 #[test]
 fn rims_show() {
     in_own_process(|| {
@@ -240,7 +240,7 @@ fn rims_show() {
     });
 }
 
-/// Bases that are special themselves, and bases without an extension.
+/// Bases that are special themselves, and bases without an extension, match forward.
 #[test]
 fn other_bases_match_forward() {
     in_own_process(|| {
@@ -284,7 +284,7 @@ fn other_bases_match_forward() {
     });
 }
 
-/// Cards of one material behind one another, the nearest first in the order of drawing.
+/// Cards of one material behind one another; the nearest is first in the order of drawing.
 fn blended(s: &mut SceneBuilder, extended: bool) {
     s.solids();
     let card = s.add::<Mesh>(Rectangle::new(3.0, 1.6));
@@ -313,7 +313,7 @@ fn blended(s: &mut SceneBuilder, extended: bool) {
     s.default_camera(OrderIndependentTransparencySettings::default());
 }
 
-/// On cameras that sort what is transparent for each pixel, too.
+/// Also on cameras that sort transparent fragments per pixel.
 #[test]
 fn blended_materials_match_their_base() {
     in_own_process(|| {
@@ -331,7 +331,7 @@ fn blended_materials_match_their_base() {
     });
 }
 
-/// Where `StandardMaterial`s share a bind group, those with an extension do.
+/// Materials with an extension share a bind group where `StandardMaterial`s do.
 #[test]
 fn materials_share_a_bind_group() {
     in_own_process(|| {

@@ -1,5 +1,4 @@
-//! The normals by which shadow maps are biased: those of meshes, where no map turns them, and under steep normal maps those of the
-//! surface.
+//! Normals that bias shadow maps: those of meshes, where no map turns them, and under steep normal maps those of the surface.
 
 use bevy::{light::CascadeShadowConfigBuilder, prelude::*, render::render_resource::TextureFormat};
 use kit::{
@@ -10,7 +9,7 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 
-/// Measured: 53.9 to 55.7 dB. By the surface that depth shows foliage had 44.1, by shading normals facets of 80° had 48.6.
+/// Measured: 53.9 to 55.7 dB. With normals from depth foliage had 44.1; with shading normals facets of 80° had 48.6.
 const LEAST_PSNR: f64 = 53.0;
 
 fn check(name: &str, scene: impl FnOnce(&mut SceneBuilder)) -> Result<(), String> {
@@ -88,7 +87,7 @@ fn foliage_has_the_shadows_of_forward() {
     });
 }
 
-/// A box whose normal map has facets that lean this way and that by an angle, some of which face the sun.
+/// A box whose normal map has facets tilted by an angle in different directions, some of which face the sun.
 fn facets(s: &mut SceneBuilder, degrees: f32) {
     s.floor();
     let angle = degrees.to_radians();

@@ -1,8 +1,8 @@
-//! Percentage-closer soft shadows, beside Bevy forward's.
+//! Percentage-closer soft shadows, against Bevy forward.
 //!
-//! With Bevy's feature they are as wide as blockers are far away:
-//! `cargo test --test pictures --features bevy/experimental_pbr_pcss soft_shadows`. It is no feature of all tests: with it, Vulkan's
-//! validation layer complains of each frame that Bevy renders on llvmpipe. Without it the same filters run, at their least width.
+//! With Bevy's feature their width grows with the distance of blockers:
+//! `cargo test --test pictures --features bevy/experimental_pbr_pcss soft_shadows`. Tests do not enable it by default: with it, Vulkan's
+//! validation layer complains about each frame that Bevy renders on llvmpipe. Without it the same filters run, at their least width.
 
 use bevy::{
     light::{CascadeShadowConfig, CascadeShadowConfigBuilder, ShadowFilteringMethod},
@@ -23,8 +23,8 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(200, 150);
 
-/// The lights that have soft shadows. Components say so only with Bevy's feature `experimental_pbr_pcss`; in the render world there are
-/// fields for it without, too.
+/// Lights with soft shadows. Components have this setting only with Bevy's feature `experimental_pbr_pcss`; the render world has fields for
+/// it without it, too.
 #[derive(Resource, Clone, Copy, Default, PartialEq, Debug)]
 struct Soft {
     sun: bool,
@@ -63,7 +63,7 @@ fn app(scene: impl FnOnce(&mut SceneBuilder)) -> Headless {
     headless
 }
 
-/// Whether Bevy is built with the feature: it binds samplers for it. Without them it takes the distance of blockers for 0.
+/// True if Bevy is built with the feature: it then binds samplers for it. Without them it takes the distance of blockers as 0.
 fn searches_for_blockers(headless: &Headless) -> bool {
     let render_world = headless.app.sub_app(RenderApp).world();
     let pipeline = render_world.resource::<MeshPipeline>();
@@ -108,7 +108,7 @@ fn compare(name: &str, soft: Soft, scene: impl FnOnce(&mut SceneBuilder)) {
         judge(&name, &forward, &lean, LEAST_PSNR)
     });
     if is_soft {
-        // The validation layer complains of Bevy's samplers, with and without this crate: not every device can filter depth.
+        // The validation layer complains about Bevy's samplers, with and without this crate: not every device can filter depth.
         let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();
         assert!(failures.is_empty(), "\n{}", failures.join("\n"));
     } else {
@@ -116,7 +116,7 @@ fn compare(name: &str, soft: Soft, scene: impl FnOnce(&mut SceneBuilder)) {
     }
 }
 
-/// Blockers are far away in units of the depth that it holds.
+/// A cascade in whose depth range blockers are far away.
 fn small_cascade() -> CascadeShadowConfig {
     CascadeShadowConfigBuilder {
         num_cascades: 1,
@@ -183,7 +183,7 @@ fn of_a_spot_light() {
     });
 }
 
-/// Hard ones beside them stay as they are.
+/// Hard shadows beside soft ones are unchanged.
 #[test]
 fn beside_hard_ones() {
     in_own_process(|| {

@@ -1,4 +1,4 @@
-//! What apps do with cameras that have effects: TAA comes and goes, screens are split, worlds are shifted; or nothing at all.
+//! Cameras with effects in apps that add and remove TAA, split screens, shift worlds, or change nothing.
 
 use bevy::{anti_alias::taa::TemporalAntiAliasing, prelude::*, render::RenderApp};
 use bevy_lean_deferred::{
@@ -20,7 +20,7 @@ use super::{
 
 type Change = fn(&mut EntityWorldMut);
 
-/// Half of it is diffuse.
+/// A material of which half is diffuse.
 fn floor_material() -> StandardMaterial {
     StandardMaterial {
         metallic: 0.5,
@@ -33,7 +33,7 @@ fn off(a: &Seen, b: &Seen) -> Errors {
     Errors::of(texels(a).zip(texels(b)).map(|(a, b)| a - b))
 }
 
-/// TAA brings frames together, so patterns turn. When it goes it leaves `TemporalJitter` on the camera, and nothing turns any more.
+/// With TAA, which averages frames, sample patterns rotate. Its removal leaves `TemporalJitter` on the camera, and patterns stop.
 #[test]
 fn patterns_rest_when_taa_goes() {
     in_own_process(|| {
@@ -77,7 +77,7 @@ fn patterns_rest_when_taa_goes() {
     });
 }
 
-/// The diffuse light of a camera is as large as its viewport, wherever on the target that is.
+/// The diffuse light of a camera has the size of its viewport, wherever on the target that is.
 #[test]
 fn diffuse_light_is_as_large_as_the_viewport() {
     in_own_process(|| {
@@ -95,7 +95,7 @@ fn diffuse_light_is_as_large_as_the_viewport() {
     });
 }
 
-/// Textures are made in error scopes, which catch that they do not fit: none in a frame in which nothing changed.
+/// Textures are created in error scopes, which catch that they do not fit: a frame without changes has none.
 #[test]
 fn frames_at_rest_have_no_error_scopes() {
     in_own_process(|| {
@@ -126,10 +126,10 @@ fn frames_at_rest_have_no_error_scopes() {
     });
 }
 
-/// By how much apps with a floating origin shift their worlds.
+/// Shift of worlds in apps with a floating origin.
 const SHIFT: Vec3 = Vec3::new(2048.0, 0.0, -2048.0);
 
-/// A world that is shifted with its cameras looks as it did: what was kept of the last frame is where it was.
+/// A world shifted with its cameras looks unchanged: the history is shifted with it.
 #[test]
 fn a_shifted_world_is_no_other_one() {
     in_own_process(|| {
@@ -162,14 +162,14 @@ fn shift_world(headless: &mut Headless, shift: Vec3) {
     }
 }
 
-/// A camera that jumps as far by itself sees what is there.
+/// A camera that jumps as far on its own shows its new surroundings.
 #[test]
 fn a_camera_that_jumps_alone_is_no_shift_of_the_world() {
     in_own_process(|| {
         let mut headless = build(SMALL, |s| {
             let effects = (gi(), reflections());
             courtyard(s, floor_material(), surface(0.5, 0.3), 0.4, effects);
-            // And the same one where the camera jumps to.
+            // The same courtyard where the camera jumps to.
             let meshes = s
                 .world()
                 .query_filtered::<(&Mesh3d, &MeshMaterial3d<StandardMaterial>, &Transform), ()>()
@@ -195,7 +195,7 @@ fn a_camera_that_jumps_alone_is_no_shift_of_the_world() {
             first.psnr(),
             settled.psnr()
         );
-        // It has no light of the last frame, which showed another place.
+        // The first frame has no light of the last one, which showed another place.
         assert!(first.psnr() < 40.0 && settled.psnr() > 48.0);
     });
 }

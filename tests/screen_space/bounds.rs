@@ -1,4 +1,4 @@
-//! Units: what is bounded is bounded by what shows as white, and a scene may be in any unit of length.
+//! Units: light is bounded relative to displayed white, and a scene may use any unit of length.
 
 use bevy::{
     prelude::*,
@@ -23,7 +23,7 @@ use kit::{
 
 use super::scenes::{EYE, SMALL, gi, looking, reflections, spawn_floor};
 
-/// The brightest light that the effects of the one camera hold: found by diffuse GI, and kept for reflections.
+/// Brightest light in the effects of the single camera: gathered by diffuse GI, and kept for reflections.
 fn brightest(headless: &mut Headless) -> [f32; 2] {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut views = world.query::<(&ViewGi, &ViewHistory)>();
@@ -41,7 +41,7 @@ fn brightest(headless: &mut Headless) -> [f32; 2] {
     })
 }
 
-/// A lamp that sends so much light, on cameras whose pictures are shown by so many stops brighter.
+/// Brightest light beside a lamp of radiance `light`, on a camera with `exposure`.
 fn lamp(light: f32, exposure: impl Bundle) -> [f32; 2] {
     let mut headless = build(SMALL, |s| {
         let floor = StandardMaterial {
@@ -58,7 +58,7 @@ fn lamp(light: f32, exposure: impl Bundle) -> [f32; 2] {
     brightest(&mut headless)
 }
 
-/// So that exposure is always the same.
+/// A constant exposure, in stops.
 fn adapted_to(stops: f32) -> LeanAutoExposure {
     LeanAutoExposure {
         min_exposure: stops,
@@ -78,8 +78,7 @@ fn graded_to(exposure: f32) -> ColorGrading {
     }
 }
 
-/// Lamps keep their light in a picture that is shown darker, and what shows as thousands of times white is bounded in one that is shown
-/// brighter.
+/// Lamps keep their light in a darkened picture, and light thousands of times above white is bounded in a brightened one.
 #[test]
 fn light_is_bounded_by_what_shows_as_white() {
     in_own_process(|| {
@@ -100,9 +99,9 @@ fn light_is_bounded_by_what_shows_as_white() {
             );
             // Half floats and words are rounded.
             assert!((dark[1] / 20_000.0 - 1.0).abs() < 0.01, "{name}");
-            // Most of the hemisphere beside the lamp.
+            // The lamp covers most of the hemisphere beside it.
             assert!(dark[0] > 4000.0 && dark[0] < 20_100.0, "{name}");
-            // 256 and 1024 times white.
+            // Bounded to 256 and 1024 times white.
             assert!(bright[0] > 0.2 && bright[0] < 1.01, "{name}");
             assert!((bright[1] / 4.0 - 1.0).abs() < 0.01, "{name}");
         }
@@ -112,7 +111,7 @@ fn light_is_bounded_by_what_shows_as_white() {
     });
 }
 
-/// A scene in units of which a metre has thousands mirrors what it does in metres.
+/// A scene with thousands of units per metre reflects the same as one in metres.
 #[test]
 fn mirrors_know_no_largest_distance() {
     in_own_process(|| {
@@ -132,7 +131,7 @@ fn mirrors_know_no_largest_distance() {
             change_cameras(&mut headless, |camera| {
                 let mut transform = camera.get_mut::<Transform>().expect("cameras have one");
                 transform.translation *= scale;
-                // Nothing is culled for being far away.
+                // Nothing is culled by distance.
                 camera.insert(Projection::Perspective(PerspectiveProjection {
                     far: 1e9,
                     ..default()

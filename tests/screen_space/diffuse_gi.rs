@@ -1,4 +1,4 @@
-//! Diffuse GI beside what light does between simple shapes.
+//! Diffuse GI against the interreflection of simple shapes.
 
 use bevy::{
     camera::{ScalingMode, SubCameraView},
@@ -17,7 +17,7 @@ use kit::{
 use super::scenes::gi;
 
 const SIZE: UVec2 = UVec2::new(256, 256);
-/// Of pictures in which it matters how many pixels something is high.
+/// For pictures in which the height of things in pixels matters.
 const LARGE: UVec2 = UVec2::new(512, 512);
 
 #[test]
@@ -38,7 +38,7 @@ fn a_groove_is_as_bright_as_its_bounces_make_it() {
     });
 }
 
-/// The frame after a cut has the sky's light alone, and each one after it another bounce.
+/// The frame after a cut has only the sky's light, and each later one has another bounce.
 #[test]
 fn each_frame_is_another_bounce() {
     in_own_process(|| {
@@ -56,7 +56,7 @@ fn each_frame_is_another_bounce() {
     });
 }
 
-/// In an orthographic view, and in the lower left of a larger picture.
+/// Light is correct in an orthographic view, and in the lower left of a larger picture.
 #[test]
 fn light_is_right_in_any_projection() {
     in_own_process(|| {
@@ -109,7 +109,7 @@ fn a_sphere_shines_on_the_floor() {
     });
 }
 
-/// White surfaces in a white sky cannot be seen.
+/// White surfaces under a white sky are indistinguishable from it.
 #[test]
 fn a_white_world_is_white() {
     in_own_process(|| {
@@ -159,7 +159,7 @@ fn a_white_world_is_white() {
     });
 }
 
-/// A convex body sees nothing but the sky.
+/// A convex body sees only the sky, so it is unchanged.
 #[test]
 fn a_ball_alone_is_as_it_was() {
     in_own_process(|| {
@@ -193,16 +193,16 @@ fn a_ball_alone_is_as_it_was() {
             "ball: {other} pixels of {}, {least:+.4} to {most:+.4}, bias {bias:+.6}, RMSE {rmse:.6}",
             body().count()
         );
-        // Some of its facets are a pixel or two: too small to tell how they lie.
+        // Some of its facets cover only a pixel or two, too few to reconstruct their orientation.
         assert!(most == 0.0 && least > -0.01 && bias > -1e-4);
     });
 }
 
-/// What shines.
+/// The light source.
 #[derive(Resource, Clone, Copy)]
 struct Lamp(Entity);
 
-/// What bounces between two faces is gone soon after the light.
+/// Light that bounces between two faces fades soon after its source is removed.
 #[test]
 fn light_goes_when_its_source_does() {
     in_own_process(|| {
@@ -236,7 +236,7 @@ fn light_goes_when_its_source_does() {
         let lit = floor(&before);
         let Lamp(lamp) = *headless.world().resource::<Lamp>();
         headless.world().despawn(lamp);
-        // Two frames are made to read one.
+        // Each reading takes two frames.
         let left = [(); 6].map(|()| floor(&look(&mut headless)) / lit);
         println!("after the lamp went, every two frames: {left:.4?}");
         assert!(lit > 0.05, "the lamp shines: {lit}");

@@ -1,5 +1,5 @@
-//! Diffuse GI and reflections on one camera: what the one takes from the environment and what the other gives in its place
-//! are all of the light, and no more.
+//! Diffuse GI and reflections on one camera: the light that they take from the environment and the light that they add in its place are
+//! equal.
 
 use bevy::prelude::*;
 use kit::{
@@ -14,12 +14,12 @@ use super::scenes::{SMALL, courtyard, floor_light, gi, reflections};
 
 use bevy_lean_deferred::prelude::*;
 
-/// What stands in the furnace, glows with its light and sends on none.
+/// Material of the things in the furnace, which emit its light and reflect none.
 fn glows() -> StandardMaterial {
     surface(0.0, 1.0)
 }
 
-/// Surfaces of all kinds. Dark ones tell most of specular light.
+/// Surfaces of all kinds. Dark ones reveal specular light best.
 fn subjects(perceptual_roughness: f32) -> [(&'static str, StandardMaterial); 5] {
     let dielectric = |albedo: f32| StandardMaterial {
         base_color: Color::linear_rgb(albedo, albedo, albedo),
@@ -41,7 +41,7 @@ fn subjects(perceptual_roughness: f32) -> [(&'static str, StandardMaterial); 5] 
     ]
 }
 
-/// The furnace with a floor of one material and things on it of another, with both effects and without.
+/// The furnace with a floor of one material and things of another on it, with both effects and without.
 fn pictures(
     headless: &mut Headless,
     floor: &StandardMaterial,
@@ -68,7 +68,7 @@ fn pictures(
     [on, see(headless, 1)]
 }
 
-/// All that is around glows with 1, and so does the sky: what each surface sends on of that is what it sends on of the sky alone.
+/// Everything around emits 1, and so does the sky: each surface reflects the same as under the sky alone.
 #[test]
 fn a_furnace_is_even_for_all_surfaces() {
     in_own_process(|| {
@@ -88,7 +88,7 @@ fn a_furnace_is_even_for_all_surfaces() {
                 println!(
                     "{name}, roughness {roughness}: {least:+.4} to {most:+.4}, bias {bias:+.4}, RMSE {rmse:.4}"
                 );
-                // Light is never made. Some is lost where things touch the floor, which is a texel or two of what is found.
+                // Light is never created. Some is lost where things touch the floor, over a texel or two of the gathered light.
                 all_right &= most < 0.002 && bias > -0.01 && rmse < 0.035;
             }
         }

@@ -1,5 +1,5 @@
-//! What the picture cannot show, or did not show in the last frame: mirrors that face the camera, things that appear, cameras
-//! that are somewhere else at once.
+//! Content that the picture does not show, or did not show in the last frame: mirrors that face the camera, things that appear, cameras
+//! that jump.
 
 use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use kit::{
@@ -14,8 +14,8 @@ use super::scenes::{
     EYE, SMALL, floor, gi, light_at, looking, reflections, spawn_floor, with_motion,
 };
 
-/// A mirror that faces the camera sends its rays back to it: they meet the backs of what stands between, of which the picture
-/// has the fronts alone, and so show the environment; and the inner side of a wall beside, which the picture has.
+/// A mirror that faces the camera reflects rays back to it. They hit the backs of things in between, of which the picture has only the
+/// fronts, so these pixels show the environment; others hit the inner side of a wall, which the picture has.
 #[test]
 fn a_mirror_that_faces_the_camera_shows_no_fronts() {
     in_own_process(|| {
@@ -23,7 +23,7 @@ fn a_mirror_that_faces_the_camera_shows_no_fronts() {
         const MIRROR_Z: f32 = -3.0;
         const WALL_X: f32 = 1.6;
         const SKY: f32 = 0.3;
-        // With a pixel that looks straight ahead, whose ray comes back to itself.
+        // An odd size: one pixel looks straight ahead, and its ray returns to itself.
         let size = SMALL + 1;
         let picture = |effect: bool| {
             let (headless, seen) = show(size, 8, |s| {
@@ -48,7 +48,7 @@ fn a_mirror_that_faces_the_camera_shows_no_fronts() {
         assert!(seen.light.texels.iter().flatten().all(|x| x.is_finite()));
         let (mut walls, mut missed, mut skies, mut most) = (0, 0, 0, 0.0_f32);
         for (pixel, place, light) in seen.on_plane(Vec3::Z * MIRROR_Z, Vec3::Z) {
-            // The mirror, and nothing before it: a white metal shows the sky.
+            // Mirror pixels with nothing in front: a white metal shows the sky.
             if place.x.abs() > 1.95 || (without.at(pixel) - SKY).abs() > 0.02 {
                 continue;
             }
@@ -60,7 +60,7 @@ fn a_mirror_that_faces_the_camera_shows_no_fronts() {
                     && (met.y - EYE.y).abs() < 1.0 + rim
                     && place.x < WALL_X
             };
-            // But for two pixels about its outline, and before the edge where the two meet.
+            // Excludes two pixels about the wall's outline, and those in front of the edge where wall and mirror meet.
             let beside = WALL_X - place.x;
             if (0.0..0.08).contains(&beside) {
                 continue;
@@ -80,8 +80,8 @@ fn a_mirror_that_faces_the_camera_shows_no_fronts() {
     });
 }
 
-/// A box is before a wall from one frame to the next, dark before one that glows or the other way around: in its first frame it sends
-/// nothing, or for this frame a part of what was there; then its own light.
+/// A box appears in front of a wall, one of them dark and the other glowing: in its first frame the box contributes nothing, or a part of
+/// the light that was there before; then its own light.
 #[test]
 fn what_appears_has_no_light_of_what_was_there() {
     in_own_process(|| {
@@ -117,7 +117,7 @@ fn what_appears_has_no_light_of_what_was_there() {
                         effect(&mut camera);
                         with_motion(motion, &mut camera);
                     });
-                    // What it takes to draw it is there.
+                    // Compiles what is needed to draw it.
                     headless.settle();
                     headless
                         .world()
@@ -142,7 +142,7 @@ fn what_appears_has_no_light_of_what_was_there() {
                         seen.save(&format!("appears_{name}_{glow}_{motion}_{i}"), 1.0);
                         assert!(seen.light.texels.iter().flatten().all(|x| x.is_finite()));
                     }
-                    // In front of it, where it matters.
+                    // On the floor in front of the box, where the change is large.
                     let sums = |seen: &Seen| -> Vec<f32> {
                         let near = floor(seen).zip(floor(&before)).zip(floor(&still));
                         let near = near.filter(|(((place, _), (_, before)), (_, still))| {
@@ -166,9 +166,9 @@ fn what_appears_has_no_light_of_what_was_there() {
                         off(&third),
                     );
                     assert!(last.len() > 100);
-                    // All it ever sends is no more, but for outlines. With motion vectors things may have come nearer: what was no
-                    // further behind than the thickness of things is taken for it, for this frame.
-                    // Diffuse GI at so few pixels takes the wall for what is before it: 0.03 of its light on the floor, for this frame too.
+                    // At most the light that it finally sends, except at outlines. With motion vectors things may have come nearer: light
+                    // from no further behind than the assumed thickness is taken for theirs in this frame. At so few pixels diffuse GI also
+                    // takes the wall for the box in front of it in this frame: 0.03 of its light on the floor.
                     let most = if motion { 0.35 } else { at_rest };
                     all_right &= mean(&first) < most + mean(&last) * (1.0 - glow);
                     all_right &= off(&second) < 0.05 && off(&third) < 0.02;
@@ -179,7 +179,7 @@ fn what_appears_has_no_light_of_what_was_there() {
     });
 }
 
-/// Four frames after a jump the picture is the one that a camera shows which has always been there.
+/// Four frames after a jump the picture equals that of a camera that was always there.
 #[test]
 fn a_jump_without_a_cut_leaves_no_trail() {
     in_own_process(|| {
@@ -228,8 +228,8 @@ fn a_jump_without_a_cut_leaves_no_trail() {
     });
 }
 
-/// A wall behind a pane of clear glass is mirrored as it is without the pane: rays pass through that, and the picture has the wall's light
-/// where the pane has written its depth.
+/// A wall behind a pane of clear glass is reflected as without the pane: rays pass through it, and the picture has the wall's light where
+/// the pane has written its depth.
 #[test]
 fn what_is_seen_through_glass_is_mirrored() {
     in_own_process(|| {

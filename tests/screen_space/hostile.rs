@@ -1,5 +1,5 @@
-//! Light that is no number, infinite, or as bright as numbers go: what effects keep and find of it is a number and bounded, and
-//! once it has gone nothing of it stays.
+//! Light that is NaN, infinite, or as bright as half floats allow: effects keep and compute only finite and bounded light, and no trace is
+//! left once the source is removed.
 
 use bevy::{
     core_pipeline::prepass::DepthPrepass,
@@ -21,17 +21,17 @@ use kit::{
 use super::scenes::{SMALL, courtyard, gi, glowing, reflections};
 
 const HOSTILE: [f32; 3] = [f32::NAN, f32::INFINITY, 65504.0];
-/// Where something hostile stands, in front of the courtyard's boxes.
+/// Position of the hostile thing, in front of the courtyard's boxes.
 const PLACE: Vec3 = Vec3::new(0.2, 0.6, -0.9);
 const SIDE: f32 = 0.5;
-/// After so many frames, with those that are made to look, nothing is left of it.
+/// Frames after which no trace is left, including those rendered to look.
 const FRAMES: usize = 16;
-/// As in `diffuse_gi/levels.wgsl` and `history/levels.wgsl`, in pictures that are shown as they are exposed.
+/// As in `diffuse_gi/levels.wgsl` and `history/levels.wgsl`, for pictures that are shown as exposed.
 const LARGEST_LIGHT: [f32; 2] = [256.0, 1024.0];
-/// A slice alone may have more than its part of the hemisphere: what is gathered, before it is filtered, may be that much more.
+/// A single slice may exceed its share of the hemisphere, so gathered light may exceed the bound by this factor before the filter.
 const OF_A_SLICE: f32 = 2.0;
 
-/// Something hostile, made of a number.
+/// Spawns a hostile thing from a number.
 type Make = fn(&mut SceneBuilder, f32) -> Entity;
 
 fn card(s: &mut SceneBuilder, material: StandardMaterial) -> Entity {
@@ -50,7 +50,7 @@ fn lamp(s: &mut SceneBuilder, intensity: f32) -> Entity {
     s.spawn((light, Transform::from_translation(PLACE)))
 }
 
-/// Each with whether what it spoils of the picture itself is at most its own pixels.
+/// Name of a thing, true if it corrupts at most its own pixels in the picture itself, and its constructor.
 const THINGS: [(&str, bool, Make); 5] = [
     ("emission", true, |s, number| card(s, surface(0.0, number))),
     ("base colour", true, |s, number| {
@@ -80,7 +80,7 @@ const THINGS: [(&str, bool, Make); 5] = [
     ("lamp", false, lamp),
 ];
 
-/// Panics unless all that the effects have kept and found is a number and bounded.
+/// Panics unless everything that the effects have kept and computed is finite and bounded.
 fn check_kept(headless: &mut Headless, name: &str) {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut views = world.query::<(&ViewGi, &ViewHistory)>();
@@ -100,12 +100,12 @@ fn check_kept(headless: &mut Headless, name: &str) {
             brightest = brightest.max(*light);
         }
         assert_eq!(broken, 0, "{name}");
-        // A half float is rounded.
+        // Half floats are rounded.
         assert!(brightest <= 1.001 * largest, "{name}: {brightest}");
     }
 }
 
-/// Pixels that show the card, or touch it.
+/// Pixels that show the card or touch it.
 fn shows_card(seen: &Seen) -> Vec<bool> {
     let bounds = Aabb3d::new(PLACE, Vec3::new(0.5 * SIDE + 0.02, 0.5 * SIDE + 0.02, 0.01));
     let hits = |ray: &Ray3d| RayCast3d::from_ray(*ray, 100.0).aabb_intersection_at(&bounds);

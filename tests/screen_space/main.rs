@@ -1,4 +1,4 @@
-//! Effects that find light on the screen, beside closed forms.
+//! Screen-space lighting effects against closed forms.
 
 mod apps;
 mod bounds;

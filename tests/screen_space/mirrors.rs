@@ -1,4 +1,4 @@
-//! Mirrors that are hard: in other projections, of thin things, up to edges.
+//! Difficult mirrors: in other projections, of thin things, up to edges.
 
 use bevy::{
     camera::{ScalingMode, SubCameraView},
@@ -59,7 +59,7 @@ fn mirrors_are_exact_in_any_projection() {
     });
 }
 
-/// A thin pole hides what is behind it in the mirror, and nothing beside it: nobody knows how thick it is.
+/// In the mirror a thin pole hides only what is behind it, though its thickness is unknown.
 #[test]
 fn a_thin_pole_hides_no_more_than_itself() {
     in_own_process(|| {
@@ -80,11 +80,11 @@ fn a_thin_pole_hides_no_more_than_itself() {
             camera(s, looking(eye, 0.4), 0.0, reflections());
         });
         seen.save("pole", 1.0);
-        // What the mirror shows beside what stands there, in pixels.
+        // Pixels that are dark, and pixels in which the pole truly hides the wall.
         let bounds = Aabb3d::new(middle, POLE);
         let (mut dark, mut hidden) = (0, 0);
         for (_, place, light) in seen.on_plane(Vec3::ZERO, Vec3::Y) {
-            // Neither the pole itself nor what is beyond it.
+            // Excludes the pole itself and the floor beyond it.
             let Ok(direction) = Dir3::new(mirrored(eye, place)) else {
                 continue;
             };
@@ -103,7 +103,7 @@ fn a_thin_pole_hides_no_more_than_itself() {
     });
 }
 
-/// All of what stands above a mirror is in it, up to its edge.
+/// Everything above a mirror is reflected in it, up to its edge.
 #[test]
 fn mirrored_edges_have_no_gaps() {
     in_own_process(|| {

@@ -1,4 +1,4 @@
-//! Light of the last frame, where something moves or the camera does.
+//! Light of the last frame, while things or the camera move.
 
 use bevy::{mesh::skinning::SkinnedMesh, prelude::*};
 use bevy_lean_deferred::prelude::*;
@@ -35,7 +35,7 @@ fn the_frame_after_a_cut_has_no_light_of_the_one_before() {
             });
             let first = look_at_once(&mut headless);
             let second = look_at_once(&mut headless);
-            // In front of all that glows.
+            // In front of everything that glows.
             [first, second].map(|seen| {
                 let near = floor(&seen).filter(|(place, _)| place.z > 0.6);
                 near.map(|(_, light)| light).sum::<f32>()
@@ -47,7 +47,7 @@ fn the_frame_after_a_cut_has_no_light_of_the_one_before() {
     });
 }
 
-/// Three frames after a cut the mirror is as exact as ever.
+/// Three frames after a cut the mirror is as accurate as before.
 #[test]
 fn a_cut_forgets_the_last_frame() {
     in_own_process(|| {
@@ -64,11 +64,11 @@ fn a_cut_forgets_the_last_frame() {
 }
 
 const BOX: f32 = 0.4;
-/// Metres a frame.
+/// Metres per frame.
 const PACE: f32 = 0.08;
 const FRAMES: usize = 12;
 
-/// A glowing box before a floor, which mirrors it or is lit by it, and a wall, of which it uncovers more with each frame.
+/// A glowing box on a floor that mirrors it or is lit by it, in front of a wall, of which it uncovers more in each frame.
 fn moving_box(motion: bool, floor: StandardMaterial, extra: impl Bundle) -> Headless {
     build(SMALL, |s| {
         spawn_floor(s, floor, 0.0);
@@ -82,12 +82,12 @@ fn moving_box(motion: bool, floor: StandardMaterial, extra: impl Bundle) -> Head
     })
 }
 
-/// What a box sends goes with it: what it leaves behind on the floor is gone after two frames.
+/// Light of a moving box moves with it: its light on the floor behind it is gone after two frames.
 #[test]
 fn there_is_no_trail_behind_what_moves() {
     in_own_process(|| {
         type Make<'a> = &'a dyn Fn(bool) -> Headless;
-        // With how many frames a trail may be long. What is rough is also lit by where the box was when its light was kept.
+        // With the longest trail in frames. A rough floor is also lit by the box's position at which its light was kept.
         let make: [(&str, f32, Make); 3] = [
             ("mirror", 0.5, &|motion| {
                 moving_box(motion, metal(0.0), reflections())
@@ -108,7 +108,7 @@ fn there_is_no_trail_behind_what_moves() {
                 headless.frames(24);
                 let still = look(&mut headless);
                 still.save(&format!("trail_{name}_{motion}_still"), 1.0);
-                // The furthest back from the box, in frames of its way, where it is brighter than with the box at rest.
+                // The furthest distance behind the box, in frames of its motion, at which the floor is brighter than with the box at rest.
                 let right = -1.0 + FRAMES as f32 * PACE - BOX / 2.0;
                 let brighter =
                     floor(&moving)
@@ -132,7 +132,7 @@ fn there_is_no_trail_behind_what_moves() {
     });
 }
 
-/// A mirror that moves, or whose mesh does, shows what one at rest shows.
+/// A mirror that moves, or whose mesh deforms, shows the same as one at rest.
 #[test]
 fn moving_mirrors_show_what_they_show_at_rest() {
     in_own_process(|| {
@@ -179,7 +179,7 @@ fn moving_mirrors_show_what_they_show_at_rest() {
     });
 }
 
-/// A floor between glowing pillars, seen by a camera that pans to and fro for 60 frames without TAA.
+/// On a floor between glowing pillars, light stays in place while the camera pans back and forth for 60 frames without TAA.
 #[test]
 fn light_stays_where_it_is_while_the_camera_pans() {
     in_own_process(|| {
@@ -204,7 +204,7 @@ fn light_stays_where_it_is_while_the_camera_pans() {
                 camera.insert(pose(frame));
             });
             let seen = look_at_once(&mut headless);
-            // The light of the floor at each place of the last frame.
+            // Light of the floor at each position of the last frame.
             for (place, light) in floor(&last).filter(|(place, _)| is_before_pillars(*place)) {
                 if let Some(now) = light_at(&mut headless, &seen, place) {
                     differences.push(now - light);
@@ -227,8 +227,8 @@ fn light_stays_where_it_is_while_the_camera_pans() {
     });
 }
 
-/// A wall with a pattern in a floor of metal, seen by a camera that pans to and fro: at the same place of the mirror image the
-/// light is the same from frame to frame, and that of the camera at rest.
+/// A patterned wall is reflected in a metal floor, and the camera pans back and forth: the light at each position of the mirror image is
+/// constant from frame to frame, and equals that of the camera at rest.
 #[test]
 fn mirror_images_stay_where_they_are_while_the_camera_pans() {
     in_own_process(|| {
@@ -237,7 +237,7 @@ fn mirror_images_stay_where_they_are_while_the_camera_pans() {
             let from = Vec3::new(3.2 * angle.sin(), 1.1, 3.2 * angle.cos());
             looking(from, 0.35)
         };
-        // Of the wall, where neither the ball nor the box is before its mirror image.
+        // Positions on the wall's mirror image that neither the ball nor the box covers.
         let places: Vec<Vec3> = (0..24 * 24)
             .map(|i| Vec2::new((i % 24) as f32, (i / 24) as f32) / 24.0)
             .map(|at| Vec3::new(0.7 * at.x - 0.25, -(0.15 + 1.2 * at.y), -1.5))
@@ -278,7 +278,7 @@ fn mirror_images_stay_where_they_are_while_the_camera_pans() {
                 let moving = light(&mut headless, &moving);
                 differences.extend(less(&moving, &before));
                 before = moving;
-                // At rest for a while, now and then.
+                // The camera rests now and then.
                 if frame % 10 == 0 {
                     headless.frames(8);
                     let still = look(&mut headless);
@@ -299,13 +299,13 @@ fn mirror_images_stay_where_they_are_while_the_camera_pans() {
     });
 }
 
-/// On the floor in front of the pillars, which hide nothing of it.
+/// True on the floor in front of the pillars, of which they hide nothing.
 fn is_before_pillars(place: Vec3) -> bool {
     let front = 0.3 * place.x - 0.1;
     place.x.abs() < 1.2 && place.z > front && place.z < front + 0.4
 }
 
-/// Steps of a camera that goes sideways.
+/// Steps of a camera that moves sideways.
 #[derive(Resource)]
 struct Pace(Vec3);
 

@@ -1,4 +1,4 @@
-//! Reflections beside what mirrors show.
+//! Reflections against the true contents of mirrors.
 
 use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_lean_deferred::prelude::*;
@@ -64,7 +64,7 @@ fn a_rough_floor_shows_the_lobe_of_a_quad() {
     });
 }
 
-/// Around the mirror image of a bulb a floor shows its lobe, and no square of those rays that met it.
+/// Around a bulb's mirror image a floor shows the lobe, and no square of the rays that hit the bulb.
 #[test]
 fn a_rough_floor_shows_the_lobe_of_a_bulb() {
     in_own_process(|| {
@@ -83,7 +83,7 @@ fn a_rough_floor_shows_the_lobe_of_a_bulb() {
         ] {
             let (seen, found) = rough_floor_under(bulb, SIZE, roughness, |camera| {
                 camera.insert(LeanScreenSpaceReflections {
-                    // Rays that pass behind it are not to meet it.
+                    // Rays that pass behind it must miss it.
                     thickness: 0.02,
                     ..reflections()
                 });
@@ -95,7 +95,7 @@ fn a_rough_floor_shows_the_lobe_of_a_bulb() {
     });
 }
 
-/// In pictures of so many rows a ray stands for 4×4 pixels.
+/// In pictures of this many rows a ray serves 4×4 pixels.
 #[test]
 fn large_pictures_need_fewer_rays() {
     in_own_process(|| {
@@ -121,7 +121,7 @@ fn large_pictures_need_fewer_rays() {
     });
 }
 
-/// A floor of metal between what glows with `glow`, in a sky of `sky`.
+/// A metal floor between things that glow with `glow`, under a sky of `sky`.
 fn courtyard(s: &mut SceneBuilder, roughness: f32, glow: f32, sky: f32) -> Entity {
     scenes::courtyard(s, metal(roughness), surface(0.0, glow), sky, reflections())
 }
@@ -141,7 +141,7 @@ fn a_furnace_is_even() {
     });
 }
 
-/// Where what is mirrored ends, the environment goes on: nothing is brighter than both, or darker.
+/// Where reflections end, the environment continues: nothing is brighter than both, or darker.
 #[test]
 fn there_are_no_seams() {
     in_own_process(|| {
@@ -160,8 +160,7 @@ fn there_are_no_seams() {
     });
 }
 
-/// Rays that go in segments meet walls that stand at an angle to the picture, however thin these are: in a room that nothing stands in,
-/// thickness does not matter.
+/// Rays that march in segments hit walls at an angle to the picture, however thin these are: in an empty room thickness does not matter.
 #[test]
 fn rays_of_rough_floors_miss_no_walls() {
     in_own_process(|| {
@@ -195,12 +194,12 @@ fn rays_of_rough_floors_miss_no_walls() {
     });
 }
 
-/// Nothing flickers: without jitter two frames are the same.
+/// Nothing flickers: without jitter two frames are equal.
 #[test]
 fn what_is_still_stays() {
     in_own_process(|| {
         for roughness in [0.0, 0.4] {
-            // What mirrors mirror of mirrors takes a few frames.
+            // Reflections of reflections take a few frames.
             let (mut headless, _) = show(SMALL, 30, |s| {
                 courtyard(s, roughness, 1.0, 0.4);
             });
@@ -217,7 +216,7 @@ fn what_is_still_stays() {
     });
 }
 
-/// Meshes that forward draws are mirrored where the camera has their depth.
+/// Meshes that forward draws are reflected on cameras that have their depth.
 #[test]
 fn forward_meshes_are_mirrored_by_cameras_with_a_depth_prepass() {
     in_own_process(|| {

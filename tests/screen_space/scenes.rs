@@ -1,4 +1,4 @@
-//! What tests of several effects share.
+//! Scenes and helpers that tests of several effects share.
 
 use bevy::{
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
@@ -14,13 +14,13 @@ use kit::{
 
 pub const SIZE: UVec2 = UVec2::new(480, 360);
 pub const SMALL: UVec2 = UVec2::new(192, 144);
-/// As high as large pictures.
+/// As tall as large pictures.
 pub const TALL: UVec2 = UVec2::new(1440, 1440);
 
-/// Where cameras are that a test does not place.
+/// Default position of cameras.
 pub const EYE: Vec3 = Vec3::new(0.0, 1.2, 3.0);
 
-/// Up to the picture's rim.
+/// Reflections that do not fade at the picture's edge.
 pub fn reflections() -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
         edge_fade: 0.0,
@@ -28,7 +28,7 @@ pub fn reflections() -> LeanScreenSpaceReflections {
     }
 }
 
-/// Further than anything in these scenes: what bounds the march is the picture.
+/// Diffuse GI with a radius larger than these scenes: only the picture bounds the march.
 pub fn gi() -> LeanScreenSpaceGi {
     LeanScreenSpaceGi {
         radius: 100.0,
@@ -37,24 +37,24 @@ pub fn gi() -> LeanScreenSpaceGi {
     }
 }
 
-/// A large floor at this height.
+/// Spawns a large floor at this height.
 pub fn spawn_floor(s: &mut SceneBuilder, material: StandardMaterial, height: f32) -> Entity {
     let plane = Plane3d::default().mesh().size(12.0, 12.0);
     s.mesh(plane, material, Transform::from_xyz(0.0, height, 0.0))
 }
 
-/// From `eye` to what is so high above the middle of the floor.
+/// A camera at `eye` that looks at a point `height` above the middle of the floor.
 pub fn looking(eye: Vec3, height: f32) -> Transform {
     Transform::from_translation(eye).looking_at(Vec3::Y * height, Vec3::Y)
 }
 
-/// What the floor shows at each pixel that looks at its height.
+/// Position and light of the floor at each pixel whose ray meets its plane.
 pub fn floor(seen: &Seen) -> impl Iterator<Item = (Vec3, f32)> {
     let places = seen.on_plane(Vec3::ZERO, Vec3::Y);
     places.map(|(_, place, light)| (place, light))
 }
 
-/// A floor of one material between things of another, in a sky of `sky`.
+/// A floor of one material between things of another, under a sky of `sky`.
 pub fn courtyard(
     s: &mut SceneBuilder,
     floor: StandardMaterial,
@@ -78,7 +78,7 @@ pub fn courtyard(
     camera(s, from, sky, (shown, effects))
 }
 
-/// The light of the floor that is no further than its rim.
+/// Light of the floor within 10 m of its middle.
 pub fn floor_light(seen: &Seen) -> Vec<f32> {
     let near = floor(seen).filter(|(place, _)| place.xz().length() < 10.0);
     near.map(|(_, light)| light).collect()
@@ -89,12 +89,12 @@ pub fn range(light: &[f32]) -> (f32, f32) {
     (least, light.iter().copied().fold(0.0, f32::max))
 }
 
-/// The direction of what a floor mirrors to `eye` at `place`.
+/// Direction of a floor's mirror ray at `place` for a viewer at `eye`.
 pub fn mirrored(eye: Vec3, place: Vec3) -> Vec3 {
     (place - eye) * Vec3::new(1.0, -1.0, 1.0)
 }
 
-/// What glows with 1, drawn by Bevy's forward pass or by whatever the camera has.
+/// A material that glows with 1, drawn by Bevy's forward pass or by the camera's own renderer.
 pub fn glowing(forward: bool) -> StandardMaterial {
     StandardMaterial {
         opaque_render_method: if forward {
@@ -106,18 +106,18 @@ pub fn glowing(forward: bool) -> StandardMaterial {
     }
 }
 
-/// With what motion vectors take, if `motion`.
+/// Adds the components that motion vectors need, if `motion`.
 pub fn with_motion(motion: bool, camera: &mut EntityWorldMut) {
     if motion {
         camera.insert((DepthPrepass, MotionVectorPrepass));
     }
 }
 
-/// What goes by so much with each [`step`].
+/// Moves by this much in each [`step`].
 #[derive(Component)]
 pub struct Mover(pub Vec3);
 
-/// What is shown after `count` frames in each of which all movers went on.
+/// Moves all movers in each of `count` frames, and returns the last one's light.
 pub fn step(headless: &mut Headless, count: usize) -> Seen {
     let mut seen = None;
     for _ in 0..count {
@@ -131,7 +131,7 @@ pub fn step(headless: &mut Headless, count: usize) -> Seen {
     seen.expect("frames were seen")
 }
 
-/// What is shown at `place`, between four pixels. `None` beyond the rim.
+/// Light at `place`, interpolated between four pixels. `None` outside the picture.
 pub fn light_at(headless: &mut Headless, seen: &Seen, place: Vec3) -> Option<f32> {
     let world = headless.world();
     let mut cameras = world.query::<(&Camera, &GlobalTransform)>();

@@ -1,4 +1,4 @@
-//! Cameras that get and lose effects, and change them, while they are rendered.
+//! Effects that are added, removed and changed while their cameras are rendered.
 
 use bevy::{
     camera::{ScalingMode, Viewport},
@@ -46,7 +46,7 @@ fn holds_anything(headless: &mut Headless) -> bool {
         .flat_map(|(gi, reflections, history)| [gi, reflections, history]);
     let held: Vec<bool> = held.collect();
     let holds = held.contains(&true);
-    // Each that is there, or none.
+    // All three of them, or none.
     assert_eq!(
         held.iter().filter(|held| **held).count(),
         if holds { 3 } else { 0 }
@@ -88,7 +88,7 @@ fn it_comes_and_goes() {
     });
 }
 
-/// What of these effects has been asked for to be compiled.
+/// Labels of the effects' pipelines that were requested.
 fn pipelines(headless: &Headless) -> Vec<String> {
     let render_world = headless.app.sub_app(RenderApp).world();
     let pipelines = render_world.resource::<PipelineCache>().pipelines();
@@ -106,7 +106,7 @@ fn pipelines(headless: &Headless) -> Vec<String> {
         .collect()
 }
 
-/// Without the components nothing of them is compiled.
+/// Without the components nothing of the effects is compiled.
 #[test]
 fn cameras_without_compile_nothing() {
     in_own_process(|| {
@@ -127,8 +127,8 @@ fn cameras_without_compile_nothing() {
     });
 }
 
-/// However often effects are switched: frames without show what a camera shows that never had them, and those with what follows
-/// a cut, so that nothing of an older frame is in them.
+/// However often effects are switched: frames without them equal those of a camera that never had them, and frames with them equal those
+/// after a cut, so that they contain nothing of an older frame.
 #[test]
 fn pictures_do_not_depend_on_what_was_switched_before() {
     in_own_process(|| {
@@ -218,12 +218,12 @@ fn it_says_that_it_needs_a_lean_camera() {
         });
         headless.settle();
         assert!(!holds_anything(&mut headless));
-        // Once for each.
+        // Once per effect.
         assert_eq!(log_watch::messages_with("it has no LeanDeferred").len(), 2);
     });
 }
 
-/// All settings, orders of magnitude beyond what makes sense too.
+/// Settings may have any value, also orders of magnitude beyond what is useful.
 #[test]
 fn settings_may_be_anything() {
     in_own_process(|| {
@@ -278,7 +278,7 @@ fn settings_may_be_anything() {
     });
 }
 
-/// What cameras may be, one after the other, without a cut between them.
+/// Views of any kind may follow one another without a cut.
 #[test]
 fn views_may_be_anything() {
     in_own_process(|| {
@@ -316,8 +316,7 @@ fn views_may_be_anything() {
     });
 }
 
-/// The light of a view of so many rows, in the first frame that has them and when all is compiled; and how high the textures of its
-/// reflections are then.
+/// The light of a view with this many rows, in its first frame and once all is compiled, and the heights of its reflections' textures then.
 fn with_rows(headless: &mut Headless, rows: u32) -> ([Seen; 2], Vec<u32>) {
     change_cameras(headless, |camera| {
         let mut camera = camera.get_mut::<Camera>().expect("it is one");
@@ -336,7 +335,7 @@ fn with_rows(headless: &mut Headless, rows: u32) -> ([Seen; 2], Vec<u32>) {
     )
 }
 
-/// A view that grows to as many rows as make its texels larger, and shrinks again.
+/// A view grows to a number of rows at which its texels become larger, and shrinks again.
 #[test]
 fn texels_grow_and_shrink_with_the_view() {
     in_own_process(|| {
@@ -363,7 +362,7 @@ fn texels_grow_and_shrink_with_the_view() {
     });
 }
 
-/// Dispatches in passes of their own find what they find in one.
+/// Dispatches in separate passes give the same result as in one.
 #[test]
 fn timed_one_by_one_they_find_the_same() {
     in_own_process(|| {

@@ -1,4 +1,4 @@
-//! Light that scatters beneath surfaces, beside what its profile says.
+//! Subsurface scattering against its profile.
 
 use bevy::{camera::ScalingMode, prelude::*};
 use bevy_lean_deferred::prelude::*;
@@ -26,7 +26,7 @@ fn ahead(metres: f32) -> Transform {
     Transform::from_xyz(0.0, 0.0, metres)
 }
 
-/// A slab at the origin, seen from two metres.
+/// A slab at the origin, seen from 2 m.
 fn seen(path: f32, quality: SubsurfaceScatteringQuality, light: fn(Vec2) -> f32) -> Seen {
     let (_, seen) = show(SIZE, 2, |s| {
         patterned(s, slab(WHITE, path), default(), light);
@@ -54,8 +54,8 @@ fn light_leaves_beside_an_edge_as_the_profile_says() {
     });
 }
 
-/// The balls of the example `materials`: as near as a picture allows, which shows half of what lets light in. Where a mean
-/// free path is a quarter of the radius, that half is brighter than the whole.
+/// The balls of the example `materials` are as accurate as screen space allows, which shows half of the surface that light enters. At a
+/// mean free path of a quarter of the radius, that half is brighter than the whole.
 #[test]
 fn balls_are_as_the_profile_says() {
     where_light_scatters(|| {
@@ -77,7 +77,7 @@ fn balls_are_as_the_profile_says() {
     });
 }
 
-/// Slabs that are turned away by 45 and 60 degrees, with the edge along the axis they are turned about, and across it.
+/// Slabs turned away by 45 and 60 degrees, with the edge along the axis of rotation and across it.
 #[test]
 fn it_does_so_on_surfaces_that_are_turned_away() {
     where_light_scatters(|| {
@@ -136,7 +136,7 @@ fn even_light_stays_as_it_is() {
     });
 }
 
-/// All of a spot's light leaves.
+/// The sum of a spot's light is preserved.
 #[test]
 fn a_spot_keeps_its_sum() {
     where_light_scatters(|| {
@@ -152,7 +152,7 @@ fn a_spot_keeps_its_sum() {
     });
 }
 
-/// From twice as far, with twice the path, on a slab twice as large.
+/// From twice the distance, with twice the path, on a slab twice as large, the result is the same.
 #[test]
 fn distance_does_not_matter() {
     where_light_scatters(|| {
@@ -172,7 +172,7 @@ fn distance_does_not_matter() {
     });
 }
 
-/// One slab far behind another, in paths, of which only one lets light in.
+/// Of two slabs far apart in paths, one behind the other, only one is lit: no light bleeds onto the other.
 #[test]
 fn nothing_bleeds_from_slab_to_slab() {
     where_light_scatters(|| {
@@ -199,7 +199,7 @@ fn nothing_bleeds_from_slab_to_slab() {
     });
 }
 
-/// Slabs beside one another, of which one scatters as far as the other but is another material, and one does not scatter.
+/// No light bleeds from a lit slab onto an adjacent dark one of another material.
 #[test]
 fn nothing_bleeds_onto_another_material() {
     where_light_scatters(|| {

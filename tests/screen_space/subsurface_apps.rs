@@ -1,4 +1,4 @@
-//! Light that scatters beneath surfaces, in apps: what comes and goes, what stands beside it, and views of all kinds.
+//! Subsurface scattering in apps: changes at run time, neighbouring surfaces, and views of all kinds.
 
 use bevy::{
     camera::{ScalingMode, Viewport},
@@ -23,7 +23,7 @@ use SubsurfaceScatteringQuality::{High, Low, Off};
 
 const SIZE: UVec2 = UVec2::new(160, 96);
 const PATH: f32 = 0.08;
-/// A view keeps what none of its meshes needs any more for so many frames.
+/// Frames after which a view releases what none of its meshes needs.
 const LINGERING: usize = 125;
 
 fn ahead() -> Transform {
@@ -72,7 +72,7 @@ fn most_off(a: &Seen, b: &Seen) -> f32 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// Without a visible material that asks for it nothing is held; and what was held is given back.
+/// Resources exist only while a visible material needs them, and are released after that.
 #[test]
 fn it_is_there_while_something_needs_it() {
     where_light_scatters(|| {
@@ -108,7 +108,7 @@ fn it_is_there_while_something_needs_it() {
     });
 }
 
-/// In each frame, in both ways; it shows one picture or the other.
+/// Scattering may be switched either way in every frame; each frame shows one picture or the other.
 #[test]
 fn it_may_be_switched_in_every_frame() {
     where_light_scatters(|| {
@@ -131,7 +131,7 @@ fn it_may_be_switched_in_every_frame() {
     });
 }
 
-/// Tiles that a lit slab has left do not shine on a dark one beside them.
+/// Tiles that a lit slab has left add no light to a dark slab beside them.
 #[test]
 fn what_moves_leaves_nothing_behind() {
     where_light_scatters(|| {
@@ -158,7 +158,7 @@ fn what_moves_leaves_nothing_behind() {
     });
 }
 
-/// Even light stays, whatever the base colour is; a base colour that is applied before light scatters gets soft.
+/// Uniform light is unchanged whatever the base colour is; a base colour that is applied before scattering is blurred.
 #[test]
 fn textures_stay_sharp_where_albedo_comes_after() {
     where_light_scatters(|| {
@@ -182,7 +182,7 @@ fn textures_stay_sharp_where_albedo_comes_after() {
     });
 }
 
-/// Fog is between the surface and the viewer: it takes its part of light that has scattered.
+/// Fog is between the surface and the viewer: it attenuates scattered light too.
 #[test]
 fn fog_comes_after() {
     where_light_scatters(|| {
@@ -203,7 +203,7 @@ fn fog_comes_after() {
             });
             seen
         };
-        // What fog adds, and with what it leaves.
+        // Light of the fog alone, and with what it leaves of full light.
         let [adds, full] = [picture(true, Off, |_| 0.0), picture(true, Off, |_| 1.0)];
         let [on, fog_on] = [false, true].map(|fog| picture(fog, High, step));
         let texels = |seen: &Seen| seen.light.texels.clone();
@@ -220,7 +220,7 @@ fn fog_comes_after() {
     });
 }
 
-/// Coats, rims and mirrors beside a slab show what they show without it.
+/// Coats, rims and mirrors beside a slab are unchanged.
 #[test]
 fn other_surfaces_stay_as_they_are() {
     where_light_scatters(|| {
@@ -253,7 +253,7 @@ fn other_surfaces_stay_as_they_are() {
     });
 }
 
-/// Each of many materials scatters as far as it says: all paths that there are codes of, one slab each.
+/// Each of many materials scatters by its own path: all path codes, one slab each.
 #[test]
 fn materials_keep_their_paths() {
     where_light_scatters(|| {
@@ -292,13 +292,13 @@ fn materials_keep_their_paths() {
             let most = own.map(|(pixel, _, light)| (all.at(pixel) - light).abs());
             let most = most.fold(0.0, f32::max);
             println!("path {:.5}: {most:.4}", paths[i]);
-            // A coarse texel is of one slab only: paths of more pixels suffer from that.
+            // A coarse texel belongs to one slab only, which makes paths of more pixels less accurate.
             assert!(most < 4e-3);
         }
     });
 }
 
-/// Light that is no number, or as bright as numbers go, stays where it is.
+/// Light that is NaN, infinite or huge does not spread.
 #[test]
 fn hostile_light_does_not_spread() {
     where_light_scatters(|| {
@@ -369,7 +369,7 @@ fn views_and_settings_may_be_anything() {
     });
 }
 
-/// Two cameras beside one another show what each shows alone; with all that lighting writes.
+/// Two cameras side by side show what each shows alone, with all outputs of lighting.
 #[test]
 fn two_cameras_and_all_effects_at_once() {
     where_light_scatters(|| {

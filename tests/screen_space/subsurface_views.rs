@@ -1,4 +1,4 @@
-//! Light that scatters beneath surfaces: what of the picture that is, and how it is seen.
+//! Subsurface scattering: the light that it affects, and the views in which it is seen.
 
 use bevy::{camera::Viewport, prelude::*};
 use bevy_lean_deferred::prelude::*;
@@ -33,7 +33,7 @@ fn lamp(s: &mut SceneBuilder, place: Vec3) {
     s.spawn((light, Transform::from_translation(place)));
 }
 
-/// All channels of two pictures, side by side.
+/// All channels of two pictures, in pairs.
 fn channels<'a>(a: &'a Seen, b: &'a Seen) -> impl Iterator<Item = (f32, f32)> + use<'a> {
     let texels = a.light.texels.iter().flatten();
     texels
@@ -47,8 +47,8 @@ fn most_off(a: &Seen, b: &Seen) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// The highlight of a lamp over an edge of dark and white: what reflectance adds to the picture is the same with scattering as
-/// without, while what is diffuse gets soft.
+/// The highlight of a lamp over an edge between dark and white: reflectance adds the same to the picture with scattering as without, while
+/// diffuse light is blurred.
 #[test]
 fn highlights_stay_sharp() {
     where_light_scatters(|| {
@@ -72,7 +72,7 @@ fn highlights_stay_sharp() {
         };
         let (before, after) = (specular(&off), specular(&on));
         let brightest = before.iter().copied().fold(0.0, f32::max);
-        // Half floats of the picture, in which it is the difference of two.
+        // Rounding of the pictures' half floats, of which the highlight is a difference.
         let rounding = |i: usize| {
             on[1].light.texels[i / 4][i % 4].max(off[1].light.texels[i / 4][i % 4]) / 1024.0
         };
@@ -87,7 +87,8 @@ fn highlights_stay_sharp() {
     });
 }
 
-/// The edge of light on a slab, by fields of view from afar and near, in small and large pictures, and in a part of one.
+/// The edge of light on a slab is correct for several fields of view, from afar and near, in small and large pictures, and in a part of
+/// one.
 #[test]
 fn the_edge_is_right_in_any_view() {
     where_light_scatters(|| {
@@ -129,7 +130,7 @@ fn the_edge_is_right_in_any_view() {
 }
 
 const BALL: f32 = 0.35;
-/// Half of the size of hairs, and where they are: of about half a pixel, about the middle of one, of one and of two.
+/// Half sizes and positions of hairs: about half a pixel wide and centred in one, one pixel wide, and two pixels wide.
 const HAIRS: [(Vec3, Vec3); 4] = [
     (Vec3::new(0.002, 0.6, 0.002), Vec3::new(-0.6947, 0.0, 0.0)),
     (Vec3::new(0.004, 0.6, 0.004), Vec3::new(-0.55, 0.0, 0.0)),
@@ -137,7 +138,7 @@ const HAIRS: [(Vec3, Vec3); 4] = [
     (Vec3::new(0.008, 0.6, 0.008), Vec3::new(0.1, 0.0, 0.8)),
 ];
 
-/// A lit ball and hairs before a dark slab of the same material: no light leaves their outlines.
+/// A lit ball and hairs in front of a dark slab of the same material have no halo.
 #[test]
 fn outlines_have_no_halo() {
     where_light_scatters(|| {
@@ -167,7 +168,7 @@ fn outlines_have_no_halo() {
             let most = [0, 1, 2].map(|c| (after[c] - before[c]).abs());
             let most = most.into_iter().fold(0.0, f32::max);
             let hair = HAIRS.iter().position(|(half, at)| {
-                // A little more than the hair: what is a fraction of a pixel in it.
+                // Slightly larger than the hair, to include pixels that it covers in part.
                 let bounds = bevy::math::bounding::Aabb3d::new(*at, *half + 1e-4);
                 let cast = bevy::math::bounding::RayCast3d::from_ray(*ray, 100.0);
                 cast.aabb_intersection_at(&bounds).is_some()
@@ -194,8 +195,8 @@ fn outlines_have_no_halo() {
     });
 }
 
-/// Paths as long as the picture is high, bounded or not: even light stays, and an edge of it makes nothing brighter than
-/// light is or darker than none.
+/// Paths may be as long as the picture is high, bounded or not: uniform light is unchanged, and an edge makes nothing brighter than the
+/// light or darker than 0.
 #[test]
 fn paths_may_be_longer_than_the_picture() {
     where_light_scatters(|| {

@@ -1,4 +1,4 @@
-//! Who gets light: meshes that forward draws, several cameras, cameras whose components go.
+//! Receivers and sources of light: meshes that forward draws, several cameras, cameras whose components are removed.
 
 use bevy::{camera::Viewport, core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_lean_deferred::prelude::*;
@@ -13,7 +13,7 @@ use kit::{
 
 use super::scenes::{EYE, SIZE, SMALL, floor, gi, glowing, looking, reflections, spawn_floor};
 
-/// Things that glow on a floor, for one or two cameras.
+/// Solids on a metal floor, for one or two cameras side by side.
 pub fn two_views(s: &mut SceneBuilder) -> [Entity; 2] {
     spawn_floor(s, metal(0.2), 0.0);
     s.solids();
@@ -35,7 +35,7 @@ pub fn two_views(s: &mut SceneBuilder) -> [Entity; 2] {
     })
 }
 
-/// Two cameras beside one another show what each shows alone.
+/// Two cameras side by side share no history: each shows what it shows alone.
 #[test]
 fn cameras_do_not_share_their_last_frames() {
     in_own_process(|| {
@@ -64,7 +64,7 @@ fn cameras_do_not_share_their_last_frames() {
     });
 }
 
-/// Meshes that forward draws shine where the camera has their depth.
+/// Meshes that forward draws are light sources on cameras that have their depth.
 #[test]
 fn forward_meshes_shine_on_cameras_with_a_depth_prepass() {
     in_own_process(|| {
@@ -89,7 +89,7 @@ fn forward_meshes_shine_on_cameras_with_a_depth_prepass() {
     });
 }
 
-/// Once the components are gone, the picture is as before.
+/// Once the components are removed, the picture is the initial one.
 #[test]
 fn nothing_is_left_when_they_go() {
     in_own_process(|| {
@@ -115,7 +115,7 @@ fn nothing_is_left_when_they_go() {
     });
 }
 
-/// Debug views show what was found, and spoil neither the next frame's light nor the picture after them.
+/// Debug views show the gathered light, and affect neither the next frame's light nor the picture after them.
 #[test]
 fn debug_views_show_what_was_found() {
     in_own_process(|| {
@@ -144,21 +144,21 @@ fn debug_views_show_what_was_found() {
             near.map(|(_, light)| light).collect()
         };
         let mirrored = near(&picture);
-        // The floor of white metal shows all that it mirrors.
+        // The floor of white metal shows all that it reflects.
         let light = near(&shown(Some(ScreenSpaceReflectionsDebugView::Light), None));
         let (off, _) = errors(mirrored.iter().zip(&light).map(|(a, b)| a - b));
         let confidence = near(&shown(
             Some(ScreenSpaceReflectionsDebugView::Confidence),
             None,
         ));
-        // Whoever mirrors light is confident, and the other way around.
+        // Pixels that reflect light have confidence, and no others.
         let agree = mirrored
             .iter()
             .zip(&confidence)
             .filter(|(light, confidence)| (**light > 0.05) == (**confidence > 0.5));
         let agree = agree.count() as f32 / mirrored.len() as f32;
         let hits = near(&shown(Some(ScreenSpaceReflectionsDebugView::Hit), None));
-        // About three metres from the camera by way of the mirror.
+        // The path by way of the mirror is about three metres long.
         let hit = mirrored
             .iter()
             .zip(&hits)
@@ -188,7 +188,7 @@ fn debug_views_show_what_was_found() {
     });
 }
 
-/// A child of something scaled shows what others do: effects are in metres, and normals of unit length.
+/// A camera that is a child of a scaled entity shows the same: effects are in metres, and normals have unit length.
 #[test]
 fn scaled_cameras_show_what_others_do() {
     in_own_process(|| {

@@ -1,5 +1,4 @@
-//! Geometric normals from depth: the shipped WGSL on the device beside its Rust twin, and how exact they are on
-//! surfaces with known normals.
+//! Geometric normals from depth: the shipped WGSL on the device against its Rust twin, and their accuracy on surfaces with known normals.
 
 mod accuracy;
 mod scenes;
@@ -98,15 +97,15 @@ fn device_and_twin_choose_the_same_sides() {
         let [nearer, straighter, slope] = device.map(f32::from_bits);
         assert_eq!([nearer, straighter], twin, "of {input:?}");
         let expected = flatter_slope(near_a, center, near_b);
-        // A device may take the tiniest numbers for 0.
+        // A device may flush the smallest numbers to 0.
         let is_same = (slope - expected).abs() < 1e-37 || slope == expected;
         let is_nan = slope.is_nan() && expected.is_nan();
         assert!(is_same || is_nan, "of {input:?}: {slope}, {expected}");
     }
 }
 
-/// How far `normal_from_positions` may be off, in radians, only because positions are f32: the tangents are differences
-/// of positions, their product is small where they are nearly parallel.
+/// Error of `normal_from_positions`, in radians, that is due to f32 positions alone: tangents are differences of positions, and their
+/// product is small where they are nearly parallel.
 fn rounding_of_normal([cx, cy, cz, hx, hy, hz, _, vx, vy, vz, _]: [f32; 11]) -> f64 {
     let center = DVec3::new(cx.into(), cy.into(), cz.into());
     let h = DVec3::new(hx.into(), hy.into(), hz.into()) - center;
@@ -114,7 +113,7 @@ fn rounding_of_normal([cx, cy, cz, hx, hy, hz, _, vx, vy, vz, _]: [f32; 11]) -> 
     4.0 * f64::from(f32::EPSILON) * h.length() * v.length() / h.cross(v).length()
 }
 
-/// Triples of positions a pixel apart, and up to as far as a silhouette's background; some on one line.
+/// Triples of positions one pixel apart, up to the distance of a silhouette's background; some are collinear.
 fn random_positions(count: usize) -> Vec<[f32; 11]> {
     let mut random = Random::new(2);
     (0..count)
@@ -157,7 +156,7 @@ fn random_positions(count: usize) -> Vec<[f32; 11]> {
         .collect()
 }
 
-/// Positions of any three neighbouring pixels, with depths that have nothing to do with each other.
+/// Positions of three neighbouring pixels with unrelated depths.
 fn positions_of_any_depths(count: usize) -> Vec<[f32; 11]> {
     const DEPTHS: [f32; 9] = [0.0, 1e-45, 1e-30, 1e-20, 1e-7, 0.3, 0.3 + 1e-7, 0.7, 1.0];
     let mut random = Random::new(3);
@@ -265,7 +264,7 @@ fn any_depths_give_unit_normals() {
     }
 }
 
-/// Planes seen through a lens: where, and how depth changes there; with the true normal, which faces the viewer.
+/// Planes seen through a lens: a position and the slopes of depth there, with the true normal, which faces the viewer.
 fn random_planes(clip_from_view: DMat4, count: usize) -> Vec<([f32; 5], DVec3)> {
     let view_from_clip = clip_from_view.inverse();
     let scale = DVec2::new(view_from_clip.x_axis.x, view_from_clip.y_axis.y);

@@ -1,4 +1,4 @@
-//! The levels of the last frame on the device beside their twin in Rust.
+//! The levels of the last frame, on the device against their Rust twin.
 
 use bevy::{
     camera::{CameraProjection, PerspectiveProjection},
@@ -32,14 +32,14 @@ const MODULES: [WgslModule; 5] = [
 ];
 const LEVELS_WGSL: WgslModule = shipped_wgsl!("screen_space/history/levels.wgsl");
 
-/// Of the picture, the view in it, and the levels of that.
+/// Size of the picture, origin and size of the view in it, and size of the view's levels.
 const PICTURE: UVec2 = UVec2::new(150, 90);
 const ORIGIN: UVec2 = UVec2::new(5, 3);
 const VIEW: UVec2 = UVec2::new(130, 70);
 const SIZE: UVec2 = UVec2::new(192, 128);
 /// As in the shader.
 const MOST_WHITES: f32 = 1024.0;
-/// In stops, as the picture is shown: so a light of 2 is the brightest.
+/// In stops, as the picture is shown: the brightest light kept is 2.
 const SHOWN_EXPOSURE: f32 = 9.0;
 const NO_SURFACE: f32 = 65504.0;
 
@@ -50,7 +50,7 @@ const STORED_AT: [u32; 4] = [
     numbers::LEVEL_3,
 ];
 
-/// Twin of that of the shader.
+/// Twin of the shader's struct.
 #[derive(ShaderType)]
 struct View {
     view_from_pixel: Mat4,
@@ -59,14 +59,14 @@ struct View {
     units_per_metre: f32,
 }
 
-/// What the main passes have left: light, and depth in steps of 1/65535.
+/// Results of the main passes: light, and depth in steps of 1/65535.
 struct Left {
     light: Vec<[f32; 3]>,
     depth: Vec<u16>,
 }
 
 impl Left {
-    /// Of lights a quarter is hostile, and of the depths a quarter the sky's.
+    /// A quarter of the lights is hostile, and a quarter of the depths is the sky's.
     fn random(random: &mut Random) -> Self {
         let hostile = [
             f32::NAN,
@@ -99,7 +99,7 @@ impl Left {
     }
 }
 
-/// The level of the picture at a place of it. Beyond the view its last pixels go on.
+/// The first level at a position of the view. Beyond the view its last pixels are repeated.
 fn first_level(left: &Left, view: &View, place: UVec2) -> Vec4 {
     let inside = place.min(VIEW - 1);
     let pixel = ORIGIN + inside;
@@ -121,7 +121,7 @@ fn first_level(left: &Left, view: &View, place: UVec2) -> Vec4 {
     bounded.extend(distance.min(NO_SURFACE))
 }
 
-/// The mean of four texels of the level before.
+/// Mean of four texels of the previous level.
 fn mean(texels: [Vec4; 4]) -> Vec4 {
     texels.into_iter().sum::<Vec4>() / 4.0
 }
@@ -135,7 +135,7 @@ fn share(texel: Vec4) -> Vec4 {
     }
 }
 
-/// What the device has made: levels, each row by row.
+/// Levels that the device made, each row by row.
 type Levels = [Vec<Vec4>; 7];
 
 struct History {
@@ -277,7 +277,7 @@ impl History {
     }
 }
 
-/// Rounded to half floats once or twice, towards either side; the smallest may become 0.
+/// Tolerates rounding to half floats once or twice, in either direction; the smallest may become 0.
 fn assert_close(level: usize, place: UVec2, found: Vec4, expected: Vec4) {
     let off = (found - expected).abs();
     let most = 0.002 * expected.abs() + 7e-5;

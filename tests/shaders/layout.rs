@@ -1,4 +1,4 @@
-//! The bit table of the G-buffer: the shipped WGSL on the device beside its Rust twin, and what storing costs.
+//! The bit table of the G-buffer: the shipped WGSL on the device against its Rust twin, and the loss of storing.
 
 mod accuracy;
 mod ties;
@@ -17,7 +17,7 @@ const MODULE: WgslModule = shipped_wgsl!("shader_library/layout.wgsl");
 
 /// Floats of a [`Surface`], as the kernels below pass them.
 const FIELDS: usize = 10;
-/// Largest code of a channel of albedo, of its exponent, of metallic and of occlusion.
+/// Largest codes of an albedo channel, of its exponent, of metallic and of occlusion.
 const ALBEDO_CODE_MAX: u32 = 127;
 const EXPONENT_MAX: u32 = 1;
 /// The largest code of a channel of albedo up to 1/16, with exponent 0.
@@ -26,7 +26,7 @@ const METALLIC_CODE_MAX: u32 = 20;
 const OCCLUSION_CODE_MAX: u32 = 23;
 /// Largest code of an octahedral axis; the least is 1.
 const NORMAL_CODE_MAX: u32 = NORMAL_STEPS as u32 + 1;
-/// Device and twin may differ by as much in a decoded value: their `pow` and `normalize` round differently.
+/// Largest difference between device and twin in a decoded value: their `pow` and `normalize` round differently.
 const DECODE_TOLERANCE: f32 = 5e-7;
 
 const UNPACK: &str = "
@@ -94,16 +94,16 @@ fn surface(fields: [f32; FIELDS]) -> Surface {
     }
 }
 
-/// A surface word as packing makes it: with the exponent that its colour asks for.
+/// A surface word as packing makes it, with the exponent that its colour requires.
 fn surface_word([r, g, b]: [u32; 3], exponent: u32, metallic: u32, occlusion: u32) -> u32 {
     let is_dark = r.max(g).max(b) <= DARK_CODE_MAX;
     let exponent = if is_dark { EXPONENT_MAX } else { exponent };
     let rest = metallic * (OCCLUSION_CODE_MAX + 1) + occlusion;
-    // Of every other code of red the normal is the mesh's.
+    // Every other code of red marks the mesh's normal.
     r | (g << 7) | (b << 14) | (exponent << 21) | (rest << 22) | ((r % 2) << 31)
 }
 
-/// The codes of a surface word: three of albedo, its exponent, metallic, occlusion, whether the normal is the mesh's.
+/// Codes of a surface word: three of albedo, its exponent, metallic, occlusion, and the flag of the mesh's normal.
 fn surface_codes(word: u32) -> [u32; 7] {
     let rest = (word >> 22) & 0x1ff;
     let occlusions = OCCLUSION_CODE_MAX + 1;
@@ -126,14 +126,14 @@ fn normal_codes(word: u32) -> (u32, u32) {
     (word & 0xfff, (word >> 12) & 0xfff)
 }
 
-/// On the outer border of the octahedral square two codes, at its corners four, stand for one direction.
+/// False on the outer border of the octahedral square, where two codes represent one direction, and at its corners four.
 fn has_one_code(word: u32) -> bool {
     let (x, y) = normal_codes(word);
     let inside = 2..NORMAL_CODE_MAX;
     inside.contains(&x) && inside.contains(&y)
 }
 
-/// Checks that device and twin decode `words` alike, and that both give the same words back.
+/// Checks that device and twin decode `words` alike, and that both pack them again unchanged.
 fn check_round_trip(kernel: &Kernel<2, 12>, words: &[[u32; 2]]) {
     for (&word, device) in words.iter().zip(kernel.run(words)) {
         let decoded = layout::unpack(word);
@@ -209,7 +209,7 @@ fn every_code_survives_unpacking_and_packing() {
     }
 }
 
-/// Values that shaders get although they should not, and those at which a formula changes.
+/// Values that shaders should not receive, and those at which a formula changes.
 const HOSTILE: [f32; 22] = [
     f32::NAN,
     -f32::NAN,
@@ -248,7 +248,7 @@ fn hostile_surfaces() -> Vec<[f32; FIELDS]> {
     surfaces
 }
 
-/// Ordinary surfaces, among their normals axes, seams between octants, and any length.
+/// Ordinary surfaces. Their normals include axes, seams between octants, and any length.
 fn random_surfaces(count: usize) -> Vec<[f32; FIELDS]> {
     let mut random = Random::new(2);
     let mut component = |kind: usize| match kind {
@@ -338,14 +338,14 @@ fn device_and_twin_pack_alike() {
         found.len(),
         found[..found.len().min(10)].join("\n")
     );
-    // Of all fields of the words: albedo's three, metallic, occlusion, normal, roughness.
+    // Over all fields of the words: albedo's three, metallic, occlusion, normal, roughness.
     assert!(
         tie_count < inputs.len() * 7 / 1000,
         "{tie_count} ties are too many to be ties"
     );
 }
 
-/// Black, white, a 16th of it, and what materials name most are stored as they are; grey has no tint.
+/// Black, white, a 16th of it, and the most common values of materials are stored exactly; grey gets no tint.
 #[test]
 fn common_values_are_exact() {
     let stored = |albedo: Vec3, metallic, occlusion| {
@@ -372,7 +372,7 @@ fn common_values_are_exact() {
     }
 }
 
-/// From the least albedo with all digits up, a code is at most so much of the brightest channel from the next.
+/// From the smallest albedo with full precision on, the step between codes is bounded relative to the brightest channel.
 #[test]
 fn dark_albedo_is_as_fine_as_bright() {
     let mut last = 0.0;

@@ -1,4 +1,4 @@
-//! The bit tables of the optional targets: the shipped WGSL on the device beside its Rust twin, and what storing costs.
+//! The bit tables of the optional targets: the shipped WGSL on the device against its Rust twin, and the loss of storing.
 
 mod accuracy;
 mod anisotropy;
@@ -35,7 +35,7 @@ const MODULES: [WgslModule; 16] = [
     shipped_wgsl!("shading_models/unlit.wgsl"),
 ];
 
-/// For a module that only lighting imports.
+/// Replaces a module that only lighting imports.
 const fn stand_in(source: &'static str) -> WgslModule {
     WgslModule {
         path: "a stand-in",
@@ -55,7 +55,7 @@ fn kernel(input: array<u32, 4>) -> array<u32, 5> {
     return array(bits.x, bits.y, bits.z, bits.w, again);
 }";
 
-/// A unit normal that the G-buffer holds; every eighth has a z of 0, next to 0, or close to -1.
+/// A unit normal that the G-buffer stores; every eighth has a z of 0, near 0 or near -1, or has rounded components.
 fn stored_normal(random: &mut Random) -> Vec3 {
     let mut part = || random.range(-1.0, 1.0);
     let (x, y, z) = (part(), part(), part());
@@ -69,7 +69,7 @@ fn stored_normal(random: &mut Random) -> Vec3 {
     layout::unpack_normal(layout::pack_normal(normal, 0.0))
 }
 
-/// Checks that device and twin decode `words` alike, and that both give the same words back.
+/// Checks that device and twin decode `words` alike, and that both pack them again unchanged.
 fn check_round_trip(form: &Form, kernel: &Kernel<4, 5>, words: &[u32], random: &mut Random) {
     for words in words.chunks(BATCH) {
         let inputs: Vec<(u32, Vec3)> = words

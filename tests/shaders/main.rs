@@ -1,4 +1,4 @@
-//! The shipped WGSL: what it stores and computes beside its Rust twins, and that all of it composes.
+//! The shipped WGSL: its storage and results against its Rust twins, and that all of it composes.
 
 mod geometric_normal;
 mod history;

@@ -1,7 +1,6 @@
-//! Every shader of the crate composes and validates under whatever definitions Bevy and the crate may ask for.
+//! Every shader of the crate composes and validates under any definitions that Bevy and the crate may set.
 //!
-//! The imported modules are taken out of a running app, so they are what Bevy ships. Nothing is compiled for the
-//! device.
+//! The imported modules come from a running app, so they are the ones that Bevy ships. Nothing is compiled for the device.
 
 mod covering;
 mod factors;
@@ -34,7 +33,7 @@ use naga_oil::compose::{Composer, NagaModuleDescriptor, ShaderDefValue};
 
 pub type Definitions = HashMap<String, ShaderDefValue>;
 
-/// The definition that `text` stands for: a name, or a name, `=` and a number.
+/// Parses a definition: a name, or a name, `=` and a number.
 pub fn definition(text: &str) -> (String, ShaderDefValue) {
     match text.split_once('=') {
         Some((name, value)) => {
@@ -45,7 +44,7 @@ pub fn definition(text: &str) -> (String, ShaderDefValue) {
     }
 }
 
-/// The definitions of a row, with those that are `always` there.
+/// The definitions of a row, and those that are `always` set.
 fn definitions(row: &[&[&'static str]], always: &[&'static str]) -> Definitions {
     let mut defs: Definitions = row
         .iter()
@@ -55,7 +54,7 @@ fn definitions(row: &[&[&'static str]], always: &[&'static str]) -> Definitions 
         .chain(always)
         .map(|name| definition(name))
         .collect();
-    // With the optional targets comes the one that says which of them are written.
+    // Optional targets come with a definition that says which of them are written.
     if defs.keys().any(|name| name.starts_with("GBUFFER_")) {
         defs.extend([definition("GBUFFER_WRITTEN")]);
     }
@@ -78,7 +77,7 @@ fn shipped_shaders() -> &'static HashMap<String, Shader> {
     })
 }
 
-/// Puts shaders together as Bevy's `ShaderCache` does.
+/// Composes shaders as Bevy's `ShaderCache` does.
 pub struct Modules {
     composer: Composer,
     capabilities: Capabilities,
@@ -86,7 +85,7 @@ pub struct Modules {
 
 impl Modules {
     pub fn new() -> Self {
-        // What binding arrays need, beside what every device has.
+        // Capabilities that binding arrays need, in addition to those of every device.
         let capabilities = Capabilities::default()
             | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY
             | Capabilities::BUFFER_BINDING_ARRAY
@@ -185,7 +184,7 @@ fn check_lighting(storage_buffers: u32) {
     );
 }
 
-/// With as many bindings as the crate asks a device for.
+/// With as many bindings as the crate requires of a device.
 #[test]
 fn lighting_permutations_validate_on_the_least_device() {
     check_lighting(3);
@@ -284,7 +283,7 @@ fn exposure_permutations_validate() {
     }
 }
 
-/// The names in the factors and what comes with them.
+/// Names in the factors, and their implications.
 fn tried<'a>(factors: &[Factor], always: &[&'a str]) -> HashSet<&'a str> {
     factors
         .iter()
@@ -298,7 +297,7 @@ fn tried<'a>(factors: &[Factor], always: &[&'a str]) -> HashSet<&'a str> {
         .collect()
 }
 
-/// The definitions that a source names, each with what comes before it.
+/// Definitions that a source names, each with the text before it.
 fn named(source: &str) -> impl Iterator<Item = (&str, &str)> {
     let is_definition = |text: &str| {
         !text.is_empty()
@@ -306,7 +305,7 @@ fn named(source: &str) -> impl Iterator<Item = (&str, &str)> {
                 .chars()
                 .all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
     };
-    // Text between quotes is every second part.
+    // Every second part is text between quotes.
     let parts: Vec<&str> = source.split('"').collect();
     let pairs: Vec<_> = parts
         .chunks_exact(2)
@@ -317,7 +316,7 @@ fn named(source: &str) -> impl Iterator<Item = (&str, &str)> {
         .filter(move |(_, text)| is_definition(text))
 }
 
-/// Panics if `pipeline` names a definition that has not been tried.
+/// Panics if `pipeline` names a definition that is not tried.
 fn assert_all_tried(path: &str, pipeline: &str, tried: &HashSet<&str>) {
     let unknown: Vec<&str> = named(pipeline)
         .map(|(_, name)| name)
@@ -344,7 +343,7 @@ fn every_definition_of_the_exposure_shaders_is_tried() {
     assert_all_tried("key.rs", key, &tried(EXPOSURE, &["STRIDE"]));
 }
 
-/// Names of the definitions that Bevy's mesh pipeline has for any view, on any device.
+/// Names of the definitions that Bevy's mesh pipeline sets for any view, on any device.
 fn bevys_definitions() -> HashSet<String> {
     use MeshPipelineKey as Key;
     let mut headless = Headless::new(UVec2::splat(8));
@@ -377,7 +376,7 @@ fn bevys_definitions() -> HashSet<String> {
         .collect()
 }
 
-/// Whatever Bevy has, shaders read nothing of it that the view's layouts leave out.
+/// Whatever bindings Bevy has, shaders read none that the view's layouts leave out.
 #[test]
 fn bevys_bindings_that_are_left_out_are_not_read() {
     let bevys = OF_BINDINGS.map(|(name, _)| ShaderDefVal::from(name));
@@ -390,7 +389,7 @@ fn bevys_bindings_that_are_left_out_are_not_read() {
     }
 }
 
-/// Rust's side of the lighting shader takes Bevy's definitions as they are: it names none to add it by a rule of its own.
+/// The Rust side of the lighting shader passes Bevy's definitions on as they are: it names none, so it adds none by a rule of its own.
 #[test]
 fn bevys_definitions_are_tried_and_not_restated() {
     let bevys = bevys_definitions();

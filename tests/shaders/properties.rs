@@ -1,5 +1,4 @@
-//! What holds for all values, looked for a counterexample among random and hostile ones, which is then made as simple as
-//! it can be.
+//! Properties that hold for all values: random and hostile ones are searched for a counterexample, which is then simplified.
 
 mod culling;
 mod packing;

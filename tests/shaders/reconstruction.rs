@@ -1,5 +1,4 @@
-//! From depth back to positions and motion: the shipped WGSL on the device beside its Rust twin, and both beside the same
-//! in f64.
+//! From depth back to positions and motion: the shipped WGSL on the device against its Rust twin, and both against f64.
 
 use bevy::math::{DVec3, DVec4, Mat4, Quat, Vec2, Vec3, Vec4, Vec4Swizzles};
 use bevy_lean_deferred::shader_library::reconstruction::{
@@ -24,7 +23,7 @@ fn number(bits: u32) -> f32 {
 }
 ";
 
-/// The first words of `bits`, as `m`.
+/// Reads the first words of `bits` as `m`.
 const READ_MATRIX: &str = "var words = bits;
     var m: mat4x4<f32>;
     for (var i = 0u; i < 16u; i++) {
@@ -63,7 +62,7 @@ fn projections() -> Vec<(&'static str, Mat4)> {
     ]
 }
 
-/// Each as it is, and as temporal jitter makes it, with the kind that it has without.
+/// Each projection as it is and with temporal jitter, with the kind that it has without jitter.
 fn with_jitter() -> impl Iterator<Item = (String, ProjectionKind, Mat4)> {
     projections()
         .into_iter()
@@ -85,13 +84,13 @@ fn view_from_pixel(clip_from_view: Mat4) -> Mat4 {
     normalized(clip_from_view.inverse() * ndc_from_pixel)
 }
 
-/// What positions of this kind are compiled with.
+/// The definition for positions of this kind.
 fn define(kind: ProjectionKind) -> String {
     kind.shader_def()
         .map_or(String::new(), |name| format!("#define {name}"))
 }
 
-/// As a part of the largest number of `truth`.
+/// Error relative to the largest component of `truth`.
 fn relative_error(found: Vec3, truth: DVec3) -> f64 {
     (found.as_dvec3() - truth).abs().max_element() / truth.abs().max_element()
 }
@@ -130,7 +129,7 @@ fn kernel(bits: array<u32, 19>) -> array<u32, 4> {{
             .map(|p| bits(matrix.to_cols_array().into_iter().chain(p.to_array())))
             .collect();
         let exact = matrix.as_dmat4();
-        // Orthographic positions are sums of an offset and as much again.
+        // Orthographic positions are sums of an offset and a term as large.
         let reach = match kind {
             ProjectionKind::Orthographic => exact.w_axis.abs().max_element(),
             _ => 0.0,
@@ -140,7 +139,7 @@ fn kernel(bits: array<u32, 19>) -> array<u32, 4> {{
             let [x, y, z, z_alone] = device.map(f32::from_bits);
             let truth = exact.project_point3(p.as_dvec3());
             let distance = truth.abs().max_element().max(reach);
-            // Where w is a small difference of large numbers, as far away behind an oblique near plane.
+            // Digits are lost where w is a small difference of large numbers, as far behind an oblique near plane.
             let parts = exact.row(3) * p.as_dvec3().extend(1.0);
             let digits_lost = parts.abs().element_sum() / parts.element_sum().abs();
             for found in [Vec3::new(x, y, z), view_position(kind, matrix, p)] {
@@ -155,7 +154,7 @@ fn kernel(bits: array<u32, 19>) -> array<u32, 4> {{
     }
 }
 
-/// From a position to what is seen beside it.
+/// Steps from a position lead to the positions seen beside it.
 #[test]
 fn steps_lead_to_positions_beside() {
     let compute = Compute::new();
@@ -220,7 +219,7 @@ fn kernel(bits: array<u32, 22>) -> array<u32, 4> {{
     }
 }
 
-/// What no depth is at, and no number.
+/// Depths that no surface has, and NaN.
 #[test]
 fn hostile_depths_stay_what_they_are() {
     let compute = Compute::new();
@@ -306,7 +305,7 @@ fn kernel(bits: array<u32, 6>) -> array<u32, 2> {{
     }
 }
 
-/// A camera somewhere, and where it was in the frame before.
+/// Matrices of a camera, and of the same camera in the previous frame.
 struct Cameras {
     view_from_clip: Mat4,
     world_from_view: Mat4,
@@ -347,7 +346,7 @@ impl Cameras {
         .flat_map(|matrix| matrix.to_cols_array())
     }
 
-    /// Of these very matrices, and how far f32 may be off: the digits that positions lose far from the origin.
+    /// Exact motion by these very matrices, and the tolerance for f32: the digits that positions lose far from the origin.
     fn truth(&self, ndc: Vec3) -> ([f64; 2], f64) {
         let exact = |matrix: Mat4, p: DVec4| -> DVec4 { matrix.as_dmat4() * p };
         let view = exact(self.view_from_clip, ndc.as_dvec3().extend(1.0));
@@ -355,7 +354,7 @@ impl Cameras {
         let now = exact(self.clip_from_world, world);
         let before = exact(self.previous_clip_from_world, world);
         let motion = now.xy() / now.w - before.xy() / before.w;
-        // The translation of `clip_from_world` is as long as the camera is far away, and rounded like everything else.
+        // The translation of `clip_from_world` is as long as the camera's distance from the origin, and is rounded like everything else.
         let camera = self.world_from_view.w_axis.as_dvec4().xyz().length() * view.w.abs();
         let nearness = now.w.abs().min(before.w.abs());
         let lost = (world.xyz().length() + camera) / nearness * (1.0 + motion.length());

@@ -1,4 +1,4 @@
-//! Words of cells and lobes of mirrors: the shipped WGSL on the device beside its twins in Rust.
+//! Words of cells, and mirror lobes: the shipped WGSL on the device against its Rust twins.
 
 use bevy::math::{Vec2, Vec3};
 use bevy_lean_deferred::{
@@ -98,7 +98,7 @@ fn lobes_are_their_twins() {
         let [dx, dy, dz, weight, density] = output.map(f32::from_bits);
         let direction = Vec3::new(dx, dy, dz);
         largest = largest.max(direction.distance(twin.direction));
-        // On the horizon one may be above it and the other below.
+        // At the horizon one may be above it and the other below.
         if twin.direction.z.abs() > least {
             assert!((weight - twin.weight).abs() < most, "{weight}, {twin:?}");
             let ratio = density / twin.density;
@@ -112,7 +112,7 @@ fn lobes_are_their_twins() {
     assert!(largest < most, "{largest}");
 }
 
-/// The mean weight is how much of light from everywhere a rough metal sends on.
+/// The mean weight equals the directional albedo of a rough metal.
 #[test]
 fn lobes_send_on_what_the_integral_says() {
     for roughness in [0.2, 0.4, 0.6, 0.8, 1.0_f32] {

@@ -1,4 +1,4 @@
-//! The shaders of effects that find light on the screen compose under all that they may be asked for.
+//! The shaders of screen-space lighting effects compose under all definitions that they may get.
 
 use bevy::shader::Shader;
 
@@ -6,7 +6,7 @@ use super::permutations::{Definitions, Modules, definition};
 
 const PROJECTIONS: [&str; 3] = ["", "PROJECTION_PERSPECTIVE", "PROJECTION_ORTHOGRAPHIC"];
 
-/// Composes and validates a shader with each of `choices`, in all combinations.
+/// Composes and validates a shader with all combinations of `choices`.
 fn check(source: &'static str, path: &str, always: &[&str], choices: &[&[&str]]) {
     let count: usize = choices.iter().map(|choice| choice.len()).product();
     for mut number in 0..count {

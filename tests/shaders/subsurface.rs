@@ -1,4 +1,4 @@
-//! Words of light that scatters, and the shares of levels: the shipped WGSL on the device beside Rust.
+//! Words of scattered light, and the shares of levels: the shipped WGSL on the device against Rust.
 
 use bevy::math::Vec3;
 use bevy_lean_deferred::{

@@ -1,4 +1,4 @@
-//! The tiles that have special surfaces are listed, and no others.
+//! Exactly the tiles with special surfaces are listed.
 
 use std::collections::BTreeSet;
 
@@ -17,9 +17,9 @@ const MODULES: [WgslModule; 3] = [
 ];
 
 const TILE: usize = 64;
-/// Tiles that are looked at, and that the list has room for.
+/// Number of tested tiles, for which the list has room.
 const TILES: usize = 512;
-/// Clearcoat, backlight, and rim with a lightmap, after plain surfaces.
+/// Plain surfaces, clearcoat, backlight, and rim with a lightmap.
 const KINDS: [u32; 4] = [0, 4, 5, 3 + 8];
 
 const LIST_TILES: &str = "
@@ -40,7 +40,7 @@ fn main(
     }
 }";
 
-/// Leaves ones in all the memory that workgroups share.
+/// Fills a workgroup's shared memory with ones.
 const MAKE_DIRTY: &str = "
 @group(0) @binding(0) var<storage, read> kinds: array<u32>;
 @group(3) @binding(0) var<storage, read_write> dispatch: array<atomic<u32>>;
@@ -60,7 +60,7 @@ fn main(@builtin(local_invocation_index) invocation: u32) {
     }
 }";
 
-/// A pipeline that takes shared memory as it finds it, as Bevy's compute pipelines do.
+/// A pipeline that does not clear shared memory, like Bevy's compute pipelines.
 fn pipeline(
     compute: &Compute,
     layout: &wgpu::PipelineLayout,
@@ -129,7 +129,7 @@ fn buffer(device: &wgpu::Device, words: usize, usage: BufferUsages) -> wgpu::Buf
     })
 }
 
-/// The kind of each pixel: most tiles have one or two.
+/// Kind of each pixel: most tiles have one or two.
 fn random_kinds() -> Vec<u32> {
     let mut random = Random::new(5);
     (0..TILES)

@@ -1,7 +1,7 @@
-//! What Rust and WGSL both know: the layouts of structs, the numbers of bindings, and constants.
+//! Data that Rust and WGSL share: the layouts of structs, the numbers of bindings, and constants.
 //!
-//! `shipped.rs` reads all WGSL below `src`, so that nothing which a shader declares is left out: each binding, each struct that one
-//! has, and each constant of which the Rust beside it has one of the same name. What is compared is what naga makes of it.
+//! `shipped.rs` reads all WGSL below `src`, so that no declaration of a shader is left out: each binding, each struct in a binding, and
+//! each constant with a Rust constant of the same name beside it. The values compared are those that naga computes.
 
 mod bindings;
 mod constants;

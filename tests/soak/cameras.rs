@@ -1,4 +1,4 @@
-//! Changes to cameras and what they render to.
+//! Changes to cameras and their render targets.
 
 use bevy::{
     anti_alias::{fxaa::Fxaa, taa::TemporalAntiAliasing},
@@ -24,7 +24,7 @@ use crate::stage::{SIZES, STEADY, Stage};
 
 const MOST_CAMERAS: usize = 3;
 
-/// Makes one, and says which.
+/// Makes one change and returns its description.
 pub fn change(stage: &mut Stage, random: &mut Random) -> String {
     if stage.cameras.is_empty() {
         return add_camera(stage, random);
@@ -55,9 +55,9 @@ pub fn change(stage: &mut Stage, random: &mut Random) -> String {
     }
 }
 
-/// A camera that has from its beginning what Bevy 0.19.1 cannot take from a living one: without `MotionVectorPrepass` a pipeline of
-/// its background still writes that texture. What fails in Bevy on targets of a few pixels is on one that stays as it is: there Bevy
-/// binds the texture of a depth pyramid twice, to be written.
+/// Adds a camera that has from its beginning what Bevy 0.19.1 cannot remove from a live one: without `MotionVectorPrepass` a pipeline of
+/// its background still writes that texture. Components that fail in Bevy on targets of a few pixels are given to a camera whose target
+/// keeps its size: on small ones Bevy binds the texture of a depth pyramid twice for writing.
 fn add_camera(stage: &mut Stage, random: &mut Random) -> String {
     let kind = random.below(8);
     let target = if kind < 3 {
@@ -134,7 +134,7 @@ fn change_view(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
             format!("layers of a camera: {layers:?}")
         }
         6 => {
-            // Off the centre, and of another shape than the target.
+            // Off-centre, and of another shape than the target.
             let part = (random.below(2) == 0).then(|| SubCameraView {
                 full_size: UVec2::new(100, 80),
                 offset: Vec2::new(random.range(-60.0, 60.0), random.range(-60.0, 60.0)),
@@ -155,7 +155,7 @@ fn change_view(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
     }
 }
 
-/// Settings of an effect, of each kind.
+/// Changes settings of an effect, of each kind.
 fn change_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
     let values = Values {
         hostile: 6,
@@ -179,7 +179,7 @@ fn toggle_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
     }
 }
 
-/// What Bevy itself has for cameras.
+/// Changes Bevy's own components of cameras.
 fn change_bevy(stage: &mut Stage, camera: Entity, random: &mut Random) -> String {
     match random.below(10) {
         0 => toggle::<Bloom>(&mut stage.entity(camera)),

@@ -1,4 +1,4 @@
-//! Lean cameras beside twins that render forward: no mesh is lost, and no number is wrong where forward's are right.
+//! Lean cameras against twins that render forward: no mesh is lost, and light is finite wherever forward's is.
 
 use bevy::{
     camera::{Hdr, RenderTarget},
@@ -13,7 +13,7 @@ use kit::{
 
 use crate::stage::Stage;
 
-/// What Bevy may need to draw all there is: lights found on the GPU are known some frames later.
+/// Frames that Bevy may need to draw everything: lights that the GPU counts take effect some frames later.
 const FRAMES: usize = 3;
 
 fn is_lean(stage: &mut Stage, camera: Entity) -> bool {
@@ -24,7 +24,7 @@ fn is_lean(stage: &mut Stage, camera: Entity) -> bool {
     is_active && entity.get::<LeanStatus>() == Some(&LeanStatus::Lean)
 }
 
-/// Looks for numbers that are wrong in what lean cameras show; where there are any, or with `beside`, beside twins.
+/// Searches the light of lean cameras for NaN and infinities; if there are any, or with `beside`, compares them with twins.
 pub fn check(stage: &mut Stage, frame: usize, beside: bool) {
     keep_light_of_views(&mut stage.headless);
     stage.headless.settle();
@@ -40,13 +40,13 @@ pub fn check(stage: &mut Stage, frame: usize, beside: bool) {
     }
 }
 
-/// Pixels with anything that is not a finite number.
+/// Pixels with a channel that is NaN or infinite.
 fn wrong_numbers(light: &Light) -> impl Iterator<Item = usize> {
     let texels = light.texels.iter().enumerate();
     texels.filter_map(|(i, texel)| texel.iter().any(|x| !x.is_finite()).then_some(i))
 }
 
-/// Where this camera renders what, in metres⁻¹; 0 where nothing is.
+/// Depths that this camera rendered, in metres⁻¹; 0 in the background.
 fn depths(headless: &mut Headless, camera: Entity) -> Depths {
     let view = headless.world().get::<RenderEntity>(camera)?.id();
     let world = headless.app.sub_app(RenderApp).world();
@@ -71,7 +71,7 @@ fn check_beside_twin(stage: &mut Stage, camera: Entity, frame: usize) {
     };
     let forward = add_twin(stage, camera, size);
     let lean = add_twin(stage, camera, size);
-    // What forward does not: it scatters no light, and asks of layers only whether the camera has one of the light's.
+    // Disables what forward does not do: it scatters no light, and compares layers only between cameras and lights.
     stage.entity(lean).insert((
         LeanDeferred {
             light_layers: false,
@@ -103,7 +103,7 @@ fn check_beside_twin(stage: &mut Stage, camera: Entity, frame: usize) {
     }
     if let (Some(lean), Some(forward)) = (&lean_light, &forward_light) {
         let other = other_light(lean, forward);
-        // Where outlines meet bright light, a few.
+        // A few pixels may differ where outlines meet bright light.
         let allowed = 8 + lean.texels.len() / 100;
         if other.len() > allowed {
             save("lean", lean);
@@ -137,7 +137,7 @@ fn check_beside_twin(stage: &mut Stage, camera: Entity, frame: usize) {
     stage.headless.frames(1);
 }
 
-/// Cameras on one target share a texture for depth.
+/// True if no other camera shares the target, and so the depth texture.
 fn has_its_target_alone(stage: &mut Stage, camera: Entity) -> bool {
     let target_of = |stage: &mut Stage, camera| {
         let target = stage.entity(camera).get::<RenderTarget>().cloned();
@@ -150,7 +150,7 @@ fn has_its_target_alone(stage: &mut Stage, camera: Entity) -> bool {
         .all(|other| *other == camera || target_of(stage, *other) != target)
 }
 
-/// Depths of a picture, where they can be read.
+/// Size and depths of a picture, if they can be read.
 type Depths = Option<(UVec2, Vec<f32>)>;
 
 fn assert_same_depths(name: &str, lean: Depths, forward: &Depths) {
@@ -171,7 +171,7 @@ fn assert_same_depths(name: &str, lean: Depths, forward: &Depths) {
     );
 }
 
-/// A camera like this one, on a target of its own, without anything of this crate.
+/// A camera like this one on a target of its own, without this crate's components.
 fn add_twin(stage: &mut Stage, camera: Entity, size: UVec2) -> Entity {
     let target = stage.builder().add::<Image>(target_image(size));
     let twin = stage.entity(camera).clone_and_spawn();
@@ -188,7 +188,7 @@ fn add_twin(stage: &mut Stage, camera: Entity, size: UVec2) -> Entity {
         .insert((Hdr, Msaa::Off, RenderTarget::from(target)));
     if let Some(mut camera) = entity.get_mut::<Camera>() {
         camera.order = 100;
-        // Without, a new target shows whatever is there.
+        // Without clearing, a new target shows arbitrary content.
         if matches!(camera.clear_color, ClearColorConfig::None) {
             camera.clear_color = ClearColorConfig::Default;
         }
@@ -196,13 +196,13 @@ fn add_twin(stage: &mut Stage, camera: Entity, size: UVec2) -> Entity {
     twin
 }
 
-/// A picture of light, where `SOAK_PICTURES` names a folder.
+/// Saves a picture of light to the folder that `SOAK_PICTURES` names, if set.
 fn save(name: &str, light: &Light) {
     let Some(folder) = std::env::var_os("SOAK_PICTURES") else {
         return;
     };
     let texels = light.texels.iter().flatten();
-    // Bright light is to be told apart too.
+    // Compresses the range, to show bright light too.
     let rgba = texels.map(|x| ((x.max(0.0) / (1.0 + x.max(0.0))).sqrt() * 255.0) as u8);
     let picture = Picture {
         size: light.size,
@@ -211,7 +211,7 @@ fn save(name: &str, light: &Light) {
     picture.save(std::path::Path::new(&folder).join(format!("{name}.png")));
 }
 
-/// Pixels whose light is not near forward's, where that is a number.
+/// Pixels whose light differs from forward's, where that is finite.
 fn other_light(lean: &Light, forward: &Light) -> Vec<usize> {
     let pairs = lean.texels.iter().zip(&forward.texels).enumerate();
     let other = pairs.filter(|(_, (lean, forward))| {

@@ -1,4 +1,4 @@
-//! What is alive on the GPU when nothing is shown any more.
+//! Live GPU resources once nothing is shown.
 
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
@@ -6,10 +6,11 @@ use kit::held::Held;
 
 use crate::stage::{SIZES, Stage};
 
-/// Panics if the last epoch left more than the first half of them, in which Bevy's buffers reach their sizes. Now and then Bevy alone
-/// keeps views of a shadow map whose light went in an unlucky frame (four of them with one texture, in the seven epochs of
-/// seeds 31 and 32), and buffers of views that are gone: seed 1 has 83 after 256 frames and 249 after 384; and memory: 8 MiB from one half of seed 3's frames 640 to 768 to the other. It does not give back bind
-/// groups, so those are for [`left_by`], and it keeps each pipeline that it made.
+/// Panics if the last epoch left more than the first half of them, in which Bevy's buffers reach their sizes. The allowances are for what
+/// Bevy alone sometimes keeps: views of a shadow map whose light was removed in an unlucky frame (four of them with one texture, in the
+/// seven epochs of seeds 31 and 32); buffers of views that are gone (seed 1 has 83 after 256 frames and 249 after 384); and memory (8 MiB
+/// from one half of seed 3's frames 640 to 768 to the other). Bevy does not release bind groups, which [`left_by`] compares, and it keeps
+/// each pipeline that it made.
 pub fn assert_it_does_not_climb(held: &[Held]) {
     let (first_half, rest) = held.split_at(held.len().div_ceil(2));
     let Some(last) = rest.last() else {
@@ -25,7 +26,7 @@ pub fn assert_it_does_not_climb(held: &[Held]) {
     assert!(!climbs, "{held:?}");
 }
 
-/// What may come and go again.
+/// Things that are added and removed again and again.
 #[derive(Clone, Copy, Debug)]
 pub enum Coming {
     Camera,
@@ -83,7 +84,7 @@ fn come_and_go(stage: &mut Stage, what: Coming, turn: usize) {
     stage.headless.frames(3);
 }
 
-/// All that this crate has for cameras, but what leaves no trace: occlusion is a part of diffuse GI.
+/// Gives a camera all of this crate's components, except occlusion, which is a part of diffuse GI and leaves no trace.
 fn give_all(stage: &mut Stage, camera: Entity) {
     if stage.is_lean {
         stage.entity(camera).insert((
@@ -95,7 +96,7 @@ fn give_all(stage: &mut Stage, camera: Entity) {
     }
 }
 
-/// What is alive after twelve turns more that was not before.
+/// Growth of the live resources over twelve further turns.
 pub fn left_by(what: Coming, is_lean: bool) -> Held {
     let mut stage = Stage::new(is_lean, true);
     let camera = stage.cameras[0];

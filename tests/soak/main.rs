@@ -1,8 +1,7 @@
-//! Apps that change at random for as long as one likes: nothing fails, no mesh is lost, no number is wrong, and nothing is held for
-//! ever.
+//! Apps that change at random for any length of time: nothing fails, no mesh is lost, no light becomes NaN, and resources do not pile up.
 //!
-//! A run follows from its seed and the number of its frame alone, so frames can be left out: that is how a run that fails is
-//! shrunk. See [`run`] for what the environment may ask for.
+//! A run depends only on its seed and the numbers of its frames, so frames can be left out: failing runs are shrunk that way. See [`run`]
+//! for the environment variables.
 
 mod cameras;
 mod checks;
@@ -16,7 +15,7 @@ use held::{Coming, left_by};
 use kit::own_process::{in_own_process, in_own_processes};
 use run::{FRAMES, Run, legs, run};
 
-/// Seeds that every run of the tests has. One of them compiles shaders while frames go on, as apps do.
+/// Seeds of every test run. One of them compiles shaders while frames run, as apps do.
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 fn check(seed: u64) {
@@ -38,15 +37,15 @@ fn third_seed() {
     in_own_processes(FRAMES, legs(), || check(SEEDS[2]));
 }
 
-/// Bevy 0.19.1 never gives back the bind groups that it made for the phases of a view: 30 for a camera, 16 for a light with shadows.
-/// Lean cameras with all effects leave no more than that, whatever comes and goes.
+/// Bevy 0.19.1 never releases the bind groups that it made for the phases of a view: 30 per camera, 16 per light with shadows. Lean cameras
+/// with all effects leave no more than that, whatever is added and removed.
 #[test]
 fn what_comes_and_goes_leaves_what_bevy_leaves() {
     in_own_process(|| {
         for what in Coming::ALL {
             let [forward, mut lean] = [false, true].map(|is_lean| left_by(what, is_lean));
             println!("{what:?}: {forward:?}, lean {lean:?}");
-            // Where buffers for all of the app lie is chance, and with it what is kept of their blocks.
+            // The placement of app-wide buffers is random, and so is the memory kept for their blocks.
             assert!(lean.bytes <= forward.bytes + BYTES_OF_CHANCE, "{what:?}");
             lean.bytes = forward.bytes;
             assert_eq!(forward, lean, "{what:?}");
@@ -54,10 +53,10 @@ fn what_comes_and_goes_leaves_what_bevy_leaves() {
     });
 }
 
-/// Less than a texture of the smallest target that comes and goes.
+/// Less than a texture of the smallest target that is added and removed.
 const BYTES_OF_CHANCE: usize = 4096;
 
-/// `SOAK_SEED=7 cargo test --test soak shrink -- --ignored`: runs a seed, and where it fails finds few frames that make it fail.
+/// `SOAK_SEED=7 cargo test --test soak shrink -- --ignored`: runs a seed and, if it fails, searches for few frames that make it fail.
 #[test]
 #[ignore = "by hand, for a seed that fails"]
 fn shrink() {

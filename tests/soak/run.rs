@@ -1,4 +1,4 @@
-//! One run, and how it is shrunk.
+//! A run, and its shrinking.
 
 use std::{
     ops::Range,
@@ -9,20 +9,20 @@ use kit::{held::Held, held_back::HeldBack, log_watch, random::Random};
 
 use crate::{cameras, checks, held::assert_it_does_not_climb, scene, stage::Stage, surroundings};
 
-/// Numbers are looked at each so many frames.
+/// Frames between two checks for NaN and infinities.
 const NUMBERS: usize = 16;
-/// And beside forward, mesh by mesh.
+/// Frames between two comparisons with forward, mesh by mesh.
 const TWINS: usize = 64;
-/// All goes, and begins anew.
+/// Frames after which everything is removed and created again.
 const EPOCH: usize = 64;
-/// So many frames share a process: llvmpipe keeps up to 35 MB of each until the process ends. Two epochs, so that the second shows what
-/// the first has left.
+/// Frames per process: llvmpipe keeps up to 35 MB of each until the process ends. Two epochs, so that the second shows what the first has
+/// left.
 const LEG: usize = 2 * EPOCH;
 
-/// Which frames the environment asks for: `500`, or `128..256`.
+/// Names the requested frames: `500`, or `128..256`.
 pub const FRAMES: &str = "SOAK_FRAMES";
 
-/// What the environment may say: `SOAK_SEED`, [`SOAK_FRAMES`](FRAMES) (500), `SOAK_ONLY` (numbers of frames that change anything,
+/// Settings from the environment: `SOAK_SEED`, [`SOAK_FRAMES`](FRAMES) (500), `SOAK_ONLY` (numbers of frames that change anything,
 /// separated by commas), `SOAK_FORWARD` (Bevy alone), `SOAK_VERBOSE` (each change is printed).
 pub struct Run {
     pub seed: u64,
@@ -54,7 +54,7 @@ fn text(frames: &Range<usize>) -> String {
     format!("{}..{}", frames.start, frames.end)
 }
 
-/// The frames that are asked for, in parts for a process each. They are independent: each begins anew.
+/// The requested frames in parts, each for a process of its own. The parts are independent: each starts from the beginning.
 pub fn legs() -> impl Iterator<Item = String> {
     legs_of(frames()).map(|leg| text(&leg))
 }
@@ -123,7 +123,7 @@ pub fn run(run: &Run) {
     log_watch::assert_validation_layer_silent();
 }
 
-/// Whether a run with changes in these frames fails, in a process of its own.
+/// True if a run with changes in these frames fails, in a process of its own.
 fn fails(seed: u64, frames: &Range<usize>, only: &[usize], is_lean: bool) -> bool {
     let only: Vec<String> = only.iter().map(usize::to_string).collect();
     let mut command = Command::new(std::env::current_exe().expect("a test is a program"));
@@ -140,7 +140,7 @@ fn fails(seed: u64, frames: &Range<usize>, only: &[usize], is_lean: bool) -> boo
     !command.status().expect("it runs again").success()
 }
 
-/// Leaves out ever smaller parts of the frames as long as the run fails (Zeller and Hildebrandt 2002, "Simplifying and Isolating
+/// Removes ever smaller parts of the frames while the run still fails (Zeller and Hildebrandt 2002, "Simplifying and Isolating
 /// Failure-Inducing Input").
 pub fn shrink(seed: u64) {
     let run = Run::of_environment(seed);
@@ -157,7 +157,7 @@ pub fn shrink(seed: u64) {
         return;
     };
     let mut only = changing(&frames);
-    // The first frame after which it fails.
+    // Searches the first frame after which it fails.
     let mut fine = frames.start;
     while fine + 1 < frames.end {
         let middle = fine.midpoint(frames.end);

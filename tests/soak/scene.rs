@@ -21,8 +21,8 @@ use crate::stage::Stage;
 const MOST_MESHES: usize = 16;
 const MOST_LIGHTS: usize = 8;
 
-/// What stays as it is in materials: numbers of loops, what each value of compiles another pipeline, and explicit `Deferred`, for which
-/// Bevy 0.19.1 panics on cameras that have another prepass than `DeferredPrepass` (`queue_prepass_material_meshes`).
+/// Fields of materials that never change: loop counts, values that each compile another pipeline, and explicit `Deferred`, for which Bevy
+/// 0.19.1 panics on cameras that have another prepass than `DeferredPrepass` (`queue_prepass_material_meshes`).
 const KEPT: [&str; 5] = [
     "opaque_render_method",
     "max_parallax_layer_count",
@@ -35,7 +35,7 @@ fn one_of<T: Copy>(random: &mut Random, list: &[T]) -> Option<T> {
     (!list.is_empty()).then(|| list[random.below(list.len())])
 }
 
-/// Makes one, and says which.
+/// Makes one change and returns its description.
 pub fn change(stage: &mut Stage, random: &mut Random) -> String {
     match random.below(20) {
         0..3 => spawn_mesh(stage, random),
@@ -56,7 +56,7 @@ fn transform(random: &mut Random) -> Transform {
     Transform::from_translation(place).with_rotation(turn)
 }
 
-/// A shape, perhaps one that nobody would make on purpose, and what it is.
+/// A random shape, sometimes flawed on purpose, and its description.
 fn mesh(random: &mut Random) -> (Mesh, String) {
     let (shape, flaw) = (random.below(5), random.below(12));
     let mut mesh: Mesh = match shape {
@@ -79,11 +79,11 @@ fn mesh(random: &mut Random) -> (Mesh, String) {
                 }
             }
         }
-        // Ever larger ones lie elsewhere with each driver: their corners are all that is exact.
+        // Drivers place even larger ones differently: only their corners are exact.
         4 => mesh = mesh.scaled_by(Vec3::splat(1e4)),
         5 => {
             mesh = mesh.scaled_by(Vec3::new(1.0, 0.0, 1.0));
-            // Else some are of no length, and what forward makes of those is up to the driver.
+            // Otherwise some have no length, and forward's result for those depends on the driver.
             let normals = vec![[0.0, 1.0, 0.0]; mesh.count_vertices()];
             mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
         }
@@ -99,7 +99,7 @@ fn mesh(random: &mut Random) -> (Mesh, String) {
             .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, Vec::<[f32; 3]>::new())
             .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, Vec::<[f32; 3]>::new())
         }
-        // Lightmaps want these.
+        // Lightmaps need these.
         8 | 9 => {
             if let Some(uvs) = mesh.attribute(Mesh::ATTRIBUTE_UV_0).cloned() {
                 mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs);
@@ -130,8 +130,8 @@ fn standard_material(stage: &Stage, random: &mut Random) -> StandardMaterial {
     if random.below(6) == 0 {
         material.opaque_render_method = OpaqueRendererMethod::Forward;
     }
-    // With binding arrays Bevy 0.19.1 alone now and then draws a new material with the numbers of one that is gone. Of these two
-    // G-buffers know by what the app says.
+    // With binding arrays Bevy 0.19.1 alone sometimes draws a new material with the values of a removed one. For these two the G-buffer
+    // follows the app's values, so it would differ from forward.
     if material_uses_bindless_resources::<StandardMaterial>(stage.headless.device()) {
         material.specular_transmission = 0.0;
         material.diffuse_transmission = 0.0;
@@ -217,7 +217,7 @@ fn change_mesh(stage: &mut Stage, random: &mut Random) -> String {
             format!("another shape ({what})")
         }
         1 => {
-            // In place.
+            // Replaces the mesh in place.
             let handle = stage.entity(entity).get::<Mesh3d>().map(|m| m.0.clone());
             if let Some(handle) = handle {
                 let mut meshes = stage.world().resource_mut::<Assets<Mesh>>();
@@ -277,7 +277,7 @@ fn change_material(stage: &mut Stage, random: &mut Random) -> String {
     if random.below(3) == 0 {
         return set_material(stage, entity, random);
     }
-    // In place.
+    // Changes the material in place.
     let images = stage.images.clone();
     let entity = stage.entity(entity);
     let standard = entity.get::<MeshMaterial3d<StandardMaterial>>();
@@ -373,7 +373,7 @@ fn change_light(stage: &mut Stage, random: &mut Random) -> String {
     let values = Values {
         hostile: 12,
         images: &[],
-        // Without, surfaces shadow themselves, and where depends on the last bits of the normal.
+        // Without these surfaces shadow themselves, at places that depend on the last bits of the normal.
         kept: &["shadow_depth_bias", "shadow_normal_bias"],
     };
     let mut entity = stage.entity(light);

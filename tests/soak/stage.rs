@@ -1,4 +1,4 @@
-//! What there is, and how it begins.
+//! Content of the app, and its initial state.
 
 use bevy::{
     camera::{Camera3dDepthTextureUsage, RenderTarget},
@@ -21,21 +21,21 @@ pub const SIZES: [UVec2; 5] = [
     UVec2::new(1, 1),
 ];
 
-/// Which target keeps its size.
+/// Index of the target that keeps its size.
 pub const STEADY: usize = 2;
 
 pub struct Stage {
     pub headless: Headless,
-    /// Cameras have effects of this crate.
+    /// True if cameras have effects of this crate.
     pub is_lean: bool,
     pub meshes: Vec<Entity>,
     pub lights: Vec<Entity>,
     pub cameras: Vec<Entity>,
     /// Probes, decals, and meshes with joints or morph targets.
     pub surroundings: Vec<Entity>,
-    /// What cameras render to, and how large each is.
+    /// Render targets of cameras, and their sizes.
     pub targets: Vec<(Handle<Image>, UVec2)>,
-    /// For materials.
+    /// Images for materials.
     pub images: Vec<Handle<Image>>,
 }
 
@@ -84,7 +84,7 @@ impl Stage {
         self.world().entity_mut(entity)
     }
 
-    /// Solids, a sun, a camera.
+    /// Spawns solids, a sun and a camera.
     pub fn fill(&mut self) {
         self.builder().solids();
         let mut meshes = self.world().query_filtered::<Entity, With<Mesh3d>>();
@@ -133,20 +133,19 @@ impl Stage {
         self.cameras.push(camera);
     }
 
-    /// Whether a camera's target keeps its size.
+    /// True if a camera's target keeps its size.
     pub fn is_steady(&mut self, camera: Entity) -> bool {
         let steady = self.targets[STEADY].0.clone();
         let target = self.entity(camera).get::<RenderTarget>().cloned();
         target.is_some_and(|target| target.as_image() == Some(&steady))
     }
 
-    /// Gives a target another size.
     pub fn resize(&mut self, target: usize, size: UVec2) {
         self.targets[target].1 = size;
         let handle = self.targets[target].0.clone();
         let mut images = self.world().resource_mut::<Assets<Image>>();
         _ = images.insert(&handle, target_image(size));
-        // Bevy does not see a target of another size by itself.
+        // Bevy does not notice a resized target by itself.
         for camera in self.cameras.clone() {
             if let Some(mut projection) = self.entity(camera).get_mut::<Projection>() {
                 projection.set_changed();

@@ -1,4 +1,4 @@
-//! Changes to what is around meshes: textures, light probes, decals, joints and morph weights.
+//! Changes to the surroundings of meshes: textures, light probes, decals, joints and morph weights.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -16,7 +16,7 @@ use crate::stage::Stage;
 
 const MOST: usize = 6;
 
-/// Makes one, and says which.
+/// Makes one change and returns its description.
 pub fn change(stage: &mut Stage, random: &mut Random) -> String {
     match random.below(12) {
         0..4 => change_image(stage, random),
@@ -29,7 +29,7 @@ pub fn change(stage: &mut Stage, random: &mut Random) -> String {
     }
 }
 
-/// Other texels, or another size, for an image that materials have.
+/// Changes the texels or the size of an image that materials have.
 fn change_image(stage: &mut Stage, random: &mut Random) -> String {
     let handle = stage.images[random.below(stage.images.len())].clone();
     let side = [1, 3, 8, 64][random.below(4)];
@@ -79,7 +79,8 @@ fn spawn_probe(stage: &mut Stage, random: &mut Random) -> String {
     format!("a probe of {intensity} comes, volume: {is_volume}")
 }
 
-/// The only one: which of two lies on top is chance in Bevy 0.19.1, whose clusters list them in whatever order the GPU comes to them.
+/// Replaces any other decal: which of two lies on top is random in Bevy 0.19.1, whose clusters list them in the order in which the GPU
+/// reaches them.
 fn spawn_decal(stage: &mut Stage, random: &mut Random) -> String {
     let world = stage.headless.world();
     let mut decals = world.query_filtered::<Entity, With<ClusteredDecal>>();

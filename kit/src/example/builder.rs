@@ -30,7 +30,7 @@ impl Builder<'_, '_> {
         ))
     }
 
-    /// A box between two corners.
+    /// Spawns a box between two corners.
     pub fn add_box(
         &mut self,
         material: &Handle<StandardMaterial>,

@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-/// Reads the name of one of `all`, as [`name`] writes it.
+/// Parses one of `all` from its [`name`].
 pub fn parse<T: Copy + Debug>(all: &[T], text: &str) -> Result<T, String> {
     let wanted = text.to_lowercase();
     all.iter()
@@ -14,7 +14,7 @@ pub fn parse<T: Copy + Debug>(all: &[T], text: &str) -> Result<T, String> {
         })
 }
 
-/// `GeometricNormal` is `geometric-normal` on the command line.
+/// Kebab case: `GeometricNormal` becomes `geometric-normal`.
 fn name(choice: &impl Debug) -> String {
     let mut name = String::new();
     for letter in format!("{choice:?}").chars() {
@@ -26,13 +26,13 @@ fn name(choice: &impl Debug) -> String {
     name
 }
 
-/// The one after `current`; after the last, the first.
+/// The choice after `current`, wrapping around.
 pub fn next<T: Copy + PartialEq>(all: &[T], current: T) -> T {
     let index = all.iter().position(|x| *x == current).unwrap_or(0);
     all[(index + 1) % all.len()]
 }
 
-/// None, then each of `all`, then none again.
+/// The choice after `current` in the cycle of none and each of `all`.
 pub fn next_or_none<T: Copy + PartialEq>(all: &[T], current: Option<T>) -> Option<T> {
     let index = match current {
         None => 0,

@@ -1,4 +1,4 @@
-//! Files that are dropped onto the window.
+//! Files dropped onto the window.
 
 use bevy::{
     asset::RecursiveDependencyLoadState,
@@ -11,8 +11,8 @@ use bevy_panorbit_camera::PanOrbitCamera;
 
 use super::model::{self, LoadingModel, ModelPath, ShownModel, Viewpoint};
 
-/// Opens the glTF file that is dropped onto a window, and shows it in the place of every [`ShownModel`]. A file that cannot be
-/// shown leaves those as they are; [`DropMessage`] says why.
+/// Opens a glTF file dropped onto a window and shows it in place of every [`ShownModel`]. A file that cannot be shown leaves the old model
+/// in place; [`DropMessage`] says why.
 pub struct DroppedModelPlugin;
 
 impl Plugin for DroppedModelPlugin {
@@ -22,18 +22,18 @@ impl Plugin for DroppedModelPlugin {
     }
 }
 
-/// What is to be said of the file that was dropped last, none once it is shown.
+/// Message about the last dropped file; none once it is shown.
 #[derive(Resource, Default)]
 pub struct DropMessage(pub Option<String>);
 
-/// It is loading, while the old model is still shown.
+/// A dropped file that is loading, while the old model is still shown.
 #[derive(Resource)]
 struct Dropped {
     path: String,
     scene: Handle<WorldAsset>,
 }
 
-/// For how many frames it has been there, while its meshes have no bounds to frame yet.
+/// Frames since the new model was spawned, while its meshes have no bounds to frame yet.
 #[derive(Resource, Default)]
 struct Unframed(u32);
 
@@ -89,13 +89,13 @@ fn show_loaded(
         commands.entity(model).despawn();
     }
     commands.spawn((ShownModel, WorldAssetRoot(scene.clone())));
-    // What was to be framed before is gone.
+    // The earlier model, which was still to be framed, is gone.
     commands.remove_resource::<LoadingModel>();
     commands.insert_resource(ModelPath(Some(dropped.path.clone())));
     commands.init_resource::<Unframed>();
 }
 
-/// Whether something in it can be seen.
+/// True if the scene contains a mesh entity.
 fn holds_mesh(scene: &WorldAsset) -> bool {
     let world = &scene.world;
     world.component_id::<Mesh3d>().is_some_and(|mesh| {
@@ -104,7 +104,7 @@ fn holds_mesh(scene: &WorldAsset) -> bool {
     })
 }
 
-/// Stands the camera before what is shown now. Where it has no bounds, the camera stays.
+/// Frames the shown model with the camera. Without bounds the camera stays.
 fn frame_shown(
     mut commands: Commands,
     unframed: Option<ResMut<Unframed>>,

@@ -1,9 +1,9 @@
-//! Frame times, and what they come to.
+//! Frame times and their statistics.
 
 use core::fmt::{Display, Formatter, Result};
 use core::mem;
 
-/// Times of frames in milliseconds.
+/// Frame times in milliseconds.
 #[derive(Clone, Debug, Default)]
 pub struct FrameTimes(Vec<f64>);
 
@@ -12,7 +12,7 @@ impl FrameTimes {
         self.0.iter().sum::<f64>() / self.0.len() as f64
     }
 
-    /// The time that so great a share of the frames does not exceed, by the nearest rank.
+    /// Nearest-rank percentile: the time that `share` of the frames do not exceed.
     fn percentile(&self, share: f64) -> f64 {
         let mut sorted = self.0.clone();
         sorted.sort_by(f64::total_cmp);
@@ -25,7 +25,7 @@ impl FrameTimes {
     }
 }
 
-/// Each time, and the frames a second that it would make.
+/// Prints each statistic in milliseconds and as frames per second.
 impl Display for FrameTimes {
     fn fmt(&self, f: &mut Formatter) -> Result {
         if self.0.is_empty() {
@@ -55,7 +55,7 @@ pub struct FrameReports {
 }
 
 impl FrameReports {
-    /// Counts a frame; the frames to be reported if it is time.
+    /// Adds a frame. Returns the recent frames when a report is due.
     pub fn add(&mut self, milliseconds: f64) -> Option<FrameTimes> {
         self.all.0.push(milliseconds);
         self.recent.0.push(milliseconds);

@@ -12,7 +12,7 @@ pub fn all(diagnostics: &DiagnosticsStore) -> Vec<(&str, f64)> {
     times
 }
 
-/// The mean time of one span, or a dash while there is none.
+/// Mean time of one span, or a dash if it has none.
 pub fn text(diagnostics: &DiagnosticsStore, name: &str) -> String {
     diagnostics
         .iter()
@@ -21,7 +21,7 @@ pub fn text(diagnostics: &DiagnosticsStore, name: &str) -> String {
         .map_or("-".into(), |milliseconds| format!("{milliseconds:.3} ms"))
 }
 
-/// The mean time of one span in milliseconds, whichever other spans it lies in.
+/// Mean time of one span in milliseconds, regardless of its enclosing spans.
 pub fn mean(diagnostics: &DiagnosticsStore, name: &str) -> Option<f64> {
     let is_it = |path: &str| {
         let around = path.strip_suffix(name);
@@ -33,7 +33,7 @@ pub fn mean(diagnostics: &DiagnosticsStore, name: &str) -> Option<f64> {
         .find_map(Diagnostic::average)
 }
 
-/// Forgets all times so far.
+/// Clears all recorded times.
 pub fn forget(diagnostics: &mut DiagnosticsStore) {
     for diagnostic in diagnostics.iter_mut() {
         if span(diagnostic).is_some() {

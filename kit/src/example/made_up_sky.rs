@@ -1,4 +1,4 @@
-//! A sky without a file.
+//! A procedural sky.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -10,7 +10,7 @@ use bevy::{
 };
 use half::f16;
 
-/// A blue sky over a brown ground, with a bright window of cloud.
+/// A blue sky over brown ground, with one bright cloud.
 pub fn made_up_sky() -> Image {
     const SIZE: u32 = 64;
     let mut data = Vec::with_capacity((SIZE * SIZE * 6 * 8) as usize);

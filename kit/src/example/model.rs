@@ -1,4 +1,4 @@
-//! Loading a glTF file, and standing the camera before it.
+//! Loads a glTF file and frames it with the camera.
 
 use bevy::{
     asset::{AssetLoadError, RecursiveDependencyLoadState},
@@ -11,36 +11,36 @@ use bevy_panorbit_camera::PanOrbitCamera;
 
 use super::run::SceneReady;
 
-/// The file to show, none for the built-in scene.
+/// The file to show; none for the built-in scene.
 #[derive(Resource, Clone)]
 pub struct ModelPath(pub Option<String>);
 
-/// Where the camera first stands.
+/// Initial position of the camera.
 #[derive(Resource, Clone, Copy)]
 pub struct Viewpoint {
-    /// Around the model, in radians.
+    /// Angle around the model, in radians.
     pub yaw: f32,
-    /// Above the model, in radians.
+    /// Angle above the model, in radians.
     pub pitch: f32,
-    /// How many times nearer than it would stand.
+    /// Factor by which the camera is nearer than the framing distance.
     pub zoom: f32,
 }
 
-/// What is being loaded, and is to be framed after that; none for meshes that are there already.
+/// The scene that is loading and will then be framed; none for meshes that exist already.
 #[derive(Resource)]
 pub struct LoadingModel(pub Option<Handle<WorldAsset>>);
 
-/// The model, or a part of a built-in scene: what goes when another file is shown.
+/// Marks the model or a part of the built-in scene, which is despawned when another file is shown.
 #[derive(Component)]
 pub struct ShownModel;
 
-/// What is wrong with a file of which nothing can be seen.
+/// Error for a file without anything visible.
 pub const NO_MESH: &str = "its first scene holds no mesh";
 
-/// Meshes have their bounds that many frames after they were loaded, at the latest.
+/// Frames after loading within which meshes get their bounds.
 pub const FRAMES_UNTIL_BOUNDS: u32 = 20;
 
-/// Says what is wrong with the model's file before a window opens.
+/// Checks the model's file before a window opens.
 pub fn check_file(path: &str) -> Result<(), String> {
     let extension = std::path::Path::new(path)
         .extension()
@@ -57,7 +57,7 @@ pub fn check_readable(path: &str) -> Result<(), String> {
         .map_err(|error| format!("{path}: {error}"))
 }
 
-/// Whether a built-in scene takes the place of a file.
+/// True if the built-in scene is shown.
 pub fn is_builtin(path: Res<ModelPath>) -> bool {
     path.0.is_none()
 }
@@ -71,9 +71,9 @@ pub fn spawn_model(mut commands: Commands, path: Res<ModelPath>, asset_server: R
     commands.insert_resource(LoadingModel(Some(scene)));
 }
 
-/// The first scene of a file, without its cameras.
+/// Loads the first scene of a file, without its cameras.
 pub fn load(asset_server: &AssetServer, path: &str) -> Handle<WorldAsset> {
-    // Assets are found relative to a folder of their own; the user means the working directory.
+    // Asset paths are relative to the asset folder; the user means the working directory.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
     asset_server
         .load_builder()
@@ -81,13 +81,13 @@ pub fn load(asset_server: &AssetServer, path: &str) -> Handle<WorldAsset> {
         .load(GltfAssetLabel::Scene(0).from_asset(path))
 }
 
-/// Of an error; a backtrace may follow it.
+/// First line of an error, without its backtrace.
 pub fn first_line(error: &AssetLoadError) -> String {
     let text = error.to_string();
     text.lines().next().unwrap_or_default().into()
 }
 
-/// Once everything is loaded, frames it; quits with an error if it cannot be loaded.
+/// Frames the model once everything is loaded; quits with an error if loading fails.
 pub fn watch_loading(
     mut commands: Commands,
     loading: Option<Res<LoadingModel>>,
@@ -110,7 +110,7 @@ pub fn watch_loading(
     if let Some(scene) = &loading.0 {
         match asset_server.get_recursive_dependency_load_state(scene) {
             Some(RecursiveDependencyLoadState::Loaded) => {}
-            // Also if only a texture is missing: Bevy does not draw materials that lack one.
+            // Also if only a texture is missing: Bevy does not draw materials without their textures.
             Some(RecursiveDependencyLoadState::Failed(error)) => {
                 quit(&first_line(&error));
                 return;
@@ -130,7 +130,7 @@ pub fn watch_loading(
     commands.insert_resource(SceneReady);
 }
 
-/// Stands the camera before all meshes. Whether there are any.
+/// Frames all meshes with the camera. Returns false if there are none.
 pub fn frame<'a>(
     bounds: impl Iterator<Item = (&'a Aabb, &'a GlobalTransform)>,
     transform: &mut Transform,
@@ -152,7 +152,7 @@ pub fn frame<'a>(
     true
 }
 
-/// Turns an orbiting camera to `focus`.
+/// Points an orbiting camera at `focus`.
 pub fn stand(
     transform: &mut Transform,
     orbit: &mut PanOrbitCamera,

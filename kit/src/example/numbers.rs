@@ -2,7 +2,7 @@
 
 use core::{fmt::Display, str::FromStr};
 
-/// Reads a finite number that `holds`, or says what was `expected`.
+/// Parses a finite number that satisfies `holds`; the error says what was `expected`.
 pub fn number_where(
     text: &str,
     expected: impl Display,

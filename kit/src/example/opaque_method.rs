@@ -1,8 +1,8 @@
-//! Forward or Bevy's deferred, at run time.
+//! Switches between Bevy's forward and deferred methods at run time.
 
 use bevy::{ecs::system::SystemParam, pbr::DefaultOpaqueRendererMethod, prelude::*};
 
-/// The method of materials that name none. Forward at first.
+/// The opaque method of materials that name none; initially forward.
 #[derive(SystemParam)]
 pub struct OpaqueMethod<'w, 's> {
     default_method: ResMut<'w, DefaultOpaqueRendererMethod>,
@@ -20,7 +20,7 @@ impl OpaqueMethod<'_, '_> {
         } else {
             self.default_method.set_to_forward();
         }
-        // Bevy settles a material's method when it prepares the material.
+        // Bevy reads the default method when it prepares a material, so every material must count as changed.
         for (_, material) in self.materials.iter_mut() {
             let _ = &mut *material;
         }

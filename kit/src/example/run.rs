@@ -1,4 +1,4 @@
-//! An example in a window, or as a PNG.
+//! Runs an example in a window or renders it to a PNG.
 
 use std::time::{Duration, Instant};
 
@@ -6,14 +6,14 @@ use crate::headless::Headless;
 use bevy::{asset::UnapprovedPathMode, prelude::*, window::WindowResolution};
 use bevy_lean_deferred::LeanDeferredPlugins;
 
-/// Plenty for a file on disk, even on a software renderer.
+/// Ample for a file on disk, even on a software renderer.
 const LOADING_TIME: Duration = Duration::from_secs(120);
 
-/// There once the scene is complete.
+/// Present once the scene is complete.
 #[derive(Resource)]
 pub struct SceneReady;
 
-/// An app with a window that may load files from anywhere.
+/// An app with a window that may load files from any path.
 pub fn windowed(title: &str, size: UVec2) -> App {
     let mut app = App::new();
     app.add_plugins((
@@ -35,7 +35,7 @@ pub fn windowed(title: &str, size: UVec2) -> App {
     app
 }
 
-/// As [`make_ready`]; makes `frames` more and writes a PNG.
+/// Calls [`make_ready`], renders `frames` more frames and writes a PNG.
 pub fn write_picture(mut headless: Headless, path: &str, frames: usize) -> AppExit {
     if let Err(exit) = make_ready(&mut headless) {
         return exit;
@@ -44,8 +44,8 @@ pub fn write_picture(mut headless: Headless, path: &str, frames: usize) -> AppEx
     save_picture(&mut headless, path)
 }
 
-/// Points the cameras of the first frame, made for a window that is not there, at the picture; waits for
-/// [`SceneReady`], and until nothing is loading or compiling. If that fails, says how the program is to exit.
+/// Redirects the cameras of the first frame, which target a missing window, to the picture; waits for [`SceneReady`] and until nothing is
+/// loading or compiling. The error is the program's exit status.
 pub fn make_ready(headless: &mut Headless) -> Result<(), AppExit> {
     headless.frames(1);
     let target = headless.render_target();
@@ -72,7 +72,7 @@ pub fn make_ready(headless: &mut Headless) -> Result<(), AppExit> {
     Ok(())
 }
 
-/// Writes a PNG of the next frame.
+/// Writes the next frame to a PNG.
 pub fn save_picture(headless: &mut Headless, path: &str) -> AppExit {
     let picture = headless.capture();
     match picture.try_save(path) {

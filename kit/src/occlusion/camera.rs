@@ -5,27 +5,27 @@ use bevy::math::{DMat4, DVec2, DVec3, UVec2};
 /// Lengths in metres, angles in radians.
 #[derive(Clone, Copy, Debug)]
 pub enum Projection {
-    /// Without a far plane.
+    /// Has no far plane.
     Perspective { fov_y: f64, near: f64 },
     Orthographic {
-        /// Of what the picture shows, from its lower to its upper edge.
+        /// Height of the view volume, from the picture's lower to its upper edge.
         height: f64,
         near: f64,
         far: f64,
     },
 }
 
-/// A view of the world with square pixels. Pixel coordinates begin in the upper left corner; centres are at halves.
+/// A view of the world with square pixels. Pixel coordinates start at the upper left corner; centres are at halves.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     pub world_from_view: DMat4,
     pub projection: Projection,
-    /// Of the picture, in pixels.
+    /// Picture size in pixels.
     pub size: UVec2,
 }
 
 impl Camera {
-    /// At `eye`, looking at `target`; `up` is up in the picture.
+    /// A camera at `eye`, looking at `target`; `up` is up in the picture.
     pub fn looking_at(
         eye: DVec3,
         target: DVec3,
@@ -57,7 +57,7 @@ impl Camera {
         }
     }
 
-    /// Of the picture, 1 m away in perspective.
+    /// Half the picture's extent; in perspective, at a distance of 1 m.
     fn half_extent(&self) -> DVec2 {
         let y = match self.projection {
             Projection::Perspective { fov_y, .. } => (0.5 * fov_y).tan(),
@@ -76,7 +76,7 @@ impl Camera {
         }
     }
 
-    /// The view-space position of `depth` at `pixel`, or `None` in the sky.
+    /// The view-space position at `pixel` with `depth`, or `None` in the sky.
     pub fn position(&self, pixel: DVec2, depth: f64) -> Option<DVec3> {
         (depth > 0.0).then(|| {
             let distance = match self.projection {
@@ -87,7 +87,7 @@ impl Camera {
         })
     }
 
-    /// What is stored of a surface at `distance` along -Z; negative past the far plane.
+    /// Stored depth of a surface at `distance` along -Z; negative beyond the far plane.
     pub fn depth(&self, distance: f64) -> f64 {
         match self.projection {
             Projection::Perspective { near, .. } => near / distance,
@@ -95,7 +95,7 @@ impl Camera {
         }
     }
 
-    /// Where a view-space position before the camera is in the picture.
+    /// Pixel coordinates of a view-space position in front of the camera.
     pub fn pixel(&self, position: DVec3) -> DVec2 {
         let xy = match self.projection {
             Projection::Perspective { .. } => position.truncate() / -position.z,
@@ -113,7 +113,7 @@ impl Camera {
         }
     }
 
-    /// The ray of the world through `pixel`, from the near plane on; at parameter t its view-space z is -near - t.
+    /// The world-space ray through `pixel`, starting at the near plane; at parameter t its view-space z is -near - t.
     pub fn ray(&self, pixel: DVec2) -> (DVec3, DVec3) {
         let near = self.near();
         let origin = self.position_at_distance(pixel, near);
@@ -130,11 +130,11 @@ impl Camera {
         }
     }
 
-    /// Whether a sphere around a view-space position lies within the picture.
+    /// True if a sphere around a view-space position lies within the picture.
     pub fn shows_sphere(&self, center: DVec3, radius: f64) -> bool {
         let half = self.half_extent();
         match self.projection {
-            // In the planes of X and Z, and of Y and Z, between the tangents from the eye.
+            // In the XZ and YZ planes, between the tangents from the eye.
             Projection::Perspective { .. } => [(center.x, half.x), (center.y, half.y)]
                 .into_iter()
                 .all(|(across, half)| {

@@ -15,8 +15,7 @@ fn segment(t: f64) -> f64 {
     }
 }
 
-/// Cosine of the polar angle at which the top of a wall `height` tall is seen `distance` away, measured from the floor
-/// towards the zenith: 0 for a tall wall, 1 for none.
+/// Cosine of the elevation of the top of a wall `height` tall at `distance`: 0 for an infinite wall, 1 for none.
 fn cosine_of_top(distance: f64, height: f64) -> f64 {
     distance / distance.hypot(height)
 }
@@ -37,7 +36,7 @@ pub fn wall(distance: f64, height: f64, radius: f64) -> f64 {
 /// At azimuth φ the wall is L = distance / cos φ away. It occludes polar angles whose squared sine exceeds both
 /// L² / (L² + height²) and L² / radius².
 pub fn wall_sector(distance: f64, height: f64, radius: f64, azimuth: f64) -> f64 {
-    // Up to here the top of the wall is within the radius, ...
+    // Azimuth up to which the top of the wall is within the radius, ...
     let top = if radius > height {
         (distance / (radius * radius - height * height).sqrt())
             .min(1.0)
@@ -46,7 +45,7 @@ pub fn wall_sector(distance: f64, height: f64, radius: f64, azimuth: f64) -> f64
         0.0
     };
     let top = azimuth.min(top);
-    // ... and up to here its foot is.
+    // ... and up to which its foot is.
     let foot = azimuth.min((distance / radius).min(1.0).acos());
     let cosine = cosine_of_top(distance, height);
     let below_top = top - cosine * (cosine * top.tan()).atan();
@@ -54,19 +53,19 @@ pub fn wall_sector(distance: f64, height: f64, radius: f64, azimuth: f64) -> f64
     (below_top + within_radius) / TAU
 }
 
-/// As [`wall`] for `radius` infinite, but the wall begins opposite the point and is `width` wide.
+/// As [`wall`] for infinite `radius`, but the wall starts opposite the point and is `width` wide.
 pub fn rectangular_wall(distance: f64, height: f64, width: f64) -> f64 {
     let slant = distance.hypot(height);
     ((width / distance).atan() - distance / slant * (width / slant).atan()) / TAU
 }
 
-/// As [`wall`] for `radius` infinite, but weighted uniformly in solid angle, as horizon-based ambient occlusion does
-/// (Bavoil, Sainz and Dimitrov 2008, "Image-Space Horizon-Based Ambient Occlusion").
+/// As [`wall`] for infinite `radius`, but weighted uniformly in solid angle, as horizon-based ambient occlusion does (Bavoil, Sainz and
+/// Dimitrov 2008, "Image-Space Horizon-Based Ambient Occlusion").
 pub fn wall_by_solid_angle(distance: f64, height: f64) -> f64 {
     height.atan2(distance) / PI
 }
 
-/// As [`wall`] for `height` infinite, but weighted uniformly in solid angle.
+/// As [`wall`] for infinite `height`, but weighted uniformly in solid angle.
 pub fn tall_wall_by_solid_angle(distance: f64, radius: f64) -> f64 {
     0.5 * (1.0 - (distance / radius).min(1.0))
 }
@@ -84,8 +83,8 @@ pub fn wall_by_slice_angle(distance: f64, height: f64, radius: f64) -> f64 {
     })
 }
 
-/// A point whose normal stands at `angle`, 0 to π, from the direction to the nearest point of a plane, `distance`
-/// away: the part of a spherical cap above the horizon.
+/// A point near a plane: the part of a spherical cap above the horizon. `angle`, 0 to π, is between the normal and the direction to the
+/// plane's nearest point, `distance` away.
 pub fn tilted_plane(angle: f64, distance: f64, radius: f64) -> f64 {
     if distance >= radius {
         return 0.0;
@@ -98,13 +97,13 @@ pub fn tilted_plane(angle: f64, distance: f64, radius: f64) -> f64 {
     if angle - half_angle >= FRAC_PI_2 {
         return 0.0;
     }
-    // Where the cap's rim meets the horizon: azimuth about the cap's axis, and about the normal.
+    // Intersection of the cap's rim with the horizon: azimuth about the cap's axis, and about the normal.
     let rim = (cos * cos_half / (sin * sin_half)).clamp(-1.0, 1.0).acos();
     let horizon = (cos_half / sin).clamp(-1.0, 1.0).acos();
     (sin_half * sin_half * cos * (PI - rim) - cos_half * sin_half * sin * rim.sin() + horizon) / PI
 }
 
-/// Anywhere in a groove of endless faces at `interior_angle`.
+/// Anywhere in a groove of infinite faces at `interior_angle`.
 pub fn v_groove(interior_angle: f64) -> f64 {
     0.5 * (1.0 + interior_angle.cos())
 }

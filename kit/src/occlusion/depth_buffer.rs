@@ -1,15 +1,15 @@
-//! What a camera sees of a scene, and the truth at each pixel.
+//! Depth buffers of a scene, and the ground truth per pixel.
 
 use bevy::math::{DVec2, DVec3, UVec2, Vec3};
 
 use super::{camera::Camera, geometry::Scene, solids::Hit};
 
-/// Ray-cast through the pixels' centres. Rows run downwards, as in a texture.
+/// Ray-cast through pixel centres. Rows run downwards, as in a texture.
 pub struct DepthBuffer {
     pub camera: Camera,
-    /// As a depth attachment holds them: 0 in the sky.
+    /// Values of a depth attachment: 0 in the sky.
     pub depths: Vec<f32>,
-    /// In world space, before rounding.
+    /// World-space hits, before rounding.
     pub hits: Vec<Option<Hit>>,
 }
 
@@ -68,7 +68,7 @@ impl DepthBuffer {
             .collect()
     }
 
-    /// Occlusion within `radius`, where it is known in closed form.
+    /// Occlusion within `radius`, where a closed form is known.
     pub fn truth(&self, scene: &Scene, radius: f64) -> Vec<Option<f32>> {
         self.hits
             .iter()
@@ -76,8 +76,8 @@ impl DepthBuffer {
             .collect()
     }
 
-    /// Pixels of surfaces at least `border` pixels inside the picture, with all within `radius` of them in the picture
-    /// too. A radius of 0 leaves the border alone.
+    /// Surface pixels at least `border` pixels inside the picture, whose neighbourhood of `radius` is in the picture too. A radius of 0
+    /// excludes only the border.
     pub fn interior(&self, border: u32, radius: f64) -> Vec<bool> {
         let view_from_world = self.camera.world_from_view.inverse();
         pixels(self.size())

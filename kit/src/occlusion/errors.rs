@@ -1,8 +1,8 @@
-//! How far a result is off.
+//! Error statistics of a result.
 
 use core::fmt;
 
-/// Of linear occlusion.
+/// Errors of linear occlusion.
 #[derive(Clone, Copy, Debug)]
 pub struct Errors {
     /// Pixels compared.
@@ -13,7 +13,7 @@ pub struct Errors {
     pub rmse: f64,
     /// Mean error: positive where the result is too dark.
     pub bias: f64,
-    /// 99 % of the errors are no larger than this.
+    /// 99 % of the errors are no larger.
     pub p99: f64,
     pub largest: f64,
 }
@@ -25,7 +25,7 @@ impl Errors {
         Self::measure_sparse(&result, truth, mask)
     }
 
-    /// As [`measure`](Self::measure), of a result at some pixels only.
+    /// As [`measure`](Self::measure), for a result at some pixels only.
     pub fn measure_sparse(result: &[Option<f32>], truth: &[Option<f32>], mask: &[bool]) -> Self {
         assert_eq!((result.len(), truth.len()), (truth.len(), mask.len()));
         let pairs: Vec<(f64, f64)> = result

@@ -1,4 +1,4 @@
-//! Scenes with known occlusion, in world space: Y is up, and cameras stand outside the solids.
+//! Scenes with known occlusion, in world space: Y is up, and cameras are outside the solids.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -23,7 +23,7 @@ pub enum Geometry {
     Wall {
         height: f64,
     },
-    /// Two endless faces that meet along the Z axis, open upwards.
+    /// Two infinite faces that meet along the Z axis, open upwards.
     Groove {
         /// Less than π.
         interior_angle: f64,
@@ -45,22 +45,21 @@ pub enum Geometry {
     /// A floor at y = 0 and the sphere's centre on the Y axis.
     Sphere {
         sphere_radius: f64,
-        /// Of the centre, at least the radius.
+        /// Height of the centre, at least the radius.
         height: f64,
     },
-    /// An endless upright pole of square section with its front at z = 0, around the Y axis, before a wall at
-    /// z = -`gap`. Nothing occludes the wall within a radius less than `gap` - `thickness`: a halo around the pole is
-    /// an error.
+    /// An infinite upright pole of square section around the Y axis, with its front at z = 0, in front of a wall at z = -`gap`. Nothing
+    /// occludes the wall within a radius less than `gap` - `thickness`: a halo around the pole is an error.
     Pole {
         thickness: f64,
         gap: f64,
     },
-    /// An endless upright prism around the Y axis. It is convex, so that nothing occludes it.
+    /// An infinite upright prism around the Y axis. It is convex, so nothing occludes it.
     FacetedCylinder {
         cylinder_radius: f64,
         facets: u32,
     },
-    /// A floor at y = 0 for x < 0 and, from x = 0 on, `steps` steps up along X, the last of which is endless.
+    /// A floor at y = 0 for x < 0 and, from x = 0 on, `steps` steps up along X, the last of which is infinite.
     Staircase {
         tread: f64,
         riser: f64,
@@ -230,7 +229,7 @@ impl Scene {
                 match step + 1.0 {
                     next if next >= f64::from(steps) => Some(0.0),
                     next if next >= 0.0 => Some(wall(from_riser, riser, radius)),
-                    // From further out on the floor, steps further up show above the first.
+                    // From further out on the floor, higher steps are visible above the first.
                     _ => None,
                 }
             }
@@ -241,19 +240,19 @@ impl Scene {
     }
 }
 
-/// A wall of a box corner, `above_floor` and `from_wall` away from the floor and the other wall, as high as itself.
+/// A wall of a box corner as high as the other wall; `above_floor` and `from_wall` are the distances to the floor and the other wall.
 fn corner_wall(above_floor: f64, height: f64, from_wall: f64, radius: f64) -> f64 {
     let sector = |distance, beside: f64| {
         wall_sector(distance, f64::INFINITY, radius, beside.atan2(distance))
     };
-    // The floor goes on without end away from the other wall, which ends at the top.
+    // The floor extends to infinity away from the other wall, which ends at the top.
     wall_sector(above_floor, f64::INFINITY, radius, FRAC_PI_2)
         + sector(above_floor, from_wall)
         + sector(from_wall, above_floor)
         + sector(from_wall, height - above_floor)
 }
 
-/// A side of a trench. Within a radius that reaches the other side it is known only if the radius is infinite.
+/// A side of a trench. If the radius reaches the other side, a closed form is known only for an infinite radius.
 fn trench_side(width: f64, depth: f64, above_floor: f64, radius: f64) -> Option<f64> {
     if radius <= width {
         Some(wall(above_floor, width, radius))
@@ -265,14 +264,14 @@ fn trench_side(width: f64, depth: f64, above_floor: f64, radius: f64) -> Option<
     }
 }
 
-/// A riser of a staircase, `above_floor`.
+/// A riser of a staircase, at `above_floor`.
 fn stair_riser(tread: f64, riser: f64, above_floor: f64, radius: f64) -> f64 {
     let above_tread = above_floor % riser;
     let floor = |height| wall(above_floor, height, radius);
     if above_tread == above_floor {
         return floor(f64::INFINITY);
     }
-    // Past the edge of the tread below, which hides all lower treads, the floor goes on to the horizon.
+    // Beyond the edge of the tread below, which hides all lower treads, the floor extends to the horizon.
     let hidden_floor = floor(tread * above_floor / above_tread);
     wall(above_tread, tread, radius) + floor(f64::INFINITY) - hidden_floor
 }

@@ -1,10 +1,10 @@
-//! The converged screen-space integral of a depth buffer: what horizon-based ambient occlusion finds with all the
-//! samples and precision it could wish for (Jimenez, Wu, Pesce and Jarabo 2016, "Practical Realtime Strategies for
-//! Accurate Indirect Occlusion", with cosine weights and horizons of infinite thickness).
+//! The converged screen-space integral of a depth buffer: the result of horizon-based ambient occlusion with unlimited samples and
+//! precision (Jimenez, Wu, Pesce and Jarabo 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion", with cosine weights and
+//! horizons of infinite thickness).
 //!
-//! Slices are spread evenly about the view direction of each pixel, not on the screen, so that perspective is exact.
-//! Samples are the nearest pixels' centres, without interpolation; what is further away than the radius does not count.
-//! Occlusion is measured from the tangent plane on, so that it is 0 on a plane.
+//! Slices are spread evenly about the view direction of each pixel, not on the screen, so that perspective is exact. Samples are the
+//! nearest pixels' centres, without interpolation; points beyond the radius do not count. Occlusion is measured from the tangent plane, so
+//! that it is 0 on a plane.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -19,8 +19,7 @@ use super::{
 #[derive(Clone, Copy, Debug)]
 pub struct Sampling {
     pub slices: u32,
-    /// On each of a slice's two sides, spread evenly on the screen. None of the pixels on the way is left out if the
-    /// radius covers no more of them than this.
+    /// Samples on each of a slice's two sides, spread evenly on the screen. No pixel is skipped if the radius spans at most this many.
     pub steps: u32,
 }
 
@@ -33,13 +32,13 @@ impl Sampling {
 
 pub struct Integrator {
     camera: Camera,
-    /// In view space; `None` in the sky.
+    /// View-space positions; `None` in the sky.
     positions: Vec<Option<DVec3>>,
     sampling: Sampling,
 }
 
 impl Integrator {
-    /// Of a depth buffer as a depth attachment holds it.
+    /// Integrates a depth buffer as a depth attachment holds it.
     pub fn new(camera: Camera, depths: &[f32], sampling: Sampling) -> Self {
         let positions = pixels(camera.size)
             .zip(depths)
@@ -52,7 +51,7 @@ impl Integrator {
         }
     }
 
-    /// Of a depth buffer before its depths were rounded.
+    /// Integrates a depth buffer before its depths were rounded.
     pub fn unrounded(buffer: &DepthBuffer, sampling: Sampling) -> Self {
         let view_from_world = buffer.camera.world_from_view.inverse();
         let to_view = |hit: &Option<Hit>| {
@@ -110,7 +109,7 @@ impl Integrator {
         self.positions[(pixel.y * self.camera.size.x + pixel.x) as usize]
     }
 
-    /// Cotangent of the smallest angle between the view direction and what is seen on this side, or the tangent plane.
+    /// Cotangent of the smallest angle between the view direction and a visible point on this side, or the tangent plane.
     fn horizon(&self, center: UVec2, side: &Side, radius: f64) -> f64 {
         let tangent = side.tangent();
         let Some(skew) = side.skew() else {
@@ -146,7 +145,7 @@ impl Integrator {
         horizon
     }
 
-    /// From the centre to the furthest point of the screen, in pixels, that can show something within the radius.
+    /// Offset in pixels from the centre to the furthest screen position that can show something within the radius.
     fn footprint(&self, side: &Side, radius: f64) -> DVec2 {
         let start = self.camera.pixel(side.position);
         match self.camera.projection {
@@ -158,7 +157,7 @@ impl Integrator {
                 let diagonal = self.camera.size.as_dvec2().length();
                 let tangent = (radius / away).min(1.0).asin();
                 let ray = side.along * tangent.sin() - side.to_viewer * tangent.cos();
-                // At most as long as the screen, and always before the camera.
+                // At most as long as the screen's diagonal, and always in front of the camera.
                 let nearby = side.position + side.along * (1e-3 * away);
                 let direction = (self.camera.pixel(nearby) - start).normalize();
                 let length = if ray.z < -1e-3 {
@@ -197,9 +196,8 @@ impl Side {
         -self.normal.dot(self.along) / self.normal.dot(self.to_viewer)
     }
 
-    /// What brings a point at distance 1 before the slice into it, over the tangent plane at constant height: a pixel's
-    /// centre is off the slice by up to 0.7 pixels, which must not tilt the plane. `None` if the slice is perpendicular
-    /// to the normal, where its weight is 0.
+    /// Offset that moves a point at distance 1 in front of the slice into it, along the tangent plane: a pixel's centre is off the slice by
+    /// up to 0.7 pixels, which must not tilt the plane. `None` if the slice is perpendicular to the normal, where its weight is 0.
     fn skew(&self) -> Option<DVec3> {
         let across = self.across();
         let height = self.normal.dot(across);

@@ -4,34 +4,34 @@ use std::{iter::zip, ops::Neg as _};
 
 use bevy::math::DVec3;
 
-/// Where a ray first enters a solid.
+/// Point where a ray first enters a solid.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
-    /// In lengths of the ray's direction.
+    /// Distance in lengths of the ray's direction.
     pub distance: f64,
     pub point: DVec3,
-    /// Of the surface, outward, of length 1.
+    /// Outward unit normal of the surface.
     pub normal: DVec3,
 }
 
-/// What lies on the inner side of a plane.
+/// The inner side of a plane.
 #[derive(Clone, Copy, Debug)]
 pub struct HalfSpace {
-    /// Outward, of length 1.
+    /// Outward unit normal.
     pub normal: DVec3,
-    /// Of the plane from the origin along `normal`.
+    /// Distance of the plane from the origin along `normal`.
     pub offset: f64,
 }
 
 #[derive(Clone, Debug)]
 pub enum Solid {
-    /// Where all half-spaces overlap.
+    /// Intersection of half-spaces.
     Convex(Vec<HalfSpace>),
     Sphere {
         center: DVec3,
         radius: f64,
     },
-    /// All below `height`, but for a bore of `radius` along the Y axis.
+    /// Everything below `height`, except a bore of `radius` along the Y axis.
     Bored {
         radius: f64,
         height: f64,
@@ -39,7 +39,7 @@ pub enum Solid {
 }
 
 impl HalfSpace {
-    /// `normal` need not be of length 1.
+    /// `normal` need not be of unit length.
     pub fn new(point: DVec3, normal: DVec3) -> Self {
         let normal = normal.normalize();
         let offset = normal.dot(point);
@@ -52,12 +52,12 @@ impl Solid {
         Self::Convex(vec![HalfSpace::new(point, normal)])
     }
 
-    /// All below `height`.
+    /// Everything below `height`.
     pub fn ground(height: f64) -> Self {
         Self::half_space(DVec3::Y * height, DVec3::Y)
     }
 
-    /// A box between two corners, which may be infinitely far.
+    /// A box between two corners, which may be at infinity.
     pub fn cuboid(min: DVec3, max: DVec3) -> Self {
         let upper = zip(DVec3::AXES, max.to_array());
         let lower = zip(DVec3::AXES.map(DVec3::neg), (-min).to_array());
@@ -68,7 +68,7 @@ impl Solid {
         Self::Convex(sides.collect())
     }
 
-    /// An endless prism about the Y axis with `facets` sides, inscribed in a cylinder of `radius`.
+    /// An infinite prism about the Y axis with `facets` sides, inscribed in a cylinder of `radius`.
     pub fn prism(radius: f64, facets: u32) -> Self {
         let step = std::f64::consts::TAU / f64::from(facets);
         let sides = (0..facets).map(|i| {
@@ -81,7 +81,7 @@ impl Solid {
         Self::Convex(sides.collect())
     }
 
-    /// Where the ray enters the solid, if it begins outside.
+    /// Point where the ray enters the solid, if it begins outside.
     pub fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let (distance, normal) = match self {
             Self::Convex(half_spaces) => enter_convex(half_spaces, origin, direction)?,
@@ -136,7 +136,7 @@ fn enter_bored(radius: f64, height: f64, origin: DVec3, direction: DVec3) -> Opt
             return Some((top, DVec3::Y));
         }
     }
-    // Out of the bore through its side.
+    // Leaves the bore through its side.
     let (o, d) = (origin * horizontal, direction * horizontal);
     let a = d.length_squared();
     let b = o.dot(d);

@@ -1,4 +1,4 @@
-//! Drawing over a texture, and what that binds.
+//! Draws over a texture, and the bindings of such draws.
 
 use bevy::math::UVec2;
 use bevy_lean_deferred::ambient_occlusion::binding_numbers as numbers;
@@ -97,7 +97,7 @@ impl OcclusionGpu {
             })
     }
 
-    /// One triangle over the target, or over a part of it.
+    /// Draws one triangle over the target, or over a part of it.
     pub(super) fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,

@@ -16,7 +16,7 @@ use crate::{
     wgsl::{Definitions, WgslModule, compile, key_of, numbers, wgsl},
 };
 
-/// The modules that `gather.wgsl` and `merge.wgsl` import, in the order of their own imports.
+/// Modules that `gather.wgsl` and `merge.wgsl` import, dependencies first.
 const MODULES: [WgslModule; 12] = [
     wgsl!("shader_library/layout.wgsl"),
     wgsl!("shader_library/tiles.wgsl"),
@@ -49,7 +49,7 @@ impl OcclusionGpu {
     }
 }
 
-/// As the crate compiles the gather for `settings`, on a camera without a G-buffer.
+/// Definitions of the crate's gather for `settings`, on a camera without a G-buffer.
 pub(super) fn gather_definitions(
     settings: &LeanAmbientOcclusion,
     clip_from_view: Mat4,
@@ -77,12 +77,12 @@ pub(super) fn gather_definitions(
     defs
 }
 
-/// Whether the crate's compute pass reads depths once for a workgroup.
+/// True if the crate's compute pass loads depths once per workgroup.
 pub(super) fn shares_depths(settings: &LeanAmbientOcclusion) -> bool {
     settings.kernel == OcclusionKernel::Hbao && settings.resolution == OcclusionResolution::Full
 }
 
-/// As the crate compiles the filter, for its debug view.
+/// Definitions of the crate's filter, for its debug view.
 pub(super) fn filter_definitions(settings: &LeanAmbientOcclusion) -> Definitions {
     let half = settings.resolution == OcclusionResolution::Half;
     let filter = settings.filter;

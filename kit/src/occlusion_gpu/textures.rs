@@ -1,4 +1,4 @@
-//! Textures, written and read.
+//! Writes and reads textures.
 
 use bevy::math::UVec2;
 use half::f16;
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{gpu, wgsl::Definitions};
 
-/// Draws a depth buffer: copies into one are not allowed.
+/// Draws a depth buffer: copies to one are not allowed.
 const DEPTH_WRITER: &str = r"
 @group(0) @binding(0) var source: texture_2d<f32>;
 
@@ -28,7 +28,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 ";
 
 impl OcclusionGpu {
-    /// What the shaders read of an image's depths: drivers clamp what is drawn to a depth buffer.
+    /// An image's depths as the shaders read them: drivers clamp values drawn to a depth buffer.
     pub fn held_depth(&self, image: &DepthImage) -> Vec<f32> {
         let depth = self.depth_texture(image).create_view(&Default::default());
         let copy = self.texture(
@@ -136,7 +136,7 @@ impl OcclusionGpu {
         depth
     }
 
-    /// The red channel.
+    /// Reads the red channel.
     pub(super) fn read(&self, texture: &wgpu::Texture) -> Vec<f32> {
         let texel = texture.format().block_copy_size(None).expect("a colour");
         gpu::read_texture(&self.device, &self.queue, texture)
@@ -151,7 +151,7 @@ impl OcclusionGpu {
     }
 }
 
-/// A half-precision number, finite and not negative, as occlusion is; any other is not a number.
+/// Decodes half precision, finite and not negative, as occlusion is; anything else becomes NaN.
 pub fn half(bits: u16) -> f32 {
     let value = f16::from_bits(bits);
     if value.is_finite() && value.is_sign_positive() {

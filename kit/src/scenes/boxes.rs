@@ -2,20 +2,20 @@
 
 use bevy::{ecs::system::RunSystemOnce, light::cluster::GlobalClusterSettings, prelude::*};
 
-/// How much of it there is.
+/// Size of the scene.
 #[derive(Clone, Copy)]
 pub struct Boxes {
-    /// Meshes on a side of the grid.
+    /// Meshes per side of the grid.
     pub side: u32,
-    /// Of the icospheres; 4 makes 5120 triangles.
+    /// Subdivisions of the icospheres; 4 makes 5120 triangles.
     pub subdivisions: u32,
     pub point_lights: u32,
-    /// How far each of them reaches, in metres.
+    /// Range of each point light, in metres.
     pub range: f32,
 }
 
 impl Boxes {
-    /// The whole scene.
+    /// The full scene.
     pub fn full(point_lights: u32) -> Self {
         Self {
             side: 40,
@@ -25,7 +25,7 @@ impl Boxes {
         }
     }
 
-    /// A corner of it, for software renderers.
+    /// A reduced scene for software renderers.
     pub fn small(point_lights: u32) -> Self {
         Self {
             side: 10,
@@ -36,13 +36,13 @@ impl Boxes {
     }
 }
 
-/// Makes room for hundreds of lights in Bevy's cluster lists from the first frame on.
+/// Reserves space for hundreds of lights in Bevy's cluster lists.
 pub fn reserve_clusters(settings: &mut GlobalClusterSettings) {
     reserve_cluster_lists(settings, 1 << 16, 1 << 20);
 }
 
-/// Makes room in Bevy's cluster lists from the first frame on, for so many slices of depth and so many indices of lights:
-/// when Bevy grows them at run time, they are garbage for some frames.
+/// Reserves space in Bevy's cluster lists for so many depth slices and light indices: lists that Bevy grows at run time hold garbage for
+/// some frames.
 pub fn reserve_cluster_lists(settings: &mut GlobalClusterSettings, slices: usize, indices: usize) {
     if let Some(gpu) = &mut settings.gpu_clustering {
         gpu.initial_z_slice_list_capacity = slices;
@@ -50,7 +50,7 @@ pub fn reserve_cluster_lists(settings: &mut GlobalClusterSettings, slices: usize
     }
 }
 
-/// Spawns everything but the camera, at once, with room in the cluster lists.
+/// Spawns everything but the camera immediately, and reserves the cluster lists.
 pub fn spawn_into(world: &mut World, boxes: Boxes) {
     reserve_clusters(&mut world.resource_mut::<GlobalClusterSettings>());
     world
@@ -123,7 +123,7 @@ pub fn spawn(
     ));
 }
 
-/// The point lights, without shadows.
+/// Spawns the point lights, without shadows.
 pub fn spawn_point_lights(commands: &mut Commands, boxes: Boxes) {
     LightField {
         count: boxes.point_lights,
@@ -134,7 +134,7 @@ pub fn spawn_point_lights(commands: &mut Commands, boxes: Boxes) {
     .spawn(commands);
 }
 
-/// Point lights without shadows over a rectangle of ground, at 0.5 to 3.5 m.
+/// Point lights without shadows over a rectangle of ground, 0.5 to 3.5 m above it.
 #[derive(Clone, Copy)]
 pub struct LightField {
     pub count: u32,
@@ -142,9 +142,9 @@ pub struct LightField {
     pub center: Vec2,
     /// Its sides along X and Z, in metres.
     pub spread: Vec2,
-    /// How far each light reaches, in metres.
+    /// Range of each light, in metres.
     pub range: f32,
-    /// Of each light, in lumens.
+    /// Power of each light, in lumens.
     pub intensity: f32,
 }
 
@@ -180,7 +180,7 @@ impl LightField {
     }
 }
 
-/// Where the camera of the benches stands: 22 m from the middle of the whole scene.
+/// The camera of the benches: 22 m from the middle of the full scene.
 pub fn camera_transform(boxes: Boxes) -> Transform {
     let scale = boxes.side as f32 / 40.0;
     Transform::from_xyz(0.0, 6.0 * scale, 22.0 * scale)

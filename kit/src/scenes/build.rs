@@ -32,7 +32,7 @@ impl SceneBuilder<'_> {
         self.world().spawn(bundle).id()
     }
 
-    /// A camera on the app's target, HDR and without MSAA: as forward as `LeanDeferred` will find it.
+    /// Spawns a camera on the app's target with HDR and without MSAA, as `LeanDeferred` needs it, so that forward is comparable.
     pub fn camera(&mut self, transform: Transform, extra: impl Bundle) -> Entity {
         let target = self.headless.render_target();
         self.world()
@@ -48,7 +48,7 @@ impl SceneBuilder<'_> {
             .id()
     }
 
-    /// The usual camera, from above in front.
+    /// Spawns the usual camera, above and in front of the scene.
     pub fn default_camera(&mut self, extra: impl Bundle) -> Entity {
         self.camera(default_camera_transform(), extra)
     }
@@ -107,7 +107,7 @@ impl SceneBuilder<'_> {
         );
     }
 
-    /// A floor with a ball, a box and a slanted card of one material. They have tangents if it has a use for them.
+    /// A floor with a ball, a box and a slanted card of one material, with tangents if it uses them.
     pub fn samples(&mut self, material: StandardMaterial) {
         self.floor();
         let needs_tangents = material.normal_map_texture.is_some() || material.depth_map.is_some();
@@ -140,7 +140,7 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// Balls of `subject` that lean solids cut, hide and are hidden by, on a floor.
+    /// A floor with balls of `subject` that lean solids intersect, occlude and are occluded by.
     pub fn among_lean(&mut self, subject: StandardMaterial) {
         self.floor();
         let clay = material((0.2, 0.5, 0.8), 0.0, 0.6);
@@ -181,7 +181,7 @@ impl SceneBuilder<'_> {
         ))
     }
 
-    /// An image of `size` texels from a function of u and v in 0..1.
+    /// An image of `size` × `size` texels from a function of u and v from 0 to 1.
     pub fn image(
         &mut self,
         size: u32,
@@ -210,7 +210,7 @@ impl SceneBuilder<'_> {
         ))
     }
 
-    /// As [`image`](Self::image), tiled outside of 0..1.
+    /// As [`image`](Self::image), tiled outside 0 to 1.
     pub fn tiled_image(
         &mut self,
         size: u32,
@@ -239,7 +239,7 @@ impl SceneBuilder<'_> {
         })
     }
 
-    /// A tangent-space normal map of round bumps, eight by eight.
+    /// A tangent-space normal map of 8 × 8 round bumps.
     pub fn bumps(&mut self) -> Handle<Image> {
         self.tiled_image(128, TextureFormat::Rgba8Unorm, |u, v| {
             let slope = |x: f32| (x * 8.0 * std::f32::consts::TAU).sin() * 0.5;
@@ -248,7 +248,7 @@ impl SceneBuilder<'_> {
         })
     }
 
-    /// A cube map with a colour a face, brighter upwards.
+    /// A cube map with one colour per face, brighter upwards.
     pub fn cube_map(&mut self) -> Handle<Image> {
         const FACES: [[f32; 3]; 6] = [
             [0.9, 0.5, 0.4],
@@ -310,7 +310,7 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// Puts `light` over all of the scene.
+    /// Spawns a light probe over the whole scene.
     pub fn probe(&mut self, light: impl Bundle) {
         self.spawn((
             LightProbe::default(),
@@ -319,7 +319,7 @@ impl SceneBuilder<'_> {
         ));
     }
 
-    /// A rectangle that shines onto the middle of the scene from above in front.
+    /// Spawns a rectangle light that faces the middle of the scene from above and in front.
     pub fn rect_light(&mut self) {
         self.spawn((
             RectLight {
@@ -332,7 +332,7 @@ impl SceneBuilder<'_> {
         ));
     }
 
-    /// A checkerboard as a decal, slanted over the middle of the scene.
+    /// Spawns a checkerboard decal, slanted over the middle of the scene.
     pub fn decal(&mut self, scale: Vec3) -> Entity {
         let checker = self.checker([240, 60, 40, 255], [40, 60, 240, 90]);
         self.spawn((
@@ -373,7 +373,7 @@ pub fn default_camera_transform() -> Transform {
     Transform::from_xyz(-1.5, 2.8, 5.2).looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y)
 }
 
-/// An indoor exposure, so that light in lumens and lux of hundreds shows.
+/// Indoor exposure, at which hundreds of lumens or lux are visible.
 pub fn indoor() -> Exposure {
     Exposure::INDOOR
 }
@@ -387,7 +387,7 @@ pub fn material(srgb: (f32, f32, f32), metallic: f32, roughness: f32) -> Standar
     }
 }
 
-/// Ambient light that is bright enough to tell surfaces in shadow apart.
+/// Ambient light bright enough to tell surfaces in shadow apart.
 pub fn ambient() -> AmbientLight {
     AmbientLight {
         brightness: 500.0,

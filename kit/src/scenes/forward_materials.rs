@@ -1,4 +1,4 @@
-//! Every property of `StandardMaterial` and of meshes that forward must draw, among what the G-buffer carries.
+//! Every property of `StandardMaterial` and of meshes that is drawn forward, among materials that the G-buffer carries.
 
 use bevy::{
     light::NotShadowReceiver,
@@ -51,7 +51,7 @@ pub const SCENES: &[Scene] = &[
     Scene::new("alpha_premultiplied", |s| {
         transparent(s, AlphaMode::Premultiplied)
     }),
-    // `Deferred`, which Bevy does not draw on a camera without `DeferredPrepass`, is in `parity.rs`.
+    // `Deferred` is in `parity.rs`: Bevy does not draw it on a camera without `DeferredPrepass`.
     Scene::new("method_forward", |s| {
         among(s, |m| {
             m.opaque_render_method = OpaqueRendererMethod::Forward
@@ -127,7 +127,7 @@ pub const SCENES: &[Scene] = &[
     }),
 ];
 
-/// [`SceneBuilder::among_lean`] of a changed red material in sun and ambient light.
+/// [`SceneBuilder::among_lean`] with a changed red material, in sun and ambient light.
 fn among(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) {
     let mut material = red();
     change(&mut material);
@@ -136,7 +136,7 @@ fn among(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) {
     s.default_camera(ambient());
 }
 
-/// One transparent card before all, one between, one behind all.
+/// One transparent card in front of all solids, one between them, one behind them.
 fn transparent(s: &mut SceneBuilder, alpha_mode: AlphaMode) {
     s.solids();
     for (z, color) in [

@@ -210,7 +210,7 @@ fn parallax(s: &mut SceneBuilder, parallax_mapping_method: ParallaxMappingMethod
     );
 }
 
-/// A checkerboard of which every other square has little alpha, seen from both sides.
+/// A checkerboard with low alpha on every other square, seen from both sides.
 fn holes(s: &mut SceneBuilder, alpha_mode: AlphaMode, shadows: bool) {
     let checker = s.checker([230, 60, 40, 255], [40, 90, 200, 40]);
     s.samples(StandardMaterial {
@@ -272,7 +272,7 @@ fn positions(mesh: &Mesh) -> Vec<[f32; 3]> {
     }
 }
 
-/// A cube whose second UVs are the first, turned and doubled.
+/// A cube whose second UVs are the first, swapped and halved.
 pub fn cube_with_second_uvs() -> Mesh {
     let mut mesh = Mesh::from(Cuboid::from_length(1.4));
     let Some(VertexAttributeValues::Float32x2(uvs)) = mesh.attribute(Mesh::ATTRIBUTE_UV_0) else {

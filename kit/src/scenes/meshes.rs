@@ -36,7 +36,7 @@ pub const SCENES: &[Scene] = &[
         instances(s, || ());
         lit(s);
     }),
-    // A pixel to three high: depth has no neighbour in the middle of which the surface's normal could be told.
+    // One to three pixels high: depth has no neighbour from which the surface's normal can be reconstructed.
     Scene::new("shadows_on_edge", |s| {
         s.floor();
         let eye = default_camera_transform().translation;
@@ -238,7 +238,7 @@ fn unshadowed(s: &mut SceneBuilder) {
     s.default_camera(ambient());
 }
 
-/// Balls that are fading into boxes.
+/// Balls that cross-fade into boxes.
 fn crossfade(s: &mut SceneBuilder) {
     s.floor();
     for (mesh, start, end) in [
@@ -256,7 +256,7 @@ fn crossfade(s: &mut SceneBuilder) {
     }
 }
 
-/// A bent column: two joints, the upper one turned. Returns that.
+/// A bent column with two joints, the upper one turned. Returns the upper joint.
 pub fn skinned(s: &mut SceneBuilder) -> Entity {
     let mut mesh = Mesh::from(Cylinder::new(0.4, 2.0).mesh().segments(20));
     let Some(VertexAttributeValues::Float32x3(positions)) =
@@ -298,7 +298,7 @@ pub fn skinned(s: &mut SceneBuilder) -> Entity {
     upper
 }
 
-/// A ball that one morph target flattens and another pulls to the right. Returns it.
+/// A ball with two morph targets: one flattens it, the other pulls it to the right. Returns the ball.
 pub fn morphed(s: &mut SceneBuilder) -> Entity {
     let mut mesh = Sphere::new(0.8).mesh().uv(48, 24);
     let Some(VertexAttributeValues::Float32x3(positions)) =
@@ -346,7 +346,7 @@ fn instances<B: Bundle>(s: &mut SceneBuilder, extra: fn() -> B) {
     }
 }
 
-/// A helix without faces.
+/// A helix of lines or points.
 fn wires(s: &mut SceneBuilder, topology: PrimitiveTopology) {
     let helix = |i: u32| {
         let angle = i as f32 * 0.08;
@@ -360,7 +360,7 @@ fn wires(s: &mut SceneBuilder, topology: PrimitiveTopology) {
     s.mesh(mesh, red(), Transform::default());
 }
 
-/// Two balls: a sound one, and one with some broken normals.
+/// Two balls, one intact and one with some broken normals.
 fn broken_normals(s: &mut SceneBuilder, normal: [f32; 3]) {
     let mut mesh = Sphere::new(0.8).mesh().uv(48, 24);
     s.mesh(mesh.clone(), red(), Transform::from_xyz(-1.2, 0.8, 0.0));

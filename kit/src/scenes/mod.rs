@@ -11,19 +11,19 @@ mod views;
 
 pub use build::SceneBuilder;
 
-/// A scene and how exactly it must match Bevy's forward renderer.
+/// A scene and its tolerance against Bevy's forward renderer.
 pub struct Scene {
     pub name: &'static str,
-    /// Least PSNR in dB. Below [`LEAST_PSNR`] only with a reason.
+    /// Least PSNR in dB. Below [`LEAST_PSNR`] only with a `reason`.
     pub least_psnr: f64,
-    /// Why it may be below.
+    /// Reason for a `least_psnr` below [`LEAST_PSNR`].
     pub reason: &'static str,
-    /// What it is about is seen on devices with binding arrays only.
+    /// True if only devices with binding arrays show the scene's subject.
     pub needs_binding_arrays: bool,
     pub build: fn(&mut SceneBuilder),
 }
 
-/// What a scene must reach unless it says why not.
+/// Least PSNR in dB, unless a scene gives a reason.
 pub const LEAST_PSNR: f64 = 45.0;
 
 impl Scene {
@@ -49,7 +49,7 @@ impl Scene {
     }
 }
 
-/// All of them, by what they are about.
+/// All scenes, by subject.
 pub const ALL: [&[Scene]; 6] = [
     LIGHTS,
     MATERIALS,

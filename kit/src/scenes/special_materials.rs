@@ -1,5 +1,4 @@
-//! Surfaces with shading models of their own, emission and lightmaps, under all that lights them and with all textures
-//! that change them.
+//! Surfaces with special shading models, emission and lightmaps, under every light and with every texture that affects them.
 
 use bevy::{
     core_pipeline::Skybox,
@@ -135,7 +134,7 @@ pub const SCENES: &[Scene] = &[
     Scene::new("special_normal_map", |s| {
         let bumps = s.bumps();
         gallery_of(s, |material| {
-            // Clearcoat and anisotropy over a normal map go forward.
+            // Clearcoat and anisotropy over a normal map are drawn forward.
             material.normal_map_texture = Some(bumps.clone());
         });
         s.sun(true);
@@ -221,7 +220,7 @@ pub const SCENES: &[Scene] = &[
         s.sun(false);
         s.default_camera(ambient());
     }),
-    // Bevy's lightmaps hold none of the ambient light that shines through.
+    // Bevy's lightmaps hold no transmitted ambient light.
     Scene::new("lightmapped_specials_ambient_light_apart", |s| {
         lightmapped(s, false);
         s.default_camera(AmbientLight {
@@ -230,14 +229,14 @@ pub const SCENES: &[Scene] = &[
             ..default()
         });
     }),
-    // Bevy compiles neither forward nor deferred shaders for this without binding arrays: nothing is drawn there.
+    // Without binding arrays Bevy compiles neither forward nor deferred shaders for this: nothing is drawn.
     Scene::new("lightmapped_specials_environment_map", |s| {
         lightmapped(s, false);
         let light = s.environment_map(1500.0);
         s.default_camera(light);
     })
     .needs_binding_arrays(),
-    // The floor, which has no lightmap, takes from both what the balls do not.
+    // In the next two scenes only the floor, which has no lightmap, takes the diffuse light.
     Scene::new("lightmapped_specials_irradiance_volume", |s| {
         lightmapped(s, false);
         let volume = s.irradiance_volume(1500.0);
@@ -258,7 +257,7 @@ pub const SCENES: &[Scene] = &[
     .needs_binding_arrays(),
 ];
 
-/// One of each.
+/// One material of each kind.
 fn kinds() -> [StandardMaterial; 8] {
     let base = |metallic| material((0.75, 0.4, 0.25), metallic, 0.35);
     [
@@ -306,7 +305,7 @@ fn gallery(s: &mut SceneBuilder) -> Vec<Entity> {
     gallery_of(s, |_| {})
 }
 
-/// A ball of each kind, changed, in two rows on a floor.
+/// A ball of each kind, modified by `change`, in two rows on a floor.
 fn gallery_of(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) -> Vec<Entity> {
     s.floor();
     let ball = Sphere::new(0.5)
@@ -327,13 +326,13 @@ fn gallery_of(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) -> V
     kinds().into_iter().enumerate().map(&mut place).collect()
 }
 
-/// The gallery, with a lightmap on each ball.
+/// The gallery with a lightmap on each ball.
 fn lightmapped(s: &mut SceneBuilder, bicubic_sampling: bool) {
     let balls = gallery_of(s, |material| material.lightmap_exposure = 1500.0);
     put_lightmaps(s, &balls, bicubic_sampling);
 }
 
-/// Puts one lightmap on meshes with coordinates.
+/// Puts one lightmap on meshes, and gives them second UVs.
 pub fn put_lightmaps(s: &mut SceneBuilder, entities: &[Entity], bicubic_sampling: bool) {
     with_second_uvs(s, entities);
     let image = s.image(16, TextureFormat::Rgba8UnormSrgb, |u, v| {

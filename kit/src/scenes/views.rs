@@ -1,4 +1,4 @@
-//! Cameras: projections, viewports, clearing, prepasses, and what comes after lighting.
+//! Cameras: projections, viewports, clearing, prepasses and post-processing.
 
 use bevy::{
     anti_alias::{fxaa::Fxaa, smaa::Smaa, taa::TemporalAntiAliasing},
@@ -28,7 +28,7 @@ pub const SCENES: &[Scene] = &[
             ..OrthographicProjection::default_3d()
         }));
     }),
-    // Jitter shears it.
+    // Jitter shears the projection.
     Scene::new("orthographic_taa", |s| {
         scene(s);
         let projection = Projection::Orthographic(OrthographicProjection {
@@ -153,7 +153,7 @@ pub const SCENES: &[Scene] = &[
             ),
         );
     }),
-    // A mirror's camera.
+    // The camera of a planar mirror.
     Scene::new("invert_culling", |s| {
         scene(s);
         s.camera(
@@ -253,7 +253,7 @@ pub const SCENES: &[Scene] = &[
         forward_ball(s);
         s.default_camera((NoIndirectDrawing, DepthPrepass));
     }),
-    // Not `Atmosphere`: llvmpipe (Mesa's software Vulkan) crashes on it, whoever renders.
+    // Not `Atmosphere`: llvmpipe (Mesa's software Vulkan) crashes on it, with any renderer.
 ];
 
 fn scene(s: &mut SceneBuilder) {
@@ -261,7 +261,7 @@ fn scene(s: &mut SceneBuilder) {
     s.sun(true);
 }
 
-/// What forward draws among the lean solids.
+/// An emissive ball among the lean solids.
 fn forward_ball(s: &mut SceneBuilder) {
     s.mesh(
         Sphere::new(0.6),
@@ -295,7 +295,7 @@ fn depth_of_field(mode: DepthOfFieldMode) -> DepthOfField {
     }
 }
 
-/// A perspective that `matrix` changes after projection.
+/// A perspective projection followed by `matrix`.
 macro_rules! changed_perspective {
     ($(#[$doc:meta])* $name:ident, $matrix:expr) => {
         $(#[$doc])*
@@ -327,13 +327,13 @@ macro_rules! changed_perspective {
 }
 
 changed_perspective! {
-    /// Its axis meets the picture right of and below the middle.
+    /// The view axis meets the picture right of and below the middle.
     OffCenter,
     Mat4::from_translation(Vec3::new(0.3, -0.2, 0.0))
 }
 
 changed_perspective! {
-    /// Left and right swapped.
+    /// Mirrored left to right.
     Mirrored,
     Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0))
 }

@@ -1,4 +1,4 @@
-//! Projections are as Bevy's, and depth buffers the right way up.
+//! Projections match Bevy's, and depth buffers are the right way up.
 
 use bevy::math::{DVec2, DVec3, Mat4, UVec2, Vec2, Vec3};
 use kit::{
@@ -17,7 +17,7 @@ pub const PERSPECTIVE: Projection = Projection::Perspective {
     near: 0.1,
 };
 
-/// With an up that does for views from straight above too.
+/// A camera whose up vector also suits views from straight above.
 pub fn camera(eye: DVec3, target: DVec3, projection: Projection, size: UVec2) -> Camera {
     Camera::looking_at(eye, target, DVec3::new(0.0, 1.0, -0.1), projection, size)
 }
@@ -118,7 +118,7 @@ fn interiors_hold_whole_spheres() {
         let mut touching = 0;
         for (((pixel, _), inside), hit) in pixels(size).zip(interior).zip(&buffer.hits) {
             let bordered = pixel.cmpge(UVec2::splat(5)).all() && pixel.cmplt(size - 5).all();
-            // Points on the sphere, as `directions` has them over two hemispheres.
+            // Points on the sphere around the hit, from `directions` over two hemispheres.
             let shown = |radius: f64| {
                 cosine_weighted(2, 24).flat_map(|d| [d, -d]).all(|d| {
                     let center = view_from_world.transform_point3(hit.unwrap().point);
@@ -127,7 +127,7 @@ fn interiors_hold_whole_spheres() {
                 })
             };
             assert!(!inside || bordered && shown(0.5), "{pixel}");
-            // A little larger one never fits where the mask says no.
+            // Where the mask excludes a pixel, a slightly larger sphere does not fit either.
             assert!(inside || !bordered || !shown(0.52), "{pixel}");
             touching += usize::from(inside);
         }

@@ -1,4 +1,4 @@
-//! Each closed form beside a Monte Carlo integral that is stated without it, and its limits.
+//! Each closed form against an independent Monte Carlo integral, and its limits.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -38,7 +38,7 @@ fn same(a: f64, b: f64) {
     assert!((a - b).abs() < 1e-9, "{a} and {b}");
 }
 
-/// Distance to the plane at `distance` along a unit axis, of whose direction the ray has `component`.
+/// Distance to the plane at `distance` along a unit axis, on which the ray's direction has `component`.
 fn to_plane(distance: f64, component: f64) -> f64 {
     if component > 0.0 {
         distance / component
@@ -47,7 +47,7 @@ fn to_plane(distance: f64, component: f64) -> f64 {
     }
 }
 
-/// Whether a ray hits a wall at x = `distance`.
+/// True if a ray hits a wall at x = `distance`.
 fn hits_wall(d: DVec3, distance: f64, height: f64, radius: f64) -> bool {
     let t = to_plane(distance, d.x);
     t < INF && t <= radius && t * d.z <= height
@@ -113,7 +113,7 @@ fn walls_by_other_weights() {
 
 #[test]
 fn wall_limits() {
-    // At the foot of the wall, far from it, before a wall of no height, at the radius, with the top past the radius.
+    // At the foot of the wall, far from it, in front of a wall of no height, at the radius, and with the top beyond the radius.
     same(wall(0.0, 1.0, 1.0), 0.5);
     same(wall(1e9, 1.0, INF), 0.0);
     same(wall(0.3, 0.0, 1.0), 0.0);
@@ -129,7 +129,7 @@ fn wall_limits() {
     same(wall_by_slice_angle(0.3, INF, INF), 0.5);
 }
 
-/// Whether a ray from (s, 0, 0) hits the face of a groove that rises from the origin at `interior_angle`.
+/// True if a ray from (s, 0, 0) hits the face of a groove that rises from the origin at `interior_angle`.
 fn hits_face(d: DVec3, interior_angle: f64, s: f64, length: f64, radius: f64) -> bool {
     let (sin, cos) = interior_angle.sin_cos();
     let t = to_plane(s * sin, d.z * cos - d.x * sin);
@@ -189,7 +189,7 @@ fn tilted_planes() {
             d.x * sin + d.z * cos >= distance
         });
     }
-    // Straight before the point and straight behind it.
+    // Straight in front of the point and straight behind it.
     same(tilted_plane(0.0, 0.6, 1.0), 0.64);
     same(tilted_plane(0.0, 0.6, INF), 1.0);
     same(tilted_plane(PI, 0.6, 1.0), 0.0);
@@ -214,7 +214,7 @@ fn spheres() {
             square >= 0.0 && along > 0.0 && along - square.sqrt() <= radius
         });
     }
-    // Where it stands, far away, and at the radius that just reaches its outline.
+    // At its point of contact, far away, and at the radius that just reaches its outline.
     same(floor_under_sphere(1.0, 1.0, 0.0, INF), 1.0);
     same(floor_under_sphere(1.0, 1.0, 1e9, INF), 0.0);
     same(
@@ -244,7 +244,7 @@ fn box_corners() {
     }
     same(box_corner(0.3, 1e12, 0.4), wall(0.3, 0.4, INF));
     same(box_corner_within(0.3, 0.4, INF, INF), 0.75);
-    // The walls meet just past the radius.
+    // The walls meet just beyond the radius.
     same(
         box_corner_within(0.3, 0.4, INF, 0.5),
         wall(0.3, INF, 0.5) + wall(0.4, INF, 0.5),

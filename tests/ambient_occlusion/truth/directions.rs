@@ -21,17 +21,17 @@ fn direction(azimuth: f64, z: f64) -> DVec3 {
     (DVec2::new(cos, sin) * (1.0 - z * z).max(0.0).sqrt()).extend(z)
 }
 
-/// About Z, with a density as the cosine (Malley's method).
+/// Directions about Z with cosine-weighted density (Malley's method).
 pub fn cosine_weighted(seed: u64, rows: u32) -> impl Iterator<Item = DVec3> {
     jittered_points(seed, rows).map(|point| direction(point.x, (1.0 - point.y).sqrt()))
 }
 
-/// About Z, uniform in solid angle.
+/// Directions about Z, uniform in solid angle.
 pub fn uniform(seed: u64, rows: u32) -> impl Iterator<Item = DVec3> {
     jittered_points(seed, rows).map(|point| direction(point.x, point.y))
 }
 
-/// About Z, uniform in azimuth and in the angle from Z.
+/// Directions about Z, uniform in azimuth and in the angle from Z.
 pub fn uniform_in_angle(seed: u64, rows: u32) -> impl Iterator<Item = DVec3> {
     jittered_points(seed, rows).map(|point| direction(point.x, (0.25 * TAU * point.y).cos()))
 }

@@ -1,4 +1,4 @@
-//! The screen-space integral beside closed forms, where all that occludes is in the picture and where it is not.
+//! The screen-space integral against closed forms, with all occluders in the picture and with hidden ones.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -48,7 +48,7 @@ impl View {
         DepthBuffer::new(camera, &self.scene)
     }
 
-    /// Of the integral of the depth buffer, at every `stride`-th pixel whose radius is in the picture.
+    /// Errors of the integral of the depth buffer, at every `stride`-th pixel whose radius is in the picture.
     fn errors(&self, projection: Projection, size: UVec2, stride: u32) -> Errors {
         let buffer = self.depth_buffer(projection, size);
         let integrator = Integrator::new(buffer.camera, &buffer.depths, Sampling::CONVERGED);
@@ -89,7 +89,7 @@ fn corner() -> View {
     View::new(Geometry::Corner { height: INF }, [2.0, 2.0, 1.6], [0.0; 3])
 }
 
-/// In perspective from above, both sides are seen.
+/// In perspective from above, both sides are visible.
 fn trench() -> View {
     let trench = Geometry::Trench {
         width: 1.0,
@@ -123,7 +123,7 @@ fn planes_are_not_occluded() {
         far: 1000.0,
     };
     for view in [tilted_plane(), grazed_plane()] {
-        // In f32, the far plane sets what an orthographic depth buffer resolves.
+        // In f32, the far plane limits the resolution of an orthographic depth buffer.
         for (projection, bound) in [(PERSPECTIVE, 1e-8), (ORTHOGRAPHIC, 1e-8), (far, 1e-5)] {
             let buffer = view.depth_buffer(projection, SIZE);
             let pixel = SIZE / 2;
@@ -152,7 +152,7 @@ fn planes_are_not_occluded() {
     }
 }
 
-/// With the largest RMSE and bias in either projection.
+/// Visible occluders are integrated within these bounds of RMSE and bias, in either projection.
 #[test]
 fn visible_occluders_are_found() {
     for (name, view, rmse, bias) in [
@@ -183,8 +183,8 @@ fn visible_occluders_are_found() {
     }
 }
 
-/// Straight from above only the tops of the walls are seen, which are further away than parts of their sides. Only half
-/// a sphere is seen, and what lies behind its outline counts as filled.
+/// Hidden surfaces bias the integral. From straight above only the tops of the walls are visible, which are further away than parts of
+/// their sides. Of a sphere only half is visible, and the space behind its outline counts as filled.
 #[test]
 fn depth_buffers_do_not_hold_everything() {
     let errors = trench().errors(ORTHOGRAPHIC, SIZE, STRIDE);

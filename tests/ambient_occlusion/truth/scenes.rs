@@ -1,4 +1,4 @@
-//! The closed form of each scene at what a camera sees, beside a Monte Carlo integral of the scene's own rays.
+//! The closed form of each scene at visible points, against a Monte Carlo integral of the scene's own rays.
 
 use std::f64::consts::PI;
 
@@ -122,7 +122,7 @@ fn views() -> Vec<(Geometry, DVec3, DVec3)> {
 
 /// The share of cosine-weighted rays about the normal that hit the scene within the radius.
 fn monte_carlo(scene: &Scene, point: DVec3, normal: DVec3, radius: f64, seed: u64) -> f64 {
-    // Off the surface, so that rays do not begin within it.
+    // Off the surface, so that rays do not start within it.
     let origin = point + normal * 1e-9;
     let (x, y) = normal.any_orthonormal_pair();
     let hits = cosine_weighted(seed, ROWS).filter(|d| {

@@ -1,4 +1,4 @@
-//! Systems that share data have an order, or say that it does not matter.
+//! Systems that share data are ordered, or declare that their order does not matter.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use bevy::{prelude::*, render::RenderApp};
 use super::{SIZE, solids};
 use kit::headless::Headless;
 
-/// Bevy's frame alone has none.
+/// Bevy's own frame has none.
 fn ambiguities(world: &World, found: &mut String) {
     for (label, schedule) in world.resource::<Schedules>().iter() {
         let pairs = schedule.graph().conflicting_systems();

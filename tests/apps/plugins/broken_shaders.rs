@@ -1,4 +1,4 @@
-//! Shaders that cannot be composed: reported once, with the cause, and Bevy's forward passes draw meanwhile.
+//! Shaders that cannot be composed are reported once, with the cause, and Bevy's forward passes draw meanwhile.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -29,7 +29,7 @@ fn status(headless: &mut Headless, camera: Entity) -> LeanStatus {
     headless.world().get::<LeanStatus>(camera).unwrap().clone()
 }
 
-/// Frames until the status is another one, for half a minute at most.
+/// Renders until the status changes, for half a minute at most.
 fn await_other_status(headless: &mut Headless, camera: Entity, status_before: &LeanStatus) {
     let start = Instant::now();
     while status(headless, camera) == *status_before {
@@ -65,7 +65,7 @@ fn an_import_that_nothing_provides() {
     assert_eq!(active_lean_views(&mut headless), 0);
     assert!(headless.capture() == forward, "a mesh is lost");
 
-    // It comes late, but it comes.
+    // The module is provided late.
     let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
     shaders.insert(id, module).unwrap();
     headless.settle();

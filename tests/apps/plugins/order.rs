@@ -1,4 +1,4 @@
-//! Plugins in any order, twice, and with parts of Bevy missing: they work, or say what is wrong.
+//! Plugins in any order, added twice, and with parts of Bevy missing: they work, or report the error.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -14,7 +14,7 @@ use bevy_lean_deferred::{LeanDeferredPlugins, prelude::*};
 use super::{Effects, SIZE, solids};
 use kit::{headless::Headless, lean::active_lean_views, log_watch, scenes::SceneBuilder};
 
-/// What an app may add to `StandardMaterial`. The G-buffer carries it as its base.
+/// An empty extension of `StandardMaterial`. The G-buffer carries the material as its base.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
 struct Nothing {}
 
@@ -27,7 +27,7 @@ fn red() -> StandardMaterial {
     Color::srgb(0.8, 0.1, 0.1).into()
 }
 
-/// Shows a ball of `material` by its roughness in the G-buffer. What forward draws is lit over it, in colour.
+/// True if a ball of `material` is drawn in the G-buffer: its roughness is shown in grey, and forward would draw over it in colour.
 fn goes_through_the_gbuffer<M: Material>(headless: &mut Headless, material: M) -> bool {
     let mut scene = SceneBuilder { headless };
     scene.sun(false);
@@ -76,7 +76,7 @@ fn own_material_in_any_order() {
     assert!(goes_through_the_gbuffer(&mut material_first, material()));
 }
 
-/// Of an app that forgot [`MaterialPlugin`], or forgot this crate.
+/// A G-buffer material in an app that lacks [`MaterialPlugin`] or this crate is reported.
 #[test]
 fn gbuffer_material_without_what_it_needs() {
     let mut without_material = app_with(|app| {
@@ -111,14 +111,14 @@ fn extended_standard_material_added_by_the_app() {
     assert!(goes_through_the_gbuffer(&mut headless, material));
 }
 
-/// The text of the panic of `f`.
+/// The message of the panic of `f`.
 fn panic_of(f: impl FnOnce()) -> String {
     let payload = catch_unwind(AssertUnwindSafe(f)).expect_err("it is refused");
     let text = payload.downcast_ref::<String>().cloned();
     text.unwrap_or_else(|| payload.downcast_ref::<&str>().unwrap_or(&"").to_string())
 }
 
-/// Bevy refuses any plugin that is added twice. It names it.
+/// Bevy rejects a plugin that is added twice, and names it.
 #[test]
 fn twice() {
     let text = panic_of(|| {
@@ -184,7 +184,7 @@ fn without_pbr() {
     assert_eq!(log_watch::messages_with(line).len(), 1);
 }
 
-/// A server: assets, and no renderer.
+/// A server with assets and no renderer runs.
 #[test]
 fn without_renderer() {
     let mut app = App::new();

@@ -11,13 +11,14 @@ use bevy_lean_deferred::view::OpaquePicturePasses;
 use super::{SIZE, solids};
 use kit::headless::Headless;
 
-/// The systems in a set.
+/// Systems of a set.
 fn members(schedule: &Schedule, set: impl SystemSet) -> Vec<SystemKey> {
     let systems = schedule.graph().systems_in_set(set.intern());
     systems.expect("it was built").iter().copied().collect()
 }
 
-/// Bevy's atmosphere draws the air in front of opaque meshes by a system that has no public name. Occlusion darkens what is behind it.
+/// Passes of the opaque picture precede Bevy's atmosphere, which draws the air in front of opaque meshes by a system without a public name.
+/// Occlusion darkens only the surfaces behind the air.
 #[test]
 fn passes_of_the_opaque_picture_come_before_the_air() {
     let (mut headless, _) = solids(Headless::new(SIZE));
@@ -45,7 +46,7 @@ fn passes_of_the_opaque_picture_come_before_the_air() {
     let graph = schedule.graph();
     let opaque = main_opaque_pass_3d.into_system_set();
     let opaque = graph.system_sets.get_key(opaque.intern()).expect("it runs");
-    // Those that asked for it by the name of the pass, and not by a set.
+    // Systems ordered after the pass by its name, not by a set.
     let following = graph.dependency().graph().neighbors(NodeId::Set(opaque));
     let others: Vec<SystemKey> = following
         .filter_map(|node| node.as_system())

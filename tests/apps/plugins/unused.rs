@@ -1,4 +1,4 @@
-//! Systems of an effect are skipped while no camera has it.
+//! The systems of an effect are skipped while no camera has it.
 
 use bevy::{light::NotShadowReceiver, prelude::*};
 use bevy_lean_deferred::prelude::*;
@@ -18,7 +18,7 @@ fn change(headless: &mut Headless, material: &Handle<StandardMaterial>, emissive
     material.clearcoat = 1.0 - emissive;
 }
 
-/// Materials and meshes that changed in between are drawn as they are.
+/// Materials and meshes that change while no camera is lean are drawn with their changes once one is.
 #[test]
 fn changes_while_no_camera_is_lean_show_once_one_is() {
     in_own_process(|| {

@@ -1,4 +1,4 @@
-//! Films of motion vectors, forward beside lean.
+//! Films of motion vectors, forward against lean.
 
 use bevy::prelude::*;
 use bevy_lean_deferred::{prelude::*, view::ActiveLeanView};
@@ -11,10 +11,10 @@ use kit::{
 
 use super::{SIZE, active_view, align, probe};
 
-/// What happens before each frame.
+/// Changes the world before each frame.
 pub type Script = fn(&mut World, usize);
 
-/// What a frame showed.
+/// Motion vectors and view of a frame.
 pub struct Frame {
     pub motions: Vec<Vec2>,
     pub view: Option<ActiveLeanView>,
@@ -39,16 +39,16 @@ pub fn film(headless: &mut Headless, frames: usize, script: Script) -> Vec<Frame
         .collect()
 }
 
-/// How far motion vectors are apart, in pixels.
+/// Differences of motion vectors, in pixels.
 #[derive(Default, Debug)]
 pub struct Errors {
     pub largest: f32,
     pub rms: f64,
-    /// In terms of what [`inexactness`] allows.
+    /// Largest difference relative to [`inexactness`].
     pub largest_share: f32,
-    /// The longest motion that there is.
+    /// Longest motion.
     pub longest: f32,
-    /// Pixels of which not all bits are equal.
+    /// Pixels that are not bitwise equal.
     pub unequal: usize,
 }
 
@@ -79,19 +79,18 @@ pub struct Case<F> {
     pub make: F,
     pub script: Script,
     pub frames: usize,
-    /// Whether the G-buffer gives the motion, not Bevy's prepass.
+    /// True if the G-buffer provides the motion, not Bevy's prepass.
     pub resolves: bool,
 }
 
-/// In pixels of 320 × 240. Half floats have steps of 0.0024 pixels between motions of 2.5 and 5 pixels: largely, what is
-/// between the two renderers is one such step where a motion lies between two of them.
+/// In pixels of 320 × 240. Half floats have steps of 0.0024 pixels between motions of 2.5 and 5 pixels: the renderers mostly differ by one
+/// such step, where a motion lies between two of them.
 pub const LARGEST: f32 = 0.005;
 pub const RMS: f64 = 0.0005;
 
-/// How far two renderers may be apart where the camera has gone elsewhere: by a step of half floats; by what GPUs round off
-/// positions that they interpolate, as Bevy has them do, which cancels out only between cameras that are near each other;
-/// and for surfaces beside the former camera, whose position there is divided by a w near 0, by what rounding leaves of
-/// that: the longer the motion, the less.
+/// Tolerated difference in pixels after the camera has jumped: a step of half floats; the rounding of positions that GPUs interpolate, as
+/// in Bevy, which cancels only between nearby cameras; and, for surfaces beside the former camera, that rounding divided by a w near 0, so
+/// that longer motion is less exact.
 fn inexactness(motion: f32) -> f32 {
     LARGEST.max(0.001 * motion) + 1e-6 * motion * motion
 }
@@ -107,7 +106,7 @@ impl<F: FnMut(&mut SceneBuilder)> Case<F> {
         }
     }
 
-    /// Films forward, then lean with the same script, and returns how far they are apart, and the lean frames.
+    /// Films forward, then lean with the same script. Returns their differences and the lean frames.
     pub fn measure(mut self) -> (Errors, Vec<Frame>) {
         let [forward, lean] = [false, true].map(|lean| {
             let mut headless = build(SIZE, &mut self.make);
@@ -129,7 +128,7 @@ impl<F: FnMut(&mut SceneBuilder)> Case<F> {
         (errors, lean)
     }
 
-    /// Also asserts that the two agree. Returns the frames in which the lean view had a motion target.
+    /// As [`measure`](Self::measure), and asserts that the two agree. Returns the frames in which the lean view had a motion target.
     pub fn compare(self) -> Vec<usize> {
         let name = self.name;
         let (errors, lean) = self.measure();

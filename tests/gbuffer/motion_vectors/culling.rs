@@ -1,4 +1,4 @@
-//! Motion vectors with two-phase occlusion culling, and with prepasses that the G-buffer cannot take the place of.
+//! Motion vectors with two-phase occlusion culling, and with prepasses that the G-buffer cannot replace.
 
 use bevy::{
     core_pipeline::prepass::{MotionVectorPrepass, NormalPrepass},
@@ -12,7 +12,7 @@ use kit::{
 
 use super::{Mover, SIZE, case::Case, move_all, still_and_moving, taa, turn_camera};
 
-/// A wall that hides the scene but for the movers' way goes and comes, and the camera cuts to behind it.
+/// A wall that hides the scene except the movers' path disappears and returns, and the camera cuts to behind it.
 fn uncover(world: &mut World, frame: usize) {
     move_all(world, frame);
     let hides = matches!(frame, 0..3 | 5..8 | 11..14);
@@ -53,7 +53,7 @@ fn hidden_scene(s: &mut SceneBuilder, camera: impl Bundle) {
     s.world().entity_mut(wall).insert(Wall);
 }
 
-/// The hidden scene, with culling; of forward, which is filmed first, only where `culls_forward`. Without, it shows what is to be seen.
+/// The hidden scene with culling. Forward is filmed first and culls only if `culls_forward`; otherwise it is the reference.
 fn culled<C: Bundle>(camera: impl Fn() -> C, culls_forward: bool) -> impl FnMut(&mut SceneBuilder) {
     let mut is_lean = false;
     move |s| {
@@ -79,7 +79,7 @@ fn occlusion_culling() {
     });
 }
 
-/// Then Bevy's prepass draws all meshes.
+/// With prepasses that only Bevy can render, its prepass draws all meshes.
 #[test]
 fn what_only_the_prepass_can_do_is_left_to_it() {
     in_own_process(|| {
@@ -97,15 +97,15 @@ fn what_only_the_prepass_can_do_is_left_to_it() {
         if !culls_what_is_hidden(&build(SIZE, |_| {})) {
             return;
         }
-        // Without a copy of depth the second phase of culling cannot be told from the first. Bevy reads a depth of which it does not know
-        // when it was written: its own culling may be a frame late, by the driver and the moment.
+        // Without a depth copy the second phase of culling cannot be told from the first. Bevy reads a depth of unknown age, so its own
+        // culling may be a frame late, depending on driver and timing.
         let unequal = [false, true].map(|culls_forward| {
             let mut make = culled(|| MotionVectorPrepass, culls_forward);
             let case = Case::new(
                 "culling_without_depth",
                 |s| {
                     make(s);
-                    // Bevy's culling reads it, but asks for that only where there is a `DepthPrepass`.
+                    // Bevy's culling reads it, but requests that only with a `DepthPrepass`.
                     let mut cameras = s.world().query::<&mut Camera3d>();
                     let mut camera = cameras.single_mut(s.world()).expect("one camera");
                     camera.depth_texture_usages =

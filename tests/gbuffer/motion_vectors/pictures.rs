@@ -25,8 +25,8 @@ fn pictures_of(camera: impl Bundle, lean: bool) -> Vec<Picture> {
     })
 }
 
-/// Pictures in which pixels are fetched along motion vectors: lean beside lean with Bevy's motion vectors, and beside
-/// forward. In the first frame that they move, forward draws the movers: the view gets its motion target one later.
+/// Compares pictures whose pixels are fetched along motion vectors: lean against lean with Bevy's motion vectors, and against forward.
+/// Forward draws the movers in the first frame of their motion: the view gets its motion target one frame later.
 fn compare_pictures<B: Bundle>(name: &str, camera: impl Fn() -> B, least_psnr: f64) {
     let films = [
         pictures_of(camera(), false),

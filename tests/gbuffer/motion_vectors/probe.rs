@@ -1,4 +1,4 @@
-//! Reads Bevy's motion vectors back. Their texture cannot be copied: a compute pass moves them into a buffer.
+//! Reads Bevy's motion vectors back. Their texture cannot be copied, so a compute pass moves them to a buffer.
 
 use bevy::{
     core_pipeline::{
@@ -26,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }";
 
-/// In the render world.
+/// Pipeline and buffers in the render world.
 #[derive(Resource)]
 struct MotionProbe {
     pipeline: wgpu::ComputePipeline,
@@ -34,7 +34,7 @@ struct MotionProbe {
     readback: wgpu::Buffer,
 }
 
-/// Has the motion vectors of each frame recorded.
+/// Records the motion vectors of each frame.
 pub fn install(headless: &mut Headless) {
     let bytes = u64::from(headless.size.element_product()) * 8;
     let render_app = headless.app.sub_app_mut(RenderApp);

@@ -1,4 +1,4 @@
-//! How often meshes that move are sorted anew.
+//! Re-sorting of moving meshes.
 
 use bevy::{
     prelude::*,
@@ -13,13 +13,13 @@ use kit::{
 
 use super::{SMALL, shift_movers, still_and_moving, taa};
 
-/// How often a mesh was sorted anew in `frames` frames, in which `moves` says whether the movers move. Bevy is not to queue
-/// any again.
+/// Number of times a mesh was sorted again in `frames` frames; the movers move in frames for which `moves` is true. Bevy must not queue any
+/// again.
 fn resorts(headless: &mut Headless, frames: usize, moves: impl Fn(usize) -> bool) -> usize {
     let mut count = 0;
     for frame in 0..frames {
         if moves(frame) {
-            // To and fro, within sight.
+            // Back and forth, within sight.
             let side = if frame % 2 == 0 { 0.1 } else { -0.1 };
             shift_movers(headless.world(), Vec3::X * side);
         }
@@ -32,8 +32,8 @@ fn resorts(headless: &mut Headless, frames: usize, moves: impl Fn(usize) -> bool
     count
 }
 
-/// A mesh is sorted anew when it starts to move and when it has stopped, not while it moves or halts; and for the first
-/// time once more when the view has the target.
+/// A mesh is sorted again when it starts to move and after it has stopped, not while it moves or pauses; and the first time once more when
+/// the view has the target.
 #[test]
 fn moving_meshes_are_sorted_once() {
     in_own_process(|| {

@@ -1,4 +1,4 @@
-//! When a view has a motion target, and what that shows.
+//! Existence of a view's motion target, and its debug view.
 
 use bevy::{
     anti_alias::taa::TemporalAntiAliasing,
@@ -30,7 +30,7 @@ type Taa = (
     MotionVectorPrepass,
 );
 
-/// Makes frames in which all moves, and returns the view and whether it has a motion texture.
+/// Renders frames in which everything moves. Returns the view, and true if it has a motion texture.
 fn run(headless: &mut Headless, frames: usize) -> (Option<ActiveLeanView>, bool) {
     for frame in 0..frames {
         move_all(headless.world(), frame);
@@ -66,7 +66,7 @@ fn targets_come_and_go() {
             headless.world().entity_mut(camera).remove::<Taa>();
         }
 
-        // What has stopped keeps its target for a while, not for ever.
+        // A view keeps its target for a while after motion stops, not for ever.
         headless.world().entity_mut(camera).insert(taa());
         assert!(run(&mut headless, 6).1);
         headless.frames(20);
@@ -81,7 +81,7 @@ fn targets_come_and_go() {
     });
 }
 
-/// What moves is coloured, what rests black.
+/// In the debug view, moving meshes are coloured and resting ones black.
 #[test]
 fn the_motion_target_can_be_shown() {
     in_own_process(|| {
@@ -101,7 +101,7 @@ fn the_motion_target_can_be_shown() {
         if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
             film[5].save(std::path::Path::new(&folder).join("motion_channel.png"));
         }
-        // To the right and up: red above the middle, green below it, blue in the middle.
+        // Motion to the right and up: red above the middle, green below it, blue at it.
         let is_mover = |p: &[u8]| p[0] > 190 && p[1] < 185 && p[2].abs_diff(188) < 3;
         let is_still = |p: &[u8]| p[..3] == [0; 3];
         let count = |is: &dyn Fn(&[u8]) -> bool| film[5].rgba.chunks(4).filter(|p| is(p)).count();

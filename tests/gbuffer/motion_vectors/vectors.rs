@@ -1,4 +1,4 @@
-//! The vectors themselves, of all that can move.
+//! The vectors themselves, for everything that can move.
 
 use bevy::{
     camera::{ScalingMode, Viewport},
@@ -34,7 +34,7 @@ fn moving_camera() {
     });
 }
 
-/// In the first frame Bevy's prepass draws the mesh that moves; from then on the view has a target.
+/// In its first frame of motion Bevy's prepass draws a mesh; from then on the view has a target.
 #[test]
 fn moving_meshes() {
     in_own_process(|| {
@@ -145,7 +145,7 @@ fn morphed_mesh() {
     });
 }
 
-/// Surfaces beside the former camera were infinitely far out of its picture.
+/// After the camera jumps, vectors stay within the tolerance: surfaces beside the former camera were infinitely far outside its picture.
 #[test]
 fn teleporting_camera() {
     in_own_process(|| {
@@ -217,12 +217,12 @@ fn orthographic() {
             move_all,
         )
         .measure();
-        // The background moves by hundreds of pixels there, in forward too.
+        // The background moves by hundreds of pixels, in forward too.
         assert!(errors.largest <= LARGEST && errors.rms <= RMS, "{errors:?}");
     });
 }
 
-/// From the first frame of the app on, while meshes load and nothing has a past.
+/// Lean matches forward from the first frame of the app on, while meshes load and nothing has a history.
 #[test]
 fn first_frames() {
     in_own_process(|| {

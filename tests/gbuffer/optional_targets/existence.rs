@@ -1,4 +1,4 @@
-//! A target exists while a visible mesh writes it, and a little longer.
+//! A target exists while a visible mesh writes it, and for some frames longer.
 
 use bevy::{
     light::{EnvironmentMapLight, NotShadowReceiver},
@@ -20,14 +20,14 @@ const EMISSIVE: GBufferTargets = GBufferTargets::EMISSIVE;
 const SPECIALIZATION: GBufferTargets = GBufferTargets::SPECIALIZATION;
 const NONE: GBufferTargets = GBufferTargets::empty();
 
-/// The frames after which a view gives up what no mesh needs.
+/// Frames after which a view releases targets that no mesh needs.
 const LINGERING: usize = 120;
 
 fn clay() -> StandardMaterial {
     material((0.8, 0.3, 0.2), 0.0, 0.5)
 }
 
-/// Shows solids, and a ball of `material`, through a lean camera. Returns the ball.
+/// Shows solids and a ball of `material` to a lean camera. Returns the ball.
 fn show_ball(headless: &mut Headless, material: StandardMaterial, extra: impl Bundle) -> Entity {
     let mut ball = Entity::PLACEHOLDER;
     show(headless, |s| {
@@ -48,7 +48,7 @@ fn show_ball(headless: &mut Headless, material: StandardMaterial, extra: impl Bu
     ball
 }
 
-/// As [`show_ball`], in an app of its own.
+/// As [`show_ball`], in a new app.
 fn with_ball(material: StandardMaterial, extra: impl Bundle) -> (Headless, Entity) {
     let mut headless = Headless::new(SMALL);
     let ball = show_ball(&mut headless, material, extra);
@@ -177,7 +177,7 @@ fn meshes_get_the_targets_that_they_need() {
     });
 }
 
-/// Bevy cannot compile lightmaps under an environment map without binding arrays, and draws nothing then.
+/// Without binding arrays Bevy cannot compile lightmaps under an environment map, and draws nothing: no other surface waits for that.
 #[test]
 fn a_lightmap_that_cannot_be_lit_keeps_no_other_surface_waiting() {
     in_own_process(|| {
@@ -213,7 +213,7 @@ fn a_lightmap_that_cannot_be_lit_keeps_no_other_surface_waiting() {
     });
 }
 
-/// Anisotropic highlights need tangents; without, forward has a look of its own.
+/// Anisotropic highlights need tangents. Without them meshes are drawn by forward, which gives them a look of its own.
 #[test]
 fn anisotropy_without_tangents_goes_forward() {
     in_own_process(|| {

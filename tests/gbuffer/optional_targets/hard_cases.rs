@@ -1,4 +1,4 @@
-//! Pictures beside forward's where surfaces change, overlap or emit what is hard to store.
+//! Pictures against forward where surfaces change, overlap or emit light that is hard to store.
 
 use bevy::{
     camera::{ClearColorConfig, Viewport},
@@ -33,7 +33,7 @@ fn ball() -> Mesh {
         .expect("a sphere has all that tangents need")
 }
 
-/// The `i`th of some materials of all kinds.
+/// Material number `i` of a sequence of all kinds.
 fn special(i: usize) -> StandardMaterial {
     let base = material(
         (0.75, 0.35, 0.2),
@@ -75,7 +75,7 @@ fn special(i: usize) -> StandardMaterial {
             clearcoat: 0.6,
             ..base
         },
-        // Forward.
+        // Drawn by forward.
         _ => StandardMaterial {
             specular_tint: Color::srgb(0.2, 0.9, 0.2),
             reflectance: 1.0,
@@ -91,14 +91,14 @@ fn compare(name: &str, scene: impl Fn(&mut SceneBuilder)) -> Result<Headless, St
     compare_with(name, &forward, headless)
 }
 
-/// Renders lean what `forward` is the picture of, and compares.
+/// Renders lean and compares with `forward`.
 fn compare_with(name: &str, forward: &Picture, mut headless: Headless) -> Result<Headless, String> {
     set_lean(&mut headless, true);
     let lean = settled(&mut headless);
     judge(name, forward, &lean, LEAST_PSNR).map(|()| headless)
 }
 
-/// Each kind of surface behind, before and through each other kind.
+/// Each kind of surface behind, in front of and through each other kind.
 fn overlapping(s: &mut SceneBuilder) {
     s.floor();
     for row in 0..9 {
@@ -125,7 +125,7 @@ fn overlapping_kinds_match_forward() {
     });
 }
 
-/// In the second phase of culling, plain meshes come to lie in front of special ones that are already drawn.
+/// In the second phase of culling, plain meshes are drawn in front of special ones that are already drawn.
 #[test]
 fn culling_in_two_phases_matches_forward() {
     in_own_process(|| {
@@ -133,7 +133,7 @@ fn culling_in_two_phases_matches_forward() {
             overlapping(s);
             s.default_camera((ambient(), DepthPrepass, OcclusionCulling));
         });
-        // Back and forth, so that what was hidden in one frame is in front in the next.
+        // Back and forth, so that meshes hidden in one frame are in front in the next.
         let around = |world: &mut World, frame: usize| {
             let angle = if frame.is_multiple_of(2) { 0.4 } else { -2.0 };
             let mut cameras = world.query_filtered::<&mut Transform, With<Camera3d>>();
@@ -191,8 +191,7 @@ fn bright_and_broken_emission_matches_forward() {
     });
 }
 
-/// Where forward's picture is not a number, the lean one is of a surface that does not emit, or emits as much as can be
-/// stored.
+/// Where forward's picture is NaN, the lean one shows a surface without emission, or with the largest emission that can be stored.
 #[test]
 fn emission_that_is_not_a_number_is_black_and_infinite_emission_bright() {
     in_own_process(|| {
@@ -305,7 +304,7 @@ fn a_thousand_materials_match_forward() {
     });
 }
 
-/// No frame is without the mesh, or with its old look, however its material changes.
+/// No frame lacks the mesh or shows its old look, however its material changes.
 #[test]
 fn a_material_of_another_kind_in_each_frame_matches_forward() {
     in_own_process(|| {
@@ -329,13 +328,13 @@ fn a_material_of_another_kind_in_each_frame_matches_forward() {
         headless.settle();
         let forward = headless.film(27, change);
         set_lean(&mut headless, true);
-        // The first round meets targets and pipelines that are yet to be made, the others find them.
+        // The first round creates targets and pipelines; the others reuse them.
         let lean = headless.film(27, change);
         report(judge_film("changing", &forward, &lean, LEAST_PSNR));
     });
 }
 
-/// On one of two cameras, on both, on the other alone, and on none again.
+/// Special surfaces match forward on one of two cameras, on both, on the other alone, and on none again.
 #[test]
 fn special_surfaces_on_two_cameras_match_forward() {
     in_own_process(|| {

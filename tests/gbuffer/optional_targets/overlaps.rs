@@ -1,4 +1,4 @@
-//! What lies in front replaces all that what lies behind has left in the targets, in whatever order they are drawn.
+//! A mesh in front replaces all that meshes behind it left in the targets, in any order of drawing.
 
 use bevy::{
     camera::ScalingMode, core_pipeline::tonemapping::Tonemapping, prelude::*,
@@ -14,9 +14,9 @@ use kit::{
 
 use super::{forward_draws, usage};
 
-/// Frames for which a view keeps what no mesh needs any more.
+/// Frames after which a view releases targets that no mesh needs.
 const LINGERING: usize = 124;
-/// Pixels of a pair.
+/// Size of a pair, in pixels.
 const CELL: UVec2 = UVec2::new(28, 24);
 
 struct Kind {
@@ -89,10 +89,10 @@ const KINDS: [Kind; 11] = [
     Kind::new("unbatchable clearcoat", clearcoat).unbatchable(),
 ];
 
-/// A card of a kind in the cell of a pair.
+/// Spawns a card of a kind in the cell of a pair.
 fn card(s: &mut SceneBuilder, kind: &Kind, size: f32, place: Vec3) -> Entity {
     let mut sample = kind.material();
-    // Those in front are of another colour.
+    // Cards in front have another colour.
     if size < 0.9 {
         sample.base_color = Color::srgb(0.2, 0.4, 0.7);
     }
@@ -107,7 +107,7 @@ fn card(s: &mut SceneBuilder, kind: &Kind, size: f32, place: Vec3) -> Entity {
     card
 }
 
-/// A card behind, and a smaller one in front of it, for each pair of kinds.
+/// For each pair of kinds, a card and a smaller one in front of it.
 fn pairs(s: &mut SceneBuilder) {
     for (row, behind) in KINDS.iter().enumerate() {
         for (column, front) in KINDS.iter().enumerate() {
@@ -123,7 +123,7 @@ fn pairs(s: &mut SceneBuilder) {
 #[derive(Component)]
 struct Beneath;
 
-/// Opaque cards, and smaller alpha-masked ones that lie on them in the same plane. Bevy draws these last.
+/// Opaque cards, and smaller alpha-masked ones in the same plane. Bevy draws these last.
 fn coplanar_pairs(s: &mut SceneBuilder) {
     for (row, behind) in KINDS.iter().enumerate() {
         for (column, front) in KINDS.iter().enumerate() {
@@ -188,7 +188,7 @@ fn show_beneath(headless: &mut Headless, visibility: Visibility) {
     }
 }
 
-/// What is beneath needs targets that the view has from then on: those on top, which lay there before, must come after it.
+/// The cards beneath need targets that the view gets when they appear: cards on top, which existed before, are still drawn after them.
 #[test]
 fn alpha_masked_ones_lie_on_top_at_the_same_depth() {
     in_own_process(|| {
@@ -203,7 +203,7 @@ fn alpha_masked_ones_lie_on_top_at_the_same_depth() {
         let mut results = judge_pairs(&without, &settled(&mut headless));
         show_beneath(&mut headless, Visibility::Visible);
         results.extend(judge_pairs(&with, &settled(&mut headless)));
-        // Until its targets have gone.
+        // Until its targets are released.
         show_beneath(&mut headless, Visibility::Hidden);
         headless.frames(LINGERING);
         results.extend(judge_pairs(&without, &settled(&mut headless)));
@@ -211,7 +211,7 @@ fn alpha_masked_ones_lie_on_top_at_the_same_depth() {
     });
 }
 
-/// Plain alpha-masked meshes alone move between the passes.
+/// Only plain alpha-masked meshes move between the passes.
 #[test]
 fn plain_alpha_masked_ones_follow_the_targets() {
     in_own_process(|| {
@@ -259,7 +259,7 @@ fn what_lies_in_front_replaces_all_words() {
     });
 }
 
-/// Nothing is multi-drawn there.
+/// Without indirect drawing nothing is multi-drawn.
 #[test]
 fn without_indirect_drawing() {
     in_own_process(|| {

@@ -18,7 +18,7 @@ use kit::{
     scenes::build::material,
 };
 
-/// How many optional targets each pipeline of the G-buffer writes.
+/// Number of optional targets that each pipeline of the G-buffer writes.
 fn written_targets(headless: &Headless) -> Vec<usize> {
     let world = headless.app.sub_app(RenderApp).world();
     (world.resource::<PipelineCache>().pipelines())
@@ -32,7 +32,7 @@ fn written_targets(headless: &Headless) -> Vec<usize> {
             let words = (fragment.targets.iter().flatten()).filter(|target| {
                 target.format == TextureFormat::R32Uint && target.write_mask != ColorWrites::empty()
             });
-            // Without the two of the base.
+            // Without the two base targets.
             words.count() - 2
         })
         .collect()

@@ -1,4 +1,4 @@
-//! Smooth dark albedo under strong light, which magnifies what packing rounds.
+//! Smooth dark albedo under strong light, which amplifies rounding by packing.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::{camera::ScalingMode, mesh::Indices, mesh::PrimitiveTopology, prelude::*};
@@ -14,7 +14,7 @@ const SIZE: UVec2 = UVec2::new(512, 96);
 /// The brightest albedo.
 const BRIGHTEST: f32 = 0.02;
 
-/// A gradient from black as vertex colours, which nothing rounds, and others of hues: a stripe each.
+/// A stripe per colour: grey and three hues, each a gradient from black in vertex colours, which are not quantised.
 const STRIPES: [Vec3; 4] = [
     Vec3::ONE,
     Vec3::new(1.0, 0.5, 0.25),
@@ -72,7 +72,7 @@ fn scene(s: &mut SceneBuilder, illuminance: f32) {
     );
 }
 
-/// The largest step from a pixel to the next along the middle of a stripe, and how far its channels are apart.
+/// Largest step between adjacent pixels along the middle of a stripe, and largest difference between its channels.
 fn bands(picture: &Picture, stripe: u32) -> (u8, u8) {
     let rows = picture.size.y / STRIPES.len() as u32;
     let y = picture.size.y - rows * stripe - rows / 2;

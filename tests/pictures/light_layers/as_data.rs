@@ -1,4 +1,4 @@
-//! The layers of meshes are data of their draws: they share pipelines, and each is drawn with its own.
+//! Layers of meshes are data of their draws: meshes share pipelines, and each is drawn with its own layers.
 
 use bevy::{
     camera::visibility::RenderLayers,
@@ -20,10 +20,10 @@ use kit::{
 };
 
 const SIZE: UVec2 = UVec2::new(320, 80);
-/// Balls side by side, each on a layer of its own.
+/// Number of balls, side by side.
 const BALLS: usize = 8;
 
-/// How the balls are drawn.
+/// Ways of drawing the balls.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Drawing {
     Usual,
@@ -32,7 +32,7 @@ enum Drawing {
     Direct,
 }
 
-/// `sets` of layers in turns, or none at all.
+/// Balls on `sets` alternating layers.
 fn scene(s: &mut SceneBuilder, sets: usize, drawing: Drawing) {
     let mesh = s.add::<Mesh>(Sphere::new(0.45).mesh().uv(16, 8));
     let mut clay = material((0.8, 0.6, 0.4), 0.2, 0.4);
@@ -100,7 +100,7 @@ fn gbuffer_pipelines(headless: &Headless) -> usize {
         .count()
 }
 
-/// The colours of the middles of all balls.
+/// Colours at the centres of all balls.
 fn colors(picture: &Picture) -> Vec<[u8; 3]> {
     let ball = picture.size.x / BALLS as u32;
     (0..BALLS as u32)
@@ -135,7 +135,7 @@ fn each_mesh_is_drawn_with_its_own_layers() {
     });
 }
 
-/// Layers that come and go do not fill memory: sets that no mesh is on any more are dropped.
+/// Changing layers do not fill memory: sets of layers without a mesh are dropped.
 #[test]
 fn layers_may_change_in_each_frame() {
     in_own_process(|| {

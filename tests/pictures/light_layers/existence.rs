@@ -1,4 +1,4 @@
-//! The visibility mask exists where lights tell the visible meshes apart, and only there.
+//! The visibility mask exists only where lights tell visible meshes apart.
 
 use bevy::{
     camera::visibility::RenderLayers,
@@ -163,7 +163,7 @@ fn layers_change_at_run_time() {
     });
 }
 
-/// Six lights in a row, of which some are on layer 1 alone, before a wall of layer 0.
+/// Six lights in a row, some of them only on layer 1, in front of a wall on layer 0.
 fn row_of_lights(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity> {
     s.solids();
     let lights: Vec<_> = (0..6)
@@ -190,7 +190,7 @@ fn row_of_lights(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity
     lights
 }
 
-/// A scene that has `change` done to it while frames run, and its picture then.
+/// The picture of a scene after `change` was applied while frames ran.
 fn changed<L>(scene: impl FnOnce(&mut SceneBuilder) -> L, change: fn(&mut World, L)) -> Picture {
     let mut lights = None;
     let mut headless = build(SIZE, |s| lights = Some(scene(s)));
@@ -216,12 +216,12 @@ fn lights_that_lose_their_layers_affect_all_again() {
         let removed = show(&[1, 5], |world, lights| {
             world.entity_mut(lights[5]).remove::<RenderLayers>();
         });
-        // Whichever of them comes last in Bevy's list.
+        // Whichever of them is last in Bevy's list.
         let after_first = show(&[5], |_, _| {});
         let removed_first = show(&[1, 5], |world, lights| {
             world.entity_mut(lights[1]).remove::<RenderLayers>();
         });
-        // Another light takes the place of the first in Bevy's list, and one less is in it.
+        // Another light takes the first one's place in Bevy's list, which becomes shorter by one.
         let despawned = show(&[1, 5], |world, lights| {
             world.entity_mut(lights[5]).remove::<RenderLayers>();
             world.despawn(lights[0]);
@@ -258,7 +258,7 @@ fn lights_that_lose_their_layers_affect_all_again() {
     });
 }
 
-/// Decals side by side, of which some are on layer 1 alone.
+/// Decals side by side, some of them only on layer 1.
 fn row_of_decals(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity> {
     s.floor();
     s.sun(false);
@@ -272,7 +272,7 @@ fn row_of_decals(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity
             let place = Transform::from_xyz(index as f32 * 1.5 - 2.2, 0.0, 0.0)
                 .looking_to(Vec3::NEG_Y, Vec3::Z)
                 .with_scale(Vec3::splat(1.2));
-            // Bevy lists first those of the kind of entity that was there first.
+            // Bevy lists decals by kind of entity, beginning with the kind that existed first.
             if on_another_layer.contains(&index) {
                 s.spawn((decal, place, RenderLayers::layer(1)))
             } else {
@@ -284,7 +284,7 @@ fn row_of_decals(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity
     decals
 }
 
-/// On devices that show decals at all: a software renderer may not.
+/// Only on devices that show decals at all: a software renderer may not.
 #[test]
 fn decals_that_lose_their_layers_affect_all_again() {
     in_own_process(|| {

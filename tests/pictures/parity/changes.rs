@@ -1,4 +1,4 @@
-//! Changes at run time, each and its inverse.
+//! Changes at run time and their inverses.
 
 use bevy::{
     light::{AmbientLight, NotShadowReceiver},
@@ -14,7 +14,7 @@ use kit::{
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 
-/// What the run-time changes act on.
+/// Entities and assets that the changes act on.
 struct Subject {
     entity: Entity,
     materials: [Handle<StandardMaterial>; 3],
@@ -46,7 +46,7 @@ fn remove_added(world: &mut World, _: &Subject) {
     });
 }
 
-/// Each with its inverse.
+/// Changes, each with its inverse.
 const CHANGES: &[(&str, Change, Change)] = &[
     (
         "emissive",
@@ -179,7 +179,7 @@ fn scene_to_change() -> (Headless, Subject) {
     let headless = build(SIZE, |s| {
         s.solids();
         s.sun(true);
-        // Shades the subject in part.
+        // Partly shades the subject.
         let clay = scenes_material(Color::srgb(0.5, 0.5, 0.5));
         s.mesh(
             Cuboid::new(3.0, 0.1, 0.4),
@@ -231,7 +231,7 @@ fn scenes_material(base_color: Color) -> StandardMaterial {
     }
 }
 
-/// Each change is seen by a lean camera within a few frames, without switching it over.
+/// A lean camera shows each change within a few frames, without being switched.
 #[test]
 fn changes_at_run_time_match_forward() {
     in_own_process(|| {

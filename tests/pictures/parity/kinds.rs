@@ -66,8 +66,8 @@ fn material_kinds() -> Vec<(&'static str, StandardMaterial)> {
         .collect()
 }
 
-/// A card, a ball and a mirrored ball of each kind of material, each in a cell of its own: it covers the same pixels
-/// with the same mean colour.
+/// A card, a ball and a mirrored ball of each kind of material, each in its own cell, cover the same pixels with the same mean colour as in
+/// forward.
 #[test]
 fn no_mesh_is_lost() {
     in_own_process(|| {
@@ -120,7 +120,7 @@ fn no_mesh_is_lost() {
         set_lean(&mut headless, true);
         let lean = settled(&mut headless);
 
-        // Pixels that something was drawn to, and their mean colour. The corner of a cell is background, which is dithered.
+        // Number and mean colour of the pixels drawn to. The corner of a cell is background, which is dithered.
         let content = |picture: &Picture, column: u32, row: u32| {
             let min = UVec2::new(column, row) * CELL;
             let pixels = picture.crop(URect::from_corners(min, min + CELL)).rgba;

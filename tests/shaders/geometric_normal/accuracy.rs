@@ -1,4 +1,4 @@
-//! How exact each choice of taps is.
+//! Accuracy of each choice of taps.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use bevy_lean_deferred::shader_library::reconstruction::normal::{
 
 use super::scenes::{DepthBuffer, HEIGHT, Lens, Scene, WIDTH};
 
-/// The choices of `GeometricNormal`, as `lighting.wgsl` puts them together.
+/// The choices of `GeometricNormal`, composed as in `lighting.wgsl`.
 #[derive(Clone, Copy, Debug)]
 enum Taps {
     Three,
@@ -53,7 +53,7 @@ struct Errors {
     mean: f64,
     percentile_95: f64,
     largest: f64,
-    /// Share of pixels.
+    /// Share of pixels with an error above 5°.
     above_5: f64,
 }
 
@@ -97,7 +97,7 @@ impl Errors {
     }
 }
 
-/// Mean errors in degrees that were measured, for each of [`Taps::ALL`].
+/// Measured mean errors in degrees, for each of [`Taps::ALL`].
 fn documented_means(scene: Scene, lens: Lens) -> [f64; 3] {
     match (scene, lens) {
         (Scene::Floor, Lens::Perspective) => [0.0002, 0.0005, 0.0002],
@@ -111,7 +111,7 @@ fn documented_means(scene: Scene, lens: Lens) -> [f64; 3] {
     }
 }
 
-/// Beside the edges of plane faces each way beats the one before. On curved surfaces the far taps of the nine bend away
+/// Beside the edges of planar faces each choice is more accurate than the one before. On curved surfaces the far taps of the nine bend away
 /// or miss thin parts: there they gain nothing over five, but over all scenes they do.
 #[test]
 fn more_taps_are_more_exact() {

@@ -1,26 +1,26 @@
-//! Depth buffers of surfaces whose normals are known, ray-cast in f64 and stored in f32 as a depth attachment would.
+//! Depth buffers of surfaces with known normals, ray-cast in f64 and stored in f32 as a depth attachment would.
 
 use bevy::math::{DMat3, DQuat, DVec2, DVec3, IVec2, Mat4, Vec2, Vec3, Vec4Swizzles as _};
 
 pub const WIDTH: i32 = 640;
 pub const HEIGHT: i32 = 480;
 const NEAR: f64 = 0.1;
-/// Of the orthographic lens.
+/// Far plane of the orthographic lens.
 const FAR: f64 = 1000.0;
 const FOV_Y: f64 = core::f64::consts::FRAC_PI_3;
-/// Metres that the orthographic lens shows from the centre to the upper edge.
+/// Metres from the centre to the upper edge of the orthographic view.
 const ORTHOGRAPHIC_HALF_HEIGHT: f64 = 4.0;
 /// Twin of the constant in `lighting.wgsl`.
 const SMALLEST_DEPTH: f32 = 1e-30;
-/// Depth where nothing is.
+/// Depth of the background.
 const SKY: f32 = 0.0;
 
-/// The view is at the origin and looks along -Z.
+/// A lens at the origin that looks along -Z.
 #[derive(Clone, Copy, Debug)]
 pub enum Lens {
-    /// Reversed and infinite, as Bevy's.
+    /// Reversed and infinite depth, as in Bevy.
     Perspective,
-    /// Reversed.
+    /// Reversed depth.
     Orthographic,
 }
 
@@ -68,7 +68,7 @@ impl Lens {
         position.xyz() / position.w
     }
 
-    /// What is stored of a surface whose -z is `distance`.
+    /// Stored depth of a surface whose -z is `distance`.
     fn depth(self, distance: f64) -> f32 {
         match self {
             Self::Perspective => (NEAR / distance) as f32,
@@ -77,14 +77,14 @@ impl Lens {
     }
 }
 
-/// Where a ray hits: parameter and outward normal.
+/// A ray hit: parameter and outward normal.
 type Hit = Option<(f64, DVec3)>;
 
 #[derive(Clone, Copy, Debug)]
 pub enum Scene {
     /// Level, 1 m to 1 km away.
     Floor,
-    /// Two tilted cylinders, 2 and 4 pixels thick, before a wall.
+    /// Two tilted cylinders, 2 and 4 pixels thick, in front of a wall.
     ThinPoles,
     Boxes,
     Sphere,
@@ -146,7 +146,7 @@ fn plane((origin, direction): (DVec3, DVec3), point: DVec3, normal: DVec3) -> Hi
     (t > NEAR && t < FAR).then_some((t, normal))
 }
 
-/// In perspective it begins 1 m away at the lower edge of the picture; the orthographic lens looks down at it a little.
+/// In perspective it starts 1 m away at the lower edge of the picture; the orthographic lens looks down at it slightly.
 fn floor(lens: Lens, ray: (DVec3, DVec3)) -> Hit {
     match lens {
         Lens::Perspective => plane(ray, DVec3::NEG_Y * (FOV_Y / 2.0).tan(), DVec3::Y),
@@ -200,7 +200,7 @@ fn cuboid((origin, direction): (DVec3, DVec3), center: DVec3, half: DVec3, angle
     })
 }
 
-/// What the rasteriser would leave of a scene, and the truth.
+/// Depths of a scene as rasterised, and the true normals.
 pub struct DepthBuffer {
     depths: Vec<f32>,
     normals: Vec<Option<DVec3>>,
@@ -213,7 +213,7 @@ impl DepthBuffer {
             .map(|i| {
                 let ray = lens.ray(IVec2::new(i % WIDTH, i / WIDTH));
                 let (t, normal) = scene.hit(lens, ray)?;
-                // As the reconstructed one, which can only face the viewer.
+                // Like the reconstructed one, which can only face the viewer.
                 let normal = if normal.dot(ray.1) > 0.0 {
                     -normal
                 } else {
@@ -243,7 +243,7 @@ impl DepthBuffer {
         pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(IVec2::new(WIDTH, HEIGHT)).all()
     }
 
-    /// Depth at `pixel`, or one that is never chosen beyond the picture, as in `lighting.wgsl`.
+    /// Depth at `pixel`; outside the picture one that is never chosen, as in `lighting.wgsl`.
     pub fn depth(&self, pixel: IVec2) -> f32 {
         if Self::contains(pixel) {
             self.depths[Self::index(pixel)]

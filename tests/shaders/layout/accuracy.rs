@@ -1,4 +1,4 @@
-//! What storing a surface in the G-buffer costs, beside what other layouts of the same bits would.
+//! Loss of storing a surface in the G-buffer, against that of other layouts of the same bits.
 
 use bevy::math::{DVec2, DVec3, Vec2Swizzles as _, Vec3};
 use bevy_lean_deferred::gbuffer::layout::{self, NORMAL_STEPS};
@@ -7,7 +7,7 @@ use kit::random::Random;
 /// A transfer curve for albedo.
 struct Curve {
     name: &'static str,
-    /// From linear to what is stored.
+    /// From linear to stored.
     encode: fn(f64) -> f64,
     decode: fn(f64) -> f64,
 }
@@ -30,7 +30,7 @@ const SRGB: Curve = Curve {
     },
 };
 
-/// The curves that were weighed, with their documented errors (RMS and largest, in 1/255 of sRGB) in 7 bits.
+/// The curves that were considered, with their documented errors (RMS and largest, in 1/255 of sRGB) in 7 bits.
 const CURVES: [(Curve, [f64; 2]); 4] = [
     (SRGB, [0.58, 1.00]),
     (
@@ -70,7 +70,7 @@ fn rms_and_largest(values: impl Iterator<Item = f64>) -> [f64; 2] {
     [f64::sqrt(squares / count), largest]
 }
 
-/// Values from 0 to 1 as they are in sRGB.
+/// Values from 0 to 1 in sRGB.
 fn srgb_values() -> impl Iterator<Item = f64> {
     const COUNT: u32 = 1 << 20;
     (0..=COUNT).map(|i| f64::from(i) / f64::from(COUNT))
@@ -111,7 +111,7 @@ fn packed_albedo_errors(values: impl Iterator<Item = f64>) -> [f64; 2] {
     }))
 }
 
-/// Of grey: the exponent of other colours follows their brightest channel.
+/// Errors of grey: the exponent of other colours follows their brightest channel.
 #[test]
 fn packed_albedo_is_as_exact_as_documented() {
     let ranges = [
@@ -129,7 +129,7 @@ fn packed_albedo_is_as_exact_as_documented() {
     }
 }
 
-/// The angle between `stored` and the unit vector `exact`, in degrees; also right for tiny ones.
+/// Angle between `stored` and the unit vector `exact`, in degrees; also accurate for tiny ones.
 pub fn angle(stored: Vec3, exact: DVec3) -> f64 {
     let stored = stored.as_dvec3();
     stored
@@ -159,7 +159,7 @@ pub fn direction_from_octahedral(p: DVec2) -> DVec3 {
     p.extend(z).normalize()
 }
 
-/// `n` as rounding each axis to the same codes on its own would store it.
+/// `n` as stored by rounding each axis to the same codes separately.
 fn naively_stored(n: DVec3) -> DVec3 {
     let steps = f64::from(NORMAL_STEPS);
     let codes = ((octahedral_from_unit(n) * 0.5 + 0.5) * steps).round();
@@ -177,7 +177,7 @@ fn sphere(count: u32) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Mean and largest angle between points on the sphere and what `store` makes of them.
+/// Mean and largest angle between points on the sphere and their directions as stored.
 fn normal_errors(store: impl Fn(DVec3) -> Vec3) -> [f64; 2] {
     const COUNT: u32 = 4_000_000;
     let (sum, largest) = sphere(COUNT).fold((0.0, 0.0f64), |(sum, largest), n| {
@@ -197,7 +197,7 @@ fn normal_errors_are_as_documented() {
     assert!(mean <= 0.0198 && largest <= 0.0400);
     assert_documented("mean error", mean, 0.0195, 6e-5);
     assert_documented("mean error of naive rounding", naive_mean, 0.0209, 6e-5);
-    // The worst spots are tiny: so many points come this close to them.
+    // The worst spots are tiny: this many points come this close to them.
     assert_documented("largest error", largest, 0.0395, 3e-4);
     assert_documented(
         "largest error of naive rounding",
@@ -207,14 +207,14 @@ fn normal_errors_are_as_documented() {
     );
 }
 
-/// On the diagonals of the octants three of the four codes around a normal are equally near.
+/// On the diagonals of the octants three of the four codes around a normal are equally near: errors are no larger there.
 #[test]
 fn normals_of_equal_parts_are_as_near_as_others() {
     let mut random = Random::new(5);
     for i in 0..10_000 {
         let scale = random.range(-30.0, 30.0).exp2();
         let sign = |bit: u32| if i >> bit & 1 == 0 { scale } else { -scale };
-        // Also where rounding has made one of them the nearest.
+        // Also where rounding makes one of them the nearest.
         let part = |bit: u32| sign(bit) * (1.0 + (i >> (3 + bit) & 1) as f32 * f32::EPSILON);
         let normal = Vec3::new(part(0), part(1), part(2));
         let stored = layout::unpack_normal(layout::pack_normal(normal, 0.0));

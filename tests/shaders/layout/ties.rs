@@ -1,4 +1,4 @@
-//! Which differences between device and twin are only the rounding of values that lie between two codes.
+//! Tells differences between device and twin that are only rounding between two codes from others.
 
 use bevy::math::{DVec2, DVec3, Vec3};
 use bevy_lean_deferred::gbuffer::layout::{NORMAL_STEPS, Surface, albedo_scale};
@@ -8,17 +8,17 @@ use super::{
     normal_codes, surface_codes,
 };
 
-/// Device and twin may round a value up and down that lies no further from the middle between two codes, in steps.
+/// Largest distance from the middle between two codes, in steps, at which device and twin may round differently.
 const TIE: f64 = 1e-4;
-/// The same for normals, of whose codes the nearest is found with sums of squares in f32.
+/// The same for normals, whose nearest code is chosen by sums of squares in f32.
 const NORMAL_TIE: f64 = 2e-3;
 
-/// How far the place of `value` among the codes 0 to `max` lies from the middle between two, in steps.
+/// Distance of `value` among the codes 0 to `max` from the middle between two, in steps.
 fn distance_to_tie(value: f64, max: u32) -> f64 {
     ((value.clamp(0.0, 1.0) * f64::from(max)).fract() - 0.5).abs()
 }
 
-/// How much nearer to `normal` one word's direction is than the other's, in steps.
+/// Difference between the distances of two words' directions to `normal`, in steps.
 fn distance_to_normal_tie(normal: Vec3, word: u32, other: u32) -> f64 {
     let n = normal.as_dvec3().try_normalize().unwrap_or(DVec3::Y);
     let distance = |word| {
@@ -29,8 +29,7 @@ fn distance_to_normal_tie(normal: Vec3, word: u32, other: u32) -> f64 {
     (distance(word) - distance(other)).abs() / (2.0 / f64::from(NORMAL_STEPS))
 }
 
-/// Fields of `device` and `twin`, both packed from `input`, that differ though `input` is no tie; `ties` counts the
-/// others.
+/// Fields of `device` and `twin`, both packed from `input`, that differ though `input` is no tie; `ties` counts the others.
 pub fn differences(
     input: &Surface,
     device: [u32; 2],
@@ -38,7 +37,7 @@ pub fn differences(
     ties: &mut usize,
 ) -> Vec<String> {
     let codes = [device, twin].map(|words| surface_codes(words[0]));
-    // The exponent is chosen by comparisons: it has no ties.
+    // The exponent is chosen by comparisons, so it has no ties.
     let scale = f64::from(albedo_scale(codes[1][3]));
     let root = |x: f32| (scale * f64::from(x).clamp(0.0, 1.0)).sqrt();
     let values = [

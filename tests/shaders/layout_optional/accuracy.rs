@@ -1,4 +1,4 @@
-//! What storing emitted light, unlit colours and the arguments of shading models costs.
+//! Loss of storing emitted light, unlit colours and the arguments of shading models.
 
 use bevy::{
     color::{ColorToComponents, LinearRgba, Srgba},
@@ -11,7 +11,7 @@ use bevy_lean_deferred::shading_models::{
 
 use kit::random::Random;
 
-/// `low` times powers of `high / low`, evenly on a logarithmic scale.
+/// `low` to `high`, evenly on a logarithmic scale.
 fn logarithmic(low: f64, high: f64, count: u32) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| low * (high / low).powf(f64::from(i) / f64::from(count)))
 }
@@ -23,7 +23,7 @@ fn relative_error(values: impl Iterator<Item = f64>, store: impl Fn(f32) -> f32)
         .fold(0.0, f64::max)
 }
 
-/// The largest error of `store` over 0 to `high`.
+/// Largest error of `store` over 0 to `high`.
 fn absolute_error(high: f32, store: impl Fn(f32) -> f32) -> f32 {
     const COUNT: u32 = 1 << 18;
     (0..=COUNT)
@@ -34,7 +34,7 @@ fn absolute_error(high: f32, store: impl Fn(f32) -> f32) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// A colour whose brightest channel, a random one, is `brightest`; with which that is.
+/// A colour whose brightest channel, a random one, is `brightest`; and the index of that channel.
 fn color_of(brightest: f64, random: &mut Random) -> (Vec3, usize) {
     let brightest = brightest as f32;
     let channel = random.below(3);
@@ -94,7 +94,7 @@ fn unlit_colors_are_as_exact_as_documented() {
     println!("unlit, 0 to 1: RMS {rms:.3}, largest {largest:.3} in 1/255 of sRGB");
     assert!((rms - 0.30).abs() < 0.01 && largest < 1.0);
 
-    // The colours that 8 bits of sRGB hold.
+    // Greys of 8 bits of sRGB.
     let changed = (0..=255u8)
         .filter(|&code| {
             let color = Vec3::splat(LinearRgba::from(Srgba::rgb_u8(code, code, code)).red);

@@ -13,10 +13,10 @@ fn direction(x: &[f32]) -> DVec3 {
     Vec3::new(x[0], x[1], x[2]).as_dvec3()
 }
 
-/// What of the tangent lies along the two tangents of the frame.
+/// Components of the tangent along the two tangents of the frame.
 fn projected(values: &Values) -> [f64; 2] {
     let normal = direction(&values[4..]);
-    // The frame is the twin's own: a quarter turn apart, at codes 0 and 512.
+    // The frame of the twin itself: a quarter turn apart, at codes 0 and 512.
     let frame = [0, 512].map(|code| {
         let tangent = anisotropy::unpack_anisotropy_tangent(code << 7, normal.as_vec3());
         tangent.as_dvec3()
@@ -37,11 +37,11 @@ pub const ANGLE: Field = Field {
         let [x, y] = projected(values);
         let size = x.abs() + y.abs();
         let length = direction(&values[1..]).abs().element_sum();
-        // Where sums overflow or fall below the least length there may be a direction or none.
+        // Where sums overflow or fall below the least length, either side may or may not get a direction.
         if !length.is_finite() || length > 7e37 || (size - 1e-30).abs() < 1e-35 {
             return f64::INFINITY;
         }
-        // What lies along the normal cancels out, and its rounding stays.
+        // The component along the normal cancels, and its rounding remains.
         let cancelled = length / size;
         if cancelled > 1e4 {
             f64::INFINITY
@@ -52,7 +52,7 @@ pub const ANGLE: Field = Field {
     wraps: true,
 };
 
-/// Any direction across `normal`.
+/// A random direction perpendicular to `normal`.
 fn tangent_of(normal: DVec3, random: &mut Random) -> DVec3 {
     loop {
         let mut part = || f64::from(random.range(-1.0, 1.0));
@@ -63,7 +63,7 @@ fn tangent_of(normal: DVec3, random: &mut Random) -> DVec3 {
     }
 }
 
-/// Degrees between two lines, whichever way these point.
+/// Angle in degrees between two undirected lines.
 fn angle_of_lines(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b).abs()).to_degrees()
 }
@@ -106,14 +106,14 @@ fn tangents_are_as_exact_as_documented() {
             "anisotropy, {name}: mean {mean:.4}°, largest {largest:.4}°, about the stored normal {about_normal:.4}°"
         );
         assert!((mean - 0.048).abs() < 0.004 && largest < 0.0975, "{name}");
-        // Half a step of 1024 on half a turn.
+        // Half a step of 1024 over half a turn.
         assert!(about_normal < 90.0 / 1024.0 + 1e-4, "{name}");
     }
 }
 
 #[test]
 fn tangents_do_not_hang_on_the_last_bits_of_common_normals() {
-    // Passes may contract the decoding of a normal otherwise. Walls, axes, edges and corners of a box.
+    // Passes may contract the decoding of a normal differently. Walls, axes, edges and corners of a box.
     let mut random = Random::new(4);
     let walls = (0..10_000).map(|_| {
         let angle = random.range(-3.2, 3.2);

@@ -1,9 +1,9 @@
-//! Words that are too many for the host, looked at on the device.
+//! Exhaustive checks of words on the device: they are too many for the host.
 
 use super::MODULES;
 use kit::compute::Compute;
 
-/// Checks 2^12 words that differ in their lowest bits: how many do not survive, and one of them.
+/// Checks 2^12 words that differ in their lowest bits. Returns the number that do not survive, and one of them.
 const CHECK: &str = "
 #import bevy_lean_deferred::gbuffer::layout::light
 #import bevy_lean_deferred::gbuffer::layout::specialization as special
@@ -47,7 +47,7 @@ fn kernel(input: array<u32, 2>) -> array<u32, 2> {
 fn every_word_of_a_color_survives_on_the_device() {
     let compute = Compute::new();
     let kernel = compute.kernel::<2, 2>(&MODULES, CHECK);
-    // All bits of an emissive word; of an unlit one, those that are not the model's.
+    // All bits of an emissive word; of an unlit one, all but the model's.
     for (name, bits, form) in [("emissive", 32, 0), ("unlit", 29, 1)] {
         let inputs: Vec<_> = (0..1u32 << (bits - 12)).map(|high| [high, form]).collect();
         let lost: Vec<_> = inputs

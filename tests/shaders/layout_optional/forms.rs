@@ -1,4 +1,4 @@
-//! The forms of the words of the optional targets, device and twin side by side.
+//! Forms of the words of the optional targets, on device and twin.
 
 use bevy::math::Vec3;
 use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
@@ -8,7 +8,7 @@ use bevy_lean_deferred::shading_models::{
 
 use kit::random::Random;
 
-/// Values that a word, or a shading model's arguments, hold.
+/// Number of values that a word, or a shading model's arguments, hold.
 pub const VALUES: usize = 4;
 /// Those values, then the surface's normal.
 pub type Values = [f32; VALUES + 3];
@@ -16,18 +16,18 @@ pub type Values = [f32; VALUES + 3];
 /// A form of a word, or of a shading model's arguments.
 pub struct Form {
     pub name: &'static str,
-    /// The four values `x`, as the device unpacks them from `word`.
+    /// The four values `x`, unpacked from `word` on the device.
     pub unpack_wgsl: &'static str,
-    /// The word, as the device packs it from `x` and `normal`.
+    /// The word, packed from `x` and `normal` on the device.
     pub pack_wgsl: &'static str,
     pub unpack: fn(u32, Vec3) -> [f32; VALUES],
     pub pack: fn(Values) -> u32,
-    /// Words that unpacking and packing must not change: all, where they are not too many.
+    /// Words that unpacking and packing must not change: all, unless they are too many.
     pub words: fn(&mut Random) -> Vec<u32>,
-    /// Device and twin may differ by as much in a decoded value, relative to the value or to `decode_least`.
+    /// Largest difference between device and twin in a decoded value, relative to the value or to `decode_least`.
     pub decode_tolerance: f32,
     pub decode_least: f32,
-    /// Those that may be rounded otherwise on the device. The others must be the same bit for bit.
+    /// Fields that the device may round differently. All other bits must be equal.
     pub fields: &'static [Field],
 }
 
@@ -35,13 +35,13 @@ pub struct Form {
 pub struct Field {
     pub shift: u32,
     pub bits: u32,
-    /// Which value they hold; it alone.
+    /// Index of the only value that they hold.
     pub value: usize,
-    /// Where among the codes a value lies.
+    /// Position of a value among the codes.
     pub place: fn(f64, &Values) -> f64,
-    /// Device and twin may round a value up and down that lies no further from the middle between two codes, in steps.
+    /// Largest distance from the middle between two codes, in steps, at which device and twin may round differently.
     pub tie: fn(&Values) -> f64,
-    /// The first code follows the last.
+    /// True if the first code follows the last.
     pub wraps: bool,
 }
 
@@ -62,7 +62,7 @@ pub fn named(name: &str) -> &'static Form {
 }
 
 impl Form {
-    /// `kernel` with what it calls.
+    /// `kernel` with the functions that it calls.
     pub fn kernel(&self, kernel: &str) -> String {
         let Self {
             unpack_wgsl,
@@ -87,11 +87,11 @@ fn packed(x: array<f32, 7>) -> u32 {{
     }
 }
 
-/// Device and twin may differ by as much in a decoded value: their divisions round differently.
+/// Largest difference between device and twin in a decoded value: their divisions round differently.
 const DECODE_TOLERANCE: f32 = 5e-7;
-/// Vulkan allows sines and cosines to be 2⁻¹¹ off. SwiftShader makes use of it.
+/// Vulkan allows errors of 2⁻¹¹ in sines and cosines. SwiftShader makes use of it.
 const ANGLE_TOLERANCE: f32 = 4.9e-4;
-/// WGSL's `exp2` of up to 13 may be 29 steps off.
+/// WGSL allows an error of 29 ULP in `exp2` of up to 13.
 const EXP_TOLERANCE: f32 = 29.0 * f32::EPSILON;
 const TIE: fn(&Values) -> f64 = |_| 1e-4;
 /// Logarithms on the device are less exact.
@@ -163,7 +163,7 @@ pub const FORMS: &[Form] = &[
         unpack: |word, _| with(light::unpack_light(word), 0.0),
         pack: |x| light::pack_light(color(&x)),
         words: |random| {
-            // Each code of each channel beside each one of a brighter channel; the third channel is any.
+            // Each code of each channel with each code of a brighter channel; the third channel is random.
             let mut words = Vec::new();
             for exponent in 0..32u32 {
                 let least = if exponent == 0 { 0 } else { 256 };
@@ -208,7 +208,7 @@ pub const FORMS: &[Form] = &[
             special::with_arguments(word, x[3] as u32)
         },
         words: |random| {
-            // 253 to 255 are no codes.
+            // 253 to 255 are unused.
             (0..1 << 15)
                 .filter(|word| (word & 0xff) ^ 63 <= 252)
                 .flat_map(|word| [0, random.bits() >> 15, 0x1_ffff].map(|x| word | (x << 15)))
@@ -227,7 +227,7 @@ pub const FORMS: &[Form] = &[
     },
     Form {
         name: "subsurface",
-        // A negative path: the base colour is applied before. Devices may take what is smaller than normal numbers for 0.
+        // A negative path means that the base colour is applied before scattering. Devices may flush subnormal numbers to 0.
         unpack_wgsl: "vec4(
             subsurface::unpack_subsurface_color(word),
             subsurface::unpack_subsurface_path(word)
@@ -271,7 +271,7 @@ pub const FORMS: &[Form] = &[
         },
         pack: |x| anisotropy::pack_anisotropy(x[0], color(&x[1..]), color(&x[4..])),
         words: all_arguments,
-        // Parts of a unit vector, by the device's sine and cosine.
+        // Components of a unit vector, by the device's sine and cosine.
         decode_tolerance: ANGLE_TOLERANCE,
         decode_least: 1.0,
         fields: &[linear_field(0, 7, 0), super::anisotropy::ANGLE],
@@ -362,7 +362,7 @@ pub const FORMS: &[Form] = &[
         unpack_wgsl: "vec4(unlit::unpack_unlit(word), f32(word & special::NO_FOG))",
         pack_wgsl: "unlit::pack_unlit(color, u32(x[3]))",
         unpack: |word, _| with(unlit::unpack_unlit(word), (word & special::NO_FOG) as f32),
-        // Only the flag of the fog has a place.
+        // Only the flag of the fog is stored.
         pack: |x| unlit::pack_unlit(color(&x), x[3] as u32),
         words: |random| {
             let mut words = Vec::new();

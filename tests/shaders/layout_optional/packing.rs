@@ -1,4 +1,4 @@
-//! Device and twin pack the same words, whatever they are given.
+//! Device and twin pack the same words, for any input.
 
 use bevy::math::Vec3;
 use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
@@ -18,7 +18,7 @@ fn kernel(bits: array<u32, 7>) -> array<u32, 1> {
     return array(packed(array(x.x, x.y, x.z, x.w, normal.x, normal.y, normal.z)));
 }";
 
-/// Values that shaders get although they should not, and those at which a formula changes.
+/// Values that shaders should not receive, and those at which a formula changes.
 const HOSTILE: [f32; 38] = [
     f32::NAN,
     -f32::NAN,
@@ -78,7 +78,7 @@ fn hostile_values(random: &mut Random) -> Vec<Values> {
     all
 }
 
-/// Values over the whole range, and past it.
+/// Values over the whole range, and beyond it.
 fn random_values(random: &mut Random, count: usize) -> Vec<Values> {
     let value = |random: &mut Random| match random.below(4) {
         0 => 0.0,
@@ -89,7 +89,7 @@ fn random_values(random: &mut Random, count: usize) -> Vec<Values> {
         .map(|_| {
             let mut values = [0; 4].map(|_| value(random));
             if random.below(2) == 0 {
-                // So are tangents, which may have any sign and length.
+                // Tangents may have any sign and length.
                 let scale = 10f32.powf(random.range(-20.0, 20.0));
                 values[1..].fill_with(|| random.range(-scale, scale));
             }
@@ -98,7 +98,7 @@ fn random_values(random: &mut Random, count: usize) -> Vec<Values> {
         .collect()
 }
 
-/// Powers of two, the middles between two mantissas of nine bits, and the numbers beside them.
+/// Powers of two, the middles between two mantissas of nine bits, and the numbers next to them.
 fn mantissa_ties(random: &mut Random) -> Vec<Values> {
     let mut all = Vec::new();
     for exponent in -28..20 {
@@ -115,7 +115,7 @@ fn mantissa_ties(random: &mut Random) -> Vec<Values> {
     all
 }
 
-/// The values at which the twin's code changes, and the numbers beside them.
+/// Values at which the twin's code changes, and the numbers next to them.
 fn field_ties(form: &Form, field: &Field, random: &mut Random) -> Vec<Values> {
     let values = |x: f32| {
         let mut values = [0.0; 7];
@@ -146,7 +146,7 @@ fn field_ties(form: &Form, field: &Field, random: &mut Random) -> Vec<Values> {
     all
 }
 
-/// Numbers of models and flags are not hostile.
+/// Makes numbers of models and flags valid: they are never hostile.
 fn with_whole_numbers(form: &Form, mut values: Values, random: &mut Random) -> Values {
     match form.name {
         "specialization" => {
@@ -160,8 +160,8 @@ fn with_whole_numbers(form: &Form, mut values: Values, random: &mut Random) -> V
     values
 }
 
-/// Checks that `device` and `twin` are the same but for values next to the middle between two codes. Whether these made
-/// a difference.
+/// Checks that `device` and `twin` are equal except for values near the middle between two codes. Returns true if such values made a
+/// difference.
 fn is_tie(form: &Form, values: &Values, device: u32, twin: u32) -> Result<bool, String> {
     let mut left = device ^ twin;
     for field in form.fields {

@@ -1,4 +1,4 @@
-//! Few rows in which any two choices meet: nearly every shader error needs no more than two definitions to show.
+//! Few rows in which any two choices meet: nearly every shader error shows with at most two definitions.
 
 use std::collections::HashSet;
 
@@ -10,9 +10,9 @@ pub type Factor = &'static [&'static [&'static str]];
 /// One choice of each factor.
 type Row = Vec<usize>;
 
-/// Rows chosen at random beside those.
+/// Random rows in addition to those.
 const RANDOM_ROWS: usize = 200;
-/// Candidates for the next row, of which the one with most new pairs is taken.
+/// Candidates for the next row, of which the one with the most new pairs is taken.
 const CANDIDATES: usize = 100;
 
 fn pairs(row: &Row) -> impl Iterator<Item = [(usize, usize); 2]> {
@@ -28,8 +28,7 @@ fn all_pairs(factors: &[Factor]) -> HashSet<[(usize, usize); 2]> {
         .collect()
 }
 
-/// Rows that have every pair of choices: the first and the last choices of all factors, then greedily chosen
-/// ones, then random ones.
+/// Rows that contain every pair of choices: the first and the last choices of all factors, then greedily chosen ones, then random ones.
 pub fn covering_rows(factors: &[Factor]) -> Vec<Vec<&'static [&'static str]>> {
     let mut random = Random::new(1);
     let mut missing = all_pairs(factors);

@@ -9,10 +9,10 @@ macro_rules! optional {
     };
 }
 
-/// What `LightingPipelines::shader_defs` makes of a view. `implications` adds what never stands alone.
+/// Definitions of `LightingPipelines::shader_defs` for any view. `implications` adds those that never occur alone.
 pub const LIGHTING: &[Factor] = &[
     optional!("ENVIRONMENT_MAP"),
-    // Not usable on the web, whatever the view has.
+    // Irradiance volumes are not usable on the web, whatever the view has.
     &[
         &[],
         &["IRRADIANCE_VOLUMES_ARE_USABLE"],
@@ -64,7 +64,7 @@ pub const LIGHTING: &[Factor] = &[
         &["SPOT_SHADOW_MAPS"],
         &["POINT_SHADOW_MAPS", "SPOT_SHADOW_MAPS"],
     ],
-    // Bevy's feature `experimental_pbr_pcss` brings the samplers.
+    // Bevy's feature `experimental_pbr_pcss` provides the samplers.
     &[
         &[],
         &["SOFT_SHADOWS"],
@@ -109,7 +109,7 @@ pub const LIGHTING: &[Factor] = &[
     WHAT_IS_LIT,
 ];
 
-/// Channels are shown for all surfaces alike; else a dispatch may list special surfaces, or light them
+/// Debug channels are shown for all surfaces alike; otherwise a dispatch may list special surfaces, or light them
 /// (`variants::shader_defs`).
 const WHAT_IS_LIT: Factor = &[
     &[],
@@ -150,7 +150,7 @@ const WHAT_IS_LIT: Factor = &[
     ],
 ];
 
-/// What `FilterKey::shader_defs` makes of the settings of ambient occlusion.
+/// Definitions of `FilterKey::shader_defs` for any settings of ambient occlusion.
 const OCCLUSION_FILTERS: Factor = &[
     &[],
     &["OCCLUSION_FLAT"],
@@ -162,7 +162,7 @@ const OCCLUSION_FILTERS: Factor = &[
     &["OCCLUSION_HALF", "OCCLUSION_EDGE_AWARE"],
 ];
 
-/// What `GatherKey::shader_defs` makes of a view with ambient occlusion, for both kinds of pass.
+/// Definitions of `GatherKey::shader_defs` for a view with ambient occlusion, for both kinds of pass.
 pub const OCCLUSION_GATHER: &[Factor] = &[
     &[
         &["SHADING_NORMALS"],
@@ -178,10 +178,10 @@ pub const OCCLUSION_GATHER: &[Factor] = &[
     OCCLUSION_PROJECTIONS,
 ];
 
-/// What is defined where a workgroup of ambient occlusion shares depths.
+/// Definitions with which a workgroup of ambient occlusion shares depths.
 pub const SHARES_DEPTHS: [&str; 2] = ["COMPUTE", "SHARED_DEPTHS"];
 
-/// The same as [`OCCLUSION_GATHER`], where depths are shared.
+/// As [`OCCLUSION_GATHER`], where depths are shared.
 pub const OCCLUSION_GATHER_SHARED: &[Factor] = &[
     optional!("SHADING_NORMALS"),
     optional!("THIN"),
@@ -196,7 +196,7 @@ const OCCLUSION_PROJECTIONS: Factor = &[
     &[],
 ];
 
-/// What `OcclusionPipelines::merge` makes of them.
+/// Definitions of `OcclusionPipelines::merge`.
 pub const OCCLUSION_MERGE: &[Factor] = &[
     &[&[], &["DISTANCE_FOG"], &["DEBUG_VIEW"]],
     OCCLUSION_FILTERS,
@@ -208,8 +208,8 @@ const PROJECTIONS: Factor = &[
     &["VIEW_PROJECTION_ORTHOGRAPHIC"],
 ];
 
-/// What Bevy's `PrepassPipeline` and `StandardMaterial` make of a mesh that the G-buffer carries. (A second UV set
-/// without a first is missing: Bevy's own `pbr_fragment.wgsl` does not compile with it.)
+/// Definitions of Bevy's `PrepassPipeline` and `StandardMaterial` for a mesh that the G-buffer carries. (A second UV set without a first is
+/// missing: Bevy's own `pbr_fragment.wgsl` does not compile with it.)
 pub const GBUFFER: &[Factor] = &[
     &[
         &[],
@@ -235,7 +235,7 @@ pub const GBUFFER: &[Factor] = &[
     optional!("SKINS_USE_UNIFORM_BUFFERS"),
     optional!("MAY_DISCARD"),
     optional!("VISIBILITY_RANGE_DITHER"),
-    // Bevy has both where the device has binding arrays, but materials may opt out of `BINDLESS`.
+    // Bevy sets both on devices with binding arrays, but materials may opt out of `BINDLESS`.
     &[
         &[],
         &["MULTIPLE_LIGHTMAPS_IN_ARRAY"],
@@ -252,7 +252,7 @@ pub const GBUFFER: &[Factor] = &[
         ],
     ],
     optional!("GBUFFER_VISIBILITY_MASK"),
-    // In the second phase of culling, meshes without optional targets are in the pass that has some.
+    // In the second phase of culling, meshes without optional targets are drawn in the pass that has some.
     optional!("GBUFFER_WRITTEN"),
     PROJECTIONS,
     optional!("STANDARD_MATERIAL_NORMAL_MAP"),
@@ -282,7 +282,7 @@ pub const GBUFFER: &[Factor] = &[
     WHAT_IS_DRAWN,
 ];
 
-/// The optional targets, with the materials and meshes that only passes with these targets draw.
+/// The optional targets, and the materials and meshes that only passes with these targets draw.
 const WHAT_IS_DRAWN: Factor = &[
     &[],
     &["GBUFFER_EMISSIVE"],
@@ -294,7 +294,7 @@ const WHAT_IS_DRAWN: Factor = &[
     &["STANDARD_MATERIAL_ANISOTROPY", "GBUFFER_EMISSIVE"],
     &["STANDARD_MATERIAL_DIFFUSE_TRANSMISSION"],
     &["STANDARD_MATERIAL_DIFFUSE_TRANSMISSION", "GBUFFER_EMISSIVE"],
-    // Unlit materials may have all.
+    // Unlit materials may have all of them.
     &[
         "STANDARD_MATERIAL_CLEARCOAT",
         "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP",
@@ -329,10 +329,10 @@ const WHAT_IS_DRAWN: Factor = &[
     ],
 ];
 
-/// What `MotionResolvePipelines` makes of a view with motion vectors.
+/// Definitions of `MotionResolvePipelines` for a view with motion vectors.
 pub const MOTION_RESOLVE: &[Factor] = &[optional!("LATE"), optional!("GBUFFER_MOTION")];
 
-/// What `ExposureKey::shader_defs` makes of the settings of auto exposure.
+/// Definitions of `ExposureKey::shader_defs` for any settings of auto exposure.
 pub const EXPOSURE: &[Factor] = &[
     &[&[], &["LOG_AVERAGE"], &["LOG_AVERAGE", "LOG_OF_PRODUCTS"]],
     &[
@@ -345,7 +345,7 @@ pub const EXPOSURE: &[Factor] = &[
     optional!("SUBGROUPS"),
 ];
 
-/// Names that come with others.
+/// Definitions that come with `name`.
 pub fn implications(name: &str) -> &'static [&'static str] {
     match name {
         "SCREEN_SPACE_AMBIENT_OCCLUSION" | "LEAN_AMBIENT_OCCLUSION" => &["APPLIES_VISIBILITY"],
@@ -357,7 +357,7 @@ pub fn implications(name: &str) -> &'static [&'static str] {
             &["SHADOWS", "CLUSTERED_SHADOW_MAPS", "GEOMETRIC_NORMAL"]
         }
         "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "GEOMETRIC_NORMAL"],
-        // Decals are bound in arrays, on the devices on which light probes are too.
+        // Decals are bound in arrays, on devices that bind light probes in arrays too.
         "CLUSTERED_DECALS_ARE_USABLE" => &["MULTIPLE_LIGHT_PROBES_IN_ARRAY"],
         "VERTEX_UVS_A" | "VERTEX_UVS_B" => &["VERTEX_UVS"],
         "LIGHTMAP" | "LIGHTMAPPED_SURFACES" => &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
@@ -377,15 +377,15 @@ pub fn implications(name: &str) -> &'static [&'static str] {
     }
 }
 
-/// Whether `name` occurs beside the definitions that the view, mesh or device `has`.
+/// True if `name` occurs together with the definitions that the view, mesh or device `has`.
 pub fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
     match name {
-        // What `material_texture_defs` adds.
+        // Added by `material_texture_defs`.
         "PBR_SPECULAR_TEXTURES_SUPPORTED"
         | "PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED"
         | "PBR_ANISOTROPY_TEXTURE_SUPPORTED"
         | "PBR_TRANSMISSION_TEXTURES_SUPPORTED" => has("GBUFFER_SPECIALIZATION"),
-        // Else materials have no such texture.
+        // Otherwise materials have no such texture.
         "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP" => {
             has("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED")
         }

@@ -1,5 +1,5 @@
-//! Culling keeps each light that gives anything to a surface of a tile, or to its back: the shipped WGSL on the device,
-//! beside each pixel of the tile in f64.
+//! Culling keeps each light that contributes to a surface of a tile, or to its back: the shipped WGSL on the device, against each pixel of
+//! the tile in f64.
 
 use std::cell::Cell;
 
@@ -19,11 +19,11 @@ use proptest::{
 
 const SIDE: u32 = 8;
 const VIEWPORT: [f32; 4] = [16.0, 8.0, 1920.0, 1080.0];
-/// Lights that go to the device at once.
+/// Lights per dispatch.
 const BATCH: usize = 256;
 const BATCHES: u32 = 256;
 
-/// In place of Bevy's bindings: what one invocation was given.
+/// Replaces Bevy's bindings by the inputs of one invocation.
 const BINDINGS: &str = "
 #define_import_path bevy_pbr::mesh_view_bindings
 
@@ -82,28 +82,28 @@ fn kernel(input: array<u32, 70>) -> array<u32, 1> {
 const SPOT: u32 = 1 << 1;
 const Y_NEGATIVE: u32 = 1 << 2;
 
-/// A tile, and a light beside one of its surfaces.
+/// A tile, and a light near one of its surfaces.
 #[derive(Clone, Debug)]
 struct Case {
-    /// The tile's first pixel, in the viewport.
+    /// First pixel of the tile, in the viewport.
     tile: UVec2,
-    /// Of the nearest and the furthest surface, as shares: in between others.
+    /// Depths of the nearest and the furthest surface, as shares; others are in between.
     depths: [f32; 2],
-    /// Which pixel and which of the depths the light is placed beside.
+    /// Pixel and depth of the surface that the light is near.
     pixel: UVec2,
     depth: f32,
-    /// Of the light.
+    /// Range of the light.
     range: f32,
-    /// In ranges.
+    /// Distance of the light from the surface, in ranges.
     distance: f32,
     direction: Vec3,
-    /// The outer angle of a spot light, and how far from that the surface is, of it.
+    /// Outer angle of a spot light, and the angle between its axis and the surface as a multiple of it.
     cone: Option<(f32, f32)>,
     camera: Vec3,
     turn: Quat,
-    /// Of the camera.
+    /// Scale of the camera.
     scale: Vec3,
-    /// In metres: how far behind the surfaces transmitted light is gathered, and in which direction.
+    /// Distance behind the surfaces at which transmitted light is gathered, in metres, and its direction.
     thickness: f32,
     inward: Vec3,
 }
@@ -113,7 +113,7 @@ fn direction() -> impl Strategy<Value = Vec3> {
         .prop_map(|v| Vec3::from(v).try_normalize().unwrap_or(Vec3::Y))
 }
 
-/// Of cameras that are children of something scaled.
+/// Scales of cameras that are children of a scaled entity.
 fn scale() -> impl Strategy<Value = Vec3> {
     let even = (-3.0..3.0f32).prop_map(|log| Vec3::splat(log.exp2()));
     let uneven = [0.3..3.0f32, 0.3..3.0f32, -3.0..-0.3f32].prop_map(Vec3::from);
@@ -161,26 +161,26 @@ fn case() -> impl Strategy<Value = Case> {
         )
 }
 
-/// What a case is in numbers, with a projection.
+/// The numbers of a case with a projection.
 struct Setting {
     world_from_view: Mat4,
     view_from_clip: Mat4,
     depths: Vec2,
-    /// In the world: where light is gathered, in front and behind.
+    /// Positions in the world where light is gathered, in front and behind.
     surfaces: Vec<DVec3>,
-    /// In the world, as the GPU has it.
+    /// Position in the world, as the GPU has it.
     light: Vec3,
     spot: Option<Spot>,
 }
 
 struct Spot {
-    /// In the world, as the GPU has it.
+    /// Direction in the world, as the GPU has it.
     direction: Vec3,
     scale: f32,
     offset: f32,
 }
 
-/// Where a share of all distances is, evenly over what is seen: from the near plane to 10 km, or to the far plane.
+/// Distance at a share of the visible range: logarithmic from the near plane to 10 km, or linear to the far plane.
 fn distance_at(share: f64, is_perspective: bool) -> f64 {
     if is_perspective {
         0.1 * (share * 16.6).exp2()
@@ -193,7 +193,7 @@ impl Setting {
     fn new(case: &Case, clip_from_view: Mat4) -> Self {
         let is_perspective = clip_from_view.w_axis.w == 0.0;
         let clip = clip_from_view.as_dmat4();
-        // Where what is seen in a pixel is at a distance.
+        // Position seen at a pixel, at a share of the visible range.
         let position = |pixel: UVec2, share: f64| {
             let viewport = VIEWPORT.map(f64::from);
             let uv = (pixel.as_dvec2() + 0.5) / DVec2::new(viewport[2], viewport[3]);
@@ -214,7 +214,7 @@ impl Setting {
         let pixels = (0..SIDE * SIDE).map(|i| case.tile + UVec2::new(i % SIDE, i / SIDE));
         let seen: Vec<(UVec2, f32)> = pixels
             .flat_map(|pixel| parts.map(|part| (pixel, depth(&position(pixel, share(part))))))
-            // In front of a near plane that is askew.
+            // Excludes positions in front of an oblique near plane.
             .filter(|(_, depth)| (0.0..=1.0).contains(depth))
             .collect();
         let depths = seen.iter().map(|(_, depth)| *depth);
@@ -222,7 +222,7 @@ impl Setting {
             depths.clone().fold(1.0, f32::min),
             depths.fold(0.0, f32::max),
         );
-        // As lighting finds them: from depths with so many digits.
+        // As lighting reconstructs them, from depths of limited precision.
         let view_from_clip = clip_from_view.inverse();
         let found = |(pixel, depth): &(UVec2, f32)| {
             let viewport = Vec4::from(VIEWPORT);
@@ -241,7 +241,7 @@ impl Setting {
         let spot = case.cone.map(|(outer, off)| {
             let axis = case.direction.any_orthonormal_vector();
             let direction = Quat::from_axis_angle(axis, outer * off) * -case.direction;
-            // As Bevy has it, with an inner angle that is nearly the outer one.
+            // As Bevy computes it, with an inner angle that is nearly the outer one.
             let scale = 1.0 / ((0.95 * outer).cos() - outer.cos()).max(1e-4);
             Spot {
                 direction,
@@ -259,7 +259,7 @@ impl Setting {
         }
     }
 
-    /// Whether the light gives anything to any of the surfaces.
+    /// True if the light contributes to any of the surfaces.
     fn is_lit(&self, range: f32) -> bool {
         let inverse_square_range = f64::from(1.0 / (range * range));
         self.surfaces.iter().any(|surface| {
@@ -335,7 +335,7 @@ fn kernel(compute: &Compute, kind: ProjectionKind) -> Kernel<'_, 70, 1> {
     compute.kernel_with(&modules, KERNEL, &defs)
 }
 
-/// Also that most lights that give nothing are culled: otherwise nothing is won.
+/// Also checks that most lights that contribute nothing are culled, as culling gains nothing otherwise.
 fn check(name: &str, clip_from_view: Mat4, least_passed_by: f64) {
     let compute = Compute::new();
     let kernel = kernel(&compute, projection_of(clip_from_view));
@@ -394,7 +394,7 @@ fn orthographic() {
     check("orthographic", projection, 0.25);
 }
 
-/// As for the picture in a mirror or in water, cut off at its surface.
+/// Oblique near planes, as for the picture in a mirror or in water, clipped at its surface.
 #[test]
 fn near_planes_that_are_askew() {
     for (x, y, least_passed_by) in [(0.02, -0.01, 0.1), (-0.3, 0.6, 0.0)] {

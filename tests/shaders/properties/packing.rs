@@ -1,5 +1,5 @@
-//! Words that a G-buffer holds, from any bits that a float may have. (That the shaders pack as these twins do, `layout.rs` and
-//! `layout_optional.rs` test.)
+//! Words of the G-buffer, from any bits that a float may have. (`layout.rs` and `layout_optional.rs` test that the shaders pack as these
+//! twins do.)
 
 use bevy::math::{Vec2, Vec3};
 use bevy_lean_deferred::{
@@ -18,10 +18,10 @@ use bevy_lean_deferred::{
 };
 use proptest::prelude::*;
 
-/// Between a normal and what is stored of it, in radians (0.0395°, as `layout/accuracy.rs` measures).
+/// Largest angle between a normal and its direction as stored, in radians (0.0395°, as `layout/accuracy.rs` measures).
 const LARGEST_ANGLE: f64 = 6.95e-4;
 
-/// Any float: also what is not a number, infinite, or too small for most of its digits.
+/// Any float, including NaN, infinities and subnormal numbers.
 fn any_float() -> impl Strategy<Value = f32> {
     prop_oneof![
         3 => 0.0..=1.0f32,
@@ -37,7 +37,7 @@ fn any_vector() -> impl Strategy<Value = Vec3> {
     [any_float(), any_float(), any_float()].prop_map(Vec3::from)
 }
 
-/// A number from 0 to `largest`, or what is stored in its place.
+/// The number from 0 to `largest` that is stored for `x`.
 fn valid(x: f32, largest: f32) -> f32 {
     if x.is_nan() {
         0.0
@@ -71,7 +71,7 @@ proptest! {
         let surface =
             Surface { albedo, metallic, occlusion, normal, perceptual_roughness, has_mesh_normal };
         let stored = unpack(pack(&surface));
-        // Of square roots: half a step, which the exponent makes smaller.
+        // Error of square roots: half a step, which the exponent makes smaller.
         let roots = |color: Vec3| Vec3::new(color.x.sqrt(), color.y.sqrt(), color.z.sqrt());
         let exact = valid_color(albedo, 1.0);
         let off = (roots(stored.albedo) - roots(exact)).abs();

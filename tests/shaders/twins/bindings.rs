@@ -1,4 +1,4 @@
-//! Bindings have the numbers of their names.
+//! Bindings in WGSL have the numbers of their Rust names.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,14 +16,14 @@ use super::{
     shipped::{self, Place},
 };
 
-/// Files whose bindings have nothing in Rust: an example of the documentation, whose Rust is there too.
+/// Files whose bindings have no Rust counterpart: an example of the documentation, which includes its own Rust.
 const NOT_COMPARED: [&str; 1] = ["gbuffer/custom_material.wgsl"];
 
-/// A binding's number, and where it is declared, if in the crate.
+/// Number of a binding, and the place of its declaration if it is the crate's.
 type Binding = (u32, Option<Place>);
 
-/// The bindings of a group in the shaders whose files begin so, by the names of their variables in capitals. They are those that
-/// the crate declares, or Bevy in the module at `import_path`.
+/// Bindings of a group in the shaders whose paths start with `file`, by variable names in capitals. They are those that the crate declares,
+/// or Bevy in the module at `import_path`.
 fn bindings(file: &str, group: usize, import_path: Option<&str>) -> BTreeMap<String, Binding> {
     let mut found = BTreeMap::new();
     for composed in shaders::of(file) {
@@ -54,7 +54,8 @@ fn numbers(found: &BTreeMap<String, Binding>) -> BTreeMap<&str, u32> {
         .collect()
 }
 
-/// The crate's variables in `group` of the shaders whose files begin so have the numbers `ours`. Returns where they are declared.
+/// Asserts that the crate's variables in `group` of the shaders whose paths start with `file` have the numbers `ours`. Returns the places
+/// of their declarations.
 fn compare(file: &str, group: usize, ours: &[(&str, u32)]) -> Vec<Place> {
     let found = bindings(file, group, None);
     let ours: BTreeMap<&str, u32> = ours.iter().copied().collect();
@@ -63,7 +64,7 @@ fn compare(file: &str, group: usize, ours: &[(&str, u32)]) -> Vec<Place> {
     places.collect()
 }
 
-/// The numbers that the derive of `AsBindGroup` gives, with and without bindless materials.
+/// Numbers that the derive of `AsBindGroup` assigns, with and without bindless materials.
 fn numbers_of_shading_extension() -> [(&'static str, u32); 3] {
     let headless = Headless::new(UVec2::splat(8));
     let entries = ShadingExtension::bind_group_layout_entries(headless.device(), true);

@@ -1,4 +1,4 @@
-//! Constants that stand in Rust and in WGSL have one value.
+//! Constants that both Rust and WGSL declare have one value.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -60,7 +60,7 @@ impl Numbers for Vec3 {
     }
 }
 
-/// The constants of Rust by the WGSL file that has them too, under the same names.
+/// Rust constants by the WGSL file that declares them too, under the same names.
 fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     let mut found = BTreeMap::new();
     macro_rules! constants {
@@ -95,7 +95,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     found
 }
 
-/// The numbers that Rust's enums and flags stand for in WGSL.
+/// Numbers of Rust's enums and flags in WGSL.
 fn numbers_of_rust() -> BTreeMap<Place, Vec<f64>> {
     const SHADING_MODELS: [ShadingModel; 7] = [
         ShadingModel::Plain,
@@ -149,7 +149,7 @@ fn literals(module: &Module, expression: Handle<Expression>, numbers: &mut Vec<f
     }
 }
 
-/// Whether all that a declaration is made of is in `fixed`: names of constants begin with a capital.
+/// True if a declaration uses only names in `fixed`: names of constants begin with a capital.
 fn is_fixed(declaration: &str, fixed: &BTreeMap<&String, &String>) -> bool {
     let (_, value) = declaration.split_once('=').expect("it has a value");
     let mut names = value
@@ -158,7 +158,7 @@ fn is_fixed(declaration: &str, fixed: &BTreeMap<&String, &String>) -> bool {
     !value.contains("#{") && names.all(|name| fixed.contains_key(&name.to_string()))
 }
 
-/// What naga makes of all constants that do not depend on definitions.
+/// Values that naga computes of all constants that do not depend on definitions.
 fn constants_of_wgsl() -> BTreeMap<Place, Vec<f64>> {
     let mut of_files: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
     for ((file, name), declaration) in shipped::constants() {
@@ -167,7 +167,7 @@ fn constants_of_wgsl() -> BTreeMap<Place, Vec<f64>> {
     let mut found = BTreeMap::new();
     for (file, declarations) in &of_files {
         let mut fixed = BTreeMap::new();
-        // Each time, those that are made of the ones before.
+        // Each round adds the constants made of earlier ones.
         for _ in declarations {
             let more = declarations.iter();
             let more: Vec<_> = more.filter(|(_, text)| is_fixed(text, &fixed)).collect();
@@ -212,7 +212,7 @@ fn constants_have_one_value() {
     );
 }
 
-/// What other constants rely on.
+/// Relations between constants that other code relies on.
 #[test]
 fn constants_fit_one_another() {
     let constants = constants_of_wgsl();
@@ -224,11 +224,11 @@ fn constants_fit_one_another() {
     // The number of a material fits into its bits.
     let file = "lighting/subsurface_light.wgsl";
     assert!(number(file, "MOST_MATERIALS") <= number(file, "MATERIAL_BITS"));
-    // A row of the dispatch over the list of tiles is as wide as any device allows.
+    // A row of the dispatch over the list of tiles is no wider than any device allows.
     let limits = wgpu::Limits::downlevel_defaults();
     let widest = f64::from(limits.max_compute_workgroups_per_dimension);
     assert!(number("lighting/tile_list.wgsl", "COLUMNS") <= widest);
-    // Nothing is darker than the first bin of the histogram, and its bins reach 2 to the power of 16.
+    // The first bin of the histogram is the lowest luminance, and the bins reach up to 2 to the power of 16.
     let (file, lowest) = (
         "auto_exposure/bindings.wgsl",
         f64::from(luminance::LOWEST_LOG),

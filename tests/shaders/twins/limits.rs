@@ -1,4 +1,4 @@
-//! What compute shaders use of a device is in the table of needs of the effect that they are of.
+//! Device limits that compute shaders use are in the table of needed limits of their effect.
 
 use bevy_lean_deferred::{
     ambient_occlusion, auto_exposure,
@@ -14,7 +14,7 @@ use wgpu::Limits;
 
 use super::shaders::{self, Composed};
 
-/// The tables of needs of shaders whose files begin so. All effects on lean cameras have the first.
+/// Tables of needed limits for the shader `file`. All effects on lean cameras need the first.
 fn tables(file: &str) -> Vec<&'static [NeededLimit]> {
     if file.starts_with("auto_exposure/") {
         return vec![auto_exposure::NEEDED_LIMITS];
@@ -32,7 +32,7 @@ fn tables(file: &str) -> Vec<&'static [NeededLimit]> {
     vec![lean::NEEDED_LIMITS, of_effect]
 }
 
-/// The limits of a device that has what `tables` say, and of all else what WebGPU grants to any.
+/// Limits of a device that has what `tables` require, and of all else what WebGPU guarantees.
 fn least(tables: &[&[NeededLimit]]) -> Limits {
     let mut limits = Limits::default();
     for (name, field) in FIELDS {
@@ -45,7 +45,7 @@ fn least(tables: &[&[NeededLimit]]) -> Limits {
 
 type Field = fn(&mut Limits) -> &mut u32;
 
-/// What is compared.
+/// Limits that are compared.
 const FIELDS: [(&str, Field); 5] = [
     ("max_compute_invocations_per_workgroup", |limits| {
         &mut limits.max_compute_invocations_per_workgroup
@@ -64,10 +64,10 @@ const FIELDS: [(&str, Field); 5] = [
     }),
 ];
 
-/// Less than this of shared memory every device has that has workgroups.
+/// Every device with workgroups has this much shared memory, in bytes.
 const FREE_STORAGE: u32 = 1024;
 
-/// What the compute entry point of a shader uses, in the order of [`FIELDS`]; `None` if it has none.
+/// Limits that the compute entry point of a shader uses, in the order of [`FIELDS`]; `None` if it has none.
 fn used(composed: &Composed) -> Option<[u32; FIELDS.len()]> {
     let module = &composed.module;
     let index = (module.entry_points.iter()).position(|e| e.stage == ShaderStage::Compute)?;
@@ -126,7 +126,7 @@ fn the_tables_of_needs_have_what_shaders_use() {
     check(&plain, &[lean::NEEDED_LIMITS]);
     for composed in shaders::all() {
         let mut tables = tables(composed.file);
-        // Lighting for what scatters writes more.
+        // Lighting of scattering surfaces writes more.
         if composed.file.starts_with("lighting/") {
             tables.push(subsurface::NEEDED_LIMITS);
         }

@@ -1,4 +1,4 @@
-//! The shipped shaders, put together so that each of their bindings is in one of them.
+//! The shipped shaders, composed so that each of their bindings is in one of them.
 
 use std::{collections::BTreeMap, sync::OnceLock};
 
@@ -10,10 +10,10 @@ use super::{
     shipped::{self, Place},
 };
 
-/// What `naga_oil` appends to names, before the path of the module and an `X`.
+/// Separator that `naga_oil` appends to names, before the path of the module and an `X`.
 const DECORATION: &str = "X_naga_oil_mod_X";
 
-/// A shader of the crate, with the definitions under which what is looked for is in it.
+/// A shader of the crate, composed with the definitions that include what is compared.
 pub struct Composed {
     pub file: &'static str,
     pub module: Module,
@@ -35,13 +35,13 @@ impl Composed {
         }
     }
 
-    /// The import path of the module from which `name` is, if it is not from the shader itself.
+    /// Import path of the module that declares `name`; none for the shader itself.
     pub fn import_path(&self, name: &str) -> Option<String> {
         let (_, module) = name.split_once(DECORATION)?;
         Some(decoded(module.strip_suffix('X').expect("it ends in X")))
     }
 
-    /// Where what is called `name` here is declared; `None` if that is in Bevy.
+    /// Place where `name` is declared; `None` if that is in Bevy.
     pub fn place(&self, name: &str) -> Option<Place> {
         let file = match self.import_path(name) {
             Some(path) => self.files.get(&path)?.clone(),
@@ -51,12 +51,12 @@ impl Composed {
     }
 }
 
-/// As it was written.
+/// The name as written in the source.
 pub fn written(name: &str) -> &str {
     name.split(DECORATION).next().unwrap_or(name)
 }
 
-/// That path is in base 32 (RFC 4648, section 6), without padding.
+/// Decodes a module's path from base 32 (RFC 4648, section 6), without padding.
 fn decoded(text: &str) -> String {
     let (mut bytes, mut bits, mut count) = (Vec::new(), 0u32, 0);
     for letter in text.bytes() {
@@ -82,7 +82,7 @@ macro_rules! shader {
     };
 }
 
-/// With what lights everything, and `more`.
+/// Lighting with all features, and `more` definitions.
 pub fn lighting(more: &[&str]) -> Composed {
     const MOST: [&str; 34] = [
         "DEPTH_PREPASS",
@@ -130,7 +130,7 @@ pub fn lighting(more: &[&str]) -> Composed {
     )
 }
 
-/// All of them.
+/// All shaders.
 pub fn all() -> &'static [Composed] {
     static ALL: OnceLock<Vec<Composed>> = OnceLock::new();
     ALL.get_or_init(|| {
@@ -226,7 +226,7 @@ pub fn all() -> &'static [Composed] {
     })
 }
 
-/// Those whose files begin so, as from `src`.
+/// Shaders whose paths below `src` start with `file`.
 pub fn of(file: &str) -> impl Iterator<Item = &'static Composed> {
     all()
         .iter()

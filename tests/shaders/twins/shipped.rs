@@ -1,4 +1,4 @@
-//! What all shipped WGSL declares, whatever is defined: read from its text.
+//! Declarations of all shipped WGSL under any definitions, read from its text.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -6,14 +6,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Where something is declared: the file, as from `src`, and its name.
+/// Place of a declaration: its file below `src`, and its name.
 pub type Place = (String, String);
 
 fn src() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-/// The files below `folder` whose names end in `extension`, as from `src`, and their texts without comments.
+/// Files below `folder` with this `extension`, relative to `src`, and their texts without comments.
 fn files(folder: &Path, extension: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("it is a folder") {
@@ -37,7 +37,7 @@ pub fn wgsl() -> BTreeMap<String, String> {
     files(&src(), "wgsl")
 }
 
-/// The files by the names under which others import them.
+/// Files by the paths under which others import them.
 pub fn import_paths() -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for (file, text) in wgsl() {
@@ -49,20 +49,20 @@ pub fn import_paths() -> BTreeMap<String, String> {
     found
 }
 
-/// What begins with a letter and goes on with letters, digits and `_`.
+/// The identifier at the beginning of `text`.
 fn name_at(text: &str) -> String {
     let text = text.trim_start();
     let end = text.find(|c: char| !c.is_alphanumeric() && c != '_');
     text[..end.unwrap_or(text.len())].to_string()
 }
 
-/// All variables that are bound.
+/// All bound variables.
 pub fn bindings() -> BTreeSet<Place> {
     let mut found = BTreeSet::new();
     for (file, text) in wgsl() {
         for after in text.split("@binding(").skip(1) {
             let (_, after) = after.split_once("var").expect("a binding is a variable's");
-            // Its address space, if it has one.
+            // Skips its address space, if it has one.
             let name = match after.strip_prefix('<') {
                 Some(space) => space.split_once('>').expect("brackets are closed").1,
                 None => after,
@@ -73,7 +73,7 @@ pub fn bindings() -> BTreeSet<Place> {
     found
 }
 
-/// The declarations of all constants, as they are written.
+/// Declarations of all constants, as written.
 pub fn constants() -> BTreeMap<Place, String> {
     let mut found = BTreeMap::new();
     for (file, text) in wgsl() {
@@ -86,7 +86,7 @@ pub fn constants() -> BTreeMap<Place, String> {
     found
 }
 
-/// The names of the constants of Rust, by the folder of their file.
+/// Names of Rust constants, by the folder of their file.
 pub fn rust_constants() -> BTreeSet<Place> {
     let mut found = BTreeSet::new();
     for (file, text) in files(&src(), "rs") {

@@ -1,4 +1,4 @@
-//! Structs in uniforms and storage buffers are laid out alike.
+//! Structs in uniforms and storage buffers have the same layout in Rust and WGSL.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -30,7 +30,7 @@ struct Layout {
     size: u64,
 }
 
-/// What Rust makes of `T`.
+/// Layout of `T` in Rust.
 fn layout_of<T, const N: usize>() -> Layout
 where
     T: ShaderType<ExtraMetadata = StructMetadata<N>> + Typed,
@@ -49,7 +49,7 @@ where
     }
 }
 
-/// What Bevy fills the table of a bindless material with: a word for each resource of the range.
+/// Layout of the table that Bevy fills for a bindless material: a word per resource of the range.
 fn layout_of_indices() -> Layout {
     let descriptor = ShadingExtension::bindless_descriptor().expect("it is bindless");
     let [table] = &*descriptor.index_tables else {
@@ -126,7 +126,7 @@ fn structs_of_rust() -> BTreeMap<Place, Layout> {
     .collect()
 }
 
-/// The crate's structs in a type, however deep.
+/// Collects the crate's structs in a type, at any depth.
 fn structs_in(composed: &Composed, ty: Handle<Type>, found: &mut BTreeMap<Place, Layout>) {
     let ty = &composed.module.types[ty];
     match &ty.inner {
@@ -157,7 +157,7 @@ fn structs_in(composed: &Composed, ty: Handle<Type>, found: &mut BTreeMap<Place,
     }
 }
 
-/// Types of what the application fills.
+/// Types of the variables that the application fills.
 fn shared_types(module: &Module) -> impl Iterator<Item = Handle<Type>> {
     let variables = module.global_variables.iter();
     variables
