@@ -1,4 +1,4 @@
-//! Who is compared.
+//! The contenders.
 
 use bevy::{
     pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionQualityLevel as BevyQuality},
@@ -7,11 +7,11 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use figures::benches::ambient_occlusion::Bytes;
 
-/// A camera with ambient occlusion of some kind, or the same camera without.
+/// A camera with ambient occlusion of some kind, or without any.
 #[derive(Clone)]
 pub struct Contender {
     pub name: String,
-    /// The camera is a lean one, else Bevy's forward.
+    /// Renders with this crate rather than with Bevy's forward renderer.
     pub lean: bool,
     pub occlusion: Option<Kind>,
 }
@@ -20,8 +20,8 @@ pub struct Contender {
 pub enum Kind {
     Lean(LeanAmbientOcclusion),
     Bevy(BevyQuality),
-    /// The same samples as the crate's default, but stored in the alpha of a 4 × FP16 target, blurred with 9 fetches
-    /// and merged in a shader.
+    /// The samples of the crate's default, but stored in the alpha of a 4 × FP16 target, blurred with 9 fetches and
+    /// merged in a shader.
     Naive,
 }
 
@@ -124,7 +124,7 @@ impl Contender {
         all
     }
 
-    /// A lean camera with that many slices, and steps a side.
+    /// A lean camera with a custom number of slices, and of steps per side.
     pub fn with_samples(slices: u32, steps: u32) -> Self {
         Self {
             name: format!("{slices}x{steps}, indirect"),
@@ -136,7 +136,8 @@ impl Contender {
         }
     }
 
-    /// Gives `camera` what it needs. `shows` makes the picture the occlusion alone, where the crate can.
+    /// Adds the contender's components to `camera`. With `shows`, the picture is the occlusion alone, where the crate
+    /// supports it.
     pub fn dress(&self, camera: &mut EntityWorldMut, shows: bool) {
         if self.lean {
             camera.insert(LeanDeferred::default());
@@ -158,7 +159,7 @@ impl Contender {
             Some(Kind::Naive) => {
                 camera.insert((
                     super::naive::NaiveOcclusion { shows },
-                    // Its depth, and usages.
+                    // For its depth texture and its texture usages.
                     bevy::core_pipeline::prepass::DepthPrepass,
                 ));
             }
@@ -169,7 +170,7 @@ impl Contender {
     pub fn spans(&self) -> &'static [&'static str] {
         match self.occlusion {
             None => &[],
-            // Lighting merges.
+            // The lighting pass merges.
             Some(Kind::Lean(_)) if self.lean => &["lean_deferred/ambient_occlusion/gather"],
             Some(Kind::Lean(_)) => &[
                 "lean_deferred/ambient_occlusion/gather",
@@ -180,8 +181,8 @@ impl Contender {
         }
     }
 
-    /// Counted from the formats. The blend's read and write of the picture are left to `occluded`, the share of pixels
-    /// that it does not discard.
+    /// Bytes per pixel, counted from the formats. The blend reads and writes the picture at the share `occluded` of the
+    /// pixels, which it does not discard.
     pub fn bytes(&self, occluded: f64) -> Bytes {
         let picture = 8.0;
         match self.occlusion {
@@ -210,14 +211,14 @@ impl Contender {
                     OcclusionKernel::Hdao => 1.0 + 32.0,
                 };
                 let normal = if shading { 4.0 } else { 0.0 };
-                // Lighting has its depth anyway.
+                // Lighting reads the depth anyway.
                 let blend = if self.lean {
                     0.0
                 } else {
                     occluded * 2.0 * picture
                 };
                 let merge_depth = if self.lean { 0.0 } else { 4.0 };
-                // And what tells a pixel's plane.
+                // Plus the depths that give the plane of the pixel.
                 let filter_depths = match (settings.filter.is_edge_aware(), half, wide) {
                     (false, ..) => 0.0,
                     (true, true, _) => 16.0 + 4.0,
@@ -236,8 +237,8 @@ impl Contender {
                         + blend,
                 }
             }
-            // Depth into five levels (R16Float, 1.33 texels a pixel), gather (R16Float, and packed differences of
-            // depth, R32Uint), denoise (R16Float), and what the material's shader reads.
+            // Depth into five levels (R16Float, 1.33 texels per pixel), gather (R16Float, and packed depth differences,
+            // R32Uint), denoise (R16Float), and the read by the material's shader.
             Some(Kind::Bevy(quality)) => {
                 let (slices, steps) = match quality {
                     BevyQuality::Low => (1.0, 2.0),

@@ -2,9 +2,8 @@
 //!
 //! `cargo bench --profile dev --bench ambient_occlusion -- --help`
 //!
-//! Each contender runs in two scenes: `courtyard`, where all pixels have work to do, and `wall`, a floor before an endless
-//! wall, whose occlusion is known in closed form. The error stands beside the time in one table. A peer is added by adding
-//! a [`Contender`].
+//! Each contender runs in two scenes: `courtyard`, where every pixel has work to do, and `wall`, a floor before an endless
+//! wall, whose occlusion has a closed form. One table has both time and error. To add a peer, add a [`Contender`].
 
 mod contender;
 mod naive;
@@ -21,8 +20,8 @@ use kit::{figures::write_json, size::parse_size};
 /// GPU time, bytes and error of ambient occlusion.
 #[derive(FromArgs)]
 struct Args {
-    /// only contenders whose name contains one of these, which semicolons separate, beside those without occlusion; a word
-    /// after = is a whole name
+    /// only contenders whose name contains one of these, separated by semicolons, beside those without occlusion; a
+    /// word after = is a whole name
     #[argh(option, default = "String::new()")]
     contender: String,
 
@@ -30,15 +29,15 @@ struct Args {
     #[argh(option, default = "String::from(\"1400x1050,1920x1080,3840x2160\")")]
     size: String,
 
-    /// further contenders with so many slices x steps, comma-separated
+    /// further contenders with these slices x steps, comma-separated
     #[argh(option, default = "String::new()")]
     samples: String,
 
-    /// frames that are measured, default 40
+    /// measured frames, default 40
     #[argh(option, default = "40")]
     frames: usize,
 
-    /// frames before measuring starts, default 15
+    /// warm-up frames, default 15
     #[argh(option, default = "15")]
     warm_up: usize,
 
@@ -99,7 +98,7 @@ fn main() {
             );
             let measurement = run::measure(contender, size, &args, &mut truths);
             measurements.0.push(measurement);
-            // After each of them, so that an interrupted run leaves what it has.
+            // After each contender, so that an interrupted run keeps its results.
             if let Some(path) = &args.json {
                 write_json(path, &measurements);
             }

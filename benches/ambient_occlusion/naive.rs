@@ -30,10 +30,10 @@ use binding_types::{sampler, texture_2d, texture_depth_2d, texture_storage_2d, u
 
 const SHADER: Handle<Shader> = uuid_handle!("6c1f2a52-3d0c-4a5e-8a55-0f3a1f6d7b01");
 
-/// On a camera: the naive version.
+/// Adds the naive version to a camera.
 #[derive(Component, ExtractComponent, Clone, Copy)]
 pub struct NaiveOcclusion {
-    /// The occlusion alone.
+    /// Shows the occlusion alone.
     pub shows: bool,
 }
 

@@ -1,4 +1,4 @@
-//! One contender at one size.
+//! Measures one contender at one size.
 
 use bevy::{
     camera::Hdr,
@@ -29,10 +29,10 @@ use kit::{
     scenes::boxes::Boxes,
 };
 
-/// Closed forms, by scene and size: casting the rays takes longer than all the frames.
+/// Closed forms, by scene and size: casting their rays takes longer than all frames of a measurement.
 pub type Truths = HashMap<(&'static str, UVec2), (Vec<Option<f32>>, Vec<bool>)>;
 
-/// Renders frames to warm up, then measures some, and renders what the errors are measured on.
+/// Renders the warm-up frames, measures the next ones, and renders the pictures for the errors.
 pub fn measure(
     contender: &Contender,
     size: UVec2,
@@ -122,7 +122,7 @@ fn app(contender: &Contender, scene: BenchScene, size: UVec2, shows: bool) -> He
         scene::ambient(),
     ));
     if shows {
-        // What is read back is what the passes wrote.
+        // The read-back must get the exact values that the passes wrote.
         camera.insert((Tonemapping::None, DebandDither::Disabled));
     }
     contender.dress(&mut camera, shows);
@@ -141,7 +141,7 @@ fn picture(occlusion: &[f32], size: UVec2) -> Picture {
     }
 }
 
-/// The camera's span, and one around Bevy's prepass.
+/// Adds the span of the camera, and one around Bevy's prepass.
 fn add_spans(app: &mut App) {
     add_camera_span(app);
     app.sub_app_mut(RenderApp).add_systems(

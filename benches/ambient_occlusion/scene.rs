@@ -1,4 +1,4 @@
-//! The scenes: one to time, two whose occlusion is known.
+//! The scenes: one to time, and two whose occlusion is known.
 
 use bevy::{light::AmbientLight, math::DVec3, prelude::*};
 
@@ -15,10 +15,10 @@ use kit::{
 /// Radius of all contenders, in metres. Bevy's own is fixed.
 pub const RADIUS: f64 = 0.5;
 
-/// What a contender renders.
+/// A scene of the bench.
 #[derive(Clone, Copy)]
 pub enum BenchScene {
-    /// Those of the bench `frame_times`.
+    /// The boxes of the bench `frame_times`.
     Boxes(Boxes),
     /// A floor before an endless wall.
     Wall,
@@ -56,7 +56,7 @@ impl BenchScene {
         }
     }
 
-    /// Spawns all but the camera and returns where that stands.
+    /// Spawns everything but the camera, and returns the camera's transform.
     pub fn spawn(self, headless: &mut Headless) -> Transform {
         if let Self::Boxes(boxes) = self {
             boxes::spawn_into(headless.world(), boxes);
@@ -80,7 +80,7 @@ impl BenchScene {
         Transform::from_translation(eye.as_vec3()).looking_at(target.as_vec3(), Vec3::Y)
     }
 
-    /// The closed form at each pixel, and which pixels to compare.
+    /// Closed form at each pixel, and the mask of pixels to compare.
     pub fn truth(self, size: UVec2) -> Option<(Vec<Option<f32>>, Vec<bool>)> {
         let (geometry, eye, target) = self.geometry()?;
         let camera = Camera::looking_at(
@@ -99,7 +99,7 @@ impl BenchScene {
     }
 }
 
-/// Light that occlusion acts on.
+/// Ambient light for the occlusion to act on.
 pub fn ambient() -> AmbientLight {
     AmbientLight {
         brightness: 500.0,

@@ -1,4 +1,4 @@
-//! Shows Bevy's occlusion texture, and reads back what a camera shows before it is tonemapped.
+//! Shows Bevy's occlusion texture, and reads back a camera's picture before tonemapping.
 
 use bevy::{
     asset::uuid_handle,
@@ -97,7 +97,7 @@ fn show(
     pass.draw(0..3, 0..1);
 }
 
-/// The red channel of the only camera's main texture, as the last frame left it.
+/// The red channel of the only camera's main texture after the last frame.
 pub fn read_main_texture(headless: &mut Headless) -> Vec<f32> {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut targets = world.query::<&ViewTarget>();

@@ -1,4 +1,4 @@
-//! What the memory gives at best: copies, a read, and a dispatch that does nothing.
+//! Upper bounds of the memory's speed: copies, a read, and an idle dispatch.
 
 use crate::{
     Args,
@@ -95,7 +95,7 @@ fn by_command(gpu: &ExposureGpu, ring: &Ring, args: &Args) -> Vec<Time> {
     })
 }
 
-/// Of the entry points that only have a buffer to write.
+/// Times an entry point whose only output is a buffer.
 fn of_buffer(gpu: &ExposureGpu, ring: &Ring, args: &Args, entry_point: &str) -> Vec<Time> {
     let pipeline = compile(gpu, include_str!("copy.wgsl"), entry_point);
     let total = gpu.buffer(4, wgpu::BufferUsages::STORAGE);

@@ -1,4 +1,4 @@
-// What the memory gives at best: a copy, a read, and a dispatch that does nothing.
+// Upper bounds of the memory's speed: a copy, a read, and an idle dispatch.
 
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @group(0) @binding(1) var target_picture: texture_storage_2d<rgba16float, write>;
@@ -13,7 +13,7 @@ fn copy(@builtin(global_invocation_id) pixel: vec3<u32>) {
 
 const TILE: vec2<u32> = vec2(64u, 128u);
 
-// Where invocation `i` lies in a square of 16×16 pixels, along a Z-order curve.
+// Position of invocation `i` in a square of 16×16 pixels, along a Z-order curve.
 fn place_in_square(i: u32) -> vec2<u32> {
     let x = (i & 1u) | ((i >> 1u) & 2u) | ((i >> 2u) & 4u);
     let y = ((i >> 1u) & 1u) | ((i >> 2u) & 2u) | ((i >> 3u) & 4u);
@@ -24,7 +24,7 @@ fn color_at(pixel: vec2<u32>) -> vec4<f32> {
     return textureLoad(picture, min(pixel, textureDimensions(picture) - 1u), 0);
 }
 
-// As `meter.wgsl` reads: eight pixels at once.
+// Reads as `meter.wgsl` does: eight pixels at once.
 @compute @workgroup_size(256)
 fn read(@builtin(workgroup_id) tile: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let corner = tile.xy * TILE + place_in_square(invocation);
@@ -42,7 +42,7 @@ fn read(@builtin(workgroup_id) tile: vec3<u32>, @builtin(local_invocation_index)
         let b3 = color_at(b + vec2(48u, 0u));
         sum += (a0 + a1 + a2 + a3) + (b0 + b1 + b2 + b3);
     }
-    // Never; but the compiler does not know, and so keeps the loads.
+    // Never true. The compiler cannot know that, and so keeps the loads.
     if dot(sum, vec4(1.0)) < 0.0 {
         total = 1.0;
     }

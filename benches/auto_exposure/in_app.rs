@@ -1,4 +1,4 @@
-//! This crate's auto exposure and Bevy's on a camera of an app that sees the picture, a texel a pixel.
+//! This crate's auto exposure and Bevy's in an app, on a camera that shows the picture at one texel per pixel.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -43,7 +43,7 @@ fn contenders() -> [(&'static str, Kind); 4] {
         instant: true,
         ..default()
     };
-    // As fast as it goes: all of the distance in a frame.
+    // As fast as possible: the whole distance in one frame.
     let transition = 1000.0;
     let speed = transition / FRAME_TIME.as_secs_f32();
     let bevy = AutoExposure {
@@ -78,7 +78,7 @@ fn contenders() -> [(&'static str, Kind); 4] {
     ]
 }
 
-/// Times the contenders whose names are wanted.
+/// Times the contenders that `args` selects.
 pub fn measure(picture: Picture, truth: &Truth, args: &Args) -> Vec<Measurement> {
     let contenders: Vec<_> = contenders()
         .into_iter()
@@ -114,7 +114,7 @@ pub fn measure(picture: Picture, truth: &Truth, args: &Args) -> Vec<Measurement>
         .collect()
 }
 
-/// Times of the passes, and the metered luminance.
+/// Times the passes, and reads the metered luminance.
 fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> Measured {
     let camera = spawn_camera(headless, kind);
     headless.settle();
@@ -135,7 +135,7 @@ fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> Measured {
             .expect("it was spawned with one")
             .luminance
             .into(),
-        // The exposure brings the metered luminance to 1.
+        // Bevy's exposure brings the metered luminance to 1.
         Kind::Bevy(_) => (-f64::from(exposure(headless))).exp2(),
     };
     headless.world().despawn(camera);
@@ -151,7 +151,7 @@ fn app(picture: Picture) -> Headless {
     let mut headless = Headless::with(size, |app| {
         app.add_plugins((RenderDiagnosticsPlugin, AutoExposurePlugin));
     });
-    // The first frame makes the uniforms; later ones with this usage, so that `exposure` can read them.
+    // The first frame creates the uniforms. This usage applies from the next frame on, and lets `exposure` read them.
     headless.frames(1);
     headless
         .app
@@ -185,7 +185,7 @@ fn app(picture: Picture) -> Headless {
     headless
 }
 
-/// A unit a pixel.
+/// Spawns a camera at one unit per pixel.
 fn spawn_camera(headless: &mut Headless, kind: &Kind) -> Entity {
     let target = headless.render_target();
     let mut camera = headless.world().spawn((
@@ -210,7 +210,7 @@ fn spawn_camera(headless: &mut Headless, kind: &Kind) -> Entity {
     camera.id()
 }
 
-/// What the last frame's colour grading had, in stops: auto exposure adds to it on the GPU.
+/// Exposure of the last frame's colour grading, in stops: auto exposure adds to it on the GPU.
 fn exposure(headless: &mut Headless) -> f32 {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let offset = world

@@ -1,4 +1,4 @@
-//! The bench's own shaders.
+//! Shaders that only the bench has.
 
 use crate::{Args, timing::time};
 use kit::{exposure_gpu::ExposureGpu, gpu_time::Time};
@@ -11,7 +11,7 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// Times the dispatches of frames that take turns.
+    /// Times each dispatch of frames that take turns.
     pub fn time(gpu: &ExposureGpu, turns: &[Vec<Self>], args: &Args) -> Vec<Time> {
         time(
             gpu,
@@ -24,7 +24,7 @@ impl Kernel {
         )
     }
 
-    /// Times frames that take turns, with all their dispatches in one pass.
+    /// Times frames that take turns, with all dispatches of a frame in one pass.
     pub fn time_whole(gpu: &ExposureGpu, turns: &[Vec<Self>], args: &Args) -> Time {
         time(gpu, 1, args, |frame, index, encoder, timestamps| {
             let mut pass = encoder.begin_compute_pass(&timestamps.of_pass(index));
@@ -41,7 +41,7 @@ impl Kernel {
     }
 }
 
-/// With the layout that the shader asks for.
+/// Compiles an entry point, with the layout that the shader asks for.
 pub fn compile(gpu: &ExposureGpu, source: &str, entry_point: &str) -> wgpu::ComputePipeline {
     let module = gpu
         .device

@@ -1,4 +1,4 @@
-//! This crate's auto exposure, outside of any app.
+//! This crate's auto exposure, outside any app.
 
 use bevy::{asset::Handle, math::UVec2};
 use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
@@ -58,7 +58,7 @@ pub fn contenders() -> Vec<(String, LeanAutoExposure)> {
     all
 }
 
-/// Share of the pixels that is read.
+/// Share of the pixels that the first pass reads.
 pub fn share(sampling: ExposureSampling) -> f64 {
     match sampling {
         ExposureSampling::All => 1.0,
@@ -67,7 +67,7 @@ pub fn share(sampling: ExposureSampling) -> f64 {
     }
 }
 
-/// Times the passes over `ring`, each picture with buffers of its own.
+/// Times the passes over `ring`. Each picture has its own buffers.
 pub fn measure(
     gpu: &ExposureGpu,
     ring: &Ring,

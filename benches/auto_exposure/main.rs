@@ -2,15 +2,15 @@
 //!
 //! `cargo bench --profile dev --bench auto_exposure -- --help`
 //!
-//! All meter one picture. Beside the times stand those of copying and of reading it, and the error against its mean in
-//! double precision. What each time contains:
+//! All contenders meter the same picture. The table also has the times to copy it and to read it, and the error against its
+//! mean in double precision. Times cover:
 //!
-//! - Outside of an app: from the begin to the end of one compute pass of one dispatch, by the timestamps of the pass. The
-//!   begin waits for all earlier commands: neither gaps, nor barriers before the pass, nor other passes count. On
-//!   software renderers: from submitting the pass until it has finished, by the clock of the CPU. The picture is in many
-//!   textures that take turns, so that caches do not hold it.
-//! - In an app: a span of the command encoder around the pass, with its barriers. There the frame has just drawn the picture,
-//!   and caches may hold a part of it.
+//! - Outside an app: one compute pass of one dispatch from begin to end, by the timestamps of the pass. The begin waits for
+//!   all earlier commands, so gaps, barriers before the pass and other passes do not count. On software renderers: from
+//!   submitting the pass until it has finished, by the CPU's clock. Copies of the picture in many textures take turns, so
+//!   that caches do not hold it.
+//! - In an app: a span of the command encoder around the pass, with its barriers. There the frame has just drawn the
+//!   picture, and caches may hold a part of it.
 
 mod bounds;
 mod in_app;
@@ -34,7 +34,7 @@ use ring::Ring;
 /// GPU time, bandwidth and error of auto exposure.
 #[derive(FromArgs)]
 struct Args {
-    /// only contenders whose name contains one of these, which semicolons separate, beside the copies
+    /// only contenders whose name contains one of these, separated by semicolons, beside the copies
     #[argh(option, default = "String::new()")]
     contender: String,
 
@@ -42,11 +42,11 @@ struct Args {
     #[argh(option, default = "String::from(\"1920x1080,3840x2160,7680x4320\")")]
     size: String,
 
-    /// frames that are measured, default 100
+    /// measured frames, default 100
     #[argh(option, default = "100")]
     frames: usize,
 
-    /// frames before measuring starts, default 50
+    /// warm-up frames, default 50
     #[argh(option, default = "50")]
     warm_up: usize,
 
@@ -58,7 +58,7 @@ struct Args {
     #[argh(option)]
     json: Option<String>,
 
-    /// meter one grey, in place of gradients, noise and lights
+    /// meter a single grey instead of gradients, noise and lights
     #[argh(switch)]
     flat: bool,
 
@@ -93,7 +93,7 @@ fn main() {
         eprintln!("[{}/{total}] {}×{}", number + 1, size.x, size.y);
         let measured = measure(size, &args).unwrap_or_else(|error| fail(error));
         figures.0.push(measured);
-        // After each of them, so that an interrupted run leaves what it has.
+        // After each contender, so that an interrupted run keeps its results.
         if let Some(path) = &args.json {
             write_json(path, &figures);
         }
@@ -101,7 +101,7 @@ fn main() {
     println!("{}", figures.markdown());
 }
 
-/// All contenders at one size.
+/// Measures all contenders at one size.
 fn measure(size: UVec2, args: &Args) -> Result<Size, String> {
     let gpu = ExposureGpu::new();
     if !gpu.has(wgpu::Features::TIMESTAMP_QUERY) {
@@ -118,7 +118,7 @@ fn measure(size: UVec2, args: &Args) -> Result<Size, String> {
     let mut measurements = bounds::measure(&gpu, &ring, args);
     measurements.extend(outside(&gpu, &ring, size, &truth, args));
     let device = device_of(&gpu.adapter);
-    // The app has a device of its own.
+    // The app creates a device of its own.
     drop((ring, gpu));
     measurements.extend(in_app::measure(picture, &truth, args));
     Ok(Size {
@@ -130,7 +130,7 @@ fn measure(size: UVec2, args: &Args) -> Result<Size, String> {
     })
 }
 
-/// Contenders outside of an app.
+/// Measures the contenders outside an app.
 fn outside(
     gpu: &ExposureGpu,
     ring: &Ring,

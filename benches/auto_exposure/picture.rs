@@ -1,4 +1,4 @@
-//! The picture that is metered, and what there is to be found in it.
+//! The metered picture, and its true luminances.
 
 use std::ops::Range;
 
@@ -20,9 +20,9 @@ use kit::{
     random::Random,
 };
 
-/// Bytes of an Rgba16Float texel.
+/// Bytes per Rgba16Float texel.
 pub const TEXEL: usize = 8;
-/// What [`Truth::trimmed`] leaves out: as much as Bevy's default.
+/// The trim of [`Truth::trimmed`]: the same as Bevy's default.
 pub const TRIM: LuminanceTrim = LuminanceTrim {
     low: 0.1,
     high: 0.1,
@@ -54,7 +54,7 @@ impl Picture {
         Self { size, bytes }
     }
 
-    /// One grey: all pixels count in one bin of a histogram.
+    /// A single grey: all pixels fall into one bin of a histogram.
     pub fn flat(size: UVec2) -> Self {
         let texel = [0.5, 0.5, 0.5, 1.0].map(|channel| f16::from_f32(channel).to_le_bytes());
         Self {
@@ -111,7 +111,7 @@ impl Shape {
         }
     }
 
-    /// One square in twelve has a disc somewhere.
+    /// Luminance of the light at a pixel. One square in twelve has a disc somewhere.
     fn light(&self, x: u32, y: u32) -> f32 {
         let (cell_x, cell_y) = (x / self.cell, y / self.cell);
         let hash = (cell_x.wrapping_mul(0x9e37_79b1) ^ cell_y.wrapping_mul(0x85eb_ca77))
@@ -166,7 +166,7 @@ impl Truth {
         }
     }
 
-    /// What `settings` should find, by whatever sampling.
+    /// The luminance that `settings` should meter, by any sampling.
     pub fn of(&self, settings: &LeanAutoExposure) -> f64 {
         match (&settings.pattern, settings.trim, settings.metering) {
             (MeteringPattern::Average, None, Metering::LogAverage) => self.log_average,
@@ -179,16 +179,16 @@ impl Truth {
     }
 }
 
-/// So fine that what lies within one bin does not matter.
+/// Fine enough that the distribution within one bin does not matter.
 const BINS: usize = 1 << 16;
 
-/// Sums of values, each with that of the weights.
+/// Weighted sums of values, each with the sum of its weights.
 struct Sums {
     log: [f64; 2],
     linear: [f64; 2],
     center: [f64; 2],
     mask: [f64; 2],
-    /// Of logarithms, for trimming: sorting would take longer than all else.
+    /// Histogram of logarithms, for trimming: sorting would take longer than everything else.
     bins: Vec<[f64; 2]>,
 }
 
@@ -248,7 +248,7 @@ impl Sums {
         }
     }
 
-    /// The sum of logarithms between the shares that are left out, and its weight.
+    /// Sum of the logarithms between the trimmed shares, and its weight.
     fn trimmed(&self) -> [f64; 2] {
         let from = self.log[1] * f64::from(TRIM.low);
         let to = self.log[1] * (1.0 - f64::from(TRIM.high));
@@ -264,13 +264,13 @@ impl Sums {
     }
 }
 
-/// So many rows that each thread has one band.
+/// Rows per band, so that each thread has one band.
 fn rows_of_a_band(rows: u32) -> u32 {
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get() as u32);
     rows.div_ceil(threads)
 }
 
-/// A mask that falls off to its corners, heavier below.
+/// A mask that falls off towards the corners, and weighs the lower half more.
 pub fn mask() -> Mask {
     let size = UVec2::splat(64);
     let texel = |i: u32| {

@@ -13,7 +13,7 @@ const PYRAMID: &str = include_str!("pyramid.wgsl");
 const SUM_SHARED: &str = include_str!("sum_shared.wgsl");
 const SUM_SUBGROUPS: &str = include_str!("sum_subgroups.wgsl");
 
-/// Times the passes over `ring`; with them the metered luminance.
+/// Times the passes over `ring`, and returns the metered luminance with them.
 pub fn measure(gpu: &ExposureGpu, ring: &Ring, subgroups: bool, args: &Args) -> Measured {
     use wgpu::BufferUsages as Usage;
     let sum = if subgroups { SUM_SUBGROUPS } else { SUM_SHARED };
@@ -67,7 +67,7 @@ pub fn measure(gpu: &ExposureGpu, ring: &Ring, subgroups: bool, args: &Args) -> 
     }
 }
 
-/// A texel for each `scale`×`scale` pixels of the picture.
+/// A texture with one texel per `scale`×`scale` pixels of the picture.
 fn level(gpu: &ExposureGpu, picture: wgpu::Extent3d, scale: u32) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,

@@ -1,18 +1,19 @@
-// The classic reduction in three passes. Sums are handed on, and divided once at the end, so that sizes that 8 does not
-// divide are metered exactly. `Invocation` and `workgroup_sum` are in `sum_shared.wgsl` or `sum_subgroups.wgsl`.
+// The classic reduction in three passes. Passes hand on sums, and only the last one divides, so that sizes that are not
+// multiples of 8 are metered exactly. `Invocation` and `workgroup_sum` are in `sum_shared.wgsl` or
+// `sum_subgroups.wgsl`.
 
 struct Metered {
-    /// Of the whole picture.
+    /// Number of pixels of the whole picture.
     pixels: f32,
     luminance: f32,
 }
 
-// The picture in the first pass, later what the pass before has left.
+// The picture in the first pass, then the output of the pass before.
 @group(0) @binding(0) var source: texture_2d<f32>;
 @group(0) @binding(1) var reduced: texture_storage_2d<r32float, write>;
 @group(0) @binding(2) var<storage, read_write> metered: Metered;
 
-/// Of an invocation, in squares of 8×8.
+/// Pixel of an invocation, in squares of 8×8.
 fn pixel_of(at: Invocation) -> vec2<u32> {
     return at.workgroup.xy * 8u + vec2(at.index % 8u, at.index / 8u);
 }

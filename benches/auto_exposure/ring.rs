@@ -5,21 +5,22 @@ use bevy::math::UVec2;
 use crate::picture::Picture;
 use kit::{exposure_gpu::ExposureGpu, gpu::texture};
 
-/// More textures than this only small pictures would need, which are there to try the bench out.
+/// Most textures of a ring. Only small pictures would need more, and those only serve to try the bench out.
 const MOST: u64 = 16;
 
 /// Textures that take turns.
 pub struct Ring(pub Vec<wgpu::Texture>);
 
 impl Ring {
-    /// As many copies of `picture` as make up `megabytes`; of those, at least 2. With 0 it is 1, which caches may hold.
+    /// Creates as many copies of `picture` as make up `megabytes`, at least 2. With 0 there is a single one, which
+    /// caches may hold.
     pub fn new(gpu: &ExposureGpu, picture: &Picture, megabytes: u64) -> Self {
         let needed = (megabytes * 1_000_000).div_ceil(picture.bytes.len() as u64);
         let count = match megabytes {
             0 => 1,
             _ => needed.clamp(2, MOST),
         };
-        // As Bevy's main textures.
+        // The usages of Bevy's main textures.
         let usage = wgpu::TextureUsages::TEXTURE_BINDING
             | wgpu::TextureUsages::RENDER_ATTACHMENT
             | wgpu::TextureUsages::COPY_SRC
@@ -36,7 +37,7 @@ impl Ring {
                 },
                 texture.size(),
             );
-            // Frees what the upload was staged in.
+            // Frees the staging memory of the upload.
             gpu.queue.submit([]);
             gpu.device
                 .poll(wgpu::PollType::wait_indefinitely())

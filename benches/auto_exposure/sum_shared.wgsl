@@ -5,7 +5,7 @@ struct Invocation {
 
 var<workgroup> sums: array<f32, 256>;
 
-/// By a tree in shared memory. `invocations` is a power of two.
+/// Sums over the workgroup by a tree in shared memory. `invocations` is a power of two.
 fn workgroup_sum(at: Invocation, value: f32, invocations: u32) -> f32 {
     sums[at.index] = value;
     workgroupBarrier();

@@ -8,7 +8,7 @@ struct Invocation {
 
 var<workgroup> sums: array<f32, 256>;
 
-/// By subgroups; their sums are added by the first invocation, which alone gets the result.
+/// Sums over the workgroup by subgroups. The first invocation adds their sums, and alone gets the result.
 fn workgroup_sum(at: Invocation, value: f32, invocations: u32) -> f32 {
     let own = subgroupAdd(value);
     if at.in_subgroup == 0u {

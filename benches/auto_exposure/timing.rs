@@ -1,25 +1,25 @@
-//! Times of passes, outside of any app.
+//! Times of passes, outside any app.
 
 use std::time::Instant;
 
 use crate::Args;
 use kit::{exposure_gpu::ExposureGpu, gpu_time::Time};
 
-/// What was measured of one contender.
+/// Measurements of one contender.
 pub struct Measured {
-    /// Each dispatch in a pass of its own.
+    /// Times of the dispatches, each in its own pass.
     pub passes: Vec<Time>,
-    /// All in one pass.
+    /// Time of all dispatches in one pass.
     pub whole: Option<Time>,
     pub luminance: f64,
 }
 
-/// What times a pass on its device.
+/// Writes the timestamps of a pass, on devices that have them.
 pub struct Timestamps<'a>(Option<&'a wgpu::QuerySet>);
 
 impl Timestamps<'_> {
-    /// For compute pass `index`: at its begin, when all earlier commands have ended, and at its end. Between them lie the
-    /// start of the dispatch and its last write, but not the barriers before.
+    /// Timestamps at the begin of compute pass `index`, after all earlier commands, and at its end. They enclose the
+    /// start of the dispatch and its last write, but not the barriers before it.
     pub fn of_pass(&self, index: usize) -> wgpu::ComputePassDescriptor<'_> {
         let first = 2 * index as u32;
         wgpu::ComputePassDescriptor {
@@ -32,7 +32,7 @@ impl Timestamps<'_> {
         }
     }
 
-    /// For what is no pass, in place of the first. With the barriers before.
+    /// Writes the first two timestamps around commands other than a compute pass. They enclose the barriers, too.
     pub fn around(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -48,8 +48,8 @@ impl Timestamps<'_> {
     }
 }
 
-/// Times of `passes` passes over some frames after others to warm up. `encode` gets the number of the frame, and the index
-/// of the pass to be encoded. It writes both timestamps: to resolve one that was not written may hang the device.
+/// Times `passes` passes over the measured frames, after the warm-up. `encode` gets the index of the frame and that of
+/// the pass to encode. It must write both timestamps: resolving an unwritten one may hang the device.
 pub fn time(
     gpu: &ExposureGpu,
     passes: usize,
@@ -106,8 +106,8 @@ fn by_timestamps(
         .collect()
 }
 
-/// For software renderers, whose timestamps need not lie before and after the dispatch: from submitting a pass until it has
-/// finished.
+/// Times passes on software renderers, from submission until they have finished: their timestamps need not enclose the
+/// dispatch.
 fn by_clock(
     gpu: &ExposureGpu,
     passes: usize,

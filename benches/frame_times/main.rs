@@ -2,8 +2,8 @@
 //!
 //! `cargo bench --profile dev --bench frame_times -- --help`
 //!
-//! Prints a Markdown table; `--json FILE` writes the same figures. Times come from timestamp queries of the GPU; on a
-//! software renderer they are CPU times. A later effect adds a row by adding a [`Contender`] or a [`BenchScene`].
+//! Prints a Markdown table; `--json FILE` writes the same figures. Times come from GPU timestamp queries; on a software
+//! renderer they are CPU times. To measure a further effect, add a [`Contender`] or a [`BenchScene`].
 
 mod run;
 mod scenes;
@@ -33,11 +33,11 @@ struct Args {
     #[argh(option, default = "UVec2::new(3840, 2160)", from_str_fn(parse_size))]
     size: UVec2,
 
-    /// frames that are measured, default 40
+    /// measured frames, default 40
     #[argh(option, default = "40")]
     frames: usize,
 
-    /// frames before measuring starts, default 15
+    /// warm-up frames, default 15
     #[argh(option, default = "15")]
     warm_up: usize,
 
@@ -53,11 +53,11 @@ struct Args {
     #[argh(option, default = "String::new()")]
     gltf: String,
 
-    /// glTF or GLB file of which a crowd is measured, with 64 and with 512 lights
+    /// glTF or GLB file to measure as a crowd, with 64 and with 512 lights
     #[argh(option)]
     crowd: Option<String>,
 
-    /// leave out FLIP, which takes seconds a picture at 4K
+    /// leave out FLIP, which takes seconds per picture at 4K
     #[argh(switch)]
     no_flip: bool,
 
@@ -98,7 +98,7 @@ fn main() {
     let mut measurements = FrameTimes::default();
     let mut comparisons = Comparisons::default();
     let keep = |measurements: &FrameTimes| {
-        // After each of them, so that an interrupted run leaves what it has.
+        // After each contender, so that an interrupted run keeps its results.
         if let Some(path) = &args.json {
             write_json(path, measurements);
         }
@@ -138,7 +138,7 @@ fn main() {
     println!("{}", measurements.markdown());
 }
 
-/// Pictures are compared while others are rendered: FLIP takes seconds at 4K, and no time of the GPU.
+/// Comparisons of pictures that run while others are rendered: FLIP takes seconds at 4K, but no GPU time.
 #[derive(Default)]
 struct Comparisons(Vec<(usize, JoinHandle<Difference>)>);
 
@@ -148,7 +148,7 @@ impl Comparisons {
         self.0.push((number, std::thread::spawn(compare)));
     }
 
-    /// Writes what `is_due` says into its measurement, and waits for it.
+    /// Waits for the differences that `is_due` selects, and writes them into their measurements.
     fn take(
         &mut self,
         measurements: &mut FrameTimes,

@@ -1,4 +1,4 @@
-//! One scene through one renderer.
+//! Measures one scene with one renderer.
 
 use bevy::{
     camera::Hdr,
@@ -29,12 +29,12 @@ use kit::{
 pub enum Contender {
     Forward,
     BevyDeferred,
-    /// Forward with a depth prepass, of which the geometry column has the prepass alone: no G-buffer can be cheaper.
+    /// Forward with a depth prepass. The geometry column has the prepass alone: no G-buffer can be cheaper.
     DepthOnly,
     Lean(GeometricNormal),
-    /// Lean, with lights that do not reach a tile left out.
+    /// Lean, with lights culled per tile.
     LeanCulling(LightCulling),
-    /// Lean, with what effects take from lighting or give to it.
+    /// Lean, with light that lighting exchanges with effects.
     LeanExchange(LightExchange),
 }
 
@@ -68,7 +68,7 @@ impl Contender {
         }
     }
 
-    /// Whether it is a renderer as it comes, without further settings.
+    /// Tells if the contender is a renderer with its defaults.
     pub fn is_plain(self) -> bool {
         matches!(
             self,
@@ -76,14 +76,14 @@ impl Contender {
         )
     }
 
-    /// As [`Renderer::bytes_per_pixel`]. Motion vectors have 4.
+    /// Bytes per pixel, as [`Renderer::bytes_per_pixel`]. Motion vectors have 4.
     fn bytes_per_pixel(self, gbuffer: u32, motion: bool) -> (u32, u32) {
         let motion = if motion { 4 } else { 0 };
         let (written, moved) = match self {
             Self::Forward => Renderer::Forward.bytes_per_pixel(gbuffer),
             Self::DepthOnly => (4, 4 + 8),
             Self::BevyDeferred => Renderer::BevyDeferred.bytes_per_pixel(gbuffer),
-            // The resolve of motion reads depth and normal, and in the place of lighting the target.
+            // Resolving motion reads depth and normal; lighting also reads the target.
             Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => {
                 let (written, moved) = Renderer::Lean.bytes_per_pixel(gbuffer);
                 (written, moved + self.exchanged_bytes() + 2 * motion)
@@ -92,7 +92,7 @@ impl Contender {
         (written + motion, moved + motion)
     }
 
-    /// A word of diffuse light; two times four half floats.
+    /// One word of diffuse light, or two times four half floats.
     fn exchanged_bytes(self) -> u32 {
         match self {
             Self::LeanExchange(LightExchange::DIFFUSE_LIGHT) => 4,
@@ -112,7 +112,7 @@ impl Contender {
     }
 }
 
-/// What a picture differs from forward's.
+/// Difference between a picture and forward's.
 pub struct Difference {
     pixels: metrics::Difference,
     flip: Option<f64>,
@@ -214,7 +214,7 @@ pub fn measure(
     (measurement, headless.capture())
 }
 
-/// Has lighting write its diffuse light, or take light that an effect has found: some of it everywhere.
+/// Makes lighting write its diffuse light, or take indirect light from an effect, the same everywhere.
 fn exchange_light(headless: &mut Headless, exchange: LightExchange) {
     let found = (exchange == LightExchange::INDIRECT)
         .then(|| even_texture(headless, headless.size, [0.1, 0.1, 0.1, 0.5]));
@@ -229,7 +229,7 @@ fn exchange_light(headless: &mut Headless, exchange: LightExchange) {
     });
 }
 
-/// Bytes a pixel of the lean camera's G-buffer, if there is one.
+/// Bytes per pixel of the lean camera's G-buffer; 0 if it has none.
 fn gbuffer_bytes(headless: &mut Headless) -> u32 {
     let world = headless.world();
     let mut cameras = world.query::<&GBufferUsage>();

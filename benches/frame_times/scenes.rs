@@ -14,7 +14,7 @@ use kit::{
     },
 };
 
-/// A named scene; `spawn` makes everything but the camera.
+/// A named scene.
 pub struct BenchScene {
     pub name: String,
     kind: Kind,
@@ -22,12 +22,12 @@ pub struct BenchScene {
 
 enum Kind {
     Boxes(Boxes),
-    /// With what is special, and every how many boxes.
+    /// Boxes, some of which are special: one in so many.
     SpecialBoxes(Boxes, Special, usize),
     Gltf {
         path: String,
     },
-    /// Many of one model, and lights.
+    /// Many copies of one model, and lights.
     Crowd {
         path: String,
         point_lights: u32,
@@ -81,7 +81,7 @@ pub fn all(gltf: &str, crowd: Option<&str>) -> Vec<BenchScene> {
 }
 
 impl BenchScene {
-    /// What is special about it.
+    /// The special property of some of the boxes.
     pub fn special(&self) -> Special {
         match self.kind {
             Kind::SpecialBoxes(_, special, _) => special,
@@ -89,12 +89,12 @@ impl BenchScene {
         }
     }
 
-    /// Whether it shows what the optional targets cost, rather than how renderers compare.
+    /// Tells if the scene shows the cost of optional targets, rather than comparing renderers.
     pub fn is_special(&self) -> bool {
         matches!(self.kind, Kind::SpecialBoxes(..))
     }
 
-    /// Spawns the scene and returns where its camera stands.
+    /// Spawns the scene and returns the camera's transform.
     pub fn spawn(&self, headless: &mut Headless) -> Transform {
         match &self.kind {
             Kind::Boxes(boxes) => {
@@ -112,7 +112,7 @@ impl BenchScene {
     }
 }
 
-/// 12 × 12 of the model at 2.5 times its size, 1.6 m apart.
+/// Spawns 12 × 12 copies of the model at 2.5 times its size, 1.6 m apart.
 fn spawn_crowd(headless: &mut Headless, path: &str, point_lights: u32) -> Transform {
     let mut scene = SceneBuilder { headless };
     boxes::reserve_clusters(&mut scene.world().resource_mut::<GlobalClusterSettings>());
@@ -141,7 +141,7 @@ fn spawn_crowd(headless: &mut Headless, path: &str, point_lights: u32) -> Transf
     Transform::from_xyz(3.0, 2.6, 7.0).looking_at(Vec3::new(0.0, 0.6, 0.0), Vec3::Y)
 }
 
-/// So many lights that reach a quarter as far.
+/// Boxes under this many lights of a quarter of the range.
 fn short(point_lights: u32) -> Boxes {
     Boxes {
         range: 1.25,
@@ -149,7 +149,7 @@ fn short(point_lights: u32) -> Boxes {
     }
 }
 
-/// Spawns a glTF scene at each place and a sun, and waits until all is there.
+/// Spawns a glTF scene at each place and a sun, and waits until everything has loaded.
 fn spawn_models(headless: &mut Headless, path: &str, places: impl IntoIterator<Item = Transform>) {
     let path = std::path::absolute(path).expect("a path has an absolute form");
     let scene = headless

@@ -5,7 +5,7 @@ use bevy::{
     light::ClusteredDecal, prelude::*,
 };
 
-/// What some of the boxes have.
+/// The special property of some of the boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Special {
     Nothing,
@@ -15,15 +15,15 @@ pub enum Special {
     Anisotropy,
     Backlight,
     Unlit,
-    /// All materials of the above, one after the other.
+    /// All materials above, by turns.
     Materials,
-    /// Nothing moves, but something wants motion vectors.
+    /// Nothing moves, but the camera asks for motion vectors.
     Rest,
     /// All boxes move.
     Motion,
     /// All boxes are on two layers, of which the sun has one.
     Layers,
-    /// Nothing, but there is a decal over one of the boxes.
+    /// No box is special, but a decal covers one of them.
     Decal,
     /// All materials, motion and layers.
     Everything,
@@ -33,7 +33,7 @@ pub enum Special {
 #[derive(Component)]
 pub struct Moving;
 
-/// To and fro by a hundredth of a millimetre: the picture stays what it is.
+/// Moves the boxes to and fro by a hundredth of a millimetre: the picture stays the same.
 pub fn move_boxes(mut boxes: Query<&mut Transform, With<Moving>>, mut back: Local<bool>) {
     *back = !*back;
     let shift = if *back { -0.00001 } else { 0.00001 };
@@ -42,7 +42,7 @@ pub fn move_boxes(mut boxes: Query<&mut Transform, With<Moving>>, mut back: Loca
     }
 }
 
-/// The scenes: their names, what is special, and how many boxes there are for each that is.
+/// The scenes: name, special property, and the number of boxes per special one.
 pub const SCENES: [(&str, Special, usize); 15] = [
     ("targets_none", Special::Nothing, 1),
     ("targets_emissive", Special::Emissive, 1),
@@ -62,7 +62,7 @@ pub const SCENES: [(&str, Special, usize); 15] = [
 ];
 
 impl Special {
-    /// Whether something wants motion vectors.
+    /// Tells if the camera asks for motion vectors.
     pub fn wants_motion(self) -> bool {
         matches!(self, Self::Rest | Self::Motion | Self::Everything)
     }
@@ -71,7 +71,7 @@ impl Special {
         matches!(self, Self::Layers | Self::Everything)
     }
 
-    /// What the camera has for it.
+    /// Adds to the camera the components that the property needs.
     pub fn prepare_camera(self, camera: &mut EntityWorldMut) {
         if self.wants_motion() {
             camera.insert(MotionVectorPrepass);
@@ -114,8 +114,8 @@ impl Special {
     }
 }
 
-/// Makes one in `every` box special, once the scene is spawned. All meshes get tangents, so that they are the same in all
-/// scenes.
+/// Makes one in `every` box special, once the scene is spawned. All meshes get tangents, so that they are the same in
+/// all scenes.
 pub fn make_special(world: &mut World, special: Special, every: usize) {
     for (_, mesh) in world.resource_mut::<Assets<Mesh>>().iter_mut() {
         mesh.generate_tangents()
@@ -140,7 +140,7 @@ pub fn make_special(world: &mut World, special: Special, every: usize) {
         }
     }
     if special.has_layers() {
-        // It shines on all all the same.
+        // The sun lights all boxes all the same.
         let mut suns = world.query_filtered::<Entity, With<DirectionalLight>>();
         for sun in suns.iter(world).collect::<Vec<_>>() {
             world.entity_mut(sun).insert(RenderLayers::layer(0));

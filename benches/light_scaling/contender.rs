@@ -1,4 +1,4 @@
-//! The renderers that are compared.
+//! The contenders.
 
 use bevy::{
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
@@ -27,7 +27,7 @@ impl Contender {
         Self::Lean(LightCulling::SharedMemory),
     ];
 
-    /// How many of them are measured unless others are asked for.
+    /// Number of contenders that are measured by default: the first ones.
     pub const BY_DEFAULT: usize = 3;
 
     pub fn name(self) -> &'static str {
@@ -53,7 +53,7 @@ impl Contender {
             .expect("all are listed")
     }
 
-    /// The GPU span of the stage that has the cost of lights.
+    /// The GPU span of the stage whose cost depends on the lights.
     pub fn span(self) -> &'static str {
         match self {
             Self::Forward => bench_spans::OPAQUE,

@@ -1,8 +1,8 @@
-//! How the cost of lighting grows with the number of lights: Bevy forward, Bevy deferred, this crate.
+//! Cost of lighting over the number of lights: Bevy forward, Bevy deferred, this crate.
 //!
 //! `cargo bench --profile dev --bench light_scaling -- --help`
 //!
-//! Prints a Markdown table; `--json FILE` writes the same figures. Times come from timestamp queries of the GPU.
+//! Prints a Markdown table; `--json FILE` writes the same figures. Times come from GPU timestamp queries.
 
 mod contender;
 mod plan;
@@ -16,7 +16,7 @@ use kit::{figures::write_json, size::parse_size};
 use plan::Plan;
 use run::References;
 
-/// How the cost of lighting grows with the number of lights: Bevy forward, Bevy deferred, this crate.
+/// Cost of lighting over the number of lights: Bevy forward, Bevy deferred, this crate.
 #[derive(FromArgs)]
 struct Args {
     /// numbers of lights, comma-separated, default 16,64,256,1024,4096,16384
@@ -27,16 +27,16 @@ struct Args {
     #[argh(option, default = "String::from(\"1920x1080,3840x2160\")")]
     sizes: String,
 
-    /// the contenders with these names, comma-separated, default Bevy forward, Bevy deferred and lean; others are lean per
+    /// contenders with these names, comma-separated, default Bevy forward, Bevy deferred and lean; others are lean per
     /// pixel, lean culling by subgroups and lean culling in shared memory
     #[argh(option)]
     contender: Option<String>,
 
-    /// most frames that are measured, default 16; slow ones are fewer, at least 4; always even
+    /// most frames to measure, default 16; fewer if they are slow, at least 4; always even
     #[argh(option, default = "16")]
     frames: usize,
 
-    /// frames before measuring starts, default 8; slow ones are fewer, at least 4
+    /// warm-up frames, default 8; fewer if they are slow, at least 4
     #[argh(option, default = "8")]
     warm_up: usize,
 
@@ -44,15 +44,15 @@ struct Args {
     #[argh(option, default = "400.0")]
     limit_ms: f64,
 
-    /// a quarter of the scene each way, for software renderers
+    /// reduce the scene to a quarter each way, for software renderers
     #[argh(switch)]
     small: bool,
 
-    /// keep Bevy's grid of clusters as it is, however many lights are listed in it
+    /// keep the resolution of Bevy's grid of clusters, however long its lists of lights are
     #[argh(switch)]
     fixed_grid: bool,
 
-    /// bandwidth of the GPU's memory in TB/s, for a line of the bytes' limit in plots
+    /// memory bandwidth of the GPU in TB/s, for the bandwidth limit in plots
     #[argh(option)]
     bandwidth: Option<f64>,
 
@@ -115,7 +115,7 @@ fn measure(args: &Args) -> LightScaling {
                 contender.name()
             );
             run::measure(*contender, size, &plan, &mut references, &mut figures);
-            // After each of them, so that an interrupted run leaves what it has.
+            // After each point, so that an interrupted run keeps its results.
             if let Some(path) = &args.json {
                 write_json(path, &figures);
             }
@@ -124,7 +124,7 @@ fn measure(args: &Args) -> LightScaling {
     figures
 }
 
-/// What stands between commas.
+/// Parses comma-separated values.
 fn list<T>(text: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, String> {
     text.split(',').map(|part| parse(part.trim())).collect()
 }

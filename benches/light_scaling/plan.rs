@@ -1,16 +1,16 @@
-//! What is asked for.
+//! The requested measurements.
 
-/// What is measured, and for how long.
+/// Sizes, numbers of lights and limits of a run.
 pub struct Plan {
     /// Ascending.
     pub lights: Vec<u32>,
     pub frames: usize,
     pub warm_up: usize,
-    /// Beyond this median of a stage, in milliseconds, larger numbers of lights are left out.
+    /// Larger numbers of lights are left out beyond this median of a stage, in milliseconds.
     pub limit: f64,
-    /// Whether the scene is a quarter of the whole one each way.
+    /// Reduces the scene to a quarter each way.
     pub small: bool,
-    /// Whether Bevy's clusters stay as they are, however many lights are listed in them.
+    /// Keeps the resolution of Bevy's clusters, however long their lists of lights are.
     pub fixed_grid: bool,
     pub pictures: Option<String>,
 }

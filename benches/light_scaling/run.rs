@@ -1,4 +1,4 @@
-//! One renderer at one size, through all arrangements and numbers of lights.
+//! Measures one renderer at one size, through all arrangements and numbers of lights.
 
 use std::time::{Duration, Instant};
 
@@ -21,14 +21,15 @@ use crate::{
     scene::{self, Arrangement},
 };
 
-/// Forward's pictures of one size.
+/// Forward's pictures at one size.
 pub type References = HashMap<(Arrangement, u32), Picture>;
 
-/// At least so many frames are measured, and go before them: GPU times arrive a frame late.
+/// Least number of measured frames, and of warm-up frames: GPU times arrive a frame late.
 const LEAST_FRAMES: usize = 4;
-/// Once frames have taken so long, no more are measured, nor warmed up with.
+/// Frames are neither measured nor warmed up with beyond this time.
 const LONGEST: Duration = Duration::from_secs(3);
-/// Points whose stage is expected to take longer than this, in milliseconds, are not tried: drivers end what takes seconds.
+/// Points whose stage is expected to take longer than this, in milliseconds, are not tried: drivers abort work that
+/// takes seconds.
 const NOT_TRIED: f64 = 2000.0;
 
 struct Stage {
@@ -88,7 +89,7 @@ pub fn measure(
     }
 }
 
-/// Why a point with so many lights is not measured, after one whose stage took so many milliseconds.
+/// Reason to leave out a point with `next` lights, after one with `lights` whose stage took `median` milliseconds.
 fn reason_to_leave_out((lights, median): (u32, f64), next: u32, limit: f64) -> Option<String> {
     let expected = median * f64::from(next) / f64::from(lights);
     if median > limit {
@@ -121,9 +122,9 @@ impl Stage {
         let mut samples = Samples::default();
         let mut frame_times = Vec::new();
         let began = Instant::now();
-        // An even number of them. With many lights Bevy's grid of clusters changes from frame to frame, mostly between two
-        // sizes (`dynamic_resizing` acts on how long the lists of the last frame were, whatever its grid was): so the
-        // median is always that of the dearer one.
+        // An even number of frames. With many lights Bevy's cluster grid changes from frame to frame, mostly between
+        // two sizes: `dynamic_resizing` acts on the length of the last frame's lists, whatever its grid was. The median
+        // of an even number is always that of the more expensive grid.
         while frame_times.len() < LEAST_FRAMES
             || frame_times.len() % 2 == 1
             || (frame_times.len() < plan.frames && began.elapsed() < LONGEST)
@@ -144,7 +145,7 @@ impl Stage {
         picture
     }
 
-    /// What Bevy's clusters of this frame were.
+    /// Records Bevy's clusters of this frame.
     fn note_clusters(&self, point: &mut Point) {
         let Some(clusters) = self.headless.app.world().get::<Clusters>(self.camera) else {
             return;
@@ -158,7 +159,7 @@ impl Stage {
     }
 }
 
-/// How often Bevy has found its lists of lights too short so far.
+/// Number of times that Bevy has found its light lists too short so far.
 fn list_growths() -> usize {
     messages_with("Resizing the view clustering").len()
 }

@@ -1,4 +1,4 @@
-//! The boxes under as many lights as wanted.
+//! The boxes under any number of lights.
 
 use bevy::{
     camera::Hdr,
@@ -12,7 +12,7 @@ use kit::{
 
 use crate::{contender::Contender, plan::Plan};
 
-/// Where the lights are.
+/// Placement of the lights.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Arrangement {
     /// Over the whole field.
@@ -31,22 +31,22 @@ impl Arrangement {
         }
     }
 
-    /// Middle and sides of the ground with lights, in the whole scene.
+    /// Centre and side lengths of the lit ground, in the whole scene.
     fn ground(self) -> (Vec2, Vec2) {
         match self {
             Self::Spread => (Vec2::ZERO, Vec2::splat(SIDE)),
-            // The camera is at z = 22 and looks along −z. With the 5 m that each light reaches, this is the lower left
-            // quarter of the picture, and the view frustum meets the sphere of each light: none is left out by the CPU.
+            // The camera is at z = 22 and looks along −z. With the lights' range of 5 m, this is the lower left quarter
+            // of the picture, and the view frustum intersects the sphere of each light: the CPU culls none.
             Self::Heaped => (Vec2::new(-9.0, 8.0), Vec2::splat(8.0)),
         }
     }
 }
 
-/// Up to so many lights shine with 20,000 lm each. More of them share as much light as these have together: else the
-/// picture would be white, and all renderers would agree.
+/// Up to this many lights have 20,000 lm each. More of them share this total: otherwise the picture would be white, and
+/// all renderers would agree.
 const BRIGHT_LIGHTS: u32 = 64;
 
-/// Metres of the whole scene's field of lights, each way.
+/// Side of the whole scene's field of lights, in metres.
 const SIDE: f32 = 40.0;
 
 fn boxes_of(plan: &Plan) -> Boxes {
@@ -57,7 +57,7 @@ fn boxes_of(plan: &Plan) -> Boxes {
     }
 }
 
-/// Puts lights where those of the last point were.
+/// Replaces the lights of the last point.
 pub fn replace_lights(world: &mut World, arrangement: Arrangement, count: u32, plan: &Plan) {
     let mut lights = world.query_filtered::<Entity, With<PointLight>>();
     let old: Vec<Entity> = lights.iter(world).collect();
@@ -78,14 +78,14 @@ pub fn replace_lights(world: &mut World, arrangement: Arrangement, count: u32, p
     world.flush();
 }
 
-/// Everything but the point lights; returns the camera.
+/// Spawns everything but the point lights; returns the camera.
 pub fn spawn(headless: &mut Headless, contender: Contender, plan: &Plan) -> Entity {
     let boxes = boxes_of(plan);
     let target = headless.render_target();
     let world = headless.world();
-    // 16,384 heaped lights need 195,256 slices of depth, and 643,811 indices, in a grid that keeps its size 5.5 million.
-    // Between two points the grid is that of the fewer lights, and lists are longer for a frame.
-    // It uploads the indices in every frame, before its first pass.
+    // 16,384 heaped lights need 195,256 depth slices and 643,811 indices; 5.5 million indices in a grid of fixed size.
+    // Between two points the grid is still that of the fewer lights, and lists are longer for a frame. Bevy uploads the
+    // indices in every frame, before its first pass.
     let indices = if plan.fixed_grid { 1 << 23 } else { 1 << 22 };
     boxes::spawn_into(world, boxes);
     let mut settings = world.resource_mut::<GlobalClusterSettings>();

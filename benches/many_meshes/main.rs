@@ -1,10 +1,11 @@
-//! CPU time of a frame with many meshes: Bevy forward, the same with this crate's plugins and no component, Bevy deferred, this crate.
+//! CPU time of a frame with many meshes: Bevy forward, the same with this crate's plugins but no component, Bevy deferred,
+//! this crate.
 //!
 //! `cargo bench --profile dev --bench many_meshes -- --help`
 //!
-//! Prints Markdown tables; `--json FILE` writes the same figures. Two times are taken of each frame: of the whole frame,
-//! and of the render world alone, from the start of extraction to the end of its schedule. The GPU is waited for between
-//! frames, outside of both.
+//! Prints Markdown tables; `--json FILE` writes the same figures. Each frame has two times: that of the whole frame, and
+//! that of the render world alone, from the start of extraction to the end of its schedule. The bench waits for the GPU
+//! between frames, outside both.
 
 mod run;
 mod scene;
@@ -32,7 +33,7 @@ struct Args {
     #[argh(option, default = "UVec2::new(640, 360)", from_str_fn(parse_size))]
     size: UVec2,
 
-    /// frames that are measured, default 60
+    /// measured frames, default 60
     #[argh(option, default = "60")]
     frames: usize,
 
@@ -40,7 +41,7 @@ struct Args {
     #[argh(option, default = "3")]
     events: usize,
 
-    /// every mesh has render layers and receives no shadows, and the camera asks for motion vectors
+    /// give all meshes render layers and NotShadowReceiver, and the camera motion vectors
     #[argh(switch)]
     followed: bool,
 
@@ -96,7 +97,7 @@ fn main() {
             eprintln!("{}: {:.2?}", contender.name(), measurement.turn_stages);
             measurements.0.push(measurement);
         }
-        // After each of them, so that an interrupted run leaves what it has.
+        // After each contender, so that an interrupted run keeps its results.
         if let Some(path) = &args.json {
             write_json(path, &measurements);
         }

@@ -1,4 +1,4 @@
-//! One number of meshes through each renderer.
+//! Measures one number of meshes with each renderer.
 
 use std::{
     sync::{Arc, Mutex},
@@ -25,7 +25,7 @@ use kit::{
 pub enum Contender {
     /// Without this crate.
     Forward,
-    /// Forward, with the plugins of this crate and no component of it.
+    /// Forward, with the plugins of this crate but none of its components.
     Unused,
     /// Without this crate.
     BevyDeferred,
@@ -46,14 +46,14 @@ impl Contender {
     }
 }
 
-/// Adds what `picture` differs from forward's.
+/// Adds the difference between `picture` and forward's.
 pub fn compare(measurement: &mut Measurement, reference: &Picture, picture: &Picture) {
     let difference = metrics::difference(reference, picture);
     measurement.psnr = Some(difference.psnr);
     measurement.flip = Some(difference.flip);
 }
 
-/// When extraction began.
+/// Start of the extraction.
 type Began = Arc<Mutex<Option<Instant>>>;
 
 struct Stage {
@@ -97,7 +97,7 @@ impl Stage {
         Self { headless, began }
     }
 
-    /// Where the time of the last frame went.
+    /// Time per stage of the last frame.
     fn stage_times(&self) -> Option<stages::StageTimes> {
         let began = (*self.began.lock().unwrap())?;
         Some(stages::times(self.headless.app.sub_app(RenderApp), began))
@@ -123,13 +123,13 @@ impl Stage {
         (0..count).map(|_| self.frame()).collect()
     }
 
-    /// The dearest of the frames in which something may follow from `event`.
+    /// The most expensive of the frames that may show an effect of `event`.
     fn event(&mut self, event: impl FnOnce(&mut World)) -> Times {
         event(self.headless.world());
         dearest(&self.frames(EVENT_FRAMES))
     }
 
-    /// The lamp appears, and its target expires.
+    /// Shows the lamp, hides it again, and lets its target expire.
     fn show_lamp_for_a_while(&mut self) -> [Times; 2] {
         let emissive = self.event(|world| scene::show_lamp(world, true));
         scene::show_lamp(self.headless.world(), false);
@@ -137,7 +137,7 @@ impl Stage {
         [emissive, dearest(&self.frames(EXPIRY_FRAMES))]
     }
 
-    /// The camera turns around; with where the time of that frame went.
+    /// Turns the camera around; also returns the times per stage of that frame.
     fn turn(&mut self) -> (Times, Option<stages::StageTimes>) {
         self.frames(2);
         scene::turn_around(self.headless.world());
@@ -148,7 +148,7 @@ impl Stage {
     }
 }
 
-/// Long enough for new targets to be made and filled.
+/// Long enough to create and fill new targets.
 const EVENT_FRAMES: usize = 6;
 /// Longer than a view keeps a target that no mesh needs any more.
 const EXPIRY_FRAMES: usize = 130;
@@ -172,8 +172,8 @@ fn median(times: &[Times]) -> Times {
     }
 }
 
-/// Measures `frames` of each motion, and each event `events` times. The renderers take turns, so that what slows the
-/// machine down for a while slows all of them.
+/// Measures `frames` of each motion, and each event `events` times. The renderers take turns, so that a slowdown of the
+/// machine affects all of them alike.
 pub fn measure(
     meshes: usize,
     contenders: &[Contender],
@@ -227,7 +227,8 @@ pub fn measure(
             }
         }
     }
-    // These take either of two times, one twice the other, by which core they come to: so there are more of them.
+    // A turn takes either of two times, one twice the other, depending on the core that it runs on. So there are more
+    // of them.
     for time in 0..=events * TURNS_AN_EVENT {
         for (stage, seen) in stages.iter_mut().zip(&mut seen) {
             let (turn, stages) = stage.turn();
@@ -263,12 +264,12 @@ pub fn measure(
         .collect()
 }
 
-/// How often the camera turns around, for each of the other events.
+/// Number of camera turns per other event.
 const TURNS_AN_EVENT: usize = 6;
-/// How often the renderers take turns.
+/// Number of turns that the renderers take.
 const TURNS: usize = 6;
 
-/// What the events have cost so far.
+/// Costs of the events so far.
 #[derive(Clone, Default)]
 struct Events {
     emissive: Vec<Times>,

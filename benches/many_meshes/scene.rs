@@ -1,4 +1,4 @@
-//! Cubes all around a camera that sees half of them, and one that emits light.
+//! Cubes all around a camera that sees half of them, and an emissive one.
 
 use core::f32::consts::PI;
 
@@ -11,7 +11,7 @@ use bevy::{
 
 use kit::headless::Headless;
 
-/// How many of the meshes move.
+/// Share of the meshes that move.
 #[derive(Resource, Clone, Copy, PartialEq, Eq)]
 pub enum Motion {
     Nothing,
@@ -22,7 +22,7 @@ pub enum Motion {
 impl Motion {
     pub const ALL: [Self; 3] = [Self::Nothing, Self::Tenth, Self::All];
 
-    /// One in so many moves.
+    /// One mesh in this many moves.
     fn every(self) -> Option<usize> {
         match self {
             Self::Nothing => None,
@@ -32,7 +32,7 @@ impl Motion {
     }
 }
 
-/// The number of a mesh.
+/// Index of a mesh.
 #[derive(Component)]
 pub struct Numbered(usize);
 
@@ -45,7 +45,7 @@ pub struct Eye(pub Entity);
 
 const KINDS: usize = 16;
 
-/// Everything; `extra` goes onto the camera.
+/// Spawns the scene. `extra` is added to the camera.
 pub fn spawn(headless: &mut Headless, meshes: usize, extra: impl Bundle) {
     let target = headless.render_target();
     let world = headless.world();
@@ -67,7 +67,7 @@ pub fn spawn(headless: &mut Headless, meshes: usize, extra: impl Bundle) {
         })
         .collect();
     // Evenly over a sphere (González 2010, "Measurement of Areas on a Sphere Using Fibonacci and Latitude–Longitude
-    // Lattices"), as near as they have room.
+    // Lattices"), as near as there is room.
     let radius = 12.0 + 0.6 * (meshes as f32).sqrt();
     let golden = PI * (3.0 - 5f32.sqrt());
     let cubes: Vec<_> = (0..meshes)
@@ -100,7 +100,7 @@ pub fn spawn(headless: &mut Headless, meshes: usize, extra: impl Bundle) {
             emissive: LinearRgba::rgb(200.0, 60.0, 20.0),
             ..default()
         });
-    // On both sides, so that it is seen wherever the camera looks.
+    // In front of the camera until its first turn; the events of the lamp come before it.
     let lamp = world
         .spawn((
             Mesh3d(ball),
@@ -116,7 +116,7 @@ pub fn spawn(headless: &mut Headless, meshes: usize, extra: impl Bundle) {
             Hdr,
             Msaa::Off,
             target,
-            // Half of the sphere.
+            // Sees half of the sphere.
             Projection::from(PerspectiveProjection {
                 fov: 1.9,
                 far: 4000.0,
@@ -130,7 +130,7 @@ pub fn spawn(headless: &mut Headless, meshes: usize, extra: impl Bundle) {
     world.insert_resource(Motion::Nothing);
 }
 
-/// Components that extraction follows, on all meshes and on the camera.
+/// Adds components that extraction follows, to all meshes and to the camera.
 pub fn add_followed_components(world: &mut World) {
     let mut numbered = world.query_filtered::<Entity, With<Numbered>>();
     let meshes: Vec<Entity> = numbered.iter(world).collect();
@@ -140,7 +140,7 @@ pub fn add_followed_components(world: &mut World) {
     world.entity_mut(eye).insert(MotionVectorPrepass);
 }
 
-/// Each of the moving meshes goes up and down by a little.
+/// Moves each of the moving meshes up and down a little.
 pub fn move_meshes(
     motion: Res<Motion>,
     time: Res<Time>,
@@ -157,7 +157,7 @@ pub fn move_meshes(
     }
 }
 
-/// Shows or hides the mesh that emits light.
+/// Shows or hides the emissive mesh.
 pub fn show_lamp(world: &mut World, shown: bool) {
     let lamp = world.resource::<Lamp>().0;
     *world
@@ -169,7 +169,7 @@ pub fn show_lamp(world: &mut World, shown: bool) {
     };
 }
 
-/// Turns the camera around: all that it saw goes, and as much comes.
+/// Turns the camera around: all meshes leave its view, and as many enter.
 pub fn turn_around(world: &mut World) {
     let eye = world.resource::<Eye>().0;
     world

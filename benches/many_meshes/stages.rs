@@ -1,4 +1,4 @@
-//! Where the CPU time of the render world goes, stage by stage.
+//! CPU time of the render world, stage by stage.
 
 use core::array;
 use std::time::Instant;
@@ -20,14 +20,14 @@ const STAGES: [(&str, RenderSystems); 7] = [
     ("render", RenderSystems::Render),
 ];
 
-/// Milliseconds of each stage; extraction is counted with the first.
+/// Milliseconds per stage. Extraction counts with the first.
 pub type StageTimes = [f64; STAGES.len()];
 
-/// When each stage ended in the last frame.
+/// End of each stage in the last frame.
 #[derive(Resource, Default)]
 struct Marks([Option<Instant>; STAGES.len()]);
 
-/// Has the ends of the stages recorded.
+/// Adds systems that record the ends of the stages.
 pub fn record(render_app: &mut SubApp) {
     render_app.init_resource::<Marks>();
     for (place, (_, stage)) in STAGES.iter().enumerate() {
@@ -43,7 +43,7 @@ pub fn record(render_app: &mut SubApp) {
     }
 }
 
-/// The times of the last frame, whose extraction began then.
+/// Times of the last frame, whose extraction began at `began`.
 pub fn times(render_app: &SubApp, began: Instant) -> StageTimes {
     let marks = render_app.world().resource::<Marks>().0;
     let mut before = began;
@@ -57,7 +57,7 @@ pub fn times(render_app: &SubApp, began: Instant) -> StageTimes {
     })
 }
 
-/// The median of each, with its name.
+/// Median of each stage, with its name.
 pub fn medians(times: &[StageTimes]) -> Vec<(String, f64)> {
     let of = |stage: usize| {
         let mut values: Vec<f64> = times.iter().map(|times| times[stage]).collect();

@@ -1,4 +1,4 @@
-//! What is compared.
+//! The contenders.
 
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
@@ -10,13 +10,13 @@ pub enum Contender {
     Occlusion,
     Gi(ScreenSpaceGiQuality, ScreenSpaceResolution),
     Reflections(ScreenSpaceReflectionsQuality, ScreenSpaceResolution),
-    /// On Bevy's deferred path.
+    /// Bevy's `ScreenSpaceReflections` on its deferred path.
     BevysReflections,
-    /// Beneath all surfaces, or beneath a ball that covers a tenth of the picture.
+    /// Scattering beneath all surfaces, or beneath a ball that covers a tenth of the picture.
     Scattering(SubsurfaceScatteringQuality, Share),
 }
 
-/// How much of the picture scatters light.
+/// Share of the picture that scatters light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Share {
     All,
@@ -62,7 +62,7 @@ impl Contender {
         }
     }
 
-    /// The passes that only the effect has.
+    /// GPU spans of the passes that only the effect has.
     pub fn spans(self) -> &'static [&'static str] {
         match self {
             Self::Plain => &[],
@@ -78,7 +78,7 @@ impl Contender {
         }
     }
 
-    /// Those passes by their dispatches, where one has several that can be timed one by one.
+    /// GPU spans of the dispatches in those passes, if several can be timed one by one.
     pub fn stages(self) -> &'static [&'static str] {
         match self {
             Self::Gi(..) => &[
@@ -97,14 +97,14 @@ impl Contender {
         }
     }
 
-    /// Bytes a pixel of a picture of so many rows that are moved with the effect and not without: each texture once written and once
-    /// read, but for depth and normals.
+    /// Bytes per pixel that the effect adds to a picture of `rows` rows: each texture once written and once read,
+    /// without depth and normals.
     pub fn bytes(self, rows: u32) -> f64 {
         match self {
             Self::Plain => 0.0,
             Self::Occlusion => 2.0,
-            // Light is written and read as words; a level's texel is 8 bytes, and the last frame's first level is read too; what is
-            // gathered and what is filtered are 8 bytes a texel each.
+            // Lighting writes diffuse light, and the effect reads it, as words. A texel of a level has 8 bytes, and the
+            // last frame's first level is read too. The gathered and the filtered light have 8 bytes per texel each.
             Self::Gi(_, resolution) => {
                 let texels = match resolution {
                     ScreenSpaceResolution::Full => 1.0,
@@ -113,8 +113,8 @@ impl Contender {
                 let levels = 1.0 + 0.25 + 0.0625 + 0.015_625;
                 4.0 + 4.0 + texels * 8.0 * (2.0 * levels + 1.0 + 2.0 + 2.0)
             }
-            // The picture is read, and written with its levels; they are read where rays end; cells are 8 bytes, surfaces, rays and
-            // lobes 28; what is found is written and read.
+            // The picture is read, written with its levels, and read again at the ends of rays. Cells have 8 bytes;
+            // surfaces, rays and lobes 28. The result is written and read.
             Self::Reflections(quality, resolution) => {
                 let side = reflections(quality, resolution).texel_side(rows);
                 let texels = 1.0 / f64::from(side * side);
@@ -122,7 +122,7 @@ impl Contender {
                 let cells = 0.0625 + 0.003_906;
                 8.0 + 8.0 * levels + 8.0 + 2.0 * 8.0 * cells + 2.0 * 28.0 * texels + 2.0 * 8.0
             }
-            // The picture is read, where it is and where rays end, and written; so is the G-buffer.
+            // The picture is read at the pixel and at the end of its ray, and written. The G-buffer is read.
             Self::BevysReflections => 3.0 * 8.0 + 16.0,
             Self::Scattering(quality, share) => {
                 let share = match share {
@@ -134,7 +134,7 @@ impl Contender {
         }
     }
 
-    /// Makes `camera` this contender's.
+    /// Adds the contender's components to `camera`.
     pub fn dress(self, camera: &mut EntityWorldMut) {
         match self {
             Self::Plain => {}
@@ -177,19 +177,19 @@ fn reflections(
     }
 }
 
-/// Of a pixel whose light scatters.
+/// Bytes per pixel whose light scatters.
 fn scattering_bytes(quality: SubsurfaceScatteringQuality) -> f64 {
     if quality == SubsurfaceScatteringQuality::Off {
         return 0.0;
     }
-    // Light is 8, the picture and what becomes of light 16; the picture's light and every second level are written, read to make
-    // the next level, and read to scatter them, the levels between are only scattered; what has scattered is written and read
-    // in these; the picture is written.
+    // Light has 8 bytes; the picture and the light that leaves 16. The picture's light and every second level are
+    // written, read to make the next level, and read to be scattered. The levels between are only scattered. The
+    // scattered light of these levels is written and read. The picture is written.
     let (between, second) = (0.25 + 0.015_625, 0.0625);
     3.0 * 8.0 * (1.0 + second) + 2.0 * 8.0 * between + 2.0 * 8.0 * between + 2.0 * 16.0 + 8.0
 }
 
-/// Metres.
+/// In metres.
 const MEAN_FREE_PATH: f32 = 0.02;
 
 fn scattering(base: StandardMaterial, mean_free_path: f32) -> ExtendedStandardMaterial {
@@ -203,7 +203,7 @@ fn scattering(base: StandardMaterial, mean_free_path: f32) -> ExtendedStandardMa
     }
 }
 
-/// Has all meshes scatter light.
+/// Makes all meshes scatter light.
 fn scatter_everywhere(world: &mut World) {
     let mut meshes = world.query::<(Entity, &MeshMaterial3d<StandardMaterial>)>();
     let meshes: Vec<_> = meshes
@@ -223,7 +223,7 @@ fn scatter_everywhere(world: &mut World) {
     }
 }
 
-/// A ball in front of the camera, as large as a head.
+/// Spawns a ball in front of the camera, as large as a head.
 fn spawn_ball_before(camera: &mut EntityWorldMut) {
     let radius = 0.12;
     let entity = camera.id();
@@ -234,7 +234,7 @@ fn spawn_ball_before(camera: &mut EntityWorldMut) {
         let material = world
             .resource_mut::<Assets<ExtendedStandardMaterial>>()
             .add(material);
-        // It looks 0.197 of its distance wide.
+        // Its radius is 0.197 of its distance.
         let place = Transform::from_xyz(0.0, 0.0, -radius / 0.197);
         let ball = (Mesh3d(ball), MeshMaterial3d(material), place);
         world.spawn((ball, ChildOf(entity)));

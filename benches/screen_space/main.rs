@@ -1,8 +1,8 @@
-//! GPU time, bytes and error of effects that find light on the screen.
+//! GPU time, bytes and error of screen-space lighting effects.
 //!
 //! `cargo bench --profile dev --bench screen_space -- --help`
 //!
-//! Times are of the boxes of `frame_times`; errors of scenes whose light is known in closed form. Both stand in one table.
+//! Times are of the boxes of `frame_times`, errors of scenes whose light has a closed form. One table has both.
 
 mod contender;
 mod run;
@@ -13,10 +13,10 @@ use contender::Contender;
 use figures::benches::{Figures, ScreenSpace};
 use kit::{figures::write_json, size::parse_size};
 
-/// GPU time, bytes and error of effects that find light on the screen.
+/// GPU time, bytes and error of screen-space lighting effects.
 #[derive(FromArgs)]
 struct Args {
-    /// only contenders whose name contains one of these, which semicolons separate, beside the one without effects
+    /// only contenders whose name contains one of these, separated by semicolons, beside the one without effects
     #[argh(option, default = "String::new()")]
     contender: String,
 
@@ -24,11 +24,11 @@ struct Args {
     #[argh(option, default = "String::from(\"1920x1080,3840x2160\")")]
     size: String,
 
-    /// frames that are measured, default 40
+    /// measured frames, default 40
     #[argh(option, default = "40")]
     frames: usize,
 
-    /// frames before measuring starts, default 15
+    /// warm-up frames, default 15
     #[argh(option, default = "15")]
     warm_up: usize,
 
@@ -86,7 +86,7 @@ fn main() {
                 .0
                 .push(run::measure(contender, size, &args, errors.clone()));
             known = Some((size_of_errors, errors));
-            // After each of them, so that an interrupted run leaves what it has.
+            // After each contender, so that an interrupted run keeps its results.
             if let Some(path) = &args.json {
                 write_json(path, &measurements);
             }

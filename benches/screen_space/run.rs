@@ -1,4 +1,4 @@
-//! One contender at one size.
+//! Measures one contender at one size.
 
 use bevy::{
     camera::Hdr,
@@ -31,7 +31,8 @@ fn known_error(scene: &str, errors: Errors) -> KnownError {
     }
 }
 
-/// The size of the pictures whose errors stand for pictures of this size. Texels of reflections are larger in large ones.
+/// Size of the pictures that errors are measured on, for times at `size`. Texels of reflections are larger in large
+/// pictures.
 pub fn size_of_errors(contender: Contender, size: UVec2) -> UVec2 {
     match contender {
         Contender::Gi(..) => UVec2::splat(512),
@@ -41,7 +42,7 @@ pub fn size_of_errors(contender: Contender, size: UVec2) -> UVec2 {
     }
 }
 
-/// Of effects whose light is known, in pictures of this size.
+/// Errors of effects whose light is known, in pictures of this size.
 pub fn errors(contender: Contender, size: UVec2) -> Vec<KnownError> {
     match contender {
         Contender::Gi(quality, resolution) => {

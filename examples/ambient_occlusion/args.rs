@@ -41,7 +41,7 @@ pub struct Args {
     #[argh(option, default = "1.0", from_str_fn(not_negative))]
     intensity: f32,
 
-    /// angle above the surface in radians below which nothing counts, 0 to 0.5, default 0.02
+    /// angle above the surface in radians below which nothing occludes, 0 to 0.5, default 0.02
     #[argh(option, default = "0.02", from_str_fn(up_to_half))]
     bias: f32,
 
@@ -49,7 +49,7 @@ pub struct Args {
     #[argh(option, default = "0.1", from_str_fn(share))]
     falloff: f32,
 
-    /// how far occluders reach back, 0 to 1; below 1 (the default), horizons sink again behind thin parts
+    /// how far occluders extend back, 0 to 1; below 1 (the default), horizons sink again behind thin parts
     #[argh(option, default = "1.0", from_str_fn(share))]
     thickness: f32,
 
@@ -65,7 +65,7 @@ pub struct Args {
     #[argh(option, default = "default()", from_str_fn(resolution))]
     resolution: OcclusionResolution,
 
-    /// binomial, flat, binomial-edge-aware (the default) or flat-edge-aware
+    /// binomial, flat, wide, binomial-edge-aware (the default), flat-edge-aware or wide-edge-aware
     #[argh(option, default = "default()", from_str_fn(filter))]
     filter: OcclusionFilter,
 
@@ -81,7 +81,7 @@ pub struct Args {
     #[argh(switch)]
     no_multibounce: bool,
 
-    /// how far direct light is darkened too, 0 (the default) to 1
+    /// strength of the occlusion of direct light, 0 (the default) to 1
     #[argh(option, default = "0.0", from_str_fn(share))]
     direct_light: f32,
 
@@ -117,7 +117,7 @@ pub struct Args {
     #[argh(option, default = "15.0", from_str_fn(finite))]
     pitch: f32,
 
-    /// how many times nearer the camera stands, default 1
+    /// zoom factor of the camera, default 1
     #[argh(option, default = "1.0", from_str_fn(positive))]
     zoom: f32,
 }

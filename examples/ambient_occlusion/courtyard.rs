@@ -12,14 +12,14 @@ use kit::example::{
     run::SceneReady,
 };
 
-/// What the camera looks at, and from how far.
+/// Target of the camera, and its distance.
 const FOCUS: Vec3 = Vec3::new(-0.5, 0.7, -1.0);
 const DISTANCE: f32 = 8.5;
 
 #[derive(Component)]
 pub struct Sun;
 
-/// Sun, ambient light and sky; for files too.
+/// Spawns sun, ambient light and sky, also for files.
 pub fn spawn_lights(
     mut commands: Commands,
     camera: Single<Entity, With<Camera3d>>,
@@ -71,7 +71,7 @@ pub fn spawn(
     let stone = rough(Color::srgb(0.7, 0.69, 0.67));
     let wood = rough(Color::srgb(0.62, 0.47, 0.32));
     let clay = rough(Color::srgb(0.72, 0.42, 0.33));
-    // Drawn by forward passes whatever the camera: the clearcoat is not in the G-buffer, the pane is blended.
+    // Drawn by forward passes with any camera: the clearcoat is not in the G-buffer, and the pane is blended.
     let lacquer = materials.add(StandardMaterial {
         base_color: Color::srgb(0.25, 0.4, 0.6),
         perceptual_roughness: 0.5,
@@ -102,7 +102,7 @@ pub fn spawn(
     yard.add_at(Cuboid::new(0.9, 1.1, 0.02), &glass, pane);
 }
 
-/// Slabs with joints between them, on a plane that goes on to the horizon.
+/// Slabs with joints between them, on a plane that extends to the horizon.
 fn ground(yard: &mut Builder, stone: &Handle<StandardMaterial>) {
     let plane = Plane3d::default().mesh().size(200.0, 200.0);
     yard.add(plane, stone, Vec3::new(0.0, -0.06, 0.0));
@@ -115,7 +115,7 @@ fn ground(yard: &mut Builder, stone: &Handle<StandardMaterial>) {
     }
 }
 
-/// Behind: plaster with a niche. On the left: boards.
+/// Plaster with a niche behind, boards on the left.
 fn walls(yard: &mut Builder, plaster: &Handle<StandardMaterial>, wood: &Handle<StandardMaterial>) {
     for (low, high) in [
         ([-3.9, -0.1, -4.1], [-0.6, 2.6, -3.5]),
@@ -177,7 +177,7 @@ fn columns(yard: &mut Builder, plaster: &Handle<StandardMaterial>) {
     );
 }
 
-/// Boxes with raised edges, two beside and one on each other.
+/// Boxes with raised edges: two side by side, and one on top of each other.
 fn crates(yard: &mut Builder, wood: &Handle<StandardMaterial>) {
     for (width, x, y, z, turn) in [
         (0.8, -2.6, 0.0, 0.2, 0.2),

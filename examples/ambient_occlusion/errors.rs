@@ -1,9 +1,9 @@
-//! How far each way of finding occlusion is from the truth, for the text on screen.
+//! Errors of each occlusion technique, for the text on screen.
 //!
-//! The figures are root mean squares of (occlusion found − closed form) over the pixels within the radius of a tall
-//! wall on a floor, 0 being open and 1 closed. They were measured by this crate's accuracy tests
-//! (`tests/ambient_occlusion`; the closed forms are in `kit/src/occlusion/closed_forms.rs`) with a radius of 0.5 m, the default falloff of
-//! 0.1 and every other setting at its default, and are only repeated here.
+//! The figures are root mean squares of (occlusion − closed form) over the pixels within the radius of a tall wall on a
+//! floor, 0 being open and 1 closed. They are copies of results of this crate's accuracy tests (`tests/ambient_occlusion`;
+//! the closed forms are in `kit/src/occlusion/closed_forms.rs`) with a radius of 0.5 m, the default falloff of 0.1 and all
+//! other settings at their defaults.
 
 use bevy_lean_deferred::prelude::*;
 
@@ -14,12 +14,12 @@ const HBAO_MEDIUM_RMSE: f32 = 0.024;
 const HBAO_HIGH_RMSE: f32 = 0.018;
 const HBAO_ULTRA_RMSE: f32 = 0.013;
 const HDAO_RMSE: f32 = 0.080;
-/// Of Bevy's `ScreenSpaceAmbientOcclusion` at its level `High`, on planes where nothing occludes.
+/// RMSE of Bevy's `ScreenSpaceAmbientOcclusion` at its level `High`, on planes where nothing occludes.
 const BEVY_HIGH_RMSE_ON_PLANES: f32 = 0.17;
-/// As above, on the wall; it depends on the distance.
+/// The same on the wall, as a range: it depends on the distance.
 const BEVY_HIGH_RMSE_ON_WALL: (f32, f32) = (0.12, 0.19);
 
-/// The error of what is shown.
+/// Error of the technique that is shown.
 pub fn text(settings: &ExampleSettings) -> String {
     let rmse = match (settings.mode, settings.occlusion.kernel) {
         (Mode::Off, _) => return "RMSE -".into(),

@@ -101,7 +101,7 @@ impl Plugin for ExamplePlugin {
 fn spawn_camera(mut commands: Commands) {
     commands.spawn((
         Camera3d::default(),
-        // As LeanDeferred and both occlusions need it, so that all modes are alike.
+        // LeanDeferred and both techniques need it; all modes have it, so that they compare.
         Hdr,
         Msaa::Off,
         IsDefaultUiCamera,

@@ -79,7 +79,7 @@ fn describe(settings: &ExampleSettings) -> String {
     }
 }
 
-/// Of the passes that run now: the others keep the times of when they last ran.
+/// Times of the passes that run now: the diagnostics of others keep their last times.
 fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
     let time = |span| gpu_times::text(diagnostics, span);
     let gather = "lean_deferred/ambient_occlusion/gather";
@@ -110,7 +110,7 @@ fn sampling(occlusion: &LeanAmbientOcclusion) -> String {
     }
 }
 
-/// What an application comes to on this camera.
+/// The application that a camera ends up with.
 fn resolve(chosen: OcclusionApplication, lean_deferred: bool) -> OcclusionApplication {
     match chosen {
         OcclusionApplication::MultiplicativeBlend => chosen,
@@ -119,7 +119,7 @@ fn resolve(chosen: OcclusionApplication, lean_deferred: bool) -> OcclusionApplic
     }
 }
 
-/// The one chosen, and what it comes to.
+/// The chosen application, and the resolved one if it differs.
 fn application(chosen: OcclusionApplication, lean_deferred: bool) -> String {
     let used = resolve(chosen, lean_deferred);
     if used == chosen {

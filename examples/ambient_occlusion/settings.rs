@@ -1,4 +1,4 @@
-//! What the keys change, and its way onto the camera.
+//! Settings that the keys change, and the system that applies them to the camera.
 
 use bevy::{
     core_pipeline::{
@@ -13,7 +13,7 @@ use bevy_lean_deferred::prelude::*;
 use crate::courtyard::Sun;
 use kit::example::choices::next;
 
-/// Whose ambient occlusion the camera has.
+/// The occlusion technique on the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     Off,
@@ -33,7 +33,7 @@ pub const RESOLUTIONS: [OcclusionResolution; 2] =
 pub const FORMATS: [OcclusionFormat; 2] = [OcclusionFormat::Unorm8, OcclusionFormat::Float16];
 pub const NORMALS: [OcclusionNormals; 2] = [OcclusionNormals::Shading, OcclusionNormals::Geometric];
 
-/// From one radius to the next larger one.
+/// Factor between two radii.
 const RADIUS_STEP: f32 = 1.25;
 const INTENSITY_STEP: f32 = 0.1;
 
@@ -47,7 +47,7 @@ pub struct ExampleSettings {
 }
 
 impl ExampleSettings {
-    /// Whether the picture is the occlusion alone.
+    /// Tells if the picture is the occlusion alone.
     fn shows_data(&self) -> bool {
         self.mode == Mode::Lean && self.occlusion.debug_view
     }
@@ -73,7 +73,7 @@ pub fn read_keys(
             exit.write(AppExit::Success);
             continue;
         }
-        // Once asked for, the settings count as changed.
+        // Destructured only once a key is pressed: mutable access marks the settings as changed.
         let ExampleSettings {
             mode,
             lean_deferred,

@@ -16,9 +16,9 @@ use kit::{
     size::parse_size,
 };
 
-/// Frames after which an exposure has adapted that is adapted at once.
+/// Frames before the picture, for effects that adapt at once.
 const FRAMES: usize = 8;
-/// As above, of Bevy's, which starts without exposure: 8 simulated seconds.
+/// Frames before the picture, for Bevy's effect, which starts without exposure: 8 simulated seconds.
 const BEVY_FRAMES: usize = 480;
 
 /// A house with an open door, without auto exposure, with LeanAutoExposure, or with Bevy's.
@@ -28,11 +28,11 @@ pub struct Args {
     #[argh(option, default = "Mode::Lean", from_str_fn(mode))]
     mode: Mode,
 
-    /// where the camera stands: dark (the default), room or door
+    /// viewpoint: dark (the default), room or door
     #[argh(option, default = "Place::Dark", from_str_fn(place))]
     pub view: Place,
 
-    /// where it stands first, with --headless, so that the picture shows the exposure on its way
+    /// viewpoint to start at, with --headless, so that the picture shows the exposure on its way
     #[argh(option, from_str_fn(place))]
     from: Option<Place>,
 
@@ -48,7 +48,7 @@ pub struct Args {
     #[argh(option, default = "default()", from_str_fn(pattern))]
     pattern: Pattern,
 
-    /// of the spot, as a share of the picture's height, default 0.1
+    /// radius of the spot, as a share of the picture's height, default 0.1
     #[argh(option, default = "0.1", from_str_fn(positive))]
     spot_radius: f32,
 
@@ -56,11 +56,11 @@ pub struct Args {
     #[argh(switch)]
     trim: bool,
 
-    /// luminance that the metered one is brought to, default 0.18
+    /// target luminance, default 0.18
     #[argh(option, default = "0.18", from_str_fn(positive))]
     target: f32,
 
-    /// stops, default 0
+    /// compensation in stops, default 0
     #[argh(option, default = "0.0", from_str_fn(finite))]
     compensation: f32,
 
@@ -68,31 +68,31 @@ pub struct Args {
     #[argh(switch)]
     curve: bool,
 
-    /// stops, default -8
+    /// least exposure in stops, default -8
     #[argh(option, default = "-8.0", from_str_fn(finite))]
     min_exposure: f32,
 
-    /// stops, default 8
+    /// largest exposure in stops, default 8
     #[argh(option, default = "8.0", from_str_fn(finite))]
     max_exposure: f32,
 
-    /// stops a second as the scene becomes brighter, default 3
+    /// stops per second as the scene becomes brighter, default 3
     #[argh(option, default = "3.0", from_str_fn(not_negative))]
     speed_brighten: f32,
 
-    /// stops a second as the scene becomes darker, default 1
+    /// stops per second as the scene becomes darker, default 1
     #[argh(option, default = "1.0", from_str_fn(not_negative))]
     speed_darken: f32,
 
-    /// stops before the target from which the exposure approaches it exponentially, default 1.5
+    /// distance from the target in stops below which the exposure approaches it exponentially, default 1.5
     #[argh(option, default = "1.5", from_str_fn(not_negative))]
     transition: f32,
 
-    /// no adaptation
+    /// adapt instantly
     #[argh(switch)]
     instant: bool,
 
-    /// show how much each pixel counts, and the exposure on a scale
+    /// show the weight of each pixel, and the exposure on a scale
     #[argh(switch)]
     overlay: bool,
 
@@ -149,7 +149,7 @@ impl Args {
         }
     }
 
-    /// Where the camera stands first.
+    /// The viewpoint at the start.
     pub fn start(&self) -> Place {
         match (&self.headless, self.from) {
             (Some(_), Some(from)) => from,

@@ -1,4 +1,4 @@
-//! Outside: a garden in the sun, and all light but the lamp's.
+//! The outside: a garden in the sun, and all light except the lamp's.
 
 use bevy::{
     light::{CascadeShadowConfigBuilder, Skybox},
@@ -9,7 +9,7 @@ use kit::example::{builder::Builder, made_up_sky::made_up_sky};
 
 type Material = Handle<StandardMaterial>;
 
-/// Height of the lawn.
+/// Height of the lawn, in metres.
 const LAWN: f32 = -0.1;
 
 pub fn spawn(
@@ -110,13 +110,13 @@ fn bench(garden: &mut Builder, paint: &Material) {
     }
 }
 
-/// Sun and sky in their photometric units; what comes back from walls is guessed.
+/// Spawns sun and sky in photometric units. The light that walls reflect is a guess.
 pub fn spawn_lights(
     mut commands: Commands,
     camera: Single<Entity, With<Camera3d>>,
     mut images: ResMut<Assets<Image>>,
 ) {
-    // The sky's light comes from one side, too, so that the house's shadow maps keep it out.
+    // The sky's light, too, comes from one side, so that the house's shadow maps keep it out.
     for (color, illuminance, from) in [
         (
             Color::srgb(1.0, 0.96, 0.9),
@@ -147,7 +147,7 @@ pub fn spawn_lights(
         ));
     }
     let sky = Color::srgb(0.85, 0.92, 1.0);
-    // Daylight that falls in through the door.
+    // Daylight through the door.
     commands.spawn((
         SpotLight {
             color: sky,
@@ -161,9 +161,9 @@ pub fn spawn_lights(
         Transform::from_xyz(1.3, 1.6, -6.6).looking_at(Vec3::new(1.3, 0.9, 0.0), Vec3::Y),
     ));
     for (intensity, range, at) in [
-        // The sky above the shade of the house.
+        // The sky above the shadow of the house.
         (4_000_000.0, 60.0, Vec3::new(0.0, 6.0, -11.0)),
-        // What the floor before the door gives back.
+        // Light reflected by the floor in front of the door.
         (4_000.0, 10.0, Vec3::new(1.5, 0.9, -2.3)),
     ] {
         commands.spawn((

@@ -1,4 +1,4 @@
-//! Inside: a room of 7 by 8 metres with a door in its back wall, and a partition that keeps daylight from one corner.
+//! The inside: a room of 7 by 8 metres with a door in its back wall, and a partition that keeps daylight from one corner.
 //!
 //! The floor is at a height of 0; -z is towards the door.
 
@@ -6,15 +6,15 @@ use bevy::{light::NotShadowCaster, prelude::*};
 
 use kit::example::builder::Builder;
 
-/// Of the inner faces of the walls.
+/// Corners of the space between the walls.
 const LOW: Vec3 = Vec3::new(-3.5, 0.0, -5.0);
 const HIGH: Vec3 = Vec3::new(3.5, 2.8, 3.0);
 const WALL: f32 = 0.25;
-/// Of the opening in the back wall.
+/// Extents of the opening in the back wall.
 const DOOR_LEFT: f32 = 0.4;
 const DOOR_RIGHT: f32 = 2.2;
 const DOOR_HEIGHT: f32 = 2.2;
-/// Where the lamp's foot stands on the table.
+/// Position of the lamp's foot on the table.
 const LAMP: Vec3 = Vec3::new(-2.35, 0.76, -3.75);
 
 type Material = Handle<StandardMaterial>;
@@ -118,7 +118,7 @@ fn floor(house: &mut Builder, woods: [&Material; 2]) {
     );
 }
 
-/// Two leaves that stand open outwards.
+/// Two leaves, open outwards.
 fn door(house: &mut Builder, wood: &Material) {
     const LEAF: Vec3 = Vec3::new(0.9, DOOR_HEIGHT - 0.02, 0.05);
     for (hinge, turn) in [(DOOR_LEFT, 1.85_f32), (DOOR_RIGHT, 1.29)] {
@@ -195,7 +195,7 @@ fn bookcase(house: &mut Builder, wood: &Material, books: &[Material; 5]) {
                 Vec3::new(left + 0.05, height, z),
                 Vec3::new(right - 0.03, top, z + thickness),
             );
-            // Some have been taken out.
+            // A gap where a book has been taken out.
             z += thickness + if book % 6 == 5 { 0.1 } else { 0.004 };
             book += 1;
         }
@@ -237,7 +237,7 @@ fn picture(house: &mut Builder, frame: &Material, colors: &[Material; 5]) {
     }
 }
 
-/// Right of the door, with a jar on it.
+/// A chest to the right of the door, with a jar on it.
 fn chest(house: &mut Builder, wood: &Material, clay: &Material) {
     let corner = Vec3::new(2.75, 0.0, -3.6);
     house.add_box(wood, corner, corner + Vec3::new(0.7, 0.55, 1.4));

@@ -2,12 +2,12 @@
 //!
 //! `cargo run --example auto_exposure -- [--view dark|room|door] [--headless OUT.png] [--help]`
 //!
-//! Outside is sunshine, several thousand times brighter than the corner with the lamp. Space walks there and back: the
-//! picture is too dark or too bright at first, and adapts. Before the door and the corner at once, the metering and its
-//! pattern decide which of the two is shown well.
+//! The sunshine outside is several thousand times brighter than the corner with the lamp. Space moves the camera from one
+//! to the other and back: the picture is too dark or too bright at first, and adapts. Where the camera sees both door and
+//! corner, the metering and its pattern decide which of the two is exposed well.
 //!
-//! The mask of the example counts the lower half of the picture fully and fades to a tenth at the top, so that skies
-//! and ceilings count little:
+//! The mask of the example gives full weight to the lower half of the picture, and fades to a tenth at the top, so that
+//! skies and ceilings count little:
 //!
 //! | height | weight |
 //! |---|---|
@@ -15,13 +15,13 @@
 //! | a quarter down | 0.55 |
 //! | middle to bottom | 1 |
 //!
-//! Bevy's `AutoExposure` gets the same settings as far as it has them; target and compensation as its compensation
-//! curve. Its range replaces the limits of the exposure.
+//! Bevy's `AutoExposure` gets the same settings where it has an equivalent. Target and compensation become its compensation
+//! curve, and its range replaces the limits of the exposure.
 //!
 //! | key | does |
 //! |---|---|
 //! | 1, 2, 3 | none, `LeanAutoExposure`, Bevy's `AutoExposure` |
-//! | Space | walk on: dark corner, middle of the room, door, and back |
+//! | Space | next place: dark corner, middle of the room, door, and back |
 //! | G | `LeanDeferred` on / off |
 //! | M | metering: LogAverage, LinearAverage |
 //! | P | pattern: Average, CenterWeighted, Spot, Mask |
@@ -34,7 +34,7 @@
 //! | S | sampling: All, Quarter, Sixteenth |
 //! | R | reduction: Auto, Subgroup, SharedMemory |
 //! | X | cut: the next frame starts adapted |
-//! | O | overlay of the exposure: what counts, and a scale, on / off |
+//! | O | exposure overlay on / off: weights and a scale |
 //! | H | text on / off |
 //! | mouse | left: look around, right: pan, wheel: move |
 //! | Esc | quit |
@@ -61,7 +61,7 @@ use kit::{example::run, headless::Headless};
 use settings::ExampleSettings;
 use walk::Place;
 
-/// Between indoors and an overcast day, so that both ends of the scene are within the limits of the exposure.
+/// Between indoors and an overcast day, so that the exposures of both ends of the scene are within its limits.
 const EXPOSURE: Exposure = Exposure { ev100: 8.0 };
 
 fn main() -> AppExit {
@@ -93,7 +93,7 @@ fn main() -> AppExit {
     }
 }
 
-/// Writes a PNG, and says what was metered for it.
+/// Writes a PNG, and prints its metered exposure.
 fn write_picture(mut headless: Headless, path: &str, args: &args::Args) -> AppExit {
     if let Err(exit) = run::make_ready(&mut headless) {
         return exit;
@@ -154,11 +154,11 @@ fn spawn_camera(mut commands: Commands) {
             fov: 1.0,
             ..default()
         }),
-        // As LeanDeferred and both auto exposures need it, so that all modes are alike.
+        // LeanDeferred and both auto exposures need it; all modes have it, so that they compare.
         Hdr,
         Msaa::Off,
         EXPOSURE,
-        // Not `None`: the exposure is applied in tonemapping.
+        // Not `None`: tonemapping applies the exposure.
         Tonemapping::TonyMcMapface,
         IsDefaultUiCamera,
         ShadowLodOrigin,

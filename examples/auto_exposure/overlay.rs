@@ -1,4 +1,4 @@
-//! The text in the corner: the settings, what is metered, the times and the keys.
+//! The text in the corner: the settings, the metered values, the times and the keys.
 
 use core::fmt::Write;
 
@@ -45,7 +45,7 @@ fn update_text(
     let _ = write!(text.0, "\nGPU: {}\n{KEYS}", times(&settings, &diagnostics));
 }
 
-/// What was read back.
+/// The metered values that were read back.
 pub fn metered(metered: &MeteredExposure) -> String {
     let MeteredExposure {
         luminance,
@@ -102,7 +102,7 @@ fn describe(settings: &ExampleSettings) -> String {
     }
 }
 
-/// Of the passes that run now: the others keep the times of when they last ran.
+/// Times of the passes that run now: the diagnostics of others keep their last times.
 fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
     let time = |span| gpu_times::text(diagnostics, span);
     match settings.mode {

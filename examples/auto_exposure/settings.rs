@@ -1,4 +1,4 @@
-//! What the keys change, and its way onto the camera.
+//! Settings that the keys change, and the system that applies them to the camera.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -11,7 +11,7 @@ use bevy_lean_deferred::prelude::*;
 
 use kit::example::choices::next;
 
-/// Whose auto exposure the camera has.
+/// The auto exposure on the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     Off,
@@ -19,7 +19,7 @@ pub enum Mode {
     Bevy,
 }
 
-/// As [`MeteringPattern`], without what belongs to each.
+/// [`MeteringPattern`] without the parameters of its variants.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pattern {
     #[default]
@@ -48,31 +48,30 @@ pub const REDUCTIONS: [ReductionPath; 3] = [
     ReductionPath::SharedMemory,
 ];
 
-/// A tenth on each side, as Bevy's default.
+/// A tenth on each side, as in Bevy's default.
 pub const TRIM: LuminanceTrim = LuminanceTrim {
     low: 0.1,
     high: 0.1,
 };
-/// Leaves dark places somewhat dark and bright ones somewhat bright, as they are seen.
+/// Leaves dark places somewhat dark and bright ones somewhat bright, as the eye sees them.
 pub const CURVE: [Vec2; 4] = [
     Vec2::new(-8.0, -1.5),
     Vec2::new(-3.0, 0.0),
     Vec2::new(2.0, 0.0),
     Vec2::new(6.0, 0.5),
 ];
-/// From one target to the next larger one: a third of a stop.
+/// Factor between two targets: a third of a stop.
 const TARGET_STEP: f32 = 1.259_921;
-/// In stops.
+/// Step of the compensation, in stops.
 const COMPENSATION_STEP: f32 = 0.25;
-/// Luminance that Bevy's auto exposure can tell apart, as its base-2 logarithm. Wider than its default, so that the
-/// sky is in it.
+/// Range of Bevy's histogram, in stops of luminance. Wider than its default, so that it includes the sky.
 const BEVY_RANGE: core::ops::RangeInclusive<f32> = -10.0..=8.0;
 
 #[derive(Resource, Clone)]
 pub struct ExampleSettings {
     pub mode: Mode,
     pub lean_deferred: bool,
-    /// All but the pattern and the compensation curve.
+    /// All settings but the pattern and the compensation curve.
     pub exposure: LeanAutoExposure,
     pub pattern: Pattern,
     pub spot_radius: f32,
@@ -122,7 +121,7 @@ impl ExampleSettings {
         }
     }
 
-    /// Bevy's target is 1 and it has no compensation of its own: both are in its curve.
+    /// The compensation curve for Bevy, whose target is 1 and which has no other compensation: the curve contains both.
     fn bevy_curve(&self) -> Option<AutoExposureCompensationCurve> {
         let stops = self.exposure.target.log2() + self.exposure.compensation;
         let flat = [Vec2::new(-8.0, 0.0), Vec2::new(8.0, 0.0)];
@@ -151,7 +150,7 @@ pub fn read_keys(
             }
             _ => {}
         }
-        // Once asked for, the settings count as changed.
+        // Destructured only once a key is pressed: mutable access marks the settings as changed.
         let ExampleSettings {
             mode,
             lean_deferred,
@@ -196,11 +195,11 @@ fn change_speeds(exposure: &mut LeanAutoExposure, factor: f32) {
     }
 }
 
-/// The weights of [`Pattern::Mask`].
+/// The image of [`Pattern::Mask`].
 #[derive(Resource)]
 pub struct Mask(Handle<Image>);
 
-/// One column: the lower half counts fully, the upper one less towards the top.
+/// Adds a mask of one column: full weight in the lower half, and less towards the top in the upper half.
 pub fn add_mask(mut commands: Commands, mut images: ResMut<Assets<Image>>) {
     const HEIGHT: u32 = 64;
     let weight = |row: u32| (0.1 + 1.8 * (row as f32 + 0.5) / HEIGHT as f32).min(1.0);

@@ -1,4 +1,4 @@
-//! Where the camera stands, and its way from there to the next place.
+//! The places of the camera, and its way from one to the next.
 
 use core::f32::consts::{PI, TAU};
 
@@ -7,17 +7,17 @@ use bevy_panorbit_camera::PanOrbitCamera;
 
 use kit::example::model::{self, Viewpoint};
 
-/// So near before the camera is the point that it turns about: it looks around and stays within the walls.
+/// Distance from the camera to the point that it orbits: short, so that it looks around and stays within the walls.
 const DISTANCE: f32 = 0.4;
-/// Of the way from one place to the next, in seconds.
+/// Duration of the way from one place to the next, in seconds.
 const DURATION: f32 = 2.0;
 
-/// Where the camera stands or goes to.
+/// The place where the camera is, or that it moves to.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// Before the corner with the lamp.
+    /// In front of the corner with the lamp.
     Dark,
-    /// Before the corner and the door.
+    /// In view of both the corner and the door.
     Room,
     /// At the door, looking out.
     Door,
@@ -25,10 +25,10 @@ pub enum Place {
 
 pub const PLACES: [Place; 3] = [Place::Dark, Place::Room, Place::Door];
 
-/// The order in which Space visits them: straight ways between neighbours meet no wall.
+/// Order in which Space visits them: the straight lines between neighbours hit no wall.
 const ROUND: [Place; 4] = [Place::Dark, Place::Room, Place::Door, Place::Room];
 
-/// A position and direction of the camera.
+/// Position and direction of the camera.
 #[derive(Clone, Copy)]
 struct Pose {
     focus: Vec3,
@@ -62,7 +62,7 @@ impl Pose {
         }
     }
 
-    /// The shorter way round.
+    /// Interpolates, taking the shorter way round.
     fn lerp(self, to: Self, t: f32) -> Self {
         let turn = (to.yaw - self.yaw + PI).rem_euclid(TAU) - PI;
         Self {
@@ -87,7 +87,7 @@ pub fn stand(place: Res<Place>, camera: Single<(&mut Transform, &mut PanOrbitCam
     place.pose().take(&mut transform, &mut orbit);
 }
 
-/// There while the camera is on its way.
+/// Present while the camera moves.
 #[derive(Resource)]
 pub struct Walk {
     from: Pose,

@@ -1,4 +1,4 @@
-//! What the command line says.
+//! The command line.
 
 use argh::FromArgs;
 use bevy::{camera::Viewport, prelude::*};
@@ -33,7 +33,7 @@ pub struct Args {
     #[argh(option, default = "default()", from_str_fn(reduction))]
     pub reduction: ReductionPath,
 
-    /// a sky alone in place of the boxes, so that auto exposure is much of the frame
+    /// show a sky alone instead of the boxes, so that auto exposure is much of the frame
     #[argh(switch)]
     pub sky: bool,
 
@@ -53,12 +53,12 @@ pub struct Args {
     #[argh(switch)]
     pub headless: bool,
 
-    /// frames that count, with --headless, default 1000
+    /// measured frames, with --headless, default 1000
     #[argh(option, default = "1000", from_str_fn(at_least_one))]
     pub frames: u32,
 }
 
-/// Whose auto exposure the cameras have.
+/// The auto exposure on the cameras.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     None,
@@ -89,13 +89,13 @@ impl Args {
         }
     }
 
-    /// Columns and rows of viewports, as many of one as of the other if possible.
+    /// Columns and rows of viewports, as square as possible.
     pub fn grid(&self) -> UVec2 {
         let columns = f64::from(self.cameras).sqrt().ceil() as u32;
         UVec2::new(columns, self.cameras.div_ceil(columns))
     }
 
-    /// Where the camera of this number draws.
+    /// The viewport of the camera with this index.
     pub fn viewport(&self, camera: u32) -> Viewport {
         let grid = self.grid();
         let cell = UVec2::new(camera % grid.x, camera / grid.x);

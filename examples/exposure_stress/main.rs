@@ -1,11 +1,11 @@
-//! How many frames a second are left with auto exposure on many cameras: the boxes scene of the benches, or a sky
-//! alone, in as many viewports as there are cameras, as fast as it goes.
+//! Frames per second with auto exposure on many cameras: the boxes scene of the benches, or a sky alone, in one viewport per
+//! camera, as fast as possible.
 //!
 //! `cargo run --example exposure_stress -- [--cameras N] [--effect none|lean|bevy] [--headless] [--help]`
 //!
-//! In a window, without vertical synchronisation, frame times are those of the whole app; every three seconds and at
-//! the end they are printed. With `--headless` the CPU waits for the GPU after each frame, so that frame times are the
-//! sum of both. Compare `--effect none` with the others.
+//! In a window, without vertical synchronisation, frame times are those of the whole app, printed every three seconds and at
+//! the end. With `--headless` the CPU waits for the GPU after each frame, so that frame times are the sum of both. Compare
+//! `--effect none` with the others.
 //!
 //! | key | does |
 //! |---|---|
@@ -41,7 +41,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 
-/// Before the first that counts: pipelines compile, shadow maps are made.
+/// Frames before measuring: pipelines compile, and shadow maps are created.
 const WARM_UP_FRAMES: usize = 20;
 
 fn main() -> AppExit {
@@ -155,7 +155,7 @@ fn setup(
     }
 }
 
-/// Round the middle of the scene, so that the exposure has something to follow.
+/// Turns the cameras around the middle of the scene, so that the exposure keeps adapting.
 fn turn_cameras(time: Res<Time>, mut cameras: Query<&mut Transform, With<Camera3d>>) {
     let turn = Quat::from_rotation_y(0.2 * time.delta_secs());
     for mut transform in &mut cameras {
@@ -196,7 +196,7 @@ fn read_keys(
             }
             _ => continue,
         };
-        // Of this effect alone.
+        // Drops the times of the effect before.
         *reports = default();
     }
 }
@@ -228,7 +228,7 @@ fn report_all(args: Res<Args>, diagnostics: Res<DiagnosticsStore>, reports: Res<
     report("all: ", &args, &reports.times.all, &diagnostics);
 }
 
-/// One line: what was rendered, the frame times, and the GPU times of the effect for a camera.
+/// Prints one line: the scene and effect, the frame times, and the effect's GPU times per camera.
 fn report(what: &str, args: &Args, times: &FrameTimes, diagnostics: &DiagnosticsStore) {
     let time = |span| gpu_times::text(diagnostics, span);
     let gpu = match args.effect {

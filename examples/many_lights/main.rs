@@ -1,12 +1,12 @@
-//! The scene of the benches, live: 1600 meshes under hundreds of moving point lights. The text keeps the GPU time that each renderer
-//! took for the meshes and their light when it was last on, with the number of lights that there were.
+//! The scene of the benches, live: 1600 meshes under hundreds of moving point lights. The text keeps, for each renderer, its
+//! last GPU time for the meshes and their lighting, with the number of lights.
 //!
 //! `cargo run --example many_lights -- [--lights N] [--headless OUT.png] [--help]`
 //!
 //! | key | does |
 //! |---|---|
 //! | 1, 2, 3 | Bevy forward, Bevy deferred, lean |
-//! | Space | the next of them |
+//! | Space | next renderer |
 //! | Up, Down | twice / half as many lights |
 //! | Esc | quit |
 
@@ -54,7 +54,7 @@ struct Args {
     #[argh(option)]
     headless: Option<String>,
 
-    /// with --headless: time the other renderers before
+    /// time the other renderers first, with --headless
     #[argh(switch)]
     compare: bool,
 }
@@ -97,7 +97,7 @@ fn main() -> AppExit {
     }
 }
 
-/// Has each renderer render some frames, and at last `chosen`.
+/// Renders some frames with each renderer, with `chosen` last.
 fn time_others(headless: &mut Headless, chosen: Renderer) -> Result<(), AppExit> {
     run::make_ready(headless)?;
     let others = Renderer::ALL.into_iter().filter(|other| *other != chosen);
@@ -194,7 +194,7 @@ fn apply_settings(
     }
 }
 
-/// Each light goes round where it was spawned.
+/// Moves each light around the place where it was spawned.
 fn move_lights(time: Res<Time>, mut lights: Query<&mut Transform, With<PointLight>>) {
     let step = time.delta_secs();
     let now = time.elapsed_secs();

@@ -1,4 +1,4 @@
-//! What each renderer took for how many lights.
+//! Times of each renderer, and the numbers of lights.
 
 use core::fmt::Write;
 
@@ -8,10 +8,11 @@ use bevy_lean_deferred::LeanStatus;
 use crate::Settings;
 use kit::{example::gpu_times, renderer::Renderer};
 
-/// Frames after a change whose GPU times are those of frames before it, or of shaders and lists of lights that are not there yet.
+/// Frames after a change whose GPU times do not count: they are of frames before it, or of frames in which shaders
+/// still compile and lists of lights still grow.
 const LATE_FRAMES: usize = 8;
 
-/// Frames after which there is a time.
+/// Frames until there is a time.
 pub const FRAMES: usize = LATE_FRAMES + 4;
 
 /// GPU times in milliseconds, means of the frames since the last change.
@@ -22,7 +23,7 @@ struct Measured {
     lighting: Option<f64>,
 }
 
-/// The last times of each renderer.
+/// The latest times of each renderer.
 #[derive(Resource, Default)]
 pub struct GpuTimes {
     measured: [Option<Measured>; Renderer::ALL.len()],
@@ -49,7 +50,7 @@ pub fn measure(
     let Some(geometry) = gpu_times::mean(&diagnostics, geometry) else {
         return;
     };
-    // None of Bevy's forward pass: it lights what it draws.
+    // Bevy's forward pass has no lighting stage of its own.
     let lighting = lighting.and_then(|span| gpu_times::mean(&diagnostics, span));
     times.measured[settings.renderer as usize] = Some(Measured {
         lights: settings.boxes.point_lights,
@@ -59,7 +60,7 @@ pub fn measure(
 }
 
 impl GpuTimes {
-    /// A line for each renderer, with a mark before that which is on.
+    /// A line for each renderer, with a mark at the active one.
     pub fn table(&self, on: Renderer) -> String {
         let mut table = String::new();
         for (key, renderer) in (1..).zip(Renderer::ALL) {

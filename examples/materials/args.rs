@@ -14,7 +14,7 @@ pub struct Args {
     #[argh(option, default = "Shown::Both", from_str_fn(shown))]
     shown: Shown,
 
-    /// channel of the G-buffer to show for the lit picture, such as shading-model
+    /// channel of the G-buffer to show instead of the lit picture, such as shading-model
     #[argh(option, from_str_fn(channel))]
     pub debug_view: Option<DebugChannel>,
 
@@ -26,7 +26,7 @@ pub struct Args {
     #[argh(switch)]
     no_environment: bool,
 
-    /// have light leave surfaces where it enters
+    /// switch subsurface scattering off
     #[argh(switch)]
     no_scattering: bool,
 
@@ -60,7 +60,7 @@ impl Args {
         }
     }
 
-    /// Whether the halves of the picture are to look the same.
+    /// Tells if both halves of the picture should look the same.
     pub fn compares(&self) -> bool {
         self.shown == Shown::Both && self.debug_view.is_none() && !self.text
     }

@@ -1,4 +1,4 @@
-//! Pictures of `--headless`, and how far lean is from forward.
+//! Pictures of `--headless`, and the differences between lean and forward.
 
 use bevy::prelude::*;
 
@@ -9,7 +9,7 @@ use kit::{
     metrics::{Difference, difference},
 };
 
-/// Writes a PNG. If it has lean beside forward, prints their differences, of the whole and of each row.
+/// Writes a PNG. If it has lean beside forward, prints their differences, in total and for each row.
 pub fn write_pictures(mut headless: Headless, path: &str, args: &Args) -> AppExit {
     if let Err(exit) = run::make_ready(&mut headless) {
         return exit;

@@ -12,19 +12,19 @@ use bevy_lean_deferred::prelude::*;
 
 use crate::rows::{COLUMNS, ROWS, Shape, Textures};
 
-/// Metres between two samples.
+/// Distance between two samples, in metres.
 const SPACING: f32 = 1.0;
 const RADIUS: f32 = 0.4;
 
 #[derive(Component)]
 pub struct Sun;
 
-/// Half the width and the height of the grid, with a margin.
+/// Half the width and half the height of the grid, with a margin.
 pub fn half_size() -> Vec2 {
     (Vec2::new(COLUMNS as f32, ROWS.len() as f32) * SPACING + 0.3) / 2.0
 }
 
-/// The middle of a row.
+/// Height of a row's middle.
 pub fn row_height(row: usize) -> f32 {
     ((ROWS.len() - 1) as f32 / 2.0 - row as f32) * SPACING
 }
@@ -120,7 +120,7 @@ pub fn spawn_lights(mut commands: Commands) {
     ));
 }
 
-/// A slab of this thickness, turned so that its side is seen.
+/// A slab of this thickness, turned so that its side is visible.
 fn slab(thickness: f32) -> Mesh {
     let side = 1.6 * RADIUS;
     Mesh::from(Cuboid::new(side, side, thickness)).rotated_by(Quat::from_rotation_y(0.6))
@@ -157,7 +157,7 @@ fn bust() -> Mesh {
     )
 }
 
-/// With tangents, and the UVs of lightmaps.
+/// Adds tangents, and the UVs of lightmaps.
 fn with_all_attributes(mut mesh: Mesh) -> Mesh {
     if let Some(uvs) = mesh.attribute(Mesh::ATTRIBUTE_UV_0).cloned() {
         mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs);
@@ -190,7 +190,7 @@ fn lightmap() -> Image {
     })
 }
 
-/// From a function of u and v in 0..1.
+/// An image of a function of u and v in 0..1.
 fn image(format: TextureFormat, texel: impl Fn(f32, f32) -> [u8; 4]) -> Image {
     const SIZE: u32 = 64;
     let data = (0..SIZE * SIZE)

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --example materials -- [--headless OUT.png] [--help]`
 //!
-//! A row for each; `rows.rs` has them from top to bottom. Both halves show the same scene from the same place.
+//! Each has a row; `rows.rs` lists them from top to bottom. Both halves show the same scene from the same place.
 //!
 //! | key | does |
 //! |---|---|
@@ -15,7 +15,7 @@
 //! | mouse, over the left half | left: orbit, right: pan, wheel: zoom |
 //! | Esc | quit |
 //!
-//! `--headless` writes a PNG and, of lean beside forward, prints how far the halves are apart.
+//! `--headless` writes a PNG. With lean beside forward it also prints the differences between the halves.
 
 mod args;
 mod figures;

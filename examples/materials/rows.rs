@@ -1,4 +1,4 @@
-//! What the rows show, from top to bottom.
+//! The rows, from top to bottom.
 
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
@@ -7,13 +7,13 @@ pub const COLUMNS: usize = 9;
 
 pub struct Row {
     pub name: &'static str,
-    /// What changes from left to right.
+    /// The parameter that changes from left to right.
     pub steps: &'static str,
     pub sample: fn(usize, &Textures) -> Sample,
-    /// A bar above it throws a shadow onto it.
+    /// A bar above the row casts a shadow onto it.
     pub has_bar: bool,
     pub has_light_behind: bool,
-    /// Metres behind the others.
+    /// Distance behind the other rows, in metres.
     pub depth: f32,
 }
 
@@ -56,7 +56,7 @@ pub struct Sample {
     pub extension: ShadingExtension,
     pub shape: Shape,
     pub ignores_shadows: bool,
-    /// With a lightmap, sampled bicubically or not.
+    /// A lightmap, sampled bicubically if true.
     pub lightmap: Option<bool>,
 }
 
@@ -101,7 +101,7 @@ pub const ROWS: [Row; 13] = [
         )
     },
     Row {
-        // In the middle, so that it does not hide behind others.
+        // In the middle column of rows, so that no other row hides it.
         depth: 4.0,
         ..Row::new("fog", "with and without, by turns", fog)
     },
@@ -135,7 +135,7 @@ const WARM: Color = Color::srgb(1.0, 0.6, 0.3);
 const COOL: Color = Color::srgb(0.4, 0.7, 1.0);
 const COLORS: [Color; 3] = [Color::WHITE, WARM, COOL];
 
-/// The values of the two parameters of a row of three by three.
+/// Values of the two parameters of a row of three by three.
 fn pair<A: Copy, B: Copy>(column: usize, outer: [A; 3], inner: [B; 3]) -> (A, B) {
     (outer[column / 3 % 3], inner[column % 3])
 }
@@ -251,7 +251,7 @@ fn rim(column: usize, _: &Textures) -> Sample {
     }
 }
 
-/// What scatters light: the red of skin goes furthest, the green of jade.
+/// Materials that scatter light: in skin red travels furthest, in jade green.
 fn subsurface(column: usize, _: &Textures) -> Sample {
     const PATHS: [f32; 9] = [0.001, 0.003, 0.01, 0.03, 0.1, 0.03, 0.01, 0.01, 0.01];
     const SHAPES: [Shape; 3] = [Shape::ThinSlab, Shape::ThickSlab, Shape::Bust];

@@ -1,4 +1,4 @@
-//! The cameras, and what the keys change of them.
+//! The cameras, and the settings of them that the keys change.
 
 use bevy::{
     camera::{Hdr, ShadowLodOrigin, Viewport},
@@ -14,7 +14,7 @@ use bevy_panorbit_camera::PanOrbitCamera;
 use crate::grid::{self, Sun};
 use kit::example::{choices, made_up_sky::made_up_sky};
 
-/// Which cameras are on.
+/// The active cameras.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
     Both,
@@ -33,16 +33,16 @@ pub struct ExampleSettings {
     /// Light scatters beneath surfaces.
     pub scattering: bool,
     pub text: bool,
-    /// The size of the picture where there is no window.
+    /// Size of the picture without a window.
     pub picture: UVec2,
 }
 
-/// Which half of the picture a camera has.
+/// The half of the picture that a camera draws.
 #[derive(Component, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// With `LeanDeferred`.
+    /// The camera with `LeanDeferred`.
     Left,
-    /// Bevy's forward renderer.
+    /// The camera of Bevy's forward renderer.
     Right,
 }
 
@@ -65,7 +65,7 @@ pub fn spawn_cameras(mut commands: Commands, settings: Res<ExampleSettings>) {
                 fov: FOV,
                 ..default()
             }),
-            // As LeanDeferred needs it, so that both are alike.
+            // LeanDeferred needs it; both have it, so that they compare.
             Hdr,
             Msaa::Off,
             AmbientLight {
@@ -74,7 +74,7 @@ pub fn spawn_cameras(mut commands: Commands, settings: Res<ExampleSettings>) {
             },
             DistanceFog {
                 color: Color::srgb(0.45, 0.55, 0.75),
-                // A tenth at the grid, half where the row about fog stands.
+                // A tenth of the fog at the grid, half of it at the row about fog.
                 falloff: FogFalloff::Linear {
                     start: distance - 1.0,
                     end: distance + 9.0,
@@ -96,7 +96,7 @@ pub fn spawn_cameras(mut commands: Commands, settings: Res<ExampleSettings>) {
     }
 }
 
-/// The right camera stands where the left one does.
+/// Moves the right camera to the place of the left one.
 pub fn follow(mut cameras: Query<(&Side, &mut Transform)>) {
     let left = cameras.iter().find(|(side, _)| **side == Side::Left);
     let Some(place) = left.map(|(_, transform)| *transform) else {
@@ -157,7 +157,7 @@ pub fn apply(
         camera.viewport = (settings.shown == Shown::Both).then(|| half(picture, *side));
 
         let mut entity = commands.entity(entity);
-        // The panel is on the camera that is always the leftmost.
+        // The leftmost camera shows the panel.
         let has_panel = (*side == Side::Left) == (settings.shown != Shown::Forward);
         if has_panel {
             entity.insert(IsDefaultUiCamera);

@@ -14,7 +14,7 @@ use kit::{
     size::parse_size,
 };
 
-/// A room with coloured walls, or a glTF or GLB file, whose surfaces shine on one another and mirror one another.
+/// Diffuse GI and reflections in a room with coloured walls, or in a glTF or GLB file.
 #[derive(FromArgs)]
 pub struct Args {
     /// the file to show; a room when left out
@@ -33,7 +33,8 @@ pub struct Args {
     #[argh(option, default = "Mirrors::Medium", from_str_fn(mirrors))]
     mirrors: Mirrors,
 
-    /// gi-light, gi-visibility, mirrors-light, mirrors-confidence or mirrors-hit: what an effect has found, in place of the picture
+    /// buffer of an effect to show instead of the picture: gi-light, gi-visibility, mirrors-light, mirrors-confidence
+    /// or mirrors-hit
     #[argh(option, from_str_fn(debug_view))]
     debug_view: Option<DebugView>,
 
@@ -57,7 +58,7 @@ pub struct Args {
     #[argh(option, default = "UVec2::new(1280, 720)", from_str_fn(parse_size))]
     pub size: UVec2,
 
-    /// frames before the picture is taken, default 16: light bounces once in each
+    /// frames before the picture is taken, default 16: light bounces once per frame
     #[argh(option, default = "16")]
     pub frames: usize,
 
@@ -73,7 +74,7 @@ pub struct Args {
     #[argh(option, default = "5.0", from_str_fn(finite))]
     pitch: f32,
 
-    /// how many times nearer the camera stands, default 1
+    /// zoom factor of the camera, default 1
     #[argh(option, default = "1.0", from_str_fn(positive))]
     zoom: f32,
 }

@@ -1,5 +1,4 @@
-//! Light that surfaces send to one another, and what they mirror: a room with coloured walls and mirrors of four roughnesses (or
-//! any glTF or GLB file).
+//! Diffuse GI and reflections: a room with coloured walls and mirrors of four roughnesses (or any glTF or GLB file).
 //!
 //! `cargo run --example screen_space -- [FILE] [--headless OUT.png] [--help]`
 //!
@@ -10,7 +9,7 @@
 //! | R | full / half resolution |
 //! | Up, Down | larger, smaller radius |
 //! | M | `LeanScreenSpaceReflections`: off, low, medium, high; then Bevy's `ScreenSpaceReflections`, without other effects |
-//! | D | the picture, or what an effect has found: GI's light, visibility; mirrored light, confidence, hits |
+//! | D | picture / debug views: light and visibility of GI; light, confidence and hits of reflections |
 //! | L | lamp and sun on / off |
 //! | H | text on / off |
 //! | mouse | left: orbit, right: pan, wheel: zoom |

@@ -1,5 +1,5 @@
-//! The scene that is shown without a file: a white room with a red and a green wall, open towards the camera. The sun falls in
-//! onto the floor, and a lamp shines on the red wall; all else is lit by these two patches.
+//! The built-in scene: a white room with a red and a green wall, open towards the camera. The sun lights a patch of the
+//! floor, and a lamp the red wall. Everything else is lit by these two patches.
 
 use bevy::{light::NotShadowCaster, prelude::*};
 use bevy_panorbit_camera::PanOrbitCamera;
@@ -9,7 +9,7 @@ use kit::example::{
     run::SceneReady,
 };
 
-/// Where the camera looks, and from how far.
+/// Target of the camera, and its distance.
 const FOCUS: Vec3 = Vec3::new(0.0, 1.4, 0.0);
 const DISTANCE: f32 = 6.5;
 
@@ -77,7 +77,7 @@ pub fn spawn(
         emissive: LinearRgba::rgb(6.0, 3.6, 1.2),
         ..default()
     });
-    // From a mirror to what is barely one, from left to right.
+    // From a mirror to barely one, from left to right.
     let mirrors = [0.0, 0.1, 0.25, 0.45].map(|perceptual_roughness| {
         materials.add(StandardMaterial {
             base_color: Color::srgb(0.95, 0.93, 0.9),

@@ -1,4 +1,4 @@
-//! What the keys change, and its way onto the camera.
+//! Settings that the keys change, and the system that applies them to the camera.
 
 use bevy::{
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
@@ -13,7 +13,7 @@ use kit::example::{
     opaque_method::OpaqueMethod,
 };
 
-/// What the camera has.
+/// The effect on the camera, beside reflections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     None,
@@ -23,7 +23,7 @@ pub enum Effect {
 
 pub const EFFECTS: [Effect; 3] = [Effect::None, Effect::Occlusion, Effect::Gi];
 
-/// Whether the camera has reflections too.
+/// The reflections on the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mirrors {
     Off,
@@ -42,7 +42,7 @@ pub const MIRRORS: [Mirrors; 5] = [
     Mirrors::Bevy,
 ];
 
-/// What is shown in place of the picture.
+/// A debug view, shown instead of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DebugView {
     GiLight,
@@ -90,7 +90,7 @@ impl Mirrors {
     }
 }
 
-/// From one radius to the next larger one.
+/// Factor between two radii.
 const RADIUS_STEP: f32 = 1.25;
 
 #[derive(Resource, Clone)]
@@ -162,7 +162,7 @@ pub fn apply(
     method.set(is_bevys);
     if is_bevys {
         camera.remove::<LeanDeferred>();
-        // It requires both prepasses. From the smoothest on, as ours.
+        // Requires both prepasses. Reflects from roughness 0 on, as this crate's do.
         camera.insert(ScreenSpaceReflections {
             min_perceptual_roughness: 0.0..0.0,
             ..default()

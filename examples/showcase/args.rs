@@ -8,11 +8,11 @@ use street::Detail;
 /// A street by night, or a glTF or GLB file, through everything the crate has.
 #[derive(FromArgs)]
 pub struct Args {
-    /// a glTF or GLB file in place of the street
+    /// glTF or GLB file in place of the street
     #[argh(option)]
     model: Option<String>,
 
-    /// a glTF or GLB file whose first figure, a fox say, walks among the people of the street
+    /// glTF or GLB file whose first figure, a fox say, walks among the people of the street
     #[argh(option)]
     figure: Option<String>,
 
@@ -24,7 +24,7 @@ pub struct Args {
     #[argh(option, from_str_fn(parse_size))]
     size: Option<UVec2>,
 
-    /// frames that each time is the median of, default 20, 3 without a GPU
+    /// frames per measurement, whose median is printed, default 20, 3 without a GPU
     #[argh(option)]
     frames: Option<usize>,
 
@@ -36,17 +36,18 @@ pub struct Args {
     #[argh(option)]
     figures: Option<usize>,
 
-    /// half of the street, with fewer lights and people and coarser textures: the default without a GPU, and what the web page has
+    /// half of the street, with fewer lights and people and coarser textures: the default without a GPU, and the scene
+    /// of the web page
     #[argh(switch)]
     small: bool,
 
-    /// all of the street, also without a GPU
+    /// the whole street, even without a GPU
     #[argh(switch)]
     full: bool,
 }
 
 impl Args {
-    /// Without a GPU everything takes a hundred times as long.
+    /// Fills in defaults, which depend on the GPU: without one, everything takes a hundred times as long.
     pub fn fill_in(self, has_gpu: bool) -> Wanted {
         let small = self.small || !(has_gpu || self.full);
         let detail = if small { Detail::SMALL } else { Detail::FULL };
@@ -66,7 +67,7 @@ impl Args {
     }
 }
 
-/// What to show, and how.
+/// The contents of the showcase, and its mode.
 pub struct Wanted {
     pub model: Option<String>,
     pub figure: Option<String>,

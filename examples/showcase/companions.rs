@@ -13,23 +13,23 @@ use kit::example::{
 };
 use street::{Detail, NEAREST, Walker, Walking};
 
-/// Of the longest side of each, in metres.
+/// Length of the longest side of a figure, in metres.
 const LENGTH: f32 = 1.3;
 
-/// In metres a second.
+/// Speed, in metres per second.
 const SPEED: f32 = 1.1;
 
-/// For so many people there is one of them.
+/// Number of people per figure.
 const PEOPLE: usize = 3;
 
-/// Loads the file, and spawns its figures once it is there: only then is the scene ready.
+/// Loads the file and spawns its figures; the scene is ready only then.
 pub struct CompanionsPlugin {
     pub path: String,
 }
 
 impl Plugin for CompanionsPlugin {
     fn build(&self, app: &mut App) {
-        // Assets are found relative to a folder of their own; the user means the working directory.
+        // Asset paths start in a folder of their own, but the user means the working directory.
         let path = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone().into());
         let assets = app.world().resource::<AssetServer>();
         let file = assets
@@ -50,7 +50,7 @@ struct Companions {
     are_there: bool,
 }
 
-/// One whose bounds are not known yet.
+/// A figure whose bounds are still unknown.
 #[derive(Component)]
 struct OfAnySize;
 
@@ -99,7 +99,7 @@ fn spawn(
     }
 }
 
-/// Each gets its size once its meshes have bounds.
+/// Scales each figure once its meshes have bounds.
 fn size(
     mut commands: Commands,
     companions: Res<Companions>,
@@ -127,7 +127,7 @@ fn size(
     }
 }
 
-/// They walk, if there is such an animation, each at another point of it.
+/// Plays the walking animation if there is one, else the first, with a different start for each figure.
 fn animate(
     mut commands: Commands,
     companions: Res<Companions>,
@@ -151,7 +151,7 @@ fn animate(
     }
 }
 
-/// With the people, who stand while pictures are compared.
+/// Stops with the people, who stand while pictures are compared.
 fn keep_pace(walking: Option<Res<Walking>>, mut players: Query<&mut AnimationPlayer>) {
     let pace = walking.map_or(1.0, |walking| walking.0);
     for mut player in &mut players {

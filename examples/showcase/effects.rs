@@ -4,7 +4,7 @@ use bevy::{camera::Exposure, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use street::Viewpoint;
 
-/// What a lean camera has beside.
+/// An effect on a lean camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     AmbientOcclusion,
@@ -33,7 +33,7 @@ impl Effect {
         }
     }
 
-    /// As files and command lines name it.
+    /// The name in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::AmbientOcclusion => "ambient_occlusion",
@@ -54,7 +54,7 @@ impl Effect {
         }
     }
 
-    /// From where it is seen best.
+    /// The viewpoint that shows it best.
     pub fn viewpoint(self) -> Viewpoint {
         match self {
             Self::AmbientOcclusion | Self::DiffuseGi => Viewpoint::STALL,
@@ -64,9 +64,9 @@ impl Effect {
         }
     }
 
-    /// The exposure of a picture that shows it, where it is not the scene's.
+    /// The exposure of a picture that shows the effect, if it is not the scene's.
     pub fn exposure(self) -> Option<Exposure> {
-        // As set for the sun that has gone.
+        // The exposure for daylight, which the effect has to correct.
         (self == Self::AutoExposure).then_some(Exposure { ev100: 8.0 })
     }
 
@@ -90,7 +90,7 @@ impl Effect {
             (Self::Reflections, false) => {
                 camera.remove::<LeanScreenSpaceReflections>();
             }
-            // Materials ask for it: it is on where it is not switched off.
+            // Materials enable it: it is on unless it is switched off.
             (Self::SubsurfaceScattering, is_on) => {
                 camera.insert(LeanSubsurfaceScattering {
                     quality: match is_on {
@@ -102,7 +102,7 @@ impl Effect {
             }
             (Self::AutoExposure, true) => {
                 camera.insert(LeanAutoExposure {
-                    // A night is to look like one.
+                    // Keeps a night dark.
                     target: 0.1,
                     ..default()
                 });
@@ -113,13 +113,13 @@ impl Effect {
         }
     }
 
-    /// Whether a GPU span is of this effect.
+    /// Tells if a GPU span belongs to this effect.
     pub fn owns(self, span: &str) -> bool {
         let Some(pass) = span.strip_prefix("lean_deferred/") else {
             return false;
         };
         let folder = match self {
-            // What is kept of a frame is kept for reflections.
+            // Only reflections need the history.
             Self::Reflections if pass.ends_with("history") => return true,
             effect => effect.name(),
         };

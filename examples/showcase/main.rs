@@ -1,4 +1,5 @@
-//! A street by night through everything the crate has: thousands of lights, neon, wet asphalt, people under umbrellas. Or any glTF.
+//! A street by night through everything the crate has: thousands of lights, neon, wet asphalt, people under umbrellas. Or
+//! any glTF.
 //!
 //! `cargo run --example showcase -- [--model FILE | --figure FILE] [--headless OUT.png] [--help]`
 //!
@@ -12,8 +13,8 @@
 //! | mouse | left: orbit, right: pan, wheel: zoom |
 //! | Esc | quit |
 //!
-//! `--headless` writes a picture split into Bevy forward and lean, one of each effect off and on beside it, and prints what each costs
-//! on this machine.
+//! `--headless` writes a picture split into Bevy forward and lean, and beside it one of each effect off and on. It also
+//! prints the cost of each on this machine.
 
 mod args;
 mod companions;

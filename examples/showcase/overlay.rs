@@ -1,4 +1,4 @@
-//! The text in the corner: the renderer, the effects and what they cost.
+//! The text in the corner: the renderer, the effects and their costs.
 
 use bevy::{
     diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin},

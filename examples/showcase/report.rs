@@ -1,4 +1,4 @@
-//! Without a window: pictures, and a table of what they cost.
+//! Pictures and a table of their costs, without a window.
 
 use std::path::{Path, PathBuf};
 
@@ -17,10 +17,10 @@ use kit::{
 
 use crate::{effects::Effect, settings::Settings};
 
-/// Light has bounced, and exposure has come to rest.
+/// Frames until light has bounced and exposure has adapted.
 const FRAMES_OF_EFFECTS: usize = 10;
 
-/// What apps need that are measured.
+/// Adds the plugins that measurements need.
 pub fn prepare(app: &mut App) {
     app.add_plugins(RenderDiagnosticsPlugin);
     add_bench_spans(app);
@@ -71,7 +71,7 @@ impl Report {
         Ok(())
     }
 
-    /// Says what is being done.
+    /// Reports the current step.
     fn step(&self, what: &str) {
         self.bar.set_message(what.to_owned());
         if self.bar.is_hidden() {
@@ -81,7 +81,7 @@ impl Report {
         self.bar.inc(1);
     }
 
-    /// Each renderer without effects, and lean with all of them beside forward.
+    /// Measures each renderer without effects. Writes lean with all effects beside forward.
     fn renderers(&mut self) -> Result<Table, AppExit> {
         let mut rows = Vec::new();
         let mut forward = None;
@@ -98,7 +98,7 @@ impl Report {
         }
         let all = self.shoot("all effects", |settings| {
             settings.effects = Effect::ALL.into();
-            // What it would hide, GI hides.
+            // Off, because GI replaces it.
             settings.toggle(Effect::AmbientOcclusion);
             settings.toggle(Effect::AutoExposure);
         });
@@ -151,7 +151,7 @@ impl Report {
         row
     }
 
-    /// Each effect, off and on.
+    /// Measures each effect, off and on.
     fn effects(&mut self) -> Result<Table, AppExit> {
         let mut rows = Vec::new();
         for effect in Effect::ALL {
@@ -183,7 +183,7 @@ impl Report {
     fn shoot(&mut self, what: &str, change: impl FnOnce(&mut Settings)) -> Shot {
         self.step(what);
         change(&mut self.headless.world().resource_mut::<Settings>());
-        // What settings ask for is there in the frame after.
+        // New settings take effect in the frame after.
         self.headless.frames(2);
         self.headless.settle();
         let has_effects = !self
@@ -205,7 +205,7 @@ impl Report {
         }
     }
 
-    /// Beside the first picture, with more in its name; says where.
+    /// Saves a picture beside the first one, with `more` in its name; returns its path.
     fn save(&self, more: &str, picture: &Picture) -> Result<String, AppExit> {
         let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
         let name = match more {

@@ -17,10 +17,10 @@ use street::{Detail, StreetPlugin, sky};
 
 use crate::{companions::CompanionsPlugin, settings::Settings};
 
-/// What is shown, and the camera that looks at it.
+/// Spawns the scene and its camera.
 pub struct ScenePlugin {
     pub model: ModelPath,
-    /// Who walks among the people.
+    /// glTF file of a figure that walks among the people.
     pub figure: Option<String>,
     pub detail: Detail,
 }
@@ -80,12 +80,12 @@ fn prepare_camera(
     commands.entity(*camera).insert((sky::air(), light));
 }
 
-/// Thousands of lights have their place in Bevy's lists from the first frame on.
+/// Reserves room for thousands of lights in Bevy's lists, from the first frame on.
 fn reserve_clusters(mut settings: ResMut<bevy::light::cluster::GlobalClusterSettings>) {
     boxes::reserve_clusters(&mut settings);
 }
 
-/// At the viewpoint, when it is another one.
+/// Moves the camera when the viewpoint changes.
 fn stand(
     settings: Res<Settings>,
     camera: Single<(&mut Transform, &mut PanOrbitCamera), With<Camera3d>>,
@@ -106,7 +106,7 @@ fn stand(
     model::stand(&mut transform, &mut orbit, target, viewpoint, distance);
 }
 
-/// Daylight: a sky and a sun.
+/// Spawns daylight: a sky and a sun.
 fn light_model(
     mut commands: Commands,
     mut images: ResMut<Assets<Image>>,

@@ -1,4 +1,4 @@
-//! What the keys change, and its way onto the camera.
+//! Settings that the keys change, and the systems that apply them to the camera.
 
 use bevy::{camera::Exposure, prelude::*};
 use kit::{
@@ -9,14 +9,14 @@ use street::{Viewpoint, Walking};
 
 use crate::effects::Effect;
 
-/// What the keys change.
+/// Settings that the keys change.
 #[derive(Resource, Clone)]
 pub struct Settings {
     pub renderer: Renderer,
-    /// Those that are on, on lean cameras.
+    /// The active effects, on lean cameras.
     pub effects: Vec<Effect>,
     pub viewpoint: Viewpoint,
-    /// None for the scene's.
+    /// `None` for the scene's exposure.
     pub exposure: Option<Exposure>,
     pub walk: bool,
     pub text: bool,
@@ -29,14 +29,14 @@ const VIEWPOINTS: [Viewpoint; 4] = [
     Viewpoint::CATS,
 ];
 
-/// The settings, what they are at first, and what changes them.
+/// Inserts the first settings, and adds the systems that change and apply them.
 pub struct SettingsPlugin {
     first: Settings,
     has_keys: bool,
 }
 
 impl SettingsPlugin {
-    /// Everything is on, and keys change it.
+    /// All effects are on, and keys change the settings.
     pub fn of_window() -> Self {
         Self {
             first: Settings {

@@ -1,10 +1,10 @@
-//! The scene that is shown without a file.
+//! The built-in scene.
 
 use bevy::prelude::*;
 
 use kit::example::model::{LoadingModel, ShownModel};
 
-/// A row of balls from rough dielectric to smooth metal on a floor.
+/// Spawns a row of balls, from rough dielectric to smooth metal, on a floor.
 pub fn spawn(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,

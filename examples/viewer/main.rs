@@ -2,19 +2,19 @@
 //!
 //! `cargo run --example viewer -- [FILE] [--headless OUT.png] [--help]`
 //!
-//! Drag a .gltf or .glb file onto the window to show it. A file that cannot be shown leaves the old one there, and the text says why.
-//! On Wayland `winit` 0.30 reports no dropped files: unset `WAYLAND_DISPLAY`, to run under X11.
+//! Drag a .gltf or .glb file onto the window to show it. If that fails, the old one stays, and the text says why. On Wayland
+//! `winit` 0.30 reports no dropped files: unset `WAYLAND_DISPLAY`, to run under X11.
 //!
 //! | key | does |
 //! |---|---|
 //! | 1, 2, 3 | Bevy forward, Bevy deferred, lean |
 //! | D | next debug view of the G-buffer (lean only) |
-//! | N | next way to find the geometric normal (lean only) |
+//! | N | next method for the geometric normal (lean only) |
 //! | L | sun on / off |
 //! | E | environment light on / off |
 //! | H | text on / off |
 //! | mouse | left: orbit, right: pan, wheel: zoom |
-//! | file, dropped onto the window | is shown in place of the model |
+//! | file, dropped onto the window | replaces the model |
 //! | Esc | quit |
 
 mod builtin;
@@ -47,7 +47,7 @@ struct Args {
     #[argh(option, default = "Renderer::Lean")]
     renderer: Renderer,
 
-    /// channel to show in place of the picture, such as albedo, normal, depth, diffuse-light or specular-light
+    /// channel to show instead of the picture, such as albedo, normal, depth, diffuse-light or specular-light
     #[argh(option, from_str_fn(parse_channel))]
     debug_view: Option<DebugChannel>,
 
@@ -67,7 +67,7 @@ struct Args {
     #[argh(option, default = "8")]
     frames: usize,
 
-    /// prefiltered diffuse environment map (KTX2 cube map), with --specular; a made-up sky when left out
+    /// prefiltered diffuse environment map (KTX2 cube map), with --specular; a procedural sky when left out
     #[argh(option)]
     diffuse: Option<String>,
 
@@ -135,7 +135,7 @@ fn main() -> AppExit {
     }
 }
 
-/// The model, the light, the camera and the renderer that was chosen.
+/// The model, the light, the camera and the chosen renderer.
 struct ViewerPlugin {
     settings: ViewerSettings,
     model: model::ModelPath,

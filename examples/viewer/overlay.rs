@@ -1,4 +1,4 @@
-//! The text in the corner: what is shown, and what it costs.
+//! The text in the corner: the model, the settings and the times.
 
 use core::fmt::Write;
 

@@ -11,7 +11,7 @@ use kit::{
     renderer::Renderer,
 };
 
-/// What the keys change.
+/// Settings that the keys change.
 #[derive(Resource, Clone)]
 pub struct ViewerSettings {
     pub renderer: Renderer,

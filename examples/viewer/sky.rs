@@ -8,12 +8,12 @@ use bevy::{
 use crate::renderer::ViewerSettings;
 use kit::example::{made_up_sky::made_up_sky, model::check_readable};
 
-/// Prefiltered maps, or none for a sky made here and filtered by Bevy.
+/// Prefiltered maps; `None` for a procedural sky that Bevy filters.
 #[derive(Resource, Clone)]
 pub struct SkyFiles(Option<(String, String)>);
 
 impl SkyFiles {
-    /// An error says what is wrong with the files before a window opens.
+    /// Reports unreadable files before a window opens.
     pub fn new(diffuse: Option<String>, specular: Option<String>) -> Result<Self, String> {
         if diffuse.is_some() != specular.is_some() {
             return Err("--diffuse and --specular are of use only together".into());

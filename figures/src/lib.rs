@@ -1,9 +1,9 @@
-//! What the benches of `bevy_lean_deferred` measure, and all that is made of it.
+//! Figures that the benches of `bevy_lean_deferred` measure, and their tables, plots and pages.
 //!
-//! - [`benches`]: what each bench writes as JSON, its tables and its plots.
-//! - [`template`], [`table`]: text with figures in it, one grammar for all tables and sentences.
+//! - [`benches`]: the JSON, tables and plots of each bench.
+//! - [`template`], [`table`]: text with figures in it, with one grammar for all tables and sentences.
 //! - [`store`]: folders of figures.
-//! - [`docs`]: tables, sentences and plots of README and docs, brought up to date or checked.
+//! - [`docs`]: tables, sentences and plots of README and docs, updated or checked.
 //! - [`page`]: one HTML file of all figures.
 //! - [`report`]: runs all benches for such a page.
 

@@ -1,4 +1,4 @@
-//! Tables, plots and pages of figures. `figures --help` says what there is.
+//! Tables, plots and pages of figures. `figures --help` lists the commands.
 
 use std::{
     path::{Path, PathBuf},
@@ -13,7 +13,7 @@ use bevy_lean_deferred_figures::{
     store::benches_in,
 };
 
-/// What the benches have measured, as tables, plots, pages and in the docs.
+/// Figures of the benches, as tables, plots, pages and in the docs.
 #[derive(FromArgs)]
 struct Args {
     #[argh(subcommand)]
@@ -37,11 +37,11 @@ struct RunArgs {
     #[argh(switch)]
     quick: bool,
 
-    /// what the figures in the docs are made of; wants a GPU
+    /// the scenes of the figures in the docs; needs a GPU
     #[argh(switch)]
     full: bool,
 
-    /// a glTF file of which frames are measured too
+    /// a glTF file to measure frames of, too
     #[argh(option)]
     gltf: Option<String>,
 
@@ -49,7 +49,7 @@ struct RunArgs {
     #[argh(option, default = "String::new()")]
     only: String,
 
-    /// the folder of what is made, default report
+    /// output folder, default report
     #[argh(option, default = "String::from(\"report\")")]
     out: String,
 }
@@ -58,7 +58,7 @@ struct RunArgs {
 #[derive(FromArgs)]
 #[argh(subcommand, name = "page")]
 struct PageArgs {
-    /// the folder with what benches wrote
+    /// the folder with the files of the benches
     #[argh(option)]
     from: PathBuf,
 
@@ -75,16 +75,16 @@ struct PageArgs {
 #[derive(FromArgs)]
 #[argh(subcommand, name = "tables")]
 struct TablesArgs {
-    /// the folder with what benches wrote
+    /// the folder with the files of the benches
     #[argh(option)]
     from: PathBuf,
 }
 
-/// Brings README and docs up to date from docs/figures.
+/// Updates README and docs from docs/figures.
 #[derive(FromArgs)]
 #[argh(subcommand, name = "docs")]
 struct DocsArgs {
-    /// change nothing, and say what differs
+    /// change nothing, and print the differences
     #[argh(switch)]
     check: bool,
 }

@@ -1,13 +1,13 @@
-//! Measurements as tables and sentences ask for them: by keys, and by the path of a value.
+//! Measurements as tables and sentences refer to them: by keys, and by the path of a value.
 
 use serde_json::{Map, Value};
 
 /// One measurement.
 #[derive(Clone, Debug)]
 pub struct Record {
-    /// What it is found by: scene, contender, size and the like.
+    /// Keys that references name: scene, contender, size and the like.
     pub keys: Vec<String>,
-    /// As written by the bench, and what follows from it.
+    /// Values as the bench wrote them, and derived ones.
     values: Value,
 }
 
@@ -22,7 +22,7 @@ impl Record {
         }
     }
 
-    /// Adds what follows from the measurement.
+    /// Adds a derived value.
     pub fn with(mut self, name: &str, value: impl Into<Value>) -> Self {
         match &mut self.values {
             Value::Object(values) => {
@@ -37,7 +37,7 @@ impl Record {
         self.keys.iter().any(|own| own == key)
     }
 
-    /// The value at a path of names and numbers, which dots separate: `lighting.median`, `passes.0.median`.
+    /// The value at a path of names and indices, separated by dots: `lighting.median`, `passes.0.median`.
     pub fn value(&self, path: &str) -> Option<&Value> {
         at(&self.values, path)
     }
@@ -48,7 +48,7 @@ fn at<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
         return Some(value);
     }
     match value {
-        // Names may have dots in them.
+        // Names may contain dots.
         Value::Object(values) => values.iter().find_map(|(name, value)| {
             let rest = path.strip_prefix(name.as_str())?;
             let rest = match rest.strip_prefix('.') {
@@ -62,7 +62,7 @@ fn at<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
             let (index, rest) = path.split_once('.').unwrap_or((path, ""));
             at(values.get(index.parse::<usize>().ok()?)?, rest)
         }
-        // What was not measured has no parts, whatever their names.
+        // Any path into a value that was not measured is not measured.
         Value::Null => Some(value),
         _ => None,
     }

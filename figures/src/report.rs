@@ -1,4 +1,4 @@
-//! Runs all benches, one after the other, and says how long that takes.
+//! Runs all benches, one after the other, and estimates how long that takes.
 
 mod plan;
 mod progress;
@@ -18,17 +18,17 @@ use serde_json::Value;
 
 use crate::{json::write_json, page::page, store::Run};
 
-/// What is run, and where what it makes goes.
+/// The benches to run, and the folders of their results.
 pub struct Report {
     pub mode: Mode,
     pub gltf: Option<String>,
-    /// Only benches with these words in their names; all without any.
+    /// Only benches with these words in their names; all if it is empty.
     pub only: Vec<String>,
     pub folder: PathBuf,
 }
 
 impl Report {
-    /// Runs the benches and writes the page; its path, and which benches failed.
+    /// Runs the benches and writes the page. Returns its path, and the benches that failed.
     pub fn make(&self) -> Result<(PathBuf, Vec<&'static str>), String> {
         let steps: Vec<Step> = plan::steps(self.mode, self.gltf.as_deref())
             .into_iter()
@@ -71,7 +71,8 @@ impl Report {
         Ok((path, failed))
     }
 
-    /// Before any of them is timed; cargo shows how far it is. The programs by the names of their benches.
+    /// Builds the benches before any of them is timed, with cargo's progress. Returns the programs by the names of
+    /// their benches.
     fn build(&self, steps: &[Step]) -> Result<HashMap<String, PathBuf>, String> {
         let mut cargo = Command::new(std::env::var("CARGO").unwrap_or("cargo".into()));
         cargo.current_dir(root());
@@ -98,7 +99,7 @@ impl Report {
     }
 }
 
-/// Whether the bench ended well. What it says goes into its log.
+/// Runs a bench with its output in a log. Returns true if it succeeded.
 fn run_bench(
     step: &Step,
     program: &Path,
@@ -117,7 +118,7 @@ fn run_bench(
     if step.has_pictures {
         bench.arg("--pictures").arg(pictures);
     }
-    // As cargo has it: assets are looked for there.
+    // The environment that cargo gives it: assets are loaded from there.
     bench.current_dir(root()).env("CARGO_MANIFEST_DIR", root());
     let mut child = bench
         .stdin(Stdio::null())
@@ -137,7 +138,7 @@ fn run_bench(
     Ok(status.success())
 }
 
-/// The repository.
+/// Root of the repository.
 pub fn root() -> PathBuf {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     package.parent().unwrap_or(package).into()
@@ -147,7 +148,7 @@ fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// What a command says, or nothing where it cannot.
+/// Output of a command; empty if it fails.
 fn output(command: &str, args: &[&str]) -> String {
     let output = Command::new(command)
         .args(args)

@@ -10,14 +10,15 @@ use crate::{
     record::{Record, find},
 };
 
-/// The figures of some machines: `h200/frame_times` stands for what the bench `frame_times` wrote into the folder `h200`.
+/// The figures of some machines: `h200/frame_times` is the file that the bench `frame_times` wrote into the folder
+/// `h200`.
 #[derive(Default)]
 pub struct Store {
     benches: BTreeMap<String, (Bench, Vec<Record>)>,
 }
 
 impl Store {
-    /// Of the folders in `folder`.
+    /// Reads the figures in the folders of `folder`.
     pub fn of_machines(folder: &Path) -> Result<Self, String> {
         let mut store = Self::default();
         for (name, path) in list(folder)?.into_iter().filter(|(_, path)| path.is_dir()) {
@@ -58,15 +59,15 @@ impl Store {
     }
 }
 
-/// What is known of a folder of figures: its `run.json`.
+/// Facts about a folder of figures: its `run.json`.
 #[derive(Serialize, Deserialize, Default, Clone)]
 #[serde(default)]
 pub struct Run {
     pub date: String,
     pub commit: String,
-    /// Quick or full, and what else is to be known.
+    /// Quick or full, and other remarks.
     pub note: String,
-    /// Of the GPU's memory, in TB/s.
+    /// Memory bandwidth of the GPU, in TB/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bandwidth: Option<f64>,
 }
@@ -83,7 +84,7 @@ impl Run {
     pub const FILE: &str = "run.json";
 }
 
-/// All that benches wrote into `folder`. A bench may have written several files, whose names begin with its own:
+/// Reads all files that benches wrote into `folder`. A bench may have written several, whose names begin with its own:
 /// `frame_times.json` and `frame_times_crowd.json`.
 pub fn benches_in(folder: &Path) -> Result<Vec<Bench>, String> {
     let mut benches: Vec<Bench> = Vec::new();
@@ -111,7 +112,7 @@ pub fn benches_in(folder: &Path) -> Result<Vec<Bench>, String> {
     Ok(benches)
 }
 
-/// Names and paths, in order.
+/// Names and paths of the entries, sorted.
 fn list(folder: &Path) -> Result<Vec<(String, std::path::PathBuf)>, String> {
     let says = |error: std::io::Error| format!("{}: {error}", folder.display());
     let mut entries = Vec::new();

@@ -7,19 +7,19 @@ use crate::{
     template::{Reference, Resolve, Template},
 };
 
-/// A table with its texts.
+/// A table of texts.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Table {
-    /// In Markdown, before the table.
+    /// Title before the table, in Markdown.
     pub title: String,
     pub columns: Vec<String>,
     pub rows: Vec<Vec<String>>,
-    /// In Markdown, behind the table.
+    /// Notes below the table, in Markdown.
     pub notes: Vec<String>,
 }
 
 impl Table {
-    /// A row for each of `rows`, which are keys that references add theirs to. Columns are titles and templates.
+    /// Makes a row for each of `rows`, which are keys that references add theirs to. Columns are titles and templates.
     pub fn of(records: &[Record], rows: &[Vec<String>], columns: &[(&str, &str)]) -> Self {
         let cells = |keys: &Vec<String>| -> Vec<String> {
             let row = Row { records, keys };
@@ -36,7 +36,7 @@ impl Table {
         }
     }
 
-    /// A row for each of `records`, which are told apart by their keys.
+    /// Makes a row for each of `records`, which differ in their keys.
     pub fn of_each(records: &[Record], columns: &[(&str, &str)]) -> Self {
         let rows: Vec<Vec<String>> = records.iter().map(|record| record.keys.clone()).collect();
         Self::of(records, &rows, columns)
@@ -82,7 +82,7 @@ impl Table {
     }
 }
 
-/// A row of a bench's own table: references name what its keys do not.
+/// A row of a bench's own table: references only need the keys that the row's leave open.
 struct Row<'a> {
     records: &'a [Record],
     keys: &'a [String],

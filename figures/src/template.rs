@@ -1,19 +1,20 @@
 //! Text with figures in it: `{lean | lighting.median :.3} ms, {a / b :.1} times as long`.
 //!
-//! Between braces stand an expression and, after ` :`, a format. An expression is of numbers and references, with ` + `,
-//! ` - `, ` * ` and ` / ` between spaces; ` * ` and ` / ` go first. A reference is of parts, which ` | ` separates: keys of a
-//! record, and last the path of a value in it. The first may be a source, `h200/frame_times`.
+//! Braces contain an expression and, after ` :`, a format. An expression consists of numbers and references, with ` + `,
+//! ` - `, ` * ` and ` / ` between spaces; ` * ` and ` / ` bind tighter. A reference has parts separated by ` | `: keys of a
+//! record, and last the path of a value in it. The first part may be a source, `h200/frame_times`.
 //!
-//! | format | makes of 1234.5 |
+//! | format | 1234.5 becomes |
 //! |---|---|
 //! | `.2` | 1234.50 |
 //! | `.1e` | 1.2e3 |
 //! | `,` | 1,235 |
 //! | `.1%` | 123450.0% |
-//! | `time`, `us` | of a time: median (10th–90th percentile), in ms with three digits, in µs with one |
-//! | none | what it is, words too |
+//! | `time`, `us` | for a time: median (10th–90th percentile), in ms with three digits, in µs with one |
+//! | none | the value as it is, words too |
 //!
-//! `+` before one of these writes the sign of positive numbers too, `abs ` that of none. What was not measured is a dash.
+//! `+` before one of these also writes the sign of positive numbers, `abs ` writes no sign. A value that was not measured
+//! is a dash.
 
 mod expression;
 mod format;
@@ -23,7 +24,7 @@ pub use format::Format;
 
 use serde_json::Value;
 
-/// Where references find their values; `None` is what was not measured.
+/// Resolves references to values; `None` is a value that was not measured.
 pub trait Resolve {
     fn resolve(&self, reference: &Reference) -> Result<Option<Value>, String>;
 }
@@ -63,7 +64,7 @@ impl Template {
         Ok(Self { parts })
     }
 
-    /// The text with its figures. All of it is a dash where all of its figures are.
+    /// The text with its figures. All of it is a dash if all of its figures are.
     pub fn render(&self, from: &dyn Resolve) -> Result<String, String> {
         let mut text = String::new();
         let (mut figures, mut missing) = (0, 0);
@@ -90,7 +91,7 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Knows a few names.
+    /// Resolves a few names.
     struct Names;
 
     impl Resolve for Names {

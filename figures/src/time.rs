@@ -1,4 +1,4 @@
-//! Times, and on what they were measured.
+//! Times, and the devices that they were measured on.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ pub struct Time {
 }
 
 impl Time {
-    /// Of times in milliseconds, at least one.
+    /// Median and spread of times in milliseconds, at least one.
     pub fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
@@ -23,7 +23,7 @@ impl Time {
         }
     }
 
-    /// For what is printed on the way.
+    /// Text for progress output.
     pub fn text(time: Option<Self>) -> String {
         time.map_or("–".into(), |t| {
             format!("{:.3} ({:.3}–{:.3})", t.median, t.low, t.high)
@@ -35,7 +35,7 @@ impl Time {
 #[derive(Serialize, Deserialize, Clone, Default, Debug, PartialEq, Eq)]
 pub struct Device {
     pub adapter: String,
-    /// With its version. Empty in files of old.
+    /// Includes its version. Empty in older files.
     #[serde(default)]
     pub driver: String,
 }

@@ -1,4 +1,4 @@
-//! Files as the benches write them, old and new: what is read of them, and the tables and plots that they make.
+//! Files as the benches write them, old and new: reading them, and making tables and plots of them.
 
 use std::{fs, path::PathBuf};
 
@@ -8,7 +8,7 @@ use bevy_lean_deferred_figures::{
     store::{Store, benches_in},
 };
 
-/// A folder that goes with the test.
+/// A folder that is deleted after the test.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -257,7 +257,7 @@ fn a_folder_makes_a_page() {
     assert!(page::page(&folder.0, None).is_err());
 }
 
-/// Those of the repository: what `docs` is made of can be read.
+/// The repository's own figures, which `docs` reads.
 #[test]
 fn figures_of_the_docs() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs/figures");

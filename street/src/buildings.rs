@@ -14,13 +14,13 @@ use crate::{
 /// A house front.
 #[derive(Clone, Copy)]
 pub struct Lot {
-    /// -1 left, 1 right.
+    /// -1 on the left, 1 on the right.
     pub side: f32,
-    /// Along z: nearer and farther end.
+    /// Nearer and farther end, along z.
     pub from: f32,
     pub to: f32,
     pub storeys: u32,
-    /// Tells what it looks like.
+    /// Seed of its looks.
     pub number: u64,
 }
 
@@ -29,18 +29,18 @@ impl Lot {
         self.from - self.to
     }
 
-    /// A place on the front: metres from its middle along the street, above the ground, out of the wall.
+    /// A point of the front: metres from its middle along the street, above the ground, and out of the wall.
     pub fn at(self, along: f32, up: f32, out: f32) -> Vec3 {
         let z = (self.from + self.to) / 2.0 + along;
         Vec3::new(self.side * (HALF_WIDTH - out), KERB_HEIGHT + up, z)
     }
 
-    /// Out of the wall.
+    /// Direction out of the wall.
     pub fn out(self) -> Vec3 {
         Vec3::NEG_X * self.side
     }
 
-    /// To the right of who looks at it.
+    /// Direction to the right of a viewer in front of it.
     pub fn right(self) -> Vec3 {
         Vec3::Z * self.side
     }
@@ -123,7 +123,7 @@ impl House {
             lot.at(-half, STOREY - 0.12, 0.1),
             lot.at(half, STOREY + 0.1, -1.0),
         );
-        // A pipe for rain.
+        // A rain pipe.
         let pipe = half - 0.25;
         self.trim
             .bar(lot.at(pipe, 0.0, 0.08), lot.at(pipe, top, 0.08), 0.05, 8);
@@ -208,7 +208,7 @@ impl House {
             if has_balconies && window % 2 == 0 {
                 self.balcony(lot, along, floor);
             } else if random.f32() < 0.2 {
-                // A box of an air conditioner.
+                // The box of an air conditioner.
                 let low = lot.at(along - 0.38, floor + 0.05, 0.06);
                 self.concrete
                     .cuboid(low, lot.at(along + 0.38, floor + 0.55, 0.4));

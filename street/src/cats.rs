@@ -1,4 +1,4 @@
-//! Two cats that wave, of jade and of wax: light scatters beneath their surfaces.
+//! Two waving cats, of jade and of wax: light scatters beneath their surfaces.
 
 use bevy::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::{
     stage::Stage,
 };
 
-/// Where they sit, as they face the street.
+/// Positions of the cats.
 const PLACES: [Vec3; 2] = [
     Vec3::new(3.15, KERB_HEIGHT, 1.2),
     Vec3::new(-3.15, KERB_HEIGHT, 1.2),
@@ -27,7 +27,7 @@ pub fn spawn(stage: &mut Stage, materials: &Materials) {
             place + Vec3::new(0.42, 0.5, 0.42),
         );
         stage.place(pedestal, &materials.concrete);
-        // They look at who comes down the street.
+        // They look at people who come down the street.
         let turn = Quat::from_rotation_y(-0.35 * place.x.signum());
         let transform = Transform::from_translation(place + Vec3::Y * 0.5).with_rotation(turn);
         let parts = [body(), collar(), eyes()].map(|part| stage.meshes.add(part.mesh()));
@@ -40,7 +40,7 @@ pub fn spawn(stage: &mut Stage, materials: &Materials) {
                 .commands
                 .spawn((Mesh3d(part), MeshMaterial3d(material.clone()), transform));
         }
-        // One lamp behind, one before them.
+        // One lamp behind, one in front.
         let behind = Vec3::new(0.35 * place.x.signum(), 1.1, -0.55);
         for (offset, lumens) in [
             (behind, 2_400.0),
@@ -71,7 +71,7 @@ fn body() -> Geometry {
     ball([0.0, 0.69, 0.19], [0.09, 0.06, 0.07]);
     ball([-0.1, 0.68, 0.12], [0.1, 0.08, 0.1]);
     ball([0.1, 0.68, 0.12], [0.1, 0.08, 0.1]);
-    // Feet, the paw that rests, the one that waves, the tail.
+    // Feet, the resting paw, the waving one, the tail.
     ball([-0.16, 0.06, 0.2], [0.11, 0.075, 0.14]);
     ball([0.16, 0.06, 0.2], [0.11, 0.075, 0.14]);
     ball([0.17, 0.36, 0.17], [0.075, 0.16, 0.085]);

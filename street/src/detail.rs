@@ -1,28 +1,28 @@
-//! How much of the street there is.
+//! Extent and level of detail of the street.
 
 use bevy::prelude::*;
 
-/// Half of the way between the buildings, in metres.
+/// Half of the distance between the buildings, in metres.
 pub const HALF_WIDTH: f32 = 4.6;
 
 /// The height of a storey, in metres.
 pub const STOREY: f32 = 3.1;
 
-/// How much of the street there is.
+/// Extent and level of detail of the street.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct Detail {
-    /// Where it ends behind the camera and before it, in metres along z.
+    /// Ends of the street behind and in front of the camera, in metres along z.
     pub near: f32,
     pub far: f32,
     /// Bulbs, each of them a point light without shadows.
     pub bulbs: usize,
-    /// Lamps with a shadow map each.
+    /// Number of lamps with a shadow map each.
     pub shadowed_lamps: usize,
-    /// Texels on a side of the moon's shadow map.
+    /// Side of the moon's shadow map, in texels.
     pub shadow_map_size: usize,
-    /// People who walk.
+    /// Number of walking people.
     pub figures: usize,
-    /// Texels on a side of what tiles; a power of two.
+    /// Side of tiling textures, in texels; a power of two.
     pub texture_size: u32,
 }
 

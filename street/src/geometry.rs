@@ -8,8 +8,8 @@ use bevy::{
     prelude::*,
 };
 
-/// Faces that share a material. Positions are in metres, and so are texture coordinates, so that what tiles keeps its size; those of
-/// [`Geometry::picture`] run from 0 to 1.
+/// Faces that share a material. Positions are in metres. So are texture coordinates, to keep the size of tiling
+/// textures, except for those of [`Geometry::picture`], which run from 0 to 1.
 #[derive(Default)]
 pub struct Geometry {
     positions: Vec<Vec3>,
@@ -24,10 +24,10 @@ impl Geometry {
         self.positions.is_empty()
     }
 
-    /// A rectangle by its middle and the halves of its sides; it faces along their cross product.
+    /// Adds a rectangle, by its middle and the halves of its sides; it faces along their cross product.
     pub fn rectangle(&mut self, middle: Vec3, half_right: Vec3, half_up: Vec3) {
         let size = 2.0 * Vec2::new(half_right.length(), half_up.length());
-        // Where a wall goes on, so does its texture.
+        // Continues the texture where a wall continues.
         let start = Vec2::new(
             (middle - half_right).dot(half_right.normalize_or_zero()),
             -(middle + half_up).dot(half_up.normalize_or_zero()),
@@ -35,7 +35,7 @@ impl Geometry {
         self.patch(middle, half_right, half_up, start, start + size);
     }
 
-    /// A rectangle with all of a texture, or the part of it between two corners.
+    /// Adds a rectangle with the part of a texture between two corners.
     pub fn picture(&mut self, middle: Vec3, half_right: Vec3, half_up: Vec3, uv: Rect) {
         self.patch(middle, half_right, half_up, uv.min, uv.max);
     }
@@ -60,13 +60,13 @@ impl Geometry {
         self.uvs.push(uv);
     }
 
-    /// A box between two corners.
+    /// Adds a box between two corners.
     pub fn cuboid(&mut self, low: Vec3, high: Vec3) {
         let (low, high) = (low.min(high), low.max(high));
         self.turned_cuboid((low + high) / 2.0, high - low, Quat::IDENTITY);
     }
 
-    /// A box that is turned around its middle.
+    /// Adds a box that is rotated around its middle.
     pub fn turned_cuboid(&mut self, middle: Vec3, size: Vec3, turn: Quat) {
         let half = size / 2.0;
         let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| turn * (axis * half.dot(axis)));
@@ -82,12 +82,12 @@ impl Geometry {
         }
     }
 
-    /// A round bar between two points, open at its ends.
+    /// Adds a round bar between two points, open at its ends.
     pub fn bar(&mut self, from: Vec3, to: Vec3, radius: f32, sides: u32) {
         self.cone(from, to, [radius, radius], sides);
     }
 
-    /// A bar that is thicker at one end.
+    /// Adds a bar that is thicker at one end.
     pub fn cone(&mut self, from: Vec3, to: Vec3, radii: [f32; 2], sides: u32) {
         let along = to - from;
         let (across, other) = along.normalize_or(Vec3::Y).any_orthonormal_pair();
@@ -110,7 +110,7 @@ impl Geometry {
         }
     }
 
-    /// A ball, squeezed along the axes.
+    /// Adds a ball, squeezed along the axes.
     pub fn ball(&mut self, middle: Vec3, radii: Vec3, sides: u32) {
         let first = self.positions.len() as u32;
         let rings = sides / 2;
@@ -164,7 +164,7 @@ impl Geometry {
 mod tests {
     use super::*;
 
-    /// Each triangle faces as its normals do.
+    /// Each triangle faces along its normals.
     #[test]
     fn faces_are_turned_outwards() {
         let mut geometry = Geometry::default();
@@ -176,7 +176,7 @@ mod tests {
             let [a, b, c] = [0, 1, 2].map(|i| geometry.positions[corners[i] as usize]);
             let face = (b - a).cross(c - a);
             let normal: Vec3 = (corners.iter().map(|i| geometry.normals[*i as usize])).sum();
-            // Those at the poles of a ball have no area.
+            // Triangles at the poles of a ball have no area.
             assert!(
                 face.length() < 1e-6 || face.dot(normal) > 0.0,
                 "{a} {b} {c}: {face} against {normal}"

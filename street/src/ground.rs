@@ -9,7 +9,7 @@ use crate::{
     stage::Stage,
 };
 
-/// Where the pavement begins, and how high it is, in metres.
+/// Distance of the kerb from the middle of the street, and height of the pavement, in metres.
 pub const KERB: f32 = 2.9;
 pub const KERB_HEIGHT: f32 = 0.12;
 
@@ -26,7 +26,7 @@ pub fn spawn(stage: &mut Stage, materials: &Materials, detail: Detail) {
         let from = Vec3::new(side * KERB, -0.2, detail.far);
         let kerb = Vec3::new(side * (KERB + 0.15), KERB_HEIGHT, detail.near);
         kerbs.cuboid(from, kerb);
-        // Some way under the houses.
+        // Extends a little under the houses.
         let half = (HALF_WIDTH + 0.6 - KERB - 0.15) / 2.0;
         pavement.rectangle(
             middle + Vec3::new(side * (KERB + 0.15 + half), KERB_HEIGHT - 0.003, 0.0),
@@ -37,7 +37,7 @@ pub fn spawn(stage: &mut Stage, materials: &Materials, detail: Detail) {
     stage.place(kerbs, &materials.concrete);
     stage.place(pavement, &materials.paving);
 
-    // A wall far away, so that the street ends somewhere.
+    // A distant wall at the end of the street.
     let mut end = Geometry::default();
     end.cuboid(
         Vec3::new(-HALF_WIDTH, 0.0, detail.far - 0.3),

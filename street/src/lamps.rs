@@ -12,11 +12,11 @@ use crate::{
     stage::Stage,
 };
 
-/// From one string to the next, in metres.
+/// Distance between two strings, in metres.
 const SPACING: f32 = 1.6;
 /// Share of the bulbs that hang across the street; the others are along the houses.
 const ACROSS: f32 = 0.6;
-/// Of a bulb.
+/// Luminous power of a bulb, in lumens.
 const LUMENS: f32 = 75.0;
 const RANGE: f32 = 4.2;
 
@@ -76,7 +76,7 @@ impl Bulbs<'_, '_, '_> {
         }
     }
 
-    /// Bulbs on a cable that sags.
+    /// Adds bulbs on a sagging cable.
     fn string(&mut self, from: Vec3, to: Vec3, sag: f32, count: usize, number: usize) {
         let place = |share: f32| from.lerp(to, share) - Vec3::Y * sag * 4.0 * share * (1.0 - share);
         const PARTS: usize = 12;
@@ -85,7 +85,7 @@ impl Bulbs<'_, '_, '_> {
             self.cables.bar(ends[0], ends[1], 0.008, 4);
         }
         for bulb in 0..count {
-            // Warm ones, and here and there a string of many colours.
+            // Warm bulbs, and here and there a string of many colours.
             let color = match number % 5 {
                 3 => bulb % LIGHTS.len(),
                 1 => 1,
@@ -108,7 +108,7 @@ impl Bulbs<'_, '_, '_> {
     }
 }
 
-/// Paper lanterns before the shops.
+/// Paper lanterns in front of the shops.
 fn lanterns(stage: &mut Stage, materials: &Materials, detail: Detail) {
     let mut body = Geometry::default();
     body.ball(Vec3::ZERO, Vec3::new(0.2, 0.26, 0.2), 20);
@@ -144,7 +144,7 @@ fn lanterns(stage: &mut Stage, materials: &Materials, detail: Detail) {
     stage.place(rings, &materials.trim);
 }
 
-/// Posts on the pavements, by turns left and right; the first of them throw shadows.
+/// Posts on the pavements, left and right by turns; the first of them cast shadows.
 fn street_lamps(stage: &mut Stage, materials: &Materials, detail: Detail) {
     let mut posts = Geometry::default();
     let mut heads = Geometry::default();

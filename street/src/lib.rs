@@ -1,8 +1,8 @@
-//! A street by night after rain, built in code: thousands of lamps, neon signs, wet asphalt, lacquer, brushed metal, plants with
-//! alpha masks, waving cats of jade and wax, and people under umbrellas who walk by. It needs no files.
+//! A street by night after rain, built in code: thousands of lamps, neon signs, wet asphalt, lacquer, brushed metal, plants
+//! with alpha masks, waving cats of jade and wax, and people under umbrellas who walk by. It needs no files.
 //!
-//! Each thing has a file: [`buildings`], [`lamps`], [`signs`], [`stalls`], [`plants`], [`cats`], [`figures`] and the [`sky`];
-//! what they are made of is in [`geometry`], [`textures`] and [`materials`].
+//! Each thing has a file: [`buildings`], [`lamps`], [`signs`], [`stalls`], [`plants`], [`cats`], [`figures`] and the
+//! [`sky`]; [`geometry`], [`textures`] and [`materials`] build them.
 
 pub mod buildings;
 pub mod cats;
@@ -32,7 +32,8 @@ pub use crate::{
 };
 use crate::{materials::Materials, stage::Stage, textures::Textures};
 
-/// Spawns the street at startup, and lets its people walk. Cameras are the app's: see [`Viewpoint`] and [`sky::air`].
+/// Spawns the street at startup, and lets its people walk. The app spawns the cameras: see [`Viewpoint`] and
+/// [`sky::air`].
 #[derive(Clone, Copy, Default)]
 pub struct StreetPlugin {
     pub detail: Detail,
@@ -51,7 +52,7 @@ impl Plugin for StreetPlugin {
     }
 }
 
-/// Everything but cameras.
+/// Spawns everything but cameras.
 pub fn spawn(mut stage: Stage, detail: Res<Detail>) {
     let detail = *detail;
     let textures = Textures::new(&mut stage.images, detail.texture_size);

@@ -1,4 +1,4 @@
-//! What things are made of.
+//! Materials of the street.
 
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo};
@@ -9,10 +9,10 @@ use crate::{
     textures::{Textures, Tile},
 };
 
-/// Colours of bulbs, awnings, coats and umbrellas.
+/// Number of colours of bulbs, awnings, coats and umbrellas.
 pub const COLORS: usize = 6;
 
-/// What things are made of.
+/// Materials of the street.
 pub struct Materials {
     pub asphalt: Handle<StandardMaterial>,
     pub paving: Handle<StandardMaterial>,
@@ -24,28 +24,28 @@ pub struct Materials {
     pub shutter: Handle<StandardMaterial>,
     /// Drawn by Bevy's transparent pass.
     pub glass: Handle<StandardMaterial>,
-    /// Rooms with light in them.
+    /// Lit rooms.
     pub windows: Vec<Handle<StandardMaterial>>,
     pub dark_window: Handle<StandardMaterial>,
     pub awnings: Vec<Handle<StandardMaterial>>,
     /// Red, with a clear coat.
     pub lacquer: Handle<StandardMaterial>,
     pub gold: Handle<StandardMaterial>,
-    /// Emits light.
+    /// Emissive.
     pub bulbs: Vec<Handle<StandardMaterial>>,
     pub lamp: Handle<StandardMaterial>,
     pub paper: Vec<Handle<StandardMaterial>>,
-    /// Cut out by alpha; light comes through.
+    /// Alpha-masked, with diffuse transmission.
     pub leaves: Handle<StandardMaterial>,
     pub pot: Handle<StandardMaterial>,
     pub fruits: Vec<Handle<StandardMaterial>>,
-    /// Light scatters beneath their surfaces.
+    /// Light scatters beneath the surfaces of these two.
     pub jade: Handle<ExtendedStandardMaterial>,
     pub wax: Handle<ExtendedStandardMaterial>,
     pub eyes: Handle<StandardMaterial>,
-    /// Cloth with a rim of light.
+    /// Cloth with rim light.
     pub coats: Vec<Handle<ExtendedStandardMaterial>>,
-    /// Light comes through.
+    /// Transmits light diffusely.
     pub umbrellas: Vec<Handle<StandardMaterial>>,
 }
 
@@ -59,8 +59,8 @@ pub const LIGHTS: [LinearRgba; COLORS] = [
     LinearRgba::rgb(0.15, 1.0, 0.35),
 ];
 
-/// Looks as bright as so many nits times a colour do with the exposure of [`sky::air`](crate::sky::air). Whatever the exposure is:
-/// Bevy's deferred renderer knows no other emission, and is to be compared.
+/// A material as bright as `nits` times a colour at the exposure of [`sky::air`](crate::sky::air), and independent of
+/// the exposure: Bevy's deferred renderer, which is compared, supports no other emission.
 pub fn emission(color: LinearRgba, nits: f32) -> StandardMaterial {
     StandardMaterial {
         base_color: Color::BLACK,
@@ -78,7 +78,7 @@ fn rough(red: f32, green: f32, blue: f32, perceptual_roughness: f32) -> Standard
     }
 }
 
-/// Its texture tiles once in so many metres.
+/// A material whose texture tiles once per `metres`.
 fn tiled(tile: &Tile, metres: f32, tint: Color) -> StandardMaterial {
     StandardMaterial {
         base_color: tint,

@@ -1,4 +1,4 @@
-//! Plants in pots along the houses, and ivy from the balconies: crossed pictures of leaves, cut out by alpha.
+//! Plants in pots along the houses, and ivy from the balconies: crossed pictures of leaves, alpha-masked.
 
 use bevy::prelude::*;
 use fastrand::Rng;
@@ -25,7 +25,7 @@ pub fn spawn(stage: &mut Stage, materials: &Materials, detail: Detail) {
             );
             bush(&mut leaves, foot + Vec3::Y * 0.28, size, &mut random);
         }
-        // From a balcony or a sill.
+        // Hangs from a balcony or a sill.
         for storey in 1..lot.storeys {
             if random.f32() < 0.5 {
                 let along = lot.width() * (0.8 * random.f32() - 0.4);

@@ -1,4 +1,4 @@
-//! Neon: signs that stand out of the walls, and tubes along the shops, each with a light of its own.
+//! Neon: signs that stand out of the walls, and tubes along the shops, each with its own light.
 
 use bevy::prelude::*;
 use fastrand::Rng;

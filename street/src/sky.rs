@@ -1,4 +1,4 @@
-//! What is above the houses: a dim sky with the glow of a town along its rim, a moon, and air that is not quite clear.
+//! The sky: dim, with the glow of a town at the horizon and a moon, and slightly hazy air.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -12,13 +12,13 @@ use bevy::{
 };
 use half::f16;
 
-/// Of the sky, where nothing is in front.
+/// Background colour of the sky.
 pub const COLOR: Color = Color::linear_rgb(0.006, 0.008, 0.02);
 
-/// How bright a night is to a camera.
+/// Exposure of a camera at night.
 pub const EXPOSURE: Exposure = Exposure { ev100: 4.6 };
 
-/// What a camera needs beside its transform: how bright a night is to it, and its fog.
+/// Components of a camera beside its transform: the exposure at night, and fog.
 pub fn air() -> impl Bundle {
     (
         EXPOSURE,

@@ -1,4 +1,4 @@
-//! What things are spawned with.
+//! Access that spawning needs.
 
 use bevy::{ecs::system::SystemParam, mesh::skinning::SkinnedMeshInverseBindposes, prelude::*};
 use bevy_lean_deferred::prelude::ExtendedStandardMaterial;
@@ -17,7 +17,7 @@ pub struct Stage<'w, 's> {
 }
 
 impl Stage<'_, '_> {
-    /// Where it was built.
+    /// Spawns geometry where it was built.
     pub fn place<M: Material>(&mut self, geometry: Geometry, material: &Handle<M>) {
         if !geometry.is_empty() {
             let mesh = self.meshes.add(geometry.mesh());

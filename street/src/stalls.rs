@@ -11,7 +11,7 @@ use crate::{
     stage::Stage,
 };
 
-/// Where the first stall and the gate are, along z.
+/// Positions of the first stall and of the gate, along z.
 const FIRST: f32 = -4.4;
 const GATE: f32 = -1.4;
 

@@ -1,8 +1,8 @@
-//! Where cameras look from.
+//! Viewpoints of cameras.
 
 use bevy::prelude::*;
 
-/// A place to look from, and what is in the middle of the picture.
+/// Position of a camera, and the point in the middle of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
     pub eye: Vec3,
@@ -12,11 +12,11 @@ pub struct Viewpoint {
 impl Viewpoint {
     /// Down the street.
     pub const STREET: Self = Self::new([0.5, 1.75, 7.2], [-0.1, 2.3, -8.0]);
-    /// A stall and the corner behind it: what hides the sky, and what shines on what.
+    /// A stall and the corner behind it: occlusion and diffuse GI.
     pub const STALL: Self = Self::new([-0.2, 1.6, -2.3], [-3.7, 0.85, -5.0]);
     /// Low over a puddle.
     pub const PUDDLE: Self = Self::new([-0.2, 0.7, 3.0], [0.1, 1.3, -8.0]);
-    /// The cats before the gate.
+    /// The cats in front of the gate.
     pub const CATS: Self = Self::new([2.35, 1.35, 2.9], [3.15, 1.12, 1.2]);
 
     const fn new(eye: [f32; 3], target: [f32; 3]) -> Self {

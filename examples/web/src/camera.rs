@@ -5,20 +5,21 @@ use street::{Viewpoint, sky};
 
 use crate::{motion::Motion, switches::no_scattering};
 
-/// On the page's camera.
+/// Marks the page's camera.
 #[derive(Component)]
 pub struct View;
 
 const VIEWPOINT: Viewpoint = Viewpoint::STREET;
 
-/// How far it goes to either side, in metres, and how often, in radians a second.
+/// Amplitude of the sway in metres, and its rate in radians per second.
 const SWAY: f32 = 0.6;
 const RATE: f32 = 0.4;
 
-/// Bevy makes an environment map of the sky where a stage may have so many storage textures.
+/// Storage textures per stage that Bevy needs to make an environment map of the sky.
 const STORAGE_TEXTURES: u32 = 6;
 
-/// Without MSAA and with HDR, as lean rendering needs, so that switching changes the renderer and nothing else.
+/// Spawns the camera without MSAA and with HDR, as lean rendering needs, so that switching changes the renderer and
+/// nothing else.
 pub fn spawn(mut commands: Commands, mut images: ResMut<Assets<Image>>, device: Res<RenderDevice>) {
     let mut camera = commands.spawn((
         View,
@@ -32,7 +33,7 @@ pub fn spawn(mut commands: Commands, mut images: ResMut<Assets<Image>>, device: 
     if device.limits().max_storage_textures_per_shader_stage >= STORAGE_TEXTURES {
         camera.insert(sky::light(&mut images));
     } else {
-        // As bright as that sky is on the whole.
+        // As bright as the mean of that sky.
         camera.insert(AmbientLight {
             color: Color::linear_rgb(1.0, 0.75, 0.6),
             brightness: 0.3,

@@ -1,6 +1,7 @@
-//! The showcase as a page in the browser, by WebGPU: Bevy's forward renderer and this crate's on one camera, and every effect.
+//! The showcase as a page in the browser, by WebGPU: Bevy's forward renderer and this crate's on one camera, and every
+//! effect.
 //!
-//! `sh examples/web/build.sh` makes the page, `sh examples/web/test.sh` tests it in a headless browser.
+//! `sh examples/web/build.sh` builds the page, `sh examples/web/test.sh` tests it in a headless browser.
 
 mod camera;
 mod clusters;
@@ -15,9 +16,9 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 use motion::Motion;
 
-/// Starts the app on the canvas that this selector finds. Returns at once: frames come as the browser asks for them.
+/// Starts the app on the canvas with this selector. Returns at once: the browser drives the frames.
 ///
-/// `amount` is the share of the street that there is, to 1: software renderers want less.
+/// `amount` is the share of the street to spawn, up to 1: software renderers need less.
 #[wasm_bindgen]
 pub fn start(canvas: String, amount: f32) {
     let window = Window {

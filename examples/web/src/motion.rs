@@ -1,4 +1,4 @@
-//! Whether everything moves. Pictures are compared while nothing does.
+//! Switches all motion on or off. Pictures are compared while nothing moves.
 
 use bevy::prelude::*;
 use street::Walking;
@@ -12,7 +12,7 @@ impl Default for Motion {
     }
 }
 
-/// Brings the street's people to it.
+/// Makes the street's people walk or stand.
 pub fn walk_or_stand(mut commands: Commands, motion: Res<Motion>) {
     commands.insert_resource(Walking(if motion.0 { 1.0 } else { 0.0 }));
 }

@@ -1,4 +1,4 @@
-//! What the page shows and tests wait for: frames, their time, what is still compiled, what renders the camera.
+//! State that the page shows and tests wait for: frames, their time, pipelines that still compile, the renderer.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 use std::sync::Mutex;
@@ -14,11 +14,11 @@ use crate::camera::View;
 
 static FRAMES: AtomicU32 = AtomicU32::new(0);
 static COMPILING: AtomicU32 = AtomicU32::new(0);
-/// The bits of a float.
+/// Bits of a float.
 static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
 static RENDERER: Mutex<String> = Mutex::new(String::new());
 
-/// How many frames of which the newest counts in [`frame_milliseconds`]: one part of so many.
+/// Weight of the newest frame in [`frame_milliseconds`], as a divisor.
 const SMOOTHING: f32 = 16.0;
 
 /// Frames since the start.
@@ -27,19 +27,19 @@ pub fn frames() -> u32 {
     FRAMES.load(Ordering::Relaxed)
 }
 
-/// From one frame to the next, smoothed.
+/// Time from one frame to the next in milliseconds, smoothed.
 #[wasm_bindgen]
 pub fn frame_milliseconds() -> f32 {
     f32::from_bits(MILLISECONDS.load(Ordering::Relaxed))
 }
 
-/// Pipelines that are not ready yet.
+/// Number of pipelines that still compile.
 #[wasm_bindgen]
 pub fn compiling() -> u32 {
     COMPILING.load(Ordering::Relaxed)
 }
 
-/// What renders the camera: "Bevy forward", or the state of lean rendering.
+/// The active renderer: "Bevy forward", or the state of lean rendering.
 #[wasm_bindgen]
 pub fn renderer() -> String {
     RENDERER.lock().map(|name| name.clone()).unwrap_or_default()
@@ -55,7 +55,7 @@ pub fn plugin(app: &mut App) {
 fn count_frames(time: Res<Time<Real>>) {
     let last = frame_milliseconds();
     let this = time.delta_secs() * 1000.0;
-    // The first frames load everything.
+    // No smoothing over the first frames, which load everything.
     let mean = if FRAMES.fetch_add(1, Ordering::Relaxed) < 3 {
         this
     } else {

@@ -1,4 +1,4 @@
-//! What the page switches: components of the camera, while the app runs.
+//! Switches of the page: components of the camera that it inserts and removes at run time.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -8,14 +8,14 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 use crate::{camera::View, motion::Motion};
 
-/// A name of the page, and what it does to a camera.
+/// A switch's name, and its effect on a camera.
 struct Switch {
     name: &'static str,
     insert: fn(&mut EntityCommands),
     remove: fn(&mut EntityCommands),
 }
 
-/// A switch that stands for a component.
+/// A switch that inserts and removes a component.
 const fn component<C: Component + Default>(name: &'static str) -> Switch {
     Switch {
         name,
@@ -33,7 +33,7 @@ const SWITCHES: [Switch; 6] = [
     component::<LeanAmbientOcclusion>("ambient-occlusion"),
     component::<LeanScreenSpaceGi>("diffuse-gi"),
     component::<LeanScreenSpaceReflections>("reflections"),
-    // Materials ask for it: it is on where it is not switched off.
+    // Materials enable it: it is on unless it is switched off.
     Switch {
         name: "subsurface-scattering",
         insert: |camera| {
@@ -46,7 +46,7 @@ const SWITCHES: [Switch; 6] = [
     Switch {
         name: "auto-exposure",
         insert: |camera| {
-            // A night is to look like one.
+            // Keeps a night dark.
             camera.insert(LeanAutoExposure {
                 target: 0.1,
                 ..default()
@@ -58,7 +58,7 @@ const SWITCHES: [Switch; 6] = [
     },
 ];
 
-/// What Bevy's forward renderer has of scattering.
+/// Switches scattering off, as in Bevy's forward renderer.
 pub fn no_scattering() -> LeanSubsurfaceScattering {
     LeanSubsurfaceScattering {
         quality: SubsurfaceScatteringQuality::Off,
@@ -66,13 +66,13 @@ pub fn no_scattering() -> LeanSubsurfaceScattering {
     }
 }
 
-/// Beside those of the camera: whether everything moves.
+/// Name of the switch of all motion, beside those of the camera.
 const MOTION: &str = "motion";
 
-/// A bit for each of [`SWITCHES`], and one for [`MOTION`]. The page writes it between frames.
+/// One bit for each of [`SWITCHES`], and one for [`MOTION`]. The page writes it between frames.
 static ON: AtomicU32 = AtomicU32::new(0);
 
-/// Switches something on or off. False if nothing has that name.
+/// Switches something on or off. Returns false if nothing has that name.
 #[wasm_bindgen]
 pub fn set_switch(name: &str, on: bool) -> bool {
     let mut names = SWITCHES.iter().map(|switch| switch.name).chain([MOTION]);
@@ -87,7 +87,7 @@ pub fn set_switch(name: &str, on: bool) -> bool {
     true
 }
 
-/// Brings the camera and [`Motion`] to what the page says.
+/// Applies the page's switches to the camera and to [`Motion`].
 pub fn apply(
     mut commands: Commands,
     camera: Single<Entity, With<View>>,

@@ -19,23 +19,23 @@ pub struct Measurement {
     pub size: [u32; 2],
     pub contender: String,
     pub lean: bool,
-    /// Of the passes that only occlusion has, in order.
+    /// Times of the passes that only occlusion has, in order.
     pub passes: Vec<Time>,
-    /// The lighting pass: it filters and applies occlusion on lean cameras.
+    /// Time of the lighting pass, which filters and applies occlusion on lean cameras.
     pub lighting: Option<Time>,
-    /// Prepasses, which Bevy's occlusion needs.
+    /// Time of prepasses, which Bevy's occlusion needs.
     pub prepass: Option<Time>,
     pub camera: Option<Time>,
     pub bytes: Bytes,
     /// Share of pixels with occlusion.
     pub occluded: f64,
-    /// Against the closed form of the wall: root mean square and bias.
+    /// Root mean square error and bias, against the closed form of the wall.
     pub wall: Option<(f64, f64)>,
-    /// Mean on the plane, where there is none.
+    /// Mean occlusion of the plane, where the truth is 0.
     pub plane: Option<f64>,
 }
 
-/// Bytes a pixel, without and with what is read of depth and normals.
+/// Bytes per pixel, without and with the reads of depth and normals.
 #[derive(Serialize, Deserialize, Clone, Copy)]
 pub struct Bytes {
     /// Each texture once written and once read.
@@ -70,7 +70,7 @@ impl AmbientOcclusion {
         self.0.extend(more.0);
     }
 
-    /// What `of` takes more than in the same camera without occlusion.
+    /// Additional time of `of`, over the same camera without occlusion.
     fn more(&self, m: &Measurement, of: fn(&Measurement) -> Option<Time>) -> Option<f64> {
         let is_without =
             |o: &&Measurement| o.size == m.size && o.lean == m.lean && o.passes.is_empty();
@@ -78,7 +78,7 @@ impl AmbientOcclusion {
         Some(of(m)?.median - of(without).map_or(0.0, |time| time.median))
     }
 
-    /// Of what needs a prepass: others have none more, but for noise.
+    /// Additional time of the prepass, for contenders that need one: for others the difference is noise.
     fn more_prepass(&self, m: &Measurement) -> Option<f64> {
         let needs_one = group(m) == "Bevy" || group(m) == "naive";
         self.more(m, |m| m.prepass).filter(|_| needs_one)
@@ -99,7 +99,7 @@ impl AmbientOcclusion {
         sizes
     }
 
-    /// Those with occlusion, of the largest size.
+    /// Contenders with occlusion, at the largest size.
     fn shown(&self) -> impl Iterator<Item = &Measurement> {
         let largest = self.sizes().last().copied();
         let is_shown = move |m: &&Measurement| Some(m.size) == largest && !m.passes.is_empty();
@@ -175,7 +175,7 @@ fn group(m: &Measurement) -> &'static str {
     }
 }
 
-/// What its group does not say.
+/// The name, without the part that its group implies.
 fn short(m: &Measurement) -> String {
     let name = m.contender.replace(", indirect", "").replace(", blend", "");
     name.trim_start_matches("Bevy ").into()

@@ -13,11 +13,11 @@ use crate::{
 #[derive(Serialize, Deserialize, Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Group {
     Copy,
-    /// What nothing can be faster than.
+    /// A lower bound of all times.
     Bound,
     Lean,
     Pyramid,
-    /// From spans around the passes in an app.
+    /// Measured by spans around the passes in an app.
     InApp,
 }
 
@@ -25,26 +25,26 @@ pub enum Group {
 pub struct Measurement {
     pub group: Group,
     pub contender: String,
-    /// Each dispatch in a pass of its own, in milliseconds; none in an app.
+    /// Times of the dispatches, each in its own pass, in milliseconds; empty in an app.
     pub passes: Vec<Time>,
-    /// All in one pass.
+    /// Time of all dispatches in one pass.
     pub whole: Option<Time>,
-    /// That the first pass moves: of the pixels that it reads; for copies also of those that it writes.
+    /// Bytes that the first pass moves: those of the pixels that it reads; for copies also those that it writes.
     pub bytes: f64,
     pub luminance: Option<f64>,
-    /// Of the metered luminance, relative to the mean in double precision over the whole picture.
+    /// Error of the metered luminance, relative to the mean in double precision over the whole picture.
     pub error: Option<f64>,
 }
 
 impl Measurement {
-    /// That the first pass reaches.
+    /// Bandwidth of the first pass.
     fn gigabytes_per_second(&self) -> Option<f64> {
         let first = self.passes.first().or(self.whole.as_ref())?.median;
         (self.bytes > 0.0 && first > 0.0).then(|| self.bytes / (first * 1e-3) * 1e-9)
     }
 }
 
-/// All of a size.
+/// Measurements at one size.
 #[derive(Serialize, Deserialize)]
 pub struct Size {
     #[serde(flatten)]
@@ -52,7 +52,7 @@ pub struct Size {
     #[serde(default)]
     pub frames: Option<usize>,
     pub size: [u32; 2],
-    /// Textures that hold the picture.
+    /// Number of textures that hold the picture.
     pub pictures: usize,
     pub measurements: Vec<Measurement>,
 }
@@ -73,7 +73,7 @@ const COLUMNS: [(&str, &str); 8] = [
 ];
 
 impl Size {
-    /// Of the faster copy.
+    /// Bandwidth of the faster copy.
     fn copy(&self) -> f64 {
         (self.measurements.iter())
             .filter(|m| m.group == Group::Copy)
@@ -109,7 +109,7 @@ impl Size {
     }
 }
 
-/// What the passes after the first take, in µs.
+/// Times of the passes after the first, in µs.
 fn adapt(m: &Measurement) -> Option<String> {
     let later = m.passes.iter().skip(1);
     let later: Vec<String> = later
@@ -118,7 +118,7 @@ fn adapt(m: &Measurement) -> Option<String> {
     (!later.is_empty()).then(|| later.join(" + "))
 }
 
-/// Large errors also in stops.
+/// A relative error; large ones also in stops.
 fn stops(relative: f64) -> String {
     if relative.abs() < 1e-3 {
         String::new()
@@ -137,7 +137,7 @@ impl AutoExposure {
         }
     }
 
-    /// 4K, or else the last.
+    /// The size of 4K, or else the last.
     fn shown(&self) -> Option<&Size> {
         let large = self.0.iter().find(|size| size.size == [3840, 2160]);
         large.or(self.0.last())
@@ -171,7 +171,7 @@ impl AutoExposure {
             }
             if let (Some(whole), Some(error)) = (m.whole, m.error) {
                 let (group, name) = label(m);
-                // Below this the reference is no more exact itself.
+                // Below this the reference itself is not exact enough.
                 points.add(group, &name, whole.median * 1e3, error.abs().max(1e-9));
             }
         }

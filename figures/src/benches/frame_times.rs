@@ -15,7 +15,7 @@ use crate::{
 pub struct Measurement {
     #[serde(flatten)]
     pub device: Device,
-    /// Not in files of old.
+    /// Missing in older files.
     #[serde(default)]
     pub size: Option<[u32; 2]>,
     #[serde(default)]
@@ -25,11 +25,11 @@ pub struct Measurement {
     /// Rasterising: the G-buffer, or forward's opaque pass with its lighting.
     pub geometry: Option<Time>,
     pub lighting: Option<Time>,
-    /// Everything from the first to the last pass of the camera, shadow maps and post-processing too.
+    /// Everything from the first to the last pass of the camera, including shadow maps and post-processing.
     pub camera: Option<Time>,
     pub bytes_written_by_geometry: u32,
     pub bytes_in_all: u32,
-    /// Against forward; none for forward itself, and for equal pictures.
+    /// Against forward; `None` for forward itself, and for equal pictures.
     pub psnr: Option<f64>,
     pub flip: Option<f64>,
     pub off_by_8: Option<f64>,
@@ -39,7 +39,7 @@ pub struct Measurement {
 #[serde(transparent)]
 pub struct FrameTimes(pub Vec<Measurement>);
 
-/// Ratios are to it.
+/// The reference of ratios.
 const PEER: &str = "Bevy deferred";
 
 const COLUMNS: [(&str, &str); 11] = [
@@ -67,7 +67,7 @@ impl FrameTimes {
         self.0.iter().find(is_peer)
     }
 
-    /// One for each measurement.
+    /// A row of the table.
     pub fn row(m: &Measurement) -> String {
         let [geometry, lighting, camera] = [m.geometry, m.lighting, m.camera].map(Time::text);
         format!(
@@ -86,18 +86,18 @@ impl FrameTimes {
         self.0.iter().filter(move |m| m.scene == scene)
     }
 
-    /// Camera's time over PSNR.
+    /// Plot of the camera's time over PSNR.
     fn speed(&self, scene: &str) -> Plot {
         let mut points = Points::new(
             "GPU time of the camera (ms)",
             "error against forward: RMS difference (of 255)",
         );
         for m in self.of_scene(scene) {
-            // That light is there to be timed, and in no other picture.
+            // That light only exists to be timed, and changes the picture.
             if m.contender == "lean taking indirect light" {
                 continue;
             }
-            // Forward has no error: it has no place on a logarithmic axis.
+            // Forward has no error, so it has no place on a logarithmic axis.
             if let (Some(camera), Some(psnr)) = (m.camera, m.psnr) {
                 let rms = 255.0 * 10f64.powf(-psnr / 20.0);
                 points.add(group(&m.contender), &m.contender, camera.median, rms);
@@ -134,7 +134,7 @@ impl FrameTimes {
         let mut shown: Vec<(&str, u32, u32)> = Vec::new();
         for m in &self.0 {
             let (written, all) = (m.bytes_written_by_geometry, m.bytes_in_all);
-            // Bevy's are the same in all scenes, and settings of lighting change none.
+            // Bevy's bytes are the same in all scenes, and settings of lighting change none.
             let own = match (m.scene.strip_prefix("targets_"), m.contender.as_str()) {
                 (None, name) => name,
                 (Some(_), "lean") => m.scene.as_str(),
@@ -158,7 +158,7 @@ impl FrameTimes {
         )
     }
 
-    /// Renderers as they come, of scenes that compare renderers.
+    /// Renderers with their defaults, in scenes that compare renderers.
     fn plain(&self) -> impl Iterator<Item = &Measurement> {
         let plain = ["Bevy forward", PEER, "lean"];
         (self.0.iter())
@@ -166,7 +166,7 @@ impl FrameTimes {
     }
 }
 
-/// What a renderer's points have in common.
+/// The group of a renderer's points.
 fn group(contender: &str) -> &'static str {
     if contender.starts_with("lean") {
         "lean"

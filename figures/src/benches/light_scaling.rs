@@ -1,4 +1,4 @@
-//! How the cost of lighting grows with the number of lights.
+//! Cost of lighting over the number of lights.
 
 mod plot;
 
@@ -14,12 +14,12 @@ use crate::{
     time::{Device, Time},
 };
 
-/// All that was measured.
+/// All measurements of a run.
 #[derive(Serialize, Deserialize, Default)]
 pub struct LightScaling {
     #[serde(flatten)]
     pub device: Device,
-    /// Of the GPU's memory in TB/s, where somebody knows it: for the line of the bytes' limit.
+    /// Memory bandwidth of the GPU in TB/s, if known: for the line of the bandwidth limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bandwidth: Option<f64>,
     pub points: Vec<Point>,
@@ -32,29 +32,29 @@ pub struct Point {
     pub arrangement: String,
     pub lights: u32,
     pub contender: String,
-    /// Why it was not measured.
+    /// The reason, if it was not measured.
     pub left_out: Option<String>,
     pub frames: usize,
-    /// Lighting; of forward, the opaque pass with its lighting.
+    /// Time of lighting; for forward, of the opaque pass with its lighting.
     pub stage: Option<Time>,
     /// Everything from the first to the last pass of the camera.
     pub camera: Option<Time>,
-    /// The whole frame, from the start of its systems to the end of GPU work, by the clock of the CPU.
+    /// The whole frame, from the start of its systems to the end of GPU work, by the CPU's clock.
     pub frame: Option<Time>,
-    /// Against forward, in dB; none for forward itself, where that was not measured, and for equal pictures.
+    /// Against forward, in dB; `None` for forward itself, where that was not measured, and for equal pictures.
     pub psnr: Option<f64>,
-    /// Bevy's clusters in the measured frames: each grid that was used, and the most indices of lights in all clusters.
+    /// Bevy's clusters in the measured frames: each grid that was used, and the largest total of light indices.
     pub grids: Vec<[u32; 3]>,
     pub longest_list: usize,
-    /// Whether Bevy found its lists too short in a measured frame.
+    /// Bevy found its lists too short in a measured frame.
     pub lists_grew: bool,
 }
 
-/// Of which the table has a ratio to Bevy deferred.
+/// The reference of the table's ratio.
 const PEER: &str = "Bevy deferred";
 pub const FORWARD: &str = "Bevy forward";
 
-/// What is measured of a contender: the stage that has the cost of lights.
+/// The measured stage of a contender: the one whose cost depends on the lights.
 pub fn stage(contender: &str) -> &'static str {
     match contender {
         FORWARD => "opaque pass",
@@ -69,7 +69,7 @@ impl Point {
         format!("{width}x{height} {arrangement} {lights} {}", self.contender)
     }
 
-    /// What is said when it is done.
+    /// The line to print when the point is done.
     pub fn progress(&self) -> String {
         match &self.left_out {
             Some(reason) => format!("{}: left out, {reason}", self.label()),
@@ -93,7 +93,7 @@ impl LightScaling {
         self.points.extend(more.points);
     }
 
-    /// Those that were measured or left out, in the order in which they were.
+    /// Contenders that were measured or left out, in order.
     pub fn contenders(&self) -> Vec<&str> {
         distinct(self.points.iter().map(|p| p.contender.as_str()))
     }
@@ -109,7 +109,7 @@ impl LightScaling {
         }))
     }
 
-    /// What the table cannot say.
+    /// Notes below the table.
     fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for point in &self.points {

@@ -30,20 +30,20 @@ pub struct Measurement {
     pub contender: String,
     /// Medians while nothing, a tenth and everything moves.
     pub steady: Vec<Times>,
-    /// The dearest of the frames after the emissive mesh appeared, after it went and its target expired, and after the
-    /// camera turned around: medians over the events.
+    /// The most expensive of the frames after the emissive mesh appeared, after its target expired once it was hidden,
+    /// and after the camera turned around: medians over the events.
     pub emissive: Times,
     pub expiry: Times,
     pub turn: Times,
-    /// Of the frame in which the camera has turned: milliseconds of each stage, by its name.
+    /// Milliseconds per stage, by name, of the frame in which the camera turns.
     pub turn_stages: Vec<(String, f64)>,
-    /// Against forward; none for equal pictures.
+    /// Against forward; `None` for equal pictures.
     pub psnr: Option<f64>,
     pub flip: Option<f64>,
 }
 
 impl Measurement {
-    /// With their names in records.
+    /// All times, with their names in records.
     fn times(&self) -> Vec<(String, Times)> {
         let steady = self.steady.iter().enumerate();
         let steady = steady.map(|(index, times)| (format!("steady_{index}"), *times));
@@ -62,7 +62,7 @@ impl Measurement {
 #[serde(transparent)]
 pub struct ManyMeshes(pub Vec<Measurement>);
 
-/// Ratios are to it.
+/// The reference of ratios.
 const PEER: &str = "Bevy deferred";
 
 const MOTIONS: [(&str, &str); 6] = [
@@ -79,7 +79,7 @@ impl ManyMeshes {
         self.0.extend(more.0);
     }
 
-    /// `what`: `render_world` or `frame`.
+    /// A table of `what`: `render_world` or `frame`.
     fn table(&self, what: &str) -> Table {
         let cells = MOTIONS.map(|(title, name)| {
             (

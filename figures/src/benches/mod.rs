@@ -1,4 +1,4 @@
-//! What each bench writes, and what is shown of it.
+//! Figures that each bench writes, and their tables and plots.
 
 pub mod ambient_occlusion;
 pub mod auto_exposure;
@@ -23,13 +23,13 @@ pub trait Figures {
     fn device(&self) -> Device;
     /// Each measurement by its keys.
     fn records(&self) -> Vec<Record>;
-    /// What the bench prints.
+    /// Tables that the bench prints.
     fn tables(&self) -> Vec<Table>;
     fn plots(&self) -> Vec<Plot>;
-    /// What the tables' columns are.
+    /// Explanation of the tables' columns.
     fn legend(&self) -> String;
 
-    /// What the bench prints.
+    /// Markdown that the bench prints.
     fn markdown(&self) -> String {
         let tables: Vec<String> = self.tables().iter().map(Table::markdown).collect();
         format!(
@@ -49,7 +49,7 @@ macro_rules! benches {
         }
 
         impl Bench {
-            /// Of the benches, in the order in which they are shown.
+            /// Names of the benches, in the order in which they are shown.
             pub const NAMES: &[&str] = &[$($name),*];
 
             pub fn name(&self) -> &'static str {
@@ -58,7 +58,7 @@ macro_rules! benches {
                 }
             }
 
-            /// What the bench of that name wrote.
+            /// Reads the file of the bench with this name.
             pub fn read(name: &str, path: &Path) -> Result<Self, String> {
                 match name {
                     $($name => Ok(Self::$kind(read_json(path)?)),)*
@@ -72,7 +72,7 @@ macro_rules! benches {
                 }
             }
 
-            /// Adds what another run of the same bench measured.
+            /// Adds the measurements of another run of the same bench.
             pub fn join(&mut self, other: Self) {
                 match (self, other) {
                     $((Self::$kind(all), Self::$kind(more)) => all.join(more),)*
@@ -98,7 +98,7 @@ impl Bench {
     }
 }
 
-/// Different values, in the order in which they come.
+/// Distinct values, in order of appearance.
 fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut all = Vec::new();
     for value in values {

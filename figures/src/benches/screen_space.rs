@@ -1,4 +1,4 @@
-//! GPU time, bytes and error of effects that find light on the screen.
+//! GPU time, bytes and error of screen-space lighting effects.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -19,9 +19,9 @@ pub struct Measurement {
     pub frames: Option<usize>,
     pub size: [u32; 2],
     pub contender: String,
-    /// Of the passes that only the effect has, in order.
+    /// Times of the passes that only the effect has, in order.
     pub passes: Vec<Time>,
-    /// Of their dispatches, timed one by one: together longer. None where each pass has one.
+    /// Times of their dispatches, timed one by one: longer in sum. Empty if each pass has one dispatch.
     #[serde(default)]
     pub stages: Vec<Time>,
     pub lighting: Option<Time>,
@@ -31,7 +31,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// The medians of its stages, or of its passes where these are no more.
+    /// Medians of its stages, or of its passes if it has no stages.
     fn parts(&self) -> Vec<f64> {
         let times = if self.stages.is_empty() {
             &self.passes
@@ -42,7 +42,7 @@ impl Measurement {
     }
 }
 
-/// Root of the mean square, and mean, of what a scene shows against what is known of it.
+/// Root mean square and mean of the error of a scene with known light.
 #[derive(Serialize, Deserialize, Clone)]
 pub struct KnownError {
     pub scene: String,
@@ -54,7 +54,7 @@ pub struct KnownError {
 #[serde(transparent)]
 pub struct ScreenSpace(pub Vec<Measurement>);
 
-/// What an effect finds.
+/// The kind of an effect.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Kind {
     DiffuseLight,
@@ -65,7 +65,7 @@ enum Kind {
 impl Kind {
     const ALL: [Self; 3] = [Self::DiffuseLight, Self::Reflections, Self::Scattering];
 
-    /// The table that a contender stands in; `None`: in all.
+    /// The kind of the table that a contender belongs to; `None`: to all.
     fn of(contender: &str) -> Option<Self> {
         if contender == "none" {
             None
@@ -94,7 +94,7 @@ impl Kind {
         }
     }
 
-    /// The scenes whose errors a plot shows, and what they are.
+    /// Scenes whose errors a plot shows, and their descriptions.
     fn shown_errors(self) -> &'static [(&'static str, &'static str, &'static str)] {
         match self {
             Self::DiffuseLight => &[(
@@ -122,7 +122,7 @@ impl Kind {
         }
     }
 
-    /// The parts of its time.
+    /// Names of the parts of its time.
     fn passes(self) -> &'static [&'static str] {
         match self {
             Self::DiffuseLight => &["levels", "gather", "filter", "lighting"],
@@ -137,7 +137,7 @@ impl ScreenSpace {
         self.0.extend(more.0);
     }
 
-    /// What lighting takes more than without effects.
+    /// Additional time of lighting, over the camera without effects.
     fn more_lighting(&self, m: &Measurement) -> Option<f64> {
         let is_plain = |o: &&Measurement| o.size == m.size && o.contender == "none";
         let plain = self.0.iter().find(is_plain)?.lighting?;
@@ -155,7 +155,7 @@ impl ScreenSpace {
         sizes
     }
 
-    /// Of the largest size.
+    /// Measurements of a kind, at the largest size.
     fn of_kind(&self, kind: Kind) -> impl Iterator<Item = &Measurement> {
         let largest = self.sizes().last().copied();
         (self.0.iter()).filter(move |m| {
@@ -190,7 +190,7 @@ impl ScreenSpace {
         let mut bars = Bars::new("GPU time (ms)", passes);
         for m in self.of_kind(kind) {
             let mut parts = m.parts();
-            // Bevy's has one pass, which does what four do.
+            // Bevy's single pass does the work of four.
             if kind == Kind::Reflections && parts.len() == 1 {
                 parts = vec![0.0, 0.0, parts[0]];
             }
@@ -284,7 +284,7 @@ impl Figures for ScreenSpace {
             let parts: Vec<String> = (m.parts().iter())
                 .map(|median| format!("{median:.3}"))
                 .collect();
-            // Those of other effects are there, too, as what was not measured.
+            // The scenes of other effects are there, too, as not measured.
             let mut errors: Map<String, Value> = scenes.clone();
             for error in &m.errors {
                 let value = serde_json::json!({"rmse": error.rmse, "bias": error.bias});
@@ -304,7 +304,7 @@ impl Figures for ScreenSpace {
     fn tables(&self) -> Vec<Table> {
         let sizes = self.sizes().into_iter();
         let kinds = |size| Kind::ALL.map(|kind| self.table(size, kind));
-        // `none` stands in all.
+        // `none` belongs to all kinds.
         sizes
             .flat_map(kinds)
             .filter(|table| table.rows.len() > 1)

@@ -7,8 +7,8 @@
 //! text = "{lean | camera.median :.2} ms, forward {Bevy forward | camera.median :.2}"
 //! ```
 //!
-//! The [template](crate::template), with any number in the place of each figure, must be in the file exactly once, whatever
-//! white space there is; and the numbers there must be those that the figures give.
+//! The [template](crate::template), with any number in place of each figure, must occur in the file exactly once. White
+//! space may differ. The numbers in the file must be those of the figures.
 
 use std::ops::Range;
 
@@ -34,7 +34,7 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// What the text looks like, with a group for each figure.
+    /// The text as a regular expression, with a group for each figure.
     fn pattern(&self, template: &Template) -> Regex {
         let mut pattern = String::new();
         for part in &template.parts {
@@ -50,7 +50,7 @@ impl Claim {
         Regex::new(pattern.trim()).expect("all of it is escaped")
     }
 
-    /// Where it stands in `page`.
+    /// Its matches in `page`.
     pub fn places(&self, page: &str) -> Vec<Range<usize>> {
         let Ok(template) = Template::parse(self.text.trim()) else {
             return Vec::new();
@@ -59,7 +59,7 @@ impl Claim {
         pattern.find_iter(page).map(|found| found.range()).collect()
     }
 
-    /// `page` with the numbers that the figures give.
+    /// `page` with its numbers replaced by those of the figures.
     pub fn make(&self, page: &str, store: &Store) -> Result<String, String> {
         let template = Template::parse(self.text.trim())?;
         let from = Origin::new(store, &self.from);
@@ -81,7 +81,7 @@ impl Claim {
             return Err("the page says so more than once".into());
         }
         let mut made = page.to_owned();
-        // Origin the last to the first, so that places stay what they are.
+        // From the last to the first, so that ranges stay valid.
         for (index, number) in numbers.iter().enumerate().rev() {
             let group = captures.get(index + 1).expect("a group for each figure");
             made.replace_range(group.range(), number);
@@ -90,7 +90,7 @@ impl Claim {
     }
 }
 
-/// With any white space where there is some.
+/// A pattern for `text` that matches any white space where it has some.
 fn literal(text: &str) -> String {
     let mut pattern = String::new();
     let mut in_space = false;
@@ -151,7 +151,7 @@ mod tests {
             made,
             "A frame takes 7.85 ms\n(forward:   11.9 ms), 1.5 times.\n| a | 9.99 ms |\n"
         );
-        // What is right stays.
+        // Correct numbers stay.
         assert_eq!(claim.make(&made, &store()).as_deref(), Ok(&made[..]));
     }
 
@@ -183,7 +183,7 @@ mod tests {
             PAGE,
             "does not say so",
         );
-        // A word in the number's place.
+        // A word in place of a number.
         fails(
             "A frame {lean | camera.median :.2} ms",
             PAGE,

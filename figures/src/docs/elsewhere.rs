@@ -4,10 +4,10 @@
 //! [[elsewhere]]
 //! file = "docs/accuracy.md"
 //! source = "tests/shaders/layout.rs"
-//! begins = "What packing costs"           # the paragraph or table that begins so; all of the file without it
+//! begins = "What packing costs"           # of the paragraph or table; without it, all of the file
 //! ```
 //!
-//! Of all others [`unaccounted`] wants to know where they are from: numbers before a unit of measurement, and broken ones
+//! [`unaccounted`] reports all other figures without a source: numbers before a unit of measurement, and decimal numbers
 //! in tables.
 
 use std::ops::Range;
@@ -22,14 +22,14 @@ use super::Page;
 #[serde(deny_unknown_fields)]
 pub struct Elsewhere {
     file: String,
-    /// What shows these figures: a test, or why nothing does.
+    /// The source of these figures: a test, or the reason why there is none.
     #[expect(dead_code, reason = "for those who read the file")]
     source: String,
     #[serde(default)]
     begins: String,
 }
 
-/// Where `page` has paragraphs.
+/// Ranges of the paragraphs of `page`.
 fn paragraphs(page: &str) -> impl Iterator<Item = Range<usize>> {
     let mut start = 0;
     page.split("\n\n").map(move |paragraph| {
@@ -39,7 +39,7 @@ fn paragraphs(page: &str) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// What `page` has figures of that are neither made nor from elsewhere.
+/// Figures of `page` that are neither made nor from elsewhere.
 pub fn unaccounted(page: &Page, made: &[Range<usize>], others: &[Elsewhere]) -> Vec<String> {
     let own = || others.iter().filter(|other| other.file == page.name);
     if own().any(|other| other.begins.is_empty()) {
@@ -81,7 +81,7 @@ pub fn unaccounted(page: &Page, made: &[Range<usize>], others: &[Elsewhere]) -> 
     found
 }
 
-/// Those of `others` that no page has.
+/// Entries of `others` that no page has.
 pub fn not_found(pages: &[Page], others: &[Elsewhere]) -> Vec<String> {
     let is_there = |other: &&Elsewhere| {
         let page = pages.iter().find(|page| page.name == other.file);

@@ -1,13 +1,14 @@
 //! Plots in pages, and links to files.
 //!
-//! `<!-- plot: FILE, WORDS -->` on a line of its own has the plot, a file of the folder of figures, on the line after it; nothing, while its
-//! figures are not there.
+//! After a line `<!-- plot: FILE, WORDS -->` comes a line with the plot, a file of the folder of figures. The line is left
+//! out while the figures are missing.
 
 use std::path::Path;
 
 use regex::Regex;
 
-/// `page` with its plots: those that are in `drawn`, by their path in the repository. `folder` is the way from the page to theirs.
+/// Fills in the plots of `page` that are in `drawn`, by their path in the repository. `folder` is the path from the
+/// page to them.
 pub fn fill(page: &str, folder: &str, drawn: impl Fn(&str) -> bool) -> String {
     let marker = Regex::new("^<!-- plot: ([^,]+), (.+) -->$").expect("it is constant");
     let mut made = String::new();
@@ -26,7 +27,7 @@ pub fn fill(page: &str, folder: &str, drawn: impl Fn(&str) -> bool) -> String {
     made
 }
 
-/// What a page links to in the repository, and is not there.
+/// Links of a page to missing files of the repository.
 pub fn dead(root: &Path, name: &str, page: &str, made: impl Fn(&str) -> bool) -> Vec<String> {
     let link = Regex::new(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)").expect("it is constant");
     let folder = Path::new(name).parent().unwrap_or(Path::new(""));

@@ -1,8 +1,9 @@
-//! README and docs, brought up to date from figures, or checked.
+//! Updates README and docs from figures, or checks them.
 //!
 //! Three things are made: tables between `<!-- table: NAME -->` and `<!-- /table -->` ([`tables`]), numbers in sentences
-//! ([`claims`]), and plots ([`links`]). Links that lead nowhere are told. `waiting = true` says of one of them that its figures are not in the folder yet: it stays as it is, and that is
-//! told, until they are. What has figures that no bench measures is told in [`elsewhere`]: all other figures must be made.
+//! ([`claims`]), and plots ([`links`]). Dead links are reported. An entry with `waiting = true` has no figures in the folder
+//! yet: it stays as it is, and is reported until they are there. [`elsewhere`] lists figures that no bench measures; all
+//! others must be made.
 
 pub mod claims;
 pub mod elsewhere;
@@ -27,7 +28,7 @@ use claims::Claim;
 use elsewhere::Elsewhere;
 use tables::TableOfDocs;
 
-/// Where the figures are, in the repository.
+/// Folder of the figures in the repository.
 pub const FOLDER: &str = "docs/figures";
 
 /// `claims.toml`.
@@ -52,7 +53,7 @@ struct Others {
     elsewhere: Vec<Elsewhere>,
 }
 
-/// What is made, or why it is not, of something that may be `waiting` for its figures.
+/// The made text, or the reason why there is none. `None` for an entry that is `waiting` and has no figures yet.
 fn unless_waiting<T>(waiting: bool, made: Result<T, String>) -> Result<Option<T>, String> {
     match (waiting, made) {
         (false, made) => made.map(Some),
@@ -72,25 +73,25 @@ struct PlotOfDocs {
     waiting: bool,
 }
 
-/// A file as it is and as it is to be.
+/// A file before and after.
 pub struct Page {
     pub name: String,
     before: String,
     pub text: String,
 }
 
-/// All that is made, and what is wrong with it.
+/// The made pages and plots, and their errors.
 pub struct Docs {
     root: PathBuf,
     pages: Vec<Page>,
     plots: BTreeMap<String, String>,
     pub wrong: Vec<String>,
-    /// What is not made, because its figures are not there yet.
+    /// Entries that wait for their figures.
     pub waiting: Vec<String>,
 }
 
 impl Docs {
-    /// Of the repository at `root`, as the figures want it.
+    /// Makes the docs of the repository at `root` from their figures.
     pub fn new(root: &Path) -> Result<Self, String> {
         let folder = root.join(FOLDER);
         let store = Store::of_machines(&folder)?;
@@ -187,7 +188,7 @@ impl Docs {
         }
     }
 
-    /// Puts plots into pages, and tells links that lead nowhere.
+    /// Puts plots into pages, and reports dead links.
     fn show_plots(&mut self) {
         for page in &mut self.pages {
             let folder = match page.name.starts_with("docs/") {
@@ -202,7 +203,7 @@ impl Docs {
         }
     }
 
-    /// What of it is not so yet.
+    /// Differences between the files and the made ones.
     pub fn differences(&self) -> Vec<String> {
         let mut differences = Vec::new();
         for page in &self.pages {
@@ -218,7 +219,7 @@ impl Docs {
                     }
                 }
             } else {
-                // Rows have come or gone.
+                // Rows were added or removed.
                 let more = after.iter().filter(|line| !before.contains(line));
                 differences.extend(more.map(|line| format!("{name}: lacks {line}")));
                 let fewer = before.iter().filter(|line| !after.contains(line));
@@ -272,7 +273,7 @@ fn pages(root: &Path) -> Result<Vec<Page>, String> {
     names.into_iter().map(page).collect()
 }
 
-/// References beneath a source and keys: `h200/frame_times | boxes_64`.
+/// Resolves references below a source and keys: `h200/frame_times | boxes_64`.
 pub struct Origin<'a> {
     store: &'a Store,
     parts: Vec<String>,

@@ -1,13 +1,13 @@
 //! Tables between `<!-- table: NAME -->` and `<!-- /table -->`.
 //!
 //! ```toml
-//! [[table]]                               # what the bench prints itself, of some of its scenes
+//! [[table]]                               # the bench's own table, for some of its scenes
 //! name = "frame times"
 //! from = "h200/frame_times"
 //! only = ["boxes_64", "FlightHelmet"]
 //! without = ["lean writing diffuse light"]
 //!
-//! [[table]]                               # rows and columns as wanted
+//! [[table]]                               # custom rows and columns
 //! name = "occlusion"
 //! from = "h200/ambient_occlusion | 3840x2160"
 //! head = "preset"
@@ -15,7 +15,7 @@
 //! rows = [["Low", "Low, indirect"], ["**Medium** (default)", "Medium, indirect"]]
 //! ```
 //!
-//! Columns have a title and a [template](crate::template); rows what stands first, and keys.
+//! Columns have a title and a [template](crate::template), rows a first cell and keys.
 
 use std::ops::Range;
 
@@ -34,13 +34,13 @@ pub struct TableOfDocs {
     pub waiting: bool,
     #[serde(default)]
     from: String,
-    /// Of a bench's own table: those in whose first cells these stand, in this order. All, where there are none.
+    /// Rows of a bench's own table with these first cells, in this order; all rows if it is empty.
     #[serde(default)]
     only: Vec<String>,
-    /// Of a bench's own table: rows that have one of these cells are left out.
+    /// Rows of a bench's own table with one of these cells are left out.
     #[serde(default)]
     without: Vec<String>,
-    /// Which of the bench's own tables.
+    /// Index among the bench's own tables.
     #[serde(default)]
     number: usize,
     #[serde(default)]
@@ -110,7 +110,7 @@ fn begin() -> Regex {
     Regex::new("<!-- table: (.+?) -->\n").expect("it is constant")
 }
 
-/// Where tables are made in `page`.
+/// Ranges of the made tables in `page`.
 pub fn places(page: &str) -> Vec<Range<usize>> {
     let begin = begin();
     let places = begin.find_iter(page).filter_map(|begin| {
@@ -120,7 +120,7 @@ pub fn places(page: &str) -> Vec<Range<usize>> {
     places.collect()
 }
 
-/// `page` with its tables; notes which of `tables` it has.
+/// `page` with its tables; records in `used` which of `tables` it has.
 pub fn fill(
     page: &str,
     tables: &[TableOfDocs],

@@ -20,7 +20,7 @@ th, td { border: 1px solid #ddd; padding: 3px 8px; text-align: left; white-space
 figcaption { font-size: 13px; color: #444 } summary { cursor: pointer; margin: .8em 0; font-weight: 600 }
 ";
 
-/// What a bench is about, and what its figures are to be read with.
+/// The title of a bench, and an introduction to its figures.
 fn heading(bench: &str) -> (&'static str, &'static str) {
     match bench {
         "frame_times" => (

@@ -1,4 +1,4 @@
-//! Pictures beside one another, with differences.
+//! Pictures side by side, with differences.
 
 use std::{fmt::Write, io::Cursor, path::Path};
 
@@ -7,20 +7,20 @@ use image::{ImageFormat, Rgb, RgbImage, imageops::FilterType};
 
 use super::escape;
 
-/// Pictures are made no wider than this.
+/// Largest width of a picture.
 const WIDTH: u32 = 640;
-/// A picture that others are compared with, and those.
+/// A reference picture, and those that are compared with it.
 struct Group {
     title: String,
     reference: String,
     others: Vec<String>,
-    /// Whether the differences are the errors; else they are what an effect does.
+    /// The differences are errors; otherwise they show an effect.
     errors: bool,
-    /// Differences are multiplied by this to be seen.
+    /// Factor that makes differences visible.
     gain: u8,
 }
 
-/// The pictures that a bench has written into `folder`.
+/// The section of the pictures that a bench has written into `folder`.
 pub fn section(bench: &str, folder: &Path) -> Result<String, String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .map_err(|error| format!("{}: {error}", folder.display()))?
@@ -60,9 +60,9 @@ pub fn section(bench: &str, folder: &Path) -> Result<String, String> {
     Ok(html)
 }
 
-/// What is compared with what, by the names that the bench gives its files.
+/// Groups of the pictures to compare, by the file names of the bench.
 fn groups(bench: &str, names: &[String]) -> Vec<Group> {
-    // The reference's name within the file's, and which others a page has room for.
+    // The reference's name within the file's, and the others that a page has room for.
     let (reference, errors, gain, shown): (&str, bool, u8, &[&str]) = match bench {
         "frame_times" | "many_meshes" => ("Bevy_forward", true, 16, &["Bevy_deferred", "lean"]),
         "light_scaling" => ("Bevy_forward", true, 16, &["Bevy_deferred", "lean"]),
@@ -118,7 +118,7 @@ fn groups(bench: &str, names: &[String]) -> Vec<Group> {
             });
         }
     }
-    // Where there are many, some of them say enough: from few lights to many.
+    // Of many groups only some are shown, from few lights to many.
     let step = groups.len().div_ceil(MOST_GROUPS).max(1);
     groups.into_iter().step_by(step).collect()
 }
@@ -131,7 +131,7 @@ fn read(folder: &Path, name: &str) -> Result<RgbImage, String> {
     Ok(picture.to_rgb8())
 }
 
-/// As large as it was; `None` where they differ in size.
+/// Difference at the pictures' size; `None` if their sizes differ.
 fn difference(a: &RgbImage, b: &RgbImage, gain: u8) -> Option<RgbImage> {
     if a.dimensions() != b.dimensions() {
         return None;

@@ -20,11 +20,11 @@ struct Bar {
     parts: Vec<f64>,
 }
 
-/// What is to be drawn.
+/// Contents of the plot.
 pub struct Bars {
     axis: String,
     parts: Vec<String>,
-    /// With a name, each on a scale of its own.
+    /// Named groups, each on its own scale.
     groups: Vec<(String, Vec<Bar>)>,
 }
 
@@ -41,7 +41,7 @@ impl Bars {
         self.add_to("", name, parts);
     }
 
-    /// Groups have scales of their own.
+    /// Adds a bar to a group, which has its own scale.
     pub fn add_to(&mut self, group: &str, name: String, parts: Vec<f64>) {
         let bar = Bar { name, parts };
         match self.groups.iter_mut().find(|(name, _)| name == group) {
@@ -52,7 +52,7 @@ impl Bars {
 
     pub fn plot(&self, name: &str, title: String) -> Plot {
         let entries: Vec<(String, Symbol)> = match self.parts.len() {
-            // The axis says what it is.
+            // The axis names a single part.
             1 => Vec::new(),
             _ => (self.parts.iter().enumerate())
                 .map(|(index, part)| (part.clone(), Symbol::Bar(part_color(index))))
@@ -105,7 +105,7 @@ impl Bars {
             .map(|bar| bar.parts.iter().sum::<f64>())
             .fold(0.0, f64::max);
         let most = if most > 0.0 { most } else { 1.0 };
-        // With room for the figure behind the longest.
+        // With room for the figure behind the longest bar.
         let scale = f64::from(WIDTH as i32 - left - 90) / most;
         let at = |value: f64| left + (value * scale).round() as i32;
         let right = style::text(HPos::Right, VPos::Center);
@@ -154,7 +154,7 @@ fn part_color(index: usize) -> RGBColor {
     style::COLORS[index % style::COLORS.len()]
 }
 
-/// Three digits of it, or all before the point.
+/// Three digits of a value, or all before the point.
 fn figure(value: f64) -> String {
     match value {
         _ if value >= 100.0 => format!("{value:.0}"),

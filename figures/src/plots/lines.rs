@@ -20,7 +20,7 @@ struct Line {
     color: RGBColor,
 }
 
-/// What is to be drawn.
+/// Contents of the plot.
 pub struct Lines {
     axes: [String; 2],
     lines: Vec<Line>,
@@ -34,13 +34,13 @@ impl Lines {
         }
     }
 
-    /// Those whose names begin alike up to a comma have one colour.
+    /// Lines whose names are equal up to a comma share a colour.
     pub fn add(&mut self, name: String, points: Vec<(f64, f64)>, dashed: bool) {
         let group = |name: &str| name.split(',').next().unwrap_or_default().to_owned();
         let own = group(&name);
         let same = self.lines.iter().find(|line| group(&line.name) == own);
         let color = same.map(|line| line.color);
-        // Bevy's have their own.
+        // Bevy's lines have colours of their own.
         let mut others: Vec<RGBColor> = Vec::new();
         for line in self
             .lines

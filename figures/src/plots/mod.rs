@@ -1,4 +1,4 @@
-//! Plots as SVG, of any bench. One that a single bench has is beside that bench.
+//! Plots as SVG, for any bench. The plot of a single bench is beside that bench.
 
 pub mod bars;
 pub mod lines;
@@ -8,7 +8,7 @@ pub mod style;
 /// A plot, drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plot {
-    /// Among the plots of its bench.
+    /// Unique among the plots of its bench.
     pub name: String,
     pub title: String,
     pub svg: String,

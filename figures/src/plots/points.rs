@@ -19,11 +19,11 @@ struct Point {
     place: (f64, f64),
 }
 
-/// What is to be drawn.
+/// Contents of the plot.
 pub struct Points {
     axes: [String; 2],
     points: Vec<Point>,
-    /// Upright ones, at their x.
+    /// Vertical lines, at their x.
     lines: Vec<(String, f64)>,
 }
 
@@ -130,7 +130,7 @@ impl Points {
             .iter()
             .map(|point| point.name.as_str())
             .collect();
-        // Those are of the whole picture.
+        // The labels' coordinates are relative to the whole picture.
         let (left, top) = area.get_base_pixel();
         for label in place_names(
             &names,
@@ -156,7 +156,7 @@ struct Label {
     name: String,
     /// The middle of its left side.
     place: (i32, i32),
-    /// A line to the point, where that is not beside it.
+    /// A line to the point, if the name is not beside it.
     leader: Option<((i32, i32), (i32, i32))>,
 }
 
@@ -167,13 +167,14 @@ fn overlap(a: Bounds, b: Bounds) -> bool {
     a[0] < b[1] && b[0] < a[1] && a[2] < b[3] && b[2] < a[3]
 }
 
-/// Puts each name where no other is, nor a point: beside its own, or else further up or down with a line to it.
+/// Places each name where there is neither another one nor a point: beside its own point, or else further up or down
+/// with a line to it.
 fn place_names(names: &[&str], dots: &[(i32, i32)], plane: Bounds) -> Vec<Label> {
     let mut taken: Vec<Bounds> = dots
         .iter()
         .map(|(x, y)| [x - 6, x + 6, y - 6, y + 6])
         .collect();
-    // Names of points at one place are one name.
+    // Names of points at one place are joined.
     let mut labels: Vec<Label> = Vec::new();
     let mut done: Vec<(i32, i32)> = Vec::new();
     for (index, (x, y)) in dots.iter().copied().enumerate() {

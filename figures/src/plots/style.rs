@@ -1,4 +1,4 @@
-//! What all plots have in common.
+//! Style that all plots share.
 
 use std::error::Error;
 
@@ -11,17 +11,17 @@ use plotters::{
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub type Drawn = Result<(), Box<dyn Error>>;
 
-/// SVG's sizes are these by 1.24.
+/// Font sizes of the SVG are these times 1.24.
 pub const TEXT: i32 = 14;
 pub const TITLE: i32 = 18;
-/// Mean width of a character of [`TEXT`] in pixels, about: nothing measures fonts.
+/// Approximate mean width of a character of [`TEXT`] in pixels: nothing measures fonts.
 pub const CHARACTER: f64 = 7.6;
 
 pub const GRID: RGBColor = RGBColor(225, 225, 225);
 pub const TITLE_HEIGHT: u32 = 40;
 pub const LEGEND_ROW: u32 = 26;
 
-/// That can be told apart with any colour vision (Okabe and Ito 2008, "Color Universal Design").
+/// Colours that any colour vision can tell apart (Okabe and Ito 2008, "Color Universal Design").
 pub const COLORS: [RGBColor; 8] = [
     RGBColor(0, 158, 115),
     RGBColor(230, 159, 0),
@@ -35,7 +35,7 @@ pub const COLORS: [RGBColor; 8] = [
 pub const BEVY: RGBColor = RGBColor(213, 94, 0);
 pub const BEVY_FORWARD: RGBColor = RGBColor(204, 121, 167);
 
-/// The colour of a group of things that bear that name; lean ones are the first of `lean` so far.
+/// Colour of a group with this name: Bevy's have their own, others take the next one by `place`.
 pub fn color(group: &str, place: usize) -> RGBColor {
     match group {
         "Bevy forward" => BEVY_FORWARD,
@@ -44,7 +44,7 @@ pub fn color(group: &str, place: usize) -> RGBColor {
     }
 }
 
-/// An SVG with a title, and below it what `draw` draws.
+/// An SVG with a title, and below it the drawing of `draw`.
 pub fn svg(title: &str, width: u32, height: u32, draw: impl FnOnce(&Area) -> Drawn) -> String {
     let mut text = String::new();
     {
@@ -70,7 +70,7 @@ pub fn text(horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
     style.pos(Pos::new(horizontal, vertical))
 }
 
-/// What stands for something in a legend.
+/// Symbol of a legend's entry.
 #[derive(Clone, Copy)]
 pub enum Symbol {
     Line(RGBColor),
@@ -80,7 +80,7 @@ pub enum Symbol {
     Cross,
 }
 
-/// How high a legend of so many entries is.
+/// Height of a legend with these entries.
 pub fn legend_height(entries: &[(String, Symbol)], width: u32) -> u32 {
     LEGEND_ROW * entries.len().div_ceil(columns(entries, width)) as u32
 }
@@ -123,10 +123,10 @@ pub fn draw_legend(area: &Area, entries: &[(String, Symbol)]) -> Drawn {
     Ok(())
 }
 
-/// An axis goes at least from something to so many times that.
+/// Least ratio between the ends of a logarithmic axis.
 const LEAST_RANGE: f64 = 4.0;
 
-/// The least and the largest of those above 0, with some room, for a logarithmic axis.
+/// Range of the positive values, with some room, for a logarithmic axis.
 pub fn log_range(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64) {
     let (least, most) = values
         .filter(|value| *value > 0.0 && value.is_finite())
@@ -136,12 +136,12 @@ pub fn log_range(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64) {
     if most == 0.0 {
         return (0.1, 10.0);
     }
-    // What differs little is to look so.
+    // Keeps small differences small.
     let room = room.max((LEAST_RANGE / (most / least)).sqrt());
     (least / room, most * room)
 }
 
-/// Ticks of a logarithmic axis: 1, 2 and 5 of each power of ten, or the powers alone where there are many.
+/// Ticks of a logarithmic axis: 1, 2 and 5 of each power of ten, or the powers alone if there are many.
 pub fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
     let powers = least.log10().floor() as i32..=most.log10().ceil() as i32;
     let factors: &[f64] = match (most / least).log10() {
@@ -150,14 +150,14 @@ pub fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
         _ => &[1.0],
     };
     powers
-        // Through text, so that 0.3 is 0.3.
+        // Parsed from text, so that 0.3 is 0.3.
         .flat_map(|power| factors.iter().map(move |f| format!("{f}e{power}")))
         .filter_map(|text| text.parse().ok())
         .filter(|tick| (least..=most).contains(tick))
         .collect()
 }
 
-/// As short as can be.
+/// The shortest text of the value.
 pub fn tick_text(value: &f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
@@ -166,7 +166,7 @@ pub fn tick_text(value: &f64) -> String {
     }
 }
 
-/// Ticks of a linear axis from 0 to `most`, between five and ten of them.
+/// Ticks of a linear axis from 0 to `most`: five to ten.
 pub fn linear_ticks(most: f64) -> Vec<f64> {
     let power = 10f64.powf(most.log10().floor());
     let steps = [0.1, 0.2, 0.5, 1.0, 2.0].map(|step| step * power);

@@ -1,16 +1,16 @@
-//! What is run, and how long it is expected to take.
+//! The benches to run, and how long they are expected to take.
 
-/// How much is measured.
+/// Extent of the measurements.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mode {
     /// Small scenes and few frames, for a software renderer.
     Quick,
-    /// What the figures in the docs are made of. Wants a GPU.
+    /// The figures in the docs. Needs a GPU.
     Full,
 }
 
 impl Mode {
-    /// Cargo's arguments. Quick takes what the tests have built.
+    /// Cargo's arguments. Quick runs reuse the build of the tests.
     pub fn profile(self) -> &'static [&'static str] {
         match self {
             Self::Quick => &["--profile", "dev"],
@@ -31,12 +31,12 @@ pub struct Step {
     pub bench: &'static str,
     pub args: Vec<String>,
     pub has_pictures: bool,
-    /// In seconds, on two cores without a GPU (quick) or on a large GPU (full). Only the ratios matter once some of it is
-    /// done.
+    /// In seconds, on two cores without a GPU (quick) or on a large GPU (full). Once some steps are done, only the
+    /// ratios matter.
     pub expected: f64,
 }
 
-/// All benches. With a glTF file, frames of it are measured too.
+/// All benches; with a glTF file, also frames of it.
 pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
     let step = |bench, args: &[&str], expected| Step {
         bench,

@@ -1,4 +1,4 @@
-//! A bar, and the time left.
+//! A progress bar with the time left.
 
 use std::time::{Duration, Instant};
 
@@ -7,15 +7,15 @@ use regex::Regex;
 
 use super::plan::Step;
 
-/// How far the benches are. One says `[3/20]` when it begins the third of twenty things.
+/// Progress of the benches. A bench prints `[3/20]` when it begins the third of twenty steps.
 pub struct Progress {
     bar: ProgressBar,
     counted: Regex,
-    /// Of all steps.
+    /// Expected seconds of all steps.
     expected: f64,
-    /// Of those that are done.
+    /// Expected seconds of the finished steps.
     done: f64,
-    /// What those took.
+    /// Actual seconds of the finished steps.
     took: f64,
     began: Instant,
 }
@@ -41,13 +41,13 @@ impl Progress {
     pub fn begin(&mut self, step: &Step) {
         self.began = Instant::now();
         self.show(step, 0.0, "");
-        // Where nobody would see the bar.
+        // Plain lines if the bar would be invisible.
         if self.bar.is_hidden() {
             eprintln!("{}", self.bar.message());
         }
     }
 
-    /// A line that a bench has written.
+    /// Handles a line that a bench has written.
     pub fn line(&mut self, step: &Step, line: &str) {
         if let Some(counted) = self.counted.captures(line) {
             let [number, of] = [1, 2].map(|group| counted[group].parse().unwrap_or(1.0));
@@ -79,14 +79,14 @@ impl Progress {
     }
 }
 
-/// The time left, after `so_far` seconds for `done` of `expected` seconds. The less is done, the more is what was expected
-/// believed.
+/// The time left, after `so_far` seconds for `done` of `expected` seconds. The expectation weighs the more, the less is
+/// done.
 fn left(so_far: f64, done: f64, expected: f64) -> Duration {
     let pace = (so_far + BELIEF) / (done + BELIEF);
     Duration::from_secs_f64((pace * (expected - done)).max(0.0))
 }
 
-/// Seconds after which the measured pace counts as much as the expected one.
+/// Seconds after which the measured pace weighs as much as the expected one.
 const BELIEF: f64 = 20.0;
 
 #[cfg(test)]

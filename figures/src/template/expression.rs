@@ -32,7 +32,7 @@ enum Term {
     Reference(Reference),
 }
 
-/// Sums of products.
+/// A sum of products.
 #[derive(Debug)]
 pub struct Expression(Vec<(Sign, Product)>);
 
@@ -42,7 +42,7 @@ enum Sign {
     Minus,
 }
 
-/// The first is multiplied by, or divided by, the others.
+/// The first term is multiplied with, or divided by, the others.
 #[derive(Debug)]
 struct Product(Term, Vec<(Factor, Term)>);
 
@@ -67,9 +67,9 @@ impl Expression {
         Ok(Self(terms))
     }
 
-    /// `None`: something of it was not measured.
+    /// The value; `None` if some part of it was not measured.
     pub fn value(&self, from: &dyn Resolve) -> Result<Option<Value>, String> {
-        // Alone it may be anything.
+        // A single reference may be of any type.
         if let [(Sign::Plus, Product(Term::Reference(reference), factors))] = &self.0[..]
             && factors.is_empty()
         {
@@ -94,7 +94,7 @@ impl Expression {
                 Sign::Minus => -product,
             };
         }
-        // None where something was divided by nothing.
+        // `None` after a division by zero.
         Ok(serde_json::Number::from_f64(sum).map(Value::Number))
     }
 }
@@ -122,7 +122,7 @@ fn number(term: &Term, from: &dyn Resolve) -> Result<Option<f64>, String> {
     }
 }
 
-/// The parts of `text`, each but the first with what stands before it.
+/// The parts of `text`, each but the first with the separator before it.
 fn split<'a, T: Copy>(mut text: &'a str, between: &[(&str, T)]) -> Vec<(Option<T>, &'a str)> {
     let mut parts = Vec::new();
     let mut before = None;

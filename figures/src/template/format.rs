@@ -1,4 +1,4 @@
-//! How a value is written.
+//! Formats of values.
 
 use serde_json::Value;
 
@@ -11,9 +11,9 @@ pub struct Format {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Sign {
-    /// Of negative numbers.
+    /// A sign for negative numbers.
     Minus,
-    /// Of all.
+    /// A sign for all numbers.
     Always,
     Never,
 }
@@ -29,7 +29,7 @@ enum Kind {
     Microseconds,
 }
 
-/// A number as it may stand in a text.
+/// Pattern of a number in a text.
 pub const NUMBER: &str = r"[-+]?\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?";
 
 impl Format {
@@ -94,7 +94,7 @@ impl Format {
         })
     }
 
-    /// What such a text may look like, as a regular expression.
+    /// Pattern of the formatted text, as a regular expression.
     pub fn pattern(self) -> String {
         match self.kind {
             Kind::Milliseconds | Kind::Microseconds => {

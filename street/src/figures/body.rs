@@ -4,14 +4,14 @@ use bevy::{mesh::VertexAttributeValues, prelude::*};
 
 use crate::geometry::Geometry;
 
-/// A joint, and the one that carries it.
+/// A joint, and its parent.
 #[derive(Clone, Copy)]
 pub struct Joint {
     pub parent: Option<usize>,
     place: [f32; 3],
 }
 
-/// Of a body that stands upright with its arms down and looks along +z, its left at +x. In metres.
+/// Joints of a body that stands upright with its arms down and looks along +z, its left at +x. In metres.
 pub const JOINTS: [Joint; 11] = [
     Joint::new(None, [0.0, 0.92, 0.0]),
     Joint::new(Some(HIPS), [0.0, 1.12, 0.0]),
@@ -38,7 +38,7 @@ pub const LEFT_SHIN: usize = 8;
 pub const RIGHT_THIGH: usize = 9;
 pub const RIGHT_SHIN: usize = 10;
 
-/// Where a right hand holds an umbrella.
+/// Position of a right hand that holds an umbrella.
 pub const HAND: Vec3 = Vec3::new(-0.23, 1.2, 0.27);
 
 impl Joint {
@@ -46,12 +46,12 @@ impl Joint {
         Self { parent, place }
     }
 
-    /// Where it is in the body that stands upright.
+    /// Position in the upright body.
     pub fn place(self) -> Vec3 {
         Vec3::from_array(self.place)
     }
 
-    /// Against the joint that carries it.
+    /// Transform relative to the parent joint.
     pub fn local(self) -> Transform {
         let carrier = self
             .parent
@@ -60,7 +60,7 @@ impl Joint {
     }
 }
 
-/// Parts, and to which joint each vertex belongs.
+/// Geometry, and the joint of each vertex.
 #[derive(Default)]
 struct Skin {
     geometry: Geometry,
@@ -69,7 +69,7 @@ struct Skin {
 }
 
 impl Skin {
-    /// What `add` adds belongs to one joint.
+    /// Assigns the geometry that `add` adds to one joint.
     fn part(&mut self, joint: usize, add: impl FnOnce(&mut Geometry)) {
         add(&mut self.geometry);
         let count = self.geometry.vertices();
@@ -77,7 +77,7 @@ impl Skin {
         self.weights.resize(count, [1.0, 0.0, 0.0, 0.0]);
     }
 
-    /// What `add` adds hangs from the hips, and follows the thighs the more, the lower it is.
+    /// Hangs the geometry that `add` adds from the hips; it follows the thighs the more, the lower it is.
     fn skirt(&mut self, add: impl FnOnce(&mut Geometry)) {
         add(&mut self.geometry);
         for vertex in &self.geometry.positions()[self.joints.len()..] {
@@ -91,7 +91,7 @@ impl Skin {
     }
 }
 
-/// Someone in a coat, with a hat or with nothing on the head.
+/// Someone in a coat, with a hat or bareheaded.
 pub fn mesh(is_bareheaded: bool) -> Mesh {
     let mut skin = Skin::default();
     let v = |[x, y, z]: [f32; 3]| Vec3::new(x, y, z);

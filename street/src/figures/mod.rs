@@ -19,7 +19,7 @@ use crate::{
 use body::JOINTS;
 use walk::Walker;
 
-/// Nearer than this nobody comes to the cameras, in metres along z.
+/// Nobody comes nearer to the cameras than this, in metres along z.
 pub const NEAREST: f32 = 4.6;
 
 pub fn spawn(stage: &mut Stage, materials: &Materials, detail: Detail) {
@@ -79,7 +79,7 @@ pub fn spawn(stage: &mut Stage, materials: &Materials, detail: Detail) {
     }
 }
 
-/// Across the street, and up on the pavements. Nobody walks where the cameras stand.
+/// Position across the street, and height on the pavements. Nobody walks where the cameras are.
 fn lane(number: usize, random: &mut Rng) -> Vec2 {
     let side = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
     match number % 6 {

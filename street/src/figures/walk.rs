@@ -1,4 +1,4 @@
-//! How they walk.
+//! The people's walk.
 
 use core::f32::consts::{PI, TAU};
 
@@ -9,30 +9,30 @@ use super::body::{
     RIGHT_SHIN, RIGHT_THIGH,
 };
 
-/// Two steps, in metres.
+/// Length of two steps, in metres.
 const STRIDE: f32 = 1.35;
 
-/// Whether they walk: factor on their speed, 0 for pictures that are compared. Default 1.
+/// Factor on the walking speed: 0 for pictures that are compared. Default 1.
 #[derive(Resource, Clone, Copy)]
 pub struct Walking(pub f32);
 
-/// Someone, or some animal, who walks from one end of the street to the other, and from its beginning again.
+/// A person or animal who walks from one end of the street to the other, and then again from its beginning.
 #[derive(Component, Clone, Copy)]
 pub struct Walker {
     /// X and y, in metres.
     pub lane: Vec2,
     pub towards_us: bool,
-    /// In metres a second.
+    /// In metres per second.
     pub speed: f32,
-    /// Where the way ends, along z.
+    /// End of the way, along z.
     pub far: f32,
     pub near: f32,
-    /// How far they have come, in metres.
+    /// Distance walked, in metres.
     pub way: f32,
 }
 
 impl Walker {
-    /// Where they are now, turned the way they walk.
+    /// Current position, turned in walking direction.
     pub fn transform(self) -> Transform {
         let length = self.near - self.far;
         let way = self.way.rem_euclid(length);
@@ -66,12 +66,12 @@ pub fn walk(
         walker.way += pace * walker.speed * time.delta_secs();
         let scale = transform.scale;
         *transform = walker.transform().with_scale(scale);
-        // Others are animated by their files.
+        // Files animate the others.
         let Some((bones, holds)) = body else {
             continue;
         };
         let phase = TAU * walker.way / STRIDE;
-        // Each step lifts the body twice a stride.
+        // Each step lifts the body, twice per stride.
         transform.translation.y += 0.02 * (2.0 * phase).cos() - 0.02;
         let mut turn = |joint: usize, rotation: Quat| {
             if let Ok(mut bone) = joints.get_mut(bones.0[joint]) {
@@ -87,7 +87,7 @@ pub fn walk(
             (-1.0, RIGHT_THIGH, RIGHT_SHIN),
         ] {
             turn(thigh, forth(0.48 * sign * swing + 0.05));
-            // The leg that comes forth is bent.
+            // The leg that swings forward is bent.
             let lifted = (sign * phase.cos()).max(0.0);
             turn(shin, forth(-0.1 - 0.75 * lifted));
         }

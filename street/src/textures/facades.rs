@@ -1,4 +1,4 @@
-//! What walls are made of.
+//! Textures of walls.
 
 use bevy::prelude::*;
 
@@ -8,7 +8,7 @@ use super::{
     texture::{Texel, image, places_of, tile},
 };
 
-/// 2 m of bricks in running bond, 25 by 8.3 cm each. Their colour is a material's.
+/// 2 m of bricks in running bond, 25 by 8.3 cm each. The material adds their colour.
 pub fn bricks(images: &mut Assets<Image>, size: u32) -> Tile {
     tile(images, size, 2.0, |uv| {
         let row = (uv.y * 24.0).floor();

@@ -1,4 +1,4 @@
-//! What one walks on.
+//! Textures of the ground.
 
 use bevy::prelude::*;
 

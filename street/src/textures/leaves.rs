@@ -1,13 +1,13 @@
-//! Leaves, cut out by alpha.
+//! Leaves, alpha-masked.
 
 use bevy::prelude::*;
 
 use super::texture::{image, places};
 
-/// A bunch of leaves on twigs that come from the middle below.
+/// A bunch of leaves on twigs that grow from the middle below.
 pub fn bunch(images: &mut Assets<Image>, size: u32) -> Handle<Image> {
     let mut random = fastrand::Rng::with_seed(77);
-    // Where each is, how it is turned, how long it is, how bright.
+    // Position, direction, length and brightness of each leaf.
     let leaves: Vec<(Vec2, Vec2, f32, f32)> = (0..60)
         .map(|_| {
             let angle = core::f32::consts::PI * (0.1 + 0.8 * random.f32());

@@ -9,7 +9,7 @@ mod texture;
 
 use bevy::prelude::*;
 
-/// Colour, roughness and bumps of something that tiles.
+/// Colour, roughness and bumps of a tiling texture.
 #[derive(Clone)]
 pub struct Tile {
     pub color: Handle<Image>,
@@ -18,7 +18,7 @@ pub struct Tile {
     pub normal: Handle<Image>,
 }
 
-/// All of them.
+/// All textures of the street.
 pub struct Textures {
     /// 8 m of asphalt with puddles.
     pub asphalt: Tile,
@@ -28,16 +28,16 @@ pub struct Textures {
     pub bricks: Tile,
     /// Rooms behind windows.
     pub windows: Vec<Handle<Image>>,
-    /// Made-up letters, four below one another.
+    /// Invented letters, four in a column.
     pub signs: Vec<Handle<Image>>,
     /// Stripes of an awning.
     pub stripes: Handle<Image>,
-    /// A bunch of leaves, cut out by alpha.
+    /// A bunch of leaves, alpha-masked.
     pub leaves: Handle<Image>,
 }
 
 impl Textures {
-    /// What tiles has `size` texels on a side.
+    /// Creates all textures; tiling ones have `size` texels per side.
     pub fn new(images: &mut Assets<Image>, size: u32) -> Self {
         Self {
             asphalt: grounds::asphalt(images, size),

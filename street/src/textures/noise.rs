@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 
-/// Smooth noise of `period` cells on a side over u and v in 0..1, 0 to 1 (value noise: Perlin 1985, "An Image Synthesizer", with
-/// values at the corners of a grid in place of slopes).
+/// Smooth noise from 0 to 1, with `period` cells per side over u and v in 0..1 (value noise: Perlin 1985, "An Image
+/// Synthesizer", with values at the corners of a grid instead of slopes).
 fn cells(uv: Vec2, period: u32, seed: u32) -> f32 {
     let place = uv * period as f32;
     let cell = place.floor();
@@ -18,7 +18,7 @@ fn cells(uv: Vec2, period: u32, seed: u32) -> f32 {
     below.lerp(above, share.y)
 }
 
-/// Some octaves of noise, each half as strong as the one before. 0 to 1.
+/// Sum of octaves of noise, each half as strong as the one before. 0 to 1.
 pub fn octaves(uv: Vec2, period: u32, count: u32, seed: u32) -> f32 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for octave in 0..count {
@@ -40,7 +40,7 @@ pub fn hash(cell: UVec2, seed: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// From 0 at `low` to 1 at `high`, smoothly.
+/// Smooth step from 0 at `low` to 1 at `high`.
 pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     let share = ((x - low) / (high - low)).clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)

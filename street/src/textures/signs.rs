@@ -1,22 +1,22 @@
-//! What signs and awnings show.
+//! Textures of signs and awnings.
 
 use bevy::prelude::*;
 
 use super::texture::{image, places_of};
 
-/// Four letters of no script, below one another: strokes of white within a frame, on black.
+/// Four letters of no script in a column: white strokes within a frame, on black.
 pub fn letters(images: &mut Assets<Image>, number: u64) -> Handle<Image> {
     let mut random = fastrand::Rng::with_seed(0x51a5 + number);
     let mut strokes: Vec<(Vec2, Vec2)> = Vec::new();
     for letter in 0..4 {
-        // On a grid of three by three places.
+        // On a grid of three by three points.
         let mut place = || {
             let at = Vec2::new(random.u32(0..3) as f32, random.u32(0..3) as f32) / 2.0;
             Vec2::new(0.24, letter as f32 + 0.2) + at * Vec2::new(0.52, 0.6)
         };
         for _ in 0..5 {
             let (from, to) = (place(), place());
-            // Straight down or straight across, but for one.
+            // Strokes are vertical or horizontal, except for one.
             let corner = Vec2::new(to.x, from.y);
             strokes.extend([(from, corner), (corner, to)]);
         }

@@ -1,4 +1,4 @@
-//! From functions to images with all their mip levels.
+//! Builds images with all their mip levels from functions.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -9,7 +9,7 @@ use bevy::{
 
 use super::Tile;
 
-/// What a function says at one place of what tiles.
+/// Value of a tiling texture's function at one point.
 pub struct Texel {
     pub color: Vec3,
     pub roughness: f32,
@@ -17,7 +17,7 @@ pub struct Texel {
     pub height: f32,
 }
 
-/// Three images of a function of u and v in 0..1, `metres` on a side.
+/// Three images of a function of u and v in 0..1, `metres` per side.
 pub fn tile(
     images: &mut Assets<Image>,
     size: u32,
@@ -51,7 +51,7 @@ pub fn tile(
     }
 }
 
-/// The middles of texels, row by row.
+/// Centres of the texels, row by row.
 pub fn places(size: u32) -> impl Iterator<Item = Vec2> {
     places_of(UVec2::splat(size))
 }
@@ -61,7 +61,7 @@ pub fn places_of(size: UVec2) -> impl Iterator<Item = Vec2> {
     (0..size.y).flat_map(move |y| (0..size.x).map(move |x| place(x, y)))
 }
 
-/// An image with its mip levels, of linear values: averages of four. Repeats.
+/// A repeating image of linear values, with mip levels that average four texels each.
 pub fn image(size: UVec2, texels: Vec<Vec4>, is_srgb: bool) -> Image {
     let levels = size.min_element().ilog2() + 1;
     let mut level = (size, texels);

@@ -1,7 +1,7 @@
-//! Writes every shader of the crate as a browser gets it: composed under all definitions that `tests/shaders` tries, validated by
-//! naga with what WebGPU has and no more, and written as the WGSL that `wgpu` hands to the browser.
+//! Writes every shader of the crate as a browser gets it: composed under all definitions that `tests/shaders` tries,
+//! validated by naga with no more than WebGPU's capabilities, and written as the WGSL that `wgpu` hands to the browser.
 //!
-//! `bevy_lean_deferred_web_shaders OUT FOLDER…`: the folders hold Bevy's crates. `../shaders.sh` knows them.
+//! `bevy_lean_deferred_web_shaders OUT FOLDER…`: the folders hold Bevy's crates. `../shaders.sh` passes them.
 
 extern crate self as kit;
 
@@ -21,7 +21,7 @@ use naga_oil::compose::ShaderDefValue;
 
 pub type Definitions = HashMap<String, ShaderDefValue>;
 
-/// The folder that paths of shaders begin in.
+/// Root of the shaders' paths.
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../src");
 
 fn main() -> ExitCode {
@@ -38,7 +38,7 @@ fn main() -> ExitCode {
         for definitions in permutations {
             let names = shaders::describe(&definitions);
             match modules.as_browsers_get_it(path, definitions) {
-                // Many definitions make the same.
+                // Many definitions compile to the same source.
                 Ok(source) => {
                     written.entry(source).or_insert(names);
                 }

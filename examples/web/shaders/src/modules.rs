@@ -1,4 +1,4 @@
-//! Puts shaders together as Bevy's `ShaderCache` does, from files.
+//! Composes shaders from files as Bevy's `ShaderCache` does.
 
 use std::{
     collections::HashMap,
@@ -17,14 +17,14 @@ use naga_oil::compose::{
 
 use super::{Definitions, SOURCES};
 
-/// What `wgpu` gives every device in a browser.
+/// Capabilities that `wgpu` gives every device in a browser.
 const WEBGPU: Capabilities = Capabilities::from_bits_truncate(
     Capabilities::MULTISAMPLED_SHADING.bits()
         | Capabilities::CUBE_ARRAY_TEXTURES.bits()
         | Capabilities::SHADER_FLOAT16_IN_FLOAT32.bits(),
 );
 
-/// What Bevy loads its modules with: sizes of arrays, where storage buffers are.
+/// Array sizes that Bevy defines on devices with storage buffers.
 const SIZES: [(&str, u32); 3] = [
     ("MAX_DIRECTIONAL_LIGHTS", 10),
     ("MAX_CASCADES_PER_LIGHT", 4),
@@ -33,7 +33,7 @@ const SIZES: [(&str, u32); 3] = [
 
 pub struct Modules {
     composer: Composer,
-    /// Files by the names that others import them by.
+    /// Files by import path.
     files: HashMap<String, PathBuf>,
 }
 

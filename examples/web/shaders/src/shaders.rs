@@ -1,4 +1,4 @@
-//! Which shaders there are, and the definitions that they are composed under: those of `tests/shaders`.
+//! The shaders, and the definitions that they are composed under: those of `tests/shaders`.
 
 use std::collections::HashSet;
 
@@ -16,7 +16,7 @@ use super::{
 /// A shader's path in `src`, and its definitions.
 type Shader = (&'static str, Vec<Definitions>);
 
-/// The definition that `text` stands for: a name, or a name, `=` and a number.
+/// Parses a definition: a name, or a name, `=` and a number.
 fn definition(text: &str) -> (String, ShaderDefValue) {
     match text.split_once('=') {
         Some((name, value)) => {
@@ -27,7 +27,7 @@ fn definition(text: &str) -> (String, ShaderDefValue) {
     }
 }
 
-/// What a person may read of definitions.
+/// A readable list of the definitions.
 pub fn describe(definitions: &Definitions) -> String {
     let mut names: Vec<String> = definitions
         .iter()
@@ -40,7 +40,8 @@ pub fn describe(definitions: &Definitions) -> String {
     names.join(", ")
 }
 
-/// What no device that `wgpu` 29 makes in a browser has: binding arrays, and subgroups (it does not ask browsers for them).
+/// Definitions that no device has that `wgpu` 29 creates in a browser: binding arrays, and subgroups (which it does not
+/// request from browsers).
 const NOT_IN_BROWSERS: [&str; 7] = [
     "BINDLESS",
     "CLUSTERED_DECALS_ARE_USABLE",
@@ -51,7 +52,7 @@ const NOT_IN_BROWSERS: [&str; 7] = [
     "SUBGROUPS",
 ];
 
-/// Rows of `factors` in which any two choices meet, and random ones, with those that are `always` there.
+/// Rows of `factors` that cover all pairs of choices, and random rows, each with the `always` definitions.
 fn rows(factors: &[Factor], always: &str) -> Vec<Definitions> {
     let always: Vec<&'static str> = always.to_string().leak().split_whitespace().collect();
     let mut permutations: Vec<Definitions> = Vec::new();
@@ -77,7 +78,7 @@ fn rows(factors: &[Factor], always: &str) -> Vec<Definitions> {
     permutations
 }
 
-/// All combinations of `choices`, each of which is names apart by spaces, with those that are `always` there.
+/// All combinations of `choices`, which are names separated by spaces, each with the `always` definitions.
 fn combinations(always: &str, choices: &[&[&str]]) -> Vec<Definitions> {
     let mut all: Vec<Vec<&str>> = vec![always.split_whitespace().collect()];
     for choice in choices {
@@ -98,7 +99,7 @@ fn combinations(always: &str, choices: &[&[&str]]) -> Vec<Definitions> {
 const PROJECTIONS: &[&str] = &["", "PROJECTION_PERSPECTIVE", "PROJECTION_ORTHOGRAPHIC"];
 const MOTION: &[&str] = &["", "MOTION"];
 
-/// WebGPU's least, and as many as SwiftShader and most browsers have.
+/// WebGPU's minimum of storage buffers, and the number that SwiftShader and most browsers have.
 const LIGHTING_ALWAYS: [&str; 2] = [
     "DEPTH_PREPASS SHOWS_LIGHT AVAILABLE_STORAGE_BUFFER_BINDINGS=8",
     "DEPTH_PREPASS SHOWS_LIGHT AVAILABLE_STORAGE_BUFFER_BINDINGS=10",
@@ -108,14 +109,14 @@ const GBUFFER_ALWAYS: &str = "PREPASS_PIPELINE PREPASS_FRAGMENT VERTEX_OUTPUT_IN
     NORMAL_PREPASS_OR_DEFERRED_PREPASS MOTION_VECTOR_PREPASS_OR_DEFERRED_PREPASS DEFERRED_PREPASS MATERIAL_BIND_GROUP=3 \
     AVAILABLE_STORAGE_BUFFER_BINDINGS=8";
 
-/// All of them.
+/// All shaders of the crate.
 pub fn all() -> Vec<Shader> {
     let mut shaders = passes();
     shaders.extend(screen_space());
     shaders
 }
 
-/// Those that gather each pixel's occlusion alone, and those whose workgroups share depths.
+/// Variants that gather each pixel's occlusion independently, and variants whose workgroups share depths.
 fn occlusion_gathers(values: &str) -> Vec<Definitions> {
     let sharing = format!("{values} {}", SHARES_DEPTHS.join(" "));
     [

@@ -11,10 +11,10 @@ use crate::plots::{
     style::{self, Area, Drawn, Symbol},
 };
 
-/// Of one panel, in pixels.
+/// Size of one panel, in pixels.
 const PANEL: (u32, u32) = (620, 420);
 
-/// What lighting must move: depth and two words of G-buffer read, colour written.
+/// Bytes that lighting must move per pixel: depth and two words of G-buffer read, colour written.
 const BYTES_A_PIXEL: f64 = 4.0 + 8.0 + 8.0;
 
 pub(super) fn plot(figures: &LightScaling) -> Plot {
@@ -53,12 +53,12 @@ pub(super) fn plot(figures: &LightScaling) -> Plot {
     Plot { name, title, svg }
 }
 
-/// Milliseconds that the bytes of a picture's lighting need at least.
+/// Least time of a picture's lighting in milliseconds, by its bytes.
 fn bytes_limit([width, height]: [u32; 2], bandwidth: f64) -> f64 {
     f64::from(width) * f64::from(height) * BYTES_A_PIXEL / (bandwidth * 1e12) * 1e3
 }
 
-/// What all panels show.
+/// Axis ranges that all panels share.
 struct Ranges {
     lights: (f64, f64),
     times: (f64, f64),
@@ -153,12 +153,12 @@ fn draw_panel(
         let medians = measured.iter().map(|(lights, time)| (*lights, time.median));
         chart.draw_series(LineSeries::new(medians.clone(), color.stroke_width(2)))?;
         chart.draw_series(medians.map(|point| Circle::new(point, 4, color.filled())))?;
-        // From the 10th to the 90th percentile.
+        // Bars from the 10th to the 90th percentile.
         chart.draw_series(measured.iter().map(|(lights, time)| {
             let ends = [(*lights, time.low), (*lights, time.high)];
             PathElement::new(ends, color.stroke_width(1))
         }))?;
-        // At the upper edge, the first of those left out.
+        // At the upper edge, the first point that was left out.
         let left_out = shown().find(|p| p.left_out.is_some());
         chart.draw_series(left_out.map(|p| {
             let place = (f64::from(p.lights), times.1 / 1.3);
