@@ -4,6 +4,7 @@ use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
     light::AmbientLight,
+    material::OpaqueRendererMethod,
     prelude::*,
     render::{
         Render, RenderApp, RenderSystems,
@@ -47,7 +48,7 @@ fn set_size(headless: &mut Headless, size: Option<UVec2>) {
         .insert_resource(MainPassSize(size));
 }
 
-/// Solids and an emissive ball, with lights.
+/// Solids and an emissive ball in Bevy's forward pass, with lights.
 fn scene(camera: impl Bundle) -> Headless {
     let mut headless = build(SIZE, |s| {
         s.solids();
@@ -56,6 +57,7 @@ fn scene(camera: impl Bundle) -> Headless {
             Sphere::new(0.6),
             StandardMaterial {
                 emissive: LinearRgba::rgb(0.3, 0.1, 0.3),
+                opaque_render_method: OpaqueRendererMethod::Forward,
                 ..default()
             },
             Transform::from_xyz(-0.2, 0.6, 0.3),

@@ -4,6 +4,7 @@ use bevy::{
     anti_alias::{fxaa::Fxaa, smaa::Smaa, taa::TemporalAntiAliasing},
     camera::{CameraProjection, ClearColorConfig, ScalingMode, SubCameraView, Viewport},
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    material::OpaqueRendererMethod,
     math::Vec3A,
     post_process::{
         bloom::Bloom,
@@ -261,12 +262,13 @@ fn scene(s: &mut SceneBuilder) {
     s.sun(true);
 }
 
-/// An emissive ball among the lean solids.
+/// An emissive ball in Bevy's forward pass, among the lean solids.
 fn forward_ball(s: &mut SceneBuilder) {
     s.mesh(
         Sphere::new(0.6),
         StandardMaterial {
             emissive: LinearRgba::rgb(0.3, 0.1, 0.3),
+            opaque_render_method: OpaqueRendererMethod::Forward,
             ..material((0.5, 0.2, 0.6), 0.0, 0.5)
         },
         Transform::from_xyz(-0.2, 0.6, 0.3),
