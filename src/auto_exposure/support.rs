@@ -90,7 +90,7 @@ pub(super) fn tell_main_world(world: &mut World) -> bool {
 pub(super) fn init_exposure_support(world: &mut World) {
     let support = ExposureSupport::from_world(world);
     if let Some(missing) = &support.missing {
-        warn!("LeanAutoExposure is off. The device lacks: {missing}");
+        warn!("LeanAutoExposure is off on all cameras: the device lacks {missing}.");
     }
     world.insert_resource(support);
 }

@@ -130,7 +130,7 @@ where
                 "MaterialPlugin for it"
             };
             error!(
-                "GBufferMaterialPlugin<{}> is off, forward draws that material: the app has no {missing}.",
+                "GBufferMaterialPlugin<{}> is off, and forward draws the material: the app has no {missing}. Add it.",
                 M::short_type_path()
             );
             return;

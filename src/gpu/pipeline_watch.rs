@@ -58,7 +58,9 @@ impl PipelineWatch {
     fn fail(&mut self, id: CachedPipelineId, failure: Failure) {
         if self.failures.values().all(|other| *other != failure) {
             let Failure { name, cause, .. } = &failure;
-            error!("{name} cannot be compiled, and what needs it is off or left to Bevy: {cause}.");
+            error!(
+                "{name} cannot be compiled; its effect is off, or Bevy renders in its place: {cause}."
+            );
         }
         self.failures.insert(id, failure);
     }

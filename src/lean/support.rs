@@ -82,7 +82,9 @@ pub(super) fn tell_main_world(world: &mut World) -> bool {
 pub(super) fn init_lean_deferred_support(world: &mut World) {
     let support = LeanDeferredSupport::from_world(world);
     if let LeanDeferredSupport::Missing(missing) = &support {
-        warn!("LeanDeferred is off, cameras render as Bevy has them. The device lacks: {missing}");
+        warn!(
+            "LeanDeferred is off on all cameras, and Bevy renders them: the device lacks {missing}."
+        );
     }
     world.insert_resource(support);
 }

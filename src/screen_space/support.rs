@@ -39,7 +39,7 @@ impl EffectOff {
 impl fmt::Display for EffectOff {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::NotLean => write!(f, "it has no LeanDeferred"),
+            Self::NotLean => write!(f, "it has no `LeanDeferred`: insert one"),
             Self::Limit(limit) => write!(f, "the device lacks {limit}"),
         }
     }

@@ -216,7 +216,7 @@ impl Plugin for OffNotice {
     fn finish(&self, _: &mut App) {
         let Self { plugin, missing } = self;
         error!(
-            "{plugin} is off: add it after DefaultPlugins, which must have {missing}. Cameras render as Bevy has them."
+            "{plugin} is off, and Bevy renders all cameras: it needs {missing}. Add it after `DefaultPlugins`."
         );
     }
 

@@ -59,8 +59,7 @@ impl OutOfMemory {
             return Some(made);
         };
         error!(
-            "{label} does not fit into the GPU's memory: {error}. Bevy renders the camera until its target has another size or its \
-             effects change."
+            "{label} does not fit into the GPU's memory: {error}. Bevy renders the camera. Make its target smaller or remove effects."
         );
         let lack = Lack {
             label,

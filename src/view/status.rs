@@ -89,18 +89,26 @@ impl fmt::Display for LeanOffReason {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::NotRendered => write!(f, "it was not rendered"),
-            Self::Disabled => write!(f, "LeanDeferred::enabled is false"),
-            Self::Msaa => write!(f, "its Msaa is not Off"),
-            Self::Schedule => write!(f, "its CameraRenderGraph is not Core3d"),
-            Self::NotCamera3d => write!(f, "it has no Camera3d component"),
-            Self::ViewportDepth => write!(f, "its viewport's depth is not 0 to 1"),
-            Self::NotHdr => write!(f, "it has no Hdr component"),
-            Self::Format(format) => write!(
+            Self::Disabled => write!(f, "`LeanDeferred::enabled` is false"),
+            Self::Msaa => write!(f, "its `Msaa` is not `Off`: insert `Msaa::Off`"),
+            Self::Schedule => write!(
                 f,
-                "its main texture is {format:?}, and Rgba16Float is needed"
+                "its `CameraRenderGraph` is not `Core3d`: set it to `Core3d`"
             ),
+            Self::NotCamera3d => write!(f, "it has no `Camera3d`: insert one"),
+            Self::ViewportDepth => write!(
+                f,
+                "its `Viewport::depth` is not 0 to 1: set it to `0.0..1.0`"
+            ),
+            Self::NotHdr => write!(f, "it has no `Hdr`: insert it"),
+            Self::Format(format) => {
+                write!(f, "its main texture is {format:?} instead of Rgba16Float")
+            }
             Self::DeferredPrepass => {
-                write!(f, "it has DeferredPrepass (Bevy's own deferred renderer)")
+                write!(
+                    f,
+                    "it has `DeferredPrepass`, Bevy's own deferred renderer: remove it"
+                )
             }
             Self::Device(missing) => write!(f, "the device lacks {missing}"),
             Self::Shader(cause) => write!(f, "a shader cannot be compiled: {cause}"),

@@ -116,7 +116,7 @@ fn with_msaa_there_is_a_warning_and_bevys_picture() {
     let without_msaa = stage.picture_with(default());
     stage.insert(Msaa::Sample4);
     let after = stage.picture();
-    let warnings = log_watch::messages_with("its Msaa is not Off");
+    let warnings = log_watch::messages_with("its `Msaa` is not `Off`");
     println!(
         "{} pixels differ, {} with MSAA switched off; {warnings:?}",
         after.different(&before),

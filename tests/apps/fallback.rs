@@ -104,7 +104,7 @@ fn msaa() {
             |camera| {
                 camera.insert(Msaa::Sample4);
             },
-            "its Msaa is not Off",
+            "its `Msaa` is not `Off`",
         );
     });
 }
@@ -116,7 +116,7 @@ fn no_hdr() {
             |camera| {
                 camera.remove::<Hdr>();
             },
-            "it has no Hdr component",
+            "it has no `Hdr`",
         );
     });
 }
@@ -128,7 +128,7 @@ fn deferred_prepass() {
             |camera| {
                 camera.insert((DepthPrepass, DeferredPrepass));
             },
-            "it has DeferredPrepass",
+            "it has `DeferredPrepass`",
         );
     });
 }
@@ -143,7 +143,7 @@ fn squeeze_depth(camera: &mut EntityWorldMut) {
     }
 }
 
-const SQUEEZED: &str = "its viewport's depth is not 0 to 1";
+const SQUEEZED: &str = "its `Viewport::depth` is not 0 to 1";
 
 #[test]
 fn depth_of_the_viewport() {
@@ -163,7 +163,7 @@ fn leave_core_3d(camera: &mut EntityWorldMut) {
     camera.insert(CameraRenderGraph::new(OwnFrame));
 }
 
-const OWN_SCHEDULE: &str = "its CameraRenderGraph is not Core3d";
+const OWN_SCHEDULE: &str = "its `CameraRenderGraph` is not `Core3d`";
 
 #[test]
 fn own_schedule() {
@@ -179,8 +179,8 @@ fn occlusion_in_an_own_schedule() {
     });
 }
 
-const NOT_3D: &str = "it has no Camera3d component";
-const NOT_LEAN: &str = "it has no LeanDeferred";
+const NOT_3D: &str = "it has no `Camera3d`";
+const NOT_LEAN: &str = "it has no `LeanDeferred`";
 
 /// Turns a camera into a 2D camera.
 fn make_2d(camera: &mut EntityWorldMut) {

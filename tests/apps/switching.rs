@@ -333,7 +333,7 @@ fn warnings(effect: &str, reason: &str) -> usize {
 fn warnings_come_again_when_the_cause_does() {
     in_own_process(|| {
         let mut stage = Stage::new();
-        let lean = || warnings("LeanDeferred", "it has DeferredPrepass");
+        let lean = || warnings("LeanDeferred", "it has `DeferredPrepass`");
         stage.add::<LeanDeferred>();
         for expected in 1..=2 {
             stage.add::<DeferredPrepass>();
@@ -357,14 +357,14 @@ fn warnings_come_again_when_the_cause_does() {
         assert_eq!(lean(), 4, "it was forgotten with the component");
         stage.remove::<(LeanDeferred, DeferredPrepass)>();
 
-        let occlusion = || warnings("LeanAmbientOcclusion", "its Msaa is not Off");
+        let occlusion = || warnings("LeanAmbientOcclusion", "its `Msaa` is not `Off`");
         stage.add::<LeanAmbientOcclusion>();
         for expected in 1..=2 {
             stage.insert(Msaa::Sample4);
             assert_eq!(occlusion(), expected);
             stage.insert(Msaa::Off);
         }
-        let exposure = || warnings("LeanAutoExposure", "it has no Hdr component");
+        let exposure = || warnings("LeanAutoExposure", "it has no `Hdr`");
         stage.add::<LeanAutoExposure>();
         for expected in 1..=2 {
             stage.remove::<Hdr>();

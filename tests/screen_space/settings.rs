@@ -219,7 +219,10 @@ fn it_says_that_it_needs_a_lean_camera() {
         headless.settle();
         assert!(!holds_anything(&mut headless));
         // Once per effect.
-        assert_eq!(log_watch::messages_with("it has no LeanDeferred").len(), 2);
+        assert_eq!(
+            log_watch::messages_with("it has no `LeanDeferred`").len(),
+            2
+        );
     });
 }
 

@@ -94,7 +94,10 @@ fn it_is_there_while_something_needs_it() {
         });
         headless.settle();
         assert!(!holds_anything(&mut headless));
-        assert_eq!(log_watch::messages_with("it has no LeanDeferred").len(), 1);
+        assert_eq!(
+            log_watch::messages_with("it has no `LeanDeferred`").len(),
+            1
+        );
         change_cameras(&mut headless, |camera| {
             camera.insert(LeanDeferred::default());
         });

@@ -188,7 +188,8 @@ pub(crate) fn fit_partners(
                 && told.insert((camera.id(), *need))
             {
                 warn!(
-                    "Camera {} is rendered {loss}, as camera {}, which has the same target, needs that for its effects.",
+                    "Camera {} is rendered {loss}, because the effects of camera {} on the same target need that. Give one of them a target of its \
+                     own to avoid it.",
                     camera.id(),
                     other.camera
                 );

@@ -159,8 +159,7 @@ fn before_default_plugins() {
         "LeanAmbientOcclusionPlugin",
         "LeanAutoExposurePlugin",
     ] {
-        let line =
-            format!("{plugin} is off: add it after DefaultPlugins, which must have AssetPlugin");
+        let line = format!("{plugin} is off, and Bevy renders all cameras: it needs AssetPlugin");
         assert_eq!(log_watch::messages_with(&line).len(), 1, "{plugin}");
     }
 }
@@ -180,7 +179,7 @@ fn without_pbr() {
         LeanAutoExposure::default(),
     ));
     headless.settle();
-    let line = "LeanDeferredPlugin is off: add it after DefaultPlugins, which must have PbrPlugin";
+    let line = "LeanDeferredPlugin is off, and Bevy renders all cameras: it needs PbrPlugin";
     assert_eq!(log_watch::messages_with(line).len(), 1);
 }
 
