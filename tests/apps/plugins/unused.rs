@@ -26,7 +26,7 @@ fn changes_while_no_camera_is_lean_show_once_one_is() {
         let mut s = SceneBuilder {
             headless: &mut headless,
         };
-        let material = s.add::<StandardMaterial>(Color::srgb(0.7, 0.2, 0.1).into());
+        let material = s.add(StandardMaterial::from(Color::srgb(0.7, 0.2, 0.1)));
         let mesh = s.add::<Mesh>(Sphere::new(0.4));
         let [ball, receiver] = [-0.8, 0.8].map(|x| {
             let place = Transform::from_xyz(x, 0.9, 1.2);
