@@ -1,9 +1,7 @@
 //! Renders scenes with lean and forward cameras and compares the pictures.
 
 use bevy::{
-    diagnostic::FrameCount,
-    prelude::*,
-    render::{RenderApp, camera::TemporalJitter},
+    anti_alias::taa::TemporalAntiAliasing, diagnostic::FrameCount, prelude::*, render::RenderApp,
 };
 use bevy_lean_deferred::{LeanDeferred, view::ActiveLeanView};
 
@@ -68,7 +66,7 @@ const NOISE_PHASES: u32 = 64;
 /// True if pictures blend in earlier frames, and so all of their phases.
 fn has_history(headless: &mut Headless) -> bool {
     let world = headless.world();
-    let mut cameras = world.query_filtered::<(), With<TemporalJitter>>();
+    let mut cameras = world.query_filtered::<(), With<TemporalAntiAliasing>>();
     cameras.iter(world).next().is_some()
 }
 
