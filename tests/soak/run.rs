@@ -22,7 +22,7 @@ const LEG: usize = 2 * EPOCH;
 /// Names the requested frames: `500`, or `128..256`.
 pub const FRAMES: &str = "SOAK_FRAMES";
 
-/// Settings from the environment: `SOAK_SEED`, [`SOAK_FRAMES`](FRAMES) (500), `SOAK_ONLY` (numbers of frames that change anything,
+/// Settings from the environment: `SOAK_SEED`, [`SOAK_FRAMES`](FRAMES) (128), `SOAK_ONLY` (numbers of frames that change anything,
 /// separated by commas), `SOAK_FORWARD` (Bevy alone), `SOAK_VERBOSE` (each change is printed).
 pub struct Run {
     pub seed: u64,
@@ -38,7 +38,7 @@ fn number(name: &str, text: &str) -> usize {
 }
 
 fn frames() -> Range<usize> {
-    let text = std::env::var(FRAMES).unwrap_or_else(|_| "500".into());
+    let text = std::env::var(FRAMES).unwrap_or_else(|_| LEG.to_string());
     let (start, end) = text.split_once("..").unwrap_or(("0", &text));
     number(FRAMES, start)..number(FRAMES, end)
 }
