@@ -18,6 +18,8 @@ use bevy_lean_deferred::{
 };
 use proptest::prelude::*;
 
+use super::config;
+
 /// Largest angle between a normal and its direction as stored, in radians (0.0395°, as `layout/accuracy.rs` measures).
 const LARGEST_ANGLE: f64 = 6.95e-4;
 
@@ -59,7 +61,7 @@ fn is_share(x: f32) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 4096, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(config(4096))]
 
     #[test]
     fn surfaces_are_near_what_was_packed(
