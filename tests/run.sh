@@ -1,9 +1,8 @@
 #!/bin/sh
 # Installs what is missing and runs all tests. Arguments are those of `cargo test`.
 #
-# Where LEAN_PASSED names a folder, and there are no arguments, a test binary that has passed, with the same assets and drivers, is not
-# run again while it stays the same to the byte. Nothing else goes into what they show: shaders are in the binaries (if LEAN_SHADERS
-# does not name others), and random numbers have seeds.
+# Where LEAN_PASSED names a folder, and there are no arguments, a test binary that has passed is not run again while its sources, the
+# toolchain, drivers and settings are the same. (Not while the binary is: rustc writes another one each time.)
 set -eu
 . "$(dirname "$0")/environment.sh"
 cd "$(dirname "$0")/.."
@@ -19,19 +18,24 @@ fi
 mkdir -p "$LEAN_PASSED"
 # `sed` writes to its own standard error: `tee /dev/stderr` would open it anew, and empty it where it is a file.
 built=$(cargo test --no-run 2>&1 | sed -n -e 'w /dev/stderr' -e 's/^  *Executable .*(\(.*\))$/\1/p')
-# What is not in a binary.
-around=$({
-    find assets -type f -exec sha256sum {} + | sort
-    env | grep -E '^(VK_|WGPU_|LP_|LEAN_TEST_|SOAK_|PARITY_)' | sort
-    cat /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json 2>/dev/null
-    ls -l --time-style=+%s /usr/lib/*/libvulkan*.so* 2>/dev/null
+# What all of them depend on: libraries, the examples that tests run, the toolchain, drivers and settings.
+common=$({
+    find Cargo.toml Cargo.lock assets examples figures kit src street tests/*.sh -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
+    rustc -vV
+    env | grep -E '^(VK_|WGPU_|LP_|LEAN_TEST_|SOAK_|PARITY_|PROPTEST_)' | LC_ALL=C sort
+    cat /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json 2>/dev/null || true
+    cat /usr/lib/*/libvulkan.so* /usr/lib/*/libvulkan_lvp.so 2>/dev/null || true
 } | sha256sum)
+# A binary's own sources, as rustc names them.
+own_sources() {
+    sed -n 's/^\([^ /][^ ]*\):$/\1/p' "$1.d" | LC_ALL=C sort | xargs sha256sum
+}
 failed=""
 CARGO_MANIFEST_DIR=$PWD
 export CARGO_MANIFEST_DIR
 for binary in $built; do
     name=$(basename "$binary")
-    key=$({ sha256sum <"$binary" && echo "$around"; } | sha256sum | cut -c1-64)
+    key=$({ own_sources "$binary" && echo "${name%-*} $common"; } | sha256sum | cut -c1-64)
     if [ -e "$LEAN_PASSED/$key" ]; then
         echo "$name: unchanged, has passed"
         continue
@@ -39,12 +43,13 @@ for binary in $built; do
     started=$(date +%s)
     # Each of the soak's tests is one process on a small picture, which leaves most of a core to others.
     case $name in soak-*) own_threads=--test-threads=4 ;; *) own_threads=$threads ;; esac
-    if "$binary" "$own_threads"; then
-        touch "$LEAN_PASSED/$key"
-        echo "$name: passed in $(($(date +%s) - started)) s"
-    else
-        failed="$failed $name"
-    fi
+    result=passed
+    "$binary" "$own_threads" || result=failed
+    echo "$name: $result in $(($(date +%s) - started)) s"
+    case $result in
+    passed) touch "$LEAN_PASSED/$key" ;;
+    failed) failed="$failed $name" ;;
+    esac
 done
 cargo test --doc || failed="$failed documentation"
 [ -z "$failed" ] || {

@@ -1,7 +1,7 @@
 //! Runs tests in processes of their own: because they count or search process-wide state, or because they render many frames, of each of
 //! which Mesa's llvmpipe keeps some megabytes until the process ends.
 
-use std::process::Command;
+use std::{io::Write, process::Command, time::Instant};
 
 /// Set in such a process.
 const ALONE: &str = "LEAN_TEST_ALONE";
@@ -39,6 +39,7 @@ fn is_alone(name: &str) -> bool {
 
 fn run_alone(name: &str, environment: &[(&str, String)]) {
     let program = std::env::current_exe().expect("a test is a program");
+    let start = Instant::now();
     let output = Command::new(program)
         .args([name, "--exact", "--nocapture"])
         .env(ALONE, name)
@@ -53,6 +54,9 @@ fn run_alone(name: &str, environment: &[(&str, String)]) {
     let errors = String::from_utf8_lossy(&output.stderr);
     print!("{text}");
     eprint!("{errors}");
+    // Unlike `eprintln`, this is not captured: slow tests show in every run.
+    let seconds = start.elapsed().as_secs_f32();
+    let _ = writeln!(std::io::stderr(), "{name}: {seconds:.1} s");
     assert!(output.status.success(), "{name}: {}", output.status);
     assert!(text.contains("1 passed"), "no test has the name {name}");
 }
