@@ -1,6 +1,6 @@
 //! Temporal stability, and stability at the border of the picture.
 
-use std::f64::consts::FRAC_PI_8;
+use std::{f64::consts::FRAC_PI_8, rc::Rc};
 
 use bevy::math::{DMat4, DVec2, DVec3, IVec2};
 use bevy_lean_deferred::ambient_occlusion::{
@@ -14,13 +14,12 @@ use kit::{
 };
 
 struct Frame {
-    seen: Seen,
+    seen: Rc<Seen>,
     occlusion: Vec<f32>,
 }
 
 impl Frame {
-    fn new(gpu: &OcclusionGpu, settings: &LeanAmbientOcclusion, view: &View) -> Self {
-        let seen = view.seen();
+    fn new(gpu: &OcclusionGpu, settings: &LeanAmbientOcclusion, seen: Rc<Seen>) -> Self {
         let occlusion = run(gpu, settings, &seen.image).filtered;
         Self { seen, occlusion }
     }
@@ -80,6 +79,14 @@ fn pixel_angle() -> f64 {
 fn occlusion_stays_where_it_is_while_the_camera_turns() {
     use OcclusionResolution::{Full, Half};
     let gpu = OcclusionGpu::new();
+    let views: [fn() -> View; 2] = [wall, sphere];
+    let seen = views.map(|view| {
+        let seen = |i| {
+            let angle = 0.4 * f64::from(i) * pixel_angle();
+            Rc::new(turned(view(), angle).seen())
+        };
+        (0..8).map(seen).collect::<Vec<_>>()
+    });
     for (resolution, quality, largest) in [
         (Full, OcclusionQuality::Low, [0.0135, 0.035]),
         (Full, OcclusionQuality::Medium, [0.0095, 0.0365]),
@@ -91,13 +98,9 @@ fn occlusion_stays_where_it_is_while_the_camera_turns() {
             quality,
             ..LeanAmbientOcclusion::default()
         };
-        let views: [fn() -> View; 2] = [wall, sphere];
-        for (view, largest) in views.into_iter().zip(largest) {
-            let frame = |i| {
-                let angle = 0.4 * f64::from(i) * pixel_angle();
-                Frame::new(&gpu, &settings, &turned(view(), angle))
-            };
-            let frames: Vec<Frame> = (0..8).map(frame).collect();
+        for ((view, seen), largest) in views.iter().zip(&seen).zip(largest) {
+            let frame = |seen: &Rc<Seen>| Frame::new(&gpu, &settings, seen.clone());
+            let frames: Vec<Frame> = seen.iter().map(frame).collect();
             let changes = frames
                 .windows(2)
                 .map(|pair| pair[0].change(&pair[1], &pair[0].seen.shade(0.0)));
@@ -124,7 +127,8 @@ fn occluders_leave_the_picture_gradually() {
         let x = (0.5 * f64::from(SIZE.x) - f64::from(inside)) * pixel;
         let wall = Geometry::Wall { height: 0.5 };
         let view = View::new("low wall", wall, [x, EYE, 0.0], [x, 0.0, 0.0]);
-        Frame::new(&gpu, &LeanAmbientOcclusion::default(), &view)
+        let seen = Rc::new(view.seen());
+        Frame::new(&gpu, &LeanAmbientOcclusion::default(), seen)
     };
     let in_shade = |hit: &Option<Hit>| {
         hit.is_some_and(|hit| hit.normal.y > 0.5 && (0.0..RADIUS).contains(&hit.point.x))

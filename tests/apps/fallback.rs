@@ -1,5 +1,5 @@
 //! Cameras that cannot be rendered lean: one warning names the reason, and the picture is Bevy's. Tests that count warnings run in
-//! processes of their own.
+//! processes of their own, one for the cases that share pipelines.
 
 use bevy::{
     camera::{Hdr, Viewport},
@@ -20,8 +20,8 @@ use bevy::{
 };
 use bevy_lean_deferred::{lean::LeanDeferredSupport, lighting::ViewLighting, prelude::*};
 use kit::{
-    headless::{Headless, Picture},
-    lean::{active_lean_views, build},
+    headless::{Headless, Picture, target_image},
+    lean::{active_lean_views, build, show},
     log_watch,
     metrics::pixel_difference,
     own_process::in_own_process,
@@ -31,8 +31,15 @@ const SIZE: UVec2 = UVec2::new(160, 120);
 
 /// The solids, and the camera that sees them.
 fn scene() -> (Headless, Entity) {
+    let mut headless = Headless::new(SIZE);
+    let camera = show_scene(&mut headless);
+    (headless, camera)
+}
+
+/// As [`scene`], in an app that may have shown it before, to another camera.
+fn show_scene(headless: &mut Headless) -> Entity {
     let mut camera = Entity::PLACEHOLDER;
-    let headless = build(SIZE, |s| {
+    show(headless, |s| {
         s.solids();
         s.sun(true);
         // Visible to 2D cameras only.
@@ -42,14 +49,26 @@ fn scene() -> (Headless, Entity) {
         ));
         camera = s.default_camera(());
     });
-    (headless, camera)
+    camera
+}
+
+/// An app that knows [`own_frame`].
+fn app() -> Headless {
+    let mut headless = Headless::new(SIZE);
+    let render_app = headless.app.sub_app_mut(RenderApp);
+    render_app.add_schedule(own_frame());
+    headless
 }
 
 /// Pictures of the solids without and with an effect, by the usual camera changed by `spoil`.
-fn pictures<E: Component + Default>(spoil: fn(&mut EntityWorldMut)) -> (Picture, Picture) {
-    let (mut headless, camera) = scene();
-    let render_app = headless.app.sub_app_mut(RenderApp);
-    render_app.add_schedule(own_frame());
+fn pictures<E: Component + Default>(
+    headless: &mut Headless,
+    spoil: fn(&mut EntityWorldMut),
+) -> (Picture, Picture) {
+    // Nothing of an earlier case is seen in it.
+    let target = target_image(SIZE);
+    headless.target = headless.world().resource_mut::<Assets<Image>>().add(target);
+    let camera = show_scene(headless);
     spoil(&mut headless.world().entity_mut(camera));
     headless.settle();
     let without = headless.capture();
@@ -61,18 +80,25 @@ fn pictures<E: Component + Default>(spoil: fn(&mut EntityWorldMut)) -> (Picture,
     (without, headless.capture())
 }
 
-fn assert_effect_is_off<E: Component + Default>(spoil: fn(&mut EntityWorldMut), reason: &str) {
-    let (without, with) = pictures::<E>(spoil);
+fn assert_effect_is_off<E: Component + Default>(
+    headless: &mut Headless,
+    spoil: fn(&mut EntityWorldMut),
+    reason: &str,
+) {
+    let effect = core::any::type_name::<E>();
+    let told = log_watch::messages_with(reason).len();
+    let (without, with) = pictures::<E>(headless, spoil);
     let first = &without.rgba[..4];
     let is_empty = without.rgba.chunks(4).all(|pixel| pixel == first);
-    assert!(!is_empty, "nothing is seen");
-    assert!(without.rgba == with.rgba, "the picture is not Bevy's");
-    let warnings = log_watch::messages_with(reason);
-    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(!is_empty, "{effect}, {reason}: nothing is seen");
+    let is_bevys = without.rgba == with.rgba;
+    assert!(is_bevys, "{effect}, {reason}: the picture is not Bevy's");
+    let warnings = log_watch::messages_with(reason).split_off(told);
+    assert_eq!(warnings.len(), 1, "{effect}, {reason}: {warnings:?}");
 }
 
-fn assert_falls_back(spoil: fn(&mut EntityWorldMut), reason: &str) {
-    assert_effect_is_off::<LeanDeferred>(spoil, reason);
+fn assert_falls_back(headless: &mut Headless, spoil: fn(&mut EntityWorldMut), reason: &str) {
+    assert_effect_is_off::<LeanDeferred>(headless, spoil, reason);
 }
 
 /// Label of an app's own render schedule.
@@ -98,33 +124,25 @@ fn own_frame() -> Schedule {
 }
 
 #[test]
-fn msaa() {
+fn settings() {
     in_own_process(|| {
+        let mut headless = app();
         assert_falls_back(
+            &mut headless,
             |camera| {
                 camera.insert(Msaa::Sample4);
             },
             "its `Msaa` is not `Off`",
         );
-    });
-}
-
-#[test]
-fn no_hdr() {
-    in_own_process(|| {
         assert_falls_back(
+            &mut headless,
             |camera| {
                 camera.remove::<Hdr>();
             },
             "it has no `Hdr`",
         );
-    });
-}
-
-#[test]
-fn deferred_prepass() {
-    in_own_process(|| {
         assert_falls_back(
+            &mut headless,
             |camera| {
                 camera.insert((DepthPrepass, DeferredPrepass));
             },
@@ -148,14 +166,9 @@ const SQUEEZED: &str = "its `Viewport::depth` is not 0 to 1";
 #[test]
 fn depth_of_the_viewport() {
     in_own_process(|| {
-        assert_falls_back(squeeze_depth, SQUEEZED);
-    });
-}
-
-#[test]
-fn occlusion_with_the_depth_of_the_viewport() {
-    in_own_process(|| {
-        assert_effect_is_off::<LeanAmbientOcclusion>(squeeze_depth, SQUEEZED);
+        let mut headless = app();
+        assert_falls_back(&mut headless, squeeze_depth, SQUEEZED);
+        assert_effect_is_off::<LeanAmbientOcclusion>(&mut headless, squeeze_depth, SQUEEZED);
     });
 }
 
@@ -168,14 +181,14 @@ const OWN_SCHEDULE: &str = "its `CameraRenderGraph` is not `Core3d`";
 #[test]
 fn own_schedule() {
     in_own_process(|| {
-        assert_falls_back(leave_core_3d, OWN_SCHEDULE);
-    });
-}
-
-#[test]
-fn occlusion_in_an_own_schedule() {
-    in_own_process(|| {
-        assert_effect_is_off::<LeanAmbientOcclusion>(leave_core_3d, OWN_SCHEDULE);
+        let mut headless = app();
+        assert_falls_back(&mut headless, leave_core_3d, OWN_SCHEDULE);
+        assert_effect_is_off::<LeanAmbientOcclusion>(&mut headless, leave_core_3d, OWN_SCHEDULE);
+        assert_effect_is_off::<LeanAutoExposure>(
+            &mut headless,
+            leave_core_3d,
+            "its CameraRenderGraph is neither Core3d nor Core2d",
+        );
     });
 }
 
@@ -195,28 +208,11 @@ fn make_2d(camera: &mut EntityWorldMut) {
 #[test]
 fn of_sprites() {
     in_own_process(|| {
-        assert_falls_back(make_2d, NOT_3D);
-    });
-}
-
-#[test]
-fn occlusion_of_sprites() {
-    in_own_process(|| {
-        assert_effect_is_off::<LeanAmbientOcclusion>(make_2d, NOT_3D);
-    });
-}
-
-#[test]
-fn reflections_of_sprites() {
-    in_own_process(|| {
-        assert_effect_is_off::<LeanScreenSpaceReflections>(make_2d, NOT_LEAN);
-    });
-}
-
-#[test]
-fn gi_of_sprites() {
-    in_own_process(|| {
-        assert_effect_is_off::<LeanScreenSpaceGi>(make_2d, NOT_LEAN);
+        let mut headless = app();
+        assert_falls_back(&mut headless, make_2d, NOT_3D);
+        assert_effect_is_off::<LeanAmbientOcclusion>(&mut headless, make_2d, NOT_3D);
+        assert_effect_is_off::<LeanScreenSpaceReflections>(&mut headless, make_2d, NOT_LEAN);
+        assert_effect_is_off::<LeanScreenSpaceGi>(&mut headless, make_2d, NOT_LEAN);
     });
 }
 
@@ -254,16 +250,6 @@ fn what_loses_its_camera_3d() {
         // Each loss is reported.
         let warnings = log_watch::messages_with(NOT_3D);
         assert_eq!(warnings.len(), 4, "{warnings:?}");
-    });
-}
-
-#[test]
-fn exposure_in_an_own_schedule() {
-    in_own_process(|| {
-        assert_effect_is_off::<LeanAutoExposure>(
-            leave_core_3d,
-            "its CameraRenderGraph is neither Core3d nor Core2d",
-        );
     });
 }
 

@@ -52,6 +52,15 @@ impl Stage {
         Self { headless, camera }
     }
 
+    /// Replaces the camera by another with Bevy's default settings.
+    fn replace_camera(&mut self) {
+        self.headless.world().despawn(self.camera);
+        let mut scene = SceneBuilder {
+            headless: &mut self.headless,
+        };
+        self.camera = spawn_camera(&mut scene);
+    }
+
     fn act(&mut self, action: impl FnOnce(&mut EntityCommands) + Send + Sync + 'static) {
         actions::act(&mut self.headless, self.camera, action);
         self.headless.frames(3);
@@ -116,8 +125,16 @@ fn label_of(pipeline: &CachedPipeline) -> Option<&str> {
 const BEVYS: (Msaa, bool) = (Msaa::Sample4, false);
 
 #[test]
-fn what_an_effect_changed_is_given_back() {
+fn settings_are_given_back() {
     let mut stage = Stage::new();
+    what_an_effect_changed_is_given_back(&mut stage);
+    stage.replace_camera();
+    what_another_effect_needs_stays(&mut stage);
+    stage.replace_camera();
+    what_the_app_set_stays(&mut stage);
+}
+
+fn what_an_effect_changed_is_given_back(stage: &mut Stage) {
     stage.headless.settle();
     let before = stage.headless.capture();
     assert_eq!(stage.settings(), BEVYS);
@@ -143,9 +160,7 @@ fn what_an_effect_changed_is_given_back() {
     assert!(stage.headless.capture() == before);
 }
 
-#[test]
-fn what_another_effect_needs_stays() {
-    let mut stage = Stage::new();
+fn what_another_effect_needs_stays(stage: &mut Stage) {
     stage.add::<LeanAmbientOcclusion>();
     stage.add::<LeanDeferred>();
     stage.remove::<LeanAmbientOcclusion>();
@@ -183,10 +198,8 @@ fn what_another_effect_needs_stays() {
     assert_eq!(stage.settings(), BEVYS);
 }
 
-#[test]
-fn what_the_app_set_stays() {
+fn what_the_app_set_stays(stage: &mut Stage) {
     // Not every device supports 2 or 8 samples, so nothing is rendered.
-    let mut stage = Stage::new();
     stage.remove::<RenderTarget>();
 
     // Set before the effect is added.

@@ -28,19 +28,16 @@ const SIZES: [UVec2; 10] = [
     UVec2::new(1280, 720),
 ];
 
-/// State after a first frame of `texels`, by each path.
-fn by_paths(
-    gpu: &ExposureGpu,
+/// Cameras that see all of `picture`, by each path.
+fn by_paths<'a>(
+    gpu: &'a ExposureGpu,
     settings: &LeanAutoExposure,
-    size: UVec2,
-    texels: &[Vec3],
-) -> Vec<ExposureState> {
-    let picture = gpu.picture(size, texels);
+    picture: &wgpu::Texture,
+) -> Vec<Meter<'a>> {
+    let whole = (UVec2::ZERO, UVec2::new(picture.width(), picture.height()));
     paths(gpu)
         .into_iter()
-        .map(|path| {
-            Meter::new(gpu, settings, path, &picture, (UVec2::ZERO, size), None).frame(0.1, 0)
-        })
+        .map(|path| Meter::new(gpu, settings, path, picture, whole, None))
         .collect()
 }
 
@@ -53,18 +50,29 @@ fn every_pixel_counts_once() {
         gpu.adapter.name, gpu.adapter.subgroup_min_size, gpu.adapter.subgroup_max_size
     );
     let most = on_swiftshader(1e-5, 3e-6, "logarithms that cancel");
+    // Pipelines are shared by pictures of one size: compiling them takes longer than running them.
+    let meters = SIZES.map(|size| {
+        let texture = gpu.picture(size, &picture(size, EASY[0].1));
+        METERINGS.map(|metering| {
+            let settings = LeanAutoExposure {
+                metering,
+                ..instant()
+            };
+            (by_paths(&gpu, &settings, &texture), settings)
+        })
+    });
     for (name, texel) in EASY.into_iter().chain(HOSTILE) {
         let (mut worst, mut apart) = (0.0f64, 0.0f64);
-        for size in SIZES {
+        for (size, meters) in SIZES.into_iter().zip(&meters) {
             let texels = picture(size, texel);
-            for metering in METERINGS {
-                let settings = LeanAutoExposure {
-                    metering,
-                    ..instant()
-                };
+            let texture = gpu.picture(size, &texels);
+            for (meters, settings) in meters {
                 let whole = (UVec2::ZERO, size);
-                let expected = reference::metered(&settings, &texels, size, whole, None);
-                let states = by_paths(&gpu, &settings, size, &texels);
+                let expected = reference::metered(settings, &texels, size, whole, None);
+                let states: Vec<ExposureState> = meters
+                    .iter()
+                    .map(|meter| meter.another(&texture, None).frame(0.1, 0))
+                    .collect();
                 for state in &states {
                     assert!(state.exposure.is_finite() && state.target_exposure.is_finite());
                     let Some(expected) = expected else {
@@ -99,7 +107,7 @@ fn large_pictures_are_as_exact() {
     let band_size = UVec2::new(size.x, 8);
     for (name, texel) in [EASY[1], EASY[2], HOSTILE[3]] {
         let band = picture(band_size, texel);
-        let texels = band.repeat((size.y / band_size.y) as usize);
+        let texture = gpu.picture(size, &band.repeat((size.y / band_size.y) as usize));
         for metering in METERINGS {
             let settings = LeanAutoExposure {
                 metering,
@@ -108,7 +116,8 @@ fn large_pictures_are_as_exact() {
             let whole = (UVec2::ZERO, band_size);
             let expected = reference::metered(&settings, &band, band_size, whole, None);
             let expected = expected.expect("there are numbers among them");
-            for state in by_paths(&gpu, &settings, size, &texels) {
+            for meter in by_paths(&gpu, &settings, &texture) {
+                let state = meter.frame(0.1, 0);
                 let error = (f64::from(state.luminance) / expected - 1.0).abs();
                 println!("{name}, {metering:?}: off by {error:.1e}");
                 assert!(error <= 1e-5);

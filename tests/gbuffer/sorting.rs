@@ -122,10 +122,13 @@ impl Stage {
 }
 
 #[test]
-fn nothing_is_sorted_while_nothing_changes() {
+fn each_change_concerns_few_meshes() {
     in_own_process(|| {
         let mut stage = stage();
         stage.assert_sorts("at rest", 5, 0);
+        lights_concern_no_mesh(&mut stage);
+        a_camera_that_becomes_lean_does_not_trouble_bevy(&mut stage);
+        shadow_receivers_concern_themselves(&mut stage);
     });
 }
 
@@ -144,24 +147,22 @@ fn an_emissive_mesh_concerns_nobody_else() {
     });
 }
 
-#[test]
-fn lights_concern_no_mesh() {
-    in_own_process(|| {
-        let mut stage = stage();
-        let lamp = PointLight {
-            shadow_maps_enabled: true,
-            ..default()
-        };
-        let place = Transform::from_xyz(0.0, 3.0, 0.0);
-        let world = stage.headless.world();
-        // Compiles the shaders for the first light with shadows: until then forward draws.
-        let light = world.spawn((lamp, place)).id();
-        stage.headless.settle();
-        stage.headless.world().despawn(light);
-        stage.headless.settle();
-        stage.headless.world().spawn((lamp, place));
-        stage.assert_sorts("the first light with shadows", 5, 0);
-    });
+fn lights_concern_no_mesh(stage: &mut Stage) {
+    let lamp = PointLight {
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    let place = Transform::from_xyz(0.0, 3.0, 0.0);
+    let world = stage.headless.world();
+    // Compiles the shaders for the first light with shadows: until then forward draws.
+    let light = world.spawn((lamp, place)).id();
+    stage.headless.settle();
+    stage.headless.world().despawn(light);
+    stage.headless.settle();
+    let light = stage.headless.world().spawn((lamp, place)).id();
+    stage.assert_sorts("the first light with shadows", 5, 0);
+    stage.headless.world().despawn(light);
+    stage.headless.settle();
 }
 
 #[test]
@@ -193,34 +194,28 @@ fn motion_concerns_what_moves() {
     });
 }
 
-#[test]
-fn shadow_receivers_concern_themselves() {
-    in_own_process(|| {
-        let mut stage = stage();
-        let cube = stage.cubes[3];
-        stage.entity(cube).insert(NotShadowReceiver);
-        stage.assert_sorts("no receiver", 8, 8);
-        stage.entity(cube).remove::<NotShadowReceiver>();
-        stage.assert_sorts("a receiver again", 8, 2);
-    });
+fn shadow_receivers_concern_themselves(stage: &mut Stage) {
+    let cube = stage.cubes[3];
+    stage.entity(cube).insert(NotShadowReceiver);
+    stage.assert_sorts("no receiver", 8, 8);
+    stage.entity(cube).remove::<NotShadowReceiver>();
+    stage.assert_sorts("a receiver again", 8, 2);
 }
 
-#[test]
-fn a_camera_that_becomes_lean_does_not_trouble_bevy() {
-    in_own_process(|| {
-        let mut stage = stage();
-        let meshes = stage.cubes.len() + 1;
-        set_lean(&mut stage.headless, false);
-        stage.headless.settle();
-        set_lean(&mut stage.headless, true);
-        let watched = stage.watch(4);
-        let sorted: Vec<usize> = watched.iter().map(|(sorted, _)| *sorted).collect();
-        assert!(sorted.iter().sum::<usize>() <= 2 * meshes, "{sorted:?}");
-        for (_, asked) in watched {
-            assert_eq!(asked.views, 0);
-        }
-        log_watch::assert_validation_layer_silent();
-    });
+fn a_camera_that_becomes_lean_does_not_trouble_bevy(stage: &mut Stage) {
+    let meshes = stage.cubes.len() + 1;
+    set_lean(&mut stage.headless, false);
+    stage.headless.settle();
+    set_lean(&mut stage.headless, true);
+    let watched = stage.watch(4);
+    let sorted: Vec<usize> = watched.iter().map(|(sorted, _)| *sorted).collect();
+    let all = sorted.iter().sum::<usize>();
+    assert!(all <= 2 * meshes, "becomes lean: {sorted:?}");
+    for (_, asked) in watched {
+        assert_eq!(asked.views, 0, "becomes lean");
+    }
+    log_watch::assert_validation_layer_silent();
+    stage.headless.settle();
 }
 
 /// Meshes that are lights as well, one in two, on a camera that becomes lean for the first time: they wait for their pipelines and are then

@@ -9,7 +9,7 @@ use bevy_lean_deferred::{
 use kit::{
     hdr::{Light, change_views, even_texture, float_texture, light, settled_light},
     headless::Headless,
-    lean::{active_lean_views, build, change_cameras},
+    lean::{active_lean_views, change_cameras, show},
     log_watch,
     own_process::in_own_process,
     scenes::{self, SceneBuilder, build::material},
@@ -61,10 +61,9 @@ fn spawn_stage(s: &mut SceneBuilder, sky: bool, [clearcoat, transmission]: [f32;
     }
 }
 
-fn stage(sky: bool, special: [f32; 2]) -> Headless {
-    let mut headless = build(SIZE, |s| spawn_stage(s, sky, special));
+fn stage(headless: &mut Headless, sky: bool, special: [f32; 2]) {
+    show(headless, |s| spawn_stage(s, sky, special));
     headless.settle();
-    headless
 }
 
 fn find_specular(headless: &mut Headless, texel: [f32; 4]) {
@@ -108,110 +107,109 @@ fn assert_alike(what: &str, found: &Light, expected: &Light) {
 }
 
 #[test]
-fn what_is_mirrored_takes_the_place_of_the_sky() {
+fn found_light_takes_the_place_of_other_light() {
     in_own_process(|| {
-        let mut headless = stage(true, SPECIAL);
-        let sky = settled_light(&mut headless);
-        for confidence in [0.25, 1.0] {
-            find_specular(&mut headless, [EXPOSED, EXPOSED, EXPOSED, confidence]);
-            let mixed = settled_light(&mut headless);
-            assert_alike(&format!("confidence {confidence}"), &mixed, &sky);
-        }
-        // A mirror image twice as bright adds specular light only.
-        let twice = 2.0 * EXPOSED;
-        find_specular(&mut headless, [twice, twice, twice, 1.0]);
-        let brighter = settled_light(&mut headless);
-        show_part(&mut headless, DebugChannel::DiffuseLight);
-        let diffuse = settled_light(&mut headless);
-        find_specular(&mut headless, [0.0; 4]);
-        assert_alike("diffuse light", &settled_light(&mut headless), &diffuse);
-        let more = |(bright, sky): (&[f32; 4], &[f32; 4])| bright[1] > sky[1] * 1.01;
-        let pairs = || brighter.texels.iter().zip(&sky.texels);
-        assert!(pairs().filter(|pair| more(*pair)).count() > 2000);
-        assert!(pairs().all(|(bright, sky)| bright[1] >= sky[1] * 0.999));
+        let headless = &mut Headless::new(SIZE);
+        what_is_mirrored_takes_the_place_of_the_sky(headless);
+        each_pixel_mirrors_its_own(headless);
+        what_shines_on_surfaces_takes_the_place_of_what_it_hides(headless);
+        found_light_needs_no_environment_map(headless);
+        lightmaps_have_what_shines_on_surfaces(headless);
     });
+}
+
+fn what_is_mirrored_takes_the_place_of_the_sky(headless: &mut Headless) {
+    stage(headless, true, SPECIAL);
+    let sky = settled_light(headless);
+    for confidence in [0.25, 1.0] {
+        find_specular(headless, [EXPOSED, EXPOSED, EXPOSED, confidence]);
+        let mixed = settled_light(headless);
+        assert_alike(&format!("confidence {confidence}"), &mixed, &sky);
+    }
+    // A mirror image twice as bright adds specular light only.
+    let twice = 2.0 * EXPOSED;
+    find_specular(headless, [twice, twice, twice, 1.0]);
+    let brighter = settled_light(headless);
+    show_part(headless, DebugChannel::DiffuseLight);
+    let diffuse = settled_light(headless);
+    find_specular(headless, [0.0; 4]);
+    assert_alike("diffuse light", &settled_light(headless), &diffuse);
+    let more = |(bright, sky): (&[f32; 4], &[f32; 4])| bright[1] > sky[1] * 1.01;
+    let pairs = || brighter.texels.iter().zip(&sky.texels);
+    assert!(pairs().filter(|pair| more(*pair)).count() > 2000);
+    assert!(pairs().all(|(bright, sky)| bright[1] >= sky[1] * 0.999));
 }
 
 /// Adjacent pixels, of which some mirror something and others nothing, each get their own light.
-#[test]
-fn each_pixel_mirrors_its_own() {
-    in_own_process(|| {
-        let mut headless = stage(true, SPECIAL);
-        let texels = [[0.0; 4], [0.5, 0.7, 0.4, 1.0], [0.1, 0.4, 0.6, 0.4]];
-        let expected = texels.map(|texel| {
-            find_specular(&mut headless, texel);
-            settled_light(&mut headless)
-        });
-        let which = |pixel: UVec2| ((pixel.x * 7 + pixel.y * 13 + pixel.x * pixel.y) % 3) as usize;
-        let texture = float_texture(&headless, SIZE, |pixel| texels[which(pixel)]);
-        change_views(&mut headless, |view| {
-            view.insert(IndirectSpecular(Some(texture.clone())));
-        });
-        let mixed = settled_light(&mut headless);
-        for (i, texel) in mixed.texels.iter().enumerate() {
-            let pixel = UVec2::new(i as u32 % SIZE.x, i as u32 / SIZE.x);
-            assert_eq!(*texel, expected[which(pixel)].texels[i], "{pixel}");
-        }
+fn each_pixel_mirrors_its_own(headless: &mut Headless) {
+    stage(headless, true, SPECIAL);
+    let texels = [[0.0; 4], [0.5, 0.7, 0.4, 1.0], [0.1, 0.4, 0.6, 0.4]];
+    let expected = texels.map(|texel| {
+        find_specular(headless, texel);
+        settled_light(headless)
     });
+    let which = |pixel: UVec2| ((pixel.x * 7 + pixel.y * 13 + pixel.x * pixel.y) % 3) as usize;
+    let texture = float_texture(headless, SIZE, |pixel| texels[which(pixel)]);
+    change_views(headless, |view| {
+        view.insert(IndirectSpecular(Some(texture.clone())));
+    });
+    let mixed = settled_light(headless);
+    for (i, texel) in mixed.texels.iter().enumerate() {
+        let pixel = UVec2::new(i as u32 % SIZE.x, i as u32 / SIZE.x);
+        assert_eq!(*texel, expected[which(pixel)].texels[i], "{pixel}");
+    }
 }
 
-#[test]
-fn what_shines_on_surfaces_takes_the_place_of_what_it_hides() {
-    in_own_process(|| {
-        let mut headless = stage(true, SPECIAL);
-        show_part(&mut headless, DebugChannel::DiffuseLight);
-        let sky = settled_light(&mut headless);
-        for hidden in [0.25, 1.0] {
-            let light = hidden * EXPOSED;
-            find_diffuse(&mut headless, [light, light, light, hidden]);
-            let mixed = settled_light(&mut headless);
-            assert_alike(&format!("hidden {hidden}"), &mixed, &sky);
-        }
-    });
+fn what_shines_on_surfaces_takes_the_place_of_what_it_hides(headless: &mut Headless) {
+    stage(headless, true, SPECIAL);
+    show_part(headless, DebugChannel::DiffuseLight);
+    let sky = settled_light(headless);
+    for hidden in [0.25, 1.0] {
+        let light = hidden * EXPOSED;
+        find_diffuse(headless, [light, light, light, hidden]);
+        let mixed = settled_light(headless);
+        assert_alike(&format!("hidden {hidden}"), &mixed, &sky);
+    }
 }
 
-#[test]
-fn found_light_needs_no_environment_map() {
-    in_own_process(|| {
-        // Without coat and transmission: beneath a coat a surface mirrors only the environment, which alone lights its back too.
-        let sky = settled_light(&mut stage(true, [0.0; 2]));
-        let mut headless = stage(false, [0.0; 2]);
-        find_specular(&mut headless, [EXPOSED, EXPOSED, EXPOSED, 1.0]);
-        find_diffuse(&mut headless, [EXPOSED, EXPOSED, EXPOSED, 1.0]);
-        let found = settled_light(&mut headless);
-        assert_alike("in the dark", &found, &sky);
-    });
+fn found_light_needs_no_environment_map(headless: &mut Headless) {
+    // Without coat and transmission: beneath a coat a surface mirrors only the environment, which alone lights its back too.
+    stage(headless, true, [0.0; 2]);
+    let sky = settled_light(headless);
+    stage(headless, false, [0.0; 2]);
+    find_specular(headless, [EXPOSED, EXPOSED, EXPOSED, 1.0]);
+    find_diffuse(headless, [EXPOSED, EXPOSED, EXPOSED, 1.0]);
+    let found = settled_light(headless);
+    assert_alike("in the dark", &found, &sky);
 }
 
-#[test]
-fn lightmaps_have_what_shines_on_surfaces() {
-    in_own_process(|| {
-        let mut scenes = scenes::SPECIAL_MATERIALS.iter();
-        let scene = scenes
-            .find(|scene| scene.name == "lightmapped_specials")
-            .expect("there is such a scene");
-        let mut headless = build(SIZE, scene.build);
-        change_cameras(&mut headless, |camera| {
-            camera.insert(LeanDeferred::default());
-        });
-        let before = settled_light(&mut headless);
-        find_diffuse(&mut headless, [EXPOSED, EXPOSED, EXPOSED, 0.0]);
-        let after = settled_light(&mut headless);
-        let pairs = || before.texels.iter().zip(&after.texels);
-        let brighter = pairs().filter(|(before, after)| after[1] > before[1] + 0.01);
-        let equal = pairs().filter(|(before, after)| before == after && before[1] > 0.0);
-        let [brighter, equal] = [brighter.count(), equal.count()];
-        assert!(
-            brighter > 1000 && equal > 500,
-            "{brighter} pixels are brighter, {equal} as before"
-        );
+fn lightmaps_have_what_shines_on_surfaces(headless: &mut Headless) {
+    let mut scenes = scenes::SPECIAL_MATERIALS.iter();
+    let scene = scenes
+        .find(|scene| scene.name == "lightmapped_specials")
+        .expect("there is such a scene");
+    show(headless, scene.build);
+    change_cameras(headless, |camera| {
+        camera.insert(LeanDeferred::default());
     });
+    let before = settled_light(headless);
+    find_diffuse(headless, [EXPOSED, EXPOSED, EXPOSED, 0.0]);
+    let after = settled_light(headless);
+    let pairs = || before.texels.iter().zip(&after.texels);
+    let brighter = pairs().filter(|(before, after)| after[1] > before[1] + 0.01);
+    let equal = pairs().filter(|(before, after)| before == after && before[1] > 0.0);
+    let [brighter, equal] = [brighter.count(), equal.count()];
+    assert!(
+        brighter > 1000 && equal > 500,
+        "{brighter} pixels are brighter, {equal} as before"
+    );
 }
 
 #[test]
 fn what_is_not_there_or_not_a_number_changes_nothing() {
     in_own_process(|| {
-        let mut headless = stage(true, SPECIAL);
+        let mut headless = Headless::new(SIZE);
+        stage(&mut headless, true, SPECIAL);
         let without = settled_light(&mut headless);
         change_views(&mut headless, |view| {
             view.insert((IndirectSpecular(None), IndirectDiffuse(None)));

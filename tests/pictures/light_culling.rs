@@ -9,7 +9,7 @@ use half::f16;
 use kit::{
     hdr::{Light, keep_light_of_views, kept_light},
     headless::{Headless, Picture},
-    lean::{active_lean_views, build, change_cameras, judge, report, settled},
+    lean::{active_lean_views, change_cameras, judge, report, settled, show},
     own_process::in_own_process,
     random::Random,
     scenes::{LEAST_PSNR, SceneBuilder},
@@ -65,15 +65,15 @@ fn pixels_apart(a: &[Light], b: &[Light]) -> usize {
 
 /// Renders the scene in each mode, and compares the results with one another and, if `like_forward`, with forward.
 fn compare(
+    headless: &mut Headless,
     name: &str,
-    size: UVec2,
     like_forward: bool,
     scene: impl FnOnce(&mut SceneBuilder),
 ) -> Vec<Result<(), String>> {
-    let mut headless = build(size, scene);
-    let forward = settled(&mut headless);
-    let shown = CULLING.map(|culling| lean(&mut headless, culling));
-    assert!(active_lean_views(&mut headless) > 0, "{name} is not lean");
+    show(headless, scene);
+    let forward = settled(headless);
+    let shown = CULLING.map(|culling| lean(headless, culling));
+    assert!(active_lean_views(headless) > 0, "{name} is not lean");
     let mut results = Vec::new();
     for (culling, (_, light)) in CULLING.iter().zip(&shown).skip(1) {
         let apart = pixels_apart(&shown[0].1, light);
@@ -141,240 +141,245 @@ fn point_light(scene: &mut SceneBuilder, range: f32, intensity: f32, position: V
     ));
 }
 
+/// One app shows several scenes, but not so many that their frames fill the memory.
+fn compare_all(scenes: &[fn(&mut Headless) -> Vec<Result<(), String>>]) {
+    let headless = &mut Headless::new(SIZE);
+    report(scenes.iter().flat_map(|&scene| scene(headless)));
+}
+
 #[test]
-fn many_lights() {
+fn many_and_hostile_lights() {
     in_own_process(|| {
-        report(compare("many", SIZE, true, |s| {
-            s.solids();
-            lights(s, 120, 1);
-            s.default_camera(());
-        }));
+        compare_all(&[
+            many_lights,
+            hundreds_of_lights_on_a_pixel,
+            lights_with_layers,
+            from_close_to_far,
+            hostile_ranges,
+        ]);
     });
+}
+
+#[test]
+fn other_lights_and_views() {
+    in_own_process(|| {
+        compare_all(&[
+            other_views,
+            light_from_behind,
+            narrow_cones,
+            sheared_cameras,
+        ]);
+    });
+}
+
+fn many_lights(headless: &mut Headless) -> Vec<Result<(), String>> {
+    compare(headless, "many", true, |s| {
+        s.solids();
+        lights(s, 120, 1);
+        s.default_camera(());
+    })
 }
 
 /// More lights in a cluster than invocations in a workgroup.
-#[test]
-fn hundreds_of_lights_on_a_pixel() {
-    in_own_process(|| {
-        report(compare("on_a_pixel", SIZE, true, |s| {
+fn hundreds_of_lights_on_a_pixel(headless: &mut Headless) -> Vec<Result<(), String>> {
+    compare(headless, "on_a_pixel", true, |s| {
+        s.solids();
+        for i in 0..200 {
+            let angle = i as f32 * 0.37;
+            let position = Vec3::new(angle.cos(), 1.0 + 0.005 * i as f32, angle.sin());
+            point_light(s, 20.0, 300.0, position);
+        }
+        s.default_camera(());
+    })
+}
+
+fn lights_with_layers(headless: &mut Headless) -> Vec<Result<(), String>> {
+    compare(headless, "layers", false, |s| {
+        s.solids();
+        lights(s, 60, 2);
+        let world = s.world();
+        let mut all = world.query_filtered::<Entity, With<PointLight>>();
+        let all: Vec<Entity> = all.iter(world).collect();
+        for (i, light) in all.into_iter().enumerate() {
+            let layer = RenderLayers::layer(i % 2);
+            world.entity_mut(light).insert(layer);
+        }
+        s.default_camera(RenderLayers::from_layers(&[0, 1]));
+    })
+}
+
+fn from_close_to_far(headless: &mut Headless) -> Vec<Result<(), String>> {
+    compare(headless, "close_to_far", true, |s| {
+        s.mesh(
+            Plane3d::default().mesh().size(2e4, 2e4),
+            StandardMaterial::default(),
+            Transform::default(),
+        );
+        // Its edges lie directly in front of surfaces that are kilometres away.
+        s.mesh(
+            Torus::new(0.004, 0.012),
+            StandardMaterial::default(),
+            Transform::from_xyz(0.0, 1.0, -0.03).with_rotation(Quat::from_rotation_x(1.2)),
+        );
+        lights(s, 60, 3);
+        point_light(s, 0.1, 20.0, Vec3::new(0.01, 1.02, 0.0));
+        point_light(s, 5e3, 1e12, Vec3::new(0.0, 500.0, -5e3));
+        // The camera is inside its sphere.
+        point_light(s, 4.0, 2_000.0, Vec3::Y);
+        s.camera(
+            Transform::from_translation(Vec3::Y),
+            Projection::Perspective(PerspectiveProjection {
+                near: 0.005,
+                ..default()
+            }),
+        );
+    })
+}
+
+fn hostile_ranges(headless: &mut Headless) -> Vec<Result<(), String>> {
+    let with = |range: f32| {
+        move |s: &mut SceneBuilder| {
             s.solids();
-            for i in 0..200 {
-                let angle = i as f32 * 0.37;
-                let position = Vec3::new(angle.cos(), 1.0 + 0.005 * i as f32, angle.sin());
-                point_light(s, 20.0, 300.0, position);
-            }
+            lights(s, 20, 4);
+            point_light(s, range, 50_000.0, Vec3::new(0.0, 2.0, 0.0));
             s.default_camera(());
-        }));
-    });
+        }
+    };
+    [
+        ("range_0", 0.0, true),
+        ("range_infinite", f32::INFINITY, false),
+        ("range_nan", f32::NAN, false),
+    ]
+    .into_iter()
+    .flat_map(|(name, range, like_forward)| compare(headless, name, like_forward, with(range)))
+    .collect()
 }
 
-#[test]
-fn lights_with_layers() {
-    in_own_process(|| {
-        report(compare("layers", SIZE, false, |s| {
-            s.solids();
-            lights(s, 60, 2);
-            let world = s.world();
-            let mut all = world.query_filtered::<Entity, With<PointLight>>();
-            let all: Vec<Entity> = all.iter(world).collect();
-            for (i, light) in all.into_iter().enumerate() {
-                let layer = RenderLayers::layer(i % 2);
-                world.entity_mut(light).insert(layer);
-            }
-            s.default_camera(RenderLayers::from_layers(&[0, 1]));
+fn other_views(headless: &mut Headless) -> Vec<Result<(), String>> {
+    let orthographic = |s: &mut SceneBuilder| {
+        s.solids();
+        lights(s, 60, 5);
+        s.default_camera(Projection::Orthographic(OrthographicProjection {
+            scaling_mode: ScalingMode::FixedVertical {
+                viewport_height: 6.0,
+            },
+            ..OrthographicProjection::default_3d()
         }));
-    });
-}
-
-#[test]
-fn from_close_to_far() {
-    in_own_process(|| {
-        report(compare("close_to_far", SIZE, true, |s| {
-            s.mesh(
-                Plane3d::default().mesh().size(2e4, 2e4),
-                StandardMaterial::default(),
-                Transform::default(),
-            );
-            // Its edges lie directly in front of surfaces that are kilometres away.
-            s.mesh(
-                Torus::new(0.004, 0.012),
-                StandardMaterial::default(),
-                Transform::from_xyz(0.0, 1.0, -0.03).with_rotation(Quat::from_rotation_x(1.2)),
-            );
-            lights(s, 60, 3);
-            point_light(s, 0.1, 20.0, Vec3::new(0.01, 1.02, 0.0));
-            point_light(s, 5e3, 1e12, Vec3::new(0.0, 500.0, -5e3));
-            // The camera is inside its sphere.
-            point_light(s, 4.0, 2_000.0, Vec3::Y);
-            s.camera(
-                Transform::from_translation(Vec3::Y),
-                Projection::Perspective(PerspectiveProjection {
-                    near: 0.005,
+    };
+    let viewports = |s: &mut SceneBuilder| {
+        s.solids();
+        lights(s, 60, 6);
+        for (order, x) in [0, 93].into_iter().enumerate() {
+            s.default_camera(Camera {
+                order: order as isize,
+                viewport: Some(Viewport {
+                    physical_position: UVec2::new(x, 11),
+                    physical_size: UVec2::new(93, 130),
                     ..default()
                 }),
-            );
-        }));
-    });
-}
-
-#[test]
-fn hostile_ranges() {
-    in_own_process(|| {
-        let with = |range: f32| {
-            move |s: &mut SceneBuilder| {
-                s.solids();
-                lights(s, 20, 4);
-                point_light(s, range, 50_000.0, Vec3::new(0.0, 2.0, 0.0));
-                s.default_camera(());
-            }
-        };
-        report(
-            [
-                ("range_0", 0.0, true),
-                ("range_infinite", f32::INFINITY, false),
-                ("range_nan", f32::NAN, false),
-            ]
-            .into_iter()
-            .flat_map(|(name, range, like_forward)| compare(name, SIZE, like_forward, with(range))),
-        );
-    });
-}
-
-#[test]
-fn other_views() {
-    in_own_process(|| {
-        let orthographic = |s: &mut SceneBuilder| {
-            s.solids();
-            lights(s, 60, 5);
-            s.default_camera(Projection::Orthographic(OrthographicProjection {
-                scaling_mode: ScalingMode::FixedVertical {
-                    viewport_height: 6.0,
-                },
-                ..OrthographicProjection::default_3d()
-            }));
-        };
-        let viewports = |s: &mut SceneBuilder| {
-            s.solids();
-            lights(s, 60, 6);
-            for (order, x) in [0, 93].into_iter().enumerate() {
-                s.default_camera(Camera {
-                    order: order as isize,
-                    viewport: Some(Viewport {
-                        physical_position: UVec2::new(x, 11),
-                        physical_size: UVec2::new(93, 130),
-                        ..default()
-                    }),
-                    ..default()
-                });
-            }
-        };
-        let usual = |s: &mut SceneBuilder| {
-            s.solids();
-            lights(s, 60, 7);
-            s.default_camera(());
-        };
-        report(
-            compare("orthographic", SIZE, true, orthographic)
-                .into_iter()
-                .chain(compare("viewports", SIZE, true, viewports))
-                .chain(compare("a_pixel", UVec2::ONE, false, usual)),
-        );
-    });
+                ..default()
+            });
+        }
+    };
+    let usual = |s: &mut SceneBuilder| {
+        s.solids();
+        lights(s, 60, 7);
+        s.default_camera(());
+    };
+    let single = &mut Headless::new(UVec2::ONE);
+    [
+        compare(headless, "orthographic", true, orthographic),
+        compare(headless, "viewports", true, viewports),
+        compare(single, "a_pixel", false, usual),
+    ]
+    .concat()
 }
 
 /// Transmitted light is gathered a thickness behind the surface, within reach of lights that reach no pixel.
-#[test]
-fn light_from_behind() {
-    in_own_process(|| {
-        report(compare("from_behind", SIZE, true, |s| {
-            let mut random = Random::new(8);
-            s.floor();
-            for i in 0..12 {
-                let card = StandardMaterial {
-                    diffuse_transmission: 0.9,
-                    thickness: [0.0, 0.3, 1.2, 2.5][i % 4],
-                    ..Color::hsl(40.0 * i as f32, 0.4, 0.6).into()
-                };
-                let (column, row) = ((i % 4) as f32, (i / 4) as f32);
-                s.mesh(
-                    Rectangle::new(1.3, 1.3),
-                    card,
-                    Transform::from_xyz(1.4 * column - 2.1, 0.5 + 1.4 * row, 0.0),
-                );
-            }
-            for i in 0..60 {
-                let position = Vec3::new(
-                    random.range(-3.0, 3.0),
-                    random.range(0.1, 4.0),
-                    random.range(-3.2, -0.8),
-                );
-                if i % 2 == 0 {
-                    point_light(s, random.range(0.5, 1.2), 30_000.0, position);
-                } else {
-                    // Shines along the cards.
-                    s.spawn((
-                        SpotLight {
-                            range: 3.0,
-                            intensity: 100_000.0,
-                            outer_angle: random.range(0.1, 0.6),
-                            inner_angle: 0.05,
-                            ..default()
-                        },
-                        Transform::from_translation(position)
-                            .looking_to(Vec3::new(random.range(-1.0, 1.0), 1.0, 0.4), Vec3::Z),
-                    ));
-                }
-            }
-            s.camera(
-                Transform::from_xyz(0.0, 2.0, 5.0).looking_at(Vec3::Y * 1.8, Vec3::Y),
-                (),
+fn light_from_behind(headless: &mut Headless) -> Vec<Result<(), String>> {
+    compare(headless, "from_behind", true, |s| {
+        let mut random = Random::new(8);
+        s.floor();
+        for i in 0..12 {
+            let card = StandardMaterial {
+                diffuse_transmission: 0.9,
+                thickness: [0.0, 0.3, 1.2, 2.5][i % 4],
+                ..Color::hsl(40.0 * i as f32, 0.4, 0.6).into()
+            };
+            let (column, row) = ((i % 4) as f32, (i / 4) as f32);
+            s.mesh(
+                Rectangle::new(1.3, 1.3),
+                card,
+                Transform::from_xyz(1.4 * column - 2.1, 0.5 + 1.4 * row, 0.0),
             );
-        }));
-    });
+        }
+        for i in 0..60 {
+            let position = Vec3::new(
+                random.range(-3.0, 3.0),
+                random.range(0.1, 4.0),
+                random.range(-3.2, -0.8),
+            );
+            if i % 2 == 0 {
+                point_light(s, random.range(0.5, 1.2), 30_000.0, position);
+            } else {
+                // Shines along the cards.
+                s.spawn((
+                    SpotLight {
+                        range: 3.0,
+                        intensity: 100_000.0,
+                        outer_angle: random.range(0.1, 0.6),
+                        inner_angle: 0.05,
+                        ..default()
+                    },
+                    Transform::from_translation(position)
+                        .looking_to(Vec3::new(random.range(-1.0, 1.0), 1.0, 0.4), Vec3::Z),
+                ));
+            }
+        }
+        s.camera(
+            Transform::from_xyz(0.0, 2.0, 5.0).looking_at(Vec3::Y * 1.8, Vec3::Y),
+            (),
+        );
+    })
 }
 
 /// Cones as narrow as cosines can represent.
-#[test]
-fn narrow_cones() {
-    in_own_process(|| {
-        report(compare("narrow_cones", SIZE, false, |s| {
-            s.solids();
-            let mut random = Random::new(9);
-            for _ in 0..200 {
-                let mut within = |size: f32| random.range(-size, size);
-                let target = Vec3::new(within(3.0), 0.5 + within(0.5), within(2.0));
-                let away = Vec3::new(within(20.0), 25.0 + within(10.0), within(20.0));
-                s.spawn((
-                    SpotLight {
-                        range: 100.0,
-                        intensity: 1e12,
-                        outer_angle: random.range(0.0, 0.004),
-                        inner_angle: 0.0,
-                        ..default()
-                    },
-                    Transform::from_translation(away).looking_at(target, Vec3::X),
-                ));
-            }
-            s.default_camera(());
-        }));
-    });
+fn narrow_cones(headless: &mut Headless) -> Vec<Result<(), String>> {
+    compare(headless, "narrow_cones", false, |s| {
+        s.solids();
+        let mut random = Random::new(9);
+        for _ in 0..200 {
+            let mut within = |size: f32| random.range(-size, size);
+            let target = Vec3::new(within(3.0), 0.5 + within(0.5), within(2.0));
+            let away = Vec3::new(within(20.0), 25.0 + within(10.0), within(20.0));
+            s.spawn((
+                SpotLight {
+                    range: 100.0,
+                    intensity: 1e12,
+                    outer_angle: random.range(0.0, 0.004),
+                    inner_angle: 0.0,
+                    ..default()
+                },
+                Transform::from_translation(away).looking_at(target, Vec3::X),
+            ));
+        }
+        s.default_camera(());
+    })
 }
 
 /// Distances in the view space of sheared cameras differ from those in the world.
-#[test]
-fn sheared_cameras() {
-    in_own_process(|| {
-        let scales = [Vec3::new(0.5, 1.5, 1.0), Vec3::new(0.5, 1.5, 1.118)];
-        report(scales.into_iter().flat_map(|scale| {
-            compare(&format!("sheared_{}", scale.z), SIZE, false, |s| {
-                s.solids();
-                lights(s, 120, 10);
-                let turned = Transform::from_xyz(0.0, 1.0, 3.0)
-                    .with_rotation(Quat::from_rotation_z(core::f32::consts::FRAC_PI_4));
-                let camera = s.camera(turned, ());
-                let parent = s.spawn(Transform::from_scale(scale));
-                s.world().entity_mut(parent).add_child(camera);
-            })
-        }));
+fn sheared_cameras(headless: &mut Headless) -> Vec<Result<(), String>> {
+    let scales = [Vec3::new(0.5, 1.5, 1.0), Vec3::new(0.5, 1.5, 1.118)];
+    let results = scales.into_iter().flat_map(|scale| {
+        compare(headless, &format!("sheared_{}", scale.z), false, |s| {
+            s.solids();
+            lights(s, 120, 10);
+            let turned = Transform::from_xyz(0.0, 1.0, 3.0)
+                .with_rotation(Quat::from_rotation_z(core::f32::consts::FRAC_PI_4));
+            let camera = s.camera(turned, ());
+            let parent = s.spawn(Transform::from_scale(scale));
+            s.world().entity_mut(parent).add_child(camera);
+        })
     });
+    results.collect()
 }

@@ -262,20 +262,24 @@ fn column(picture: &Picture, column: usize) -> Picture {
 }
 
 /// Each column matches a scene with only the lights of its layers.
-fn compare_columns(name: &str, lights: Lights) {
-    let headless = &mut Headless::new(SIZE);
+fn compare_columns(headless: &mut Headless, name: &str, lights: Lights) -> Vec<Result<(), String>> {
     let lean = picture(headless, lights, None, Some(LeanDeferred::default()));
-    report(COLUMNS.into_iter().enumerate().map(|(index, layers)| {
+    let columns = COLUMNS.into_iter().enumerate().map(|(index, layers)| {
         let forward = picture(headless, lights, Some(layers), None);
         let [forward, lean] = [&forward, &lean].map(|picture| column(picture, index));
         let name = format!("{name}_{index}");
         judge(&name, &forward, &lean, LEAST_PSNR)
-    }));
+    });
+    columns.collect()
 }
 
 /// Without `light_layers` all lights affect all meshes, as in forward, and the picture differs from the one with layers.
-fn compare_without_layers(name: &str, lights: Lights, shows: Shows) {
-    let headless = &mut Headless::new(SIZE);
+fn compare_without_layers(
+    headless: &mut Headless,
+    name: &str,
+    lights: Lights,
+    shows: Shows,
+) -> Result<(), String> {
     let forward = picture(headless, lights, None, None);
     let [with, without] = [true, false].map(|light_layers| {
         let settings = LeanDeferred {
@@ -289,7 +293,7 @@ fn compare_without_layers(name: &str, lights: Lights, shows: Shows) {
         let psnr = difference(&without, &with).psnr;
         assert!(psnr < 30.0, "{name}: {psnr} dB");
     }
-    report([judge(name, &forward, &without, LEAST_PSNR)]);
+    judge(name, &forward, &without, LEAST_PSNR)
 }
 
 /// The debug view is grey where the mask is that of layer 0, and otherwise has a colour per set of layers.
@@ -320,36 +324,32 @@ fn the_mask_can_be_shown() {
     });
 }
 
-/// Tests of each kind of light.
-macro_rules! tests {
-    ($($lights:ident, $shows:ident;)+) => {
-        mod with_layers {
-            $(#[test]
-            fn $lights() {
-                super::in_own_process(|| {
-                    super::compare_columns(stringify!($lights), super::$lights);
-                });
-            })+
-        }
+const KINDS: [(&str, Lights, Shows); 8] = [
+    ("point_lights", point_lights, Shows::Everywhere),
+    ("spot_lights", spot_lights, Shows::Everywhere),
+    ("directional_lights", directional_lights, Shows::Everywhere),
+    ("rect_lights", rect_lights, Shows::Everywhere),
+    ("reflection_probe", reflection_probe, Shows::WithBindless),
+    ("irradiance_volume", irradiance_volume, Shows::Everywhere),
+    ("decals", decals, Shows::WithBindless),
+    ("all_kinds", all_kinds, Shows::Everywhere),
+];
 
-        mod without_layers {
-            $(#[test]
-            fn $lights() {
-                super::in_own_process(|| super::compare_without_layers(
-                    stringify!($lights), super::$lights, super::Shows::$shows,
-                ));
-            })+
-        }
-    };
+#[test]
+fn with_layers() {
+    in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
+        let kinds = KINDS.into_iter();
+        report(kinds.flat_map(|(name, lights, _)| compare_columns(headless, name, lights)));
+    });
 }
 
-tests! {
-    point_lights, Everywhere;
-    spot_lights, Everywhere;
-    directional_lights, Everywhere;
-    rect_lights, Everywhere;
-    reflection_probe, WithBindless;
-    irradiance_volume, Everywhere;
-    decals, WithBindless;
-    all_kinds, Everywhere;
+#[test]
+fn without_layers() {
+    in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
+        let results = KINDS
+            .map(|(name, lights, shows)| compare_without_layers(headless, name, lights, shows));
+        report(results);
+    });
 }

@@ -108,12 +108,14 @@ fn at_rest(extra: Extra, state: Change) -> Picture {
     stage(extra, state).capture()
 }
 
+/// A state of the mesh, and the picture of a mesh that had it from the start.
+type State<'a> = (Change, &'a Picture);
+
 /// Changes the mesh twice, the second time with all shaders compiled. Frames of the first time are not compared with a lamp on layers:
 /// forward draws the mesh in between, and ignores light layers.
-fn assert_fresh(name: &str, extra: Extra, from: Change, to: Change) {
+fn assert_fresh(name: &str, extra: Extra, (from, before): State, (to, after): State) {
     let has_layers = core::ptr::fn_addr_eq(extra, layered_lamp as Extra);
-    let [before, after] = [from, to].map(|state| at_rest(extra, state));
-    let apart = pixel_difference(&before, &after);
+    let apart = pixel_difference(before, after);
     assert!(apart.psnr < 38.0, "{name}: nothing to tell apart, {apart}");
     let mut headless = stage(extra, from);
     for time in ["first", "second"] {
@@ -126,7 +128,7 @@ fn assert_fresh(name: &str, extra: Extra, from: Change, to: Change) {
             if time == "first" && has_layers {
                 continue;
             }
-            let expected = if frame < BEFORE { &before } else { &after };
+            let expected = if frame < BEFORE { before } else { after };
             let difference = pixel_difference(expected, picture);
             let message = format!("{name}, {time} time, frame {frame}: {difference}");
             assert!(difference.psnr > 45.0, "{message}");
@@ -153,16 +155,14 @@ const NOT_LIGHTMAPPED: Change = |mesh, _| {
 };
 
 #[test]
-fn lightmap_added() {
+fn lightmap() {
     in_own_process(|| {
-        assert_fresh("lightmap added", NOTHING, NOT_LIGHTMAPPED, LIGHTMAPPED);
-    });
-}
-
-#[test]
-fn lightmap_removed() {
-    in_own_process(|| {
-        assert_fresh("lightmap removed", NOTHING, LIGHTMAPPED, NOT_LIGHTMAPPED);
+        let states = [NOT_LIGHTMAPPED, LIGHTMAPPED];
+        let [plain, lightmapped] = states.map(|state| at_rest(NOTHING, state));
+        let without = (NOT_LIGHTMAPPED, &plain);
+        let with = (LIGHTMAPPED, &lightmapped);
+        assert_fresh("lightmap added", NOTHING, without, with);
+        assert_fresh("lightmap removed", NOTHING, with, without);
     });
 }
 
@@ -175,8 +175,10 @@ fn shadow_receiver() {
         const AGAIN: Change = |mesh, _| {
             mesh.remove::<NotShadowReceiver>();
         };
-        assert_fresh("no shadows", NOTHING, AGAIN, NONE);
-        assert_fresh("shadows again", NOTHING, NONE, AGAIN);
+        let [shaded, unshaded] = [AGAIN, NONE].map(|state| at_rest(NOTHING, state));
+        let (with, without) = ((AGAIN, &shaded), (NONE, &unshaded));
+        assert_fresh("no shadows", NOTHING, with, without);
+        assert_fresh("shadows again", NOTHING, without, with);
     });
 }
 
@@ -192,9 +194,12 @@ fn render_layers() {
         const OTHER: Change = |mesh, _| {
             mesh.insert(RenderLayers::layer(1));
         };
-        assert_fresh("layers added", layered_lamp, UNLIT, LIT);
-        assert_fresh("layers changed", layered_lamp, OTHER, UNLIT);
-        assert_fresh("layers removed", layered_lamp, LIT, UNLIT);
+        let pictures = [UNLIT, LIT, OTHER].map(|state| at_rest(layered_lamp, state));
+        let [unlit, lit, other] = pictures.each_ref();
+        let (unlit, lit, other) = ((UNLIT, unlit), (LIT, lit), (OTHER, other));
+        assert_fresh("layers added", layered_lamp, unlit, lit);
+        assert_fresh("layers changed", layered_lamp, other, unlit);
+        assert_fresh("layers removed", layered_lamp, lit, unlit);
     });
 }
 
@@ -287,8 +292,8 @@ fn layers_change_while_things_are_disabled() {
     });
 }
 
-/// While no camera is lean nothing is tracked: changes made then are known once one is.
-fn assert_known_later(name: &str, extra: Extra, changes: [Change; 2]) {
+/// While no camera is lean nothing is tracked: changes made then are known once one is. `before` is the picture without changes.
+fn assert_known_later(name: &str, extra: Extra, before: &Picture, changes: [Change; 2]) {
     let picture = |is_lean_meanwhile: bool| {
         let mut headless = build(SIZE, |s| {
             scene(s);
@@ -310,8 +315,7 @@ fn assert_known_later(name: &str, extra: Extra, changes: [Change; 2]) {
     let difference = pixel_difference(&followed, &found);
     println!("{name}: {difference}");
     assert_eq!(difference.largest, 0, "{name}: {difference}");
-    let before = at_rest(extra, AS_IT_IS);
-    let is_changed = pixel_difference(&before, &found).psnr < 38.0;
+    let is_changed = pixel_difference(before, &found).psnr < 38.0;
     assert_eq!(is_changed, !name.ends_with("back"), "{name}");
     log_watch::assert_validation_layer_silent();
 }
@@ -331,11 +335,15 @@ fn what_changes_while_no_camera_is_lean() {
         const UNLIT: Change = |mesh, _| {
             mesh.remove::<RenderLayers>();
         };
-        assert_known_later("receiver", NOTHING, [AS_IT_IS, NO_SHADOWS]);
-        assert_known_later("receiver and back", NOTHING, [NO_SHADOWS, SHADOWS]);
-        assert_known_later("lightmap", NOTHING, [AS_IT_IS, LIGHTMAPPED]);
-        assert_known_later("lightmap and back", NOTHING, [LIGHTMAPPED, NOT_LIGHTMAPPED]);
-        assert_known_later("layers", layered_lamp, [AS_IT_IS, LIT]);
-        assert_known_later("layers and back", layered_lamp, [LIT, UNLIT]);
+        let before = &at_rest(NOTHING, AS_IT_IS);
+        let check = |name, changes| assert_known_later(name, NOTHING, before, changes);
+        check("receiver", [AS_IT_IS, NO_SHADOWS]);
+        check("receiver and back", [NO_SHADOWS, SHADOWS]);
+        check("lightmap", [AS_IT_IS, LIGHTMAPPED]);
+        check("lightmap and back", [LIGHTMAPPED, NOT_LIGHTMAPPED]);
+        let before = &at_rest(layered_lamp, AS_IT_IS);
+        let check = |name, changes| assert_known_later(name, layered_lamp, before, changes);
+        check("layers", [AS_IT_IS, LIT]);
+        check("layers and back", [LIT, UNLIT]);
     });
 }

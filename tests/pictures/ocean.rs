@@ -12,7 +12,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::Headless,
-    lean::{active_lean_views, change_cameras, judge, report, set_lean, settled},
+    lean::{active_lean_views, change_cameras, judge, report, set_lean, settled, show},
     own_process::in_own_process,
     scenes::SceneBuilder,
 };
@@ -62,8 +62,7 @@ impl GBufferMaterialExtension for Waves {
 
 type Sea = ExtendedMaterial<StandardMaterial, Waves>;
 
-/// A sea with waves of `slope`, seen against a sun `elevation` radians above the horizon.
-fn sea(slope: f32, elevation: f32, sky: bool) -> Headless {
+fn app() -> Headless {
     let mut headless = Headless::with(UVec2::new(320, 180), |app| {
         app.add_plugins((
             MaterialPlugin::<Sea>::default(),
@@ -81,9 +80,11 @@ fn sea(slope: f32, elevation: f32, sky: bool) -> Headless {
             "waves.wgsl",
         );
     }
-    let mut scene = SceneBuilder {
-        headless: &mut headless,
-    };
+    headless
+}
+
+/// A sea with waves of `slope`, seen against a sun `elevation` radians above the horizon.
+fn sea(scene: &mut SceneBuilder, slope: f32, elevation: f32, sky: bool) {
     let material = scene.add::<Sea>(Sea {
         base: StandardMaterial {
             base_color: Color::srgb(0.02, 0.08, 0.12),
@@ -108,7 +109,6 @@ fn sea(slope: f32, elevation: f32, sky: bool) -> Headless {
         let light = scene.environment_map(1500.0);
         scene.world().entity_mut(camera).insert(light);
     }
-    headless
 }
 
 /// Measured: 64.7 to 80 dB.
@@ -128,15 +128,16 @@ fn seas_glitter_as_in_forward() {
             (0.05, 0.3),
             (0.2, 0.1),
         ];
+        let headless = &mut app();
         report(cases.into_iter().flat_map(|(slope, elevation)| {
             [false, true].map(|sky| {
-                let mut headless = sea(slope, elevation, sky);
-                set_lean(&mut headless, false);
-                let forward = settled(&mut headless);
-                set_lean(&mut headless, true);
-                let lean = settled(&mut headless);
-                assert_eq!(active_lean_views(&mut headless), 1);
                 let name = format!("sea_{slope}_{elevation}_{sky}");
+                show(headless, |s| sea(s, slope, elevation, sky));
+                set_lean(headless, false);
+                let forward = settled(headless);
+                set_lean(headless, true);
+                let lean = settled(headless);
+                assert_eq!(active_lean_views(headless), 1, "{name}");
                 judge(&name, &forward, &lean, LEAST_PSNR)
             })
         }));
@@ -148,7 +149,8 @@ fn seas_glitter_as_in_forward() {
 fn seas_glitter_as_in_forward_under_taa() {
     in_own_process(|| {
         report([(0.05, 0.02), (0.2, 0.3)].map(|(slope, elevation)| {
-            let mut headless = sea(slope, elevation, true);
+            let mut headless = app();
+            show(&mut headless, |s| sea(s, slope, elevation, true));
             change_cameras(&mut headless, |camera| {
                 camera.insert(TemporalAntiAliasing::default());
             });

@@ -13,7 +13,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture},
-    lean::{active_lean_views, build, judge, report},
+    lean::{active_lean_views, judge, report, show},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{
@@ -40,9 +40,9 @@ enum Overlay {
 struct Moving;
 
 /// The world's camera and the one over it with Bevy's defaults: without HDR, with MSAA.
-fn scene(overlay: Overlay) -> (Headless, [Entity; 2]) {
+fn scene(headless: &mut Headless, overlay: Overlay) -> [Entity; 2] {
     let mut cameras = [Entity::PLACEHOLDER; 2];
-    let headless = build(SIZE, |s| {
+    show(headless, |s| {
         s.solids();
         s.sun(true);
         let target = s.headless.render_target();
@@ -65,7 +65,7 @@ fn scene(overlay: Overlay) -> (Headless, [Entity; 2]) {
             _ => flat(s, cameras[1], overlay == Overlay::FlatApart),
         }
     });
-    (headless, cameras)
+    cameras
 }
 
 fn solid(s: &mut SceneBuilder, camera: Entity) {
@@ -127,19 +127,20 @@ type Change = fn(&mut EntityWorldMut);
 
 /// Judges the picture with `effect` on a camera against that of cameras with the same settings made by hand.
 fn compare(
+    headless: &mut Headless,
     name: &str,
     overlay: Overlay,
     on: usize,
     effect: Change,
     by_hand: (Change, bool),
 ) -> Result<(), String> {
-    let (mut headless, cameras) = scene(overlay);
-    let before = moved(&mut headless, overlay);
+    let cameras = scene(headless, overlay);
+    let before = moved(headless, overlay);
     effect(&mut headless.world().entity_mut(cameras[on]));
-    let with = moved(&mut headless, overlay);
-    let lean = active_lean_views(&mut headless);
+    let with = moved(headless, overlay);
+    let lean = active_lean_views(headless);
 
-    let (mut headless, cameras) = scene(overlay);
+    let cameras = scene(headless, overlay);
     let (settings, with_effect) = by_hand;
     for camera in cameras {
         settings(&mut headless.world().entity_mut(camera));
@@ -151,7 +152,7 @@ fn compare(
     if with_effect {
         effect(&mut headless.world().entity_mut(cameras[on]));
     }
-    let expected = moved(&mut headless, overlay);
+    let expected = moved(headless, overlay);
     if !with_effect {
         assert_eq!(lean, 1, "{name}");
     }
@@ -175,9 +176,11 @@ fn make_lean(camera: &mut EntityWorldMut) {
 #[test]
 fn over_a_lean_camera() {
     in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
+        let by_hand: (Change, bool) = (hdr_without_msaa, false);
         report(
             [Overlay::Flat, Overlay::FlatApart, Overlay::Solid]
-                .map(|overlay| compare("lean", overlay, 0, make_lean, (hdr_without_msaa, false))),
+                .map(|overlay| compare(headless, "lean", overlay, 0, make_lean, by_hand)),
         );
     });
 }
@@ -185,8 +188,16 @@ fn over_a_lean_camera() {
 #[test]
 fn a_lean_camera_over_another() {
     in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
         let by_hand: (Change, bool) = (hdr_without_msaa, false);
-        report([compare("lean", Overlay::Solid, 1, make_lean, by_hand)]);
+        report([compare(
+            headless,
+            "lean",
+            Overlay::Solid,
+            1,
+            make_lean,
+            by_hand,
+        )]);
     });
 }
 
@@ -200,22 +211,23 @@ fn over_a_lean_camera_that_skips_its_output() {
                 camera.output_mode = CameraOutputMode::Skip;
             }
         };
+        let headless = &mut Headless::new(SIZE);
         report([Overlay::Flat, Overlay::Solid].map(|overlay| {
-            let picture = |change: &dyn Fn(&mut EntityWorldMut, usize)| {
-                let (mut headless, cameras) = scene(overlay);
+            let mut picture = |change: &dyn Fn(&mut EntityWorldMut, usize)| {
+                let cameras = scene(headless, overlay);
                 for (index, camera) in cameras.into_iter().enumerate() {
                     let mut camera = headless.world().entity_mut(camera);
                     skip(&mut camera);
                     change(&mut camera, index);
                 }
-                moved(&mut headless, overlay)
+                moved(headless, overlay)
             };
-            let expected = picture(&|camera, _| hdr_without_msaa(camera));
             let with = picture(&|camera, index| {
                 if index == 0 {
                     make_lean(camera);
                 }
             });
+            let expected = picture(&|camera, _| hdr_without_msaa(camera));
             judge(
                 &format!("overlay_skip_{overlay:?}"),
                 &expected,
@@ -247,15 +259,17 @@ fn over_cameras_with_other_effects() {
         let hdr: Change = |camera| {
             camera.insert(Hdr);
         };
-        report(
-            [Overlay::Flat, Overlay::Solid]
-                .into_iter()
-                .flat_map(|overlay| {
-                    [
-                        compare("occlusion", overlay, 0, occlusion, (without_msaa, true)),
-                        compare("exposure", overlay, 0, exposure, (hdr, true)),
-                    ]
-                }),
-        );
+        let headless = &mut Headless::new(SIZE);
+        let mut results = Vec::new();
+        for overlay in [Overlay::Flat, Overlay::Solid] {
+            for (name, effect, settings) in [
+                ("occlusion", occlusion, without_msaa),
+                ("exposure", exposure, hdr),
+            ] {
+                let by_hand = (settings, true);
+                results.push(compare(headless, name, overlay, 0, effect, by_hand));
+            }
+        }
+        report(results);
     });
 }

@@ -10,8 +10,8 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    headless::Headless,
-    lean::{build, change_cameras, judge, report, set_lean, settled, show},
+    headless::{Headless, target_image},
+    lean::{change_cameras, judge, report, set_lean, settled, show},
     own_process::in_own_process,
     scenes::{self, LEAST_PSNR, Scene},
     skipped::{on_swiftshader, skips_without_binding_arrays},
@@ -119,10 +119,14 @@ fn views_match_forward() {
 fn odd_sizes_match_forward() {
     in_own_process(|| {
         let scene = scene_named("many_lights_of_all_kinds");
-        report(
-            [UVec2::new(1, 1), UVec2::new(3, 5), UVec2::new(317, 211)]
-                .map(|size| compare(&mut app(size), scene)),
-        );
+        let sizes = [UVec2::new(1, 1), UVec2::new(3, 5), UVec2::new(317, 211)];
+        let headless = &mut app(SIZE);
+        report(sizes.map(|size| {
+            let mut images = headless.world().resource_mut::<Assets<Image>>();
+            headless.target = images.add(target_image(size));
+            headless.size = size;
+            compare(headless, scene)
+        }));
     });
 }
 
@@ -132,10 +136,11 @@ fn odd_sizes_match_forward() {
 fn explicitly_deferred_materials_look_as_others_do_forward() {
     in_own_process(|| {
         let glow = LinearRgba::rgb(0.1, 0.4, 0.1);
+        let headless = &mut Headless::new(SIZE);
         report(
             [("deferred", LinearRgba::BLACK), ("deferred_emissive", glow)].map(
                 |(name, emissive)| {
-                    let mut headless = build(SIZE, |s| {
+                    show(headless, |s| {
                         s.among_lean(StandardMaterial {
                             base_color: Color::srgb(0.8, 0.2, 0.15),
                             emissive,
@@ -144,13 +149,13 @@ fn explicitly_deferred_materials_look_as_others_do_forward() {
                         s.sun(true);
                         s.default_camera(());
                     });
-                    let forward = settled(&mut headless);
+                    let forward = settled(headless);
                     let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
                     for (_, material) in materials.iter_mut() {
                         material.opaque_render_method = OpaqueRendererMethod::Deferred;
                     }
-                    set_lean(&mut headless, true);
-                    let lean = settled(&mut headless);
+                    set_lean(headless, true);
+                    let lean = settled(headless);
                     judge(name, &forward, &lean, LEAST_PSNR)
                 },
             ),
@@ -165,9 +170,10 @@ fn a_lean_camera_leaves_others_of_its_target_alone() {
             URect::new(0, 0, 151, SIZE.y),
             URect::new(151, 0, SIZE.x, SIZE.y),
         ];
+        let headless = &mut Headless::new(SIZE);
         for lean in 0..2 {
             let mut cameras = Vec::new();
-            let mut headless = build(SIZE, |s| {
+            show(headless, |s| {
                 s.solids();
                 s.sun(true);
                 for (order, rect) in rects.iter().enumerate() {
@@ -183,12 +189,12 @@ fn a_lean_camera_leaves_others_of_its_target_alone() {
                     }));
                 }
             });
-            let before = settled(&mut headless);
+            let before = settled(headless);
             headless
                 .world()
                 .entity_mut(cameras[lean])
                 .insert(LeanDeferred::default());
-            let after = settled(&mut headless);
+            let after = settled(headless);
             let changed = |rect: URect| before.crop(rect) != after.crop(rect);
             assert!(changed(rects[lean]), "camera {lean} is not lean at all");
             assert!(
@@ -203,9 +209,10 @@ fn a_lean_camera_leaves_others_of_its_target_alone() {
 #[test]
 fn a_lean_and_a_forward_camera_share_a_picture() {
     in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
         report((0..2).map(|lean| {
             let mut cameras = Vec::new();
-            let mut headless = build(SIZE, |s| {
+            show(headless, |s| {
                 s.solids();
                 s.sun(true);
                 cameras.push(s.default_camera(()));
@@ -218,12 +225,12 @@ fn a_lean_and_a_forward_camera_share_a_picture() {
                     },
                 ));
             });
-            let forward = settled(&mut headless);
+            let forward = settled(headless);
             headless
                 .world()
                 .entity_mut(cameras[lean])
                 .insert(LeanDeferred::default());
-            let mixed = settled(&mut headless);
+            let mixed = settled(headless);
             judge(
                 &format!("over_another_lean_{lean}"),
                 &forward,
@@ -263,8 +270,9 @@ fn removing_the_component_gives_back_forward() {
 #[test]
 fn scaled_cameras_match_forward() {
     in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
         report([0.2, 3.0].map(|scale| {
-            let mut headless = build(SIZE, |s| {
+            show(headless, |s| {
                 s.solids();
                 s.sun(true);
                 for i in 0..24 {
@@ -281,14 +289,14 @@ fn scaled_cameras_match_forward() {
                 let from = Transform::from_xyz(3.0, 2.5, 5.0).looking_at(Vec3::Y * 0.5, Vec3::Y);
                 s.camera(from.with_scale(Vec3::splat(scale)), ());
             });
-            let forward = settled(&mut headless);
-            change_cameras(&mut headless, |camera| {
+            let forward = settled(headless);
+            change_cameras(headless, |camera| {
                 camera.insert(LeanDeferred {
                     light_culling: LightCulling::SharedMemory,
                     ..default()
                 });
             });
-            let lean = settled(&mut headless);
+            let lean = settled(headless);
             judge(&format!("scaled_{scale}"), &forward, &lean, LEAST_PSNR)
         }));
     });

@@ -14,7 +14,7 @@ use bevy::{
 };
 use kit::{
     headless::Headless,
-    lean::{active_lean_views, build, judge, report, set_lean, settled},
+    lean::{active_lean_views, judge, report, set_lean, settled, show},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::LEAST_PSNR,
@@ -49,8 +49,8 @@ fn set_size(headless: &mut Headless, size: Option<UVec2>) {
 }
 
 /// Solids and an emissive ball in Bevy's forward pass, with lights.
-fn scene(camera: impl Bundle) -> Headless {
-    let mut headless = build(SIZE, |s| {
+fn show_scene(headless: &mut Headless, camera: impl Bundle) {
+    show(headless, |s| {
         s.solids();
         s.sun(true);
         s.mesh(
@@ -80,6 +80,10 @@ fn scene(camera: impl Bundle) -> Headless {
             camera,
         ));
     });
+}
+
+fn app() -> Headless {
+    let mut headless = Headless::new(SIZE);
     headless
         .app
         .sub_app_mut(RenderApp)
@@ -92,17 +96,17 @@ fn scene(camera: impl Bundle) -> Headless {
 }
 
 /// Compares forward and lean with the override, with another one, and without.
-fn compare(name: &str, camera: impl Bundle, sizes: [UVec2; 2]) {
-    let mut headless = scene(camera);
+fn compare(headless: &mut Headless, name: &str, camera: impl Bundle, sizes: [UVec2; 2]) {
+    show_scene(headless, camera);
     let mut results = Vec::new();
-    let full = settled(&mut headless);
+    let full = settled(headless);
     for size in [Some(sizes[0]), Some(sizes[1]), None] {
-        set_size(&mut headless, size);
-        set_lean(&mut headless, false);
-        let forward = settled(&mut headless);
-        set_lean(&mut headless, true);
-        let lean = settled(&mut headless);
-        assert_eq!(active_lean_views(&mut headless), 1, "{name} is not lean");
+        set_size(headless, size);
+        set_lean(headless, false);
+        let forward = settled(headless);
+        set_lean(headless, true);
+        let lean = settled(headless);
+        assert_eq!(active_lean_views(headless), 1, "{name} is not lean");
         match size {
             Some(_) => assert!(
                 pixel_difference(&full, &forward).psnr < 30.0,
@@ -124,16 +128,11 @@ fn compare(name: &str, camera: impl Bundle, sizes: [UVec2; 2]) {
 const SIZES: [UVec2; 2] = [UVec2::new(213, 160), UVec2::new(107, 201)];
 
 #[test]
-fn without_prepass() {
+fn each_size_matches_forward() {
     in_own_process(|| {
-        compare("plain", (), SIZES);
-    });
-}
-
-#[test]
-fn in_a_viewport() {
-    in_own_process(|| {
-        let camera = Camera {
+        let headless = &mut app();
+        compare(headless, "plain", (), SIZES);
+        let in_a_viewport = Camera {
             viewport: Some(Viewport {
                 physical_position: UVec2::new(37, 21),
                 physical_size: UVec2::new(201, 155),
@@ -142,23 +141,11 @@ fn in_a_viewport() {
             ..default()
         };
         let sizes = [UVec2::new(134, 103), UVec2::new(67, 155)];
-        compare("viewport", camera, sizes);
-    });
-}
-
-#[test]
-fn with_occlusion_culling() {
-    in_own_process(|| {
-        let camera = (DepthPrepass, OcclusionCulling);
-        compare("culling", camera, SIZES);
-    });
-}
-
-/// With the components that Bevy's `Dlss` requires.
-#[test]
-fn as_with_dlss() {
-    in_own_process(|| {
-        let camera = (
+        compare(headless, "viewport", in_a_viewport, sizes);
+        let with_occlusion_culling = (DepthPrepass, OcclusionCulling);
+        compare(headless, "culling", with_occlusion_culling, SIZES);
+        // The components that Bevy's `Dlss` requires.
+        let as_with_dlss = (
             DepthPrepass,
             MotionVectorPrepass,
             MipBias(-0.6),
@@ -166,6 +153,6 @@ fn as_with_dlss() {
                 offset: Vec2::new(0.3, -0.2),
             },
         );
-        compare("dlss", camera, SIZES);
+        compare(headless, "dlss", as_with_dlss, SIZES);
     });
 }

@@ -118,8 +118,12 @@ fn rotations() -> impl Iterator<Item = Quat> {
 }
 
 /// The light is finite, and the picture is the same for each rotation of the scene, which changes only rounding.
-fn compare(name: &str, least_psnr: f64, scene: impl Fn(&mut SceneBuilder, Quat)) {
-    let headless = &mut Headless::new(SIZE);
+fn compare(
+    headless: &mut Headless,
+    name: &str,
+    least_psnr: f64,
+    scene: impl Fn(&mut SceneBuilder, Quat),
+) {
     let mut first: Option<Picture> = None;
     report(rotations().enumerate().flat_map(|(i, rotation)| {
         show(headless, |s| scene(s, rotation));
@@ -137,20 +141,28 @@ fn compare(name: &str, least_psnr: f64, scene: impl Fn(&mut SceneBuilder, Quat))
     }));
 }
 
-/// N·V is slightly above 1.
 #[test]
-fn cards_seen_from_straight_before() {
+fn turned_cards_are_lit_alike() {
     in_own_process(|| {
-        compare("straight_before", LEAST_PSNR, |s, rotation| {
-            stripes(s, rotation, Vec3::Z, materials());
-            s.spawn((
-                DirectionalLight {
-                    illuminance: 3_000.0,
-                    ..default()
-                },
-                Transform::from_rotation(rotation),
-            ));
-        });
+        let headless = &mut Headless::new(SIZE);
+        cards_seen_from_straight_before(headless);
+        cards_under_a_rectangular_light(headless);
+        light_from_straight_ahead(headless);
+        lights_on_the_surface(headless);
+    });
+}
+
+/// N·V is slightly above 1.
+fn cards_seen_from_straight_before(headless: &mut Headless) {
+    compare(headless, "straight_before", LEAST_PSNR, |s, rotation| {
+        stripes(s, rotation, Vec3::Z, materials());
+        s.spawn((
+            DirectionalLight {
+                illuminance: 3_000.0,
+                ..default()
+            },
+            Transform::from_rotation(rotation),
+        ));
     });
 }
 
@@ -187,62 +199,53 @@ fn plain_surfaces_beside_coated_ones() {
 }
 
 /// The lobes of rectangular lights are rotated towards the viewer, and from straight above that rotation is arbitrary.
-#[test]
-fn cards_under_a_rectangular_light() {
-    in_own_process(|| {
-        compare("rectangular", LEAST_PSNR, |s, rotation| {
-            stripes(s, rotation, Vec3::Z, materials());
-            s.spawn((
-                RectLight {
-                    intensity: 40_000.0,
-                    width: 2.0,
-                    height: 1.0,
-                    ..default()
-                },
-                Transform::from_rotation(rotation).with_translation(rotation * Vec3::Z * 2.0),
-            ));
-        });
+fn cards_under_a_rectangular_light(headless: &mut Headless) {
+    compare(headless, "rectangular", LEAST_PSNR, |s, rotation| {
+        stripes(s, rotation, Vec3::Z, materials());
+        s.spawn((
+            RectLight {
+                intensity: 40_000.0,
+                width: 2.0,
+                height: 1.0,
+                ..default()
+            },
+            Transform::from_rotation(rotation).with_translation(rotation * Vec3::Z * 2.0),
+        ));
     });
 }
 
 /// Normals point away from the viewer and light comes from behind, so that L is -V; and from the viewer's side, through the surface.
-#[test]
-fn light_from_straight_ahead() {
-    in_own_process(|| {
-        compare("straight_ahead", LEAST_PSNR, |s, rotation| {
-            stripes(s, rotation, Vec3::NEG_Z, materials());
-            for turn in [0.0, core::f32::consts::PI] {
-                s.spawn((
-                    DirectionalLight {
-                        illuminance: 3_000.0,
-                        ..default()
-                    },
-                    Transform::from_rotation(rotation * Quat::from_rotation_y(turn)),
-                ));
-            }
-        });
+fn light_from_straight_ahead(headless: &mut Headless) {
+    compare(headless, "straight_ahead", LEAST_PSNR, |s, rotation| {
+        stripes(s, rotation, Vec3::NEG_Z, materials());
+        for turn in [0.0, core::f32::consts::PI] {
+            s.spawn((
+                DirectionalLight {
+                    illuminance: 3_000.0,
+                    ..default()
+                },
+                Transform::from_rotation(rotation * Quat::from_rotation_y(turn)),
+            ));
+        }
     });
 }
 
 /// The surface passes through the centre of each of these: for a few pixels rounding decides the direction of their light.
-#[test]
-fn lights_on_the_surface() {
-    in_own_process(|| {
-        compare("on_the_surface", 20.0, |s, rotation| {
-            stripes(s, rotation, Vec3::Z, materials());
-            let pixel = HEIGHT / SIZE.y as f32;
-            for i in 0..8 {
-                let middle = Vec2::splat(0.5) + Vec2::new(4.0 * i as f32 + 1.0, 9.0);
-                let place = (middle * pixel - HEIGHT / 2.0).extend(0.0);
-                s.spawn((
-                    PointLight {
-                        radius: 0.1,
-                        intensity: 20_000.0,
-                        ..default()
-                    },
-                    Transform::from_translation(rotation * place),
-                ));
-            }
-        });
+fn lights_on_the_surface(headless: &mut Headless) {
+    compare(headless, "on_the_surface", 20.0, |s, rotation| {
+        stripes(s, rotation, Vec3::Z, materials());
+        let pixel = HEIGHT / SIZE.y as f32;
+        for i in 0..8 {
+            let middle = Vec2::splat(0.5) + Vec2::new(4.0 * i as f32 + 1.0, 9.0);
+            let place = (middle * pixel - HEIGHT / 2.0).extend(0.0);
+            s.spawn((
+                PointLight {
+                    radius: 0.1,
+                    intensity: 20_000.0,
+                    ..default()
+                },
+                Transform::from_translation(rotation * place),
+            ));
+        }
     });
 }

@@ -156,132 +156,122 @@ const ALL: [Surroundings; 3] = [
 ];
 
 #[test]
-fn rims_match_forward() {
+fn extensions_match_forward() {
     in_own_process(|| {
         let headless = &mut Headless::new(SIZE);
-        let through = GBufferTargets::SPECIALIZATION;
-        report(
-            ALL.map(|surroundings| compare(headless, "rim", surroundings, RIMS, |_| {}, through)),
-        );
-        report([compare(
-            headless,
-            "rim_emissive",
-            Surroundings::EnvironmentMap,
-            RIMS,
-            |base| base.emissive = LinearRgba::rgb(0.0, 0.1, 0.05),
-            GBufferTargets::EMISSIVE.union(GBufferTargets::SPECIALIZATION),
-        )]);
+        rims_match_forward(headless);
+        rims_before_lightmaps_match_forward(headless);
+        subsurface_matches_forward_and_the_plain_base(headless);
+        rims_show(headless);
+        other_bases_match_forward(headless);
     });
+}
+
+fn rims_match_forward(headless: &mut Headless) {
+    let through = GBufferTargets::SPECIALIZATION;
+    report(ALL.map(|surroundings| compare(headless, "rim", surroundings, RIMS, |_| {}, through)));
+    report([compare(
+        headless,
+        "rim_emissive",
+        Surroundings::EnvironmentMap,
+        RIMS,
+        |base| base.emissive = LinearRgba::rgb(0.0, 0.1, 0.05),
+        GBufferTargets::EMISSIVE.union(GBufferTargets::SPECIALIZATION),
+    )]);
 }
 
 /// Surfaces without a lightmap have light from their surroundings, though their tiles contain lightmapped surfaces.
-#[test]
-fn rims_before_lightmaps_match_forward() {
-    in_own_process(|| {
-        let headless = &mut Headless::new(SIZE);
-        show(headless, |s| {
-            scene(s, Surroundings::IrradianceVolume, RIMS, |_| {});
-            let wall = s.mesh(
-                Rectangle::new(12.0, 6.0),
-                StandardMaterial {
-                    lightmap_exposure: 1500.0,
-                    ..default()
-                },
-                Transform::from_xyz(0.0, 3.0, -1.5),
-            );
-            put_lightmaps(s, &[wall], false);
-        });
-        let forward = settled(headless);
-        set_lean(headless, true);
-        let lean = settled(headless);
-        report([judge(
-            "rim_before_lightmap",
-            &forward,
-            &lean,
-            LEAST_RIM_PSNR,
-        )]);
+fn rims_before_lightmaps_match_forward(headless: &mut Headless) {
+    show(headless, |s| {
+        scene(s, Surroundings::IrradianceVolume, RIMS, |_| {});
+        let wall = s.mesh(
+            Rectangle::new(12.0, 6.0),
+            StandardMaterial {
+                lightmap_exposure: 1500.0,
+                ..default()
+            },
+            Transform::from_xyz(0.0, 3.0, -1.5),
+        );
+        put_lightmaps(s, &[wall], false);
     });
+    let forward = settled(headless);
+    set_lean(headless, true);
+    let lean = settled(headless);
+    report([judge(
+        "rim_before_lightmap",
+        &forward,
+        &lean,
+        LEAST_RIM_PSNR,
+    )]);
 }
 
-#[test]
-fn subsurface_matches_forward_and_the_plain_base() {
-    in_own_process(|| {
-        let headless = &mut Headless::new(SIZE);
-        for surroundings in [Surroundings::Ambient, Surroundings::EnvironmentMap] {
-            let through = GBufferTargets::SPECIALIZATION;
-            report([compare(
-                headless,
-                "subsurface",
-                surroundings,
-                SUBSURFACES,
-                |_| {},
-                through,
-            )]);
-            let none = [ShadingExtension::None; 3];
-            let [plain, subsurface] = [none, SUBSURFACES]
-                .map(|extensions| forward(headless, surroundings, extensions, |_| {}));
-            assert!(plain == subsurface, "forward shows the base");
-        }
-    });
+fn subsurface_matches_forward_and_the_plain_base(headless: &mut Headless) {
+    for surroundings in [Surroundings::Ambient, Surroundings::EnvironmentMap] {
+        let through = GBufferTargets::SPECIALIZATION;
+        report([compare(
+            headless,
+            "subsurface",
+            surroundings,
+            SUBSURFACES,
+            |_| {},
+            through,
+        )]);
+        let none = [ShadingExtension::None; 3];
+        let [plain, subsurface] = [none, SUBSURFACES]
+            .map(|extensions| forward(headless, surroundings, extensions, |_| {}));
+        assert!(plain == subsurface, "forward shows the base");
+    }
 }
 
 /// Rims are visible, so that the other tests fail if neither renderer draws them.
-#[test]
-fn rims_show() {
-    in_own_process(|| {
-        let headless = &mut Headless::new(SIZE);
-        for surroundings in ALL {
-            let [plain, rims] = [[ShadingExtension::None; 3], RIMS]
-                .map(|extensions| forward(headless, surroundings, extensions, |_| {}));
-            let psnr = difference(&plain, &rims).psnr;
-            println!("{surroundings:?}: {psnr:.1} dB without rims");
-            assert!(psnr < 35.0, "{surroundings:?}: {psnr:.1} dB");
-        }
-    });
+fn rims_show(headless: &mut Headless) {
+    for surroundings in ALL {
+        let [plain, rims] = [[ShadingExtension::None; 3], RIMS]
+            .map(|extensions| forward(headless, surroundings, extensions, |_| {}));
+        let psnr = difference(&plain, &rims).psnr;
+        println!("{surroundings:?}: {psnr:.1} dB without rims");
+        assert!(psnr < 35.0, "{surroundings:?}: {psnr:.1} dB");
+    }
 }
 
 /// Bases that are special themselves, and bases without an extension, match forward.
-#[test]
-fn other_bases_match_forward() {
-    in_own_process(|| {
-        let none = [ShadingExtension::None; 3];
-        let surroundings = Surroundings::EnvironmentMap;
-        let headless = &mut Headless::new(SIZE);
-        report([
-            compare(
-                headless,
-                "none",
-                surroundings,
-                none,
-                |_| {},
-                GBufferTargets::empty(),
-            ),
-            compare(
-                headless,
-                "none_clearcoat",
-                surroundings,
-                none,
-                |base| base.clearcoat = 1.0,
-                GBufferTargets::SPECIALIZATION,
-            ),
-            compare(
-                headless,
-                "rim_clearcoat",
-                surroundings,
-                RIMS,
-                |base| base.clearcoat = 1.0,
-                GBufferTargets::empty(),
-            ),
-            compare(
-                headless,
-                "rim_unlit",
-                surroundings,
-                RIMS,
-                |base| base.unlit = true,
-                GBufferTargets::empty(),
-            ),
-        ]);
-    });
+fn other_bases_match_forward(headless: &mut Headless) {
+    let none = [ShadingExtension::None; 3];
+    let surroundings = Surroundings::EnvironmentMap;
+    report([
+        compare(
+            headless,
+            "none",
+            surroundings,
+            none,
+            |_| {},
+            GBufferTargets::empty(),
+        ),
+        compare(
+            headless,
+            "none_clearcoat",
+            surroundings,
+            none,
+            |base| base.clearcoat = 1.0,
+            GBufferTargets::SPECIALIZATION,
+        ),
+        compare(
+            headless,
+            "rim_clearcoat",
+            surroundings,
+            RIMS,
+            |base| base.clearcoat = 1.0,
+            GBufferTargets::empty(),
+        ),
+        compare(
+            headless,
+            "rim_unlit",
+            surroundings,
+            RIMS,
+            |base| base.unlit = true,
+            GBufferTargets::empty(),
+        ),
+    ]);
 }
 
 /// Cards of one material behind one another; the nearest is first in the order of drawing.
@@ -317,11 +307,12 @@ fn blended(s: &mut SceneBuilder, extended: bool) {
 #[test]
 fn blended_materials_match_their_base() {
     in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
         let [base, extended] = [false, true].map(|extended| {
-            let mut headless = build(SIZE, |s| blended(s, extended));
-            let forward = settled(&mut headless);
-            set_lean(&mut headless, true);
-            [forward, settled(&mut headless)]
+            show(headless, |s| blended(s, extended));
+            let forward = settled(headless);
+            set_lean(headless, true);
+            [forward, settled(headless)]
         });
         report([
             judge("blended_forward", &base[0], &extended[0], 60.0),

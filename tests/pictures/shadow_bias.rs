@@ -2,7 +2,8 @@
 
 use bevy::{light::CascadeShadowConfigBuilder, prelude::*, render::render_resource::TextureFormat};
 use kit::{
-    lean::{active_lean_views, build, judge, report, set_lean, settled},
+    headless::Headless,
+    lean::{active_lean_views, judge, report, set_lean, settled, show},
     own_process::in_own_process,
     scenes::SceneBuilder,
 };
@@ -12,16 +13,20 @@ const SIZE: UVec2 = UVec2::new(320, 240);
 /// Measured: 53.9 to 55.7 dB. With normals from depth foliage had 44.1; with shading normals facets of 80° had 48.6.
 const LEAST_PSNR: f64 = 53.0;
 
-fn check(name: &str, scene: impl FnOnce(&mut SceneBuilder)) -> Result<(), String> {
-    let mut headless = build(SIZE, |s| {
+fn check(
+    headless: &mut Headless,
+    name: &str,
+    scene: impl FnOnce(&mut SceneBuilder),
+) -> Result<(), String> {
+    show(headless, |s| {
         scene(s);
         s.default_camera(());
     });
-    set_lean(&mut headless, false);
-    let forward = settled(&mut headless);
-    set_lean(&mut headless, true);
-    let lean = settled(&mut headless);
-    assert_eq!(active_lean_views(&mut headless), 1);
+    set_lean(headless, false);
+    let forward = settled(headless);
+    set_lean(headless, true);
+    let lean = settled(headless);
+    assert_eq!(active_lean_views(headless), 1, "{name}");
     judge(name, &forward, &lean, LEAST_PSNR)
 }
 
@@ -45,8 +50,9 @@ fn crossed_quads() -> Mesh {
 #[test]
 fn foliage_has_the_shadows_of_forward() {
     in_own_process(|| {
+        let headless = &mut Headless::new(SIZE);
         report([true, false].map(|in_the_sun| {
-            check(&format!("foliage_{in_the_sun}"), |s| {
+            check(headless, &format!("foliage_{in_the_sun}"), |s| {
                 s.floor();
                 let leaves = s.image(64, TextureFormat::Rgba8UnormSrgb, |u, v| {
                     let leaf = (u * 37.0).sin() * (v * 29.0 + u * 11.0).cos();
@@ -137,9 +143,11 @@ fn facets(s: &mut SceneBuilder, degrees: f32) {
 #[test]
 fn steep_normal_maps_are_biased_by_the_surface() {
     in_own_process(|| {
-        report(
-            [0.0, 30.0, 45.0, 58.0, 62.0, 66.0, 70.0, 75.0, 80.0]
-                .map(|degrees| check(&format!("facets_{degrees}"), |s| facets(s, degrees))),
-        );
+        let headless = &mut Headless::new(SIZE);
+        let angles = [0.0, 30.0, 45.0, 58.0, 62.0, 66.0, 70.0, 75.0, 80.0];
+        report(angles.map(|degrees| {
+            let name = format!("facets_{degrees}");
+            check(headless, &name, |s| facets(s, degrees))
+        }));
     });
 }

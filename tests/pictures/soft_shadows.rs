@@ -15,7 +15,7 @@ use bevy::{
 use bevy_lean_deferred::lighting::binding_numbers::view;
 use kit::{
     headless::Headless,
-    lean::{active_lean_views, build, change_cameras, judge, report, set_lean, settled},
+    lean::{active_lean_views, change_cameras, judge, report, set_lean, settled, show},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder},
@@ -44,12 +44,8 @@ fn soften(
     }
 }
 
-fn app(scene: impl FnOnce(&mut SceneBuilder)) -> Headless {
-    let mut headless = build(SIZE, |s| {
-        s.solids();
-        scene(s);
-        s.default_camera(());
-    });
+fn app() -> Headless {
+    let mut headless = Headless::new(SIZE);
     headless
         .app
         .sub_app_mut(RenderApp)
@@ -78,30 +74,34 @@ fn set(headless: &mut Headless, soft: Soft) {
 }
 
 /// Compares lean with forward under each filter.
-fn compare(name: &str, soft: Soft, scene: impl FnOnce(&mut SceneBuilder)) {
-    let mut headless = app(scene);
+fn compare(headless: &mut Headless, name: &str, soft: Soft, scene: impl FnOnce(&mut SceneBuilder)) {
+    show(headless, |s| {
+        s.solids();
+        scene(s);
+        s.default_camera(());
+    });
     headless.frames(1);
-    let is_soft = searches_for_blockers(&headless);
+    let is_soft = searches_for_blockers(headless);
     let filters = [
         ShadowFilteringMethod::Hardware2x2,
         ShadowFilteringMethod::Gaussian,
         ShadowFilteringMethod::Temporal,
     ];
     let results = filters.map(|filter| {
-        change_cameras(&mut headless, |camera| {
+        change_cameras(headless, |camera| {
             camera.insert(filter);
         });
-        set(&mut headless, Soft::default());
-        set_lean(&mut headless, false);
-        let hard = settled(&mut headless);
-        set(&mut headless, soft);
-        let forward = settled(&mut headless);
+        set(headless, Soft::default());
+        set_lean(headless, false);
+        let hard = settled(headless);
+        set(headless, soft);
+        let forward = settled(headless);
         let softened = pixel_difference(&hard, &forward);
-        set_lean(&mut headless, true);
-        let lean = settled(&mut headless);
+        set_lean(headless, true);
+        let lean = settled(headless);
         let name = format!("{name}_{filter:?}");
         println!("{name}: hard to soft {softened}");
-        assert_eq!(active_lean_views(&mut headless), 1, "{name} is not lean");
+        assert_eq!(active_lean_views(headless), 1, "{name} is not lean");
         if is_soft && softened.largest < 16 {
             return Err(format!("{name} is not soft: {softened}"));
         }
@@ -127,27 +127,22 @@ fn small_cascade() -> CascadeShadowConfig {
 }
 
 #[test]
-fn of_a_sun() {
+fn of_all_lights() {
     in_own_process(|| {
-        let soft = Soft {
+        let headless = &mut app();
+        let sun = Soft {
             sun: true,
             lamps: false,
         };
-        compare("soft_sun", soft, |s| {
-            let sun = s.sun(true);
-            s.world().entity_mut(sun).insert(small_cascade());
-        });
-    });
-}
-
-#[test]
-fn of_a_point_light() {
-    in_own_process(|| {
-        let soft = Soft {
+        let lamps = Soft {
             sun: false,
             lamps: true,
         };
-        compare("soft_point_light", soft, |s| {
+        compare(headless, "soft_sun", sun, |s| {
+            let sun = s.sun(true);
+            s.world().entity_mut(sun).insert(small_cascade());
+        });
+        compare(headless, "soft_point_light", lamps, |s| {
             s.spawn((
                 PointLight {
                     intensity: 900_000.0,
@@ -158,17 +153,7 @@ fn of_a_point_light() {
                 Transform::from_xyz(-1.5, 2.5, 1.5),
             ));
         });
-    });
-}
-
-#[test]
-fn of_a_spot_light() {
-    in_own_process(|| {
-        let soft = Soft {
-            sun: false,
-            lamps: true,
-        };
-        compare("soft_spot_light", soft, |s| {
+        compare(headless, "soft_spot_light", lamps, |s| {
             s.spawn((
                 SpotLight {
                     intensity: 3_000_000.0,
@@ -180,18 +165,8 @@ fn of_a_spot_light() {
                 Transform::from_xyz(-2.0, 5.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y),
             ));
         });
-    });
-}
-
-/// Hard shadows beside soft ones are unchanged.
-#[test]
-fn beside_hard_ones() {
-    in_own_process(|| {
-        let soft = Soft {
-            sun: true,
-            lamps: false,
-        };
-        compare("soft_beside_hard", soft, |s| {
+        // Hard shadows beside soft ones are unchanged.
+        compare(headless, "soft_beside_hard", sun, |s| {
             s.sun(true);
             s.spawn((
                 PointLight {

@@ -9,7 +9,7 @@ use kit::{
     headless::Headless,
     known_light::{Errors, Seen, look, look_at_once, see, surface},
     known_mirrors::metal,
-    lean::{build, change_cameras},
+    lean::{build, change_cameras, show},
     own_process::in_own_process,
 };
 
@@ -48,8 +48,9 @@ fn patterns_rest_when_taa_goes() {
                 });
             }),
         ];
+        let mut headless = Headless::new(SMALL);
         for (name, insert) in effects {
-            let mut headless = build(SMALL, |s| {
+            show(&mut headless, |s| {
                 courtyard(s, floor_material(), surface(0.5, 0.3), 0.4, ());
             });
             change_cameras(&mut headless, |camera| {
@@ -148,7 +149,7 @@ fn a_shifted_world_is_no_other_one() {
                 // The motion target comes with the first mesh that moves: forward draws all of them in that frame.
                 let bound = if motion && number == 0 { 35.0 } else { 48.0 };
                 assert!(frames.into_iter().all(|psnr| psnr > bound));
-                see(&mut headless, 24);
+                see(&mut headless, 8);
             }
         }
     });

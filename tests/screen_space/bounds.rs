@@ -17,11 +17,11 @@ use kit::{
     headless::Headless,
     known_light::{Errors, camera, see, surface},
     known_mirrors::{metal, mirror_app},
-    lean::{build, change_cameras},
+    lean::change_cameras,
     own_process::in_own_process,
 };
 
-use super::scenes::{EYE, SMALL, gi, looking, reflections, spawn_floor};
+use super::scenes::{EYE, SMALL, gi, looking, reflections, show_next, spawn_floor};
 
 /// Brightest light in the effects of the single camera: gathered by diffuse GI, and kept for reflections.
 fn brightest(headless: &mut Headless) -> [f32; 2] {
@@ -42,8 +42,8 @@ fn brightest(headless: &mut Headless) -> [f32; 2] {
 }
 
 /// Brightest light beside a lamp of radiance `light`, on a camera with `exposure`.
-fn lamp(light: f32, exposure: impl Bundle) -> [f32; 2] {
-    let mut headless = build(SMALL, |s| {
+fn lamp(headless: &mut Headless, light: f32, exposure: impl Bundle) -> [f32; 2] {
+    show_next(headless, 8, |s| {
         let floor = StandardMaterial {
             metallic: 0.5,
             ..metal(0.1)
@@ -54,8 +54,7 @@ fn lamp(light: f32, exposure: impl Bundle) -> [f32; 2] {
         let camera = camera(s, looking(EYE, 0.3), 0.0, (gi(), reflections()));
         s.world().entity_mut(camera).insert(exposure);
     });
-    see(&mut headless, 8);
-    brightest(&mut headless)
+    brightest(headless)
 }
 
 /// A constant exposure, in stops.
@@ -82,16 +81,17 @@ fn graded_to(exposure: f32) -> ColorGrading {
 #[test]
 fn light_is_bounded_by_what_shows_as_white() {
     in_own_process(|| {
+        let mut headless = Headless::new(SMALL);
         for (name, dark, bright) in [
             (
                 "auto exposure",
-                lamp(20_000.0, adapted_to(-8.0)),
-                lamp(200.0, adapted_to(8.0)),
+                lamp(&mut headless, 20_000.0, adapted_to(-8.0)),
+                lamp(&mut headless, 200.0, adapted_to(8.0)),
             ),
             (
                 "colour grading",
-                lamp(20_000.0, graded_to(-8.0)),
-                lamp(200.0, graded_to(8.0)),
+                lamp(&mut headless, 20_000.0, graded_to(-8.0)),
+                lamp(&mut headless, 200.0, graded_to(8.0)),
             ),
         ] {
             println!(
@@ -105,7 +105,7 @@ fn light_is_bounded_by_what_shows_as_white() {
             assert!(bright[0] > 0.2 && bright[0] < 1.01, "{name}");
             assert!((bright[1] / 4.0 - 1.0).abs() < 0.01, "{name}");
         }
-        let [of_gi, of_history] = lamp(20_000.0, ());
+        let [of_gi, of_history] = lamp(&mut headless, 20_000.0, ());
         println!("as it is: {of_gi:.1}, {of_history:.1}");
         assert!(of_gi < 257.0 && (of_history / 1024.0 - 1.0).abs() < 0.01);
     });
@@ -115,27 +115,30 @@ fn light_is_bounded_by_what_shows_as_white() {
 #[test]
 fn mirrors_know_no_largest_distance() {
     in_own_process(|| {
-        let shown = |scale: f32| {
-            let mut headless = mirror_app(SMALL, 0.0, |camera| {
-                camera.insert(LeanScreenSpaceReflections {
-                    thickness: 0.25 * scale,
-                    ..reflections()
-                });
-            });
+        let mut headless = mirror_app(SMALL, 0.0, |_| ());
+        let mut before = 1.0_f32;
+        let mut shown = |scale: f32| {
+            let grows = scale / before;
+            before = scale;
             let world = headless.world();
             let mut meshes = world.query_filtered::<&mut Transform, With<Mesh3d>>();
             for mut mesh in meshes.iter_mut(world) {
-                mesh.translation *= scale;
-                mesh.scale *= scale;
+                mesh.translation *= grows;
+                mesh.scale *= grows;
             }
             change_cameras(&mut headless, |camera| {
                 let mut transform = camera.get_mut::<Transform>().expect("cameras have one");
-                transform.translation *= scale;
+                transform.translation *= grows;
                 // Nothing is culled by distance.
                 camera.insert(Projection::Perspective(PerspectiveProjection {
                     far: 1e9,
                     ..default()
                 }));
+                let effect = LeanScreenSpaceReflections {
+                    thickness: 0.25 * scale,
+                    ..reflections()
+                };
+                camera.insert((effect, CameraCut));
             });
             see(&mut headless, 8)
         };

@@ -6,15 +6,16 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    headless::Headless,
     known_light::{
-        CONVERGED, Seen, camera, errors, groove, groove_app, groove_errors, groove_light, look,
+        CONVERGED, Seen, camera, errors, groove_app, groove_errors, groove_light, look,
         look_at_once, see, show, sphere, surface, wall,
     },
     lean::change_cameras,
     own_process::in_own_process,
 };
 
-use super::scenes::gi;
+use super::scenes::{gi, show_next};
 
 const SIZE: UVec2 = UVec2::new(256, 256);
 /// For pictures in which the height of things in pixels matters.
@@ -23,14 +24,28 @@ const LARGE: UVec2 = UVec2::new(512, 512);
 #[test]
 fn a_groove_is_as_bright_as_its_bounces_make_it() {
     in_own_process(|| {
-        let occlusion = LeanAmbientOcclusion {
-            radius: 100.0,
-            multibounce: false,
-            ..default()
-        };
+        let mut headless = groove_app(LARGE, 0.5, ());
         for albedo in [0.5, 0.8, 1.0] {
-            let found = groove(LARGE, albedo, gi());
-            let dark = groove(LARGE, albedo, occlusion).bias;
+            let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
+            for (_, material) in materials.iter_mut() {
+                *material = surface(albedo, 0.0);
+            }
+            let truth = groove_light(albedo, None);
+            change_cameras(&mut headless, |camera| {
+                camera.remove::<LeanAmbientOcclusion>().insert(gi());
+            });
+            let seen = see(&mut headless, CONVERGED);
+            seen.save("groove", 0.5 / truth);
+            let found = groove_errors(&seen, truth);
+            change_cameras(&mut headless, |camera| {
+                let occlusion = LeanAmbientOcclusion {
+                    radius: 100.0,
+                    multibounce: false,
+                    ..default()
+                };
+                camera.remove::<LeanScreenSpaceGi>().insert(occlusion);
+            });
+            let dark = groove_errors(&see(&mut headless, 4), truth).bias;
             println!("albedo {albedo}: {found:.3?}, occlusion alone {dark:+.3}");
             assert!(found.bias.abs() < 0.05 && found.rmse < 0.06);
             assert!(dark < -0.19, "occlusion alone is too dark");
@@ -113,8 +128,11 @@ fn a_sphere_shines_on_the_floor() {
 #[test]
 fn a_white_world_is_white() {
     in_own_process(|| {
+        let mut headless = Headless::new(SIZE);
         let world = |effect: bool| {
-            let (_, seen) = show(SIZE, 60, |s| {
+            // Without the effect each frame is the same.
+            let frames = if effect { 60 } else { 4 };
+            show_next(&mut headless, frames, |s| {
                 s.mesh(
                     Plane3d::default().mesh().size(20.0, 20.0),
                     surface(1.0, 0.0),
@@ -137,8 +155,7 @@ fn a_white_world_is_white() {
                 if effect {
                     s.world().entity_mut(entity).insert(gi());
                 }
-            });
-            seen
+            })
         };
         let [off, on] = [false, true].map(world);
         off.save("white_off", 0.5);
@@ -163,8 +180,9 @@ fn a_white_world_is_white() {
 #[test]
 fn a_ball_alone_is_as_it_was() {
     in_own_process(|| {
-        let ball = |effect: bool| {
-            let (_, seen) = show(SIZE, 8, |s| {
+        let mut headless = Headless::new(SIZE);
+        let mut ball = |effect: bool| {
+            show_next(&mut headless, 8, |s| {
                 let ball = Sphere::new(1.0).mesh().ico(20).expect("few subdivisions");
                 s.mesh(ball, surface(0.8, 0.0), Transform::default());
                 let from = Transform::from_xyz(0.0, 1.0, 3.0);
@@ -172,8 +190,7 @@ fn a_ball_alone_is_as_it_was() {
                 if effect {
                     s.world().entity_mut(entity).insert(gi());
                 }
-            });
-            seen
+            })
         };
         let [off, on] = [false, true].map(|effect| {
             let seen = ball(effect);

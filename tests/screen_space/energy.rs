@@ -61,7 +61,7 @@ fn pictures(
     change_cameras(headless, |camera| {
         camera.insert((gi(), reflections()));
     });
-    let on = see(headless, 8);
+    let on = see(headless, 4);
     change_cameras(headless, |camera| {
         camera.remove::<(LeanScreenSpaceGi, LeanScreenSpaceReflections)>();
     });

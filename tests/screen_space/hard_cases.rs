@@ -3,15 +3,16 @@
 
 use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use kit::{
-    known_light::{Seen, camera, errors, look, look_at_once, see, show, surface},
+    headless::Headless,
+    known_light::{Seen, camera, errors, look, look_at_once, see, surface},
     known_mirrors::{metal, mirror_app},
-    lean::{build, change_cameras},
+    lean::{change_cameras, show},
     own_process::in_own_process,
     skipped::on_swiftshader,
 };
 
 use super::scenes::{
-    EYE, SMALL, floor, gi, light_at, looking, reflections, spawn_floor, with_motion,
+    EYE, SMALL, floor, gi, light_at, looking, reflections, show_next, spawn_floor, with_motion,
 };
 
 /// A mirror that faces the camera reflects rays back to it. They hit the backs of things in between, of which the picture has only the
@@ -25,8 +26,9 @@ fn a_mirror_that_faces_the_camera_shows_no_fronts() {
         const SKY: f32 = 0.3;
         // An odd size: one pixel looks straight ahead, and its ray returns to itself.
         let size = SMALL + 1;
-        let picture = |effect: bool| {
-            let (headless, seen) = show(size, 8, |s| {
+        let mut headless = Headless::new(size);
+        let mut picture = |effect: bool| {
+            show_next(&mut headless, 8, |s| {
                 let mirror = Transform::from_xyz(0.0, EYE.y, MIRROR_Z);
                 s.mesh(Rectangle::new(4.0, 3.0), metal(0.0), mirror);
                 let inner = Quat::from_rotation_y(-core::f32::consts::FRAC_PI_2);
@@ -40,10 +42,9 @@ fn a_mirror_that_faces_the_camera_shows_no_fronts() {
                 if effect {
                     s.world().entity_mut(camera).insert((gi(), reflections()));
                 }
-            });
-            (headless, seen)
+            })
         };
-        let ((_, without), (mut headless, seen)) = (picture(false), picture(true));
+        let [without, seen] = [picture(false), picture(true)];
         seen.save("facing", 0.8);
         assert!(seen.light.texels.iter().flatten().all(|x| x.is_finite()));
         let (mut walls, mut missed, mut skies, mut most) = (0, 0, 0, 0.0_f32);
@@ -85,6 +86,7 @@ fn a_mirror_that_faces_the_camera_shows_no_fronts() {
 #[test]
 fn what_appears_has_no_light_of_what_was_there() {
     in_own_process(|| {
+        let mut headless = Headless::new(SMALL);
         type Effect<'a> = &'a dyn Fn(&mut EntityWorldMut);
         let mirrors = |camera: &mut EntityWorldMut| {
             camera.insert(reflections());
@@ -106,7 +108,7 @@ fn what_appears_has_no_light_of_what_was_there() {
             for glow in [0.0, 1.0] {
                 for motion in [false, true] {
                     let mut thing = Entity::PLACEHOLDER;
-                    let mut headless = build(SMALL, |s| {
+                    show(&mut headless, |s| {
                         spawn_floor(s, material.clone(), 0.0);
                         let wall = Transform::from_xyz(0.0, 0.5, -0.8);
                         s.mesh(Rectangle::new(3.0, 1.0), surface(0.0, 1.0 - glow), wall);
@@ -183,35 +185,35 @@ fn what_appears_has_no_light_of_what_was_there() {
 #[test]
 fn a_jump_without_a_cut_leaves_no_trail() {
     in_own_process(|| {
-        for motion in [false, true] {
-            let mut headless = mirror_app(SMALL, 0.0, |camera| {
-                camera.insert((gi(), reflections(), DepthPrepass));
-                with_motion(motion, camera);
-            });
-            let floor_is_half_diffuse = StandardMaterial {
-                metallic: 0.5,
-                ..metal(0.1)
-            };
-            let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
-            for (_, material) in materials.iter_mut() {
-                if material.metallic > 0.0 {
-                    *material = floor_is_half_diffuse.clone();
-                }
+        let mut headless = mirror_app(SMALL, 0.0, |camera| {
+            camera.insert((gi(), reflections(), DepthPrepass));
+        });
+        let floor_is_half_diffuse = StandardMaterial {
+            metallic: 0.5,
+            ..metal(0.1)
+        };
+        let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
+        for (_, material) in materials.iter_mut() {
+            if material.metallic > 0.0 {
+                *material = floor_is_half_diffuse.clone();
             }
+        }
+        for motion in [false, true] {
+            change_cameras(&mut headless, |camera| with_motion(motion, camera));
             let poses = [
                 Transform::from_xyz(0.0, 1.1, 3.2),
                 Transform::from_xyz(2.2, 0.6, 1.6),
                 Transform::from_xyz(-0.4, 2.4, 2.0),
                 Transform::from_xyz(0.0, 1.1, -3.4),
             ];
-            see(&mut headless, 16);
+            see(&mut headless, 8);
             for (i, pose) in poses.into_iter().enumerate().cycle().skip(1).take(4) {
                 let middle = Vec3::new(0.0, 0.35, 0.0);
                 change_cameras(&mut headless, |camera| {
                     camera.insert(pose.looking_at(middle, Vec3::Y));
                 });
                 let frames = [(); 5].map(|()| look_at_once(&mut headless));
-                headless.frames(16);
+                headless.frames(8);
                 let still = look(&mut headless);
                 let off = frames.each_ref().map(|seen| {
                     let pairs = seen.light.texels.iter().zip(&still.light.texels);
@@ -233,9 +235,10 @@ fn a_jump_without_a_cut_leaves_no_trail() {
 #[test]
 fn what_is_seen_through_glass_is_mirrored() {
     in_own_process(|| {
+        let mut headless = Headless::new(SMALL);
         for motion in [false, true] {
             let mut pane = Entity::PLACEHOLDER;
-            let mut headless = build(SMALL, |s| {
+            show(&mut headless, |s| {
                 spawn_floor(s, metal(0.0), 0.0);
                 let wall = Transform::from_xyz(0.0, 0.8, -1.5);
                 s.mesh(Rectangle::new(3.0, 1.6), surface(0.0, 0.8), wall);

@@ -137,7 +137,7 @@ fn hostile_light_is_bounded_and_does_not_stay() {
                     headless: &mut headless,
                 };
                 let thing = make(&mut s, number);
-                let with = see(&mut headless, 6);
+                let with = see(&mut headless, 2);
                 let name = format!("{name} of {number}");
                 check_kept(&mut headless, &name);
                 let texels = with.light.texels.iter().zip(&is_card);

@@ -7,7 +7,8 @@ use bevy::{
 };
 use kit::{
     known_light::{camera, show, surface},
-    known_mirrors::{metal, mirror},
+    known_mirrors::{metal, mirror_app, show_mirror},
+    lean::change_cameras,
     own_process::in_own_process,
 };
 
@@ -42,11 +43,19 @@ fn mirrors_are_exact_in_any_projection() {
             ("off-centre", &off_center, 36.0),
             ("grazing", &grazing, 30.0),
         ];
+        let mut headless = mirror_app(SIZE, 0.0, |camera| {
+            camera.insert(reflections());
+        });
         for (name, dress, least) in cases {
-            let found = mirror(SIZE, |camera| {
-                camera.insert(reflections());
+            change_cameras(&mut headless, |camera| {
+                camera.insert(Projection::default());
+                let mut shown = camera.get_mut::<Camera>().expect("it is one");
+                shown.sub_camera_view = None;
                 dress(camera);
             });
+            headless.settle();
+            headless.frames(6);
+            let found = show_mirror(&mut headless);
             found.seen.save(&format!("mirror_{name}"), 1.0);
             println!(
                 "{name}: {:.1} dB, without outlines {:.1} dB, {:.2} in the picture",

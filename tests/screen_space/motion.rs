@@ -6,7 +6,7 @@ use kit::{
     headless::Headless,
     known_light::{Seen, camera, errors, look, look_at_once, see, surface},
     known_mirrors::{compare, metal, mirror_app, show_mirror},
-    lean::{build, change_cameras},
+    lean::{build, change_cameras, show},
     own_process::in_own_process,
     scenes::{SceneBuilder, meshes::skinned},
     skipped::on_swiftshader,
@@ -69,8 +69,8 @@ const PACE: f32 = 0.08;
 const FRAMES: usize = 12;
 
 /// A glowing box on a floor that mirrors it or is lit by it, in front of a wall, of which it uncovers more in each frame.
-fn moving_box(motion: bool, floor: StandardMaterial, extra: impl Bundle) -> Headless {
-    build(SMALL, |s| {
+fn moving_box(headless: &mut Headless, motion: bool, floor: StandardMaterial, extra: impl Bundle) {
+    show(headless, |s| {
         spawn_floor(s, floor, 0.0);
         let behind = Transform::from_xyz(0.0, 0.5, -0.5);
         s.mesh(Rectangle::new(6.0, 1.0), surface(0.0, 0.0), behind);
@@ -79,33 +79,34 @@ fn moving_box(motion: bool, floor: StandardMaterial, extra: impl Bundle) -> Head
         s.world().entity_mut(glowing).insert(Mover(Vec3::X * PACE));
         let camera = camera(s, looking(EYE, 0.2), 0.0, extra);
         with_motion(motion, &mut s.world().entity_mut(camera));
-    })
+    });
 }
 
 /// Light of a moving box moves with it: its light on the floor behind it is gone after two frames.
 #[test]
 fn there_is_no_trail_behind_what_moves() {
     in_own_process(|| {
-        type Make<'a> = &'a dyn Fn(bool) -> Headless;
+        let mut headless = Headless::new(SMALL);
+        type Make<'a> = &'a dyn Fn(&mut Headless, bool);
         // With the longest trail in frames. A rough floor is also lit by the box's position at which its light was kept.
         let make: [(&str, f32, Make); 3] = [
-            ("mirror", 0.5, &|motion| {
-                moving_box(motion, metal(0.0), reflections())
+            ("mirror", 0.5, &|headless, motion| {
+                moving_box(headless, motion, metal(0.0), reflections());
             }),
-            ("rough", 2.2, &|motion| {
-                moving_box(motion, metal(0.3), reflections())
+            ("rough", 2.2, &|headless, motion| {
+                moving_box(headless, motion, metal(0.3), reflections());
             }),
-            ("diffuse", 0.5, &|motion| {
-                moving_box(motion, surface(0.5, 0.0), gi())
+            ("diffuse", 0.5, &|headless, motion| {
+                moving_box(headless, motion, surface(0.5, 0.0), gi());
             }),
         ];
         for (name, longest, make) in make {
             for motion in [false, true] {
-                let mut headless = make(motion);
+                make(&mut headless, motion);
                 see(&mut headless, 8);
                 let moving = step(&mut headless, FRAMES);
                 moving.save(&format!("trail_{name}_{motion}"), 1.0);
-                headless.frames(24);
+                headless.frames(12);
                 let still = look(&mut headless);
                 still.save(&format!("trail_{name}_{motion}_still"), 1.0);
                 // The furthest distance behind the box, in frames of its motion, at which the floor is brighter than with the box at rest.
@@ -136,6 +137,7 @@ fn there_is_no_trail_behind_what_moves() {
 #[test]
 fn moving_mirrors_show_what_they_show_at_rest() {
     in_own_process(|| {
+        let mut headless = Headless::new(SMALL);
         const UP: Mover = Mover(Vec3::new(0.0, 0.02, 0.0));
         let moves_up = |s: &mut SceneBuilder| {
             let mirror = spawn_floor(s, metal(0.0), -0.3);
@@ -155,7 +157,7 @@ fn moving_mirrors_show_what_they_show_at_rest() {
         let cases: [(&str, Mirror); 2] = [("plane", &moves_up), ("skinned mesh", &bends)];
         for (name, mirror) in cases {
             for motion in [false, true] {
-                let mut headless = build(SMALL, |s| {
+                show(&mut headless, |s| {
                     mirror(s);
                     let wall = Rectangle::new(3.0, 1.0);
                     s.mesh(wall, surface(0.0, 1.0), Transform::from_xyz(0.0, 0.6, -0.8));
@@ -259,13 +261,20 @@ fn mirror_images_stay_where_they_are_while_the_camera_pans() {
         let smooth = (0.0, ScreenSpaceReflectionsQuality::Medium, [most, 0.006]);
         let rough =
             ScreenSpaceReflectionsQuality::ALL.map(|quality| (0.3, quality, [0.012, 0.007]));
+        let mut headless = mirror_app(SMALL, 0.0, |_| ());
         for (roughness, quality, most) in [smooth].into_iter().chain(rough) {
-            let mut headless = mirror_app(SMALL, roughness, |camera| {
+            let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
+            for (_, material) in materials.iter_mut() {
+                if material.metallic > 0.0 {
+                    material.perceptual_roughness = roughness;
+                }
+            }
+            change_cameras(&mut headless, |camera| {
                 let effect = LeanScreenSpaceReflections {
                     quality,
                     ..reflections()
                 };
-                camera.insert((effect, pose(0)));
+                camera.insert((effect, pose(0), CameraCut));
             });
             let first = see(&mut headless, 8);
             let mut before = light(&mut headless, &first);
@@ -280,7 +289,7 @@ fn mirror_images_stay_where_they_are_while_the_camera_pans() {
                 before = moving;
                 // The camera rests now and then.
                 if frame % 10 == 0 {
-                    headless.frames(8);
+                    headless.frames(4);
                     let still = look(&mut headless);
                     let still = light(&mut headless, &still);
                     lags.extend(less(&before, &still));

@@ -4,17 +4,20 @@ use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
     hdr::light,
-    known_light::{camera, show, surface},
+    headless::Headless,
+    known_light::{camera, surface},
     known_mirrors::{
-        GlowingQuad, metal, mirror, rough_floor, rough_floor_under, with_bevys_reflections,
+        GlowingQuad, metal, mirror_app, rough_floor, rough_floor_under, show_mirror,
+        with_bevys_reflections,
     },
+    lean::change_cameras,
     own_process::in_own_process,
     scenes::SceneBuilder,
 };
 
 use super::scenes::{
     self, EYE, SIZE, SMALL, TALL, floor, floor_light, glowing, looking, range, reflections,
-    spawn_floor,
+    show_next, spawn_floor,
 };
 
 fn at_resolution(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflections {
@@ -27,13 +30,17 @@ fn at_resolution(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflection
 #[test]
 fn a_mirror_shows_what_is_above_it() {
     in_own_process(|| {
+        let mut headless = mirror_app(SIZE, 0.0, |_| ());
         for (resolution, least) in [
             (ScreenSpaceResolution::Half, 60.0),
             (ScreenSpaceResolution::Full, 55.0),
         ] {
-            let found = mirror(SIZE, |camera| {
+            change_cameras(&mut headless, |camera| {
                 camera.insert(at_resolution(resolution));
             });
+            headless.settle();
+            headless.frames(6);
+            let found = show_mirror(&mut headless);
             found.seen.save(&format!("mirror_{resolution:?}"), 1.0);
             println!(
                 "{resolution:?}: {:.1} dB, without outlines {:.1} dB, {:.2} in the picture",
@@ -100,9 +107,12 @@ fn a_rough_floor_shows_the_lobe_of_a_bulb() {
 fn large_pictures_need_fewer_rays() {
     in_own_process(|| {
         assert_eq!(reflections().texel_side(TALL.y), 4);
-        let found = mirror(TALL, |camera| {
+        let mut headless = mirror_app(TALL, 0.0, |camera| {
             camera.insert(reflections());
         });
+        // Frames of this size are slow: those that settling takes are enough.
+        headless.settle();
+        let found = show_mirror(&mut headless);
         found.seen.save("mirror_tall", 1.0);
         println!(
             "{:.1} dB, without outlines {:.1} dB",
@@ -129,8 +139,9 @@ fn courtyard(s: &mut SceneBuilder, roughness: f32, glow: f32, sky: f32) -> Entit
 #[test]
 fn a_furnace_is_even() {
     in_own_process(|| {
+        let mut headless = Headless::new(SMALL);
         for roughness in [0.0, 0.1, 0.3, 0.5, 0.7, 1.0] {
-            let (_, seen) = show(SMALL, 8, |s| {
+            let seen = show_next(&mut headless, 8, |s| {
                 courtyard(s, roughness, 1.0, 1.0);
             });
             seen.save(&format!("furnace_{roughness}"), 0.5);
@@ -145,8 +156,9 @@ fn a_furnace_is_even() {
 #[test]
 fn there_are_no_seams() {
     in_own_process(|| {
+        let mut headless = Headless::new(SMALL);
         for roughness in [0.0, 0.3, 0.7] {
-            let (_, seen) = show(SMALL, 8, |s| {
+            let seen = show_next(&mut headless, 8, |s| {
                 let camera = courtyard(s, roughness, 1.0, 0.4);
                 s.world()
                     .entity_mut(camera)
@@ -164,8 +176,9 @@ fn there_are_no_seams() {
 #[test]
 fn rays_of_rough_floors_miss_no_walls() {
     in_own_process(|| {
-        let sum = |quality, roughness, thickness| {
-            let (_, seen) = show(SIZE, 4, |s| {
+        let mut headless = Headless::new(SIZE);
+        let mut sum = |quality, roughness, thickness| {
+            let seen = show_next(&mut headless, 4, |s| {
                 spawn_floor(s, metal(roughness), 0.0);
                 let back = Transform::from_xyz(0.0, 1.5, -2.0);
                 s.mesh(Cuboid::new(3.4, 3.0, 0.2), surface(0.0, 1.0), back);
@@ -198,9 +211,10 @@ fn rays_of_rough_floors_miss_no_walls() {
 #[test]
 fn what_is_still_stays() {
     in_own_process(|| {
+        let mut headless = Headless::new(SMALL);
         for roughness in [0.0, 0.4] {
             // Reflections of reflections take a few frames.
-            let (mut headless, _) = show(SMALL, 30, |s| {
+            show_next(&mut headless, 30, |s| {
                 courtyard(s, roughness, 1.0, 0.4);
             });
             let [first, second] = [(); 2].map(|()| light(&mut headless));
@@ -220,8 +234,9 @@ fn what_is_still_stays() {
 #[test]
 fn forward_meshes_are_mirrored_by_cameras_with_a_depth_prepass() {
     in_own_process(|| {
-        let sum = |prepass: bool, forward: bool| {
-            let (_, seen) = show(SMALL, 8, |s| {
+        let mut headless = Headless::new(SMALL);
+        let mut sum = |prepass: bool, forward: bool| {
+            let seen = show_next(&mut headless, 8, |s| {
                 let camera = courtyard(s, 0.0, 0.0, 0.0);
                 if prepass {
                     s.world().entity_mut(camera).insert(DepthPrepass);

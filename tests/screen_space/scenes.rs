@@ -8,7 +8,8 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::Headless,
-    known_light::{Seen, camera, look_at_once, surface},
+    known_light::{Seen, camera, look_at_once, see, surface},
+    lean::show,
     scenes::SceneBuilder,
 };
 
@@ -111,6 +112,16 @@ pub fn with_motion(motion: bool, camera: &mut EntityWorldMut) {
     if motion {
         camera.insert((DepthPrepass, MotionVectorPrepass));
     }
+}
+
+/// Replaces the app's scene and looks at the new one after `frames` frames. Pipelines of earlier scenes are not compiled again.
+pub fn show_next(
+    headless: &mut Headless,
+    frames: usize,
+    scene: impl FnOnce(&mut SceneBuilder),
+) -> Seen {
+    show(headless, scene);
+    see(headless, frames)
 }
 
 /// Moves by this much in each [`step`].

@@ -154,7 +154,7 @@ fn pictures_do_not_depend_on_what_was_switched_before() {
         let without = see(&mut headless, 2);
         for (name, insert) in effects {
             change_cameras(&mut headless, insert);
-            let steady = see(&mut headless, 24);
+            let steady = see(&mut headless, 12);
             change_cameras(&mut headless, |camera| {
                 camera.insert(CameraCut);
             });
@@ -181,7 +181,7 @@ fn pictures_do_not_depend_on_what_was_switched_before() {
                 }
             }
             change_cameras(&mut headless, insert);
-            let again = see(&mut headless, 24);
+            let again = see(&mut headless, 12);
             let (off, same) = (most_off(&steady, &without), most_off(&steady, &again));
             println!(
                 "{name}: without off by {:.5}, with {:.5}; at last {same:.5}; it changes {off:.3}",
@@ -328,7 +328,7 @@ fn with_rows(headless: &mut Headless, rows: u32) -> ([Seen; 2], Vec<u32>) {
             ..default()
         });
     });
-    let seen = [look_at_once(headless), see(headless, 24)];
+    let seen = [look_at_once(headless), see(headless, 12)];
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut views = world.query::<&ViewReflections>();
     let view = views.single(world).expect("there are reflections");

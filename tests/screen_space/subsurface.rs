@@ -3,12 +3,15 @@
 use bevy::{camera::ScalingMode, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    headless::Headless,
     known_balls::ball,
     known_light::{Seen, camera, errors, show},
-    known_slabs::{SKIN, beside, edge, patterned, slab, step, stored_paths},
+    known_slabs::{SKIN, beside, patterned, slab, step, stored_paths},
     scenes::SceneBuilder,
     skipped::where_light_scatters,
 };
+
+use super::scenes::show_next;
 
 const SIZE: UVec2 = UVec2::new(320, 192);
 const WHITE: LinearRgba = LinearRgba::WHITE;
@@ -27,17 +30,22 @@ fn ahead(metres: f32) -> Transform {
 }
 
 /// A slab at the origin, seen from 2 m.
-fn seen(path: f32, quality: SubsurfaceScatteringQuality, light: fn(Vec2) -> f32) -> Seen {
-    let (_, seen) = show(SIZE, 2, |s| {
+fn seen(
+    headless: &mut Headless,
+    path: f32,
+    quality: SubsurfaceScatteringQuality,
+    light: fn(Vec2) -> f32,
+) -> Seen {
+    show_next(headless, 2, |s| {
         patterned(s, slab(WHITE, path), default(), light);
         camera(s, ahead(2.0), 1.0, with(quality));
-    });
-    seen
+    })
 }
 
 #[test]
 fn light_leaves_beside_an_edge_as_the_profile_says() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         let mut all_right = true;
         for (name, color, path) in [
             ("white", WHITE, 0.08),
@@ -45,7 +53,12 @@ fn light_leaves_beside_an_edge_as_the_profile_says() {
             ("short", WHITE, 0.02),
         ] {
             for quality in [Low, High] {
-                let found = edge(SIZE, color, path, with(quality));
+                let seen = show_next(&mut headless, 2, |s| {
+                    patterned(s, slab(color, path), default(), step);
+                    camera(s, ahead(2.0), 1.0, with(quality));
+                });
+                seen.save("edge", 0.9);
+                let found = beside(&seen, Vec3::Z, stored_paths(color, path));
                 println!("{name}, {quality:?}: {found:.4?}");
                 all_right &= found.iter().all(|e| e.rmse < 0.01 && e.bias.abs() < 0.002);
             }
@@ -81,11 +94,12 @@ fn balls_are_as_the_profile_says() {
 #[test]
 fn it_does_so_on_surfaces_that_are_turned_away() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         for degrees in [45.0_f32, 60.0] {
             for (name, axis) in [("about", Vec3::Y), ("across", Vec3::X)] {
                 for quality in [Low, High] {
                     let turned = Quat::from_axis_angle(axis, degrees.to_radians());
-                    let (_, seen) = show(SIZE, 2, |s| {
+                    let seen = show_next(&mut headless, 2, |s| {
                         let place = Transform::from_rotation(turned);
                         patterned(s, slab(WHITE, 0.08), place, step);
                         camera(s, ahead(2.0), 1.0, with(quality));
@@ -126,8 +140,10 @@ fn an_orthographic_view_shows_the_same() {
 #[test]
 fn even_light_stays_as_it_is() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         for path in [0.001, 0.02, 0.5] {
-            let [without, with] = [Off, High].map(|quality| seen(path, quality, |_| 0.7));
+            let [without, with] =
+                [Off, High].map(|quality| seen(&mut headless, path, quality, |_| 0.7));
             let pairs = without.light.texels.iter().zip(&with.light.texels);
             let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
             println!("{path}: {most:.5}");
@@ -140,9 +156,10 @@ fn even_light_stays_as_it_is() {
 #[test]
 fn a_spot_keeps_its_sum() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         let spot = |at: Vec2| f32::from((at - 0.5).length() < 0.02);
         let sums = [Off, Low, High].map(|quality| {
-            let seen = seen(0.02, quality, spot);
+            let seen = seen(&mut headless, 0.02, quality, spot);
             seen.save(&format!("spot_{quality:?}"), 0.9);
             seen.light.texels.iter().map(|texel| texel[1]).sum::<f32>()
         });
@@ -156,14 +173,14 @@ fn a_spot_keeps_its_sum() {
 #[test]
 fn distance_does_not_matter() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         let [near, far] = [1.0, 2.0].map(|scale| {
-            let (_, seen) = show(SIZE, 2, |s| {
+            show_next(&mut headless, 2, |s| {
                 let place = Transform::from_scale(Vec3::splat(scale));
                 let path = stored_paths(WHITE, 0.08).x * scale;
                 patterned(s, slab(WHITE, path), place, step);
                 camera(s, ahead(2.0 * scale), 1.0, with(High));
-            });
-            seen
+            })
         });
         let pairs = near.light.texels.iter().zip(&far.light.texels);
         let (off, bias) = errors(pairs.map(|(a, b)| a[1] - b[1]));
@@ -176,6 +193,7 @@ fn distance_does_not_matter() {
 #[test]
 fn nothing_bleeds_from_slab_to_slab() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         for front_is_lit in [false, true] {
             let light = [front_is_lit, !front_is_lit].map(|lit| if lit { 1.0 } else { 0.0 });
             let scene = |s: &mut SceneBuilder, quality| {
@@ -189,7 +207,8 @@ fn nothing_bleeds_from_slab_to_slab() {
                 );
                 camera(s, ahead(2.0), 1.0, with(quality));
             };
-            let [without, with] = [Off, High].map(|quality| show(SIZE, 2, |s| scene(s, quality)).1);
+            let [without, with] =
+                [Off, High].map(|quality| show_next(&mut headless, 2, |s| scene(s, quality)));
             with.save(&format!("slabs_{front_is_lit}"), 0.9);
             let pairs = without.light.texels.iter().zip(&with.light.texels);
             let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
@@ -203,14 +222,14 @@ fn nothing_bleeds_from_slab_to_slab() {
 #[test]
 fn nothing_bleeds_onto_another_material() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         let [without, with] = [Off, High].map(|quality| {
-            let (_, seen) = show(SIZE, 2, |s| {
+            show_next(&mut headless, 2, |s| {
                 let [left, right] = [-2.0, 2.0].map(|x| Transform::from_xyz(x, 0.0, 0.0));
                 patterned(s, slab(WHITE, 0.05), left, |_| 1.0);
                 patterned(s, slab(WHITE, 0.1), right, |_| 0.0);
                 camera(s, ahead(2.0), 1.0, with(quality));
-            });
-            seen
+            })
         });
         let pairs = without.light.texels.iter().zip(&with.light.texels);
         let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
@@ -222,8 +241,9 @@ fn nothing_bleeds_onto_another_material() {
 #[test]
 fn less_than_a_pixel_changes_nothing() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         let checks = |at: Vec2| f32::from((at.x * 97.0).sin() * (at.y * 61.0).sin() > 0.0);
-        let [without, with] = [Off, High].map(|quality| seen(1e-4, quality, checks));
+        let [without, with] = [Off, High].map(|quality| seen(&mut headless, 1e-4, quality, checks));
         let pairs = without.light.texels.iter().zip(&with.light.texels);
         let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
         println!("{most:.5}");

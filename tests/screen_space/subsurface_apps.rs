@@ -13,11 +13,13 @@ use kit::{
     headless::Headless,
     known_light::{Seen, camera, look, see, show},
     known_slabs::{SKIN, patterned, slab, step},
-    lean::{build, change_cameras},
+    lean::{self, build, change_cameras},
     log_watch,
     scenes::SceneBuilder,
     skipped::where_light_scatters,
 };
+
+use super::scenes::show_next;
 
 use SubsurfaceScatteringQuality::{High, Low, Off};
 
@@ -165,16 +167,16 @@ fn what_moves_leaves_nothing_behind() {
 #[test]
 fn textures_stay_sharp_where_albedo_comes_after() {
     where_light_scatters(|| {
-        let picture = |albedo, quality| {
-            let (_, seen) = show(SIZE, 2, |s| {
+        let mut headless = Headless::new(SIZE);
+        let mut picture = |albedo, quality| {
+            show_next(&mut headless, 2, |s| {
                 let mut material = slab(SKIN, PATH);
                 if let ShadingExtension::Subsurface { albedo: when, .. } = &mut material.extension {
                     *when = albedo;
                 }
                 patterned(s, material, default(), |at| 0.1 + 0.8 * step(at));
                 camera(s, ahead(), 1.0, with(quality));
-            });
-            seen
+            })
         };
         let off = picture(SubsurfaceAlbedo::AfterScattering, Off);
         let after = picture(SubsurfaceAlbedo::AfterScattering, High);
@@ -189,8 +191,9 @@ fn textures_stay_sharp_where_albedo_comes_after() {
 #[test]
 fn fog_comes_after() {
     where_light_scatters(|| {
-        let picture = |fog: bool, quality, light: fn(Vec2) -> f32| {
-            let (_, seen) = show(SIZE, 2, |s| {
+        let mut headless = Headless::new(SIZE);
+        let mut picture = |fog: bool, quality, light: fn(Vec2) -> f32| {
+            show_next(&mut headless, 2, |s| {
                 patterned(s, slab(SKIN, PATH), default(), light);
                 let camera = camera(s, ahead(), 1.0, with(quality));
                 if fog {
@@ -203,8 +206,7 @@ fn fog_comes_after() {
                         ..default()
                     });
                 }
-            });
-            seen
+            })
         };
         // Light of the fog alone, and with what it leaves of full light.
         let [adds, full] = [picture(true, Off, |_| 0.0), picture(true, Off, |_| 1.0)];
@@ -227,19 +229,19 @@ fn fog_comes_after() {
 #[test]
 fn other_surfaces_stay_as_they_are() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         let ball = StandardMaterial {
             base_color: Color::srgb(0.2, 0.3, 0.8),
             clearcoat: 1.0,
             ..default()
         };
         let [off, on] = [Off, High].map(|quality| {
-            let (_, seen) = show(SIZE, 2, |s| {
+            show_next(&mut headless, 2, |s| {
                 lit_slab(s);
                 let place = Transform::from_xyz(0.0, 0.0, 0.5);
                 s.mesh(Sphere::new(0.25), ball.clone(), place);
                 camera(s, ahead(), 1.0, with(quality));
-            });
-            seen
+            })
         });
         let mut most = 0.0_f32;
         for (ray, (a, b)) in off
@@ -260,6 +262,7 @@ fn other_surfaces_stay_as_they_are() {
 #[test]
 fn materials_keep_their_paths() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(UVec2::splat(192));
         let paths: Vec<f32> = (0..64)
             .map(|i| 1e-4_f32.powf(1.0 - i as f32 / 63.0))
             .collect();
@@ -267,8 +270,8 @@ fn materials_keep_their_paths() {
             let at = Vec2::new((i % 8) as f32, (i / 8) as f32) - 3.5;
             (0.2 * at).extend(0.0)
         };
-        let picture = |only: Option<usize>| {
-            let (_, seen) = show(UVec2::splat(192), 2, |s| {
+        let mut picture = |only: Option<usize>| {
+            show_next(&mut headless, 2, |s| {
                 for (i, path) in paths.iter().enumerate() {
                     if only.is_none_or(|only| only == i) {
                         let place = Transform::from_translation(place(i));
@@ -281,8 +284,7 @@ fn materials_keep_their_paths() {
                     }
                 }
                 camera(s, ahead(), 1.0, ());
-            });
-            seen
+            })
         };
         let all = picture(None);
         all.save("paths", 0.9);
@@ -305,8 +307,9 @@ fn materials_keep_their_paths() {
 #[test]
 fn hostile_light_does_not_spread() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         for color in [f32::NAN, f32::INFINITY, 1e38, -1.0] {
-            let (_, seen) = show(SIZE, 2, |s| {
+            let seen = show_next(&mut headless, 2, |s| {
                 lit_slab(s);
                 let mut hostile = slab(SKIN, PATH);
                 hostile.base.base_color = Color::linear_rgb(color, color, color);
@@ -376,9 +379,10 @@ fn views_and_settings_may_be_anything() {
 #[test]
 fn two_cameras_and_all_effects_at_once() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         let half = SIZE / UVec2::new(2, 1);
-        let picture = |shown: [bool; 2]| {
-            let mut headless = build(SIZE, |s| {
+        let mut picture = |shown: [bool; 2]| {
+            lean::show(&mut headless, |s| {
                 lit_slab(s);
                 s.solids();
                 s.sun(false);

@@ -3,11 +3,14 @@
 use bevy::{camera::Viewport, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    headless::Headless,
     known_light::{Seen, camera, show},
     known_slabs::{SKIN, beside, patterned, slab, step, stored_paths},
     scenes::SceneBuilder,
     skipped::where_light_scatters,
 };
+
+use super::scenes::{range, show_next};
 
 use SubsurfaceScatteringQuality::{High, Off};
 
@@ -52,8 +55,9 @@ fn most_off(a: &Seen, b: &Seen) -> f32 {
 #[test]
 fn highlights_stay_sharp() {
     where_light_scatters(|| {
-        let picture = |reflectance, quality| {
-            let (_, seen) = show(SIZE, 2, |s| {
+        let mut headless = Headless::new(SIZE);
+        let mut picture = |reflectance, quality| {
+            let seen = show_next(&mut headless, 2, |s| {
                 let mut material = slab(SKIN, 0.08);
                 material.base.reflectance = reflectance;
                 material.base.perceptual_roughness = 0.25;
@@ -142,9 +146,10 @@ const HAIRS: [(Vec3, Vec3); 4] = [
 #[test]
 fn outlines_have_no_halo() {
     where_light_scatters(|| {
+        let mut headless = Headless::new(SIZE);
         let path = 0.03;
         let picture = |quality| {
-            let (_, seen) = show(SIZE, 2, |s| {
+            let seen = show_next(&mut headless, 2, |s| {
                 patterned(s, slab(SKIN, path), ahead(-1.5), |_| 0.0);
                 let ball = Sphere::new(BALL).mesh().ico(20).expect("few subdivisions");
                 let parts = HAIRS.map(|(half, at)| (Cuboid::from_size(2.0 * half).into(), at));
@@ -200,16 +205,16 @@ fn outlines_have_no_halo() {
 #[test]
 fn paths_may_be_longer_than_the_picture() {
     where_light_scatters(|| {
-        let picture = |quality, largest_radius, light: fn(Vec2) -> f32| {
-            let (_, seen) = show(SIZE / 2, 2, |s| {
+        let mut headless = Headless::new(SIZE / 2);
+        let mut picture = |quality, largest_radius, light: fn(Vec2) -> f32| {
+            show_next(&mut headless, 2, |s| {
                 patterned(s, slab(WHITE, 1.0), default(), light);
                 let effect = LeanSubsurfaceScattering {
                     largest_radius,
                     ..with(quality)
                 };
                 camera(s, ahead(0.5), 1.0, effect);
-            });
-            seen
+            })
         };
         let [even, half_lit] =
             [|_| 0.7, step as fn(Vec2) -> f32].map(|light| picture(Off, 0.0, light));
@@ -217,7 +222,7 @@ fn paths_may_be_longer_than_the_picture() {
             let most = most_off(&even, &picture(High, largest_radius, |_| 0.7));
             let edge = picture(High, largest_radius, step);
             let light: Vec<f32> = edge.light.texels.iter().map(|texel| texel[1]).collect();
-            let (least, brightest) = super::scenes::range(&light);
+            let (least, brightest) = range(&light);
             let changed = most_off(&half_lit, &edge);
             let mean = |seen: &Seen| {
                 seen.light.texels.iter().map(|texel| texel[1]).sum::<f32>()

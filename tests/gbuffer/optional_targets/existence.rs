@@ -48,13 +48,6 @@ fn show_ball(headless: &mut Headless, material: StandardMaterial, extra: impl Bu
     ball
 }
 
-/// As [`show_ball`], in a new app.
-fn with_ball(material: StandardMaterial, extra: impl Bundle) -> (Headless, Entity) {
-    let mut headless = Headless::new(SMALL);
-    let ball = show_ball(&mut headless, material, extra);
-    (headless, ball)
-}
-
 #[test]
 fn materials_get_the_targets_that_they_need() {
     in_own_process(|| {
@@ -97,6 +90,7 @@ fn materials_get_the_targets_that_they_need() {
             assert_eq!(usage(&mut headless).targets, targets, "{name}");
             assert!(!forward_draws(&headless), "{name} goes forward");
         }
+        meshes_get_the_targets_that_they_need(&mut headless);
     });
 }
 
@@ -146,35 +140,34 @@ fn what_has_no_bits_goes_forward_without_targets() {
             assert_eq!(usage(&mut headless).targets, NONE, "{name}");
             assert!(forward_draws(&headless), "{name} does not go forward");
         }
+        anisotropy_without_tangents_goes_forward(&mut headless);
     });
 }
 
-#[test]
-fn meshes_get_the_targets_that_they_need() {
-    in_own_process(|| {
-        let (mut headless, _) = with_ball(clay(), NotShadowReceiver);
-        assert_eq!(usage(&mut headless).targets, SPECIALIZATION);
-        assert!(!forward_draws(&headless));
+fn meshes_get_the_targets_that_they_need(headless: &mut Headless) {
+    show_ball(headless, clay(), NotShadowReceiver);
+    assert_eq!(usage(headless).targets, SPECIALIZATION, "no receiver");
+    assert!(!forward_draws(headless), "no receiver");
 
-        let (mut headless, ball) = with_ball(clay(), ());
-        assert_eq!(usage(&mut headless).targets, NONE);
-        headless.world().entity_mut(ball).insert(NotShadowReceiver);
-        headless.frames(4);
-        assert_eq!(usage(&mut headless).targets, SPECIALIZATION);
-        assert!(!forward_draws(&headless));
+    let ball = show_ball(headless, clay(), ());
+    assert_eq!(usage(headless).targets, NONE, "a receiver");
+    headless.world().entity_mut(ball).insert(NotShadowReceiver);
+    headless.frames(4);
+    assert_eq!(usage(headless).targets, SPECIALIZATION, "none any more");
+    assert!(!forward_draws(headless), "no receiver any more");
 
-        let cube = kit::scenes::materials::cube_with_second_uvs();
-        let world = headless.world();
-        let cube = world.resource_mut::<Assets<Mesh>>().add(cube);
-        let image = world.resource_mut::<Assets<Image>>().add(Image::default());
-        world
-            .entity_mut(ball)
-            .insert((Mesh3d(cube), Lightmap { image, ..default() }));
-        headless.settle();
-        headless.frames(4);
-        assert_eq!(usage(&mut headless).targets, EMISSIVE.union(SPECIALIZATION));
-        assert!(!forward_draws(&headless));
-    });
+    let cube = kit::scenes::materials::cube_with_second_uvs();
+    let world = headless.world();
+    let cube = world.resource_mut::<Assets<Mesh>>().add(cube);
+    let image = world.resource_mut::<Assets<Image>>().add(Image::default());
+    world
+        .entity_mut(ball)
+        .insert((Mesh3d(cube), Lightmap { image, ..default() }));
+    headless.settle();
+    headless.frames(4);
+    let both = EMISSIVE.union(SPECIALIZATION);
+    assert_eq!(usage(headless).targets, both, "a lightmap");
+    assert!(!forward_draws(headless), "a lightmap");
 }
 
 /// Without binding arrays Bevy cannot compile lightmaps under an environment map, and draws nothing: no other surface waits for that.
@@ -214,24 +207,21 @@ fn a_lightmap_that_cannot_be_lit_keeps_no_other_surface_waiting() {
 }
 
 /// Anisotropic highlights need tangents. Without them meshes are drawn by forward, which gives them a look of its own.
-#[test]
-fn anisotropy_without_tangents_goes_forward() {
-    in_own_process(|| {
-        let mut headless = build(SMALL, |s| {
-            let anisotropic = StandardMaterial {
-                anisotropy_strength: 0.5,
-                ..clay()
-            };
-            s.mesh(Sphere::new(0.5), anisotropic, Transform::default());
-            s.sun(false);
-            s.default_camera(());
-        });
-        set_lean(&mut headless, true);
-        headless.settle();
-        headless.frames(2);
-        assert_eq!(usage(&mut headless).targets, NONE);
-        assert!(forward_draws(&headless));
+fn anisotropy_without_tangents_goes_forward(headless: &mut Headless) {
+    show(headless, |s| {
+        let anisotropic = StandardMaterial {
+            anisotropy_strength: 0.5,
+            ..clay()
+        };
+        s.mesh(Sphere::new(0.5), anisotropic, Transform::default());
+        s.sun(false);
+        s.default_camera(());
     });
+    set_lean(headless, true);
+    headless.settle();
+    headless.frames(2);
+    assert_eq!(usage(headless).targets, NONE, "without tangents");
+    assert!(forward_draws(headless), "without tangents");
 }
 
 #[test]
@@ -278,22 +268,19 @@ fn targets_go_a_while_after_what_needs_them() {
     });
 }
 
+/// Usage ends with the component, and is nothing while the camera is off or forward.
 #[test]
-fn usage_ends_with_the_component() {
+fn usage_is_that_of_the_last_frame() {
     in_own_process(|| {
-        let (mut headless, _) = with_ball(clay(), ());
+        let mut headless = Headless::new(SMALL);
+        show_ball(&mut headless, clay(), ());
         assert!(usage(&mut headless).is_active());
         set_lean(&mut headless, false);
         headless.frames(2);
         let world = headless.world();
         assert_eq!(world.query::<&GBufferUsage>().iter(world).count(), 0);
-    });
-}
 
-#[test]
-fn usage_is_nothing_while_the_camera_is_off_or_forward() {
-    in_own_process(|| {
-        let (mut headless, _) = with_ball(clay(), ());
+        show_ball(&mut headless, clay(), ());
         let world = headless.world();
         let mut cameras = world.query::<&mut Camera>();
         cameras.single_mut(world).expect("one").is_active = false;

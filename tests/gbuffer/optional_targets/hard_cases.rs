@@ -12,7 +12,7 @@ use bevy_lean_deferred::prelude::*;
 use super::{SIZE, forward_draws, usage};
 use kit::{
     headless::{Headless, Picture},
-    lean::{active_lean_views, build, judge, judge_film, report, set_lean, settled},
+    lean::{active_lean_views, build, judge, judge_film, report, set_lean, settled, show},
     metrics::difference,
     own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder, build::material},
@@ -85,17 +85,21 @@ fn special(i: usize) -> StandardMaterial {
 }
 
 /// Renders a scene forward and lean, and compares.
-fn compare(name: &str, scene: impl Fn(&mut SceneBuilder)) -> Result<Headless, String> {
-    let mut headless = build(SIZE, scene);
-    let forward = settled(&mut headless);
+fn compare(
+    name: &str,
+    headless: &mut Headless,
+    scene: impl FnOnce(&mut SceneBuilder),
+) -> Result<(), String> {
+    show(headless, scene);
+    let forward = settled(headless);
     compare_with(name, &forward, headless)
 }
 
 /// Renders lean and compares with `forward`.
-fn compare_with(name: &str, forward: &Picture, mut headless: Headless) -> Result<Headless, String> {
-    set_lean(&mut headless, true);
-    let lean = settled(&mut headless);
-    judge(name, forward, &lean, LEAST_PSNR).map(|()| headless)
+fn compare_with(name: &str, forward: &Picture, headless: &mut Headless) -> Result<(), String> {
+    set_lean(headless, true);
+    let lean = settled(headless);
+    judge(name, forward, &lean, LEAST_PSNR)
 }
 
 /// Each kind of surface behind, in front of and through each other kind.
@@ -112,17 +116,6 @@ fn overlapping(s: &mut SceneBuilder) {
         }
     }
     s.sun(true);
-}
-
-#[test]
-fn overlapping_kinds_match_forward() {
-    in_own_process(|| {
-        report([compare("overlapping_kinds", |s| {
-            overlapping(s);
-            s.default_camera(ambient());
-        })
-        .map(|_| ())]);
-    });
 }
 
 /// In the second phase of culling, plain meshes are drawn in front of special ones that are already drawn.
@@ -150,9 +143,41 @@ fn culling_in_two_phases_matches_forward() {
     });
 }
 
+fn unlit_colours_match_forward(headless: &mut Headless) -> Result<(), String> {
+    compare("unlit_colours", headless, |s| {
+        let gradient = s.image(
+            256,
+            bevy::render::render_resource::TextureFormat::Rgba8UnormSrgb,
+            |u, v| {
+                [
+                    (u * 255.0) as u8,
+                    (v * 255.0) as u8,
+                    (u * v * 60.0) as u8,
+                    255,
+                ]
+            },
+        );
+        for (i, brightness) in [0.02, 1.0, 30.0].into_iter().enumerate() {
+            s.mesh(
+                Rectangle::new(1.8, 3.0),
+                StandardMaterial {
+                    base_color: Color::linear_rgb(brightness, brightness, brightness),
+                    base_color_texture: Some(gradient.clone()),
+                    unlit: true,
+                    ..default()
+                },
+                Transform::from_xyz(i as f32 * 1.9 - 1.9, 0.8, 0.0),
+            );
+        }
+        s.default_camera(());
+    })
+}
+
 #[test]
-fn bright_and_broken_emission_matches_forward() {
+fn bright_and_broken_emission_and_unlit_colours_match_forward() {
     in_own_process(|| {
+        let mut headless = Headless::new(SIZE);
+        report([unlit_colours_match_forward(&mut headless)]);
         let emissive = [
             LinearRgba::rgb(1e6, 1e6, 1e6),
             LinearRgba::rgb(1e6, 0.0, 0.0),
@@ -181,13 +206,13 @@ fn bright_and_broken_emission_matches_forward() {
             s.sun(false);
             s.default_camera(ambient());
         };
-        let mut headless = build(SIZE, bright);
+        show(&mut headless, bright);
         let forward = settled(&mut headless);
         if !forward.rgba.chunks(4).any(|pixel| pixel == [255; 4]) {
             println!("skipped: emission beyond half floats: forward's own is black on this device");
             return;
         }
-        report([compare_with("bright_emission", &forward, headless).map(|_| ())]);
+        report([compare_with("bright_emission", &forward, &mut headless)]);
     });
 }
 
@@ -195,8 +220,20 @@ fn bright_and_broken_emission_matches_forward() {
 #[test]
 fn emission_that_is_not_a_number_is_black_and_infinite_emission_bright() {
     in_own_process(|| {
-        let picture = |emissive: f32| {
-            let mut headless = build(SIZE, |s| {
+        let mut headless = Headless::new(SIZE);
+        let dark = {
+            show(&mut headless, |s| {
+                s.floor();
+                let clay = material((0.6, 0.5, 0.4), 0.0, 0.5);
+                s.mesh(ball(), clay, Transform::from_xyz(0.0, 0.5, 0.0));
+                s.sun(true);
+                s.default_camera(ambient());
+            });
+            set_lean(&mut headless, true);
+            settled(&mut headless)
+        };
+        let mut picture = |emissive: f32| {
+            show(&mut headless, |s| {
                 s.floor();
                 let glow = StandardMaterial {
                     emissive: LinearRgba::rgb(emissive, 0.5, 0.5),
@@ -210,17 +247,6 @@ fn emission_that_is_not_a_number_is_black_and_infinite_emission_bright() {
             let picture = settled(&mut headless);
             assert!(!forward_draws(&headless));
             picture
-        };
-        let dark = {
-            let mut headless = build(SIZE, |s| {
-                s.floor();
-                let clay = material((0.6, 0.5, 0.4), 0.0, 0.5);
-                s.mesh(ball(), clay, Transform::from_xyz(0.0, 0.5, 0.0));
-                s.sun(true);
-                s.default_camera(ambient());
-            });
-            set_lean(&mut headless, true);
-            settled(&mut headless)
         };
         let difference = difference(&dark, &picture(f32::NAN));
         assert!(difference.psnr > 60.0, "{difference}");
@@ -236,43 +262,10 @@ fn emission_that_is_not_a_number_is_black_and_infinite_emission_bright() {
 }
 
 #[test]
-fn unlit_colours_match_forward() {
-    in_own_process(|| {
-        report([compare("unlit_colours", |s| {
-            let gradient = s.image(
-                256,
-                bevy::render::render_resource::TextureFormat::Rgba8UnormSrgb,
-                |u, v| {
-                    [
-                        (u * 255.0) as u8,
-                        (v * 255.0) as u8,
-                        (u * v * 60.0) as u8,
-                        255,
-                    ]
-                },
-            );
-            for (i, brightness) in [0.02, 1.0, 30.0].into_iter().enumerate() {
-                s.mesh(
-                    Rectangle::new(1.8, 3.0),
-                    StandardMaterial {
-                        base_color: Color::linear_rgb(brightness, brightness, brightness),
-                        base_color_texture: Some(gradient.clone()),
-                        unlit: true,
-                        ..default()
-                    },
-                    Transform::from_xyz(i as f32 * 1.9 - 1.9, 0.8, 0.0),
-                );
-            }
-            s.default_camera(());
-        })
-        .map(|_| ())]);
-    });
-}
-
-#[test]
 fn a_thousand_materials_match_forward() {
     in_own_process(|| {
-        let result = compare("a_thousand_materials", |s| {
+        let mut headless = Headless::new(SIZE);
+        let result = compare("a_thousand_materials", &mut headless, |s| {
             let mesh = s.add::<Mesh>(
                 Sphere::new(0.12)
                     .mesh()
@@ -296,11 +289,10 @@ fn a_thousand_materials_match_forward() {
             s.sun(false);
             s.default_camera(ambient());
         });
-        report([result.map(|mut headless| {
-            assert!(!forward_draws(&headless));
-            let all = GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
-            assert_eq!(usage(&mut headless).targets, all);
-        })]);
+        report([result]);
+        assert!(!forward_draws(&headless));
+        let all = GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
+        assert_eq!(usage(&mut headless).targets, all);
     });
 }
 
@@ -334,12 +326,17 @@ fn a_material_of_another_kind_in_each_frame_matches_forward() {
     });
 }
 
-/// Special surfaces match forward on one of two cameras, on both, on the other alone, and on none again.
+/// Special surfaces match forward on one camera, then on one of two, on both, on the other alone, and on none again.
 #[test]
 fn special_surfaces_on_two_cameras_match_forward() {
     in_own_process(|| {
+        let mut headless = Headless::new(SIZE);
+        report([compare("overlapping_kinds", &mut headless, |s| {
+            overlapping(s);
+            s.default_camera(ambient());
+        })]);
         let mut cameras = Vec::new();
-        let mut headless = build(SIZE, |s| {
+        show(&mut headless, |s| {
             overlapping(s);
             for order in 0..2 {
                 let left = SIZE.x / 2 * order;

@@ -7,7 +7,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture},
-    lean::{build, judge, report, set_lean, settled},
+    lean::{build, judge, report, set_lean, settled, show},
     own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder, build::material},
 };
@@ -159,20 +159,20 @@ fn camera(s: &mut SceneBuilder, extra: impl Bundle) {
     ));
 }
 
-fn compare(headless: &mut Headless) {
+fn compare(case: &str, headless: &mut Headless) -> Vec<Result<(), String>> {
     let forward = settled(headless);
     set_lean(headless, true);
     let lean = settled(headless);
-    report(judge_pairs(&forward, &lean));
+    judge_pairs(case, &forward, &lean)
 }
 
-fn judge_pairs(forward: &Picture, lean: &Picture) -> Vec<Result<(), String>> {
-    let mut results = vec![judge("overlaps", forward, lean, LEAST_PSNR)];
+fn judge_pairs(case: &str, forward: &Picture, lean: &Picture) -> Vec<Result<(), String>> {
+    let mut results = vec![judge(case, forward, lean, LEAST_PSNR)];
     for (row, behind) in KINDS.iter().enumerate() {
         for (column, front) in KINDS.iter().enumerate() {
             let min = UVec2::new(column as u32, row as u32) * CELL;
             let rect = URect::from_corners(min, min + CELL);
-            let name = format!("{} on {}", front.name, behind.name);
+            let name = format!("{case}, {} on {}", front.name, behind.name);
             let [forward, lean] = [forward, lean].map(|picture| picture.crop(rect));
             results.push(judge(&name, &forward, &lean, LEAST_PSNR));
         }
@@ -200,13 +200,13 @@ fn alpha_masked_ones_lie_on_top_at_the_same_depth() {
         show_beneath(&mut headless, Visibility::Hidden);
         let without = settled(&mut headless);
         set_lean(&mut headless, true);
-        let mut results = judge_pairs(&without, &settled(&mut headless));
+        let mut results = judge_pairs("alone", &without, &settled(&mut headless));
         show_beneath(&mut headless, Visibility::Visible);
-        results.extend(judge_pairs(&with, &settled(&mut headless)));
+        results.extend(judge_pairs("on top", &with, &settled(&mut headless)));
         // Until its targets are released.
         show_beneath(&mut headless, Visibility::Hidden);
         headless.frames(LINGERING);
-        results.extend(judge_pairs(&without, &settled(&mut headless)));
+        results.extend(judge_pairs("again", &without, &settled(&mut headless)));
         report(results);
     });
 }
@@ -255,18 +255,13 @@ fn what_lies_in_front_replaces_all_words() {
             pairs(s);
             camera(s, ());
         });
-        compare(&mut headless);
-    });
-}
-
-/// Without indirect drawing nothing is multi-drawn.
-#[test]
-fn without_indirect_drawing() {
-    in_own_process(|| {
-        let mut headless = build(CELL * KINDS.len() as u32, |s| {
+        let mut results = compare("overlaps", &mut headless);
+        // Nothing is multi-drawn then.
+        show(&mut headless, |s| {
             pairs(s);
             camera(s, bevy::render::view::NoIndirectDrawing);
         });
-        compare(&mut headless);
+        results.extend(compare("without indirect drawing", &mut headless));
+        report(results);
     });
 }

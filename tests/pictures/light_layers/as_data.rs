@@ -14,7 +14,7 @@ use bevy_lean_deferred::prelude::*;
 
 use kit::{
     headless::{Headless, Picture},
-    lean::{build, set_lean},
+    lean::set_lean,
     own_process::in_own_process,
     scenes::{SceneBuilder, build::material},
 };
@@ -76,15 +76,20 @@ fn scene(s: &mut SceneBuilder, sets: usize, drawing: Drawing) {
 }
 
 fn show(sets: usize, drawing: Drawing) -> Headless {
-    let mut headless = build(SIZE, |s| scene(s, sets, drawing));
-    set_lean(&mut headless, true);
+    let mut headless = Headless::new(SIZE);
+    show_in(&mut headless, sets, drawing);
+    headless
+}
+
+fn show_in(headless: &mut Headless, sets: usize, drawing: Drawing) {
+    kit::lean::show(headless, |s| scene(s, sets, drawing));
+    set_lean(headless, true);
     let world = headless.world();
     let mut cameras = world.query::<&mut LeanDeferred>();
     let mut settings = cameras.single_mut(world).expect("there is one camera");
     settings.debug_view = Some(DebugChannel::VisibilityMask);
     headless.settle();
     headless.frames(3);
-    headless
 }
 
 fn gbuffer_pipelines(headless: &Headless) -> usize {
@@ -124,12 +129,14 @@ fn sets_of_layers_share_pipelines() {
 #[test]
 fn each_mesh_is_drawn_with_its_own_layers() {
     in_own_process(|| {
-        let expected = colors(&show(BALLS, Drawing::Usual).capture());
+        let mut headless = show(BALLS, Drawing::Usual);
+        let expected = colors(&headless.capture());
         for (index, color) in expected.iter().enumerate() {
             assert!(!expected[..index].contains(color), "{expected:?}");
         }
         for drawing in [Drawing::Unbatched, Drawing::AlphaMasked, Drawing::Direct] {
-            let shown = colors(&show(BALLS, drawing).capture());
+            show_in(&mut headless, BALLS, drawing);
+            let shown = colors(&headless.capture());
             assert_eq!(shown, expected, "{drawing:?}");
         }
     });
@@ -141,7 +148,7 @@ fn layers_may_change_in_each_frame() {
     in_own_process(|| {
         let mut headless = show(BALLS, Drawing::Usual);
         let expected = colors(&headless.capture());
-        for frame in 0..300usize {
+        for frame in 0..64usize {
             let world = headless.world();
             let mut meshes = world.query_filtered::<&mut RenderLayers, With<Mesh3d>>();
             for (index, mut layers) in meshes.iter_mut(world).enumerate() {

@@ -58,12 +58,18 @@ fn scene(s: &mut SceneBuilder, layers: Layers) -> [Entity; 2] {
 }
 
 fn show(layers: Layers) -> (Headless, [Entity; 2]) {
+    let mut headless = Headless::new(SIZE);
+    let entities = show_in(&mut headless, layers);
+    (headless, entities)
+}
+
+fn show_in(headless: &mut Headless, layers: Layers) -> [Entity; 2] {
     let mut entities = [Entity::PLACEHOLDER; 2];
-    let mut headless = build(SIZE, |s| entities = scene(s, layers));
-    set_lean(&mut headless, true);
+    kit::lean::show(headless, |s| entities = scene(s, layers));
+    set_lean(headless, true);
     headless.settle();
     headless.frames(3);
-    (headless, entities)
+    entities
 }
 
 fn targets(headless: &mut Headless) -> GBufferTargets {
@@ -96,16 +102,18 @@ fn the_mask_exists_where_lights_tell_meshes_apart() {
             ),
             ("one layer is seen", None, on(&[0, 1]), on(&[0, 1]), NONE),
             ("the light is not seen", None, on(&[1]), on(&[0, 1]), NONE),
+            ("high layers", on(&[0, 500]), on(&[500]), on(&[500]), MASK),
             ("no mesh has", on(&[0, 1]), on(&[1]), None, NONE),
             ("mesh and light have", on(&[0, 1]), on(&[1]), on(&[1]), MASK),
-            ("high layers", on(&[0, 500]), on(&[500]), on(&[500]), MASK),
         ];
+        let mut headless = Headless::new(SIZE);
         for (name, camera, light, ball, expected) in cases {
-            let (mut headless, _) = show(Layers {
+            let layers = Layers {
                 camera,
                 light,
                 ball,
-            });
+            };
+            show_in(&mut headless, layers);
             assert_eq!(targets(&mut headless), expected, "{name}");
         }
     });
@@ -121,43 +129,41 @@ fn layers_change_at_run_time() {
             ball,
         };
         let picture = |layers: Layers| show(layers).0.capture();
+        let light_on_1 = picture(start(on(&[1]), None));
+        let ball_on_2 = picture(start(on(&[1]), on(&[2])));
         let (mut headless, [light, ball]) = show(start(None, None));
         let mut results = Vec::new();
-        let mut check = |name: &str, headless: &mut Headless, expected: Picture| {
+        let mut check = |name: &str, headless: &mut Headless, expected: &Picture| {
             headless.settle();
             headless.frames(3);
-            results.push(judge(name, &expected, &headless.capture(), 60.0));
+            results.push(judge(name, expected, &headless.capture(), 60.0));
         };
 
         headless
             .world()
             .entity_mut(light)
             .insert(RenderLayers::layer(1));
-        check("light", &mut headless, picture(start(on(&[1]), None)));
+        check("light", &mut headless, &light_on_1);
         headless
             .world()
             .entity_mut(ball)
             .insert(RenderLayers::layer(1));
-        check("ball", &mut headless, picture(start(on(&[1]), on(&[1]))));
+        check("ball", &mut headless, &picture(start(on(&[1]), on(&[1]))));
         assert_eq!(targets(&mut headless), MASK);
         headless
             .world()
             .entity_mut(ball)
             .insert(RenderLayers::layer(2));
-        check(
-            "other layer",
-            &mut headless,
-            picture(start(on(&[1]), on(&[2]))),
-        );
+        check("other layer", &mut headless, &ball_on_2);
         headless.world().entity_mut(ball).remove::<RenderLayers>();
-        check("without", &mut headless, picture(start(on(&[1]), None)));
+        check("without", &mut headless, &light_on_1);
         headless
             .world()
             .entity_mut(ball)
             .insert(RenderLayers::layer(2));
-        check("again", &mut headless, picture(start(on(&[1]), on(&[2]))));
+        check("again", &mut headless, &ball_on_2);
         headless.world().entity_mut(light).remove::<RenderLayers>();
-        check("all lit", &mut headless, picture(start(None, on(&[2]))));
+        check("all lit", &mut headless, &picture(start(None, on(&[2]))));
         assert_eq!(targets(&mut headless), NONE);
         report(results);
     });

@@ -242,7 +242,7 @@ fn changes_at_run_time_match_forward() {
         settled(&mut headless);
         let few_frames_after = |headless: &mut Headless, change: Change| {
             change(headless.world(), &subject);
-            headless.frames(8);
+            headless.frames(4);
             headless.capture()
         };
         let lean: Vec<_> = CHANGES
