@@ -22,7 +22,7 @@ use bevy::{
     shader::ShaderDefVal,
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::OcclusionView,
+    ambient_occlusion::OcclusionUniform,
     prelude::*,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
 };
@@ -40,7 +40,7 @@ pub struct NaiveOcclusion {
 #[derive(Component)]
 struct NaiveView {
     texture: CachedTexture,
-    uniform: UniformBuffer<OcclusionView>,
+    uniform: UniformBuffer<OcclusionUniform>,
 }
 
 #[derive(Resource)]
@@ -93,7 +93,7 @@ fn init(
 ) {
     let layout = |stage| {
         vec![
-            uniform_buffer::<OcclusionView>(false).build(0, stage),
+            uniform_buffer::<OcclusionUniform>(false).build(0, stage),
             texture_depth_2d().build(1, stage),
             sampler(SamplerBindingType::NonFiltering).build(2, stage),
         ]
@@ -166,7 +166,7 @@ fn prepare(
         assert!(projection_of(view.clip_from_view) == ProjectionKind::Perspective);
         let settings = LeanAmbientOcclusion::default();
         let mut uniform =
-            UniformBuffer::from(OcclusionView::new(&settings, view.clip_from_view, size));
+            UniformBuffer::from(OcclusionUniform::new(&settings, view.clip_from_view, size));
         uniform.write_buffer(&device, &queue);
         let texture = textures.get(
             &device,

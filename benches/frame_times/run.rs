@@ -10,7 +10,7 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     prelude::*,
-    view::{IndirectDiffuse, IndirectSpecular, LightExchange, ReadsDiffuseLight},
+    view::{IndirectDiffuse, IndirectSpecular, LightingIo, ReadsDiffuseLight},
 };
 use figures::benches::frame_times::Measurement;
 
@@ -35,7 +35,7 @@ pub enum Contender {
     /// Lean, with lights culled per tile.
     LeanCulling(LightCulling),
     /// Lean, with light that lighting exchanges with effects.
-    LeanExchange(LightExchange),
+    LeanLightingIo(LightingIo),
 }
 
 impl Contender {
@@ -49,8 +49,8 @@ impl Contender {
         Self::Lean(GeometricNormal::ThreeTap),
         Self::LeanCulling(LightCulling::Subgroup),
         Self::LeanCulling(LightCulling::SharedMemory),
-        Self::LeanExchange(LightExchange::DIFFUSE_LIGHT),
-        Self::LeanExchange(LightExchange::INDIRECT),
+        Self::LeanLightingIo(LightingIo::DIFFUSE_LIGHT),
+        Self::LeanLightingIo(LightingIo::INDIRECT),
     ];
 
     pub fn name(self) -> &'static str {
@@ -63,8 +63,8 @@ impl Contender {
             Self::Lean(GeometricNormal::ThreeTap) => "lean 3-tap normal",
             Self::LeanCulling(LightCulling::Subgroup) => "lean culling by subgroups",
             Self::LeanCulling(_) => "lean culling in shared memory",
-            Self::LeanExchange(LightExchange::DIFFUSE_LIGHT) => "lean writing diffuse light",
-            Self::LeanExchange(_) => "lean taking indirect light",
+            Self::LeanLightingIo(LightingIo::DIFFUSE_LIGHT) => "lean writing diffuse light",
+            Self::LeanLightingIo(_) => "lean taking indirect light",
         }
     }
 
@@ -84,7 +84,7 @@ impl Contender {
             Self::DepthOnly => (4, 4 + 8),
             Self::BevyDeferred => Renderer::BevyDeferred.bytes_per_pixel(gbuffer),
             // Resolving motion reads depth and normal; lighting also reads the target.
-            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => {
+            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanLightingIo(_) => {
                 let (written, moved) = Renderer::Lean.bytes_per_pixel(gbuffer);
                 (written, moved + self.exchanged_bytes() + 2 * motion)
             }
@@ -95,8 +95,8 @@ impl Contender {
     /// One word of diffuse light, or two times four half floats.
     fn exchanged_bytes(self) -> u32 {
         match self {
-            Self::LeanExchange(LightExchange::DIFFUSE_LIGHT) => 4,
-            Self::LeanExchange(_) => 16,
+            Self::LeanLightingIo(LightingIo::DIFFUSE_LIGHT) => 4,
+            Self::LeanLightingIo(_) => 16,
             _ => 0,
         }
     }
@@ -107,7 +107,9 @@ impl Contender {
             Self::Forward => Renderer::Forward.spans(),
             Self::DepthOnly => (bench_spans::PREPASS, None),
             Self::BevyDeferred => Renderer::BevyDeferred.spans(),
-            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanExchange(_) => Renderer::Lean.spans(),
+            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanLightingIo(_) => {
+                Renderer::Lean.spans()
+            }
         }
     }
 }
@@ -171,7 +173,7 @@ pub fn measure(
                 ..default()
             });
         }
-        Contender::LeanExchange(_) => {
+        Contender::LeanLightingIo(_) => {
             camera.insert(LeanDeferred::default());
         }
         Contender::LeanCulling(light_culling) => {
@@ -183,7 +185,7 @@ pub fn measure(
     }
 
     headless.settle();
-    if let Contender::LeanExchange(exchange) = contender {
+    if let Contender::LeanLightingIo(exchange) = contender {
         exchange_light(&mut headless, exchange);
         headless.settle();
     }
@@ -215,8 +217,8 @@ pub fn measure(
 }
 
 /// Makes lighting write its diffuse light, or take indirect light from an effect, the same everywhere.
-fn exchange_light(headless: &mut Headless, exchange: LightExchange) {
-    let found = (exchange == LightExchange::INDIRECT)
+fn exchange_light(headless: &mut Headless, exchange: LightingIo) {
+    let found = (exchange == LightingIo::INDIRECT)
         .then(|| even_texture(headless, headless.size, [0.1, 0.1, 0.1, 0.5]));
     change_views(headless, |view| match &found {
         Some(found) => {

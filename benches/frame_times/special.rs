@@ -13,7 +13,7 @@ pub enum Special {
     Reflectance,
     Clearcoat,
     Anisotropy,
-    Backlight,
+    DiffuseTransmission,
     Unlit,
     /// All materials above, by turns.
     Materials,
@@ -50,7 +50,7 @@ pub const SCENES: [(&str, Special, usize); 15] = [
     ("targets_reflectance", Special::Reflectance, 1),
     ("targets_clearcoat", Special::Clearcoat, 1),
     ("targets_anisotropy", Special::Anisotropy, 1),
-    ("targets_backlight", Special::Backlight, 1),
+    ("targets_backlight", Special::DiffuseTransmission, 1),
     ("targets_unlit", Special::Unlit, 1),
     ("targets_materials", Special::Materials, 1),
     ("targets_rest", Special::Rest, 1),
@@ -94,7 +94,7 @@ impl Special {
                 material.anisotropy_strength = 0.7;
                 material.anisotropy_rotation = 0.4;
             }
-            Self::Backlight => {
+            Self::DiffuseTransmission => {
                 material.diffuse_transmission = 0.6;
                 material.thickness = 0.2;
             }
@@ -105,7 +105,7 @@ impl Special {
                     Self::Reflectance,
                     Self::Clearcoat,
                     Self::Anisotropy,
-                    Self::Backlight,
+                    Self::DiffuseTransmission,
                     Self::Unlit,
                 ][index % 6]
                     .apply(index, material);

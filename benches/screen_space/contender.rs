@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
-use kit::known_mirrors::with_bevys_reflections;
+use kit::analytic_mirrors::with_bevys_reflections;
 
 #[derive(Clone, Copy, PartialEq)]
 pub enum Contender {
@@ -88,9 +88,9 @@ impl Contender {
             ],
             Self::Reflections(..) => &[
                 "lean_deferred/screen_space/history",
-                "lean_deferred/screen_space/reflections/cells",
+                "lean_deferred/screen_space/reflections/hi_z",
                 "lean_deferred/screen_space/reflections/trace",
-                "lean_deferred/screen_space/reflections/lobes",
+                "lean_deferred/screen_space/reflections/spatial_filter",
                 "lean_deferred/screen_space/reflections/resolve",
             ],
             _ => &[],

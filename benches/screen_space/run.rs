@@ -10,11 +10,11 @@ use bevy::{
 use bevy_lean_deferred::{prelude::*, screen_space::TimesEachDispatch};
 use figures::benches::screen_space::{KnownError, Measurement};
 use kit::{
+    analytic_light::{self, Errors},
+    analytic_mirrors, analytic_slabs,
     bench_spans::{CAMERA, add_camera_span},
     gpu_time::Samples,
     headless::Headless,
-    known_light::{self, Errors},
-    known_mirrors, known_slabs,
     scenes::boxes::{self, Boxes},
 };
 
@@ -54,18 +54,18 @@ pub fn errors(contender: Contender, size: UVec2) -> Vec<KnownError> {
                 ..default()
             };
             [
-                ("groove", known_light::groove(size, 0.5, effect)),
-                ("wall", known_light::wall(size, effect)),
-                ("sphere", known_light::sphere(size, effect)),
+                ("groove", analytic_light::groove(size, 0.5, effect)),
+                ("wall", analytic_light::wall(size, effect)),
+                ("sphere", analytic_light::sphere(size, effect)),
             ]
             .map(|(scene, errors)| known_error(scene, errors))
             .into()
         }
         Contender::Reflections(..) | Contender::BevysReflections => {
-            let mirror = known_mirrors::mirror(size, |camera| contender.dress(camera));
+            let mirror = analytic_mirrors::mirror(size, |camera| contender.dress(camera));
             let rough = [("0.1", 0.1), ("0.3", 0.3), ("0.5", 0.5)].map(|(scene, roughness)| {
                 let dress = |camera: &mut EntityWorldMut| contender.dress(camera);
-                let (_, errors) = known_mirrors::rough_floor(size, roughness, dress);
+                let (_, errors) = analytic_mirrors::rough_floor(size, roughness, dress);
                 known_error(scene, errors)
             });
             [
@@ -81,8 +81,8 @@ pub fn errors(contender: Contender, size: UVec2) -> Vec<KnownError> {
                 quality,
                 ..default()
             };
-            let white = known_slabs::edge(size, LinearRgba::WHITE, 0.08, effect)[0];
-            let skin = known_slabs::edge(size, known_slabs::SKIN, 0.2, effect);
+            let white = analytic_slabs::edge(size, LinearRgba::WHITE, 0.08, effect)[0];
+            let skin = analytic_slabs::edge(size, analytic_slabs::SKIN, 0.2, effect);
             let scenes = ["white", "skin, red", "green", "blue"];
             let errors = [white, skin[0], skin[1], skin[2]];
             let errors = scenes.into_iter().zip(errors);

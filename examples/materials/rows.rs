@@ -95,9 +95,9 @@ pub const ROWS: [Row; 13] = [
     Row {
         has_light_behind: true,
         ..Row::new(
-            "backlight",
+            "diffuse transmission",
             "transmission 0.2 to 1; last 4: balls, thickness 0 to 1.5 m",
-            backlight,
+            diffuse_transmission,
         )
     },
     Row {
@@ -125,7 +125,7 @@ pub const ROWS: [Row; 13] = [
         has_bar: true,
         ..Row::new(
             "combined",
-            "clearcoat, anisotropy, backlight, rim: emissive, the next 4 without fog, one without shadows",
+            "clearcoat, anisotropy, diffuse transmission, rim: emissive, the next 4 without fog, one without shadows",
             combined,
         )
     },
@@ -203,7 +203,7 @@ fn anisotropy(column: usize, _: &Textures) -> Sample {
     .into()
 }
 
-fn backlight(column: usize, _: &Textures) -> Sample {
+fn diffuse_transmission(column: usize, _: &Textures) -> Sample {
     let is_leaf = column < 5;
     let base = StandardMaterial {
         diffuse_transmission: match column {
@@ -317,7 +317,7 @@ fn combined(column: usize, textures: &Textures) -> Sample {
     let mut sample = match model {
         0 => clearcoat(8, textures),
         1 => anisotropy(8, textures),
-        2 => backlight(7, textures),
+        2 => diffuse_transmission(7, textures),
         _ => rim(3, textures),
     };
     match what {

@@ -7,7 +7,7 @@ use bevy::{
     render::render_resource::encase::{StorageBuffer, UniformBuffer},
 };
 use bevy_lean_deferred::auto_exposure::{
-    ExposureKey, ExposureState, ExposureView, LeanAutoExposure, MeteringPattern, adapt_layout,
+    ExposureKey, ExposureState, ExposureUniform, LeanAutoExposure, MeteringPattern, adapt_layout,
     binding_numbers as numbers, meter_layout,
 };
 use half::f16;
@@ -294,7 +294,8 @@ impl<'a> Meter<'a> {
         mask: Option<&wgpu::Texture>,
     ) -> Self {
         use wgpu::BufferUsages as Usage;
-        let uniform_size = <ExposureView as bevy::render::render_resource::ShaderType>::min_size();
+        let uniform_size =
+            <ExposureUniform as bevy::render::render_resource::ShaderType>::min_size();
         let uniform = gpu.buffer(uniform_size.get(), Usage::UNIFORM | Usage::COPY_DST);
         let sums = gpu.buffer(key.sums_size(viewport.1), Usage::STORAGE);
         let read_write = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
@@ -345,7 +346,7 @@ impl<'a> Meter<'a> {
     /// Prepares a frame `seconds` after the last one.
     pub fn prepare(&self, seconds: f32, cuts: u32) {
         let (origin, size) = self.viewport;
-        let view = ExposureView::new(&self.settings, origin, size, seconds, cuts);
+        let view = ExposureUniform::new(&self.settings, origin, size, seconds, cuts);
         let mut bytes = UniformBuffer::new(Vec::new());
         bytes.write(&view).expect("it fits");
         self.gpu

@@ -5,6 +5,10 @@
     reason = "what opens a device is no default"
 )]
 
+pub mod analytic_balls;
+pub mod analytic_light;
+pub mod analytic_mirrors;
+pub mod analytic_slabs;
 pub mod bench_spans;
 pub mod compute;
 pub mod device;
@@ -15,14 +19,9 @@ pub mod figures;
 pub mod foreign_material;
 pub mod gpu;
 pub mod gpu_time;
+pub mod gpu_usage;
 pub mod hdr;
 pub mod headless;
-pub mod held;
-pub mod held_back;
-pub mod known_balls;
-pub mod known_light;
-pub mod known_mirrors;
-pub mod known_slabs;
 pub mod lean;
 pub mod log_watch;
 pub mod metrics;
@@ -36,4 +35,5 @@ pub mod scenes;
 pub mod shader_files;
 pub mod size;
 pub mod skipped;
+pub mod stalled_pipelines;
 pub mod wgsl;

@@ -11,7 +11,7 @@ use bevy::{
     render::render_resource::encase::UniformBuffer,
 };
 use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionView, binding_numbers as numbers,
+    LeanAmbientOcclusion, OcclusionUniform, binding_numbers as numbers,
 };
 use draw::Target;
 use naga_oil::compose::ShaderDefValue;
@@ -99,7 +99,7 @@ impl OcclusionGpu {
     ) -> Occlusion {
         let depth = self.depth_texture(image);
         let (origin, size) = image.viewport;
-        let mut view = OcclusionView::new(settings, image.clip_from_view, size);
+        let mut view = OcclusionUniform::new(settings, image.clip_from_view, size);
         view.viewport_origin = origin;
         let mut bytes = UniformBuffer::new(Vec::new());
         bytes.write(&view).expect("it fits");

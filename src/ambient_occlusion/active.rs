@@ -20,8 +20,7 @@ use super::{
 use crate::{
     shader_library::reconstruction::position::projection_of,
     view::{
-        ActiveLeanView, LeanDeferred, LeanOffReason, LightExchange, OutOfMemory,
-        warn_once::WarnOnce,
+        ActiveLeanView, LeanDeferred, LeanOffReason, LightingIo, OutOfMemory, warn_once::WarnOnce,
     },
 };
 
@@ -113,7 +112,7 @@ pub(super) fn decide_active_occlusion(
         let is_for_lighting = active_lean.is_some() && settings.is_for_lighting();
         // Diffuse GI also outputs visibility, so occlusion is skipped.
         let is_found =
-            active_lean.is_some_and(|lean| lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE));
+            active_lean.is_some_and(|lean| lean.io.contains(LightingIo::INDIRECT_DIFFUSE));
         let shows_channel = lean.is_some_and(LeanDeferred::shows_channel);
         if is_off || is_found || (is_for_lighting && shows_channel) {
             if current.is_some() {

@@ -1,10 +1,10 @@
 // Bindings of the ambient occlusion passes. Each pass imports those that it uses.
 #define_import_path bevy_lean_deferred::ambient_occlusion::bindings
 
-#import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+#import bevy_lean_deferred::ambient_occlusion::view::OcclusionUniform
 #import bevy_lean_deferred::reconstruction::position as reconstruction
 
-@group(0) @binding(0) var<uniform> view: OcclusionView;
+@group(0) @binding(0) var<uniform> view: OcclusionUniform;
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
 @group(0) @binding(2) var nearest_sampler: sampler;
 #ifdef SHADING_NORMALS

@@ -1,7 +1,7 @@
 // Filter of 3×3 or 5×5 texels (4×4 from half resolution), read with gathers, for the merge pass and the lighting pass.
 #define_import_path bevy_lean_deferred::ambient_occlusion::filter
 
-#import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+#import bevy_lean_deferred::ambient_occlusion::view::OcclusionUniform
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 
 /// Gathers 2×2 texels, of which `first` has the least coordinates. The components are the texels (0, 1), (1, 1), (1, 0), (0, 0)
@@ -20,12 +20,12 @@ struct DepthPlane {
     inverse_step: f32,
 }
 
-fn depth_in_view(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>) -> f32 {
+fn depth_in_view(depth: texture_depth_2d, view: OcclusionUniform, pixel: vec2<i32>) -> f32 {
     let inside = clamp(pixel, vec2(0), vec2<i32>(view.viewport_size) - 1);
     return textureLoad(depth, vec2<i32>(view.viewport_origin) + inside, 0);
 }
 
-fn depth_plane(depth: texture_depth_2d, view: OcclusionView, pixel: vec2<i32>, center: f32) -> DepthPlane {
+fn depth_plane(depth: texture_depth_2d, view: OcclusionUniform, pixel: vec2<i32>, center: f32) -> DepthPlane {
     let slope = vec2(
         flatter_slope(depth_in_view(depth, view, pixel - vec2(1, 0)), center, depth_in_view(depth, view, pixel + vec2(1, 0))),
         flatter_slope(depth_in_view(depth, view, pixel - vec2(0, 1)), center, depth_in_view(depth, view, pixel + vec2(0, 1))),
@@ -47,7 +47,7 @@ fn filtered_occlusion(
     occlusion: texture_2d<f32>,
     nearest: sampler,
     depth: texture_depth_2d,
-    view: OcclusionView,
+    view: OcclusionUniform,
     pixel: vec2<i32>,
     center: f32,
 ) -> f32 {

@@ -34,22 +34,22 @@ fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
 }
 #else ifdef SHARED_DEPTHS
 /// Depths of the workgroup's pixels and a border of two; `OUTSIDE` where there is no surface.
-const SIDE: i32 = 20;
+const CACHE_SIDE: i32 = 20;
 var<workgroup> depths: array<f32, 400>;
 
 /// First pixel of the workgroup.
 var<private> corner: vec2<i32>;
 
 fn read_depth(in_depth: DepthView, place: vec2<i32>, is_inside: bool) {
-    depths[place.x + SIDE * place.y] = depth_or_outside(depth_texture, in_depth, corner - 2 + place, is_inside);
+    depths[place.x + CACHE_SIDE * place.y] = depth_or_outside(depth_texture, in_depth, corner - 2 + place, is_inside);
 }
 
 /// Loads three columns and rows of at most eight pixels, which needs no integer division.
 fn read_depths(invocation: u32) {
     let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
-    let is_inside = is_in_view(corner - 2) && is_in_view(corner + SIDE - 3);
+    let is_inside = is_in_view(corner - 2) && is_in_view(corner + CACHE_SIDE - 3);
     let place = vec2<i32>(place_in_tile(invocation));
-    let is_in_last = place < vec2(SIDE - 16);
+    let is_in_last = place < vec2(CACHE_SIDE - 16);
     read_depth(in_depth, place, is_inside);
     read_depth(in_depth, place + vec2(8, 0), is_inside);
     read_depth(in_depth, place + vec2(0, 8), is_inside);
@@ -71,7 +71,7 @@ fn read_depths(invocation: u32) {
 fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
     let pixel = vec2<i32>(texel);
     let place = pixel - corner + 2;
-    let i = place.x + SIDE * place.y;
+    let i = place.x + CACHE_SIDE * place.y;
     let depth = depths[i];
     if depth == OUTSIDE {
         return 0.0;
@@ -79,8 +79,8 @@ fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
     let around = DepthsAround(
         vec2(depths[i - 1], depths[i - 2]),
         vec2(depths[i + 1], depths[i + 2]),
-        vec2(depths[i - SIDE], depths[i - 2 * SIDE]),
-        vec2(depths[i + SIDE], depths[i + 2 * SIDE]),
+        vec2(depths[i - CACHE_SIDE], depths[i - 2 * CACHE_SIDE]),
+        vec2(depths[i + CACHE_SIDE], depths[i + 2 * CACHE_SIDE]),
     );
     return hbao(phase, pixel, depth, around);
 }

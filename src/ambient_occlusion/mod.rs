@@ -56,7 +56,7 @@ pub use support::OcclusionSupport;
 pub use {
     active::ActiveOcclusion,
     prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
-    uniforms::OcclusionView,
+    uniforms::OcclusionUniform,
 };
 
 pub(crate) use key::FilterKey;
@@ -78,7 +78,7 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        EffectSystems, FoundLightPasses, GBufferPasses, LeanViewSystems, LightingPasses,
+        EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
         OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
         depth_usage::extend_depth_usage, overrides, removal,
     },
@@ -153,7 +153,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                 (
                     pass::occlusion_for_lighting
                         .in_set(Core3dSystems::MainPass)
-                        .in_set(FoundLightPasses)
+                        .in_set(IndirectLightPasses)
                         .after(GBufferPasses)
                         .before(LightingPasses),
                     pass::occlusion_after_opaque.in_set(OpaquePicturePasses),

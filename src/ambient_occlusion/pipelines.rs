@@ -26,9 +26,9 @@ use super::{
         DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
     },
     key::{GatherKey, MergeKey},
-    uniforms::OcclusionView,
+    uniforms::OcclusionUniform,
 };
-use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
+use crate::gpu::{bind_group_cache::ResolvedLayout, bindings::layout};
 
 /// `dst · (1 - occlusion)`; alpha is unchanged.
 const MULTIPLICATIVE: BlendState = BlendState {
@@ -67,9 +67,9 @@ pub(crate) struct OcclusionPipelines {
     merge_shader: Handle<Shader>,
     fullscreen: FullscreenShader,
     pub(crate) nearest_sampler: Sampler,
-    pub(super) merge_layout: FoundLayout,
+    pub(super) merge_layout: ResolvedLayout,
     /// The flag is true for compute pipelines.
-    gathers: HashMap<(GatherKey, bool), (GatherPipeline, FoundLayout)>,
+    gathers: HashMap<(GatherKey, bool), (GatherPipeline, ResolvedLayout)>,
     merges: HashMap<MergeKey, CachedRenderPipelineId>,
 }
 
@@ -90,7 +90,7 @@ pub(super) fn init_occlusion_pipelines(
             min_filter: FilterMode::Nearest,
             ..default()
         }),
-        merge_layout: FoundLayout::new(&pipeline_cache, merge_layout()),
+        merge_layout: ResolvedLayout::new(&pipeline_cache, merge_layout()),
         gathers: HashMap::default(),
         merges: HashMap::default(),
     });
@@ -132,7 +132,7 @@ fn gather_layout(key: GatherKey, compute: bool) -> BindGroupLayoutDescriptor {
 /// Entries that both passes bind.
 fn common_entries() -> [(u32, BindGroupLayoutEntryBuilder); 3] {
     [
-        (VIEW, uniform_buffer::<OcclusionView>(true)),
+        (VIEW, uniform_buffer::<OcclusionUniform>(true)),
         (DEPTH_TEXTURE, texture_depth_2d()),
         (NEAREST_SAMPLER, sampler(SamplerBindingType::NonFiltering)),
     ]
@@ -140,7 +140,7 @@ fn common_entries() -> [(u32, BindGroupLayoutEntryBuilder); 3] {
 
 impl OcclusionPipelines {
     /// Layout of the gather's only bind group; `None` before [`gather`](Self::gather) was called for `key`.
-    pub(super) fn gather_layout(&self, key: GatherKey, compute: bool) -> Option<&FoundLayout> {
+    pub(super) fn gather_layout(&self, key: GatherKey, compute: bool) -> Option<&ResolvedLayout> {
         let (_, layout) = self.gathers.get(&(key.reduced(), compute))?;
         Some(layout)
     }
@@ -157,7 +157,7 @@ impl OcclusionPipelines {
             return *pipeline;
         }
         let label = Some("lean_deferred/ambient_occlusion/gather".into());
-        let found = FoundLayout::new(pipeline_cache, gather_layout(key, compute));
+        let found = ResolvedLayout::new(pipeline_cache, gather_layout(key, compute));
         let layouts = vec![found.descriptor().clone()];
         let mut shader_defs = key.shader_defs();
         let shader = self.gather_shader.clone();

@@ -24,7 +24,7 @@ use super::{
         DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
     },
     pipelines::{GatherPipeline, OcclusionPipelines},
-    uniforms::{OcclusionView, fog_parameters, workgroups},
+    uniforms::{OcclusionUniform, fog_parameters, workgroups},
 };
 use crate::{
     gbuffer::GBufferTextures,
@@ -35,7 +35,7 @@ use crate::{
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
-pub(crate) struct OcclusionUniforms(pub(crate) DynamicUniformBuffer<OcclusionView>);
+pub(crate) struct OcclusionUniforms(pub(crate) DynamicUniformBuffer<OcclusionUniform>);
 
 /// On a view with ambient occlusion: the offset of its uniform, its viewport and the size of its texture.
 #[derive(Component)]
@@ -75,7 +75,7 @@ pub(super) fn write_occlusion_uniforms(
         let (clip_from_view, world_from_view) =
             without_scale(view.clip_from_view, view.world_from_view.to_matrix());
         let mut uniform =
-            OcclusionView::new(&active.settings, clip_from_view, viewport.physical_size);
+            OcclusionUniform::new(&active.settings, clip_from_view, viewport.physical_size);
         uniform.view_from_world = world_from_view.inverse();
         uniform.fog = fog_parameters(fog);
         uniform.viewport_origin = viewport.physical_position;

@@ -27,7 +27,7 @@ const EDGE: f32 = 0.1;
 /// Uniform of the passes, one per view.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
-pub struct OcclusionView {
+pub struct OcclusionUniform {
     view_from_pixel: Mat4,
     pub(super) view_from_world: Mat4,
     edge: Vec4,
@@ -55,7 +55,7 @@ pub struct OcclusionView {
     steps: u32,
 }
 
-impl OcclusionView {
+impl OcclusionUniform {
     /// Derives the uniform from `settings`, the projection and the viewport's size in pixels. `view_from_world`, `fog` and
     /// `viewport_origin` stay 0.
     pub fn new(
@@ -137,7 +137,7 @@ pub(super) fn workgroups(texture_size: UVec2) -> UVec2 {
     tiles::count(texture_size.map(|side| side.div_ceil(2)))
 }
 
-/// Packs fog as in `OcclusionView::fog`. Extinction that differs per channel is averaged.
+/// Packs fog as in `OcclusionUniform::fog`. Extinction that differs per channel is averaged.
 pub(super) fn fog_parameters(fog: Option<&DistanceFog>) -> Vec4 {
     let Some(fog) = fog else {
         return Vec4::ZERO;

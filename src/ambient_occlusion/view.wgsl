@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::ambient_occlusion::view
 
 /// Pixel coordinates are relative to the viewport's corner.
-struct OcclusionView {
+struct OcclusionUniform {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,
     view_from_world: mat4x4<f32>,

@@ -7,7 +7,7 @@
 const TILE_WIDTH: u32 = 64u;
 
 /// Settings and view data of the passes.
-struct ExposureView {
+struct ExposureUniform {
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
     seconds: f32,
@@ -53,7 +53,7 @@ const BINS_PER_STOP: f32 = 8.5333333;
 /// A full weight, in counts of the histogram: 8192×8192 pixels do not overflow a bin.
 const FULL_WEIGHT: f32 = 63.0;
 
-@group(0) @binding(0) var<uniform> view: ExposureView;
+@group(0) @binding(0) var<uniform> view: ExposureUniform;
 @group(0) @binding(1) var picture: texture_2d<f32>;
 #ifdef HISTOGRAM
 @group(0) @binding(2) var<storage, read_write> histogram: array<atomic<u32>, 256>;

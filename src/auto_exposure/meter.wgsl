@@ -8,7 +8,7 @@
 }
 #import bevy_lean_deferred::auto_exposure::pattern::pattern_weight
 #import bevy_lean_deferred::auto_exposure::reduction::{Place, workgroup_sum}
-#import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
+#import bevy_lean_deferred::tiles::{TILE_SIDE, place_in_tile}
 
 #ifdef HISTOGRAM
 #import bevy_lean_deferred::auto_exposure::bindings::histogram
@@ -100,7 +100,7 @@ fn count(place: Place, sample: vec2<f32>) {
 
 /// Position of invocation `i` in a square of 16×16 pixels.
 fn place_in_square(i: u32) -> vec2<u32> {
-    return place_in_tile(i & 63u) + SIDE * vec2((i >> 6u) & 1u, i >> 7u);
+    return place_in_tile(i & 63u) + TILE_SIDE * vec2((i >> 6u) & 1u, i >> 7u);
 }
 
 #ifdef LOG_OF_PRODUCTS

@@ -69,7 +69,7 @@ pub use {
     prepare::{ExposureBindings, ViewExposure},
     readback::ExposureReadback,
     state::ExposureHistory,
-    uniforms::{ExposureState, ExposureView},
+    uniforms::{ExposureState, ExposureUniform},
 };
 
 use bevy::{

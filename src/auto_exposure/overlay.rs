@@ -26,10 +26,10 @@ use super::{
     prepare::{ExposureUniforms, Masks, ViewExposure},
     settings::LeanAutoExposure,
     state::ExposureHistory,
-    uniforms::{ExposureState, ExposureView},
+    uniforms::{ExposureState, ExposureUniform},
 };
 use crate::gpu::{
-    bind_group_cache::{CachedBindGroup, FoundLayout},
+    bind_group_cache::{CachedBindGroup, ResolvedLayout},
     bindings::layout,
     timed::timed,
 };
@@ -40,7 +40,7 @@ pub struct ExposureOverlay {
     format: TextureFormat,
     key: ExposureKey,
     pipeline: CachedRenderPipelineId,
-    layout: FoundLayout,
+    layout: ResolvedLayout,
     group: CachedBindGroup,
 }
 
@@ -49,7 +49,7 @@ pub struct ExposureOverlay {
 pub(super) struct OverlayPipelines {
     shader: Handle<Shader>,
     fullscreen: FullscreenShader,
-    by_key: HashMap<(TextureFormat, ExposureKey), (CachedRenderPipelineId, FoundLayout)>,
+    by_key: HashMap<(TextureFormat, ExposureKey), (CachedRenderPipelineId, ResolvedLayout)>,
 }
 
 pub(super) fn init_overlay_pipelines(
@@ -70,9 +70,12 @@ fn overlay_layout(key: ExposureKey) -> BindGroupLayoutDescriptor {
     layout(
         "lean_deferred/auto_exposure/overlay",
         ShaderStages::FRAGMENT,
-        [(VIEW, uniform_buffer::<ExposureView>(true)), (STATE, state)]
-            .into_iter()
-            .chain(mask_entries(key)),
+        [
+            (VIEW, uniform_buffer::<ExposureUniform>(true)),
+            (STATE, state),
+        ]
+        .into_iter()
+        .chain(mask_entries(key)),
     )
 }
 
@@ -82,9 +85,9 @@ impl OverlayPipelines {
         format: TextureFormat,
         key: ExposureKey,
         pipeline_cache: &PipelineCache,
-    ) -> (CachedRenderPipelineId, &FoundLayout) {
+    ) -> (CachedRenderPipelineId, &ResolvedLayout) {
         let (pipeline, layout) = self.by_key.entry((format, key)).or_insert_with(|| {
-            let layout = FoundLayout::new(pipeline_cache, overlay_layout(key));
+            let layout = ResolvedLayout::new(pipeline_cache, overlay_layout(key));
             let pipeline = pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
                 label: Some("lean_deferred/auto_exposure/overlay".into()),
                 layout: vec![layout.descriptor().clone()],

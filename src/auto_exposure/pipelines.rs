@@ -18,9 +18,9 @@ use bevy::{
 use super::{
     binding_numbers::{BEVY_VIEW, MASK, MASK_SAMPLER, PARTIALS, PICTURE, STATE, VIEW},
     key::ExposureKey,
-    uniforms::{ExposureState, ExposureView},
+    uniforms::{ExposureState, ExposureUniform},
 };
-use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
+use crate::gpu::{bind_group_cache::ResolvedLayout, bindings::layout};
 
 /// Pipelines of the two passes.
 #[derive(Clone, Copy)]
@@ -42,8 +42,8 @@ impl PassPipelines {
 pub(super) struct ExposurePipelines {
     meter_shader: Handle<Shader>,
     adapt_shader: Handle<Shader>,
-    by_key: HashMap<ExposureKey, (PassPipelines, FoundLayout)>,
-    pub(super) adapt_layout: FoundLayout,
+    by_key: HashMap<ExposureKey, (PassPipelines, ResolvedLayout)>,
+    pub(super) adapt_layout: ResolvedLayout,
 }
 
 pub(super) fn init_exposure_pipelines(
@@ -55,7 +55,7 @@ pub(super) fn init_exposure_pipelines(
         meter_shader: load_embedded_asset!(asset_server.as_ref(), "meter.wgsl"),
         adapt_shader: load_embedded_asset!(asset_server.as_ref(), "adapt.wgsl"),
         by_key: HashMap::default(),
-        adapt_layout: FoundLayout::new(&pipeline_cache, adapt_layout()),
+        adapt_layout: ResolvedLayout::new(&pipeline_cache, adapt_layout()),
     });
 }
 
@@ -66,7 +66,7 @@ pub fn meter_layout(key: ExposureKey) -> BindGroupLayoutDescriptor {
         "lean_deferred/auto_exposure/meter",
         ShaderStages::COMPUTE,
         [
-            (VIEW, uniform_buffer::<ExposureView>(true)),
+            (VIEW, uniform_buffer::<ExposureUniform>(true)),
             (PICTURE, picture),
             (PARTIALS, storage_buffer_sized(false, None)),
         ]
@@ -81,7 +81,7 @@ pub fn adapt_layout() -> BindGroupLayoutDescriptor {
         "lean_deferred/auto_exposure/adapt",
         ShaderStages::COMPUTE,
         [
-            (VIEW, uniform_buffer::<ExposureView>(true)),
+            (VIEW, uniform_buffer::<ExposureUniform>(true)),
             (PARTIALS, storage_buffer_sized(false, None)),
             (
                 STATE,
@@ -110,7 +110,7 @@ pub(super) fn mask_entries(
 
 impl ExposurePipelines {
     /// Layout of the first pass; `None` before [`get`](Self::get) was called for `key`.
-    pub(super) fn meter_layout(&self, key: ExposureKey) -> Option<&FoundLayout> {
+    pub(super) fn meter_layout(&self, key: ExposureKey) -> Option<&ResolvedLayout> {
         let (_, layout) = self.by_key.get(&key)?;
         Some(layout)
     }
@@ -128,7 +128,7 @@ impl ExposurePipelines {
             adapt_layout,
         } = self;
         let queue = |label: &'static str,
-                     found: &FoundLayout,
+                     found: &ResolvedLayout,
                      shader: &Handle<Shader>,
                      entry: &'static str| {
             pipeline_cache.queue_compute_pipeline(ComputePipelineDescriptor {
@@ -141,7 +141,7 @@ impl ExposurePipelines {
             })
         };
         let (passes, _) = by_key.entry(key).or_insert_with(|| {
-            let found = FoundLayout::new(pipeline_cache, meter_layout(key));
+            let found = ResolvedLayout::new(pipeline_cache, meter_layout(key));
             let meter = queue(
                 "lean_deferred/auto_exposure/meter",
                 &found,

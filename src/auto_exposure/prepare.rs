@@ -23,7 +23,7 @@ use super::{
     pipelines::ExposurePipelines,
     settings::LeanAutoExposure,
     state::ExposureHistory,
-    uniforms::ExposureView,
+    uniforms::ExposureUniform,
 };
 use crate::{
     gpu::bind_group_cache::{CachedBindGroup, Entries},
@@ -33,7 +33,7 @@ use crate::{
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
-pub(super) struct ExposureUniforms(pub(super) DynamicUniformBuffer<ExposureView>);
+pub(super) struct ExposureUniforms(pub(super) DynamicUniformBuffer<ExposureUniform>);
 
 /// On a view with auto exposure: the offset of its uniform, and the buffer between the passes.
 #[derive(Component)]
@@ -107,7 +107,9 @@ pub(super) fn write_exposure_uniforms(
         }
         let seconds = now.seconds_since(&history.rendered, settings.clock);
         history.rendered = *now;
-        view.offset = writer.write(&ExposureView::new(settings, origin, size, seconds, cuts.0));
+        view.offset = writer.write(&ExposureUniform::new(
+            settings, origin, size, seconds, cuts.0,
+        ));
         view.workgroups = key.workgroups(size);
         if let Some(new) = new {
             commands.entity(entity).insert(new);

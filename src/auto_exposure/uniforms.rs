@@ -17,7 +17,7 @@ const LARGEST_STOPS: f32 = 64.0;
 /// Uniform of the passes: settings and viewport.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
-pub struct ExposureView {
+pub struct ExposureUniform {
     viewport_origin: UVec2,
     viewport_size: UVec2,
     seconds: f32,
@@ -38,7 +38,7 @@ pub struct ExposureView {
     curve: [Vec4; CURVE_POINTS],
 }
 
-impl ExposureView {
+impl ExposureUniform {
     /// Derives the uniform from `settings` and the viewport, `seconds` after the last frame. `cuts` counts camera cuts.
     pub fn new(
         settings: &LeanAutoExposure,

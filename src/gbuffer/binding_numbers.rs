@@ -21,6 +21,6 @@ pub mod resolve_motion {
         NORMAL_TEXTURE = 3,
         EARLIER_DEPTH_TEXTURE = 3,
         MOTION_TEXTURE = 4,
-        WRITTEN_TEXTURE = 5,
+        VALID_MASK_TEXTURE = 5,
     }
 }

@@ -25,9 +25,9 @@ use bevy::{
 
 use super::{
     layout::DEFAULT_VISIBILITY_MASK,
+    mesh_overrides::MeshOverrides,
     moving::MovingMeshes,
     registration::{GBufferMaterials, MaterialShaders},
-    special::SpecialMeshes,
     targets::GBufferNeeds,
 };
 use crate::{
@@ -44,7 +44,7 @@ system_param! {
         meshes: Res<'w, RenderAssets<RenderMesh>>,
         mesh_allocator: Res<'w, MeshAllocator>,
         gbuffer_materials: Res<'w, GBufferMaterials>,
-        pub(super) special_meshes: Res<'w, SpecialMeshes>,
+        pub(super) special_meshes: Res<'w, MeshOverrides>,
         moving_meshes: Res<'w, MovingMeshes>,
         morph_indices: Res<'w, MorphIndices>,
         pub(super) visibility_ranges: Res<'w, RenderVisibilityRanges>,

@@ -173,8 +173,8 @@ impl SpecialShadingModel for StandardMaterial {
     fn special_shading_model(&self) -> Option<ShadingModel> {
         let clearcoat = self.clearcoat > 0.0;
         let anisotropy = self.anisotropy_strength > 0.0;
-        let backlight = self.diffuse_transmission > 0.0;
-        match (clearcoat, anisotropy, backlight) {
+        let transmission = self.diffuse_transmission > 0.0;
+        match (clearcoat, anisotropy, transmission) {
             (false, false, false) => Some(ShadingModel::Plain),
             // The coat's normal is the mesh's or one of its own; only one normal is stored.
             (true, false, false) => (self.normal_map_texture.is_none()
@@ -192,7 +192,7 @@ impl SpecialShadingModel for StandardMaterial {
                 && self.anisotropy_strength <= 1.0)
                 .then_some(ShadingModel::Anisotropy),
             (false, false, true) => (self.diffuse_transmission <= 1.0 && self.thickness >= 0.0)
-                .then_some(ShadingModel::Backlight),
+                .then_some(ShadingModel::DiffuseTransmission),
             _ => None,
         }
     }

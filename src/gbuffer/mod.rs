@@ -4,7 +4,7 @@
 //! |---|---|---|---|---|
 //! | surface | `R32Uint` | 4 | albedo (square roots 7 + 7 + 7, exponent 1), metallic and occlusion (9), mesh-normal flag (1) | always |
 //! | normal | `R32Uint` | 4 | octahedral shading normal (12 + 12), perceptual roughness (8) | always |
-//! | written | `R8Uint` | 1 | mask of the targets below that hold a word of this surface | with any of them |
+//! | valid mask | `R8Uint` | 1 | mask of the targets below that hold a word of this surface | with any of them |
 //! | emissive | `R32Uint` | 4 | emitted or lightmapped light (9 + 9 + 9, shared exponent 5) | while a visible mesh writes it |
 //! | specialization | `R32Uint` | 4 | specular constant, shading model with its arguments, flags | while a visible mesh writes it |
 //! | motion | `R32Uint` | 4 | motion vector (two half floats) | while a visible mesh writes it, with `MotionVectorPrepass` |
@@ -29,7 +29,7 @@
 // - `material.rs`: decides which materials the G-buffer carries.
 // - `custom_material.wgsl`: the shader of the example in `material.rs`.
 // - `registration.rs`: the plugin that registers materials.
-// - `special.rs`: meshes whose other components add to the needs of their material.
+// - `mesh_overrides.rs`: meshes whose other components add to the needs of their material.
 // - `moving.rs`: meshes that need motion vectors of their own.
 // - `extracted.rs`: meshes that Bevy extracted in this frame.
 // - `demand.rs`: optional targets that the visible meshes of a view need.
@@ -40,7 +40,7 @@
 // - `specialize.rs`: looks up the pipeline of a mesh.
 // - `queue.rs`: sorts meshes into the G-buffer or leaves them to Bevy.
 // - `placement.rs`: places meshes in the passes of a view.
-// - `offer.rs`: limits the meshes that Bevy's queue systems see.
+// - `pipeline_filter.rs`: limits the meshes that Bevy's queue systems see.
 // - `bevy_phases.rs`: removes meshes from Bevy's phases, and returns them.
 // - `visibility_masks.rs`: uniforms of the render layers of meshes.
 // - `textures.rs`: allocates the targets.
@@ -61,17 +61,17 @@ mod depth_copy;
 mod extracted;
 mod lookup;
 mod material;
+mod mesh_overrides;
 mod moving;
-mod offer;
 mod pass;
 mod phase;
 mod phase_item;
 mod pipeline;
+mod pipeline_filter;
 mod placement;
 mod queue;
 mod registration;
 mod resolve_motion;
-mod special;
 mod specialize;
 mod targets;
 mod textures;
@@ -159,12 +159,12 @@ impl Plugin for GBufferPlugin {
         };
         removal::remove_with::<LeanDeferred, (GBufferTextures, ViewMotionResolve)>(render_app);
         render_app
-            .init_resource::<special::SpecialMeshes>()
-            .init_resource::<special::ChangedMeshes>()
+            .init_resource::<mesh_overrides::MeshOverrides>()
+            .init_resource::<mesh_overrides::ChangedMeshes>()
             .init_resource::<moving::MovingMeshes>()
             .init_resource::<ViewDemands>()
             .init_resource::<SortedMeshes>()
-            .init_resource::<offer::Offers>()
+            .init_resource::<pipeline_filter::PipelineFilter>()
             .init_resource::<depth_copy::WithheldDepthCopy>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
@@ -176,7 +176,7 @@ impl Plugin for GBufferPlugin {
                 (
                     resolve_motion::init_motion_resolve_pipelines,
                     visibility_masks::forget_uploaded_visibility_masks,
-                    special::forget_lightmapped_meshes,
+                    mesh_overrides::forget_lightmapped_meshes,
                 ),
             )
             .add_systems(
@@ -188,8 +188,8 @@ impl Plugin for GBufferPlugin {
                         .after(extract_core_3d_camera_phases)
                         .after(extract_camera_prepass_phase),
                     (
-                        special::clear_changed_meshes,
-                        special::extract_special_meshes,
+                        mesh_overrides::clear_changed_meshes,
+                        mesh_overrides::extract_mesh_overrides,
                         moving::extract_moving_meshes,
                     )
                         .chain()
@@ -200,9 +200,9 @@ impl Plugin for GBufferPlugin {
             // Runs without lean cameras too: it also prevents an error in Bevy's own passes.
             .add_systems(
                 ExtractSchedule,
-                special::extract_lightmapped_meshes
+                mesh_overrides::extract_lightmapped_meshes
                     .in_set(DirtySpecializationSystems::CheckForChanges)
-                    .after(special::extract_special_meshes),
+                    .after(mesh_overrides::extract_mesh_overrides),
             )
             .add_systems(
                 Render,
@@ -211,7 +211,7 @@ impl Plugin for GBufferPlugin {
                         .in_set(RenderSystems::QueueMeshes)
                         .before(queue_material_meshes)
                         .before(queue_prepass_material_meshes),
-                    offer::take_offers_back
+                    pipeline_filter::restore_pipelines
                         .in_set(RenderSystems::QueueMeshes)
                         .after(queue_material_meshes)
                         .after(queue_prepass_material_meshes),

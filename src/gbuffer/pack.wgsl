@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::gbuffer::pack
 
 #import bevy_lean_deferred::gbuffer::layout::{
-    EMISSIVE_WRITTEN, MOTION_WRITTEN, SPECIALIZATION_WRITTEN, Surface, VISIBILITY_MASK_WRITTEN,
+    EMISSIVE_VALID, MOTION_VALID, SPECIALIZATION_VALID, Surface, VISIBILITY_MASK_VALID,
     pack,
 }
 #import bevy_pbr::{
@@ -31,7 +31,7 @@
 #else ifdef STANDARD_MATERIAL_ANISOTROPY
 #import bevy_lean_deferred::shading_models::anisotropy
 #else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-#import bevy_lean_deferred::shading_models::backlight
+#import bevy_lean_deferred::shading_models::diffuse_transmission
 #endif
 #import bevy_pbr::{
     mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
@@ -54,8 +54,8 @@
 struct GBufferOutput {
     @location(0) surface: u32,
     @location(1) normal: u32,
-#ifdef GBUFFER_WRITTEN
-    @location(2) written: u32,
+#ifdef GBUFFER_VALID_MASK
+    @location(2) valid_mask: u32,
 #endif
 #ifdef GBUFFER_EMISSIVE
     @location(3) emissive: u32,
@@ -71,22 +71,22 @@ struct GBufferOutput {
 #endif
 }
 
-#ifdef GBUFFER_WRITTEN
-fn written_targets() -> u32 {
-    var written = 0u;
+#ifdef GBUFFER_VALID_MASK
+fn valid_mask() -> u32 {
+    var mask = 0u;
 #ifdef GBUFFER_EMISSIVE
-    written |= EMISSIVE_WRITTEN;
+    mask |= EMISSIVE_VALID;
 #endif
 #ifdef GBUFFER_SPECIALIZATION
-    written |= SPECIALIZATION_WRITTEN;
+    mask |= SPECIALIZATION_VALID;
 #endif
 #ifdef GBUFFER_MOTION
-    written |= MOTION_WRITTEN;
+    mask |= MOTION_VALID;
 #endif
 #ifdef GBUFFER_VISIBILITY_MASK
-    written |= VISIBILITY_MASK_WRITTEN;
+    mask |= VISIBILITY_MASK_VALID;
 #endif
-    return written;
+    return mask;
 }
 #endif
 
@@ -123,8 +123,8 @@ fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
     ));
     out.surface = words.x;
     out.normal = words.y;
-#ifdef GBUFFER_WRITTEN
-    out.written = written_targets();
+#ifdef GBUFFER_VALID_MASK
+    out.valid_mask = valid_mask();
 #endif
 #ifdef GBUFFER_EMISSIVE
     out.emissive = pack_light(stored_light(pbr));
@@ -225,8 +225,8 @@ fn specialization_word(pbr: PbrInput, normal_word: u32) -> u32 {
     let word = special::pack_specialization(reflectance, special::ANISOTROPY, flags);
     return special::with_arguments(word, anisotropy::arguments_of(pbr, normal_word));
 #else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    let word = special::pack_specialization(reflectance, special::BACKLIGHT, flags);
-    return special::with_arguments(word, backlight::arguments_of(pbr, normal_word));
+    let word = special::pack_specialization(reflectance, special::DIFFUSE_TRANSMISSION, flags);
+    return special::with_arguments(word, diffuse_transmission::arguments_of(pbr, normal_word));
 #else
     return special::pack_specialization(reflectance, special::PLAIN, flags);
 #endif

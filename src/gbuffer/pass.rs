@@ -1,6 +1,6 @@
 //! The raster passes of the G-buffer. The first draws meshes that write only the base targets. The second runs while
 //! the view has optional targets. It draws the meshes that write these, and all alpha-masked ones, which hide opaque
-//! ones at equal depth. Each mesh writes the optional targets that it needs, and `written`, which lists them: words in
+//! ones at equal depth. Each mesh writes the optional targets that it needs, and `valid_mask`, which lists them: words in
 //! other targets at that pixel stem from surfaces behind and are not read. The view decides when the passes run:
 //!
 //! - No prepass: once, after Bevy has built the indirect draws for the main passes.

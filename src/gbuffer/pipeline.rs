@@ -86,7 +86,7 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
             fragment.entry_point = None;
             fragment.targets = output.pass.color_targets(output.targets);
             if !output.pass.is_empty() {
-                fragment.shader_defs.push("GBUFFER_WRITTEN".into());
+                fragment.shader_defs.push("GBUFFER_VALID_MASK".into());
             }
             let defs = output.targets.iter();
             let defs = defs.map(|target| target.shader_def().into());

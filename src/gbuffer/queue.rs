@@ -29,15 +29,15 @@ use super::{
     bevy_phases::{BevyPhases, BevyViewPhases},
     demand::{MeshDemand, ViewDemand, ViewDemands},
     lookup::{MeshLookup, MeshToQueue, RecentKinds},
-    offer::{BevyPipelines, Offer, Offers},
+    mesh_overrides::ChangedMeshes,
     phase::{GBufferPhases, GBufferViewPhases},
     phase_item::{
         AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
         QueuedMesh,
     },
     pipeline::MeshOutput,
+    pipeline_filter::{BevyPipelines, PipelineFilter, PipelineFilterWriter},
     placement::{Placement, ViewChange},
-    special::ChangedMeshes,
     specialize::{GBufferPipeline, GBufferPipelines},
     visibility_masks::{DrawWithVisibilityMask, VisibilityMasks},
 };
@@ -98,7 +98,7 @@ impl GBufferDrawFunctions<'_, '_> {
 
 /// Owner of a mesh before it is sorted.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Holder {
+enum QueueOwner {
     /// None: the mesh changed or became visible, and Bevy queues it in this frame if it is offered.
     Nobody,
     /// Bevy: the mesh is in its phases, or Bevy waits for it.
@@ -107,7 +107,7 @@ enum Holder {
     Either,
 }
 
-/// Moves the meshes that the G-buffer draws into its phases and offers the others to Bevy; runs before Bevy's own queue
+/// Moves the meshes that the G-buffer draws into its phases and leaves the others to Bevy; runs before Bevy's own queue
 /// systems.
 ///
 /// A mesh that needs more than its view has is left to forward and its need is recorded. The view meets it from a later
@@ -115,7 +115,11 @@ enum Holder {
 pub(super) fn queue_gbuffer_meshes(
     lookup: MeshLookup,
     mut pipelines: GBufferPipelines,
-    (mut bevy_phases, mut bevy_pipelines, mut offers): (BevyPhases, BevyPipelines, ResMut<Offers>),
+    (mut bevy_phases, mut bevy_pipelines, mut pipeline_filter): (
+        BevyPhases,
+        BevyPipelines,
+        ResMut<PipelineFilter>,
+    ),
     mut phases: GBufferPhases,
     (mut pending_queues, mut demands, mut count): (
         ResMut<PendingGBufferQueues>,
@@ -186,7 +190,7 @@ pub(super) fn queue_gbuffer_meshes(
             gpu_preprocessing: &gpu_preprocessing,
             draws_deferred: bevy_phases.draws_deferred(&retained),
             bevy: bevy_phases.of(&retained),
-            offer: offers.of(retained, &bevy_pipelines),
+            filter: pipeline_filter.of(retained, &bevy_pipelines),
             phases,
             pending: &mut pending.current_frame,
             look_again: &mut sorted.look_again,
@@ -205,18 +209,18 @@ pub(super) fn queue_gbuffer_meshes(
         let queues_all = dirty.must_wipe_specializations_for_view(retained);
         if change == ViewChange::All || queues_all || shader_has_changed {
             sorter.known_pipelines.clear();
-            let holder = if queues_all {
-                Holder::Nobody
+            let owner = if queues_all {
+                QueueOwner::Nobody
             } else {
-                Holder::Either
+                QueueOwner::Either
             };
             for pair in visible.iter_visible() {
-                sorter.sort(pair, holder);
+                sorter.sort(pair, owner);
             }
             continue;
         }
         for pair in dirty.iter_to_queue(retained, visible, &HashSet::default()) {
-            sorter.sort(pair, Holder::Nobody);
+            sorter.sort(pair, QueueOwner::Nobody);
         }
         // In entity order, as Bevy queues: it decides the draw order, and so which mesh wins at equal depth.
         waiting.sort_unstable_by_key(|(_, entity)| *entity);
@@ -224,7 +228,7 @@ pub(super) fn queue_gbuffer_meshes(
             // Bevy's own look-up by both entities misses some meshes that are also, say, lights: only those have
             // entities in the render world, while its list is sorted by main-world entity.
             if visible_pair(visible, *entity) == Some((*render_entity, *entity)) {
-                sorter.sort((render_entity, entity), Holder::Bevy);
+                sorter.sort((render_entity, entity), QueueOwner::Bevy);
             }
         }
         if let (ViewChange::Demand, Some(former), Some(active)) = (change, &former, active) {
@@ -233,17 +237,17 @@ pub(super) fn queue_gbuffer_meshes(
                 (Placement::of(demand, former) != Placement::of(demand, active)).then_some(mesh)
             }));
         }
-        let holder = match former {
-            Some(_) => Holder::Either,
-            None => Holder::Bevy,
+        let owner = match former {
+            Some(_) => QueueOwner::Either,
+            None => QueueOwner::Bevy,
         };
         for &mesh in &concerned {
             if let Some(pair) = visible_pair(visible, mesh) {
-                sorter.sort((&pair.0, &pair.1), holder);
+                sorter.sort((&pair.0, &pair.1), owner);
             }
         }
     }
-    offers.show(&live_views, &mut bevy_pipelines);
+    pipeline_filter.show(&live_views, &mut bevy_pipelines);
     pending_queues.0.expire_stale_views(&live_views);
     sorted.retain(|view, _| live_views.contains(view));
     demands.retain(
@@ -287,7 +291,7 @@ struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     /// True if Bevy's deferred pass draws into this view; the view is not lean then.
     draws_deferred: bool,
     bevy: BevyViewPhases<'a>,
-    offer: Offer<'a>,
+    filter: PipelineFilterWriter<'a>,
     phases: GBufferViewPhases<'a>,
     pending: &'a mut HashSet<(Entity, MainEntity)>,
     look_again: &'a mut Vec<MainEntity>,
@@ -299,16 +303,16 @@ struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
 }
 
 impl Sorter<'_, '_, '_, '_, '_, '_> {
-    fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), holder: Holder) {
+    fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), owner: QueueOwner) {
         *self.count += 1;
-        if holder != Holder::Nobody {
+        if owner != QueueOwner::Nobody {
             self.phases.remove(entity);
         }
         let lookup = self.lookup;
         let mesh = match lookup.find(entity, self.recent_kinds) {
             Ok(mesh) => mesh,
             Err(may_come) => {
-                self.offer.add(entity);
+                self.filter.add(entity);
                 if may_come {
                     self.pending.insert((render_entity, entity));
                 }
@@ -334,7 +338,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             None => self.demand.remove(entity),
         }
         let (Some((demand, shaders)), Some(active)) = (needs, self.active) else {
-            self.leave_to_forward(entity, &mesh, holder);
+            self.leave_to_forward(entity, &mesh, owner);
             return;
         };
 
@@ -353,7 +357,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             self.known_pipelines.insert(id, pipeline);
         }
         let GBufferPipeline::Ready(pipeline) = pipeline else {
-            self.leave_to_forward(entity, &mesh, holder);
+            self.leave_to_forward(entity, &mesh, owner);
             // An unmet demand needs no retry: the mesh is sorted again when the view changes.
             if pipeline == GBufferPipeline::Pending && placement.is_met {
                 self.pending.insert((render_entity, entity));
@@ -366,7 +370,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         {
             self.look_again.push(entity);
         }
-        self.take_from_forward(entity, &mesh, active.keeps_prepass, holder);
+        self.take_from_forward(entity, &mesh, active.keeps_prepass, owner);
         let visibility_mask = output
             .targets
             .contains(GBufferTargets::VISIBILITY_MASK)
@@ -403,13 +407,13 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             && !self.draws_deferred
     }
 
-    fn leave_to_forward(&mut self, entity: MainEntity, mesh: &MeshToQueue, holder: Holder) {
+    fn leave_to_forward(&mut self, entity: MainEntity, mesh: &MeshToQueue, owner: QueueOwner) {
         let is_strange = self.is_strange_to_bevy(mesh);
         if !is_strange {
-            self.offer.add(entity);
+            self.filter.add(entity);
         }
-        if is_strange || holder == Holder::Either {
-            self.offer.force(entity);
+        if is_strange || owner == QueueOwner::Either {
+            self.filter.force(entity);
         }
     }
 
@@ -419,9 +423,9 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         entity: MainEntity,
         mesh: &MeshToQueue,
         keeps_prepass: bool,
-        holder: Holder,
+        owner: QueueOwner,
     ) {
-        if holder != Holder::Nobody {
+        if owner != QueueOwner::Nobody {
             self.bevy.take_out(entity, keeps_prepass);
         }
         if !keeps_prepass {
@@ -429,10 +433,10 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         }
         let is_strange = self.is_strange_to_bevy(mesh);
         if !is_strange {
-            self.offer.add_to_prepass(entity);
+            self.filter.add_to_prepass(entity);
         }
-        if is_strange || holder == Holder::Either {
-            self.offer.force_into_prepass(entity);
+        if is_strange || owner == QueueOwner::Either {
+            self.filter.force_into_prepass(entity);
         }
     }
 }

@@ -38,14 +38,14 @@ use bevy::{
 
 use super::{
     binding_numbers::resolve_motion::{
-        DEPTH_TEXTURE, EARLIER_DEPTH_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, PREVIOUS_VIEW, VIEW,
-        WRITTEN_TEXTURE,
+        DEPTH_TEXTURE, EARLIER_DEPTH_TEXTURE, MOTION_TEXTURE, NORMAL_TEXTURE, PREVIOUS_VIEW,
+        VALID_MASK_TEXTURE, VIEW,
     },
     textures::GBufferTextures,
 };
 use crate::{
     gpu::{
-        bind_group_cache::{CachedBindGroup, FoundLayout},
+        bind_group_cache::{CachedBindGroup, ResolvedLayout},
         bindings::layout,
     },
     view::{ActiveLeanView, GBufferTargets},
@@ -68,7 +68,7 @@ impl ResolveKey {
         } else {
             (NORMAL_TEXTURE, words())
         };
-        let motion = [(MOTION_TEXTURE, words()), (WRITTEN_TEXTURE, words())];
+        let motion = [(MOTION_TEXTURE, words()), (VALID_MASK_TEXTURE, words())];
         layout(
             "lean_deferred/gbuffer/resolve_motion",
             ShaderStages::FRAGMENT,
@@ -89,7 +89,7 @@ impl ResolveKey {
 pub(crate) struct MotionResolvePipelines {
     shader: Handle<Shader>,
     fullscreen_shader: FullscreenShader,
-    by_key: HashMap<ResolveKey, (CachedRenderPipelineId, FoundLayout)>,
+    by_key: HashMap<ResolveKey, (CachedRenderPipelineId, ResolvedLayout)>,
 }
 
 pub(super) fn init_motion_resolve_pipelines(
@@ -125,7 +125,7 @@ impl MotionResolvePipelines {
 
     fn specialize(&mut self, cache: &PipelineCache, key: ResolveKey) -> CachedRenderPipelineId {
         let entry = self.by_key.entry(key).or_insert_with(|| {
-            let layout = FoundLayout::new(cache, key.layout());
+            let layout = ResolvedLayout::new(cache, key.layout());
             let mut shader_defs = Vec::new();
             if key.late {
                 shader_defs.push("LATE".into());
@@ -201,7 +201,8 @@ pub(super) fn prepare_motion_resolve(
         resolve.offsets = [offset.offset, previous_offset.offset];
         for (index, late) in [false, true].into_iter().enumerate() {
             resolve.pipelines[index] = None;
-            let motion = (textures.optional(GBufferTargets::MOTION)).zip(textures.written.as_ref());
+            let motion =
+                (textures.optional(GBufferTargets::MOTION)).zip(textures.valid_mask.as_ref());
             let (drawn_binding, drawn) = match (late, &prepass.depth) {
                 (false, _) => (NORMAL_TEXTURE, &textures.normal),
                 (true, Some(earlier)) if active.culls_in_two_phases => {
@@ -224,7 +225,7 @@ pub(super) fn prepare_motion_resolve(
                 match motion {
                     Some((motion, written)) => {
                         entries.push(MOTION_TEXTURE, motion.default_view.into_binding())?;
-                        entries.push(WRITTEN_TEXTURE, written.default_view.into_binding())
+                        entries.push(VALID_MASK_TEXTURE, written.default_view.into_binding())
                     }
                     None => Some(()),
                 }

@@ -20,7 +20,7 @@
 #endif
 #ifdef GBUFFER_MOTION
 @group(0) @binding(4) var motion_texture: texture_2d<u32>;
-@group(0) @binding(5) var written_texture: texture_2d<u32>;
+@group(0) @binding(5) var valid_mask_texture: texture_2d<u32>;
 #endif
 
 @fragment
@@ -36,7 +36,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec2<f32> {
         discard;
     }
 #ifdef GBUFFER_MOTION
-    if (textureLoad(written_texture, pixel, 0).r & layout::MOTION_WRITTEN) != 0u {
+    if (textureLoad(valid_mask_texture, pixel, 0).r & layout::MOTION_VALID) != 0u {
         return unpack_motion(textureLoad(motion_texture, pixel, 0).r);
     }
 #endif

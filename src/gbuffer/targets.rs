@@ -4,7 +4,7 @@ use bevy::render::render_resource::{ColorTargetState, ColorWrites, TextureFormat
 
 use crate::shader_library::layout::{
     EMISSIVE_FORMAT, MOTION_FORMAT, NORMAL_FORMAT, SPECIALIZATION_FORMAT, SURFACE_FORMAT,
-    VISIBILITY_MASK_FORMAT, WRITTEN_FORMAT,
+    VALID_MASK_FORMAT, VISIBILITY_MASK_FORMAT,
 };
 use crate::view::{GBufferTargets, ShadingModel};
 
@@ -49,7 +49,7 @@ impl GBufferTargets {
     pub(crate) const LIT: Self = Self::all().difference(Self::MOTION);
 
     /// Colour targets of a pipeline that writes `written` in a pass with the targets `self`, in the order of the
-    /// fragment shader's outputs: the two of the base; in a pass with optional targets also the `written` target, and a
+    /// fragment shader's outputs: the two of the base; in a pass with optional targets also the `valid_mask` target, and a
     /// slot for each optional target up to the last.
     pub(crate) fn color_targets(self, written: Self) -> Vec<Option<ColorTargetState>> {
         let target = |format, write_mask| {
@@ -71,7 +71,7 @@ impl GBufferTargets {
             );
         [SURFACE_FORMAT, NORMAL_FORMAT]
             .into_iter()
-            .chain((!self.is_empty()).then_some(WRITTEN_FORMAT))
+            .chain((!self.is_empty()).then_some(VALID_MASK_FORMAT))
             .map(|format| target(format, ColorWrites::ALL))
             .chain(optional)
             .collect()
@@ -109,7 +109,7 @@ impl GBufferTargets {
     /// Bytes per pixel of these targets and of the one that records which of them a surface has written, without the
     /// base targets.
     pub fn bytes_per_pixel(self) -> u32 {
-        let written = (!self.is_empty()).then_some(WRITTEN_FORMAT);
+        let written = (!self.is_empty()).then_some(VALID_MASK_FORMAT);
         (self.iter().map(Self::format))
             .chain(written)
             .filter_map(|format| format.block_copy_size(None))

@@ -16,7 +16,7 @@ use bevy::{
     },
 };
 
-use super::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT};
+use super::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, VALID_MASK_FORMAT};
 use crate::{
     named::system_param,
     view::{ActiveLeanView, GBufferTargets, OutOfMemory},
@@ -40,7 +40,7 @@ pub struct GBufferTextures {
     pub normal: CachedTexture,
     /// The [`GBufferTargets`] that contain a word of the surface, as their bits, on a view that has some; 0 where
     /// `normal` has [`NO_GEOMETRY`]; `R8Uint`.
-    pub written: Option<CachedTexture>,
+    pub valid_mask: Option<CachedTexture>,
     /// The optional targets that the view has in this frame, in the order of their bits.
     optional: Vec<(GBufferTargets, CachedTexture)>,
 }
@@ -52,7 +52,7 @@ pub struct GBufferTextures {
 pub struct ReadsGBuffer;
 
 impl GBufferTextures {
-    /// The texture of a single optional target, if the view has it in this frame. Undefined at pixels where `written`
+    /// The texture of a single optional target, if the view has it in this frame. Undefined at pixels where `valid_mask`
     /// lacks its bit.
     pub fn optional(&self, target: GBufferTargets) -> Option<&CachedTexture> {
         self.optional
@@ -105,7 +105,7 @@ impl GBufferTextures {
             [LoadOp::Load; 2]
         };
         attachments.extend(
-            (self.written.iter()).map(|texture| Some(attachment(texture, nothing_written))),
+            (self.valid_mask.iter()).map(|texture| Some(attachment(texture, nothing_written))),
         );
         for (target, texture) in &self.optional {
             attachments.resize(target.slot(), None);
@@ -151,7 +151,7 @@ impl BaseLoad {
     }
 }
 
-/// Load operation for targets that are read only where `normal`, `written` (both cleared) or depth marks a word as
+/// Load operation for targets that are read only where `normal`, `valid_mask` (both cleared) or depth marks a word as
 /// written.
 fn load_anything<T>() -> LoadOp<T> {
     // SAFETY: only written words are read, see above.
@@ -180,8 +180,8 @@ fn make_textures(
     GBufferTextures {
         surface: texture("lean_deferred/gbuffer/surface", SURFACE_FORMAT),
         normal: texture("lean_deferred/gbuffer/normal", NORMAL_FORMAT),
-        written: (!targets.is_empty())
-            .then(|| texture("lean_deferred/gbuffer/written", WRITTEN_FORMAT)),
+        valid_mask: (!targets.is_empty())
+            .then(|| texture("lean_deferred/gbuffer/valid_mask", VALID_MASK_FORMAT)),
         optional: targets
             .iter()
             .map(|target| (target, texture(target.label(), target.format())))

@@ -6,7 +6,7 @@ use bevy::{
 };
 
 use super::{
-    layout::{BASE_BYTES_PER_PIXEL, WRITTEN_FORMAT},
+    layout::{BASE_BYTES_PER_PIXEL, VALID_MASK_FORMAT},
     textures::GBufferTextures,
 };
 use crate::view::{GBufferTargets, LeanDeferred};
@@ -68,7 +68,7 @@ impl GBufferUsage {
             .then_some(("base", u64::from(BASE_BYTES_PER_PIXEL)));
         let bytes_of = |format: TextureFormat| u64::from(format.block_copy_size(None).unwrap_or(0));
         let written =
-            (!self.targets.is_empty()).then_some(("written targets", bytes_of(WRITTEN_FORMAT)));
+            (!self.targets.is_empty()).then_some(("valid mask", bytes_of(VALID_MASK_FORMAT)));
         let optional = self
             .targets
             .iter()

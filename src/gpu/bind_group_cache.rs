@@ -15,12 +15,12 @@ use wgpu::BufferBinding;
 /// A layout that was looked up once: Bevy's cache clones and hashes its descriptor at each look-up. Belongs to one
 /// device.
 #[derive(Clone)]
-pub(crate) struct FoundLayout {
+pub(crate) struct ResolvedLayout {
     descriptor: BindGroupLayoutDescriptor,
     layout: BindGroupLayout,
 }
 
-impl FoundLayout {
+impl ResolvedLayout {
     pub(crate) fn new(cache: &PipelineCache, descriptor: BindGroupLayoutDescriptor) -> Self {
         Self {
             layout: cache.get_bind_group_layout(&descriptor),
@@ -127,7 +127,7 @@ impl CachedBindGroup {
     pub(crate) fn update(
         &mut self,
         device: &RenderDevice,
-        layout: &FoundLayout,
+        layout: &ResolvedLayout,
         fill: impl FnOnce(&mut Entries) -> Option<()>,
     ) -> Option<()> {
         if self.layout != Some(layout.layout.id()) {
@@ -154,7 +154,7 @@ impl CachedBindGroup {
         Some(())
     }
 
-    fn make(&self, device: &RenderDevice, layout: &FoundLayout) -> BindGroup {
+    fn make(&self, device: &RenderDevice, layout: &ResolvedLayout) -> BindGroup {
         let arrays: Vec<Vec<&wgpu::TextureView>> = self
             .bound
             .iter()

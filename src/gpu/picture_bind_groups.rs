@@ -6,7 +6,7 @@ use bevy::render::{
     view::ViewTarget,
 };
 
-use super::bind_group_cache::{CachedBindGroup, Entries, FoundLayout};
+use super::bind_group_cache::{CachedBindGroup, Entries, ResolvedLayout};
 
 /// A bind group per main texture: Bevy has two for a view and may use either.
 #[derive(Default)]
@@ -17,7 +17,7 @@ impl PictureBindGroups {
     pub(crate) fn update(
         &mut self,
         device: &RenderDevice,
-        layout: &FoundLayout,
+        layout: &ResolvedLayout,
         target: &ViewTarget,
         push: impl Fn(&mut Entries, &TextureView) -> Option<()>,
     ) {

@@ -29,8 +29,8 @@ use crate::{
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
     shader_library::reconstruction::position::depth_of_surfaces_is_above_zero,
     view::{
-        ActiveLeanView, Demand, ExchangeQuery, GBufferTargets, LeanDeferred, LeanOffReason,
-        LightExchange, LightingVariants, OutOfMemory,
+        ActiveLeanView, Demand, GBufferTargets, LeanDeferred, LeanOffReason, LightingIo,
+        LightingIoQuery, LightingVariants, OutOfMemory,
     },
 };
 
@@ -90,7 +90,7 @@ fn draw_order(
         has_light_layers,
         targets: GBufferTargets::empty(),
         variants: LightingVariants::empty(),
-        exchange: LightExchange::empty(),
+        io: LightingIo::empty(),
         culls_in_two_phases,
         depth_tells_geometry: depth_tells_geometry && !draws_in_prepass,
     }
@@ -135,7 +135,11 @@ pub(super) fn decide_active_views(
             Has<DeferredPrepass>,
             (Has<OcclusionCulling>, Has<NoIndirectDrawing>),
         ),
-        (&LeanDeferred, Option<&LeanAmbientOcclusion>, ExchangeQuery),
+        (
+            &LeanDeferred,
+            Option<&LeanAmbientOcclusion>,
+            LightingIoQuery,
+        ),
         (Option<&mut ViewLighting>, Option<&ActiveLeanView>),
     )>,
     switched_off: Query<Entity, (With<ViewLighting>, Without<ExtractedCamera>)>,
@@ -164,9 +168,7 @@ pub(super) fn decide_active_views(
     let mut active_now = HashMap::default();
     let mut candidates = HashSet::<RetainedViewEntity>::default();
 
-    for (entity, camera, prepasses, (settings, occlusion, exchange), (lighting, current)) in
-        &mut views
-    {
+    for (entity, camera, prepasses, (settings, occlusion, io), (lighting, current)) in &mut views {
         let (camera, view, msaa, camera_3d, layers, (visible, is_read)) = camera;
         let is_3d = camera_3d.is_some();
         let main_entity = view.retained_view_entity.main_entity;
@@ -212,14 +214,14 @@ pub(super) fn decide_active_views(
             },
         );
         let last = active_before.get(&view.retained_view_entity);
-        let exchange = if settings.shows_channel() {
-            LightExchange::empty()
+        let io = if settings.shows_channel() {
+            LightingIo::empty()
         } else {
-            LightExchange::asked(exchange)
+            LightingIo::asked(io)
         };
         let before = last.map_or(Demand::default(), ActiveLeanView::demand);
-        let held = last.map(|last| last.exchange);
-        let held = held.filter(|held| *held != exchange);
+        let held = last.map(|last| last.io);
+        let held = held.filter(|held| *held != io);
         // Lighting for lingering demands may never be compiled, so `needed` alone is a choice too.
         let [wanted, needed] = demands.wanted(view.retained_view_entity);
         let choices = if before.contains(needed) {
@@ -227,13 +229,11 @@ pub(super) fn decide_active_views(
         } else {
             [wanted, needed, before]
         };
-        let choices = choices.into_iter().flat_map(|demand| {
-            once(exchange)
-                .chain(held)
-                .map(move |exchange| (demand, exchange))
-        });
-        let choices = choices.map(|(demand, exchange)| {
-            let order = ActiveLeanView { exchange, ..order };
+        let choices = choices
+            .into_iter()
+            .flat_map(|demand| once(io).chain(held).map(move |io| (demand, io)));
+        let choices = choices.map(|(demand, io)| {
+            let order = ActiveLeanView { io, ..order };
             let Demand { targets, variants } = demand.on(&order);
             let order = ActiveLeanView {
                 targets,

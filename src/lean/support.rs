@@ -10,7 +10,7 @@ use bevy::{
 
 use crate::{
     gpu::needed_limits::{NeededLimit, needed_limits, unmet},
-    shader_library::layout::{NORMAL_FORMAT, SURFACE_FORMAT, WRITTEN_FORMAT},
+    shader_library::layout::{NORMAL_FORMAT, SURFACE_FORMAT, VALID_MASK_FORMAT},
 };
 
 /// Tells if the device can run [`LeanDeferred`](crate::LeanDeferred). Available in the main world from before `Startup`
@@ -130,7 +130,7 @@ pub const NEEDED_FORMATS: [(TextureFormat, TextureUsages, &str); 6] = [
         "R32Uint as a storage texture",
     ),
     (
-        WRITTEN_FORMAT,
+        VALID_MASK_FORMAT,
         TextureUsages::RENDER_ATTACHMENT,
         "R8Uint as a render target",
     ),
@@ -145,7 +145,7 @@ pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
     // atmosphere, the light layers and the tile list of special surfaces need one, one, one and two more.
     max_storage_buffers_per_shader_stage: 8,
     max_color_attachments: 7,
-    // Six words, and the `written` byte, which alignment pads to a word.
+    // Six words, and the `valid_mask` byte, which alignment pads to a word.
     max_color_attachment_bytes_per_sample: 28,
     max_bind_groups: 4,
     max_compute_invocations_per_workgroup: 64,

@@ -18,7 +18,7 @@ use super::{
 use crate::{
     gpu::bind_group_cache::{CachedBindGroup, Entries},
     shader_library::tiles,
-    view::{ActiveLeanView, LightExchange},
+    view::{ActiveLeanView, LightingIo},
 };
 
 /// The bind groups of one view, with the other arguments of its dispatches.
@@ -217,13 +217,13 @@ fn push_target_entries(
         entries.push(targets::LIGHT_LAYERS, table.binding()?)?;
     }
     if !layouts.read_targets.is_empty() {
-        let written = view.gbuffer.written.as_ref()?;
+        let written = view.gbuffer.valid_mask.as_ref()?;
         entries.push(
-            targets::WRITTEN_TEXTURE,
+            targets::VALID_MASK_TEXTURE,
             written.default_view.into_binding(),
         )?;
     }
-    if layouts.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
+    if layouts.io.contains(LightingIo::DIFFUSE_LIGHT) {
         let texture = &view.diffuse_light?.0.default_view;
         entries.push(targets::DIFFUSE_LIGHT_TEXTURE, texture.into_binding())?;
     }
@@ -243,8 +243,8 @@ fn push_target_entries(
         )?;
     }
     for (found, binding) in INDIRECT_LIGHT {
-        if layouts.exchange.contains(found) {
-            let light = view.found_light(found);
+        if layouts.io.contains(found) {
+            let light = view.screen_space_light(found);
             // Zeros mean no light and no occlusion.
             let light = light.unwrap_or(&resources.fallback_zero.texture_view);
             entries.push(binding, light.into_binding())?;

@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::lighting::bindings
 
 #ifdef LEAN_AMBIENT_OCCLUSION
-#import bevy_lean_deferred::ambient_occlusion::view::OcclusionView
+#import bevy_lean_deferred::ambient_occlusion::view::OcclusionUniform
 #endif
 
 struct LightingUniform {
@@ -38,12 +38,12 @@ struct LightLayersTable {
 @group(2) @binding(2) var output_texture: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(3) var<uniform> uniforms: LightingUniform;
 #ifdef LEAN_AMBIENT_OCCLUSION
-@group(2) @binding(4) var<uniform> occlusion_view: OcclusionView;
+@group(2) @binding(4) var<uniform> occlusion_view: OcclusionUniform;
 @group(2) @binding(5) var nearest_sampler: sampler;
 @group(2) @binding(6) var occlusion_texture: texture_2d<f32>;
 #endif
-#ifdef GBUFFER_WRITTEN
-@group(2) @binding(12) var written_texture: texture_2d<u32>;
+#ifdef GBUFFER_VALID_MASK
+@group(2) @binding(12) var valid_mask_texture: texture_2d<u32>;
 #endif
 #ifdef DIFFUSE_LIGHT
 @group(2) @binding(13) var diffuse_light_texture: texture_storage_2d<r32uint, write>;

@@ -35,7 +35,7 @@ fn shading_model_color(word: u32) -> vec3<f32> {
         case specialization::ANISOTROPY: { return vec3(0.9, 0.8, 0.1); }
         case specialization::RIM: { return vec3(0.2, 0.8, 0.9); }
         case specialization::CLEARCOAT: { return vec3(0.1, 0.2, 0.9); }
-        case specialization::BACKLIGHT: { return vec3(0.2, 0.8, 0.2); }
+        case specialization::DIFFUSE_TRANSMISSION: { return vec3(0.2, 0.8, 0.2); }
         case specialization::UNLIT: { return vec3(0.8, 0.1, 0.8); }
         default: { return vec3(specialization::unpack_reflectance(word) / 2.0); }
     }
@@ -45,7 +45,7 @@ fn shading_model_color(word: u32) -> vec3<f32> {
 #ifdef DEBUG_MOTION
 fn motion_color(pixel: Pixel) -> vec3<f32> {
 #ifdef GBUFFER_MOTION
-    if (pixel.written & layout::MOTION_WRITTEN) == 0u {
+    if (pixel.valid_mask & layout::MOTION_VALID) == 0u {
         return vec3(0.0);
     }
     let word = textureLoad(motion_texture, pixel.position, 0).r;
@@ -59,7 +59,7 @@ fn motion_color(pixel: Pixel) -> vec3<f32> {
 #ifdef DEBUG_VISIBILITY_MASK
 fn visibility_mask_color(pixel: Pixel) -> vec3<f32> {
 #ifdef GBUFFER_VISIBILITY_MASK
-    if (pixel.written & layout::VISIBILITY_MASK_WRITTEN) != 0u {
+    if (pixel.valid_mask & layout::VISIBILITY_MASK_VALID) != 0u {
         let mask = textureLoad(visibility_mask_texture, pixel.position, 0).r;
         // Hashing gives neighbouring masks distant colours (Knuth 1973, "The Art of Computer Programming" 3, 6.4).
         return unpack4x8unorm(mask * 2654435769u).gba;

@@ -17,7 +17,7 @@ use bevy::{
 };
 
 use super::buffers::lit_pixels;
-use crate::view::{ActiveLeanView, DiffuseLight, LightExchange, OutOfMemory};
+use crate::view::{ActiveLeanView, DiffuseLight, LightingIo, OutOfMemory};
 
 /// One word per pixel, with a shared exponent.
 pub(super) const DIFFUSE_LIGHT_FORMAT: TextureFormat = TextureFormat::R32Uint;
@@ -41,7 +41,7 @@ pub(super) fn prepare_diffuse_light(
     )>,
 ) {
     for (entity, (camera, target, resolution), active, current) in &views {
-        if !active.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
+        if !active.io.contains(LightingIo::DIFFUSE_LIGHT) {
             if current.is_some() {
                 commands.entity(entity).remove::<DiffuseLight>();
             }

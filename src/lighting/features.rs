@@ -20,7 +20,7 @@ use crate::{
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
     view::{
         ActiveLeanView, DebugChannel, GBufferTargets, GeometricNormal, LeanDeferred, LightCulling,
-        LightExchange, LightingVariants,
+        LightingIo, LightingVariants,
     },
 };
 
@@ -43,7 +43,7 @@ pub(crate) struct LightingKey {
     pub(super) decals: bool,
     pub(super) debug_view: Option<DebugChannel>,
     pub(super) occlusion: Option<OcclusionKey>,
-    pub(super) exchange: LightExchange,
+    pub(super) io: LightingIo,
     /// Some surfaces scatter light beneath them; lighting writes that light separately.
     pub(super) scatters: bool,
     /// Some light, decal or light probe has layers that exclude some meshes.
@@ -51,10 +51,10 @@ pub(crate) struct LightingKey {
     /// The optional targets of the view that are read.
     pub(super) targets: GBufferTargets,
     /// The kinds of special surfaces on the view. The dispatch over all tiles lists the tiles that have some.
-    pub(super) listed: LightingVariants,
-    /// The kinds of special surfaces that this dispatch lights, in the listed tiles. Empty for the dispatch over all
+    pub(super) binned: LightingVariants,
+    /// The kinds of special surfaces that this dispatch lights, in the binned tiles. Empty for the dispatch over all
     /// tiles.
-    pub(super) visited: LightingVariants,
+    pub(super) shaded: LightingVariants,
 }
 
 /// Number of point and spot lights from which culling per tile is worth its cost. Figures: `docs/frame_times.md`.
@@ -91,10 +91,10 @@ pub(crate) struct SceneLights {
 impl LightingKey {
     /// The keys of all dispatches; the one over all tiles comes first.
     pub(crate) fn dispatches(self) -> impl Iterator<Item = Self> {
-        let special = (!self.listed.is_empty()).then_some(self.listed);
+        let special = (!self.binned.is_empty()).then_some(self.binned);
         core::iter::once(LightingVariants::empty())
             .chain(special)
-            .map(move |visited| Self { visited, ..self })
+            .map(move |shaded| Self { shaded, ..self })
     }
 
     /// Keys whose pipelines light the view as well, for frames in which those of this key are not compiled yet: for
@@ -235,19 +235,19 @@ impl SceneFeatures<'_, '_> {
             occlusion: occlusion
                 .filter(|_| self.occlusion_pipelines.is_some() && shows_light)
                 // Diffuse GI also outputs visibility, so AO is skipped.
-                .filter(|_| !order.exchange.contains(LightExchange::INDIRECT_DIFFUSE))
+                .filter(|_| !order.io.contains(LightingIo::INDIRECT_DIFFUSE))
                 .and_then(OcclusionKey::new),
-            exchange: order.exchange,
+            io: order.io,
             scatters: order.scatters() && shows_light,
             light_layers: order.has_light_layers && shows_light,
             targets: order.targets & read_targets,
             // Debug channels are shown alike for all surfaces.
-            listed: if shows_light {
+            binned: if shows_light {
                 order.variants.unscattered()
             } else {
                 LightingVariants::empty()
             },
-            visited: LightingVariants::empty(),
+            shaded: LightingVariants::empty(),
         }
     }
 }

@@ -29,7 +29,7 @@ use crate::{
     ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
     gbuffer::GBufferTextures,
     named::{query_item, system_param},
-    view::{DiffuseLight, IndirectDiffuse, IndirectSpecular, LightExchange},
+    view::{DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo},
 };
 
 query_item! {
@@ -61,9 +61,9 @@ query_item! {
 
 impl LitViewItem<'_, '_> {
     /// The texture of one kind of indirect light, if an effect provides it.
-    pub(super) fn found_light(&self, kind: LightExchange) -> Option<&TextureView> {
+    pub(super) fn screen_space_light(&self, kind: LightingIo) -> Option<&TextureView> {
         match kind {
-            LightExchange::INDIRECT_SPECULAR => self.indirect_specular?.0.as_ref(),
+            LightingIo::INDIRECT_SPECULAR => self.indirect_specular?.0.as_ref(),
             _ => self.indirect_diffuse?.0.as_ref(),
         }
     }

@@ -9,7 +9,7 @@
 #import bevy_pbr::light_probe::{LightProbeIterator, LightProbeQueryResult}
 
 #ifdef GBUFFER_VISIBILITY_MASK
-#import bevy_lean_deferred::gbuffer::layout::VISIBILITY_MASK_WRITTEN
+#import bevy_lean_deferred::gbuffer::layout::VISIBILITY_MASK_VALID
 #import bevy_lean_deferred::lighting::bindings::visibility_mask_texture
 #endif
 
@@ -23,7 +23,7 @@ var<private> mesh_layers: u32 = 1u;
 
 fn enter_pixel(pixel: Pixel) {
 #ifdef GBUFFER_VISIBILITY_MASK
-    if (pixel.written & VISIBILITY_MASK_WRITTEN) != 0u {
+    if (pixel.valid_mask & VISIBILITY_MASK_VALID) != 0u {
         mesh_layers = textureLoad(visibility_mask_texture, pixel.position, 0).r;
     }
 #endif

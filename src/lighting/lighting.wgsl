@@ -4,7 +4,7 @@
 // surfaces only, and lists the others. The second (VISITED_VARIANTS) visits that list; it is compiled for the kinds of
 // special surfaces in the view.
 #import bevy_lean_deferred::gbuffer::layout
-#import bevy_lean_deferred::gbuffer::layout::light::within_halfs
+#import bevy_lean_deferred::gbuffer::layout::light::within_halves
 #import bevy_lean_deferred::lighting::bindings::{
     normal_texture, output_texture, surface_texture, uniforms,
 }
@@ -13,8 +13,8 @@
 #import bevy_lean_deferred::tiles::{pixel_in_view, place_in_tile}
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 
-#ifdef GBUFFER_WRITTEN
-#import bevy_lean_deferred::lighting::bindings::written_texture
+#ifdef GBUFFER_VALID_MASK
+#import bevy_lean_deferred::lighting::bindings::valid_mask_texture
 #endif
 
 #ifdef GBUFFER_SPECIALIZATION
@@ -57,11 +57,11 @@ fn read_pixel(place: vec2<u32>) -> Pixel {
         return pixel;
     }
     pixel.surface_word = textureLoad(surface_texture, pixel.position, 0).r;
-#ifdef GBUFFER_WRITTEN
-    pixel.written = textureLoad(written_texture, pixel.position, 0).r;
+#ifdef GBUFFER_VALID_MASK
+    pixel.valid_mask = textureLoad(valid_mask_texture, pixel.position, 0).r;
 #endif
 #ifdef GBUFFER_SPECIALIZATION
-    if (pixel.written & layout::SPECIALIZATION_WRITTEN) != 0u {
+    if (pixel.valid_mask & layout::SPECIALIZATION_VALID) != 0u {
         pixel.specialization_word = textureLoad(specialization_texture, pixel.position, 0).r;
     }
 #endif
@@ -117,7 +117,7 @@ fn main(
 /// Shades and writes the pixel at `place`.
 fn light_tile(pixel: Pixel, place: vec2<u32>, corner: vec2<u32>, invocation: u32, member: u32) {
     var shaded = shade(pixel, uniforms.viewport_origin + corner, member);
-    shaded.color = vec4(within_halfs(shaded.color.rgb), shaded.color.a);
+    shaded.color = vec4(within_halves(shaded.color.rgb), shaded.color.a);
 #ifdef SCATTERS_LIGHT
     write_entering_light(pixel, shaded, place, corner, invocation);
 #endif

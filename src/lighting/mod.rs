@@ -34,7 +34,7 @@
 // - `lights/`: the light of each kind of source, and shadows.
 // - `lights/lit.wgsl`: outgoing light, diffuse and specular apart.
 // - `lights/shading_point.wgsl`, `lights/brdf.wgsl`: terms and BRDF that all lights share.
-// - `lights/found_light.wgsl`: indirect light that other effects computed.
+// - `lights/screen_space_light.wgsl`: indirect light that other effects computed.
 // - `lights/reach.wgsl`: culls lights that reach no pixel of a tile.
 // - `lights/clustered_lights.wgsl`: the loop over point and spot lights.
 
@@ -110,7 +110,7 @@ pub struct ViewLighting {
 impl ViewLighting {
     /// Recreates the tile list if its capacity differs, and drops it if `key` needs none.
     fn update_tile_list(&mut self, device: &RenderDevice, key: LightingKey, capacity: u32) {
-        if key.listed.is_empty() {
+        if key.binned.is_empty() {
             self.tile_list = None;
         } else if !(self.tile_list.as_ref()).is_some_and(|list| list.fits(capacity)) {
             self.tile_list = Some(tile_list::TileList::new(device, capacity));
@@ -157,7 +157,7 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "lights/reach.wgsl");
         load_shader_library!(app, "lights/clustered_lights.wgsl");
         load_shader_library!(app, "lights/indirect_light.wgsl");
-        load_shader_library!(app, "lights/found_light.wgsl");
+        load_shader_library!(app, "lights/screen_space_light.wgsl");
         embedded_asset!(app, "lighting.wgsl");
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

@@ -74,7 +74,7 @@ pub(crate) fn lighting_pass(
             pass.set_bind_group(0, view_group, &bindings.view_offsets);
             pass.set_bind_group(1, arrays_group, &[]);
             pass.set_bind_group(2, targets_group, offsets);
-            if key.visited.is_empty() {
+            if key.shaded.is_empty() {
                 if let Some(group) = bindings.fill_list.get() {
                     pass.set_bind_group(3, group, &[]);
                 }

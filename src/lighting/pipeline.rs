@@ -29,25 +29,25 @@ use super::{
     variants,
 };
 use crate::{
-    ambient_occlusion::OcclusionView,
-    gpu::{bind_group_cache::FoundLayout, bindings::layout},
-    view::{GBufferTargets, GeometricNormal, LightCulling, LightExchange},
+    ambient_occlusion::OcclusionUniform,
+    gpu::{bind_group_cache::ResolvedLayout, bindings::layout},
+    view::{GBufferTargets, GeometricNormal, LightCulling, LightingIo},
 };
 
 /// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output), which all variants of a view
 /// share.
 #[derive(Clone)]
 pub(super) struct LightingLayouts {
-    pub(super) view: FoundLayout,
-    pub(super) arrays: FoundLayout,
-    pub(super) targets: FoundLayout,
+    pub(super) view: ResolvedLayout,
+    pub(super) arrays: ResolvedLayout,
+    pub(super) targets: ResolvedLayout,
     /// The optional targets in bind group 2.
     pub(super) read_targets: GBufferTargets,
     /// Effects whose textures are in bind group 2.
-    pub(super) exchange: LightExchange,
+    pub(super) io: LightingIo,
     pub(super) scatters: bool,
     /// Bind group 3, on views with special surfaces.
-    list: Option<FoundLayout>,
+    list: Option<ResolvedLayout>,
 }
 
 impl LightingLayouts {
@@ -80,8 +80,8 @@ pub(crate) struct LightingPipelines {
     mesh_pipeline: MeshPipeline,
     shader: Handle<Shader>,
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
-    pub(super) filling_list: FoundLayout,
-    pub(super) reading_list: FoundLayout,
+    pub(super) filling_list: ResolvedLayout,
+    pub(super) reading_list: ResolvedLayout,
 }
 
 pub(super) fn init_lighting_pipelines(
@@ -94,19 +94,19 @@ pub(super) fn init_lighting_pipelines(
         mesh_pipeline: mesh_pipeline.clone(),
         shader: load_embedded_asset!(asset_server.as_ref(), "lighting.wgsl"),
         by_key: HashMap::default(),
-        filling_list: FoundLayout::new(&pipeline_cache, filling_layout()),
-        reading_list: FoundLayout::new(&pipeline_cache, reading_layout()),
+        filling_list: ResolvedLayout::new(&pipeline_cache, filling_layout()),
+        reading_list: ResolvedLayout::new(&pipeline_cache, reading_layout()),
     });
 }
 
 /// Bindings in bind group 2 of indirect light that other effects provide.
-pub(super) const INDIRECT_LIGHT: [(LightExchange, u32); 2] = [
+pub(super) const INDIRECT_LIGHT: [(LightingIo, u32); 2] = [
     (
-        LightExchange::INDIRECT_SPECULAR,
+        LightingIo::INDIRECT_SPECULAR,
         targets::INDIRECT_SPECULAR_TEXTURE,
     ),
     (
-        LightExchange::INDIRECT_DIFFUSE,
+        LightingIo::INDIRECT_DIFFUSE,
         targets::INDIRECT_DIFFUSE_TEXTURE,
     ),
 ];
@@ -132,7 +132,7 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
         entries.extend([
             (
                 targets::OCCLUSION_VIEW,
-                uniform_buffer::<OcclusionView>(true),
+                uniform_buffer::<OcclusionUniform>(true),
             ),
             (
                 targets::NEAREST_SAMPLER,
@@ -146,9 +146,9 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
         entries.push((targets::LIGHT_LAYERS, table));
     }
     if !key.targets.is_empty() {
-        entries.push((targets::WRITTEN_TEXTURE, words()));
+        entries.push((targets::VALID_MASK_TEXTURE, words()));
     }
-    if key.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
+    if key.io.contains(LightingIo::DIFFUSE_LIGHT) {
         let output = texture_storage_2d(DIFFUSE_LIGHT_FORMAT, StorageTextureAccess::WriteOnly);
         entries.push((targets::DIFFUSE_LIGHT_TEXTURE, output));
     }
@@ -167,7 +167,7 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
         ]);
     }
     for (found, binding) in INDIRECT_LIGHT {
-        if key.exchange.contains(found) {
+        if key.io.contains(found) {
             let light = texture_2d(TextureSampleType::Float { filterable: false });
             entries.push((binding, light));
         }
@@ -271,15 +271,15 @@ impl LightingPipelines {
             entry.visibility = ShaderStages::COMPUTE;
         }
         LightingLayouts {
-            view: FoundLayout::new(pipeline_cache, view_layout),
-            arrays: FoundLayout::new(pipeline_cache, arrays_layout),
-            targets: FoundLayout::new(pipeline_cache, targets_layout(key)),
+            view: ResolvedLayout::new(pipeline_cache, view_layout),
+            arrays: ResolvedLayout::new(pipeline_cache, arrays_layout),
+            targets: ResolvedLayout::new(pipeline_cache, targets_layout(key)),
             read_targets: key.targets,
-            exchange: key.exchange,
+            io: key.io,
             scatters: key.scatters,
-            list: if !key.visited.is_empty() {
+            list: if !key.shaded.is_empty() {
                 Some(self.reading_list.clone())
-            } else if !key.listed.is_empty() {
+            } else if !key.binned.is_empty() {
                 Some(self.filling_list.clone())
             } else {
                 None
@@ -343,7 +343,7 @@ impl LightingPipelines {
             "LIGHT_CULLING_BY_SUBGROUPS",
         );
 
-        define(!key.targets.is_empty(), "GBUFFER_WRITTEN");
+        define(!key.targets.is_empty(), "GBUFFER_VALID_MASK");
         for target in key.targets {
             define(true, target.shader_def());
         }
@@ -360,26 +360,17 @@ impl LightingPipelines {
             define(true, channel.shader_def());
         }
 
-        let exchanges = |what| key.exchange.contains(what);
-        define(exchanges(LightExchange::DIFFUSE_LIGHT), "DIFFUSE_LIGHT");
+        let has_io = |what| key.io.contains(what);
+        define(has_io(LightingIo::DIFFUSE_LIGHT), "DIFFUSE_LIGHT");
         define(key.scatters, "SCATTERS_LIGHT");
-        define(
-            exchanges(LightExchange::INDIRECT_SPECULAR),
-            "INDIRECT_SPECULAR",
-        );
-        define(
-            exchanges(LightExchange::INDIRECT_DIFFUSE),
-            "INDIRECT_DIFFUSE",
-        );
-        define(
-            key.exchange.intersects(LightExchange::INDIRECT),
-            "INDIRECT_LIGHT",
-        );
+        define(has_io(LightingIo::INDIRECT_SPECULAR), "INDIRECT_SPECULAR");
+        define(has_io(LightingIo::INDIRECT_DIFFUSE), "INDIRECT_DIFFUSE");
+        define(key.io.intersects(LightingIo::INDIRECT), "INDIRECT_LIGHT");
 
         define(
             key.occlusion.is_some()
                 || has("SCREEN_SPACE_AMBIENT_OCCLUSION")
-                || exchanges(LightExchange::INDIRECT_DIFFUSE),
+                || has_io(LightingIo::INDIRECT_DIFFUSE),
             "APPLIES_VISIBILITY",
         );
         if let Some(occlusion) = key.occlusion {
@@ -389,7 +380,7 @@ impl LightingPipelines {
             define(occlusion.debug_view, "OCCLUSION_DEBUG_VIEW");
             defs.extend(occlusion.filter.shader_defs());
         }
-        defs.extend(variants::shader_defs(key.listed, key.visited));
+        defs.extend(variants::shader_defs(key.binned, key.shaded));
         defs.extend(bevys);
         defs
     }

@@ -15,9 +15,9 @@
 
 #ifdef SHOWS_LIGHT
 #import bevy_lean_deferred::lighting::lights::{
-    brdf::{Gathered, lit_of},
+    brdf::{LightAccumulator, lit_of},
     directional_light::{DirectionalShadows, add_directional_lights},
-    found_light::{FoundLight, found_light},
+    screen_space_light::{ScreenSpaceLight, screen_space_light},
     indirect_light::add_indirect_light,
     lit::Lit,
     shading_point::{NO_CLUSTER, ShadingPoint, shading_point},
@@ -123,7 +123,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     var point: ShadingPoint;
     var cluster = NO_CLUSTER;
     var shaded: Shaded;
-    var gathered: Gathered;
+    var accumulator: LightAccumulator;
     // Share of direct light that occlusion leaves.
     var direct_visibility = 1.0;
     if pixel.has_geometry {
@@ -148,7 +148,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         if !has_light {
             emit(&shaded, pbr.material.base_color.rgb);
         } else {
-            let found = found_light(pixel, pbr.diffuse_occlusion);
+            let found = screen_space_light(pixel, pbr.diffuse_occlusion);
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
             apply_ssao(&pbr, pixel.position);
 #endif
@@ -174,17 +174,17 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
             add_rect_lights(&point, &lit);
             show(&shaded, lit, direct_visibility);
 #endif
-            add_directional_lights(&point, &shadows, &gathered);
+            add_directional_lights(&point, &shadows, &accumulator);
         }
     }
 #ifdef CLUSTERED_LIGHTS
-    add_clustered_lights(&point, corner, cluster, member, &gathered);
+    add_clustered_lights(&point, corner, cluster, member, &accumulator);
 #endif
     if !pixel.has_geometry {
         return shaded;
     }
     if cluster != NO_CLUSTER {
-        show(&shaded, lit_of(&point, gathered), direct_visibility);
+        show(&shaded, lit_of(&point, accumulator), direct_visibility);
     }
 #ifdef SCATTERS_LIGHT
     if specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE {

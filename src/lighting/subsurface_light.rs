@@ -18,7 +18,7 @@ use super::buffers::lit_pixels;
 use crate::{
     gpu::storage_texture::StorageTexture,
     shader_library::tiles,
-    view::{ActiveLeanView, LightExchange, OutOfMemory, ScattersLight},
+    view::{ActiveLeanView, LightingIo, OutOfMemory, ScattersLight},
 };
 
 /// Per texel of the light: a word of distance and material, and a word of the light.
@@ -91,7 +91,7 @@ impl SubsurfaceLight {
 }
 
 fn size_of(tile_count: UVec2) -> UVec2 {
-    (tile_count * tiles::SIDE).map(|length| length.next_multiple_of(COARSEST_TEXEL))
+    (tile_count * tiles::TILE_SIDE).map(|length| length.next_multiple_of(COARSEST_TEXEL))
 }
 
 /// Number of blocks of tiles in textures of this size.
@@ -119,7 +119,7 @@ pub(crate) fn prepare_subsurface_light(
 ) {
     for (entity, (camera, target, resolution), active, scatters, current) in &views {
         // Kept until lighting without it is compiled.
-        let is_written = active.exchange.contains(LightExchange::SUBSURFACE_LIGHT);
+        let is_written = active.io.contains(LightingIo::SUBSURFACE_LIGHT);
         if !is_written {
             if current.is_some() {
                 commands.entity(entity).remove::<SubsurfaceLight>();

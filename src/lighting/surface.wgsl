@@ -29,7 +29,7 @@
 #import bevy_lean_deferred::shading_models::anisotropy
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-#import bevy_lean_deferred::shading_models::backlight
+#import bevy_lean_deferred::shading_models::diffuse_transmission
 #endif
 #endif
 
@@ -42,7 +42,7 @@ struct Pixel {
     surface_word: u32,
     normal_word: u32,
     /// Mask of the optional targets that hold a word of the pixel.
-    written: u32,
+    valid_mask: u32,
     /// 0, a plain surface, if there is no such word.
     specialization_word: u32,
 }
@@ -170,7 +170,7 @@ fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
 #endif
 #ifdef GBUFFER_EMISSIVE
     var light = vec3(0.0);
-    if (pixel.written & layout::EMISSIVE_WRITTEN) != 0u {
+    if (pixel.valid_mask & layout::EMISSIVE_VALID) != 0u {
         light = unpack_light(textureLoad(emissive_texture, pixel.position, 0).r);
     }
 #ifdef LIGHTMAPPED_SURFACES
@@ -217,7 +217,7 @@ fn specialize(pbr: ptr<function, PbrInput>, word: u32) {
         case specialization::ANISOTROPY: { anisotropy::specialize(pbr, arguments); }
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-        case specialization::BACKLIGHT: { backlight::specialize(pbr, arguments); }
+        case specialization::DIFFUSE_TRANSMISSION: { diffuse_transmission::specialize(pbr, arguments); }
 #endif
         default: {}
     }

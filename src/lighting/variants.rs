@@ -4,20 +4,17 @@ use bevy::shader::ShaderDefVal;
 
 use crate::view::{LightingVariant, LightingVariants, ShadingModel};
 
-/// Returns the definitions for the dispatch that lights the tiles with special surfaces of the kinds `visited`. If that
-/// is empty, returns those for the dispatch over all tiles, which lists tiles with kinds in `listed`.
-pub(super) fn shader_defs(
-    listed: LightingVariants,
-    visited: LightingVariants,
-) -> Vec<ShaderDefVal> {
-    if visited.is_empty() {
-        return match listed.is_empty() {
+/// Returns the definitions for the dispatch that lights the tiles with special surfaces of the kinds `shaded`. If that
+/// is empty, returns those for the dispatch over all tiles, which lists tiles with kinds in `binned`.
+pub(super) fn shader_defs(binned: LightingVariants, shaded: LightingVariants) -> Vec<ShaderDefVal> {
+    if shaded.is_empty() {
+        return match binned.is_empty() {
             true => Vec::new(),
             false => vec!["LISTED_VARIANTS".into()],
         };
     }
     let has = |model| {
-        visited
+        shaded
             .each()
             .any(|variant| variant.shading_model() == model)
     };
@@ -34,11 +31,11 @@ pub(super) fn shader_defs(
     define(has(ShadingModel::Clearcoat), "STANDARD_MATERIAL_CLEARCOAT");
     define(has(ShadingModel::Rim), "SHADING_MODEL_RIM");
     define(
-        has(ShadingModel::Backlight),
+        has(ShadingModel::DiffuseTransmission),
         "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
     );
     define(
-        visited.each().any(|variant| variant.is_lightmapped()),
+        shaded.each().any(|variant| variant.is_lightmapped()),
         // Not `LIGHTMAP`: with it, Bevy's functions assume that all surfaces have one.
         "LIGHTMAPPED_SURFACES",
     );
@@ -48,9 +45,9 @@ pub(super) fn shader_defs(
 impl LightingVariants {
     /// Each variant in the set, in the order of their numbers.
     fn each(self) -> impl Iterator<Item = LightingVariant> {
-        use ShadingModel::{Anisotropy, Backlight, Clearcoat, Plain, Rim};
+        use ShadingModel::{Anisotropy, Clearcoat, DiffuseTransmission, Plain, Rim};
         [false, true].into_iter().flat_map(move |lightmapped| {
-            [Plain, Anisotropy, Rim, Clearcoat, Backlight]
+            [Plain, Anisotropy, Rim, Clearcoat, DiffuseTransmission]
                 .map(|model| LightingVariant::new(model, lightmapped))
                 .into_iter()
                 .filter(move |variant| {
@@ -77,7 +74,7 @@ mod tests {
         ShadingModel::Anisotropy,
         ShadingModel::Rim,
         ShadingModel::Clearcoat,
-        ShadingModel::Backlight,
+        ShadingModel::DiffuseTransmission,
         ShadingModel::Unlit,
     ];
 

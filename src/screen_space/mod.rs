@@ -12,7 +12,7 @@
 //! the camera, moving surfaces are reprojected along their motion; without it, their light lags one frame behind. If an app shifts its
 //! whole world, all meshes and cameras alike, nothing counts as moved.
 
-// - `succession.rs`: detects if the last frame of a view directly precedes this one.
+// - `history_validity.rs`: detects if the last frame of a view directly precedes this one.
 // - `reprojection.rs`: transforms into the last frame.
 // - `world_shift.rs`: detects shifts of the whole world.
 // - `support.rs`: limits that the effects need, and reasons why one is off.
@@ -29,12 +29,12 @@ pub mod debug_view;
 pub mod diffuse_gi;
 #[doc(hidden)]
 pub mod history;
+mod history_validity;
 pub mod reflections;
 mod reprojection;
 mod resolution;
 mod shown_exposure;
 pub mod subsurface;
-mod succession;
 mod support;
 mod world_shift;
 
@@ -52,6 +52,6 @@ pub use reflections::{
 pub use resolution::ScreenSpaceResolution;
 pub use subsurface::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
 #[doc(hidden)]
-pub use {succession::LastFrame, support::NEEDED_LIMITS};
+pub use {history_validity::LastFrame, support::NEEDED_LIMITS};
 
 pub use crate::gpu::timed::TimesEachDispatch;

@@ -2,7 +2,7 @@
 
 use bevy::math::{DMat4, DVec3, Mat4, Vec4};
 
-use super::succession::LastFrame;
+use super::history_validity::LastFrame;
 
 /// From view space to pixels of the viewport and depth: a pixel is 1 wide, the first one begins at 0, and y points down.
 fn pixel_from_view(frame: &LastFrame) -> DMat4 {

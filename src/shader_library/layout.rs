@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (roots), shared exponent 1, metallic (21 codes) and occlusion (24) 9, mesh normal 1 |
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
-//! | with any optional | [`WRITTEN_FORMAT`] | optional targets written, as bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets) |
+//! | with any optional | [`VALID_MASK_FORMAT`] | optional targets written, as bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets) |
 //! | optional | [`EMISSIVE_FORMAT`] | [shared-exponent light](light) |
 //! | optional | [`SPECIALIZATION_FORMAT`] | [specular constant, shading model, flags](specialization) |
 //! | optional | [`MOTION_FORMAT`] | [motion vector](motion) |
@@ -43,7 +43,7 @@ pub const SURFACE_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the target that holds normal and roughness.
 pub const NORMAL_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the target that flags the optional targets with a word of the surface.
-pub const WRITTEN_FORMAT: TextureFormat = TextureFormat::R8Uint;
+pub const VALID_MASK_FORMAT: TextureFormat = TextureFormat::R8Uint;
 /// Format of the optional target that holds emitted light.
 pub const EMISSIVE_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of the optional target that holds properties of a surface that are not at their defaults.

@@ -25,12 +25,12 @@ const HALF_STEPS: f32 = 2047.0;
 /// Both words of a pixel that no mesh was drawn to.
 const NO_GEOMETRY: u32 = 0u;
 
-// Bits of the `written` target, one per optional target that holds a word of the pixel's surface. The others hold a word of a
+// Bits of the `valid_mask` target, one per optional target that holds a word of the pixel's surface. The others hold a word of a
 // surface behind it, or nothing.
-const EMISSIVE_WRITTEN: u32 = 1u;
-const SPECIALIZATION_WRITTEN: u32 = 2u;
-const MOTION_WRITTEN: u32 = 4u;
-const VISIBILITY_MASK_WRITTEN: u32 = 8u;
+const EMISSIVE_VALID: u32 = 1u;
+const SPECIALIZATION_VALID: u32 = 2u;
+const MOTION_VALID: u32 = 4u;
+const VISIBILITY_MASK_VALID: u32 = 8u;
 
 struct Surface {
     /// Linear, 0 to 1.

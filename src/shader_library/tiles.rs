@@ -4,11 +4,11 @@ use bevy::{prelude::*, render::renderer::RenderAdapterInfo};
 use wgpu::DeviceType;
 
 /// Pixels per side of the tile that one workgroup covers.
-pub const SIDE: u32 = 8;
+pub const TILE_SIDE: u32 = 8;
 
 /// Workgroups that cover `size` pixels.
 pub(crate) fn count(size: UVec2) -> UVec2 {
-    UVec2::new(size.x.div_ceil(SIDE), size.y.div_ceil(SIDE))
+    UVec2::new(size.x.div_ceil(TILE_SIDE), size.y.div_ceil(TILE_SIDE))
 }
 
 /// Order of the rows of tiles.

@@ -1,7 +1,7 @@
 // 8×8 tiles in which compute passes cover a view: one workgroup of 64 invocations per tile.
 #define_import_path bevy_lean_deferred::tiles
 
-const SIDE: u32 = 8u;
+const TILE_SIDE: u32 = 8u;
 
 /// Position of invocation `i` of 64 in its tile, in Z-order: the pixels of a subgroup of any size are close together (8 cover
 /// 4×2, 32 cover 8×4) and see the same lights.
@@ -14,5 +14,5 @@ fn place_in_tile(i: u32) -> vec2<u32> {
 /// Pixel of an invocation, relative to the viewport's corner. `row_stride` is that of `tiles.rs`.
 fn pixel_in_view(tile: vec2<u32>, tiles: vec2<u32>, row_stride: u32, invocation: u32) -> vec2<u32> {
     let row = (tile.y * row_stride) % tiles.y;
-    return vec2(tile.x, row) * SIDE + place_in_tile(invocation);
+    return vec2(tile.x, row) * TILE_SIDE + place_in_tile(invocation);
 }

@@ -5,8 +5,8 @@
 //! of linear values is half a step; the files state those of others. `tests/shaders/layout_optional.rs` measures and bounds them.
 
 pub mod anisotropy;
-pub mod backlight;
 pub mod clearcoat;
+pub mod diffuse_transmission;
 pub mod rim;
 pub mod subsurface;
 pub mod unlit;
@@ -15,7 +15,7 @@ use bevy::{prelude::*, shader::load_shader_library};
 
 pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "anisotropy.wgsl");
-    load_shader_library!(app, "backlight.wgsl");
+    load_shader_library!(app, "diffuse_transmission.wgsl");
     load_shader_library!(app, "clearcoat.wgsl");
     load_shader_library!(app, "rim.wgsl");
     load_shader_library!(app, "subsurface.wgsl");

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::{
-    exchange::LightExchange,
+    lighting_io::LightingIo,
     surfaces::{GBufferTargets, LightingVariants},
 };
 
@@ -24,7 +24,7 @@ pub struct ActiveLeanView {
     /// The kinds of special surfaces that lighting is compiled for.
     pub(crate) variants: LightingVariants,
     /// The light that lighting exchanges with other effects.
-    pub exchange: LightExchange,
+    pub io: LightingIo,
     /// Meshes are drawn in two phases: those that were visible before, then those that the resulting depth does not
     /// occlude.
     pub culls_in_two_phases: bool,
@@ -45,7 +45,7 @@ impl ActiveLeanView {
 
     /// True if light scatters beneath some of its surfaces.
     pub(crate) fn scatters(&self) -> bool {
-        self.exchange.contains(LightExchange::SUBSURFACE_LIGHT) && self.variants.scatter()
+        self.io.contains(LightingIo::SUBSURFACE_LIGHT) && self.variants.scatter()
     }
 
     /// True if meshes that need no optional targets are drawn in the pass with these too: in the second phase of
@@ -80,7 +80,7 @@ impl Demand {
         if !view.has_light_layers {
             self.targets.remove(GBufferTargets::VISIBILITY_MASK);
         }
-        if !view.exchange.contains(LightExchange::SUBSURFACE_LIGHT) {
+        if !view.io.contains(LightingIo::SUBSURFACE_LIGHT) {
             self.variants = self.variants.unscattered();
         }
         self

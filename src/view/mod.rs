@@ -21,7 +21,7 @@
 // - `cut.rs`: camera cuts.
 // - `averaging.rs`: detects views whose frames are averaged over time.
 // - `depth_usage.rs`: usages of depth textures.
-// - `exchange.rs`: data that effects take from lighting and give to it.
+// - `lighting_io.rs`: light that effects take from lighting and give to it.
 // - `overrides/`: changes to cameras, and their reversal.
 // - `in_use.rs`: skips the systems of effects that no camera has.
 // - `removal.rs`: removes dependent components together with their source.
@@ -33,8 +33,8 @@ mod active;
 mod averaging;
 mod cut;
 pub(crate) mod depth_usage;
-mod exchange;
 mod in_use;
+mod lighting_io;
 mod out_of_memory;
 pub(crate) mod overrides;
 pub(crate) mod pass_order;
@@ -50,19 +50,18 @@ pub use active::ActiveLeanView;
 pub(crate) use active::Demand;
 pub(crate) use averaging::FrameAveraging;
 pub use cut::{CameraCut, CameraCuts};
-pub(crate) use exchange::ExchangeQuery;
-#[doc(hidden)]
-pub use exchange::{
-    DiffuseLight, IndirectDiffuse, IndirectSpecular, LightExchange, ReadsDiffuseLight,
-    ScattersLight,
-};
 pub(crate) use in_use::EffectSystems;
+pub(crate) use lighting_io::LightingIoQuery;
+#[doc(hidden)]
+pub use lighting_io::{
+    DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo, ReadsDiffuseLight, ScattersLight,
+};
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
 #[doc(hidden)]
 pub use schedule::DebugViewPasses;
 pub(crate) use schedule::{
-    ExposureOverlayPasses, ExposurePasses, FoundLightPasses, HistoryPasses, ViewTextureSystems,
+    ExposureOverlayPasses, ExposurePasses, HistoryPasses, IndirectLightPasses, ViewTextureSystems,
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
 pub use settings::{DebugChannel, GeometricNormal, LeanDeferred, LightCulling};

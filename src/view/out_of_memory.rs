@@ -15,7 +15,7 @@ use bevy::{
 };
 use wgpu::{ErrorFilter, Extent3d};
 
-use super::{ExchangeQuery, LightExchange};
+use super::{LightingIo, LightingIoQuery};
 
 /// In the render world: the cameras whose textures do not fit.
 #[derive(Resource, Default)]
@@ -29,8 +29,8 @@ pub struct OutOfMemory {
 
 struct Lack {
     label: &'static str,
-    /// Size of the camera's target, and exchange of its effects with lighting. If these change, it is tried again.
-    tried_with: Option<(Option<UVec2>, LightExchange)>,
+    /// Size of the camera's target, and what its effects exchange with lighting. If these change, it is tried again.
+    tried_with: Option<(Option<UVec2>, LightingIo)>,
 }
 
 impl OutOfMemory {
@@ -109,16 +109,16 @@ fn make_huge(device: &RenderDevice) {
 /// Lets cameras try again if their target's size or their effects changed, or if they are switched off or despawned.
 pub(super) fn forget_cameras(
     mut memory: ResMut<OutOfMemory>,
-    cameras: Query<(&ExtractedCamera, ExchangeQuery)>,
+    cameras: Query<(&ExtractedCamera, LightingIoQuery)>,
 ) {
     if memory.lacking.is_empty() {
         return;
     }
     memory.lacking.retain(|view, lack| {
-        cameras.get(*view).is_ok_and(|(camera, exchange)| {
+        cameras.get(*view).is_ok_and(|(camera, io)| {
             // Ignored because scattering meshes enter and leave the view.
-            let exchange = LightExchange::asked(exchange) - LightExchange::SUBSURFACE_LIGHT;
-            let now = (camera.physical_target_size, exchange);
+            let io = LightingIo::asked(io) - LightingIo::SUBSURFACE_LIGHT;
+            let now = (camera.physical_target_size, io);
             *lack.tried_with.get_or_insert(now) == now
         })
     });

@@ -24,8 +24,8 @@ use bevy::{
 use indexmap::IndexSet;
 
 use super::schedule::{
-    DebugViewPasses, ExposureOverlayPasses, ExposurePasses, FoundLightPasses, GBufferPasses,
-    HistoryPasses, LightingPasses, OpaquePicturePasses,
+    DebugViewPasses, ExposureOverlayPasses, ExposurePasses, GBufferPasses, HistoryPasses,
+    IndirectLightPasses, LightingPasses, OpaquePicturePasses,
 };
 
 /// Orders the systems of some sets before or after others that have no order against them. The others may belong to
@@ -95,7 +95,7 @@ impl PassOrder {
             rules.push(Rule::before(&[set], following(main_transparent_pass_3d)));
         }
         for set in [
-            FoundLightPasses.intern(),
+            IndirectLightPasses.intern(),
             OpaquePicturePasses.intern(),
             DebugViewPasses.intern(),
         ] {

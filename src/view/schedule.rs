@@ -31,7 +31,7 @@ pub struct OpaquePicturePasses;
 
 /// Effects that compute indirect light or occlusion from the G-buffer, before lighting reads it, in `Core3d`.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
-pub(crate) struct FoundLightPasses;
+pub(crate) struct IndirectLightPasses;
 
 /// Keeps the frame as history for the next one: after all other systems of `Core3dSystems::MainPass` that are not
 /// ordered after it.

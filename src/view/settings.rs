@@ -171,7 +171,7 @@ pub enum DebugChannel {
     Depth,
     /// Emitted light and that of lightmaps, exposed. Black while no visible mesh has any.
     Emissive,
-    /// A colour per shading model: subsurface pink, anisotropy yellow, rim cyan, clearcoat blue, backlight green, unlit
+    /// A colour per shading model: subsurface pink, anisotropy yellow, rim cyan, clearcoat blue, diffuse transmission green, unlit
     /// magenta; plain surfaces grey by their specular constant (white at 2).
     ShadingModel,
     /// Motion of meshes that move or deform: grey at rest, red and green with the motion across the picture (full at a

@@ -40,7 +40,7 @@ pub enum ShadingModel {
     /// A second, clear lobe on top.
     Clearcoat = 4,
     /// Light on the back side is transmitted to the front.
-    Backlight = 5,
+    DiffuseTransmission = 5,
     /// The base colour, regardless of light.
     Unlit = 6,
 }

@@ -11,13 +11,13 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture, target_image},
-    held_back::HeldBack,
     log_watch,
     metrics::pixel_difference,
     own_process::in_own_process,
     random::Random,
     random_values::{Values, toggle},
     scenes::{SceneBuilder, build::default_camera_transform},
+    stalled_pipelines::StalledPipelines,
 };
 
 const SIZE: UVec2 = UVec2::new(64, 48);
@@ -194,12 +194,12 @@ fn check(seed: u64, frames: usize) {
     let before = setting.settled();
     let mut random = Random::new(seed);
     let mut changes = Vec::new();
-    let mut held_back: Option<(HeldBack, usize)> = None;
+    let mut stalled_pipelines: Option<(StalledPipelines, usize)> = None;
     for frame in 0..frames {
-        match &mut held_back {
+        match &mut stalled_pipelines {
             Some((_, frames)) if *frames > 0 => *frames -= 1,
-            Some(_) => held_back = None,
-            None if random.below(4) == 0 => held_back = Some((HeldBack::new(), 20)),
+            Some(_) => stalled_pipelines = None,
+            None if random.below(4) == 0 => stalled_pipelines = Some((StalledPipelines::new(), 20)),
             None => {}
         }
         for _ in 0..random.below(5) {
@@ -215,7 +215,7 @@ fn check(seed: u64, frames: usize) {
             last.join("\n")
         );
     }
-    drop(held_back);
+    drop(stalled_pipelines);
     let after = setting.settled();
     let difference = pixel_difference(&before, &after);
     println!("seed {seed}: {difference}");

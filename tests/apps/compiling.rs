@@ -14,13 +14,13 @@ use bevy_lean_deferred::{
     screen_space::{ViewHistory, diffuse_gi::ViewGi, reflections::ReflectionBindings},
 };
 use kit::{
+    analytic_slabs::{SKIN, slab},
     headless::{Headless, target_image},
-    held_back::HeldBack,
-    known_slabs::{SKIN, slab},
     lean::active_lean_views,
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{SceneBuilder, build::default_camera_transform},
+    stalled_pipelines::StalledPipelines,
 };
 
 const SIZE: UVec2 = UVec2::new(96, 64);
@@ -128,12 +128,12 @@ impl Walk {
 
     /// Moves while the pipelines of a change compile, and compares each frame.
     fn watch(&mut self, name: &str, least_psnr: f64) {
-        let held_back = HeldBack::new();
+        let stalled_pipelines = StalledPipelines::new();
         let mut worst = f64::INFINITY;
         for _ in 0..HELD_BACK {
             worst = worst.min(self.compare(name, least_psnr));
         }
-        drop(held_back);
+        drop(stalled_pipelines);
         let mut quiet = 0;
         for frame in 0..PATIENCE {
             worst = worst.min(self.compare(name, least_psnr));
@@ -384,14 +384,14 @@ fn effects_keep_their_last_frame_while_motion_comes() {
         assert_eq!(follows_last_frame(&mut walk.headless), [true; 3]);
 
         let mut watch = |name: &str, change: &dyn Fn(&mut EntityWorldMut)| {
-            let held_back = HeldBack::new();
+            let stalled_pipelines = StalledPipelines::new();
             change(&mut walk.headless.world().entity_mut(walk.tested));
             for frame in 0..HELD_BACK {
                 walk.step();
                 let follows = follows_last_frame(&mut walk.headless);
                 assert_eq!(follows, [true; 3], "{name}, frame {frame}");
             }
-            drop(held_back);
+            drop(stalled_pipelines);
             let mut quiet = 0;
             while quiet < FRAMES_AFTER {
                 walk.step();
@@ -442,7 +442,7 @@ fn effects_go_on_when_a_projection_becomes_plain() {
         ));
         walk.settle();
         assert_eq!(active_lean_views(&mut walk.headless), 1);
-        let held_back = HeldBack::new();
+        let stalled_pipelines = StalledPipelines::new();
         walk.both(|camera| {
             camera.insert(oblique(PerspectiveProjection::default().near_clip_plane));
         });
@@ -454,7 +454,7 @@ fn effects_go_on_when_a_projection_becomes_plain() {
             let psnr = pixel_difference(&forward, &lean).psnr;
             println!("{psnr:.1} dB");
         }
-        drop(held_back);
+        drop(stalled_pipelines);
         walk.settle();
     });
 }

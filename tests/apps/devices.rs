@@ -19,10 +19,10 @@ use bevy_lean_deferred::{
     screen_space::{self, subsurface},
 };
 use kit::{
+    analytic_slabs::{SKIN, slab},
     device::render_plugin_within,
     gpu,
     headless::Headless,
-    known_slabs::{SKIN, slab},
     lean::active_lean_views,
     log_watch,
     own_process::in_own_process,

@@ -11,8 +11,8 @@ use bevy_lean_deferred::{
     screen_space::subsurface::ActiveScattering, view::ActiveLeanView,
 };
 use kit::{
+    analytic_slabs::{SKIN, slab},
     headless::{Headless, Picture, target_image},
-    known_slabs::{SKIN, slab},
     lean::build,
     log_watch,
     metrics::pixel_difference,

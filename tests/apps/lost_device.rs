@@ -12,9 +12,9 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    analytic_slabs::{SKIN, slab},
     device::render_creation,
     headless::{Headless, Picture},
-    known_slabs::{SKIN, slab},
     lean::{active_lean_views, build, change_cameras, set_lean},
     metrics::pixel_difference,
     own_process::in_own_process,

@@ -19,20 +19,20 @@ use bevy_lean_deferred::{
     },
 };
 use kit::{
+    analytic_slabs::{patterned, slab, step},
+    gpu_usage::GpuUsage,
     headless::Headless,
-    held::Held,
-    known_slabs::{patterned, slab, step},
     lean::{active_lean_views, build, set_lean},
     skipped::has_room_for_scattering,
 };
 
 /// Resources once nothing changes any more. Excludes buffers and their bytes, which Bevy grows at will, and pipelines, which it keeps.
-fn held(headless: &mut Headless) -> Held {
-    Held {
+fn held(headless: &mut Headless) -> GpuUsage {
+    GpuUsage {
         buffers: 0,
         bytes: 0,
         pipelines: 0,
-        ..Held::once_settled(headless)
+        ..GpuUsage::once_settled(headless)
     }
 }
 
@@ -62,7 +62,7 @@ fn what_is_held_is_given_back() {
     held_by(true, true);
     assert_eq!(active_lean_views(&mut headless), 1, "it is off for ever");
 
-    let textures = |held: Held| [held.textures, held.texture_views];
+    let textures = |held: GpuUsage| [held.textures, held.texture_views];
     assert_eq!(
         textures(lean),
         textures(forward).map(|count| count + 2),

@@ -7,7 +7,7 @@ use bevy::{
 };
 use bevy_lean_deferred::auto_exposure::{ExposureBindings, LeanAutoExposure};
 
-use kit::{headless::Headless, held::Held};
+use kit::{gpu_usage::GpuUsage, headless::Headless};
 
 fn headless(effects: impl Bundle) -> (Headless, Entity) {
     let mut headless = Headless::new(UVec2::new(300, 200));
@@ -64,12 +64,12 @@ fn what_is_held_is_given_back() {
         }
         headless.settle();
         headless.frames(8);
-        let Held {
+        let GpuUsage {
             textures,
             buffers,
             bind_groups,
             ..
-        } = Held::now(&headless);
+        } = GpuUsage::now(&headless);
         let held = [textures, buffers, bind_groups];
         println!("auto exposure: {auto_exposure}, textures, buffers, bind groups: {held:?}");
         held

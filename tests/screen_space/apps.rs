@@ -6,9 +6,9 @@ use bevy_lean_deferred::{
     view::{DiffuseLight, OutOfMemory},
 };
 use kit::{
+    analytic_light::{Errors, Seen, look, look_at_once, see, surface},
+    analytic_mirrors::metal,
     headless::Headless,
-    known_light::{Errors, Seen, look, look_at_once, see, surface},
-    known_mirrors::metal,
     lean::{build, change_cameras, show},
     own_process::in_own_process,
 };

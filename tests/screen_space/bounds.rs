@@ -13,10 +13,10 @@ use bevy_lean_deferred::{
     screen_space::{ViewHistory, diffuse_gi::ViewGi},
 };
 use kit::{
+    analytic_light::{Errors, camera, see, surface},
+    analytic_mirrors::{metal, mirror_app},
     hdr::read_light,
     headless::Headless,
-    known_light::{Errors, camera, see, surface},
-    known_mirrors::{metal, mirror_app},
     lean::change_cameras,
     own_process::in_own_process,
 };

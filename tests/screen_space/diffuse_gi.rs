@@ -6,11 +6,11 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    headless::Headless,
-    known_light::{
+    analytic_light::{
         CONVERGED, Seen, camera, errors, groove_app, groove_errors, groove_light, look,
         look_at_once, see, show, sphere, surface, wall,
     },
+    headless::Headless,
     lean::change_cameras,
     own_process::in_own_process,
 };

@@ -3,9 +3,9 @@
 
 use bevy::prelude::*;
 use kit::{
+    analytic_light::{Seen, errors, see, surface},
+    analytic_mirrors::metal,
     headless::Headless,
-    known_light::{Seen, errors, see, surface},
-    known_mirrors::metal,
     lean::{build, change_cameras},
     own_process::in_own_process,
 };

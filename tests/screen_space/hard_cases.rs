@@ -3,9 +3,9 @@
 
 use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use kit::{
+    analytic_light::{Seen, camera, errors, look, look_at_once, see, surface},
+    analytic_mirrors::{metal, mirror_app},
     headless::Headless,
-    known_light::{Seen, camera, errors, look, look_at_once, see, surface},
-    known_mirrors::{metal, mirror_app},
     lean::{change_cameras, show},
     own_process::in_own_process,
     skipped::on_swiftshader,

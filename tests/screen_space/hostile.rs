@@ -9,10 +9,10 @@ use bevy::{
 };
 use bevy_lean_deferred::screen_space::{ViewHistory, diffuse_gi::ViewGi};
 use kit::{
+    analytic_light::{Seen, look, see, surface},
+    analytic_mirrors::metal,
     hdr::read_light,
     headless::Headless,
-    known_light::{Seen, look, see, surface},
-    known_mirrors::metal,
     lean::build,
     own_process::in_own_process,
     scenes::SceneBuilder,

@@ -6,8 +6,8 @@ use bevy::{
     prelude::*,
 };
 use kit::{
-    known_light::{camera, show, surface},
-    known_mirrors::{metal, mirror_app, show_mirror},
+    analytic_light::{camera, show, surface},
+    analytic_mirrors::{metal, mirror_app, show_mirror},
     lean::change_cameras,
     own_process::in_own_process,
 };

@@ -3,9 +3,9 @@
 use bevy::{mesh::skinning::SkinnedMesh, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    analytic_light::{Seen, camera, errors, look, look_at_once, see, surface},
+    analytic_mirrors::{compare, metal, mirror_app, show_mirror},
     headless::Headless,
-    known_light::{Seen, camera, errors, look, look_at_once, see, surface},
-    known_mirrors::{compare, metal, mirror_app, show_mirror},
     lean::{build, change_cameras, show},
     own_process::in_own_process,
     scenes::{SceneBuilder, meshes::skinned},

@@ -3,13 +3,13 @@
 use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    hdr::light,
-    headless::Headless,
-    known_light::{camera, surface},
-    known_mirrors::{
+    analytic_light::{camera, surface},
+    analytic_mirrors::{
         GlowingQuad, metal, mirror_app, rough_floor, rough_floor_under, show_mirror,
         with_bevys_reflections,
     },
+    hdr::light,
+    headless::Headless,
     lean::change_cameras,
     own_process::in_own_process,
     scenes::SceneBuilder,

@@ -7,8 +7,8 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    analytic_light::{Seen, camera, look_at_once, see, surface},
     headless::Headless,
-    known_light::{Seen, camera, look_at_once, see, surface},
     lean::show,
     scenes::SceneBuilder,
 };

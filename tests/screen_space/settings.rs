@@ -15,9 +15,9 @@ use bevy_lean_deferred::{
     },
 };
 use kit::{
+    analytic_light::{Seen, look_at_once, see, surface},
+    analytic_mirrors::metal,
     headless::Headless,
-    known_light::{Seen, look_at_once, see, surface},
-    known_mirrors::metal,
     lean::{build, change_cameras},
     log_watch,
     own_process::in_own_process,

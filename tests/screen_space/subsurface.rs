@@ -3,10 +3,10 @@
 use bevy::{camera::ScalingMode, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    analytic_balls::ball,
+    analytic_light::{Seen, camera, errors, show},
+    analytic_slabs::{SKIN, beside, patterned, slab, step, stored_paths},
     headless::Headless,
-    known_balls::ball,
-    known_light::{Seen, camera, errors, show},
-    known_slabs::{SKIN, beside, patterned, slab, step, stored_paths},
     scenes::SceneBuilder,
     skipped::where_light_scatters,
 };

@@ -10,9 +10,9 @@ use bevy_lean_deferred::{
     lighting::SubsurfaceLight, prelude::*, screen_space::subsurface::ViewSubsurface,
 };
 use kit::{
+    analytic_light::{Seen, camera, look, see, show},
+    analytic_slabs::{SKIN, patterned, slab, step},
     headless::Headless,
-    known_light::{Seen, camera, look, see, show},
-    known_slabs::{SKIN, patterned, slab, step},
     lean::{self, build, change_cameras},
     log_watch,
     scenes::SceneBuilder,

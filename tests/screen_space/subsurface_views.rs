@@ -3,9 +3,9 @@
 use bevy::{camera::Viewport, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    analytic_light::{Seen, camera, show},
+    analytic_slabs::{SKIN, beside, patterned, slab, step, stored_paths},
     headless::Headless,
-    known_light::{Seen, camera, show},
-    known_slabs::{SKIN, beside, patterned, slab, step, stored_paths},
     scenes::SceneBuilder,
     skipped::where_light_scatters,
 };

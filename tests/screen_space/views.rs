@@ -3,9 +3,9 @@
 use bevy::{camera::Viewport, core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
+    analytic_light::{Seen, camera, errors, look, see, surface},
+    analytic_mirrors::{metal, mirror_app},
     headless::Headless,
-    known_light::{Seen, camera, errors, look, see, surface},
-    known_mirrors::{metal, mirror_app},
     lean::{build, change_cameras, show},
     metrics::pixel_difference,
     own_process::in_own_process,

@@ -29,7 +29,7 @@ const MODULES: [WgslModule; 16] = [
     stand_in("#define_import_path bevy_pbr::irradiance_volume"),
     shipped_wgsl!("shading_models/anisotropy.wgsl"),
     shipped_wgsl!("shading_models/clearcoat.wgsl"),
-    shipped_wgsl!("shading_models/backlight.wgsl"),
+    shipped_wgsl!("shading_models/diffuse_transmission.wgsl"),
     shipped_wgsl!("shading_models/rim.wgsl"),
     shipped_wgsl!("shading_models/subsurface.wgsl"),
     shipped_wgsl!("shading_models/unlit.wgsl"),

@@ -56,7 +56,7 @@ fn definitions(row: &[&[&'static str]], always: &[&'static str]) -> Definitions 
         .collect();
     // Optional targets come with a definition that says which of them are written.
     if defs.keys().any(|name| name.starts_with("GBUFFER_")) {
-        defs.extend([definition("GBUFFER_WRITTEN")]);
+        defs.extend([definition("GBUFFER_VALID_MASK")]);
     }
     let names: HashSet<String> = defs.keys().cloned().collect();
     defs.retain(|name, _| occurs(name, |other| names.contains(other)));
@@ -416,7 +416,7 @@ fn bevys_definitions_are_tried_and_not_restated() {
 fn every_definition_of_the_lighting_shader_is_tried() {
     let tried = tried(
         LIGHTING,
-        &["DEPTH_PREPASS", "GBUFFER_WRITTEN", "SHOWS_LIGHT"],
+        &["DEPTH_PREPASS", "GBUFFER_VALID_MASK", "SHOWS_LIGHT"],
     );
     let pipeline = include_str!("../../src/lighting/pipeline.rs");
     assert_all_tried("pipeline.rs", pipeline, &tried);

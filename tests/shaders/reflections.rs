@@ -6,7 +6,7 @@ use bevy_lean_deferred::{
     shader_library::ggx::sample_lobe,
 };
 use kit::{
-    compute::Compute, known_mirrors::sent_on, random::Random, shipped_wgsl,
+    analytic_mirrors::sent_on, compute::Compute, random::Random, shipped_wgsl,
     skipped::on_swiftshader, wgsl::WgslModule,
 };
 

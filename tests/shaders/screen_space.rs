@@ -58,14 +58,14 @@ fn reflections_compose() {
         "SMOOTH_STEPS=8",
     ];
     let choices = [divisors, special, &PROJECTIONS];
-    check!("reflections/cells.wgsl", &samples, &choices);
+    check!("reflections/hi_z.wgsl", &samples, &choices);
     let shown: &[&str] = &["", "SHOWN"];
     let traced = [divisors, special, &PROJECTIONS, shown];
     check!("reflections/trace.wgsl", &samples, &traced);
     check!("reflections/resolve.wgsl", &samples, &choices);
-    let lobes: &[&str] = &["LOBES"];
+    let lobes: &[&str] = &["SPATIAL_FILTER"];
     let choices = [divisors, special, &PROJECTIONS, lobes];
-    check!("reflections/lobes.wgsl", &samples, &choices);
+    check!("reflections/spatial_filter.wgsl", &samples, &choices);
 }
 
 #[test]

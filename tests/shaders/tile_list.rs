@@ -19,7 +19,7 @@ const MODULES: [WgslModule; 3] = [
 const TILE: usize = 64;
 /// Number of tested tiles, for which the list has room.
 const TILES: usize = 512;
-/// Plain surfaces, clearcoat, backlight, and rim with a lightmap.
+/// Plain surfaces, clearcoat, diffuse_transmission, and rim with a lightmap.
 const KINDS: [u32; 4] = [0, 4, 5, 3 + 8];
 
 const LIST_TILES: &str = "

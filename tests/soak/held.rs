@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
-use kit::held::Held;
+use kit::gpu_usage::GpuUsage;
 
 use crate::stage::{SIZES, Stage};
 
@@ -11,12 +11,12 @@ use crate::stage::{SIZES, Stage};
 /// seven epochs of seeds 31 and 32); buffers of views that are gone (seed 1 has 83 after 256 frames and 249 after 384); and memory (8 MiB
 /// from one half of seed 3's frames 640 to 768 to the other). Bevy does not release bind groups, which [`left_by`] compares, and it keeps
 /// each pipeline that it made.
-pub fn assert_it_does_not_climb(held: &[Held]) {
+pub fn assert_it_does_not_climb(held: &[GpuUsage]) {
     let (first_half, rest) = held.split_at(held.len().div_ceil(2));
     let Some(last) = rest.last() else {
         return;
     };
-    let climbs = |count: fn(&Held) -> usize, allowed: usize| {
+    let climbs = |count: fn(&GpuUsage) -> usize, allowed: usize| {
         count(last) > first_half.iter().map(count).max().unwrap_or(0) + allowed
     };
     let climbs = climbs(|held| held.textures, 3)
@@ -97,7 +97,7 @@ fn give_all(stage: &mut Stage, camera: Entity) {
 }
 
 /// Growth of the live resources over twelve further turns.
-pub fn left_by(what: Coming, is_lean: bool) -> Held {
+pub fn left_by(what: Coming, is_lean: bool) -> GpuUsage {
     let mut stage = Stage::new(is_lean, true);
     let camera = stage.cameras[0];
     give_all(&mut stage, camera);
@@ -105,7 +105,7 @@ pub fn left_by(what: Coming, is_lean: bool) -> Held {
         for turn in 0..12 {
             come_and_go(&mut stage, what, part * 12 + turn);
         }
-        Held::once_settled(&mut stage.headless)
+        GpuUsage::once_settled(&mut stage.headless)
     });
     after.more_than(&before)
 }

@@ -5,7 +5,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use kit::{held::Held, held_back::HeldBack, log_watch, random::Random};
+use kit::{gpu_usage::GpuUsage, log_watch, random::Random, stalled_pipelines::StalledPipelines};
 
 use crate::{cameras, checks, held::assert_it_does_not_climb, scene, stage::Stage, surroundings};
 
@@ -80,15 +80,17 @@ impl Run {
 pub fn run(run: &Run) {
     let is_synchronous = run.seed % 3 != 2;
     let mut stage = Stage::new(run.is_lean, is_synchronous);
-    let mut held: Vec<Held> = Vec::new();
-    let mut held_back: Option<(HeldBack, usize)> = None;
+    let mut held: Vec<GpuUsage> = Vec::new();
+    let mut stalled_pipelines: Option<(StalledPipelines, usize)> = None;
     for frame in run.frames.clone() {
         let mut random = Random::new((run.seed << 32) + frame as u64);
         if !is_synchronous {
-            match &mut held_back {
+            match &mut stalled_pipelines {
                 Some((_, frames)) if *frames > 0 => *frames -= 1,
-                Some(_) => held_back = None,
-                None if random.below(12) == 0 => held_back = Some((HeldBack::new(), 10)),
+                Some(_) => stalled_pipelines = None,
+                None if random.below(12) == 0 => {
+                    stalled_pipelines = Some((StalledPipelines::new(), 10))
+                }
                 None => {}
             }
         }
@@ -108,13 +110,13 @@ pub fn run(run: &Run) {
         let errors = log_watch::messages_with("Caught rendering error");
         assert!(errors.is_empty(), "frame {frame}: {}", errors.join("\n"));
         if run.is_lean && frame % NUMBERS == NUMBERS - 1 {
-            drop(held_back.take());
+            drop(stalled_pipelines.take());
             checks::check(&mut stage, frame, frame % TWINS == TWINS - 1);
         }
         if frame % EPOCH == EPOCH - 1 || frame + 1 == run.frames.end {
-            drop(held_back.take());
+            drop(stalled_pipelines.take());
             stage.clear();
-            held.push(Held::once_settled(&mut stage.headless));
+            held.push(GpuUsage::once_settled(&mut stage.headless));
             println!("frame {frame}: {:?}", held.last());
             stage.fill();
         }

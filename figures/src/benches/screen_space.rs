@@ -126,7 +126,14 @@ impl Kind {
     fn passes(self) -> &'static [&'static str] {
         match self {
             Self::DiffuseLight => &["levels", "gather", "filter", "lighting"],
-            Self::Reflections => &["history", "cells", "trace", "lobes", "resolve", "lighting"],
+            Self::Reflections => &[
+                "history",
+                "hi-z",
+                "trace",
+                "spatial filter",
+                "resolve",
+                "lighting",
+            ],
             Self::Scattering => &["scattering", "lighting"],
         }
     }

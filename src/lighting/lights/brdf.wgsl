@@ -29,7 +29,7 @@ struct Response {
 }
 
 /// Sum of the responses to all lights, times their colours.
-struct Gathered {
+struct LightAccumulator {
     diffuse: vec3<f32>,
     specular: vec3<f32>,
     fresnel: vec3<f32>,
@@ -42,33 +42,33 @@ struct Gathered {
 #endif
 }
 
-fn gather(gathered: ptr<function, Gathered>, response: Response, color: vec3<f32>) {
-    (*gathered).diffuse += response.diffuse * color;
-    (*gathered).specular += response.specular * color;
-    (*gathered).fresnel += response.fresnel * color;
+fn accumulate(accumulator: ptr<function, LightAccumulator>, response: Response, color: vec3<f32>) {
+    (*accumulator).diffuse += response.diffuse * color;
+    (*accumulator).specular += response.specular * color;
+    (*accumulator).fresnel += response.fresnel * color;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    (*gathered).coat += response.coat * color;
+    (*accumulator).coat += response.coat * color;
 #endif
 }
 
-/// Clamp of gathered light: infinity × 0 is NaN.
+/// Clamp of accumulated light: infinity × 0 is NaN.
 const BRIGHTEST: f32 = 1e30;
 
-/// Applies the surface's colours to the gathered light.
-fn lit_of(point: ptr<function, ShadingPoint>, gathered: Gathered) -> Lit {
+/// Applies the surface's colours to the accumulated light.
+fn lit_of(point: ptr<function, ShadingPoint>, accumulator: LightAccumulator) -> Lit {
     let normal = (*point).F_normal;
-    let specular = min(gathered.specular, vec3(BRIGHTEST));
-    let fresnel = min(gathered.fresnel, vec3(BRIGHTEST));
+    let specular = min(accumulator.specular, vec3(BRIGHTEST));
+    let fresnel = min(accumulator.fresnel, vec3(BRIGHTEST));
     // (1 - cos)⁵ interpolates from the reflectance at normal incidence to that at grazing angles (Schlick 1994).
     let boundary = normal * specular + ((*point).F_grazing - normal) * fresnel;
     var lit: Lit;
-    lit.diffuse = (*point).diffuse_color * min(gathered.diffuse, vec3(BRIGHTEST)) * INVERSE_PI;
+    lit.diffuse = (*point).diffuse_color * min(accumulator.diffuse, vec3(BRIGHTEST)) * INVERSE_PI;
     lit.specular = (*point).multiscatter * boundary;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    lit.specular += min(gathered.coat, vec3(BRIGHTEST));
+    lit.specular += min(accumulator.coat, vec3(BRIGHTEST));
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    lit.diffuse += (*point).transmitted_color * min(gathered.transmitted, vec3(BRIGHTEST)) * INVERSE_PI;
+    lit.diffuse += (*point).transmitted_color * min(accumulator.transmitted, vec3(BRIGHTEST)) * INVERSE_PI;
 #endif
     return lit;
 }

@@ -1,7 +1,7 @@
 // Light from one point or spot light, like Bevy's `point_light` and `spot_light`.
 #define_import_path bevy_lean_deferred::lighting::lights::clustered_light
 
-#import bevy_lean_deferred::lighting::lights::brdf::{Gathered, LEAST_SQUARE, Response, gather, response}
+#import bevy_lean_deferred::lighting::lights::brdf::{LightAccumulator, LEAST_SQUARE, Response, accumulate, response}
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
 #import bevy_pbr::{
     lighting::getRangeFalloff,
@@ -104,13 +104,13 @@ fn texture_of(id: u32, is_spot: bool, position: vec3<f32>) -> f32 {
 
 /// Adds the light with this index. Lights out of range are rejected first: most lights near a tile do not reach each of its
 /// pixels.
-fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<function, Gathered>) {
+fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, accumulator: ptr<function, LightAccumulator>) {
     let light = &clustered_lights.data[id];
     let position_radius = (*light).position_radius;
     let color_range = (*light).color_inverse_square_range;
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     if transmits(point) {
-        add_transmitted(point, id, gathered);
+        add_transmitted(point, id, accumulator);
     }
 #endif
     let to_light = position_radius.xyz - (*point).position;
@@ -159,7 +159,7 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, gathered: pt
         reflection.diffuse = 0.0;
     }
 #endif
-    gather(gathered, reflection, color_range.rgb * strength);
+    accumulate(accumulator, reflection, color_range.rgb * strength);
 }
 
 #ifdef SHADOWS
@@ -190,7 +190,7 @@ fn shadow_of(
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 /// Like `add_clustered_light`, for light on the back.
-fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<function, Gathered>) {
+fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, accumulator: ptr<function, LightAccumulator>) {
     let light = &clustered_lights.data[id];
     let color_range = (*light).color_inverse_square_range;
     let to_light = (*light).position_radius.xyz - (*point).back_position;
@@ -224,6 +224,6 @@ fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, gathered: ptr<fu
 #ifdef LIGHT_TEXTURES
     strength *= texture_of(id, is_spot, (*point).back_position);
 #endif
-    (*gathered).transmitted += response_from_behind(point, L) * strength * color_range.rgb;
+    (*accumulator).transmitted += response_from_behind(point, L) * strength * color_range.rgb;
 }
 #endif

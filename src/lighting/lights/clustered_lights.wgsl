@@ -6,7 +6,7 @@
 #define_import_path bevy_lean_deferred::lighting::lights::clustered_lights
 
 #import bevy_lean_deferred::lighting::lights::clustered_light::add_clustered_light
-#import bevy_lean_deferred::lighting::lights::brdf::Gathered
+#import bevy_lean_deferred::lighting::lights::brdf::LightAccumulator
 #import bevy_lean_deferred::lighting::lights::shading_point::{NO_CLUSTER, ShadingPoint}
 #import bevy_pbr::clustered_forward::{
     get_clusterable_object_id, unpack_clusterable_object_index_ranges,
@@ -28,7 +28,7 @@ fn add_clustered_lights(
     corner: vec2<u32>,
     cluster: u32,
     member: u32,
-    gathered: ptr<function, Gathered>,
+    accumulator: ptr<function, LightAccumulator>,
 ) {
     if cluster == NO_CLUSTER {
         return;
@@ -36,7 +36,7 @@ fn add_clustered_lights(
     let ranges = unpack_clusterable_object_index_ranges(cluster);
     let end = ranges.first_reflection_probe_index_offset;
     for (var i = ranges.first_point_light_index_offset; i < end; i++) {
-        add_clustered_light(point, get_clusterable_object_id(i), gathered);
+        add_clustered_light(point, get_clusterable_object_id(i), accumulator);
     }
 }
 #else ifdef LIGHT_CULLING_BY_SUBGROUPS
@@ -55,7 +55,7 @@ fn add_clustered_lights(
     corner: vec2<u32>,
     cluster: u32,
     lane: u32,
-    gathered: ptr<function, Gathered>,
+    accumulator: ptr<function, LightAccumulator>,
 ) {
     var left = cluster;
     loop {
@@ -94,7 +94,7 @@ fn add_clustered_lights(
                         let bit = 32u * word + firstTrailingBit(mask);
                         mask &= mask - 1u;
                         let id = get_clusterable_object_id(first + ones_below(present, bit));
-                        add_clustered_light(point, id, gathered);
+                        add_clustered_light(point, id, accumulator);
                     }
                 }
             }
@@ -125,7 +125,7 @@ fn add_clustered_lights(
     corner: vec2<u32>,
     cluster: u32,
     invocation: u32,
-    gathered: ptr<function, Gathered>,
+    accumulator: ptr<function, LightAccumulator>,
 ) {
     var left = cluster;
     loop {
@@ -198,7 +198,7 @@ fn add_clustered_lights(
                 while mask != 0u {
                     let bit = 32u * word + firstTrailingBit(mask);
                     mask &= mask - 1u;
-                    add_clustered_light(point, get_clusterable_object_id(first + bit), gathered);
+                    add_clustered_light(point, get_clusterable_object_id(first + bit), accumulator);
                 }
             }
             buffer = next;

@@ -1,7 +1,7 @@
 // Light from all directional lights, like Bevy's `directional_light`.
 #define_import_path bevy_lean_deferred::lighting::lights::directional_light
 
-#import bevy_lean_deferred::lighting::lights::brdf::{Gathered, gather, response}
+#import bevy_lean_deferred::lighting::lights::brdf::{LightAccumulator, accumulate, response}
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
 #import bevy_pbr::mesh_view_bindings as view_bindings
 #import bevy_pbr::mesh_view_types
@@ -146,7 +146,7 @@ fn decals_may_turn_normal(pixel: vec2<i32>, position: vec3<f32>, view_z: f32) ->
 fn add_directional_lights(
     point: ptr<function, ShadingPoint>,
     shadows: ptr<function, DirectionalShadows>,
-    gathered: ptr<function, Gathered>,
+    accumulator: ptr<function, LightAccumulator>,
 ) {
     let count = view_bindings::lights.n_directional_lights;
     for (var id = 0u; id < count; id++) {
@@ -163,11 +163,11 @@ fn add_directional_lights(
 #endif
         let L = view_bindings::lights.directional_lights[id].direction_to_light;
         if dot((*point).N, L) > 0.0 {
-            add_directional_light(point, id, L, adds_diffuse, shadows, gathered);
+            add_directional_light(point, id, L, adds_diffuse, shadows, accumulator);
         }
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
         if adds_diffuse && transmits(point) && dot((*point).N, L) < 0.0 {
-            add_transmitted_directional_light(point, id, L, gathered);
+            add_transmitted_directional_light(point, id, L, accumulator);
         }
 #endif
     }
@@ -179,7 +179,7 @@ fn add_directional_light(
     L: vec3<f32>,
     adds_diffuse: bool,
     shadows: ptr<function, DirectionalShadows>,
-    gathered: ptr<function, Gathered>,
+    accumulator: ptr<function, LightAccumulator>,
 ) {
     var shadow = 1.0;
 #ifdef SHADOWS
@@ -204,7 +204,7 @@ fn add_directional_light(
     if !adds_diffuse {
         reflection.diffuse = 0.0;
     }
-    gather(gathered, reflection, color);
+    accumulate(accumulator, reflection, color);
 }
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
@@ -213,7 +213,7 @@ fn add_transmitted_directional_light(
     point: ptr<function, ShadingPoint>,
     id: u32,
     L: vec3<f32>,
-    gathered: ptr<function, Gathered>,
+    accumulator: ptr<function, LightAccumulator>,
 ) {
     var shadow = 1.0;
 #ifdef DIRECTIONAL_SHADOW_MAPS
@@ -223,6 +223,6 @@ fn add_transmitted_directional_light(
     }
 #endif
     let color = color_at(id, (*point).back_position);
-    (*gathered).transmitted += response_from_behind(point, L) * shadow * color;
+    (*accumulator).transmitted += response_from_behind(point, L) * shadow * color;
 }
 #endif

@@ -3,7 +3,7 @@
 // light that they cover, so that none is counted twice and none is lost.
 #define_import_path bevy_lean_deferred::lighting::lights::indirect_light
 
-#import bevy_lean_deferred::lighting::lights::found_light::FoundLight
+#import bevy_lean_deferred::lighting::lights::screen_space_light::ScreenSpaceLight
 #import bevy_lean_deferred::lighting::lights::lit::Lit
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
 #import bevy_pbr::{
@@ -37,7 +37,7 @@ fn add_indirect_light(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
     cluster: u32,
-    found: FoundLight,
+    found: ScreenSpaceLight,
     lit: ptr<function, Lit>,
 ) {
     var found_diffuse = false;
@@ -70,7 +70,7 @@ fn add_indirect_light(
 #endif
     }
 #ifdef INDIRECT_LIGHT
-    add_found_light(point, pbr.specular_occlusion, found, is_lightmapped, lit);
+    add_screen_space_light(point, pbr.specular_occlusion, found, is_lightmapped, lit);
 #endif
 }
 
@@ -98,7 +98,7 @@ fn add_ambient_light(
 ) {
     let occlusion = pbr.diffuse_occlusion;
 #ifdef INDIRECT_DIFFUSE
-    // As for environment maps: the light of its occluders is in `FoundLight`.
+    // As for environment maps: the light of its occluders is in `ScreenSpaceLight`.
     let visible = vec3(pbr.specular_occlusion);
 #else
     let visible = occlusion;
@@ -163,10 +163,10 @@ fn coat_fresnel(point: ptr<function, ShadingPoint>) -> f32 {
 #ifdef INDIRECT_LIGHT
 /// Adds the light of other effects. Lightmaps have the diffuse part already. The environment is `visible` in the mirrored
 /// direction; occluders without a reflection get the mean radiance of the surfaces around.
-fn add_found_light(
+fn add_screen_space_light(
     point: ptr<function, ShadingPoint>,
     visible: f32,
-    found: FoundLight,
+    found: ScreenSpaceLight,
     is_lightmapped: bool,
     lit: ptr<function, Lit>,
 ) {

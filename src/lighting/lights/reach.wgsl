@@ -5,7 +5,7 @@
 #import bevy_lean_deferred::reconstruction::position::{
     SMALLEST_DEPTH, homogeneous_position, ndc_of_fragment, view_position,
 }
-#import bevy_lean_deferred::tiles::SIDE
+#import bevy_lean_deferred::tiles::TILE_SIDE
 #import bevy_pbr::mesh_view_bindings::{clustered_lights, view}
 
 /// Bounding box of surfaces in view space.
@@ -30,11 +30,11 @@ fn stretch(m: mat3x3<f32>) -> vec2<f32> {
 }
 
 /// Bounds all points of a tile with depths in this range. `corner` is its first pixel. Light that enters through the back is
-/// gathered up to `reach` metres behind them.
+/// accumulated up to `reach` metres behind them.
 fn box_of_tile(corner: vec2<u32>, depths: vec2<f32>, reach: f32) -> Box {
     let viewport = view.main_pass_viewport;
     let first = ndc_of_fragment(vec2<f32>(corner) + 0.5, viewport);
-    let last = ndc_of_fragment(vec2<f32>(corner + SIDE) - 0.5, viewport);
+    let last = ndc_of_fragment(vec2<f32>(corner + TILE_SIDE) - 0.5, viewport);
     let d = max(depths, vec2(SMALLEST_DEPTH));
     let a = view_position(view.view_from_clip, vec3(first, d.x));
     let b = view_position(view.view_from_clip, vec3(first, d.y));

@@ -3,5 +3,5 @@
 use crate::gpu::bindings::binding_numbers;
 
 binding_numbers! {
-    FOUND_TEXTURE = 0,
+    SOURCE_TEXTURE = 0,
 }

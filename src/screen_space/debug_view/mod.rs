@@ -27,11 +27,11 @@ use bevy::{
     },
 };
 
-use binding_numbers::FOUND_TEXTURE;
+use binding_numbers::SOURCE_TEXTURE;
 
 use crate::{
     gpu::{
-        bind_group_cache::{CachedBindGroup, FoundLayout},
+        bind_group_cache::{CachedBindGroup, ResolvedLayout},
         bindings::layout,
         timed::timed,
     },
@@ -136,7 +136,7 @@ type Key = (TextureFormat, Shows);
 struct DebugViewPipelines {
     shader: Handle<Shader>,
     fullscreen: FullscreenShader,
-    by_key: HashMap<Key, (CachedRenderPipelineId, FoundLayout)>,
+    by_key: HashMap<Key, (CachedRenderPipelineId, ResolvedLayout)>,
 }
 
 fn init_pipelines(
@@ -152,11 +152,15 @@ fn init_pipelines(
 }
 
 impl DebugViewPipelines {
-    fn get(&mut self, cache: &PipelineCache, key: Key) -> (CachedRenderPipelineId, &FoundLayout) {
+    fn get(
+        &mut self,
+        cache: &PipelineCache,
+        key: Key,
+    ) -> (CachedRenderPipelineId, &ResolvedLayout) {
         let (format, shows) = key;
         let (pipeline, layout) = self.by_key.entry(key).or_insert_with(|| {
-            let found = [(FOUND_TEXTURE, texture_2d(shows.sample_type()))];
-            let layout = FoundLayout::new(cache, layout(LABEL, ShaderStages::FRAGMENT, found));
+            let found = [(SOURCE_TEXTURE, texture_2d(shows.sample_type()))];
+            let layout = ResolvedLayout::new(cache, layout(LABEL, ShaderStages::FRAGMENT, found));
             let pipeline = cache.queue_render_pipeline(RenderPipelineDescriptor {
                 label: Some(LABEL.into()),
                 layout: vec![layout.descriptor().clone()],
@@ -216,7 +220,7 @@ fn prepare_debug_views<V: DebugShown>(
         };
         shown.pipeline = pipeline;
         (shown.group).update(&device, layout, |entries| {
-            entries.push(FOUND_TEXTURE, texture.into_binding())
+            entries.push(SOURCE_TEXTURE, texture.into_binding())
         });
         if let Some(made) = made {
             commands.entity(entity).insert(made);

@@ -2,9 +2,9 @@
 #define_import_path bevy_lean_deferred::screen_space::diffuse_gi::bindings
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_light, unpack_light}
-#import bevy_lean_deferred::screen_space::diffuse_gi::view::GiView
+#import bevy_lean_deferred::screen_space::diffuse_gi::view::GiUniform
 
-@group(0) @binding(0) var<uniform> view: GiView;
+@group(0) @binding(0) var<uniform> view: GiUniform;
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
 @group(0) @binding(2) var normal_texture: texture_2d<u32>;
 /// Diffuse light of the last frame, one word per pixel of the viewport.

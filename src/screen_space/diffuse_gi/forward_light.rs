@@ -20,18 +20,18 @@ use super::{
     active::ActiveGi,
     binding_numbers::{DEPTH_TEXTURE, DIFFUSE_LIGHT_OUTPUT, NORMAL_TEXTURE, PICTURE_TEXTURE, VIEW},
     prepare::{GiUniforms, ViewGi},
-    uniforms::GiView,
+    uniforms::GiUniform,
 };
 use crate::{
     gbuffer::GBufferTextures,
     gpu::{
-        bind_group_cache::FoundLayout,
+        bind_group_cache::ResolvedLayout,
         bindings::layout,
         picture_bind_groups::PictureBindGroups,
         timed::{Dispatch, timed_dispatch},
     },
     shader_library::tiles,
-    view::{ActiveLeanView, DiffuseLight, LightExchange},
+    view::{ActiveLeanView, DiffuseLight, LightingIo},
 };
 
 const LABEL: &str = "lean_deferred/screen_space/diffuse_gi/forward_light";
@@ -40,7 +40,7 @@ const LABEL: &str = "lean_deferred/screen_space/diffuse_gi/forward_light";
 #[derive(Resource)]
 pub(super) struct ForwardLightPipeline {
     shader: Handle<Shader>,
-    queued: Option<(FoundLayout, CachedComputePipelineId)>,
+    queued: Option<(ResolvedLayout, CachedComputePipelineId)>,
 }
 
 pub(super) fn init_forward_light_pipeline(mut commands: Commands, asset_server: Res<AssetServer>) {
@@ -52,7 +52,7 @@ pub(super) fn init_forward_light_pipeline(mut commands: Commands, asset_server: 
 
 impl ForwardLightPipeline {
     /// Queues the pipeline for compilation, once.
-    fn queue(&mut self, cache: &PipelineCache) -> &FoundLayout {
+    fn queue(&mut self, cache: &PipelineCache) -> &ResolvedLayout {
         let shader = &self.shader;
         let (layout, _) = self.queued.get_or_insert_with(|| {
             let words = texture_2d(TextureSampleType::Uint);
@@ -60,13 +60,13 @@ impl ForwardLightPipeline {
             let output =
                 texture_storage_2d(TextureFormat::R32Uint, StorageTextureAccess::WriteOnly);
             let entries = [
-                (VIEW, uniform_buffer::<GiView>(true)),
+                (VIEW, uniform_buffer::<GiUniform>(true)),
                 (DEPTH_TEXTURE, texture_depth_2d()),
                 (NORMAL_TEXTURE, words),
                 (PICTURE_TEXTURE, floats),
                 (DIFFUSE_LIGHT_OUTPUT, output),
             ];
-            let layout = FoundLayout::new(cache, layout(LABEL, ShaderStages::COMPUTE, entries));
+            let layout = ResolvedLayout::new(cache, layout(LABEL, ShaderStages::COMPUTE, entries));
             let pipeline = cache.queue_compute_pipeline(ComputePipelineDescriptor {
                 label: Some(LABEL.into()),
                 layout: vec![layout.descriptor().clone()],
@@ -154,7 +154,7 @@ pub(super) fn add_forward_light(
     let (Some(pipeline), Some(group)) = (pipeline, group) else {
         return;
     };
-    if lean.exchange.contains(LightExchange::DIFFUSE_LIGHT) {
+    if lean.io.contains(LightingIo::DIFFUSE_LIGHT) {
         let dispatch = Dispatch {
             label: LABEL,
             pipeline,

@@ -3,7 +3,7 @@
 // "Horizon-based indirect lighting"). Cosine-weighted in closed form, like ambient occlusion.
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, is_finite, unpack_normal}
 #import bevy_lean_deferred::horizon::{PI, SliceNormal, side_occlusion, slice_normal, tangents}
-#import bevy_lean_deferred::pattern::turn_of
+#import bevy_lean_deferred::pattern::rotation_index
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, depths_around, geometric_normal}
 #import bevy_lean_deferred::reconstruction::position::{position_on, ray_at, ray_step}
 #import bevy_lean_deferred::rounding::{Start, rounded, start_at}
@@ -163,7 +163,7 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     }
 
     let basis = tangents(receiver.to_viewer);
-    let turn_index = turn_of(place);
+    let turn_index = rotation_index(place);
     var found = vec4(0.0);
     for (var slice = 0u; slice < SLICES; slice++) {
         let turn = (f32(slice) + (f32(turn_index) + view.turn) / 16.0) / f32(SLICES);

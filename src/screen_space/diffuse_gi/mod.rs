@@ -41,7 +41,7 @@ pub use {
     active::ActiveGi,
     forward_light::ForwardLight,
     prepare::{GiBindings, ViewGi},
-    uniforms::GiView,
+    uniforms::GiUniform,
 };
 
 use bevy::{
@@ -56,12 +56,13 @@ use bevy::{
 };
 
 use super::{
-    debug_view::DebugViewPlugin, shown_exposure::ShownExposurePlugin, succession::SuccessionPlugin,
+    debug_view::DebugViewPlugin, history_validity::HistoryValidityPlugin,
+    shown_exposure::ShownExposurePlugin,
 };
 use crate::{
     gpu::recovery,
     view::{
-        ActiveLeanView, EffectSystems, FoundLightPasses, GBufferPasses, IndirectDiffuse,
+        ActiveLeanView, EffectSystems, GBufferPasses, IndirectDiffuse, IndirectLightPasses,
         LeanViewSystems, LightingPasses, OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin,
         ViewTextureSystems, can_build, removal,
     },
@@ -79,7 +80,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
             return;
         }
         SharedPlugin::add_to(app);
-        SuccessionPlugin::add_to(app);
+        HistoryValidityPlugin::add_to(app);
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         embedded_asset!(app, "levels.wgsl");
@@ -131,7 +132,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
                 (
                     pass::find_diffuse_light
                         .in_set(Core3dSystems::MainPass)
-                        .in_set(FoundLightPasses)
+                        .in_set(IndirectLightPasses)
                         .after(GBufferPasses)
                         .before(LightingPasses),
                     forward_light::add_forward_light.in_set(OpaquePicturePasses),

@@ -17,8 +17,8 @@ use crate::{
         bind_group_cache::CachedBindGroup,
         timed::{Dispatch, TimesEachDispatch, timed_dispatches},
     },
-    screen_space::succession::FrameNumber,
-    view::{ActiveLeanView, LightExchange},
+    screen_space::history_validity::FrameNumber,
+    view::{ActiveLeanView, LightingIo},
 };
 
 const LABEL: &str = "lean_deferred/screen_space/diffuse_gi";
@@ -38,7 +38,7 @@ pub(super) fn find_diffuse_light(
     mut ctx: RenderContext,
 ) {
     let (active, lean, gi, bindings) = view.into_inner();
-    if !lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE) {
+    if !lean.io.contains(LightingIo::INDIRECT_DIFFUSE) {
         return;
     }
     if let Some(dispatches) = dispatches(active, gi, bindings, &cache) {

@@ -17,10 +17,10 @@ use super::{
         MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, SHOWN_EXPOSURE, VIEW,
     },
     key::GiKey,
-    uniforms::GiView,
+    uniforms::GiUniform,
 };
 use crate::{
-    gpu::{bind_group_cache::FoundLayout, bindings::layout},
+    gpu::{bind_group_cache::ResolvedLayout, bindings::layout},
     screen_space::shown_exposure::ShownExposure,
 };
 
@@ -51,9 +51,9 @@ impl GiPasses {
 #[derive(Resource)]
 pub(super) struct GiPipelines {
     shaders: [Handle<Shader>; 3],
-    pub(super) levels_layout: FoundLayout,
-    pub(super) gather_layout: FoundLayout,
-    pub(super) filter_layout: FoundLayout,
+    pub(super) levels_layout: ResolvedLayout,
+    pub(super) gather_layout: ResolvedLayout,
+    pub(super) filter_layout: ResolvedLayout,
     by_key: HashMap<GiKey, GiPasses>,
 }
 
@@ -65,7 +65,7 @@ pub(super) fn init_gi_pipelines(
     let words = || texture_2d(TextureSampleType::Uint);
     let floats = || texture_2d(TextureSampleType::Float { filterable: false });
     let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
-    let view = || (VIEW, uniform_buffer::<GiView>(true));
+    let view = || (VIEW, uniform_buffer::<GiUniform>(true));
     let levels_layout = layout(
         "lean_deferred/screen_space/diffuse_gi/levels",
         ShaderStages::COMPUTE,
@@ -107,9 +107,9 @@ pub(super) fn init_gi_pipelines(
             load_embedded_asset!(asset_server.as_ref(), "gather.wgsl"),
             load_embedded_asset!(asset_server.as_ref(), "filter.wgsl"),
         ],
-        levels_layout: FoundLayout::new(&cache, levels_layout),
-        gather_layout: FoundLayout::new(&cache, gather_layout),
-        filter_layout: FoundLayout::new(&cache, filter_layout),
+        levels_layout: ResolvedLayout::new(&cache, levels_layout),
+        gather_layout: ResolvedLayout::new(&cache, gather_layout),
+        filter_layout: ResolvedLayout::new(&cache, filter_layout),
         by_key: HashMap::default(),
     });
 }
@@ -120,7 +120,7 @@ impl GiPipelines {
         if let Some(passes) = self.by_key.get(&key) {
             return *passes;
         }
-        let queue = |label: &'static str, shader: &Handle<Shader>, layout: &FoundLayout| {
+        let queue = |label: &'static str, shader: &Handle<Shader>, layout: &ResolvedLayout| {
             cache.queue_compute_pipeline(ComputePipelineDescriptor {
                 label: Some(label.into()),
                 layout: vec![layout.descriptor().clone()],

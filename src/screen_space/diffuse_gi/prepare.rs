@@ -24,7 +24,7 @@ use super::{
     },
     pipelines::{GiPipelines, LEVEL_COUNT, LEVELS_FORMAT, LIGHT_FORMAT},
     settings::ScreenSpaceGiDebugView,
-    uniforms::GiView,
+    uniforms::GiUniform,
 };
 use crate::{
     gbuffer::GBufferTextures,
@@ -32,13 +32,13 @@ use crate::{
     screen_space::{
         LastFrame,
         debug_view::{DebugShown, Shows},
+        history_validity::{FrameNumber, HistoryValidity},
         shown_exposure::{BoundedByWhite, ShownExposure},
-        succession::{FrameNumber, Succession},
         world_shift::WorldShift,
     },
     shader_library::tiles::{self, RowOrder},
     view::{
-        ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LightExchange,
+        ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LightingIo,
         OutOfMemory,
     },
 };
@@ -52,7 +52,7 @@ const PHASES: u32 = 16;
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
-pub(super) struct GiUniforms(DynamicUniformBuffer<GiView>);
+pub(super) struct GiUniforms(DynamicUniformBuffer<GiUniform>);
 
 impl GiUniforms {
     /// `None` without views.
@@ -74,7 +74,7 @@ pub struct ViewGi {
     debug_view: Option<ScreenSpaceGiDebugView>,
     /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
     has_motion: bool,
-    pub(super) frames: Succession,
+    pub(super) frames: HistoryValidity,
     pub(super) offset: u32,
     shown_exposure: ShownExposure,
 }
@@ -84,7 +84,7 @@ impl ViewGi {
         device: &RenderDevice,
         view: &ExtractedView,
         texture_size: UVec2,
-        frames: Succession,
+        frames: HistoryValidity,
     ) -> Self {
         let levels = "lean_deferred/screen_space/diffuse_gi/levels";
         let light = |label| StorageTexture::new(device, label, texture_size, LIGHT_FORMAT);
@@ -165,12 +165,12 @@ pub(super) fn prepare_gi(
     };
     for (entity, (active, lean), (camera, view), resolution, cuts, of_view, of_gi) in &mut views {
         let ((averaging, has_motion), (gi, mut found)) = (of_view, of_gi);
-        if !lean.exchange.contains(LightExchange::INDIRECT_DIFFUSE) {
+        if !lean.io.contains(LightingIo::INDIRECT_DIFFUSE) {
             continue;
         }
         let now = LastFrame::of(view, resolution, camera.exposure, &shift);
         let mut made = None;
-        let size = GiView::new(&active.settings, &now, None).texture_size;
+        let size = GiUniform::new(&active.settings, &now, None).texture_size;
         let gi = match gi {
             Some(gi) if gi.texture_size == size => {
                 let gi = gi.into_inner();
@@ -179,7 +179,7 @@ pub(super) fn prepare_gi(
                 gi
             }
             _ => {
-                let make = || ViewGi::new(&device, view, size, Succession::new(now, cuts));
+                let make = || ViewGi::new(&device, view, size, HistoryValidity::new(now, cuts));
                 let Some(new) = memory.fit(
                     &device,
                     entity,
@@ -193,7 +193,7 @@ pub(super) fn prepare_gi(
                 made.insert(new)
             }
         };
-        let mut uniform = GiView::new(&active.settings, &now, gi.frames.last());
+        let mut uniform = GiUniform::new(&active.settings, &now, gi.frames.last());
         uniform.row_stride = row_order.stride(size.y.div_ceil(GATHER_SIDE));
         uniform.turn = FrameAveraging::turn(averaging, &frame);
         uniform.has_motion = has_motion.into();

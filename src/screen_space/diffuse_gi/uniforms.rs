@@ -24,7 +24,7 @@ const LARGEST_METRES: f32 = 1e9;
 /// Uniform of the passes, one per view.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
-pub struct GiView {
+pub struct GiUniform {
     view_from_pixel: Mat4,
     view_from_world: Mat4,
     last_pixel_from_view: Mat4,
@@ -45,7 +45,7 @@ pub struct GiView {
     pub(super) has_motion: u32,
 }
 
-impl GiView {
+impl GiUniform {
     /// Derives the uniform from `settings`, for the frame `now` after the `last` one.
     pub fn new(settings: &LeanScreenSpaceGi, now: &LastFrame, last: Option<&LastFrame>) -> Self {
         let clip_from_view = now.clip_from_view;

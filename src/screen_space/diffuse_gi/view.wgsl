@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::screen_space::diffuse_gi::view
 
 /// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and has the depth of its first one.
-struct GiView {
+struct GiUniform {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,
     view_from_world: mat4x4<f32>,

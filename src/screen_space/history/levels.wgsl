@@ -5,10 +5,10 @@
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, unpack_halves}
 #import bevy_lean_deferred::reconstruction::position::view_position
 #import bevy_lean_deferred::screen_space::shown_exposure::light_of_whites
-#import bevy_lean_deferred::tiles::{SIDE, place_in_tile}
+#import bevy_lean_deferred::tiles::{TILE_SIDE, place_in_tile}
 
 /// Pixel coordinates are relative to the viewport's corner.
-struct HistoryView {
+struct HistoryUniform {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,
     viewport_origin: vec2<u32>,
@@ -25,7 +25,7 @@ struct HistoryView {
 @group(0) @binding(3) var level_2: texture_storage_2d<rgba16float, write>;
 #ifndef OF_LEVEL
 @group(0) @binding(4) var level_3: texture_storage_2d<rgba16float, write>;
-@group(0) @binding(5) var<uniform> view: HistoryView;
+@group(0) @binding(5) var<uniform> view: HistoryUniform;
 @group(0) @binding(6) var depth_texture: texture_depth_2d;
 /// x: exposure with which the last frame was shown, in stops.
 @group(0) @binding(7) var<uniform> shown_exposure: vec4<f32>;
@@ -127,18 +127,18 @@ fn make_level(level: u32, first: u32, side: u32, workgroup: vec2<u32>, i: u32) {
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
     // A subgroup's texels form a square, which memory serves faster than rows.
     let in_tile = place_in_tile(i);
-    let right = in_tile + vec2(SIDE, 0u);
-    let below = in_tile + vec2(0u, SIDE);
+    let right = in_tile + vec2(TILE_SIDE, 0u);
+    let below = in_tile + vec2(0u, TILE_SIDE);
     let corner = workgroup.xy * 16u;
     // All reads are issued before the first is used.
     let texel_0 = texel_at(corner + in_tile);
     let texel_1 = texel_at(corner + right);
     let texel_2 = texel_at(corner + below);
-    let texel_3 = texel_at(corner + in_tile + SIDE);
+    let texel_3 = texel_at(corner + in_tile + TILE_SIDE);
     keep(corner, in_tile, texel_0);
     keep(corner, right, texel_1);
     keep(corner, below, texel_2);
-    keep(corner, in_tile + SIDE, texel_3);
+    keep(corner, in_tile + TILE_SIDE, texel_3);
     make_level(1u, 0u, 16u, workgroup.xy, i);
     make_level(2u, 256u, 8u, workgroup.xy, i);
     make_level(3u, 320u, 4u, workgroup.xy, i);

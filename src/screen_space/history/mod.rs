@@ -36,9 +36,9 @@ use bevy::{
 pub(super) use distance::units_per_metre;
 pub use prepare::ViewHistory;
 pub(super) use prepare::{prepare_histories, prepare_history_bind_groups};
-pub use uniforms::HistoryView;
+pub use uniforms::HistoryUniform;
 
-use super::{shown_exposure::ShownExposurePlugin, succession::SuccessionPlugin};
+use super::{history_validity::HistoryValidityPlugin, shown_exposure::ShownExposurePlugin};
 use crate::view::{
     EffectSystems, HistoryPasses, OpaquePicturePasses, SharedPlugin, ViewTextureSystems,
     depth_usage::extend_depth_usage, removal,
@@ -62,7 +62,7 @@ impl HistoryPlugin {
 impl Plugin for HistoryPlugin {
     fn build(&self, app: &mut App) {
         SharedPlugin::add_to(app);
-        SuccessionPlugin::add_to(app);
+        HistoryValidityPlugin::add_to(app);
         app.add_plugins(ShownExposurePlugin::<ViewHistory>::default());
         embedded_asset!(app, "levels.wgsl");
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

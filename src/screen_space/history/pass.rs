@@ -10,7 +10,7 @@ use bevy::{
 };
 
 use super::{pipelines::HistoryPipelines, prepare::ViewHistory};
-use crate::{gpu::timed::timed, screen_space::succession::FrameNumber};
+use crate::{gpu::timed::timed, screen_space::history_validity::FrameNumber};
 
 const LABEL: &str = "lean_deferred/screen_space/history";
 

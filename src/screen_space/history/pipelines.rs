@@ -14,10 +14,10 @@ use super::{
     binding_numbers::{
         COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, LEVEL_1, LEVEL_2, LEVEL_3, SHOWN_EXPOSURE, VIEW,
     },
-    uniforms::HistoryView,
+    uniforms::HistoryUniform,
 };
 use crate::{
-    gpu::{bind_group_cache::FoundLayout, bindings::layout},
+    gpu::{bind_group_cache::ResolvedLayout, bindings::layout},
     screen_space::shown_exposure::ShownExposure,
 };
 
@@ -29,7 +29,7 @@ pub(super) const LEVELS: [u32; 2] = [4, 3];
 /// Pipelines of the two dispatches. Created by `init_history_pipelines`.
 #[derive(Resource)]
 pub(in crate::screen_space) struct HistoryPipelines {
-    pub(super) layouts: [FoundLayout; 2],
+    pub(super) layouts: [ResolvedLayout; 2],
     shader: Handle<Shader>,
     /// `None` until an effect reads a history.
     pub(super) queued: Option<[CachedComputePipelineId; 2]>,
@@ -52,7 +52,7 @@ pub(super) fn init_history_pipelines(
             level(LEVEL_1),
             level(LEVEL_2),
             level(LEVEL_3),
-            (VIEW, uniform_buffer::<HistoryView>(true)),
+            (VIEW, uniform_buffer::<HistoryUniform>(true)),
             (DEPTH_TEXTURE, texture_depth_2d()),
             (SHOWN_EXPOSURE, ShownExposure::layout()),
         ],
@@ -67,7 +67,7 @@ pub(super) fn init_history_pipelines(
             level(LEVEL_2),
         ],
     );
-    let layouts = [picture, means].map(|descriptor| FoundLayout::new(&cache, descriptor));
+    let layouts = [picture, means].map(|descriptor| ResolvedLayout::new(&cache, descriptor));
     commands.insert_resource(HistoryPipelines {
         layouts,
         shader: load_embedded_asset!(asset_server.as_ref(), "levels.wgsl"),

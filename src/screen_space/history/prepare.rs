@@ -19,7 +19,7 @@ use super::{
     binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, SHOWN_EXPOSURE, VIEW},
     distance::units_per_metre,
     pipelines::{FORMAT, HistoryPipelines, LEVELS},
-    uniforms::HistoryView,
+    uniforms::HistoryUniform,
 };
 use crate::{
     gpu::{
@@ -27,8 +27,8 @@ use crate::{
         storage_texture::StorageTexture,
     },
     screen_space::{
+        history_validity::{FrameNumber, HistoryValidity, LastFrame},
         shown_exposure::{BoundedByWhite, ShownExposure},
-        succession::{FrameNumber, LastFrame, Succession},
         world_shift::WorldShift,
     },
     view::{CameraCuts, OutOfMemory},
@@ -37,11 +37,11 @@ use crate::{
 const LABEL: &str = "lean_deferred/screen_space/history";
 const LEVEL_COUNT: usize = (LEVELS[0] + LEVELS[1]) as usize;
 /// Texels per side that a workgroup reads.
-const SIDE: u32 = 16;
+const BLOCK_SIDE: u32 = 16;
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
-pub(in crate::screen_space) struct HistoryUniforms(DynamicUniformBuffer<HistoryView>);
+pub(in crate::screen_space) struct HistoryUniforms(DynamicUniformBuffer<HistoryUniform>);
 
 /// On a view of the render world with [`ReadsHistory`]: its last frame.
 ///
@@ -56,7 +56,7 @@ pub struct ViewHistory {
     /// Bind groups of the first dispatch.
     pictures: PictureBindGroups,
     means: CachedBindGroup,
-    frames: Succession,
+    frames: HistoryValidity,
     offset: u32,
     /// `Some` while the view shows meshes with specular transmission.
     pub(super) opaque_depth: Option<CachedTexture>,
@@ -112,7 +112,7 @@ impl ViewHistory {
     /// Workgroups of the two dispatches.
     pub(super) fn workgroups(&self) -> [UVec2; 2] {
         let last_of_first = self.size() >> (LEVELS[0] - 1);
-        [self.size(), last_of_first].map(|texels| texels.map(|side| side.div_ceil(SIDE)))
+        [self.size(), last_of_first].map(|texels| texels.map(|side| side.div_ceil(BLOCK_SIDE)))
     }
 
     /// Marks this frame's light as stored.
@@ -120,7 +120,12 @@ impl ViewHistory {
         self.frames.hold(number);
     }
 
-    fn new(device: &RenderDevice, view: &ExtractedView, size: UVec2, frames: Succession) -> Self {
+    fn new(
+        device: &RenderDevice,
+        view: &ExtractedView,
+        size: UVec2,
+        frames: HistoryValidity,
+    ) -> Self {
         Self {
             kept: StorageTexture::new(device, LABEL, size, FORMAT),
             pictures: default(),
@@ -189,7 +194,7 @@ pub(in crate::screen_space) fn prepare_histories(
                 history
             }
             _ => {
-                let frames = Succession::new(now, cuts);
+                let frames = HistoryValidity::new(now, cuts);
                 let make = || ViewHistory::new(&device, view, texture_size(size), frames);
                 let Some(new) = memory.fit(&device, entity, LABEL, make) else {
                     commands.entity(entity).remove::<ViewHistory>();
@@ -198,7 +203,7 @@ pub(in crate::screen_space) fn prepare_histories(
                 made.insert(new)
             }
         };
-        history.offset = writer.write(&HistoryView::new(&now));
+        history.offset = writer.write(&HistoryUniform::new(&now));
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }

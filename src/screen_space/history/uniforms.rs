@@ -4,20 +4,21 @@ use bevy::{prelude::*, render::render_resource::ShaderType};
 
 use super::distance::units_per_metre;
 use crate::{
-    screen_space::succession::LastFrame, shader_library::reconstruction::position::view_from_pixel,
+    screen_space::history_validity::LastFrame,
+    shader_library::reconstruction::position::view_from_pixel,
 };
 
 /// Uniform of the passes, one per view.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
-pub struct HistoryView {
+pub struct HistoryUniform {
     view_from_pixel: Mat4,
     viewport_origin: UVec2,
     viewport_size: UVec2,
     units_per_metre: f32,
 }
 
-impl HistoryView {
+impl HistoryUniform {
     /// Derives the uniform of the frame `now`.
     pub(super) fn new(now: &LastFrame) -> Self {
         let size = now.viewport.size();

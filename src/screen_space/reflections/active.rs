@@ -17,7 +17,7 @@ use super::{
 use crate::{
     screen_space::{
         ReadsHistory,
-        succession::drawn_part,
+        history_validity::drawn_part,
         support::{EffectOff, NEEDED_LIMITS},
     },
     shader_library::reconstruction::position::projection_of,

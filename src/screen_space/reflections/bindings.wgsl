@@ -2,12 +2,12 @@
 #define_import_path bevy_lean_deferred::screen_space::reflections::bindings
 
 #import bevy_lean_deferred::reconstruction::position as reconstruction
-#import bevy_lean_deferred::screen_space::reflections::view::ReflectionView
+#import bevy_lean_deferred::screen_space::reflections::view::ReflectionUniform
 
-@group(0) @binding(0) var<uniform> view: ReflectionView;
+@group(0) @binding(0) var<uniform> view: ReflectionUniform;
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
 @group(0) @binding(2) var normal_texture: texture_2d<u32>;
-@group(0) @binding(3) var written_texture: texture_2d<u32>;
+@group(0) @binding(3) var valid_mask_texture: texture_2d<u32>;
 @group(0) @binding(4) var specialization_texture: texture_2d<u32>;
 /// Motion of each pixel since the last frame; valid with `view.has_motion`.
 @group(0) @binding(5) var motion_texture: texture_2d<f32>;
@@ -15,8 +15,8 @@
 @group(0) @binding(6) var history_texture: texture_2d<f32>;
 @group(0) @binding(7) var history_sampler: sampler;
 /// Nearest and furthest depth of cells of pixels, packed.
-@group(0) @binding(8) var cells_texture: texture_2d<u32>;
-@group(0) @binding(9) var cells_output: texture_storage_2d<r32uint, write>;
+@group(0) @binding(8) var hi_z_texture: texture_2d<u32>;
+@group(0) @binding(9) var hi_z_output: texture_storage_2d<r32uint, write>;
 /// Result of each ray: light and confidence, and its hit, packed by `pack_hit`.
 @group(0) @binding(10) var rays_texture: texture_2d<f32>;
 @group(0) @binding(11) var hits_texture: texture_2d<u32>;
@@ -26,8 +26,8 @@
 @group(0) @binding(18) var surfaces_texture: texture_2d<u32>;
 @group(0) @binding(19) var surfaces_output: texture_storage_2d<rg32uint, write>;
 /// Light times confidence, and confidence, of each texel's lobe.
-@group(0) @binding(16) var lobes_texture: texture_2d<f32>;
-@group(0) @binding(17) var lobes_output: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(16) var filtered_texture: texture_2d<f32>;
+@group(0) @binding(17) var filtered_output: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(14) var output_texture: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(15) var depth_sampler: sampler;
 

@@ -10,7 +10,7 @@
 //! 4. *resolve* computes the reflection of each pixel from the rays or lobes around it.
 //!
 //! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. GPU
-//! times are recorded as `lean_deferred/screen_space/history`, `lean_deferred/screen_space/reflections/cells`, `…/trace`, `…/lobes` and
+//! times are recorded as `lean_deferred/screen_space/history`, `lean_deferred/screen_space/reflections/hi_z`, `…/trace`, `…/spatial_filter` and
 //! `…/resolve`.
 
 // - `settings.rs`: the component.
@@ -20,12 +20,12 @@
 // - `active.rs`: decides per view and frame if reflections are computed.
 // - `prepare.rs`: uniforms, textures and bind groups of views.
 // - `pass.rs`: the four passes.
-// - `cells.wgsl`: the first pass.
+// - `hi_z.wgsl`: the first pass.
 // - `cell.{rs,wgsl}`: cells, and their depths packed into a word.
 // - `trace.wgsl`: the second pass.
 // - `ray.wgsl`: a ray on screen, and its hits.
 // - `smooth_march.wgsl`, `rough_march.wgsl`: the steps of rays of smooth and of rough surfaces.
-// - `lobes.wgsl`: the third pass.
+// - `spatial_filter.wgsl`: the third pass.
 // - `resolve.wgsl`: the fourth pass.
 // - `receiver.wgsl`: the pixel that is resolved.
 // - `smooth_light.wgsl`, `rough_light.wgsl`: reflections of smooth and of rough surfaces.
@@ -53,7 +53,7 @@ pub use settings::{
 pub use {
     active::ActiveReflections,
     prepare::{ReflectionBindings, ViewReflections, WORKGROUP_SIDE},
-    uniforms::ReflectionView,
+    uniforms::ReflectionUniform,
 };
 
 use bevy::{
@@ -75,7 +75,7 @@ use super::{
 use crate::{
     gpu::recovery,
     view::{
-        ActiveLeanView, EffectSystems, FoundLightPasses, GBufferPasses, IndirectSpecular,
+        ActiveLeanView, EffectSystems, GBufferPasses, IndirectLightPasses, IndirectSpecular,
         LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems, can_build, removal,
     },
 };
@@ -104,9 +104,9 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         load_shader_library!(app, "receiver.wgsl");
         load_shader_library!(app, "smooth_light.wgsl");
         load_shader_library!(app, "rough_light.wgsl");
-        embedded_asset!(app, "cells.wgsl");
+        embedded_asset!(app, "hi_z.wgsl");
         embedded_asset!(app, "trace.wgsl");
-        embedded_asset!(app, "lobes.wgsl");
+        embedded_asset!(app, "spatial_filter.wgsl");
         embedded_asset!(app, "resolve.wgsl");
         app.register_type::<LeanScreenSpaceReflections>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
@@ -156,7 +156,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
                 pass::find_reflections
                     .in_set(EffectSystems::Reflections)
                     .in_set(Core3dSystems::MainPass)
-                    .in_set(FoundLightPasses)
+                    .in_set(IndirectLightPasses)
                     .after(GBufferPasses)
                     .before(LightingPasses),
             );

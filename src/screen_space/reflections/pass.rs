@@ -14,15 +14,15 @@ use super::{
 };
 use crate::{
     gpu::timed::{Dispatch, TimesEachDispatch, timed_dispatches},
-    view::{ActiveLeanView, LightExchange},
+    view::{ActiveLeanView, LightingIo},
 };
 
 const LABEL: &str = "lean_deferred/screen_space/reflections";
 /// Labels of the dispatches, in order.
 pub(super) const PASSES: [&str; 4] = [
-    "lean_deferred/screen_space/reflections/cells",
+    "lean_deferred/screen_space/reflections/hi_z",
     "lean_deferred/screen_space/reflections/trace",
-    "lean_deferred/screen_space/reflections/lobes",
+    "lean_deferred/screen_space/reflections/spatial_filter",
     "lean_deferred/screen_space/reflections/resolve",
 ];
 
@@ -39,7 +39,7 @@ pub(super) fn find_reflections(
     mut ctx: RenderContext,
 ) {
     let (active, lean, held, bindings) = view.into_inner();
-    if !lean.exchange.contains(LightExchange::INDIRECT_SPECULAR) {
+    if !lean.io.contains(LightingIo::INDIRECT_SPECULAR) {
         return;
     }
     if let Some(dispatches) = dispatches(active, held, bindings, &cache) {

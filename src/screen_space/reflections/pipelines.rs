@@ -23,19 +23,19 @@ use bevy::{
 
 use super::{
     binding_numbers::{
-        CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_SAMPLER, DEPTH_TEXTURE, HISTORY_SAMPLER,
-        HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, LOBES_OUTPUT, LOBES_TEXTURE, MOTION_TEXTURE,
+        DEPTH_SAMPLER, DEPTH_TEXTURE, FILTERED_OUTPUT, FILTERED_TEXTURE, HI_Z_OUTPUT, HI_Z_TEXTURE,
+        HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE,
         NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE,
-        SURFACES_OUTPUT, SURFACES_TEXTURE, VIEW, WRITTEN_TEXTURE,
+        SURFACES_OUTPUT, SURFACES_TEXTURE, VALID_MASK_TEXTURE, VIEW,
     },
     key::ReflectionKey,
     pass::PASSES,
-    uniforms::ReflectionView,
+    uniforms::ReflectionUniform,
 };
-use crate::gpu::{bind_group_cache::FoundLayout, bindings::layout};
+use crate::gpu::{bind_group_cache::ResolvedLayout, bindings::layout};
 
 /// Format of the nearest and furthest depth, packed in a word.
-pub(super) const CELLS_FORMAT: TextureFormat = TextureFormat::R32Uint;
+pub(super) const HI_Z_FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Format of light and confidence.
 pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 /// Format of the surfaces that send rays.
@@ -44,7 +44,7 @@ pub(super) const SURFACES_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 pub(super) const HITS_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
 /// Shader defs of each pass, in addition to those of the key.
-const DEFS: [&[&str]; PASSES.len()] = [&[], &[], &["LOBES"], &[]];
+const DEFS: [&[&str]; PASSES.len()] = [&[], &[], &["SPATIAL_FILTER"], &[]];
 
 /// Pipelines of one key, in the order of the passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,7 @@ impl ReflectionPasses {
 }
 
 /// Layouts of the passes, in order.
-pub(super) struct ReflectionLayouts(pub(super) [FoundLayout; PASSES.len()]);
+pub(super) struct ReflectionLayouts(pub(super) [ResolvedLayout; PASSES.len()]);
 
 /// Resources shared by all views.
 pub(super) struct Fixtures {
@@ -82,9 +82,9 @@ pub(super) struct ReflectionPipelines {
 pub(super) fn init_reflection_pipelines(mut commands: Commands, asset_server: Res<AssetServer>) {
     commands.insert_resource(ReflectionPipelines {
         shaders: [
-            load_embedded_asset!(asset_server.as_ref(), "cells.wgsl"),
+            load_embedded_asset!(asset_server.as_ref(), "hi_z.wgsl"),
             load_embedded_asset!(asset_server.as_ref(), "trace.wgsl"),
-            load_embedded_asset!(asset_server.as_ref(), "lobes.wgsl"),
+            load_embedded_asset!(asset_server.as_ref(), "spatial_filter.wgsl"),
             load_embedded_asset!(asset_server.as_ref(), "resolve.wgsl"),
         ],
         layouts: HashMap::default(),
@@ -127,7 +127,7 @@ fn layouts(cache: &PipelineCache, special: bool) -> ReflectionLayouts {
     let floats = || texture_2d(TextureSampleType::Float { filterable: false });
     let filtered = || texture_2d(TextureSampleType::Float { filterable: true });
     let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
-    let view = (VIEW, uniform_buffer::<ReflectionView>(true));
+    let view = (VIEW, uniform_buffer::<ReflectionUniform>(true));
     let depth = (DEPTH_TEXTURE, texture_depth_2d());
     // Entries of passes that read the G-buffer and the last frame's light.
     let scene: Vec<_> = [
@@ -138,7 +138,7 @@ fn layouts(cache: &PipelineCache, special: bool) -> ReflectionLayouts {
         (MOTION_TEXTURE, floats()),
     ]
     .into_iter()
-    .chain(special.then(|| (WRITTEN_TEXTURE, words())))
+    .chain(special.then(|| (VALID_MASK_TEXTURE, words())))
     .chain(special.then(|| (SPECIALIZATION_TEXTURE, words())))
     .collect();
     // Output of the rays.
@@ -150,14 +150,14 @@ fn layouts(cache: &PipelineCache, special: bool) -> ReflectionLayouts {
     let found = |label: &'static str, parts: &[&[(u32, BindGroupLayoutEntryBuilder)]]| {
         let entries = parts.iter().copied().flatten().copied();
         let entries = [view].into_iter().chain(entries);
-        FoundLayout::new(cache, layout(label, ShaderStages::COMPUTE, entries))
+        ResolvedLayout::new(cache, layout(label, ShaderStages::COMPUTE, entries))
     };
     ReflectionLayouts([
         found(
-            "lean_deferred/screen_space/reflections/cells",
+            "lean_deferred/screen_space/reflections/hi_z",
             &[&[
                 depth,
-                (CELLS_OUTPUT, stored(CELLS_FORMAT)),
+                (HI_Z_OUTPUT, stored(HI_Z_FORMAT)),
                 (DEPTH_SAMPLER, sampler(SamplerBindingType::NonFiltering)),
             ]],
         ),
@@ -166,7 +166,7 @@ fn layouts(cache: &PipelineCache, special: bool) -> ReflectionLayouts {
             &[
                 &scene,
                 &[
-                    (CELLS_TEXTURE, words()),
+                    (HI_Z_TEXTURE, words()),
                     (SURFACES_OUTPUT, stored(SURFACES_FORMAT)),
                     (RAYS_OUTPUT, stored(LIGHT_FORMAT)),
                     (HITS_OUTPUT, stored(HITS_FORMAT)),
@@ -174,8 +174,8 @@ fn layouts(cache: &PipelineCache, special: bool) -> ReflectionLayouts {
             ],
         ),
         found(
-            "lean_deferred/screen_space/reflections/lobes",
-            &[&texels, &[(LOBES_OUTPUT, stored(LIGHT_FORMAT))]],
+            "lean_deferred/screen_space/reflections/spatial_filter",
+            &[&texels, &[(FILTERED_OUTPUT, stored(LIGHT_FORMAT))]],
         ),
         found(
             "lean_deferred/screen_space/reflections/resolve",
@@ -183,7 +183,7 @@ fn layouts(cache: &PipelineCache, special: bool) -> ReflectionLayouts {
                 &scene,
                 &texels,
                 &[
-                    (LOBES_TEXTURE, floats()),
+                    (FILTERED_TEXTURE, floats()),
                     (OUTPUT_TEXTURE, stored(LIGHT_FORMAT)),
                 ],
             ],

@@ -17,18 +17,18 @@ use bevy::{
 use super::{
     active::ActiveReflections,
     binding_numbers::{
-        CELLS_OUTPUT, CELLS_TEXTURE, DEPTH_SAMPLER, DEPTH_TEXTURE, HISTORY_SAMPLER,
-        HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, LOBES_OUTPUT, LOBES_TEXTURE, MOTION_TEXTURE,
+        DEPTH_SAMPLER, DEPTH_TEXTURE, FILTERED_OUTPUT, FILTERED_TEXTURE, HI_Z_OUTPUT, HI_Z_TEXTURE,
+        HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE,
         NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE,
-        SURFACES_OUTPUT, SURFACES_TEXTURE, VIEW, WRITTEN_TEXTURE,
+        SURFACES_OUTPUT, SURFACES_TEXTURE, VALID_MASK_TEXTURE, VIEW,
     },
     pass::PASSES,
     pipelines::{
-        CELLS_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines,
+        HI_Z_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines,
         SURFACES_FORMAT,
     },
     settings::ScreenSpaceReflectionsDebugView,
-    uniforms::ReflectionView,
+    uniforms::ReflectionUniform,
 };
 use crate::{
     gbuffer::GBufferTextures,
@@ -43,8 +43,7 @@ use crate::{
     },
     shader_library::tiles::{self, RowOrder},
     view::{
-        ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightExchange,
-        OutOfMemory,
+        ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightingIo, OutOfMemory,
     },
 };
 
@@ -55,16 +54,16 @@ pub const WORKGROUP_SIDE: u32 = 16;
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
-pub(super) struct ReflectionUniforms(DynamicUniformBuffer<ReflectionView>);
+pub(super) struct ReflectionUniforms(DynamicUniformBuffer<ReflectionUniform>);
 
 /// On a view with reflections: the outputs of the passes.
 #[derive(Component)]
 pub struct ViewReflections {
-    cells: StorageTexture,
+    hi_z: StorageTexture,
     surfaces: StorageTexture,
     rays: StorageTexture,
     hits: StorageTexture,
-    lobes: StorageTexture,
+    filtered: StorageTexture,
     output: StorageTexture,
     viewport_size: UVec2,
     texture_size: UVec2,
@@ -75,17 +74,17 @@ pub struct ViewReflections {
 }
 
 impl ViewReflections {
-    fn new(device: &RenderDevice, view: &ReflectionView) -> Self {
-        let cells = cell_count(view.viewport_size);
+    fn new(device: &RenderDevice, view: &ReflectionUniform) -> Self {
+        let hi_z = cell_count(view.viewport_size);
         // Cells of 4, 16 and 64 pixels, stacked vertically.
-        let cells = UVec2::new(cells.x * 16, cells.y * (16 + 4 + 1));
+        let hi_z = UVec2::new(hi_z.x * 16, hi_z.y * (16 + 4 + 1));
         let texels = view.texture_size;
         let texture = |label, size, format| StorageTexture::new(device, label, size, format);
         Self {
-            cells: texture(
-                "lean_deferred/screen_space/reflections/cells",
-                cells,
-                CELLS_FORMAT,
+            hi_z: texture(
+                "lean_deferred/screen_space/reflections/hi_z",
+                hi_z,
+                HI_Z_FORMAT,
             ),
             surfaces: texture(
                 "lean_deferred/screen_space/reflections/surfaces",
@@ -102,8 +101,8 @@ impl ViewReflections {
                 texels,
                 HITS_FORMAT,
             ),
-            lobes: texture(
-                "lean_deferred/screen_space/reflections/lobes",
+            filtered: texture(
+                "lean_deferred/screen_space/reflections/spatial_filter",
                 texels,
                 LIGHT_FORMAT,
             ),
@@ -120,7 +119,7 @@ impl ViewReflections {
         }
     }
 
-    fn is_for(&self, view: &ReflectionView) -> bool {
+    fn is_for(&self, view: &ReflectionUniform) -> bool {
         (self.viewport_size, self.texture_size) == (view.viewport_size, view.texture_size)
     }
 
@@ -138,11 +137,11 @@ impl ViewReflections {
     /// All textures that it holds.
     pub fn textures(&self) -> impl Iterator<Item = &Texture> {
         [
-            &self.cells,
+            &self.hi_z,
             &self.surfaces,
             &self.rays,
             &self.hits,
-            &self.lobes,
+            &self.filtered,
             &self.output,
         ]
         .into_iter()
@@ -192,12 +191,12 @@ pub(super) fn prepare_reflections(
             found.0 = None;
             continue;
         };
-        if !lean.exchange.contains(LightExchange::INDIRECT_SPECULAR) {
+        if !lean.io.contains(LightingIo::INDIRECT_SPECULAR) {
             continue;
         }
         let now = LastFrame::of(view, resolution, camera.exposure, &shift);
         let mut uniform =
-            ReflectionView::new(&active.settings, active.key.divisor, &now, history.last());
+            ReflectionUniform::new(&active.settings, active.key.divisor, &now, history.last());
         uniform.history_size = history.size().as_vec2();
         uniform.row_stride = row_order.stride(tiles::count(uniform.texture_size).y);
         uniform.turn = FrameAveraging::turn(averaging, &frame);
@@ -287,9 +286,9 @@ pub(super) fn prepare_reflection_bind_groups(
             entries.push(MOTION_TEXTURE, motion.into_binding())?;
             if active.key.specialization {
                 let special = gbuffer.optional(GBufferTargets::SPECIALIZATION);
-                let written = special.and(gbuffer.written.as_ref());
+                let written = special.and(gbuffer.valid_mask.as_ref());
                 let views = [
-                    (WRITTEN_TEXTURE, written),
+                    (VALID_MASK_TEXTURE, written),
                     (SPECIALIZATION_TEXTURE, special),
                 ];
                 for (number, texture) in views {
@@ -304,29 +303,29 @@ pub(super) fn prepare_reflection_bind_groups(
             entries.push(RAYS_TEXTURE, held.rays.view.into_binding())?;
             entries.push(HITS_TEXTURE, held.hits.view.into_binding())
         };
-        let [cells, trace, lobes, resolve] = &mut bindings.0;
-        cells.update(&device, &layouts[0], |entries| {
+        let [hi_z, trace, filtered, resolve] = &mut bindings.0;
+        hi_z.update(&device, &layouts[0], |entries| {
             entries.push(VIEW, uniforms.clone())?;
             entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
-            entries.push(CELLS_OUTPUT, held.cells.view.into_binding())?;
+            entries.push(HI_Z_OUTPUT, held.hi_z.view.into_binding())?;
             entries.push(DEPTH_SAMPLER, fixtures.depth_sampler.into_binding())
         });
         trace.update(&device, &layouts[1], |entries| {
             scene(entries)?;
-            entries.push(CELLS_TEXTURE, held.cells.view.into_binding())?;
+            entries.push(HI_Z_TEXTURE, held.hi_z.view.into_binding())?;
             entries.push(SURFACES_OUTPUT, held.surfaces.view.into_binding())?;
             entries.push(RAYS_OUTPUT, held.rays.view.into_binding())?;
             entries.push(HITS_OUTPUT, held.hits.view.into_binding())
         });
-        lobes.update(&device, &layouts[2], |entries| {
+        filtered.update(&device, &layouts[2], |entries| {
             entries.push(VIEW, uniforms.clone())?;
             texels(entries)?;
-            entries.push(LOBES_OUTPUT, held.lobes.view.into_binding())
+            entries.push(FILTERED_OUTPUT, held.filtered.view.into_binding())
         });
         resolve.update(&device, &layouts[3], |entries| {
             scene(entries)?;
             texels(entries)?;
-            entries.push(LOBES_TEXTURE, held.lobes.view.into_binding())?;
+            entries.push(FILTERED_TEXTURE, held.filtered.view.into_binding())?;
             entries.push(OUTPUT_TEXTURE, held.output.view.into_binding())
         });
         if let Some(made) = made {

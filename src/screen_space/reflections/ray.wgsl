@@ -18,7 +18,7 @@ struct Ray {
 }
 
 /// State of a march.
-struct Way {
+struct MarchState {
     u: f32,
     /// True if the ray is in front of the visible surfaces. It hits those that it enters from in front, and passes behind others.
     is_in_front: bool,
@@ -27,7 +27,7 @@ struct Way {
 }
 
 /// Result of a march.
-struct Met {
+struct RayHit {
     is_hit: bool,
     u: f32,
     /// In pixels, and depth.
@@ -99,7 +99,7 @@ fn depth_inside(pixel: vec2<i32>, depth: f32, z: f32, direction: vec3<f32>) -> f
 
 /// Intersects the ray with the plane of the depths around `pixel`. `u` is where the ray crosses the pixel, within a `span` of
 /// pixels that it did not sample. `certainty` is that of a ray that comes from behind another surface.
-fn met_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: f32) -> Met {
+fn hit_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: f32) -> RayHit {
     let slope = vec2(
         flatter_slope(depth_in_view(pixel - vec2(1, 0)), depth, depth_in_view(pixel + vec2(1, 0))),
         flatter_slope(depth_in_view(pixel - vec2(0, 1)), depth, depth_in_view(pixel + vec2(0, 1))),
@@ -108,12 +108,12 @@ fn met_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: 
     let along = ray.step.z - dot(slope, ray.step.xy);
     let exact = (depth + dot(slope, ray.start.xy - center) - ray.start.z) / along;
     let is_crossed = abs(exact - u) < 1.0 + span;
-    var met: Met;
-    met.is_hit = true;
-    met.u = clamp(select(u, exact, is_crossed), 0.5, ray.end);
+    var hit: RayHit;
+    hit.is_hit = true;
+    hit.u = clamp(select(u, exact, is_crossed), 0.5, ray.end);
     // Within the pixel, because the next one may show another surface.
-    met.place = vec3(ray.start.xy + ray.step.xy * clamp(met.u, u - 0.4, u + 0.4), 0.0);
-    met.place.z = clamp(depth + dot(slope, met.place.xy - center), 0.5 * depth, 2.0 * depth);
-    met.certainty = select(certainty, 1.0, is_crossed);
-    return met;
+    hit.place = vec3(ray.start.xy + ray.step.xy * clamp(hit.u, u - 0.4, u + 0.4), 0.0);
+    hit.place.z = clamp(depth + dot(slope, hit.place.xy - center), 0.5 * depth, 2.0 * depth);
+    hit.certainty = select(certainty, 1.0, is_crossed);
+    return hit;
 }

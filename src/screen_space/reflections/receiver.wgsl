@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
 #import bevy_lean_deferred::screen_space::reflections::bindings::{unpack_distance, view}
-#import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, hits, likeness, lights}
+#import bevy_lean_deferred::screen_space::reflections::texels::{CACHE_SIDE, hits, likeness, lights}
 
 struct Receiver {
     /// Position in pixels.
@@ -22,7 +22,7 @@ struct Receiver {
 
 /// Index of texel `i` of the four around the pixel, of which `first` is the first.
 fn texel_beside(first: i32, i: i32) -> i32 {
-    return first + (i & 1) + SIDE * (i >> 1u);
+    return first + (i & 1) + CACHE_SIDE * (i >> 1u);
 }
 
 /// Likeness, 0 to 1, of the surface of a texel to the receiver, which is `along` of the way between the texels.

@@ -6,9 +6,9 @@
 #import bevy_lean_deferred::screen_space::reflections::smooth_light::smooth_light
 #import bevy_lean_deferred::screen_space::reflections::surface::{mirror_of, normal_word_at, smoothness}
 #import bevy_lean_deferred::screen_space::reflections::texels::{
-    FIRST_MADE, INVOCATIONS, SIDE, WORKGROUP_SIDE, inverse_step_at, keep, slope_at, texel_at,
+    FIRST_MADE, INVOCATIONS, CACHE_SIDE, WORKGROUP_SIDE, inverse_step_at, keep, slope_at, texel_at,
 }
-#import bevy_lean_deferred::tiles::{SIDE as TILE, place_in_tile}
+#import bevy_lean_deferred::tiles::{TILE_SIDE as TILE, place_in_tile}
 #import bevy_lean_deferred::workgroup::is_any
 
 /// Radius of a lobe at its hit, in pixels: up to the first it counts as a single point, from the second on as the mean of rays.
@@ -63,7 +63,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let i = i32(invocation);
     let corner = vec2<i32>(workgroup.xy) * WORKGROUP_SIDE;
     var mirrors = false;
-    for (var read = i; read < SIDE * SIDE; read += INVOCATIONS) {
+    for (var read = i; read < CACHE_SIDE * CACHE_SIDE; read += INVOCATIONS) {
         let texel = texel_at(corner / DIVISOR, read);
         let lobe = lobe_at(texel.place);
         let counts = keep(read, texel);
@@ -75,14 +75,14 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let in_tile = place_in_tile(invocation % 64u);
     let along = vec2<f32>(in_tile % u32(DIVISOR)) / f32(DIVISOR);
     let texel = vec2<i32>(in_tile / u32(DIVISOR));
-    let first = texel.x + SIDE * texel.y + FIRST_MADE;
+    let first = texel.x + CACHE_SIDE * texel.y + FIRST_MADE;
     for (var tile = invocation / 64u; tile < TILES_SIDE * TILES_SIDE; tile += u32(INVOCATIONS) / 64u) {
         let beside = vec2<i32>(vec2(tile % TILES_SIDE, tile / TILES_SIDE));
         let pixel = corner + vec2<i32>(in_tile) + TILE_SIDE * beside;
         if all(pixel < vec2<i32>(view.viewport_size)) {
             var light = vec4(0.0);
             if !is_empty {
-                light = light_at(pixel, first + TILE_SIDE / DIVISOR * (beside.x + SIDE * beside.y), along);
+                light = light_at(pixel, first + TILE_SIDE / DIVISOR * (beside.x + CACHE_SIDE * beside.y), along);
             }
             textureStore(output_texture, pixel, light);
         }

@@ -2,20 +2,20 @@
 #define_import_path bevy_lean_deferred::screen_space::reflections::rough_light
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, unpack_halves}
-#import bevy_lean_deferred::screen_space::reflections::bindings::lobes_texture
+#import bevy_lean_deferred::screen_space::reflections::bindings::filtered_texture
 #import bevy_lean_deferred::screen_space::reflections::receiver::{Receiver, texel_beside, weight_beside}
-#import bevy_lean_deferred::screen_space::reflections::texels::{SIDE, nearest_inside}
+#import bevy_lean_deferred::screen_space::reflections::texels::{CACHE_SIDE, nearest_inside}
 
 /// Light times confidence, and confidence, of the lobes of texels.
-var<workgroup> lobes: array<vec2<u32>, SIDE * SIDE>;
+var<workgroup> filtered: array<vec2<u32>, CACHE_SIDE * CACHE_SIDE>;
 
 fn lobe_at(texel: vec2<i32>) -> vec4<f32> {
-    return textureLoad(lobes_texture, nearest_inside(texel), 0);
+    return textureLoad(filtered_texture, nearest_inside(texel), 0);
 }
 
 /// Without `counts`, the texel of the texture is undefined.
 fn keep_lobe(read: i32, lobe: vec4<f32>, counts: bool) {
-    lobes[read] = select(vec2(0u), pack_halves(lobe), counts);
+    filtered[read] = select(vec2(0u), pack_halves(lobe), counts);
 }
 
 /// Light times confidence, and confidence. The directions of each lobe weigh alike, and so do those of their mean.
@@ -24,7 +24,7 @@ fn rough_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var weights = 1e-12;
     for (var i = 0; i < 4; i++) {
         let weight = weight_beside(receiver, i, along);
-        sum += weight * unpack_halves(lobes[texel_beside(first, i)]);
+        sum += weight * unpack_halves(filtered[texel_beside(first, i)]);
         weights += weight;
     }
     return sum / weights;

@@ -1,9 +1,9 @@
 // Marches a ray in segments: for rough surfaces, and for smooth ones whose steps are used up.
 #define_import_path bevy_lean_deferred::screen_space::reflections::rough_march
 
-#import bevy_lean_deferred::screen_space::reflections::bindings::{cells_texture, depth_in_view, view}
+#import bevy_lean_deferred::screen_space::reflections::bindings::{hi_z_texture, depth_in_view, view}
 #import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, Way, depth_inside, pixel_on}
+#import bevy_lean_deferred::screen_space::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
 
 /// Length of the shortest segment, in pixels.
 const SHORTEST: f32 = f32(#{SHORTEST_SEGMENT}u);
@@ -19,13 +19,13 @@ const HALVINGS: u32 = 8u;
 /// `depth_at_back`. A wall at an angle may be far in front of the ray at `back`, so the interval is bisected towards the point where
 /// the ray goes behind. If that is behind by more than the thickness even there, the ray passes an edge: a miss. For an `exact` hit,
 /// bisection continues to the pixel where the ray enters.
-fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_back: f32, exact: bool) -> Met {
+fn hit_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_back: f32, exact: bool) -> RayHit {
     var before = front;
     var after = back;
     var u = back;
     var pixel = pixel_on(ray, u);
     var depth = depth_at_back;
-    var met: Met;
+    var hit: RayHit;
     for (var i = 0u; i <= HALVINGS; i++) {
         let z = ray.start.z + ray.step.z * u;
         if z > depth {
@@ -34,7 +34,7 @@ fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
             after = u;
             let inside = depth_inside(pixel, depth, z, direction);
             if inside < 1.0 {
-                met = Met(true, u, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
+                hit = RayHit(true, u, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
                 if !exact {
                     break;
                 }
@@ -47,7 +47,7 @@ fn met_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
         pixel = pixel_on(ray, u);
         depth = depth_in_view(pixel);
     }
-    return met;
+    return hit;
 }
 
 /// State of a march in segments.
@@ -88,10 +88,10 @@ fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<fu
         let along = ray.step * length;
         let cell = middle.xy * inverse_side;
         let along_cell = along.xy * inverse_side;
-        let word_0 = textureLoad(cells_texture, vec2<i32>(cell) + row, 0).r;
-        let word_1 = textureLoad(cells_texture, vec2<i32>(cell + along_cell) + row, 0).r;
-        let word_2 = textureLoad(cells_texture, vec2<i32>(cell + 2.0 * along_cell) + row, 0).r;
-        let word_3 = textureLoad(cells_texture, vec2<i32>(cell + 3.0 * along_cell) + row, 0).r;
+        let word_0 = textureLoad(hi_z_texture, vec2<i32>(cell) + row, 0).r;
+        let word_1 = textureLoad(hi_z_texture, vec2<i32>(cell + along_cell) + row, 0).r;
+        let word_2 = textureLoad(hi_z_texture, vec2<i32>(cell + 2.0 * along_cell) + row, 0).r;
+        let word_3 = textureLoad(hi_z_texture, vec2<i32>(cell + 3.0 * along_cell) + row, 0).r;
         let cell_0 = unpack_cell(word_0);
         let cell_1 = unpack_cell(word_1);
         let cell_2 = unpack_cell(word_2);
@@ -149,22 +149,22 @@ fn march(
     phase: f32,
     segments: u32,
     is_smooth: bool,
-    way: ptr<function, Way>,
-) -> Met {
-    let begin = (*way).u;
-    var march = March(begin, (*way).is_in_front, 0.5 + phase, 0.0, 0u);
-    var met: Met;
+    state: ptr<function, MarchState>,
+) -> RayHit {
+    let begin = (*state).u;
+    var march = March(begin, (*state).is_in_front, 0.5 + phase, 0.0, 0u);
+    var hit: RayHit;
     loop {
         // Marching and bisection alternate, so that the rays of a subgroup do each together.
         let crossing = next_crossing(ray, begin, growth, segments, &march);
         if !crossing.is_one {
             break;
         }
-        met = met_between(ray, direction, crossing.front, crossing.back, crossing.depth, is_smooth);
-        if met.is_hit {
+        hit = hit_between(ray, direction, crossing.front, crossing.back, crossing.depth, is_smooth);
+        if hit.is_hit {
             break;
         }
     }
-    *way = Way(march.u, march.is_in_front, select(march.length, 1.0, is_smooth));
-    return met;
+    *state = MarchState(march.u, march.is_in_front, select(march.length, 1.0, is_smooth));
+    return hit;
 }

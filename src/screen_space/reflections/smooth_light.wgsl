@@ -18,7 +18,7 @@ const NARROWINGS: i32 = 3;
 const SPREAD: f32 = 0.2;
 
 /// Hit of a ray beside the pixel.
-struct Beside {
+struct NeighborRay {
     /// Distance along the pixel's own ray; 0 for a miss.
     metres: f32,
     confidence: f32,
@@ -55,8 +55,8 @@ fn gap_at(receiver: Receiver, at: vec3<f32>) -> f32 {
     let pixel = min(vec2<u32>(at.xy), vec2<u32>(view.viewport_size) - 1u);
     let depth = textureLoad(depth_texture, vec2<u32>(view.viewport_origin) + pixel, 0);
     // An adjacent pixel may be the mirror itself, which would keep its own light forever.
-    let way = abs(at.xy - receiver.at);
-    let is_away = max(way.x, way.y) > 1.5;
+    let state = abs(at.xy - receiver.at);
+    let is_away = max(state.x, state.y) > 1.5;
     return select(NOTHING_NEAR, (at.z - depth) / max(edge_step(depth, 1.0), 1e-30), is_away);
 }
 
@@ -87,14 +87,14 @@ fn metres_between(receiver: Receiver, line: Line, front: vec2<f32>, back: vec2<f
 }
 
 /// Hit of ray `i` of the four around the pixel.
-fn ray_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance_to_viewer: f32) -> Beside {
+fn neighbor_ray(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance_to_viewer: f32) -> NeighborRay {
     let corner = vec2(i & 1, i >> 1u);
     let near = select(1.0 - along, along, corner == vec2(1));
     let texel = texel_beside(first, i);
     let image = unpack_distance(hits[texel]);
     let has_met = image != 0.0;
     let alike = receiver.alike[i];
-    return Beside(
+    return NeighborRay(
         select(0.0, image - distance_to_viewer, has_met),
         unpack2x16float(lights[texel].y).y,
         select(0.0, near.x * near.y * alike, has_met),
@@ -118,7 +118,7 @@ fn place_of_some(
     var front = vec2(-1.0, 0.0);
     var back = vec2(0.0);
     for (var i = 0; i < 4; i++) {
-        let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
+        let ray = neighbor_ray(receiver, first, i, along, distance_to_viewer);
         if ray.weight > 0.0 {
             let gap = gap_at(receiver, seen_at(line, ray.metres));
             let weight = ray.weight * match_of(gap);
@@ -155,7 +155,7 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight
     var shortest = 1e9;
     var longest = 0.0;
     for (var i = 0; i < 4; i++) {
-        let ray = ray_beside(receiver, first, i, along, distance_to_viewer);
+        let ray = neighbor_ray(receiver, first, i, along, distance_to_viewer);
         sum += vec2(ray.metres, ray.confidence) * ray.weight;
         weights += ray.weight;
         shortest = select(shortest, min(shortest, ray.metres), ray.is_alike);

@@ -1,9 +1,9 @@
 // Marches the ray of a smooth surface through cells and pixels.
 #define_import_path bevy_lean_deferred::screen_space::reflections::smooth_march
 
-#import bevy_lean_deferred::screen_space::reflections::bindings::{behind, cells_texture, depth_texture, view}
+#import bevy_lean_deferred::screen_space::reflections::bindings::{behind, hi_z_texture, depth_texture, view}
 #import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Ray, Way, depth_inside, pixel_on}
+#import bevy_lean_deferred::screen_space::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
 
 /// Sides of the smallest and the largest cells in pixels, and the ratio of consecutive sides. Pixels come before the smallest
 /// cells.
@@ -17,7 +17,7 @@ const INTO: f32 = 1.0 / 256.0;
 
 /// Marches through the largest cells that the ray passes in front of or behind, to the first surface whose front faces it (Uludag
 /// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. After `steps`, the state is in `way`.
-fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) -> Met {
+fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchState>) -> RayHit {
     let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
     let inverse_step = 1.0 / step;
     let ends_from = -ray.start.xy * inverse_step;
@@ -30,10 +30,10 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) ->
     let last = vec2<i32>(view.viewport_size) - 1;
     var side = FIRST_SIDE;
     var inverse_side = 1.0 / FIRST_SIDE;
-    var u = (*way).u;
+    var u = (*state).u;
     var z = ray.start.z + ray.step.z * u;
-    var was_in_front = (*way).is_in_front;
-    var met: Met;
+    var was_in_front = (*state).is_in_front;
+    var hit: RayHit;
     for (var i = 0u; i < steps && u < ray.end; i++) {
         let place = floor((start + ray.step.xy * u) * inverse_side);
         let cell = vec2<i32>(place);
@@ -45,7 +45,7 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) ->
             depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + min(cell, last), 0);
         } else {
             let before = select(select(ROWS_BEFORE_64, ROWS_BEFORE_16, side < LAST_SIDE), 0u, side == FIRST_SIDE);
-            word = textureLoad(cells_texture, cell + vec2(0, i32(before * rows)), 0).r;
+            word = textureLoad(hi_z_texture, cell + vec2(0, i32(before * rows)), 0).r;
         }
         let ends = (place + forwards) * (side * inverse_step) + ends_from;
         let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
@@ -66,7 +66,7 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) ->
                 let pixel = pixel_on(ray, middle);
                 let inside = depth_inside(pixel, depth, middle_z, direction);
                 if inside < 1.0 {
-                    met = Met(true, middle, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
+                    hit = RayHit(true, middle, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
                     break;
                 }
             }
@@ -87,6 +87,6 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, way: ptr<function, Way>) ->
             inverse_side *= STEP_OF_SIDES;
         }
     }
-    *way = Way(u, was_in_front, 1.0);
-    return met;
+    *state = MarchState(u, was_in_front, 1.0);
+    return hit;
 }

@@ -7,11 +7,11 @@
 }
 
 #ifdef SPECIALIZATION
-#import bevy_lean_deferred::gbuffer::layout::SPECIALIZATION_WRITTEN
+#import bevy_lean_deferred::gbuffer::layout::SPECIALIZATION_VALID
 #import bevy_lean_deferred::gbuffer::layout::specialization::{
     CLEARCOAT, UNLIT, unpack_arguments, unpack_shading_model,
 }
-#import bevy_lean_deferred::screen_space::reflections::bindings::{specialization_texture, written_texture}
+#import bevy_lean_deferred::screen_space::reflections::bindings::{specialization_texture, valid_mask_texture}
 #import bevy_lean_deferred::shading_models::clearcoat::{unpack_clearcoat_roughness, unpack_clearcoat_strength}
 #endif
 
@@ -37,7 +37,7 @@ fn mirror_of(pixel: vec2<i32>, word: u32) -> Mirror {
     var mirror = Mirror(unpack_normal(word), unpack_roughness(word));
 #ifdef SPECIALIZATION
     let place = vec2<i32>(view.viewport_origin) + pixel;
-    if (textureLoad(written_texture, place, 0).r & SPECIALIZATION_WRITTEN) != 0u {
+    if (textureLoad(valid_mask_texture, place, 0).r & SPECIALIZATION_VALID) != 0u {
         let word = textureLoad(specialization_texture, place, 0).r;
         let model = unpack_shading_model(word);
         if model == UNLIT {

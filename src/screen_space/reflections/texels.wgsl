@@ -1,4 +1,4 @@
-// Texels in workgroup memory: their surfaces, and the results of their rays. Either those whose lobes the workgroup makes (LOBES),
+// Texels in workgroup memory: their surfaces, and the results of their rays. Either those whose lobes the workgroup makes (SPATIAL_FILTER),
 // or those around the pixels that it resolves.
 #define_import_path bevy_lean_deferred::screen_space::reflections::texels
 
@@ -11,7 +11,7 @@
 /// Side in texels of the lobes, and in pixels of the light, that a workgroup makes.
 const WORKGROUP_SIDE: i32 = 16;
 
-#ifdef LOBES
+#ifdef SPATIAL_FILTER
 /// Side in texels of the lobes.
 const MADE: i32 = WORKGROUP_SIDE;
 /// Border of texels that are read too: the radius of a lobe's kernel.
@@ -25,17 +25,17 @@ const RIM: i32 = 1;
 /// Fewer for fewer texels, so that they wait less for each other.
 const INVOCATIONS: i32 = 256 / DIVISOR;
 #endif
-const SIDE: i32 = MADE + 2 * RIM;
+const CACHE_SIDE: i32 = MADE + 2 * RIM;
 /// Index of the first texel inside the border.
-const FIRST_MADE: i32 = RIM * (1 + SIDE);
+const FIRST_MADE: i32 = RIM * (1 + CACHE_SIDE);
 
 /// Light times confidence, and confidence, in half floats: less memory lets more workgroups run at once.
-var<workgroup> lights: array<vec2<u32>, SIDE * SIDE>;
+var<workgroup> lights: array<vec2<u32>, CACHE_SIDE * CACHE_SIDE>;
 /// Normals in half floats, and depths; 0 without a ray.
-var<workgroup> normals: array<vec2<u32>, SIDE * SIDE>;
-var<workgroup> depths: array<f32, SIDE * SIDE>;
+var<workgroup> normals: array<vec2<u32>, CACHE_SIDE * CACHE_SIDE>;
+var<workgroup> depths: array<f32, CACHE_SIDE * CACHE_SIDE>;
 /// Packed by `pack_hit`; 0 without a ray.
-var<workgroup> hits: array<u32, SIDE * SIDE>;
+var<workgroup> hits: array<u32, CACHE_SIDE * CACHE_SIDE>;
 
 /// Content of the textures at a texel.
 struct Texel {
@@ -53,7 +53,7 @@ fn nearest_inside(texel: vec2<i32>) -> vec2<i32> {
 /// Texel `read` of the workgroup. `corner` is the first one inside the border.
 fn texel_at(corner: vec2<i32>, read: i32) -> Texel {
     var known: Texel;
-    known.place = corner + vec2<i32>(vec2(u32(read) % u32(SIDE), u32(read) / u32(SIDE))) - RIM;
+    known.place = corner + vec2<i32>(vec2(u32(read) % u32(CACHE_SIDE), u32(read) / u32(CACHE_SIDE))) - RIM;
     let texel = nearest_inside(known.place);
     known.surface = textureLoad(surfaces_texture, texel, 0).rg;
     known.light = textureLoad(rays_texture, texel, 0);
@@ -85,7 +85,7 @@ fn slope_at(texel: i32) -> vec2<f32> {
     let depth = depths[texel];
     return vec2(
         flatter_slope(depths[texel - 1], depth, depths[texel + 1]),
-        flatter_slope(depths[texel - SIDE], depth, depths[texel + SIDE]),
+        flatter_slope(depths[texel - CACHE_SIDE], depth, depths[texel + CACHE_SIDE]),
     );
 }
 

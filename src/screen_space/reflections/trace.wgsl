@@ -3,11 +3,11 @@
 #import bevy_lean_deferred::ggx::sample_lobe
 #import bevy_lean_deferred::gbuffer::layout::is_finite
 #import bevy_lean_deferred::horizon::tangents
-#import bevy_lean_deferred::pattern::turn_of
+#import bevy_lean_deferred::pattern::rotation_index
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
     DIVISOR, depth_in_view, hits_output, pack_hit, rays_output, surfaces_output, to_viewer, view, view_position,
 }
-#import bevy_lean_deferred::screen_space::reflections::ray::{Met, Way, met_at, metres_at, ray_on_screen}
+#import bevy_lean_deferred::screen_space::reflections::ray::{RayHit, MarchState, hit_at, metres_at, ray_on_screen}
 #import bevy_lean_deferred::screen_space::reflections::rough_march
 #import bevy_lean_deferred::screen_space::reflections::smooth_march
 #import bevy_lean_deferred::screen_space::reflections::surface::{last_light, mirror_of, normal_word_at, rotated, smoothness}
@@ -29,7 +29,7 @@ const GROWTH_PERCENT: f32 = f32(#{GROWTH_PERCENT}u);
 const LEAST_GROWTH: f32 = 0.03;
 
 /// Result of a ray.
-struct Found {
+struct TraceResult {
     /// Normal word and depth of the mirror; 0 without a ray.
     surface: vec2<u32>,
     /// Light and confidence.
@@ -50,22 +50,22 @@ fn rim_fade(at: vec2<f32>) -> f32 {
     return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
 }
 
-fn found_at(texel: vec2<i32>) -> Found {
-    var found: Found;
+fn trace_at(texel: vec2<i32>) -> TraceResult {
+    var result: TraceResult;
     let pixel = texel * DIVISOR;
     let depth = depth_in_view(pixel);
     if !(depth > 0.0) || view.exposure_ratio == 0.0 {
-        return found;
+        return result;
     }
     let word = normal_word_at(pixel);
     let mirror = mirror_of(pixel, word);
     if smoothness(mirror.roughness) == 0.0 {
-        return found;
+        return result;
     }
     let start = vec3(vec2<f32>(pixel) + 0.5, depth);
     let is_rough = mirror.roughness > ROUGH;
-    found.surface = vec2(word, bitcast<u32>(depth));
-    let turn = turn_of(vec2<u32>(texel) & vec2(3u));
+    result.surface = vec2(word, bitcast<u32>(depth));
+    let turn = rotation_index(vec2<u32>(texel) & vec2(3u));
     let position = view_position(start.xy, depth);
     let V = to_viewer(position);
     let normal = rotated(mirror.normal);
@@ -74,54 +74,54 @@ fn found_at(texel: vec2<i32>) -> Found {
     let local = vec3(V * basis, max(dot(V, normal), 1e-3));
     let alpha = mirror.roughness * mirror.roughness;
     let sample = sample_lobe(normalize(local), alpha, numbers_of(turn));
-    found.hit = pack_hit(0.0, sample.weight);
+    result.hit = pack_hit(0.0, sample.weight);
     if sample.weight == 0.0 {
-        return found;
+        return result;
     }
     let direction = basis * sample.direction.xy + normal * sample.direction.z;
     let ray = ray_on_screen(start, position, direction);
-    var met: Met;
+    var hit: RayHit;
     // Skips the pixel itself.
-    var way = Way(1.0, true, 0.0);
+    var state = MarchState(1.0, true, 0.0);
     if !is_rough {
-        met = smooth_march::march(ray, direction, SMOOTH_STEPS, &way);
+        hit = smooth_march::march(ray, direction, SMOOTH_STEPS, &state);
     }
     // Rays of rough surfaces march in segments from the start. Smooth ones whose steps are used up continue in segments: they are few,
     // but all others would wait for them.
-    if !met.is_hit && way.u < ray.end {
+    if !hit.is_hit && state.u < ray.end {
         // Differs from that of neighbouring rays.
         let phase = fract(f32(turn) * 0.618034);
         let growth = max(0.01 * GROWTH_PERCENT * alpha, LEAST_GROWTH);
-        met = rough_march::march(ray, direction, growth, phase, ROUGH_SEGMENTS, !is_rough, &way);
+        hit = rough_march::march(ray, direction, growth, phase, ROUGH_SEGMENTS, !is_rough, &state);
     }
-    if !met.is_hit {
-        return found;
+    if !hit.is_hit {
+        return result;
     }
     // Here, where the rays of a subgroup have converged again.
-    met = met_at(ray, vec2<i32>(met.place.xy), met.place.z, met.u, way.span, met.certainty);
-    let hit = view_position(met.place.xy, met.place.z);
-    let metres = metres_at(ray, met.u);
+    hit = hit_at(ray, vec2<i32>(hit.place.xy), hit.place.z, hit.u, state.span, hit.certainty);
+    let hit_position = view_position(hit.place.xy, hit.place.z);
+    let metres = metres_at(ray, hit.u);
     // As wide as this ray's share of the lobe.
     let scale = abs(view.pixels_per_metre.y);
 #ifdef PROJECTION_ORTHOGRAPHIC
     let wide = metres * scale;
 #else
-    let wide = metres * scale / max(-hit.z, 1e-6);
+    let wide = metres * scale / max(-hit_position.z, 1e-6);
 #endif
     let level = 0.5 * log2(max(wide * wide / (f32(RAYS) * sample.density), 1.0));
-    let seen = last_light(met.place, hit, level);
-    let confidence = seen.w * met.certainty * rim_fade(met.place.xy);
+    let seen = last_light(hit.place, hit_position, level);
+    let confidence = seen.w * hit.certainty * rim_fade(hit.place.xy);
     if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
-        return found;
+        return result;
     }
-    found.light = vec4(seen.rgb, confidence);
+    result.light = vec4(seen.rgb, confidence);
 #ifdef PROJECTION_ORTHOGRAPHIC
     let image = metres;
 #else
     let image = length(position) + metres;
 #endif
-    found.hit = pack_hit(max(image, 1e-6), sample.weight);
-    return found;
+    result.hit = pack_hit(max(image, 1e-6), sample.weight);
+    return result;
 }
 
 @compute @workgroup_size(64, 1, 1)
@@ -132,15 +132,15 @@ fn main(
 ) {
     let texel = pixel_in_view(workgroup.xy, workgroups.xy, view.row_stride, invocation);
     if all(texel < view.texture_size) {
-        let found = found_at(vec2<i32>(texel));
-        textureStore(surfaces_output, texel, vec4(found.surface, 0u, 0u));
+        let result = trace_at(vec2<i32>(texel));
+        textureStore(surfaces_output, texel, vec4(result.surface, 0u, 0u));
 #ifndef SHOWN
         // Other texels are not read.
-        if found.surface.y == 0u {
+        if result.surface.y == 0u {
             return;
         }
 #endif
-        textureStore(rays_output, texel, found.light);
-        textureStore(hits_output, texel, vec4(found.hit));
+        textureStore(rays_output, texel, result.light);
+        textureStore(hits_output, texel, vec4(result.hit));
     }
 }

@@ -21,7 +21,7 @@ const LARGEST_METRES: f32 = 1e6;
 /// Uniform of the passes, one per view.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
-pub struct ReflectionView {
+pub struct ReflectionUniform {
     view_from_pixel: Mat4,
     pixel_from_view: Mat4,
     view_from_world: Mat4,
@@ -46,7 +46,7 @@ pub struct ReflectionView {
     pub(super) has_motion: u32,
 }
 
-impl ReflectionView {
+impl ReflectionUniform {
     /// Derives the uniform from `settings`, for the frame `now` after the `last` one, with texels of `divisor` pixels per side.
     pub fn new(
         settings: &LeanScreenSpaceReflections,

@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::screen_space::reflections::view
 
 /// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and its ray starts at the first one.
-struct ReflectionView {
+struct ReflectionUniform {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,
     /// From view space to (pixel x, pixel y, depth, 1), homogeneous.

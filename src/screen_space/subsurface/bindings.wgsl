@@ -1,9 +1,9 @@
 // Bindings of the subsurface scattering passes. Each pass imports those that it uses.
 #define_import_path bevy_lean_deferred::screen_space::subsurface::bindings
 
-#import bevy_lean_deferred::screen_space::subsurface::view::SubsurfaceView
+#import bevy_lean_deferred::screen_space::subsurface::view::SubsurfaceUniform
 
-@group(0) @binding(0) var<uniform> view: SubsurfaceView;
+@group(0) @binding(0) var<uniform> view: SubsurfaceUniform;
 /// Tiles whose light scatters, in the layout of `lighting/subsurface_light.wgsl`.
 @group(0) @binding(1) var<storage, read> tiles: array<u32>;
 /// Light that enters surfaces: of the next finer level or, to be scattered, of this one.

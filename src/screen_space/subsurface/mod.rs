@@ -53,7 +53,7 @@ pub use {
     active::ActiveScattering,
     prepare::ViewSubsurface,
     support::{NEEDED_LIMITS, missing_for_scattering},
-    uniforms::SubsurfaceView,
+    uniforms::SubsurfaceUniform,
 };
 
 use bevy::{

@@ -1,5 +1,5 @@
 // Adds the change by scattering to the picture, in the listed blocks.
-#import bevy_lean_deferred::gbuffer::layout::light::within_halfs
+#import bevy_lean_deferred::gbuffer::layout::light::within_halves
 #import bevy_lean_deferred::lighting::subsurface_light::{tile_bit, unpack_entry, unpack_material, unpack_receiver}
 #import bevy_lean_deferred::screen_space::subsurface::{
     bindings::{light_texture, output_texture, picture_texture, scattered_texture, view},
@@ -30,7 +30,7 @@ fn show(pixel: vec2<i32>, written: Written, coarser: Square) {
     let added = added_at(pixel, surface, coarser);
     // The pixel is kept if nothing, or NaN, is added.
     if any(added != vec3(0.0)) && all(abs(added) < vec3(1e30)) {
-        let color = within_halfs(receiver.color.rgb + receiver.leaving * added);
+        let color = within_halves(receiver.color.rgb + receiver.leaving * added);
         textureStore(output_texture, vec2<i32>(view.viewport_origin) + pixel, vec4(color, receiver.color.a));
     }
 }

@@ -22,10 +22,10 @@ use super::{
         NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
     },
     key::SubsurfaceKey,
-    uniforms::SubsurfaceView,
+    uniforms::SubsurfaceUniform,
 };
 use crate::{
-    gpu::{bind_group_cache::FoundLayout, bindings::layout},
+    gpu::{bind_group_cache::ResolvedLayout, bindings::layout},
     lighting::SUBSURFACE_LIGHT_FORMAT,
 };
 
@@ -63,12 +63,12 @@ impl SubsurfacePasses {
 
 /// Layouts of the passes.
 pub(super) struct SubsurfaceLayouts {
-    pub(super) first: FoundLayout,
-    pub(super) down: FoundLayout,
-    pub(super) turn: FoundLayout,
+    pub(super) first: ResolvedLayout,
+    pub(super) down: ResolvedLayout,
+    pub(super) turn: ResolvedLayout,
     /// Shared by the two passes that scatter across two levels.
-    pub(super) up: FoundLayout,
-    pub(super) picture: FoundLayout,
+    pub(super) up: ResolvedLayout,
+    pub(super) picture: ResolvedLayout,
 }
 
 /// Pipelines by key, and their layouts, created when the first view needs them.
@@ -100,9 +100,9 @@ impl SubsurfaceLayouts {
         let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
         let found = |label: &'static str, entries: &[(u32, BindGroupLayoutEntryBuilder)]| {
             let layout = layout(label, ShaderStages::COMPUTE, entries.iter().copied());
-            FoundLayout::new(cache, layout)
+            ResolvedLayout::new(cache, layout)
         };
-        let view = (VIEW, uniform_buffer::<SubsurfaceView>(true));
+        let view = (VIEW, uniform_buffer::<SubsurfaceUniform>(true));
         let tiles = (TILES, storage_buffer_read_only_sized(false, None));
         let light = (LIGHT_TEXTURE, words());
         let level = (LEVEL_OUTPUT, stored(SUBSURFACE_LIGHT_FORMAT));
@@ -157,7 +157,7 @@ impl SubsurfacePipelines {
             return *passes;
         }
         let layouts = self.layouts.get_or_init(|| SubsurfaceLayouts::new(cache));
-        let queue = |shader: &Handle<Shader>, layout: &FoundLayout, more: &[&'static str]| {
+        let queue = |shader: &Handle<Shader>, layout: &ResolvedLayout, more: &[&'static str]| {
             let more = more.iter().copied().map(ShaderDefVal::from);
             cache.queue_compute_pipeline(ComputePipelineDescriptor {
                 label: Some(layout.descriptor().label.clone()),

@@ -19,7 +19,7 @@ use super::{
         NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
     },
     pipelines::SubsurfacePipelines,
-    uniforms::SubsurfaceView,
+    uniforms::SubsurfaceUniform,
 };
 use crate::{
     gbuffer::GBufferTextures,
@@ -38,7 +38,7 @@ pub(super) const PASSES: [u32; 6] = [1, 3, 5, 3, 1, 0];
 
 /// Uniforms of all views, one per pass.
 #[derive(Resource, Default)]
-pub(super) struct SubsurfaceUniforms(DynamicUniformBuffer<SubsurfaceView>);
+pub(super) struct SubsurfaceUniforms(DynamicUniformBuffer<SubsurfaceUniform>);
 
 /// On a view with subsurface scattering.
 #[derive(Component)]
@@ -128,7 +128,7 @@ pub(super) fn prepare_subsurface(
         let blocks = size >> SUBSURFACE_BLOCK_LOG;
         held.offsets = PASSES.map(|level| {
             let settings = &active.settings;
-            writer.write(&SubsurfaceView::new(settings, &now, blocks, level))
+            writer.write(&SubsurfaceUniform::new(settings, &now, blocks, level))
         });
         if let Some(made) = made {
             commands.entity(entity).insert(made);

@@ -11,7 +11,7 @@ use crate::{
 /// Uniform of the passes, one per view and pass.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(no_auto_register)]
-pub struct SubsurfaceView {
+pub struct SubsurfaceUniform {
     view_from_world: Mat4,
     center: Vec2,
     pixels_per_metre: Vec2,
@@ -22,7 +22,7 @@ pub struct SubsurfaceView {
     largest_radius: f32,
 }
 
-impl SubsurfaceView {
+impl SubsurfaceUniform {
     /// Derives the uniform from `settings` for a pass that writes `level`, in a view with `blocks` blocks of tiles.
     pub fn new(
         settings: &LeanSubsurfaceScattering,

@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::screen_space::subsurface::view
 
 /// Pixel coordinates are relative to the viewport's corner.
-struct SubsurfaceView {
+struct SubsurfaceUniform {
     view_from_world: mat4x4<f32>,
     /// Pixel straight ahead of the camera, with fractions.
     center: vec2<f32>,

@@ -49,6 +49,6 @@ fn unpack_halves(words: vec2<u32>) -> vec4<f32> {
 
 /// Clamps light, infinite light too, to the range of half floats. Otherwise drivers may store infinity, of which bloom makes NaN.
 /// NaN is kept.
-fn within_halfs(color: vec3<f32>) -> vec3<f32> {
+fn within_halves(color: vec3<f32>) -> vec3<f32> {
     return select(color, sign(color) * LARGEST_HALF, abs(color) > vec3(LARGEST_HALF));
 }

@@ -8,7 +8,7 @@ const SUBSURFACE: u32 = 1u;
 const ANISOTROPY: u32 = 2u;
 const RIM: u32 = 3u;
 const CLEARCOAT: u32 = 4u;
-const BACKLIGHT: u32 = 5u;
+const DIFFUSE_TRANSMISSION: u32 = 5u;
 const UNLIT: u32 = 6u;
 
 const REFLECTANCE_STEPS: f32 = 126.0;

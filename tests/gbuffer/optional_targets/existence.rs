@@ -244,7 +244,7 @@ fn targets_go_a_while_after_what_needs_them() {
             each,
             [
                 ("base", 64 * 48 * 8),
-                ("written targets", 64 * 48),
+                ("valid mask", 64 * 48),
                 ("emissive", 64 * 48 * 4),
                 ("specialization", 64 * 48 * 4)
             ]

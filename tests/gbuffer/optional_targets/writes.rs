@@ -19,7 +19,7 @@ use kit::{
 };
 
 /// Number of optional targets that each pipeline of the G-buffer writes.
-fn written_targets(headless: &Headless) -> Vec<usize> {
+fn valid_mask(headless: &Headless) -> Vec<usize> {
     let world = headless.app.sub_app(RenderApp).world();
     (world.resource::<PipelineCache>().pipelines())
         .filter_map(|pipeline| match &pipeline.descriptor {
@@ -86,7 +86,7 @@ fn meshes_write_what_they_need() {
             .union(GBufferTargets::SPECIALIZATION)
             .union(GBufferTargets::MOTION);
         assert_eq!(usage(&mut headless).targets, all);
-        let written = written_targets(&headless);
+        let written = valid_mask(&headless);
         println!("{written:?}");
         assert!(written.contains(&1));
         assert!(written.iter().all(|count| *count <= 1), "{written:?}");

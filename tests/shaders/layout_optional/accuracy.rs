@@ -6,7 +6,7 @@ use bevy::{
 };
 use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
 use bevy_lean_deferred::shading_models::{
-    anisotropy, backlight, clearcoat, rim, subsurface, unlit,
+    anisotropy, clearcoat, diffuse_transmission, rim, subsurface, unlit,
 };
 
 use kit::random::Random;
@@ -138,7 +138,9 @@ fn arguments_are_as_exact_as_their_bits_allow() {
             anisotropy::unpack_anisotropy_strength(arguments)
         }),
         ("diffuse transmission", 7, |x| {
-            backlight::unpack_backlight_transmission(backlight::pack_backlight(x, 1.0, true))
+            diffuse_transmission::unpack_transmission(
+                diffuse_transmission::pack_diffuse_transmission(x, 1.0, true),
+            )
         }),
     ] {
         let error = absolute_error(1.0, store);
@@ -147,7 +149,9 @@ fn arguments_are_as_exact_as_their_bits_allow() {
     }
 
     let thickness = relative_error(logarithmic(1e-6, 3700.0, 1_000_000), |x| {
-        backlight::unpack_backlight_thickness(backlight::pack_backlight(0.0, x, false))
+        diffuse_transmission::unpack_thickness(diffuse_transmission::pack_diffuse_transmission(
+            0.0, x, false,
+        ))
     });
     println!("thickness, 1 µm to 3.7 km: {thickness:.4} of it");
     assert!(thickness < 0.0219 + 1e-4);

@@ -3,7 +3,7 @@
 use bevy::math::Vec3;
 use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
 use bevy_lean_deferred::shading_models::{
-    anisotropy, backlight, clearcoat, rim, subsurface, unlit,
+    anisotropy, clearcoat, diffuse_transmission, rim, subsurface, unlit,
 };
 
 use kit::random::Random;
@@ -73,7 +73,7 @@ impl Form {
             "
 #import bevy_lean_deferred::gbuffer::layout::light
 #import bevy_lean_deferred::gbuffer::layout::specialization as special
-#import bevy_lean_deferred::shading_models::{{anisotropy, backlight, clearcoat, rim, subsurface, unlit}}
+#import bevy_lean_deferred::shading_models::{{anisotropy, diffuse_transmission, clearcoat, rim, subsurface, unlit}}
 fn unpacked(word: u32, normal: vec3<f32>) -> vec4<f32> {{
     return {unpack_wgsl};
 }}
@@ -327,21 +327,21 @@ pub const FORMS: &[Form] = &[
         fields: &[linear_field(0, 8, 0), linear_field(8, 8, 1)],
     },
     Form {
-        name: "backlight",
+        name: "diffuse_transmission",
         unpack_wgsl: "vec4(
-            backlight::unpack_backlight_transmission(word),
-            backlight::unpack_backlight_thickness(word),
-            f32(backlight::unpack_backlight_shadows(word)),
+            diffuse_transmission::unpack_transmission(word),
+            diffuse_transmission::unpack_thickness(word),
+            f32(diffuse_transmission::unpack_receives_shadows(word)),
             0.0,
         )",
-        pack_wgsl: "backlight::pack_backlight(x[0], x[1], x[2] > 0.5)",
+        pack_wgsl: "diffuse_transmission::pack_diffuse_transmission(x[0], x[1], x[2] > 0.5)",
         unpack: |word, _| {
-            let shadows = backlight::unpack_backlight_shadows(word);
-            let thickness = backlight::unpack_backlight_thickness(word);
-            let transmission = backlight::unpack_backlight_transmission(word);
+            let shadows = diffuse_transmission::unpack_receives_shadows(word);
+            let thickness = diffuse_transmission::unpack_thickness(word);
+            let transmission = diffuse_transmission::unpack_transmission(word);
             [transmission, thickness, f32::from(u8::from(shadows)), 0.0]
         },
-        pack: |x| backlight::pack_backlight(x[0], x[1], x[2] > 0.5),
+        pack: |x| diffuse_transmission::pack_diffuse_transmission(x[0], x[1], x[2] > 0.5),
         words: all_arguments,
         decode_tolerance: DECODE_TOLERANCE,
         decode_least: 0.0,

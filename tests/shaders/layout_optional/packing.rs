@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3;
 use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
-use bevy_lean_deferred::shading_models::{backlight, rim, subsurface, unlit};
+use bevy_lean_deferred::shading_models::{diffuse_transmission, rim, subsurface, unlit};
 
 use super::{
     BATCH, MODULES,
@@ -272,13 +272,13 @@ fn what_cannot_be_stored_is_replaced() {
         assert_eq!(special::unpack_reflectance(word), stored);
     }
     for (thickness, stored) in [(f32::NAN, 0.0), (-1.0, 0.0), (0.0, 0.0), (1e-7, 0.0)] {
-        let arguments = backlight::pack_backlight(0.0, thickness, false);
-        assert_eq!(backlight::unpack_backlight_thickness(arguments), stored);
+        let arguments = diffuse_transmission::pack_diffuse_transmission(0.0, thickness, false);
+        assert_eq!(diffuse_transmission::unpack_thickness(arguments), stored);
     }
     for far in [4e3, f32::INFINITY] {
-        let arguments = backlight::pack_backlight(0.0, far, false);
+        let arguments = diffuse_transmission::pack_diffuse_transmission(0.0, far, false);
         assert_eq!(
-            backlight::unpack_backlight_thickness(arguments),
+            diffuse_transmission::unpack_thickness(arguments),
             2f32.powf(11.875)
         );
     }

@@ -253,7 +253,7 @@ pub const GBUFFER: &[Factor] = &[
     ],
     optional!("GBUFFER_VISIBILITY_MASK"),
     // In the second phase of culling, meshes without optional targets are drawn in the pass that has some.
-    optional!("GBUFFER_WRITTEN"),
+    optional!("GBUFFER_VALID_MASK"),
     PROJECTIONS,
     optional!("STANDARD_MATERIAL_NORMAL_MAP"),
     optional!("RELIEF_MAPPING"),

@@ -14,7 +14,7 @@ use bevy_lean_deferred::{
         },
         unpack,
     },
-    shading_models::{anisotropy, backlight, clearcoat, rim, subsurface, unlit},
+    shading_models::{anisotropy, clearcoat, diffuse_transmission, rim, subsurface, unlit},
 };
 use proptest::prelude::*;
 
@@ -176,11 +176,11 @@ proptest! {
         prop_assert!((along.length() - 1.0).abs() < 1e-4, "{along}");
         prop_assert!(along.dot(normal).abs() < 1e-3, "{along} on {normal}");
 
-        let thin = backlight::pack_backlight(a, b, true);
-        prop_assert!(is_share(backlight::unpack_backlight_transmission(thin)));
-        prop_assert!(backlight::unpack_backlight_thickness(thin) >= 0.0);
-        prop_assert!(backlight::unpack_backlight_thickness(thin).is_finite());
-        prop_assert!(backlight::unpack_backlight_shadows(thin));
+        let thin = diffuse_transmission::pack_diffuse_transmission(a, b, true);
+        prop_assert!(is_share(diffuse_transmission::unpack_transmission(thin)));
+        prop_assert!(diffuse_transmission::unpack_thickness(thin) >= 0.0);
+        prop_assert!(diffuse_transmission::unpack_thickness(thin).is_finite());
+        prop_assert!(diffuse_transmission::unpack_receives_shadows(thin));
 
         let edge = rim::pack_rim(color, a);
         prop_assert!(rim::unpack_rim_color(edge).to_array().into_iter().all(is_share));

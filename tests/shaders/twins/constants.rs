@@ -19,7 +19,7 @@ use bevy_lean_deferred::{
         reconstruction::position,
         tiles,
     },
-    shading_models::{anisotropy, backlight, subsurface, unlit},
+    shading_models::{anisotropy, diffuse_transmission, subsurface, unlit},
 };
 use naga::{Expression, Handle, Literal, Module, TypeInner};
 
@@ -81,9 +81,9 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
         LIGHTMAP_NONE, LIGHTMAP_INCIDENT, LIGHTMAP_REFLECTED, ARGUMENTS_SHIFT
     });
     constants!("shader_library/reconstruction/position.wgsl": position::{SMALLEST_DEPTH});
-    constants!("shader_library/tiles.wgsl": tiles::{SIDE});
+    constants!("shader_library/tiles.wgsl": tiles::{TILE_SIDE});
     constants!("shading_models/anisotropy.wgsl": anisotropy::{FRAME_SEAM});
-    constants!("shading_models/backlight.wgsl": backlight::{THICKNESS_STEPS, LEAST_THICKNESS_LOG});
+    constants!("shading_models/diffuse_transmission.wgsl": diffuse_transmission::{THICKNESS_STEPS, LEAST_THICKNESS_LOG});
     constants!("shading_models/subsurface.wgsl": subsurface::{LEAST_PATH_LOG, STEPS});
     constants!("shading_models/unlit.wgsl": unlit::{LARGEST_UNLIT});
     constants!("auto_exposure/bindings.wgsl": key::{TILE_WIDTH, BINS});
@@ -103,7 +103,7 @@ fn numbers_of_rust() -> BTreeMap<Place, Vec<f64>> {
         ShadingModel::Anisotropy,
         ShadingModel::Rim,
         ShadingModel::Clearcoat,
-        ShadingModel::Backlight,
+        ShadingModel::DiffuseTransmission,
         ShadingModel::Unlit,
     ];
     let [first, ..] = SHADING_MODELS;

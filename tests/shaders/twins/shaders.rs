@@ -91,7 +91,7 @@ pub fn lighting(more: &[&str]) -> Composed {
         "INDIRECT_DIFFUSE",
         "INDIRECT_LIGHT",
         "AVAILABLE_STORAGE_BUFFER_BINDINGS=16",
-        "GBUFFER_WRITTEN",
+        "GBUFFER_VALID_MASK",
         "ENVIRONMENT_MAP",
         "IRRADIANCE_VOLUME",
         "IRRADIANCE_VOLUMES_ARE_USABLE",
@@ -175,7 +175,7 @@ pub fn all() -> &'static [Composed] {
             shader!("screen_space/diffuse_gi/forward_light.wgsl",),
             shader!("screen_space/history/levels.wgsl",),
             shader!("screen_space/history/levels.wgsl", "OF_LEVEL"),
-            shader!("screen_space/reflections/cells.wgsl", "DIVISOR=1"),
+            shader!("screen_space/reflections/hi_z.wgsl", "DIVISOR=1"),
             shader!(
                 "screen_space/reflections/trace.wgsl",
                 "DIVISOR=2",
@@ -185,7 +185,11 @@ pub fn all() -> &'static [Composed] {
                 "SMOOTH_STEPS=1",
                 "SPECIALIZATION"
             ),
-            shader!("screen_space/reflections/lobes.wgsl", "DIVISOR=4", "LOBES"),
+            shader!(
+                "screen_space/reflections/spatial_filter.wgsl",
+                "DIVISOR=4",
+                "SPATIAL_FILTER"
+            ),
             shader!("screen_space/reflections/resolve.wgsl", "DIVISOR=2"),
             shader!("screen_space/subsurface/down.wgsl", "LISTED"),
             shader!("screen_space/subsurface/down.wgsl",),
@@ -211,7 +215,7 @@ pub fn all() -> &'static [Composed] {
                 "NORMAL_PREPASS_OR_DEFERRED_PREPASS",
                 "MOTION_VECTOR_PREPASS_OR_DEFERRED_PREPASS",
                 "DEFERRED_PREPASS",
-                "GBUFFER_WRITTEN",
+                "GBUFFER_VALID_MASK",
                 "GBUFFER_VISIBILITY_MASK",
                 "MATERIAL_BIND_GROUP=3",
                 "AVAILABLE_STORAGE_BUFFER_BINDINGS=16"

@@ -7,12 +7,12 @@ use bevy::{
     render::render_resource::{AsBindGroup, ShaderType, encase::private::StructMetadata},
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::OcclusionView,
-    auto_exposure::{ExposureState, ExposureView},
+    ambient_occlusion::OcclusionUniform,
+    auto_exposure::{ExposureState, ExposureUniform},
     lighting::{LightLayersTable, LightingUniform},
     screen_space::{
-        diffuse_gi::GiView, history::HistoryView, reflections::ReflectionView,
-        subsurface::SubsurfaceView,
+        diffuse_gi::GiUniform, history::HistoryUniform, reflections::ReflectionUniform,
+        subsurface::SubsurfaceUniform,
     },
     shading_extension::{ExtensionUniform, ShadingExtension},
 };
@@ -77,13 +77,13 @@ fn structs_of_rust() -> BTreeMap<Place, Layout> {
         ),
         (
             "ambient_occlusion/view.wgsl",
-            "OcclusionView",
-            layout_of::<OcclusionView, _>(),
+            "OcclusionUniform",
+            layout_of::<OcclusionUniform, _>(),
         ),
         (
             "auto_exposure/bindings.wgsl",
-            "ExposureView",
-            layout_of::<ExposureView, _>(),
+            "ExposureUniform",
+            layout_of::<ExposureUniform, _>(),
         ),
         (
             "auto_exposure/bindings.wgsl",
@@ -92,23 +92,23 @@ fn structs_of_rust() -> BTreeMap<Place, Layout> {
         ),
         (
             "screen_space/diffuse_gi/view.wgsl",
-            "GiView",
-            layout_of::<GiView, _>(),
+            "GiUniform",
+            layout_of::<GiUniform, _>(),
         ),
         (
             "screen_space/history/levels.wgsl",
-            "HistoryView",
-            layout_of::<HistoryView, _>(),
+            "HistoryUniform",
+            layout_of::<HistoryUniform, _>(),
         ),
         (
             "screen_space/reflections/view.wgsl",
-            "ReflectionView",
-            layout_of::<ReflectionView, _>(),
+            "ReflectionUniform",
+            layout_of::<ReflectionUniform, _>(),
         ),
         (
             "screen_space/subsurface/view.wgsl",
-            "SubsurfaceView",
-            layout_of::<SubsurfaceView, _>(),
+            "SubsurfaceUniform",
+            layout_of::<SubsurfaceUniform, _>(),
         ),
         (
             "shading_extension/extension.wgsl",

@@ -67,7 +67,7 @@ fn rows(factors: &[Factor], always: &str) -> Vec<Definitions> {
             .map(|name| definition(name))
             .collect();
         if definitions.keys().any(|name| name.starts_with("GBUFFER_")) {
-            definitions.extend([definition("GBUFFER_WRITTEN")]);
+            definitions.extend([definition("GBUFFER_VALID_MASK")]);
         }
         let names: HashSet<String> = definitions.keys().cloned().collect();
         definitions.retain(|name, _| occurs(name, |other| names.contains(other)));
@@ -188,12 +188,12 @@ fn screen_space() -> Vec<Shader> {
             "screen_space/diffuse_gi/filter.wgsl",
             combinations("", &[divisors, PROJECTIONS]),
         ),
-        ("screen_space/reflections/cells.wgsl", mirrors(&[""])),
+        ("screen_space/reflections/hi_z.wgsl", mirrors(&[""])),
         (
             "screen_space/reflections/trace.wgsl",
             mirrors(&["", "SHOWN"]),
         ),
-        ("screen_space/reflections/lobes.wgsl", mirrors(&["LOBES"])),
+        ("screen_space/reflections/spatial_filter.wgsl", mirrors(&["SPATIAL_FILTER"])),
         ("screen_space/reflections/resolve.wgsl", mirrors(&[""])),
         (
             "screen_space/subsurface/down.wgsl",

@@ -9,7 +9,7 @@ use crate::headless::Headless;
 
 /// Live handles of Bevy and this crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Held {
+pub struct GpuUsage {
     pub textures: usize,
     pub texture_views: usize,
     pub buffers: usize,
@@ -20,7 +20,7 @@ pub struct Held {
     pub bytes: usize,
 }
 
-impl Held {
+impl GpuUsage {
     /// Counts after the last frame.
     pub fn now(headless: &Headless) -> Self {
         let render_world = headless.app.sub_app(RenderApp).world();

@@ -1,12 +1,12 @@
 // Makes cells of 4, 16 and 64 pixels a side: the nearest depth, and the depth of the back of the furthest surface. Rays skip cells
 // that they pass in front of or behind. The three sizes are stored one below the other in one texture.
 #import bevy_lean_deferred::screen_space::reflections::bindings::{
-    behind, cells_output, depth_sampler, depth_texture, edge_step, view,
+    behind, hi_z_output, depth_sampler, depth_texture, edge_step, view,
 }
 #import bevy_lean_deferred::screen_space::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, pack_cell}
 
-var<workgroup> cells_4: array<vec2<f32>, 256>;
-var<workgroup> cells_16: array<vec2<f32>, 16>;
+var<workgroup> hi_z_4: array<vec2<f32>, 256>;
+var<workgroup> hi_z_16: array<vec2<f32>, 16>;
 
 fn joined(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return vec2(max(a.x, b.x), min(a.y, b.y));
@@ -41,7 +41,7 @@ fn cell_at(first: vec2<u32>) -> vec2<f32> {
 fn store(place: vec2<u32>, cell: vec2<f32>) {
     // Nothing is behind the sky.
     let end = select(behind(cell.y) - edge_step(cell.y, 1.0), 0.0, cell.y == 0.0);
-    textureStore(cells_output, place, vec4(pack_cell(cell.x, end)));
+    textureStore(hi_z_output, place, vec4(pack_cell(cell.x, end)));
 }
 
 /// Each workgroup makes the cells of 64×64 pixels.
@@ -53,7 +53,7 @@ fn main(
 ) {
     let place = vec2(i % 16u, i / 16u);
     let cell = cell_at(workgroup.xy * 64u + place * 4u);
-    cells_4[i] = cell;
+    hi_z_4[i] = cell;
     store(workgroup.xy * 16u + place, cell);
     workgroupBarrier();
     if i < 16u {
@@ -61,16 +61,16 @@ fn main(
         let first = 4u * (place.x + 16u * place.y);
         var cell = vec2(0.0, 1.0);
         for (var n = 0u; n < 16u; n++) {
-            cell = joined(cell, cells_4[first + n % 4u + 16u * (n / 4u)]);
+            cell = joined(cell, hi_z_4[first + n % 4u + 16u * (n / 4u)]);
         }
-        cells_16[i] = cell;
+        hi_z_16[i] = cell;
         store(vec2(0u, workgroups.y * ROWS_BEFORE_16) + workgroup.xy * 4u + place, cell);
     }
     workgroupBarrier();
     if i == 0u {
         var cell = vec2(0.0, 1.0);
         for (var n = 0u; n < 16u; n++) {
-            cell = joined(cell, cells_16[n]);
+            cell = joined(cell, hi_z_16[n]);
         }
         store(vec2(0u, workgroups.y * ROWS_BEFORE_64) + workgroup.xy, cell);
     }

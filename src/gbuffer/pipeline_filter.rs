@@ -1,7 +1,7 @@
 //! Limits the meshes of a lean view that Bevy's queue systems see to those that Bevy draws.
 //!
 //! Bevy queues a mesh with its specialized pipeline and skips meshes without one. While Bevy's queue systems run, each
-//! lean view exposes only the pipelines of meshes that are offered to Bevy; the others are set aside. So no mesh enters
+//! lean view exposes only the pipelines of meshes left to Bevy; the others are set aside. So no mesh enters
 //! a phase of Bevy's only to be removed again.
 
 use bevy::{
@@ -30,13 +30,13 @@ pub(super) struct BevyPipelines<'w> {
     prepass: ResMut<'w, SpecializedPrepassMaterialPipelineCache>,
 }
 
-/// Pipelines that are offered to Bevy in this frame, per lean view. While Bevy queues, it contains the withheld ones
+/// Pipelines that Bevy may queue in this frame, per lean view. While Bevy queues, it contains the withheld ones
 /// instead.
 #[derive(Resource, Default)]
-pub(super) struct Offers(HashMap<RetainedViewEntity, ViewOffer>);
+pub(super) struct PipelineFilter(HashMap<RetainedViewEntity, ViewPipelines>);
 
 #[derive(Default)]
-struct ViewOffer {
+struct ViewPipelines {
     main: SpecializedMaterialViewPipelineCache,
     prepass: SpecializedPrepassMaterialViewPipelineCache,
     /// Meshes that Bevy would not queue; added to its phases after it has queued its own.
@@ -50,9 +50,9 @@ struct Forced {
     into_main: bool,
 }
 
-impl ViewOffer {
+impl ViewPipelines {
     /// Swaps these pipelines with those that Bevy sees.
-    fn exchange(&mut self, view: &RetainedViewEntity, pipelines: &mut BevyPipelines) {
+    fn swap(&mut self, view: &RetainedViewEntity, pipelines: &mut BevyPipelines) {
         if let Some(main) = pipelines.main.get_mut(view) {
             core::mem::swap(main, &mut self.main);
         }
@@ -62,45 +62,45 @@ impl ViewOffer {
     }
 }
 
-impl Offers {
-    /// Returns the offer of `view`, to add meshes to.
+impl PipelineFilter {
+    /// Adds meshes to the filter of `view`.
     pub(super) fn of<'a>(
         &'a mut self,
         view: RetainedViewEntity,
         pipelines: &'a BevyPipelines,
-    ) -> Offer<'a> {
-        Offer {
+    ) -> PipelineFilterWriter<'a> {
+        PipelineFilterWriter {
             main: pipelines.main.get(&view),
             prepass: pipelines.prepass.get(&view),
-            offer: self.0.entry(view).or_default(),
+            pipelines: self.0.entry(view).or_default(),
         }
     }
 
-    /// Exposes only the offered pipelines to Bevy, and drops views that are not in `views`.
+    /// Exposes only these pipelines to Bevy, and drops views that are not in `views`.
     pub(super) fn show(
         &mut self,
         views: &HashSet<RetainedViewEntity>,
         pipelines: &mut BevyPipelines,
     ) {
         self.0.retain(|view, _| views.contains(view));
-        for (view, offer) in &mut self.0 {
-            offer.exchange(view, pipelines);
+        for (view, filtered) in &mut self.0 {
+            filtered.swap(view, pipelines);
         }
     }
 }
 
-/// The offer of one view.
-pub(super) struct Offer<'a> {
+/// Adds meshes to the filter of one view.
+pub(super) struct PipelineFilterWriter<'a> {
     main: Option<&'a SpecializedMaterialViewPipelineCache>,
     prepass: Option<&'a SpecializedPrepassMaterialViewPipelineCache>,
-    offer: &'a mut ViewOffer,
+    pipelines: &'a mut ViewPipelines,
 }
 
-impl Offer<'_> {
+impl PipelineFilterWriter<'_> {
     /// Lets Bevy queue the mesh.
     pub(super) fn add(&mut self, mesh: MainEntity) {
         if let Some(&pipeline) = self.main.and_then(|pipelines| pipelines.get(&mesh)) {
-            self.offer.main.insert(mesh, pipeline);
+            self.pipelines.main.insert(mesh, pipeline);
         }
         self.add_to_prepass(mesh);
     }
@@ -108,13 +108,13 @@ impl Offer<'_> {
     /// Lets Bevy queue the mesh for its prepass alone.
     pub(super) fn add_to_prepass(&mut self, mesh: MainEntity) {
         if let Some(&pipeline) = self.prepass.and_then(|pipelines| pipelines.get(&mesh)) {
-            self.offer.prepass.insert(mesh, pipeline);
+            self.pipelines.prepass.insert(mesh, pipeline);
         }
     }
 
     /// Adds the mesh to Bevy's phases although Bevy does not queue it.
     pub(super) fn force(&mut self, mesh: MainEntity) {
-        self.offer.forced.push(Forced {
+        self.pipelines.forced.push(Forced {
             mesh,
             into_main: true,
         });
@@ -122,7 +122,7 @@ impl Offer<'_> {
 
     /// Adds the mesh to Bevy's prepass although Bevy does not queue it.
     pub(super) fn force_into_prepass(&mut self, mesh: MainEntity) {
-        self.offer.forced.push(Forced {
+        self.pipelines.forced.push(Forced {
             mesh,
             into_main: false,
         });
@@ -130,21 +130,21 @@ impl Offer<'_> {
 }
 
 /// Restores Bevy's pipelines after its queue systems, and adds the forced meshes to its phases.
-pub(super) fn take_offers_back(
+pub(super) fn restore_pipelines(
     lookup: MeshLookup,
     gpu_preprocessing: Res<GpuPreprocessingSupport>,
     mut pipelines: BevyPipelines,
     mut bevy_phases: BevyPhases,
-    mut offers: ResMut<Offers>,
+    mut filter: ResMut<PipelineFilter>,
 ) {
     let mut kinds = RecentKinds::default();
-    for (view, offer) in &mut offers.0 {
-        offer.exchange(view, &mut pipelines);
-        offer.main.clear();
-        offer.prepass.clear();
+    for (view, filtered) in &mut filter.0 {
+        filtered.swap(view, &mut pipelines);
+        filtered.main.clear();
+        filtered.prepass.clear();
         let mut phases = bevy_phases.of(view);
         let (main, prepass) = (pipelines.main.get(view), pipelines.prepass.get(view));
-        for Forced { mesh, into_main } in offer.forced.drain(..) {
+        for Forced { mesh, into_main } in filtered.forced.drain(..) {
             let Ok(found) = lookup.find(mesh, &mut kinds) else {
                 continue;
             };

@@ -1,5 +1,5 @@
 // Indirect light that other effects computed for the pixel.
-#define_import_path bevy_lean_deferred::lighting::lights::found_light
+#define_import_path bevy_lean_deferred::lighting::lights::screen_space_light
 
 #import bevy_lean_deferred::gbuffer::layout::is_nan
 #import bevy_lean_deferred::gbuffer::layout::light::LARGEST_HALF
@@ -18,7 +18,7 @@
 #endif
 
 /// Light in cd/m², before exposure.
-struct FoundLight {
+struct ScreenSpaceLight {
     /// Radiance from about the mirrored direction.
     radiance: vec3<f32>,
     /// Weight with which `radiance` replaces the environment, 0 to 1.
@@ -31,8 +31,8 @@ struct FoundLight {
     material_visibility: vec3<f32>,
 }
 
-fn found_light(pixel: Pixel, material_visibility: vec3<f32>) -> FoundLight {
-    var found: FoundLight;
+fn screen_space_light(pixel: Pixel, material_visibility: vec3<f32>) -> ScreenSpaceLight {
+    var found: ScreenSpaceLight;
     found.visibility = 1.0;
     found.material_visibility = material_visibility;
 #ifdef INDIRECT_LIGHT

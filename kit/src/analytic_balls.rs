@@ -9,8 +9,8 @@ use bevy_lean_deferred::prelude::ExtendedStandardMaterial;
 use core::f32::consts::PI;
 
 use crate::{
-    known_light::{Errors, Seen, camera, show},
-    known_slabs::{slab, stored_paths},
+    analytic_light::{Errors, Seen, camera, show},
+    analytic_slabs::{slab, stored_paths},
 };
 
 /// Radius of a ball, in metres.

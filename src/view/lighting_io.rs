@@ -1,9 +1,9 @@
-//! Exchange of light between lighting and other effects.
+//! Lighting inputs and outputs: light that effects take from lighting, and give to it.
 //!
 //! An effect inserts these components on its views in the render world before
 //! [`LeanViewSystems`](super::LeanViewSystems), and removes them when it is done.
-//! [`ActiveLeanView`](super::ActiveLeanView) lists the exchanges of this frame: while lighting compiles for a new set,
-//! it keeps the former one.
+//! [`ActiveLeanView`](super::ActiveLeanView) has those of this frame: while lighting compiles for others,
+//! it keeps the former ones.
 
 use bevy::{
     prelude::*,
@@ -14,7 +14,7 @@ use bitflags::bitflags;
 bitflags! {
     /// Inputs and outputs of lighting that effects provide or read.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-    pub struct LightExchange: u8 {
+    pub struct LightingIo: u8 {
         /// Lighting writes the [`DiffuseLight`].
         const DIFFUSE_LIGHT = 1 << 0;
         /// Lighting adds the [`IndirectSpecular`].
@@ -65,17 +65,17 @@ pub struct IndirectSpecular(pub Option<TextureView>);
 #[derive(Component, Clone, Debug, Default)]
 pub struct IndirectDiffuse(pub Option<TextureView>);
 
-/// Exchanges that effects request on a view. A tuple, because the bounds of a derived query make the compiler walk all
+/// Inputs and outputs that effects request on a view. A tuple, because the bounds of a derived query make the compiler walk all
 /// types of `wgpu`.
-pub(crate) type ExchangeQuery = (
+pub(crate) type LightingIoQuery = (
     Has<ReadsDiffuseLight>,
     Has<ScattersLight>,
     Has<IndirectSpecular>,
     Has<IndirectDiffuse>,
 );
 
-impl LightExchange {
-    /// Converts the result of an [`ExchangeQuery`].
+impl LightingIo {
+    /// Converts the result of a [`LightingIoQuery`].
     pub(crate) fn asked(
         (diffuse_light, scatters, specular, diffuse): (bool, bool, bool, bool),
     ) -> Self {

@@ -2,9 +2,9 @@
 // Stachowiak 2015, "Stochastic Screen-Space Reflections"). The outer rays weigh half: the four directions along each axis then
 // weigh alike, and hits have no hard edges.
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
-#import bevy_lean_deferred::screen_space::reflections::bindings::{lobes_output, unpack_weight}
+#import bevy_lean_deferred::screen_space::reflections::bindings::{filtered_output, unpack_weight}
 #import bevy_lean_deferred::screen_space::reflections::texels::{
-    FIRST_MADE, INVOCATIONS, MADE, RIM, SIDE, depths, hits, inverse_step_at, keep, lights, likeness, normals, slope_at,
+    FIRST_MADE, INVOCATIONS, MADE, RIM, CACHE_SIDE, depths, hits, inverse_step_at, keep, lights, likeness, normals, slope_at,
     texel_at,
 }
 #import bevy_lean_deferred::workgroup::is_any
@@ -18,7 +18,7 @@ fn lobe_at(texel: i32) -> vec4<f32> {
     var sum = vec4(0.0);
     var weights = 0.0;
     // Incremented, because integer products are slow.
-    var other = texel - RIM * (1 + SIDE);
+    var other = texel - RIM * (1 + CACHE_SIDE);
     for (var y = -RIM; y <= RIM; y++) {
         let expected_in_row = depth + slope.y * f32(y);
         let share_of_row = f32(2 - ((y * y) >> 2u));
@@ -30,7 +30,7 @@ fn lobe_at(texel: i32) -> vec4<f32> {
             weights += weight;
             other++;
         }
-        other += SIDE - 2 * RIM - 1;
+        other += CACHE_SIDE - 2 * RIM - 1;
     }
     return sum / max(weights, 1e-6);
 }
@@ -43,16 +43,16 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let first = texel_at(corner, i);
     let second = texel_at(corner, i + INVOCATIONS);
     var counts = keep(i, first);
-    if i + INVOCATIONS < SIDE * SIDE {
+    if i + INVOCATIONS < CACHE_SIDE * CACHE_SIDE {
         counts |= keep(i + INVOCATIONS, second);
     }
     if !is_any(counts, invocation) {
         return;
     }
     let place = vec2<i32>(vec2(invocation % u32(MADE), invocation / u32(MADE)));
-    let made = place.x + SIDE * place.y + FIRST_MADE;
+    let made = place.x + CACHE_SIDE * place.y + FIRST_MADE;
     // Other texels are not read.
     if depths[made] > 0.0 {
-        textureStore(lobes_output, corner + place, lobe_at(made));
+        textureStore(filtered_output, corner + place, lobe_at(made));
     }
 }

@@ -14,9 +14,9 @@ use bevy::tasks::AsyncComputeTaskPool;
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// While alive, it occupies all threads that compile pipelines. For apps that compile asynchronously.
-pub struct HeldBack(Arc<AtomicBool>);
+pub struct StalledPipelines(Arc<AtomicBool>);
 
-impl HeldBack {
+impl StalledPipelines {
     pub fn new() -> Self {
         let is_over = Arc::new(AtomicBool::new(false));
         let pool = AsyncComputeTaskPool::get();
@@ -34,7 +34,7 @@ impl HeldBack {
     }
 }
 
-impl Drop for HeldBack {
+impl Drop for StalledPipelines {
     fn drop(&mut self) {
         self.0.store(true, Ordering::Relaxed);
     }

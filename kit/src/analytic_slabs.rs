@@ -15,7 +15,7 @@ use bevy_lean_deferred::{
 use half::f16;
 
 use crate::{
-    known_light::{Errors, Seen, camera, show},
+    analytic_light::{Errors, Seen, camera, show},
     scenes::SceneBuilder,
 };
 

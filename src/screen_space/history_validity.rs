@@ -75,9 +75,9 @@ fn count_frames(mut number: ResMut<FrameNumber>) {
 }
 
 /// Counts frames and detects shifts of the world. Added once, by the effects that compare frames.
-pub(super) struct SuccessionPlugin;
+pub(super) struct HistoryValidityPlugin;
 
-impl SuccessionPlugin {
+impl HistoryValidityPlugin {
     pub(super) fn add_to(app: &mut App) {
         if !app.is_plugin_added::<Self>() {
             app.add_plugins(Self);
@@ -85,7 +85,7 @@ impl SuccessionPlugin {
     }
 }
 
-impl Plugin for SuccessionPlugin {
+impl Plugin for HistoryValidityPlugin {
     fn build(&self, app: &mut App) {
         world_shift::add_to(app);
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
@@ -97,7 +97,7 @@ impl Plugin for SuccessionPlugin {
 }
 
 /// The frames of one view.
-pub(super) struct Succession {
+pub(super) struct HistoryValidity {
     last: Option<LastFrame>,
     current: LastFrame,
     cuts: u32,
@@ -105,7 +105,7 @@ pub(super) struct Succession {
     held: AtomicU64,
 }
 
-impl Succession {
+impl HistoryValidity {
     pub(super) fn new(current: LastFrame, cuts: Option<&CameraCuts>) -> Self {
         Self {
             last: None,

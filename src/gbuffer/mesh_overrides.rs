@@ -39,7 +39,7 @@ pub(super) fn clear_changed_meshes(mut changed: ResMut<ChangedMeshes>) {
 
 /// In the render world: all meshes with such components.
 #[derive(Resource, Default)]
-pub(crate) struct SpecialMeshes {
+pub(crate) struct MeshOverrides {
     without_shadows: MainEntityHashSet,
     /// True if the lightmap is sampled bicubically.
     lightmapped: MainEntityHashMap<bool>,
@@ -47,7 +47,7 @@ pub(crate) struct SpecialMeshes {
     visibility_masks: MainEntityHashMap<u32>,
 }
 
-impl SpecialMeshes {
+impl MeshOverrides {
     /// Targets that `mesh` needs regardless of its material and of light layers.
     pub(crate) fn targets(&self, mesh: MainEntity) -> GBufferTargets {
         let mut targets = GBufferTargets::empty();
@@ -68,7 +68,7 @@ impl SpecialMeshes {
         Some(key)
     }
 
-    /// Forgets the state that [`extract_special_meshes`] tracks.
+    /// Forgets the state that [`extract_mesh_overrides`] tracks.
     fn clear_followed(&mut self) {
         self.without_shadows.clear();
         self.visibility_masks.clear();
@@ -104,8 +104,8 @@ impl SpecialMeshes {
 type SpecialComponents = Or<(With<NotShadowReceiver>, With<RenderLayers>)>;
 
 /// Tracks the components during extraction, and so changes from any schedule of the app; idle without lean cameras.
-pub(super) fn extract_special_meshes(
-    mut special: ResMut<SpecialMeshes>,
+pub(super) fn extract_mesh_overrides(
+    mut special: ResMut<MeshOverrides>,
     mut changed: ResMut<ChangedMeshes>,
     lean_cameras: Extract<Query<(), With<LeanDeferred>>>,
     receivers: Extract<Query<Entity, Added<NotShadowReceiver>>>,
@@ -179,7 +179,7 @@ pub(super) fn extract_special_meshes(
 }
 
 /// Matches Bevy's list, which is recreated empty on a new device.
-pub(super) fn forget_lightmapped_meshes(mut special: ResMut<SpecialMeshes>) {
+pub(super) fn forget_lightmapped_meshes(mut special: ResMut<MeshOverrides>) {
     special.lightmapped.clear();
 }
 
@@ -188,7 +188,7 @@ pub(super) fn forget_lightmapped_meshes(mut special: ResMut<SpecialMeshes>) {
 /// list changes, so the mesh is marked as changed; without lean cameras too, because the error ends the app there as
 /// well.
 pub(super) fn extract_lightmapped_meshes(
-    mut special: ResMut<SpecialMeshes>,
+    mut special: ResMut<MeshOverrides>,
     mut dirty: ResMut<DirtySpecializations>,
     changed: Extract<
         Query<

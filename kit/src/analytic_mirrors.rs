@@ -12,8 +12,8 @@ use bevy_lean_deferred::prelude::*;
 use half::f16;
 
 use crate::{
+    analytic_light::{Errors, Seen, camera, look, see, surface},
     headless::Headless,
-    known_light::{Errors, Seen, camera, look, see, surface},
     lean::build,
     scenes::SceneBuilder,
 };
