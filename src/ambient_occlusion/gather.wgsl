@@ -111,12 +111,11 @@ fn occlusion_at(texel: vec2<u32>, phase: u32) -> f32 {
 @compute @workgroup_size(64, 1, 1)
 fn compute(
     @builtin(workgroup_id) tile: vec3<u32>,
-    @builtin(num_workgroups) tiles: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    let block = 2u * pixel_in_view(tile.xy, tiles.xy, view.row_stride, invocation);
+    let block = 2u * pixel_in_view(tile.xy, invocation);
 #ifdef SHARED_DEPTHS
-    corner = vec2<i32>(2u * pixel_in_view(tile.xy, tiles.xy, view.row_stride, 0u));
+    corner = vec2<i32>(2u * pixel_in_view(tile.xy, 0u));
     read_depths(invocation);
 #endif
     for (var phase = 0u; phase < 4u; phase++) {

@@ -24,12 +24,12 @@ use super::{
         DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
     },
     pipelines::{GatherPipeline, OcclusionPipelines},
-    uniforms::{OcclusionUniform, fog_parameters, workgroups},
+    uniforms::{OcclusionUniform, fog_parameters},
 };
 use crate::{
     gbuffer::GBufferTextures,
     gpu::bind_group_cache::CachedBindGroup,
-    shader_library::{reconstruction::position::without_scale, tiles::RowOrder},
+    shader_library::reconstruction::position::without_scale,
     view::{FrameAveraging, OutOfMemory},
 };
 
@@ -50,7 +50,7 @@ pub(super) fn write_occlusion_uniforms(
     mut commands: Commands,
     mut uniforms: ResMut<OcclusionUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
-    (row_order, frame): (Res<RowOrder>, Res<FrameCount>),
+    frame: Res<FrameCount>,
     mut views: Query<(
         Entity,
         &ActiveOcclusion,
@@ -79,7 +79,6 @@ pub(super) fn write_occlusion_uniforms(
         uniform.view_from_world = world_from_view.inverse();
         uniform.fog = fog_parameters(fog);
         uniform.viewport_origin = viewport.physical_position;
-        uniform.row_stride = row_order.stride(workgroups(uniform.texture_size).y);
         let turn = FrameAveraging::turn(averaging, &frame);
         if turn != 0.0 {
             uniform.set_turn(turn);

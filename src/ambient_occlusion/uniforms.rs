@@ -50,7 +50,6 @@ pub struct OcclusionUniform {
     thickness: f32,
     direct_light_affect: f32,
     turn: f32,
-    pub(super) row_stride: u32,
     slices: u32,
     steps: u32,
 }
@@ -99,7 +98,6 @@ impl OcclusionUniform {
             decline: (inverse_falloff.sqrt() / radius).clamp(1e-15, 1e15),
             thickness: settings.thickness.clamp(0.0, 1.0),
             direct_light_affect: settings.direct_light_affect.clamp(0.0, 1.0),
-            row_stride: 1,
             slices,
             steps,
             ..default()

@@ -15,7 +15,6 @@ struct LightingUniform {
     edge: vec2<f32>,
     /// 1 if pixels without geometry are set to `background`.
     writes_background: u32,
-    row_stride: u32,
     /// 1 if the G-buffer is undefined where depth is 0.
     depth_tells_geometry: u32,
 }

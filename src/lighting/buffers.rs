@@ -13,13 +13,7 @@ use bevy::{
 };
 
 use super::ViewLighting;
-use crate::{
-    shader_library::{
-        reconstruction::position::edge_of,
-        tiles::{self, RowOrder},
-    },
-    view::ActiveLeanView,
-};
+use crate::{shader_library::reconstruction::position::edge_of, view::ActiveLeanView};
 
 /// Parameters of a view for the lighting shader, beside Bevy's uniforms.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
@@ -30,7 +24,6 @@ pub struct LightingUniform {
     viewport_size: UVec2,
     edge: Vec2,
     writes_background: u32,
-    row_stride: u32,
     depth_tells_geometry: u32,
 }
 
@@ -48,7 +41,6 @@ pub(super) fn write_lighting_buffers(
     render_device: Res<RenderDevice>,
     render_queue: Res<RenderQueue>,
     clear_color: Res<ClearColor>,
-    row_order: Res<RowOrder>,
     mut views: Query<(
         &mut ViewLighting,
         (&ExtractedCamera, &ExtractedView),
@@ -88,7 +80,6 @@ pub(super) fn write_lighting_buffers(
             viewport_size: size,
             edge: edge_of(view.clip_from_view, size),
             writes_background: 0,
-            row_stride: row_order.stride(tiles::count(size).y),
             depth_tells_geometry: active.depth_tells_geometry.into(),
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {

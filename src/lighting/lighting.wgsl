@@ -92,7 +92,6 @@ fn main(
 @compute @workgroup_size(64, 1, 1)
 fn main(
     @builtin(workgroup_id) tile: vec3<u32>,
-    @builtin(num_workgroups) tiles: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 #ifdef LIGHT_CULLING_BY_SUBGROUPS
     @builtin(subgroup_invocation_id) member: u32,
@@ -101,7 +100,7 @@ fn main(
 #ifndef LIGHT_CULLING_BY_SUBGROUPS
     let member = invocation;
 #endif
-    let place = pixel_in_view(tile.xy, tiles.xy, uniforms.row_stride, invocation);
+    let place = pixel_in_view(tile.xy, invocation);
     let corner = place - place_in_tile(invocation);
     let pixel = read_pixel(place);
 #ifdef LISTED_VARIANTS

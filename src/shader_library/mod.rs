@@ -6,7 +6,7 @@
 //! - `horizon.{rs,wgsl}`: cosine-weighted occlusion by a pair of horizons.
 //! - `ggx.{rs,wgsl}`: samples of the GGX lobe.
 //! - `pattern.wgsl`: the 4×4 pattern in which neighbouring texels take different directions.
-//! - `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, and their order.
+//! - `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, and the order of the pixels in them.
 //! - `workgroup.wgsl`: a vote over the invocations of a workgroup.
 //! - `rounding.wgsl`: rounding without conversions.
 

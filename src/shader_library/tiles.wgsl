@@ -11,8 +11,7 @@ fn place_in_tile(i: u32) -> vec2<u32> {
     return vec2(x, y);
 }
 
-/// Pixel of an invocation, relative to the viewport's corner. `row_stride` is that of `tiles.rs`.
-fn pixel_in_view(tile: vec2<u32>, tiles: vec2<u32>, row_stride: u32, invocation: u32) -> vec2<u32> {
-    let row = (tile.y * row_stride) % tiles.y;
-    return vec2(tile.x, row) * TILE_SIDE + place_in_tile(invocation);
+/// Pixel of an invocation, relative to the viewport's corner.
+fn pixel_in_view(tile: vec2<u32>, invocation: u32) -> vec2<u32> {
+    return tile * TILE_SIDE + place_in_tile(invocation);
 }

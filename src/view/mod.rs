@@ -91,7 +91,7 @@ use crate::{
         pipeline_watch::{self, PipelineWatch},
         subgroups::Subgroups,
     },
-    shader_library::{self, tiles::RowOrder},
+    shader_library,
 };
 
 /// Resources and systems that several effects share. Added once, by the first of them.
@@ -182,9 +182,8 @@ impl Plugin for SharedPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        let order = RowOrder::from_world(render_app.world());
         let subgroups = Subgroups::from_world(render_app.world());
-        render_app.insert_resource(order).insert_resource(subgroups);
+        render_app.insert_resource(subgroups);
     }
 }
 

@@ -194,14 +194,12 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
 @compute @workgroup_size(64, 1, 1)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
     let phase = workgroup.x & 15u;
     let place = vec2(phase & 3u, phase >> 2u);
     let tile = vec2(workgroup.x >> 4u, workgroup.y);
-    let tiles = vec2(workgroups.x >> 4u, workgroups.y);
-    let texel = 4u * pixel_in_view(tile, tiles, view.row_stride, invocation) + place;
+    let texel = 4u * pixel_in_view(tile, invocation) + place;
     if all(texel < view.texture_size) {
         textureStore(output_texture, texel, light_at(vec2<i32>(texel), place));
     }

@@ -36,7 +36,7 @@ use crate::{
         shown_exposure::{BoundedByWhite, ShownExposure},
         world_shift::WorldShift,
     },
-    shader_library::tiles::{self, RowOrder},
+    shader_library::tiles,
     view::{
         ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LightingIo,
         OutOfMemory,
@@ -147,7 +147,7 @@ pub(super) fn prepare_gi(
     mut commands: Commands,
     mut uniforms: ResMut<GiUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
-    (row_order, frame, number): (Res<RowOrder>, Res<FrameCount>, Res<FrameNumber>),
+    (frame, number): (Res<FrameCount>, Res<FrameNumber>),
     shift: Res<WorldShift>,
     mut memory: ResMut<OutOfMemory>,
     mut views: Query<(
@@ -194,7 +194,6 @@ pub(super) fn prepare_gi(
             }
         };
         let mut uniform = GiUniform::new(&active.settings, &now, gi.frames.last());
-        uniform.row_stride = row_order.stride(size.y.div_ceil(GATHER_SIDE));
         uniform.turn = FrameAveraging::turn(averaging, &frame);
         uniform.has_motion = has_motion.into();
         gi.has_motion = has_motion;

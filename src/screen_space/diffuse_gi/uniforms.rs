@@ -41,7 +41,6 @@ pub struct GiUniform {
     intensity: f32,
     exposure_ratio: f32,
     pub(super) turn: f32,
-    pub(super) row_stride: u32,
     pub(super) has_motion: u32,
 }
 
@@ -70,7 +69,6 @@ impl GiUniform {
             intensity: up_to(1.0, settings.intensity),
             exposure_ratio: exposure_ratio(now, last),
             turn: 0.0,
-            row_stride: 1,
             has_motion: 0,
         }
     }

@@ -28,7 +28,6 @@ struct GiUniform {
     exposure_ratio: f32,
     /// Temporal part of the pattern's rotation, 0 to 1; 0 without TAA.
     turn: f32,
-    row_stride: u32,
     /// 1 if `motion_texture` has the motion of each pixel. Not a shader definition: motion is toggled with effects that average
     /// frames, and compiling shaders would leave the view without light meanwhile.
     has_motion: u32,

@@ -41,7 +41,7 @@ use crate::{
         debug_view::{DebugShown, Shows},
         world_shift::WorldShift,
     },
-    shader_library::tiles::{self, RowOrder},
+    shader_library::tiles,
     view::{
         ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightingIo, OutOfMemory,
     },
@@ -169,8 +169,9 @@ pub(super) fn prepare_reflections(
     mut commands: Commands,
     mut uniforms: ResMut<ReflectionUniforms>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
-    (row_order, frame, mut memory): (Res<RowOrder>, Res<FrameCount>, ResMut<OutOfMemory>),
+    frame: Res<FrameCount>,
     shift: Res<WorldShift>,
+    mut memory: ResMut<OutOfMemory>,
     mut views: Query<(
         Entity,
         (&ActiveReflections, &ActiveLeanView),
@@ -198,7 +199,6 @@ pub(super) fn prepare_reflections(
         let mut uniform =
             ReflectionUniform::new(&active.settings, active.key.divisor, &now, history.last());
         uniform.history_size = history.size().as_vec2();
-        uniform.row_stride = row_order.stride(tiles::count(uniform.texture_size).y);
         uniform.turn = FrameAveraging::turn(averaging, &frame);
         let mut made = None;
         let reflections = match reflections {

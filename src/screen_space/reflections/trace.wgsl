@@ -127,10 +127,9 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
 @compute @workgroup_size(64, 1, 1)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    let texel = pixel_in_view(workgroup.xy, workgroups.xy, view.row_stride, invocation);
+    let texel = pixel_in_view(workgroup.xy, invocation);
     if all(texel < view.texture_size) {
         let result = trace_at(vec2<i32>(texel));
         textureStore(surfaces_output, texel, vec4(result.surface, 0u, 0u));

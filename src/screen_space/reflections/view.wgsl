@@ -40,7 +40,6 @@ struct ReflectionUniform {
     exposure_ratio: f32,
     /// Temporal part of the pattern, 0 to 1; 0 without TAA.
     turn: f32,
-    row_stride: u32,
     /// 1 if `motion_texture` has the motion of each pixel. Not a shader definition: motion is toggled with effects that average
     /// frames, and compiling shaders would leave the view without reflections meanwhile.
     has_motion: u32,
