@@ -82,16 +82,14 @@ pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering,
 };
-pub use view::{
-    CameraCut, DebugChannel, GeometricNormal, LeanDeferred, LeanOffReason, LeanStatus, LightCulling,
-};
+pub use view::{CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanStatus, LightCulling};
 
 use bevy::app::plugin_group;
 
 /// The types that most apps need.
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, GeometricNormal, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
+        CameraCut, DebugChannel, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
         LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanScreenSpaceGi,
         LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin,

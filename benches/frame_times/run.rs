@@ -31,7 +31,7 @@ pub enum Contender {
     BevyDeferred,
     /// Forward with a depth prepass. The geometry column has the prepass alone: no G-buffer can be cheaper.
     DepthOnly,
-    Lean(GeometricNormal),
+    Lean,
     /// Lean, with lights culled per tile.
     LeanCulling(LightCulling),
     /// Lean, with light that lighting exchanges with effects.
@@ -40,13 +40,11 @@ pub enum Contender {
 
 impl Contender {
     /// Forward first: it is the reference of the others.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 8] = [
         Self::Forward,
         Self::DepthOnly,
         Self::BevyDeferred,
-        Self::Lean(GeometricNormal::NineTap),
-        Self::Lean(GeometricNormal::FiveTap),
-        Self::Lean(GeometricNormal::ThreeTap),
+        Self::Lean,
         Self::LeanCulling(LightCulling::Subgroup),
         Self::LeanCulling(LightCulling::SharedMemory),
         Self::LeanLightingIo(LightingIo::DIFFUSE_LIGHT),
@@ -58,9 +56,7 @@ impl Contender {
             Self::Forward => "Bevy forward",
             Self::DepthOnly => "Bevy depth prepass",
             Self::BevyDeferred => "Bevy deferred",
-            Self::Lean(GeometricNormal::NineTap) => "lean",
-            Self::Lean(GeometricNormal::FiveTap) => "lean 5-tap normal",
-            Self::Lean(GeometricNormal::ThreeTap) => "lean 3-tap normal",
+            Self::Lean => "lean",
             Self::LeanCulling(LightCulling::Subgroup) => "lean culling by subgroups",
             Self::LeanCulling(_) => "lean culling in shared memory",
             Self::LeanLightingIo(LightingIo::DIFFUSE_LIGHT) => "lean writing diffuse light",
@@ -70,10 +66,7 @@ impl Contender {
 
     /// Tells if the contender is a renderer with its defaults.
     pub fn is_plain(self) -> bool {
-        matches!(
-            self,
-            Self::Forward | Self::BevyDeferred | Self::Lean(GeometricNormal::NineTap)
-        )
+        matches!(self, Self::Forward | Self::BevyDeferred | Self::Lean)
     }
 
     /// Bytes per pixel, as [`Renderer::bytes_per_pixel`]. Motion vectors have 4.
@@ -84,7 +77,7 @@ impl Contender {
             Self::DepthOnly => (4, 4 + 8),
             Self::BevyDeferred => Renderer::BevyDeferred.bytes_per_pixel(gbuffer),
             // Resolving motion reads depth and normal; lighting also reads the target.
-            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanLightingIo(_) => {
+            Self::Lean | Self::LeanCulling(_) | Self::LeanLightingIo(_) => {
                 let (written, moved) = Renderer::Lean.bytes_per_pixel(gbuffer);
                 (written, moved + self.exchanged_bytes() + 2 * motion)
             }
@@ -107,9 +100,7 @@ impl Contender {
             Self::Forward => Renderer::Forward.spans(),
             Self::DepthOnly => (bench_spans::PREPASS, None),
             Self::BevyDeferred => Renderer::BevyDeferred.spans(),
-            Self::Lean(_) | Self::LeanCulling(_) | Self::LeanLightingIo(_) => {
-                Renderer::Lean.spans()
-            }
+            Self::Lean | Self::LeanCulling(_) | Self::LeanLightingIo(_) => Renderer::Lean.spans(),
         }
     }
 }
@@ -167,13 +158,7 @@ pub fn measure(
         Contender::BevyDeferred => {
             camera.insert((DepthPrepass, DeferredPrepass));
         }
-        Contender::Lean(geometric_normal) => {
-            camera.insert(LeanDeferred {
-                geometric_normal,
-                ..default()
-            });
-        }
-        Contender::LeanLightingIo(_) => {
+        Contender::Lean | Contender::LeanLightingIo(_) => {
             camera.insert(LeanDeferred::default());
         }
         Contender::LeanCulling(light_culling) => {

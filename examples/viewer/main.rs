@@ -9,7 +9,6 @@
 //! |---|---|
 //! | 1, 2, 3 | Bevy forward, Bevy deferred, lean |
 //! | D | next debug view of the G-buffer (lean only) |
-//! | N | next method for the geometric normal (lean only) |
 //! | L | sun on / off |
 //! | E | environment light on / off |
 //! | H | text on / off |

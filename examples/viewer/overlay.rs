@@ -60,9 +60,8 @@ fn update_text(
         }
         Renderer::Lean => writeln!(
             out,
-            "{}, geometric normal {:?}{}",
+            "{}{}",
             status.iter().next().cloned().unwrap_or_default(),
-            settings.geometric_normal,
             settings
                 .debug_view
                 .map_or(String::new(), |channel| format!(", showing {channel:?}"))
@@ -70,7 +69,7 @@ fn update_text(
     };
     let _ = writeln!(
         out,
-        "1 forward  2 deferred  3 lean  D debug view  N normal  L sun  E environment  H text  drag a file here to show it"
+        "1 forward  2 deferred  3 lean  D debug view  L sun  E environment  H text  drag a file here to show it"
     );
     for (name, milliseconds) in gpu_times::all(&diagnostics).into_iter().take(12) {
         if milliseconds < 0.0005 {

@@ -4,10 +4,7 @@ use bevy::{core_pipeline::tonemapping::Tonemapping, prelude::*};
 use bevy_lean_deferred::prelude::*;
 
 use kit::{
-    example::{
-        choices::{next, next_or_none},
-        opaque_method::OpaqueMethod,
-    },
+    example::{choices::next_or_none, opaque_method::OpaqueMethod},
     renderer::Renderer,
 };
 
@@ -16,7 +13,6 @@ use kit::{
 pub struct ViewerSettings {
     pub renderer: Renderer,
     pub debug_view: Option<DebugChannel>,
-    pub geometric_normal: GeometricNormal,
     pub sun: bool,
     pub environment: bool,
     pub text: bool,
@@ -27,7 +23,6 @@ impl Default for ViewerSettings {
         Self {
             renderer: Renderer::Lean,
             debug_view: None,
-            geometric_normal: GeometricNormal::default(),
             sun: true,
             environment: true,
             text: true,
@@ -47,9 +42,6 @@ pub fn read_keys(
             KeyCode::Digit3 => settings.renderer = Renderer::Lean,
             KeyCode::KeyD => {
                 settings.debug_view = next_or_none(&DebugChannel::ALL, settings.debug_view)
-            }
-            KeyCode::KeyN => {
-                settings.geometric_normal = next(&GeometricNormal::ALL, settings.geometric_normal);
             }
             KeyCode::KeyL => settings.sun = !settings.sun,
             KeyCode::KeyE => settings.environment = !settings.environment,
@@ -73,7 +65,6 @@ pub fn apply_settings(
     method.set(settings.renderer == Renderer::BevyDeferred);
     if settings.renderer == Renderer::Lean {
         camera.insert(LeanDeferred {
-            geometric_normal: settings.geometric_normal,
             debug_view: settings.debug_view,
             ..default()
         });

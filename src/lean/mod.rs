@@ -42,8 +42,8 @@ use crate::{
     screen_space::subsurface::SubsurfacePlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
-        DebugChannel, EffectSystems, GeometricNormal, LeanDeferred, LeanStatus, LeanViewSystems,
-        ViewTextureSystems, can_build, overrides,
+        DebugChannel, EffectSystems, LeanDeferred, LeanStatus, LeanViewSystems, ViewTextureSystems,
+        can_build, overrides,
     },
 };
 
@@ -65,7 +65,6 @@ impl Plugin for LeanDeferredPlugin {
             SubsurfacePlugin,
         ));
         app.register_type::<LeanDeferred>()
-            .register_type::<GeometricNormal>()
             .register_type::<DebugChannel>()
             .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
             .register_type::<LeanStatus>()

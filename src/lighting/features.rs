@@ -19,8 +19,8 @@ use crate::{
     named::system_param,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
     view::{
-        ActiveLeanView, DebugChannel, GBufferTargets, GeometricNormal, LeanDeferred, LightCulling,
-        LightingIo, LightingVariants,
+        ActiveLeanView, DebugChannel, GBufferTargets, LeanDeferred, LightCulling, LightingIo,
+        LightingVariants,
     },
 };
 
@@ -33,8 +33,8 @@ pub(crate) struct LightingKey {
     pub(super) clustered_lights: ClusteredLights,
     /// The kinds of lights of which some cast shadows with a shadow map.
     pub(super) shadow_maps: ShadowMaps,
-    /// Reconstruction of the geometric normal, if needed.
-    pub(super) geometric_normal: Option<GeometricNormal>,
+    /// The geometric normal is reconstructed from depth.
+    pub(super) geometric_normal: bool,
     pub(super) projection: ProjectionKind,
     /// Never `Auto`.
     pub(super) light_culling: LightCulling,
@@ -225,8 +225,7 @@ impl SceneFeatures<'_, '_> {
             view: view_key & VIEW_BITS,
             clustered_lights: lights.clustered,
             shadow_maps,
-            geometric_normal: (!shadow_maps.is_empty() || shows_normal)
-                .then_some(settings.geometric_normal),
+            geometric_normal: !shadow_maps.is_empty() || shows_normal,
             projection: projection_of(clip_from_view),
             light_culling: self.light_culling(settings),
             rect_lights: !self.rect_lights.is_empty(),

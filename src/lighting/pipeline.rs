@@ -31,7 +31,7 @@ use super::{
 use crate::{
     ambient_occlusion::OcclusionUniform,
     gpu::{bind_group_cache::ResolvedLayout, bindings::layout},
-    view::{GBufferTargets, GeometricNormal, LightCulling, LightingIo},
+    view::{GBufferTargets, LightCulling, LightingIo},
 };
 
 /// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output), which all variants of a view
@@ -324,15 +324,7 @@ impl LightingPipelines {
             "CLUSTERED_SHADOW_MAPS",
         );
         define(casts(ShadowMaps::SOFT), "SOFT_SHADOWS");
-        define(key.geometric_normal.is_some(), "GEOMETRIC_NORMAL");
-        define(
-            key.geometric_normal == Some(GeometricNormal::ThreeTap),
-            "GEOMETRIC_NORMAL_THREE_TAP",
-        );
-        define(
-            key.geometric_normal == Some(GeometricNormal::FiveTap),
-            "GEOMETRIC_NORMAL_FIVE_TAP",
-        );
+        define(key.geometric_normal, "GEOMETRIC_NORMAL");
         if let Some(projection) = key.projection.shader_def() {
             define(true, projection);
             define(true, "PROJECTION_IS_AFFINE");

@@ -4,7 +4,7 @@
 #import bevy_lean_deferred::gbuffer::layout
 #import bevy_lean_deferred::lighting::bindings::uniforms
 #import bevy_lean_deferred::reconstruction::{
-    normal::{nearer_side, normal_from_positions, normal_from_slope, straighter_side},
+    normal::{normal_from_positions, normal_from_slope, straighter_side},
     position::{SMALLEST_DEPTH, ndc_of_fragment, ray_at, view_position},
 }
 #import bevy_pbr::{
@@ -94,17 +94,8 @@ fn view_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     let right = depth_at(pixel + x);
     let top = depth_at(pixel - y);
     let bottom = depth_at(pixel + y);
-#ifdef GEOMETRIC_NORMAL_THREE_TAP
-    // Right and bottom taps; left and top ones in the last column and row.
-    let h = select(1.0, -1.0, right == OUTSIDE);
-    let v = select(1.0, -1.0, bottom == OUTSIDE);
-#else ifdef GEOMETRIC_NORMAL_FIVE_TAP
-    let h = nearer_side(depth, left, right);
-    let v = nearer_side(depth, top, bottom);
-#else
     let h = straighter_side(depth, left, depth_at(pixel - 2 * x), right, depth_at(pixel + 2 * x));
     let v = straighter_side(depth, top, depth_at(pixel - 2 * y), bottom, depth_at(pixel + 2 * y));
-#endif
     let beside = select(left, right, h > 0.0);
     let below = select(top, bottom, v > 0.0);
 #ifdef PROJECTION_IS_AFFINE

@@ -64,7 +64,7 @@ pub(crate) use schedule::{
     ExposureOverlayPasses, ExposurePasses, HistoryPasses, IndirectLightPasses, ViewTextureSystems,
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
-pub use settings::{DebugChannel, GeometricNormal, LeanDeferred, LightCulling};
+pub use settings::{DebugChannel, LeanDeferred, LightCulling};
 pub use status::{LeanOffReason, LeanStatus};
 pub use surfaces::{GBufferTargets, ShadingModel};
 pub(crate) use surfaces::{LightingVariant, LightingVariants};

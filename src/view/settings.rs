@@ -63,9 +63,6 @@ pub struct LeanDeferred {
     /// Renders the camera lean. While false, Bevy renders the camera, without MSAA and with `Hdr`, and no resources are
     /// kept for it. Default: true.
     pub enabled: bool,
-    /// Reconstruction of the geometric normal from depth. Shadow bias uses it at pixels whose shading normal comes from
-    /// a normal map; elsewhere the shading normal is exact. Default: the most exact one.
-    pub geometric_normal: GeometricNormal,
     /// Lights, decals and light probes that have a [`RenderLayers`](bevy::camera::visibility::RenderLayers) component
     /// affect only meshes that share a layer with them. Default: true.
     ///
@@ -84,7 +81,6 @@ impl Default for LeanDeferred {
     fn default() -> Self {
         Self {
             enabled: true,
-            geometric_normal: GeometricNormal::default(),
             light_layers: true,
             light_culling: LightCulling::default(),
             debug_view: None,
@@ -102,32 +98,6 @@ impl LeanDeferred {
 impl CameraEffect for LeanDeferred {
     const NAME: &'static str = "LeanDeferred";
     const NEEDS: &'static [Need] = &[Need::WithoutMsaa, Need::Hdr];
-}
-
-/// Ways to reconstruct the geometric normal of a pixel from the depth buffer.
-///
-/// All take the cross product of two tangents from neighbouring depths. They differ in how they reject neighbours
-/// across an edge. Surfaces one pixel high have no neighbour of their own: where the result is more than 75° from the
-/// shading normal, shadow bias uses a normal between the two, 75° from the shading normal. `docs/accuracy.md` and
-/// `docs/frame_times.md` list errors and times.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq)]
-pub enum GeometricNormal {
-    /// The right and the lower neighbour, like a screen-space derivative: 3 taps, wrong along every edge.
-    ThreeTap,
-    /// Per axis, the neighbour nearer in depth: 5 taps (Turánszki 2019, "Improved normal reconstruction from
-    /// depth", Wicked Engine).
-    FiveTap,
-    /// Per axis, the side whose two depths extrapolate best to the centre: 9 taps (atyuwen 2021, "Accurate Normal
-    /// Reconstruction from Depth Buffer"). Also correct next to edges; on surfaces a few pixels thin it equals the five
-    /// taps.
-    #[default]
-    NineTap,
-}
-
-impl GeometricNormal {
-    /// All variants, cheapest first.
-    pub const ALL: [Self; 3] = [Self::ThreeTap, Self::FiveTap, Self::NineTap];
 }
 
 /// Culling of point and spot lights that do not reach a pixel. All variants give the same picture.
@@ -165,7 +135,8 @@ pub enum DebugChannel {
     Normal,
     /// Perceptual roughness, grey.
     Roughness,
-    /// World-space normal reconstructed from depth, `n / 2 + 1/2`.
+    /// World-space normal reconstructed from depth, `n / 2 + 1/2`. Shadow bias uses it at pixels whose shading normal
+    /// comes from a normal map; elsewhere the shading normal is exact.
     GeometricNormal,
     /// Distance along the view axis, grey: `1 / (1 + metres)`.
     Depth,

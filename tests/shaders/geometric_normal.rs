@@ -5,9 +5,7 @@ mod scenes;
 
 use bevy::math::{DMat4, DVec2, DVec3, IVec2, Mat4, Vec2, Vec3};
 use bevy_lean_deferred::shader_library::reconstruction::{
-    normal::{
-        flatter_slope, nearer_side, normal_from_positions, normal_from_slope, straighter_side,
-    },
+    normal::{flatter_slope, normal_from_positions, normal_from_slope, straighter_side},
     position::{ProjectionKind, projection_of},
 };
 use kit::{compute::Compute, random::Random, shipped_wgsl, wgsl::WgslModule};
@@ -16,15 +14,14 @@ use scenes::{HEIGHT, Lens, WIDTH};
 const MODULE: WgslModule = shipped_wgsl!("shader_library/reconstruction/normal.wgsl");
 
 const SIDES: &str = "
-#import bevy_lean_deferred::reconstruction::normal::{flatter_slope, nearer_side, straighter_side}
-fn kernel(bits: array<u32, 5>) -> array<u32, 3> {
+#import bevy_lean_deferred::reconstruction::normal::{flatter_slope, straighter_side}
+fn kernel(bits: array<u32, 5>) -> array<u32, 2> {
     let center = bitcast<f32>(bits[0]);
     let near_a = bitcast<f32>(bits[1]);
     let far_a = bitcast<f32>(bits[2]);
     let near_b = bitcast<f32>(bits[3]);
     let far_b = bitcast<f32>(bits[4]);
     return array(
-        bitcast<u32>(nearer_side(center, near_a, near_b)),
         bitcast<u32>(straighter_side(center, near_a, far_a, near_b, far_b)),
         bitcast<u32>(flatter_slope(near_a, center, near_b)),
     );
@@ -90,12 +87,9 @@ fn device_and_twin_choose_the_same_sides() {
     let kernel = compute.kernel(&[MODULE], SIDES);
     for (&input, device) in inputs.iter().zip(kernel.run(&bits(&inputs))) {
         let [center, near_a, far_a, near_b, far_b] = input;
-        let twin = [
-            nearer_side(center, near_a, near_b),
-            straighter_side(center, near_a, far_a, near_b, far_b),
-        ];
-        let [nearer, straighter, slope] = device.map(f32::from_bits);
-        assert_eq!([nearer, straighter], twin, "of {input:?}");
+        let twin = straighter_side(center, near_a, far_a, near_b, far_b);
+        let [side, slope] = device.map(f32::from_bits);
+        assert_eq!(side, twin, "of {input:?}");
         let expected = flatter_slope(near_a, center, near_b);
         // A device may flush the smallest numbers to 0.
         let is_same = (slope - expected).abs() < 1e-37 || slope == expected;

@@ -39,6 +39,13 @@ pub struct Measurement {
 #[serde(transparent)]
 pub struct FrameTimes(pub Vec<Measurement>);
 
+/// Left out of plots of errors: light that only exists to be timed, and changes the picture, and contenders that are gone.
+const NOT_COMPARED: [&str; 3] = [
+    "lean taking indirect light",
+    "lean 5-tap normal",
+    "lean 3-tap normal",
+];
+
 /// The reference of ratios.
 const PEER: &str = "Bevy deferred";
 
@@ -93,8 +100,7 @@ impl FrameTimes {
             "error against forward: RMS difference (of 255)",
         );
         for m in self.of_scene(scene) {
-            // That light only exists to be timed, and changes the picture.
-            if m.contender == "lean taking indirect light" {
+            if NOT_COMPARED.contains(&m.contender.as_str()) {
                 continue;
             }
             // Forward has no error, so it has no place on a logarithmic axis.

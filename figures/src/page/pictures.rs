@@ -172,7 +172,7 @@ mod tests {
         let names = [
             "a_Bevy_forward",
             "a_lean",
-            "a_lean_5-tap_normal",
+            "a_lean_culling_by_subgroups",
             "b_Bevy_deferred",
             "b_Bevy_forward",
             "c_lean",

@@ -58,9 +58,9 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
                     "--warm-up",
                     "3",
                     "--contender",
-                    "Bevy forward,Bevy deferred,lean,lean 3-tap normal",
+                    "Bevy forward,Bevy deferred,lean",
                 ],
-                60.0,
+                45.0,
             ),
             step(
                 "ambient_occlusion",

@@ -4,17 +4,9 @@ use bevy::math::{Mat4, Vec2, Vec3, Vec4Swizzles};
 
 use super::position::ProjectionKind;
 
-/// Side, -1 or 1, of the neighbour on an axis that lies on the surface of the centre. `near_*` are the depths one pixel away, on the
-/// sides `a` (towards -1) and `b` (towards +1).
-pub fn nearer_side(center: f32, near_a: f32, near_b: f32) -> f32 {
-    if (near_a - center).abs() < (near_b - center).abs() {
-        -1.0
-    } else {
-        1.0
-    }
-}
-
-/// As [`nearer_side`], with the depths two pixels away too: picks the side whose two depths extrapolate best to the centre.
+/// Side, -1 or 1, of the neighbour on an axis that lies on the surface of the centre: the one whose two depths extrapolate best to
+/// the centre. `near_*` are the depths one pixel away, `far_*` those two pixels away, on the sides `a` (towards -1) and `b` (towards
+/// +1).
 pub fn straighter_side(center: f32, near_a: f32, far_a: f32, near_b: f32, far_b: f32) -> f32 {
     let error_a = (2.0 * near_a - far_a - center).abs();
     let error_b = (2.0 * near_b - far_b - center).abs();

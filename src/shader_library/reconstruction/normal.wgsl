@@ -4,14 +4,9 @@
 // and extrapolations below are therefore exact on planes without linearising first.
 #define_import_path bevy_lean_deferred::reconstruction::normal
 
-/// Side (-1 or 1) of the neighbour on an axis that lies on the surface of the centre: the one with the nearer depth (Turánszki
-/// 2019, "Improved normal reconstruction from depth"). `near_*` are the depths one pixel away, towards -1 (`a`) and +1 (`b`).
-fn nearer_side(center: f32, near_a: f32, near_b: f32) -> f32 {
-    return select(1.0, -1.0, abs(near_a - center) < abs(near_b - center));
-}
-
-/// Like `nearer_side`, with the depths two pixels away too: the side whose two depths extrapolate closest to the centre (atyuwen
-/// 2021, "Accurate Normal Reconstruction from Depth Buffer").
+/// Side (-1 or 1) of the neighbour on an axis that lies on the surface of the centre: the one whose two depths extrapolate closest
+/// to the centre (atyuwen 2021, "Accurate Normal Reconstruction from Depth Buffer"). `near_*` are the depths one pixel away, `far_*`
+/// those two pixels away, towards -1 (`a`) and +1 (`b`).
 fn straighter_side(center: f32, near_a: f32, far_a: f32, near_b: f32, far_b: f32) -> f32 {
     let error_a = abs(2.0 * near_a - far_a - center);
     let error_b = abs(2.0 * near_b - far_b - center);

@@ -239,7 +239,7 @@ impl DepthBuffer {
         (pixel.y * WIDTH + pixel.x) as usize
     }
 
-    pub fn contains(pixel: IVec2) -> bool {
+    fn contains(pixel: IVec2) -> bool {
         pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(IVec2::new(WIDTH, HEIGHT)).all()
     }
 

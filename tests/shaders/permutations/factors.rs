@@ -57,8 +57,6 @@ pub const LIGHTING: &[Factor] = &[
     ],
     &[
         &[],
-        &["GEOMETRIC_NORMAL_THREE_TAP", "DIRECTIONAL_SHADOW_MAPS"],
-        &["GEOMETRIC_NORMAL_FIVE_TAP", "DIRECTIONAL_SHADOW_MAPS"],
         &["DIRECTIONAL_SHADOW_MAPS"],
         &["POINT_SHADOW_MAPS"],
         &["SPOT_SHADOW_MAPS"],
