@@ -47,8 +47,9 @@
 //!
 //! A camera without these components renders as Bevy renders it. So does one whose settings or device do not meet the requirements of
 //! a component, listed in `docs/reliability.md`. One warning gives the reason; on cameras with [`LeanDeferred`], [`LeanStatus`] gives
-//! it to the app. `Hdr` and `Msaa::Off` are set when the component is added, and restored when it is removed. While pipelines
-//! compile, in the first frames, Bevy renders the camera.
+//! it to the app. `Hdr` and `Msaa::Off` are set when the component is added, and restored when it is removed. Other cameras stay as
+//! they are: those that draw over such a camera or under it need both too, and one warning names them. While pipelines compile, in
+//! the first frames, Bevy renders the camera.
 //!
 //! # GPU times
 //!

@@ -20,8 +20,7 @@ pub(crate) enum EffectSystems {
     History,
 }
 
-/// Frames for which systems keep running after the last camera lost the effect: they release resources that they keep per frame, and
-/// other cameras of the target get their settings back one frame later.
+/// Frames for which systems keep running after the last camera lost the effect: they release resources that they keep per frame.
 const LINGERING_FRAMES: u32 = 4;
 
 /// True while used and for [`LINGERING_FRAMES`] after that; `left` counts down.

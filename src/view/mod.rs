@@ -122,8 +122,8 @@ impl Plugin for SharedPlugin {
                 Last,
                 (
                     cut::count_cuts.run_if(any_with_component::<CameraCut>),
-                    // Has `&World`, but reads only cameras.
-                    overrides::fit_partners
+                    // Only logs.
+                    overrides::warn_of_overlaps
                         .run_if(overrides::are_cameras_changed)
                         .ambiguous_with_all(),
                 ),

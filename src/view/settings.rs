@@ -43,11 +43,16 @@ use super::{
 /// ```
 ///
 /// Needs HDR (`Hdr` is added with the component) and no MSAA (`Msaa` is set to `Off`). Removing the component restores
-/// the former settings, unless another effect needs the changed ones or the app has changed them since. Other cameras
-/// of the same target with equal settings are changed too, so that they still share a picture. Nothing is changed on
-/// devices that cannot run it ([`LeanDeferredSupport`](crate::LeanDeferredSupport)). Bevy renders a camera that later
-/// violates these needs or whose device lacks a capability, and one warning names the reason. `docs/reliability.md`
-/// lists all needs.
+/// the former settings, unless another effect needs the changed ones or the app has changed them since. Nothing is
+/// changed on devices that cannot run it ([`LeanDeferredSupport`](crate::LeanDeferredSupport)). Bevy renders a camera
+/// that later violates these needs or whose device lacks a capability, and one warning names the reason.
+/// `docs/reliability.md` lists all needs.
+///
+/// # Other cameras of the same target
+///
+/// Other cameras are not changed. Insert `Hdr` and `Msaa::Off` on those that draw over this one or under it, such as that
+/// of a HUD: Bevy draws cameras of a target into one picture only if both are equal. Otherwise the later picture
+/// replaces the other or is blended over it. One warning per pair of cameras tells of it.
 ///
 /// # On a camera that is rendered already
 ///

@@ -18,14 +18,7 @@ pub(super) fn warn_of_change<E: CameraEffect>(camera: &mut EntityWorldMut, chang
         return;
     }
     camera.insert(ToldOfChange);
-    let names: Vec<&str> = (changed.iter())
-        .map(|need| match need {
-            Need::WithoutMsaa => "`Msaa::Off`",
-            Need::Hdr => "`Hdr`",
-            Need::OwnTexture => "a texture of its own",
-        })
-        .collect();
-    let names = names.join(" and ");
+    let names = Need::list(changed);
     let effect = E::NAME;
     let id = camera.id();
     warn!(

@@ -2,25 +2,24 @@
 //!
 //! `#[require(Hdr)]` would not do: it does not record if the camera had `Hdr` before.
 //!
-//! Cameras with equal settings on one target share main texture and depth, and draw over one another. To keep that, the same changes
-//! are made to such partners.
+//! Only the camera with the effect is changed. Cameras that draw over it may then need the same settings, which is left to the app.
 //!
 //! - `needs.rs`: the changes that effects need.
 //! - `record.rs`: the changes made to a camera.
 //! - `device.rs`: cameras are changed only for effects that the device can run.
 //! - `late.rs`: warns if a camera is changed that is already rendered.
-//! - `partners.rs`: changes to cameras of the same target.
+//! - `overlap.rs`: warns of cameras of one target that no longer draw into one picture.
 
 mod device;
 mod late;
 mod needs;
-mod partners;
+mod overlap;
 mod record;
 
 pub(crate) use device::fit_device;
 
 pub(crate) use needs::{CameraEffect, CameraNeeds, Need};
-pub(crate) use partners::{are_cameras_changed, fit_partners};
+pub(crate) use overlap::{are_cameras_changed, warn_of_overlaps};
 pub(crate) use record::keep_ticks_young;
 
 use bevy::prelude::*;
@@ -34,6 +33,7 @@ pub(crate) fn add_to<E: CameraEffect>(app: &mut App, look_at_device: fn(&mut Wor
     let effect = app.world_mut().register_component::<E>();
     let mut needs = app.world_mut().resource_mut::<CameraNeeds>();
     needs.0.push(EffectNeeds {
+        name: E::NAME,
         effect,
         needs: E::NEEDS,
         look_at_device,

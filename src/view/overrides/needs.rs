@@ -1,15 +1,32 @@
-//! The needs of cameras, for their own effects and for those of other cameras of their target.
+//! The settings that effects need of their camera.
 
-use bevy::{ecs::component::ComponentId, prelude::*};
+use bevy::{camera::Hdr, ecs::component::ComponentId, prelude::*};
 
 /// A setting that effects need of a camera.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Need {
     WithoutMsaa,
     Hdr,
-    /// A main texture of its own, not shared with cameras whose settings are equal only since they were changed. No
-    /// effect needs it for its own camera.
-    OwnTexture,
+}
+
+impl Need {
+    pub(super) fn is_met_by(self, camera: EntityRef) -> bool {
+        match self {
+            Self::WithoutMsaa => camera.get::<Msaa>().is_none_or(|msaa| *msaa == Msaa::Off),
+            Self::Hdr => camera.contains::<Hdr>(),
+        }
+    }
+
+    /// Lists the components by which a camera meets `needs`, for a warning.
+    pub(super) fn list(needs: &[Self]) -> String {
+        let names: Vec<&str> = (needs.iter())
+            .map(|need| match need {
+                Self::WithoutMsaa => "`Msaa::Off`",
+                Self::Hdr => "`Hdr`",
+            })
+            .collect();
+        names.join(" and ")
+    }
 }
 
 /// An effect with needs that its camera must meet.
@@ -23,6 +40,7 @@ pub(crate) trait CameraEffect: Component {
 pub(crate) struct CameraNeeds(pub(super) Vec<EffectNeeds>);
 
 pub(super) struct EffectNeeds {
+    pub(super) name: &'static str,
     pub(super) effect: ComponentId,
     pub(super) needs: &'static [Need],
     /// Inserts the effect's device support into the main world; true if the device can run the effect.
@@ -48,6 +66,14 @@ impl CameraNeeds {
         (self.0.iter()).any(|effect| effect.of(camera).contains(&need))
     }
 
+    /// Names of the effects on `camera` that need one of `needs`.
+    pub(super) fn effects_of(&self, camera: EntityRef, needs: &[Need]) -> Vec<&'static str> {
+        (self.0.iter())
+            .filter(|effect| effect.of(camera).iter().any(|need| needs.contains(need)))
+            .map(|effect| effect.name)
+            .collect()
+    }
+
     /// Needs of `effect` on any camera that has it.
     pub(super) fn of_effect(&self, effect: Option<ComponentId>) -> &'static [Need] {
         (self.0.iter())
@@ -56,15 +82,8 @@ impl CameraNeeds {
     }
 }
 
-/// On a camera: needs of the effects of other cameras.
-#[derive(Component, Default)]
-pub(crate) struct PartnerNeeds(pub(super) Vec<Need>);
-
-/// True if some effect of this crate on `camera`, or on a partner, needs it.
+/// True if some effect of this crate on `camera` needs it.
 pub(super) fn is_needed(camera: &EntityWorldMut, need: Need) -> bool {
     let needs = camera.world().resource::<CameraNeeds>();
     needs.has(camera.as_readonly(), need)
-        || camera
-            .get::<PartnerNeeds>()
-            .is_some_and(|needs| needs.0.contains(&need))
 }

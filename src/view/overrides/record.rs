@@ -1,13 +1,12 @@
 //! Records the changes that effects made to a camera.
 
 use bevy::{
-    camera::{CameraMainTextureUsages, Hdr},
+    camera::Hdr,
     ecs::{
         change_detection::{CheckChangeTicks, Tick},
         component::Components,
     },
     prelude::*,
-    render::render_resource::TextureUsages,
 };
 
 use super::needs::{Need, is_needed};
@@ -19,20 +18,6 @@ pub(crate) struct CameraOverrides {
     msaa: Option<(Msaa, Tick)>,
     /// `Some` if `Hdr` was added.
     hdr: Option<Tick>,
-    /// `Some` if [`APART`] was added.
-    usages: Option<Tick>,
-}
-
-/// Gives a camera its own main texture: cameras with different usages do not share one, and Bevy never requests this
-/// usage.
-const APART: TextureUsages = TextureUsages::COPY_DST;
-
-/// The settings of a camera as the app wants them.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) struct AppSettings {
-    pub(super) msaa: Msaa,
-    pub(super) hdr: bool,
-    pub(super) usages: TextureUsages,
 }
 
 impl CameraOverrides {
@@ -43,7 +28,7 @@ impl CameraOverrides {
     ) {
         let mut overrides = camera.take::<Self>().unwrap_or_default();
         change(&mut overrides, camera);
-        if overrides.msaa.is_some() || overrides.hdr.is_some() || overrides.usages.is_some() {
+        if overrides.msaa.is_some() || overrides.hdr.is_some() {
             camera.insert(overrides);
         }
     }
@@ -75,15 +60,6 @@ impl CameraOverrides {
                     return true;
                 }
             }
-            Need::OwnTexture => {
-                if let Some(mut usages) = camera.get_mut::<CameraMainTextureUsages>()
-                    && !usages.0.contains(APART)
-                {
-                    usages.0 |= APART;
-                    self.usages = Some(usages.last_changed());
-                    return true;
-                }
-            }
         }
         false
     }
@@ -106,13 +82,6 @@ impl CameraOverrides {
                 camera.remove::<Hdr>();
             }
         }
-        if !is_needed(camera, Need::OwnTexture) {
-            let was_added = self.has_added_usage(camera.as_readonly());
-            self.usages = None;
-            if was_added && let Some(mut usages) = camera.get_mut::<CameraMainTextureUsages>() {
-                usages.0 -= APART;
-            }
-        }
     }
 
     /// True if `camera` was changed to meet `need` and the app has not changed that setting since.
@@ -120,7 +89,6 @@ impl CameraOverrides {
         match need {
             Need::WithoutMsaa => self.msaa_before(camera).is_some(),
             Need::Hdr => self.has_added_hdr(camera),
-            Need::OwnTexture => self.has_added_usage(camera),
         }
     }
 
@@ -135,30 +103,6 @@ impl CameraOverrides {
     fn has_added_hdr(&self, camera: EntityRef) -> bool {
         self.hdr.is_some() && last_changed::<Hdr>(camera) == self.hdr
     }
-
-    fn has_added_usage(&self, camera: EntityRef) -> bool {
-        self.usages.is_some() && last_changed::<CameraMainTextureUsages>(camera) == self.usages
-    }
-}
-
-impl AppSettings {
-    /// Returns `None` for entities that are not cameras.
-    pub(super) fn of(camera: EntityRef, components: &Components) -> Option<Self> {
-        let overrides = camera.get::<CameraOverrides>();
-        let msaa = *camera.get::<Msaa>()?;
-        let usages = camera.get::<CameraMainTextureUsages>()?.0;
-        let holds = |need| overrides.is_some_and(|overrides| overrides.holds(camera, need));
-        Some(Self {
-            msaa: (overrides.and_then(|overrides| overrides.msaa_before(camera))).unwrap_or(msaa),
-            hdr: camera.contains::<Hdr>()
-                && (!holds(Need::Hdr) || something_requires_hdr(camera, components)),
-            usages: if holds(Need::OwnTexture) {
-                usages - APART
-            } else {
-                usages
-            },
-        })
-    }
 }
 
 /// Keeps recorded ticks comparable with those of components, which Bevy keeps from growing too old.
@@ -167,9 +111,9 @@ pub(crate) fn keep_ticks_young(
     mut cameras: Query<&mut CameraOverrides>,
 ) {
     for mut overrides in &mut cameras {
-        let CameraOverrides { msaa, hdr, usages } = overrides.bypass_change_detection();
+        let CameraOverrides { msaa, hdr } = overrides.bypass_change_detection();
         let msaa = msaa.as_mut().map(|(_, tick)| tick);
-        for tick in msaa.into_iter().chain(hdr).chain(usages) {
+        for tick in msaa.into_iter().chain(hdr) {
             tick.check_tick(*check);
         }
     }
