@@ -97,8 +97,8 @@ pub mod prelude {
         LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin,
         LeanStatus, LeanSubsurfaceScattering, LightCulling,
         ambient_occlusion::{
-            OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
-            OcclusionNormals, OcclusionQuality, OcclusionResolution,
+            OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
+            OcclusionQuality, OcclusionResolution,
         },
         auto_exposure::{
             ExposureClock, ExposureSampling, LuminanceTrim, MeteredExposure, Metering,

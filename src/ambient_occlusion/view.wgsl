@@ -38,7 +38,4 @@ struct OcclusionUniform {
     /// Temporal part of the step pattern, 0 to 1; 0 without TAA.
     turn: f32,
     row_stride: u32,
-    /// Used by `OcclusionQuality::Custom`; the presets' counts are compiled in.
-    slices: u32,
-    steps: u32,
 }

@@ -231,11 +231,9 @@ fn motion_resolve_permutations_validate() {
 
 #[test]
 fn occlusion_permutations_validate() {
-    let values: [&[_]; 3] = [
+    let values: [&[_]; 2] = [
         &[("DIVISOR", 1), ("SLICES", 1), ("STEPS", 6)],
         &[("DIVISOR", 2), ("SLICES", 2), ("STEPS", 8)],
-        // Read from the uniform.
-        &[("DIVISOR", 1)],
     ];
     let gathers: [(_, &[_]); 2] = [
         (OCCLUSION_GATHER, &[]),

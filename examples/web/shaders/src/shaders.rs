@@ -131,11 +131,7 @@ fn passes() -> Vec<Shader> {
         .map(|always| rows(LIGHTING, always))
         .concat();
     let resolve = "PREPASS_PIPELINE AVAILABLE_STORAGE_BUFFER_BINDINGS=8";
-    let gather = [
-        "DIVISOR=1 SLICES=1 STEPS=6",
-        "DIVISOR=2 SLICES=2 STEPS=8",
-        "DIVISOR=1",
-    ];
+    let gather = ["DIVISOR=1 SLICES=1 STEPS=6", "DIVISOR=2 SLICES=2 STEPS=8"];
     let exposure = || {
         ["STRIDE=1", "STRIDE=2", "STRIDE=4"]
             .map(|stride| rows(EXPOSURE, stride))
