@@ -101,8 +101,7 @@ pub mod prelude {
             OcclusionQuality, OcclusionResolution,
         },
         auto_exposure::{
-            ExposureClock, ExposureSampling, LuminanceTrim, MeteredExposure, Metering,
-            MeteringPattern, ReductionPath,
+            ExposureClock, LuminanceTrim, MeteredExposure, Metering, MeteringPattern, ReductionPath,
         },
         gbuffer::{
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
