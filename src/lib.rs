@@ -96,12 +96,11 @@ pub mod prelude {
         LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin,
         LeanStatus, LeanSubsurfaceScattering, LightCulling,
         ambient_occlusion::{
-            OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
-            OcclusionNormals, OcclusionQuality, OcclusionResolution,
+            OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
+            OcclusionQuality, OcclusionResolution,
         },
         auto_exposure::{
-            ExposureClock, ExposureSampling, LuminanceTrim, MeteredExposure, Metering,
-            MeteringPattern, ReductionPath,
+            ExposureClock, LuminanceTrim, MeteredExposure, Metering, MeteringPattern, ReductionPath,
         },
         gbuffer::{
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,

@@ -124,18 +124,6 @@ impl Contender {
         all
     }
 
-    /// A lean camera with a custom number of slices, and of steps per side.
-    pub fn with_samples(slices: u32, steps: u32) -> Self {
-        Self {
-            name: format!("{slices}x{steps}, indirect"),
-            lean: true,
-            occlusion: Some(Kind::Lean(LeanAmbientOcclusion {
-                quality: OcclusionQuality::Custom { slices, steps },
-                ..default()
-            })),
-        }
-    }
-
     /// Adds the contender's components to `camera`. With `shows`, the picture is the occlusion alone, where the crate
     /// supports it.
     pub fn dress(&self, camera: &mut EntityWorldMut, shows: bool) {
@@ -192,10 +180,6 @@ impl Contender {
                 fetched: 0.0,
             },
             Some(Kind::Lean(settings)) => {
-                let texel = match settings.format {
-                    OcclusionFormat::Unorm8 => 1.0,
-                    OcclusionFormat::Float16 => 2.0,
-                };
                 let half = settings.resolution == OcclusionResolution::Half;
                 let share = if half { 0.25 } else { 1.0 };
                 let wide = settings.has_wide_pattern();
@@ -226,12 +210,13 @@ impl Contender {
                     (true, false, true) => 24.0 + 4.0,
                 };
                 let filter_texels = if wide { 36.0 } else { 16.0 };
-                let own = texel * share * 2.0 + blend;
+                // A texel has one byte, once written and once read.
+                let own = share * 2.0 + blend;
                 Bytes {
                     compulsory: own,
                     compulsory_with_depth: own + share * (4.0 + normal) + 4.0,
-                    fetched: share * (texel + 4.0 * samples + normal)
-                        + filter_texels * texel
+                    fetched: share * (1.0 + 4.0 * samples + normal)
+                        + filter_texels
                         + 4.0 * filter_depths
                         + merge_depth
                         + blend,

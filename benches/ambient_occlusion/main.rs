@@ -29,10 +29,6 @@ struct Args {
     #[argh(option, default = "String::from(\"1400x1050,1920x1080,3840x2160\")")]
     size: String,
 
-    /// further contenders with these slices x steps, comma-separated
-    #[argh(option, default = "String::new()")]
-    samples: String,
-
     /// measured frames, default 40
     #[argh(option, default = "40")]
     frames: usize,
@@ -67,17 +63,9 @@ fn main() {
         std::process::exit(1);
     });
     let words: Vec<&str> = args.contender.split(';').collect();
-    let samples = args.samples.split(',').filter_map(|text| {
-        let (slices, steps) = text.split_once('x')?;
-        Some(Contender::with_samples(
-            slices.parse().ok()?,
-            steps.parse().ok()?,
-        ))
-    });
     let contenders: Vec<Contender> = Contender::all()
         .into_iter()
         .filter(|c| c.occlusion.is_none() || words.iter().any(|word| is_meant(&c.name, word)))
-        .chain(samples)
         .collect();
 
     let mut measurements = AmbientOcclusion::default();

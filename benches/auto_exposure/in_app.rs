@@ -53,9 +53,9 @@ fn contenders() -> [(&'static str, Kind); 4] {
         ..default()
     };
     [
-        ("in an app: LogAverage, All", Kind::Lean(lean.clone())),
+        ("in an app: LogAverage", Kind::Lean(lean.clone())),
         (
-            "in an app: LogAverage, All, trim",
+            "in an app: LogAverage, trim",
             Kind::Lean(LeanAutoExposure {
                 trim: Some(TRIM),
                 ..lean

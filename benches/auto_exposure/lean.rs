@@ -19,20 +19,13 @@ pub fn contenders() -> Vec<(String, LeanAutoExposure)> {
     };
     let mut all = Vec::new();
     for metering in [Metering::LogAverage, Metering::LinearAverage] {
-        for sampling in [
-            ExposureSampling::All,
-            ExposureSampling::Quarter,
-            ExposureSampling::Sixteenth,
-        ] {
-            all.push((
-                format!("{metering:?}, {sampling:?}"),
-                LeanAutoExposure {
-                    metering,
-                    sampling,
-                    ..base.clone()
-                },
-            ));
-        }
+        all.push((
+            format!("{metering:?}"),
+            LeanAutoExposure {
+                metering,
+                ..base.clone()
+            },
+        ));
     }
     let patterned = |pattern| LeanAutoExposure {
         pattern,
@@ -40,15 +33,15 @@ pub fn contenders() -> Vec<(String, LeanAutoExposure)> {
     };
     all.extend([
         (
-            "LogAverage, All, CenterWeighted".into(),
+            "LogAverage, CenterWeighted".into(),
             patterned(MeteringPattern::CenterWeighted),
         ),
         (
-            "LogAverage, All, Mask".into(),
+            "LogAverage, Mask".into(),
             patterned(MeteringPattern::Mask(Handle::default())),
         ),
         (
-            "LogAverage, All, trim".into(),
+            "LogAverage, trim".into(),
             LeanAutoExposure {
                 trim: Some(TRIM),
                 ..base.clone()
@@ -56,15 +49,6 @@ pub fn contenders() -> Vec<(String, LeanAutoExposure)> {
         ),
     ]);
     all
-}
-
-/// Share of the pixels that the first pass reads.
-pub fn share(sampling: ExposureSampling) -> f64 {
-    match sampling {
-        ExposureSampling::All => 1.0,
-        ExposureSampling::Quarter => 1.0 / 4.0,
-        ExposureSampling::Sixteenth => 1.0 / 16.0,
-    }
 }
 
 /// Times the passes over `ring`. Each picture has its own buffers.

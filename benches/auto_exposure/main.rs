@@ -157,7 +157,7 @@ fn outside(
                 contender,
                 passes: measured.passes,
                 whole: measured.whole,
-                bytes: bytes * lean::share(settings.sampling),
+                bytes,
                 luminance: Some(measured.luminance),
                 error: Some(measured.luminance / truth.of(&settings) - 1.0),
             });

@@ -166,7 +166,7 @@ impl Truth {
         }
     }
 
-    /// The luminance that `settings` should meter, by any sampling.
+    /// The luminance that `settings` should meter.
     pub fn of(&self, settings: &LeanAutoExposure) -> f64 {
         match (&settings.pattern, settings.trim, settings.metering) {
             (MeteringPattern::Average, None, Metering::LogAverage) => self.log_average,

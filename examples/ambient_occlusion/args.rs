@@ -65,13 +65,9 @@ pub struct Args {
     #[argh(option, default = "default()", from_str_fn(resolution))]
     resolution: OcclusionResolution,
 
-    /// binomial, flat, wide, binomial-edge-aware (the default), flat-edge-aware or wide-edge-aware
+    /// binomial, wide, binomial-edge-aware (the default) or wide-edge-aware
     #[argh(option, default = "default()", from_str_fn(filter))]
     filter: OcclusionFilter,
-
-    /// unorm8 (the default) or float16
-    #[argh(option, default = "default()", from_str_fn(format))]
-    format: OcclusionFormat,
 
     /// shading (the default) or geometric
     #[argh(option, default = "default()", from_str_fn(normals))]
@@ -138,7 +134,6 @@ impl Args {
                 normals: self.normals,
                 resolution: self.resolution,
                 filter: self.filter,
-                format: self.format,
                 application: self.application,
                 multibounce: !self.no_multibounce,
                 direct_light_affect: self.direct_light,
@@ -180,10 +175,6 @@ fn resolution(text: &str) -> Result<OcclusionResolution, String> {
 
 fn filter(text: &str) -> Result<OcclusionFilter, String> {
     choices::parse(&OcclusionFilter::ALL, text)
-}
-
-fn format(text: &str) -> Result<OcclusionFormat, String> {
-    choices::parse(&settings::FORMATS, text)
 }
 
 fn normals(text: &str) -> Result<OcclusionNormals, String> {

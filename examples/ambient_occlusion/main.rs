@@ -14,7 +14,6 @@
 //! | Right, Left | more, less intensity |
 //! | R | full / half resolution |
 //! | F | next filter |
-//! | T | format: 8-bit, 16-bit |
 //! | N | shading / geometric normals |
 //! | L | sun on / off |
 //! | H | text on / off |

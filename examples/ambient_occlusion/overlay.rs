@@ -25,7 +25,7 @@ impl Plugin for OverlayPlugin {
 
 const KEYS: &str =
     "1 off  2 lean  3 Bevy's  G LeanDeferred  P preset  K kernel  A application  D occlusion alone
-Up/Down radius  Left/Right intensity  R resolution  F filter  T format  N normals  L sun  H text";
+Up/Down radius  Left/Right intensity  R resolution  F filter  N normals  L sun  H text";
 
 fn update_text(
     settings: Res<ExampleSettings>,
@@ -61,14 +61,13 @@ fn describe(settings: &ExampleSettings) -> String {
             settings.bevy_level()
         ),
         Mode::Lean => format!(
-            "{camera}, LeanAmbientOcclusion {}, radius {:.2} m, intensity {:.1}\n{}, {:?}, {:?}, {:?}, {} normals{}",
+            "{camera}, LeanAmbientOcclusion {}, radius {:.2} m, intensity {:.1}\n{}, {:?}, {:?}, {} normals{}",
             sampling(occlusion),
             occlusion.radius,
             occlusion.intensity,
             application(occlusion.application, settings.lean_deferred),
             occlusion.resolution,
             occlusion.filter,
-            occlusion.format,
             normals(occlusion, settings.lean_deferred),
             if occlusion.debug_view {
                 ", occlusion alone"

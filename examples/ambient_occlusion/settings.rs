@@ -30,7 +30,6 @@ pub const APPLICATIONS: [OcclusionApplication; 3] = [
 pub const KERNELS: [OcclusionKernel; 2] = [OcclusionKernel::Hbao, OcclusionKernel::Hdao];
 pub const RESOLUTIONS: [OcclusionResolution; 2] =
     [OcclusionResolution::Full, OcclusionResolution::Half];
-pub const FORMATS: [OcclusionFormat; 2] = [OcclusionFormat::Unorm8, OcclusionFormat::Float16];
 pub const NORMALS: [OcclusionNormals; 2] = [OcclusionNormals::Shading, OcclusionNormals::Geometric];
 
 /// Factor between two radii.
@@ -57,8 +56,8 @@ impl ExampleSettings {
         match self.occlusion.quality {
             OcclusionQuality::Low => ScreenSpaceAmbientOcclusionQualityLevel::Low,
             OcclusionQuality::Medium => ScreenSpaceAmbientOcclusionQualityLevel::Medium,
+            OcclusionQuality::High => ScreenSpaceAmbientOcclusionQualityLevel::High,
             OcclusionQuality::Ultra => ScreenSpaceAmbientOcclusionQualityLevel::Ultra,
-            _ => ScreenSpaceAmbientOcclusionQualityLevel::High,
         }
     }
 }
@@ -101,7 +100,6 @@ pub fn read_keys(
             KeyCode::KeyK => occlusion.kernel = next(&KERNELS, occlusion.kernel),
             KeyCode::KeyR => occlusion.resolution = next(&RESOLUTIONS, occlusion.resolution),
             KeyCode::KeyF => occlusion.filter = next(&OcclusionFilter::ALL, occlusion.filter),
-            KeyCode::KeyT => occlusion.format = next(&FORMATS, occlusion.format),
             KeyCode::KeyN => occlusion.normals = next(&NORMALS, occlusion.normals),
             KeyCode::KeyD => occlusion.debug_view = !occlusion.debug_view,
             KeyCode::KeyL => *sun = !*sun,

@@ -96,10 +96,6 @@ pub struct Args {
     #[argh(switch)]
     overlay: bool,
 
-    /// all (the default), quarter or sixteenth
-    #[argh(option, default = "default()", from_str_fn(sampling))]
-    sampling: ExposureSampling,
-
     /// auto (the default), subgroup or shared-memory
     #[argh(option, default = "default()", from_str_fn(reduction))]
     reduction: ReductionPath,
@@ -138,7 +134,6 @@ impl Args {
                 transition: self.transition,
                 instant: self.instant,
                 overlay: self.overlay,
-                sampling: self.sampling,
                 reduction: self.reduction,
                 ..default()
             },
@@ -180,10 +175,6 @@ fn metering(text: &str) -> Result<Metering, String> {
 
 fn pattern(text: &str) -> Result<Pattern, String> {
     choices::parse(&settings::PATTERNS, text)
-}
-
-fn sampling(text: &str) -> Result<ExposureSampling, String> {
-    choices::parse(&settings::SAMPLINGS, text)
 }
 
 fn reduction(text: &str) -> Result<ReductionPath, String> {

@@ -31,7 +31,6 @@
 //! | C | compensation curve on / off |
 //! | Page Up, Page Down | twice, half the speeds |
 //! | I | instant / adapting |
-//! | S | sampling: All, Quarter, Sixteenth |
 //! | R | reduction: Auto, Subgroup, SharedMemory |
 //! | X | cut: the next frame starts adapted |
 //! | O | exposure overlay on / off: weights and a scale |

@@ -22,7 +22,7 @@ impl Plugin for OverlayPlugin {
 
 const KEYS: &str =
     "1 off  2 lean  3 Bevy's  Space walk  G LeanDeferred  M metering  P pattern  T trim  Up/Down target
-Left/Right compensation  C curve  PgUp/PgDn speeds  I instant  S sampling  R reduction  X cut  O overlay  H text";
+Left/Right compensation  C curve  PgUp/PgDn speeds  I instant  R reduction  X cut  O overlay  H text";
 
 fn update_text(
     settings: Res<ExampleSettings>,
@@ -92,11 +92,10 @@ fn describe(settings: &ExampleSettings) -> String {
             format!("{camera}, Bevy's AutoExposure, {pattern}, {trim}\n{target}\n{speeds}")
         }
         Mode::Lean => format!(
-            "{camera}, LeanAutoExposure {:?}, {:?}, {trim}\n{target}\n{}, sampling {:?}, reduction {:?}",
+            "{camera}, LeanAutoExposure {:?}, {:?}, {trim}\n{target}\n{}, reduction {:?}",
             exposure.metering,
             settings.pattern,
             if exposure.instant { "instant" } else { &speeds },
-            exposure.sampling,
             exposure.reduction,
         ),
     }

@@ -37,11 +37,6 @@ pub const PATTERNS: [Pattern; 4] = [
     Pattern::Spot,
     Pattern::Mask,
 ];
-pub const SAMPLINGS: [ExposureSampling; 3] = [
-    ExposureSampling::All,
-    ExposureSampling::Quarter,
-    ExposureSampling::Sixteenth,
-];
 pub const REDUCTIONS: [ReductionPath; 3] = [
     ReductionPath::Auto,
     ReductionPath::Subgroup,
@@ -180,7 +175,6 @@ pub fn read_keys(
             KeyCode::PageUp => change_speeds(exposure, 2.0),
             KeyCode::PageDown => change_speeds(exposure, 0.5),
             KeyCode::KeyI => exposure.instant = !exposure.instant,
-            KeyCode::KeyS => exposure.sampling = next(&SAMPLINGS, exposure.sampling),
             KeyCode::KeyR => exposure.reduction = next(&REDUCTIONS, exposure.reduction),
             KeyCode::KeyO => exposure.overlay = !exposure.overlay,
             KeyCode::KeyH => *text = !*text,

@@ -25,10 +25,6 @@ pub struct Args {
     #[argh(switch)]
     pub trim: bool,
 
-    /// all (the default), quarter or sixteenth
-    #[argh(option, default = "default()", from_str_fn(sampling))]
-    pub sampling: ExposureSampling,
-
     /// auto (the default), subgroup or shared-memory
     #[argh(option, default = "default()", from_str_fn(reduction))]
     pub reduction: ReductionPath,
@@ -83,7 +79,6 @@ impl Args {
                 low: 0.1,
                 high: 0.1,
             }),
-            sampling: self.sampling,
             reduction: self.reduction,
             ..default()
         }
@@ -111,15 +106,6 @@ impl Args {
 
 fn effect(text: &str) -> Result<Effect, String> {
     choices::parse(&EFFECTS, text)
-}
-
-fn sampling(text: &str) -> Result<ExposureSampling, String> {
-    let all = [
-        ExposureSampling::All,
-        ExposureSampling::Quarter,
-        ExposureSampling::Sixteenth,
-    ];
-    choices::parse(&all, text)
 }
 
 fn reduction(text: &str) -> Result<ReductionPath, String> {

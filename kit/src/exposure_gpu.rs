@@ -8,7 +8,7 @@ use bevy::{
 };
 use bevy_lean_deferred::auto_exposure::{
     ExposureKey, ExposureState, ExposureUniform, LeanAutoExposure, MeteringPattern, adapt_layout,
-    binding_numbers as numbers, meter_layout,
+    binding_numbers as numbers, key::workgroups, meter_layout,
 };
 use half::f16;
 
@@ -358,7 +358,7 @@ impl<'a> Meter<'a> {
     /// Dispatches the first or second pass as the crate does.
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass, index: usize) {
         let (pipeline, group) = &self.passes[index];
-        let groups = [self.key.workgroups(self.viewport.1), UVec2::ONE][index];
+        let groups = [workgroups(self.viewport.1), UVec2::ONE][index];
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, group, &[0, 0][..=index]);
         pass.dispatch_workgroups(groups.x, groups.y, 1);

@@ -2,7 +2,7 @@
 
 use bevy::math::{DVec2, UVec2, Vec3};
 use bevy_lean_deferred::auto_exposure::{
-    ExposureSampling, LeanAutoExposure, LuminanceTrim, Metering, MeteringPattern,
+    LeanAutoExposure, LuminanceTrim, Metering, MeteringPattern,
     luminance::{LARGEST, LOWEST_LOG, WEIGHTS},
 };
 use half::f16;
@@ -56,17 +56,6 @@ pub fn weight(pattern: &MeteringPattern, mask: Option<&Mask>, pixel: UVec2, size
     }
 }
 
-/// True if a pixel of the viewport is sampled.
-fn is_read(sampling: ExposureSampling, pixel: UVec2) -> bool {
-    let stride = match sampling {
-        ExposureSampling::All => return true,
-        ExposureSampling::Quarter => 2,
-        ExposureSampling::Sixteenth => 4,
-    };
-    let block = pixel / 4;
-    block.y.is_multiple_of(stride) && block.x % stride == (block.y / stride * (stride - 1)) % stride
-}
-
 /// Metered luminance of the viewport (origin and size) of a picture; `None` if there is nothing to meter.
 pub fn metered(
     settings: &LeanAutoExposure,
@@ -81,7 +70,6 @@ pub fn metered(
     };
     let mut samples: Vec<(f64, f64)> = (0..extent.y)
         .flat_map(|y| (0..extent.x).map(move |x| UVec2::new(x, y)))
-        .filter(|pixel| is_read(settings.sampling, *pixel))
         .filter_map(|pixel| {
             let at = origin + pixel;
             let y = luminance(picture[(at.y * size.x + at.x) as usize])?;

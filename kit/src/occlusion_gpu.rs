@@ -16,7 +16,6 @@ use bevy_lean_deferred::ambient_occlusion::{
 use draw::Target;
 use naga_oil::compose::ShaderDefValue;
 use shaders::{filter_definitions, gather, gather_definitions, merge, shares_depths};
-pub use textures::half;
 
 use super::gpu;
 
@@ -111,7 +110,7 @@ impl OcclusionGpu {
         });
         self.queue.write_buffer(&uniform, 0, bytes.as_ref());
 
-        let format = settings.format.texture_format();
+        let format = wgpu::TextureFormat::R8Unorm;
         use wgpu::TextureUsages as Usage;
         let own = match path {
             Path::Compute => Usage::STORAGE_BINDING,

@@ -122,13 +122,12 @@ pub(super) fn decide_active_occlusion(
         }
         let key = GatherKey {
             kernel: settings.kernel,
-            samples: (settings.quality.is_preset()).then(|| settings.quality.samples()),
+            quality: settings.quality,
             // After the opaque meshes, the G-buffer's normals may be of surfaces that forward meshes have covered.
             shading_normals: is_for_lighting && settings.normals == OcclusionNormals::Shading,
             thin: settings.thickness < 1.0,
             wide: settings.has_wide_pattern(),
             divisor: settings.resolution.divisor(),
-            format: settings.format,
             projection: projection_of(view.clip_from_view),
         };
         let merge = (!is_for_lighting).then(|| {
@@ -140,7 +139,7 @@ pub(super) fn decide_active_occlusion(
             };
             (key, pipelines.merge(&pipeline_cache, key))
         });
-        let gather = pipelines.gather(&pipeline_cache, key, support.can_store(settings.format));
+        let gather = pipelines.gather(&pipeline_cache, key, support.stores_r8);
         let wanted = ActiveOcclusion {
             settings: *settings,
             key,

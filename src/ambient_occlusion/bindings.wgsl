@@ -10,11 +10,7 @@
 #ifdef SHADING_NORMALS
 @group(0) @binding(3) var normal_texture: texture_2d<u32>;
 #endif
-#ifdef FLOAT16
-@group(0) @binding(4) var output_texture: texture_storage_2d<r16float, write>;
-#else
 @group(0) @binding(4) var output_texture: texture_storage_2d<r8unorm, write>;
-#endif
 @group(0) @binding(5) var occlusion_texture: texture_2d<f32>;
 
 fn is_in_view(pixel: vec2<i32>) -> bool {

@@ -108,12 +108,7 @@ fn filtered_occlusion(
         for (var j = 0; j < 4; j++) {
             let offset = corner + vec2(i32(j == 1 || j == 2), i32(j < 2));
             let distance = abs(offset.x) + abs(offset.y);
-#ifdef OCCLUSION_FLAT
-            // With these multiplicities, the weights are 2.34 (centre), 2 and √2 (corners).
-            var weight = select(select(1.41421356, 1.0, distance == 1), 0.585, distance == 0);
-#else
             var weight = 1.0;
-#endif
 #ifdef OCCLUSION_EDGE_AWARE
             if distance > 0 {
                 weight *= edge_weight(plane, depth_in_view(depth, view, pixel + offset), offset);

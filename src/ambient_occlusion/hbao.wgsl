@@ -14,24 +14,9 @@
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
 #endif
 
-// The presets' counts are compiled in, so that loops unroll.
-#ifdef SLICES
-fn slice_count() -> u32 {
-    return #{SLICES}u;
-}
-
-fn steps_on_each_side() -> u32 {
-    return #{STEPS}u;
-}
-#else
-fn slice_count() -> u32 {
-    return view.slices;
-}
-
-fn steps_on_each_side() -> u32 {
-    return view.steps;
-}
-#endif
+/// Slices through a pixel, and samples on either side of each. Compiled in, so that loops unroll.
+const SLICES: u32 = #{SLICES}u;
+const STEPS: u32 = #{STEPS}u;
 
 /// Per-pixel terms of the march, and the direction and steps of the current slice.
 struct March {
@@ -160,7 +145,7 @@ fn horizons(march: March, bases: vec2<f32>) -> vec2<f32> {
     let at_first = max((march.steps.x * offset + march.steps.y) * offset, 1.0);
     let growth = max(2.0 * march.steps.x * offset + march.steps.y, 1.0);
     var highest = vec2(0.0);
-    for (var i = 0u; i < steps_on_each_side(); i++) {
+    for (var i = 0u; i < STEPS; i++) {
         let x = f32(i);
         let distance = at_first + x * growth + x * x * march.steps.x;
         let ahead = rounded(march.pixel, march.direction, distance);
@@ -224,9 +209,8 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
 
     let basis = tangents(to_viewer);
     let slope = ray_slope(view.view_from_pixel, ray, position);
-    let slices = slice_count();
     var occlusion = 0.0;
-    for (var slice = 0u; slice < slices; slice++) {
+    for (var slice = 0u; slice < SLICES; slice++) {
         // Even in angle about the view direction, not on screen: perspective is exact off-centre too.
         let tangent = basis * rotation;
         rotation = turned(rotation, view.slice_rotation);
@@ -239,11 +223,11 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
         let on_screen = radius.pixels * vec2(direction.x, -direction.y);
         let longer_side = largest_side(on_screen);
         march.direction = on_screen / longer_side;
-        let part = 0.5 / f32(steps_on_each_side());
+        let part = 0.5 / f32(STEPS);
         march.steps = longer_side * part * vec2(2.0 * part, 1.0);
         march.offset = fract(offset + 0.618 * f32(slice));
         let found = horizons(march, bases);
         occlusion += side_occlusion(lobe, bases.x, found.x, 1.0) + side_occlusion(lobe, bases.y, found.y, -1.0);
     }
-    return occlusion / f32(slices);
+    return occlusion / f32(SLICES);
 }

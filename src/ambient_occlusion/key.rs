@@ -3,7 +3,7 @@
 use bevy::{render::render_resource::TextureFormat, shader::ShaderDefVal};
 
 use super::settings::{
-    LeanAmbientOcclusion, OcclusionFormat, OcclusionKernel, OcclusionResolution,
+    LeanAmbientOcclusion, OcclusionKernel, OcclusionQuality, OcclusionResolution,
 };
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
@@ -11,15 +11,13 @@ use crate::shader_library::reconstruction::position::ProjectionKind;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct GatherKey {
     pub(super) kernel: OcclusionKernel,
-    /// Slices, and steps per side; `None` if the shader reads them from its uniform.
-    pub(super) samples: Option<(u32, u32)>,
+    pub(super) quality: OcclusionQuality,
     pub(super) shading_normals: bool,
     /// Horizons decay behind thin occluders.
     pub(super) thin: bool,
     /// Directions are spread over 4×4 pixels, for a wide filter; otherwise over 2×2.
     pub(super) wide: bool,
     pub(super) divisor: u32,
-    pub(super) format: OcclusionFormat,
     pub(super) projection: ProjectionKind,
 }
 
@@ -27,7 +25,7 @@ impl GatherKey {
     /// Resets the fields that the kernel does not read.
     pub(super) fn reduced(mut self) -> Self {
         if self.kernel == OcclusionKernel::Hdao {
-            self.samples = None;
+            self.quality = OcclusionQuality::default();
             self.shading_normals = false;
             self.thin = false;
             self.wide = false;
@@ -45,11 +43,12 @@ impl GatherKey {
     }
 
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let mut defs: Vec<ShaderDefVal> = vec![ShaderDefVal::UInt("DIVISOR".into(), self.divisor)];
-        if let Some((slices, steps)) = self.samples {
-            defs.push(ShaderDefVal::UInt("SLICES".into(), slices));
-            defs.push(ShaderDefVal::UInt("STEPS".into(), steps));
-        }
+        let (slices, steps) = self.quality.samples();
+        let mut defs = vec![
+            ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
+            ShaderDefVal::UInt("SLICES".into(), slices),
+            ShaderDefVal::UInt("STEPS".into(), steps),
+        ];
         let mut define = |condition: bool, name: &'static str| {
             if condition {
                 defs.push(name.into());
@@ -59,7 +58,6 @@ impl GatherKey {
         define(self.shading_normals, "SHADING_NORMALS");
         define(self.thin, "THIN");
         define(self.wide, "WIDE_PATTERN");
-        define(self.format == OcclusionFormat::Float16, "FLOAT16");
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
     }
@@ -68,7 +66,6 @@ impl GatherKey {
 /// Pipeline key of the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct FilterKey {
-    flat: bool,
     wide: bool,
     edge_aware: bool,
     half: bool,
@@ -76,13 +73,10 @@ pub(crate) struct FilterKey {
 
 impl From<&LeanAmbientOcclusion> for FilterKey {
     fn from(settings: &LeanAmbientOcclusion) -> Self {
-        let half = settings.resolution == OcclusionResolution::Half;
         Self {
-            // Half resolution has a single set of weights.
-            flat: settings.filter.is_flat() && !half,
             wide: settings.has_wide_pattern(),
             edge_aware: settings.filter.is_edge_aware(),
-            half,
+            half: settings.resolution == OcclusionResolution::Half,
         }
     }
 }
@@ -90,7 +84,6 @@ impl From<&LeanAmbientOcclusion> for FilterKey {
 impl FilterKey {
     pub(crate) fn shader_defs(self) -> impl Iterator<Item = ShaderDefVal> {
         [
-            (self.flat, "OCCLUSION_FLAT"),
             (self.wide, "OCCLUSION_WIDE"),
             (self.edge_aware, "OCCLUSION_EDGE_AWARE"),
             (self.half, "OCCLUSION_HALF"),

@@ -15,12 +15,12 @@
 //! The pattern of the samples is the same in every frame: there is no noise, and TAA is not needed. GPU times are recorded as
 //! `lean_deferred/ambient_occlusion/gather` and `…/merge`.
 //!
-//! Where compute shaders cannot store the texture's format, a raster pass writes it ([`OcclusionSupport`]).
+//! Where compute shaders cannot store to `R8Unorm`, a raster pass writes the texture ([`OcclusionSupport`]).
 //!
 //! [`LeanDeferred`]: crate::LeanDeferred
 
 // - `settings.rs`: the component.
-// - `support.rs`: capabilities of the device.
+// - `support.rs`: capabilities of the device, and the texture's format.
 // - `uniforms.rs`, `view.wgsl`: the uniform of a view.
 // - `key.rs`: pipeline keys.
 // - `pipelines.rs`: layouts and pipelines.
@@ -45,8 +45,8 @@ mod support;
 mod uniforms;
 
 pub use settings::{
-    LeanAmbientOcclusion, OcclusionApplication, OcclusionFilter, OcclusionFormat, OcclusionKernel,
-    OcclusionNormals, OcclusionQuality, OcclusionResolution,
+    LeanAmbientOcclusion, OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
+    OcclusionQuality, OcclusionResolution,
 };
 #[doc(hidden)]
 pub use support::COMPUTE_LIMITS;

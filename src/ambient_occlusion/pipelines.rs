@@ -26,6 +26,7 @@ use super::{
         DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
     },
     key::{GatherKey, MergeKey},
+    support::FORMAT,
     uniforms::OcclusionUniform,
 };
 use crate::gpu::{bind_group_cache::ResolvedLayout, bindings::layout};
@@ -113,11 +114,10 @@ fn gather_layout(key: GatherKey, compute: bool) -> BindGroupLayoutDescriptor {
     } else {
         ShaderStages::FRAGMENT
     };
-    let format = key.format.texture_format();
     let normals = (NORMAL_TEXTURE, texture_2d(TextureSampleType::Uint));
     let output = (
         OUTPUT_TEXTURE,
-        texture_storage_2d(format, StorageTextureAccess::WriteOnly),
+        texture_storage_2d(FORMAT, StorageTextureAccess::WriteOnly),
     );
     layout(
         "lean_deferred/ambient_occlusion/gather",
@@ -186,7 +186,7 @@ impl OcclusionPipelines {
                         shader,
                         shader_defs,
                         entry_point: Some("fragment".into()),
-                        targets: vec![Some(key.format.texture_format().into())],
+                        targets: vec![Some(FORMAT.into())],
                     }),
                     ..default()
                 }),

@@ -24,6 +24,7 @@ use super::{
         DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
     },
     pipelines::{GatherPipeline, OcclusionPipelines},
+    support::FORMAT,
     uniforms::{OcclusionUniform, fog_parameters},
 };
 use crate::{
@@ -81,7 +82,7 @@ pub(super) fn write_occlusion_uniforms(
         uniform.viewport_origin = viewport.physical_position;
         let turn = FrameAveraging::turn(averaging, &frame);
         if turn != 0.0 {
-            uniform.set_turn(turn);
+            uniform.set_turn(&active.settings, turn);
         }
         let view = ViewOcclusion {
             offset: writer.write(&uniform),
@@ -101,7 +102,7 @@ pub(super) fn write_occlusion_uniforms(
 #[derive(Component, Clone)]
 pub struct OcclusionTexture(pub CachedTexture);
 
-/// Creates the occlusion textures of active views. A texture is kept while its size, format and usage stay the same.
+/// Creates the occlusion textures of active views. A texture is kept while its size and usage stay the same.
 pub(super) fn prepare_occlusion_textures(
     mut commands: Commands,
     render_device: Res<RenderDevice>,
@@ -131,13 +132,12 @@ pub(super) fn prepare_occlusion_textures(
             mip_level_count: 1,
             sample_count: 1,
             dimension: TextureDimension::D2,
-            format: active.key.format.texture_format(),
+            format: FORMAT,
             usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
             view_formats: &[],
         };
         let is_as_asked = |texture: &Texture| {
-            (texture.size(), texture.format(), texture.usage())
-                == (descriptor.size, descriptor.format, descriptor.usage)
+            (texture.size(), texture.usage()) == (descriptor.size, descriptor.usage)
         };
         if current.is_some_and(|current| is_as_asked(&current.0.texture)) {
             continue;

@@ -1,7 +1,4 @@
-use bevy::{
-    prelude::*,
-    render::{extract_component::ExtractComponent, render_resource::TextureFormat},
-};
+use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
 use crate::view::overrides::{CameraEffect, Need};
 
@@ -29,8 +26,8 @@ use crate::view::overrides::{CameraEffect, Need};
 /// }
 /// ```
 ///
-/// The texture stores occlusion (0 = none) in one channel, so that rounding errs towards none and open surfaces stay exactly
-/// unchanged.
+/// The texture stores occlusion (0 = none) in one channel of 8 bits, so that rounding errs towards none and open surfaces stay
+/// exactly unchanged.
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LeanAmbientOcclusion {
@@ -57,8 +54,6 @@ pub struct LeanAmbientOcclusion {
     pub resolution: OcclusionResolution,
     /// Filter that removes the sample pattern. Default [`OcclusionFilter::BinomialEdgeAware`].
     pub filter: OcclusionFilter,
-    /// Storage format of the occlusion. Default [`OcclusionFormat::Unorm8`].
-    pub format: OcclusionFormat,
     /// Application of the occlusion to the image. Default [`OcclusionApplication::Auto`].
     pub application: OcclusionApplication,
     /// Approximates light that bounces between bright walls: brightens and tints their occlusion (Jimenez et al. 2016). For
@@ -97,7 +92,6 @@ impl Default for LeanAmbientOcclusion {
             normals: default(),
             resolution: default(),
             filter: default(),
-            format: default(),
             application: default(),
             multibounce: true,
             direct_light_affect: 0.0,
@@ -121,7 +115,7 @@ pub enum OcclusionKernel {
 }
 
 /// Samples per pixel of [`OcclusionKernel::Hbao`]. Each slice has two sides. The pixels of a 2×2 or 4×4 block take different slices,
-/// which the filter averages.
+/// which the filter averages. The numbers are compiled into the shader.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionQuality {
@@ -134,24 +128,11 @@ pub enum OcclusionQuality {
     High,
     /// 4 slices, 12 steps per side.
     Ultra,
-    /// Any number: slices 1 to 16, steps 1 to 64. They may change every frame: one shader reads them from its uniform. Presets are
-    /// compiled in.
-    Custom {
-        /// Directions through the pixel, 1 to 16.
-        slices: u32,
-        /// Samples on each of the two sides of a slice, 1 to 64.
-        steps: u32,
-    },
 }
 
 impl OcclusionQuality {
     /// All presets, cheapest first.
     pub const PRESETS: [Self; 4] = [Self::Low, Self::Medium, Self::High, Self::Ultra];
-
-    /// True if the numbers are compiled into the shader.
-    pub(super) fn is_preset(self) -> bool {
-        !matches!(self, Self::Custom { .. })
-    }
 
     /// Slices, and steps per side.
     pub fn samples(self) -> (u32, u32) {
@@ -160,7 +141,6 @@ impl OcclusionQuality {
             Self::Medium => (1, 6),
             Self::High => (2, 8),
             Self::Ultra => (4, 12),
-            Self::Custom { slices, steps } => (slices.clamp(1, 16), steps.clamp(1, 64)),
         }
     }
 }
@@ -205,34 +185,24 @@ impl OcclusionResolution {
 pub enum OcclusionFilter {
     /// 1 2 1 / 2 4 2 / 1 2 1: removes any 2×2 pattern exactly.
     Binomial,
-    /// √2 2 √2 / 2 2.34 2 / √2 2 √2: flatter.
-    Flat,
     /// 1 2 2 2 1 along each axis: removes any 4×4 pattern exactly, so samples use one, with four times as many directions. For
     /// surfaces so close to the camera that the other filters leave their few directions and steps visible. Slower.
     Wide,
     /// As `Binomial`, ignoring neighbours across a depth step.
     #[default]
     BinomialEdgeAware,
-    /// As `Flat`, ignoring neighbours across a depth step.
-    FlatEdgeAware,
     /// As `Wide`, ignoring neighbours across a depth step.
     WideEdgeAware,
 }
 
 impl OcclusionFilter {
     /// All variants.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 4] = [
         Self::Binomial,
-        Self::Flat,
         Self::Wide,
         Self::BinomialEdgeAware,
-        Self::FlatEdgeAware,
         Self::WideEdgeAware,
     ];
-
-    pub(super) fn is_flat(self) -> bool {
-        matches!(self, Self::Flat | Self::FlatEdgeAware)
-    }
 
     /// True if 5×5 pixels are averaged.
     pub fn is_wide(self) -> bool {
@@ -241,31 +211,7 @@ impl OcclusionFilter {
 
     /// True if neighbours across a depth step are ignored.
     pub fn is_edge_aware(self) -> bool {
-        matches!(
-            self,
-            Self::BinomialEdgeAware | Self::FlatEdgeAware | Self::WideEdgeAware
-        )
-    }
-}
-
-/// Storage format of the occlusion.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq)]
-pub enum OcclusionFormat {
-    /// R8Unorm: 1 byte per pixel, steps of 1/255 before the filter.
-    #[default]
-    Unorm8,
-    /// R16Float: 2 bytes per pixel.
-    Float16,
-}
-
-impl OcclusionFormat {
-    /// Format of the occlusion texture.
-    pub fn texture_format(self) -> TextureFormat {
-        match self {
-            Self::Unorm8 => TextureFormat::R8Unorm,
-            Self::Float16 => TextureFormat::R16Float,
-        }
+        matches!(self, Self::BinomialEdgeAware | Self::WideEdgeAware)
     }
 }
 

@@ -3,13 +3,15 @@
 use bevy::{
     prelude::*,
     render::{
-        render_resource::{DownlevelFlags, TextureUsages},
+        render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
         renderer::{RenderAdapter, RenderDevice},
     },
 };
 
-use super::OcclusionFormat;
 use crate::gpu::needed_limits::{NeededLimit, needed_limits, unmet};
+
+/// Format of the texture of occlusion: steps of 1/255 before the filter.
+pub(super) const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
 /// Limits that the compute pass needs; without them a raster pass computes occlusion.
 #[doc(hidden)]
@@ -20,26 +22,21 @@ pub const COMPUTE_LIMITS: &[NeededLimit] = &needed_limits![
     max_compute_workgroup_storage_size: 1600,
 ];
 
-/// Occlusion formats that compute shaders can store to. The others are rendered to, which every device supports.
+/// The kind of pass that can write the texture of occlusion.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OcclusionSupport {
-    /// R8Unorm.
-    pub stores_unorm8: bool,
-    /// R16Float.
-    pub stores_float16: bool,
+    /// Compute shaders can store to `R8Unorm`. If not, it is rendered to, which every device supports.
+    pub stores_r8: bool,
 }
 
 impl FromWorld for OcclusionSupport {
-    /// Queries the device and adapter of a render world. Without them no format can be stored to.
+    /// Queries the device and adapter of a render world. Without them nothing can be stored.
     fn from_world(world: &mut World) -> Self {
         let (Some(device), Some(adapter)) = (
             world.get_resource::<RenderDevice>(),
             world.get_resource::<RenderAdapter>(),
         ) else {
-            return Self {
-                stores_unorm8: false,
-                stores_float16: false,
-            };
+            return Self { stores_r8: false };
         };
         let computes = adapter
             .get_downlevel_capabilities()
@@ -50,26 +47,13 @@ impl FromWorld for OcclusionSupport {
         let extended = device
             .features()
             .contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
-        let can_store = |format: OcclusionFormat| {
-            computes
+        Self {
+            stores_r8: computes
                 && extended
                 && adapter
-                    .get_texture_format_features(format.texture_format())
+                    .get_texture_format_features(FORMAT)
                     .allowed_usages
-                    .contains(TextureUsages::STORAGE_BINDING)
-        };
-        Self {
-            stores_unorm8: can_store(OcclusionFormat::Unorm8),
-            stores_float16: can_store(OcclusionFormat::Float16),
-        }
-    }
-}
-
-impl OcclusionSupport {
-    pub(super) fn can_store(self, format: OcclusionFormat) -> bool {
-        match format {
-            OcclusionFormat::Unorm8 => self.stores_unorm8,
-            OcclusionFormat::Float16 => self.stores_float16,
+                    .contains(TextureUsages::STORAGE_BINDING),
         }
     }
 }

@@ -50,8 +50,6 @@ pub struct OcclusionUniform {
     thickness: f32,
     direct_light_affect: f32,
     turn: f32,
-    slices: u32,
-    steps: u32,
 }
 
 impl OcclusionUniform {
@@ -68,7 +66,7 @@ impl OcclusionUniform {
         // In perspective, 1 / distance is affine in depth: a step in metres is a depth step proportional to 1 / distance².
         let m = &view_from_pixel;
         let step = EDGE * radius;
-        let (slices, steps) = settings.quality.samples();
+        let (slices, _) = settings.quality.samples();
         let edge = if projection_of(clip_from_view) == ProjectionKind::Orthographic {
             Vec4::new(0.0, 1.0, step / m.z_axis.z.abs(), 0.0)
         } else {
@@ -98,19 +96,18 @@ impl OcclusionUniform {
             decline: (inverse_falloff.sqrt() / radius).clamp(1e-15, 1e15),
             thickness: settings.thickness.clamp(0.0, 1.0),
             direct_light_affect: settings.direct_light_affect.clamp(0.0, 1.0),
-            slices,
-            steps,
             ..default()
         };
-        view.set_turn(0.0);
+        view.set_turn(settings, 0.0);
         view
     }
 
     /// Sets the part of the pattern that changes per frame, 0 to 1.
-    pub(super) fn set_turn(&mut self, turn: f32) {
+    pub(super) fn set_turn(&mut self, settings: &LeanAmbientOcclusion, turn: f32) {
         self.turn = turn;
+        let (slices, _) = settings.quality.samples();
+        let quarter = 0.25 * PI / slices as f32;
         for (i, rotation) in self.rotations.iter_mut().enumerate() {
-            let quarter = 0.25 * PI / self.slices as f32;
             let phase = Vec2::from_angle(quarter * (i as f32 + turn));
             let block = Vec2::from_angle(quarter * 0.25 * i as f32);
             *rotation = phase.extend(block.x).extend(block.y);

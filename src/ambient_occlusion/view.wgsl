@@ -37,7 +37,4 @@ struct OcclusionUniform {
     direct_light_affect: f32,
     /// Temporal part of the step pattern, 0 to 1; 0 without TAA.
     turn: f32,
-    /// Used by `OcclusionQuality::Custom`; the presets' counts are compiled in.
-    slices: u32,
-    steps: u32,
 }

@@ -3,7 +3,7 @@
 
 #import bevy_render::view::View
 
-/// Width in pixels of a workgroup's tile at a stride of 1.
+/// Width in pixels of a workgroup's tile.
 const TILE_WIDTH: u32 = 64u;
 
 /// Settings and view data of the passes.
@@ -28,7 +28,7 @@ struct ExposureUniform {
     /// Number of camera cuts.
     cuts: u32,
     curve_points: u32,
-    /// Height in pixels of a workgroup's tile at a stride of 1: a multiple of 32.
+    /// Height in pixels of a workgroup's tile: a multiple of 32.
     tile_height: u32,
     /// (metered logarithm, stops) per point.
     curve: array<vec4<f32>, 16>,

@@ -2,9 +2,9 @@
 
 use bevy::{math::UVec2, shader::ShaderDefVal};
 
-use super::{ExposureSampling, LeanAutoExposure, Metering, MeteringPattern};
+use super::{LeanAutoExposure, Metering, MeteringPattern};
 
-/// Columns of pixels that a workgroup of the first pass reads if every pixel is sampled.
+/// Columns of pixels that a workgroup of the first pass reads.
 pub const TILE_WIDTH: u32 = 64;
 /// Rows that it may read. Few workgroups leave parts of a large GPU idle; many leave much work to the second pass.
 const TILE_HEIGHTS: [u32; 2] = [64, 128];
@@ -18,7 +18,6 @@ pub const BINS: u64 = 256;
 pub struct ExposureKey {
     metering: Metering,
     pattern: PatternKey,
-    sampling: ExposureSampling,
     histogram: bool,
     subgroups: bool,
 }
@@ -42,7 +41,6 @@ impl ExposureKey {
                 MeteringPattern::Mask(_) if mask_is_loaded => PatternKey::Mask,
                 MeteringPattern::Average | MeteringPattern::Mask(_) => PatternKey::Average,
             },
-            sampling: settings.sampling,
             histogram: settings.trim.is_some(),
             subgroups,
         }
@@ -58,18 +56,12 @@ impl ExposureKey {
         self.pattern == PatternKey::Mask
     }
 
-    /// Workgroups of the first pass.
-    pub fn workgroups(self, viewport_size: UVec2) -> UVec2 {
-        let height = tile_height(viewport_size, self.sampling);
-        workgroups_with(height, viewport_size, self.sampling)
-    }
-
     /// Size in bytes of the buffer between the passes: partial sums, or the histogram.
     pub fn sums_size(self, viewport_size: UVec2) -> u64 {
         if self.histogram {
             4 * BINS
         } else {
-            8 * u64::from(self.workgroups(viewport_size).element_product())
+            8 * u64::from(workgroups(viewport_size).element_product())
         }
     }
 
@@ -77,7 +69,6 @@ impl ExposureKey {
     pub(super) fn of_overlay(self) -> Self {
         Self {
             metering: Metering::default(),
-            sampling: ExposureSampling::default(),
             histogram: false,
             subgroups: false,
             ..self
@@ -88,45 +79,46 @@ impl ExposureKey {
     pub fn shader_defs(self) -> Vec<ShaderDefVal> {
         let log_average = self.metering == Metering::LogAverage;
         let weighted = self.pattern != PatternKey::Average;
-        let mut defs = vec![ShaderDefVal::UInt("STRIDE".into(), self.sampling.stride())];
-        defs.extend(
-            [
-                (log_average, "LOG_AVERAGE"),
-                (weighted, "WEIGHTED"),
-                (
-                    log_average && !weighted && !self.histogram,
-                    "LOG_OF_PRODUCTS",
-                ),
-                (
-                    self.pattern == PatternKey::CenterWeighted,
-                    "CENTER_WEIGHTED",
-                ),
-                (self.pattern == PatternKey::Spot, "SPOT"),
-                (self.pattern == PatternKey::Mask, "MASK"),
-                (self.histogram, "HISTOGRAM"),
-                (self.subgroups, "SUBGROUPS"),
-            ]
-            .into_iter()
-            .filter(|(condition, _)| *condition)
-            .map(|(_, name)| name.into()),
-        );
-        defs
+        [
+            (log_average, "LOG_AVERAGE"),
+            (weighted, "WEIGHTED"),
+            (
+                log_average && !weighted && !self.histogram,
+                "LOG_OF_PRODUCTS",
+            ),
+            (
+                self.pattern == PatternKey::CenterWeighted,
+                "CENTER_WEIGHTED",
+            ),
+            (self.pattern == PatternKey::Spot, "SPOT"),
+            (self.pattern == PatternKey::Mask, "MASK"),
+            (self.histogram, "HISTOGRAM"),
+            (self.subgroups, "SUBGROUPS"),
+        ]
+        .into_iter()
+        .filter(|(condition, _)| *condition)
+        .map(|(_, name)| name.into())
+        .collect()
     }
 }
 
-/// Workgroups of the first pass, if each reads `height` rows of samples.
-fn workgroups_with(height: u32, viewport_size: UVec2, sampling: ExposureSampling) -> UVec2 {
-    let tile = UVec2::new(TILE_WIDTH, height) * sampling.stride();
+/// Workgroups of the first pass.
+pub fn workgroups(viewport_size: UVec2) -> UVec2 {
+    workgroups_with(tile_height(viewport_size), viewport_size)
+}
+
+/// Workgroups of the first pass, if each reads `height` rows.
+fn workgroups_with(height: u32, viewport_size: UVec2) -> UVec2 {
     UVec2::new(
-        viewport_size.x.div_ceil(tile.x),
-        viewport_size.y.div_ceil(tile.y),
+        viewport_size.x.div_ceil(TILE_WIDTH),
+        viewport_size.y.div_ceil(height),
     )
 }
 
 /// Rows that a workgroup of the first pass reads: the fewest that keep the partial sums within one iteration of the second pass.
-pub(super) fn tile_height(viewport_size: UVec2, sampling: ExposureSampling) -> u32 {
+pub(super) fn tile_height(viewport_size: UVec2) -> u32 {
     let [low, high] = TILE_HEIGHTS;
-    let workgroups = workgroups_with(low, viewport_size, sampling);
+    let workgroups = workgroups_with(low, viewport_size);
     if workgroups.element_product() <= MOST_WORKGROUPS {
         low
     } else {

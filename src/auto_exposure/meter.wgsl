@@ -1,5 +1,4 @@
-// First pass: reads the pixels of the viewport, all of them or a regular part, and writes one partial sum per workgroup or
-// adds to the histogram.
+// First pass: reads all pixels of the viewport, and writes one partial sum per workgroup or adds to the histogram.
 #import bevy_lean_deferred::auto_exposure::bindings::{
     BINS, BINS_PER_STOP, FULL_WEIGHT, LOG_OF_FIRST_BIN, TILE_WIDTH, picture, view,
 }
@@ -33,30 +32,18 @@ fn weight_of(pixel: vec2<u32>) -> f32 {
 #endif
 }
 
-/// Maps a pixel at a stride of 1 to the pixel to read at STRIDE: cache-friendly blocks of 4×4, with gaps between them that differ
-/// from row to row.
-fn spread(pixel: vec2<u32>) -> vec2<u32> {
-#if STRIDE == 1
-    return pixel;
-#else
-    let block = pixel / 4u;
-    let gap = (block.y * (#{STRIDE}u - 1u)) % #{STRIDE}u;
-    return 4u * (block * #{STRIDE}u + vec2(gap, 0u)) + pixel % 4u;
-#endif
-}
-
 /// Colour of a viewport pixel; beyond the viewport, of its last one.
 fn color_at(pixel: vec2<u32>) -> vec3<f32> {
-    let inside = min(spread(pixel), view.viewport_size - 1u);
+    let inside = min(pixel, view.viewport_size - 1u);
     return textureLoad(picture, view.viewport_origin + inside, 0).rgb;
 }
 
 /// Weighted luminance (with LOG_AVERAGE its logarithm) of a pixel, and its weight.
 fn measured(color: vec3<f32>, pixel: vec2<u32>) -> vec2<f32> {
     let y = luminance(color);
-    let counts = all(spread(pixel) < view.viewport_size) && y >= 0.0;
+    let counts = all(pixel < view.viewport_size) && y >= 0.0;
 #ifdef WEIGHTED
-    let weight = select(0.0, weight_of(spread(pixel)), counts);
+    let weight = select(0.0, weight_of(pixel), counts);
 #else
     let weight = select(0.0, 1.0, counts);
 #endif
@@ -107,7 +94,7 @@ fn place_in_square(i: u32) -> vec2<u32> {
 /// Luminance of a pixel as a factor of a product, and its weight: 1 if it counts.
 fn factor(color: vec3<f32>, pixel: vec2<u32>) -> vec2<f32> {
     let y = dot(color, WEIGHTS);
-    let counts = !is_nan(y) && all(spread(pixel) < view.viewport_size);
+    let counts = !is_nan(y) && all(pixel < view.viewport_size);
     return select(vec2(1.0, 0.0), vec2(clamp(y, SMALLEST, LARGEST), 1.0), counts);
 }
 

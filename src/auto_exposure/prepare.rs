@@ -19,7 +19,7 @@ use super::{
     active::ViewExposurePipelines,
     binding_numbers::{BEVY_VIEW, MASK, MASK_SAMPLER, PARTIALS, PICTURE, STATE, VIEW},
     clock::Clocks,
-    key::ExposureKey,
+    key::{ExposureKey, workgroups},
     pipelines::ExposurePipelines,
     settings::LeanAutoExposure,
     state::ExposureHistory,
@@ -110,7 +110,7 @@ pub(super) fn write_exposure_uniforms(
         view.offset = writer.write(&ExposureUniform::new(
             settings, origin, size, seconds, cuts.0,
         ));
-        view.workgroups = key.workgroups(size);
+        view.workgroups = workgroups(size);
         if let Some(new) = new {
             commands.entity(entity).insert(new);
         }

@@ -70,8 +70,6 @@ pub struct LeanAutoExposure {
     pub instant: bool,
     /// Clock that exposure adapts by. Default [`ExposureClock::Real`].
     pub clock: ExposureClock,
-    /// Share of the pixels that is metered. Default [`ExposureSampling::All`].
-    pub sampling: ExposureSampling,
     /// Method by which a workgroup sums its pixels. Default [`ReductionPath::Auto`].
     pub reduction: ReductionPath,
     /// Shows the weight of each pixel over the tonemapped image, and the exposure (white) and its target (green) on a scale of stops.
@@ -100,7 +98,6 @@ impl Default for LeanAutoExposure {
             transition: 1.5,
             instant: false,
             clock: default(),
-            sampling: default(),
             reduction: default(),
             overlay: false,
         }
@@ -160,30 +157,6 @@ pub struct LuminanceTrim {
     pub low: f32,
     /// Share of the brightest pixels.
     pub high: f32,
-}
-
-/// Share of the pixels that is metered, as 4×4 blocks in staggered rows.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq)]
-pub enum ExposureSampling {
-    /// Every pixel.
-    #[default]
-    All,
-    /// One in four. Lights smaller than a block may be missed, or flicker as they move.
-    Quarter,
-    /// One in sixteen.
-    Sixteenth,
-}
-
-impl ExposureSampling {
-    /// Distance between the blocks that are read, in blocks.
-    pub(super) fn stride(self) -> u32 {
-        match self {
-            Self::All => 1,
-            Self::Quarter => 2,
-            Self::Sixteenth => 4,
-        }
-    }
 }
 
 /// Method by which a workgroup sums its pixels.

@@ -77,7 +77,7 @@ impl ExposureUniform {
             instant: settings.instant.into(),
             cuts,
             curve_points: settings.compensation_curve.len().min(CURVE_POINTS) as u32,
-            tile_height: tile_height(viewport_size, settings.sampling),
+            tile_height: tile_height(viewport_size),
             curve,
         }
     }

@@ -3,9 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use bevy::math::{Mat4, UVec2};
-use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionFormat, OcclusionQuality,
-};
+use bevy_lean_deferred::ambient_occlusion::LeanAmbientOcclusion;
 
 use crate::views::{ORTHOGRAPHIC, SIZE, corner, difference, kinds, run, wall};
 use kit::{
@@ -122,15 +120,12 @@ fn depths_may_be_anything() {
         for matrix in matrices {
             let image = DepthImage::new(depth.clone(), seen.image.size, matrix);
             for settings in kinds() {
-                for format in [OcclusionFormat::Unorm8, OcclusionFormat::Float16] {
-                    let settings = LeanAmbientOcclusion { format, ..settings };
-                    let mean = mean(&run(&gpu, &settings, &image).filtered);
-                    println!(
-                        "{name}, {:?}, {:?}: mean {mean:.4}",
-                        settings.kernel, settings.resolution
-                    );
-                    assert!(mean == 0.0 || name == "any bits" || name == "noise");
-                }
+                let mean = mean(&run(&gpu, &settings, &image).filtered);
+                println!(
+                    "{name}, {:?}, {:?}: mean {mean:.4}",
+                    settings.kernel, settings.resolution
+                );
+                assert!(mean == 0.0 || name == "any bits" || name == "noise");
             }
         }
     }
@@ -172,14 +167,5 @@ fn settings_may_be_anything() {
             assert!(errors.rmse < 1e-3, "{name} {value}: {errors}");
         }
         occlusion(set, NAN);
-    }
-    for (slices, steps) in [(0, 0), (1, 1), (16, 64), (u32::MAX, u32::MAX)] {
-        let settings = LeanAmbientOcclusion {
-            quality: OcclusionQuality::Custom { slices, steps },
-            ..LeanAmbientOcclusion::default()
-        };
-        let mean = mean(&run(&gpu, &settings, &seen.image).filtered);
-        println!("{slices} slices, {steps} steps: mean {mean:.4}");
-        assert!((0.015..0.065).contains(&mean));
     }
 }

@@ -12,9 +12,9 @@ use bevy::{
 };
 use bevy_lean_deferred::LeanAmbientOcclusion;
 
+use half::f16;
 use kit::{
     headless::{Headless, target_image_of},
-    occlusion_gpu::half,
     scenes::SceneBuilder,
 };
 
@@ -112,6 +112,16 @@ impl Stage {
             }
         }
         panic!("no picture came back within 100 frames");
+    }
+}
+
+/// Decodes half precision, finite and not negative, as colours are; anything else becomes NaN.
+fn half(bits: u16) -> f32 {
+    let value = f16::from_bits(bits);
+    if value.is_finite() && value.is_sign_positive() {
+        value.to_f32()
+    } else {
+        f32::NAN
     }
 }
 

@@ -241,7 +241,6 @@ fn settings_of_cameras_that_are_off_may_change() {
         });
         headless.settle();
         for change in [
-            |settings: &mut LeanAmbientOcclusion| settings.format = OcclusionFormat::Float16,
             |settings: &mut LeanAmbientOcclusion| settings.resolution = OcclusionResolution::Half,
             |settings: &mut LeanAmbientOcclusion| settings.kernel = OcclusionKernel::Hdao,
         ] {

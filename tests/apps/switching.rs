@@ -8,10 +8,7 @@ use bevy::{
     core_pipeline::prepass::DeferredPrepass,
     post_process::bloom::Bloom,
     prelude::*,
-    render::{
-        RenderApp,
-        render_resource::{CachedPipeline, PipelineCache, PipelineDescriptor},
-    },
+    render::RenderApp,
 };
 use bevy_lean_deferred::{LeanDeferredPlugins, lean::LeanDeferredSupport, prelude::*};
 use kit::{
@@ -95,15 +92,6 @@ impl Stage {
     fn status(&mut self) -> Option<LeanStatus> {
         self.headless.world().get(self.camera).cloned()
     }
-
-    /// Number of pipelines with this label.
-    fn pipelines(&self, label: &str) -> usize {
-        let render_world = self.headless.app.sub_app(RenderApp).world();
-        let pipelines = render_world.resource::<PipelineCache>().pipelines();
-        pipelines
-            .filter(|pipeline| label_of(pipeline) == Some(label))
-            .count()
-    }
 }
 
 fn spawn_camera(scene: &mut SceneBuilder) -> Entity {
@@ -113,13 +101,6 @@ fn spawn_camera(scene: &mut SceneBuilder) -> Entity {
         target,
         Transform::from_xyz(-1.5, 2.8, 5.2).looking_at(Vec3::ZERO, Vec3::Y),
     ))
-}
-
-fn label_of(pipeline: &CachedPipeline) -> Option<&str> {
-    match &pipeline.descriptor {
-        PipelineDescriptor::RenderPipelineDescriptor(descriptor) => descriptor.label.as_deref(),
-        PipelineDescriptor::ComputePipelineDescriptor(descriptor) => descriptor.label.as_deref(),
-    }
 }
 
 const BEVYS: (Msaa, bool) = (Msaa::Sample4, false);
@@ -386,32 +367,4 @@ fn warnings_come_again_when_the_cause_does() {
         }
         assert_eq!(occlusion(), 2);
     });
-}
-
-#[test]
-fn animated_quality_compiles_one_pipeline() {
-    let mut stage = Stage::new();
-    let occlusion = |quality| LeanAmbientOcclusion {
-        quality,
-        intensity: 3.0,
-        ..default()
-    };
-    stage.insert(occlusion(OcclusionQuality::High));
-    stage.headless.settle();
-    let preset = stage.headless.capture();
-    let compiled = stage.pipelines("lean_deferred/ambient_occlusion/gather");
-    assert_eq!(compiled, 1);
-    for steps in 1..=12 {
-        stage.insert(occlusion(OcclusionQuality::Custom { slices: 2, steps }));
-    }
-    let compiled = stage.pipelines("lean_deferred/ambient_occlusion/gather");
-    assert_eq!(compiled, 2);
-
-    stage.insert(occlusion(OcclusionQuality::Custom {
-        slices: 2,
-        steps: 8,
-    }));
-    stage.headless.settle();
-    let custom = kit::metrics::difference(&preset, &stage.headless.capture());
-    assert!(custom.largest <= 1, "{custom}");
 }

@@ -223,7 +223,6 @@ fn nothing_flashes() {
             let mut entity = headless.world().entity_mut(camera);
             let mut settings = entity.get_mut::<LeanAutoExposure>().expect("it has one");
             settings.trim = None;
-            settings.sampling = ExposureSampling::Quarter;
         },
     ];
     let mut last = metered_now(&mut headless, camera).exposure;

@@ -231,11 +231,9 @@ fn motion_resolve_permutations_validate() {
 
 #[test]
 fn occlusion_permutations_validate() {
-    let values: [&[_]; 3] = [
+    let values: [&[_]; 2] = [
         &[("DIVISOR", 1), ("SLICES", 1), ("STEPS", 6)],
         &[("DIVISOR", 2), ("SLICES", 2), ("STEPS", 8)],
-        // Read from the uniform.
-        &[("DIVISOR", 1)],
     ];
     let gathers: [(_, &[_]); 2] = [
         (OCCLUSION_GATHER, &[]),
@@ -263,23 +261,21 @@ fn occlusion_permutations_validate() {
 
 #[test]
 fn exposure_permutations_validate() {
-    for stride in [1, 2, 4] {
-        for (source, path) in [
-            (
-                include_str!("../../src/auto_exposure/meter.wgsl"),
-                "src/auto_exposure/meter.wgsl",
-            ),
-            (
-                include_str!("../../src/auto_exposure/adapt.wgsl"),
-                "src/auto_exposure/adapt.wgsl",
-            ),
-            (
-                include_str!("../../src/auto_exposure/overlay.wgsl"),
-                "src/auto_exposure/overlay.wgsl",
-            ),
-        ] {
-            check_permutations(source, path, EXPOSURE, &[], &[("STRIDE", stride)]);
-        }
+    for (source, path) in [
+        (
+            include_str!("../../src/auto_exposure/meter.wgsl"),
+            "src/auto_exposure/meter.wgsl",
+        ),
+        (
+            include_str!("../../src/auto_exposure/adapt.wgsl"),
+            "src/auto_exposure/adapt.wgsl",
+        ),
+        (
+            include_str!("../../src/auto_exposure/overlay.wgsl"),
+            "src/auto_exposure/overlay.wgsl",
+        ),
+    ] {
+        check_permutations(source, path, EXPOSURE, &[], &[]);
     }
 }
 
@@ -340,7 +336,7 @@ fn every_definition_of_the_occlusion_shaders_is_tried() {
 #[test]
 fn every_definition_of_the_exposure_shaders_is_tried() {
     let key = include_str!("../../src/auto_exposure/key.rs");
-    assert_all_tried("key.rs", key, &tried(EXPOSURE, &["STRIDE"]));
+    assert_all_tried("key.rs", key, &tried(EXPOSURE, &[]));
 }
 
 /// Names of the definitions that Bevy's mesh pipeline sets for any view, on any device.

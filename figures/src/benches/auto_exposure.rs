@@ -29,7 +29,7 @@ pub struct Measurement {
     pub passes: Vec<Time>,
     /// Time of all dispatches in one pass.
     pub whole: Option<Time>,
-    /// Bytes that the first pass moves: those of the pixels that it reads; for copies also those that it writes.
+    /// Bytes that the first pass moves: those of the picture; for copies also those that it writes.
     pub bytes: f64,
     pub luminance: Option<f64>,
     /// Error of the metered luminance, relative to the mean in double precision over the whole picture.
@@ -196,16 +196,6 @@ impl AutoExposure {
         }
         bars.plot("stages", self.title("Passes of auto exposure, each alone"))
     }
-
-    fn bytes(&self) -> Plot {
-        let size = self.shown().map_or([1, 1], |size| size.size);
-        let pixels = f64::from(size[0]) * f64::from(size[1]);
-        let mut bars = Bars::new("bytes a pixel of the picture", &["read by the first pass"]);
-        for m in self.metering() {
-            bars.add(m.contender.clone(), vec![m.bytes / pixels]);
-        }
-        bars.plot("bytes", "Bytes a pixel that auto exposure reads".into())
-    }
 }
 
 /// Group and name of a point.
@@ -222,7 +212,6 @@ fn label(m: &Measurement) -> (&'static str, String) {
     let name = name
         .replace("LogAverage", "log")
         .replace("LinearAverage", "linear")
-        .replace(", All", "")
         .replace("pyramid, ", "")
         .replace(", subgroups", "");
     (group, name)
@@ -253,6 +242,6 @@ impl Figures for AutoExposure {
     }
 
     fn plots(&self) -> Vec<Plot> {
-        vec![self.speed(), self.stages(), self.bytes()]
+        vec![self.speed(), self.stages()]
     }
 }

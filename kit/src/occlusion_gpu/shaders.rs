@@ -4,8 +4,7 @@ use std::borrow::Cow;
 
 use bevy::math::Mat4;
 use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionFilter as Filter, OcclusionFormat, OcclusionKernel,
-    OcclusionQuality, OcclusionResolution,
+    LeanAmbientOcclusion, OcclusionKernel, OcclusionResolution,
 };
 use bevy_lean_deferred::shader_library::reconstruction::position::projection_of;
 use naga_oil::compose::ShaderDefValue;
@@ -60,16 +59,11 @@ pub(super) fn gather_definitions(
         1
     };
     let (slices, steps) = settings.quality.samples();
-    let mut values = vec![("DIVISOR", divisor)];
-    if !matches!(settings.quality, OcclusionQuality::Custom { .. }) {
-        values.extend([("SLICES", slices), ("STEPS", steps)]);
-    }
-    let mut defs = numbers(&values);
+    let mut defs = numbers(&[("DIVISOR", divisor), ("SLICES", slices), ("STEPS", steps)]);
     let flags = [
         (settings.kernel == OcclusionKernel::Hdao, "HDAO"),
         (settings.thickness < 1.0, "THIN"),
         (settings.has_wide_pattern(), "WIDE_PATTERN"),
-        (settings.format == OcclusionFormat::Float16, "FLOAT16"),
     ];
     insert_flags(&mut defs, &flags);
     let projection = projection_of(clip_from_view).shader_def();
@@ -84,18 +78,15 @@ pub(super) fn shares_depths(settings: &LeanAmbientOcclusion) -> bool {
 
 /// Definitions of the crate's filter, for its debug view.
 pub(super) fn filter_definitions(settings: &LeanAmbientOcclusion) -> Definitions {
-    let half = settings.resolution == OcclusionResolution::Half;
-    let filter = settings.filter;
     let mut defs = Definitions::new();
     let flags = [
         (true, "DEBUG_VIEW"),
-        (half, "OCCLUSION_HALF"),
         (
-            !half && matches!(filter, Filter::Flat | Filter::FlatEdgeAware),
-            "OCCLUSION_FLAT",
+            settings.resolution == OcclusionResolution::Half,
+            "OCCLUSION_HALF",
         ),
         (settings.has_wide_pattern(), "OCCLUSION_WIDE"),
-        (filter.is_edge_aware(), "OCCLUSION_EDGE_AWARE"),
+        (settings.filter.is_edge_aware(), "OCCLUSION_EDGE_AWARE"),
     ];
     insert_flags(&mut defs, &flags);
     defs

@@ -1,7 +1,6 @@
 //! Writes and reads textures.
 
 use bevy::math::UVec2;
-use half::f16;
 
 use super::{
     DepthImage, OcclusionGpu,
@@ -143,20 +142,9 @@ impl OcclusionGpu {
             .chunks(texel as usize)
             .map(|texel| match *texel {
                 [unorm] => f32::from(unorm) / 255.0,
-                [a, b] => half(u16::from_le_bytes([a, b])),
                 [a, b, c, d] => f32::from_le_bytes([a, b, c, d]),
                 _ => panic!("a texel of {} bytes", texel.len()),
             })
             .collect()
-    }
-}
-
-/// Decodes half precision, finite and not negative, as occlusion is; anything else becomes NaN.
-pub fn half(bits: u16) -> f32 {
-    let value = f16::from_bits(bits);
-    if value.is_finite() && value.is_sign_positive() {
-        value.to_f32()
-    } else {
-        f32::NAN
     }
 }

@@ -151,9 +151,7 @@ const WHAT_IS_LIT: Factor = &[
 /// Definitions of `FilterKey::shader_defs` for any settings of ambient occlusion.
 const OCCLUSION_FILTERS: Factor = &[
     &[],
-    &["OCCLUSION_FLAT"],
     &["OCCLUSION_EDGE_AWARE"],
-    &["OCCLUSION_FLAT", "OCCLUSION_EDGE_AWARE"],
     &["OCCLUSION_WIDE"],
     &["OCCLUSION_WIDE", "OCCLUSION_EDGE_AWARE"],
     &["OCCLUSION_HALF"],
@@ -171,7 +169,6 @@ pub const OCCLUSION_GATHER: &[Factor] = &[
         &["WIDE_PATTERN", "SHADING_NORMALS", "THIN"],
         &["HDAO"],
     ],
-    optional!("FLOAT16"),
     optional!("COMPUTE"),
     OCCLUSION_PROJECTIONS,
 ];
@@ -184,7 +181,6 @@ pub const OCCLUSION_GATHER_SHARED: &[Factor] = &[
     optional!("SHADING_NORMALS"),
     optional!("THIN"),
     optional!("WIDE_PATTERN"),
-    optional!("FLOAT16"),
     OCCLUSION_PROJECTIONS,
 ];
 

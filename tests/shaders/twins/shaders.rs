@@ -161,7 +161,7 @@ pub fn all() -> &'static [Composed] {
                 "STEPS=1"
             ),
             shader!("ambient_occlusion/merge.wgsl",),
-            shader!("auto_exposure/meter.wgsl", "HISTOGRAM", "MASK", "STRIDE=1"),
+            shader!("auto_exposure/meter.wgsl", "HISTOGRAM", "MASK"),
             shader!("auto_exposure/adapt.wgsl",),
             shader!("auto_exposure/overlay.wgsl", "OVERLAY", "MASK"),
             shader!("screen_space/diffuse_gi/levels.wgsl", "DIVISOR=2"),

@@ -131,16 +131,8 @@ fn passes() -> Vec<Shader> {
         .map(|always| rows(LIGHTING, always))
         .concat();
     let resolve = "PREPASS_PIPELINE AVAILABLE_STORAGE_BUFFER_BINDINGS=8";
-    let gather = [
-        "DIVISOR=1 SLICES=1 STEPS=6",
-        "DIVISOR=2 SLICES=2 STEPS=8",
-        "DIVISOR=1",
-    ];
-    let exposure = || {
-        ["STRIDE=1", "STRIDE=2", "STRIDE=4"]
-            .map(|stride| rows(EXPOSURE, stride))
-            .concat()
-    };
+    let gather = ["DIVISOR=1 SLICES=1 STEPS=6", "DIVISOR=2 SLICES=2 STEPS=8"];
+    let exposure = || rows(EXPOSURE, "");
     vec![
         ("lighting/lighting.wgsl", lighting),
         ("gbuffer/gbuffer.wgsl", rows(GBUFFER, GBUFFER_ALWAYS)),
