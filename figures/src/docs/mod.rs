@@ -102,18 +102,17 @@ impl Docs {
     }
 }
 
-/// README and docs.
+/// The pages at the root, and those of the docs.
 fn pages(root: &Path) -> Result<Vec<Page>, String> {
     let says = |error: std::io::Error| format!("docs: {error}");
-    let mut names = vec!["README.md".to_owned()];
-    for entry in std::fs::read_dir(root.join("docs")).map_err(says)? {
-        let name = entry
-            .map_err(says)?
-            .file_name()
-            .to_string_lossy()
-            .into_owned();
-        if name.ends_with(".md") {
-            names.push(format!("docs/{name}"));
+    let mut names = vec!["README.md".to_owned(), "CONTRIBUTING.md".to_owned()];
+    for folder in ["docs", "docs/internals", FOLDER] {
+        for entry in std::fs::read_dir(root.join(folder)).map_err(says)? {
+            let name = entry.map_err(says)?.file_name();
+            let name = name.to_string_lossy();
+            if name.ends_with(".md") {
+                names.push(format!("{folder}/{name}"));
+            }
         }
     }
     names.sort();
