@@ -4,11 +4,6 @@ use std::path::Path;
 
 use serde::{Serialize, de::DeserializeOwned};
 
-/// A cell of a table: the value with this many digits, or a dash if it was not measured.
-pub fn figure(value: Option<f64>, digits: usize) -> String {
-    value.map_or("–".into(), |value| format!("{value:.digits$}"))
-}
-
 /// Writes a JSON file, or prints the error and ends the process.
 pub fn write_json(path: &str, figures: &impl Serialize) {
     let json = serde_json::to_string_pretty(figures).expect("plain figures serialise");

@@ -157,10 +157,6 @@ fn docs(check: bool) -> Result<(), String> {
     if !check {
         docs.write()?;
     }
-    for waiting in &docs.waiting {
-        let start: String = waiting.replace('\n', " ").chars().take(100).collect();
-        println!("waits for its figures: {start}");
-    }
     let mut wrong = docs.wrong;
     if check {
         wrong.extend(differences);

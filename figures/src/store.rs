@@ -4,17 +4,12 @@ use std::{collections::BTreeMap, path::Path};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    benches::Bench,
-    json::read_json,
-    record::{Record, find},
-};
+use crate::{benches::Bench, json::read_json};
 
-/// The figures of some machines: `h200/frame_times` is the file that the bench `frame_times` wrote into the folder
-/// `h200`.
+/// The figures of some machines, each in a folder with the machine's name.
 #[derive(Default)]
 pub struct Store {
-    benches: BTreeMap<String, (Bench, Vec<Record>)>,
+    machines: BTreeMap<String, Vec<Bench>>,
 }
 
 impl Store {
@@ -22,40 +17,19 @@ impl Store {
     pub fn of_machines(folder: &Path) -> Result<Self, String> {
         let mut store = Self::default();
         for (name, path) in list(folder)?.into_iter().filter(|(_, path)| path.is_dir()) {
-            for bench in benches_in(&path)? {
-                store.insert(&format!("{name}/{}", bench.name()), bench);
-            }
+            store.machines.insert(name, benches_in(&path)?);
         }
         Ok(store)
     }
 
-    pub fn insert(&mut self, source: &str, bench: Bench) {
-        let records = bench.records();
-        self.benches.insert(source.into(), (bench, records));
-    }
-
-    pub fn contains(&self, source: &str) -> bool {
-        self.benches.contains_key(source)
-    }
-
-    pub fn bench(&self, source: &str) -> Result<&Bench, String> {
-        let found = self.benches.get(source);
-        Ok(&found.ok_or(format!("there are no figures {source}"))?.0)
-    }
-
-    /// All records of a source that have all of `keys`.
-    pub fn records(&self, source: &str, keys: &[&str]) -> Result<Vec<&Record>, String> {
-        let found = self.benches.get(source);
-        let (_, records) = found.ok_or(format!("there are no figures {source}"))?;
-        let has_all = |record: &&Record| keys.iter().all(|key| record.has(key));
-        Ok(records.iter().filter(has_all).collect())
-    }
-
-    /// The only record of a source that has all of `keys`.
-    pub fn record(&self, source: &str, keys: &[&str]) -> Result<&Record, String> {
-        let found = self.benches.get(source);
-        let (_, records) = found.ok_or(format!("there are no figures {source}"))?;
-        find(records, keys).map_err(|error| format!("{source}: {error}"))
+    /// The figures of the bench `name` from `machine`.
+    #[track_caller]
+    pub fn bench(&self, machine: &str, name: &str) -> &Bench {
+        let benches = self.machines.get(machine).into_iter().flatten();
+        let mut found = benches.filter(|bench| bench.name() == name);
+        found
+            .next()
+            .unwrap_or_else(|| panic!("there are no figures {machine}/{name}"))
     }
 }
 

@@ -1,12 +1,5 @@
 //! Tables of figures, for Markdown and HTML.
 
-use serde_json::Value;
-
-use crate::{
-    record::{Record, find},
-    template::{Reference, Resolve, Template},
-};
-
 /// A table of texts.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Table {
@@ -19,27 +12,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// Makes a row for each of `rows`, which are keys that references add theirs to. Columns are titles and templates.
-    pub fn of(records: &[Record], rows: &[Vec<String>], columns: &[(&str, &str)]) -> Self {
-        let cells = |keys: &Vec<String>| -> Vec<String> {
-            let row = Row { records, keys };
-            let cell = |(_, cell): &(&str, &str)| {
-                let text = Template::parse(cell).and_then(|cell| cell.render(&row));
-                text.unwrap_or_else(|error| panic!("{cell}: {error}"))
-            };
-            columns.iter().map(cell).collect()
-        };
+    pub fn new(columns: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Self {
         Self {
-            columns: columns.iter().map(|(title, _)| (*title).into()).collect(),
-            rows: rows.iter().map(cells).collect(),
+            columns: columns.iter().map(|title| (*title).into()).collect(),
+            rows: rows.into_iter().collect(),
             ..Self::default()
         }
-    }
-
-    /// Makes a row for each of `records`, which differ in their keys.
-    pub fn of_each(records: &[Record], columns: &[(&str, &str)]) -> Self {
-        let rows: Vec<Vec<String>> = records.iter().map(|record| record.keys.clone()).collect();
-        Self::of(records, &rows, columns)
     }
 
     pub fn titled(self, title: impl Into<String>) -> Self {
@@ -82,43 +60,18 @@ impl Table {
     }
 }
 
-/// A row of a bench's own table: references only need the keys that the row's leave open.
-struct Row<'a> {
-    records: &'a [Record],
-    keys: &'a [String],
-}
-
-impl Resolve for Row<'_> {
-    fn resolve(&self, reference: &Reference) -> Result<Option<Value>, String> {
-        let keys = self.keys.iter().chain(reference.keys());
-        let keys: Vec<&str> = keys.map(String::as_str).collect();
-        // A renderer may have been left out.
-        let record = find(self.records, &keys).ok();
-        Ok(record.and_then(|record| record.value(reference.path()).cloned()))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     #[test]
-    fn rows_are_records_and_what_is_missing_is_a_dash() {
-        let records = [
-            Record::new(["a".into(), "x".into()], &json!({"name": "A", "t": 1.25})),
-            Record::new(["b".into(), "x".into()], &json!({"name": "B", "t": null})),
-        ];
-        let table = Table::of_each(&records, &[("", "{name}"), ("t", "{t :.1} ms")]);
-        assert_eq!(
-            table.markdown(),
-            "| | t |\n|---|---|\n| A | 1.2 ms |\n| B | – |\n"
-        );
-        let across = Table::of(
-            &records,
-            &[vec!["x".into()]],
-            &[("a", "{a | t :.2}"), ("c", "{c | t :.2}")],
-        );
-        assert_eq!(across.rows, [["1.25", "–"]]);
+    fn tables_are_markdown() {
+        let rows = [["A", "1.2 ms"], ["B", ""]].map(|row| row.map(String::from).into());
+        let mut table = Table::new(&["", "t"], rows);
+        let text = "| | t |\n|---|---|\n| A | 1.2 ms |\n| B | |\n";
+        assert_eq!(table.markdown(), text);
+        table.notes.push("a note".into());
+        let titled = table.titled("**T**").markdown();
+        assert_eq!(titled, format!("**T**\n\n{text}\n- a note\n"));
     }
 }

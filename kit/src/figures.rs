@@ -1,3 +1,3 @@
 //! Records the figures that benches measure.
 
-pub use ::figures::json::{figure, write_json};
+pub use ::figures::json::write_json;

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Figures, distinct};
+use super::{Figures, distinct, only};
 use crate::{
+    numbers::{fixed, rmse_and_bias},
     plots::{Plot, bars::Bars, points::Points},
-    record::{Record, size_key},
     table::Table,
     time::{Device, Time},
 };
@@ -35,6 +35,18 @@ pub struct Measurement {
     pub plane: Option<f64>,
 }
 
+impl Measurement {
+    /// Time of its own passes.
+    pub fn own(&self) -> f64 {
+        self.passes.iter().map(|time| time.median).sum()
+    }
+
+    pub fn megabytes(&self) -> f64 {
+        let pixels = f64::from(self.size[0]) * f64::from(self.size[1]);
+        self.bytes.compulsory * pixels / 1e6
+    }
+}
+
 /// Bytes per pixel, without and with the reads of depth and normals.
 #[derive(Serialize, Deserialize, Clone, Copy)]
 pub struct Bytes {
@@ -49,25 +61,29 @@ pub struct Bytes {
 #[serde(transparent)]
 pub struct AmbientOcclusion(pub Vec<Measurement>);
 
-const COLUMNS: [(&str, &str); 10] = [
-    ("contender", "{contender}"),
-    ("gather", "{passes.0 :time}"),
-    ("merge", "{passes.1 :time}"),
-    ("lighting", "{more_lighting :.3}"),
-    ("prepass", "{more_prepass :.3}"),
-    ("all", "{all :.3}"),
-    (
-        "bytes",
-        "{bytes.compulsory :.1} / {bytes.compulsory_with_depth :.1} / {bytes.fetched :.0}",
-    ),
-    ("MB", "{megabytes :.1}"),
-    ("wall", "{wall.0 :.3} ({wall.1 :+.3})"),
-    ("plane", "{plane :.4}"),
+const COLUMNS: [&str; 10] = [
+    "contender",
+    "gather",
+    "merge",
+    "lighting",
+    "prepass",
+    "all",
+    "bytes",
+    "MB",
+    "wall",
+    "plane",
 ];
 
 impl AmbientOcclusion {
     pub fn join(&mut self, more: Self) {
         self.0.extend(more.0);
+    }
+
+    #[track_caller]
+    pub fn at(&self, size: [u32; 2], contender: &str) -> &Measurement {
+        let all = self.0.iter();
+        let found = all.filter(|m| m.size == size && m.contender == contender);
+        only(found, (size, contender))
     }
 
     /// Additional time of `of`, over the same camera without occlusion.
@@ -78,19 +94,36 @@ impl AmbientOcclusion {
         Some(of(m)?.median - of(without).map_or(0.0, |time| time.median))
     }
 
+    pub fn more_lighting(&self, m: &Measurement) -> Option<f64> {
+        self.more(m, |m| m.lighting)
+    }
+
     /// Additional time of the prepass, for contenders that need one: for others the difference is noise.
-    fn more_prepass(&self, m: &Measurement) -> Option<f64> {
+    pub fn more_prepass(&self, m: &Measurement) -> Option<f64> {
         let needs_one = group(m) == "Bevy" || group(m) == "naive";
         self.more(m, |m| m.prepass).filter(|_| needs_one)
     }
 
-    fn own(m: &Measurement) -> f64 {
-        m.passes.iter().map(|time| time.median).sum()
+    pub fn all(&self, m: &Measurement) -> f64 {
+        let lighting = self.more_lighting(m).unwrap_or(0.0);
+        m.own() + lighting + self.more_prepass(m).unwrap_or(0.0)
     }
 
-    fn all(&self, m: &Measurement) -> f64 {
-        let lighting = self.more(m, |m| m.lighting).unwrap_or(0.0);
-        Self::own(m) + lighting + self.more_prepass(m).unwrap_or(0.0)
+    /// Cells from additional time of lighting to the mean of the plane.
+    pub fn costs(&self, m: &Measurement) -> Vec<String> {
+        let bytes = m.bytes;
+        vec![
+            fixed(self.more_lighting(m), 3),
+            fixed(self.more_prepass(m), 3),
+            fixed(self.all(m), 3),
+            format!(
+                "{:.1} / {:.1} / {:.0}",
+                bytes.compulsory, bytes.compulsory_with_depth, bytes.fetched
+            ),
+            fixed(m.megabytes(), 1),
+            rmse_and_bias(m.wall),
+            fixed(m.plane, 4),
+        ]
     }
 
     fn sizes(&self) -> Vec<[u32; 2]> {
@@ -132,7 +165,7 @@ impl AmbientOcclusion {
         for m in self.shown() {
             let pass = |index: usize| m.passes.get(index).map_or(0.0, |time| time.median);
             let [lighting, prepass] = [
-                self.more(m, |m| m.lighting).unwrap_or(0.0),
+                self.more_lighting(m).unwrap_or(0.0),
                 self.more_prepass(m).unwrap_or(0.0),
             ];
             let parts = vec![pass(0), pass(1), lighting.max(0.0), prepass.max(0.0)];
@@ -186,26 +219,15 @@ impl Figures for AmbientOcclusion {
         (self.0.first()).map_or(Device::default(), |m| m.device.clone())
     }
 
-    fn records(&self) -> Vec<Record> {
-        let record = |m: &Measurement| {
-            let pixels = f64::from(m.size[0]) * f64::from(m.size[1]);
-            Record::new([size_key(m.size), m.contender.clone()], m)
-                .with("own", Self::own(m))
-                .with("merge", serde_json::json!(m.passes.get(1)))
-                .with("applied", self.more(m, |m| m.lighting).unwrap_or(0.0))
-                .with("more_lighting", self.more(m, |m| m.lighting))
-                .with("more_prepass", self.more_prepass(m))
-                .with("all", self.all(m))
-                .with("megabytes", m.bytes.compulsory * pixels / 1e6)
-        };
-        self.0.iter().map(record).collect()
-    }
-
     fn tables(&self) -> Vec<Table> {
-        let records = self.records();
-        let table = |[x, y]: [u32; 2]| {
-            let records = records.iter().filter(|r| r.has(&size_key([x, y]))).cloned();
-            Table::of_each(&records.collect::<Vec<_>>(), &COLUMNS).titled(format!("**{x}×{y}**"))
+        let row = |m: &Measurement| {
+            let [gather, merge] = [0, 1].map(|pass| Time::text(m.passes.get(pass).copied()));
+            [vec![m.contender.clone(), gather, merge], self.costs(m)].concat()
+        };
+        let table = |size: [u32; 2]| {
+            let rows = self.0.iter().filter(|m| m.size == size).map(row);
+            let [x, y] = size;
+            Table::new(&COLUMNS, rows).titled(format!("**{x}×{y}**"))
         };
         self.sizes().into_iter().map(table).collect()
     }

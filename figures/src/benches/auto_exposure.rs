@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Figures;
+use super::{Figures, only};
 use crate::{
+    numbers::{fixed, time_us},
     plots::{Plot, bars::Bars, points::Points},
-    record::{Record, size_key},
     table::Table,
     time::{Device, Time},
 };
@@ -38,9 +38,18 @@ pub struct Measurement {
 
 impl Measurement {
     /// Bandwidth of the first pass.
-    fn gigabytes_per_second(&self) -> Option<f64> {
+    pub fn gigabytes_per_second(&self) -> Option<f64> {
         let first = self.passes.first().or(self.whole.as_ref())?.median;
         (self.bytes > 0.0 && first > 0.0).then(|| self.bytes / (first * 1e-3) * 1e-9)
+    }
+
+    /// The error; large ones also in stops.
+    fn error_text(&self) -> String {
+        match self.error {
+            None => fixed(None, 0),
+            Some(error) if error.abs() < 1e-3 => format!("{error:+.1e}"),
+            Some(error) => format!("{error:+.1e} ({:+.3} stops)", (1.0 + error).log2()),
+        }
     }
 }
 
@@ -61,15 +70,15 @@ pub struct Size {
 #[serde(transparent)]
 pub struct AutoExposure(pub Vec<Size>);
 
-const COLUMNS: [(&str, &str); 8] = [
-    ("contender", "{contender}"),
-    ("pass 1", "{passes.0 :us}"),
-    ("pass 2", "{passes.1 :us}"),
-    ("pass 3", "{passes.2 :us}"),
-    ("all", "{whole :us}"),
-    ("GB/s", "{gigabytes_per_second :.1}"),
-    ("% of copy", "{percent_of_copy :.1}"),
-    ("relative error", "{error :+.1e}{stops}"),
+const COLUMNS: [&str; 8] = [
+    "contender",
+    "pass 1",
+    "pass 2",
+    "pass 3",
+    "all",
+    "GB/s",
+    "% of copy",
+    "relative error",
 ];
 
 impl Size {
@@ -81,49 +90,34 @@ impl Size {
             .fold(0.0, f64::max)
     }
 
-    fn records(&self) -> impl Iterator<Item = Record> {
-        let copy = self.copy();
-        self.measurements.iter().map(move |m| {
-            let rate = m.gigabytes_per_second();
-            let percent = rate.map(|rate| 100.0 * rate / copy);
-            Record::new([size_key(self.size), m.contender.clone()], m)
-                .with("pictures", self.pictures)
-                .with("meter", serde_json::json!(m.passes.first()))
-                .with("adapt", adapt(m))
-                .with("gigabytes_per_second", rate)
-                .with(
-                    "percent_of_copy",
-                    percent.filter(|percent| percent.is_finite()),
-                )
-                .with("stops", m.error.map(stops))
-        })
+    /// Bandwidth of the first pass, of that of the faster copy.
+    pub fn percent_of_copy(&self, m: &Measurement) -> Option<f64> {
+        Some(100.0 * m.gigabytes_per_second()? / self.copy())
     }
 
-    pub fn table(&self) -> Table {
+    #[track_caller]
+    pub fn at(&self, contender: &str) -> &Measurement {
+        let all = self.measurements.iter();
+        only(all.filter(|m| m.contender == contender), contender)
+    }
+
+    fn table(&self) -> Table {
+        let row = |m: &Measurement| {
+            let pass = |pass: usize| time_us(m.passes.get(pass).copied());
+            vec![
+                m.contender.clone(),
+                pass(0),
+                pass(1),
+                pass(2),
+                time_us(m.whole),
+                fixed(m.gigabytes_per_second(), 1),
+                fixed(self.percent_of_copy(m), 1),
+                m.error_text(),
+            ]
+        };
         let [x, y] = self.size;
-        let records: Vec<Record> = self.records().collect();
-        Table::of_each(&records, &COLUMNS).titled(format!(
-            "**{x}×{y}**, the picture in {} textures",
-            self.pictures
-        ))
-    }
-}
-
-/// Times of the passes after the first, in µs.
-fn adapt(m: &Measurement) -> Option<String> {
-    let later = m.passes.iter().skip(1);
-    let later: Vec<String> = later
-        .map(|time| format!("{:.1}", time.median * 1e3))
-        .collect();
-    (!later.is_empty()).then(|| later.join(" + "))
-}
-
-/// A relative error; large ones also in stops.
-fn stops(relative: f64) -> String {
-    if relative.abs() < 1e-3 {
-        String::new()
-    } else {
-        format!(" ({:+.3} stops)", (1.0 + relative).log2())
+        let title = format!("**{x}×{y}**, the picture in {} textures", self.pictures);
+        Table::new(&COLUMNS, self.measurements.iter().map(row)).titled(title)
     }
 }
 
@@ -135,6 +129,11 @@ impl AutoExposure {
                 None => self.0.push(size),
             }
         }
+    }
+
+    #[track_caller]
+    pub fn at(&self, size: [u32; 2]) -> &Size {
+        only(self.0.iter().filter(|own| own.size == size), size)
     }
 
     /// The size of 4K, or else the last.
@@ -220,10 +219,6 @@ fn label(m: &Measurement) -> (&'static str, String) {
 impl Figures for AutoExposure {
     fn device(&self) -> Device {
         (self.0.first()).map_or(Device::default(), |size| size.device.clone())
-    }
-
-    fn records(&self) -> Vec<Record> {
-        self.0.iter().flat_map(Size::records).collect()
     }
 
     fn tables(&self) -> Vec<Table> {

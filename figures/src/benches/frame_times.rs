@@ -1,12 +1,11 @@
 //! GPU time, bytes and error of a frame.
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
-use super::{Figures, distinct};
+use super::{Figures, distinct, only};
 use crate::{
+    numbers::{fixed, percent},
     plots::{Plot, bars::Bars, points::Points},
-    record::{Record, size_key},
     table::Table,
     time::{Device, Time},
 };
@@ -35,6 +34,21 @@ pub struct Measurement {
     pub off_by_8: Option<f64>,
 }
 
+impl Measurement {
+    /// PSNR in dB; ∞ for equal pictures.
+    pub fn psnr_text(&self) -> String {
+        match (self.psnr, self.off_by_8) {
+            (None, Some(_)) => "∞".into(),
+            (psnr, _) => fixed(psnr, 1),
+        }
+    }
+
+    /// Bytes a pixel, written by geometry / moved by geometry and lighting.
+    pub fn bytes_text(&self) -> String {
+        format!("{} / {}", self.bytes_written_by_geometry, self.bytes_in_all)
+    }
+}
+
 #[derive(Serialize, Deserialize, Default)]
 #[serde(transparent)]
 pub struct FrameTimes(pub Vec<Measurement>);
@@ -49,18 +63,9 @@ const NOT_COMPARED: [&str; 3] = [
 /// The reference of ratios.
 const PEER: &str = "Bevy deferred";
 
-const COLUMNS: [(&str, &str); 11] = [
-    ("scene", "{scene}"),
-    ("renderer", "{contender}"),
-    ("geometry", "{geometry :time}"),
-    ("×", "{geometry_ratio :.2}"),
-    ("lighting", "{lighting :time}"),
-    ("×", "{lighting_ratio :.3}"),
-    ("camera", "{camera :time}"),
-    ("bytes", "{bytes_written_by_geometry} / {bytes_in_all}"),
-    ("PSNR dB", "{psnr :.1}"),
-    ("FLIP", "{flip :.4}"),
-    ("> 8/255", "{off_by_8 :.3%}"),
+const COLUMNS: [&str; 11] = [
+    "scene", "renderer", "geometry", "×", "lighting", "×", "camera", "bytes", "PSNR dB", "FLIP",
+    "> 8/255",
 ];
 
 impl FrameTimes {
@@ -74,22 +79,55 @@ impl FrameTimes {
         self.0.iter().find(is_peer)
     }
 
-    /// A row of the table.
+    /// Text for progress output.
     pub fn row(m: &Measurement) -> String {
         let [geometry, lighting, camera] = [m.geometry, m.lighting, m.camera].map(Time::text);
         format!(
             "{}, {}: geometry {geometry}, lighting {lighting}, camera {camera} ms, PSNR {} dB",
             m.scene,
             m.contender,
-            crate::json::figure(m.psnr, 1)
+            fixed(m.psnr, 1)
         )
+    }
+
+    #[track_caller]
+    pub fn at(&self, scene: &str, contender: &str) -> &Measurement {
+        let of_scene = self.of_scene(scene);
+        let found = of_scene.filter(|m| m.contender == contender);
+        only(found, (scene, contender))
+    }
+
+    /// A table of some of its measurements.
+    pub fn table<'a>(&'a self, rows: impl IntoIterator<Item = &'a Measurement>) -> Table {
+        let row = |m: &Measurement| {
+            let peer = self.peer(m);
+            let ratio = |of: fn(&Measurement) -> Option<Time>, digits| {
+                let ratio = of(m).zip(peer.and_then(of));
+                let ratio = ratio.map(|(own, peer)| own.median / peer.median);
+                fixed(ratio, digits)
+            };
+            vec![
+                m.scene.clone(),
+                m.contender.clone(),
+                Time::text(m.geometry),
+                ratio(|m| m.geometry, 2),
+                Time::text(m.lighting),
+                ratio(|m| m.lighting, 3),
+                Time::text(m.camera),
+                m.bytes_text(),
+                m.psnr_text(),
+                fixed(m.flip, 4),
+                percent(m.off_by_8, 3),
+            ]
+        };
+        Table::new(&COLUMNS, rows.into_iter().map(row))
     }
 
     fn scenes(&self) -> Vec<&str> {
         distinct(self.0.iter().map(|m| m.scene.as_str()))
     }
 
-    fn of_scene(&self, scene: &str) -> impl Iterator<Item = &Measurement> {
+    pub fn of_scene(&self, scene: &str) -> impl Iterator<Item = &Measurement> {
         self.0.iter().filter(move |m| m.scene == scene)
     }
 
@@ -186,29 +224,8 @@ impl Figures for FrameTimes {
         (self.0.first()).map_or(Device::default(), |m| m.device.clone())
     }
 
-    fn records(&self) -> Vec<Record> {
-        let record = |m: &Measurement| {
-            let mut keys = vec![m.scene.clone(), m.contender.clone()];
-            keys.extend(m.size.map(size_key));
-            let peer = self.peer(m);
-            let ratio = |of: fn(&Measurement) -> Option<Time>| {
-                let ratio = of(m)?.median / of(peer?)?.median;
-                ratio.is_finite().then_some(ratio)
-            };
-            let mut record = Record::new(keys, m)
-                .with("geometry_ratio", ratio(|m| m.geometry))
-                .with("lighting_ratio", ratio(|m| m.lighting))
-                .with("camera_ratio", ratio(|m| m.camera));
-            if m.psnr.is_none() && m.off_by_8.is_some() {
-                record = record.with("psnr", Value::from("∞"));
-            }
-            record
-        };
-        self.0.iter().map(record).collect()
-    }
-
     fn tables(&self) -> Vec<Table> {
-        vec![Table::of_each(&self.records(), &COLUMNS)]
+        vec![self.table(&self.0)]
     }
 
     fn legend(&self) -> String {

@@ -3,13 +3,11 @@
 mod plot;
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
-use super::{Figures, distinct};
+use super::{Figures, distinct, only};
 use crate::{
-    json::figure,
+    numbers::{beside, fixed, median},
     plots::Plot,
-    record::{Record, size_key},
     table::Table,
     time::{Device, Time},
 };
@@ -62,11 +60,26 @@ pub fn stage(contender: &str) -> &'static str {
     }
 }
 
+/// Size, arrangement and number of lights of a picture.
+pub type Scene<'a> = ([u32; 2], &'a str, u32);
+
 impl Point {
     pub fn label(&self) -> String {
         let [width, height] = self.size;
         let (arrangement, lights) = (&self.arrangement, self.lights);
         format!("{width}x{height} {arrangement} {lights} {}", self.contender)
+    }
+
+    /// The stage as a cell of the table.
+    fn stage_text(&self) -> String {
+        match self.left_out {
+            Some(_) => "not measured".into(),
+            None => Time::text(self.stage),
+        }
+    }
+
+    fn is_of(&self, scene: Scene) -> bool {
+        (self.size, self.arrangement.as_str(), self.lights) == scene
     }
 
     /// The line to print when the point is done.
@@ -80,7 +93,7 @@ impl Point {
                 Time::text(self.camera),
                 self.frames,
                 Time::text(self.frame),
-                figure(self.psnr, 1),
+                fixed(self.psnr, 1),
                 self.grids,
                 self.longest_list
             ),
@@ -98,15 +111,61 @@ impl LightScaling {
         distinct(self.points.iter().map(|p| p.contender.as_str()))
     }
 
-    /// Size, arrangement and number of lights of each picture.
-    fn scenes(&self) -> Vec<Vec<String>> {
-        distinct(self.points.iter().map(|p| {
-            vec![
-                size_key(p.size),
-                p.arrangement.clone(),
-                p.lights.to_string(),
-            ]
-        }))
+    fn scenes(&self) -> Vec<Scene<'_>> {
+        let scenes = (self.points.iter()).map(|p| (p.size, p.arrangement.as_str(), p.lights));
+        distinct(scenes)
+    }
+
+    #[track_caller]
+    pub fn at(&self, scene: Scene, contender: &str) -> &Point {
+        let all = self.points.iter();
+        let found = all.filter(|p| p.is_of(scene) && p.contender == contender);
+        only(found, (scene, contender))
+    }
+
+    pub fn table(&self) -> Table {
+        let contenders = self.contenders();
+        let mut columns: Vec<String> = ["size", "arrangement", "lights"].map(Into::into).into();
+        for contender in &contenders {
+            columns.push(format!("{contender}: {}", stage(contender)));
+            if contender.starts_with("lean") {
+                columns.push("×".into());
+            }
+        }
+        columns.push("cameras".into());
+        let others = || contenders.iter().filter(|c| **c != FORWARD);
+        columns.extend(others().map(|contender| format!("PSNR, {contender}")));
+        columns.push("indices of lights".into());
+        let row = |scene: Scene| {
+            let points = || self.points.iter().filter(|p| p.is_of(scene));
+            let of = |contender: &str| points().find(|p| p.contender == contender);
+            let ([x, y], arrangement, lights) = scene;
+            let mut row = vec![
+                format!("{x}×{y}"),
+                arrangement.to_owned(),
+                lights.to_string(),
+            ];
+            let median_of = |contender| of(contender).and_then(|p| Some(p.stage?.median));
+            for contender in &contenders {
+                row.push(of(contender).map_or(fixed(None, 0), Point::stage_text));
+                if contender.starts_with("lean") {
+                    let ratio = median_of(contender).zip(median_of(PEER));
+                    row.push(fixed(ratio.map(|(own, peer)| own / peer), 3));
+                }
+            }
+            let camera = |contender: &&str| median(of(contender).and_then(|p| p.camera), 2);
+            row.push(beside(contenders.iter().map(camera)));
+            row.extend(others().map(|c| fixed(of(c).and_then(|p| p.psnr), 1)));
+            let longest = points().map(|p| p.longest_list).max();
+            row.push(longest.unwrap_or(0).to_string());
+            row
+        };
+        Table {
+            columns,
+            rows: self.scenes().into_iter().map(row).collect(),
+            notes: self.notes(),
+            ..Table::default()
+        }
     }
 
     /// Notes below the table.
@@ -130,71 +189,8 @@ impl Figures for LightScaling {
         self.device.clone()
     }
 
-    fn records(&self) -> Vec<Record> {
-        let record = |p: &Point| {
-            let is_same = |o: &&Point| {
-                (o.size, &o.arrangement, o.lights) == (p.size, &p.arrangement, p.lights)
-            };
-            let same = || self.points.iter().filter(is_same);
-            let peer = same().find(|o| o.contender == PEER).and_then(|o| o.stage);
-            let ratio = p
-                .stage
-                .zip(peer)
-                .map(|(own, peer)| own.median / peer.median);
-            let [x, y] = p.size;
-            let keys = [
-                size_key(p.size),
-                p.arrangement.clone(),
-                p.lights.to_string(),
-                p.contender.clone(),
-            ];
-            let mut record = Record::new(keys, p)
-                .with("ratio", ratio)
-                .with("size_text", format!("{x}×{y}"))
-                .with("longest_list", same().map(|o| o.longest_list).max());
-            if p.left_out.is_some() {
-                record = record.with("stage", Value::from("not measured"));
-            }
-            record
-        };
-        self.points.iter().map(record).collect()
-    }
-
     fn tables(&self) -> Vec<Table> {
-        let contenders = self.contenders();
-        let Some(first) = contenders.first() else {
-            return Vec::new();
-        };
-        let of_first = |path: &str| format!("{{{first} | {path}}}");
-        let mut columns: Vec<(String, String)> = vec![
-            ("size".into(), of_first("size_text")),
-            ("arrangement".into(), of_first("arrangement")),
-            ("lights".into(), of_first("lights")),
-        ];
-        for contender in &contenders {
-            let title = format!("{contender}: {}", stage(contender));
-            columns.push((title, format!("{{{contender} | stage :time}}")));
-            if contender.starts_with("lean") {
-                columns.push(("×".into(), format!("{{{contender} | ratio :.3}}")));
-            }
-        }
-        let cameras = contenders
-            .iter()
-            .map(|c| format!("{{{c} | camera.median :.2}}"));
-        let cameras: Vec<String> = cameras.collect();
-        columns.push(("cameras".into(), cameras.join(" / ")));
-        for contender in contenders.iter().filter(|c| **c != FORWARD) {
-            let cell = format!("{{{contender} | psnr :.1}}");
-            columns.push((format!("PSNR, {contender}"), cell));
-        }
-        columns.push(("indices of lights".into(), of_first("longest_list")));
-        let columns: Vec<(&str, &str)> = columns
-            .iter()
-            .map(|(title, cell)| (title.as_str(), cell.as_str()))
-            .collect();
-        let mut table = Table::of(&self.records(), &self.scenes(), &columns);
-        table.notes = self.notes();
-        vec![table]
+        vec![self.table()]
     }
 
     fn legend(&self) -> String {

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Figures, distinct};
 use crate::{
+    numbers::{fixed, thousands},
     plots::{Plot, bars::Bars, lines::Lines},
-    record::Record,
     table::Table,
     time::Device,
 };
@@ -43,18 +43,11 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// All times, with their names in records.
-    fn times(&self) -> Vec<(String, Times)> {
-        let steady = self.steady.iter().enumerate();
-        let steady = steady.map(|(index, times)| (format!("steady_{index}"), *times));
-        let events = [
-            ("emissive", self.emissive),
-            ("expiry", self.expiry),
-            ("turn", self.turn),
-        ];
-        steady
-            .chain(events.map(|(name, times)| (name.into(), times)))
-            .collect()
+    /// All times, in the order of the columns.
+    fn times(&self) -> Vec<Times> {
+        let mut times = self.steady.clone();
+        times.extend([self.emissive, self.expiry, self.turn]);
+        times
     }
 }
 
@@ -65,13 +58,17 @@ pub struct ManyMeshes(pub Vec<Measurement>);
 /// The reference of ratios.
 const PEER: &str = "Bevy deferred";
 
-const MOTIONS: [(&str, &str); 6] = [
-    ("static", "steady_0"),
-    ("a tenth moves", "steady_1"),
-    ("all move", "steady_2"),
-    ("emissive mesh appears", "emissive"),
-    ("its target goes", "expiry"),
-    ("camera turns around", "turn"),
+const COLUMNS: [&str; 10] = [
+    "meshes",
+    "renderer",
+    "static",
+    "a tenth moves",
+    "all move",
+    "emissive mesh appears",
+    "its target goes",
+    "camera turns around",
+    "PSNR dB",
+    "FLIP",
 ];
 
 impl ManyMeshes {
@@ -79,18 +76,26 @@ impl ManyMeshes {
         self.0.extend(more.0);
     }
 
-    /// A table of `what`: `render_world` or `frame`.
-    fn table(&self, what: &str) -> Table {
-        let cells = MOTIONS.map(|(title, name)| {
-            (
-                title,
-                format!("{{{name}.{what} :.2}} (× {{{name}.{what}_ratio :.2}})"),
-            )
-        });
-        let mut columns = vec![("meshes", "{meshes :,}"), ("renderer", "{contender}")];
-        columns.extend(cells.iter().map(|(title, cell)| (*title, cell.as_str())));
-        columns.extend([("PSNR dB", "{psnr :.1}"), ("FLIP", "{flip :.4}")]);
-        Table::of_each(&self.records(), &columns)
+    /// A table of the render world, or of the whole frame.
+    pub fn table(&self, of: fn(&Times) -> f64) -> Table {
+        let row = |m: &Measurement| {
+            let is_peer = |o: &&Measurement| o.meshes == m.meshes && o.contender == PEER;
+            let peer = self.0.iter().find(is_peer).map(Measurement::times);
+            let cell = |(index, times)| {
+                let peer = peer.as_ref().and_then(|peer| peer.get(index));
+                let ratio = peer.map(|peer| of(&times) / of(peer));
+                format!("{} (× {})", fixed(of(&times), 2), fixed(ratio, 2))
+            };
+            let mut row = vec![thousands(m.meshes as u64), m.contender.clone()];
+            row.extend(m.times().into_iter().enumerate().map(cell));
+            // Forward is the reference.
+            let errors = [(m.psnr, 1), (m.flip, 4)];
+            row.extend(errors.map(|(error, digits)| {
+                fixed(error.filter(|_| m.contender != "Bevy forward"), digits)
+            }));
+            row
+        };
+        Table::new(&COLUMNS, self.0.iter().map(row))
     }
 
     fn over_meshes(&self) -> Plot {
@@ -129,39 +134,11 @@ impl Figures for ManyMeshes {
         (self.0.first()).map_or(Device::default(), |m| m.device.clone())
     }
 
-    fn records(&self) -> Vec<Record> {
-        let record = |m: &Measurement| {
-            let is_peer = |o: &&Measurement| o.meshes == m.meshes && o.contender == PEER;
-            let peers = self.0.iter().find(is_peer).map(Measurement::times);
-            let mut record = Record::new([m.meshes.to_string(), m.contender.clone()], m);
-            for (index, (name, times)) in m.times().into_iter().enumerate() {
-                let peer = peers.as_ref().and_then(|peers| Some(peers.get(index)?.1));
-                let ratio = |of: fn(&Times) -> f64| peer.map(|peer| of(&times) / of(&peer));
-                let value = serde_json::json!({
-                    "render_world": times.render_world,
-                    "frame": times.frame,
-                    "render_world_ratio": ratio(|times| times.render_world),
-                    "frame_ratio": ratio(|times| times.frame),
-                });
-                record = record.with(&name, value);
-            }
-            if m.contender == "Bevy forward" {
-                // The reference.
-                record = record.with("psnr", None::<f64>).with("flip", None::<f64>);
-            }
-            let stages = m.turn_stages.iter().cloned();
-            let stages = stages
-                .map(|(name, time)| (name, time.into()))
-                .collect::<serde_json::Map<_, _>>();
-            record.with("turn_stages", stages)
-        };
-        self.0.iter().map(record).collect()
-    }
-
     fn tables(&self) -> Vec<Table> {
         vec![
-            self.table("render_world").titled("**Render world**"),
-            self.table("frame").titled("**Whole frame**"),
+            self.table(|times| times.render_world)
+                .titled("**Render world**"),
+            self.table(|times| times.frame).titled("**Whole frame**"),
         ]
     }
 

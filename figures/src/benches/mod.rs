@@ -9,7 +9,7 @@ pub mod screen_space;
 
 use std::path::Path;
 
-use crate::{json::read_json, plots::Plot, record::Record, table::Table, time::Device};
+use crate::{json::read_json, plots::Plot, store::Store, table::Table, time::Device};
 
 pub use ambient_occlusion::AmbientOcclusion;
 pub use auto_exposure::AutoExposure;
@@ -21,8 +21,6 @@ pub use screen_space::ScreenSpace;
 /// The figures of one bench.
 pub trait Figures {
     fn device(&self) -> Device;
-    /// Each measurement by its keys.
-    fn records(&self) -> Vec<Record>;
     /// Tables that the bench prints.
     fn tables(&self) -> Vec<Table>;
     fn plots(&self) -> Vec<Plot>;
@@ -42,7 +40,7 @@ pub trait Figures {
 }
 
 macro_rules! benches {
-    ($($name:literal $kind:ident,)*) => {
+    ($($name:ident $kind:ident,)*) => {
         /// The figures of any bench.
         pub enum Bench {
             $($kind($kind),)*
@@ -50,20 +48,20 @@ macro_rules! benches {
 
         impl Bench {
             /// Names of the benches, in the order in which they are shown.
-            pub const NAMES: &[&str] = &[$($name),*];
+            pub const NAMES: &[&str] = &[$(stringify!($name)),*];
 
             pub fn name(&self) -> &'static str {
                 match self {
-                    $(Self::$kind(_) => $name,)*
+                    $(Self::$kind(_) => stringify!($name),)*
                 }
             }
 
             /// Reads the file of the bench with this name.
             pub fn read(name: &str, path: &Path) -> Result<Self, String> {
-                match name {
-                    $($name => Ok(Self::$kind(read_json(path)?)),)*
-                    _ => Err(format!("there is no bench {name}")),
-                }
+                $(if name == stringify!($name) {
+                    return Ok(Self::$kind(read_json(path)?));
+                })*
+                Err(format!("there is no bench {name}"))
             }
 
             pub fn figures(&self) -> &dyn Figures {
@@ -80,21 +78,39 @@ macro_rules! benches {
                 }
             }
         }
+
+        impl Store {
+            $(
+                /// The figures of this bench from a machine.
+                #[track_caller]
+                pub fn $name(&self, machine: &str) -> &$kind {
+                    match self.bench(machine, stringify!($name)) {
+                        Bench::$kind(figures) => figures,
+                        _ => unreachable!("it has another name"),
+                    }
+                }
+            )*
+        }
     };
 }
 
 benches! {
-    "frame_times" FrameTimes,
-    "ambient_occlusion" AmbientOcclusion,
-    "screen_space" ScreenSpace,
-    "auto_exposure" AutoExposure,
-    "light_scaling" LightScaling,
-    "many_meshes" ManyMeshes,
+    frame_times FrameTimes,
+    ambient_occlusion AmbientOcclusion,
+    screen_space ScreenSpace,
+    auto_exposure AutoExposure,
+    light_scaling LightScaling,
+    many_meshes ManyMeshes,
 }
 
-impl Bench {
-    pub fn records(&self) -> Vec<Record> {
-        self.figures().records()
+/// The only one of the measurements that are `found`: a table of the docs relies on it.
+#[track_caller]
+fn only<T>(found: impl IntoIterator<Item = T>, of: impl core::fmt::Debug) -> T {
+    let mut found = found.into_iter();
+    match (found.next(), found.next()) {
+        (Some(measurement), None) => measurement,
+        (None, _) => panic!("nothing was measured of {of:?}"),
+        (Some(_), Some(_)) => panic!("more than one was measured of {of:?}"),
     }
 }
 

@@ -1,12 +1,11 @@
 //! GPU time, bytes and error of screen-space lighting effects.
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 
-use super::{Figures, distinct};
+use super::{Figures, distinct, only};
 use crate::{
+    numbers::{fixed, median, rmse_and_bias, sum_text},
     plots::{Plot, bars::Bars, points::Points},
-    record::{Record, size_key},
     table::Table,
     time::{Device, Time},
 };
@@ -39,6 +38,25 @@ impl Measurement {
             &self.stages
         };
         times.iter().map(|time| time.median).collect()
+    }
+
+    pub fn parts_text(&self) -> String {
+        sum_text(&self.parts(), 3)
+    }
+
+    /// Time of its passes, together.
+    pub fn own(&self) -> f64 {
+        self.passes.iter().map(|time| time.median).sum()
+    }
+
+    /// Error of a scene; `None` if the effect has no such scene.
+    pub fn error(&self, scene: &str) -> Option<(f64, f64)> {
+        let error = self.errors.iter().find(|error| error.scene == scene)?;
+        Some((error.rmse.into(), error.bias.into()))
+    }
+
+    pub fn error_text(&self, scene: &str) -> String {
+        rmse_and_bias(self.error(scene))
     }
 }
 
@@ -144,16 +162,22 @@ impl ScreenSpace {
         self.0.extend(more.0);
     }
 
+    #[track_caller]
+    pub fn at(&self, size: [u32; 2], contender: &str) -> &Measurement {
+        let all = self.0.iter();
+        let found = all.filter(|m| m.size == size && m.contender == contender);
+        only(found, (size, contender))
+    }
+
     /// Additional time of lighting, over the camera without effects.
-    fn more_lighting(&self, m: &Measurement) -> Option<f64> {
+    pub fn more_lighting(&self, m: &Measurement) -> Option<f64> {
         let is_plain = |o: &&Measurement| o.size == m.size && o.contender == "none";
         let plain = self.0.iter().find(is_plain)?.lighting?;
         Some(m.lighting?.median - plain.median)
     }
 
-    fn all(&self, m: &Measurement) -> f64 {
-        let passes: f64 = m.passes.iter().map(|time| time.median).sum();
-        passes + self.more_lighting(m).unwrap_or(0.0)
+    pub fn all(&self, m: &Measurement) -> f64 {
+        m.own() + self.more_lighting(m).unwrap_or(0.0)
     }
 
     fn sizes(&self) -> Vec<[u32; 2]> {
@@ -178,10 +202,9 @@ impl ScreenSpace {
         let plot = |(scene, suffix, what): &(&str, &str, &str)| {
             let mut points = Points::new("GPU time with all that it needs (ms)", what);
             for m in self.of_kind(kind) {
-                let error = m.errors.iter().find(|error| error.scene == *scene);
-                if let Some(error) = error {
+                if let Some((rmse, _)) = m.error(scene) {
                     let (group, name) = label(&m.contender);
-                    points.add(group, &name, self.all(m), error.rmse.into());
+                    points.add(group, &name, self.all(m), rmse);
                 }
             }
             let (kind_title, place) = (kind.title(), suffix.replace('_', " "));
@@ -231,32 +254,28 @@ impl ScreenSpace {
         let of_table = |m: &&Measurement| {
             m.size == size && Kind::of(&m.contender).is_none_or(|other| other == kind)
         };
-        let rows: Vec<Measurement> = self.0.iter().filter(of_table).cloned().collect();
-        let with_errors = rows.iter().find(|m| !m.errors.is_empty());
-        let scenes: Vec<String> = with_errors.map_or(Vec::new(), |m| {
-            m.errors.iter().map(|error| error.scene.clone()).collect()
+        let shown = || self.0.iter().filter(of_table);
+        let with_errors = shown().find(|m| !m.errors.is_empty());
+        let scenes: Vec<&str> = with_errors.map_or(Vec::new(), |m| {
+            m.errors.iter().map(|error| error.scene.as_str()).collect()
         });
-        let cells: Vec<String> = scenes
-            .iter()
-            .map(|scene| format!("{{errors.{scene}.rmse :.3}} ({{errors.{scene}.bias :+.3}})"))
-            .collect();
-        let mut columns = vec![
-            ("contender", "{contender}"),
-            ("stages", "{parts}"),
-            ("lighting", "{more_lighting :.3}"),
-            ("all", "{all :.3}"),
-            ("camera", "{camera.median :.3}"),
-            ("bytes", "{bytes :.1}"),
-        ];
-        columns.extend(
-            scenes
-                .iter()
-                .zip(&cells)
-                .map(|(scene, cell)| (scene.as_str(), cell.as_str())),
-        );
+        let row = |m: &Measurement| {
+            let mut row = vec![
+                m.contender.clone(),
+                m.parts_text(),
+                fixed(self.more_lighting(m), 3),
+                fixed(self.all(m), 3),
+                median(m.camera, 3),
+                fixed(m.bytes, 1),
+            ];
+            row.extend(scenes.iter().map(|scene| m.error_text(scene)));
+            row
+        };
+        let mut columns = vec!["contender", "stages", "lighting", "all", "camera", "bytes"];
+        columns.extend(&scenes);
         let [x, y] = size;
-        Table::of_each(&Self(rows).records(), &columns)
-            .titled(format!("**{x}×{y}**, {}", kind.title()))
+        let title = format!("**{x}×{y}**, {}", kind.title());
+        Table::new(&columns, shown().map(row)).titled(title)
     }
 }
 
@@ -279,33 +298,6 @@ fn label(contender: &str) -> (&'static str, String) {
 impl Figures for ScreenSpace {
     fn device(&self) -> Device {
         (self.0.first()).map_or(Device::default(), |m| m.device.clone())
-    }
-
-    fn records(&self) -> Vec<Record> {
-        let scenes = self.0.iter().flat_map(|m| &m.errors);
-        let none = serde_json::json!({"rmse": null, "bias": null});
-        let scenes: Map<String, Value> = scenes
-            .map(|error| (error.scene.clone(), none.clone()))
-            .collect();
-        let record = |m: &Measurement| {
-            let parts: Vec<String> = (m.parts().iter())
-                .map(|median| format!("{median:.3}"))
-                .collect();
-            // The scenes of other effects are there, too, as not measured.
-            let mut errors: Map<String, Value> = scenes.clone();
-            for error in &m.errors {
-                let value = serde_json::json!({"rmse": error.rmse, "bias": error.bias});
-                errors.insert(error.scene.clone(), value);
-            }
-            let parts = (!parts.is_empty()).then(|| parts.join(" + "));
-            Record::new([size_key(m.size), m.contender.clone()], m)
-                .with("parts", parts)
-                .with("own", m.passes.iter().map(|time| time.median).sum::<f64>())
-                .with("more_lighting", self.more_lighting(m))
-                .with("all", self.all(m))
-                .with("errors", errors)
-        };
-        self.0.iter().map(record).collect()
     }
 
     fn tables(&self) -> Vec<Table> {

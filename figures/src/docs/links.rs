@@ -1,43 +1,25 @@
-//! Plots in pages, and links to files.
-//!
-//! After a line `<!-- plot: FILE, WORDS -->` comes a line with the plot, a file of the folder of figures. The line is left
-//! out while the figures are missing.
+//! Links of pages to files.
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
-use regex::Regex;
+use super::FOLDER;
 
-/// Fills in the plots of `page` that are in `drawn`, by their path in the repository. `folder` is the path from the
-/// page to them.
-pub fn fill(page: &str, folder: &str, drawn: impl Fn(&str) -> bool) -> String {
-    let marker = Regex::new("^<!-- plot: ([^,]+), (.+) -->$").expect("it is constant");
-    let mut made = String::new();
-    let mut lines = page.split_inclusive('\n').peekable();
-    while let Some(line) = lines.next() {
-        made.push_str(line);
-        let Some(captures) = marker.captures(line.trim_end()) else {
-            continue;
-        };
-        lines.next_if(|line| line.starts_with("!["));
-        let (file, words) = (&captures[1], &captures[2]);
-        if drawn(file) {
-            made.push_str(&format!("![{words}]({folder}{file})\n"));
-        }
-    }
-    made
-}
-
-/// Links of a page to missing files of the repository.
-pub fn dead(root: &Path, name: &str, page: &str, made: impl Fn(&str) -> bool) -> Vec<String> {
-    let link = Regex::new(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)").expect("it is constant");
-    let folder = Path::new(name).parent().unwrap_or(Path::new(""));
-    let is_dead = |target: &&str| {
-        let path = folder.join(target);
-        !made(&path.to_string_lossy()) && !root.join(path).exists()
+/// Links of a page to files that are neither in the repository nor among the `plots`, which may not be written yet.
+pub fn dead(root: &Path, name: &str, page: &str, plots: &BTreeMap<String, String>) -> Vec<String> {
+    let folder = root.join(name).parent().unwrap_or(root).to_owned();
+    let is_plot = |target: &str| {
+        let (_, file) = target.rsplit_once('/').unwrap_or(("", target));
+        plots.contains_key(&format!("{FOLDER}/{file}"))
     };
-    link.captures_iter(page)
-        .map(|captures| captures.get(1).expect("it is there").as_str())
-        .filter(is_dead)
+    // Links into a page, to other sites, and what only looks like a link.
+    let is_file = |target: &&str| {
+        !target.is_empty() && !target.contains(|c: char| c == ':' || c.is_whitespace())
+    };
+    let targets = page.split("](").skip(1);
+    let targets = targets.filter_map(|rest| rest.split_once(')')?.0.split('#').next());
+    targets
+        .filter(is_file)
+        .filter(|target| !folder.join(target).exists() && !is_plot(target))
         .map(|target| format!("{name}: links to {target}, which is not there"))
         .collect()
 }
@@ -46,23 +28,17 @@ pub fn dead(root: &Path, name: &str, page: &str, made: impl Fn(&str) -> bool) ->
 mod tests {
     use super::*;
 
-    const PAGE: &str = "a\n<!-- plot: p.svg, A plot -->\nb\n";
-    const DRAWN: &str = "a\n<!-- plot: p.svg, A plot -->\n![A plot](figures/p.svg)\nb\n";
-
-    #[test]
-    fn plots_stand_behind_their_markers_once_they_are_there() {
-        for page in [PAGE, DRAWN] {
-            assert_eq!(fill(page, "figures/", |_| true), DRAWN);
-            assert_eq!(fill(page, "figures/", |_| false), PAGE);
-        }
-    }
-
     #[test]
     fn links_lead_somewhere() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let page =
-            "[a](src/lib.rs) [b](src/lib.rs#x) [c](https://example.org) [d](#here) ![e](none.svg)";
-        let dead = dead(root, "README.md", page, |_| false);
-        assert_eq!(dead, ["README.md: links to none.svg, which is not there"]);
+        let page = "[a](src/lib.rs) [b](src/lib.rs#x) [c](https://example.org) [d](#here) `a[i](b c)` ![e](none.svg)";
+        let plots = BTreeMap::from([(format!("{FOLDER}/plot.svg"), String::new())]);
+        let dead = |name, page| super::dead(root, name, page, &plots);
+        assert_eq!(
+            dead("README.md", page),
+            ["README.md: links to none.svg, which is not there"]
+        );
+        let page = "[a](../lib.rs) ![b](../figures/plot.svg)";
+        assert!(dead("src/docs/page.md", page).is_empty());
     }
 }

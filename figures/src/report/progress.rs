@@ -3,14 +3,12 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use regex::Regex;
 
 use super::plan::Step;
 
 /// Progress of the benches. A bench prints `[3/20]` when it begins the third of twenty steps.
 pub struct Progress {
     bar: ProgressBar,
-    counted: Regex,
     /// Expected seconds of all steps.
     expected: f64,
     /// Expected seconds of the finished steps.
@@ -30,7 +28,6 @@ impl Progress {
         bar.set_style(style);
         Self {
             bar,
-            counted: Regex::new(r"^\[(\d+)/(\d+)\] ?(.*)").expect("it is constant"),
             expected: steps.iter().map(|step| step.expected).sum(),
             done: 0.0,
             took: 0.0,
@@ -49,10 +46,8 @@ impl Progress {
 
     /// Handles a line that a bench has written.
     pub fn line(&mut self, step: &Step, line: &str) {
-        if let Some(counted) = self.counted.captures(line) {
-            let [number, of] = [1, 2].map(|group| counted[group].parse().unwrap_or(1.0));
-            let share = (f64::max(number - 1.0, 0.0) / f64::max(of, 1.0)).min(1.0);
-            self.show(step, share, &counted[3]);
+        if let Some((share, what)) = counted(line) {
+            self.show(step, share, what);
         }
     }
 
@@ -79,6 +74,15 @@ impl Progress {
     }
 }
 
+/// The share of steps that are done, and the step that a line `[3/20] WHAT` announces.
+fn counted(line: &str) -> Option<(f64, &str)> {
+    let (count, what) = line.strip_prefix('[')?.split_once(']')?;
+    let (number, of) = count.split_once('/')?;
+    let [number, of] = [number, of].map(|text| text.parse::<u32>().ok().map(f64::from));
+    let share = (number? - 1.0).max(0.0) / of?.max(1.0);
+    Some((share.min(1.0), what.trim_start()))
+}
+
 /// The time left, after `so_far` seconds for `done` of `expected` seconds. The expectation weighs the more, the less is
 /// done.
 fn left(so_far: f64, done: f64, expected: f64) -> Duration {
@@ -91,7 +95,7 @@ const BELIEF: f64 = 20.0;
 
 #[cfg(test)]
 mod tests {
-    use super::left;
+    use super::{counted, left};
 
     #[test]
     fn the_time_left_follows_the_pace() {
@@ -100,5 +104,13 @@ mod tests {
         let slow = left(600.0, 300.0, 600.0).as_secs();
         assert!((550..600).contains(&slow), "{slow}");
         assert_eq!(left(700.0, 600.0, 600.0).as_secs(), 0);
+    }
+
+    #[test]
+    fn lines_count_steps() {
+        assert_eq!(counted("[6/20] a scene"), Some((0.25, "a scene")));
+        assert_eq!(counted("[0/0]"), Some((0.0, "")));
+        assert_eq!(counted("[a/b] [1/2]"), None);
+        assert_eq!(counted("a warning [1/2]"), None);
     }
 }
