@@ -16,9 +16,9 @@
 //! # Meshes
 //!
 //! The G-buffer has all opaque and alpha-masked meshes whose material fits into it. [`GBufferMaterial::gbuffer_needs`] returns, per
-//! material, [`GBufferNeeds`], or `None` if it does not fit. Bevy's forward pass draws the others on the same camera, against the same
-//! depth. `StandardMaterial` is registered. For your own materials implement [`GBufferMaterial`] (or [`GBufferMaterialExtension`]) and
-//! add [`GBufferMaterialPlugin`]; for those of other crates add [`GBufferMaterialPlugin::new`].
+//! material, [`GBufferNeeds`], or the [`ForwardReason`] if it does not fit. Bevy's forward pass draws the others on the same camera,
+//! against the same depth. `StandardMaterial` is registered. For your own materials implement [`GBufferMaterial`] (or
+//! [`GBufferMaterialExtension`]) and add [`GBufferMaterialPlugin`]; for those of other crates add [`GBufferMaterialPlugin::new`].
 //!
 //! # Order
 //!
@@ -26,6 +26,7 @@
 //! systems get the textures from [`GBufferTextures`] on the view. GPU time is recorded as `lean_deferred/gbuffer`.
 
 // - `targets.rs`: the optional targets, and the needs of a material.
+// - `forward_reason.rs`: the reasons for which forward draws a mesh.
 // - `material.rs`: decides which materials the G-buffer carries.
 // - `custom_material.wgsl`: the shader of the example in `material.rs`.
 // - `registration.rs`: the plugin that registers materials.
@@ -59,6 +60,7 @@ pub mod binding_numbers;
 mod demand;
 mod depth_copy;
 mod extracted;
+mod forward_reason;
 mod lookup;
 mod material;
 mod mesh_overrides;
@@ -82,6 +84,7 @@ pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 use batching::add_phase;
 pub(crate) use demand::ViewDemands;
 use depth_copy::DepthCopySystems;
+pub use forward_reason::ForwardReason;
 pub use material::{GBufferMaterial, GBufferMaterialExtension};
 use phase_item::{
     AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,

@@ -334,10 +334,10 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             (demand, shaders)
         });
         match &needs {
-            Some((demand, _)) => self.demand.insert(entity, *demand),
-            None => self.demand.remove(entity),
+            Ok((demand, _)) => self.demand.insert(entity, *demand),
+            Err(_) => self.demand.remove(entity),
         }
-        let (Some((demand, shaders)), Some(active)) = (needs, self.active) else {
+        let (Ok((demand, shaders)), Some(active)) = (needs, self.active) else {
             self.leave_to_forward(entity, &mesh, owner);
             return;
         };
