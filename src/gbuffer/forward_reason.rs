@@ -7,6 +7,7 @@ use bevy::prelude::*;
 /// The reason that Bevy's forward pass draws a mesh of a lean camera. Its text completes the sentence "Forward draws the
 /// mesh: …", and names the change that brings the mesh into the G-buffer, if there is one. `docs/limits.md` lists them.
 ///
+/// [`LeanForwardMeshes`](super::LeanForwardMeshes) counts the meshes of a camera by reason.
 /// [`GBufferMaterial::gbuffer_needs`](super::GBufferMaterial::gbuffer_needs) returns the reason of one material.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[reflect(Clone, PartialEq, Hash)]
