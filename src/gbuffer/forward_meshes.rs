@@ -123,7 +123,9 @@ impl CameraForwardMeshes {
     }
 
     fn report(&mut self) -> &LeanForwardMeshes {
-        (self.report).get_or_insert_with(|| LeanForwardMeshes::of(self.by_mesh.values()))
+        let meshes = self.by_mesh.values();
+        self.report
+            .get_or_insert_with(|| LeanForwardMeshes::of(meshes))
     }
 }
 

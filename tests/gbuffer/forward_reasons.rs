@@ -147,14 +147,23 @@ impl Stage {
         self.headless.app.world_mut().entity_mut(self.camera)
     }
 
+    fn activate(&mut self, is_active: bool) {
+        let mut camera = self.camera();
+        let mut camera = camera.get_mut::<Camera>().expect("it is a camera");
+        camera.is_active = is_active;
+    }
+
     fn set_material(&mut self, handle: &Handle<StandardMaterial>, material: StandardMaterial) {
-        let mut materials = (self.headless.world()).resource_mut::<Assets<StandardMaterial>>();
-        (materials.insert(handle.id(), material)).expect("it is there already");
+        let world = self.headless.world();
+        let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+        let inserted = materials.insert(handle.id(), material);
+        inserted.expect("it is there already");
     }
 
     fn reported(&self) -> &LeanForwardMeshes {
         let world = self.headless.app.world();
-        (world.get::<LeanForwardMeshes>(self.camera)).expect("the camera has one")
+        let reported = world.get::<LeanForwardMeshes>(self.camera);
+        reported.expect("the camera has one")
     }
 
     /// Renders until the report is as expected, and some frames more: it stays.
@@ -245,7 +254,8 @@ fn reports_follow_materials_meshes_and_the_camera() {
         let world = stage.headless.world();
         world.entity_mut(hidden).insert(Visibility::Hidden);
         world.entity_mut(despawned).despawn();
-        (world.entity_mut(exchanged)).insert(MeshMaterial3d(plain.clone()));
+        let mut exchanged = world.entity_mut(exchanged);
+        exchanged.insert(MeshMaterial3d(plain.clone()));
         stage.expected.remove(&ForwardReason::Blended);
         stage.check("no mesh has the material");
         let world = stage.headless.world();
@@ -269,14 +279,10 @@ fn reports_follow_materials_meshes_and_the_camera() {
         stage.camera().insert(LeanForwardMeshes::default());
         stage.check("the component is added to a lean camera");
 
-        (stage.camera().get_mut::<Camera>())
-            .expect("it is a camera")
-            .is_active = false;
+        stage.activate(false);
         stage.expected.clear();
         stage.check("the camera is off");
-        (stage.camera().get_mut::<Camera>())
-            .expect("it is a camera")
-            .is_active = true;
+        stage.activate(true);
         stage.expected = all;
         stage.check("the camera is on");
         stage.camera().remove::<LeanDeferred>();
@@ -303,7 +309,8 @@ fn materials_of_apps_have_reasons_too() {
         });
         let broken = Shader::from_wgsl("fn broken() -> u32 { return missing; }", "broken.wgsl");
         let mut shaders = stage.headless.world().resource_mut::<Assets<Shader>>();
-        (shaders.insert(BROKEN.id(), broken)).expect("a place for a constant handle");
+        let inserted = shaders.insert(BROKEN.id(), broken);
+        inserted.expect("a place for a constant handle");
         for (rows, reason) in [
             ([Vec4::ONE; 4], ForwardReason::PipelineFailed),
             (
