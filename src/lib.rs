@@ -104,7 +104,7 @@ pub mod prelude {
         },
         gbuffer::{
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
-            GBufferTargets, GBufferUsage, ShadingModel,
+            GBufferTargets, GBufferUsage, LeanForwardMeshes, ShadingModel,
         },
         screen_space::{
             ScreenSpaceGiDebugView, ScreenSpaceGiQuality, ScreenSpaceReflectionsDebugView,

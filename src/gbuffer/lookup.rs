@@ -24,6 +24,7 @@ use bevy::{
 };
 
 use super::{
+    forward_reason::ForwardReason,
     layout::DEFAULT_VISIBILITY_MASK,
     mesh_overrides::MeshOverrides,
     moving::MovingMeshes,
@@ -60,8 +61,8 @@ pub(super) struct MeshKind<'a> {
     pub(super) mesh: &'a RenderMesh,
     mesh_id: AssetId<Mesh>,
     pub(super) slabs: MeshSlabs,
-    /// Needs of the material and the shaders that draw it into the G-buffer; `None` if forward must draw it.
-    needs: Option<(GBufferNeeds, &'a MaterialShaders)>,
+    /// Needs of the material and the shaders that draw it into the G-buffer, or the reason that forward must draw it.
+    needs: Result<(GBufferNeeds, &'a MaterialShaders), ForwardReason>,
     /// True if vertices may move within the mesh.
     deforms: bool,
 }
@@ -127,20 +128,25 @@ impl MeshLookup<'_> {
         let mesh = self.meshes.get(mesh_id).ok_or(false)?;
         let slabs = self.mesh_allocator.mesh_slabs(&mesh_id).ok_or(false)?;
         let has = |attribute| mesh.layout.0.contains(attribute);
-        let opaque = matches!(
-            material.properties.render_phase_type,
-            RenderPhaseType::Opaque | RenderPhaseType::AlphaMask
-        );
-        let needs = self
-            .gbuffer_materials
-            .get(material_id)
+        let needs = match material.properties.render_phase_type {
+            RenderPhaseType::Opaque | RenderPhaseType::AlphaMask => {
+                self.gbuffer_materials.get(material_id)
+            }
+            RenderPhaseType::Transmissive => Err(ForwardReason::Transmissive),
+            RenderPhaseType::Transparent => Err(ForwardReason::Blended),
+        };
+        let needs = needs.and_then(|(needs, shaders)| {
             // Without normals, forward lights with undefined output of the vertex shader, which the G-buffer cannot
             // reproduce.
-            .filter(|_| opaque && has(Mesh::ATTRIBUTE_NORMAL))
+            if !has(Mesh::ATTRIBUTE_NORMAL) {
+                return Err(ForwardReason::NoNormals);
+            }
             // The same applies without tangents.
-            .filter(|(needs, _)| {
-                needs.shading_model != ShadingModel::Anisotropy || has(Mesh::ATTRIBUTE_TANGENT)
-            });
+            if needs.shading_model == ShadingModel::Anisotropy && !has(Mesh::ATTRIBUTE_TANGENT) {
+                return Err(ForwardReason::NoTangents);
+            }
+            Ok((needs, shaders))
+        });
         let key = MeshPipelineKey::from_bits_retain(mesh.key_bits.bits());
         Ok(MeshKind {
             material,
@@ -167,14 +173,14 @@ impl MeshLookup<'_> {
         is_morphed && !flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH)
     }
 
-    /// Returns the largest possible demand of the mesh and the shaders that draw it into the G-buffer; `None` if
-    /// forward must draw it.
+    /// Returns the largest possible demand of the mesh and the shaders that draw it into the G-buffer, or the reason
+    /// that forward must draw it.
     pub(super) fn gbuffer_needs<'a>(
         &self,
         entity: MainEntity,
         mesh: &MeshToQueue<'a>,
         view_key: MeshPipelineKey,
-    ) -> Option<(Demand, &'a MaterialShaders)> {
+    ) -> Result<(Demand, &'a MaterialShaders), ForwardReason> {
         let (needs, shaders) = mesh.needs?;
         let lightmapped = self.special_meshes.lightmap_key(entity).is_some();
         // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward fails there too,
@@ -183,7 +189,7 @@ impl MeshLookup<'_> {
             && view_key.contains(MeshPipelineKey::ENVIRONMENT_MAP)
             && !self.mesh_pipeline.binding_arrays_are_usable
         {
-            return None;
+            return Err(ForwardReason::LightmapUnderEnvironment);
         }
         let mut targets = needs.targets | self.special_meshes.targets(entity);
         if mesh.deforms || self.moving_meshes.contains(entity) {
@@ -196,6 +202,6 @@ impl MeshLookup<'_> {
             targets,
             variants: LightingVariant::new(needs.shading_model, lightmapped).as_set(),
         };
-        Some((demand, shaders))
+        Ok((demand, shaders))
     }
 }

@@ -8,7 +8,10 @@ use bevy::{
     shader::{ShaderDefVal, ShaderRef},
 };
 
-use super::{layout::specialization::LARGEST_REFLECTANCE, targets::GBufferNeeds};
+use super::{
+    forward_reason::ForwardReason, layout::specialization::LARGEST_REFLECTANCE,
+    targets::GBufferNeeds,
+};
 use crate::{
     shading_models::unlit::LARGEST_UNLIT,
     view::{GBufferTargets, ShadingModel},
@@ -22,7 +25,7 @@ use crate::{
 ///
 /// ```no_run
 /// use bevy::{prelude::*, reflect::TypePath, render::render_resource::AsBindGroup, shader::ShaderRef};
-/// use bevy_lean_deferred::prelude::*;
+/// use bevy_lean_deferred::{gbuffer::ForwardReason, prelude::*};
 ///
 /// /// Dark horizontal rings around a mesh.
 /// #[derive(Asset, AsBindGroup, TypePath, Clone)]
@@ -45,8 +48,8 @@ use crate::{
 ///     }
 ///
 ///     // It emits nothing and has no special shading model: the base targets suffice.
-///     fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
-///         Some(GBufferNeeds::BASE)
+///     fn gbuffer_needs(&self) -> Result<GBufferNeeds, ForwardReason> {
+///         Ok(GBufferNeeds::BASE)
 ///     }
 /// }
 ///
@@ -95,9 +98,10 @@ pub trait GBufferMaterial: Material {
         ShaderRef::Default
     }
 
-    /// The needs of this material. Return `None` to have Bevy's forward pass draw it. The answer may differ after the
-    /// material has changed.
-    fn gbuffer_needs(&self) -> Option<GBufferNeeds>;
+    /// The needs of this material. Return a reason, such as [`ForwardReason::Custom`], to have Bevy's forward pass draw
+    /// it. The answer may differ after the material has changed. Blended and specularly transmissive materials are drawn
+    /// by forward whatever the answer.
+    fn gbuffer_needs(&self) -> Result<GBufferNeeds, ForwardReason>;
 }
 
 impl GBufferMaterial for StandardMaterial {
@@ -106,103 +110,116 @@ impl GBufferMaterial for StandardMaterial {
     /// normal map, clearcoat with a normal map of its own, more than one of clearcoat, anisotropy and diffuse
     /// transmission, a depth bias, and values out of range. Anisotropy also needs Bevy's feature
     /// `pbr_anisotropy_texture`, which is off by default: without it Bevy shades anisotropy differently.
-    fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
-        if self.opaque_render_method == OpaqueRendererMethod::Forward
-            || self.specular_transmission != 0.0
-            // It offsets the depth from which lighting reconstructs the position.
-            || self.depth_bias != 0.0
-        {
-            return None;
+    fn gbuffer_needs(&self) -> Result<GBufferNeeds, ForwardReason> {
+        if self.opaque_render_method == OpaqueRendererMethod::Forward {
+            return Err(ForwardReason::Requested);
+        }
+        if self.specular_transmission != 0.0 {
+            return Err(ForwardReason::Transmissive);
+        }
+        // It offsets the depth from which lighting reconstructs the position.
+        if self.depth_bias != 0.0 {
+            return Err(ForwardReason::DepthBias);
         }
         let albedo = self.base_color.to_linear();
+        let albedo = [albedo.red, albedo.green, albedo.blue];
         let mut needs = GBufferNeeds::BASE;
         if !self.fog_enabled {
             needs.targets |= GBufferTargets::SPECIALIZATION;
         }
         if self.unlit {
-            return all_in([albedo.red, albedo.green, albedo.blue], 0.0, LARGEST_UNLIT)
-                .then(|| needs.with_shading_model(ShadingModel::Unlit));
+            check_range("base_color", albedo, LARGEST_UNLIT)?;
+            return Ok(needs.with_shading_model(ShadingModel::Unlit));
         }
 
-        let in_range = all_in(
-            [
-                albedo.red,
-                albedo.green,
-                albedo.blue,
-                self.metallic,
-                self.perceptual_roughness,
-            ],
-            0.0,
-            1.0,
-        );
+        check_range("base_color", albedo, 1.0)?;
+        check_range("metallic", [self.metallic], 1.0)?;
+        check_range("perceptual_roughness", [self.perceptual_roughness], 1.0)?;
         let emissive = [self.emissive.red, self.emissive.green, self.emissive.blue];
         // Negative emission cannot be encoded. NaN becomes black.
-        if !in_range || emissive.iter().any(|&channel| channel < 0.0) {
-            return None;
+        if emissive.iter().any(|&channel| channel < 0.0) {
+            return Err(ForwardReason::OutOfRange("emissive"));
         }
         if emissive != [0.0; 3] {
             needs.targets |= GBufferTargets::EMISSIVE;
         }
 
         let tint = self.specular_tint.to_linear();
-        let reflectance = self.reflectance * tint.green;
-        if [tint.red, tint.blue] != [tint.green; 2]
-            || has_texture(self, "specular_tint_texture")
-            || !all_in([reflectance], 0.0, LARGEST_REFLECTANCE)
-        {
-            return None;
+        if [tint.red, tint.blue] != [tint.green; 2] || has_texture(self, "specular_tint_texture") {
+            return Err(ForwardReason::ColoredSpecularTint);
         }
+        let reflectance = self.reflectance * tint.green;
+        check_range("reflectance", [reflectance], LARGEST_REFLECTANCE)?;
         if reflectance != 0.5 || has_texture(self, "specular_texture") {
             needs.targets |= GBufferTargets::SPECIALIZATION;
         }
-        self.special_shading_model()
-            .map(|shading_model| match shading_model {
-                ShadingModel::Plain => needs,
-                special => needs.with_shading_model(special),
-            })
+        Ok(match self.special_shading_model()? {
+            ShadingModel::Plain => needs,
+            special => needs.with_shading_model(special),
+        })
     }
 }
 
 /// Selects the shading model of a `StandardMaterial`.
 trait SpecialShadingModel {
-    /// `None` if no shading model matches.
-    fn special_shading_model(&self) -> Option<ShadingModel>;
+    /// Returns the reason that no shading model matches.
+    fn special_shading_model(&self) -> Result<ShadingModel, ForwardReason>;
 }
 
 impl SpecialShadingModel for StandardMaterial {
-    fn special_shading_model(&self) -> Option<ShadingModel> {
+    fn special_shading_model(&self) -> Result<ShadingModel, ForwardReason> {
         let clearcoat = self.clearcoat > 0.0;
         let anisotropy = self.anisotropy_strength > 0.0;
         let transmission = self.diffuse_transmission > 0.0;
         match (clearcoat, anisotropy, transmission) {
-            (false, false, false) => Some(ShadingModel::Plain),
+            (false, false, false) => Ok(ShadingModel::Plain),
             // The coat's normal is the mesh's or one of its own; only one normal is stored.
-            (true, false, false) => (self.normal_map_texture.is_none()
-                && !has_texture(self, "clearcoat_normal_texture")
-                && all_in(
-                    [self.clearcoat, self.clearcoat_perceptual_roughness],
-                    0.0,
-                    1.0,
-                ))
-            .then_some(ShadingModel::Clearcoat),
+            (true, false, false) => {
+                if self.normal_map_texture.is_some() {
+                    return Err(ForwardReason::NormalMapUnderCoat);
+                }
+                if has_texture(self, "clearcoat_normal_texture") {
+                    return Err(ForwardReason::NormalMapOfCoat);
+                }
+                check_range("clearcoat", [self.clearcoat], 1.0)?;
+                let roughness = self.clearcoat_perceptual_roughness;
+                check_range("clearcoat_perceptual_roughness", [roughness], 1.0)?;
+                Ok(ShadingModel::Clearcoat)
+            }
             // Without the feature `pbr_anisotropy_texture`, forward shades differently. Forward stretches highlights
             // along the mesh's surface, but the stored normal is that of the normal map.
-            (false, true, false) => (self.field("anisotropy_texture").is_some()
-                && self.normal_map_texture.is_none()
-                && self.anisotropy_strength <= 1.0)
-                .then_some(ShadingModel::Anisotropy),
-            (false, false, true) => (self.diffuse_transmission <= 1.0 && self.thickness >= 0.0)
-                .then_some(ShadingModel::DiffuseTransmission),
-            _ => None,
+            (false, true, false) => {
+                if self.field("anisotropy_texture").is_none() {
+                    return Err(ForwardReason::AnisotropyUnsupported);
+                }
+                if self.normal_map_texture.is_some() {
+                    return Err(ForwardReason::NormalMapUnderAnisotropy);
+                }
+                check_range("anisotropy_strength", [self.anisotropy_strength], 1.0)?;
+                Ok(ShadingModel::Anisotropy)
+            }
+            (false, false, true) => {
+                check_range("diffuse_transmission", [self.diffuse_transmission], 1.0)?;
+                check_range("thickness", [self.thickness], f32::INFINITY)?;
+                Ok(ShadingModel::DiffuseTransmission)
+            }
+            _ => Err(ForwardReason::TwoShadingModels),
         }
     }
 }
 
-/// False if a value is NaN.
-fn all_in<const N: usize>(values: [f32; N], least: f32, largest: f32) -> bool {
-    values
-        .into_iter()
-        .all(|value| (least..=largest).contains(&value))
+/// Returns an error if a value is below 0, above `largest` or NaN.
+fn check_range<const N: usize>(
+    field: &'static str,
+    values: [f32; N],
+    largest: f32,
+) -> Result<(), ForwardReason> {
+    let mut values = values.into_iter();
+    if values.all(|value| (0.0..=largest).contains(&value)) {
+        Ok(())
+    } else {
+        Err(ForwardReason::OutOfRange(field))
+    }
 }
 
 /// True if the optional texture `field` is set. Uses reflection because the fields of `StandardMaterial` depend on
@@ -302,8 +319,8 @@ pub trait GBufferMaterialExtension: MaterialExtension {
     }
 
     /// Needs of the extended material, given the needs of its `base`. Not called if forward draws the base.
-    fn gbuffer_needs(&self, base: GBufferNeeds) -> Option<GBufferNeeds> {
-        Some(base)
+    fn gbuffer_needs(&self, base: GBufferNeeds) -> Result<GBufferNeeds, ForwardReason> {
+        Ok(base)
     }
 }
 
@@ -312,7 +329,7 @@ impl<E: GBufferMaterialExtension> GBufferMaterial for ExtendedMaterial<StandardM
         E::gbuffer_fragment_shader()
     }
 
-    fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
+    fn gbuffer_needs(&self) -> Result<GBufferNeeds, ForwardReason> {
         self.extension.gbuffer_needs(self.base.gbuffer_needs()?)
     }
 }

@@ -16,9 +16,10 @@
 //! # Meshes
 //!
 //! The G-buffer has all opaque and alpha-masked meshes whose material fits into it. [`GBufferMaterial::gbuffer_needs`] returns, per
-//! material, [`GBufferNeeds`], or `None` if it does not fit. Bevy's forward pass draws the others on the same camera, against the same
-//! depth. `StandardMaterial` is registered. For your own materials implement [`GBufferMaterial`] (or [`GBufferMaterialExtension`]) and
-//! add [`GBufferMaterialPlugin`]; for those of other crates add [`GBufferMaterialPlugin::new`].
+//! material, [`GBufferNeeds`], or the [`ForwardReason`] if it does not fit. Bevy's forward pass draws the others on the same camera,
+//! against the same depth; [`LeanForwardMeshes`], added to the camera, counts them by reason. `StandardMaterial` is registered. For
+//! your own materials implement [`GBufferMaterial`] (or [`GBufferMaterialExtension`]) and add [`GBufferMaterialPlugin`]; for those of
+//! other crates add [`GBufferMaterialPlugin::new`].
 //!
 //! # Order
 //!
@@ -26,6 +27,7 @@
 //! systems get the textures from [`GBufferTextures`] on the view. GPU time is recorded as `lean_deferred/gbuffer`.
 
 // - `targets.rs`: the optional targets, and the needs of a material.
+// - `forward_reason.rs`: the reasons for which forward draws a mesh.
 // - `material.rs`: decides which materials the G-buffer carries.
 // - `custom_material.wgsl`: the shader of the example in `material.rs`.
 // - `registration.rs`: the plugin that registers materials.
@@ -39,6 +41,7 @@
 // - `pipeline.rs`: specializes pipelines.
 // - `specialize.rs`: looks up the pipeline of a mesh.
 // - `queue.rs`: sorts meshes into the G-buffer or leaves them to Bevy.
+// - `forward_meshes.rs`: reports the meshes that are left to Bevy.
 // - `placement.rs`: places meshes in the passes of a view.
 // - `pipeline_filter.rs`: limits the meshes that Bevy's queue systems see.
 // - `bevy_phases.rs`: removes meshes from Bevy's phases, and returns them.
@@ -59,6 +62,8 @@ pub mod binding_numbers;
 mod demand;
 mod depth_copy;
 mod extracted;
+mod forward_meshes;
+mod forward_reason;
 mod lookup;
 mod material;
 mod mesh_overrides;
@@ -82,6 +87,8 @@ pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 use batching::add_phase;
 pub(crate) use demand::ViewDemands;
 use depth_copy::DepthCopySystems;
+pub use forward_meshes::LeanForwardMeshes;
+pub use forward_reason::ForwardReason;
 pub use material::{GBufferMaterial, GBufferMaterialExtension};
 use phase_item::{
     AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
@@ -149,7 +156,9 @@ impl Plugin for GBufferPlugin {
         app.add_plugins(GBufferMaterialPlugin::<StandardMaterial>::default())
             .register_type::<GBufferTargets>()
             .register_type::<GBufferUsage>()
-            .add_observer(usage::remove_usage);
+            .register_type::<LeanForwardMeshes>()
+            .add_observer(usage::remove_usage)
+            .add_observer(forward_meshes::clear_report);
 
         // Refused if cameras with `LeanDeferred` exist already; then no camera gets a `GBufferUsage`.
         let _ = app.try_register_required_components::<LeanDeferred, GBufferUsage>();
@@ -163,6 +172,7 @@ impl Plugin for GBufferPlugin {
             .init_resource::<mesh_overrides::ChangedMeshes>()
             .init_resource::<moving::MovingMeshes>()
             .init_resource::<ViewDemands>()
+            .init_resource::<forward_meshes::ForwardMeshes>()
             .init_resource::<SortedMeshes>()
             .init_resource::<pipeline_filter::PipelineFilter>()
             .init_resource::<depth_copy::WithheldDepthCopy>()
@@ -183,6 +193,7 @@ impl Plugin for GBufferPlugin {
                 ExtractSchedule,
                 (
                     usage::report_usage,
+                    forward_meshes::report_forward_meshes,
                     phase::extract_gbuffer_phases,
                     bevy_phases::drop_phases_of_views_without_pixels
                         .after(extract_core_3d_camera_phases)

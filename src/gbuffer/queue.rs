@@ -28,6 +28,8 @@ use bevy::{
 use super::{
     bevy_phases::{BevyPhases, BevyViewPhases},
     demand::{MeshDemand, ViewDemand, ViewDemands},
+    forward_meshes::{CameraForwardMeshes, ForwardMeshes},
+    forward_reason::ForwardReason,
     lookup::{MeshLookup, MeshToQueue, RecentKinds},
     mesh_overrides::ChangedMeshes,
     phase::{GBufferPhases, GBufferViewPhases},
@@ -121,9 +123,10 @@ pub(super) fn queue_gbuffer_meshes(
         ResMut<PipelineFilter>,
     ),
     mut phases: GBufferPhases,
-    (mut pending_queues, mut demands, mut count): (
+    (mut pending_queues, mut demands, mut forward_meshes, mut count): (
         ResMut<PendingGBufferQueues>,
         ResMut<ViewDemands>,
+        ResMut<ForwardMeshes>,
         ResMut<SortedMeshes>,
     ),
     mut draw_functions: GBufferDrawFunctions,
@@ -196,6 +199,7 @@ pub(super) fn queue_gbuffer_meshes(
             look_again: &mut sorted.look_again,
             known_pipelines: &mut sorted.pipelines,
             demand: demands.of(retained),
+            forward_meshes: forward_meshes.of(retained.main_entity, active.is_some()),
             view_key: *view_key,
             active,
             count: &mut count.0,
@@ -203,12 +207,20 @@ pub(super) fn queue_gbuffer_meshes(
         for &entity in dirty.iter_to_dequeue(retained, visible) {
             sorter.phases.remove(entity);
             sorter.demand.remove(entity);
+            sorter.forget_forward_reason(entity);
         }
 
         let change = ViewChange::between(former.as_ref(), active);
         let queues_all = dirty.must_wipe_specializations_for_view(retained);
-        if change == ViewChange::All || queues_all || shader_has_changed {
+        let lacks_reasons = match &sorter.forward_meshes {
+            Some(meshes) => !meshes.is_complete(),
+            None => false,
+        };
+        if change == ViewChange::All || queues_all || shader_has_changed || lacks_reasons {
             sorter.known_pipelines.clear();
+            if let Some(meshes) = &mut sorter.forward_meshes {
+                meshes.start_over();
+            }
             let owner = if queues_all {
                 QueueOwner::Nobody
             } else {
@@ -249,6 +261,7 @@ pub(super) fn queue_gbuffer_meshes(
     }
     pipeline_filter.show(&live_views, &mut bevy_pipelines);
     pending_queues.0.expire_stale_views(&live_views);
+    forward_meshes.keep_only(|camera| live_views.iter().any(|view| view.main_entity == camera));
     sorted.retain(|view, _| live_views.contains(view));
     demands.retain(
         |view| live_views.contains(view),
@@ -297,6 +310,8 @@ struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     look_again: &'a mut Vec<MainEntity>,
     known_pipelines: &'a mut HashMap<CachedRenderPipelineId, GBufferPipeline>,
     demand: &'a mut ViewDemand,
+    /// `None` if nobody asks for them, or if the view is not lean.
+    forward_meshes: Option<&'a mut CameraForwardMeshes>,
     view_key: MeshPipelineKey,
     active: Option<&'a ActiveLeanView>,
     count: &'a mut usize,
@@ -308,6 +323,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         if owner != QueueOwner::Nobody {
             self.phases.remove(entity);
         }
+        self.forget_forward_reason(entity);
         let lookup = self.lookup;
         let mesh = match lookup.find(entity, self.recent_kinds) {
             Ok(mesh) => mesh,
@@ -334,12 +350,15 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             (demand, shaders)
         });
         match &needs {
-            Some((demand, _)) => self.demand.insert(entity, *demand),
-            None => self.demand.remove(entity),
+            Ok((demand, _)) => self.demand.insert(entity, *demand),
+            Err(_) => self.demand.remove(entity),
         }
-        let (Some((demand, shaders)), Some(active)) = (needs, self.active) else {
-            self.leave_to_forward(entity, &mesh, owner);
-            return;
+        let (demand, shaders, active) = match (needs, self.active) {
+            (Ok((demand, shaders)), Some(active)) => (demand, shaders, active),
+            (needs, _) => {
+                self.leave_to_forward(entity, &mesh, owner, needs.err());
+                return;
+            }
         };
 
         let placement = Placement::of(demand, active);
@@ -357,7 +376,11 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             self.known_pipelines.insert(id, pipeline);
         }
         let GBufferPipeline::Ready(pipeline) = pipeline else {
-            self.leave_to_forward(entity, &mesh, owner);
+            let reason = match pipeline {
+                GBufferPipeline::Failed(_) => ForwardReason::PipelineFailed,
+                _ => ForwardReason::Compiling,
+            };
+            self.leave_to_forward(entity, &mesh, owner, Some(reason));
             // An unmet demand needs no retry: the mesh is sorted again when the view changes.
             if pipeline == GBufferPipeline::Pending && placement.is_met {
                 self.pending.insert((render_entity, entity));
@@ -407,7 +430,23 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             && !self.draws_deferred
     }
 
-    fn leave_to_forward(&mut self, entity: MainEntity, mesh: &MeshToQueue, owner: QueueOwner) {
+    fn forget_forward_reason(&mut self, entity: MainEntity) {
+        if let Some(meshes) = &mut self.forward_meshes {
+            meshes.remove(entity);
+        }
+    }
+
+    /// `reason` is `None` if the view is not lean: forward draws all its meshes.
+    fn leave_to_forward(
+        &mut self,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        owner: QueueOwner,
+        reason: Option<ForwardReason>,
+    ) {
+        if let (Some(meshes), Some(reason)) = (&mut self.forward_meshes, reason) {
+            meshes.insert(entity, mesh.material_id, reason);
+        }
         let is_strange = self.is_strange_to_bevy(mesh);
         if !is_strange {
             self.filter.add(entity);

@@ -14,7 +14,9 @@ use bevy::{
     shader::ShaderRef,
 };
 
-use super::{GBufferPlugin, material::GBufferMaterial, targets::GBufferNeeds};
+use super::{
+    GBufferPlugin, forward_reason::ForwardReason, material::GBufferMaterial, targets::GBufferNeeds,
+};
 use crate::view::{EffectSystems, LeanDeferred};
 
 /// Draws meshes with material `M` into the G-buffer. Add it beside `M`'s [`MaterialPlugin`], in any order.
@@ -25,7 +27,7 @@ pub struct GBufferMaterialPlugin<M: Material> {
     needs: Arc<Needs<M>>,
 }
 
-type Needs<M> = dyn Fn(&M) -> Option<GBufferNeeds> + Send + Sync;
+type Needs<M> = dyn Fn(&M) -> Result<GBufferNeeds, ForwardReason> + Send + Sync;
 
 struct ShaderRefs {
     fragment: ShaderRef,
@@ -45,8 +47,8 @@ impl<M: GBufferMaterial> Default for GBufferMaterialPlugin<M> {
 }
 
 impl<M: Material> GBufferMaterialPlugin<M> {
-    /// Registers any material, with the fragment shader that packs it and a function for the needs of each asset. Meshes whose asset
-    /// returns `None` are left to Bevy's forward pass. [`GBufferMaterial`] documents both.
+    /// Registers any material, with the fragment shader that packs it and a function for the needs of each asset. Meshes are left to
+    /// Bevy's forward pass if it returns a [`ForwardReason`]. [`GBufferMaterial`] documents both.
     ///
     /// ```
     /// use bevy::{pbr::ExtendedMaterial, prelude::*};
@@ -69,7 +71,7 @@ impl<M: Material> GBufferMaterialPlugin<M> {
     /// ```
     pub fn new(
         fragment_shader: impl Into<ShaderRef>,
-        needs: impl Fn(&M) -> Option<GBufferNeeds> + Send + Sync + 'static,
+        needs: impl Fn(&M) -> Result<GBufferNeeds, ForwardReason> + Send + Sync + 'static,
     ) -> Self {
         let shaders = ShaderRefs {
             fragment: fragment_shader.into(),
@@ -164,7 +166,7 @@ where
 #[derive(Resource, Default)]
 pub(crate) struct GBufferMaterials {
     shaders: HashMap<TypeId, MaterialShaders>,
-    needs: HashMap<UntypedAssetId, GBufferNeeds>,
+    needs: HashMap<UntypedAssetId, Result<GBufferNeeds, ForwardReason>>,
 }
 
 /// Shaders that draw a material type into the G-buffer.
@@ -196,11 +198,16 @@ impl MaterialShaders {
 }
 
 impl GBufferMaterials {
-    /// Needs and shaders of `material`; `None` if Bevy's forward pass must draw it.
-    pub(crate) fn get(&self, material: UntypedAssetId) -> Option<(GBufferNeeds, &MaterialShaders)> {
-        let needs = self.needs.get(&material)?;
-        let shaders = self.shaders.get(&material.type_id())?;
-        Some((*needs, shaders))
+    /// Needs and shaders of `material`, or the reason that Bevy's forward pass must draw it.
+    pub(crate) fn get(
+        &self,
+        material: UntypedAssetId,
+    ) -> Result<(GBufferNeeds, &MaterialShaders), ForwardReason> {
+        let shaders = self.shaders.get(&material.type_id());
+        let shaders = shaders.ok_or(ForwardReason::NotRegistered)?;
+        // Without needs, the event of the asset is still to come.
+        let needs = self.needs.get(&material).copied();
+        Ok((needs.unwrap_or(Err(ForwardReason::Compiling))?, shaders))
     }
 }
 
@@ -219,7 +226,7 @@ fn extract_material_needs<M: Material>(
         materials.needs.retain(|id, _| is_other(id));
         let all = assets
             .iter()
-            .filter_map(|(id, material)| Some((id.untyped(), needs(material)?)));
+            .map(|(id, material)| (id.untyped(), needs(material)));
         materials.needs.extend(all);
         return;
     }
@@ -229,8 +236,8 @@ fn extract_material_needs<M: Material>(
         | AssetEvent::Removed { id }
         | AssetEvent::Unused { id }
         | AssetEvent::LoadedWithDependencies { id }) = event;
-        if let Some(needs) = assets.get(*id).and_then(needs) {
-            materials.needs.insert(id.untyped(), needs);
+        if let Some(material) = assets.get(*id) {
+            materials.needs.insert(id.untyped(), needs(material));
         } else {
             materials.needs.remove(&id.untyped());
         }

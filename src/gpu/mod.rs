@@ -9,6 +9,7 @@
 //! - `storage_texture.rs`: textures that one pass writes and another reads.
 //! - `subgroups.rs`: subgroup support, and the smallest subgroup size.
 //! - `timed.rs`: passes whose GPU time is recorded.
+//! - `wgsl_dump.rs`: writes the WGSL of pipelines that fail to compile.
 
 pub(crate) mod bind_group_cache;
 pub(crate) mod bindings;
@@ -19,3 +20,4 @@ pub(crate) mod recovery;
 pub(crate) mod storage_texture;
 pub(crate) mod subgroups;
 pub(crate) mod timed;
+mod wgsl_dump;

@@ -1,7 +1,7 @@
 //! Reports pipelines of this crate that cannot be compiled, once each, with the cause.
 //!
-//! Bevy logs errors of a shader that it cannot compose, but not which effect is off because of it. For an import that
-//! nothing provides it waits forever and logs nothing.
+//! Bevy logs errors of a shader that it cannot compose, but neither which effect is off because of it nor the shader
+//! definitions. For an import that nothing provides it waits forever and logs nothing.
 
 use core::time::Duration;
 
@@ -20,9 +20,12 @@ use bevy::{
             CachedComputePipelineId, CachedPipeline, CachedPipelineState, PipelineCache,
             PipelineDescriptor,
         },
+        renderer::RenderDevice,
     },
-    shader::{CachedPipelineId, ShaderCacheError, ShaderImport},
+    shader::{CachedPipelineId, ShaderCacheError, ShaderDefVal, ShaderImport},
 };
+
+use super::wgsl_dump::WgslDump;
 
 /// Prefix of the labels of this crate's pipelines.
 const PREFIX: &str = "lean_deferred/";
@@ -54,12 +57,14 @@ impl PipelineWatch {
         Some(failure.cause.clone())
     }
 
-    /// Records a failure. Many pipelines may fail for one cause, which is logged once.
-    fn fail(&mut self, id: CachedPipelineId, failure: Failure) {
+    /// Records a failure. Many pipelines may fail for one cause, which is logged once, with the definitions of the first.
+    fn fail(&mut self, id: CachedPipelineId, failure: Failure, stages: &[Stage]) {
         if self.failures.values().all(|other| *other != failure) {
             let Failure { name, cause, .. } = &failure;
+            let definitions = definitions(stages);
             error!(
-                "{name} cannot be compiled; its effect is off, or Bevy renders in its place: {cause}."
+                "{name} cannot be compiled; its effect is off, or Bevy renders in its place: \
+                 {cause}. Shader definitions: {definitions}."
             );
         }
         self.failures.insert(id, failure);
@@ -73,6 +78,7 @@ pub(crate) fn watch_pipelines(
     cache: Res<PipelineCache>,
     shaders: Extract<Res<Assets<Shader>>>,
     asset_server: Extract<Res<AssetServer>>,
+    device: Res<RenderDevice>,
 ) {
     let pipeline = |id| cache.pipelines().nth(id);
     if !watch.waiting.is_empty() || !watch.failures.is_empty() {
@@ -101,7 +107,8 @@ pub(crate) fn watch_pipelines(
         let CachedPipelineState::Err(error) = &pipeline.state else {
             continue;
         };
-        let name = || match file(pipeline, &shaders) {
+        let stages = stages(pipeline);
+        let name = || match file(&stages, &shaders) {
             Some(file) => format!("{label} ({file})"),
             None => label.into(),
         };
@@ -111,7 +118,14 @@ pub(crate) fn watch_pipelines(
                 cause: error.to_string().into(),
                 awaits_shader: false,
             };
-            watch.fail(id, failure);
+            watch.fail(id, failure, &stages);
+            if let Some(dump) = WgslDump::from_environment(&shaders, &device) {
+                for Stage { name, shader, defs } in stages {
+                    if let Some(shader) = shaders.get(shader) {
+                        dump.write(&format!("{label}-{id}.{name}"), shader, defs);
+                    }
+                }
+            }
             continue;
         }
         let now = Instant::now();
@@ -119,7 +133,7 @@ pub(crate) fn watch_pipelines(
         if now.duration_since(since) < PATIENCE || watch.failures.contains_key(&id) {
             continue;
         }
-        let missing = missing_shaders(pipeline, &shaders, &asset_server);
+        let missing = missing_shaders(&stages, &shaders, &asset_server);
         if missing.is_empty() {
             watch.waiting.insert(id, now);
         } else {
@@ -128,7 +142,7 @@ pub(crate) fn watch_pipelines(
                 cause: format!("nothing provides the shader {}", missing.join(", ")).into(),
                 awaits_shader: true,
             };
-            watch.fail(id, failure);
+            watch.fail(id, failure, &stages);
         }
     }
 }
@@ -141,16 +155,60 @@ fn own_label(pipeline: &CachedPipeline) -> Option<&str> {
     label.as_deref().filter(|label| label.starts_with(PREFIX))
 }
 
-/// File of the shader that distinguishes a pipeline from others of its kind.
-fn file<'a>(pipeline: &CachedPipeline, shaders: &'a Assets<Shader>) -> Option<&'a str> {
-    let shader = match &pipeline.descriptor {
+/// A shader of a pipeline.
+struct Stage<'a> {
+    name: &'static str,
+    shader: &'a Handle<Shader>,
+    defs: &'a [ShaderDefVal],
+}
+
+/// The shaders of a pipeline. The first one distinguishes it from others of its kind.
+fn stages(pipeline: &CachedPipeline) -> Vec<Stage<'_>> {
+    match &pipeline.descriptor {
         PipelineDescriptor::RenderPipelineDescriptor(descriptor) => {
-            let fragment = descriptor.fragment.as_ref().map(|state| &state.shader);
-            fragment.unwrap_or(&descriptor.vertex.shader)
+            let fragment = descriptor.fragment.as_ref().map(|state| Stage {
+                name: "fragment",
+                shader: &state.shader,
+                defs: &state.shader_defs,
+            });
+            let vertex = Stage {
+                name: "vertex",
+                shader: &descriptor.vertex.shader,
+                defs: &descriptor.vertex.shader_defs,
+            };
+            fragment.into_iter().chain([vertex]).collect()
         }
-        PipelineDescriptor::ComputePipelineDescriptor(descriptor) => &descriptor.shader,
-    };
-    Some(&shaders.get(shader)?.path)
+        PipelineDescriptor::ComputePipelineDescriptor(descriptor) => vec![Stage {
+            name: "compute",
+            shader: &descriptor.shader,
+            defs: &descriptor.shader_defs,
+        }],
+    }
+}
+
+/// The file of a pipeline's distinguishing shader.
+fn file<'a>(stages: &[Stage], shaders: &'a Assets<Shader>) -> Option<&'a str> {
+    Some(&shaders.get(stages.first()?.shader)?.path)
+}
+
+/// Sorted definitions of all stages.
+fn definitions(stages: &[Stage]) -> String {
+    let mut definitions: Vec<String> = (stages.iter())
+        .flat_map(|stage| stage.defs)
+        .map(|def| match def {
+            ShaderDefVal::Bool(name, true) => name.clone(),
+            ShaderDefVal::Bool(name, _)
+            | ShaderDefVal::Int(name, _)
+            | ShaderDefVal::UInt(name, _) => format!("{name}={}", def.value_as_string()),
+        })
+        .collect();
+    definitions.sort_unstable();
+    definitions.dedup();
+    if definitions.is_empty() {
+        "none".into()
+    } else {
+        definitions.join(", ")
+    }
 }
 
 /// True if Bevy retries by itself.
@@ -161,9 +219,9 @@ fn awaits_shader(error: &ShaderCacheError) -> bool {
     )
 }
 
-/// Names of shaders that `pipeline` needs, directly or through imports, and that are neither loaded nor loading.
+/// Names of shaders that `stages` need, directly or through imports, and that are neither loaded nor loading.
 fn missing_shaders(
-    pipeline: &CachedPipeline,
+    stages: &[Stage],
     shaders: &Assets<Shader>,
     asset_server: &AssetServer,
 ) -> Vec<String> {
@@ -171,13 +229,7 @@ fn missing_shaders(
         .iter()
         .map(|(id, shader)| (&shader.import_path, id))
         .collect();
-    let mut unseen: Vec<AssetId<Shader>> = match &pipeline.descriptor {
-        PipelineDescriptor::RenderPipelineDescriptor(descriptor) => {
-            let fragment = descriptor.fragment.iter().map(|state| state.shader.id());
-            fragment.chain([descriptor.vertex.shader.id()]).collect()
-        }
-        PipelineDescriptor::ComputePipelineDescriptor(descriptor) => vec![descriptor.shader.id()],
-    };
+    let mut unseen: Vec<AssetId<Shader>> = stages.iter().map(|stage| stage.shader.id()).collect();
     let mut seen = HashSet::new();
     let mut missing = Vec::new();
     while let Some(id) = unseen.pop() {

@@ -24,7 +24,9 @@ use bevy::{
 };
 
 use crate::{
-    gbuffer::{GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds, ShadingModel},
+    gbuffer::{
+        ForwardReason, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds, ShadingModel,
+    },
     shading_models::{rim::pack_rim, subsurface::pack_subsurface},
 };
 
@@ -123,11 +125,11 @@ impl GBufferMaterialExtension for ShadingExtension {
         embedded("gbuffer.wgsl")
     }
 
-    fn gbuffer_needs(&self, base: GBufferNeeds) -> Option<GBufferNeeds> {
-        match self.shading_model() {
-            ShadingModel::Plain => Some(base),
-            special => (base.shading_model == ShadingModel::Plain)
-                .then(|| base.with_shading_model(special)),
+    fn gbuffer_needs(&self, base: GBufferNeeds) -> Result<GBufferNeeds, ForwardReason> {
+        match (self.shading_model(), base.shading_model) {
+            (ShadingModel::Plain, _) => Ok(base),
+            (special, ShadingModel::Plain) => Ok(base.with_shading_model(special)),
+            _ => Err(ForwardReason::TwoShadingModels),
         }
     }
 }
@@ -264,12 +266,12 @@ mod tests {
         };
         assert_eq!(
             needs(rim, 0.0).map(|needs| needs.shading_model),
-            Some(ShadingModel::Rim)
+            Ok(ShadingModel::Rim)
         );
-        assert_eq!(needs(rim, 1.0), None);
+        assert_eq!(needs(rim, 1.0), Err(ForwardReason::TwoShadingModels));
         assert_eq!(
             needs(ShadingExtension::None, 1.0).map(|needs| needs.shading_model),
-            Some(ShadingModel::Clearcoat)
+            Ok(ShadingModel::Clearcoat)
         );
     }
 }

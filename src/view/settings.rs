@@ -14,7 +14,8 @@ use super::{
 /// are drawn into it. Bevy's forward passes draw all other meshes on the same camera, against the same depth. Adding or
 /// removing the component at run time switches the renderer and frees its resources. [`enabled`](Self::enabled) does so
 /// too, without changing the camera's settings. [`LeanStatus`] reports the active renderer,
-/// [`GBufferUsage`](crate::gbuffer::GBufferUsage) the memory cost of the targets.
+/// [`GBufferUsage`](crate::gbuffer::GBufferUsage) the memory cost of the targets, and
+/// [`LeanForwardMeshes`](crate::gbuffer::LeanForwardMeshes), if added, the meshes that forward draws.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -1,7 +1,8 @@
-//! Drawing into the G-buffer: geometry, motion vectors, culling, sorting, and optional targets.
+//! Drawing into the G-buffer: geometry, motion vectors, culling, sorting, optional targets, and what forward draws.
 //!
 //! Each test has a process of its own: together they would exceed the memory of many machines, see `kit/src/own_process.rs`.
 
+mod forward_reasons;
 mod geometry;
 mod motion_vectors;
 mod occlusion_culling;

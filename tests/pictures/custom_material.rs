@@ -11,7 +11,7 @@ use bevy::{
     render::render_resource::AsBindGroup,
     shader::ShaderRef,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{gbuffer::ForwardReason, prelude::*};
 use kit::{
     foreign_material::{Palette, VoxelMaterial, VoxelPlugin, row_attribute, voxel_mesh},
     headless::Headless,
@@ -80,8 +80,8 @@ impl GBufferMaterial for Rings {
         RINGS.into()
     }
 
-    fn gbuffer_needs(&self) -> Option<GBufferNeeds> {
-        Some(GBufferNeeds::BASE)
+    fn gbuffer_needs(&self) -> Result<GBufferNeeds, ForwardReason> {
+        Ok(GBufferNeeds::BASE)
     }
 }
 

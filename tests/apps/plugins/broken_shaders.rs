@@ -97,8 +97,17 @@ fn a_shader_that_cannot_be_composed() {
     assert!(cause.contains("missing_name"), "{cause}");
     let reports =
         log_watch::messages_with("lean_deferred/lighting (broken.wgsl) cannot be compiled");
-    let reports = reports.iter().filter(|line| line.contains(&cause));
-    assert_eq!(reports.count(), 1);
+    let reports: Vec<_> = (reports.iter())
+        .filter(|line| line.contains(&cause))
+        .collect();
+    assert_eq!(reports.len(), 1);
+    let report = reports[0].trim_end_matches('.');
+    let (_, definitions) = report
+        .split_once("Shader definitions: ")
+        .expect("they are listed");
+    assert_ne!(definitions, "none");
+    let definitions: Vec<_> = definitions.split(", ").collect();
+    assert!(definitions.is_sorted(), "{definitions:?}");
     assert_eq!(active_lean_views(&mut headless), 0);
     assert!(headless.capture() == forward, "a mesh is lost");
 

@@ -3,10 +3,11 @@
 use bevy::{
     light::{EnvironmentMapLight, NotShadowReceiver},
     material::OpaqueRendererMethod,
-    pbr::Lightmap,
+    pbr::{Lightmap, MeshPipeline},
     prelude::*,
+    render::RenderApp,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{gbuffer::ForwardReason, prelude::*};
 
 use super::{SMALL, forward_draws, usage};
 use kit::{
@@ -193,16 +194,30 @@ fn a_lightmap_that_cannot_be_lit_keeps_no_other_surface_waiting() {
                 Transform::from_xyz(-1.0, 0.0, 0.0),
             );
             let map = s.cube_map();
-            s.default_camera(EnvironmentMapLight {
+            let environment = EnvironmentMapLight {
                 diffuse_map: map.clone(),
                 specular_map: map,
                 ..default()
-            });
+            };
+            s.default_camera((environment, LeanForwardMeshes::default()));
         });
         set_lean(&mut headless, true);
         headless.settle();
         headless.frames(3);
         assert!(usage(&mut headless).targets.contains(SPECIALIZATION));
+        let render_world = headless.app.sub_app(RenderApp).world();
+        let has_binding_arrays = render_world
+            .resource::<MeshPipeline>()
+            .binding_arrays_are_usable;
+        let world = headless.world();
+        let mut reports = world.query::<&LeanForwardMeshes>();
+        let report = reports.single(world).expect("there is one lean camera");
+        let reasons: Vec<_> = report.counts.iter().map(|(reason, _)| *reason).collect();
+        let expected = match has_binding_arrays {
+            true => vec![],
+            false => vec![ForwardReason::LightmapUnderEnvironment],
+        };
+        assert_eq!(reasons, expected);
     });
 }
 
