@@ -83,7 +83,10 @@ pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering,
 };
-pub use view::{CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanStatus, LightCulling};
+pub use view::{
+    CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanQuality, LeanResolution, LeanStatus,
+    LightCulling,
+};
 
 use bevy::app::plugin_group;
 
@@ -92,9 +95,9 @@ pub mod prelude {
     pub use crate::{
         CameraCut, DebugChannel, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanScreenSpaceGi,
-        LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin,
-        LeanStatus, LeanSubsurfaceScattering, LightCulling,
+        LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanQuality, LeanResolution,
+        LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
+        LeanScreenSpaceReflectionsPlugin, LeanStatus, LeanSubsurfaceScattering, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
             OcclusionQuality, OcclusionResolution,
