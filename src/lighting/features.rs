@@ -190,7 +190,7 @@ impl SceneFeatures<'_, '_> {
     }
 
     fn light_culling(&self, settings: &LeanDeferred) -> LightCulling {
-        match settings.light_culling {
+        match settings.advanced.light_culling {
             LightCulling::Auto if self.point_lights.iter().len() >= MANY_LIGHTS => {
                 LightCulling::SharedMemory
             }
