@@ -18,7 +18,7 @@
 //! | component | effect | for |
 //! |---|---|---|
 //! | [`LeanDeferred`] | packed G-buffer, lighting in one compute pass | 3D cameras |
-//! | [`LeanAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
+//! | [`LeanScreenSpaceAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
 //! | [`LeanScreenSpaceGi`] | screen-space diffuse global illumination | cameras with [`LeanDeferred`] |
 //! | [`LeanScreenSpaceReflections`] | screen-space reflections, smooth and rough | cameras with [`LeanDeferred`] |
 //! | [`LeanSubsurfaceScattering`] | settings of subsurface scattering | cameras with [`LeanDeferred`] |
@@ -76,7 +76,9 @@ pub mod shading_extension;
 pub mod shading_models;
 pub mod view;
 
-pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
+pub use ambient_occlusion::{
+    LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin,
+};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::{LeanDeferredPlugin, LeanDeferredSupport};
 pub use screen_space::{
@@ -93,14 +95,13 @@ use bevy::app::plugin_group;
 /// The types that most apps need.
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
-        LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanQuality, LeanResolution,
+        CameraCut, DebugChannel, LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred,
+        LeanDeferredPlugin, LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanQuality,
+        LeanResolution, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin,
         LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
         LeanScreenSpaceReflectionsPlugin, LeanStatus, LeanSubsurfaceScattering, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
-            OcclusionQuality, OcclusionResolution,
         },
         auto_exposure::{
             ExposureClock, LuminanceTrim, MeteredExposure, Metering, MeteringPattern, ReductionPath,
@@ -122,7 +123,7 @@ plugin_group! {
     /// effect without [`LeanDeferredPlugin`].
     pub struct LeanDeferredPlugins {
         :LeanDeferredPlugin,
-        :LeanAmbientOcclusionPlugin,
+        :LeanScreenSpaceAmbientOcclusionPlugin,
         :LeanAutoExposurePlugin,
         :LeanScreenSpaceGiPlugin,
         :LeanScreenSpaceReflectionsPlugin,

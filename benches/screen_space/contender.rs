@@ -139,7 +139,7 @@ impl Contender {
         match self {
             Self::Plain => {}
             Self::Occlusion => {
-                camera.insert(LeanAmbientOcclusion::default());
+                camera.insert(LeanScreenSpaceAmbientOcclusion::default());
             }
             Self::Gi(quality, resolution) => {
                 camera.insert(LeanScreenSpaceGi {

@@ -4,7 +4,7 @@
 //!
 //! | key | does |
 //! |---|---|
-//! | 1, 2, 3 | no effect, `LeanAmbientOcclusion`, `LeanScreenSpaceGi` |
+//! | 1, 2, 3 | no effect, `LeanScreenSpaceAmbientOcclusion`, `LeanScreenSpaceGi` |
 //! | Q | next quality |
 //! | R | full / half resolution |
 //! | Up, Down | larger, smaller radius |

@@ -35,7 +35,7 @@ fn update_text(
     let effect = match settings.effect {
         Effect::None => "no effect".into(),
         Effect::Occlusion => format!(
-            "LeanAmbientOcclusion: {}",
+            "LeanScreenSpaceAmbientOcclusion: {}",
             time("lean_deferred/ambient_occlusion/gather")
         ),
         Effect::Gi => format!(

@@ -151,7 +151,7 @@ pub fn apply(
     }
     let mut camera = commands.entity(*camera);
     camera.remove::<(
-        LeanAmbientOcclusion,
+        LeanScreenSpaceAmbientOcclusion,
         LeanScreenSpaceGi,
         LeanScreenSpaceReflections,
         ScreenSpaceReflections,
@@ -181,7 +181,7 @@ pub fn apply(
     match settings.effect {
         Effect::None => {}
         Effect::Occlusion => {
-            camera.insert(LeanAmbientOcclusion::default());
+            camera.insert(LeanScreenSpaceAmbientOcclusion::default());
         }
         Effect::Gi => {
             camera.insert(LeanScreenSpaceGi {

@@ -73,7 +73,7 @@ impl Values<'_> {
         }
         Some(match random.below(6) {
             0 => change!(LeanDeferred),
-            1 => change!(LeanAmbientOcclusion),
+            1 => change!(LeanScreenSpaceAmbientOcclusion),
             2 => change!(LeanAutoExposure),
             3 => change!(LeanScreenSpaceGi),
             4 => change!(LeanScreenSpaceReflections),
@@ -81,20 +81,20 @@ impl Values<'_> {
         })
     }
 
-    /// Changes one or two fields of a struct.
+    /// Changes one or two fields of a struct of settings, or of its struct of advanced ones.
     pub fn change(&self, settings: &mut dyn PartialReflect, random: &mut Random) {
         let ReflectMut::Struct(fields) = settings.reflect_mut() else {
             return self.set(settings, random);
         };
         for _ in 0..=random.below(2) {
             let index = random.below(fields.field_len());
-            let is_kept = fields
-                .name_at(index)
-                .is_none_or(|name| self.kept.contains(&name));
-            if let Some(field) = fields.field_at_mut(index)
-                && !is_kept
-            {
-                self.set(field, random);
+            let name = fields.name_at(index);
+            let is_kept = name.is_none_or(|name| self.kept.contains(&name));
+            let has_settings = name == Some("advanced");
+            match fields.field_at_mut(index) {
+                Some(field) if has_settings => self.change(field, random),
+                Some(field) if !is_kept => self.set(field, random),
+                _ => {}
             }
         }
     }

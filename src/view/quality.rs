@@ -80,6 +80,14 @@ pub enum LeanResolution {
 impl LeanResolution {
     /// All resolutions, cheapest first.
     pub const ALL: [Self; 2] = [Self::Half, Self::Full];
+
+    /// Pixels per side of a texel.
+    pub(crate) fn divisor(self) -> u32 {
+        match self {
+            Self::Half => 2,
+            Self::Full => 1,
+        }
+    }
 }
 
 impl fmt::Display for LeanResolution {

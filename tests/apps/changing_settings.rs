@@ -87,7 +87,7 @@ impl Setting {
                 Hdr,
                 Msaa::Off,
                 LeanDeferred::default(),
-                LeanAmbientOcclusion::default(),
+                LeanScreenSpaceAmbientOcclusion::default(),
                 LeanAutoExposure {
                     instant: true,
                     ..default()
@@ -173,7 +173,7 @@ impl Setting {
 fn change_components(camera: &mut EntityWorldMut, random: &mut Random) -> String {
     match random.below(9) {
         0 => toggle::<LeanDeferred>(camera),
-        1 => toggle::<LeanAmbientOcclusion>(camera),
+        1 => toggle::<LeanScreenSpaceAmbientOcclusion>(camera),
         2 => toggle::<LeanAutoExposure>(camera),
         3 => toggle::<MeteredExposure>(camera),
         4 => toggle::<Hdr>(camera),
@@ -236,13 +236,17 @@ fn settings_of_cameras_that_are_off_may_change() {
             let camera = Camera { order, ..default() };
             s.camera(
                 default_camera_transform(),
-                (camera, LeanAmbientOcclusion::default()),
+                (camera, LeanScreenSpaceAmbientOcclusion::default()),
             )
         });
         headless.settle();
         for change in [
-            |settings: &mut LeanAmbientOcclusion| settings.resolution = OcclusionResolution::Half,
-            |settings: &mut LeanAmbientOcclusion| settings.kernel = OcclusionKernel::Hdao,
+            |settings: &mut LeanScreenSpaceAmbientOcclusion| {
+                settings.resolution = LeanResolution::Half;
+            },
+            |settings: &mut LeanScreenSpaceAmbientOcclusion| {
+                settings.advanced.kernel = OcclusionKernel::Hdao;
+            },
         ] {
             for is_active in [false, true] {
                 let world = headless.world();
@@ -256,7 +260,7 @@ fn settings_of_cameras_that_are_off_may_change() {
             }
             let world = headless.world();
             let mut camera = world.entity_mut(cameras[0]);
-            camera.insert(LeanAmbientOcclusion::default());
+            camera.insert(LeanScreenSpaceAmbientOcclusion::default());
             headless.frames(2);
         }
         let errors = log_watch::messages_with("Caught rendering error");
@@ -317,7 +321,7 @@ fn targets_may_be_replaced_and_resized() {
     in_own_process(|| {
         let all = (
             LeanDeferred::default(),
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
             LeanAutoExposure::default(),
         );
         let [bevy, lean] = [retarget(1, ()), retarget(1, all)];

@@ -271,11 +271,11 @@ fn effects_show_the_frame_that_they_are_of() {
             ..default()
         };
         watch(&mut walk, "occlusion", &|camera| {
-            camera.insert(LeanAmbientOcclusion::default());
+            camera.insert(LeanScreenSpaceAmbientOcclusion::default());
         });
         watch(&mut walk, "occlusion of another quality", &|camera| {
-            camera.insert(LeanAmbientOcclusion {
-                quality: OcclusionQuality::Low,
+            camera.insert(LeanScreenSpaceAmbientOcclusion {
+                quality: LeanQuality::Low,
                 ..default()
             });
         });
@@ -340,7 +340,7 @@ fn effects_show_the_frame_that_they_are_of() {
         });
         walk.both(|camera| {
             camera.remove::<(
-                LeanAmbientOcclusion,
+                LeanScreenSpaceAmbientOcclusion,
                 LeanScreenSpaceGi,
                 LeanScreenSpaceReflections,
                 LeanSubsurfaceScattering,
@@ -437,7 +437,7 @@ fn effects_go_on_when_a_projection_becomes_plain() {
         let mut camera = walk.headless.world().entity_mut(walk.tested);
         camera.insert((
             LeanDeferred::default(),
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceReflections::default(),
         ));
         walk.settle();

@@ -168,7 +168,11 @@ fn depth_of_the_viewport() {
     in_own_process(|| {
         let mut headless = app();
         assert_falls_back(&mut headless, squeeze_depth, SQUEEZED);
-        assert_effect_is_off::<LeanAmbientOcclusion>(&mut headless, squeeze_depth, SQUEEZED);
+        assert_effect_is_off::<LeanScreenSpaceAmbientOcclusion>(
+            &mut headless,
+            squeeze_depth,
+            SQUEEZED,
+        );
     });
 }
 
@@ -183,7 +187,11 @@ fn own_schedule() {
     in_own_process(|| {
         let mut headless = app();
         assert_falls_back(&mut headless, leave_core_3d, OWN_SCHEDULE);
-        assert_effect_is_off::<LeanAmbientOcclusion>(&mut headless, leave_core_3d, OWN_SCHEDULE);
+        assert_effect_is_off::<LeanScreenSpaceAmbientOcclusion>(
+            &mut headless,
+            leave_core_3d,
+            OWN_SCHEDULE,
+        );
         assert_effect_is_off::<LeanAutoExposure>(
             &mut headless,
             leave_core_3d,
@@ -210,7 +218,7 @@ fn of_sprites() {
     in_own_process(|| {
         let mut headless = app();
         assert_falls_back(&mut headless, make_2d, NOT_3D);
-        assert_effect_is_off::<LeanAmbientOcclusion>(&mut headless, make_2d, NOT_3D);
+        assert_effect_is_off::<LeanScreenSpaceAmbientOcclusion>(&mut headless, make_2d, NOT_3D);
         assert_effect_is_off::<LeanScreenSpaceReflections>(&mut headless, make_2d, NOT_LEAN);
         assert_effect_is_off::<LeanScreenSpaceGi>(&mut headless, make_2d, NOT_LEAN);
     });
@@ -223,7 +231,7 @@ fn what_loses_its_camera_3d() {
         let (mut headless, camera) = scene();
         headless.world().entity_mut(camera).insert((
             LeanDeferred::default(),
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceReflections::default(),
             LeanScreenSpaceGi::default(),
         ));

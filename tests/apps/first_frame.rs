@@ -25,7 +25,7 @@ const SIZE: UVec2 = UVec2::new(96, 64);
 fn effects() -> impl Bundle {
     (
         LeanDeferred::default(),
-        LeanAmbientOcclusion {
+        LeanScreenSpaceAmbientOcclusion {
             intensity: 3.0,
             ..default()
         },

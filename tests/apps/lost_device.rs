@@ -153,10 +153,13 @@ fn lean_cameras_survive() {
 #[test]
 fn occlusion_survives() {
     in_own_process(|| {
-        survives("occlusion", LeanAmbientOcclusion::default());
+        survives("occlusion", LeanScreenSpaceAmbientOcclusion::default());
         survives(
             "lean with occlusion",
-            (LeanDeferred::default(), LeanAmbientOcclusion::default()),
+            (
+                LeanDeferred::default(),
+                LeanScreenSpaceAmbientOcclusion::default(),
+            ),
         );
     });
 }

@@ -126,7 +126,7 @@ fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle +
 
 type Effects = (
     LeanDeferred,
-    LeanAmbientOcclusion,
+    LeanScreenSpaceAmbientOcclusion,
     LeanScreenSpaceGi,
     LeanScreenSpaceReflections,
 );
@@ -141,7 +141,7 @@ fn occlusion() {
     in_own_process(|| {
         check(
             "lean_deferred/ambient_occlusion",
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
         );
     });
 }
@@ -151,7 +151,10 @@ fn occlusion_of_a_lean_camera() {
     in_own_process(|| {
         check(
             "lean_deferred/ambient_occlusion",
-            (LeanDeferred::default(), LeanAmbientOcclusion::default()),
+            (
+                LeanDeferred::default(),
+                LeanScreenSpaceAmbientOcclusion::default(),
+            ),
         );
     });
 }

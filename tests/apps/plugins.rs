@@ -44,7 +44,7 @@ impl Effects {
             app.add_plugins(LeanDeferredPlugin);
         }
         if self.occlusion {
-            app.add_plugins(LeanAmbientOcclusionPlugin);
+            app.add_plugins(LeanScreenSpaceAmbientOcclusionPlugin);
         }
         if self.exposure {
             app.add_plugins(LeanAutoExposurePlugin);
@@ -53,12 +53,16 @@ impl Effects {
     }
 
     fn put_on(self, camera: &mut EntityWorldMut) {
-        camera.remove::<(LeanDeferred, LeanAmbientOcclusion, LeanAutoExposure)>();
+        camera.remove::<(
+            LeanDeferred,
+            LeanScreenSpaceAmbientOcclusion,
+            LeanAutoExposure,
+        )>();
         if self.deferred {
             camera.insert(LeanDeferred::default());
         }
         if self.occlusion {
-            camera.insert(LeanAmbientOcclusion {
+            camera.insert(LeanScreenSpaceAmbientOcclusion {
                 intensity: 3.0,
                 ..default()
             });

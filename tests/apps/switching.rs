@@ -127,9 +127,9 @@ fn what_an_effect_changed_is_given_back(stage: &mut Stage) {
         stage.remove::<LeanDeferred>();
         assert_eq!(stage.settings(), BEVYS);
 
-        stage.add::<LeanAmbientOcclusion>();
+        stage.add::<LeanScreenSpaceAmbientOcclusion>();
         assert_eq!(stage.settings(), (Msaa::Off, false));
-        stage.remove::<LeanAmbientOcclusion>();
+        stage.remove::<LeanScreenSpaceAmbientOcclusion>();
         assert_eq!(stage.settings(), BEVYS);
 
         stage.add::<LeanAutoExposure>();
@@ -142,14 +142,14 @@ fn what_an_effect_changed_is_given_back(stage: &mut Stage) {
 }
 
 fn what_another_effect_needs_stays(stage: &mut Stage) {
-    stage.add::<LeanAmbientOcclusion>();
+    stage.add::<LeanScreenSpaceAmbientOcclusion>();
     stage.add::<LeanDeferred>();
-    stage.remove::<LeanAmbientOcclusion>();
+    stage.remove::<LeanScreenSpaceAmbientOcclusion>();
     assert_eq!(stage.settings(), (Msaa::Off, true));
-    stage.add::<LeanAmbientOcclusion>();
+    stage.add::<LeanScreenSpaceAmbientOcclusion>();
     stage.remove::<LeanDeferred>();
     assert_eq!(stage.settings(), (Msaa::Off, false));
-    stage.remove::<LeanAmbientOcclusion>();
+    stage.remove::<LeanScreenSpaceAmbientOcclusion>();
     assert_eq!(stage.settings(), BEVYS);
 
     stage.add::<LeanDeferred>();
@@ -169,12 +169,16 @@ fn what_another_effect_needs_stays(stage: &mut Stage) {
     stage.remove::<(Bloom, Hdr)>();
     stage.insert((
         LeanDeferred::default(),
-        LeanAmbientOcclusion::default(),
+        LeanScreenSpaceAmbientOcclusion::default(),
         LeanAutoExposure::default(),
     ));
     assert_eq!(stage.settings(), (Msaa::Off, true));
     stage.act(|camera| {
-        camera.remove::<(LeanDeferred, LeanAmbientOcclusion, LeanAutoExposure)>();
+        camera.remove::<(
+            LeanDeferred,
+            LeanScreenSpaceAmbientOcclusion,
+            LeanAutoExposure,
+        )>();
     });
     assert_eq!(stage.settings(), BEVYS);
 }
@@ -351,8 +355,8 @@ fn warnings_come_again_when_the_cause_does() {
         assert_eq!(lean(), 4, "it was forgotten with the component");
         stage.remove::<(LeanDeferred, DeferredPrepass)>();
 
-        let occlusion = || warnings("LeanAmbientOcclusion", "its `Msaa` is not `Off`");
-        stage.add::<LeanAmbientOcclusion>();
+        let occlusion = || warnings("LeanScreenSpaceAmbientOcclusion", "its `Msaa` is not `Off`");
+        stage.add::<LeanScreenSpaceAmbientOcclusion>();
         for expected in 1..=2 {
             stage.insert(Msaa::Sample4);
             assert_eq!(occlusion(), expected);

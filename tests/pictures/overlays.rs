@@ -229,7 +229,7 @@ fn over_a_lean_camera_that_skips_its_output() {
 fn over_cameras_with_other_effects() {
     in_own_process(|| {
         let occlusion: Change = |camera| {
-            camera.insert(LeanAmbientOcclusion {
+            camera.insert(LeanScreenSpaceAmbientOcclusion {
                 intensity: 2.0,
                 ..default()
             });

@@ -179,7 +179,7 @@ fn add_twin(stage: &mut Stage, camera: Entity, size: UVec2) -> Entity {
     entity
         .remove::<(
             LeanDeferred,
-            LeanAmbientOcclusion,
+            LeanScreenSpaceAmbientOcclusion,
             LeanAutoExposure,
             LeanScreenSpaceGi,
             LeanScreenSpaceReflections,

@@ -30,7 +30,7 @@ const fn component<C: Component + Default>(name: &'static str) -> Switch {
 
 const SWITCHES: [Switch; 6] = [
     component::<LeanDeferred>("lean"),
-    component::<LeanAmbientOcclusion>("ambient-occlusion"),
+    component::<LeanScreenSpaceAmbientOcclusion>("ambient-occlusion"),
     component::<LeanScreenSpaceGi>("diffuse-gi"),
     component::<LeanScreenSpaceReflections>("reflections"),
     // Materials enable it: it is on unless it is switched off.

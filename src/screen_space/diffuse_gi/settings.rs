@@ -8,8 +8,8 @@ use crate::screen_space::ScreenSpaceResolution;
 /// For cameras with [`LeanDeferred`](crate::LeanDeferred). The diffuse radiance of a surface (ambient and diffuse light, transmitted
 /// light, emission) illuminates surfaces around it in the next frame, and becomes part of their radiance: light bounces any number
 /// of times. Surfaces also occlude environment maps, irradiance volumes and ambient light over the part of the hemisphere that they
-/// cover, so that no energy is added. This replaces [`LeanAmbientOcclusion`](crate::LeanAmbientOcclusion), which is off beside this
-/// component.
+/// cover, so that no energy is added. This replaces
+/// [`LeanScreenSpaceAmbientOcclusion`](crate::LeanScreenSpaceAmbientOcclusion), which is off beside this component.
 ///
 /// Off-screen and hidden surfaces emit nothing. Meshes in Bevy's forward passes emit and occlude if the camera has `DepthPrepass`,
 /// but receive no light. A surface that faces away is assumed to emit as its front does. Without `MotionVectorPrepass`, the light of
