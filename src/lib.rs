@@ -19,7 +19,7 @@
 //! |---|---|---|
 //! | [`LeanDeferred`] | packed G-buffer, lighting in one compute pass | 3D cameras |
 //! | [`LeanScreenSpaceAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
-//! | [`LeanScreenSpaceGi`] | screen-space diffuse global illumination | cameras with [`LeanDeferred`] |
+//! | [`LeanScreenSpaceGi`] | screen-space diffuse global illumination | 3D cameras; adds [`LeanDeferred`] |
 //! | [`LeanScreenSpaceReflections`] | screen-space reflections, smooth and rough | cameras with [`LeanDeferred`] |
 //! | [`LeanSubsurfaceScattering`] | settings of subsurface scattering | cameras with [`LeanDeferred`] |
 //! | [`LeanAutoExposure`] | exposure from the image's luminance | 3D and 2D cameras; adds `Hdr` |
@@ -111,8 +111,8 @@ pub mod prelude {
             GBufferTargets, GBufferUsage, ShadingModel,
         },
         screen_space::{
-            ScreenSpaceGiDebugView, ScreenSpaceGiQuality, ScreenSpaceReflectionsDebugView,
-            ScreenSpaceReflectionsQuality, ScreenSpaceResolution, SubsurfaceScatteringQuality,
+            ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView, ScreenSpaceReflectionsQuality,
+            SubsurfaceScatteringQuality,
         },
         shading_extension::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo},
     };

@@ -8,8 +8,8 @@ use kit::analytic_mirrors::with_bevys_reflections;
 pub enum Contender {
     Plain,
     Occlusion,
-    Gi(ScreenSpaceGiQuality, ScreenSpaceResolution),
-    Reflections(ScreenSpaceReflectionsQuality, ScreenSpaceResolution),
+    Gi(LeanQuality, LeanResolution),
+    Reflections(ScreenSpaceReflectionsQuality, LeanResolution),
     /// Bevy's `ScreenSpaceReflections` on its deferred path.
     BevysReflections,
     /// Scattering beneath all surfaces, or beneath a ball that covers a tenth of the picture.
@@ -25,10 +25,10 @@ pub enum Share {
 
 impl Contender {
     pub fn all() -> Vec<Self> {
-        use ScreenSpaceResolution::{Full, Half};
-        let gi = [Half, Full].into_iter().flat_map(|resolution| {
-            ScreenSpaceGiQuality::ALL.map(|quality| Self::Gi(quality, resolution))
-        });
+        use LeanResolution::{Full, Half};
+        let gi = [Half, Full]
+            .into_iter()
+            .flat_map(|resolution| LeanQuality::ALL.map(|quality| Self::Gi(quality, resolution)));
         let reflections = [Half, Full].into_iter().flat_map(|resolution| {
             let qualities = ScreenSpaceReflectionsQuality::ALL;
             qualities.map(|quality| Self::Reflections(quality, resolution))
@@ -107,8 +107,8 @@ impl Contender {
             // last frame's first level is read too. The gathered and the filtered light have 8 bytes per texel each.
             Self::Gi(_, resolution) => {
                 let texels = match resolution {
-                    ScreenSpaceResolution::Full => 1.0,
-                    ScreenSpaceResolution::Half => 0.25,
+                    LeanResolution::Full => 1.0,
+                    LeanResolution::Half => 0.25,
                 };
                 let levels = 1.0 + 0.25 + 0.0625 + 0.015_625;
                 4.0 + 4.0 + texels * 8.0 * (2.0 * levels + 1.0 + 2.0 + 2.0)
@@ -168,7 +168,7 @@ impl Contender {
 
 fn reflections(
     quality: ScreenSpaceReflectionsQuality,
-    resolution: ScreenSpaceResolution,
+    resolution: LeanResolution,
 ) -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
         quality,

@@ -7,7 +7,10 @@ use bevy::{
     prelude::*,
     render::{RenderApp, diagnostic::RenderDiagnosticsPlugin},
 };
-use bevy_lean_deferred::{prelude::*, screen_space::TimesEachDispatch};
+use bevy_lean_deferred::{
+    prelude::*,
+    screen_space::{LeanScreenSpaceGiAdvanced, TimesEachDispatch},
+};
 use figures::benches::screen_space::{KnownError, Measurement};
 use kit::{
     analytic_light::{self, Errors},
@@ -48,9 +51,12 @@ pub fn errors(contender: Contender, size: UVec2) -> Vec<KnownError> {
         Contender::Gi(quality, resolution) => {
             let effect = LeanScreenSpaceGi {
                 radius: 100.0,
-                falloff: 0.1,
                 quality,
                 resolution,
+                advanced: LeanScreenSpaceGiAdvanced {
+                    falloff: 0.1,
+                    ..default()
+                },
                 ..default()
             };
             [

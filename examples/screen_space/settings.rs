@@ -114,14 +114,14 @@ pub fn read_keys(
             KeyCode::Digit2 => settings.effect = Effect::Occlusion,
             KeyCode::Digit3 => settings.effect = Effect::Gi,
             KeyCode::KeyQ => {
-                settings.gi.quality = next(&ScreenSpaceGiQuality::ALL, settings.gi.quality);
+                settings.gi.quality = next(&LeanQuality::ALL, settings.gi.quality);
             }
             KeyCode::KeyM => settings.mirrors = next(&MIRRORS, settings.mirrors),
             KeyCode::KeyD => {
                 settings.debug_view = next_or_none(&DEBUG_VIEWS, settings.debug_view);
             }
             KeyCode::KeyR => {
-                settings.gi.resolution = next(&ScreenSpaceResolution::ALL, settings.gi.resolution);
+                settings.gi.resolution = next(&LeanResolution::ALL, settings.gi.resolution);
             }
             KeyCode::ArrowUp => settings.gi.radius *= RADIUS_STEP,
             KeyCode::ArrowDown => settings.gi.radius /= RADIUS_STEP,

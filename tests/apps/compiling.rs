@@ -297,7 +297,7 @@ fn effects_show_the_frame_that_they_are_of() {
         });
         watch(&mut walk, "reflections at full resolution", &|camera| {
             camera.insert(LeanScreenSpaceReflections {
-                resolution: ScreenSpaceResolution::Full,
+                resolution: LeanResolution::Full,
                 ..default()
             });
         });

@@ -220,7 +220,7 @@ fn of_sprites() {
         assert_falls_back(&mut headless, make_2d, NOT_3D);
         assert_effect_is_off::<LeanScreenSpaceAmbientOcclusion>(&mut headless, make_2d, NOT_3D);
         assert_effect_is_off::<LeanScreenSpaceReflections>(&mut headless, make_2d, NOT_LEAN);
-        assert_effect_is_off::<LeanScreenSpaceGi>(&mut headless, make_2d, NOT_LEAN);
+        assert_effect_is_off::<LeanScreenSpaceGi>(&mut headless, make_2d, NOT_3D);
     });
 }
 

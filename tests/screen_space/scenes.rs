@@ -5,7 +5,7 @@ use bevy::{
     material::OpaqueRendererMethod,
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{prelude::*, screen_space::LeanScreenSpaceGiAdvanced};
 use kit::{
     analytic_light::{Seen, camera, look_at_once, see, surface},
     headless::Headless,
@@ -33,7 +33,10 @@ pub fn reflections() -> LeanScreenSpaceReflections {
 pub fn gi() -> LeanScreenSpaceGi {
     LeanScreenSpaceGi {
         radius: 100.0,
-        falloff: 0.1,
+        advanced: LeanScreenSpaceGiAdvanced {
+            falloff: 0.1,
+            ..default()
+        },
         ..default()
     }
 }

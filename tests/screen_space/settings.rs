@@ -11,7 +11,8 @@ use bevy::{
 use bevy_lean_deferred::{
     prelude::*,
     screen_space::{
-        TimesEachDispatch, ViewHistory, diffuse_gi::ViewGi, reflections::ViewReflections,
+        LeanScreenSpaceGiAdvanced, TimesEachDispatch, ViewHistory, diffuse_gi::ViewGi,
+        reflections::ViewReflections,
     },
 };
 use kit::{
@@ -232,8 +233,8 @@ fn settings_may_be_anything() {
     in_own_process(|| {
         let mut headless = build(SIZE, stage);
         headless.settle();
-        for quality in ScreenSpaceGiQuality::ALL {
-            for resolution in ScreenSpaceResolution::ALL {
+        for quality in LeanQuality::ALL {
+            for resolution in LeanResolution::ALL {
                 change_cameras(&mut headless, |camera| {
                     camera.insert(LeanScreenSpaceGi {
                         quality,
@@ -246,7 +247,7 @@ fn settings_may_be_anything() {
             }
         }
         for quality in ScreenSpaceReflectionsQuality::ALL {
-            for resolution in ScreenSpaceResolution::ALL {
+            for resolution in LeanResolution::ALL {
                 change_cameras(&mut headless, |camera| {
                     camera.insert(LeanScreenSpaceReflections {
                         quality,
@@ -263,8 +264,10 @@ fn settings_may_be_anything() {
                 camera.insert(LeanScreenSpaceGi {
                     radius: number,
                     intensity: number,
-                    bias: number,
-                    falloff: number,
+                    advanced: LeanScreenSpaceGiAdvanced {
+                        bias: number,
+                        falloff: number,
+                    },
                     ..default()
                 });
                 camera.insert(LeanScreenSpaceReflections {

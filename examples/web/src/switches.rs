@@ -69,6 +69,9 @@ pub fn no_scattering() -> LeanSubsurfaceScattering {
 /// Name of the switch of all motion, beside those of the camera.
 const MOTION: &str = "motion";
 
+/// Bit of the renderer, the first of [`SWITCHES`].
+const LEAN: u32 = 1;
+
 /// One bit for each of [`SWITCHES`], and one for [`MOTION`]. The page writes it between frames.
 static ON: AtomicU32 = AtomicU32::new(0);
 
@@ -102,6 +105,10 @@ pub fn apply(
             (0, 1) => (switch.remove)(&mut camera),
             _ => {}
         }
+    }
+    // Effects that need it add it, but the page chooses the renderer.
+    if on != *applied && on & LEAN == 0 {
+        camera.remove::<LeanDeferred>();
     }
     motion.set_if_neq(Motion(on >> SWITCHES.len() & 1 == 1));
     *applied = on;

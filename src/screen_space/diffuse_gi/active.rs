@@ -61,7 +61,7 @@ pub(super) fn decide_active_gi(
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceGi", camera, reason);
         let key = GiKey {
-            samples: settings.quality.samples(),
+            samples: settings.samples(),
             divisor: settings.resolution.divisor(),
             projection: projection_of(view.clip_from_view),
         };

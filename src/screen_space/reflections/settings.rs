@@ -1,6 +1,6 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::screen_space::ScreenSpaceResolution;
+use crate::view::LeanResolution;
 
 /// Screen-space reflections: traces rays through this frame's depth into the light of the last frame.
 ///
@@ -29,7 +29,7 @@ use crate::screen_space::ScreenSpaceResolution;
 ///         LeanDeferred::default(),
 ///         LeanScreenSpaceReflections {
 ///             max_roughness: 0.5,
-///             resolution: ScreenSpaceResolution::Full,
+///             resolution: LeanResolution::Full,
 ///             ..default()
 ///         },
 ///     ));
@@ -64,8 +64,8 @@ pub struct LeanScreenSpaceReflections {
     pub intensity: f32,
     /// Range and precision of rays. Default [`ScreenSpaceReflectionsQuality::Medium`].
     pub quality: ScreenSpaceReflectionsQuality,
-    /// Resolution at which rays are traced: see [`texel_side`](Self::texel_side). Default [`ScreenSpaceResolution::Half`].
-    pub resolution: ScreenSpaceResolution,
+    /// Resolution at which rays are traced: see [`texel_side`](Self::texel_side). Default [`LeanResolution::Half`].
+    pub resolution: LeanResolution,
     /// Output that is shown in place of the image. Default `None`, the image.
     pub debug_view: Option<ScreenSpaceReflectionsDebugView>,
 }
