@@ -20,7 +20,7 @@
 //! | [`LeanDeferred`] | packed G-buffer, lighting in one compute pass | 3D cameras |
 //! | [`LeanScreenSpaceAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
 //! | [`LeanScreenSpaceGi`] | screen-space diffuse global illumination | 3D cameras; adds [`LeanDeferred`] |
-//! | [`LeanScreenSpaceReflections`] | screen-space reflections, smooth and rough | cameras with [`LeanDeferred`] |
+//! | [`LeanScreenSpaceReflections`] | screen-space reflections, smooth and rough | 3D cameras; adds [`LeanDeferred`] |
 //! | [`LeanSubsurfaceScattering`] | settings of subsurface scattering | cameras with [`LeanDeferred`] |
 //! | [`LeanAutoExposure`] | exposure from the image's luminance | 3D and 2D cameras; adds `Hdr` |
 //! | [`CameraCut`] | the camera jumps: effects drop their history | all of these |
@@ -111,8 +111,7 @@ pub mod prelude {
             GBufferTargets, GBufferUsage, ShadingModel,
         },
         screen_space::{
-            ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView, ScreenSpaceReflectionsQuality,
-            SubsurfaceScatteringQuality,
+            ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView, SubsurfaceScatteringQuality,
         },
         shading_extension::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo},
     };

@@ -9,7 +9,7 @@ pub enum Contender {
     Plain,
     Occlusion,
     Gi(LeanQuality, LeanResolution),
-    Reflections(ScreenSpaceReflectionsQuality, LeanResolution),
+    Reflections(LeanQuality, LeanResolution),
     /// Bevy's `ScreenSpaceReflections` on its deferred path.
     BevysReflections,
     /// Scattering beneath all surfaces, or beneath a ball that covers a tenth of the picture.
@@ -30,8 +30,7 @@ impl Contender {
             .into_iter()
             .flat_map(|resolution| LeanQuality::ALL.map(|quality| Self::Gi(quality, resolution)));
         let reflections = [Half, Full].into_iter().flat_map(|resolution| {
-            let qualities = ScreenSpaceReflectionsQuality::ALL;
-            qualities.map(|quality| Self::Reflections(quality, resolution))
+            LeanQuality::ALL.map(|quality| Self::Reflections(quality, resolution))
         });
         let scattering = [Share::All, Share::Tenth].into_iter().flat_map(|share| {
             SubsurfaceScatteringQuality::ALL.map(|quality| Self::Scattering(quality, share))
@@ -166,10 +165,7 @@ impl Contender {
     }
 }
 
-fn reflections(
-    quality: ScreenSpaceReflectionsQuality,
-    resolution: LeanResolution,
-) -> LeanScreenSpaceReflections {
+fn reflections(quality: LeanQuality, resolution: LeanResolution) -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
         quality,
         resolution,

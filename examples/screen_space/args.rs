@@ -29,7 +29,7 @@ pub struct Args {
     #[argh(option, default = "default()")]
     quality: LeanQuality,
 
-    /// reflections: off, low, medium (the default), high, or bevy for Bevy's
+    /// reflections: off, low, medium (the default), high, ultra, or bevy for Bevy's
     #[argh(option, default = "Mirrors::Medium", from_str_fn(mirrors))]
     mirrors: Mirrors,
 

@@ -8,7 +8,7 @@
 //! | Q | next quality |
 //! | R | full / half resolution |
 //! | Up, Down | larger, smaller radius |
-//! | M | `LeanScreenSpaceReflections`: off, low, medium, high; then Bevy's `ScreenSpaceReflections`, without other effects |
+//! | M | `LeanScreenSpaceReflections`: off, low, medium, high, ultra; then Bevy's `ScreenSpaceReflections`, without other effects |
 //! | D | picture / debug views: light and visibility of GI; light, confidence and hits of reflections |
 //! | L | lamp and sun on / off |
 //! | H | text on / off |

@@ -30,15 +30,17 @@ pub enum Mirrors {
     Low,
     Medium,
     High,
+    Ultra,
     /// Bevy's `ScreenSpaceReflections` on its deferred path, without the other effects.
     Bevy,
 }
 
-pub const MIRRORS: [Mirrors; 5] = [
+pub const MIRRORS: [Mirrors; 6] = [
     Mirrors::Off,
     Mirrors::Low,
     Mirrors::Medium,
     Mirrors::High,
+    Mirrors::Ultra,
     Mirrors::Bevy,
 ];
 
@@ -80,12 +82,13 @@ impl DebugView {
 }
 
 impl Mirrors {
-    pub fn quality(self) -> Option<ScreenSpaceReflectionsQuality> {
+    pub fn quality(self) -> Option<LeanQuality> {
         match self {
             Self::Off | Self::Bevy => None,
-            Self::Low => Some(ScreenSpaceReflectionsQuality::Low),
-            Self::Medium => Some(ScreenSpaceReflectionsQuality::Medium),
-            Self::High => Some(ScreenSpaceReflectionsQuality::High),
+            Self::Low => Some(LeanQuality::Low),
+            Self::Medium => Some(LeanQuality::Medium),
+            Self::High => Some(LeanQuality::High),
+            Self::Ultra => Some(LeanQuality::Ultra),
         }
     }
 }

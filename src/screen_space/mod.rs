@@ -46,8 +46,8 @@ pub use diffuse_gi::{
 #[doc(hidden)]
 pub use history::{ReadsHistory, ViewHistory};
 pub use reflections::{
-    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, ScreenSpaceReflectionsDebugView,
-    ScreenSpaceReflectionsQuality,
+    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvanced,
+    LeanScreenSpaceReflectionsPlugin, ScreenSpaceReflectionsDebugView,
 };
 pub use subsurface::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
 #[doc(hidden)]

@@ -194,7 +194,7 @@ fn rays_of_rough_floors_miss_no_walls() {
             let in_room = floor(&seen).filter(|(place, _)| place.x.abs() < 1.4 && place.z > -1.8);
             in_room.map(|(_, light)| light).sum::<f32>()
         };
-        for quality in ScreenSpaceReflectionsQuality::ALL {
+        for quality in LeanQuality::ALL {
             for roughness in [0.3, 0.6] {
                 let [thin, thick] = [0.05, 100.0].map(|metres| sum(quality, roughness, metres));
                 println!("{quality:?}, roughness {roughness}: {:.4}", thin / thick);

@@ -5,7 +5,10 @@ use bevy::{
     material::OpaqueRendererMethod,
     prelude::*,
 };
-use bevy_lean_deferred::{prelude::*, screen_space::LeanScreenSpaceGiAdvanced};
+use bevy_lean_deferred::{
+    prelude::*,
+    screen_space::{LeanScreenSpaceGiAdvanced, LeanScreenSpaceReflectionsAdvanced},
+};
 use kit::{
     analytic_light::{Seen, camera, look_at_once, see, surface},
     headless::Headless,
@@ -24,7 +27,7 @@ pub const EYE: Vec3 = Vec3::new(0.0, 1.2, 3.0);
 /// Reflections that do not fade at the picture's edge.
 pub fn reflections() -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
-        edge_fade: 0.0,
+        advanced: LeanScreenSpaceReflectionsAdvanced { edge_fade: 0.0 },
         ..default()
     }
 }

@@ -11,8 +11,8 @@ use bevy::{
 use bevy_lean_deferred::{
     prelude::*,
     screen_space::{
-        LeanScreenSpaceGiAdvanced, TimesEachDispatch, ViewHistory, diffuse_gi::ViewGi,
-        reflections::ViewReflections,
+        LeanScreenSpaceGiAdvanced, LeanScreenSpaceReflectionsAdvanced, TimesEachDispatch,
+        ViewHistory, diffuse_gi::ViewGi, reflections::ViewReflections,
     },
 };
 use kit::{
@@ -246,7 +246,7 @@ fn settings_may_be_anything() {
                 assert!(is_finite(&mut headless), "{quality:?}, {resolution:?}");
             }
         }
-        for quality in ScreenSpaceReflectionsQuality::ALL {
+        for quality in LeanQuality::ALL {
             for resolution in LeanResolution::ALL {
                 change_cameras(&mut headless, |camera| {
                     camera.insert(LeanScreenSpaceReflections {
@@ -273,7 +273,7 @@ fn settings_may_be_anything() {
                 camera.insert(LeanScreenSpaceReflections {
                     thickness: number,
                     max_roughness: number,
-                    edge_fade: number,
+                    advanced: LeanScreenSpaceReflectionsAdvanced { edge_fade: number },
                     intensity: number,
                     ..default()
                 });

@@ -68,9 +68,8 @@ pub(super) fn decide_active_reflections(
         warnings.tell("LeanScreenSpaceReflections", camera, reason);
         let rows = drawn_part(view, resolution).height();
         let key = ReflectionKey {
-            quality: settings.quality,
+            marches: settings.marches(rows),
             divisor: settings.texel_side(rows),
-            shortest_segment: settings.shortest_segment(rows),
             // From the last frame: if the target is new, coats reflect one frame late.
             specialization: last
                 .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
