@@ -21,7 +21,7 @@
 //! | [`LeanScreenSpaceAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
 //! | [`LeanScreenSpaceGi`] | screen-space diffuse global illumination | 3D cameras; adds [`LeanDeferred`] |
 //! | [`LeanScreenSpaceReflections`] | screen-space reflections, smooth and rough | 3D cameras; adds [`LeanDeferred`] |
-//! | [`LeanSubsurfaceScattering`] | settings of subsurface scattering | cameras with [`LeanDeferred`] |
+//! | [`LeanSubsurfaceScattering`] | light scatters beneath surfaces whose material asks for it | 3D cameras; adds [`LeanDeferred`] |
 //! | [`LeanAutoExposure`] | exposure from the image's luminance | 3D and 2D cameras; adds `Hdr` |
 //! | [`CameraCut`] | the camera jumps: effects drop their history | all of these |
 //!
@@ -83,7 +83,7 @@ pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::{LeanDeferredPlugin, LeanDeferredSupport};
 pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
-    LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering,
+    LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin,
 };
 pub use view::{
     CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanQuality, LeanResolution, LeanStatus,
@@ -99,7 +99,8 @@ pub mod prelude {
         LeanDeferredPlugin, LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanQuality,
         LeanResolution, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin,
         LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
-        LeanScreenSpaceReflectionsPlugin, LeanStatus, LeanSubsurfaceScattering, LightCulling,
+        LeanScreenSpaceReflectionsPlugin, LeanStatus, LeanSubsurfaceScattering,
+        LeanSubsurfaceScatteringPlugin, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
         },
@@ -110,21 +111,20 @@ pub mod prelude {
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
             GBufferTargets, GBufferUsage, ShadingModel,
         },
-        screen_space::{
-            ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView, SubsurfaceScatteringQuality,
-        },
+        screen_space::{ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView},
         shading_extension::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo},
     };
 }
 
 plugin_group! {
-    /// All effects of this crate. Add it after `DefaultPlugins`. Each plugin can also be added alone; diffuse GI and reflections have no
-    /// effect without [`LeanDeferredPlugin`].
+    /// All effects of this crate. Add it after `DefaultPlugins`. Each plugin can also be added alone; diffuse GI, reflections and
+    /// subsurface scattering have no effect without [`LeanDeferredPlugin`].
     pub struct LeanDeferredPlugins {
         :LeanDeferredPlugin,
         :LeanScreenSpaceAmbientOcclusionPlugin,
         :LeanAutoExposurePlugin,
         :LeanScreenSpaceGiPlugin,
         :LeanScreenSpaceReflectionsPlugin,
+        :LeanSubsurfaceScatteringPlugin,
     }
 }

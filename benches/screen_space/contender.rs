@@ -12,8 +12,9 @@ pub enum Contender {
     Reflections(LeanQuality, LeanResolution),
     /// Bevy's `ScreenSpaceReflections` on its deferred path.
     BevysReflections,
-    /// Scattering beneath all surfaces, or beneath a ball that covers a tenth of the picture.
-    Scattering(SubsurfaceScatteringQuality, Share),
+    /// Scattering beneath all surfaces, or beneath a ball that covers a tenth of the picture; without a quality, such
+    /// surfaces on a camera without the effect.
+    Scattering(Option<LeanQuality>, Share),
 }
 
 /// Share of the picture that scatters light.
@@ -33,7 +34,9 @@ impl Contender {
             LeanQuality::ALL.map(|quality| Self::Reflections(quality, resolution))
         });
         let scattering = [Share::All, Share::Tenth].into_iter().flat_map(|share| {
-            SubsurfaceScatteringQuality::ALL.map(|quality| Self::Scattering(quality, share))
+            // `Medium` is as `Low`, `Ultra` as `High`.
+            let qualities = [None, Some(LeanQuality::Low), Some(LeanQuality::High)];
+            qualities.map(|quality| Self::Scattering(quality, share))
         });
         [Self::Plain, Self::Occlusion]
             .into_iter()
@@ -57,7 +60,8 @@ impl Contender {
                 format!("reflections, {quality:?}, {resolution:?}")
             }
             Self::BevysReflections => "Bevy's reflections".into(),
-            Self::Scattering(quality, share) => format!("scattering, {quality:?}, {share:?}"),
+            Self::Scattering(None, share) => format!("scattering, Off, {share:?}"),
+            Self::Scattering(Some(quality), share) => format!("scattering, {quality:?}, {share:?}"),
         }
     }
 
@@ -72,7 +76,7 @@ impl Contender {
                 "lean_deferred/screen_space/reflections",
             ],
             Self::BevysReflections => &["ssr"],
-            Self::Scattering(SubsurfaceScatteringQuality::Off, _) => &[],
+            Self::Scattering(None, _) => &[],
             Self::Scattering(..) => &["lean_deferred/screen_space/subsurface"],
         }
     }
@@ -152,10 +156,12 @@ impl Contender {
             }
             Self::BevysReflections => with_bevys_reflections(camera),
             Self::Scattering(quality, share) => {
-                camera.insert(LeanSubsurfaceScattering {
-                    quality,
-                    ..default()
-                });
+                if let Some(quality) = quality {
+                    camera.insert(LeanSubsurfaceScattering {
+                        quality,
+                        ..default()
+                    });
+                }
                 match share {
                     Share::All => camera.world_scope(scatter_everywhere),
                     Share::Tenth => spawn_ball_before(camera),
@@ -174,8 +180,8 @@ fn reflections(quality: LeanQuality, resolution: LeanResolution) -> LeanScreenSp
 }
 
 /// Bytes per pixel whose light scatters.
-fn scattering_bytes(quality: SubsurfaceScatteringQuality) -> f64 {
-    if quality == SubsurfaceScatteringQuality::Off {
+fn scattering_bytes(quality: Option<LeanQuality>) -> f64 {
+    if quality.is_none() {
         return 0.0;
     }
     // Light has 8 bytes; the picture and the light that leaves 16. The picture's light and every second level are

@@ -90,15 +90,11 @@ impl Effect {
             (Self::Reflections, false) => {
                 camera.remove::<LeanScreenSpaceReflections>();
             }
-            // Materials enable it: it is on unless it is switched off.
-            (Self::SubsurfaceScattering, is_on) => {
-                camera.insert(LeanSubsurfaceScattering {
-                    quality: match is_on {
-                        true => default(),
-                        false => SubsurfaceScatteringQuality::Off,
-                    },
-                    ..default()
-                });
+            (Self::SubsurfaceScattering, true) => {
+                camera.insert(LeanSubsurfaceScattering::default());
+            }
+            (Self::SubsurfaceScattering, false) => {
+                camera.remove::<LeanSubsurfaceScattering>();
             }
             (Self::AutoExposure, true) => {
                 camera.insert(LeanAutoExposure {

@@ -49,7 +49,9 @@ pub use reflections::{
     LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvanced,
     LeanScreenSpaceReflectionsPlugin, ScreenSpaceReflectionsDebugView,
 };
-pub use subsurface::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
+pub use subsurface::{
+    LeanSubsurfaceScattering, LeanSubsurfaceScatteringAdvanced, LeanSubsurfaceScatteringPlugin,
+};
 #[doc(hidden)]
 pub use {history_validity::LastFrame, support::NEEDED_LIMITS};
 

@@ -78,16 +78,13 @@ impl Setting {
         for (order, camera) in self.cameras.into_iter().enumerate() {
             let target = self.images[usize::from(order == 2)].clone();
             let mut camera = self.headless.world().entity_mut(camera);
-            camera.remove::<(
-                LeanScreenSpaceGi,
-                LeanScreenSpaceReflections,
-                LeanSubsurfaceScattering,
-            )>();
+            camera.remove::<(LeanScreenSpaceGi, LeanScreenSpaceReflections)>();
             camera.insert((
                 Hdr,
                 Msaa::Off,
                 LeanDeferred::default(),
                 LeanScreenSpaceAmbientOcclusion::default(),
+                LeanSubsurfaceScattering::default(),
                 LeanAutoExposure {
                     instant: true,
                     ..default()

@@ -253,7 +253,7 @@ fn effects_show_the_frame_that_they_are_of() {
             camera.insert((DepthPrepass, NormalPrepass));
         });
         walk.settle();
-        // Scatters light on lean cameras unless their settings disable it.
+        // Scatters light on cameras with scattering.
         let mut s = SceneBuilder {
             headless: &mut walk.headless,
         };
@@ -280,14 +280,13 @@ fn effects_show_the_frame_that_they_are_of() {
             });
         });
         watch(&mut walk, "lean, with occlusion", &|camera| {
-            let off = scattering(SubsurfaceScatteringQuality::Off);
-            camera.insert((LeanDeferred::default(), off));
+            camera.insert(LeanDeferred::default());
         });
         watch(&mut walk, "scattering", &|camera| {
-            camera.insert(scattering(SubsurfaceScatteringQuality::High));
+            camera.insert(scattering(LeanQuality::High));
         });
         watch(&mut walk, "scattering of another quality", &|camera| {
-            camera.insert(scattering(SubsurfaceScatteringQuality::Low));
+            camera.insert(scattering(LeanQuality::Low));
         });
         watch(&mut walk, "reflections", &|camera| {
             camera.insert(LeanScreenSpaceReflections::default());

@@ -137,6 +137,7 @@ fn effects_are_off_where_workgroups_are_small() {
             LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceGi::default(),
             LeanScreenSpaceReflections::default(),
+            LeanSubsurfaceScattering::default(),
         ));
         headless.settle();
         headless.frames(4);
@@ -281,6 +282,7 @@ fn the_tables_are_enough() {
             LeanDeferred::default(),
             LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceReflections::default(),
+            LeanSubsurfaceScattering::default(),
             LeanAutoExposure::default(),
         ));
         headless.settle();

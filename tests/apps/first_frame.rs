@@ -29,6 +29,7 @@ fn effects() -> impl Bundle {
             intensity: 3.0,
             ..default()
         },
+        LeanSubsurfaceScattering::default(),
     )
 }
 

@@ -190,13 +190,10 @@ fn scattering_survives() {
             let place = Transform::from_xyz(-0.6, 0.5, 1.6);
             s.spawn((Mesh3d(mesh), MeshMaterial3d(material), place));
         };
-        let mut headless = survives_with("scattering", ball, LeanDeferred::default());
+        let mut headless = survives_with("scattering", ball, LeanSubsurfaceScattering::default());
         let with = settled(&mut headless);
         change_cameras(&mut headless, |camera| {
-            camera.insert(LeanSubsurfaceScattering {
-                quality: SubsurfaceScatteringQuality::Off,
-                ..default()
-            });
+            camera.remove::<LeanSubsurfaceScattering>();
         });
         let difference = pixel_difference(&with, &settled(&mut headless));
         println!("without scattering: {difference}");

@@ -11,7 +11,7 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     LeanAutoExposure, LeanDeferred, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi,
-    LeanScreenSpaceReflections,
+    LeanScreenSpaceReflections, LeanSubsurfaceScattering,
     ambient_occlusion::OcclusionBindings,
     screen_space::{
         ViewHistory, diffuse_gi::GiBindings, reflections::ReflectionBindings,
@@ -227,6 +227,7 @@ fn nothing_of_effects_is_made_anew() {
             LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceGi::default(),
             LeanScreenSpaceReflections::default(),
+            LeanSubsurfaceScattering::default(),
         ));
     });
     let has_room = has_room_for_scattering(&headless.device().limits());

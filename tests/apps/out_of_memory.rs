@@ -129,6 +129,7 @@ type Effects = (
     LeanScreenSpaceAmbientOcclusion,
     LeanScreenSpaceGi,
     LeanScreenSpaceReflections,
+    LeanSubsurfaceScattering,
 );
 
 #[test]
@@ -223,7 +224,7 @@ fn scattering() {
     where_light_scatters(|| {
         check(
             "lean_deferred/lighting/subsurface_light",
-            LeanDeferred::default(),
+            LeanSubsurfaceScattering::default(),
         )
     });
 }
@@ -233,7 +234,7 @@ fn scattered_light() {
     where_light_scatters(|| {
         check(
             "lean_deferred/screen_space/subsurface/scattered",
-            LeanDeferred::default(),
+            LeanSubsurfaceScattering::default(),
         )
     });
 }

@@ -44,6 +44,38 @@ pub fn gi() -> LeanScreenSpaceGi {
     }
 }
 
+/// Scattering of a test: none, or of a quality.
+pub const OFF: Option<LeanQuality> = None;
+pub const LOW: Option<LeanQuality> = Some(LeanQuality::Low);
+pub const HIGH: Option<LeanQuality> = Some(LeanQuality::High);
+
+pub fn scattering(quality: LeanQuality) -> LeanSubsurfaceScattering {
+    LeanSubsurfaceScattering {
+        quality,
+        ..default()
+    }
+}
+
+/// Gives a camera scattering of this quality, or takes it away.
+pub fn scatter(camera: &mut EntityWorldMut, quality: Option<LeanQuality>) {
+    match quality {
+        Some(quality) => _ = camera.insert(scattering(quality)),
+        None => _ = camera.remove::<LeanSubsurfaceScattering>(),
+    }
+}
+
+/// As [`camera`], with scattering of this quality.
+pub fn scattering_camera(
+    s: &mut SceneBuilder,
+    transform: Transform,
+    sky: f32,
+    quality: Option<LeanQuality>,
+) -> Entity {
+    let camera = camera(s, transform, sky, ());
+    scatter(&mut s.world().entity_mut(camera), quality);
+    camera
+}
+
 /// Spawns a large floor at this height.
 pub fn spawn_floor(s: &mut SceneBuilder, material: StandardMaterial, height: f32) -> Entity {
     let plane = Plane3d::default().mesh().size(12.0, 12.0);

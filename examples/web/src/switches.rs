@@ -33,16 +33,7 @@ const SWITCHES: [Switch; 6] = [
     component::<LeanScreenSpaceAmbientOcclusion>("ambient-occlusion"),
     component::<LeanScreenSpaceGi>("diffuse-gi"),
     component::<LeanScreenSpaceReflections>("reflections"),
-    // Materials enable it: it is on unless it is switched off.
-    Switch {
-        name: "subsurface-scattering",
-        insert: |camera| {
-            camera.remove::<LeanSubsurfaceScattering>();
-        },
-        remove: |camera| {
-            camera.insert(no_scattering());
-        },
-    },
+    component::<LeanSubsurfaceScattering>("subsurface-scattering"),
     Switch {
         name: "auto-exposure",
         insert: |camera| {
@@ -57,14 +48,6 @@ const SWITCHES: [Switch; 6] = [
         },
     },
 ];
-
-/// Switches scattering off, as in Bevy's forward renderer.
-pub fn no_scattering() -> LeanSubsurfaceScattering {
-    LeanSubsurfaceScattering {
-        quality: SubsurfaceScatteringQuality::Off,
-        ..default()
-    }
-}
 
 /// Name of the switch of all motion, beside those of the camera.
 const MOTION: &str = "motion";
