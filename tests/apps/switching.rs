@@ -113,6 +113,8 @@ fn settings_are_given_back() {
     what_another_effect_needs_stays(&mut stage);
     stage.replace_camera();
     what_the_app_set_stays(&mut stage);
+    stage.replace_camera();
+    what_needs_lean_deferred_adds_it(&mut stage);
 }
 
 fn what_an_effect_changed_is_given_back(stage: &mut Stage) {
@@ -139,6 +141,22 @@ fn what_an_effect_changed_is_given_back(stage: &mut Stage) {
     }
     stage.headless.settle();
     assert!(stage.headless.capture() == before);
+}
+
+/// Effects of lean cameras make a camera lean, and are off where `LeanDeferred` is removed again.
+fn what_needs_lean_deferred_adds_it(stage: &mut Stage) {
+    fn check<E: Component + Default>(stage: &mut Stage) {
+        stage.add::<E>();
+        assert_eq!(stage.settings(), (Msaa::Off, true));
+        assert_eq!(active_lean_views(&mut stage.headless), 1);
+        stage.remove::<LeanDeferred>();
+        assert_eq!(stage.settings(), BEVYS);
+        assert_eq!(active_lean_views(&mut stage.headless), 0);
+        stage.remove::<E>();
+    }
+    check::<LeanScreenSpaceGi>(stage);
+    check::<LeanScreenSpaceReflections>(stage);
+    check::<LeanSubsurfaceScattering>(stage);
 }
 
 fn what_another_effect_needs_stays(stage: &mut Stage) {

@@ -64,7 +64,7 @@ pub(super) fn decide_active_scattering(
         let is_asked =
             lean.is_some_and(|lean| lean.enabled) && demands.scatter(view.retained_view_entity);
         // A camera that sees nothing of the kind needs no warning.
-        let reason = EffectOff::of(true, NEEDED_LIMITS, &limits).filter(|_| is_asked);
+        let reason = EffectOff::of(NEEDED_LIMITS, &limits).filter(|_| is_asked);
         let can_run = is_asked && reason.is_none();
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanSubsurfaceScattering", camera, reason);
