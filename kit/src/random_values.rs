@@ -1,5 +1,7 @@
 //! Random values for the fields of any settings, including hostile ones, and random toggling of components.
 
+use core::ops::RangeInclusive;
+
 use bevy::{
     prelude::*,
     reflect::{
@@ -105,6 +107,9 @@ impl Values<'_> {
             *number = self.number(*number, random);
         } else if let Some(flag) = value.try_downcast_mut::<bool>() {
             *flag = random.below(2) == 0;
+        } else if let Some(range) = value.try_downcast_mut::<RangeInclusive<f32>>() {
+            let [start, end] = [*range.start(), *range.end()].map(|at| self.number(at, random));
+            *range = start..=end;
         } else if let Some(image) = value.try_downcast_mut::<Option<Handle<Image>>>() {
             *image = self.image(random).filter(|_| random.below(2) == 0);
         } else if let Some(image) = value.try_downcast_mut::<Handle<Image>>() {

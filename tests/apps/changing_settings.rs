@@ -11,6 +11,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture, target_image},
+    lean::instant_exposure,
     log_watch,
     metrics::pixel_difference,
     own_process::in_own_process,
@@ -85,10 +86,7 @@ impl Setting {
                 LeanDeferred::default(),
                 LeanScreenSpaceAmbientOcclusion::default(),
                 LeanSubsurfaceScattering::default(),
-                LeanAutoExposure {
-                    instant: true,
-                    ..default()
-                },
+                instant_exposure(),
                 RenderTarget::from(target),
             ));
             if let Some(mut camera) = camera.get_mut::<Camera>() {
@@ -218,6 +216,36 @@ fn check(seed: u64, frames: usize) {
     println!("seed {seed}: {difference}");
     assert_eq!(difference.largest, 0, "seed {seed}");
     log_watch::assert_validation_layer_silent();
+}
+
+/// Random changes reach advanced settings, options and ranges.
+#[test]
+fn any_setting_changes() {
+    let values = Values {
+        hostile: 0,
+        images: &[],
+        kept: &[],
+    };
+    let mut random = Random::new(1);
+    let mut occlusion = LeanScreenSpaceAmbientOcclusion::default();
+    let mut exposure = LeanAutoExposure::default();
+    let (same_occlusion, same_exposure) = (occlusion, exposure.clone());
+    let mut changed = [false; 5];
+    for _ in 0..400 {
+        values.change(&mut occlusion, &mut random);
+        values.change(&mut exposure, &mut random);
+        let other = [
+            occlusion.quality != same_occlusion.quality,
+            occlusion.thickness.is_some(),
+            occlusion.advanced.falloff != same_occlusion.advanced.falloff,
+            exposure.range != same_exposure.range,
+            exposure.advanced.instant,
+        ];
+        for (changed, other) in changed.iter_mut().zip(other) {
+            *changed |= other;
+        }
+    }
+    assert_eq!(changed, [true; 5]);
 }
 
 /// Settings may change while a camera is inactive, and change again once it is active.

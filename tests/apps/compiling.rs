@@ -16,7 +16,7 @@ use bevy_lean_deferred::{
 use kit::{
     analytic_slabs::{SKIN, slab},
     headless::{Headless, target_image},
-    lean::active_lean_views,
+    lean::{active_lean_views, instant_exposure},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{SceneBuilder, build::default_camera_transform},
@@ -302,10 +302,8 @@ fn effects_show_the_frame_that_they_are_of() {
         });
         // On both cameras, with the same exposure whatever is metered: a frame without it is four times as bright as the other camera's.
         let exposure = LeanAutoExposure {
-            instant: true,
-            min_exposure: -2.0,
-            max_exposure: -2.0,
-            ..default()
+            range: -2.0..=-2.0,
+            ..instant_exposure()
         };
         walk.both(|camera| {
             camera.insert(exposure.clone());

@@ -15,7 +15,7 @@ use kit::{
     analytic_slabs::{SKIN, slab},
     device::render_creation,
     headless::{Headless, Picture},
-    lean::{active_lean_views, build, change_cameras, set_lean},
+    lean::{active_lean_views, build, change_cameras, instant_exposure, set_lean},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{SceneBuilder, special_materials::put_lightmaps},
@@ -205,9 +205,8 @@ fn scattering_survives() {
 fn exposure_survives() {
     in_own_process(|| {
         let settings = LeanAutoExposure {
-            instant: true,
             overlay: true,
-            ..default()
+            ..instant_exposure()
         };
         let mut headless = survives(
             "exposure",

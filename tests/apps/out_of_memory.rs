@@ -7,7 +7,7 @@ use bevy::{prelude::*, render::RenderApp};
 use bevy_lean_deferred::{prelude::*, view::OutOfMemory};
 use kit::{
     headless::{Headless, Picture},
-    lean::{build, settled},
+    lean::{build, instant_exposure, settled},
     log_watch,
     metrics::pixel_difference,
     own_process::in_own_process,
@@ -164,12 +164,8 @@ fn occlusion_of_a_lean_camera() {
 #[test]
 fn exposure_of_a_lean_camera() {
     in_own_process(|| {
-        let exposure = LeanAutoExposure {
-            instant: true,
-            ..default()
-        };
         let effects = (LeanDeferred::default(), LeanScreenSpaceGi::default());
-        check_beside("lean_deferred/", exposure, effects);
+        check_beside("lean_deferred/", instant_exposure(), effects);
     });
 }
 

@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture, small_shadow_maps},
-    lean::{active_lean_views, settled},
+    lean::{active_lean_views, instant_exposure, settled},
     scenes::SceneBuilder,
 };
 
@@ -68,10 +68,7 @@ impl Effects {
             });
         }
         if self.exposure {
-            camera.insert(LeanAutoExposure {
-                instant: true,
-                ..default()
-            });
+            camera.insert(instant_exposure());
         }
     }
 }

@@ -9,7 +9,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture},
-    lean::{active_lean_views, judge, report, show},
+    lean::{active_lean_views, instant_exposure, judge, report, show},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{
@@ -235,10 +235,7 @@ fn over_cameras_with_other_effects() {
             });
         };
         let exposure: Change = |camera| {
-            camera.insert(LeanAutoExposure {
-                instant: true,
-                ..default()
-            });
+            camera.insert(instant_exposure());
         };
         let without_msaa: Change = |camera| {
             camera.insert(Msaa::Off);
