@@ -29,6 +29,12 @@
 //! [`GBufferMaterial`](gbuffer::GBufferMaterial) renders custom materials to the G-buffer,
 //! [`ShadingExtension`](shading_extension::ShadingExtension) adds shading models to `StandardMaterial`.
 //!
+//! # Settings
+//!
+//! All effects have the same levels, [`LeanQuality`] and [`LeanResolution`]. They can be listed, written and read, for menus and command
+//! lines, and with the feature `serialize` stored by serde. A component has what a game sets; what few games change is in its
+//! `advanced`.
+//!
 //! # The frame of a camera with [`LeanDeferred`]
 //!
 //! 1. **G-buffer** ([`gbuffer`]): opaque and alpha-masked meshes are rasterised once, into two 32-bit targets and the view's depth.
