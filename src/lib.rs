@@ -18,16 +18,22 @@
 //! | component | effect | for |
 //! |---|---|---|
 //! | [`LeanDeferred`] | packed G-buffer, lighting in one compute pass | 3D cameras |
-//! | [`LeanAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
-//! | [`LeanScreenSpaceGi`] | screen-space diffuse global illumination | cameras with [`LeanDeferred`] |
-//! | [`LeanScreenSpaceReflections`] | screen-space reflections, smooth and rough | cameras with [`LeanDeferred`] |
-//! | [`LeanSubsurfaceScattering`] | settings of subsurface scattering | cameras with [`LeanDeferred`] |
+//! | [`LeanScreenSpaceAmbientOcclusion`] | ambient occlusion from depth, without a prepass | 3D cameras |
+//! | [`LeanScreenSpaceGi`] | screen-space diffuse global illumination | 3D cameras; adds [`LeanDeferred`] |
+//! | [`LeanScreenSpaceReflections`] | screen-space reflections, smooth and rough | 3D cameras; adds [`LeanDeferred`] |
+//! | [`LeanSubsurfaceScattering`] | light scatters beneath surfaces whose material asks for it | 3D cameras; adds [`LeanDeferred`] |
 //! | [`LeanAutoExposure`] | exposure from the image's luminance | 3D and 2D cameras; adds `Hdr` |
 //! | [`CameraCut`] | the camera jumps: effects drop their history | all of these |
 //!
 //! Each can be added, changed and removed at run time; without it nothing is allocated, bound or dispatched for it.
 //! [`GBufferMaterial`](gbuffer::GBufferMaterial) renders custom materials to the G-buffer,
 //! [`ShadingExtension`](shading_extension::ShadingExtension) adds shading models to `StandardMaterial`.
+//!
+//! # Settings
+//!
+//! All effects have the same levels, [`LeanQuality`] and [`LeanResolution`]. They can be listed, written and read, for menus and command
+//! lines, and with the feature `serialize` stored by serde. A component has what a game sets; what few games change is in its
+//! `advanced`.
 //!
 //! # The frame of a camera with [`LeanDeferred`]
 //!
@@ -76,28 +82,33 @@ pub mod shading_extension;
 pub mod shading_models;
 pub mod view;
 
-pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
+pub use ambient_occlusion::{
+    LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin,
+};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::{LeanDeferredPlugin, LeanDeferredSupport};
 pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
-    LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering,
+    LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin,
 };
-pub use view::{CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanStatus, LightCulling};
+pub use view::{
+    CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanQuality, LeanResolution, LeanStatus,
+    LightCulling,
+};
 
 use bevy::app::plugin_group;
 
 /// The types that most apps need.
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
-        LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanScreenSpaceGi,
-        LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin,
-        LeanStatus, LeanSubsurfaceScattering, LightCulling,
+        CameraCut, DebugChannel, LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred,
+        LeanDeferredPlugin, LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanQuality,
+        LeanResolution, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin,
+        LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
+        LeanScreenSpaceReflectionsPlugin, LeanStatus, LeanSubsurfaceScattering,
+        LeanSubsurfaceScatteringPlugin, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
-            OcclusionQuality, OcclusionResolution,
         },
         auto_exposure::{
             ExposureClock, LuminanceTrim, MeteredExposure, Metering, MeteringPattern, ReductionPath,
@@ -106,22 +117,20 @@ pub mod prelude {
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
             GBufferTargets, GBufferUsage, LeanForwardMeshes, ShadingModel,
         },
-        screen_space::{
-            ScreenSpaceGiDebugView, ScreenSpaceGiQuality, ScreenSpaceReflectionsDebugView,
-            ScreenSpaceReflectionsQuality, ScreenSpaceResolution, SubsurfaceScatteringQuality,
-        },
+        screen_space::{ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView},
         shading_extension::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo},
     };
 }
 
 plugin_group! {
-    /// All effects of this crate. Add it after `DefaultPlugins`. Each plugin can also be added alone; diffuse GI and reflections have no
-    /// effect without [`LeanDeferredPlugin`].
+    /// All effects of this crate. Add it after `DefaultPlugins`. Each plugin can also be added alone; diffuse GI, reflections and
+    /// subsurface scattering have no effect without [`LeanDeferredPlugin`].
     pub struct LeanDeferredPlugins {
         :LeanDeferredPlugin,
-        :LeanAmbientOcclusionPlugin,
+        :LeanScreenSpaceAmbientOcclusionPlugin,
         :LeanAutoExposurePlugin,
         :LeanScreenSpaceGiPlugin,
         :LeanScreenSpaceReflectionsPlugin,
+        :LeanSubsurfaceScatteringPlugin,
     }
 }

@@ -4,7 +4,9 @@ use bevy::{
     pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionQualityLevel as BevyQuality},
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{
+    ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced as Advanced, prelude::*,
+};
 use figures::benches::ambient_occlusion::Bytes;
 
 /// A camera with ambient occlusion of some kind, or without any.
@@ -18,7 +20,7 @@ pub struct Contender {
 
 #[derive(Clone, Copy)]
 pub enum Kind {
-    Lean(LeanAmbientOcclusion),
+    Lean(LeanScreenSpaceAmbientOcclusion),
     Bevy(BevyQuality),
     /// The samples of the crate's default, but stored in the alpha of a 4 × FP16 target, blurred with 9 fetches and
     /// merged in a shader.
@@ -33,9 +35,8 @@ impl Contender {
             occlusion: kind,
         };
         let mut all = vec![of("lean camera, none".into(), true, None)];
-        let presets = OcclusionQuality::PRESETS;
-        all.extend(presets.map(|quality| {
-            let settings = LeanAmbientOcclusion {
+        all.extend(LeanQuality::ALL.map(|quality| {
+            let settings = LeanScreenSpaceAmbientOcclusion {
                 quality,
                 ..default()
             };
@@ -46,20 +47,23 @@ impl Contender {
             )
         }));
         let more = |name: &str, lean, settings| of(name.into(), lean, Some(Kind::Lean(settings)));
-        let base = LeanAmbientOcclusion::default();
+        let base = LeanScreenSpaceAmbientOcclusion::default();
         all.extend([
             more(
                 "Medium, indirect, geometric normals",
                 true,
-                LeanAmbientOcclusion {
-                    normals: OcclusionNormals::Geometric,
+                LeanScreenSpaceAmbientOcclusion {
+                    advanced: Advanced {
+                        normals: OcclusionNormals::Geometric,
+                        ..default()
+                    },
                     ..base
                 },
             ),
             more(
                 "Medium, indirect, radius 2 m",
                 true,
-                LeanAmbientOcclusion {
+                LeanScreenSpaceAmbientOcclusion {
                     radius: 2.0,
                     ..base
                 },
@@ -67,32 +71,41 @@ impl Contender {
             more(
                 "Medium, indirect, binomial",
                 true,
-                LeanAmbientOcclusion {
-                    filter: OcclusionFilter::Binomial,
+                LeanScreenSpaceAmbientOcclusion {
+                    advanced: Advanced {
+                        edge_aware: false,
+                        ..default()
+                    },
                     ..base
                 },
             ),
             more(
                 "Medium, indirect, wide",
                 true,
-                LeanAmbientOcclusion {
-                    filter: OcclusionFilter::WideEdgeAware,
+                LeanScreenSpaceAmbientOcclusion {
+                    advanced: Advanced {
+                        filter: OcclusionFilter::Wide,
+                        ..default()
+                    },
                     ..base
                 },
             ),
             more(
                 "Medium, indirect, half",
                 true,
-                LeanAmbientOcclusion {
-                    resolution: OcclusionResolution::Half,
+                LeanScreenSpaceAmbientOcclusion {
+                    resolution: LeanResolution::Half,
                     ..base
                 },
             ),
             more(
                 "HDAO, indirect",
                 true,
-                LeanAmbientOcclusion {
-                    kernel: OcclusionKernel::Hdao,
+                LeanScreenSpaceAmbientOcclusion {
+                    advanced: Advanced {
+                        kernel: OcclusionKernel::Hdao,
+                        ..default()
+                    },
                     ..base
                 },
             ),
@@ -101,8 +114,8 @@ impl Contender {
             more(
                 "Medium, blend, half",
                 false,
-                LeanAmbientOcclusion {
-                    resolution: OcclusionResolution::Half,
+                LeanScreenSpaceAmbientOcclusion {
+                    resolution: LeanResolution::Half,
                     ..base
                 },
             ),
@@ -133,7 +146,7 @@ impl Contender {
         match self.occlusion {
             None => {}
             Some(Kind::Lean(settings)) => {
-                camera.insert(LeanAmbientOcclusion {
+                camera.insert(LeanScreenSpaceAmbientOcclusion {
                     debug_view: shows,
                     ..settings
                 });
@@ -180,16 +193,16 @@ impl Contender {
                 fetched: 0.0,
             },
             Some(Kind::Lean(settings)) => {
-                let half = settings.resolution == OcclusionResolution::Half;
+                let half = settings.resolution == LeanResolution::Half;
                 let share = if half { 0.25 } else { 1.0 };
                 let wide = settings.has_wide_pattern();
                 let shading = self.lean
-                    && settings.normals == OcclusionNormals::Shading
-                    && settings.kernel == OcclusionKernel::Hbao;
-                let samples = match settings.kernel {
+                    && settings.advanced.normals == OcclusionNormals::Shading
+                    && settings.advanced.kernel == OcclusionKernel::Hbao;
+                let samples = match settings.advanced.kernel {
                     // The pixel, eight neighbours for its normal, and the steps.
                     OcclusionKernel::Hbao => {
-                        let (slices, steps) = settings.quality.samples();
+                        let (slices, steps) = settings.samples();
                         f64::from(9 + slices * steps * 2)
                     }
                     OcclusionKernel::Hdao => 1.0 + 32.0,
@@ -203,7 +216,7 @@ impl Contender {
                 };
                 let merge_depth = if self.lean { 0.0 } else { 4.0 };
                 // Plus the depths that give the plane of the pixel.
-                let filter_depths = match (settings.filter.is_edge_aware(), half, wide) {
+                let filter_depths = match (settings.advanced.edge_aware, half, wide) {
                     (false, ..) => 0.0,
                     (true, true, _) => 16.0 + 4.0,
                     (true, false, false) => 12.0 + 4.0,
@@ -246,7 +259,7 @@ impl Contender {
                 }
             }
             Some(Kind::Naive) => {
-                let (slices, steps) = OcclusionQuality::Medium.samples();
+                let (slices, steps) = LeanScreenSpaceAmbientOcclusion::default().samples();
                 let samples = f64::from(9 + slices * steps * 2);
                 Bytes {
                     compulsory: 8.0 + 8.0 + 2.0 * picture,

@@ -112,7 +112,7 @@ fn init(
     }
     let gather_layout = BindGroupLayoutDescriptor::new("naive gather", &gather_entries);
     let merge_layout = BindGroupLayoutDescriptor::new("naive merge", &merge_entries);
-    let (slices, steps) = OcclusionQuality::Medium.samples();
+    let (slices, steps) = LeanScreenSpaceAmbientOcclusion::default().samples();
     let defs: Vec<ShaderDefVal> = vec![
         ShaderDefVal::UInt("SLICES".into(), slices),
         ShaderDefVal::UInt("STEPS".into(), steps),
@@ -164,7 +164,7 @@ fn prepare(
     for (entity, camera, view) in &views {
         let size = camera.physical_target_size.unwrap_or(UVec2::ONE);
         assert!(projection_of(view.clip_from_view) == ProjectionKind::Perspective);
-        let settings = LeanAmbientOcclusion::default();
+        let settings = LeanScreenSpaceAmbientOcclusion::default();
         let mut uniform =
             UniformBuffer::from(OcclusionUniform::new(&settings, view.clip_from_view, size));
         uniform.write_buffer(&device, &queue);

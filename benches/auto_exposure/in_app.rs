@@ -30,6 +30,7 @@ use crate::{
 use kit::{
     gpu_time::Samples,
     headless::{FRAME_TIME, Headless},
+    lean::instant_exposure,
 };
 
 #[derive(Clone)]
@@ -39,10 +40,7 @@ enum Kind {
 }
 
 fn contenders() -> [(&'static str, Kind); 4] {
-    let lean = LeanAutoExposure {
-        instant: true,
-        ..default()
-    };
+    let lean = instant_exposure();
     // As fast as possible: the whole distance in one frame.
     let transition = 1000.0;
     let speed = transition / FRAME_TIME.as_secs_f32();

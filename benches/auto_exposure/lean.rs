@@ -9,14 +9,14 @@ use crate::{
     ring::Ring,
     timing::{Measured, time},
 };
-use kit::exposure_gpu::{ExposureGpu, Meter};
+use kit::{
+    exposure_gpu::{ExposureGpu, Meter},
+    lean::instant_exposure,
+};
 
 /// Settings, by name.
 pub fn contenders() -> Vec<(String, LeanAutoExposure)> {
-    let base = LeanAutoExposure {
-        instant: true,
-        ..Default::default()
-    };
+    let base = instant_exposure();
     let mut all = Vec::new();
     for metering in [Metering::LogAverage, Metering::LinearAverage] {
         all.push((

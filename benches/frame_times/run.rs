@@ -10,7 +10,9 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     prelude::*,
-    view::{IndirectDiffuse, IndirectSpecular, LightingIo, ReadsDiffuseLight},
+    view::{
+        IndirectDiffuse, IndirectSpecular, LeanDeferredAdvanced, LightingIo, ReadsDiffuseLight,
+    },
 };
 use figures::benches::frame_times::Measurement;
 
@@ -163,7 +165,7 @@ pub fn measure(
         }
         Contender::LeanCulling(light_culling) => {
             camera.insert(LeanDeferred {
-                light_culling,
+                advanced: LeanDeferredAdvanced { light_culling },
                 ..default()
             });
         }

@@ -5,7 +5,7 @@ use bevy::{
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{prelude::*, view::LeanDeferredAdvanced};
 use kit::bench_spans;
 
 /// A way to render the scene.
@@ -76,7 +76,7 @@ impl Contender {
             }
             Self::Lean(light_culling) => {
                 camera.insert(LeanDeferred {
-                    light_culling,
+                    advanced: LeanDeferredAdvanced { light_culling },
                     ..default()
                 });
             }

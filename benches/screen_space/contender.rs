@@ -8,12 +8,13 @@ use kit::analytic_mirrors::with_bevys_reflections;
 pub enum Contender {
     Plain,
     Occlusion,
-    Gi(ScreenSpaceGiQuality, ScreenSpaceResolution),
-    Reflections(ScreenSpaceReflectionsQuality, ScreenSpaceResolution),
+    Gi(LeanQuality, LeanResolution),
+    Reflections(LeanQuality, LeanResolution),
     /// Bevy's `ScreenSpaceReflections` on its deferred path.
     BevysReflections,
-    /// Scattering beneath all surfaces, or beneath a ball that covers a tenth of the picture.
-    Scattering(SubsurfaceScatteringQuality, Share),
+    /// Scattering beneath all surfaces, or beneath a ball that covers a tenth of the picture; without a quality, such
+    /// surfaces on a camera without the effect.
+    Scattering(Option<LeanQuality>, Share),
 }
 
 /// Share of the picture that scatters light.
@@ -25,16 +26,17 @@ pub enum Share {
 
 impl Contender {
     pub fn all() -> Vec<Self> {
-        use ScreenSpaceResolution::{Full, Half};
-        let gi = [Half, Full].into_iter().flat_map(|resolution| {
-            ScreenSpaceGiQuality::ALL.map(|quality| Self::Gi(quality, resolution))
-        });
+        use LeanResolution::{Full, Half};
+        let gi = [Half, Full]
+            .into_iter()
+            .flat_map(|resolution| LeanQuality::ALL.map(|quality| Self::Gi(quality, resolution)));
         let reflections = [Half, Full].into_iter().flat_map(|resolution| {
-            let qualities = ScreenSpaceReflectionsQuality::ALL;
-            qualities.map(|quality| Self::Reflections(quality, resolution))
+            LeanQuality::ALL.map(|quality| Self::Reflections(quality, resolution))
         });
         let scattering = [Share::All, Share::Tenth].into_iter().flat_map(|share| {
-            SubsurfaceScatteringQuality::ALL.map(|quality| Self::Scattering(quality, share))
+            // `Medium` is as `Low`, `Ultra` as `High`.
+            let qualities = [None, Some(LeanQuality::Low), Some(LeanQuality::High)];
+            qualities.map(|quality| Self::Scattering(quality, share))
         });
         [Self::Plain, Self::Occlusion]
             .into_iter()
@@ -58,7 +60,8 @@ impl Contender {
                 format!("reflections, {quality:?}, {resolution:?}")
             }
             Self::BevysReflections => "Bevy's reflections".into(),
-            Self::Scattering(quality, share) => format!("scattering, {quality:?}, {share:?}"),
+            Self::Scattering(None, share) => format!("scattering, Off, {share:?}"),
+            Self::Scattering(Some(quality), share) => format!("scattering, {quality:?}, {share:?}"),
         }
     }
 
@@ -73,7 +76,7 @@ impl Contender {
                 "lean_deferred/screen_space/reflections",
             ],
             Self::BevysReflections => &["ssr"],
-            Self::Scattering(SubsurfaceScatteringQuality::Off, _) => &[],
+            Self::Scattering(None, _) => &[],
             Self::Scattering(..) => &["lean_deferred/screen_space/subsurface"],
         }
     }
@@ -107,8 +110,8 @@ impl Contender {
             // last frame's first level is read too. The gathered and the filtered light have 8 bytes per texel each.
             Self::Gi(_, resolution) => {
                 let texels = match resolution {
-                    ScreenSpaceResolution::Full => 1.0,
-                    ScreenSpaceResolution::Half => 0.25,
+                    LeanResolution::Full => 1.0,
+                    LeanResolution::Half => 0.25,
                 };
                 let levels = 1.0 + 0.25 + 0.0625 + 0.015_625;
                 4.0 + 4.0 + texels * 8.0 * (2.0 * levels + 1.0 + 2.0 + 2.0)
@@ -139,7 +142,7 @@ impl Contender {
         match self {
             Self::Plain => {}
             Self::Occlusion => {
-                camera.insert(LeanAmbientOcclusion::default());
+                camera.insert(LeanScreenSpaceAmbientOcclusion::default());
             }
             Self::Gi(quality, resolution) => {
                 camera.insert(LeanScreenSpaceGi {
@@ -153,10 +156,12 @@ impl Contender {
             }
             Self::BevysReflections => with_bevys_reflections(camera),
             Self::Scattering(quality, share) => {
-                camera.insert(LeanSubsurfaceScattering {
-                    quality,
-                    ..default()
-                });
+                if let Some(quality) = quality {
+                    camera.insert(LeanSubsurfaceScattering {
+                        quality,
+                        ..default()
+                    });
+                }
                 match share {
                     Share::All => camera.world_scope(scatter_everywhere),
                     Share::Tenth => spawn_ball_before(camera),
@@ -166,10 +171,7 @@ impl Contender {
     }
 }
 
-fn reflections(
-    quality: ScreenSpaceReflectionsQuality,
-    resolution: ScreenSpaceResolution,
-) -> LeanScreenSpaceReflections {
+fn reflections(quality: LeanQuality, resolution: LeanResolution) -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
         quality,
         resolution,
@@ -178,8 +180,8 @@ fn reflections(
 }
 
 /// Bytes per pixel whose light scatters.
-fn scattering_bytes(quality: SubsurfaceScatteringQuality) -> f64 {
-    if quality == SubsurfaceScatteringQuality::Off {
+fn scattering_bytes(quality: Option<LeanQuality>) -> f64 {
+    if quality.is_none() {
         return 0.0;
     }
     // Light has 8 bytes; the picture and the light that leaves 16. The picture's light and every second level are

@@ -7,7 +7,10 @@ use bevy::{
     prelude::*,
     render::{RenderApp, diagnostic::RenderDiagnosticsPlugin},
 };
-use bevy_lean_deferred::{prelude::*, screen_space::TimesEachDispatch};
+use bevy_lean_deferred::{
+    prelude::*,
+    screen_space::{LeanScreenSpaceGiAdvanced, TimesEachDispatch},
+};
 use figures::benches::screen_space::{KnownError, Measurement};
 use kit::{
     analytic_light::{self, Errors},
@@ -48,9 +51,12 @@ pub fn errors(contender: Contender, size: UVec2) -> Vec<KnownError> {
         Contender::Gi(quality, resolution) => {
             let effect = LeanScreenSpaceGi {
                 radius: 100.0,
-                falloff: 0.1,
                 quality,
                 resolution,
+                advanced: LeanScreenSpaceGiAdvanced {
+                    falloff: 0.1,
+                    ..default()
+                },
                 ..default()
             };
             [
@@ -77,12 +83,18 @@ pub fn errors(contender: Contender, size: UVec2) -> Vec<KnownError> {
             .collect()
         }
         Contender::Scattering(quality, Share::All) => {
-            let effect = LeanSubsurfaceScattering {
-                quality,
-                ..default()
+            let edge = |color, path| match quality {
+                Some(quality) => {
+                    let effect = LeanSubsurfaceScattering {
+                        quality,
+                        ..default()
+                    };
+                    analytic_slabs::edge(size, color, path, effect)
+                }
+                None => analytic_slabs::edge(size, color, path, ()),
             };
-            let white = analytic_slabs::edge(size, LinearRgba::WHITE, 0.08, effect)[0];
-            let skin = analytic_slabs::edge(size, analytic_slabs::SKIN, 0.2, effect);
+            let white = edge(LinearRgba::WHITE, 0.08)[0];
+            let skin = edge(analytic_slabs::SKIN, 0.2);
             let scenes = ["white", "skin, red", "green", "blue"];
             let errors = [white, skin[0], skin[1], skin[2]];
             let errors = scenes.into_iter().zip(errors);

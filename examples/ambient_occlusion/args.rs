@@ -2,7 +2,7 @@
 
 use argh::FromArgs;
 use bevy::prelude::*;
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced, prelude::*};
 
 use crate::settings::{self, ExampleSettings, Mode};
 use kit::{
@@ -14,7 +14,7 @@ use kit::{
     size::parse_size,
 };
 
-/// A courtyard, or a glTF or GLB file, without ambient occlusion, with LeanAmbientOcclusion, or with Bevy's.
+/// A courtyard, or a glTF or GLB file, without ambient occlusion, with LeanScreenSpaceAmbientOcclusion, or with Bevy's.
 #[derive(FromArgs)]
 pub struct Args {
     /// the file to show; a courtyard when left out
@@ -30,8 +30,8 @@ pub struct Args {
     deferred: bool,
 
     /// low, medium (the default), high or ultra; of Bevy's occlusion too
-    #[argh(option, default = "default()", from_str_fn(preset))]
-    preset: OcclusionQuality,
+    #[argh(option, default = "default()")]
+    quality: LeanQuality,
 
     /// metres, default 0.5
     #[argh(option, default = "0.5", from_str_fn(positive))]
@@ -49,9 +49,9 @@ pub struct Args {
     #[argh(option, default = "0.1", from_str_fn(share))]
     falloff: f32,
 
-    /// how far occluders extend back, 0 to 1; below 1 (the default), horizons sink again behind thin parts
-    #[argh(option, default = "1.0", from_str_fn(share))]
-    thickness: f32,
+    /// metres that occluders extend back; without it (the default) they do so without end
+    #[argh(option, from_str_fn(not_negative))]
+    thickness: Option<f32>,
 
     /// auto (the default), multiplicative-blend or indirect
     #[argh(option, default = "default()", from_str_fn(application))]
@@ -62,12 +62,16 @@ pub struct Args {
     kernel: OcclusionKernel,
 
     /// full (the default) or half
-    #[argh(option, default = "default()", from_str_fn(resolution))]
-    resolution: OcclusionResolution,
+    #[argh(option, default = "LeanResolution::Full")]
+    resolution: LeanResolution,
 
-    /// binomial, wide, binomial-edge-aware (the default) or wide-edge-aware
+    /// narrow (the default) or wide
     #[argh(option, default = "default()", from_str_fn(filter))]
     filter: OcclusionFilter,
+
+    /// let the filter average across depth steps
+    #[argh(switch)]
+    not_edge_aware: bool,
 
     /// shading (the default) or geometric
     #[argh(option, default = "default()", from_str_fn(normals))]
@@ -123,20 +127,23 @@ impl Args {
         ExampleSettings {
             mode: self.mode,
             lean_deferred: self.deferred,
-            occlusion: LeanAmbientOcclusion {
+            occlusion: LeanScreenSpaceAmbientOcclusion {
                 radius: self.radius,
                 intensity: self.intensity,
-                bias: self.bias,
-                falloff: self.falloff,
-                thickness: self.thickness,
-                kernel: self.kernel,
-                quality: self.preset,
-                normals: self.normals,
+                quality: self.quality,
                 resolution: self.resolution,
-                filter: self.filter,
                 application: self.application,
-                multibounce: !self.no_multibounce,
-                direct_light_affect: self.direct_light,
+                direct_light: self.direct_light,
+                thickness: self.thickness,
+                advanced: LeanScreenSpaceAmbientOcclusionAdvanced {
+                    kernel: self.kernel,
+                    bias: self.bias,
+                    falloff: self.falloff,
+                    normals: self.normals,
+                    filter: self.filter,
+                    edge_aware: !self.not_edge_aware,
+                    multibounce: !self.no_multibounce,
+                },
                 debug_view: self.debug,
             },
             sun: !self.no_sun,
@@ -157,20 +164,12 @@ fn mode(text: &str) -> Result<Mode, String> {
     choices::parse(&settings::MODES, text)
 }
 
-fn preset(text: &str) -> Result<OcclusionQuality, String> {
-    choices::parse(&OcclusionQuality::PRESETS, text)
-}
-
 fn application(text: &str) -> Result<OcclusionApplication, String> {
     choices::parse(&settings::APPLICATIONS, text)
 }
 
 fn kernel(text: &str) -> Result<OcclusionKernel, String> {
     choices::parse(&settings::KERNELS, text)
-}
-
-fn resolution(text: &str) -> Result<OcclusionResolution, String> {
-    choices::parse(&settings::RESOLUTIONS, text)
 }
 
 fn filter(text: &str) -> Result<OcclusionFilter, String> {

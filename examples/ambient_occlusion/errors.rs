@@ -21,7 +21,7 @@ const BEVY_HIGH_RMSE_ON_WALL: (f32, f32) = (0.12, 0.19);
 
 /// Error of the technique that is shown.
 pub fn text(settings: &ExampleSettings) -> String {
-    let rmse = match (settings.mode, settings.occlusion.kernel) {
+    let rmse = match (settings.mode, settings.occlusion.advanced.kernel) {
         (Mode::Off, _) => return "RMSE -".into(),
         (Mode::Bevy, _) => {
             let (low, high) = BEVY_HIGH_RMSE_ON_WALL;
@@ -31,10 +31,10 @@ pub fn text(settings: &ExampleSettings) -> String {
         }
         (Mode::Lean, OcclusionKernel::Hdao) => HDAO_RMSE,
         (Mode::Lean, OcclusionKernel::Hbao) => match settings.occlusion.quality {
-            OcclusionQuality::Low => HBAO_LOW_RMSE,
-            OcclusionQuality::Medium => HBAO_MEDIUM_RMSE,
-            OcclusionQuality::High => HBAO_HIGH_RMSE,
-            OcclusionQuality::Ultra => HBAO_ULTRA_RMSE,
+            LeanQuality::Low => HBAO_LOW_RMSE,
+            LeanQuality::Medium => HBAO_MEDIUM_RMSE,
+            LeanQuality::High => HBAO_HIGH_RMSE,
+            LeanQuality::Ultra => HBAO_ULTRA_RMSE,
         },
     };
     format!("RMSE {rmse:.3} (tall wall), at default settings")

@@ -4,16 +4,17 @@
 //!
 //! | key | does |
 //! |---|---|
-//! | 1, 2, 3 | none, `LeanAmbientOcclusion`, Bevy's `ScreenSpaceAmbientOcclusion` |
+//! | 1, 2, 3 | none, `LeanScreenSpaceAmbientOcclusion`, Bevy's `ScreenSpaceAmbientOcclusion` |
 //! | G | `LeanDeferred` on / off |
-//! | P | next preset |
+//! | P | next quality |
 //! | K | kernel: HBAO, HDAO |
 //! | A | application: Auto, MultiplicativeBlend, Indirect |
 //! | D | occlusion alone / lit picture |
 //! | Up, Down | larger, smaller radius |
 //! | Right, Left | more, less intensity |
 //! | R | full / half resolution |
-//! | F | next filter |
+//! | F | narrow / wide filter |
+//! | E | filter ignores edges / averages across them |
 //! | N | shading / geometric normals |
 //! | L | sun on / off |
 //! | H | text on / off |

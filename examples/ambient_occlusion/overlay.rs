@@ -24,8 +24,8 @@ impl Plugin for OverlayPlugin {
 }
 
 const KEYS: &str =
-    "1 off  2 lean  3 Bevy's  G LeanDeferred  P preset  K kernel  A application  D occlusion alone
-Up/Down radius  Left/Right intensity  R resolution  F filter  N normals  L sun  H text";
+    "1 off  2 lean  3 Bevy's  G LeanDeferred  P quality  K kernel  A application  D occlusion alone
+Up/Down radius  Left/Right intensity  R resolution  F filter  E edges  N normals  L sun  H text";
 
 fn update_text(
     settings: Res<ExampleSettings>,
@@ -61,13 +61,18 @@ fn describe(settings: &ExampleSettings) -> String {
             settings.bevy_level()
         ),
         Mode::Lean => format!(
-            "{camera}, LeanAmbientOcclusion {}, radius {:.2} m, intensity {:.1}\n{}, {:?}, {:?}, {} normals{}",
+            "{camera}, LeanScreenSpaceAmbientOcclusion {}, radius {:.2} m, intensity {:.1}\n{}, {}, {:?}{}, {} normals{}",
             sampling(occlusion),
             occlusion.radius,
             occlusion.intensity,
             application(occlusion.application, settings.lean_deferred),
             occlusion.resolution,
-            occlusion.filter,
+            occlusion.advanced.filter,
+            if occlusion.advanced.edge_aware {
+                ""
+            } else {
+                " across edges"
+            },
             normals(occlusion, settings.lean_deferred),
             if occlusion.debug_view {
                 ", occlusion alone"
@@ -99,12 +104,12 @@ fn is_merged(settings: &ExampleSettings) -> bool {
         == OcclusionApplication::MultiplicativeBlend
 }
 
-fn sampling(occlusion: &LeanAmbientOcclusion) -> String {
-    match occlusion.kernel {
+fn sampling(occlusion: &LeanScreenSpaceAmbientOcclusion) -> String {
+    match occlusion.advanced.kernel {
         OcclusionKernel::Hdao => "HDAO".into(),
         OcclusionKernel::Hbao => {
-            let (slices, steps) = occlusion.quality.samples();
-            format!("HBAO {:?} ({slices} x 2 x {steps})", occlusion.quality)
+            let (slices, steps) = occlusion.samples();
+            format!("HBAO {} ({slices} x 2 x {steps})", occlusion.quality)
         }
     }
 }
@@ -128,8 +133,8 @@ fn application(chosen: OcclusionApplication, lean_deferred: bool) -> String {
     }
 }
 
-fn normals(occlusion: &LeanAmbientOcclusion, lean_deferred: bool) -> &'static str {
-    match (occlusion.kernel, occlusion.normals) {
+fn normals(occlusion: &LeanScreenSpaceAmbientOcclusion, lean_deferred: bool) -> &'static str {
+    match (occlusion.advanced.kernel, occlusion.advanced.normals) {
         (OcclusionKernel::Hdao, _) => "no",
         (OcclusionKernel::Hbao, OcclusionNormals::Shading) if lean_deferred => "shading",
         (OcclusionKernel::Hbao, _) => "geometric",

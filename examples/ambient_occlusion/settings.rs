@@ -28,8 +28,6 @@ pub const APPLICATIONS: [OcclusionApplication; 3] = [
     OcclusionApplication::Indirect,
 ];
 pub const KERNELS: [OcclusionKernel; 2] = [OcclusionKernel::Hbao, OcclusionKernel::Hdao];
-pub const RESOLUTIONS: [OcclusionResolution; 2] =
-    [OcclusionResolution::Full, OcclusionResolution::Half];
 pub const NORMALS: [OcclusionNormals; 2] = [OcclusionNormals::Shading, OcclusionNormals::Geometric];
 
 /// Factor between two radii.
@@ -40,7 +38,7 @@ const INTENSITY_STEP: f32 = 0.1;
 pub struct ExampleSettings {
     pub mode: Mode,
     pub lean_deferred: bool,
-    pub occlusion: LeanAmbientOcclusion,
+    pub occlusion: LeanScreenSpaceAmbientOcclusion,
     pub sun: bool,
     pub text: bool,
 }
@@ -54,10 +52,10 @@ impl ExampleSettings {
     /// Bevy's level of the same name.
     pub fn bevy_level(&self) -> ScreenSpaceAmbientOcclusionQualityLevel {
         match self.occlusion.quality {
-            OcclusionQuality::Low => ScreenSpaceAmbientOcclusionQualityLevel::Low,
-            OcclusionQuality::Medium => ScreenSpaceAmbientOcclusionQualityLevel::Medium,
-            OcclusionQuality::High => ScreenSpaceAmbientOcclusionQualityLevel::High,
-            OcclusionQuality::Ultra => ScreenSpaceAmbientOcclusionQualityLevel::Ultra,
+            LeanQuality::Low => ScreenSpaceAmbientOcclusionQualityLevel::Low,
+            LeanQuality::Medium => ScreenSpaceAmbientOcclusionQualityLevel::Medium,
+            LeanQuality::High => ScreenSpaceAmbientOcclusionQualityLevel::High,
+            LeanQuality::Ultra => ScreenSpaceAmbientOcclusionQualityLevel::Ultra,
         }
     }
 }
@@ -80,13 +78,14 @@ pub fn read_keys(
             sun,
             text,
         } = &mut *settings;
+        let advanced = &mut occlusion.advanced;
         match key {
             KeyCode::Digit1 => *mode = Mode::Off,
             KeyCode::Digit2 => *mode = Mode::Lean,
             KeyCode::Digit3 => *mode = Mode::Bevy,
             KeyCode::KeyG => *lean_deferred = !*lean_deferred,
             KeyCode::KeyP => {
-                occlusion.quality = next(&OcclusionQuality::PRESETS, occlusion.quality);
+                occlusion.quality = next(&LeanQuality::ALL, occlusion.quality);
             }
             KeyCode::ArrowUp => occlusion.radius = (occlusion.radius * RADIUS_STEP).min(10.0),
             KeyCode::ArrowDown => occlusion.radius = (occlusion.radius / RADIUS_STEP).max(0.01),
@@ -97,10 +96,13 @@ pub fn read_keys(
                 occlusion.intensity = (occlusion.intensity - INTENSITY_STEP).max(0.0);
             }
             KeyCode::KeyA => occlusion.application = next(&APPLICATIONS, occlusion.application),
-            KeyCode::KeyK => occlusion.kernel = next(&KERNELS, occlusion.kernel),
-            KeyCode::KeyR => occlusion.resolution = next(&RESOLUTIONS, occlusion.resolution),
-            KeyCode::KeyF => occlusion.filter = next(&OcclusionFilter::ALL, occlusion.filter),
-            KeyCode::KeyN => occlusion.normals = next(&NORMALS, occlusion.normals),
+            KeyCode::KeyK => advanced.kernel = next(&KERNELS, advanced.kernel),
+            KeyCode::KeyR => {
+                occlusion.resolution = next(&LeanResolution::ALL, occlusion.resolution);
+            }
+            KeyCode::KeyF => advanced.filter = next(&OcclusionFilter::ALL, advanced.filter),
+            KeyCode::KeyE => advanced.edge_aware = !advanced.edge_aware,
+            KeyCode::KeyN => advanced.normals = next(&NORMALS, advanced.normals),
             KeyCode::KeyD => occlusion.debug_view = !occlusion.debug_view,
             KeyCode::KeyL => *sun = !*sun,
             KeyCode::KeyH => *text = !*text,
@@ -127,7 +129,7 @@ pub fn apply(
         camera.remove::<LeanDeferred>();
     }
     if settings.mode != Mode::Lean {
-        camera.remove::<LeanAmbientOcclusion>();
+        camera.remove::<LeanScreenSpaceAmbientOcclusion>();
     }
     if settings.mode != Mode::Bevy {
         camera.remove::<(ScreenSpaceAmbientOcclusion, DepthPrepass, NormalPrepass)>();

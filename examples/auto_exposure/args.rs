@@ -2,7 +2,7 @@
 
 use argh::FromArgs;
 use bevy::prelude::*;
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{auto_exposure::LeanAutoExposureAdvanced, prelude::*};
 
 use crate::{
     settings::{self, ExampleSettings, Mode, Pattern},
@@ -123,18 +123,19 @@ impl Args {
             mode: self.mode,
             lean_deferred: self.deferred,
             exposure: LeanAutoExposure {
-                metering: self.metering,
-                trim: self.trim.then_some(settings::TRIM),
-                target: self.target,
-                compensation: self.compensation,
-                min_exposure: self.min_exposure,
-                max_exposure: self.max_exposure,
+                range: self.min_exposure..=self.max_exposure,
                 speed_brighten: self.speed_brighten,
                 speed_darken: self.speed_darken,
-                transition: self.transition,
-                instant: self.instant,
+                target: self.target,
+                metering: self.metering,
+                trim: self.trim.then_some(settings::TRIM),
+                compensation: self.compensation,
+                advanced: LeanAutoExposureAdvanced {
+                    transition: self.transition,
+                    instant: self.instant,
+                    reduction: self.reduction,
+                },
                 overlay: self.overlay,
-                reduction: self.reduction,
                 ..default()
             },
             pattern: self.pattern,

@@ -95,8 +95,12 @@ fn describe(settings: &ExampleSettings) -> String {
             "{camera}, LeanAutoExposure {:?}, {:?}, {trim}\n{target}\n{}, reduction {:?}",
             exposure.metering,
             settings.pattern,
-            if exposure.instant { "instant" } else { &speeds },
-            exposure.reduction,
+            if exposure.advanced.instant {
+                "instant"
+            } else {
+                &speeds
+            },
+            exposure.advanced.reduction,
         ),
     }
 }

@@ -105,7 +105,7 @@ impl ExampleSettings {
             filter: trim.low..=1.0 - trim.high,
             speed_brighten: exposure.speed_brighten,
             speed_darken: exposure.speed_darken,
-            exponential_transition_distance: exposure.transition,
+            exponential_transition_distance: exposure.advanced.transition,
             metering_mask: match self.pattern {
                 Pattern::Mask => mask.clone(),
                 _ => default(),
@@ -174,8 +174,10 @@ pub fn read_keys(
             KeyCode::KeyC => *curve = !*curve,
             KeyCode::PageUp => change_speeds(exposure, 2.0),
             KeyCode::PageDown => change_speeds(exposure, 0.5),
-            KeyCode::KeyI => exposure.instant = !exposure.instant,
-            KeyCode::KeyR => exposure.reduction = next(&REDUCTIONS, exposure.reduction),
+            KeyCode::KeyI => exposure.advanced.instant = !exposure.advanced.instant,
+            KeyCode::KeyR => {
+                exposure.advanced.reduction = next(&REDUCTIONS, exposure.advanced.reduction);
+            }
             KeyCode::KeyO => exposure.overlay = !exposure.overlay,
             KeyCode::KeyH => *text = !*text,
             _ => {}

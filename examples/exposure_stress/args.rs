@@ -2,7 +2,7 @@
 
 use argh::FromArgs;
 use bevy::{camera::Viewport, prelude::*};
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{auto_exposure::LeanAutoExposureAdvanced, prelude::*};
 
 use kit::{example::choices, scenes::boxes::Boxes, size::parse_size};
 
@@ -79,7 +79,10 @@ impl Args {
                 low: 0.1,
                 high: 0.1,
             }),
-            reduction: self.reduction,
+            advanced: LeanAutoExposureAdvanced {
+                reduction: self.reduction,
+                ..default()
+            },
             ..default()
         }
     }

@@ -166,20 +166,15 @@ pub fn apply(
         }
         let debug_view = settings.debug_view.filter(|_| *side == Side::Left);
         if *side == Side::Left {
-            entity.insert((
-                LeanDeferred {
-                    debug_view,
-                    ..default()
-                },
-                LeanSubsurfaceScattering {
-                    quality: if settings.scattering {
-                        default()
-                    } else {
-                        SubsurfaceScatteringQuality::Off
-                    },
-                    ..default()
-                },
-            ));
+            entity.insert(LeanDeferred {
+                debug_view,
+                ..default()
+            });
+            if settings.scattering {
+                entity.insert(LeanSubsurfaceScattering::default());
+            } else {
+                entity.remove::<LeanSubsurfaceScattering>();
+            }
         }
         entity.insert(if debug_view.is_some() {
             Tonemapping::None

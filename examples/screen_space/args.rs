@@ -26,10 +26,10 @@ pub struct Args {
     effect: Effect,
 
     /// low, medium (the default), high or ultra
-    #[argh(option, default = "default()", from_str_fn(quality))]
-    quality: ScreenSpaceGiQuality,
+    #[argh(option, default = "default()")]
+    quality: LeanQuality,
 
-    /// reflections: off, low, medium (the default), high, or bevy for Bevy's
+    /// reflections: off, low, medium (the default), high, ultra, or bevy for Bevy's
     #[argh(option, default = "Mirrors::Medium", from_str_fn(mirrors))]
     mirrors: Mirrors,
 
@@ -39,8 +39,8 @@ pub struct Args {
     debug_view: Option<DebugView>,
 
     /// full or half (the default)
-    #[argh(option, default = "default()", from_str_fn(resolution))]
-    resolution: ScreenSpaceResolution,
+    #[argh(option, default = "default()")]
+    resolution: LeanResolution,
 
     /// metres, default 4
     #[argh(option, default = "4.0", from_str_fn(positive))]
@@ -115,12 +115,4 @@ fn mirrors(text: &str) -> Result<Mirrors, String> {
 
 fn debug_view(text: &str) -> Result<DebugView, String> {
     choices::parse(&settings::DEBUG_VIEWS, text)
-}
-
-fn quality(text: &str) -> Result<ScreenSpaceGiQuality, String> {
-    choices::parse(&ScreenSpaceGiQuality::ALL, text)
-}
-
-fn resolution(text: &str) -> Result<ScreenSpaceResolution, String> {
-    choices::parse(&ScreenSpaceResolution::ALL, text)
 }

@@ -4,11 +4,11 @@
 //!
 //! | key | does |
 //! |---|---|
-//! | 1, 2, 3 | no effect, `LeanAmbientOcclusion`, `LeanScreenSpaceGi` |
+//! | 1, 2, 3 | no effect, `LeanScreenSpaceAmbientOcclusion`, `LeanScreenSpaceGi` |
 //! | Q | next quality |
 //! | R | full / half resolution |
 //! | Up, Down | larger, smaller radius |
-//! | M | `LeanScreenSpaceReflections`: off, low, medium, high; then Bevy's `ScreenSpaceReflections`, without other effects |
+//! | M | `LeanScreenSpaceReflections`: off, low, medium, high, ultra; then Bevy's `ScreenSpaceReflections`, without other effects |
 //! | D | picture / debug views: light and visibility of GI; light, confidence and hits of reflections |
 //! | L | lamp and sun on / off |
 //! | H | text on / off |

@@ -35,11 +35,11 @@ fn update_text(
     let effect = match settings.effect {
         Effect::None => "no effect".into(),
         Effect::Occlusion => format!(
-            "LeanAmbientOcclusion: {}",
+            "LeanScreenSpaceAmbientOcclusion: {}",
             time("lean_deferred/ambient_occlusion/gather")
         ),
         Effect::Gi => format!(
-            "LeanScreenSpaceGi {:?}, {:?}, {:.1} m: {}",
+            "LeanScreenSpaceGi {}, {}, {:.1} m: {}",
             gi.quality,
             gi.resolution,
             gi.radius,
@@ -50,7 +50,7 @@ fn update_text(
         Mirrors::Off => "no reflections".into(),
         Mirrors::Bevy => format!("Bevy's ScreenSpaceReflections: {}", time("ssr")),
         quality => format!(
-            "LeanScreenSpaceReflections {quality:?}, {:?}: {}, last frame {}",
+            "LeanScreenSpaceReflections {quality:?}, {}: {}, last frame {}",
             gi.resolution,
             time("lean_deferred/screen_space/reflections"),
             time("lean_deferred/screen_space/history"),

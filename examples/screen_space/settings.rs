@@ -30,15 +30,17 @@ pub enum Mirrors {
     Low,
     Medium,
     High,
+    Ultra,
     /// Bevy's `ScreenSpaceReflections` on its deferred path, without the other effects.
     Bevy,
 }
 
-pub const MIRRORS: [Mirrors; 5] = [
+pub const MIRRORS: [Mirrors; 6] = [
     Mirrors::Off,
     Mirrors::Low,
     Mirrors::Medium,
     Mirrors::High,
+    Mirrors::Ultra,
     Mirrors::Bevy,
 ];
 
@@ -80,12 +82,13 @@ impl DebugView {
 }
 
 impl Mirrors {
-    pub fn quality(self) -> Option<ScreenSpaceReflectionsQuality> {
+    pub fn quality(self) -> Option<LeanQuality> {
         match self {
             Self::Off | Self::Bevy => None,
-            Self::Low => Some(ScreenSpaceReflectionsQuality::Low),
-            Self::Medium => Some(ScreenSpaceReflectionsQuality::Medium),
-            Self::High => Some(ScreenSpaceReflectionsQuality::High),
+            Self::Low => Some(LeanQuality::Low),
+            Self::Medium => Some(LeanQuality::Medium),
+            Self::High => Some(LeanQuality::High),
+            Self::Ultra => Some(LeanQuality::Ultra),
         }
     }
 }
@@ -114,14 +117,14 @@ pub fn read_keys(
             KeyCode::Digit2 => settings.effect = Effect::Occlusion,
             KeyCode::Digit3 => settings.effect = Effect::Gi,
             KeyCode::KeyQ => {
-                settings.gi.quality = next(&ScreenSpaceGiQuality::ALL, settings.gi.quality);
+                settings.gi.quality = next(&LeanQuality::ALL, settings.gi.quality);
             }
             KeyCode::KeyM => settings.mirrors = next(&MIRRORS, settings.mirrors),
             KeyCode::KeyD => {
                 settings.debug_view = next_or_none(&DEBUG_VIEWS, settings.debug_view);
             }
             KeyCode::KeyR => {
-                settings.gi.resolution = next(&ScreenSpaceResolution::ALL, settings.gi.resolution);
+                settings.gi.resolution = next(&LeanResolution::ALL, settings.gi.resolution);
             }
             KeyCode::ArrowUp => settings.gi.radius *= RADIUS_STEP,
             KeyCode::ArrowDown => settings.gi.radius /= RADIUS_STEP,
@@ -151,7 +154,7 @@ pub fn apply(
     }
     let mut camera = commands.entity(*camera);
     camera.remove::<(
-        LeanAmbientOcclusion,
+        LeanScreenSpaceAmbientOcclusion,
         LeanScreenSpaceGi,
         LeanScreenSpaceReflections,
         ScreenSpaceReflections,
@@ -181,7 +184,7 @@ pub fn apply(
     match settings.effect {
         Effect::None => {}
         Effect::Occlusion => {
-            camera.insert(LeanAmbientOcclusion::default());
+            camera.insert(LeanScreenSpaceAmbientOcclusion::default());
         }
         Effect::Gi => {
             camera.insert(LeanScreenSpaceGi {

@@ -25,7 +25,7 @@ impl Effect {
 
     pub fn component(self) -> &'static str {
         match self {
-            Self::AmbientOcclusion => "LeanAmbientOcclusion",
+            Self::AmbientOcclusion => "LeanScreenSpaceAmbientOcclusion",
             Self::DiffuseGi => "LeanScreenSpaceGi",
             Self::Reflections => "LeanScreenSpaceReflections",
             Self::SubsurfaceScattering => "LeanSubsurfaceScattering",
@@ -73,10 +73,10 @@ impl Effect {
     pub fn switch(self, camera: &mut EntityCommands, is_on: bool) {
         match (self, is_on) {
             (Self::AmbientOcclusion, true) => {
-                camera.insert(LeanAmbientOcclusion::default());
+                camera.insert(LeanScreenSpaceAmbientOcclusion::default());
             }
             (Self::AmbientOcclusion, false) => {
-                camera.remove::<LeanAmbientOcclusion>();
+                camera.remove::<LeanScreenSpaceAmbientOcclusion>();
             }
             (Self::DiffuseGi, true) => {
                 camera.insert(LeanScreenSpaceGi::default());
@@ -90,15 +90,11 @@ impl Effect {
             (Self::Reflections, false) => {
                 camera.remove::<LeanScreenSpaceReflections>();
             }
-            // Materials enable it: it is on unless it is switched off.
-            (Self::SubsurfaceScattering, is_on) => {
-                camera.insert(LeanSubsurfaceScattering {
-                    quality: match is_on {
-                        true => default(),
-                        false => SubsurfaceScatteringQuality::Off,
-                    },
-                    ..default()
-                });
+            (Self::SubsurfaceScattering, true) => {
+                camera.insert(LeanSubsurfaceScattering::default());
+            }
+            (Self::SubsurfaceScattering, false) => {
+                camera.remove::<LeanSubsurfaceScattering>();
             }
             (Self::AutoExposure, true) => {
                 camera.insert(LeanAutoExposure {

@@ -3,7 +3,9 @@
 use bevy::{
     anti_alias::taa::TemporalAntiAliasing, diagnostic::FrameCount, prelude::*, render::RenderApp,
 };
-use bevy_lean_deferred::{LeanDeferred, view::ActiveLeanView};
+use bevy_lean_deferred::{
+    LeanAutoExposure, LeanDeferred, auto_exposure::LeanAutoExposureAdvanced, view::ActiveLeanView,
+};
 
 use super::{
     headless::{Headless, Picture},
@@ -91,6 +93,17 @@ pub fn set_lean(headless: &mut Headless, lean: bool) {
             camera.remove::<LeanDeferred>();
         }
     });
+}
+
+/// Auto exposure without adaptation.
+pub fn instant_exposure() -> LeanAutoExposure {
+    LeanAutoExposure {
+        advanced: LeanAutoExposureAdvanced {
+            instant: true,
+            ..default()
+        },
+        ..default()
+    }
 }
 
 /// Number of views rendered lean in the last frame.

@@ -11,7 +11,7 @@ use bevy::{
     render::render_resource::encase::UniformBuffer,
 };
 use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionUniform, binding_numbers as numbers,
+    LeanScreenSpaceAmbientOcclusion, OcclusionUniform, binding_numbers as numbers,
 };
 use draw::Target;
 use naga_oil::compose::ShaderDefValue;
@@ -86,14 +86,14 @@ impl OcclusionGpu {
         }
     }
 
-    pub fn run(&self, settings: &LeanAmbientOcclusion, image: &DepthImage) -> Occlusion {
+    pub fn run(&self, settings: &LeanScreenSpaceAmbientOcclusion, image: &DepthImage) -> Occlusion {
         self.run_by(self.path(), settings, image)
     }
 
     pub fn run_by(
         &self,
         path: Path,
-        settings: &LeanAmbientOcclusion,
+        settings: &LeanScreenSpaceAmbientOcclusion,
         image: &DepthImage,
     ) -> Occlusion {
         let depth = self.depth_texture(image);

@@ -1,5 +1,7 @@
 //! Random values for the fields of any settings, including hostile ones, and random toggling of components.
 
+use core::ops::RangeInclusive;
+
 use bevy::{
     prelude::*,
     reflect::{
@@ -73,7 +75,7 @@ impl Values<'_> {
         }
         Some(match random.below(6) {
             0 => change!(LeanDeferred),
-            1 => change!(LeanAmbientOcclusion),
+            1 => change!(LeanScreenSpaceAmbientOcclusion),
             2 => change!(LeanAutoExposure),
             3 => change!(LeanScreenSpaceGi),
             4 => change!(LeanScreenSpaceReflections),
@@ -81,20 +83,20 @@ impl Values<'_> {
         })
     }
 
-    /// Changes one or two fields of a struct.
+    /// Changes one or two fields of a struct of settings, or of its struct of advanced ones.
     pub fn change(&self, settings: &mut dyn PartialReflect, random: &mut Random) {
         let ReflectMut::Struct(fields) = settings.reflect_mut() else {
             return self.set(settings, random);
         };
         for _ in 0..=random.below(2) {
             let index = random.below(fields.field_len());
-            let is_kept = fields
-                .name_at(index)
-                .is_none_or(|name| self.kept.contains(&name));
-            if let Some(field) = fields.field_at_mut(index)
-                && !is_kept
-            {
-                self.set(field, random);
+            let name = fields.name_at(index);
+            let is_kept = name.is_none_or(|name| self.kept.contains(&name));
+            let has_settings = name == Some("advanced");
+            match fields.field_at_mut(index) {
+                Some(field) if has_settings => self.change(field, random),
+                Some(field) if !is_kept => self.set(field, random),
+                _ => {}
             }
         }
     }
@@ -105,6 +107,9 @@ impl Values<'_> {
             *number = self.number(*number, random);
         } else if let Some(flag) = value.try_downcast_mut::<bool>() {
             *flag = random.below(2) == 0;
+        } else if let Some(range) = value.try_downcast_mut::<RangeInclusive<f32>>() {
+            let [start, end] = [*range.start(), *range.end()].map(|at| self.number(at, random));
+            *range = start..=end;
         } else if let Some(image) = value.try_downcast_mut::<Option<Handle<Image>>>() {
             *image = self.image(random).filter(|_| random.below(2) == 0);
         } else if let Some(image) = value.try_downcast_mut::<Handle<Image>>() {

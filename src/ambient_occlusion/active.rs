@@ -14,7 +14,7 @@ use bevy::{
 use super::{
     key::{GatherKey, MergeKey},
     pipelines::{GatherPipeline, OcclusionPipelines},
-    settings::{LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals},
+    settings::{LeanScreenSpaceAmbientOcclusion, OcclusionApplication, OcclusionNormals},
     support::OcclusionSupport,
 };
 use crate::{
@@ -28,7 +28,7 @@ use crate::{
 #[derive(Component, Clone, Copy, Debug)]
 pub struct ActiveOcclusion {
     /// Settings used this frame: the camera's, or the last compiled ones while the camera's compile.
-    pub(super) settings: LeanAmbientOcclusion,
+    pub(super) settings: LeanScreenSpaceAmbientOcclusion,
     pub(super) key: GatherKey,
     /// `None` while lighting applies occlusion but no gather is compiled: nothing is occluded then.
     pub(super) gather: Option<GatherPipeline>,
@@ -67,7 +67,7 @@ impl ActiveOcclusion {
     }
 }
 
-impl LeanAmbientOcclusion {
+impl LeanScreenSpaceAmbientOcclusion {
     /// True if the lighting pass of a lean view applies the occlusion.
     pub(crate) fn is_for_lighting(&self) -> bool {
         self.application != OcclusionApplication::MultiplicativeBlend
@@ -87,12 +87,12 @@ pub(super) fn decide_active_occlusion(
         Entity,
         (&ExtractedCamera, &ExtractedView, Has<Camera3d>),
         &Msaa,
-        &LeanAmbientOcclusion,
+        &LeanScreenSpaceAmbientOcclusion,
         (Option<&LeanDeferred>, Option<&ActiveLeanView>),
         Has<DistanceFog>,
         Option<&mut ActiveOcclusion>,
     )>,
-    cameras: Query<&MainEntity, With<LeanAmbientOcclusion>>,
+    cameras: Query<&MainEntity, With<LeanScreenSpaceAmbientOcclusion>>,
     switched_off: Query<Entity, (With<ActiveOcclusion>, Without<ExtractedView>)>,
 ) {
     warnings.keep_only(cameras.iter());
@@ -108,7 +108,7 @@ pub(super) fn decide_active_occlusion(
         let reason = LeanOffReason::against_reading_depth(camera, is_3d, msaa);
         let is_off = reason.is_some() || memory.label(entity).is_some();
         let camera = view.retained_view_entity.main_entity;
-        warnings.tell("LeanAmbientOcclusion", camera, reason);
+        warnings.tell("LeanScreenSpaceAmbientOcclusion", camera, reason);
         let is_for_lighting = active_lean.is_some() && settings.is_for_lighting();
         // Diffuse GI also outputs visibility, so occlusion is skipped.
         let is_found =
@@ -121,11 +121,12 @@ pub(super) fn decide_active_occlusion(
             continue;
         }
         let key = GatherKey {
-            kernel: settings.kernel,
-            quality: settings.quality,
+            kernel: settings.advanced.kernel,
+            samples: settings.samples(),
             // After the opaque meshes, the G-buffer's normals may be of surfaces that forward meshes have covered.
-            shading_normals: is_for_lighting && settings.normals == OcclusionNormals::Shading,
-            thin: settings.thickness < 1.0,
+            shading_normals: is_for_lighting
+                && settings.advanced.normals == OcclusionNormals::Shading,
+            thin: settings.thickness.is_some(),
             wide: settings.has_wide_pattern(),
             divisor: settings.resolution.divisor(),
             projection: projection_of(view.clip_from_view),

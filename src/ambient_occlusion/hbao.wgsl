@@ -46,9 +46,13 @@ struct March {
     steps: vec2<f32>,
     /// Jitter of the first step, 0 to 1 steps.
     offset: f32,
+#ifdef THIN
+    /// Binary logarithm of the factor by which horizons sink per pixel of distance.
+    decay: f32,
+#endif
 }
 
-/// Sets all but `direction`, `steps` and `offset`.
+/// Sets all but what each slice has of its own: `direction` and what follows it.
 fn march_from(
     pixel: vec2<i32>,
     ray: vec2<f32>,
@@ -91,6 +95,10 @@ struct Step {
     above_surface: f32,
     with_depth: f32,
     squared: f32,
+#ifdef THIN
+    /// Share of a horizon that remains after the step.
+    kept: f32,
+#endif
 }
 
 fn step_of(march: March, pixels: vec2<f32>) -> Step {
@@ -127,7 +135,7 @@ fn higher(march: March, step: Step, side: f32, depth: f32, is_seen: bool, base: 
 #ifdef THIN
     let counted = select(0.0, height, counts);
     // Off-screen samples must not lower the horizon, as samples behind thin surfaces do.
-    return select(highest, max(counted, mix(counted, highest, view.thickness)), is_seen);
+    return select(highest, max(counted, mix(counted, highest, step.kept)), is_seen);
 #else
     return select(highest, max(highest, height), counts);
 #endif
@@ -145,6 +153,9 @@ fn horizons(march: March, bases: vec2<f32>) -> vec2<f32> {
     let at_first = max((march.steps.x * offset + march.steps.y) * offset, 1.0);
     let growth = max(2.0 * march.steps.x * offset + march.steps.y, 1.0);
     var highest = vec2(0.0);
+#ifdef THIN
+    var last_distance = 0.0;
+#endif
     for (var i = 0u; i < STEPS; i++) {
         let x = f32(i);
         let distance = at_first + x * growth + x * x * march.steps.x;
@@ -153,7 +164,11 @@ fn horizons(march: March, bases: vec2<f32>) -> vec2<f32> {
         let depth_ahead = textureLoad(depth_texture, ahead.place, 0);
         let depth_back = textureLoad(depth_texture, march.twice - ahead.place, 0);
         let pixels = abs(ahead.step);
-        let step = step_of(march, ahead.step);
+        var step = step_of(march, ahead.step);
+#ifdef THIN
+        step.kept = exp2(-march.decay * (distance - last_distance));
+        last_distance = distance;
+#endif
         highest.x = higher(march, step, 1.0, depth_ahead, all(pixels <= room_ahead), bases.x, highest.x);
         highest.y = higher(march, step, -1.0, depth_back, all(pixels <= room_back), bases.y, highest.y);
     }
@@ -226,6 +241,9 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
         let part = 0.5 / f32(STEPS);
         march.steps = longer_side * part * vec2(2.0 * part, 1.0);
         march.offset = fract(offset + 0.618 * f32(slice));
+#ifdef THIN
+        march.decay = view.decay / (radius.excess * longer_side);
+#endif
         let found = horizons(march, bases);
         occlusion += side_occlusion(lobe, bases.x, found.x, 1.0) + side_occlusion(lobe, bases.y, found.y, -1.0);
     }

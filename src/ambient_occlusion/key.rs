@@ -2,16 +2,15 @@
 
 use bevy::{render::render_resource::TextureFormat, shader::ShaderDefVal};
 
-use super::settings::{
-    LeanAmbientOcclusion, OcclusionKernel, OcclusionQuality, OcclusionResolution,
-};
-use crate::shader_library::reconstruction::position::ProjectionKind;
+use super::settings::{LeanScreenSpaceAmbientOcclusion, OcclusionKernel};
+use crate::{shader_library::reconstruction::position::ProjectionKind, view::LeanResolution};
 
 /// Pipeline key of the gather.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct GatherKey {
     pub(super) kernel: OcclusionKernel,
-    pub(super) quality: OcclusionQuality,
+    /// Slices, and steps on either side of each.
+    pub(super) samples: (u32, u32),
     pub(super) shading_normals: bool,
     /// Horizons decay behind thin occluders.
     pub(super) thin: bool,
@@ -25,7 +24,7 @@ impl GatherKey {
     /// Resets the fields that the kernel does not read.
     pub(super) fn reduced(mut self) -> Self {
         if self.kernel == OcclusionKernel::Hdao {
-            self.quality = OcclusionQuality::default();
+            self.samples = (0, 0);
             self.shading_normals = false;
             self.thin = false;
             self.wide = false;
@@ -43,7 +42,7 @@ impl GatherKey {
     }
 
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let (slices, steps) = self.quality.samples();
+        let (slices, steps) = self.samples;
         let mut defs = vec![
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
             ShaderDefVal::UInt("SLICES".into(), slices),
@@ -71,12 +70,12 @@ pub(crate) struct FilterKey {
     half: bool,
 }
 
-impl From<&LeanAmbientOcclusion> for FilterKey {
-    fn from(settings: &LeanAmbientOcclusion) -> Self {
+impl From<&LeanScreenSpaceAmbientOcclusion> for FilterKey {
+    fn from(settings: &LeanScreenSpaceAmbientOcclusion) -> Self {
         Self {
             wide: settings.has_wide_pattern(),
-            edge_aware: settings.filter.is_edge_aware(),
-            half: settings.resolution == OcclusionResolution::Half,
+            edge_aware: settings.advanced.edge_aware,
+            half: settings.resolution == LeanResolution::Half,
         }
     }
 }

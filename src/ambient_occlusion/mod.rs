@@ -1,6 +1,6 @@
 //! Ambient occlusion: neighbouring surfaces in the depth buffer block ambient light.
 //!
-//! Put [`LeanAmbientOcclusion`] on any `Camera3d`. It needs no prepass: it reads the depth of the opaque meshes.
+//! Put [`LeanScreenSpaceAmbientOcclusion`] on any `Camera3d`. It needs no prepass: it reads the depth of the opaque meshes.
 //!
 //! 1. A pass gathers occlusion into a single-channel texture at full or half resolution, from horizons ([`OcclusionKernel::Hbao`]) or
 //!    from valleys of depth ([`OcclusionKernel::Hdao`]).
@@ -45,8 +45,8 @@ mod support;
 mod uniforms;
 
 pub use settings::{
-    LeanAmbientOcclusion, OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
-    OcclusionQuality, OcclusionResolution,
+    LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication,
+    OcclusionFilter, OcclusionKernel, OcclusionNormals,
 };
 #[doc(hidden)]
 pub use support::COMPUTE_LIMITS;
@@ -90,14 +90,14 @@ pub(crate) fn load_shader_library(app: &mut App) {
     load_shader_library!(app, "filter.wgsl");
 }
 
-/// Adds ambient occlusion for cameras with [`LeanAmbientOcclusion`]. Part of
+/// Adds ambient occlusion for cameras with [`LeanScreenSpaceAmbientOcclusion`]. Part of
 /// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
 #[derive(Default)]
-pub struct LeanAmbientOcclusionPlugin;
+pub struct LeanScreenSpaceAmbientOcclusionPlugin;
 
-impl Plugin for LeanAmbientOcclusionPlugin {
+impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
     fn build(&self, app: &mut App) {
-        if !can_build(app, "LeanAmbientOcclusionPlugin", false) {
+        if !can_build(app, "LeanScreenSpaceAmbientOcclusionPlugin", false) {
             return;
         }
         SharedPlugin::add_to(app);
@@ -107,20 +107,21 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         load_shader_library!(app, "hdao.wgsl");
         embedded_asset!(app, "gather.wgsl");
         embedded_asset!(app, "merge.wgsl");
-        app.register_type::<LeanAmbientOcclusion>()
-            .add_plugins(ExtractComponentPlugin::<LeanAmbientOcclusion>::default());
-        overrides::add_to::<LeanAmbientOcclusion>(app, |world| {
+        app.register_type::<LeanScreenSpaceAmbientOcclusion>()
+            .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceAmbientOcclusion>::default());
+        overrides::add_to::<LeanScreenSpaceAmbientOcclusion>(app, |world| {
             world.contains_resource::<RenderDevice>()
         });
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        removal::remove_with::<LeanAmbientOcclusion, ActiveOcclusion>(render_app);
+        removal::remove_with::<LeanScreenSpaceAmbientOcclusion, ActiveOcclusion>(render_app);
         removal::remove_with::<ActiveOcclusion, (OcclusionTexture, ViewOcclusion, OcclusionBindings)>(
             render_app,
         );
-        EffectSystems::AmbientOcclusion.run_while::<With<LeanAmbientOcclusion>>(render_app);
+        EffectSystems::AmbientOcclusion
+            .run_while::<With<LeanScreenSpaceAmbientOcclusion>>(render_app);
         render_app
             .init_gpu_resource::<OcclusionUniforms>()
             .init_gpu_resource::<OcclusionSupport>()
@@ -128,7 +129,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
                 RenderStartup,
                 (
                     pipelines::init_occlusion_pipelines,
-                    recovery::forget::<LeanAmbientOcclusion>,
+                    recovery::forget::<LeanScreenSpaceAmbientOcclusion>,
                 ),
             )
             .add_systems(

@@ -1,6 +1,9 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::view::overrides::{CameraEffect, Need};
+use crate::view::{
+    LeanQuality, LeanResolution,
+    overrides::{CameraEffect, Need},
+};
 
 /// Ambient occlusion from depth: darkens surfaces where nearby surfaces block ambient light.
 ///
@@ -17,85 +20,123 @@ use crate::view::overrides::{CameraEffect, Need};
 ///         Camera3d::default(),
 ///         // With it, occlusion darkens only indirect light; without it, the whole image.
 ///         LeanDeferred::default(),
-///         LeanAmbientOcclusion {
+///         LeanScreenSpaceAmbientOcclusion {
 ///             radius: 1.0,
-///             quality: OcclusionQuality::High,
+///             quality: LeanQuality::High,
 ///             ..default()
 ///         },
 ///     ));
 /// }
 /// ```
 ///
+/// | quality | slices | steps on either side of a slice |
+/// |---|---|---|
+/// | `Low` | 1 | 3 |
+/// | `Medium` | 1 | 6 |
+/// | `High` | 2 | 8 |
+/// | `Ultra` | 4 | 12 |
+///
 /// The texture stores occlusion (0 = none) in one channel of 8 bits, so that rounding errs towards none and open surfaces stay
 /// exactly unchanged.
+#[doc(alias("ssao", "hbao", "gtao"))]
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-pub struct LeanAmbientOcclusion {
+pub struct LeanScreenSpaceAmbientOcclusion {
     /// Distance in metres beyond which nothing occludes. More than 0. Clamped on screen to a quarter of the viewport's height.
     /// Default 0.5.
     pub radius: f32,
     /// Factor on the occlusion, at least 0. Default 1, the physical amount.
     pub intensity: f32,
-    /// Angle above the surface, in radians, below which samples are ignored: suppresses noise from depth and normals on flat
-    /// surfaces. 0 to π/2; more than 0.5 is rarely useful. Default 0.02.
-    pub bias: f32,
-    /// Share of the squared radius over which occluders fade out, 0 (hard edge) to 1. Default 0.1.
-    pub falloff: f32,
-    /// Assumed thickness of occluders, 0 to 1. At 1 (the default) they are infinitely thick, as in a height field. Below 1, horizons
-    /// decay by `1 - thickness` per step behind thin occluders (Jimenez et al. 2016).
-    pub thickness: f32,
-    /// Kernel that computes the occlusion. Default [`OcclusionKernel::Hbao`].
-    pub kernel: OcclusionKernel,
-    /// Number of samples, for [`OcclusionKernel::Hbao`] only. Default [`OcclusionQuality::Medium`].
-    pub quality: OcclusionQuality,
-    /// Normals that occlusion is weighted about. Default [`OcclusionNormals::Shading`], which needs a G-buffer.
-    pub normals: OcclusionNormals,
-    /// Resolution of the occlusion. Default [`OcclusionResolution::Full`].
-    pub resolution: OcclusionResolution,
-    /// Filter that removes the sample pattern. Default [`OcclusionFilter::BinomialEdgeAware`].
-    pub filter: OcclusionFilter,
+    /// Samples per pixel, as in the table above, for [`OcclusionKernel::Hbao`] only. Default [`LeanQuality::Medium`].
+    pub quality: LeanQuality,
+    /// Resolution of the occlusion. Default [`LeanResolution::Full`].
+    pub resolution: LeanResolution,
     /// Application of the occlusion to the image. Default [`OcclusionApplication::Auto`].
     pub application: OcclusionApplication,
-    /// Approximates light that bounces between bright walls: brightens and tints their occlusion (Jimenez et al. 2016). For
-    /// [`OcclusionApplication::Indirect`] only. Default true.
-    pub multibounce: bool,
     /// Share of the occlusion that darkens direct light too, 0 (physical) to 1. For [`OcclusionApplication::Indirect`] only. Default 0.
-    pub direct_light_affect: f32,
+    pub direct_light: f32,
+    /// Assumed thickness of occluders in metres, at least 0, for [`OcclusionKernel::Hbao`] only. Default `None`: infinite, as in a
+    /// height field. Otherwise horizons decay behind an occluder, to 1/e over this distance (after Jimenez et al. 2016, whose decay is
+    /// per step).
+    pub thickness: Option<f32>,
+    /// Settings that few games change.
+    pub advanced: LeanScreenSpaceAmbientOcclusionAdvanced,
     /// Shows the filtered occlusion alone, white where unoccluded. With [`OcclusionApplication::Indirect`] it covers only meshes in
     /// the G-buffer. Later passes draw over it. Default false.
     pub debug_view: bool,
 }
 
-impl LeanAmbientOcclusion {
+impl LeanScreenSpaceAmbientOcclusion {
+    /// Slices of a pixel, and steps on either side of a slice, by `quality`.
+    pub fn samples(&self) -> (u32, u32) {
+        match self.quality {
+            LeanQuality::Low => (1, 3),
+            LeanQuality::Medium => (1, 6),
+            LeanQuality::High => (2, 8),
+            LeanQuality::Ultra => (4, 12),
+        }
+    }
+
     /// True if directions are spread over 4×4 pixels, for a wide filter. Half resolution has a single filter.
     #[doc(hidden)]
     pub fn has_wide_pattern(&self) -> bool {
-        self.filter.is_wide() && self.resolution == OcclusionResolution::Full
+        self.advanced.filter == OcclusionFilter::Wide && self.resolution == LeanResolution::Full
     }
 }
 
-impl CameraEffect for LeanAmbientOcclusion {
-    const NAME: &'static str = "LeanAmbientOcclusion";
+impl CameraEffect for LeanScreenSpaceAmbientOcclusion {
+    const NAME: &'static str = "LeanScreenSpaceAmbientOcclusion";
     const NEEDS: &'static [Need] = &[Need::WithoutMsaa];
 }
 
-impl Default for LeanAmbientOcclusion {
+impl Default for LeanScreenSpaceAmbientOcclusion {
     fn default() -> Self {
         Self {
             radius: 0.5,
             intensity: 1.0,
+            quality: default(),
+            resolution: LeanResolution::Full,
+            application: default(),
+            direct_light: 0.0,
+            thickness: None,
+            advanced: default(),
+            debug_view: false,
+        }
+    }
+}
+
+/// Settings of [`LeanScreenSpaceAmbientOcclusion`] that few games change.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub struct LeanScreenSpaceAmbientOcclusionAdvanced {
+    /// Kernel that computes the occlusion. Default [`OcclusionKernel::Hbao`].
+    pub kernel: OcclusionKernel,
+    /// Angle above the surface, in radians, below which samples are ignored: suppresses noise from depth and normals on flat
+    /// surfaces. 0 to π/2; more than 0.5 is rarely useful. Default 0.02.
+    pub bias: f32,
+    /// Share of the squared radius over which occluders fade out, 0 (hard edge) to 1. Default 0.1.
+    pub falloff: f32,
+    /// Normals that occlusion is weighted about. Default [`OcclusionNormals::Shading`], which needs a G-buffer.
+    pub normals: OcclusionNormals,
+    /// Width of the filter that removes the sample pattern. Default [`OcclusionFilter::Narrow`].
+    pub filter: OcclusionFilter,
+    /// The filter ignores neighbours across a depth step. Default true.
+    pub edge_aware: bool,
+    /// Approximates light that bounces between bright walls: brightens and tints their occlusion (Jimenez et al. 2016). For
+    /// [`OcclusionApplication::Indirect`] only. Default true.
+    pub multibounce: bool,
+}
+
+impl Default for LeanScreenSpaceAmbientOcclusionAdvanced {
+    fn default() -> Self {
+        Self {
+            kernel: default(),
             bias: 0.02,
             falloff: 0.1,
-            thickness: 1.0,
-            kernel: default(),
-            quality: default(),
             normals: default(),
-            resolution: default(),
             filter: default(),
-            application: default(),
+            edge_aware: true,
             multibounce: true,
-            direct_light_affect: 0.0,
-            debug_view: false,
         }
     }
 }
@@ -114,37 +155,6 @@ pub enum OcclusionKernel {
     Hdao,
 }
 
-/// Samples per pixel of [`OcclusionKernel::Hbao`]. Each slice has two sides. The pixels of a 2×2 or 4×4 block take different slices,
-/// which the filter averages. The numbers are compiled into the shader.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq)]
-pub enum OcclusionQuality {
-    /// 1 slice, 3 steps per side.
-    Low,
-    /// 1 slice, 6 steps per side.
-    #[default]
-    Medium,
-    /// 2 slices, 8 steps per side.
-    High,
-    /// 4 slices, 12 steps per side.
-    Ultra,
-}
-
-impl OcclusionQuality {
-    /// All presets, cheapest first.
-    pub const PRESETS: [Self; 4] = [Self::Low, Self::Medium, Self::High, Self::Ultra];
-
-    /// Slices, and steps per side.
-    pub fn samples(self) -> (u32, u32) {
-        match self {
-            Self::Low => (1, 3),
-            Self::Medium => (1, 6),
-            Self::High => (2, 8),
-            Self::Ultra => (4, 12),
-        }
-    }
-}
-
 /// Normals that occlusion is weighted about. With either, the surface known from depth does not occlude itself: flat surfaces stay
 /// at 0, even with mapped or interpolated normals.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -157,62 +167,22 @@ pub enum OcclusionNormals {
     Geometric,
 }
 
-/// Resolution of the occlusion.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq)]
-pub enum OcclusionResolution {
-    /// One value per pixel.
-    #[default]
-    Full,
-    /// One value per 2×2 pixels; the filter upsamples along depth edges.
-    Half,
-}
-
-impl OcclusionResolution {
-    /// Pixels per side that share a value.
-    pub(super) fn divisor(self) -> u32 {
-        match self {
-            Self::Full => 1,
-            Self::Half => 2,
-        }
-    }
-}
-
-/// Weights of the filter that removes the sample pattern, in which pixels sample different directions.
-/// [Half resolution](OcclusionResolution::Half) has a single set of weights for all of them.
+/// Width of the filter that removes the sample pattern, in which pixels sample different directions.
+/// [Half resolution](LeanResolution::Half) has a single filter of 4×4 texels.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum OcclusionFilter {
     /// 1 2 1 / 2 4 2 / 1 2 1: removes any 2×2 pattern exactly.
-    Binomial,
-    /// 1 2 2 2 1 along each axis: removes any 4×4 pattern exactly, so samples use one, with four times as many directions. For
-    /// surfaces so close to the camera that the other filters leave their few directions and steps visible. Slower.
-    Wide,
-    /// As `Binomial`, ignoring neighbours across a depth step.
     #[default]
-    BinomialEdgeAware,
-    /// As `Wide`, ignoring neighbours across a depth step.
-    WideEdgeAware,
+    Narrow,
+    /// 1 2 2 2 1 along each axis: removes any 4×4 pattern exactly, so samples use one, with four times as many directions. For
+    /// surfaces so close to the camera that the narrow filter leaves their few directions and steps visible. Slower.
+    Wide,
 }
 
 impl OcclusionFilter {
     /// All variants.
-    pub const ALL: [Self; 4] = [
-        Self::Binomial,
-        Self::Wide,
-        Self::BinomialEdgeAware,
-        Self::WideEdgeAware,
-    ];
-
-    /// True if 5×5 pixels are averaged.
-    pub fn is_wide(self) -> bool {
-        matches!(self, Self::Wide | Self::WideEdgeAware)
-    }
-
-    /// True if neighbours across a depth step are ignored.
-    pub fn is_edge_aware(self) -> bool {
-        matches!(self, Self::BinomialEdgeAware | Self::WideEdgeAware)
-    }
+    pub const ALL: [Self; 2] = [Self::Narrow, Self::Wide];
 }
 
 /// Application of the occlusion to the image.

@@ -1,6 +1,6 @@
 //! Uniforms of a view.
 
-use core::f32::consts::{FRAC_PI_2, PI};
+use core::f32::consts::{FRAC_PI_2, LOG2_E, PI};
 
 use bevy::{
     pbr::{DistanceFog, FogFalloff},
@@ -8,7 +8,7 @@ use bevy::{
     render::render_resource::ShaderType,
 };
 
-use super::settings::LeanAmbientOcclusion;
+use super::settings::LeanScreenSpaceAmbientOcclusion;
 use crate::shader_library::{
     reconstruction::position::{
         ProjectionKind, pixels_per_metre, pixels_per_ray, projection_of, view_from_pixel,
@@ -23,6 +23,8 @@ const LARGEST_RADIUS: f32 = 0.25;
 const LARGEST_METRES: f32 = 1e9;
 /// Depth steps above this share of the radius separate surfaces.
 const EDGE: f32 = 0.1;
+/// Upper bound of the decay per radius: nothing remains of a horizon after a step.
+const FASTEST_DECAY: f32 = 1e9;
 
 /// Uniform of the passes, one per view.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
@@ -47,8 +49,8 @@ pub struct OcclusionUniform {
     sin_bias: f32,
     inverse_falloff: f32,
     decline: f32,
-    thickness: f32,
-    direct_light_affect: f32,
+    decay: f32,
+    direct_light: f32,
     turn: f32,
 }
 
@@ -56,7 +58,7 @@ impl OcclusionUniform {
     /// Derives the uniform from `settings`, the projection and the viewport's size in pixels. `view_from_world`, `fog` and
     /// `viewport_origin` stay 0.
     pub fn new(
-        settings: &LeanAmbientOcclusion,
+        settings: &LeanScreenSpaceAmbientOcclusion,
         clip_from_view: Mat4,
         viewport_size: UVec2,
     ) -> Self {
@@ -66,7 +68,7 @@ impl OcclusionUniform {
         // In perspective, 1 / distance is affine in depth: a step in metres is a depth step proportional to 1 / distance².
         let m = &view_from_pixel;
         let step = EDGE * radius;
-        let (slices, _) = settings.quality.samples();
+        let (slices, _) = settings.samples();
         let edge = if projection_of(clip_from_view) == ProjectionKind::Orthographic {
             Vec4::new(0.0, 1.0, step / m.z_axis.z.abs(), 0.0)
         } else {
@@ -75,7 +77,7 @@ impl OcclusionUniform {
         let radius_in_pixels = radius * pixels_per_metre(clip_from_view, viewport_size);
         let largest_radius = (LARGEST_RADIUS * viewport_size.y as f32).max(1.0);
         // At least 1e-4, so that 0 is a hard edge without a division by 0.
-        let inverse_falloff = 1.0 / settings.falloff.clamp(1e-4, 1.0);
+        let inverse_falloff = 1.0 / settings.advanced.falloff.clamp(1e-4, 1.0);
         let mut view = Self {
             view_from_pixel,
             edge,
@@ -90,12 +92,15 @@ impl OcclusionUniform {
                 largest_radius / radius_in_pixels.abs().max_element(),
             ),
             intensity: up_to(f32::MAX, settings.intensity),
-            sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
+            sin_bias: settings.advanced.bias.clamp(0.0, FRAC_PI_2).sin(),
             inverse_falloff,
             // A divisor in the shader, which skips pixels with a radius of 0.
             decline: (inverse_falloff.sqrt() / radius).clamp(1e-15, 1e15),
-            thickness: settings.thickness.clamp(0.0, 1.0),
-            direct_light_affect: settings.direct_light_affect.clamp(0.0, 1.0),
+            // 0 / 0 is the bound too.
+            decay: settings.thickness.map_or(0.0, |thickness| {
+                (LOG2_E * radius / up_to(LARGEST_METRES, thickness)).min(FASTEST_DECAY)
+            }),
+            direct_light: settings.direct_light.clamp(0.0, 1.0),
             ..default()
         };
         view.set_turn(settings, 0.0);
@@ -103,9 +108,9 @@ impl OcclusionUniform {
     }
 
     /// Sets the part of the pattern that changes per frame, 0 to 1.
-    pub(super) fn set_turn(&mut self, settings: &LeanAmbientOcclusion, turn: f32) {
+    pub(super) fn set_turn(&mut self, settings: &LeanScreenSpaceAmbientOcclusion, turn: f32) {
         self.turn = turn;
-        let (slices, _) = settings.quality.samples();
+        let (slices, _) = settings.samples();
         let quarter = 0.25 * PI / slices as f32;
         for (i, rotation) in self.rotations.iter_mut().enumerate() {
             let phase = Vec2::from_angle(quarter * (i as f32 + turn));
@@ -121,7 +126,7 @@ fn up_to(largest: f32, x: f32) -> f32 {
 }
 
 /// Size of the occlusion texture, in texels.
-fn texture_size(settings: &LeanAmbientOcclusion, viewport_size: UVec2) -> UVec2 {
+fn texture_size(settings: &LeanScreenSpaceAmbientOcclusion, viewport_size: UVec2) -> UVec2 {
     let divisor = settings.resolution.divisor();
     // Viewports may be empty.
     viewport_size.map(|side| side.div_ceil(divisor).max(1))

@@ -32,9 +32,10 @@ struct OcclusionUniform {
     inverse_falloff: f32,
     /// A sample's weight falls by the square of this times its distance, where the radius is not clamped. Above 0.
     decline: f32,
-    thickness: f32,
+    /// Binary logarithm of the factor by which horizons sink behind a thin occluder, over the radius: 0 or more.
+    decay: f32,
     /// Share of the occlusion that also darkens direct light, 0 to 1.
-    direct_light_affect: f32,
+    direct_light: f32,
     /// Temporal part of the step pattern, 0 to 1; 0 without TAA.
     turn: f32,
 }

@@ -54,8 +54,8 @@ mod uniforms;
 
 pub use overlay::ExposureOverlay;
 pub use settings::{
-    ExposureClock, LeanAutoExposure, LuminanceTrim, MeteredExposure, Metering, MeteringPattern,
-    ReductionPath,
+    ExposureClock, LeanAutoExposure, LeanAutoExposureAdvanced, LuminanceTrim, MeteredExposure,
+    Metering, MeteringPattern, ReductionPath,
 };
 pub use support::ExposureSupport;
 #[doc(hidden)]

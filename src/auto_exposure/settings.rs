@@ -1,3 +1,5 @@
+use core::ops::RangeInclusive;
+
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
 use crate::view::{
@@ -24,8 +26,7 @@ use crate::view::{
 ///             pattern: MeteringPattern::CenterWeighted,
 ///             // One stop darker than middle grey.
 ///             compensation: -1.0,
-///             min_exposure: -4.0,
-///             max_exposure: 4.0,
+///             range: -4.0..=4.0,
 ///             ..default()
 ///         },
 ///     ));
@@ -36,42 +37,37 @@ use crate::view::{
 /// keeps its target. At the start and after a [`CameraCut`](crate::CameraCut), adaptation waits for light: black frames, as of a
 /// scene that is loading, are skipped, and the first frame with a mean luminance above 2^-13.9 starts adapted. NaN settings fall
 /// back to their defaults.
+#[doc(alias = "eye adaptation")]
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CameraCuts)]
 pub struct LeanAutoExposure {
+    /// Smallest and largest exposure in stops, before compensation. Both -64 to 64; if the smallest is larger, the largest counts.
+    /// Default -8 to 8.
+    pub range: RangeInclusive<f32>,
+    /// Speed at which the exposure falls when the scene becomes brighter, in stops per second, 0 to 65504. Default 3, as in Bevy: eyes
+    /// adapt faster to light than to darkness.
+    pub speed_brighten: f32,
+    /// Speed at which the exposure rises when the scene becomes darker, in stops per second, 0 to 65504. Default 1.
+    pub speed_darken: f32,
+    /// Luminance that the metered mean is exposed to, before tonemapping. More than 0, up to 65504. Default 0.18, middle grey (1 in
+    /// Bevy's `AutoExposure`).
+    pub target: f32,
     /// Mean of the luminance. Default [`Metering::LogAverage`].
     pub metering: Metering,
     /// Weights of the pixels. Default [`MeteringPattern::Average`].
     pub pattern: MeteringPattern,
     /// Leaves out the darkest and brightest pixels. Default `None`, since trimming costs a histogram.
     pub trim: Option<LuminanceTrim>,
-    /// Luminance that the metered mean is exposed to, before tonemapping. More than 0, up to 65504. Default 0.18, middle grey (1 in
-    /// Bevy's `AutoExposure`).
-    pub target: f32,
     /// Added to the exposure, in stops, -64 to 64. Default 0.
     pub compensation: f32,
     /// Curve added to the exposure: points of (metered luminance as base-2 logarithm, stops), both -64 to 64, in ascending order, with
     /// linear interpolation. The first 16 are used. Default empty.
     pub compensation_curve: Vec<Vec2>,
-    /// Smallest exposure in stops, before compensation: -64 to 64, and at most `max_exposure`. Default -8.
-    pub min_exposure: f32,
-    /// Largest exposure in stops, before compensation: -64 to 64. Default 8.
-    pub max_exposure: f32,
-    /// Speed at which the exposure falls when the scene becomes brighter, in stops per second, 0 to 65504. Default 3, as in Bevy: eyes
-    /// adapt faster to light than to darkness.
-    pub speed_brighten: f32,
-    /// Speed at which the exposure rises when the scene becomes darker, in stops per second, 0 to 65504. Default 1.
-    pub speed_darken: f32,
-    /// Distance to the target, in stops, below which the exposure approaches it exponentially, for a smooth end. 0 to 65504; 0 keeps
-    /// the speed constant to the end. Default 1.5.
-    pub transition: f32,
-    /// Disables adaptation: each frame has its own exposure. Default false.
-    pub instant: bool,
     /// Clock that exposure adapts by. Default [`ExposureClock::Real`].
     pub clock: ExposureClock,
-    /// Method by which a workgroup sums its pixels. Default [`ReductionPath::Auto`].
-    pub reduction: ReductionPath,
+    /// Settings that few games change.
+    pub advanced: LeanAutoExposureAdvanced,
     /// Shows the weight of each pixel over the tonemapped image, and the exposure (white) and its target (green) on a scale of stops.
     /// Default false.
     pub overlay: bool,
@@ -85,21 +81,41 @@ impl CameraEffect for LeanAutoExposure {
 impl Default for LeanAutoExposure {
     fn default() -> Self {
         Self {
+            range: -8.0..=8.0,
+            speed_brighten: 3.0,
+            speed_darken: 1.0,
+            target: 0.18,
             metering: default(),
             pattern: default(),
             trim: None,
-            target: 0.18,
             compensation: 0.0,
             compensation_curve: Vec::new(),
-            min_exposure: -8.0,
-            max_exposure: 8.0,
-            speed_brighten: 3.0,
-            speed_darken: 1.0,
+            clock: default(),
+            advanced: default(),
+            overlay: false,
+        }
+    }
+}
+
+/// Settings of [`LeanAutoExposure`] that few games change.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub struct LeanAutoExposureAdvanced {
+    /// Distance to the target, in stops, below which the exposure approaches it exponentially, for a smooth end. 0 to 65504; 0 keeps
+    /// the speed constant to the end. Default 1.5.
+    pub transition: f32,
+    /// Disables adaptation: each frame has its own exposure. Default false.
+    pub instant: bool,
+    /// Method by which a workgroup sums its pixels. Default [`ReductionPath::Auto`].
+    pub reduction: ReductionPath,
+}
+
+impl Default for LeanAutoExposureAdvanced {
+    fn default() -> Self {
+        Self {
             transition: 1.5,
             instant: false,
-            clock: default(),
             reduction: default(),
-            overlay: false,
         }
     }
 }

@@ -69,7 +69,7 @@ impl ExposureSupport {
 
     /// True if a camera with `settings` is metered by subgroups.
     pub(super) fn uses_subgroups(&self, settings: &LeanAutoExposure) -> bool {
-        match settings.reduction {
+        match settings.advanced.reduction {
             // The histogram is faster without subgroups, by the bench.
             ReductionPath::Auto => self.subgroups.are_useful() && settings.trim.is_none(),
             ReductionPath::Subgroup => self.subgroups.exist(),

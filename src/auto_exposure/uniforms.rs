@@ -56,25 +56,25 @@ impl ExposureUniform {
         for (slot, point) in curve.iter_mut().zip(&settings.compensation_curve) {
             *slot = Vec4::new(stops(point.x, 0.0), stops(point.y, 0.0), 0.0, 0.0);
         }
-        let max_exposure = stops(settings.max_exposure, default.max_exposure);
+        let max_exposure = stops(*settings.range.end(), *default.range.end());
         Self {
             viewport_origin,
             viewport_size,
             seconds: positive(seconds, 0.0),
             log_target: positive(settings.target, default.target).max(1e-6).log2(),
             compensation: stops(settings.compensation, default.compensation),
-            min_exposure: stops(settings.min_exposure, default.min_exposure).min(max_exposure),
+            min_exposure: stops(*settings.range.start(), *default.range.start()).min(max_exposure),
             max_exposure,
             speed_brighten: positive(settings.speed_brighten, default.speed_brighten),
             speed_darken: positive(settings.speed_darken, default.speed_darken),
-            transition: positive(settings.transition, default.transition),
+            transition: positive(settings.advanced.transition, default.advanced.transition),
             trim_low: settings.trim.map_or(0.0, |trim| share(trim.low)),
             trim_high: settings.trim.map_or(0.0, |trim| share(trim.high)),
             spot_radius: match settings.pattern {
                 MeteringPattern::Spot { radius } => positive(radius, 0.0),
                 _ => 0.0,
             },
-            instant: settings.instant.into(),
+            instant: settings.advanced.instant.into(),
             cuts,
             curve_points: settings.compensation_curve.len().min(CURVE_POINTS) as u32,
             tile_height: tile_height(viewport_size),

@@ -23,7 +23,7 @@ use super::{
     foreign_depth::others_may_draw_depth, statuses::LeanStatuses, support::LeanDeferredSupport,
 };
 use crate::{
-    ambient_occlusion::LeanAmbientOcclusion,
+    ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
     gbuffer::{MotionResolvePipelines, ReadsGBuffer, ViewDemands},
     gpu::pipeline_watch::PipelineWatch,
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
@@ -137,7 +137,7 @@ pub(super) fn decide_active_views(
         ),
         (
             &LeanDeferred,
-            Option<&LeanAmbientOcclusion>,
+            Option<&LeanScreenSpaceAmbientOcclusion>,
             LightingIoQuery,
         ),
         (Option<&mut ViewLighting>, Option<&ActiveLeanView>),

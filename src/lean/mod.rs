@@ -39,7 +39,6 @@ use crate::{
     gbuffer::GBufferPlugin,
     gpu::recovery,
     lighting::LightingPlugin,
-    screen_space::subsurface::SubsurfacePlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
         DebugChannel, EffectSystems, LeanDeferred, LeanStatus, LeanViewSystems, ViewTextureSystems,
@@ -47,7 +46,7 @@ use crate::{
     },
 };
 
-/// Adds the packed G-buffer, compute lighting and subsurface scattering for cameras with [`LeanDeferred`], and
+/// Adds the packed G-buffer and compute lighting for cameras with [`LeanDeferred`], and
 /// [`ExtendedStandardMaterial`](crate::shading_extension::ExtendedStandardMaterial). Part of
 /// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
 #[derive(Default)]
@@ -58,12 +57,7 @@ impl Plugin for LeanDeferredPlugin {
         if !can_build(app, "LeanDeferredPlugin", true) {
             return;
         }
-        app.add_plugins((
-            GBufferPlugin,
-            LightingPlugin,
-            ShadingExtensionPlugin,
-            SubsurfacePlugin,
-        ));
+        app.add_plugins((GBufferPlugin, LightingPlugin, ShadingExtensionPlugin));
         app.register_type::<LeanDeferred>()
             .register_type::<DebugChannel>()
             .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())

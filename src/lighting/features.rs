@@ -14,7 +14,7 @@ use bitflags::bitflags;
 
 use super::{bevy_definitions::VIEW_BITS, light_layers::LightLayers};
 use crate::{
-    ambient_occlusion::{FilterKey, LeanAmbientOcclusion, OcclusionPipelines},
+    ambient_occlusion::{FilterKey, LeanScreenSpaceAmbientOcclusion, OcclusionPipelines},
     gpu::subgroups::Subgroups,
     named::system_param,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
@@ -124,11 +124,11 @@ pub(crate) struct OcclusionKey {
 }
 
 impl OcclusionKey {
-    fn new(settings: &LeanAmbientOcclusion) -> Option<Self> {
+    fn new(settings: &LeanScreenSpaceAmbientOcclusion) -> Option<Self> {
         settings.is_for_lighting().then(|| Self {
             filter: settings.into(),
-            multibounce: settings.multibounce,
-            direct_light: settings.direct_light_affect > 0.0 && !settings.debug_view,
+            multibounce: settings.advanced.multibounce,
+            direct_light: settings.direct_light > 0.0 && !settings.debug_view,
             debug_view: settings.debug_view,
         })
     }
@@ -190,7 +190,7 @@ impl SceneFeatures<'_, '_> {
     }
 
     fn light_culling(&self, settings: &LeanDeferred) -> LightCulling {
-        match settings.light_culling {
+        match settings.advanced.light_culling {
             LightCulling::Auto if self.point_lights.iter().len() >= MANY_LIGHTS => {
                 LightCulling::SharedMemory
             }
@@ -207,7 +207,7 @@ impl SceneFeatures<'_, '_> {
         view_key: MeshPipelineKey,
         clip_from_view: Mat4,
         settings: &LeanDeferred,
-        occlusion: Option<&LeanAmbientOcclusion>,
+        occlusion: Option<&LeanScreenSpaceAmbientOcclusion>,
         order: &ActiveLeanView,
     ) -> LightingKey {
         let shadow_maps = lights.shadow_maps;

@@ -155,7 +155,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
 #ifdef LEAN_AMBIENT_OCCLUSION
             let visibility = apply_occlusion(&pbr, pixel.position, pixel.depth);
 #ifdef OCCLUSION_OF_DIRECT_LIGHT
-            direct_visibility = 1.0 - occlusion_view.direct_light_affect * (1.0 - visibility);
+            direct_visibility = 1.0 - occlusion_view.direct_light * (1.0 - visibility);
 #endif
 #endif
 #ifdef INDIRECT_DIFFUSE

@@ -21,7 +21,7 @@
 // - `reflections/`: reflections.
 // - `subsurface/`: subsurface scattering.
 // - `debug_view/`: shows the output of an effect in place of the picture.
-// - `resolution.rs`: full and half resolution.
+// - `resolution.rs`: sizes of textures.
 // - `shown_exposure.{rs,wgsl}`: the exposure that tonemapping applied to the last frame.
 
 #[doc(hidden)]
@@ -41,16 +41,17 @@ mod world_shift;
 #[doc(hidden)]
 pub use crate::view::DebugViewPasses;
 pub use diffuse_gi::{
-    LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, ScreenSpaceGiDebugView, ScreenSpaceGiQuality,
+    LeanScreenSpaceGi, LeanScreenSpaceGiAdvanced, LeanScreenSpaceGiPlugin, ScreenSpaceGiDebugView,
 };
 #[doc(hidden)]
 pub use history::{ReadsHistory, ViewHistory};
 pub use reflections::{
-    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, ScreenSpaceReflectionsDebugView,
-    ScreenSpaceReflectionsQuality,
+    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvanced,
+    LeanScreenSpaceReflectionsPlugin, ScreenSpaceReflectionsDebugView,
 };
-pub use resolution::ScreenSpaceResolution;
-pub use subsurface::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
+pub use subsurface::{
+    LeanSubsurfaceScattering, LeanSubsurfaceScatteringAdvanced, LeanSubsurfaceScatteringPlugin,
+};
 #[doc(hidden)]
 pub use {history_validity::LastFrame, support::NEEDED_LIMITS};
 

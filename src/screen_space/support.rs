@@ -12,35 +12,20 @@ pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
     max_compute_workgroup_storage_size: 12544,
 ];
 
-/// The reason that an effect is off on a camera.
+/// The reason that an effect is off on a lean camera: the device does not meet this limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum EffectOff {
-    NotLean,
-    /// The device does not meet this limit.
-    Limit(&'static NeededLimit),
-}
+pub(super) struct EffectOff(&'static NeededLimit);
 
 impl EffectOff {
     /// `None` if an effect that needs these limits can run.
-    pub(super) fn of(
-        is_lean: bool,
-        needed: &'static [NeededLimit],
-        limits: &wgpu::Limits,
-    ) -> Option<Self> {
-        if is_lean {
-            unmet(needed, limits).next().map(Self::Limit)
-        } else {
-            Some(Self::NotLean)
-        }
+    pub(super) fn of(needed: &'static [NeededLimit], limits: &wgpu::Limits) -> Option<Self> {
+        unmet(needed, limits).next().map(Self)
     }
 }
 
 /// Completes "It is off: …".
 impl fmt::Display for EffectOff {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::NotLean => write!(f, "it has no `LeanDeferred`: insert one"),
-            Self::Limit(limit) => write!(f, "the device lacks {limit}"),
-        }
+        write!(f, "the device lacks {}", self.0)
     }
 }

@@ -59,8 +59,8 @@ pub enum ShadingExtension {
     #[default]
     None,
     /// Light that enters scatters and leaves elsewhere (Christensen and Burley 2015, "Approximate Reflectance Profiles for
-    /// Efficient Subsurface Scattering"). Lean cameras scatter it as set by
-    /// [`LeanSubsurfaceScattering`](crate::LeanSubsurfaceScattering); others light the surface like the base.
+    /// Efficient Subsurface Scattering"). Cameras with [`LeanSubsurfaceScattering`](crate::LeanSubsurfaceScattering) scatter it;
+    /// others light the surface like the base.
     Subsurface {
         /// Factor on `mean_free_path` per channel, 0 to 1. Skin is about `(1.0, 0.35, 0.2)`, linear.
         color: Color,

@@ -13,6 +13,7 @@
 // The base layer: all stages depend on it, and it depends on none of them.
 //
 // - `settings.rs`: `LeanDeferred`, the settings of a camera.
+// - `quality.rs`: quality levels and resolutions of effects.
 // - `status.rs`: `LeanStatus`, the status of a camera.
 // - `active.rs`: `ActiveLeanView`, the state of a view in this frame.
 // - `surfaces.rs`: kinds of surfaces and their G-buffer targets.
@@ -38,6 +39,7 @@ mod lighting_io;
 mod out_of_memory;
 pub(crate) mod overrides;
 pub(crate) mod pass_order;
+mod quality;
 pub(crate) mod removal;
 mod schedule;
 mod settings;
@@ -58,13 +60,14 @@ pub use lighting_io::{
 };
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
+pub use quality::{LeanQuality, LeanResolution, ParseLevelError};
 #[doc(hidden)]
 pub use schedule::DebugViewPasses;
 pub(crate) use schedule::{
     ExposureOverlayPasses, ExposurePasses, HistoryPasses, IndirectLightPasses, ViewTextureSystems,
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
-pub use settings::{DebugChannel, LeanDeferred, LightCulling};
+pub use settings::{DebugChannel, LeanDeferred, LeanDeferredAdvanced, LightCulling};
 pub use status::{LeanOffReason, LeanStatus};
 pub use surfaces::{GBufferTargets, ShadingModel};
 pub(crate) use surfaces::{LightingVariant, LightingVariants};

@@ -77,8 +77,8 @@ pub struct LeanDeferred {
     /// nothing. Lights without the component affect all meshes. Layers from 31 on count as one. Meshes that Bevy's
     /// forward pass draws, such as transparent ones, are lit as in Bevy.
     pub light_layers: bool,
-    /// Culling of point and spot lights that do not reach a pixel. Default: [`LightCulling::Auto`].
-    pub light_culling: LightCulling,
+    /// Settings that few games change.
+    pub advanced: LeanDeferredAdvanced,
     /// Shows one channel of the G-buffer, or one part of the light, in place of the picture. Default: none.
     pub debug_view: Option<DebugChannel>,
 }
@@ -88,7 +88,7 @@ impl Default for LeanDeferred {
         Self {
             enabled: true,
             light_layers: true,
-            light_culling: LightCulling::default(),
+            advanced: default(),
             debug_view: None,
         }
     }
@@ -104,6 +104,14 @@ impl LeanDeferred {
 impl CameraEffect for LeanDeferred {
     const NAME: &'static str = "LeanDeferred";
     const NEEDS: &'static [Need] = &[Need::WithoutMsaa, Need::Hdr];
+}
+
+/// Settings of [`LeanDeferred`] that few games change.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Default, Clone, PartialEq)]
+pub struct LeanDeferredAdvanced {
+    /// Culling of point and spot lights that do not reach a pixel. Default: [`LightCulling::Auto`].
+    pub light_culling: LightCulling,
 }
 
 /// Culling of point and spot lights that do not reach a pixel. All variants give the same picture.

@@ -1,8 +1,12 @@
 //! Errors against closed forms, and against the converged integral of the same depth buffers.
 
 use bevy::math::UVec2;
-use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionKernel, OcclusionQuality, OcclusionResolution,
+use bevy_lean_deferred::{
+    ambient_occlusion::{
+        LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionAdvanced as Advanced,
+        OcclusionKernel,
+    },
+    view::{LeanQuality, LeanResolution},
 };
 
 use crate::views::{
@@ -16,16 +20,19 @@ use kit::{
 const SMALL: UVec2 = UVec2::new(240, 135);
 
 /// The presets of the horizon-based kernel, the gather-based one, and half resolution.
-fn variants() -> [(&'static str, LeanAmbientOcclusion); 6] {
-    let default = LeanAmbientOcclusion::default();
+fn variants() -> [(&'static str, LeanScreenSpaceAmbientOcclusion); 6] {
+    let default = LeanScreenSpaceAmbientOcclusion::default();
     let [low, medium, high, ultra] =
-        OcclusionQuality::PRESETS.map(|quality| LeanAmbientOcclusion { quality, ..default });
-    let half = LeanAmbientOcclusion {
-        resolution: OcclusionResolution::Half,
+        LeanQuality::ALL.map(|quality| LeanScreenSpaceAmbientOcclusion { quality, ..default });
+    let half = LeanScreenSpaceAmbientOcclusion {
+        resolution: LeanResolution::Half,
         ..default
     };
-    let hdao = LeanAmbientOcclusion {
-        kernel: OcclusionKernel::Hdao,
+    let hdao = LeanScreenSpaceAmbientOcclusion {
+        advanced: Advanced {
+            kernel: OcclusionKernel::Hdao,
+            ..default.advanced
+        },
         ..default
     };
     [
@@ -43,7 +50,7 @@ fn largest_occlusion(gpu: &OcclusionGpu, view: &View, radius: f64) -> f64 {
     let seen = view.seen_within(0.0);
     let on_surface: Vec<bool> = seen.truth.iter().map(Option::is_some).collect();
     let largest = variants().map(|(name, settings)| {
-        let settings = LeanAmbientOcclusion {
+        let settings = LeanScreenSpaceAmbientOcclusion {
             radius: radius as f32,
             ..settings
         };
@@ -189,7 +196,7 @@ fn errors_of_all_presets() {
             if errors.rmse > case.largest[i] || errors.bias > 0.001 {
                 failures.push(format!("{name}, {setting}: {errors}"));
             }
-            if i < OcclusionQuality::PRESETS.len() {
+            if i < LeanQuality::ALL.len() {
                 if errors.rmse > cheaper {
                     failures.push(format!("{name}: {setting} is worse than a cheaper preset"));
                 }

@@ -1,31 +1,29 @@
 //! Surfaces beside outlines that must stay unoccluded.
 
 use bevy::math::UVec2;
-use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionFilter, OcclusionResolution,
+use bevy_lean_deferred::{
+    ambient_occlusion::{
+        LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionAdvanced as Advanced,
+        OcclusionFilter,
+    },
+    view::LeanResolution,
 };
 
-use crate::views::{RADIUS, SIZE, Seen, View, corner, kinds, run};
+use crate::views::{RADIUS, SIZE, Seen, View, corner, kinds, kinds_and_filters, run};
 use kit::{
     occlusion::{depth_buffer::pixels, errors::Errors, geometry::Geometry, solids::Hit},
     occlusion_gpu::{DepthImage, OcclusionGpu},
 };
 
-/// [`kinds`] with all filters.
-fn kinds_and_filters() -> impl Iterator<Item = LeanAmbientOcclusion> {
-    kinds().flat_map(|settings| {
-        OcclusionFilter::ALL.map(|filter| LeanAmbientOcclusion { filter, ..settings })
-    })
-}
-
-fn named(settings: &LeanAmbientOcclusion) -> String {
-    let LeanAmbientOcclusion {
+fn named(settings: &LeanScreenSpaceAmbientOcclusion) -> String {
+    let resolution = settings.resolution;
+    let Advanced {
         kernel,
-        resolution,
         filter,
+        edge_aware,
         ..
-    } = settings;
-    format!("{kernel:?}, {resolution:?}, {filter:?}")
+    } = settings.advanced;
+    format!("{kernel:?}, {resolution:?}, {filter:?}, edge-aware {edge_aware}")
 }
 
 /// Largest occlusion of a part of a view.
@@ -50,13 +48,13 @@ fn thin_poles_have_no_halo() {
     for thickness in [0.012, 0.03, 0.1] {
         for gap in [0.7, 1.0, 10.0] {
             let seen = pole(thickness, gap).seen();
-            let halo_of = |settings: LeanAmbientOcclusion| {
+            let halo_of = |settings: LeanScreenSpaceAmbientOcclusion| {
                 let occlusion = run(&gpu, &settings, &seen.image).filtered;
                 largest(&seen, &occlusion, |hit| hit.is_some())
             };
-            let [wide, narrow] = [true, false].map(|wide| {
+            let [wide, narrow] = [OcclusionFilter::Wide, OcclusionFilter::Narrow].map(|filter| {
                 kinds_and_filters()
-                    .filter(|settings| settings.filter.is_wide() == wide)
+                    .filter(|settings| settings.advanced.filter == filter)
                     .map(halo_of)
                     .fold(0.0, f32::max)
             });
@@ -70,7 +68,7 @@ fn thin_poles_have_no_halo() {
     }
 }
 
-/// Within the radius a pole counts as infinitely deep, as in the integral; less `thickness` narrows its halo.
+/// Within the radius a pole counts as infinitely deep, as in the integral; a finite `thickness` narrows its halo.
 #[test]
 fn thickness_narrows_the_halo_of_near_poles() {
     let gpu = OcclusionGpu::new();
@@ -80,14 +78,14 @@ fn thickness_narrows_the_halo_of_near_poles() {
     let none = vec![Some(0.0); on_wall.len()];
     let integral = Errors::measure_sparse(&seen.integral(4), &none, &on_wall).mean;
     let mut thicker = integral;
-    for thickness in [1.0, 0.75, 0.5, 0.25, 0.0] {
-        let settings = LeanAmbientOcclusion {
+    for thickness in [None, Some(1.0), Some(0.3), Some(0.1), Some(0.03), Some(0.0)] {
+        let settings = LeanScreenSpaceAmbientOcclusion {
             thickness,
-            ..LeanAmbientOcclusion::default()
+            ..LeanScreenSpaceAmbientOcclusion::default()
         };
         let occlusion = run(&gpu, &settings, &seen.image).filtered;
         let mean = Errors::measure(&occlusion, &none, &on_wall).mean;
-        println!("thickness {thickness}: mean {mean:.4} on the wall, integral {integral:.4}");
+        println!("thickness {thickness:?}: mean {mean:.4} on the wall, integral {integral:.4}");
         assert!(mean < thicker);
         thicker = mean;
     }
@@ -132,11 +130,11 @@ fn the_sky_is_free_and_takes_nothing_away() {
             );
             assert_eq!(in_sky, 0.0);
             let bound = match settings.resolution {
-                OcclusionResolution::Full if settings.filter.is_wide() => of_wide,
-                OcclusionResolution::Full => of_full,
-                OcclusionResolution::Half => of_half,
+                LeanResolution::Full if settings.has_wide_pattern() => of_wide,
+                LeanResolution::Full => of_full,
+                LeanResolution::Half => of_half,
             };
-            assert!(!settings.filter.is_edge_aware() || open <= bound);
+            assert!(!settings.advanced.edge_aware || open <= bound);
         }
     }
 }
@@ -178,7 +176,7 @@ fn facets_of_convex_meshes_do_not_show() {
                 println!(
                     "{facets} facets from {eye:?}, {:?}, {:?}: {} within facets; on edges up to {:.3}, {dark} of {} \
                      pixels above 0.02, mean {:.1e}",
-                    settings.kernel,
+                    settings.advanced.kernel,
                     settings.resolution,
                     band.largest,
                     all.largest,
@@ -224,9 +222,9 @@ fn occlusion_hardly_bleeds_over_steps_of_one_pixel() {
             between.bias
         );
         // A wire between the texels of half resolution has no texel of its own.
-        let (mean, rmse) = match (settings.filter.is_edge_aware(), settings.resolution) {
-            (true, OcclusionResolution::Full) => (0.0, 0.03),
-            (true, OcclusionResolution::Half) => (0.0195, 0.027),
+        let (mean, rmse) = match (settings.advanced.edge_aware, settings.resolution) {
+            (true, LeanResolution::Full) => (0.0, 0.03),
+            (true, LeanResolution::Half) => (0.0195, 0.027),
             (false, _) => (0.040, 0.037),
         };
         assert!(on_wires.mean <= mean && between.rmse <= rmse);

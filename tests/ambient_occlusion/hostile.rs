@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use bevy::math::{Mat4, UVec2};
-use bevy_lean_deferred::ambient_occlusion::LeanAmbientOcclusion;
+use bevy_lean_deferred::ambient_occlusion::LeanScreenSpaceAmbientOcclusion;
 
 use crate::views::{ORTHOGRAPHIC, SIZE, corner, difference, kinds, run, wall};
 use kit::{
@@ -61,7 +61,12 @@ fn bad_depths_spoil_nothing_further_away_than_the_radius() {
     let gpu = OcclusionGpu::new();
     for view in [wall(), corner().with_projection(ORTHOGRAPHIC)] {
         let seen = view.seen_within(0.0);
-        let occlusion = run(&gpu, &LeanAmbientOcclusion::default(), &seen.image).filtered;
+        let occlusion = run(
+            &gpu,
+            &LeanScreenSpaceAmbientOcclusion::default(),
+            &seen.image,
+        )
+        .filtered;
         let (depth, bad) = sprinkled(&seen.image.depth, &occlusion);
         let image = DepthImage::new(depth, SIZE, seen.image.clip_from_view);
         let held = gpu.held_depth(&image);
@@ -72,7 +77,7 @@ fn bad_depths_spoil_nothing_further_away_than_the_radius() {
         println!("the depth buffer holds {held:?}");
         for settings in kinds() {
             // 0.1 m is at most 20 pixels in these views; the filter and its depths reach 6 further.
-            let settings = LeanAmbientOcclusion {
+            let settings = LeanScreenSpaceAmbientOcclusion {
                 radius: 0.1,
                 ..settings
             };
@@ -86,7 +91,7 @@ fn bad_depths_spoil_nothing_further_away_than_the_radius() {
                 .count();
             println!(
                 "{}, {:?}, {:?}: {changed} pixels changed, {changed_far} of {compared} far ones",
-                view.name, settings.kernel, settings.resolution
+                view.name, settings.advanced.kernel, settings.resolution
             );
             assert!(changed >= bad.len().min(18) && compared > 60_000);
             assert_eq!(changed_far, 0);
@@ -123,7 +128,7 @@ fn depths_may_be_anything() {
                 let mean = mean(&run(&gpu, &settings, &image).filtered);
                 println!(
                     "{name}, {:?}, {:?}: mean {mean:.4}",
-                    settings.kernel, settings.resolution
+                    settings.advanced.kernel, settings.resolution
                 );
                 assert!(mean == 0.0 || name == "any bits" || name == "noise");
             }
@@ -140,20 +145,20 @@ fn mean(occlusion: &[f32]) -> f32 {
 fn settings_may_be_anything() {
     const INF: f32 = f32::INFINITY;
     const NAN: f32 = f32::NAN;
-    type Set = fn(&mut LeanAmbientOcclusion) -> &mut f32;
+    type Set = fn(&mut LeanScreenSpaceAmbientOcclusion) -> &mut f32;
     let gpu = OcclusionGpu::new();
     let seen = corner().with_size(UVec2::new(240, 135)).seen_within(0.0);
     let occlusion = |set: Set, value| {
-        let mut settings = LeanAmbientOcclusion::default();
+        let mut settings = LeanScreenSpaceAmbientOcclusion::default();
         *set(&mut settings) = value;
         run(&gpu, &settings, &seen.image).filtered
     };
     let fields: [(_, Set, _, _); 5] = [
         ("radius", |s| &mut s.radius, 0.0, 1e6),
         ("intensity", |s| &mut s.intensity, 0.0, 1e6),
-        ("bias", |s| &mut s.bias, 0.0, FRAC_PI_2),
-        ("falloff", |s| &mut s.falloff, 0.0, 1.0),
-        ("thickness", |s| &mut s.thickness, 0.0, 1.0),
+        ("bias", |s| &mut s.advanced.bias, 0.0, FRAC_PI_2),
+        ("falloff", |s| &mut s.advanced.falloff, 0.0, 1.0),
+        ("thickness", |s| s.thickness.get_or_insert(0.0), 0.0, 1e9),
     ];
     for (name, set, least, most) in fields {
         let [low, high] = [least, most].map(|value| occlusion(set, value));

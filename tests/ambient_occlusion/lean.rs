@@ -4,13 +4,13 @@ use bevy::{
     light::{EnvironmentMapLight, GlobalAmbientLight},
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced, prelude::*};
 
 use crate::stage::{Colors, Stage};
 use kit::{log_watch, scenes::SceneBuilder};
 
-fn default() -> LeanAmbientOcclusion {
-    LeanAmbientOcclusion::default()
+fn default() -> LeanScreenSpaceAmbientOcclusion {
+    LeanScreenSpaceAmbientOcclusion::default()
 }
 
 /// Boxes in a corner, so rough that specular light is occluded like diffuse light.
@@ -72,18 +72,16 @@ fn direct_light_is_left_alone_unless_told_otherwise() {
     assert_eq!(changed, 0);
 
     let visibility = stage.visibility(default());
-    for direct_light_affect in [0.5, 1.0] {
-        let after = stage.picture_with(LeanAmbientOcclusion {
-            direct_light_affect,
+    for direct_light in [0.5, 1.0] {
+        let after = stage.picture_with(LeanScreenSpaceAmbientOcclusion {
+            direct_light,
             ..default()
         });
         let darker = after.count(|i| after.rgb(i).x < 0.95 * before.rgb(i).x);
         let brighter = after.count(|i| after.rgb(i).cmpgt(before.rgb(i)).any());
-        println!(
-            "with an effect of {direct_light_affect}, {darker} are darker, {brighter} brighter"
-        );
+        println!("with an effect of {direct_light}, {darker} are darker, {brighter} brighter");
         assert!(darker > 500 && brighter == 0);
-        if direct_light_affect == 1.0 {
+        if direct_light == 1.0 {
             let error = product_error(&before, &visibility, &after);
             println!("product of visibility off by up to {error:.1e}");
             assert!(error <= 2e-3);
@@ -100,11 +98,14 @@ fn indirect_light_is_multiplied() {
     let before = stage.picture();
     let visibility = stage.visibility(default());
     let [single, blend, bounced] = [
-        LeanAmbientOcclusion {
-            multibounce: false,
+        LeanScreenSpaceAmbientOcclusion {
+            advanced: LeanScreenSpaceAmbientOcclusionAdvanced {
+                multibounce: false,
+                ..Default::default()
+            },
             ..default()
         },
-        LeanAmbientOcclusion {
+        LeanScreenSpaceAmbientOcclusion {
             application: OcclusionApplication::MultiplicativeBlend,
             ..default()
         },
@@ -112,7 +113,7 @@ fn indirect_light_is_multiplied() {
     ]
     .map(|settings| stage.picture_with(settings));
     // Applied after the opaque meshes, occlusion uses the geometric normal.
-    let blended_visibility = stage.visibility(LeanAmbientOcclusion {
+    let blended_visibility = stage.visibility(LeanScreenSpaceAmbientOcclusion {
         application: OcclusionApplication::MultiplicativeBlend,
         ..default()
     });
@@ -154,9 +155,9 @@ fn normal_maps_do_not_occlude() {
         scene.sun(false);
     });
     stage.insert(LeanDeferred::default());
-    for resolution in [OcclusionResolution::Full, OcclusionResolution::Half] {
-        for quality in OcclusionQuality::PRESETS {
-            let visibility = stage.visibility(LeanAmbientOcclusion {
+    for resolution in [LeanResolution::Full, LeanResolution::Half] {
+        for quality in LeanQuality::ALL {
+            let visibility = stage.visibility(LeanScreenSpaceAmbientOcclusion {
                 resolution,
                 quality,
                 ..default()
@@ -230,9 +231,9 @@ fn transmitted_indirect_light_is_no_direct_light() {
                 ..Default::default()
             });
         }
-        let [without, with] = [0.0, 1.0].map(|direct_light_affect| {
-            stage.picture_with(LeanAmbientOcclusion {
-                direct_light_affect,
+        let [without, with] = [0.0, 1.0].map(|direct_light| {
+            stage.picture_with(LeanScreenSpaceAmbientOcclusion {
+                direct_light,
                 ..default()
             })
         });
@@ -276,8 +277,8 @@ fn infinitely_far_surfaces_are_open() {
     let before = stage.picture();
     for settings in [
         default(),
-        LeanAmbientOcclusion {
-            resolution: OcclusionResolution::Half,
+        LeanScreenSpaceAmbientOcclusion {
+            resolution: LeanResolution::Half,
             ..default()
         },
     ] {

@@ -3,8 +3,9 @@
 use std::{f64::consts::FRAC_PI_8, rc::Rc};
 
 use bevy::math::{DMat4, DVec2, DVec3, IVec2};
-use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionQuality, OcclusionResolution,
+use bevy_lean_deferred::{
+    ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
+    view::{LeanQuality, LeanResolution},
 };
 
 use crate::views::{RADIUS, SIZE, Seen, View, run, sphere, wall};
@@ -19,7 +20,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(gpu: &OcclusionGpu, settings: &LeanAmbientOcclusion, seen: Rc<Seen>) -> Self {
+    fn new(gpu: &OcclusionGpu, settings: &LeanScreenSpaceAmbientOcclusion, seen: Rc<Seen>) -> Self {
         let occlusion = run(gpu, settings, &seen.image).filtered;
         Self { seen, occlusion }
     }
@@ -77,7 +78,7 @@ fn pixel_angle() -> f64 {
 /// shadow are occluded.
 #[test]
 fn occlusion_stays_where_it_is_while_the_camera_turns() {
-    use OcclusionResolution::{Full, Half};
+    use LeanResolution::{Full, Half};
     let gpu = OcclusionGpu::new();
     let views: [fn() -> View; 2] = [wall, sphere];
     let seen = views.map(|view| {
@@ -88,15 +89,15 @@ fn occlusion_stays_where_it_is_while_the_camera_turns() {
         (0..8).map(seen).collect::<Vec<_>>()
     });
     for (resolution, quality, largest) in [
-        (Full, OcclusionQuality::Low, [0.0135, 0.035]),
-        (Full, OcclusionQuality::Medium, [0.0095, 0.0365]),
-        (Full, OcclusionQuality::High, [0.0075, 0.029]),
-        (Half, OcclusionQuality::Medium, [0.0140, 0.0365]),
+        (Full, LeanQuality::Low, [0.0135, 0.035]),
+        (Full, LeanQuality::Medium, [0.0095, 0.0365]),
+        (Full, LeanQuality::High, [0.0075, 0.029]),
+        (Half, LeanQuality::Medium, [0.0140, 0.0365]),
     ] {
-        let settings = LeanAmbientOcclusion {
+        let settings = LeanScreenSpaceAmbientOcclusion {
             resolution,
             quality,
-            ..LeanAmbientOcclusion::default()
+            ..LeanScreenSpaceAmbientOcclusion::default()
         };
         for ((view, seen), largest) in views.iter().zip(&seen).zip(largest) {
             let frame = |seen: &Rc<Seen>| Frame::new(&gpu, &settings, seen.clone());
@@ -128,7 +129,7 @@ fn occluders_leave_the_picture_gradually() {
         let wall = Geometry::Wall { height: 0.5 };
         let view = View::new("low wall", wall, [x, EYE, 0.0], [x, 0.0, 0.0]);
         let seen = Rc::new(view.seen());
-        Frame::new(&gpu, &LeanAmbientOcclusion::default(), seen)
+        Frame::new(&gpu, &LeanScreenSpaceAmbientOcclusion::default(), seen)
     };
     let in_shade = |hit: &Option<Hit>| {
         hit.is_some_and(|hit| hit.normal.y > 0.5 && (0.0..RADIUS).contains(&hit.point.x))

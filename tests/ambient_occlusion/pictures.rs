@@ -5,7 +5,7 @@ use bevy::{
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced, prelude::*};
 
 use crate::stage::{SIZE, Stage};
 use kit::{log_watch, scenes::SceneBuilder};
@@ -25,8 +25,8 @@ fn the_blend_multiplies_and_keeps_what_is_open() {
         ..default()
     });
     let before = stage.picture();
-    for resolution in [OcclusionResolution::Full, OcclusionResolution::Half] {
-        let settings = LeanAmbientOcclusion {
+    for resolution in [LeanResolution::Full, LeanResolution::Half] {
+        let settings = LeanScreenSpaceAmbientOcclusion {
             resolution,
             ..default()
         };
@@ -68,7 +68,7 @@ fn fog_in_front_is_spared() {
     assert_eq!(changed, 0);
 
     stage
-        .remove::<LeanAmbientOcclusion>()
+        .remove::<LeanScreenSpaceAmbientOcclusion>()
         .insert(fog(100.0, 200.0));
     let clear = stage.picture();
     let fogged = stage.picture_with(default());
@@ -91,12 +91,12 @@ fn switching_off_gives_back_the_former_picture() {
             OcclusionApplication::MultiplicativeBlend,
             OcclusionApplication::Indirect,
         ] {
-            let with = stage.picture_with(LeanAmbientOcclusion {
+            let with = stage.picture_with(LeanScreenSpaceAmbientOcclusion {
                 application,
                 ..default()
             });
             let changed = with.different(&before);
-            let after = stage.remove::<LeanAmbientOcclusion>().picture();
+            let after = stage.remove::<LeanScreenSpaceAmbientOcclusion>().picture();
             println!(
                 "lean {lean}, {application:?}: {changed} pixels changed, {} after",
                 after.different(&before)
@@ -162,10 +162,13 @@ fn cameras_of_one_target_have_their_own() {
     let before = stage.picture();
     // Of different kernels and resolutions.
     let occlusion = [
-        LeanAmbientOcclusion::default(),
-        LeanAmbientOcclusion {
-            kernel: OcclusionKernel::Hdao,
-            resolution: OcclusionResolution::Half,
+        LeanScreenSpaceAmbientOcclusion::default(),
+        LeanScreenSpaceAmbientOcclusion {
+            resolution: LeanResolution::Half,
+            advanced: LeanScreenSpaceAmbientOcclusionAdvanced {
+                kernel: OcclusionKernel::Hdao,
+                ..default()
+            },
             ..default()
         },
     ];
@@ -184,7 +187,7 @@ fn cameras_of_one_target_have_their_own() {
         assert!(changed[i] > 500 && changed[1 - i] == 0);
         stage
             .entity(cameras[i])
-            .remove::<(LeanAmbientOcclusion, LeanDeferred)>();
+            .remove::<(LeanScreenSpaceAmbientOcclusion, LeanDeferred)>();
         after
     });
     for i in [0, 1] {
@@ -208,7 +211,7 @@ fn targets_may_change_their_size() {
             if lean {
                 stage.insert(LeanDeferred::default());
             }
-            stage.insert(LeanAmbientOcclusion::default());
+            stage.insert(LeanScreenSpaceAmbientOcclusion::default());
             stage
         };
         let fresh = make(other).picture();

@@ -5,7 +5,7 @@ use bevy::{
     math::{DMat4, DVec3, Mat4, UVec2, Vec3, Vec4},
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::LeanAmbientOcclusion,
+    ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
 };
 
@@ -18,7 +18,12 @@ fn orthographic_views_are_as_exact() {
     for (view, largest) in [(wall(), 0.030), (groove(), 0.024), (corner(), 0.038)] {
         let view = view.with_projection(ORTHOGRAPHIC);
         let seen = view.seen();
-        let occlusion = run(&gpu, &LeanAmbientOcclusion::default(), &seen.image).filtered;
+        let occlusion = run(
+            &gpu,
+            &LeanScreenSpaceAmbientOcclusion::default(),
+            &seen.image,
+        )
+        .filtered;
         let errors = seen.errors(&occlusion);
         println!("{}: {errors}", view.name);
         assert!(errors.rmse <= largest);
@@ -56,7 +61,7 @@ fn projections_may_be_off_centre() {
         assert!(projection_of(image.clip_from_view) != ProjectionKind::Other);
         for settings in kinds() {
             // Less than a quarter of the part's height, the limit of a radius.
-            let settings = LeanAmbientOcclusion {
+            let settings = LeanScreenSpaceAmbientOcclusion {
                 radius: 0.2,
                 ..settings
             };
@@ -71,7 +76,7 @@ fn projections_may_be_off_centre() {
             );
             println!(
                 "{name}, {:?}, {:?}: {errors}",
-                settings.kernel, settings.resolution
+                settings.advanced.kernel, settings.resolution
             );
             assert!(errors.mean > 0.01 && errors.rmse < 1e-4);
         }
@@ -134,7 +139,7 @@ fn other_projections_give_the_same() {
             let rmse = [&other, &usual].map(|occlusion| seen.errors(occlusion).rmse);
             println!(
                 "{name}, {:?}, {:?}: {errors}; to the closed form {rmse:.4?}",
-                settings.kernel, settings.resolution
+                settings.advanced.kernel, settings.resolution
             );
             assert!(errors.rmse <= largest && rmse[0] <= 1.02 * rmse[1]);
         }
@@ -155,11 +160,18 @@ fn projections_may_mirror() {
             Vec3::new(1.0, -1.0, 1.0),
         ),
     ];
-    let usual = seen.errors(&run(&gpu, &LeanAmbientOcclusion::default(), &seen.image).filtered);
+    let usual = seen.errors(
+        &run(
+            &gpu,
+            &LeanScreenSpaceAmbientOcclusion::default(),
+            &seen.image,
+        )
+        .filtered,
+    );
     for (depth, scale) in mirrored {
         let matrix = Mat4::from_scale(scale) * seen.image.clip_from_view;
         let image = DepthImage::new(depth, SIZE, matrix);
-        let occlusion = run(&gpu, &LeanAmbientOcclusion::default(), &image).filtered;
+        let occlusion = run(&gpu, &LeanScreenSpaceAmbientOcclusion::default(), &image).filtered;
         let rows = occlusion.chunks(SIZE.x as usize);
         let occlusion: Vec<f32> = if scale.x < 0.0 {
             rows.flat_map(flip_x).collect()

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_8;
 
 use bevy::math::DVec3;
-use bevy_lean_deferred::ambient_occlusion::LeanAmbientOcclusion;
+use bevy_lean_deferred::ambient_occlusion::LeanScreenSpaceAmbientOcclusion;
 
 use crate::views::{RADIUS, SIZE, TALL, View, corner, kinds, run};
 use kit::{
@@ -39,7 +39,7 @@ fn the_radius_is_capped_near_the_camera() {
         let largest = largest(&run(&gpu, &settings, &seen.image).filtered);
         println!(
             "0.2 m before a plane, {:?}, {:?}: {largest}",
-            settings.kernel, settings.resolution
+            settings.advanced.kernel, settings.resolution
         );
         assert_eq!(largest, 0.0);
     }
@@ -65,7 +65,14 @@ fn the_radius_is_capped_near_the_camera() {
             })
         })
         .collect();
-    let errors = seen.errors(&run(&gpu, &LeanAmbientOcclusion::default(), &seen.image).filtered);
+    let errors = seen.errors(
+        &run(
+            &gpu,
+            &LeanScreenSpaceAmbientOcclusion::default(),
+            &seen.image,
+        )
+        .filtered,
+    );
     println!("0.2 m before the foot of a wall: {errors}");
     assert!(errors.rmse <= 0.04);
 }
@@ -76,11 +83,11 @@ fn nothing_is_found_within_less_than_a_pixel() {
     let seen = corner().seen();
     for radius in [0.0, 1e-30, 1e-4, 0.003] {
         for settings in kinds() {
-            let settings = LeanAmbientOcclusion { radius, ..settings };
+            let settings = LeanScreenSpaceAmbientOcclusion { radius, ..settings };
             let largest = largest(&run(&gpu, &settings, &seen.image).filtered);
             println!(
                 "radius {radius} m, {:?}, {:?}: {largest}",
-                settings.kernel, settings.resolution
+                settings.advanced.kernel, settings.resolution
             );
             assert_eq!(largest, 0.0);
         }

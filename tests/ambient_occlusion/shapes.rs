@@ -1,9 +1,11 @@
 //! Pictures of any shape and size, and views anywhere in a larger buffer.
 
 use bevy::math::UVec2;
-use bevy_lean_deferred::ambient_occlusion::{LeanAmbientOcclusion, OcclusionFilter};
+use bevy_lean_deferred::ambient_occlusion::LeanScreenSpaceAmbientOcclusion;
 
-use crate::views::{ORTHOGRAPHIC, PERSPECTIVE, corner, crop, difference, kinds, plane, run, wall};
+use crate::views::{
+    ORTHOGRAPHIC, PERSPECTIVE, corner, crop, difference, kinds, kinds_and_filters, plane, run, wall,
+};
 use kit::{
     occlusion::{camera::Projection, depth_buffer::pixels, errors::Errors},
     occlusion_gpu::{DepthImage, OcclusionGpu},
@@ -24,7 +26,12 @@ fn the_aspect_ratio_does_not_matter() {
             near,
         };
         let seen = wall().with_size(size).with_projection(projection).seen();
-        let occlusion = run(&gpu, &LeanAmbientOcclusion::default(), &seen.image).filtered;
+        let occlusion = run(
+            &gpu,
+            &LeanScreenSpaceAmbientOcclusion::default(),
+            &seen.image,
+        )
+        .filtered;
         let part = |picture: &[f32]| crop(picture, size.x, (size - MIDDLE) / 2, MIDDLE);
         let truth = crop(&seen.truth, size.x, (size - MIDDLE) / 2, MIDDLE);
         (part(&occlusion), truth, seen.mask)
@@ -69,18 +76,15 @@ fn a_view_is_alone_in_its_buffer() {
         let depth = in_buffer(&seen.image.depth, size, origin, buffer_size);
         let mut image = DepthImage::new(depth, buffer_size, seen.image.clip_from_view);
         image.viewport = (origin, size);
-        for settings in kinds() {
-            for filter in OcclusionFilter::ALL {
-                let settings = LeanAmbientOcclusion { filter, ..settings };
-                let alone = run(&gpu, &settings, &seen.image);
-                let within = run(&gpu, &settings, &image);
-                let errors = difference(&within.filtered, &alone.filtered);
-                println!(
-                    "{:?}, {:?}, {filter:?}: {errors}",
-                    settings.kernel, settings.resolution
-                );
-                assert!(alone.gathered == within.gathered && alone.filtered == within.filtered);
-            }
+        for settings in kinds_and_filters() {
+            let alone = run(&gpu, &settings, &seen.image);
+            let within = run(&gpu, &settings, &image);
+            let errors = difference(&within.filtered, &alone.filtered);
+            println!(
+                "{:?}, {:?}: {errors}",
+                settings.resolution, settings.advanced
+            );
+            assert!(alone.gathered == within.gathered && alone.filtered == within.filtered);
         }
     }
 }
@@ -104,12 +108,19 @@ fn sizes_may_be_odd_and_small() {
                 / (x * y) as f32;
             println!(
                 "{size}, {:?}, {:?}: mean {mean:.4}",
-                settings.kernel, settings.resolution
+                settings.advanced.kernel, settings.resolution
             );
         }
     }
     let seen = wall().with_size(UVec2::new(317, 211)).seen();
-    let errors = seen.errors(&run(&gpu, &LeanAmbientOcclusion::default(), &seen.image).filtered);
+    let errors = seen.errors(
+        &run(
+            &gpu,
+            &LeanScreenSpaceAmbientOcclusion::default(),
+            &seen.image,
+        )
+        .filtered,
+    );
     println!("317 × 211: {errors}");
     assert!(errors.rmse <= 0.03);
 }

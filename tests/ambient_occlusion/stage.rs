@@ -10,7 +10,7 @@ use bevy::{
         render_resource::TextureFormat,
     },
 };
-use bevy_lean_deferred::LeanAmbientOcclusion;
+use bevy_lean_deferred::LeanScreenSpaceAmbientOcclusion;
 
 use half::f16;
 use kit::{
@@ -69,14 +69,14 @@ impl Stage {
     }
 
     /// The picture with `settings` on the camera.
-    pub fn picture_with(&mut self, settings: LeanAmbientOcclusion) -> Colors {
+    pub fn picture_with(&mut self, settings: LeanScreenSpaceAmbientOcclusion) -> Colors {
         self.insert(settings);
         self.picture()
     }
 
     /// Occlusion alone: visibility in all colours.
-    pub fn visibility(&mut self, settings: LeanAmbientOcclusion) -> Colors {
-        self.picture_with(LeanAmbientOcclusion {
+    pub fn visibility(&mut self, settings: LeanScreenSpaceAmbientOcclusion) -> Colors {
+        self.picture_with(LeanScreenSpaceAmbientOcclusion {
             debug_view: true,
             ..settings
         })

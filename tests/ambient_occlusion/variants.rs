@@ -1,7 +1,11 @@
 //! Effects of filter, resolution and the kind of pass.
 
-use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionFilter, OcclusionKernel, OcclusionQuality, OcclusionResolution,
+use bevy_lean_deferred::{
+    ambient_occlusion::{
+        LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionAdvanced as Advanced,
+        OcclusionFilter, OcclusionKernel,
+    },
+    view::{LeanQuality, LeanResolution},
 };
 
 use crate::views::{
@@ -13,7 +17,7 @@ use kit::{
     occlusion_gpu::{OcclusionGpu, Path},
 };
 
-const DEFAULT: fn() -> LeanAmbientOcclusion = LeanAmbientOcclusion::default;
+const DEFAULT: fn() -> LeanScreenSpaceAmbientOcclusion = LeanScreenSpaceAmbientOcclusion::default;
 
 #[test]
 fn raster_and_compute_passes_agree() {
@@ -24,10 +28,13 @@ fn raster_and_compute_passes_agree() {
     }
     let seen = corner().seen();
     for kernel in [OcclusionKernel::Hbao, OcclusionKernel::Hdao] {
-        for resolution in [OcclusionResolution::Full, OcclusionResolution::Half] {
-            let settings = LeanAmbientOcclusion {
-                kernel,
+        for resolution in LeanResolution::ALL {
+            let settings = LeanScreenSpaceAmbientOcclusion {
                 resolution,
+                advanced: Advanced {
+                    kernel,
+                    ..Advanced::default()
+                },
                 ..DEFAULT()
             };
             let [compute, raster] = [Path::Compute, Path::Raster]
@@ -83,24 +90,28 @@ fn filters_remove_the_pattern_and_keep_edges() {
         pattern(&raw, &shade, 2),
         wall.errors(&raw)
     );
-    use OcclusionFilter as Filter;
-    use OcclusionResolution::{Full, Half};
+    use LeanResolution::{Full, Half};
+    use OcclusionFilter::{Narrow, Wide};
     // With bounds of the remaining pattern, of the RMSE on the wall, and of the occlusion that bleeds onto the brink.
-    for (resolution, filter, largest) in [
-        (Full, Filter::Binomial, [3e-4, 0.029, 0.059]),
-        (Full, Filter::Wide, [0.003, 0.022, 0.081]),
-        (Full, Filter::BinomialEdgeAware, [0.0035, 0.029, 0.0]),
-        (Full, Filter::WideEdgeAware, [0.009, 0.023, 0.0]),
-        (Half, Filter::Binomial, [8e-4, 0.029, 0.095]),
-        (Half, Filter::BinomialEdgeAware, [0.0021, 0.031, 3e-4]),
+    for (resolution, filter, edge_aware, largest) in [
+        (Full, Narrow, false, [3e-4, 0.029, 0.059]),
+        (Full, Wide, false, [0.003, 0.022, 0.081]),
+        (Full, Narrow, true, [0.0035, 0.029, 0.0]),
+        (Full, Wide, true, [0.009, 0.023, 0.0]),
+        (Half, Narrow, false, [8e-4, 0.029, 0.095]),
+        (Half, Narrow, true, [0.0021, 0.031, 3e-4]),
     ] {
-        let settings = LeanAmbientOcclusion {
+        let settings = LeanScreenSpaceAmbientOcclusion {
             resolution,
-            filter,
+            advanced: Advanced {
+                filter,
+                edge_aware,
+                ..Advanced::default()
+            },
             ..DEFAULT()
         };
         // Narrow filters leave some of the differences between the steps of 4×4 pixels.
-        let side = if filter.is_wide() { 4 } else { 2 };
+        let side = if filter == Wide { 4 } else { 2 };
         let occlusion = run(&gpu, &settings, &wall.image).filtered;
         let onto_brink = brink.errors(&run(&gpu, &settings, &brink.image).filtered);
         let found = [
@@ -108,7 +119,9 @@ fn filters_remove_the_pattern_and_keep_edges() {
             wall.errors(&occlusion).rmse,
             onto_brink.largest,
         ];
-        println!("{resolution:?}, {filter:?}: pattern, RMSE, onto the brink {found:.5?}");
+        println!(
+            "{resolution:?}, {filter:?}, edge-aware {edge_aware}: pattern, RMSE, onto the brink {found:.5?}"
+        );
         assert!(
             found
                 .iter()
@@ -131,14 +144,13 @@ fn half_resolution_is_near_full() {
         (stairs(), 0.030),
     ] {
         let seen = view.seen();
-        let [full, half] =
-            [OcclusionResolution::Full, OcclusionResolution::Half].map(|resolution| {
-                let settings = LeanAmbientOcclusion {
-                    resolution,
-                    ..DEFAULT()
-                };
-                run(&gpu, &settings, &seen.image).filtered
-            });
+        let [full, half] = [LeanResolution::Full, LeanResolution::Half].map(|resolution| {
+            let settings = LeanScreenSpaceAmbientOcclusion {
+                resolution,
+                ..DEFAULT()
+            };
+            run(&gpu, &settings, &seen.image).filtered
+        });
         let errors = difference(&half, &full);
         println!("{}: half beside full: {errors}", view.name);
         assert!(errors.rmse <= largest && errors.bias.abs() <= 1e-3);
@@ -158,7 +170,7 @@ fn largest_around(picture: &[f32], pixel: UVec2) -> f32 {
 #[test]
 fn half_resolution_has_no_dark_dots() {
     let gpu = OcclusionGpu::new();
-    use OcclusionResolution::{Full, Half};
+    use LeanResolution::{Full, Half};
     const STAIRS: Geometry = Geometry::Staircase {
         tread: 0.25,
         riser: 0.15,
@@ -166,18 +178,16 @@ fn half_resolution_has_no_dark_dots() {
     };
     for eye in [[-6.0, 1.3, 2.0], [-5.0, 1.0, 3.0], [-8.0, 2.0, 1.0]] {
         let seen = View::new("stairs", STAIRS, eye, [0.7, 0.4, 0.0]).seen();
-        let [ultra, half] = [
-            (OcclusionQuality::Ultra, Full),
-            (OcclusionQuality::Medium, Half),
-        ]
-        .map(|(quality, resolution)| {
-            let settings = LeanAmbientOcclusion {
-                quality,
-                resolution,
-                ..DEFAULT()
-            };
-            run(&gpu, &settings, &seen.image).filtered
-        });
+        let [ultra, half] = [(LeanQuality::Ultra, Full), (LeanQuality::Medium, Half)].map(
+            |(quality, resolution)| {
+                let settings = LeanScreenSpaceAmbientOcclusion {
+                    quality,
+                    resolution,
+                    ..DEFAULT()
+                };
+                run(&gpu, &settings, &seen.image).filtered
+            },
+        );
         let dots = pixels(SIZE)
             .zip(&half)
             .filter(|((pixel, _), half)| **half > largest_around(&ultra, *pixel) + 0.2)

@@ -3,8 +3,12 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use bevy::math::{DVec3, UVec2};
-use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionKernel, OcclusionResolution,
+use bevy_lean_deferred::{
+    ambient_occlusion::{
+        LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionAdvanced as Advanced,
+        OcclusionFilter, OcclusionKernel,
+    },
+    view::LeanResolution,
 };
 
 use kit::{
@@ -19,7 +23,7 @@ use kit::{
     occlusion_gpu::{DepthImage, Occlusion, OcclusionGpu, Path},
 };
 
-/// The default of [`LeanAmbientOcclusion::radius`]: 30 to 60 pixels in the views below.
+/// The default of [`LeanScreenSpaceAmbientOcclusion::radius`]: 30 to 60 pixels in the views below.
 pub const RADIUS: f64 = 0.5;
 pub const SIZE: UVec2 = UVec2::new(480, 270);
 pub const PERSPECTIVE: Projection = Projection::Perspective {
@@ -190,18 +194,40 @@ pub fn plane(tilt: f64, distance: f64) -> View {
 }
 
 /// All kernels at both resolutions.
-pub fn kinds() -> impl Iterator<Item = LeanAmbientOcclusion> {
-    [OcclusionKernel::Hbao, OcclusionKernel::Hdao]
-        .into_iter()
-        .flat_map(|kernel| {
-            [OcclusionResolution::Full, OcclusionResolution::Half].map(|resolution| {
-                LeanAmbientOcclusion {
-                    kernel,
-                    resolution,
-                    ..LeanAmbientOcclusion::default()
-                }
-            })
+pub fn kinds() -> impl Iterator<Item = LeanScreenSpaceAmbientOcclusion> {
+    let kernels = [OcclusionKernel::Hbao, OcclusionKernel::Hdao];
+    kernels.into_iter().flat_map(|kernel| {
+        let advanced = Advanced {
+            kernel,
+            ..Advanced::default()
+        };
+        [LeanResolution::Full, LeanResolution::Half].map(|resolution| {
+            LeanScreenSpaceAmbientOcclusion {
+                resolution,
+                advanced,
+                ..LeanScreenSpaceAmbientOcclusion::default()
+            }
         })
+    })
+}
+
+/// [`kinds`] with all filters.
+pub fn kinds_and_filters() -> impl Iterator<Item = LeanScreenSpaceAmbientOcclusion> {
+    kinds().flat_map(|settings| {
+        let filters = OcclusionFilter::ALL.into_iter();
+        let filters =
+            filters.flat_map(|filter| [false, true].map(|edge_aware| (filter, edge_aware)));
+        filters.map(
+            move |(filter, edge_aware)| LeanScreenSpaceAmbientOcclusion {
+                advanced: Advanced {
+                    filter,
+                    edge_aware,
+                    ..settings.advanced
+                },
+                ..settings
+            },
+        )
+    })
 }
 
 /// The part of a picture that starts at `origin`.
@@ -220,14 +246,18 @@ pub fn difference(result: &[f32], reference: &[f32]) -> Errors {
 }
 
 /// As `OcclusionGpu::run`; panics if any output is not a number from 0 to 1.
-pub fn run(gpu: &OcclusionGpu, settings: &LeanAmbientOcclusion, image: &DepthImage) -> Occlusion {
+pub fn run(
+    gpu: &OcclusionGpu,
+    settings: &LeanScreenSpaceAmbientOcclusion,
+    image: &DepthImage,
+) -> Occlusion {
     run_by(gpu.path(), gpu, settings, image)
 }
 
 pub fn run_by(
     path: Path,
     gpu: &OcclusionGpu,
-    settings: &LeanAmbientOcclusion,
+    settings: &LeanScreenSpaceAmbientOcclusion,
     image: &DepthImage,
 ) -> Occlusion {
     let occlusion = gpu.run_by(path, settings, image);
@@ -239,8 +269,8 @@ pub fn run_by(
         assert_eq!(wrong, None, "{stage}, with {settings:?}");
     }
     let texels = match settings.resolution {
-        OcclusionResolution::Full => image.viewport.1,
-        OcclusionResolution::Half => (image.viewport.1 + 1) / 2,
+        LeanResolution::Full => image.viewport.1,
+        LeanResolution::Half => (image.viewport.1 + 1) / 2,
     };
     assert_eq!(occlusion.gathered.len(), texels.element_product() as usize);
     occlusion

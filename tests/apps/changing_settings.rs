@@ -11,6 +11,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture, target_image},
+    lean::instant_exposure,
     log_watch,
     metrics::pixel_difference,
     own_process::in_own_process,
@@ -78,20 +79,14 @@ impl Setting {
         for (order, camera) in self.cameras.into_iter().enumerate() {
             let target = self.images[usize::from(order == 2)].clone();
             let mut camera = self.headless.world().entity_mut(camera);
-            camera.remove::<(
-                LeanScreenSpaceGi,
-                LeanScreenSpaceReflections,
-                LeanSubsurfaceScattering,
-            )>();
+            camera.remove::<(LeanScreenSpaceGi, LeanScreenSpaceReflections)>();
             camera.insert((
                 Hdr,
                 Msaa::Off,
                 LeanDeferred::default(),
-                LeanAmbientOcclusion::default(),
-                LeanAutoExposure {
-                    instant: true,
-                    ..default()
-                },
+                LeanScreenSpaceAmbientOcclusion::default(),
+                LeanSubsurfaceScattering::default(),
+                instant_exposure(),
                 RenderTarget::from(target),
             ));
             if let Some(mut camera) = camera.get_mut::<Camera>() {
@@ -173,7 +168,7 @@ impl Setting {
 fn change_components(camera: &mut EntityWorldMut, random: &mut Random) -> String {
     match random.below(9) {
         0 => toggle::<LeanDeferred>(camera),
-        1 => toggle::<LeanAmbientOcclusion>(camera),
+        1 => toggle::<LeanScreenSpaceAmbientOcclusion>(camera),
         2 => toggle::<LeanAutoExposure>(camera),
         3 => toggle::<MeteredExposure>(camera),
         4 => toggle::<Hdr>(camera),
@@ -223,6 +218,36 @@ fn check(seed: u64, frames: usize) {
     log_watch::assert_validation_layer_silent();
 }
 
+/// Random changes reach advanced settings, options and ranges.
+#[test]
+fn any_setting_changes() {
+    let values = Values {
+        hostile: 0,
+        images: &[],
+        kept: &[],
+    };
+    let mut random = Random::new(1);
+    let mut occlusion = LeanScreenSpaceAmbientOcclusion::default();
+    let mut exposure = LeanAutoExposure::default();
+    let (same_occlusion, same_exposure) = (occlusion, exposure.clone());
+    let mut changed = [false; 5];
+    for _ in 0..400 {
+        values.change(&mut occlusion, &mut random);
+        values.change(&mut exposure, &mut random);
+        let other = [
+            occlusion.quality != same_occlusion.quality,
+            occlusion.thickness.is_some(),
+            occlusion.advanced.falloff != same_occlusion.advanced.falloff,
+            exposure.range != same_exposure.range,
+            exposure.advanced.instant,
+        ];
+        for (changed, other) in changed.iter_mut().zip(other) {
+            *changed |= other;
+        }
+    }
+    assert_eq!(changed, [true; 5]);
+}
+
 /// Settings may change while a camera is inactive, and change again once it is active.
 #[test]
 fn settings_of_cameras_that_are_off_may_change() {
@@ -236,13 +261,17 @@ fn settings_of_cameras_that_are_off_may_change() {
             let camera = Camera { order, ..default() };
             s.camera(
                 default_camera_transform(),
-                (camera, LeanAmbientOcclusion::default()),
+                (camera, LeanScreenSpaceAmbientOcclusion::default()),
             )
         });
         headless.settle();
         for change in [
-            |settings: &mut LeanAmbientOcclusion| settings.resolution = OcclusionResolution::Half,
-            |settings: &mut LeanAmbientOcclusion| settings.kernel = OcclusionKernel::Hdao,
+            |settings: &mut LeanScreenSpaceAmbientOcclusion| {
+                settings.resolution = LeanResolution::Half;
+            },
+            |settings: &mut LeanScreenSpaceAmbientOcclusion| {
+                settings.advanced.kernel = OcclusionKernel::Hdao;
+            },
         ] {
             for is_active in [false, true] {
                 let world = headless.world();
@@ -256,7 +285,7 @@ fn settings_of_cameras_that_are_off_may_change() {
             }
             let world = headless.world();
             let mut camera = world.entity_mut(cameras[0]);
-            camera.insert(LeanAmbientOcclusion::default());
+            camera.insert(LeanScreenSpaceAmbientOcclusion::default());
             headless.frames(2);
         }
         let errors = log_watch::messages_with("Caught rendering error");
@@ -317,7 +346,7 @@ fn targets_may_be_replaced_and_resized() {
     in_own_process(|| {
         let all = (
             LeanDeferred::default(),
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
             LeanAutoExposure::default(),
         );
         let [bevy, lean] = [retarget(1, ()), retarget(1, all)];

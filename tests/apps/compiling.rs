@@ -16,7 +16,7 @@ use bevy_lean_deferred::{
 use kit::{
     analytic_slabs::{SKIN, slab},
     headless::{Headless, target_image},
-    lean::active_lean_views,
+    lean::{active_lean_views, instant_exposure},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{SceneBuilder, build::default_camera_transform},
@@ -253,7 +253,7 @@ fn effects_show_the_frame_that_they_are_of() {
             camera.insert((DepthPrepass, NormalPrepass));
         });
         walk.settle();
-        // Scatters light on lean cameras unless their settings disable it.
+        // Scatters light on cameras with scattering.
         let mut s = SceneBuilder {
             headless: &mut walk.headless,
         };
@@ -271,23 +271,22 @@ fn effects_show_the_frame_that_they_are_of() {
             ..default()
         };
         watch(&mut walk, "occlusion", &|camera| {
-            camera.insert(LeanAmbientOcclusion::default());
+            camera.insert(LeanScreenSpaceAmbientOcclusion::default());
         });
         watch(&mut walk, "occlusion of another quality", &|camera| {
-            camera.insert(LeanAmbientOcclusion {
-                quality: OcclusionQuality::Low,
+            camera.insert(LeanScreenSpaceAmbientOcclusion {
+                quality: LeanQuality::Low,
                 ..default()
             });
         });
         watch(&mut walk, "lean, with occlusion", &|camera| {
-            let off = scattering(SubsurfaceScatteringQuality::Off);
-            camera.insert((LeanDeferred::default(), off));
+            camera.insert(LeanDeferred::default());
         });
         watch(&mut walk, "scattering", &|camera| {
-            camera.insert(scattering(SubsurfaceScatteringQuality::High));
+            camera.insert(scattering(LeanQuality::High));
         });
         watch(&mut walk, "scattering of another quality", &|camera| {
-            camera.insert(scattering(SubsurfaceScatteringQuality::Low));
+            camera.insert(scattering(LeanQuality::Low));
         });
         watch(&mut walk, "reflections", &|camera| {
             camera.insert(LeanScreenSpaceReflections::default());
@@ -297,16 +296,14 @@ fn effects_show_the_frame_that_they_are_of() {
         });
         watch(&mut walk, "reflections at full resolution", &|camera| {
             camera.insert(LeanScreenSpaceReflections {
-                resolution: ScreenSpaceResolution::Full,
+                resolution: LeanResolution::Full,
                 ..default()
             });
         });
         // On both cameras, with the same exposure whatever is metered: a frame without it is four times as bright as the other camera's.
         let exposure = LeanAutoExposure {
-            instant: true,
-            min_exposure: -2.0,
-            max_exposure: -2.0,
-            ..default()
+            range: -2.0..=-2.0,
+            ..instant_exposure()
         };
         walk.both(|camera| {
             camera.insert(exposure.clone());
@@ -340,7 +337,7 @@ fn effects_show_the_frame_that_they_are_of() {
         });
         walk.both(|camera| {
             camera.remove::<(
-                LeanAmbientOcclusion,
+                LeanScreenSpaceAmbientOcclusion,
                 LeanScreenSpaceGi,
                 LeanScreenSpaceReflections,
                 LeanSubsurfaceScattering,
@@ -437,7 +434,7 @@ fn effects_go_on_when_a_projection_becomes_plain() {
         let mut camera = walk.headless.world().entity_mut(walk.tested);
         camera.insert((
             LeanDeferred::default(),
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceReflections::default(),
         ));
         walk.settle();

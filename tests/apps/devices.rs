@@ -134,9 +134,10 @@ fn effects_are_off_where_workgroups_are_small() {
         s.spawn((Mesh3d(ball), MeshMaterial3d(skin), place));
         headless.world().entity_mut(camera).insert((
             LeanDeferred::default(),
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceGi::default(),
             LeanScreenSpaceReflections::default(),
+            LeanSubsurfaceScattering::default(),
         ));
         headless.settle();
         headless.frames(4);
@@ -167,7 +168,7 @@ fn occlusion_is_drawn_where_it_cannot_be_computed() {
         headless
             .world()
             .entity_mut(camera)
-            .insert(LeanAmbientOcclusion::default());
+            .insert(LeanScreenSpaceAmbientOcclusion::default());
         headless.settle();
         let render_world = headless.app.sub_app(RenderApp).world();
         let support = render_world.resource::<OcclusionSupport>();
@@ -226,7 +227,10 @@ fn cannot_meter(limits: Limits, expected: &str) {
 /// Tables of needed limits, by effect.
 const TABLES: [(&str, &[NeededLimit]); 5] = [
     ("LeanDeferred", NEEDED_LIMITS),
-    ("LeanAmbientOcclusion", ambient_occlusion::COMPUTE_LIMITS),
+    (
+        "LeanScreenSpaceAmbientOcclusion",
+        ambient_occlusion::COMPUTE_LIMITS,
+    ),
     ("GI and reflections", screen_space::NEEDED_LIMITS),
     ("scattering", subsurface::NEEDED_LIMITS),
     ("LeanAutoExposure", auto_exposure::NEEDED_LIMITS),
@@ -276,8 +280,9 @@ fn the_tables_are_enough() {
         headless.world().entity_mut(camera).insert((
             bevy::camera::visibility::RenderLayers::from_layers(&[0, 1]),
             LeanDeferred::default(),
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceReflections::default(),
+            LeanSubsurfaceScattering::default(),
             LeanAutoExposure::default(),
         ));
         headless.settle();

@@ -168,7 +168,11 @@ fn depth_of_the_viewport() {
     in_own_process(|| {
         let mut headless = app();
         assert_falls_back(&mut headless, squeeze_depth, SQUEEZED);
-        assert_effect_is_off::<LeanAmbientOcclusion>(&mut headless, squeeze_depth, SQUEEZED);
+        assert_effect_is_off::<LeanScreenSpaceAmbientOcclusion>(
+            &mut headless,
+            squeeze_depth,
+            SQUEEZED,
+        );
     });
 }
 
@@ -183,7 +187,11 @@ fn own_schedule() {
     in_own_process(|| {
         let mut headless = app();
         assert_falls_back(&mut headless, leave_core_3d, OWN_SCHEDULE);
-        assert_effect_is_off::<LeanAmbientOcclusion>(&mut headless, leave_core_3d, OWN_SCHEDULE);
+        assert_effect_is_off::<LeanScreenSpaceAmbientOcclusion>(
+            &mut headless,
+            leave_core_3d,
+            OWN_SCHEDULE,
+        );
         assert_effect_is_off::<LeanAutoExposure>(
             &mut headless,
             leave_core_3d,
@@ -193,7 +201,6 @@ fn own_schedule() {
 }
 
 const NOT_3D: &str = "it has no `Camera3d`";
-const NOT_LEAN: &str = "it has no `LeanDeferred`";
 
 /// Turns a camera into a 2D camera.
 fn make_2d(camera: &mut EntityWorldMut) {
@@ -210,9 +217,9 @@ fn of_sprites() {
     in_own_process(|| {
         let mut headless = app();
         assert_falls_back(&mut headless, make_2d, NOT_3D);
-        assert_effect_is_off::<LeanAmbientOcclusion>(&mut headless, make_2d, NOT_3D);
-        assert_effect_is_off::<LeanScreenSpaceReflections>(&mut headless, make_2d, NOT_LEAN);
-        assert_effect_is_off::<LeanScreenSpaceGi>(&mut headless, make_2d, NOT_LEAN);
+        assert_effect_is_off::<LeanScreenSpaceAmbientOcclusion>(&mut headless, make_2d, NOT_3D);
+        assert_effect_is_off::<LeanScreenSpaceReflections>(&mut headless, make_2d, NOT_3D);
+        assert_effect_is_off::<LeanScreenSpaceGi>(&mut headless, make_2d, NOT_3D);
     });
 }
 
@@ -223,7 +230,7 @@ fn what_loses_its_camera_3d() {
         let (mut headless, camera) = scene();
         headless.world().entity_mut(camera).insert((
             LeanDeferred::default(),
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceReflections::default(),
             LeanScreenSpaceGi::default(),
         ));

@@ -25,10 +25,11 @@ const SIZE: UVec2 = UVec2::new(96, 64);
 fn effects() -> impl Bundle {
     (
         LeanDeferred::default(),
-        LeanAmbientOcclusion {
+        LeanScreenSpaceAmbientOcclusion {
             intensity: 3.0,
             ..default()
         },
+        LeanSubsurfaceScattering::default(),
     )
 }
 

@@ -15,7 +15,7 @@ use kit::{
     analytic_slabs::{SKIN, slab},
     device::render_creation,
     headless::{Headless, Picture},
-    lean::{active_lean_views, build, change_cameras, set_lean},
+    lean::{active_lean_views, build, change_cameras, instant_exposure, set_lean},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{SceneBuilder, special_materials::put_lightmaps},
@@ -153,10 +153,13 @@ fn lean_cameras_survive() {
 #[test]
 fn occlusion_survives() {
     in_own_process(|| {
-        survives("occlusion", LeanAmbientOcclusion::default());
+        survives("occlusion", LeanScreenSpaceAmbientOcclusion::default());
         survives(
             "lean with occlusion",
-            (LeanDeferred::default(), LeanAmbientOcclusion::default()),
+            (
+                LeanDeferred::default(),
+                LeanScreenSpaceAmbientOcclusion::default(),
+            ),
         );
     });
 }
@@ -187,13 +190,10 @@ fn scattering_survives() {
             let place = Transform::from_xyz(-0.6, 0.5, 1.6);
             s.spawn((Mesh3d(mesh), MeshMaterial3d(material), place));
         };
-        let mut headless = survives_with("scattering", ball, LeanDeferred::default());
+        let mut headless = survives_with("scattering", ball, LeanSubsurfaceScattering::default());
         let with = settled(&mut headless);
         change_cameras(&mut headless, |camera| {
-            camera.insert(LeanSubsurfaceScattering {
-                quality: SubsurfaceScatteringQuality::Off,
-                ..default()
-            });
+            camera.remove::<LeanSubsurfaceScattering>();
         });
         let difference = pixel_difference(&with, &settled(&mut headless));
         println!("without scattering: {difference}");
@@ -205,9 +205,8 @@ fn scattering_survives() {
 fn exposure_survives() {
     in_own_process(|| {
         let settings = LeanAutoExposure {
-            instant: true,
             overlay: true,
-            ..default()
+            ..instant_exposure()
         };
         let mut headless = survives(
             "exposure",

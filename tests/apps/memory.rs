@@ -10,8 +10,8 @@ use bevy::{
     },
 };
 use bevy_lean_deferred::{
-    LeanAmbientOcclusion, LeanAutoExposure, LeanDeferred, LeanScreenSpaceGi,
-    LeanScreenSpaceReflections,
+    LeanAutoExposure, LeanDeferred, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi,
+    LeanScreenSpaceReflections, LeanSubsurfaceScattering,
     ambient_occlusion::OcclusionBindings,
     screen_space::{
         ViewHistory, diffuse_gi::GiBindings, reflections::ReflectionBindings,
@@ -153,7 +153,10 @@ fn lean_cameras_that_cannot_be_lean_hold_nothing() {
 
 #[test]
 fn cameras_without_occlusion_hold_nothing_of_it() {
-    check_states::<LeanAmbientOcclusion>(&[State::SwitchedOff, State::Multisampled], true);
+    check_states::<LeanScreenSpaceAmbientOcclusion>(
+        &[State::SwitchedOff, State::Multisampled],
+        true,
+    );
 }
 
 #[test]
@@ -186,9 +189,9 @@ fn removed_occlusion_is_given_back() {
         let [with, without, again] = [true, false, true].map(|with| {
             let mut camera = headless.world().entity_mut(camera);
             if with {
-                camera.insert(LeanAmbientOcclusion::default());
+                camera.insert(LeanScreenSpaceAmbientOcclusion::default());
             } else {
-                camera.remove::<LeanAmbientOcclusion>();
+                camera.remove::<LeanScreenSpaceAmbientOcclusion>();
             }
             let held = held(&mut headless);
             println!("lean: {lean}, occlusion: {with}, {held:?}");
@@ -221,9 +224,10 @@ fn nothing_of_effects_is_made_anew() {
         s.solids();
         patterned(s, slab(LinearRgba::WHITE, 0.1), default(), step);
         camera = s.default_camera((
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
             LeanScreenSpaceGi::default(),
             LeanScreenSpaceReflections::default(),
+            LeanSubsurfaceScattering::default(),
         ));
     });
     let has_room = has_room_for_scattering(&headless.device().limits());

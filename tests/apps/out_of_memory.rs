@@ -7,7 +7,7 @@ use bevy::{prelude::*, render::RenderApp};
 use bevy_lean_deferred::{prelude::*, view::OutOfMemory};
 use kit::{
     headless::{Headless, Picture},
-    lean::{build, settled},
+    lean::{build, instant_exposure, settled},
     log_watch,
     metrics::pixel_difference,
     own_process::in_own_process,
@@ -126,9 +126,10 @@ fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle +
 
 type Effects = (
     LeanDeferred,
-    LeanAmbientOcclusion,
+    LeanScreenSpaceAmbientOcclusion,
     LeanScreenSpaceGi,
     LeanScreenSpaceReflections,
+    LeanSubsurfaceScattering,
 );
 
 #[test]
@@ -141,7 +142,7 @@ fn occlusion() {
     in_own_process(|| {
         check(
             "lean_deferred/ambient_occlusion",
-            LeanAmbientOcclusion::default(),
+            LeanScreenSpaceAmbientOcclusion::default(),
         );
     });
 }
@@ -151,7 +152,10 @@ fn occlusion_of_a_lean_camera() {
     in_own_process(|| {
         check(
             "lean_deferred/ambient_occlusion",
-            (LeanDeferred::default(), LeanAmbientOcclusion::default()),
+            (
+                LeanDeferred::default(),
+                LeanScreenSpaceAmbientOcclusion::default(),
+            ),
         );
     });
 }
@@ -160,12 +164,8 @@ fn occlusion_of_a_lean_camera() {
 #[test]
 fn exposure_of_a_lean_camera() {
     in_own_process(|| {
-        let exposure = LeanAutoExposure {
-            instant: true,
-            ..default()
-        };
         let effects = (LeanDeferred::default(), LeanScreenSpaceGi::default());
-        check_beside("lean_deferred/", exposure, effects);
+        check_beside("lean_deferred/", instant_exposure(), effects);
     });
 }
 
@@ -220,7 +220,7 @@ fn scattering() {
     where_light_scatters(|| {
         check(
             "lean_deferred/lighting/subsurface_light",
-            LeanDeferred::default(),
+            LeanSubsurfaceScattering::default(),
         )
     });
 }
@@ -230,7 +230,7 @@ fn scattered_light() {
     where_light_scatters(|| {
         check(
             "lean_deferred/screen_space/subsurface/scattered",
-            LeanDeferred::default(),
+            LeanSubsurfaceScattering::default(),
         )
     });
 }

@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture, small_shadow_maps},
-    lean::{active_lean_views, settled},
+    lean::{active_lean_views, instant_exposure, settled},
     scenes::SceneBuilder,
 };
 
@@ -44,7 +44,7 @@ impl Effects {
             app.add_plugins(LeanDeferredPlugin);
         }
         if self.occlusion {
-            app.add_plugins(LeanAmbientOcclusionPlugin);
+            app.add_plugins(LeanScreenSpaceAmbientOcclusionPlugin);
         }
         if self.exposure {
             app.add_plugins(LeanAutoExposurePlugin);
@@ -53,21 +53,22 @@ impl Effects {
     }
 
     fn put_on(self, camera: &mut EntityWorldMut) {
-        camera.remove::<(LeanDeferred, LeanAmbientOcclusion, LeanAutoExposure)>();
+        camera.remove::<(
+            LeanDeferred,
+            LeanScreenSpaceAmbientOcclusion,
+            LeanAutoExposure,
+        )>();
         if self.deferred {
             camera.insert(LeanDeferred::default());
         }
         if self.occlusion {
-            camera.insert(LeanAmbientOcclusion {
+            camera.insert(LeanScreenSpaceAmbientOcclusion {
                 intensity: 3.0,
                 ..default()
             });
         }
         if self.exposure {
-            camera.insert(LeanAutoExposure {
-                instant: true,
-                ..default()
-            });
+            camera.insert(instant_exposure());
         }
     }
 }

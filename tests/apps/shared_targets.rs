@@ -153,9 +153,9 @@ fn what_shares_a_picture_is_not_told(stage: &mut Stage) {
 }
 
 fn what_is_missing_is_told(stage: &mut Stage) {
-    let [world, overlay] = stage.pair(LeanAmbientOcclusion::default(), Hdr);
+    let [world, overlay] = stage.pair(LeanScreenSpaceAmbientOcclusion::default(), Hdr);
     stage.assert_told(&[
-        format!("camera {world}, which has `Msaa::Off` for LeanAmbientOcclusion: "),
+        format!("camera {world}, which has `Msaa::Off` for LeanScreenSpaceAmbientOcclusion: "),
         format!("insert `Msaa::Off` on camera {overlay}"),
     ]);
     let [world, overlay] = stage.pair(LeanAutoExposure::default(), ());

@@ -113,6 +113,8 @@ fn settings_are_given_back() {
     what_another_effect_needs_stays(&mut stage);
     stage.replace_camera();
     what_the_app_set_stays(&mut stage);
+    stage.replace_camera();
+    what_needs_lean_deferred_adds_it(&mut stage);
 }
 
 fn what_an_effect_changed_is_given_back(stage: &mut Stage) {
@@ -127,9 +129,9 @@ fn what_an_effect_changed_is_given_back(stage: &mut Stage) {
         stage.remove::<LeanDeferred>();
         assert_eq!(stage.settings(), BEVYS);
 
-        stage.add::<LeanAmbientOcclusion>();
+        stage.add::<LeanScreenSpaceAmbientOcclusion>();
         assert_eq!(stage.settings(), (Msaa::Off, false));
-        stage.remove::<LeanAmbientOcclusion>();
+        stage.remove::<LeanScreenSpaceAmbientOcclusion>();
         assert_eq!(stage.settings(), BEVYS);
 
         stage.add::<LeanAutoExposure>();
@@ -141,15 +143,31 @@ fn what_an_effect_changed_is_given_back(stage: &mut Stage) {
     assert!(stage.headless.capture() == before);
 }
 
+/// Effects of lean cameras make a camera lean, and are off where `LeanDeferred` is removed again.
+fn what_needs_lean_deferred_adds_it(stage: &mut Stage) {
+    fn check<E: Component + Default>(stage: &mut Stage) {
+        stage.add::<E>();
+        assert_eq!(stage.settings(), (Msaa::Off, true));
+        assert_eq!(active_lean_views(&mut stage.headless), 1);
+        stage.remove::<LeanDeferred>();
+        assert_eq!(stage.settings(), BEVYS);
+        assert_eq!(active_lean_views(&mut stage.headless), 0);
+        stage.remove::<E>();
+    }
+    check::<LeanScreenSpaceGi>(stage);
+    check::<LeanScreenSpaceReflections>(stage);
+    check::<LeanSubsurfaceScattering>(stage);
+}
+
 fn what_another_effect_needs_stays(stage: &mut Stage) {
-    stage.add::<LeanAmbientOcclusion>();
+    stage.add::<LeanScreenSpaceAmbientOcclusion>();
     stage.add::<LeanDeferred>();
-    stage.remove::<LeanAmbientOcclusion>();
+    stage.remove::<LeanScreenSpaceAmbientOcclusion>();
     assert_eq!(stage.settings(), (Msaa::Off, true));
-    stage.add::<LeanAmbientOcclusion>();
+    stage.add::<LeanScreenSpaceAmbientOcclusion>();
     stage.remove::<LeanDeferred>();
     assert_eq!(stage.settings(), (Msaa::Off, false));
-    stage.remove::<LeanAmbientOcclusion>();
+    stage.remove::<LeanScreenSpaceAmbientOcclusion>();
     assert_eq!(stage.settings(), BEVYS);
 
     stage.add::<LeanDeferred>();
@@ -169,12 +187,16 @@ fn what_another_effect_needs_stays(stage: &mut Stage) {
     stage.remove::<(Bloom, Hdr)>();
     stage.insert((
         LeanDeferred::default(),
-        LeanAmbientOcclusion::default(),
+        LeanScreenSpaceAmbientOcclusion::default(),
         LeanAutoExposure::default(),
     ));
     assert_eq!(stage.settings(), (Msaa::Off, true));
     stage.act(|camera| {
-        camera.remove::<(LeanDeferred, LeanAmbientOcclusion, LeanAutoExposure)>();
+        camera.remove::<(
+            LeanDeferred,
+            LeanScreenSpaceAmbientOcclusion,
+            LeanAutoExposure,
+        )>();
     });
     assert_eq!(stage.settings(), BEVYS);
 }
@@ -351,8 +373,8 @@ fn warnings_come_again_when_the_cause_does() {
         assert_eq!(lean(), 4, "it was forgotten with the component");
         stage.remove::<(LeanDeferred, DeferredPrepass)>();
 
-        let occlusion = || warnings("LeanAmbientOcclusion", "its `Msaa` is not `Off`");
-        stage.add::<LeanAmbientOcclusion>();
+        let occlusion = || warnings("LeanScreenSpaceAmbientOcclusion", "its `Msaa` is not `Off`");
+        stage.add::<LeanScreenSpaceAmbientOcclusion>();
         for expected in 1..=2 {
             stage.insert(Msaa::Sample4);
             assert_eq!(occlusion(), expected);

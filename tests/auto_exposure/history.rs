@@ -2,12 +2,12 @@
 
 use bevy::math::{UVec2, Vec3};
 use bevy_lean_deferred::auto_exposure::{
-    ExposureState, LeanAutoExposure, LuminanceTrim, Metering,
+    ExposureState, LeanAutoExposure, LeanAutoExposureAdvanced, LuminanceTrim, Metering,
     adaptation::{adapted, covered},
 };
 
 use crate::{
-    paths,
+    instant, paths,
     pictures::{HOSTILE, picture},
 };
 use kit::exposure_gpu::{ExposureGpu, Meter};
@@ -31,7 +31,7 @@ fn expected(
         seconds,
         settings.speed_brighten,
         settings.speed_darken,
-        settings.transition,
+        settings.advanced.transition,
     )
 }
 
@@ -45,8 +45,11 @@ fn steps_follow_the_documented_curve() {
             (LeanAutoExposure::default(), 0.1),
             (
                 LeanAutoExposure {
-                    transition: 0.0,
                     speed_brighten: 10.0,
+                    advanced: LeanAutoExposureAdvanced {
+                        transition: 0.0,
+                        ..Default::default()
+                    },
                     ..Default::default()
                 },
                 0.004,
@@ -145,7 +148,7 @@ fn noise_never_spoils_the_history() {
             most = most.max(state.exposure);
         }
         println!("exposure between {least} and {most}");
-        assert!(settings.min_exposure <= least && most <= settings.max_exposure);
+        assert!(settings.range.contains(&least) && settings.range.contains(&most));
         gpu.overwrite(&texture, &grey(0.18));
         let mut state = meter.frame(1.0, 0);
         for _ in 0..60 {
@@ -184,11 +187,13 @@ fn settings_may_be_hostile() {
                 target: value,
                 compensation: other,
                 compensation_curve: vec![(value, other).into(), (other, value).into()],
-                min_exposure: value,
-                max_exposure: other,
+                range: value..=other,
                 speed_brighten: other,
                 speed_darken: value,
-                transition: other,
+                advanced: LeanAutoExposureAdvanced {
+                    transition: other,
+                    ..Default::default()
+                },
                 ..Default::default()
             };
             let texture = gpu.picture(SIZE, &grey(0.5));
@@ -207,10 +212,9 @@ fn compensation_curves_are_piecewise_linear() {
     let gpu = ExposureGpu::new();
     let points: [(f32, f32); 4] = [(-6.0, 1.0), (-2.0, 0.0), (0.0, 0.0), (4.0, -2.0)];
     let settings = LeanAutoExposure {
-        instant: true,
         compensation: 0.5,
         compensation_curve: points.map(Into::into).to_vec(),
-        ..Default::default()
+        ..instant()
     };
     for (log_y, stops) in [
         (-9.0f32, 1.0),

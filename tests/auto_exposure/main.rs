@@ -7,18 +7,10 @@ mod pictures;
 mod reduction;
 mod resources;
 
-use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
-use kit::exposure_gpu::ExposureGpu;
+use bevy_lean_deferred::prelude::*;
+use kit::{exposure_gpu::ExposureGpu, lean::instant_exposure as instant};
 
 const METERINGS: [Metering; 2] = [Metering::LogAverage, Metering::LinearAverage];
-
-/// Settings without adaptation.
-fn instant() -> LeanAutoExposure {
-    LeanAutoExposure {
-        instant: true,
-        ..Default::default()
-    }
-}
 
 /// Paths of the reduction, true with subgroups: both if the device supports them.
 fn paths(gpu: &ExposureGpu) -> Vec<bool> {

@@ -133,8 +133,7 @@ fn a_view_of_no_numbers_keeps_its_target() {
     let size = UVec2::new(37, 21);
     let picture_of = |value: f32| vec![Vec3::splat(value); size.element_product() as usize];
     let settings = LeanAutoExposure {
-        min_exposure: -20.0,
-        max_exposure: 20.0,
+        range: -20.0..=20.0,
         ..instant()
     };
     for path in paths(&gpu) {

@@ -112,7 +112,7 @@ fn occlusion_does_not_darken_the_air() {
             let mut headless = build(0.8, 2000.0, spawn)?;
             let without = settled(&mut headless);
             change_cameras(&mut headless, |camera| {
-                camera.insert(LeanAmbientOcclusion::default());
+                camera.insert(LeanScreenSpaceAmbientOcclusion::default());
             });
             let with = settled(&mut headless);
             let middle = without.rgba[without.rgba.len() / 2 + 160 * 4..][..3].to_vec();

@@ -4,7 +4,7 @@ use bevy::{
     camera::{ScalingMode, Viewport, visibility::RenderLayers},
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{prelude::*, view::LeanDeferredAdvanced};
 use half::f16;
 use kit::{
     hdr::{Light, keep_light_of_views, kept_light},
@@ -27,7 +27,7 @@ const CULLING: [LightCulling; 3] = [
 fn lean(headless: &mut Headless, light_culling: LightCulling) -> (Picture, Vec<Light>) {
     change_cameras(headless, |camera| {
         camera.insert(LeanDeferred {
-            light_culling,
+            advanced: LeanDeferredAdvanced { light_culling },
             ..default()
         });
     });

@@ -9,7 +9,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 use kit::{
     headless::{Headless, Picture},
-    lean::{active_lean_views, judge, report, show},
+    lean::{active_lean_views, instant_exposure, judge, report, show},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{
@@ -229,16 +229,13 @@ fn over_a_lean_camera_that_skips_its_output() {
 fn over_cameras_with_other_effects() {
     in_own_process(|| {
         let occlusion: Change = |camera| {
-            camera.insert(LeanAmbientOcclusion {
+            camera.insert(LeanScreenSpaceAmbientOcclusion {
                 intensity: 2.0,
                 ..default()
             });
         };
         let exposure: Change = |camera| {
-            camera.insert(LeanAutoExposure {
-                instant: true,
-                ..default()
-            });
+            camera.insert(instant_exposure());
         };
         let without_msaa: Change = |camera| {
             camera.insert(Msaa::Off);

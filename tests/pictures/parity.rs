@@ -8,7 +8,7 @@ use bevy::{
     material::OpaqueRendererMethod,
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{prelude::*, view::LeanDeferredAdvanced};
 use kit::{
     headless::{Headless, target_image},
     lean::{change_cameras, judge, report, set_lean, settled, show},
@@ -292,7 +292,9 @@ fn scaled_cameras_match_forward() {
             let forward = settled(headless);
             change_cameras(headless, |camera| {
                 camera.insert(LeanDeferred {
-                    light_culling: LightCulling::SharedMemory,
+                    advanced: LeanDeferredAdvanced {
+                        light_culling: LightCulling::SharedMemory,
+                    },
                     ..default()
                 });
             });

@@ -91,16 +91,12 @@ fn scene(
     s.floor();
     s.sun(true);
     balls(s, extensions, change);
-    // Forward scatters no light.
-    let unscattered = LeanSubsurfaceScattering {
-        quality: SubsurfaceScatteringQuality::Off,
-        ..default()
-    };
     let ambient = AmbientLight {
         brightness: 700.0,
         ..default()
     };
-    let camera = s.default_camera((ambient, unscattered));
+    // Without scattering, as forward.
+    let camera = s.default_camera(ambient);
     match surroundings {
         Surroundings::Ambient => {}
         Surroundings::EnvironmentMap => {

@@ -42,7 +42,7 @@ fn patterns_rest_when_taa_goes() {
                 camera.insert((gi(), reflections()));
             }),
             ("occlusion", |camera| {
-                camera.insert(LeanAmbientOcclusion {
+                camera.insert(LeanScreenSpaceAmbientOcclusion {
                     radius: 2.0,
                     ..default()
                 });
@@ -102,7 +102,7 @@ fn frames_at_rest_have_no_error_scopes() {
     in_own_process(|| {
         let effects: [(&str, Change); 2] = [
             ("occlusion and reflections", |camera| {
-                camera.insert((LeanAmbientOcclusion::default(), reflections()));
+                camera.insert((LeanScreenSpaceAmbientOcclusion::default(), reflections()));
             }),
             ("diffuse GI", |camera| {
                 camera.insert(gi());

@@ -17,7 +17,7 @@ use kit::{
     analytic_mirrors::{metal, mirror_app},
     hdr::read_light,
     headless::Headless,
-    lean::change_cameras,
+    lean::{change_cameras, instant_exposure},
     own_process::in_own_process,
 };
 
@@ -60,10 +60,8 @@ fn lamp(headless: &mut Headless, light: f32, exposure: impl Bundle) -> [f32; 2] 
 /// A constant exposure, in stops.
 fn adapted_to(stops: f32) -> LeanAutoExposure {
     LeanAutoExposure {
-        min_exposure: stops,
-        max_exposure: stops,
-        instant: true,
-        ..default()
+        range: stops..=stops,
+        ..instant_exposure()
     }
 }
 

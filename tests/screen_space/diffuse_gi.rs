@@ -4,7 +4,7 @@ use bevy::{
     camera::{ScalingMode, SubCameraView},
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced, prelude::*};
 use kit::{
     analytic_light::{
         CONVERGED, Seen, camera, errors, groove_app, groove_errors, groove_light, look,
@@ -32,15 +32,20 @@ fn a_groove_is_as_bright_as_its_bounces_make_it() {
             }
             let truth = groove_light(albedo, None);
             change_cameras(&mut headless, |camera| {
-                camera.remove::<LeanAmbientOcclusion>().insert(gi());
+                camera
+                    .remove::<LeanScreenSpaceAmbientOcclusion>()
+                    .insert(gi());
             });
             let seen = see(&mut headless, CONVERGED);
             seen.save("groove", 0.5 / truth);
             let found = groove_errors(&seen, truth);
             change_cameras(&mut headless, |camera| {
-                let occlusion = LeanAmbientOcclusion {
+                let occlusion = LeanScreenSpaceAmbientOcclusion {
                     radius: 100.0,
-                    multibounce: false,
+                    advanced: LeanScreenSpaceAmbientOcclusionAdvanced {
+                        multibounce: false,
+                        ..default()
+                    },
                     ..default()
                 };
                 camera.remove::<LeanScreenSpaceGi>().insert(occlusion);

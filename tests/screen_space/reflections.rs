@@ -20,7 +20,7 @@ use super::scenes::{
     show_next, spawn_floor,
 };
 
-fn at_resolution(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflections {
+fn at_resolution(resolution: LeanResolution) -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
         resolution,
         ..reflections()
@@ -31,10 +31,7 @@ fn at_resolution(resolution: ScreenSpaceResolution) -> LeanScreenSpaceReflection
 fn a_mirror_shows_what_is_above_it() {
     in_own_process(|| {
         let mut headless = mirror_app(SIZE, 0.0, |_| ());
-        for (resolution, least) in [
-            (ScreenSpaceResolution::Half, 60.0),
-            (ScreenSpaceResolution::Full, 55.0),
-        ] {
+        for (resolution, least) in [(LeanResolution::Half, 60.0), (LeanResolution::Full, 55.0)] {
             change_cameras(&mut headless, |camera| {
                 camera.insert(at_resolution(resolution));
             });
@@ -59,7 +56,7 @@ fn a_rough_floor_shows_the_lobe_of_a_quad() {
         for roughness in [0.1, 0.3, 0.5] {
             let (seen, bevys) = rough_floor(SIZE, roughness, with_bevys_reflections);
             seen.save(&format!("rough_{roughness}_bevy"), 1.0);
-            for resolution in ScreenSpaceResolution::ALL {
+            for resolution in LeanResolution::ALL {
                 let (seen, found) = rough_floor(SIZE, roughness, |camera| {
                     camera.insert(at_resolution(resolution));
                 });
@@ -197,7 +194,7 @@ fn rays_of_rough_floors_miss_no_walls() {
             let in_room = floor(&seen).filter(|(place, _)| place.x.abs() < 1.4 && place.z > -1.8);
             in_room.map(|(_, light)| light).sum::<f32>()
         };
-        for quality in ScreenSpaceReflectionsQuality::ALL {
+        for quality in LeanQuality::ALL {
             for roughness in [0.3, 0.6] {
                 let [thin, thick] = [0.05, 100.0].map(|metres| sum(quality, roughness, metres));
                 println!("{quality:?}, roughness {roughness}: {:.4}", thin / thick);

@@ -5,7 +5,10 @@ use bevy::{
     material::OpaqueRendererMethod,
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{
+    prelude::*,
+    screen_space::{LeanScreenSpaceGiAdvanced, LeanScreenSpaceReflectionsAdvanced},
+};
 use kit::{
     analytic_light::{Seen, camera, look_at_once, see, surface},
     headless::Headless,
@@ -24,7 +27,7 @@ pub const EYE: Vec3 = Vec3::new(0.0, 1.2, 3.0);
 /// Reflections that do not fade at the picture's edge.
 pub fn reflections() -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
-        edge_fade: 0.0,
+        advanced: LeanScreenSpaceReflectionsAdvanced { edge_fade: 0.0 },
         ..default()
     }
 }
@@ -33,9 +36,44 @@ pub fn reflections() -> LeanScreenSpaceReflections {
 pub fn gi() -> LeanScreenSpaceGi {
     LeanScreenSpaceGi {
         radius: 100.0,
-        falloff: 0.1,
+        advanced: LeanScreenSpaceGiAdvanced {
+            falloff: 0.1,
+            ..default()
+        },
         ..default()
     }
+}
+
+/// Scattering of a test: none, or of a quality.
+pub const OFF: Option<LeanQuality> = None;
+pub const LOW: Option<LeanQuality> = Some(LeanQuality::Low);
+pub const HIGH: Option<LeanQuality> = Some(LeanQuality::High);
+
+pub fn scattering(quality: LeanQuality) -> LeanSubsurfaceScattering {
+    LeanSubsurfaceScattering {
+        quality,
+        ..default()
+    }
+}
+
+/// Gives a camera scattering of this quality, or takes it away.
+pub fn scatter(camera: &mut EntityWorldMut, quality: Option<LeanQuality>) {
+    match quality {
+        Some(quality) => _ = camera.insert(scattering(quality)),
+        None => _ = camera.remove::<LeanSubsurfaceScattering>(),
+    }
+}
+
+/// As [`camera`], with scattering of this quality.
+pub fn scattering_camera(
+    s: &mut SceneBuilder,
+    transform: Transform,
+    sky: f32,
+    quality: Option<LeanQuality>,
+) -> Entity {
+    let camera = camera(s, transform, sky, ());
+    scatter(&mut s.world().entity_mut(camera), quality);
+    camera
 }
 
 /// Spawns a large floor at this height.

@@ -11,7 +11,8 @@ use bevy::{
 use bevy_lean_deferred::{
     prelude::*,
     screen_space::{
-        TimesEachDispatch, ViewHistory, diffuse_gi::ViewGi, reflections::ViewReflections,
+        LeanScreenSpaceGiAdvanced, LeanScreenSpaceReflectionsAdvanced, TimesEachDispatch,
+        ViewHistory, diffuse_gi::ViewGi, reflections::ViewReflections,
     },
 };
 use kit::{
@@ -232,8 +233,8 @@ fn settings_may_be_anything() {
     in_own_process(|| {
         let mut headless = build(SIZE, stage);
         headless.settle();
-        for quality in ScreenSpaceGiQuality::ALL {
-            for resolution in ScreenSpaceResolution::ALL {
+        for quality in LeanQuality::ALL {
+            for resolution in LeanResolution::ALL {
                 change_cameras(&mut headless, |camera| {
                     camera.insert(LeanScreenSpaceGi {
                         quality,
@@ -245,8 +246,8 @@ fn settings_may_be_anything() {
                 assert!(is_finite(&mut headless), "{quality:?}, {resolution:?}");
             }
         }
-        for quality in ScreenSpaceReflectionsQuality::ALL {
-            for resolution in ScreenSpaceResolution::ALL {
+        for quality in LeanQuality::ALL {
+            for resolution in LeanResolution::ALL {
                 change_cameras(&mut headless, |camera| {
                     camera.insert(LeanScreenSpaceReflections {
                         quality,
@@ -263,14 +264,16 @@ fn settings_may_be_anything() {
                 camera.insert(LeanScreenSpaceGi {
                     radius: number,
                     intensity: number,
-                    bias: number,
-                    falloff: number,
+                    advanced: LeanScreenSpaceGiAdvanced {
+                        bias: number,
+                        falloff: number,
+                    },
                     ..default()
                 });
                 camera.insert(LeanScreenSpaceReflections {
                     thickness: number,
                     max_roughness: number,
-                    edge_fade: number,
+                    advanced: LeanScreenSpaceReflectionsAdvanced { edge_fade: number },
                     intensity: number,
                     ..default()
                 });

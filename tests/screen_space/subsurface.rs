@@ -4,26 +4,17 @@ use bevy::{camera::ScalingMode, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
     analytic_balls::ball,
-    analytic_light::{Seen, camera, errors, show},
+    analytic_light::{Seen, errors, show},
     analytic_slabs::{SKIN, beside, patterned, slab, step, stored_paths},
     headless::Headless,
     scenes::SceneBuilder,
     skipped::where_light_scatters,
 };
 
-use super::scenes::show_next;
+use super::scenes::{HIGH, LOW, OFF, scattering, scattering_camera, show_next};
 
 const SIZE: UVec2 = UVec2::new(320, 192);
 const WHITE: LinearRgba = LinearRgba::WHITE;
-
-use SubsurfaceScatteringQuality::{High, Low, Off};
-
-fn with(quality: SubsurfaceScatteringQuality) -> LeanSubsurfaceScattering {
-    LeanSubsurfaceScattering {
-        quality,
-        ..default()
-    }
-}
 
 fn ahead(metres: f32) -> Transform {
     Transform::from_xyz(0.0, 0.0, metres)
@@ -33,12 +24,12 @@ fn ahead(metres: f32) -> Transform {
 fn seen(
     headless: &mut Headless,
     path: f32,
-    quality: SubsurfaceScatteringQuality,
+    quality: Option<LeanQuality>,
     light: fn(Vec2) -> f32,
 ) -> Seen {
     show_next(headless, 2, |s| {
         patterned(s, slab(WHITE, path), default(), light);
-        camera(s, ahead(2.0), 1.0, with(quality));
+        scattering_camera(s, ahead(2.0), 1.0, quality);
     })
 }
 
@@ -52,10 +43,10 @@ fn light_leaves_beside_an_edge_as_the_profile_says() {
             ("skin", SKIN, 0.2),
             ("short", WHITE, 0.02),
         ] {
-            for quality in [Low, High] {
+            for quality in [LOW, HIGH] {
                 let seen = show_next(&mut headless, 2, |s| {
                     patterned(s, slab(color, path), default(), step);
-                    camera(s, ahead(2.0), 1.0, with(quality));
+                    scattering_camera(s, ahead(2.0), 1.0, quality);
                 });
                 seen.save("edge", 0.9);
                 let found = beside(&seen, Vec3::Z, stored_paths(color, path));
@@ -80,7 +71,7 @@ fn balls_are_as_the_profile_says() {
             (0.03, 0.013),
             (0.1, 0.045),
         ] {
-            let found = ball(UVec2::splat(192), SKIN, path, with(High));
+            let found = ball(UVec2::splat(192), SKIN, path, scattering(LeanQuality::High));
             for (channel, errors) in ["red", "green", "blue"].iter().zip(found) {
                 println!("{path} m, {channel}: {errors:.4?}");
                 all_right &= errors.truth.rmse < most && errors.picture.rmse < 0.017;
@@ -97,18 +88,18 @@ fn it_does_so_on_surfaces_that_are_turned_away() {
         let mut headless = Headless::new(SIZE);
         for degrees in [45.0_f32, 60.0] {
             for (name, axis) in [("about", Vec3::Y), ("across", Vec3::X)] {
-                for quality in [Low, High] {
+                for quality in [LOW, HIGH] {
                     let turned = Quat::from_axis_angle(axis, degrees.to_radians());
                     let seen = show_next(&mut headless, 2, |s| {
                         let place = Transform::from_rotation(turned);
                         patterned(s, slab(WHITE, 0.08), place, step);
-                        camera(s, ahead(2.0), 1.0, with(quality));
+                        scattering_camera(s, ahead(2.0), 1.0, quality);
                     });
                     seen.save(&format!("turned_{degrees}_{name}_{quality:?}"), 0.9);
                     let paths = stored_paths(WHITE, 0.08);
                     let found = beside(&seen, turned * Vec3::Z, paths)[0];
                     println!("{degrees} degrees {name} it, {quality:?}: {found:.4?}");
-                    assert!(found.rmse < if quality == Low { 0.06 } else { 0.015 });
+                    assert!(found.rmse < if quality == LOW { 0.06 } else { 0.015 });
                 }
             }
         }
@@ -120,7 +111,7 @@ fn an_orthographic_view_shows_the_same() {
     where_light_scatters(|| {
         let (_, seen) = show(SIZE, 2, |s| {
             patterned(s, slab(WHITE, 0.08), default(), step);
-            let camera = camera(s, ahead(2.0), 1.0, with(High));
+            let camera = scattering_camera(s, ahead(2.0), 1.0, HIGH);
             let projection = OrthographicProjection {
                 scaling_mode: ScalingMode::FixedVertical {
                     viewport_height: 1.6,
@@ -143,7 +134,7 @@ fn even_light_stays_as_it_is() {
         let mut headless = Headless::new(SIZE);
         for path in [0.001, 0.02, 0.5] {
             let [without, with] =
-                [Off, High].map(|quality| seen(&mut headless, path, quality, |_| 0.7));
+                [OFF, HIGH].map(|quality| seen(&mut headless, path, quality, |_| 0.7));
             let pairs = without.light.texels.iter().zip(&with.light.texels);
             let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
             println!("{path}: {most:.5}");
@@ -158,7 +149,7 @@ fn a_spot_keeps_its_sum() {
     where_light_scatters(|| {
         let mut headless = Headless::new(SIZE);
         let spot = |at: Vec2| f32::from((at - 0.5).length() < 0.02);
-        let sums = [Off, Low, High].map(|quality| {
+        let sums = [OFF, LOW, HIGH].map(|quality| {
             let seen = seen(&mut headless, 0.02, quality, spot);
             seen.save(&format!("spot_{quality:?}"), 0.9);
             seen.light.texels.iter().map(|texel| texel[1]).sum::<f32>()
@@ -179,7 +170,7 @@ fn distance_does_not_matter() {
                 let place = Transform::from_scale(Vec3::splat(scale));
                 let path = stored_paths(WHITE, 0.08).x * scale;
                 patterned(s, slab(WHITE, path), place, step);
-                camera(s, ahead(2.0 * scale), 1.0, with(High));
+                scattering_camera(s, ahead(2.0 * scale), 1.0, HIGH);
             })
         });
         let pairs = near.light.texels.iter().zip(&far.light.texels);
@@ -205,10 +196,10 @@ fn nothing_bleeds_from_slab_to_slab() {
                     Transform::from_xyz(0.0, 0.0, -0.1),
                     |_| light[1],
                 );
-                camera(s, ahead(2.0), 1.0, with(quality));
+                scattering_camera(s, ahead(2.0), 1.0, quality);
             };
             let [without, with] =
-                [Off, High].map(|quality| show_next(&mut headless, 2, |s| scene(s, quality)));
+                [OFF, HIGH].map(|quality| show_next(&mut headless, 2, |s| scene(s, quality)));
             with.save(&format!("slabs_{front_is_lit}"), 0.9);
             let pairs = without.light.texels.iter().zip(&with.light.texels);
             let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
@@ -223,12 +214,12 @@ fn nothing_bleeds_from_slab_to_slab() {
 fn nothing_bleeds_onto_another_material() {
     where_light_scatters(|| {
         let mut headless = Headless::new(SIZE);
-        let [without, with] = [Off, High].map(|quality| {
+        let [without, with] = [OFF, HIGH].map(|quality| {
             show_next(&mut headless, 2, |s| {
                 let [left, right] = [-2.0, 2.0].map(|x| Transform::from_xyz(x, 0.0, 0.0));
                 patterned(s, slab(WHITE, 0.05), left, |_| 1.0);
                 patterned(s, slab(WHITE, 0.1), right, |_| 0.0);
-                camera(s, ahead(2.0), 1.0, with(quality));
+                scattering_camera(s, ahead(2.0), 1.0, quality);
             })
         });
         let pairs = without.light.texels.iter().zip(&with.light.texels);
@@ -243,7 +234,7 @@ fn less_than_a_pixel_changes_nothing() {
     where_light_scatters(|| {
         let mut headless = Headless::new(SIZE);
         let checks = |at: Vec2| f32::from((at.x * 97.0).sin() * (at.y * 61.0).sin() > 0.0);
-        let [without, with] = [Off, High].map(|quality| seen(&mut headless, 1e-4, quality, checks));
+        let [without, with] = [OFF, HIGH].map(|quality| seen(&mut headless, 1e-4, quality, checks));
         let pairs = without.light.texels.iter().zip(&with.light.texels);
         let most = pairs.map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
         println!("{most:.5}");

@@ -10,19 +10,10 @@ use kit::{
     skipped::where_light_scatters,
 };
 
-use super::scenes::{range, show_next};
-
-use SubsurfaceScatteringQuality::{High, Off};
+use super::scenes::{HIGH, OFF, range, scattering, scattering_camera, show_next};
 
 const SIZE: UVec2 = UVec2::new(320, 192);
 const WHITE: LinearRgba = LinearRgba::WHITE;
-
-fn with(quality: SubsurfaceScatteringQuality) -> LeanSubsurfaceScattering {
-    LeanSubsurfaceScattering {
-        quality,
-        ..default()
-    }
-}
 
 fn ahead(metres: f32) -> Transform {
     Transform::from_xyz(0.0, 0.0, metres)
@@ -63,12 +54,12 @@ fn highlights_stay_sharp() {
                 material.base.perceptual_roughness = 0.25;
                 patterned(s, material, default(), step);
                 lamp(s, Vec3::new(0.1, 0.1, 1.0));
-                camera(s, ahead(2.0), 0.0, with(quality));
+                scattering_camera(s, ahead(2.0), 0.0, quality);
             });
             seen.save(&format!("highlight_{reflectance}_{quality:?}"), 0.5);
             seen
         };
-        let [off, on] = [Off, High].map(|quality| [0.0, 0.5].map(|x| picture(x, quality)));
+        let [off, on] = [OFF, HIGH].map(|quality| [0.0, 0.5].map(|x| picture(x, quality)));
         let specular = |[without, with]: &[Seen; 2]| -> Vec<f32> {
             channels(with, without)
                 .map(|(with, without)| with - without)
@@ -121,7 +112,12 @@ fn the_edge_is_right_in_any_view() {
                     fov: f32::to_radians(degrees),
                     ..default()
                 });
-                camera(s, ahead(metres), 1.0, (shown, projection, with(High)));
+                camera(
+                    s,
+                    ahead(metres),
+                    1.0,
+                    (shown, projection, scattering(LeanQuality::High)),
+                );
             });
             let seen = seen.within(viewport);
             seen.save(&format!("edge_{name}"), 0.9);
@@ -160,12 +156,12 @@ fn outlines_have_no_halo() {
                     s.spawn((Mesh3d(mesh), MeshMaterial3d(material.clone()), place));
                 }
                 lamp(s, Vec3::new(-1.0, 0.6, 1.2));
-                camera(s, ahead(2.0), 0.0, with(quality));
+                scattering_camera(s, ahead(2.0), 0.0, quality);
             });
             seen.save(&format!("outlines_{quality:?}"), 0.9);
             seen
         };
-        let [off, on] = [Off, High].map(picture);
+        let [off, on] = [OFF, HIGH].map(picture);
         let (mut outside, mut halo, mut changed) = (0, 0.0_f32, 0.0_f32);
         let mut sums = [[0.0_f32; 2]; HAIRS.len()];
         for (i, ray) in off.rays().iter().enumerate() {
@@ -209,18 +205,18 @@ fn paths_may_be_longer_than_the_picture() {
         let mut picture = |quality, largest_radius, light: fn(Vec2) -> f32| {
             show_next(&mut headless, 2, |s| {
                 patterned(s, slab(WHITE, 1.0), default(), light);
-                let effect = LeanSubsurfaceScattering {
-                    largest_radius,
-                    ..with(quality)
-                };
-                camera(s, ahead(0.5), 1.0, effect);
+                let camera = scattering_camera(s, ahead(0.5), 1.0, quality);
+                let mut camera = s.world().entity_mut(camera);
+                if let Some(mut effect) = camera.get_mut::<LeanSubsurfaceScattering>() {
+                    effect.advanced.largest_radius = largest_radius;
+                }
             })
         };
         let [even, half_lit] =
-            [|_| 0.7, step as fn(Vec2) -> f32].map(|light| picture(Off, 0.0, light));
+            [|_| 0.7, step as fn(Vec2) -> f32].map(|light| picture(OFF, 0.0, light));
         for largest_radius in [256.0, 1e4, f32::INFINITY] {
-            let most = most_off(&even, &picture(High, largest_radius, |_| 0.7));
-            let edge = picture(High, largest_radius, step);
+            let most = most_off(&even, &picture(HIGH, largest_radius, |_| 0.7));
+            let edge = picture(HIGH, largest_radius, step);
             let light: Vec<f32> = edge.light.texels.iter().map(|texel| texel[1]).collect();
             let (least, brightest) = range(&light);
             let changed = most_off(&half_lit, &edge);

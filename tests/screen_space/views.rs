@@ -207,7 +207,7 @@ fn scaled_cameras_show_what_others_do() {
                 let camera = s.camera(from, LeanDeferred::default());
                 let mut camera = s.world().entity_mut(camera);
                 if occlusion {
-                    camera.insert(LeanAmbientOcclusion::default());
+                    camera.insert(LeanScreenSpaceAmbientOcclusion::default());
                 } else {
                     camera.insert((gi(), reflections()));
                 }

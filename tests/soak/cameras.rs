@@ -170,7 +170,7 @@ fn toggle_lean(stage: &mut Stage, camera: Entity, random: &mut Random) -> String
     let camera = &mut stage.entity(camera);
     match random.below(9) {
         0 | 1 => toggle::<LeanDeferred>(camera),
-        2 | 3 => toggle::<LeanAmbientOcclusion>(camera),
+        2 | 3 => toggle::<LeanScreenSpaceAmbientOcclusion>(camera),
         4 => toggle::<LeanAutoExposure>(camera),
         5 => toggle::<LeanScreenSpaceGi>(camera),
         6 => toggle::<LeanScreenSpaceReflections>(camera),

@@ -71,17 +71,11 @@ fn check_beside_twin(stage: &mut Stage, camera: Entity, frame: usize) {
     };
     let forward = add_twin(stage, camera, size);
     let lean = add_twin(stage, camera, size);
-    // Disables what forward does not do: it scatters no light, and compares layers only between cameras and lights.
-    stage.entity(lean).insert((
-        LeanDeferred {
-            light_layers: false,
-            ..default()
-        },
-        LeanSubsurfaceScattering {
-            quality: SubsurfaceScatteringQuality::Off,
-            ..default()
-        },
-    ));
+    // Disables what forward does not do: it compares layers only between cameras and lights.
+    stage.entity(lean).insert(LeanDeferred {
+        light_layers: false,
+        ..default()
+    });
     stage.headless.settle();
     stage.headless.frames(FRAMES);
 
@@ -179,7 +173,7 @@ fn add_twin(stage: &mut Stage, camera: Entity, size: UVec2) -> Entity {
     entity
         .remove::<(
             LeanDeferred,
-            LeanAmbientOcclusion,
+            LeanScreenSpaceAmbientOcclusion,
             LeanAutoExposure,
             LeanScreenSpaceGi,
             LeanScreenSpaceReflections,

@@ -92,6 +92,7 @@ fn give_all(stage: &mut Stage, camera: Entity) {
             LeanAutoExposure::default(),
             LeanScreenSpaceGi::default(),
             LeanScreenSpaceReflections::default(),
+            LeanSubsurfaceScattering::default(),
         ));
     }
 }

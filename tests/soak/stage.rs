@@ -128,7 +128,8 @@ impl Stage {
             RenderTarget::from(target),
         ));
         if self.is_lean {
-            self.entity(camera).insert(LeanDeferred::default());
+            self.entity(camera)
+                .insert((LeanDeferred::default(), LeanSubsurfaceScattering::default()));
         }
         self.cameras.push(camera);
     }

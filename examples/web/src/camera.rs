@@ -3,7 +3,7 @@
 use bevy::{camera::Hdr, prelude::*, render::renderer::RenderDevice};
 use street::{Viewpoint, sky};
 
-use crate::{motion::Motion, switches::no_scattering};
+use crate::motion::Motion;
 
 /// Marks the page's camera.
 #[derive(Component)]
@@ -26,7 +26,6 @@ pub fn spawn(mut commands: Commands, mut images: ResMut<Assets<Image>>, device: 
         Camera3d::default(),
         Hdr,
         Msaa::Off,
-        no_scattering(),
         VIEWPOINT.transform(),
         sky::air(),
     ));

@@ -30,19 +30,10 @@ const fn component<C: Component + Default>(name: &'static str) -> Switch {
 
 const SWITCHES: [Switch; 6] = [
     component::<LeanDeferred>("lean"),
-    component::<LeanAmbientOcclusion>("ambient-occlusion"),
+    component::<LeanScreenSpaceAmbientOcclusion>("ambient-occlusion"),
     component::<LeanScreenSpaceGi>("diffuse-gi"),
     component::<LeanScreenSpaceReflections>("reflections"),
-    // Materials enable it: it is on unless it is switched off.
-    Switch {
-        name: "subsurface-scattering",
-        insert: |camera| {
-            camera.remove::<LeanSubsurfaceScattering>();
-        },
-        remove: |camera| {
-            camera.insert(no_scattering());
-        },
-    },
+    component::<LeanSubsurfaceScattering>("subsurface-scattering"),
     Switch {
         name: "auto-exposure",
         insert: |camera| {
@@ -58,16 +49,11 @@ const SWITCHES: [Switch; 6] = [
     },
 ];
 
-/// Switches scattering off, as in Bevy's forward renderer.
-pub fn no_scattering() -> LeanSubsurfaceScattering {
-    LeanSubsurfaceScattering {
-        quality: SubsurfaceScatteringQuality::Off,
-        ..default()
-    }
-}
-
 /// Name of the switch of all motion, beside those of the camera.
 const MOTION: &str = "motion";
+
+/// Bit of the renderer, the first of [`SWITCHES`].
+const LEAN: u32 = 1;
 
 /// One bit for each of [`SWITCHES`], and one for [`MOTION`]. The page writes it between frames.
 static ON: AtomicU32 = AtomicU32::new(0);
@@ -102,6 +88,10 @@ pub fn apply(
             (0, 1) => (switch.remove)(&mut camera),
             _ => {}
         }
+    }
+    // Effects that need it add it, but the page chooses the renderer.
+    if on != *applied && on & LEAN == 0 {
+        camera.remove::<LeanDeferred>();
     }
     motion.set_if_neq(Motion(on >> SWITCHES.len() & 1 == 1));
     *applied = on;

@@ -3,10 +3,11 @@
 use std::borrow::Cow;
 
 use bevy::math::Mat4;
-use bevy_lean_deferred::ambient_occlusion::{
-    LeanAmbientOcclusion, OcclusionKernel, OcclusionResolution,
+use bevy_lean_deferred::{
+    ambient_occlusion::{LeanScreenSpaceAmbientOcclusion, OcclusionKernel},
+    shader_library::reconstruction::position::projection_of,
+    view::LeanResolution,
 };
-use bevy_lean_deferred::shader_library::reconstruction::position::projection_of;
 use naga_oil::compose::ShaderDefValue;
 
 use super::OcclusionGpu;
@@ -50,19 +51,19 @@ impl OcclusionGpu {
 
 /// Definitions of the crate's gather for `settings`, on a camera without a G-buffer.
 pub(super) fn gather_definitions(
-    settings: &LeanAmbientOcclusion,
+    settings: &LeanScreenSpaceAmbientOcclusion,
     clip_from_view: Mat4,
 ) -> Definitions {
-    let divisor = if settings.resolution == OcclusionResolution::Half {
+    let divisor = if settings.resolution == LeanResolution::Half {
         2
     } else {
         1
     };
-    let (slices, steps) = settings.quality.samples();
+    let (slices, steps) = settings.samples();
     let mut defs = numbers(&[("DIVISOR", divisor), ("SLICES", slices), ("STEPS", steps)]);
     let flags = [
-        (settings.kernel == OcclusionKernel::Hdao, "HDAO"),
-        (settings.thickness < 1.0, "THIN"),
+        (settings.advanced.kernel == OcclusionKernel::Hdao, "HDAO"),
+        (settings.thickness.is_some(), "THIN"),
         (settings.has_wide_pattern(), "WIDE_PATTERN"),
     ];
     insert_flags(&mut defs, &flags);
@@ -72,21 +73,21 @@ pub(super) fn gather_definitions(
 }
 
 /// True if the crate's compute pass loads depths once per workgroup.
-pub(super) fn shares_depths(settings: &LeanAmbientOcclusion) -> bool {
-    settings.kernel == OcclusionKernel::Hbao && settings.resolution == OcclusionResolution::Full
+pub(super) fn shares_depths(settings: &LeanScreenSpaceAmbientOcclusion) -> bool {
+    settings.advanced.kernel == OcclusionKernel::Hbao && settings.resolution == LeanResolution::Full
 }
 
 /// Definitions of the crate's filter, for its debug view.
-pub(super) fn filter_definitions(settings: &LeanAmbientOcclusion) -> Definitions {
+pub(super) fn filter_definitions(settings: &LeanScreenSpaceAmbientOcclusion) -> Definitions {
     let mut defs = Definitions::new();
     let flags = [
         (true, "DEBUG_VIEW"),
         (
-            settings.resolution == OcclusionResolution::Half,
+            settings.resolution == LeanResolution::Half,
             "OCCLUSION_HALF",
         ),
         (settings.has_wide_pattern(), "OCCLUSION_WIDE"),
-        (settings.filter.is_edge_aware(), "OCCLUSION_EDGE_AWARE"),
+        (settings.advanced.edge_aware, "OCCLUSION_EDGE_AWARE"),
     ];
     insert_flags(&mut defs, &flags);
     defs

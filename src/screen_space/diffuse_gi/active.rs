@@ -56,12 +56,12 @@ pub(super) fn decide_active_gi(
     };
     let limits = device.limits();
     for (entity, view, settings, lean, (was_lean, current)) in &views {
-        let reason = EffectOff::of(lean.is_some(), NEEDED_LIMITS, &limits);
+        let reason = EffectOff::of(NEEDED_LIMITS, &limits).filter(|_| lean.is_some());
         let can_run = reason.is_none() && lean.is_some_and(|lean| lean.enabled);
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceGi", camera, reason);
         let key = GiKey {
-            samples: settings.quality.samples(),
+            samples: settings.samples(),
             divisor: settings.resolution.divisor(),
             projection: projection_of(view.clip_from_view),
         };

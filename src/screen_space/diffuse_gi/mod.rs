@@ -1,7 +1,8 @@
 //! Diffuse global illumination: diffuse light between surfaces, and their occlusion of the environment, from one march over depth
 //! (Mayaux 2018, "Horizon-based indirect lighting").
 //!
-//! Put [`LeanScreenSpaceGi`] beside [`LeanDeferred`](crate::LeanDeferred). Three passes run between G-buffer and lighting:
+//! Put [`LeanScreenSpaceGi`] on a camera, which gets [`LeanDeferred`](crate::LeanDeferred) with it. Three passes run between G-buffer
+//! and lighting:
 //!
 //! 1. *levels* reprojects the diffuse light of the last frame onto the surfaces of this frame, at four mip levels.
 //! 2. *gather* marches over depth from each texel. The sixteen texels of a 4×4 block take different directions.
@@ -34,7 +35,7 @@ mod prepare;
 mod settings;
 mod uniforms;
 
-pub use settings::{LeanScreenSpaceGi, ScreenSpaceGiDebugView, ScreenSpaceGiQuality};
+pub use settings::{LeanScreenSpaceGi, LeanScreenSpaceGiAdvanced, ScreenSpaceGiDebugView};
 // For tests and benches.
 #[doc(hidden)]
 pub use {

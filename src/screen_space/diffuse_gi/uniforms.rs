@@ -64,8 +64,8 @@ impl GiUniform {
             radius: up_to(LARGEST_METRES, settings.radius),
             largest_radius_in_pixels: (LARGEST_RADIUS * size.y as f32).max(1.0),
             // At least 1e-4, so that 0 is a hard edge without a division by 0.
-            inverse_falloff: 1.0 / settings.falloff.clamp(1e-4, 1.0),
-            sin_bias: settings.bias.clamp(0.0, FRAC_PI_2).sin(),
+            inverse_falloff: 1.0 / settings.advanced.falloff.clamp(1e-4, 1.0),
+            sin_bias: settings.advanced.bias.clamp(0.0, FRAC_PI_2).sin(),
             intensity: up_to(1.0, settings.intensity),
             exposure_ratio: exposure_ratio(now, last),
             turn: 0.0,

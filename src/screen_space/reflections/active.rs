@@ -62,15 +62,14 @@ pub(super) fn decide_active_reflections(
     };
     let limits = device.limits();
     for (entity, view, settings, lean, resolution, (last, current)) in &views {
-        let reason = EffectOff::of(lean.is_some(), NEEDED_LIMITS, &limits);
+        let reason = EffectOff::of(NEEDED_LIMITS, &limits).filter(|_| lean.is_some());
         let can_run = reason.is_none() && lean.is_some_and(|lean| lean.enabled);
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanScreenSpaceReflections", camera, reason);
         let rows = drawn_part(view, resolution).height();
         let key = ReflectionKey {
-            quality: settings.quality,
+            marches: settings.marches(rows),
             divisor: settings.texel_side(rows),
-            shortest_segment: settings.shortest_segment(rows),
             // From the last frame: if the target is new, coats reflect one frame late.
             specialization: last
                 .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),

@@ -2,17 +2,15 @@
 
 use bevy::shader::ShaderDefVal;
 
-use super::settings::ScreenSpaceReflectionsQuality;
+use super::settings::Marches;
 use crate::shader_library::reconstruction::position::ProjectionKind;
 
 /// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ReflectionKey {
-    pub(super) quality: ScreenSpaceReflectionsQuality,
+    pub(super) marches: Marches,
     /// Pixels per side of a texel.
     pub(super) divisor: u32,
-    /// Shortest segment of a ray, in pixels.
-    pub(super) shortest_segment: u32,
     /// The view may have special surfaces.
     pub(super) specialization: bool,
     pub(super) projection: ProjectionKind,
@@ -22,11 +20,12 @@ pub(super) struct ReflectionKey {
 
 impl ReflectionKey {
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+        let marches = self.marches;
         let mut defs = vec![
-            ShaderDefVal::UInt("ROUGH_SEGMENTS".into(), self.quality.rough_segments()),
-            ShaderDefVal::UInt("SHORTEST_SEGMENT".into(), self.shortest_segment),
-            ShaderDefVal::UInt("GROWTH_PERCENT".into(), self.quality.growth_percent()),
-            ShaderDefVal::UInt("SMOOTH_STEPS".into(), self.quality.smooth_steps()),
+            ShaderDefVal::UInt("ROUGH_SEGMENTS".into(), marches.rough_segments),
+            ShaderDefVal::UInt("SHORTEST_SEGMENT".into(), marches.shortest_segment),
+            ShaderDefVal::UInt("GROWTH_PERCENT".into(), marches.growth_percent),
+            ShaderDefVal::UInt("SMOOTH_STEPS".into(), marches.smooth_steps),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
         ];
         if self.specialization {

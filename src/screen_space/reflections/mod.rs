@@ -1,7 +1,7 @@
 //! Screen-space reflections: rays through the depth of this frame, into the light of the last one.
 //!
-//! Put [`LeanScreenSpaceReflections`] beside [`LeanDeferred`](crate::LeanDeferred). The picture of each frame, as Bevy's transparent
-//! pass leaves it, is kept as history for the next frame. Four passes run between G-buffer and lighting:
+//! Put [`LeanScreenSpaceReflections`] on a camera, which gets [`LeanDeferred`](crate::LeanDeferred) with it. The picture of each frame,
+//! as Bevy's transparent pass leaves it, is kept as history for the next frame. Four passes run between G-buffer and lighting:
 //!
 //! 1. *cells* stores the nearest and the furthest depth of each cell of pixels.
 //! 2. *trace* traces a ray from each texel, in one of sixteen directions of the GGX lobe, which a block of 4×4 texels shares. Rays of
@@ -46,7 +46,7 @@ mod settings;
 mod uniforms;
 
 pub use settings::{
-    LeanScreenSpaceReflections, ScreenSpaceReflectionsDebugView, ScreenSpaceReflectionsQuality,
+    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvanced, ScreenSpaceReflectionsDebugView,
 };
 // For tests and benches.
 #[doc(hidden)]

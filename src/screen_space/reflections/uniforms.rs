@@ -74,7 +74,7 @@ impl ReflectionUniform {
             edge_metres: STEEPEST / pixels_per_metre.y.abs(),
             metres_per_unit: last.map_or(1.0, |last| 1.0 / units_per_metre(last.clip_from_view)),
             thickness,
-            edge_fade: up_to(0.5, settings.edge_fade) * size.y as f32,
+            edge_fade: up_to(0.5, settings.advanced.edge_fade) * size.y as f32,
             max_roughness: up_to(1.25, settings.max_roughness),
             intensity: up_to(1.0, settings.intensity),
             exposure_ratio: exposure_ratio(now, last),

@@ -11,7 +11,7 @@ use bevy::{
 use super::{
     key::SubsurfaceKey,
     pipelines::{SubsurfacePasses, SubsurfacePipelines},
-    settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality},
+    settings::LeanSubsurfaceScattering,
     support::NEEDED_LIMITS,
 };
 use crate::{
@@ -36,63 +36,51 @@ pub(super) fn decide_active_scattering(
     mut commands: Commands,
     pipelines: Option<ResMut<SubsurfacePipelines>>,
     (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
-    demands: Res<ViewDemands>,
+    // Missing without `LeanDeferredPlugin`.
+    demands: Option<Res<ViewDemands>>,
     mut warnings: Local<WarnOnce<EffectOff>>,
     views: Query<
         (
             Entity,
             &ExtractedView,
-            Option<&LeanSubsurfaceScattering>,
+            &LeanSubsurfaceScattering,
             Option<&LeanDeferred>,
             Option<&ActiveScattering>,
         ),
-        (
-            With<ExtractedCamera>,
-            Or<(
-                With<LeanDeferred>,
-                With<LeanSubsurfaceScattering>,
-                With<ActiveScattering>,
-            )>,
-        ),
+        With<ExtractedCamera>,
     >,
-    cameras: Query<&MainEntity, Or<(With<LeanDeferred>, With<LeanSubsurfaceScattering>)>>,
+    cameras: Query<&MainEntity, With<LeanSubsurfaceScattering>>,
     switched_off: Query<Entity, (With<ActiveScattering>, Without<ExtractedCamera>)>,
 ) {
     warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveScattering>();
     }
-    let Some(mut pipelines) = pipelines else {
+    let (Some(mut pipelines), Some(demands)) = (pipelines, demands) else {
         return;
     };
     let limits = device.limits();
     for (entity, view, settings, lean, current) in &views {
         let is_asked =
             lean.is_some_and(|lean| lean.enabled) && demands.scatter(view.retained_view_entity);
-        let reason = match (settings, lean.is_some()) {
-            (Some(settings), false) if settings.quality != SubsurfaceScatteringQuality::Off => {
-                Some(EffectOff::NotLean)
-            }
-            _ => EffectOff::of(true, NEEDED_LIMITS, &limits).filter(|_| is_asked),
-        };
+        // A camera that sees nothing of the kind needs no warning.
+        let reason = EffectOff::of(NEEDED_LIMITS, &limits).filter(|_| is_asked);
+        let can_run = is_asked && reason.is_none();
         let camera = view.retained_view_entity.main_entity;
         warnings.tell("LeanSubsurfaceScattering", camera, reason);
-        let settings = settings.copied().unwrap_or_default();
         let key = SubsurfaceKey::new(settings.quality, projection_of(view.clip_from_view));
-        let wanted = key
-            .filter(|_| is_asked && reason.is_none())
-            .map(|key| ActiveScattering {
-                settings,
-                key,
-                passes: pipelines.specialize(&cache, key),
-            });
-        let stand_in = current.copied().filter(|last| {
-            wanted.is_some_and(|wanted| wanted.key.is_orthographic == last.key.is_orthographic)
+        let wanted = can_run.then(|| ActiveScattering {
+            settings: *settings,
+            key,
+            passes: pipelines.specialize(&cache, key),
         });
+        let stand_in = current
+            .filter(|last| last.key.is_orthographic == key.is_orthographic)
+            .copied();
         let active = [wanted, stand_in]
             .into_iter()
             .flatten()
-            .find(|active| active.passes.are_compiled(&cache));
+            .find(|active| can_run && active.passes.are_compiled(&cache));
         match active {
             Some(active) => {
                 commands.entity(entity).insert((active, ScattersLight));

@@ -2,8 +2,7 @@
 
 use bevy::shader::ShaderDefVal;
 
-use super::settings::SubsurfaceScatteringQuality;
-use crate::shader_library::reconstruction::position::ProjectionKind;
+use crate::{shader_library::reconstruction::position::ProjectionKind, view::LeanQuality};
 
 /// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,20 +13,11 @@ pub(super) struct SubsurfaceKey {
 }
 
 impl SubsurfaceKey {
-    /// `None` if scattering is off.
-    pub(super) fn new(
-        quality: SubsurfaceScatteringQuality,
-        projection: ProjectionKind,
-    ) -> Option<Self> {
-        let is_drawn_out = match quality {
-            SubsurfaceScatteringQuality::Off => return None,
-            SubsurfaceScatteringQuality::Low => false,
-            SubsurfaceScatteringQuality::High => true,
-        };
-        Some(Self {
-            is_drawn_out,
+    pub(super) fn new(quality: LeanQuality, projection: ProjectionKind) -> Self {
+        Self {
+            is_drawn_out: quality >= LeanQuality::High,
             is_orthographic: projection == ProjectionKind::Orthographic,
-        })
+        }
     }
 
     /// Shader defs of all passes.

@@ -2,8 +2,8 @@
 //! Burley 2015, "Approximate Reflectance Profiles for Efficient Subsurface Scattering").
 //!
 //! Give a mesh an [`ExtendedStandardMaterial`](crate::shading_extension::ExtendedStandardMaterial) with
-//! [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension::Subsurface). Cameras with
-//! [`LeanDeferred`] scatter its light by default; [`LeanSubsurfaceScattering`] on the camera changes the quality.
+//! [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension::Subsurface), and put [`LeanSubsurfaceScattering`] on a
+//! camera, which gets [`LeanDeferred`](crate::LeanDeferred) with it.
 //!
 //! Lighting writes the diffuse light of such surfaces to a texture of its own, in the tiles that have some. The passes run on the
 //! blocks of tiles with such light and add the change due to scattering to the picture. The picture is unchanged until they are
@@ -46,7 +46,7 @@ mod settings;
 mod support;
 mod uniforms;
 
-pub use settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality};
+pub use settings::{LeanSubsurfaceScattering, LeanSubsurfaceScatteringAdvanced};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
@@ -74,17 +74,22 @@ use crate::{
     gpu::recovery,
     lighting::{SubsurfaceLight, lighting_pass, prepare_subsurface_light},
     view::{
-        EffectSystems, LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
-        ViewTextureSystems, removal,
+        EffectSystems, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
+        ViewTextureSystems, can_build, removal,
     },
 };
 
-/// Adds subsurface scattering for cameras with [`LeanDeferred`]. Part of [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), whose
-/// materials need it.
-pub(crate) struct SubsurfacePlugin;
+/// Adds subsurface scattering for cameras with [`LeanSubsurfaceScattering`]. Does nothing without
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after
+/// `DefaultPlugins`.
+#[derive(Default)]
+pub struct LeanSubsurfaceScatteringPlugin;
 
-impl Plugin for SubsurfacePlugin {
+impl Plugin for LeanSubsurfaceScatteringPlugin {
     fn build(&self, app: &mut App) {
+        if !can_build(app, "LeanSubsurfaceScatteringPlugin", true) {
+            return;
+        }
         SharedPlugin::add_to(app);
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
@@ -103,11 +108,10 @@ impl Plugin for SubsurfacePlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        removal::remove_with::<LeanDeferred, ActiveScattering>(render_app);
+        removal::remove_with::<LeanSubsurfaceScattering, ActiveScattering>(render_app);
         removal::remove_with::<ActiveScattering, (ViewSubsurface, ScattersLight)>(render_app);
         removal::remove_with::<SubsurfaceLight, ViewSubsurface>(render_app);
-        EffectSystems::SubsurfaceScattering
-            .run_while::<Or<(With<LeanDeferred>, With<LeanSubsurfaceScattering>)>>(render_app);
+        EffectSystems::SubsurfaceScattering.run_while::<With<LeanSubsurfaceScattering>>(render_app);
         render_app
             .init_gpu_resource::<prepare::SubsurfaceUniforms>()
             .add_systems(

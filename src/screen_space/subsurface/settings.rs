@@ -1,14 +1,19 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-/// Settings of light scattering beneath surfaces with [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension).
+use crate::view::{LeanDeferred, LeanQuality};
+
+/// Screen-space scattering of light beneath surfaces with
+/// [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension).
 ///
-/// For cameras with [`LeanDeferred`](crate::LeanDeferred), which scatter with the default settings without this component. Diffuse
-/// light of the lighting pass scatters, including ambient light; emission, reflections and lightmaps do not. Light leaves up to about
-/// ten mean free paths away, in metres: the result does not depend on distance, resolution or projection. Light does not cross to
-/// another material, over a step in depth, or off screen; it stays on the surface instead, so that none is lost. Thin parts
-/// therefore do not transmit light.
+/// For cameras with [`LeanDeferred`], which is added with it. Other cameras light such surfaces like their base. Diffuse light of the
+/// lighting pass scatters, including ambient light; emission, reflections and lightmaps do not. Light leaves up to about ten mean free
+/// paths away, in metres: the result does not depend on distance, resolution or projection. Light does not cross to another material,
+/// over a step in depth, or off screen; it stays on the surface instead, so that none is lost. Thin parts therefore do not transmit
+/// light.
 ///
 /// The result is free of noise, and independent of other frames.
+///
+/// Can be added and removed at run time; removing it frees its GPU resources. It costs nothing while no such surface is visible.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -33,31 +38,45 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 /// }
 ///
 /// fn spawn_camera(mut commands: Commands) {
-///     commands.spawn((
-///         Camera3d::default(),
-///         LeanDeferred::default(),
-///         // Only for other settings: light scatters with the defaults without it.
-///         LeanSubsurfaceScattering {
-///             quality: SubsurfaceScatteringQuality::Low,
-///             ..default()
-///         },
-///     ));
+///     commands.spawn((Camera3d::default(), LeanSubsurfaceScattering::default()));
 /// }
 /// ```
+#[doc(alias("sss", "sssss"))]
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[require(LeanDeferred)]
 pub struct LeanSubsurfaceScattering {
-    /// Default [`SubsurfaceScatteringQuality::High`].
-    pub quality: SubsurfaceScatteringQuality,
-    /// Largest distance that light travels on screen, in pixels; close to the camera the profile shrinks to it. More than 0, at most
-    /// 256. Default 256.
-    pub largest_radius: f32,
+    /// Accuracy on surfaces seen at an angle. Default [`LeanQuality::High`].
+    ///
+    /// - `Low`, `Medium`: kernels are circular on screen. Where a surface is foreshortened, they are as narrow along its width as
+    ///   across it.
+    /// - `High`, `Ultra`: kernels are up to twice as long along the width: correct on surfaces turned away by up to 60 degrees.
+    pub quality: LeanQuality,
+    /// Settings that few games change.
+    pub advanced: LeanSubsurfaceScatteringAdvanced,
 }
 
 impl Default for LeanSubsurfaceScattering {
     fn default() -> Self {
         Self {
-            quality: default(),
+            quality: LeanQuality::High,
+            advanced: default(),
+        }
+    }
+}
+
+/// Settings of [`LeanSubsurfaceScattering`] that few games change.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub struct LeanSubsurfaceScatteringAdvanced {
+    /// Largest distance that light travels on screen, in pixels; close to the camera the profile shrinks to it. More than 0, at most
+    /// 256. Default 256.
+    pub largest_radius: f32,
+}
+
+impl Default for LeanSubsurfaceScatteringAdvanced {
+    fn default() -> Self {
+        Self {
             largest_radius: LARGEST_RADIUS,
         }
     }
@@ -65,22 +84,3 @@ impl Default for LeanSubsurfaceScattering {
 
 /// Limit of the coarsest level, in pixels.
 pub(super) const LARGEST_RADIUS: f32 = 256.0;
-
-/// Accuracy of the scattering.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq)]
-pub enum SubsurfaceScatteringQuality {
-    /// No scattering: light leaves where it enters.
-    Off,
-    /// Kernels are circular on screen. On surfaces seen at an angle they are as narrow along the width as across it, where the surface
-    /// is foreshortened.
-    Low,
-    /// Kernels are up to twice as long along the width: correct on surfaces turned away by up to 60 degrees.
-    #[default]
-    High,
-}
-
-impl SubsurfaceScatteringQuality {
-    /// All variants, cheapest first.
-    pub const ALL: [Self; 3] = [Self::Off, Self::Low, Self::High];
-}

@@ -41,7 +41,7 @@ impl SubsurfaceUniform {
             viewport_size: size,
             blocks,
             level,
-            largest_radius: up_to(LARGEST_RADIUS, settings.largest_radius),
+            largest_radius: up_to(LARGEST_RADIUS, settings.advanced.largest_radius),
         }
     }
 }

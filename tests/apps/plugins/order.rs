@@ -156,7 +156,7 @@ fn before_default_plugins() {
     assert!(headless.capture() == forward);
     for plugin in [
         "LeanDeferredPlugin",
-        "LeanAmbientOcclusionPlugin",
+        "LeanScreenSpaceAmbientOcclusionPlugin",
         "LeanAutoExposurePlugin",
     ] {
         let line = format!("{plugin} is off, and Bevy renders all cameras: it needs AssetPlugin");
@@ -175,7 +175,7 @@ fn without_pbr() {
         Camera3d::default(),
         target,
         LeanDeferred::default(),
-        LeanAmbientOcclusion::default(),
+        LeanScreenSpaceAmbientOcclusion::default(),
         LeanAutoExposure::default(),
     ));
     headless.settle();
