@@ -274,10 +274,7 @@ pub(super) fn decide_active_views(
                 Some(order)
             });
         }
-        let failure = lighting
-            .pipelines
-            .iter()
-            .find_map(|(_, id)| pipeline_watch.failure(*id));
+        let failure = pipeline_watch.failure(lighting.pipelines.iter().map(|(_, id)| id.id()));
         statuses.on(main_entity, compiled.is_some(), failure);
         if let Some(new) = new_lighting {
             commands.entity(entity).insert(new);

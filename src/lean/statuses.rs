@@ -1,6 +1,5 @@
 //! Reports the status of cameras to the main world.
 
-use alloc::sync::Arc;
 use core::mem::{discriminant, replace};
 
 use bevy::{
@@ -56,9 +55,9 @@ impl LeanStatuses {
 
     /// Sets the status of a camera that may be lean. `failure` is the reason that a pipeline which it waits for does
     /// not compile.
-    pub(super) fn on(&mut self, camera: MainEntity, is_active: bool, failure: Option<Arc<str>>) {
+    pub(super) fn on(&mut self, camera: MainEntity, is_active: bool, failure: Option<&str>) {
         match (is_active, failure) {
-            (false, Some(cause)) => self.off_for(camera, LeanOffReason::Shader, &cause),
+            (false, Some(cause)) => self.off_for(camera, LeanOffReason::Shader, cause),
             (is_active, _) => {
                 self.warnings.tell(EFFECT, camera, None);
                 let status = match is_active {
