@@ -78,12 +78,14 @@ pub mod view;
 
 pub use ambient_occlusion::{LeanAmbientOcclusion, LeanAmbientOcclusionPlugin};
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
-pub use lean::{LeanDeferredPlugin, LeanDeferredSupport};
+pub use lean::LeanDeferredPlugin;
 pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering,
 };
-pub use view::{CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanStatus, LightCulling};
+pub use view::{
+    CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanStatus, LeanSupport, LightCulling,
+};
 
 use bevy::app::plugin_group;
 
@@ -92,9 +94,9 @@ pub mod prelude {
     pub use crate::{
         CameraCut, DebugChannel, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanScreenSpaceGi,
-        LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin,
-        LeanStatus, LeanSubsurfaceScattering, LightCulling,
+        LeanDeferredPlugins, LeanOffReason, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
+        LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,
+        LeanSubsurfaceScattering, LeanSupport, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
             OcclusionQuality, OcclusionResolution,

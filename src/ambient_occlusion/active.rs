@@ -15,12 +15,12 @@ use super::{
     key::{GatherKey, MergeKey},
     pipelines::{GatherPipeline, OcclusionPipelines},
     settings::{LeanAmbientOcclusion, OcclusionApplication, OcclusionNormals},
-    support::OcclusionSupport,
 };
 use crate::{
     shader_library::reconstruction::position::projection_of,
     view::{
-        ActiveLeanView, LeanDeferred, LeanOffReason, LightingIo, OutOfMemory, warn_once::WarnOnce,
+        ActiveLeanView, LeanDeferred, LeanOffReason, LeanSupport, LightingIo, OutOfMemory,
+        warn_once::WarnOnce,
     },
 };
 
@@ -78,7 +78,7 @@ impl LeanAmbientOcclusion {
 /// switched off lose it, which frees their GPU resources.
 pub(super) fn decide_active_occlusion(
     mut commands: Commands,
-    support: Option<Res<OcclusionSupport>>,
+    support: Res<LeanSupport>,
     pipelines: Option<ResMut<OcclusionPipelines>>,
     pipeline_cache: Res<PipelineCache>,
     memory: Res<OutOfMemory>,
@@ -99,7 +99,7 @@ pub(super) fn decide_active_occlusion(
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveOcclusion>();
     }
-    let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
+    let Some(mut pipelines) = pipelines else {
         return;
     };
     for (entity, (camera, view, is_3d), msaa, settings, (lean, active_lean), has_fog, current) in
@@ -139,7 +139,8 @@ pub(super) fn decide_active_occlusion(
             };
             (key, pipelines.merge(&pipeline_cache, key))
         });
-        let gather = pipelines.gather(&pipeline_cache, key, support.stores_r8);
+        let computes = support.ambient_occlusion_by_compute.is_ok();
+        let gather = pipelines.gather(&pipeline_cache, key, computes);
         let wanted = ActiveOcclusion {
             settings: *settings,
             key,

@@ -15,9 +15,11 @@
 //! The pattern of the samples is the same in every frame: there is no noise, and TAA is not needed. GPU times are recorded as
 //! `lean_deferred/ambient_occlusion/gather` and `…/merge`.
 //!
-//! Where compute shaders cannot store to `R8Unorm`, a raster pass writes the texture ([`OcclusionSupport`]).
+//! Where compute shaders cannot store to `R8Unorm`, a raster pass writes the texture
+//! ([`LeanSupport::ambient_occlusion_by_compute`]).
 //!
 //! [`LeanDeferred`]: crate::LeanDeferred
+//! [`LeanSupport::ambient_occlusion_by_compute`]: crate::LeanSupport::ambient_occlusion_by_compute
 
 // - `settings.rs`: the component.
 // - `support.rs`: capabilities of the device, and the texture's format.
@@ -50,7 +52,6 @@ pub use settings::{
 };
 #[doc(hidden)]
 pub use support::COMPUTE_LIMITS;
-pub use support::OcclusionSupport;
 // For tests and benches.
 #[doc(hidden)]
 pub use {
@@ -80,7 +81,7 @@ use crate::{
     view::{
         EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
         OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
-        depth_usage::extend_depth_usage, overrides, removal,
+        depth_usage::extend_depth_usage, overrides, removal, support::add_check,
     },
 };
 
@@ -109,6 +110,11 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         embedded_asset!(app, "merge.wgsl");
         app.register_type::<LeanAmbientOcclusion>()
             .add_plugins(ExtractComponentPlugin::<LeanAmbientOcclusion>::default());
+        add_check(
+            app,
+            |support| &mut support.ambient_occlusion_by_compute,
+            support::check_compute,
+        );
         overrides::add_to::<LeanAmbientOcclusion>(app, |world| {
             world.contains_resource::<RenderDevice>()
         });
@@ -123,7 +129,6 @@ impl Plugin for LeanAmbientOcclusionPlugin {
         EffectSystems::AmbientOcclusion.run_while::<With<LeanAmbientOcclusion>>(render_app);
         render_app
             .init_gpu_resource::<OcclusionUniforms>()
-            .init_gpu_resource::<OcclusionSupport>()
             .add_systems(
                 RenderStartup,
                 (

@@ -15,9 +15,12 @@ use super::{
     pipelines::{ExposurePipelines, PassPipelines},
     prepare::Masks,
     settings::{LeanAutoExposure, MeteringPattern},
-    support::ExposureSupport,
+    support::uses_subgroups,
 };
-use crate::view::warn_once::WarnOnce;
+use crate::{
+    gpu::subgroups::Subgroups,
+    view::{LeanSupport, warn_once::WarnOnce},
+};
 
 /// On a view with auto exposure: the pipelines it is metered with.
 #[derive(Component, Clone)]
@@ -52,7 +55,7 @@ fn reason_not_applied(tonemapping: Option<&Tonemapping>) -> Option<&'static str>
 /// the image would flash. Cameras that are switched off lose them, which frees their GPU resources except their history.
 pub(super) fn queue_exposure_pipelines(
     mut commands: Commands,
-    support: Res<ExposureSupport>,
+    (support, subgroups, mut told): (Res<LeanSupport>, Res<Subgroups>, Local<String>),
     pipelines: Option<ResMut<ExposurePipelines>>,
     mut warnings: Local<WarnOnce<&'static str>>,
     pipeline_cache: Res<PipelineCache>,
@@ -75,7 +78,14 @@ pub(super) fn queue_exposure_pipelines(
     for entity in &switched_off {
         commands.entity(entity).remove::<ViewExposurePipelines>();
     }
-    let Some(mut pipelines) = pipelines.filter(|_| support.missing.is_none()) else {
+    if let Err(missing) = &support.auto_exposure {
+        if *told != *missing {
+            told.clone_from(missing);
+            warn!("LeanAutoExposure is off on all cameras: the device lacks {missing}.");
+        }
+        return;
+    }
+    let Some(mut pipelines) = pipelines else {
         return;
     };
     for (entity, camera, extracted, settings, tonemapping, current) in &mut views {
@@ -99,7 +109,7 @@ pub(super) fn queue_exposure_pipelines(
         };
         mask_warnings.tell("The metering mask", *camera, found.err());
         let mask = found.unwrap_or_default();
-        let subgroups = support.uses_subgroups(settings);
+        let subgroups = uses_subgroups(*subgroups, settings);
         let key = ExposureKey::new(settings, subgroups, mask.is_some());
         let passes = pipelines.get(key, &pipeline_cache);
         match current {

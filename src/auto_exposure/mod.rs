@@ -11,7 +11,7 @@
 //! After a [`CameraCut`](crate::CameraCut) the exposure starts adapted.
 //!
 //! The GPU time of both passes is recorded together as `lean_deferred/auto_exposure`. On devices that lack what they need
-//! ([`ExposureSupport`]), the effect is off, and one warning says why.
+//! ([`LeanSupport::auto_exposure`](crate::LeanSupport::auto_exposure)), the effect is off, and one warning says why.
 
 // - `settings.rs`: the components.
 // - `support.rs`: capabilities of the device.
@@ -57,7 +57,6 @@ pub use settings::{
     ExposureClock, LeanAutoExposure, LuminanceTrim, MeteredExposure, Metering, MeteringPattern,
     ReductionPath,
 };
-pub use support::ExposureSupport;
 #[doc(hidden)]
 pub use support::NEEDED_LIMITS;
 // For tests and benches.
@@ -89,8 +88,8 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        EffectSystems, ExposureOverlayPasses, ExposurePasses, SharedPlugin, can_build, overrides,
-        removal,
+        EffectSystems, ExposureOverlayPasses, ExposurePasses, LeanSupport, SharedPlugin, can_build,
+        overrides, removal, support::add_check,
     },
 };
 
@@ -120,7 +119,10 @@ impl Plugin for LeanAutoExposurePlugin {
                 ExtractComponentPlugin::<MeteredExposure>::default(),
             ))
             .add_observer(state::remove_state);
-        overrides::add_to::<LeanAutoExposure>(app, support::tell_main_world);
+        add_check(app, |support| &mut support.auto_exposure, support::check);
+        overrides::add_to::<LeanAutoExposure>(app, |world| {
+            world.resource::<LeanSupport>().auto_exposure.is_ok()
+        });
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -142,7 +144,6 @@ impl Plugin for LeanAutoExposurePlugin {
             .add_systems(
                 RenderStartup,
                 (
-                    support::init_exposure_support.ambiguous_with_all(),
                     pipelines::init_exposure_pipelines,
                     overlay::init_overlay_pipelines,
                     recovery::forget::<LeanAutoExposure>,

@@ -19,9 +19,7 @@ use bevy::{
     },
 };
 
-use super::{
-    foreign_depth::others_may_draw_depth, statuses::LeanStatuses, support::LeanDeferredSupport,
-};
+use super::{foreign_depth::others_may_draw_depth, statuses::LeanStatuses};
 use crate::{
     ambient_occlusion::LeanAmbientOcclusion,
     gbuffer::{MotionResolvePipelines, ReadsGBuffer, ViewDemands},
@@ -29,8 +27,8 @@ use crate::{
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
     shader_library::reconstruction::position::depth_of_surfaces_is_above_zero,
     view::{
-        ActiveLeanView, Demand, GBufferTargets, LeanDeferred, LeanOffReason, LightingIo,
-        LightingIoQuery, LightingVariants, OutOfMemory,
+        ActiveLeanView, Demand, GBufferTargets, LeanDeferred, LeanOffReason, LeanSupport,
+        LightingIo, LightingIoQuery, LightingVariants, OutOfMemory,
     },
 };
 
@@ -103,7 +101,7 @@ fn draw_order(
 /// with them their GPU resources.
 pub(super) fn decide_active_views(
     mut commands: Commands,
-    support: Option<Res<LeanDeferredSupport>>,
+    (support, mut told): (Res<LeanSupport>, Local<String>),
     (scene, view_keys): (SceneFeatures, Res<ViewKeyCache>),
     (pipelines, mut motion_pipelines, pipeline_cache, pipeline_watch): (
         Option<ResMut<LightingPipelines>>,
@@ -149,10 +147,16 @@ pub(super) fn decide_active_views(
             .entity(entity)
             .remove::<(ActiveLeanView, ViewLighting)>();
     }
-    let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
+    let Some(mut pipelines) = pipelines else {
         return;
     };
-    if let LeanDeferredSupport::Missing(missing) = &*support {
+    if let Err(missing) = &support.deferred {
+        if *told != *missing {
+            told.clone_from(missing);
+            warn!(
+                "LeanDeferred is off on all cameras, and Bevy renders them: the device lacks {missing}."
+            );
+        }
         for (_, (_, view, ..), ..) in &views {
             let main_entity = view.retained_view_entity.main_entity;
             statuses.off_for(main_entity, LeanOffReason::Device, missing);

@@ -5,8 +5,8 @@
 //! into memory, and the shaders must be compiled. Otherwise Bevy renders the camera. [`LeanStatus`] reports the state to the app, and one
 //! warning per reason is logged.
 //!
-//! [`LeanDeferredSupport`], a resource of both worlds, holds the capabilities that the device lacks. If it lacks any, cameras keep their
-//! `Msaa` and get no `Hdr`.
+//! [`LeanSupport`](crate::LeanSupport) holds the capabilities that the device lacks. If it lacks any, cameras keep their `Msaa` and get
+//! no `Hdr`.
 
 // - `decision.rs`: decides per view and frame.
 // - `support.rs`: capabilities that the device needs.
@@ -18,7 +18,7 @@ mod foreign_depth;
 mod statuses;
 mod support;
 
-pub use support::{LeanDeferredSupport, missing_capabilities};
+pub use support::missing_capabilities;
 // For tests.
 #[doc(hidden)]
 pub use {
@@ -42,8 +42,8 @@ use crate::{
     screen_space::subsurface::SubsurfacePlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
-        DebugChannel, EffectSystems, LeanDeferred, LeanStatus, LeanViewSystems, ViewTextureSystems,
-        can_build, overrides,
+        DebugChannel, EffectSystems, LeanDeferred, LeanStatus, LeanSupport, LeanViewSystems,
+        ViewTextureSystems, can_build, overrides, support::add_check,
     },
 };
 
@@ -69,7 +69,10 @@ impl Plugin for LeanDeferredPlugin {
             .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
             .register_type::<LeanStatus>()
             .add_observer(statuses::remove_status);
-        overrides::add_to::<LeanDeferred>(app, support::tell_main_world);
+        add_check(app, |support| &mut support.deferred, support::check);
+        overrides::add_to::<LeanDeferred>(app, |world| {
+            world.resource::<LeanSupport>().deferred.is_ok()
+        });
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -81,13 +84,7 @@ impl Plugin for LeanDeferredPlugin {
                 ExtractSchedule,
                 statuses::report_statuses.in_set(EffectSystems::Lean),
             )
-            .add_systems(
-                RenderStartup,
-                (
-                    support::init_lean_deferred_support.ambiguous_with_all(),
-                    recovery::forget::<LeanDeferred>,
-                ),
-            )
+            .add_systems(RenderStartup, recovery::forget::<LeanDeferred>)
             .add_systems(
                 Render,
                 (

@@ -14,6 +14,7 @@
 //
 // - `settings.rs`: `LeanDeferred`, the settings of a camera.
 // - `status.rs`: `LeanStatus`, the status of a camera.
+// - `support.rs`: `LeanSupport`, the effects that the device can run.
 // - `active.rs`: `ActiveLeanView`, the state of a view in this frame.
 // - `surfaces.rs`: kinds of surfaces and their G-buffer targets.
 // - `schedule.rs`: system sets.
@@ -42,6 +43,7 @@ pub(crate) mod removal;
 mod schedule;
 mod settings;
 mod status;
+pub(crate) mod support;
 mod surfaces;
 mod unfit_items;
 pub(crate) mod warn_once;
@@ -66,6 +68,7 @@ pub(crate) use schedule::{
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
 pub use settings::{DebugChannel, LeanDeferred, LightCulling};
 pub use status::{LeanOffReason, LeanStatus};
+pub use support::LeanSupport;
 pub use surfaces::{GBufferTargets, ShadingModel};
 pub(crate) use surfaces::{LightingVariant, LightingVariants};
 
@@ -78,7 +81,7 @@ use bevy::{
     pbr::{PbrPlugin, check_views_need_specialization},
     prelude::*,
     render::{
-        GpuResourceAppExt, Render, RenderApp, RenderPlugin, RenderSystems,
+        GpuResourceAppExt, Render, RenderApp, RenderPlugin, RenderStartup, RenderSystems,
         extract_component::ExtractComponentPlugin, render_phase::ViewBinnedRenderPhases,
         renderer::RenderDevice,
     },
@@ -109,12 +112,13 @@ impl Plugin for SharedPlugin {
     fn build(&self, app: &mut App) {
         shader_library::load(app);
         app.init_resource::<overrides::CameraNeeds>()
+            .init_resource::<support::SupportChecks>()
             .register_type::<CameraCut>()
             .add_plugins(ExtractComponentPlugin::<CameraCuts>::default())
             .add_systems(
                 First,
                 // Bevy may create a new device when one is lost.
-                overrides::fit_device
+                follow_device
                     .run_if(resource_exists_and_changed::<RenderDevice>)
                     .ambiguous_with_all(),
             )
@@ -144,6 +148,7 @@ impl Plugin for SharedPlugin {
                     .after(RenderSystems::PrepareViews)
                     .before(RenderSystems::Queue),
             )
+            .add_systems(RenderStartup, look_at_device.ambiguous_with_all())
             .add_systems(
                 ExtractSchedule,
                 pipeline_watch::watch_pipelines.ambiguous_with_all(),
@@ -178,13 +183,25 @@ impl Plugin for SharedPlugin {
     }
 
     fn finish(&self, app: &mut App) {
-        overrides::fit_device(app.world_mut());
-        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-            return;
-        };
-        let subgroups = Subgroups::from_world(render_app.world());
-        render_app.insert_resource(subgroups);
+        follow_device(app.world_mut());
+        let checks = app.world().resource::<support::SupportChecks>().clone();
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            render_app.insert_resource(checks);
+        }
     }
+}
+
+/// Checks the device of the main world, and fits cameras to it.
+fn follow_device(world: &mut World) {
+    support::check_device(world);
+    overrides::fit_device(world);
+}
+
+/// Checks each new device of the render world.
+fn look_at_device(world: &mut World) {
+    support::check_device(world);
+    let subgroups = Subgroups::from_world(world);
+    world.insert_resource(subgroups);
 }
 
 /// True if the app has the plugins that the effect `plugin` depends on. Otherwise logs an error, and the plugin must add nothing.

@@ -4,16 +4,10 @@
 use bevy::{
     camera::Hdr,
     prelude::*,
-    render::{
-        RenderApp,
-        render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
-    },
+    render::render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
 };
 use bevy_lean_deferred::{
-    LeanDeferredPlugins, ambient_occlusion,
-    ambient_occlusion::OcclusionSupport,
-    auto_exposure,
-    auto_exposure::ExposureSupport,
+    LeanDeferredPlugins, ambient_occlusion, auto_exposure,
     lean::{NEEDED_FLAGS, NEEDED_FORMATS, NEEDED_LIMITS, NeededLimit, missing_of},
     prelude::*,
     screen_space::{self, subsurface},
@@ -78,9 +72,12 @@ fn cameras_that_can_never_be_lean_stay_as_they_are() {
         };
         let (mut headless, camera) = app_within(limits);
         // Before the first frame, so that `Startup` can query it.
-        let support = headless.world().resource::<LeanDeferredSupport>();
-        let missing = support.missing().expect("it lacks an attachment");
-        assert_eq!(missing, "max_color_attachments of 7 (it has 6)");
+        let support = headless.world().resource::<LeanSupport>();
+        let missing = Err("max_color_attachments of 7 (it has 6)".to_string());
+        assert_eq!(support.deferred, missing);
+        // They need a lean camera.
+        assert_eq!(support.screen_space, missing);
+        assert_eq!(support.auto_exposure, Ok(()));
 
         let mut s = SceneBuilder {
             headless: &mut headless,
@@ -123,8 +120,8 @@ fn effects_are_off_where_workgroups_are_small() {
             ..gpu::limits()
         };
         let (mut headless, camera) = app_within(limits);
-        let support = headless.world().resource::<LeanDeferredSupport>();
-        assert!(support.is_full(), "{support:?}");
+        let support = headless.world().resource::<LeanSupport>();
+        assert!(support.deferred.is_ok(), "{support:?}");
         let mut s = SceneBuilder {
             headless: &mut headless,
         };
@@ -169,9 +166,9 @@ fn occlusion_is_drawn_where_it_cannot_be_computed() {
             .entity_mut(camera)
             .insert(LeanAmbientOcclusion::default());
         headless.settle();
-        let render_world = headless.app.sub_app(RenderApp).world();
-        let support = render_world.resource::<OcclusionSupport>();
-        assert!(!support.stores_r8);
+        let support = headless.world().resource::<LeanSupport>();
+        let missing = support.ambient_occlusion_by_compute.clone().unwrap_err();
+        assert!(missing.starts_with(needed.name), "{missing}");
         assert!(headless.capture() != without, "nothing is darker");
         assert_no_errors();
     });
@@ -210,9 +207,8 @@ fn exposure_leaves_cameras_alone_where_workgroups_are_small() {
 
 fn cannot_meter(limits: Limits, expected: &str) {
     let (mut headless, camera) = app_within(limits);
-    let exposure = headless.world().resource::<ExposureSupport>();
-    let missing = exposure.missing.as_deref().unwrap_or_default();
-    assert_eq!(missing, expected);
+    let support = headless.world().resource::<LeanSupport>();
+    assert_eq!(support.auto_exposure, Err(expected.to_string()));
     headless.settle();
     let before = headless.capture();
     let exposure = LeanAutoExposure::default();

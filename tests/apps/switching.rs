@@ -10,7 +10,7 @@ use bevy::{
     prelude::*,
     render::RenderApp,
 };
-use bevy_lean_deferred::{LeanDeferredPlugins, lean::LeanDeferredSupport, prelude::*};
+use bevy_lean_deferred::{LeanDeferredPlugins, prelude::*};
 use kit::{
     device::render_plugin, headless::Headless, lean::active_lean_views, log_watch,
     own_process::in_own_process, scenes::SceneBuilder,
@@ -303,8 +303,8 @@ fn the_status_tells_what_the_camera_does() {
         LeanStatus::Lean,
     );
 
-    let render_app = stage.headless.app.sub_app_mut(RenderApp);
-    render_app.insert_resource(LeanDeferredSupport::Missing("a storage texture".into()));
+    let render_world = stage.headless.app.sub_app_mut(RenderApp).world_mut();
+    render_world.resource_mut::<LeanSupport>().deferred = Err("a storage texture".into());
     stage.headless.frames(2);
     let status = stage.status().unwrap();
     assert_eq!(

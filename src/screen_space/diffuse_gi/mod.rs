@@ -57,14 +57,14 @@ use bevy::{
 
 use super::{
     debug_view::DebugViewPlugin, history_validity::HistoryValidityPlugin,
-    shown_exposure::ShownExposurePlugin,
+    shown_exposure::ShownExposurePlugin, support,
 };
 use crate::{
     gpu::recovery,
     view::{
         ActiveLeanView, EffectSystems, GBufferPasses, IndirectDiffuse, IndirectLightPasses,
         LeanViewSystems, LightingPasses, OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin,
-        ViewTextureSystems, can_build, removal,
+        ViewTextureSystems, can_build, removal, support::add_check,
     },
 };
 
@@ -93,6 +93,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
             DebugViewPlugin::<ViewGi>::default(),
             ShownExposurePlugin::<ViewGi>::default(),
         ));
+        add_check(app, |support| &mut support.screen_space, support::check);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

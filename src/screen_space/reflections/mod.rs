@@ -71,12 +71,14 @@ use super::{
     ReadsHistory,
     debug_view::DebugViewPlugin,
     history::{HistoryPlugin, prepare_histories, prepare_history_bind_groups},
+    support,
 };
 use crate::{
     gpu::recovery,
     view::{
         ActiveLeanView, EffectSystems, GBufferPasses, IndirectLightPasses, IndirectSpecular,
         LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems, can_build, removal,
+        support::add_check,
     },
 };
 
@@ -111,6 +113,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         app.register_type::<LeanScreenSpaceReflections>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
         app.add_plugins(DebugViewPlugin::<ViewReflections>::default());
+        add_check(app, |support| &mut support.screen_space, support::check);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

@@ -75,7 +75,7 @@ use crate::{
     lighting::{SubsurfaceLight, lighting_pass, prepare_subsurface_light},
     view::{
         EffectSystems, LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
-        ViewTextureSystems, removal,
+        ViewTextureSystems, removal, support::add_check,
     },
 };
 
@@ -99,6 +99,7 @@ impl Plugin for SubsurfacePlugin {
         embedded_asset!(app, "picture.wgsl");
         app.register_type::<LeanSubsurfaceScattering>()
             .add_plugins(ExtractComponentPlugin::<LeanSubsurfaceScattering>::default());
+        add_check(app, |support| &mut support.subsurface, support::check);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
