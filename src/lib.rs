@@ -46,10 +46,10 @@
 //! # Supported cameras
 //!
 //! A camera without these components renders as Bevy renders it. So does one whose settings or device do not meet the requirements of
-//! a component, listed in `docs/reliability.md`. One warning gives the reason; on cameras with [`LeanDeferred`], [`LeanStatus`] gives
-//! it to the app. `Hdr` and `Msaa::Off` are set when the component is added, and restored when it is removed. Other cameras stay as
-//! they are: those that draw over such a camera or under it need both too, and one warning names them. While pipelines compile, in
-//! the first frames, Bevy renders the camera.
+//! a component, listed in `docs/reliability.md`. One warning gives the reason and what to change. [`LeanStatus`], on each camera with
+//! such a component, gives it to the app; [`LeanSupport`] tells what the device can run. `Hdr` and `Msaa::Off` are set when the
+//! component is added, and restored when it is removed. Other cameras stay as they are: those that draw over such a camera or under it
+//! need both too, and one warning names them. While pipelines compile, in the first frames, Bevy renders the camera.
 //!
 //! # GPU times
 //!
@@ -84,7 +84,8 @@ pub use screen_space::{
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering,
 };
 pub use view::{
-    CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanStatus, LeanSupport, LightCulling,
+    CameraCut, DebugChannel, EffectStatus, LeanDeferred, LeanOffReason, LeanStatus, LeanSupport,
+    LightCulling,
 };
 
 use bevy::app::plugin_group;
@@ -92,7 +93,7 @@ use bevy::app::plugin_group;
 /// The types that most apps need.
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
+        CameraCut, DebugChannel, EffectStatus, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
         LeanDeferredPlugins, LeanOffReason, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
         LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,

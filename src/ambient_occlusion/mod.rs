@@ -79,9 +79,9 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
+        Effect, EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
         OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
-        depth_usage::extend_depth_usage, overrides, removal, support::add_check,
+        depth_usage::extend_depth_usage, overrides, removal, status, support::add_check,
     },
 };
 
@@ -115,6 +115,7 @@ impl Plugin for LeanAmbientOcclusionPlugin {
             |support| &mut support.ambient_occlusion_by_compute,
             support::check_compute,
         );
+        status::add_to::<LeanAmbientOcclusion>(app, Effect::AmbientOcclusion);
         overrides::add_to::<LeanAmbientOcclusion>(app, |world| {
             world.contains_resource::<RenderDevice>()
         });

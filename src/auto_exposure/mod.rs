@@ -88,8 +88,8 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        EffectSystems, ExposureOverlayPasses, ExposurePasses, LeanSupport, SharedPlugin, can_build,
-        overrides, removal, support::add_check,
+        Effect, EffectSystems, ExposureOverlayPasses, ExposurePasses, LeanSupport, SharedPlugin,
+        can_build, overrides, removal, status, support::add_check,
     },
 };
 
@@ -120,6 +120,7 @@ impl Plugin for LeanAutoExposurePlugin {
             ))
             .add_observer(state::remove_state);
         add_check(app, |support| &mut support.auto_exposure, support::check);
+        status::add_to::<LeanAutoExposure>(app, Effect::AutoExposure);
         overrides::add_to::<LeanAutoExposure>(app, |world| {
             world.resource::<LeanSupport>().auto_exposure.is_ok()
         });

@@ -219,9 +219,9 @@ impl Masks<'_> {
         let aspect = viewed.map(|view| view.aspect);
         let kind = (texture.format).sample_type(aspect, Some(self.device.features()));
         if !is_picture {
-            Err("it is no plain picture")
+            Err("it is no plain picture: use an image with one layer and one sample")
         } else if kind != Some(TextureSampleType::Float { filterable: true }) {
-            Err("this device cannot filter its format")
+            Err("this device cannot filter its format: use another one, such as R8Unorm")
         } else {
             Ok(Some(image))
         }

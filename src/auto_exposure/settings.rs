@@ -38,7 +38,7 @@ use crate::view::{
 /// back to their defaults.
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(CameraCuts)]
+#[require(CameraCuts, crate::view::LeanStatus)]
 pub struct LeanAutoExposure {
     /// Mean of the luminance. Default [`Metering::LogAverage`].
     pub metering: Metering,

@@ -2,20 +2,18 @@
 //!
 //! A `Camera3d` is lean if it is enabled and has `Hdr`, an `Rgba16Float` main texture, the schedule `Core3d`, a viewport with the depth
 //! range 0 to 1, and neither MSAA nor `DeferredPrepass`. The device must have what [`missing_capabilities`] lists, the textures must fit
-//! into memory, and the shaders must be compiled. Otherwise Bevy renders the camera. [`LeanStatus`] reports the state to the app, and one
-//! warning per reason is logged.
+//! into memory, and the shaders must be compiled. Otherwise Bevy renders the camera. [`LeanStatus`](crate::LeanStatus) reports the state
+//! to the app, and one warning per reason is logged.
 //!
 //! [`LeanSupport`](crate::LeanSupport) holds the capabilities that the device lacks. If it lacks any, cameras keep their `Msaa` and get
 //! no `Hdr`.
 
 // - `decision.rs`: decides per view and frame.
 // - `support.rs`: capabilities that the device needs.
-// - `statuses.rs`: reports statuses to the main world, and logs reasons.
 // - `foreign_depth.rs`: detects other renderers that may draw depth before the G-buffer.
 
 mod decision;
 mod foreign_depth;
-mod statuses;
 mod support;
 
 pub use support::missing_capabilities;
@@ -30,8 +28,8 @@ use bevy::{
     pbr::check_views_need_specialization,
     prelude::*,
     render::{
-        ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems,
-        extract_component::ExtractComponentPlugin, view::collect_visible_cpu_culled_entities,
+        Render, RenderApp, RenderStartup, RenderSystems, extract_component::ExtractComponentPlugin,
+        view::collect_visible_cpu_culled_entities,
     },
 };
 
@@ -42,8 +40,8 @@ use crate::{
     screen_space::subsurface::SubsurfacePlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
-        DebugChannel, EffectSystems, LeanDeferred, LeanStatus, LeanSupport, LeanViewSystems,
-        ViewTextureSystems, can_build, overrides, support::add_check,
+        DebugChannel, Effect, EffectSystems, LeanDeferred, LeanSupport, LeanViewSystems,
+        ViewTextureSystems, can_build, overrides, status, support::add_check,
     },
 };
 
@@ -66,10 +64,9 @@ impl Plugin for LeanDeferredPlugin {
         ));
         app.register_type::<LeanDeferred>()
             .register_type::<DebugChannel>()
-            .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
-            .register_type::<LeanStatus>()
-            .add_observer(statuses::remove_status);
+            .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default());
         add_check(app, |support| &mut support.deferred, support::check);
+        status::add_to::<LeanDeferred>(app, Effect::Deferred);
         overrides::add_to::<LeanDeferred>(app, |world| {
             world.resource::<LeanSupport>().deferred.is_ok()
         });
@@ -79,11 +76,6 @@ impl Plugin for LeanDeferredPlugin {
         };
         EffectSystems::Lean.run_while::<With<LeanDeferred>>(render_app);
         render_app
-            .init_resource::<statuses::LeanStatuses>()
-            .add_systems(
-                ExtractSchedule,
-                statuses::report_statuses.in_set(EffectSystems::Lean),
-            )
             .add_systems(RenderStartup, recovery::forget::<LeanDeferred>)
             .add_systems(
                 Render,

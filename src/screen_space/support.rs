@@ -1,10 +1,8 @@
-//! Requirements of the effects, in addition to those of a lean camera.
-
-use core::fmt;
+//! Capabilities of the device that GI and reflections need.
 
 use bevy::{prelude::*, render::renderer::RenderDevice};
 
-use crate::gpu::needed_limits::{NeededLimit, check_limits, needed_limits, unmet};
+use crate::gpu::needed_limits::{NeededLimit, check_limits, needed_limits};
 
 /// Limits that GI and reflections need, in addition to those of [`LeanDeferred`](crate::LeanDeferred).
 #[doc(hidden)]
@@ -24,38 +22,5 @@ pub(super) fn check_device_limits(world: &World, needed: &[NeededLimit]) -> Resu
     match world.get_resource::<RenderDevice>() {
         Some(device) => check_limits(needed, &device.limits()),
         None => Err("a render device".into()),
-    }
-}
-
-/// The reason that an effect is off on a camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum EffectOff {
-    NotLean,
-    /// The device does not meet this limit.
-    Limit(&'static NeededLimit),
-}
-
-impl EffectOff {
-    /// `None` if an effect that needs these limits can run.
-    pub(super) fn of(
-        is_lean: bool,
-        needed: &'static [NeededLimit],
-        limits: &wgpu::Limits,
-    ) -> Option<Self> {
-        if is_lean {
-            unmet(needed, limits).next().map(Self::Limit)
-        } else {
-            Some(Self::NotLean)
-        }
-    }
-}
-
-/// Completes "It is off: …".
-impl fmt::Display for EffectOff {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::NotLean => write!(f, "it has no `LeanDeferred`: insert one"),
-            Self::Limit(limit) => write!(f, "the device lacks {limit}"),
-        }
     }
 }

@@ -3,7 +3,7 @@
 //! | on | type | state |
 //! |---|---|---|
 //! | cameras | [`LeanDeferred`] | requests lean rendering, with its settings |
-//! | cameras | [`LeanStatus`] | if the last frame was lean, or why not |
+//! | cameras | [`LeanStatus`] | for each effect, if the last frame had it, or why not |
 //! | cameras | [`CameraCut`] | the camera jumps in this frame |
 //! | views of the render world | [`ActiveLeanView`] | the view is lean in this frame, with the contents of its G-buffer |
 //!
@@ -13,7 +13,8 @@
 // The base layer: all stages depend on it, and it depends on none of them.
 //
 // - `settings.rs`: `LeanDeferred`, the settings of a camera.
-// - `status.rs`: `LeanStatus`, the status of a camera.
+// - `status.rs`: `LeanStatus`, the status of each effect on a camera.
+// - `effect_statuses.rs`: reports statuses to the main world, and logs reasons.
 // - `support.rs`: `LeanSupport`, the effects that the device can run.
 // - `active.rs`: `ActiveLeanView`, the state of a view in this frame.
 // - `surfaces.rs`: kinds of surfaces and their G-buffer targets.
@@ -28,12 +29,13 @@
 // - `removal.rs`: removes dependent components together with their source.
 // - `unfit_items.rs`: removes phase items of other crates that no longer fit a changed camera.
 // - `out_of_memory.rs`: textures that do not fit into memory.
-// - `warn_once.rs`: warns once per camera why an effect is off.
+// - `warn_once.rs`: warns once per camera why a part of an effect is off.
 
 mod active;
 mod averaging;
 mod cut;
 pub(crate) mod depth_usage;
+mod effect_statuses;
 mod in_use;
 mod lighting_io;
 mod out_of_memory;
@@ -42,7 +44,7 @@ pub(crate) mod pass_order;
 pub(crate) mod removal;
 mod schedule;
 mod settings;
-mod status;
+pub(crate) mod status;
 pub(crate) mod support;
 mod surfaces;
 mod unfit_items;
@@ -52,6 +54,7 @@ pub use active::ActiveLeanView;
 pub(crate) use active::Demand;
 pub(crate) use averaging::FrameAveraging;
 pub use cut::{CameraCut, CameraCuts};
+pub(crate) use effect_statuses::EffectStatuses;
 pub(crate) use in_use::EffectSystems;
 pub(crate) use lighting_io::LightingIoQuery;
 #[doc(hidden)]
@@ -67,7 +70,8 @@ pub(crate) use schedule::{
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
 pub use settings::{DebugChannel, LeanDeferred, LightCulling};
-pub use status::{LeanOffReason, LeanStatus};
+pub(crate) use status::Effect;
+pub use status::{EffectStatus, LeanOffReason, LeanStatus};
 pub use support::LeanSupport;
 pub use surfaces::{GBufferTargets, ShadingModel};
 pub(crate) use surfaces::{LightingVariant, LightingVariants};
@@ -114,6 +118,7 @@ impl Plugin for SharedPlugin {
         app.init_resource::<overrides::CameraNeeds>()
             .init_resource::<support::SupportChecks>()
             .register_type::<CameraCut>()
+            .register_type::<LeanStatus>()
             .add_plugins(ExtractComponentPlugin::<CameraCuts>::default())
             .add_systems(
                 First,
@@ -142,6 +147,9 @@ impl Plugin for SharedPlugin {
             .init_gpu_resource::<OutOfMemory>()
             // Each system records its own failed allocations, in any order.
             .allow_ambiguous_resource::<OutOfMemory>()
+            .init_resource::<EffectStatuses>()
+            // Each system sets the statuses of its own effect, in any order.
+            .allow_ambiguous_resource::<EffectStatuses>()
             .configure_sets(
                 Render,
                 ViewTextureSystems
@@ -151,7 +159,10 @@ impl Plugin for SharedPlugin {
             .add_systems(RenderStartup, look_at_device.ambiguous_with_all())
             .add_systems(
                 ExtractSchedule,
-                pipeline_watch::watch_pipelines.ambiguous_with_all(),
+                (
+                    pipeline_watch::watch_pipelines.ambiguous_with_all(),
+                    effect_statuses::report_statuses.run_if(effect_statuses::are_statuses_known),
+                ),
             )
             .add_systems(
                 Render,

@@ -102,10 +102,19 @@ fn cameras_that_can_never_be_lean_stay_as_they_are() {
         assert_eq!(settings(&mut headless, above), BEVYS);
         assert!(headless.capture() == before, "the picture is not Bevy's");
         let status = headless.world().get::<LeanStatus>(camera).unwrap();
-        assert!(matches!(
-            status,
-            LeanStatus::Off(LeanOffReason::Device(text)) if text.contains("max_color_attachments")
-        ));
+        let reason = LeanOffReason::Device(missing.unwrap_err());
+        let off = EffectStatus::Off(reason.clone());
+        assert_eq!(
+            *status,
+            LeanStatus {
+                deferred: off.clone(),
+                diffuse_gi: off.clone(),
+                reflections: off,
+                ..default()
+            }
+        );
+        let told = log_watch::messages_with(&format!("is off on all cameras: {reason}"));
+        assert_eq!(told.len(), 3, "{told:?}");
         assert_no_errors();
     });
 }
@@ -134,20 +143,27 @@ fn effects_are_off_where_workgroups_are_small() {
             LeanAmbientOcclusion::default(),
             LeanScreenSpaceGi::default(),
             LeanScreenSpaceReflections::default(),
+            LeanSubsurfaceScattering::default(),
         ));
         headless.settle();
         headless.frames(4);
         assert_no_errors();
         assert_eq!(active_lean_views(&mut headless), 1);
-        for (effect, need) in [
-            ("LeanScreenSpaceGi", 12544),
-            ("LeanScreenSpaceReflections", 12544),
-            ("LeanSubsurfaceScattering", 16352),
+        let status = headless.world().get::<LeanStatus>(camera).unwrap().clone();
+        assert!(status.deferred.is_on() && status.ambient_occlusion.is_on());
+        for (effect, status, need) in [
+            ("LeanScreenSpaceGi", &status.diffuse_gi, 12544),
+            ("LeanScreenSpaceReflections", &status.reflections, 12544),
+            ("LeanSubsurfaceScattering", &status.subsurface, 16352),
         ] {
-            let reason = format!("max_compute_workgroup_storage_size of {need}");
-            let warnings = log_watch::messages_with(&format!("{effect} on camera"));
+            let missing = format!("max_compute_workgroup_storage_size of {need} (it has 8192)");
+            let warnings = log_watch::messages_with(&format!("{effect} is off on all cameras"));
             assert_eq!(warnings.len(), 1, "{effect}: {warnings:?}");
-            assert!(warnings[0].contains(&reason), "{warnings:?}");
+            assert!(warnings[0].contains(&missing), "{warnings:?}");
+            let EffectStatus::Off(LeanOffReason::Device(reason)) = status else {
+                panic!("{effect}: {status}");
+            };
+            assert!(reason.contains(&missing), "{effect}: {reason}");
         }
     });
 }
@@ -216,6 +232,9 @@ fn cannot_meter(limits: Limits, expected: &str) {
     headless.settle();
     assert_eq!(settings(&mut headless, camera), BEVYS);
     assert!(headless.capture() == before, "the picture is not Bevy's");
+    let status = headless.world().get::<LeanStatus>(camera).unwrap();
+    let reason = LeanOffReason::Device(expected.into());
+    assert_eq!(status.auto_exposure, EffectStatus::Off(reason));
     assert_no_errors();
 }
 

@@ -187,7 +187,7 @@ fn own_schedule() {
         assert_effect_is_off::<LeanAutoExposure>(
             &mut headless,
             leave_core_3d,
-            "its CameraRenderGraph is neither Core3d nor Core2d",
+            "its `CameraRenderGraph` is neither `Core3d` nor `Core2d`",
         );
     });
 }

@@ -62,9 +62,9 @@ use super::{
 use crate::{
     gpu::recovery,
     view::{
-        ActiveLeanView, EffectSystems, GBufferPasses, IndirectDiffuse, IndirectLightPasses,
+        ActiveLeanView, Effect, EffectSystems, GBufferPasses, IndirectDiffuse, IndirectLightPasses,
         LeanViewSystems, LightingPasses, OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin,
-        ViewTextureSystems, can_build, removal, support::add_check,
+        ViewTextureSystems, can_build, removal, status, support::add_check,
     },
 };
 
@@ -94,6 +94,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
             ShownExposurePlugin::<ViewGi>::default(),
         ));
         add_check(app, |support| &mut support.screen_space, support::check);
+        status::add_to::<LeanScreenSpaceGi>(app, Effect::DiffuseGi);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

@@ -34,6 +34,7 @@ use crate::screen_space::ScreenSpaceResolution;
 /// ```
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[require(crate::view::LeanStatus)]
 pub struct LeanScreenSpaceGi {
     /// Distance in metres beyond which surfaces neither illuminate one another nor occlude. More than 0. Clamped on screen to half of
     /// the viewport's height. Default 4.

@@ -76,9 +76,9 @@ use super::{
 use crate::{
     gpu::recovery,
     view::{
-        ActiveLeanView, EffectSystems, GBufferPasses, IndirectLightPasses, IndirectSpecular,
-        LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems, can_build, removal,
-        support::add_check,
+        ActiveLeanView, Effect, EffectSystems, GBufferPasses, IndirectLightPasses,
+        IndirectSpecular, LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems,
+        can_build, removal, status, support::add_check,
     },
 };
 
@@ -114,6 +114,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
         app.add_plugins(DebugViewPlugin::<ViewReflections>::default());
         add_check(app, |support| &mut support.screen_space, support::check);
+        status::add_to::<LeanScreenSpaceReflections>(app, Effect::Reflections);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

@@ -52,6 +52,7 @@ use crate::screen_space::ScreenSpaceResolution;
 /// ```
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[require(crate::view::LeanStatus)]
 pub struct LeanScreenSpaceReflections {
     /// Assumed thickness of surfaces, in metres; rays that pass further behind a surface miss it. More than 0. Default 0.25.
     pub thickness: f32,

@@ -2,23 +2,19 @@
 
 use bevy::{
     prelude::*,
-    render::{
-        camera::ExtractedCamera, render_resource::PipelineCache, renderer::RenderDevice,
-        sync_world::MainEntity, view::ExtractedView,
-    },
+    render::{camera::ExtractedCamera, render_resource::PipelineCache, view::ExtractedView},
 };
 
 use super::{
     key::SubsurfaceKey,
     pipelines::{SubsurfacePasses, SubsurfacePipelines},
     settings::{LeanSubsurfaceScattering, SubsurfaceScatteringQuality},
-    support::NEEDED_LIMITS,
 };
 use crate::{
     gbuffer::ViewDemands,
-    screen_space::support::EffectOff,
+    gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
-    view::{LeanDeferred, ScattersLight, warn_once::WarnOnce},
+    view::{Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanSupport, ScattersLight},
 };
 
 /// On a view of the render world: a surface in it scatters light, the pipelines are compiled, and lighting writes the light that
@@ -35,9 +31,9 @@ pub struct ActiveScattering {
 pub(super) fn decide_active_scattering(
     mut commands: Commands,
     pipelines: Option<ResMut<SubsurfacePipelines>>,
-    (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
+    (cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
     demands: Res<ViewDemands>,
-    mut warnings: Local<WarnOnce<EffectOff>>,
+    (support, mut statuses): (Res<LeanSupport>, ResMut<EffectStatuses>),
     views: Query<
         (
             Entity,
@@ -48,44 +44,33 @@ pub(super) fn decide_active_scattering(
         ),
         (
             With<ExtractedCamera>,
-            Or<(
-                With<LeanDeferred>,
-                With<LeanSubsurfaceScattering>,
-                With<ActiveScattering>,
-            )>,
+            Or<(With<LeanDeferred>, With<LeanSubsurfaceScattering>)>,
         ),
     >,
-    cameras: Query<&MainEntity, Or<(With<LeanDeferred>, With<LeanSubsurfaceScattering>)>>,
     switched_off: Query<Entity, (With<ActiveScattering>, Without<ExtractedCamera>)>,
 ) {
-    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveScattering>();
     }
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    let limits = device.limits();
     for (entity, view, settings, lean, current) in &views {
-        let is_asked =
-            lean.is_some_and(|lean| lean.enabled) && demands.scatter(view.retained_view_entity);
-        let reason = match (settings, lean.is_some()) {
-            (Some(settings), false) if settings.quality != SubsurfaceScatteringQuality::Off => {
-                Some(EffectOff::NotLean)
-            }
-            _ => EffectOff::of(true, NEEDED_LIMITS, &limits).filter(|_| is_asked),
-        };
-        let camera = view.retained_view_entity.main_entity;
-        warnings.tell("LeanSubsurfaceScattering", camera, reason);
         let settings = settings.copied().unwrap_or_default();
+        let is_switched_off = settings.quality == SubsurfaceScatteringQuality::Off;
+        let scatters = demands.scatter(view.retained_view_entity);
+        let camera = view.retained_view_entity.main_entity;
+        let mut status = statuses.of(camera, Effect::Subsurface);
+        let is_off = status.is_off_for(is_switched_off.then_some(LeanOffReason::QualityOff))
+            || status.is_off_without(lean)
+            || status.is_off_for((!scatters).then_some(LeanOffReason::NothingScatters))
+            || status.is_off_by_device(&support.subsurface);
         let key = SubsurfaceKey::new(settings.quality, projection_of(view.clip_from_view));
-        let wanted = key
-            .filter(|_| is_asked && reason.is_none())
-            .map(|key| ActiveScattering {
-                settings,
-                key,
-                passes: pipelines.specialize(&cache, key),
-            });
+        let wanted = key.filter(|_| !is_off).map(|key| ActiveScattering {
+            settings,
+            key,
+            passes: pipelines.specialize(&cache, key),
+        });
         let stand_in = current.copied().filter(|last| {
             wanted.is_some_and(|wanted| wanted.key.is_orthographic == last.key.is_orthographic)
         });
@@ -93,6 +78,9 @@ pub(super) fn decide_active_scattering(
             .into_iter()
             .flatten()
             .find(|active| active.passes.are_compiled(&cache));
+        if let Some(wanted) = wanted {
+            status.set_running(active.is_some(), watch.failure(wanted.passes.ids()));
+        }
         match active {
             Some(active) => {
                 commands.entity(entity).insert((active, ScattersLight));

@@ -74,8 +74,8 @@ use crate::{
     gpu::recovery,
     lighting::{SubsurfaceLight, lighting_pass, prepare_subsurface_light},
     view::{
-        EffectSystems, LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
-        ViewTextureSystems, removal, support::add_check,
+        Effect, EffectSystems, LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight,
+        SharedPlugin, ViewTextureSystems, removal, status, support::add_check,
     },
 };
 
@@ -100,6 +100,7 @@ impl Plugin for SubsurfacePlugin {
         app.register_type::<LeanSubsurfaceScattering>()
             .add_plugins(ExtractComponentPlugin::<LeanSubsurfaceScattering>::default());
         add_check(app, |support| &mut support.subsurface, support::check);
+        status::add_to::<LeanSubsurfaceScattering>(app, Effect::Subsurface);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

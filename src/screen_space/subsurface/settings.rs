@@ -46,6 +46,7 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 /// ```
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[require(crate::view::LeanStatus)]
 pub struct LeanSubsurfaceScattering {
     /// Default [`SubsurfaceScatteringQuality::High`].
     pub quality: SubsurfaceScatteringQuality,
