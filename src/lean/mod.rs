@@ -10,10 +10,12 @@
 
 // - `decision.rs`: decides per view and frame.
 // - `support.rs`: capabilities that the device needs.
+// - `notice.rs`: logs that a camera has become lean.
 // - `foreign_depth.rs`: detects other renderers that may draw depth before the G-buffer.
 
 mod decision;
 mod foreign_depth;
+mod notice;
 mod support;
 
 pub use support::missing_capabilities;
@@ -92,6 +94,7 @@ impl Plugin for LeanDeferredPlugin {
                     decision::withdraw_views_without_memory
                         .after(ViewTextureSystems)
                         .before(RenderSystems::Queue),
+                    notice::log_newly_lean_cameras.in_set(RenderSystems::Cleanup),
                 )
                     .in_set(EffectSystems::Lean),
             );

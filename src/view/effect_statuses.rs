@@ -31,6 +31,8 @@ struct CameraStatuses {
     /// Inputs and outputs of lighting in this frame.
     io: LightingIo,
     shows_channel: bool,
+    /// It was logged that the camera has become lean.
+    is_told_lean: bool,
 }
 
 #[derive(Default)]
@@ -105,6 +107,14 @@ impl EffectStatuses {
         statuses.shows_channel = shows_channel;
     }
 
+    /// True once for a camera that is lean in this frame: again only after Bevy has rendered it in its place.
+    pub(crate) fn is_newly_lean(&mut self, camera: MainEntity) -> bool {
+        let Some(statuses) = self.cameras.get_mut(&camera) else {
+            return false;
+        };
+        !core::mem::replace(&mut statuses.is_told_lean, true)
+    }
+
     /// Copies the statuses of the last frame to the cameras in the main world, and forgets effects that they have lost.
     fn report(&mut self, main_world: &mut World) {
         self.cameras.retain(|camera, statuses| {
@@ -130,6 +140,9 @@ impl EffectStatuses {
                 }
             }
             let is_forgotten = |effect: &Decided| effect.status == EffectStatus::Absent;
+            if is_forgotten(&statuses.effects[Effect::Deferred as usize]) {
+                statuses.is_told_lean = false;
+            }
             !statuses.effects.iter().all(is_forgotten)
         });
     }
@@ -163,6 +176,9 @@ impl StatusOf<'_> {
                     warn!("{component} on camera {camera} is off: {reason}.");
                 }
                 _ => {}
+            }
+            if self.effect == Effect::Deferred {
+                self.statuses.is_told_lean = false;
             }
         }
         self.statuses.effects[self.effect as usize].status = status;
@@ -344,5 +360,20 @@ mod tests {
         world.despawn(camera.id());
         statuses.report(&mut world);
         assert_eq!(status(&statuses, LEAN), None);
+    }
+
+    #[test]
+    fn a_camera_is_newly_lean_after_bevy_has_rendered_it() {
+        let camera = MainEntity::from(Entity::from_raw_u32(1).unwrap());
+        let mut statuses = EffectStatuses::default();
+        assert!(!statuses.is_newly_lean(camera));
+        for _ in 0..2 {
+            statuses.of(camera, LEAN).set_running(true, None);
+            assert!(statuses.is_newly_lean(camera));
+            assert!(!statuses.is_newly_lean(camera));
+            statuses
+                .of(camera, LEAN)
+                .is_off_for(Some(LeanOffReason::Msaa));
+        }
     }
 }

@@ -4,14 +4,15 @@
 use bevy::{
     camera::{Hdr, Viewport},
     core_pipeline::{prepass::DeferredPrepass, schedule::Core2d, tonemapping::Tonemapping},
+    log::LogPlugin,
     prelude::*,
     render::{RenderApp, camera::CameraRenderGraph},
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{LeanDeferredPlugins, prelude::*};
 use kit::{
     analytic_slabs::{SKIN, slab},
     headless::Headless,
-    log_watch,
+    log_watch::{self, LogWatch},
     own_process::in_own_process,
     scenes::SceneBuilder,
     skipped::has_room_for_scattering,
@@ -438,5 +439,46 @@ fn what_the_device_lacks_is_told_of_each_effect() {
             let warnings = log_watch::messages_with(&text);
             assert_eq!(warnings.len(), 1, "{warnings:?}");
         }
+    });
+}
+
+/// A camera that becomes lean is noted once, and again after Bevy has rendered it.
+#[test]
+fn lean_cameras_are_noted() {
+    in_own_process(|| {
+        let mut app = App::new();
+        let log = LogPlugin {
+            filter: "warn,wgpu_hal=error,bevy_lean_deferred=info".into(),
+            custom_layer: |_| Some(Box::new(LogWatch)),
+            ..default()
+        };
+        app.add_plugins((Headless::default_plugins().set(log), LeanDeferredPlugins));
+        let mut stage = Stage::new(Headless::from_app(SIZE, app, |_| {}));
+        let camera = stage.camera;
+        let notes = || log_watch::notes_with(&format!("Camera {camera} is lean: 96x64, base"));
+        assert_eq!(notes(), [""; 0]);
+        stage.change(|camera| {
+            camera.insert(LeanDeferred::default());
+        });
+        stage.settle();
+        assert_eq!(notes().len(), 1, "{:?}", notes());
+        // One that pauses stays lean.
+        for is_active in [false, true] {
+            stage.change(|camera| {
+                camera.get_mut::<Camera>().expect("it is one").is_active = is_active;
+            });
+            stage.settle();
+        }
+        assert_eq!(notes().len(), 1, "{:?}", notes());
+        for is_enabled in [false, true] {
+            stage.change(|camera| {
+                camera.insert(LeanDeferred {
+                    enabled: is_enabled,
+                    ..default()
+                });
+            });
+            stage.settle();
+        }
+        assert_eq!(notes().len(), 2, "{:?}", notes());
     });
 }
