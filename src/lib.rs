@@ -55,7 +55,8 @@
 //!
 //! Each pass is timed under `lean_deferred/…`; add Bevy's `RenderDiagnosticsPlugin` to read the times from its
 //! `DiagnosticsStore`. Pipelines and textures have the same labels in graphics debuggers.
-//! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the image.
+//! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the image. [`LeanMemory`], inserted on a camera, tells the
+//! GPU memory of each effect.
 
 #![warn(missing_docs)]
 
@@ -84,8 +85,8 @@ pub use screen_space::{
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering,
 };
 pub use view::{
-    CameraCut, DebugChannel, EffectStatus, LeanDeferred, LeanOffReason, LeanStatus, LeanSupport,
-    LightCulling,
+    CameraCut, DebugChannel, EffectStatus, LeanDeferred, LeanMemory, LeanOffReason, LeanStatus,
+    LeanSupport, LightCulling,
 };
 
 use bevy::app::plugin_group;
@@ -95,7 +96,7 @@ pub mod prelude {
     pub use crate::{
         CameraCut, DebugChannel, EffectStatus, LeanAmbientOcclusion, LeanAmbientOcclusionPlugin,
         LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred, LeanDeferredPlugin,
-        LeanDeferredPlugins, LeanOffReason, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
+        LeanDeferredPlugins, LeanMemory, LeanOffReason, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
         LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,
         LeanSubsurfaceScattering, LeanSupport, LightCulling,
         ambient_occlusion::{

@@ -81,7 +81,7 @@ use crate::{
     view::{
         Effect, EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
         OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
-        depth_usage::extend_depth_usage, overrides, removal, status, support::add_check,
+        depth_usage::extend_depth_usage, memory, overrides, removal, status, support::add_check,
     },
 };
 
@@ -128,6 +128,11 @@ impl Plugin for LeanAmbientOcclusionPlugin {
             render_app,
         );
         EffectSystems::AmbientOcclusion.run_while::<With<LeanAmbientOcclusion>>(render_app);
+        memory::count(
+            render_app,
+            |memory| &mut memory.ambient_occlusion,
+            OcclusionTexture::bytes,
+        );
         render_app
             .init_gpu_resource::<OcclusionUniforms>()
             .add_systems(

@@ -88,8 +88,8 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        Effect, EffectSystems, ExposureOverlayPasses, ExposurePasses, LeanSupport, SharedPlugin,
-        can_build, overrides, removal, status, support::add_check,
+        Effect, EffectSystems, ExposureOverlayPasses, ExposurePasses, LeanMemory, LeanSupport,
+        SharedPlugin, can_build, memory, overrides, removal, status, support::add_check,
     },
 };
 
@@ -139,6 +139,10 @@ impl Plugin for LeanAutoExposurePlugin {
         >(render_app);
         removal::remove_with::<MeteredExposure, ExposureReadback>(render_app);
         EffectSystems::AutoExposure.run_while::<With<LeanAutoExposure>>(render_app);
+        let field: fn(&mut LeanMemory) -> &mut u64 = |memory| &mut memory.auto_exposure;
+        memory::count(render_app, field, ViewExposure::bytes);
+        memory::count(render_app, field, ExposureHistory::bytes);
+        memory::count(render_app, field, ExposureReadback::bytes);
         render_app
             .init_gpu_resource::<prepare::ExposureUniforms>()
             .init_resource::<clock::Clocks>()

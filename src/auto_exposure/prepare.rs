@@ -60,6 +60,10 @@ impl ViewExposure {
         }
     }
 
+    pub(super) fn bytes(&self) -> u64 {
+        self.sums.size()
+    }
+
     /// True if the buffer has the layout that the shaders of `key` expect.
     fn fits(&self, key: ExposureKey, viewport_size: UVec2) -> bool {
         self.sums.size() == key.sums_size(viewport_size) && self.is_histogram == key.has_histogram()

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | cameras | [`LeanDeferred`] | requests lean rendering, with its settings |
 //! | cameras | [`LeanStatus`] | for each effect, if the last frame had it, or why not |
+//! | cameras | [`LeanMemory`] | requests the bytes of GPU memory that each effect holds |
 //! | cameras | [`CameraCut`] | the camera jumps in this frame |
 //! | views of the render world | [`ActiveLeanView`] | the view is lean in this frame, with the contents of its G-buffer |
 //!
@@ -16,6 +17,7 @@
 // - `status.rs`: `LeanStatus`, the status of each effect on a camera.
 // - `effect_statuses.rs`: reports statuses to the main world, and logs reasons.
 // - `support.rs`: `LeanSupport`, the effects that the device can run.
+// - `memory.rs`: `LeanMemory`, the GPU memory of each effect.
 // - `active.rs`: `ActiveLeanView`, the state of a view in this frame.
 // - `surfaces.rs`: kinds of surfaces and their G-buffer targets.
 // - `schedule.rs`: system sets.
@@ -38,6 +40,7 @@ pub(crate) mod depth_usage;
 mod effect_statuses;
 mod in_use;
 mod lighting_io;
+pub(crate) mod memory;
 mod out_of_memory;
 pub(crate) mod overrides;
 pub(crate) mod pass_order;
@@ -61,6 +64,7 @@ pub(crate) use lighting_io::LightingIoQuery;
 pub use lighting_io::{
     DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo, ReadsDiffuseLight, ScattersLight,
 };
+pub use memory::LeanMemory;
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
 #[doc(hidden)]
@@ -119,6 +123,7 @@ impl Plugin for SharedPlugin {
             .init_resource::<support::SupportChecks>()
             .register_type::<CameraCut>()
             .register_type::<LeanStatus>()
+            .register_type::<LeanMemory>()
             .add_plugins(ExtractComponentPlugin::<CameraCuts>::default())
             .add_systems(
                 First,
@@ -142,6 +147,7 @@ impl Plugin for SharedPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        EffectSystems::Memory.run_while::<With<LeanMemory>>(render_app);
         render_app
             .init_gpu_resource::<PipelineWatch>()
             .init_gpu_resource::<OutOfMemory>()
@@ -150,6 +156,9 @@ impl Plugin for SharedPlugin {
             .init_resource::<EffectStatuses>()
             // Each system sets the statuses of its own effect, in any order.
             .allow_ambiguous_resource::<EffectStatuses>()
+            .init_resource::<memory::MemoryReports>()
+            // Each system adds bytes, in any order.
+            .allow_ambiguous_resource::<memory::MemoryReports>()
             .configure_sets(
                 Render,
                 ViewTextureSystems
@@ -162,6 +171,7 @@ impl Plugin for SharedPlugin {
                 (
                     pipeline_watch::watch_pipelines.ambiguous_with_all(),
                     effect_statuses::report_statuses.run_if(effect_statuses::are_statuses_known),
+                    memory::report_memory(),
                 ),
             )
             .add_systems(

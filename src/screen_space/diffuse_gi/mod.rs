@@ -60,11 +60,12 @@ use super::{
     shown_exposure::ShownExposurePlugin, support,
 };
 use crate::{
-    gpu::recovery,
+    gpu::{recovery, texture_bytes::texture_bytes},
     view::{
-        ActiveLeanView, Effect, EffectSystems, GBufferPasses, IndirectDiffuse, IndirectLightPasses,
-        LeanViewSystems, LightingPasses, OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin,
-        ViewTextureSystems, can_build, removal, status, support::add_check,
+        ActiveLeanView, DiffuseLight, Effect, EffectSystems, GBufferPasses, IndirectDiffuse,
+        IndirectLightPasses, LeanMemory, LeanViewSystems, LightingPasses, OpaquePicturePasses,
+        ReadsDiffuseLight, SharedPlugin, ViewTextureSystems, can_build, memory, removal, status,
+        support::add_check,
     },
 };
 
@@ -104,6 +105,9 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         removal::remove_with::<ActiveLeanView, ViewGi>(render_app);
         removal::remove_with::<ViewGi, (GiBindings, ForwardLight)>(render_app);
         EffectSystems::DiffuseGi.run_while::<With<LeanScreenSpaceGi>>(render_app);
+        let field: fn(&mut LeanMemory) -> &mut u64 = |memory| &mut memory.diffuse_gi;
+        memory::count(render_app, field, ViewGi::bytes);
+        memory::count::<DiffuseLight>(render_app, field, |light| texture_bytes(&light.0.texture));
         render_app
             .init_gpu_resource::<prepare::GiUniforms>()
             .add_systems(

@@ -78,7 +78,7 @@ use crate::{
     view::{
         ActiveLeanView, Effect, EffectSystems, GBufferPasses, IndirectLightPasses,
         IndirectSpecular, LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems,
-        can_build, removal, status, support::add_check,
+        can_build, memory, removal, status, support::add_check,
     },
 };
 
@@ -131,6 +131,11 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         >(render_app);
         removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
         EffectSystems::Reflections.run_while::<With<LeanScreenSpaceReflections>>(render_app);
+        memory::count(
+            render_app,
+            |memory| &mut memory.reflections,
+            ViewReflections::bytes,
+        );
         render_app
             .init_gpu_resource::<prepare::ReflectionUniforms>()
             .add_systems(

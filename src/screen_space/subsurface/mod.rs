@@ -74,8 +74,9 @@ use crate::{
     gpu::recovery,
     lighting::{SubsurfaceLight, lighting_pass, prepare_subsurface_light},
     view::{
-        Effect, EffectSystems, LeanDeferred, LeanViewSystems, LightingPasses, ScattersLight,
-        SharedPlugin, ViewTextureSystems, removal, status, support::add_check,
+        Effect, EffectSystems, LeanDeferred, LeanMemory, LeanViewSystems, LightingPasses,
+        ScattersLight, SharedPlugin, ViewTextureSystems, memory, removal, status,
+        support::add_check,
     },
 };
 
@@ -110,6 +111,9 @@ impl Plugin for SubsurfacePlugin {
         removal::remove_with::<SubsurfaceLight, ViewSubsurface>(render_app);
         EffectSystems::SubsurfaceScattering
             .run_while::<Or<(With<LeanDeferred>, With<LeanSubsurfaceScattering>)>>(render_app);
+        let field: fn(&mut LeanMemory) -> &mut u64 = |memory| &mut memory.subsurface;
+        memory::count(render_app, field, ViewSubsurface::bytes);
+        memory::count(render_app, field, SubsurfaceLight::bytes);
         render_app
             .init_gpu_resource::<prepare::SubsurfaceUniforms>()
             .add_systems(
