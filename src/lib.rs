@@ -52,16 +52,17 @@
 //! # Supported cameras
 //!
 //! A camera without these components renders as Bevy renders it. So does one whose settings or device do not meet the requirements of
-//! a component, listed in `docs/reliability.md`. One warning gives the reason; on cameras with [`LeanDeferred`], [`LeanStatus`] gives
-//! it to the app. `Hdr` and `Msaa::Off` are set when the component is added, and restored when it is removed. Other cameras stay as
-//! they are: those that draw over such a camera or under it need both too, and one warning names them. While pipelines compile, in
-//! the first frames, Bevy renders the camera.
+//! a component, listed in `docs/reliability.md`. One warning gives the reason and what to change. [`LeanStatus`], on each camera with
+//! such a component, gives it to the app; [`LeanSupport`] tells what the device can run. `Hdr` and `Msaa::Off` are set when the
+//! component is added, and restored when it is removed. Other cameras stay as they are: those that draw over such a camera or under it
+//! need both too, and one warning names them. While pipelines compile, in the first frames, Bevy renders the camera.
 //!
 //! # GPU times
 //!
 //! Each pass is timed under `lean_deferred/…`; add Bevy's `RenderDiagnosticsPlugin` to read the times from its
 //! `DiagnosticsStore`. Pipelines and textures have the same labels in graphics debuggers.
-//! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the image.
+//! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the image. [`LeanMemory`], inserted on a camera, tells the
+//! GPU memory of each effect.
 
 #![warn(missing_docs)]
 
@@ -86,14 +87,14 @@ pub use ambient_occlusion::{
     LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin,
 };
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
-pub use lean::{LeanDeferredPlugin, LeanDeferredSupport};
+pub use lean::LeanDeferredPlugin;
 pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin,
 };
 pub use view::{
-    CameraCut, DebugChannel, LeanDeferred, LeanOffReason, LeanQuality, LeanResolution, LeanStatus,
-    LightCulling,
+    CameraCut, DebugChannel, EffectStatus, LeanDeferred, LeanMemory, LeanOffReason, LeanQuality,
+    LeanResolution, LeanStatus, LeanSupport, LightCulling,
 };
 
 use bevy::app::plugin_group;
@@ -101,12 +102,12 @@ use bevy::app::plugin_group;
 /// The types that most apps need.
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, LeanAutoExposure, LeanAutoExposurePlugin, LeanDeferred,
-        LeanDeferredPlugin, LeanDeferredPlugins, LeanDeferredSupport, LeanOffReason, LeanQuality,
-        LeanResolution, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin,
-        LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
-        LeanScreenSpaceReflectionsPlugin, LeanStatus, LeanSubsurfaceScattering,
-        LeanSubsurfaceScatteringPlugin, LightCulling,
+        CameraCut, DebugChannel, EffectStatus, LeanAutoExposure, LeanAutoExposurePlugin,
+        LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins, LeanMemory, LeanOffReason,
+        LeanQuality, LeanResolution, LeanScreenSpaceAmbientOcclusion,
+        LeanScreenSpaceAmbientOcclusionPlugin, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
+        LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,
+        LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin, LeanSupport, LightCulling,
         ambient_occlusion::{
             OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
         },

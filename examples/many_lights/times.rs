@@ -36,8 +36,8 @@ pub fn measure(
     mut diagnostics: ResMut<DiagnosticsStore>,
     mut times: ResMut<GpuTimes>,
 ) {
-    let is_waiting = settings.renderer == Renderer::Lean
-        && status.iter().any(|status| *status != LeanStatus::Lean);
+    let is_waiting =
+        settings.renderer == Renderer::Lean && status.iter().any(|status| !status.deferred.is_on());
     if settings.is_changed() || is_waiting {
         times.frames_since_change = 0;
     }

@@ -3,7 +3,7 @@
 use core::fmt::Write;
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
-use bevy_lean_deferred::LeanStatus;
+use bevy_lean_deferred::{EffectStatus, LeanStatus};
 
 use crate::renderer::ViewerSettings;
 use kit::{
@@ -37,6 +37,15 @@ fn spawn_text(mut commands: Commands) {
     ));
 }
 
+/// The state of lean rendering, with the reason if Bevy renders.
+fn lean_text(status: Option<&LeanStatus>) -> String {
+    match status.map(|status| &status.deferred) {
+        Some(EffectStatus::On) => "lean".into(),
+        Some(status) => format!("lean: {status}"),
+        None => "lean: no camera".into(),
+    }
+}
+
 fn update_text(
     settings: Res<ViewerSettings>,
     diagnostics: Res<DiagnosticsStore>,
@@ -61,7 +70,7 @@ fn update_text(
         Renderer::Lean => writeln!(
             out,
             "{}{}",
-            status.iter().next().cloned().unwrap_or_default(),
+            lean_text(status.iter().next()),
             settings
                 .debug_view
                 .map_or(String::new(), |channel| format!(", showing {channel:?}"))

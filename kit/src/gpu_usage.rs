@@ -1,4 +1,4 @@
-//! Live GPU resources.
+//! Live GPU resources, and their memory.
 
 use bevy::render::{
     RenderApp,
@@ -6,6 +6,17 @@ use bevy::render::{
 };
 
 use crate::headless::Headless;
+
+/// Number and bytes of wgpu's allocations for textures and buffers whose labels begin with `prefix`. `None` on backends without such an
+/// allocator.
+pub fn allocated(headless: &Headless, prefix: &str) -> Option<(u64, u64)> {
+    let device = headless.device().wgpu_device();
+    let report = device.generate_allocator_report()?;
+    let found = (report.allocations.iter())
+        .filter(|allocation| allocation.name.starts_with(prefix))
+        .map(|allocation| (1, allocation.size));
+    Some(found.fold((0, 0), |all, one| (all.0 + one.0, all.1 + one.1)))
+}
 
 /// Live handles of Bevy and this crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Records this process's warnings and errors for tests.
+//! Records this process's messages for tests.
 
 use core::fmt::{Debug, Write};
 use std::sync::Mutex;
@@ -9,16 +9,27 @@ use tracing::{
     field::{Field, Visit},
 };
 
-static MESSAGES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+static MESSAGES: Mutex<Vec<(Level, String)>> = Mutex::new(Vec::new());
+
+/// Messages so far of such levels that contain `part`.
+fn messages(is_wanted: impl Fn(Level) -> bool, part: &str) -> Vec<String> {
+    let messages = MESSAGES.lock().unwrap_or_else(|poison| poison.into_inner());
+    (messages.iter())
+        .filter(|(level, message)| is_wanted(*level) && message.contains(part))
+        .map(|(_, message)| message.clone())
+        .collect()
+}
 
 /// Warnings and errors so far that contain `part`, without false alarms of an old validation layer.
 pub fn messages_with(part: &str) -> Vec<String> {
-    let messages = MESSAGES.lock().unwrap_or_else(|poison| poison.into_inner());
+    let mut messages = messages(|level| level <= Level::WARN, part);
+    messages.retain(|message| !tells_of_unknown_structure(message));
     messages
-        .iter()
-        .filter(|message| message.contains(part) && !tells_of_unknown_structure(message))
-        .cloned()
-        .collect()
+}
+
+/// Notes so far that contain `part`, which are neither warnings nor errors. For apps whose log has them.
+pub fn notes_with(part: &str) -> Vec<String> {
+    messages(|level| level == Level::INFO, part)
 }
 
 /// Parts of the message about a structure that newer drivers know and an old validation layer does not: Debian's is of 2022, and wgpu
@@ -43,18 +54,19 @@ pub fn assert_validation_layer_silent() {
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
-/// Records warnings and errors.
+/// Records errors, warnings and notes.
 pub struct LogWatch;
 
 impl Layer<Registry> for LogWatch {
     fn on_event(&self, event: &Event, _: Context<Registry>) {
-        if *event.metadata().level() > Level::WARN {
+        let level = *event.metadata().level();
+        if level > Level::INFO {
             return;
         }
         let mut text = Text(String::new());
         event.record(&mut text);
         let mut messages = MESSAGES.lock().unwrap_or_else(|poison| poison.into_inner());
-        messages.push(text.0);
+        messages.push((level, text.0));
     }
 }
 

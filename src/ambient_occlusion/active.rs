@@ -6,7 +6,6 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         render_resource::{CachedRenderPipelineId, PipelineCache},
-        sync_world::MainEntity,
         view::ExtractedView,
     },
 };
@@ -15,12 +14,13 @@ use super::{
     key::{GatherKey, MergeKey},
     pipelines::{GatherPipeline, OcclusionPipelines},
     settings::{LeanScreenSpaceAmbientOcclusion, OcclusionApplication, OcclusionNormals},
-    support::OcclusionSupport,
 };
 use crate::{
+    gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
     view::{
-        ActiveLeanView, LeanDeferred, LeanOffReason, LightingIo, OutOfMemory, warn_once::WarnOnce,
+        ActiveLeanView, Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanSupport,
+        LightingIo, OutOfMemory,
     },
 };
 
@@ -78,11 +78,10 @@ impl LeanScreenSpaceAmbientOcclusion {
 /// switched off lose it, which frees their GPU resources.
 pub(super) fn decide_active_occlusion(
     mut commands: Commands,
-    support: Option<Res<OcclusionSupport>>,
+    support: Res<LeanSupport>,
     pipelines: Option<ResMut<OcclusionPipelines>>,
-    pipeline_cache: Res<PipelineCache>,
-    memory: Res<OutOfMemory>,
-    mut warnings: Local<WarnOnce<LeanOffReason>>,
+    (pipeline_cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
+    (memory, mut statuses): (Res<OutOfMemory>, ResMut<EffectStatuses>),
     mut views: Query<(
         Entity,
         (&ExtractedCamera, &ExtractedView, Has<Camera3d>),
@@ -92,29 +91,28 @@ pub(super) fn decide_active_occlusion(
         Has<DistanceFog>,
         Option<&mut ActiveOcclusion>,
     )>,
-    cameras: Query<&MainEntity, With<LeanScreenSpaceAmbientOcclusion>>,
     switched_off: Query<Entity, (With<ActiveOcclusion>, Without<ExtractedView>)>,
 ) {
-    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveOcclusion>();
     }
-    let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
+    let Some(mut pipelines) = pipelines else {
         return;
     };
     for (entity, (camera, view, is_3d), msaa, settings, (lean, active_lean), has_fog, current) in
         &mut views
     {
-        let reason = LeanOffReason::against_reading_depth(camera, is_3d, msaa);
-        let is_off = reason.is_some() || memory.label(entity).is_some();
-        let camera = view.retained_view_entity.main_entity;
-        warnings.tell("LeanScreenSpaceAmbientOcclusion", camera, reason);
         let is_for_lighting = active_lean.is_some() && settings.is_for_lighting();
         // Diffuse GI also outputs visibility, so occlusion is skipped.
         let is_found =
             active_lean.is_some_and(|lean| lean.io.contains(LightingIo::INDIRECT_DIFFUSE));
-        let shows_channel = lean.is_some_and(LeanDeferred::shows_channel);
-        if is_off || is_found || (is_for_lighting && shows_channel) {
+        let shows_channel = is_for_lighting && lean.is_some_and(LeanDeferred::shows_channel);
+        let reason = LeanOffReason::against_reading_depth(camera, is_3d, msaa)
+            .or(is_found.then_some(LeanOffReason::ReplacedByGi))
+            .or(shows_channel.then_some(LeanOffReason::ChannelShown));
+        let camera = view.retained_view_entity.main_entity;
+        let mut status = statuses.of(camera, Effect::AmbientOcclusion);
+        if status.is_off_for(reason) || status.is_off_by_memory(memory.label(entity)) {
             if current.is_some() {
                 commands.entity(entity).remove::<ActiveOcclusion>();
             }
@@ -140,7 +138,8 @@ pub(super) fn decide_active_occlusion(
             };
             (key, pipelines.merge(&pipeline_cache, key))
         });
-        let gather = pipelines.gather(&pipeline_cache, key, support.stores_r8);
+        let computes = support.ambient_occlusion_by_compute.is_ok();
+        let gather = pipelines.gather(&pipeline_cache, key, computes);
         let wanted = ActiveOcclusion {
             settings: *settings,
             key,
@@ -156,6 +155,9 @@ pub(super) fn decide_active_occlusion(
                     ..wanted
                 })
             });
+        let runs = active.is_some_and(|active| active.gather.is_some());
+        let merge = merge.map(|(_, merge)| merge.id());
+        status.set_running(runs, watch.failure([gather.id()].into_iter().chain(merge)));
         match (active, current) {
             (Some(active), Some(mut current)) => *current = active,
             (Some(active), None) => {

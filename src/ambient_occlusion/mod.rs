@@ -15,9 +15,11 @@
 //! The pattern of the samples is the same in every frame: there is no noise, and TAA is not needed. GPU times are recorded as
 //! `lean_deferred/ambient_occlusion/gather` and `…/merge`.
 //!
-//! Where compute shaders cannot store to `R8Unorm`, a raster pass writes the texture ([`OcclusionSupport`]).
+//! Where compute shaders cannot store to `R8Unorm`, a raster pass writes the texture
+//! ([`LeanSupport::ambient_occlusion_by_compute`]).
 //!
 //! [`LeanDeferred`]: crate::LeanDeferred
+//! [`LeanSupport::ambient_occlusion_by_compute`]: crate::LeanSupport::ambient_occlusion_by_compute
 
 // - `settings.rs`: the component.
 // - `support.rs`: capabilities of the device, and the texture's format.
@@ -50,7 +52,6 @@ pub use settings::{
 };
 #[doc(hidden)]
 pub use support::COMPUTE_LIMITS;
-pub use support::OcclusionSupport;
 // For tests and benches.
 #[doc(hidden)]
 pub use {
@@ -78,9 +79,9 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
+        Effect, EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
         OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
-        depth_usage::extend_depth_usage, overrides, removal,
+        depth_usage::extend_depth_usage, memory, overrides, removal, status, support::add_check,
     },
 };
 
@@ -109,6 +110,12 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         embedded_asset!(app, "merge.wgsl");
         app.register_type::<LeanScreenSpaceAmbientOcclusion>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceAmbientOcclusion>::default());
+        add_check(
+            app,
+            |support| &mut support.ambient_occlusion_by_compute,
+            support::check_compute,
+        );
+        status::add_to::<LeanScreenSpaceAmbientOcclusion>(app, Effect::AmbientOcclusion);
         overrides::add_to::<LeanScreenSpaceAmbientOcclusion>(app, |world| {
             world.contains_resource::<RenderDevice>()
         });
@@ -122,9 +129,13 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         );
         EffectSystems::AmbientOcclusion
             .run_while::<With<LeanScreenSpaceAmbientOcclusion>>(render_app);
+        memory::count(
+            render_app,
+            |memory| &mut memory.ambient_occlusion,
+            OcclusionTexture::bytes,
+        );
         render_app
             .init_gpu_resource::<OcclusionUniforms>()
-            .init_gpu_resource::<OcclusionSupport>()
             .add_systems(
                 RenderStartup,
                 (

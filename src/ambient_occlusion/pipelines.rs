@@ -18,7 +18,7 @@ use bevy::{
         },
         renderer::RenderDevice,
     },
-    shader::ShaderDefVal,
+    shader::{CachedPipelineId, ShaderDefVal},
 };
 
 use super::{
@@ -57,6 +57,13 @@ impl GatherPipeline {
         match self {
             Self::Compute(pipeline) => cache.get_compute_pipeline(pipeline).is_some(),
             Self::Raster(pipeline) => cache.get_render_pipeline(pipeline).is_some(),
+        }
+    }
+
+    pub(super) fn id(self) -> CachedPipelineId {
+        match self {
+            Self::Compute(pipeline) => pipeline.id(),
+            Self::Raster(pipeline) => pipeline.id(),
         }
     }
 }

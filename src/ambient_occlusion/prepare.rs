@@ -29,7 +29,7 @@ use super::{
 };
 use crate::{
     gbuffer::GBufferTextures,
-    gpu::bind_group_cache::CachedBindGroup,
+    gpu::{bind_group_cache::CachedBindGroup, texture_bytes::texture_bytes},
     shader_library::reconstruction::position::without_scale,
     view::{FrameAveraging, OutOfMemory},
 };
@@ -101,6 +101,12 @@ pub(super) fn write_occlusion_uniforms(
 /// Occlusion of a view, at full or half the size of its viewport. 0 is unoccluded.
 #[derive(Component, Clone)]
 pub struct OcclusionTexture(pub CachedTexture);
+
+impl OcclusionTexture {
+    pub(super) fn bytes(&self) -> u64 {
+        texture_bytes(&self.0.texture)
+    }
+}
 
 /// Creates the occlusion textures of active views. A texture is kept while its size and usage stay the same.
 pub(super) fn prepare_occlusion_textures(

@@ -41,6 +41,7 @@ use crate::view::{
 #[doc(alias("ssao", "hbao", "gtao"))]
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[require(crate::view::LeanStatus)]
 pub struct LeanScreenSpaceAmbientOcclusion {
     /// Distance in metres beyond which nothing occludes. More than 0. Clamped on screen to a quarter of the viewport's height.
     /// Default 0.5.

@@ -8,7 +8,7 @@ use bevy::{
     },
 };
 
-use crate::gpu::needed_limits::{NeededLimit, needed_limits, unmet};
+use crate::gpu::needed_limits::{NeededLimit, check_limits, needed_limits};
 
 /// Format of the texture of occlusion: steps of 1/255 before the filter.
 pub(super) const FORMAT: TextureFormat = TextureFormat::R8Unorm;
@@ -22,38 +22,28 @@ pub const COMPUTE_LIMITS: &[NeededLimit] = &needed_limits![
     max_compute_workgroup_storage_size: 1600,
 ];
 
-/// The kind of pass that can write the texture of occlusion.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OcclusionSupport {
-    /// Compute shaders can store to `R8Unorm`. If not, it is rendered to, which every device supports.
-    pub stores_r8: bool,
-}
-
-impl FromWorld for OcclusionSupport {
-    /// Queries the device and adapter of a render world. Without them nothing can be stored.
-    fn from_world(world: &mut World) -> Self {
-        let (Some(device), Some(adapter)) = (
-            world.get_resource::<RenderDevice>(),
-            world.get_resource::<RenderAdapter>(),
-        ) else {
-            return Self { stores_r8: false };
-        };
-        let computes = adapter
-            .get_downlevel_capabilities()
-            .flags
-            .contains(DownlevelFlags::COMPUTE_SHADERS)
-            && unmet(COMPUTE_LIMITS, &device.limits()).next().is_none();
-        // Beyond WebGPU's guarantees, so the device must have been created with this feature.
-        let extended = device
-            .features()
-            .contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
-        Self {
-            stores_r8: computes
-                && extended
-                && adapter
-                    .get_texture_format_features(FORMAT)
-                    .allowed_usages
-                    .contains(TextureUsages::STORAGE_BINDING),
-        }
+/// Checks if compute shaders of the device of `world` can store to the texture. If not, it is rendered to, which every
+/// device supports.
+pub(super) fn check_compute(world: &World) -> Result<(), String> {
+    let (Some(device), Some(adapter)) = (
+        world.get_resource::<RenderDevice>(),
+        world.get_resource::<RenderAdapter>(),
+    ) else {
+        return Err("a render device".into());
+    };
+    let flags = adapter.get_downlevel_capabilities().flags;
+    if !flags.contains(DownlevelFlags::COMPUTE_SHADERS) {
+        return Err("compute shaders".into());
+    }
+    check_limits(COMPUTE_LIMITS, &device.limits())?;
+    // Beyond WebGPU's guarantees, so the device must have been created with this feature.
+    let extended = device
+        .features()
+        .contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
+    let usages = adapter.get_texture_format_features(FORMAT).allowed_usages;
+    if extended && usages.contains(TextureUsages::STORAGE_BINDING) {
+        Ok(())
+    } else {
+        Err("R8Unorm as a storage texture".into())
     }
 }

@@ -15,9 +15,12 @@ use super::{
     pipelines::{ExposurePipelines, PassPipelines},
     prepare::Masks,
     settings::{LeanAutoExposure, MeteringPattern},
-    support::ExposureSupport,
+    support::uses_subgroups,
 };
-use crate::view::warn_once::WarnOnce;
+use crate::{
+    gpu::{pipeline_watch::PipelineWatch, subgroups::Subgroups},
+    view::{Effect, EffectStatuses, LeanOffReason, LeanSupport, warn_once::WarnOnce},
+};
 
 /// On a view with auto exposure: the pipelines it is metered with.
 #[derive(Component, Clone)]
@@ -29,35 +32,31 @@ pub struct ViewExposurePipelines {
 }
 
 /// The reason that a camera cannot be metered.
-fn reason_against(camera: &ExtractedCamera) -> Option<&'static str> {
+fn reason_against(camera: &ExtractedCamera) -> Option<LeanOffReason> {
     if !camera.hdr {
-        Some("it has no Hdr component")
+        Some(LeanOffReason::NotHdr)
     } else if camera.schedule != Core3d.intern() && camera.schedule != Core2d.intern() {
-        Some("its CameraRenderGraph is neither Core3d nor Core2d")
+        Some(LeanOffReason::ExposureSchedule)
     } else {
         None
     }
 }
 
 /// The reason that the exposure of a metered camera is not applied.
-fn reason_not_applied(tonemapping: Option<&Tonemapping>) -> Option<&'static str> {
+fn reason_not_applied(tonemapping: Option<&Tonemapping>) -> Option<LeanOffReason> {
     let applies = tonemapping.is_some_and(Tonemapping::is_enabled);
-    (!applies).then_some(
-        "its Tonemapping is None, the default of Camera2d, with which Bevy applies no exposure. Give it another one, such as \
-         Tonemapping::TonyMcMapface; what is metered is in MeteredExposure all the same",
-    )
+    (!applies).then_some(LeanOffReason::NoTonemapping)
 }
 
 /// Inserts or removes [`ViewExposurePipelines`]. A view keeps its pipelines until those for new settings are compiled: without any,
 /// the image would flash. Cameras that are switched off lose them, which frees their GPU resources except their history.
 pub(super) fn queue_exposure_pipelines(
     mut commands: Commands,
-    support: Res<ExposureSupport>,
+    (support, subgroups): (Res<LeanSupport>, Res<Subgroups>),
     pipelines: Option<ResMut<ExposurePipelines>>,
-    mut warnings: Local<WarnOnce<&'static str>>,
-    pipeline_cache: Res<PipelineCache>,
+    mut statuses: ResMut<EffectStatuses>,
+    (pipeline_cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
     (masks, mut mask_warnings): (Masks, Local<WarnOnce<&'static str>>),
-    mut unapplied_warnings: Local<WarnOnce<&'static str>>,
     mut views: Query<(
         Entity,
         &MainEntity,
@@ -69,39 +68,40 @@ pub(super) fn queue_exposure_pipelines(
     cameras: Query<&MainEntity, With<LeanAutoExposure>>,
     switched_off: Query<Entity, (With<ViewExposurePipelines>, Without<ExtractedCamera>)>,
 ) {
-    warnings.keep_only(cameras.iter());
     mask_warnings.keep_only(cameras.iter());
-    unapplied_warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ViewExposurePipelines>();
     }
-    let Some(mut pipelines) = pipelines.filter(|_| support.missing.is_none()) else {
+    let Some(mut pipelines) = pipelines else {
         return;
     };
     for (entity, camera, extracted, settings, tonemapping, current) in &mut views {
-        let reason = reason_against(extracted);
-        warnings.tell("LeanAutoExposure", *camera, reason);
-        if reason.is_some() {
+        let mut status = statuses.of(*camera, Effect::AutoExposure);
+        if status.is_off_by_device(&support.auto_exposure)
+            || status.is_off_for(reason_against(extracted))
+        {
             if current.is_some() {
                 commands.entity(entity).remove::<ViewExposurePipelines>();
             }
             continue;
         }
-        unapplied_warnings.tell_that(
-            "is metered, but not applied",
-            "LeanAutoExposure",
-            *camera,
-            reason_not_applied(tonemapping),
-        );
         let found = match &settings.pattern {
             MeteringPattern::Mask(mask) => masks.get(mask).map(|image| image.map(|_| mask)),
             _ => Ok(None),
         };
         mask_warnings.tell("The metering mask", *camera, found.err());
         let mask = found.unwrap_or_default();
-        let subgroups = support.uses_subgroups(settings);
+        let subgroups = uses_subgroups(*subgroups, settings);
         let key = ExposureKey::new(settings, subgroups, mask.is_some());
         let passes = pipelines.get(key, &pipeline_cache);
+        if !status.is_off_for(reason_not_applied(tonemapping)) {
+            let current = current.as_ref().map(|current| current.passes);
+            let runs = [Some(passes), current]
+                .into_iter()
+                .flatten()
+                .any(|passes| passes.are_compiled(&pipeline_cache));
+            status.set_running(runs, watch.failure(passes.ids()));
+        }
         match current {
             Some(current) if current.key == key && current.mask.as_ref() == mask => {}
             Some(mut current) => {

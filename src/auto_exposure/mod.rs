@@ -11,7 +11,7 @@
 //! After a [`CameraCut`](crate::CameraCut) the exposure starts adapted.
 //!
 //! The GPU time of both passes is recorded together as `lean_deferred/auto_exposure`. On devices that lack what they need
-//! ([`ExposureSupport`]), the effect is off, and one warning says why.
+//! ([`LeanSupport::auto_exposure`](crate::LeanSupport::auto_exposure)), the effect is off, and one warning says why.
 
 // - `settings.rs`: the components.
 // - `support.rs`: capabilities of the device.
@@ -57,7 +57,6 @@ pub use settings::{
     ExposureClock, LeanAutoExposure, LeanAutoExposureAdvanced, LuminanceTrim, MeteredExposure,
     Metering, MeteringPattern, ReductionPath,
 };
-pub use support::ExposureSupport;
 #[doc(hidden)]
 pub use support::NEEDED_LIMITS;
 // For tests and benches.
@@ -89,8 +88,8 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        EffectSystems, ExposureOverlayPasses, ExposurePasses, SharedPlugin, can_build, overrides,
-        removal,
+        Effect, EffectSystems, ExposureOverlayPasses, ExposurePasses, LeanMemory, LeanSupport,
+        SharedPlugin, can_build, memory, overrides, removal, status, support::add_check,
     },
 };
 
@@ -120,7 +119,11 @@ impl Plugin for LeanAutoExposurePlugin {
                 ExtractComponentPlugin::<MeteredExposure>::default(),
             ))
             .add_observer(state::remove_state);
-        overrides::add_to::<LeanAutoExposure>(app, support::tell_main_world);
+        add_check(app, |support| &mut support.auto_exposure, support::check);
+        status::add_to::<LeanAutoExposure>(app, Effect::AutoExposure);
+        overrides::add_to::<LeanAutoExposure>(app, |world| {
+            world.resource::<LeanSupport>().auto_exposure.is_ok()
+        });
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -136,13 +139,16 @@ impl Plugin for LeanAutoExposurePlugin {
         >(render_app);
         removal::remove_with::<MeteredExposure, ExposureReadback>(render_app);
         EffectSystems::AutoExposure.run_while::<With<LeanAutoExposure>>(render_app);
+        let field: fn(&mut LeanMemory) -> &mut u64 = |memory| &mut memory.auto_exposure;
+        memory::count(render_app, field, ViewExposure::bytes);
+        memory::count(render_app, field, ExposureHistory::bytes);
+        memory::count(render_app, field, ExposureReadback::bytes);
         render_app
             .init_gpu_resource::<prepare::ExposureUniforms>()
             .init_resource::<clock::Clocks>()
             .add_systems(
                 RenderStartup,
                 (
-                    support::init_exposure_support.ambiguous_with_all(),
                     pipelines::init_exposure_pipelines,
                     overlay::init_overlay_pipelines,
                     recovery::forget::<LeanAutoExposure>,

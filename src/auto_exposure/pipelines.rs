@@ -13,6 +13,7 @@ use bevy::{
         },
         view::ViewUniform,
     },
+    shader::CachedPipelineId,
 };
 
 use super::{
@@ -34,6 +35,10 @@ impl PassPipelines {
         [self.meter, self.adapt]
             .into_iter()
             .all(|id| pipeline_cache.get_compute_pipeline(id).is_some())
+    }
+
+    pub(super) fn ids(self) -> [CachedPipelineId; 2] {
+        [self.meter, self.adapt].map(|pipeline| pipeline.id())
     }
 }
 

@@ -60,6 +60,10 @@ impl ViewExposure {
         }
     }
 
+    pub(super) fn bytes(&self) -> u64 {
+        self.sums.size()
+    }
+
     /// True if the buffer has the layout that the shaders of `key` expect.
     fn fits(&self, key: ExposureKey, viewport_size: UVec2) -> bool {
         self.sums.size() == key.sums_size(viewport_size) && self.is_histogram == key.has_histogram()
@@ -219,9 +223,9 @@ impl Masks<'_> {
         let aspect = viewed.map(|view| view.aspect);
         let kind = (texture.format).sample_type(aspect, Some(self.device.features()));
         if !is_picture {
-            Err("it is no plain picture")
+            Err("it is no plain picture: use an image with one layer and one sample")
         } else if kind != Some(TextureSampleType::Float { filterable: true }) {
-            Err("this device cannot filter its format")
+            Err("this device cannot filter its format: use another one, such as R8Unorm")
         } else {
             Ok(Some(image))
         }

@@ -82,6 +82,10 @@ impl ExposureReadback {
         }
     }
 
+    pub(super) fn bytes(&self) -> u64 {
+        self.slots.iter().map(|slot| slot.buffer.size()).sum()
+    }
+
     /// Copies this frame's `state` if a slot is free.
     pub(super) fn copy(&self, state: &Buffer, encoder: &mut CommandEncoder) {
         let is_free = |slot: &&Slot| matches!(slot.progress(), Progress::Free);

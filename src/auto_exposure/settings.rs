@@ -40,7 +40,7 @@ use crate::view::{
 #[doc(alias = "eye adaptation")]
 #[derive(Component, ExtractComponent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(CameraCuts)]
+#[require(CameraCuts, crate::view::LeanStatus)]
 pub struct LeanAutoExposure {
     /// Smallest and largest exposure in stops, before compensation. Both -64 to 64; if the smallest is larger, the largest counts.
     /// Default -8 to 8.

@@ -23,6 +23,12 @@ pub struct ExposureHistory {
     pub(super) rendered: Clocks,
 }
 
+impl ExposureHistory {
+    pub(super) fn bytes(&self) -> u64 {
+        self.state.size()
+    }
+}
+
 /// Creates missing histories.
 pub(super) fn begin_histories(
     mut commands: Commands,

@@ -134,7 +134,7 @@ use crate::{
     shading_models,
     view::{
         ActiveLeanView, EffectSystems, LeanDeferred, SharedPlugin, ViewTextureSystems,
-        depth_usage::extend_depth_usage, pass_order::shadow_passes, removal,
+        depth_usage::extend_depth_usage, memory, pass_order::shadow_passes, removal,
     },
 };
 
@@ -166,6 +166,11 @@ impl Plugin for GBufferPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        memory::count::<GBufferTextures>(
+            render_app,
+            |memory| &mut memory.gbuffer,
+            |textures| GBufferUsage::of(textures).bytes(),
+        );
         removal::remove_with::<LeanDeferred, (GBufferTextures, ViewMotionResolve)>(render_app);
         render_app
             .init_resource::<mesh_overrides::MeshOverrides>()

@@ -34,7 +34,7 @@ pub struct GBufferUsage {
 }
 
 impl GBufferUsage {
-    fn of(textures: &GBufferTextures) -> Self {
+    pub(crate) fn of(textures: &GBufferTextures) -> Self {
         let surface = &textures.surface.texture;
         Self {
             size: UVec2::new(surface.width(), surface.height()),

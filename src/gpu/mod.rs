@@ -8,6 +8,7 @@
 //! - `recovery.rs`: removes from views the resources of a lost device.
 //! - `storage_texture.rs`: textures that one pass writes and another reads.
 //! - `subgroups.rs`: subgroup support, and the smallest subgroup size.
+//! - `texture_bytes.rs`: sizes of textures in memory.
 //! - `timed.rs`: passes whose GPU time is recorded.
 //! - `wgsl_dump.rs`: writes the WGSL of pipelines that fail to compile.
 
@@ -19,5 +20,6 @@ pub(crate) mod pipeline_watch;
 pub(crate) mod recovery;
 pub(crate) mod storage_texture;
 pub(crate) mod subgroups;
+pub(crate) mod texture_bytes;
 pub(crate) mod timed;
 mod wgsl_dump;

@@ -58,3 +58,18 @@ pub(crate) fn unmet<'a>(
 ) -> impl Iterator<Item = &'a NeededLimit> {
     needed.iter().filter(|needed| !needed.is_met(limits))
 }
+
+/// Names those of the limits `needed` that are lower on a device with these `limits`, with what it has.
+pub(crate) fn lacking(needed: &[NeededLimit], limits: &Limits) -> impl Iterator<Item = String> {
+    unmet(needed, limits).map(move |needed| format!("{needed} (it has {})", needed.of(limits)))
+}
+
+/// An error names the limits `needed` that are lower on a device with these `limits`.
+pub(crate) fn check_limits(needed: &[NeededLimit], limits: &Limits) -> Result<(), String> {
+    let lacking: Vec<String> = lacking(needed, limits).collect();
+    if lacking.is_empty() {
+        Ok(())
+    } else {
+        Err(lacking.join(", "))
+    }
+}

@@ -5,8 +5,6 @@
 
 use core::time::Duration;
 
-use alloc::sync::Arc;
-
 use bevy::{
     asset::{AssetId, LoadState},
     platform::{
@@ -16,10 +14,7 @@ use bevy::{
     prelude::*,
     render::{
         Extract,
-        render_resource::{
-            CachedComputePipelineId, CachedPipeline, CachedPipelineState, PipelineCache,
-            PipelineDescriptor,
-        },
+        render_resource::{CachedPipeline, CachedPipelineState, PipelineCache, PipelineDescriptor},
         renderer::RenderDevice,
     },
     shader::{CachedPipelineId, ShaderCacheError, ShaderDefVal, ShaderImport},
@@ -45,16 +40,19 @@ pub(crate) struct PipelineWatch {
 struct Failure {
     /// Label of the pipeline and file of its shader.
     name: String,
-    cause: Arc<str>,
+    cause: String,
     /// True if the missing shader may still arrive; the pipeline is then compiled.
     awaits_shader: bool,
 }
 
 impl PipelineWatch {
-    /// The reason that the pipeline cannot be compiled; `None` if it is compiled or may soon be.
-    pub(crate) fn failure(&self, pipeline: CachedComputePipelineId) -> Option<Arc<str>> {
-        let failure = self.failures.get(&pipeline.id())?;
-        Some(failure.cause.clone())
+    /// The reason that one of `pipelines` cannot be compiled; `None` if all are compiled or may soon be.
+    pub(crate) fn failure(
+        &self,
+        pipelines: impl IntoIterator<Item = CachedPipelineId>,
+    ) -> Option<&str> {
+        let mut pipelines = pipelines.into_iter();
+        pipelines.find_map(|id| Some(self.failures.get(&id)?.cause.as_str()))
     }
 
     /// Records a failure. Many pipelines may fail for one cause, which is logged once, with the definitions of the first.
@@ -64,7 +62,8 @@ impl PipelineWatch {
             let definitions = definitions(stages);
             error!(
                 "{name} cannot be compiled; its effect is off, or Bevy renders in its place: \
-                 {cause}. Shader definitions: {definitions}."
+                 {cause}. Correct the shader, or add the plugin that loads it. Shader definitions: \
+                 {definitions}."
             );
         }
         self.failures.insert(id, failure);
@@ -115,7 +114,7 @@ pub(crate) fn watch_pipelines(
         if !awaits_shader(error) {
             let failure = Failure {
                 name: name(),
-                cause: error.to_string().into(),
+                cause: error.to_string(),
                 awaits_shader: false,
             };
             watch.fail(id, failure, &stages);
@@ -139,7 +138,7 @@ pub(crate) fn watch_pipelines(
         } else {
             let failure = Failure {
                 name: name(),
-                cause: format!("nothing provides the shader {}", missing.join(", ")).into(),
+                cause: format!("nothing provides the shader {}", missing.join(", ")),
                 awaits_shader: true,
             };
             watch.fail(id, failure, &stages);

@@ -19,9 +19,7 @@ use bevy::{
     },
 };
 
-use super::{
-    foreign_depth::others_may_draw_depth, statuses::LeanStatuses, support::LeanDeferredSupport,
-};
+use super::foreign_depth::others_may_draw_depth;
 use crate::{
     ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
     gbuffer::{MotionResolvePipelines, ReadsGBuffer, ViewDemands},
@@ -29,8 +27,8 @@ use crate::{
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
     shader_library::reconstruction::position::depth_of_surfaces_is_above_zero,
     view::{
-        ActiveLeanView, Demand, GBufferTargets, LeanDeferred, LeanOffReason, LightingIo,
-        LightingIoQuery, LightingVariants, OutOfMemory,
+        ActiveLeanView, Demand, Effect, EffectStatuses, GBufferTargets, LeanDeferred,
+        LeanOffReason, LeanSupport, LightingIo, LightingIoQuery, LightingVariants, OutOfMemory,
     },
 };
 
@@ -103,7 +101,7 @@ fn draw_order(
 /// with them their GPU resources.
 pub(super) fn decide_active_views(
     mut commands: Commands,
-    support: Option<Res<LeanDeferredSupport>>,
+    support: Res<LeanSupport>,
     (scene, view_keys): (SceneFeatures, Res<ViewKeyCache>),
     (pipelines, mut motion_pipelines, pipeline_cache, pipeline_watch): (
         Option<ResMut<LightingPipelines>>,
@@ -112,7 +110,7 @@ pub(super) fn decide_active_views(
         Res<PipelineWatch>,
     ),
     (mut statuses, mut demands, memory): (
-        ResMut<LeanStatuses>,
+        ResMut<EffectStatuses>,
         ResMut<ViewDemands>,
         Res<OutOfMemory>,
     ),
@@ -149,13 +147,14 @@ pub(super) fn decide_active_views(
             .entity(entity)
             .remove::<(ActiveLeanView, ViewLighting)>();
     }
-    let (Some(mut pipelines), Some(support)) = (pipelines, support) else {
+    let Some(mut pipelines) = pipelines else {
         return;
     };
-    if let LeanDeferredSupport::Missing(missing) = &*support {
+    if support.deferred.is_err() {
         for (_, (_, view, ..), ..) in &views {
             let main_entity = view.retained_view_entity.main_entity;
-            statuses.off_for(main_entity, LeanOffReason::Device, missing);
+            let mut status = statuses.of(main_entity, Effect::Deferred);
+            status.is_off_by_device(&support.deferred);
         }
         return;
     }
@@ -177,23 +176,15 @@ pub(super) fn decide_active_views(
         let reason = (!settings.enabled)
             .then_some(LeanOffReason::Disabled)
             .or_else(|| reason_against(camera, view, is_3d, msaa, deferred));
-        let lacking = memory.label(entity);
-        if reason.is_some() || lacking.is_some() {
-            match (reason, lacking) {
-                (Some(reason), _) => statuses.off(main_entity, reason),
-                (None, label) => statuses.off_for(
-                    main_entity,
-                    LeanOffReason::OutOfMemory,
-                    label.unwrap_or_default(),
-                ),
-            }
+        let mut status = statuses.of(main_entity, Effect::Deferred);
+        if status.is_off_for(reason) || status.is_off_by_memory(memory.label(entity)) {
             commands
                 .entity(entity)
                 .remove::<(ActiveLeanView, ViewLighting)>();
             continue;
         }
         let Some(view_key) = view_keys.get(&view.retained_view_entity) else {
-            statuses.on(main_entity, false, None);
+            status.set_running(false, None);
             continue;
         };
         // A camera has none in its first frame; it is lean at once if everything is compiled.
@@ -274,11 +265,11 @@ pub(super) fn decide_active_views(
                 Some(order)
             });
         }
-        let failure = lighting
-            .pipelines
-            .iter()
-            .find_map(|(_, id)| pipeline_watch.failure(*id));
-        statuses.on(main_entity, compiled.is_some(), failure);
+        let failure = pipeline_watch.failure(lighting.pipelines.iter().map(|(_, id)| id.id()));
+        status.set_running(compiled.is_some(), failure);
+        if let Some(active) = &compiled {
+            statuses.set_lighting(main_entity, active.io, settings.shows_channel());
+        }
         if let Some(new) = new_lighting {
             commands.entity(entity).insert(new);
         }
@@ -307,12 +298,12 @@ pub(super) fn decide_active_views(
 pub(super) fn withdraw_views_without_memory(
     mut commands: Commands,
     memory: Res<OutOfMemory>,
-    mut statuses: ResMut<LeanStatuses>,
+    mut statuses: ResMut<EffectStatuses>,
     views: Query<(Entity, &MainEntity), With<ActiveLeanView>>,
 ) {
     for (entity, camera) in &views {
-        if let Some(label) = memory.label(entity) {
-            statuses.off_for(*camera, LeanOffReason::OutOfMemory, label);
+        let mut status = statuses.of(*camera, Effect::Deferred);
+        if status.is_off_by_memory(memory.label(entity)) {
             commands
                 .entity(entity)
                 .remove::<(ActiveLeanView, ViewLighting)>();

@@ -2,23 +2,23 @@
 //!
 //! A `Camera3d` is lean if it is enabled and has `Hdr`, an `Rgba16Float` main texture, the schedule `Core3d`, a viewport with the depth
 //! range 0 to 1, and neither MSAA nor `DeferredPrepass`. The device must have what [`missing_capabilities`] lists, the textures must fit
-//! into memory, and the shaders must be compiled. Otherwise Bevy renders the camera. [`LeanStatus`] reports the state to the app, and one
-//! warning per reason is logged.
+//! into memory, and the shaders must be compiled. Otherwise Bevy renders the camera. [`LeanStatus`](crate::LeanStatus) reports the state
+//! to the app, and one warning per reason is logged.
 //!
-//! [`LeanDeferredSupport`], a resource of both worlds, holds the capabilities that the device lacks. If it lacks any, cameras keep their
-//! `Msaa` and get no `Hdr`.
+//! [`LeanSupport`](crate::LeanSupport) holds the capabilities that the device lacks. If it lacks any, cameras keep their `Msaa` and get
+//! no `Hdr`.
 
 // - `decision.rs`: decides per view and frame.
 // - `support.rs`: capabilities that the device needs.
-// - `statuses.rs`: reports statuses to the main world, and logs reasons.
+// - `notice.rs`: logs that a camera has become lean.
 // - `foreign_depth.rs`: detects other renderers that may draw depth before the G-buffer.
 
 mod decision;
 mod foreign_depth;
-mod statuses;
+mod notice;
 mod support;
 
-pub use support::{LeanDeferredSupport, missing_capabilities};
+pub use support::missing_capabilities;
 // For tests.
 #[doc(hidden)]
 pub use {
@@ -30,8 +30,8 @@ use bevy::{
     pbr::check_views_need_specialization,
     prelude::*,
     render::{
-        ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems,
-        extract_component::ExtractComponentPlugin, view::collect_visible_cpu_culled_entities,
+        Render, RenderApp, RenderStartup, RenderSystems, extract_component::ExtractComponentPlugin,
+        view::collect_visible_cpu_culled_entities,
     },
 };
 
@@ -41,8 +41,8 @@ use crate::{
     lighting::LightingPlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
-        DebugChannel, EffectSystems, LeanDeferred, LeanStatus, LeanViewSystems, ViewTextureSystems,
-        can_build, overrides,
+        DebugChannel, Effect, EffectSystems, LeanDeferred, LeanSupport, LeanViewSystems,
+        ViewTextureSystems, can_build, overrides, status, support::add_check,
     },
 };
 
@@ -60,28 +60,19 @@ impl Plugin for LeanDeferredPlugin {
         app.add_plugins((GBufferPlugin, LightingPlugin, ShadingExtensionPlugin));
         app.register_type::<LeanDeferred>()
             .register_type::<DebugChannel>()
-            .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default())
-            .register_type::<LeanStatus>()
-            .add_observer(statuses::remove_status);
-        overrides::add_to::<LeanDeferred>(app, support::tell_main_world);
+            .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default());
+        add_check(app, |support| &mut support.deferred, support::check);
+        status::add_to::<LeanDeferred>(app, Effect::Deferred);
+        overrides::add_to::<LeanDeferred>(app, |world| {
+            world.resource::<LeanSupport>().deferred.is_ok()
+        });
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
         EffectSystems::Lean.run_while::<With<LeanDeferred>>(render_app);
         render_app
-            .init_resource::<statuses::LeanStatuses>()
-            .add_systems(
-                ExtractSchedule,
-                statuses::report_statuses.in_set(EffectSystems::Lean),
-            )
-            .add_systems(
-                RenderStartup,
-                (
-                    support::init_lean_deferred_support.ambiguous_with_all(),
-                    recovery::forget::<LeanDeferred>,
-                ),
-            )
+            .add_systems(RenderStartup, recovery::forget::<LeanDeferred>)
             .add_systems(
                 Render,
                 (
@@ -97,6 +88,7 @@ impl Plugin for LeanDeferredPlugin {
                     decision::withdraw_views_without_memory
                         .after(ViewTextureSystems)
                         .before(RenderSystems::Queue),
+                    notice::log_newly_lean_cameras.in_set(RenderSystems::Cleanup),
                 )
                     .in_set(EffectSystems::Lean),
             );

@@ -9,84 +9,25 @@ use bevy::{
 };
 
 use crate::{
-    gpu::needed_limits::{NeededLimit, needed_limits, unmet},
+    gpu::needed_limits::{NeededLimit, lacking, needed_limits},
     shader_library::layout::{NORMAL_FORMAT, SURFACE_FORMAT, VALID_MASK_FORMAT},
 };
 
-/// Tells if the device can run [`LeanDeferred`](crate::LeanDeferred). Available in the main world from before `Startup`
-/// on, and in the render world from `RenderStartup` on. Replaced with each new device.
-///
-/// ```
-/// # use bevy::prelude::*;
-/// # use bevy_lean_deferred::prelude::*;
-/// fn spawn_camera(mut commands: Commands, support: Res<LeanDeferredSupport>) {
-///     let mut camera = commands.spawn(Camera3d::default());
-///     match support.missing() {
-///         None => {
-///             camera.insert((LeanDeferred::default(), LeanScreenSpaceReflections::default()));
-///         }
-///         // Bevy renders the camera, with its own settings.
-///         Some(missing) => info!("no lean cameras: the device lacks {missing}"),
-///     }
-/// }
-/// ```
-#[derive(Resource, Clone, Debug, PartialEq, Eq)]
-pub enum LeanDeferredSupport {
-    /// The device can run it.
-    Full,
-    /// The device cannot run it; the text names the missing capabilities.
-    Missing(String),
-}
-
-impl LeanDeferredSupport {
-    /// Checks the device and adapter of a world. Without a device, the device itself is missing.
-    fn from_world(world: &World) -> Self {
-        let (Some(device), Some(adapter)) = (
-            world.get_resource::<RenderDevice>(),
-            world.get_resource::<RenderAdapter>(),
-        ) else {
-            return Self::Missing("a render device".into());
-        };
-        let missing = missing_capabilities(device, adapter);
-        if missing.is_empty() {
-            Self::Full
-        } else {
-            Self::Missing(missing.join(", "))
-        }
+/// Checks the device of `world` for what [`LeanDeferred`](crate::LeanDeferred) needs. Without a device, the device itself
+/// is missing.
+pub(super) fn check(world: &World) -> Result<(), String> {
+    let (Some(device), Some(adapter)) = (
+        world.get_resource::<RenderDevice>(),
+        world.get_resource::<RenderAdapter>(),
+    ) else {
+        return Err("a render device".into());
+    };
+    let missing = missing_capabilities(device, adapter);
+    if missing.is_empty() {
+        Ok(())
+    } else {
+        Err(missing.join(", "))
     }
-
-    /// True if nothing is missing.
-    pub fn is_full(&self) -> bool {
-        *self == Self::Full
-    }
-
-    /// Names the missing capabilities.
-    pub fn missing(&self) -> Option<&str> {
-        match self {
-            Self::Full => None,
-            Self::Missing(missing) => Some(missing),
-        }
-    }
-}
-
-/// Inserts the support of its device into the main world; true if the device can run
-/// [`LeanDeferred`](crate::LeanDeferred).
-pub(super) fn tell_main_world(world: &mut World) -> bool {
-    let support = LeanDeferredSupport::from_world(world);
-    let is_full = support.is_full();
-    world.insert_resource(support);
-    is_full
-}
-
-/// Checks each new device, in the render world.
-pub(super) fn init_lean_deferred_support(world: &mut World) {
-    let support = LeanDeferredSupport::from_world(world);
-    if let LeanDeferredSupport::Missing(missing) = &support {
-        warn!(
-            "LeanDeferred is off on all cameras, and Bevy renders them: the device lacks {missing}."
-        );
-    }
-    world.insert_resource(support);
 }
 
 /// Flags of the adapter that [`LeanDeferred`](crate::LeanDeferred) needs.
@@ -174,7 +115,6 @@ pub fn missing_of(
     let formats = (NEEDED_FORMATS.iter())
         .filter(|(format, usage, _)| !usages(*format).contains(*usage))
         .map(|(.., name)| (*name).into());
-    let limits = unmet(NEEDED_LIMITS, limits)
-        .map(|needed| format!("{needed} (it has {})", needed.of(limits)));
+    let limits = lacking(NEEDED_LIMITS, limits);
     flags.chain(formats).chain(limits).collect()
 }

@@ -92,7 +92,7 @@ use crate::{
     ambient_occlusion,
     view::{
         ActiveLeanView, DiffuseLight, EffectSystems, LeanDeferred, SharedPlugin,
-        ViewTextureSystems, removal,
+        ViewTextureSystems, memory, removal,
     },
 };
 
@@ -108,6 +108,14 @@ pub struct ViewLighting {
 }
 
 impl ViewLighting {
+    /// Bytes of its buffers.
+    fn bytes(&self) -> u64 {
+        let tiles = self.tile_list.as_ref().map_or(0, |list| list.bytes());
+        let layers = self.light_layers.as_ref();
+        let layers = layers.and_then(|layers| layers.buffer());
+        tiles + layers.map_or(0, |buffer| buffer.size())
+    }
+
     /// Recreates the tile list if its capacity differs, and drops it if `key` needs none.
     fn update_tile_list(&mut self, device: &RenderDevice, key: LightingKey, capacity: u32) {
         if key.binned.is_empty() {
@@ -165,6 +173,11 @@ impl Plugin for LightingPlugin {
         };
         removal::remove_with::<LeanDeferred, ViewLighting>(render_app);
         removal::remove_with::<ActiveLeanView, (DiffuseLight, SubsurfaceLight)>(render_app);
+        memory::count(
+            render_app,
+            |memory| &mut memory.lighting,
+            ViewLighting::bytes,
+        );
         render_app
             .init_gpu_resource::<buffers::LightingBuffers>()
             .init_gpu_resource::<soft_shadows::BlockerSampler>()

@@ -16,7 +16,7 @@ use bevy::{
 
 use super::buffers::lit_pixels;
 use crate::{
-    gpu::storage_texture::StorageTexture,
+    gpu::{storage_texture::StorageTexture, texture_bytes::texture_bytes},
     shader_library::tiles,
     view::{ActiveLeanView, LightingIo, OutOfMemory, ScattersLight},
 };
@@ -82,6 +82,10 @@ impl SubsurfaceLight {
     /// Clears the list before lighting records tiles and materials.
     pub(super) fn clear_tiles(&self, encoder: &mut CommandEncoder) {
         encoder.clear_buffer(&self.tiles, 0, Some(4 * (MASKS + blocks_of(self.size()))));
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.textures().map(texture_bytes).into_iter().sum::<u64>() + self.tiles.size()
     }
 
     /// Its textures; its only other GPU resource is the list.

@@ -42,6 +42,10 @@ impl TileList {
         }
     }
 
+    pub(super) fn bytes(&self) -> u64 {
+        self.dispatch.size() + self.list.size()
+    }
+
     /// True if the list has this capacity.
     pub(super) fn fits(&self, capacity: u32) -> bool {
         self.capacity == capacity

@@ -15,7 +15,7 @@
 // - `history_validity.rs`: detects if the last frame of a view directly precedes this one.
 // - `reprojection.rs`: transforms into the last frame.
 // - `world_shift.rs`: detects shifts of the whole world.
-// - `support.rs`: limits that the effects need, and reasons why one is off.
+// - `support.rs`: limits that the effects need.
 // - `history/`: light and depth of the last frame, for effects that request them.
 // - `diffuse_gi/`: diffuse light between surfaces.
 // - `reflections/`: reflections.

@@ -36,6 +36,10 @@ impl ShownExposure {
         }))
     }
 
+    pub(super) fn bytes(&self) -> u64 {
+        self.0.size()
+    }
+
     pub(super) fn layout() -> BindGroupLayoutEntryBuilder {
         uniform_buffer_sized(false, NonZeroU64::new(SIZE))
     }

@@ -1,8 +1,8 @@
-//! Requirements of the effects, in addition to those of a lean camera.
+//! Capabilities of the device that GI and reflections need.
 
-use core::fmt;
+use bevy::{prelude::*, render::renderer::RenderDevice};
 
-use crate::gpu::needed_limits::{NeededLimit, needed_limits, unmet};
+use crate::gpu::needed_limits::{NeededLimit, check_limits, needed_limits};
 
 /// Limits that GI and reflections need, in addition to those of [`LeanDeferred`](crate::LeanDeferred).
 #[doc(hidden)]
@@ -12,20 +12,15 @@ pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
     max_compute_workgroup_storage_size: 12544,
 ];
 
-/// The reason that an effect is off on a lean camera: the device does not meet this limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct EffectOff(&'static NeededLimit);
-
-impl EffectOff {
-    /// `None` if an effect that needs these limits can run.
-    pub(super) fn of(needed: &'static [NeededLimit], limits: &wgpu::Limits) -> Option<Self> {
-        unmet(needed, limits).next().map(Self)
-    }
+/// Checks the device of `world` for limits that lean cameras do not need.
+pub(super) fn check(world: &World) -> Result<(), String> {
+    check_device_limits(world, NEEDED_LIMITS)
 }
 
-/// Completes "It is off: …".
-impl fmt::Display for EffectOff {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "the device lacks {}", self.0)
+/// Checks the device of `world` for `needed` limits.
+pub(super) fn check_device_limits(world: &World, needed: &[NeededLimit]) -> Result<(), String> {
+    match world.get_resource::<RenderDevice>() {
+        Some(device) => check_limits(needed, &device.limits()),
+        None => Err("a render device".into()),
     }
 }

@@ -18,6 +18,8 @@ pub(crate) enum EffectSystems {
     DiffuseGi,
     Reflections,
     History,
+    /// The systems that count memory for cameras that ask for it.
+    Memory,
 }
 
 /// Frames for which systems keep running after the last camera lost the effect: they release resources that they keep per frame.

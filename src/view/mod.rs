@@ -3,7 +3,8 @@
 //! | on | type | state |
 //! |---|---|---|
 //! | cameras | [`LeanDeferred`] | requests lean rendering, with its settings |
-//! | cameras | [`LeanStatus`] | if the last frame was lean, or why not |
+//! | cameras | [`LeanStatus`] | for each effect, if the last frame had it, or why not |
+//! | cameras | [`LeanMemory`] | requests the bytes of GPU memory that each effect holds |
 //! | cameras | [`CameraCut`] | the camera jumps in this frame |
 //! | views of the render world | [`ActiveLeanView`] | the view is lean in this frame, with the contents of its G-buffer |
 //!
@@ -14,7 +15,10 @@
 //
 // - `settings.rs`: `LeanDeferred`, the settings of a camera.
 // - `quality.rs`: quality levels and resolutions of effects.
-// - `status.rs`: `LeanStatus`, the status of a camera.
+// - `status.rs`: `LeanStatus`, the status of each effect on a camera.
+// - `effect_statuses.rs`: reports statuses to the main world, and logs reasons.
+// - `support.rs`: `LeanSupport`, the effects that the device can run.
+// - `memory.rs`: `LeanMemory`, the GPU memory of each effect.
 // - `active.rs`: `ActiveLeanView`, the state of a view in this frame.
 // - `surfaces.rs`: kinds of surfaces and their G-buffer targets.
 // - `schedule.rs`: system sets.
@@ -28,14 +32,16 @@
 // - `removal.rs`: removes dependent components together with their source.
 // - `unfit_items.rs`: removes phase items of other crates that no longer fit a changed camera.
 // - `out_of_memory.rs`: textures that do not fit into memory.
-// - `warn_once.rs`: warns once per camera why an effect is off.
+// - `warn_once.rs`: warns once per camera why a part of an effect is off.
 
 mod active;
 mod averaging;
 mod cut;
 pub(crate) mod depth_usage;
+mod effect_statuses;
 mod in_use;
 mod lighting_io;
+pub(crate) mod memory;
 mod out_of_memory;
 pub(crate) mod overrides;
 pub(crate) mod pass_order;
@@ -43,7 +49,8 @@ mod quality;
 pub(crate) mod removal;
 mod schedule;
 mod settings;
-mod status;
+pub(crate) mod status;
+pub(crate) mod support;
 mod surfaces;
 mod unfit_items;
 pub(crate) mod warn_once;
@@ -52,12 +59,14 @@ pub use active::ActiveLeanView;
 pub(crate) use active::Demand;
 pub(crate) use averaging::FrameAveraging;
 pub use cut::{CameraCut, CameraCuts};
+pub(crate) use effect_statuses::EffectStatuses;
 pub(crate) use in_use::EffectSystems;
 pub(crate) use lighting_io::LightingIoQuery;
 #[doc(hidden)]
 pub use lighting_io::{
     DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo, ReadsDiffuseLight, ScattersLight,
 };
+pub use memory::LeanMemory;
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
 pub use quality::{LeanQuality, LeanResolution, ParseLevelError};
@@ -68,7 +77,9 @@ pub(crate) use schedule::{
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
 pub use settings::{DebugChannel, LeanDeferred, LeanDeferredAdvanced, LightCulling};
-pub use status::{LeanOffReason, LeanStatus};
+pub(crate) use status::Effect;
+pub use status::{EffectStatus, LeanOffReason, LeanStatus};
+pub use support::LeanSupport;
 pub use surfaces::{GBufferTargets, ShadingModel};
 pub(crate) use surfaces::{LightingVariant, LightingVariants};
 
@@ -81,7 +92,7 @@ use bevy::{
     pbr::{PbrPlugin, check_views_need_specialization},
     prelude::*,
     render::{
-        GpuResourceAppExt, Render, RenderApp, RenderPlugin, RenderSystems,
+        GpuResourceAppExt, Render, RenderApp, RenderPlugin, RenderStartup, RenderSystems,
         extract_component::ExtractComponentPlugin, render_phase::ViewBinnedRenderPhases,
         renderer::RenderDevice,
     },
@@ -112,12 +123,15 @@ impl Plugin for SharedPlugin {
     fn build(&self, app: &mut App) {
         shader_library::load(app);
         app.init_resource::<overrides::CameraNeeds>()
+            .init_resource::<support::SupportChecks>()
             .register_type::<CameraCut>()
+            .register_type::<LeanStatus>()
+            .register_type::<LeanMemory>()
             .add_plugins(ExtractComponentPlugin::<CameraCuts>::default())
             .add_systems(
                 First,
                 // Bevy may create a new device when one is lost.
-                overrides::fit_device
+                follow_device
                     .run_if(resource_exists_and_changed::<RenderDevice>)
                     .ambiguous_with_all(),
             )
@@ -136,20 +150,32 @@ impl Plugin for SharedPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        EffectSystems::Memory.run_while::<With<LeanMemory>>(render_app);
         render_app
             .init_gpu_resource::<PipelineWatch>()
             .init_gpu_resource::<OutOfMemory>()
             // Each system records its own failed allocations, in any order.
             .allow_ambiguous_resource::<OutOfMemory>()
+            .init_resource::<EffectStatuses>()
+            // Each system sets the statuses of its own effect, in any order.
+            .allow_ambiguous_resource::<EffectStatuses>()
+            .init_resource::<memory::MemoryReports>()
+            // Each system adds bytes, in any order.
+            .allow_ambiguous_resource::<memory::MemoryReports>()
             .configure_sets(
                 Render,
                 ViewTextureSystems
                     .after(RenderSystems::PrepareViews)
                     .before(RenderSystems::Queue),
             )
+            .add_systems(RenderStartup, look_at_device.ambiguous_with_all())
             .add_systems(
                 ExtractSchedule,
-                pipeline_watch::watch_pipelines.ambiguous_with_all(),
+                (
+                    pipeline_watch::watch_pipelines.ambiguous_with_all(),
+                    effect_statuses::report_statuses.run_if(effect_statuses::are_statuses_known),
+                    memory::report_memory(),
+                ),
             )
             .add_systems(
                 Render,
@@ -181,13 +207,25 @@ impl Plugin for SharedPlugin {
     }
 
     fn finish(&self, app: &mut App) {
-        overrides::fit_device(app.world_mut());
-        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-            return;
-        };
-        let subgroups = Subgroups::from_world(render_app.world());
-        render_app.insert_resource(subgroups);
+        follow_device(app.world_mut());
+        let checks = app.world().resource::<support::SupportChecks>().clone();
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            render_app.insert_resource(checks);
+        }
     }
+}
+
+/// Checks the device of the main world, and fits cameras to it.
+fn follow_device(world: &mut World) {
+    support::check_device(world);
+    overrides::fit_device(world);
+}
+
+/// Checks each new device of the render world.
+fn look_at_device(world: &mut World) {
+    support::check_device(world);
+    let subgroups = Subgroups::from_world(world);
+    world.insert_resource(subgroups);
 }
 
 /// True if the app has the plugins that the effect `plugin` depends on. Otherwise logs an error, and the plugin must add nothing.

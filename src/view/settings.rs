@@ -45,7 +45,7 @@ use super::{
 ///
 /// Needs HDR (`Hdr` is added with the component) and no MSAA (`Msaa` is set to `Off`). Removing the component restores
 /// the former settings, unless another effect needs the changed ones or the app has changed them since. Nothing is
-/// changed on devices that cannot run it ([`LeanDeferredSupport`](crate::LeanDeferredSupport)). Bevy renders a camera
+/// changed on devices that cannot run it ([`LeanSupport`](crate::LeanSupport)). Bevy renders a camera
 /// that later violates these needs or whose device lacks a capability, and one warning names the reason.
 /// `docs/reliability.md` lists all needs.
 ///

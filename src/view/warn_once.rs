@@ -1,4 +1,4 @@
-//! Warns once per camera that an effect is off, with the reason.
+//! Warns once per camera that a part of an effect is off, with the reason. For effects as a whole, `effect_statuses.rs` does so.
 
 use core::fmt::Display;
 
@@ -19,26 +19,15 @@ impl<R> Default for WarnOnce<R> {
 }
 
 impl<R: Display + PartialEq> WarnOnce<R> {
-    /// Call in each frame in which `camera` is rendered, with the reason that its `effect` is off. Warns if the reason
-    /// differs from that of the last such frame.
-    pub(crate) fn tell(&mut self, effect: &str, camera: MainEntity, reason: Option<R>) {
-        self.tell_that("is off", effect, camera, reason);
-    }
-
-    /// Like [`tell`](Self::tell), with another state than "is off".
-    pub(crate) fn tell_that(
-        &mut self,
-        state: &str,
-        effect: &str,
-        camera: MainEntity,
-        reason: Option<R>,
-    ) {
+    /// Call in each frame in which `camera` is rendered, with the reason that `part` of an effect is off on it. Warns if
+    /// the reason differs from that of the last such frame.
+    pub(crate) fn tell(&mut self, part: &str, camera: MainEntity, reason: Option<R>) {
         let Some(reason) = reason else {
             self.told.remove(&camera);
             return;
         };
         if self.told.get(&camera) != Some(&reason) {
-            warn!("{effect} on camera {} {state}: {reason}.", camera.id());
+            warn!("{part} on camera {} is off: {reason}.", camera.id());
             self.told.insert(camera, reason);
         }
     }

@@ -4,16 +4,10 @@
 use bevy::{
     camera::Hdr,
     prelude::*,
-    render::{
-        RenderApp,
-        render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
-    },
+    render::render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
 };
 use bevy_lean_deferred::{
-    LeanDeferredPlugins, ambient_occlusion,
-    ambient_occlusion::OcclusionSupport,
-    auto_exposure,
-    auto_exposure::ExposureSupport,
+    LeanDeferredPlugins, ambient_occlusion, auto_exposure,
     lean::{NEEDED_FLAGS, NEEDED_FORMATS, NEEDED_LIMITS, NeededLimit, missing_of},
     prelude::*,
     screen_space::{self, subsurface},
@@ -78,9 +72,12 @@ fn cameras_that_can_never_be_lean_stay_as_they_are() {
         };
         let (mut headless, camera) = app_within(limits);
         // Before the first frame, so that `Startup` can query it.
-        let support = headless.world().resource::<LeanDeferredSupport>();
-        let missing = support.missing().expect("it lacks an attachment");
-        assert_eq!(missing, "max_color_attachments of 7 (it has 6)");
+        let support = headless.world().resource::<LeanSupport>();
+        let missing = Err("max_color_attachments of 7 (it has 6)".to_string());
+        assert_eq!(support.deferred, missing);
+        // They need a lean camera.
+        assert_eq!(support.screen_space, missing);
+        assert_eq!(support.auto_exposure, Ok(()));
 
         let mut s = SceneBuilder {
             headless: &mut headless,
@@ -105,10 +102,19 @@ fn cameras_that_can_never_be_lean_stay_as_they_are() {
         assert_eq!(settings(&mut headless, above), BEVYS);
         assert!(headless.capture() == before, "the picture is not Bevy's");
         let status = headless.world().get::<LeanStatus>(camera).unwrap();
-        assert!(matches!(
-            status,
-            LeanStatus::Off(LeanOffReason::Device(text)) if text.contains("max_color_attachments")
-        ));
+        let reason = LeanOffReason::Device(missing.unwrap_err());
+        let off = EffectStatus::Off(reason.clone());
+        assert_eq!(
+            *status,
+            LeanStatus {
+                deferred: off.clone(),
+                diffuse_gi: off.clone(),
+                reflections: off,
+                ..default()
+            }
+        );
+        let told = log_watch::messages_with(&format!("is off on all cameras: {reason}"));
+        assert_eq!(told.len(), 3, "{told:?}");
         assert_no_errors();
     });
 }
@@ -123,8 +129,8 @@ fn effects_are_off_where_workgroups_are_small() {
             ..gpu::limits()
         };
         let (mut headless, camera) = app_within(limits);
-        let support = headless.world().resource::<LeanDeferredSupport>();
-        assert!(support.is_full(), "{support:?}");
+        let support = headless.world().resource::<LeanSupport>();
+        assert!(support.deferred.is_ok(), "{support:?}");
         let mut s = SceneBuilder {
             headless: &mut headless,
         };
@@ -143,15 +149,21 @@ fn effects_are_off_where_workgroups_are_small() {
         headless.frames(4);
         assert_no_errors();
         assert_eq!(active_lean_views(&mut headless), 1);
-        for (effect, need) in [
-            ("LeanScreenSpaceGi", 12544),
-            ("LeanScreenSpaceReflections", 12544),
-            ("LeanSubsurfaceScattering", 16352),
+        let status = headless.world().get::<LeanStatus>(camera).unwrap().clone();
+        assert!(status.deferred.is_on() && status.ambient_occlusion.is_on());
+        for (effect, status, need) in [
+            ("LeanScreenSpaceGi", &status.diffuse_gi, 12544),
+            ("LeanScreenSpaceReflections", &status.reflections, 12544),
+            ("LeanSubsurfaceScattering", &status.subsurface, 16352),
         ] {
-            let reason = format!("max_compute_workgroup_storage_size of {need}");
-            let warnings = log_watch::messages_with(&format!("{effect} on camera"));
+            let missing = format!("max_compute_workgroup_storage_size of {need} (it has 8192)");
+            let warnings = log_watch::messages_with(&format!("{effect} is off on all cameras"));
             assert_eq!(warnings.len(), 1, "{effect}: {warnings:?}");
-            assert!(warnings[0].contains(&reason), "{warnings:?}");
+            assert!(warnings[0].contains(&missing), "{warnings:?}");
+            let EffectStatus::Off(LeanOffReason::Device(reason)) = status else {
+                panic!("{effect}: {status}");
+            };
+            assert!(reason.contains(&missing), "{effect}: {reason}");
         }
     });
 }
@@ -170,9 +182,9 @@ fn occlusion_is_drawn_where_it_cannot_be_computed() {
             .entity_mut(camera)
             .insert(LeanScreenSpaceAmbientOcclusion::default());
         headless.settle();
-        let render_world = headless.app.sub_app(RenderApp).world();
-        let support = render_world.resource::<OcclusionSupport>();
-        assert!(!support.stores_r8);
+        let support = headless.world().resource::<LeanSupport>();
+        let missing = support.ambient_occlusion_by_compute.clone().unwrap_err();
+        assert!(missing.starts_with(needed.name), "{missing}");
         assert!(headless.capture() != without, "nothing is darker");
         assert_no_errors();
     });
@@ -211,9 +223,8 @@ fn exposure_leaves_cameras_alone_where_workgroups_are_small() {
 
 fn cannot_meter(limits: Limits, expected: &str) {
     let (mut headless, camera) = app_within(limits);
-    let exposure = headless.world().resource::<ExposureSupport>();
-    let missing = exposure.missing.as_deref().unwrap_or_default();
-    assert_eq!(missing, expected);
+    let support = headless.world().resource::<LeanSupport>();
+    assert_eq!(support.auto_exposure, Err(expected.to_string()));
     headless.settle();
     let before = headless.capture();
     let exposure = LeanAutoExposure::default();
@@ -221,6 +232,9 @@ fn cannot_meter(limits: Limits, expected: &str) {
     headless.settle();
     assert_eq!(settings(&mut headless, camera), BEVYS);
     assert!(headless.capture() == before, "the picture is not Bevy's");
+    let status = headless.world().get::<LeanStatus>(camera).unwrap();
+    let reason = LeanOffReason::Device(expected.into());
+    assert_eq!(status.auto_exposure, EffectStatus::Off(reason));
     assert_no_errors();
 }
 

@@ -18,7 +18,7 @@ use bevy::{
     prelude::*,
     render::{RenderApp, camera::CameraRenderGraph},
 };
-use bevy_lean_deferred::{lean::LeanDeferredSupport, lighting::ViewLighting, prelude::*};
+use bevy_lean_deferred::{lighting::ViewLighting, prelude::*};
 use kit::{
     headless::{Headless, Picture, target_image},
     lean::{active_lean_views, build, show},
@@ -195,7 +195,7 @@ fn own_schedule() {
         assert_effect_is_off::<LeanAutoExposure>(
             &mut headless,
             leave_core_3d,
-            "its CameraRenderGraph is neither Core3d nor Core2d",
+            "its `CameraRenderGraph` is neither `Core3d` nor `Core2d`",
         );
     });
 }
@@ -265,10 +265,8 @@ fn what_loses_its_camera_3d() {
 fn missing_support() {
     let (mut headless, camera) = scene();
     headless.frames(1);
-    headless
-        .app
-        .sub_app_mut(RenderApp)
-        .insert_resource(LeanDeferredSupport::Missing("a storage texture".into()));
+    let render_world = headless.app.sub_app_mut(RenderApp).world_mut();
+    render_world.resource_mut::<LeanSupport>().deferred = Err("a storage texture".into());
     headless.settle();
     let without = headless.capture();
     headless

@@ -349,15 +349,16 @@ fn what_keeps_pipelines_goes_on_where_the_settings_stay() {
         let mut stage = Stage::new(waiting, add);
         let status = |stage: &mut Stage| {
             let camera = stage.camera;
-            stage.headless.world().get::<LeanStatus>(camera).cloned()
+            let status = stage.headless.world().get::<LeanStatus>(camera);
+            status.map(|status| status.deferred.clone())
         };
-        let disabled = Some(LeanStatus::Off(LeanOffReason::Disabled));
+        let disabled = Some(EffectStatus::Off(LeanOffReason::Disabled));
         assert_eq!(status(&mut stage), disabled);
         stage.assert_marked("waiting");
         let before = stage.headless.capture();
         for _ in 0..2 {
             stage.set_enabled(true);
-            assert_eq!(status(&mut stage), Some(LeanStatus::Lean));
+            assert_eq!(status(&mut stage), Some(EffectStatus::On));
             stage.assert_marked("enabled");
             stage.set_enabled(false);
             assert_eq!(status(&mut stage), disabled);

@@ -16,6 +16,7 @@ mod minimised;
 mod out_of_memory;
 mod plugins;
 mod shared_targets;
+mod statuses;
 mod steady_state;
 mod switching;
 #[cfg(target_os = "linux")]

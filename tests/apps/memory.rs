@@ -1,5 +1,5 @@
 //! Cameras release an effect's GPU resources when its component is removed, the camera is deactivated, or the camera no longer supports the
-//! effect.
+//! effect. The memory that they report is what wgpu allocates.
 
 use bevy::{
     camera::Hdr,
@@ -10,9 +10,10 @@ use bevy::{
     },
 };
 use bevy_lean_deferred::{
-    LeanAutoExposure, LeanDeferred, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi,
+    LeanAutoExposure, LeanDeferred, LeanMemory, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi,
     LeanScreenSpaceReflections, LeanSubsurfaceScattering,
     ambient_occlusion::OcclusionBindings,
+    auto_exposure::MeteredExposure,
     screen_space::{
         ViewHistory, diffuse_gi::GiBindings, reflections::ReflectionBindings,
         subsurface::ViewSubsurface,
@@ -20,7 +21,8 @@ use bevy_lean_deferred::{
 };
 use kit::{
     analytic_slabs::{patterned, slab, step},
-    gpu_usage::GpuUsage,
+    gpu,
+    gpu_usage::{GpuUsage, allocated},
     headless::Headless,
     lean::{active_lean_views, build, set_lean},
     skipped::has_room_for_scattering,
@@ -266,4 +268,138 @@ fn nothing_of_effects_is_made_anew() {
             assert_eq!(groups(), first);
         }
     }
+}
+
+/// Each field of [`LeanMemory`], with the labels of what it counts.
+const COUNTED: [(&str, fn(&LeanMemory) -> u64, &[&str]); 8] = [
+    (
+        "G-buffer",
+        |memory| memory.gbuffer,
+        &["lean_deferred/gbuffer/"],
+    ),
+    (
+        "lighting",
+        |memory| memory.lighting,
+        &[
+            "lean_deferred/lighting/list",
+            "lean_deferred/lighting/dispatch",
+        ],
+    ),
+    (
+        "history",
+        |memory| memory.history,
+        &["lean_deferred/screen_space/history"],
+    ),
+    (
+        "ambient occlusion",
+        |memory| memory.ambient_occlusion,
+        &["lean_deferred/ambient_occlusion"],
+    ),
+    (
+        "diffuse GI",
+        |memory| memory.diffuse_gi,
+        &[
+            "lean_deferred/screen_space/diffuse_gi/",
+            "lean_deferred/lighting/diffuse",
+        ],
+    ),
+    (
+        "reflections",
+        |memory| memory.reflections,
+        &["lean_deferred/screen_space/reflections/"],
+    ),
+    (
+        "subsurface scattering",
+        |memory| memory.subsurface,
+        &[
+            "lean_deferred/screen_space/subsurface/",
+            "lean_deferred/lighting/subsurface",
+            "lean_deferred/lighting/scattering_tiles",
+        ],
+    ),
+    (
+        "auto exposure",
+        |memory| memory.auto_exposure,
+        &["lean_deferred/auto_exposure/"],
+    ),
+];
+
+/// Asserts that `reported` bytes are those of wgpu's allocations with these labels, but for alignment.
+fn assert_allocated(headless: &Headless, name: &str, reported: u64, labels: &[&str]) {
+    let mut sum = (0, 0);
+    for label in labels {
+        let Some((count, bytes)) = allocated(headless, label) else {
+            println!("skipped: {name}: wgpu does not allocate the memory of this device itself");
+            return;
+        };
+        sum = (sum.0 + count, sum.1 + bytes);
+    }
+    let (count, bytes) = sum;
+    println!("{name}: {reported} bytes reported, {bytes} allocated by {count}");
+    // GPUs store textures in pages.
+    let padding = if gpu::is_there() { 1 << 17 } else { 1 << 12 };
+    // The exposure shown last is a vector for GI and one for the history, under a label of their own.
+    assert!(reported <= bytes + 32, "{name}");
+    assert!(
+        bytes <= reported + reported / 16 + count * padding,
+        "{name}"
+    );
+}
+
+#[test]
+fn what_is_reported_is_what_is_allocated() {
+    let mut camera = Entity::PLACEHOLDER;
+    let mut headless = build(UVec2::new(320, 240), |s| {
+        s.solids();
+        patterned(s, slab(LinearRgba::WHITE, 0.1), default(), step);
+        camera = s.default_camera((LeanMemory::default(), MeteredExposure::default()));
+    });
+    let has_room = has_room_for_scattering(&headless.device().limits());
+    let memory = |headless: &mut Headless| {
+        let _ = held(headless);
+        let memory = headless.world().get::<LeanMemory>(camera);
+        *memory.expect("it was asked for")
+    };
+    assert_eq!(memory(&mut headless), LeanMemory::default());
+
+    headless.world().entity_mut(camera).insert((
+        LeanDeferred::default(),
+        LeanScreenSpaceAmbientOcclusion::default(),
+        LeanScreenSpaceReflections::default(),
+        LeanSubsurfaceScattering::default(),
+        LeanAutoExposure::default(),
+    ));
+    for with_gi in [false, true] {
+        if with_gi {
+            let mut camera = headless.world().entity_mut(camera);
+            camera.insert(LeanScreenSpaceGi::default());
+        }
+        let memory = memory(&mut headless);
+        println!("with GI: {with_gi}, {memory:?}");
+        for (name, field, labels) in COUNTED {
+            // GI makes occlusion unnecessary.
+            let is_held = match name {
+                "ambient occlusion" => !with_gi,
+                "diffuse GI" => with_gi,
+                // Tiles are listed for surfaces that scatter light.
+                "lighting" | "subsurface scattering" => has_room,
+                _ => true,
+            };
+            assert_eq!(field(&memory) > 0, is_held, "{name}");
+            assert_allocated(&headless, name, field(&memory), labels);
+        }
+        let sum: u64 = COUNTED.iter().map(|(_, field, _)| field(&memory)).sum();
+        assert_eq!(memory.total(), sum);
+        assert_allocated(&headless, "all", memory.total(), &["lean_deferred/"]);
+    }
+
+    headless.world().entity_mut(camera).remove::<(
+        LeanDeferred,
+        LeanScreenSpaceAmbientOcclusion,
+        LeanScreenSpaceGi,
+        LeanScreenSpaceReflections,
+        LeanSubsurfaceScattering,
+        LeanAutoExposure,
+    )>();
+    assert_eq!(memory(&mut headless), LeanMemory::default());
 }

@@ -107,9 +107,17 @@ fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle +
     let messages = log_watch::messages_with("does not fit into the GPU's memory");
     assert_eq!(messages.len(), 1, "{label}: {messages:#?}");
     assert!(messages[0].starts_with(label), "{messages:#?}");
-    if let Some(status) = headless.world().get::<LeanStatus>(camera) {
-        let reason = LeanOffReason::OutOfMemory(messages[0].split(' ').next().unwrap().into());
-        assert_eq!(*status, LeanStatus::Off(reason), "{label}");
+    let status = headless.world().get::<LeanStatus>(camera);
+    let status = status.expect("it has an effect").clone();
+    let reason = LeanOffReason::OutOfMemory(messages[0].split(' ').next().unwrap().into());
+    let [off, not_lean] = [reason, LeanOffReason::NotLean].map(EffectStatus::Off);
+    for (component, status) in status.each() {
+        let expected = match component {
+            "LeanDeferred" | "LeanScreenSpaceAmbientOcclusion" => &off,
+            "LeanAutoExposure" => &EffectStatus::On,
+            _ => &not_lean,
+        };
+        assert_eq!(status, expected, "{label}: {component}");
     }
 
     make_scarce(&mut headless, None);

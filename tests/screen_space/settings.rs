@@ -210,20 +210,32 @@ fn most_off(a: &Seen, b: &Seen) -> f32 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
+/// Effects come with `LeanDeferred`, and are off where an app removes it on purpose: the status tells so, and no warning does.
 #[test]
-fn it_says_that_it_needs_a_lean_camera() {
+fn without_lean_deferred_it_is_off() {
     in_own_process(|| {
+        let mut camera = Entity::PLACEHOLDER;
         let mut headless = build(SIZE, |s| {
             s.solids();
-            s.default_camera(both());
+            s.sun(false);
+            camera = s.default_camera(both());
         });
         headless.settle();
+        assert!(holds_anything(&mut headless));
+        headless.world().entity_mut(camera).remove::<LeanDeferred>();
+        headless.settle();
+        headless.frames(2);
         assert!(!holds_anything(&mut headless));
-        // Once per effect.
-        assert_eq!(
-            log_watch::messages_with("it has no `LeanDeferred`").len(),
-            2
-        );
+        let status = headless.world().get::<LeanStatus>(camera);
+        let status = status.expect("it has effects").clone();
+        let expected = LeanStatus {
+            diffuse_gi: EffectStatus::Off(LeanOffReason::NoLeanDeferred),
+            reflections: EffectStatus::Off(LeanOffReason::NoLeanDeferred),
+            ..default()
+        };
+        assert_eq!(status, expected);
+        let warnings = log_watch::messages_with("it has no `LeanDeferred`");
+        assert!(warnings.is_empty(), "{warnings:?}");
     });
 }
 

@@ -21,7 +21,10 @@ fn is_lean(stage: &mut Stage, camera: Entity) -> bool {
     let is_active = entity
         .get::<Camera>()
         .is_some_and(|camera| camera.is_active);
-    is_active && entity.get::<LeanStatus>() == Some(&LeanStatus::Lean)
+    is_active
+        && entity
+            .get::<LeanStatus>()
+            .is_some_and(|status| status.deferred.is_on())
 }
 
 /// Searches the light of lean cameras for NaN and infinities; if there are any, or with `beside`, compares them with twins.

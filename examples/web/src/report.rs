@@ -65,10 +65,15 @@ fn count_frames(time: Res<Time<Real>>) {
 }
 
 fn name_renderer(camera: Single<Option<Ref<LeanStatus>>, With<View>>) {
-    let name = match &*camera {
-        Some(status) if status.is_changed() => status.to_string(),
+    let deferred = match &*camera {
+        Some(status) if status.is_changed() => status.deferred.clone(),
         Some(_) => return,
-        None => "Bevy forward".to_string(),
+        None => EffectStatus::Absent,
+    };
+    let name = match deferred {
+        EffectStatus::Absent => "Bevy forward".to_string(),
+        EffectStatus::On => "lean".to_string(),
+        status => status.to_string(),
     };
     if let Ok(mut renderer) = RENDERER.lock()
         && *renderer != name

@@ -2,10 +2,7 @@
 
 use bevy::{
     prelude::*,
-    render::{
-        camera::ExtractedCamera, render_resource::PipelineCache, renderer::RenderDevice,
-        sync_world::MainEntity, view::ExtractedView,
-    },
+    render::{camera::ExtractedCamera, render_resource::PipelineCache, view::ExtractedView},
 };
 
 use super::{
@@ -14,9 +11,12 @@ use super::{
     settings::LeanScreenSpaceGi,
 };
 use crate::{
-    screen_space::support::{EffectOff, NEEDED_LIMITS},
+    gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
-    view::{ActiveLeanView, IndirectDiffuse, LeanDeferred, ReadsDiffuseLight, warn_once::WarnOnce},
+    view::{
+        ActiveLeanView, Effect, EffectStatuses, IndirectDiffuse, LeanDeferred, LeanSupport,
+        ReadsDiffuseLight,
+    },
 };
 
 /// On a view of the render world: the pipelines are compiled, and lighting is asked to add their output.
@@ -32,8 +32,8 @@ pub struct ActiveGi {
 pub(super) fn decide_active_gi(
     mut commands: Commands,
     pipelines: Option<ResMut<GiPipelines>>,
-    (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
-    mut warnings: Local<WarnOnce<EffectOff>>,
+    (cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
+    (support, mut statuses): (Res<LeanSupport>, ResMut<EffectStatuses>),
     views: Query<
         (
             Entity,
@@ -44,22 +44,19 @@ pub(super) fn decide_active_gi(
         ),
         With<ExtractedCamera>,
     >,
-    cameras: Query<&MainEntity, With<LeanScreenSpaceGi>>,
     switched_off: Query<Entity, (With<ActiveGi>, Without<ExtractedCamera>)>,
 ) {
-    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveGi>();
     }
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    let limits = device.limits();
     for (entity, view, settings, lean, (was_lean, current)) in &views {
-        let reason = EffectOff::of(NEEDED_LIMITS, &limits).filter(|_| lean.is_some());
-        let can_run = reason.is_none() && lean.is_some_and(|lean| lean.enabled);
         let camera = view.retained_view_entity.main_entity;
-        warnings.tell("LeanScreenSpaceGi", camera, reason);
+        let mut status = statuses.of(camera, Effect::DiffuseGi);
+        let can_run =
+            !status.is_off_without(lean) && !status.is_off_by_device(&support.screen_space);
         let key = GiKey {
             samples: settings.samples(),
             divisor: settings.resolution.divisor(),
@@ -75,6 +72,9 @@ pub(super) fn decide_active_gi(
             .into_iter()
             .flatten()
             .find(|active| can_run && active.passes.are_compiled(&cache));
+        if let Some(wanted) = wanted {
+            status.set_running(active.is_some(), watch.failure(wanted.passes.ids()));
+        }
         match active {
             Some(active) => {
                 let mut view = commands.entity(entity);

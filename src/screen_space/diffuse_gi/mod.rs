@@ -58,14 +58,15 @@ use bevy::{
 
 use super::{
     debug_view::DebugViewPlugin, history_validity::HistoryValidityPlugin,
-    shown_exposure::ShownExposurePlugin,
+    shown_exposure::ShownExposurePlugin, support,
 };
 use crate::{
-    gpu::recovery,
+    gpu::{recovery, texture_bytes::texture_bytes},
     view::{
-        ActiveLeanView, EffectSystems, GBufferPasses, IndirectDiffuse, IndirectLightPasses,
-        LeanViewSystems, LightingPasses, OpaquePicturePasses, ReadsDiffuseLight, SharedPlugin,
-        ViewTextureSystems, can_build, removal,
+        ActiveLeanView, DiffuseLight, Effect, EffectSystems, GBufferPasses, IndirectDiffuse,
+        IndirectLightPasses, LeanMemory, LeanViewSystems, LightingPasses, OpaquePicturePasses,
+        ReadsDiffuseLight, SharedPlugin, ViewTextureSystems, can_build, memory, removal, status,
+        support::add_check,
     },
 };
 
@@ -94,6 +95,8 @@ impl Plugin for LeanScreenSpaceGiPlugin {
             DebugViewPlugin::<ViewGi>::default(),
             ShownExposurePlugin::<ViewGi>::default(),
         ));
+        add_check(app, |support| &mut support.screen_space, support::check);
+        status::add_to::<LeanScreenSpaceGi>(app, Effect::DiffuseGi);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -103,6 +106,9 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         removal::remove_with::<ActiveLeanView, ViewGi>(render_app);
         removal::remove_with::<ViewGi, (GiBindings, ForwardLight)>(render_app);
         EffectSystems::DiffuseGi.run_while::<With<LeanScreenSpaceGi>>(render_app);
+        let field: fn(&mut LeanMemory) -> &mut u64 = |memory| &mut memory.diffuse_gi;
+        memory::count(render_app, field, ViewGi::bytes);
+        memory::count::<DiffuseLight>(render_app, field, |light| texture_bytes(&light.0.texture));
         render_app
             .init_gpu_resource::<prepare::GiUniforms>()
             .add_systems(

@@ -9,6 +9,7 @@ use bevy::{
         StorageTextureAccess, TextureFormat, TextureSampleType,
         binding_types::{texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer},
     },
+    shader::CachedPipelineId,
 };
 
 use super::{
@@ -40,10 +41,18 @@ pub(super) struct GiPasses {
 }
 
 impl GiPasses {
-    pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
+    fn each(self) -> [CachedComputePipelineId; 3] {
         [self.levels, self.gather, self.filter]
+    }
+
+    pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
+        self.each()
             .into_iter()
             .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
+    }
+
+    pub(super) fn ids(self) -> [CachedPipelineId; 3] {
+        self.each().map(|pipeline| pipeline.id())
     }
 }
 

@@ -28,7 +28,10 @@ use super::{
 };
 use crate::{
     gbuffer::GBufferTextures,
-    gpu::{bind_group_cache::CachedBindGroup, storage_texture::StorageTexture},
+    gpu::{
+        bind_group_cache::CachedBindGroup, storage_texture::StorageTexture,
+        texture_bytes::texture_bytes,
+    },
     screen_space::{
         LastFrame,
         debug_view::{DebugShown, Shows},
@@ -117,6 +120,10 @@ impl ViewGi {
     /// Parameters of the last frame; `None` if its levels are invalid for this frame.
     pub fn last(&self) -> Option<&LastFrame> {
         self.frames.last()
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.textures().map(texture_bytes).sum::<u64>() + self.shown_exposure.bytes()
     }
 
     /// All textures that it holds.

@@ -1,6 +1,6 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::view::{LeanDeferred, LeanQuality, LeanResolution};
+use crate::view::{LeanDeferred, LeanQuality, LeanResolution, LeanStatus};
 
 /// Screen-space diffuse GI: gathers the last frame's diffuse light from surfaces on screen (Mayaux 2018, "Horizon-based indirect
 /// lighting").
@@ -41,7 +41,7 @@ use crate::view::{LeanDeferred, LeanQuality, LeanResolution};
 #[doc(alias("ssgi", "ssil"))]
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(LeanDeferred)]
+#[require(LeanDeferred, LeanStatus)]
 pub struct LeanScreenSpaceGi {
     /// Distance in metres beyond which surfaces neither illuminate one another nor occlude. More than 0. Clamped on screen to half of
     /// the viewport's height. Default 4.

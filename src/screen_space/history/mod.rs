@@ -41,7 +41,7 @@ pub use uniforms::HistoryUniform;
 use super::{history_validity::HistoryValidityPlugin, shown_exposure::ShownExposurePlugin};
 use crate::view::{
     EffectSystems, HistoryPasses, OpaquePicturePasses, SharedPlugin, ViewTextureSystems,
-    depth_usage::extend_depth_usage, removal,
+    depth_usage::extend_depth_usage, memory, removal,
 };
 
 /// On a view of the render world: requests its history. Insert before `RenderSystems::PrepareViews`; remove once nothing reads it.
@@ -70,6 +70,7 @@ impl Plugin for HistoryPlugin {
         };
         removal::remove_with::<ReadsHistory, ViewHistory>(render_app);
         EffectSystems::History.run_while::<With<ReadsHistory>>(render_app);
+        memory::count(render_app, |memory| &mut memory.history, ViewHistory::bytes);
         render_app
             .init_gpu_resource::<prepare::HistoryUniforms>()
             .init_gpu_resource::<opaque_depth::OpaqueDepths>()

@@ -24,7 +24,7 @@ use super::{
 use crate::{
     gpu::{
         bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
-        storage_texture::StorageTexture,
+        storage_texture::StorageTexture, texture_bytes::texture_bytes,
     },
     screen_space::{
         history_validity::{FrameNumber, HistoryValidity, LastFrame},
@@ -67,6 +67,12 @@ impl ViewHistory {
     /// Parameters of the last frame; `None` if the history is invalid for this frame.
     pub fn last(&self) -> Option<&LastFrame> {
         self.frames.last()
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        let copy = self.opaque_depth.as_ref().map(|copy| &copy.texture);
+        let textures = [&self.kept.texture].into_iter().chain(copy);
+        textures.map(texture_bytes).sum::<u64>() + self.shown_exposure.bytes()
     }
 
     /// Unit of the last frame's distances.

@@ -3,10 +3,7 @@
 use bevy::{
     camera::MainPassResolutionOverride,
     prelude::*,
-    render::{
-        camera::ExtractedCamera, render_resource::PipelineCache, renderer::RenderDevice,
-        sync_world::MainEntity, view::ExtractedView,
-    },
+    render::{camera::ExtractedCamera, render_resource::PipelineCache, view::ExtractedView},
 };
 
 use super::{
@@ -15,13 +12,13 @@ use super::{
     settings::{LeanScreenSpaceReflections, ScreenSpaceReflectionsDebugView},
 };
 use crate::{
-    screen_space::{
-        ReadsHistory,
-        history_validity::drawn_part,
-        support::{EffectOff, NEEDED_LIMITS},
-    },
+    gpu::pipeline_watch::PipelineWatch,
+    screen_space::{ReadsHistory, history_validity::drawn_part},
     shader_library::reconstruction::position::projection_of,
-    view::{ActiveLeanView, GBufferTargets, IndirectSpecular, LeanDeferred, warn_once::WarnOnce},
+    view::{
+        ActiveLeanView, Effect, EffectStatuses, GBufferTargets, IndirectSpecular, LeanDeferred,
+        LeanSupport,
+    },
 };
 
 /// On a view of the render world: the pipelines are compiled, and lighting is asked to add their output.
@@ -37,8 +34,8 @@ pub struct ActiveReflections {
 pub(super) fn decide_active_reflections(
     mut commands: Commands,
     pipelines: Option<ResMut<ReflectionPipelines>>,
-    (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
-    mut warnings: Local<WarnOnce<EffectOff>>,
+    (cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
+    (support, mut statuses): (Res<LeanSupport>, ResMut<EffectStatuses>),
     views: Query<
         (
             Entity,
@@ -50,22 +47,19 @@ pub(super) fn decide_active_reflections(
         ),
         With<ExtractedCamera>,
     >,
-    cameras: Query<&MainEntity, With<LeanScreenSpaceReflections>>,
     switched_off: Query<Entity, (With<ActiveReflections>, Without<ExtractedCamera>)>,
 ) {
-    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveReflections>();
     }
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    let limits = device.limits();
     for (entity, view, settings, lean, resolution, (last, current)) in &views {
-        let reason = EffectOff::of(NEEDED_LIMITS, &limits).filter(|_| lean.is_some());
-        let can_run = reason.is_none() && lean.is_some_and(|lean| lean.enabled);
         let camera = view.retained_view_entity.main_entity;
-        warnings.tell("LeanScreenSpaceReflections", camera, reason);
+        let mut status = statuses.of(camera, Effect::Reflections);
+        let can_run =
+            !status.is_off_without(lean) && !status.is_off_by_device(&support.screen_space);
         let rows = drawn_part(view, resolution).height();
         let key = ReflectionKey {
             marches: settings.marches(rows),
@@ -86,6 +80,9 @@ pub(super) fn decide_active_reflections(
             .into_iter()
             .flatten()
             .find(|active| can_run && active.passes.are_compiled(&cache));
+        if let Some(wanted) = wanted {
+            status.set_running(active.is_some(), watch.failure(wanted.passes.ids()));
+        }
         match active {
             Some(active) => {
                 let mut view = commands.entity(entity);

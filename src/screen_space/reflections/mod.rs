@@ -71,12 +71,14 @@ use super::{
     ReadsHistory,
     debug_view::DebugViewPlugin,
     history::{HistoryPlugin, prepare_histories, prepare_history_bind_groups},
+    support,
 };
 use crate::{
     gpu::recovery,
     view::{
-        ActiveLeanView, EffectSystems, GBufferPasses, IndirectLightPasses, IndirectSpecular,
-        LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems, can_build, removal,
+        ActiveLeanView, Effect, EffectSystems, GBufferPasses, IndirectLightPasses,
+        IndirectSpecular, LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems,
+        can_build, memory, removal, status, support::add_check,
     },
 };
 
@@ -111,6 +113,8 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         app.register_type::<LeanScreenSpaceReflections>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
         app.add_plugins(DebugViewPlugin::<ViewReflections>::default());
+        add_check(app, |support| &mut support.screen_space, support::check);
+        status::add_to::<LeanScreenSpaceReflections>(app, Effect::Reflections);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -127,6 +131,11 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         >(render_app);
         removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
         EffectSystems::Reflections.run_while::<With<LeanScreenSpaceReflections>>(render_app);
+        memory::count(
+            render_app,
+            |memory| &mut memory.reflections,
+            ViewReflections::bytes,
+        );
         render_app
             .init_gpu_resource::<prepare::ReflectionUniforms>()
             .add_systems(

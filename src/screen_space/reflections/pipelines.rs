@@ -18,7 +18,7 @@ use bevy::{
         },
         renderer::RenderDevice,
     },
-    shader::ShaderDefVal,
+    shader::{CachedPipelineId, ShaderDefVal},
 };
 
 use super::{
@@ -55,6 +55,10 @@ impl ReflectionPasses {
         self.0
             .into_iter()
             .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
+    }
+
+    pub(super) fn ids(self) -> [CachedPipelineId; PASSES.len()] {
+        self.0.map(|pipeline| pipeline.id())
     }
 }
 

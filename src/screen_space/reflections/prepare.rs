@@ -35,6 +35,7 @@ use crate::{
     gpu::{
         bind_group_cache::{CachedBindGroup, Entries},
         storage_texture::StorageTexture,
+        texture_bytes::texture_bytes,
     },
     screen_space::{
         LastFrame, ViewHistory,
@@ -132,6 +133,10 @@ impl ViewReflections {
             of(self.texture_size),
             of(self.viewport_size),
         ]
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.textures().map(texture_bytes).sum()
     }
 
     /// All textures that it holds.

@@ -1,6 +1,6 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::view::{LeanDeferred, LeanQuality, LeanResolution};
+use crate::view::{LeanDeferred, LeanQuality, LeanResolution, LeanStatus};
 
 /// Screen-space reflections: traces rays through this frame's depth into the light of the last frame.
 ///
@@ -64,7 +64,7 @@ use crate::view::{LeanDeferred, LeanQuality, LeanResolution};
 #[doc(alias = "ssr")]
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(LeanDeferred)]
+#[require(LeanDeferred, LeanStatus)]
 pub struct LeanScreenSpaceReflections {
     /// Perceptual roughness above which surfaces do not reflect the image, 0 to 1.25. Reflections fade from three quarters of it on;
     /// above 1, the roughest surfaces reflect too. Default 0.8.

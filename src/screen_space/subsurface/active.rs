@@ -2,23 +2,19 @@
 
 use bevy::{
     prelude::*,
-    render::{
-        camera::ExtractedCamera, render_resource::PipelineCache, renderer::RenderDevice,
-        sync_world::MainEntity, view::ExtractedView,
-    },
+    render::{camera::ExtractedCamera, render_resource::PipelineCache, view::ExtractedView},
 };
 
 use super::{
     key::SubsurfaceKey,
     pipelines::{SubsurfacePasses, SubsurfacePipelines},
     settings::LeanSubsurfaceScattering,
-    support::NEEDED_LIMITS,
 };
 use crate::{
     gbuffer::ViewDemands,
-    screen_space::support::EffectOff,
+    gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
-    view::{LeanDeferred, ScattersLight, warn_once::WarnOnce},
+    view::{Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanSupport, ScattersLight},
 };
 
 /// On a view of the render world: a surface in it scatters light, the pipelines are compiled, and lighting writes the light that
@@ -35,10 +31,10 @@ pub struct ActiveScattering {
 pub(super) fn decide_active_scattering(
     mut commands: Commands,
     pipelines: Option<ResMut<SubsurfacePipelines>>,
-    (cache, device): (Res<PipelineCache>, Res<RenderDevice>),
+    (cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
     // Missing without `LeanDeferredPlugin`.
     demands: Option<Res<ViewDemands>>,
-    mut warnings: Local<WarnOnce<EffectOff>>,
+    (support, mut statuses): (Res<LeanSupport>, ResMut<EffectStatuses>),
     views: Query<
         (
             Entity,
@@ -49,25 +45,22 @@ pub(super) fn decide_active_scattering(
         ),
         With<ExtractedCamera>,
     >,
-    cameras: Query<&MainEntity, With<LeanSubsurfaceScattering>>,
     switched_off: Query<Entity, (With<ActiveScattering>, Without<ExtractedCamera>)>,
 ) {
-    warnings.keep_only(cameras.iter());
     for entity in &switched_off {
         commands.entity(entity).remove::<ActiveScattering>();
     }
-    let (Some(mut pipelines), Some(demands)) = (pipelines, demands) else {
+    let Some(mut pipelines) = pipelines else {
         return;
     };
-    let limits = device.limits();
     for (entity, view, settings, lean, current) in &views {
-        let is_asked =
-            lean.is_some_and(|lean| lean.enabled) && demands.scatter(view.retained_view_entity);
-        // A camera that sees nothing of the kind needs no warning.
-        let reason = EffectOff::of(NEEDED_LIMITS, &limits).filter(|_| is_asked);
-        let can_run = is_asked && reason.is_none();
+        let scatters =
+            (demands.as_ref()).is_some_and(|demands| demands.scatter(view.retained_view_entity));
         let camera = view.retained_view_entity.main_entity;
-        warnings.tell("LeanSubsurfaceScattering", camera, reason);
+        let mut status = statuses.of(camera, Effect::Subsurface);
+        let can_run = !status.is_off_without(lean)
+            && !status.is_off_for((!scatters).then_some(LeanOffReason::NothingScatters))
+            && !status.is_off_by_device(&support.subsurface);
         let key = SubsurfaceKey::new(settings.quality, projection_of(view.clip_from_view));
         let wanted = can_run.then(|| ActiveScattering {
             settings: *settings,
@@ -81,6 +74,9 @@ pub(super) fn decide_active_scattering(
             .into_iter()
             .flatten()
             .find(|active| can_run && active.passes.are_compiled(&cache));
+        if let Some(wanted) = wanted {
+            status.set_running(active.is_some(), watch.failure(wanted.passes.ids()));
+        }
         match active {
             Some(active) => {
                 commands.entity(entity).insert((active, ScattersLight));

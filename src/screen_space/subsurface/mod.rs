@@ -74,8 +74,8 @@ use crate::{
     gpu::recovery,
     lighting::{SubsurfaceLight, lighting_pass, prepare_subsurface_light},
     view::{
-        EffectSystems, LeanViewSystems, LightingPasses, ScattersLight, SharedPlugin,
-        ViewTextureSystems, can_build, removal,
+        Effect, EffectSystems, LeanMemory, LeanViewSystems, LightingPasses, ScattersLight,
+        SharedPlugin, ViewTextureSystems, can_build, memory, removal, status, support::add_check,
     },
 };
 
@@ -104,6 +104,8 @@ impl Plugin for LeanSubsurfaceScatteringPlugin {
         embedded_asset!(app, "picture.wgsl");
         app.register_type::<LeanSubsurfaceScattering>()
             .add_plugins(ExtractComponentPlugin::<LeanSubsurfaceScattering>::default());
+        add_check(app, |support| &mut support.subsurface, support::check);
+        status::add_to::<LeanSubsurfaceScattering>(app, Effect::Subsurface);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -112,6 +114,9 @@ impl Plugin for LeanSubsurfaceScatteringPlugin {
         removal::remove_with::<ActiveScattering, (ViewSubsurface, ScattersLight)>(render_app);
         removal::remove_with::<SubsurfaceLight, ViewSubsurface>(render_app);
         EffectSystems::SubsurfaceScattering.run_while::<With<LeanSubsurfaceScattering>>(render_app);
+        let field: fn(&mut LeanMemory) -> &mut u64 = |memory| &mut memory.subsurface;
+        memory::count(render_app, field, ViewSubsurface::bytes);
+        memory::count(render_app, field, SubsurfaceLight::bytes);
         render_app
             .init_gpu_resource::<prepare::SubsurfaceUniforms>()
             .add_systems(

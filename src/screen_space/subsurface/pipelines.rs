@@ -13,7 +13,7 @@ use bevy::{
             storage_buffer_read_only_sized, texture_2d, texture_storage_2d, uniform_buffer,
         },
     },
-    shader::ShaderDefVal,
+    shader::{CachedPipelineId, ShaderDefVal},
 };
 
 use super::{
@@ -47,7 +47,7 @@ pub(super) struct SubsurfacePasses {
 }
 
 impl SubsurfacePasses {
-    pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
+    fn each(self) -> [CachedComputePipelineId; 6] {
         [
             self.first,
             self.down,
@@ -56,8 +56,16 @@ impl SubsurfacePasses {
             self.last,
             self.picture,
         ]
-        .into_iter()
-        .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
+    }
+
+    pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
+        self.each()
+            .into_iter()
+            .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
+    }
+
+    pub(super) fn ids(self) -> [CachedPipelineId; 6] {
+        self.each().map(|pipeline| pipeline.id())
     }
 }
 

@@ -25,7 +25,7 @@ use crate::{
     gbuffer::GBufferTextures,
     gpu::{
         bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
-        storage_texture::StorageTexture,
+        storage_texture::StorageTexture, texture_bytes::texture_bytes,
     },
     lighting::{SUBSURFACE_BLOCK_LOG, SUBSURFACE_LIGHT_FORMAT, SubsurfaceLight},
     screen_space::LastFrame,
@@ -77,6 +77,10 @@ impl ViewSubsurface {
         self.picture
             .all()
             .chain(groups.into_iter().filter_map(CachedBindGroup::get))
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        texture_bytes(self.texture())
     }
 
     /// GPU memory that it holds in addition to [`SubsurfaceLight`].

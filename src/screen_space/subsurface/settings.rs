@@ -1,6 +1,6 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::view::{LeanDeferred, LeanQuality};
+use crate::view::{LeanDeferred, LeanQuality, LeanStatus};
 
 /// Screen-space scattering of light beneath surfaces with
 /// [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension).
@@ -44,7 +44,7 @@ use crate::view::{LeanDeferred, LeanQuality};
 #[doc(alias("sss", "sssss"))]
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(LeanDeferred)]
+#[require(LeanDeferred, LeanStatus)]
 pub struct LeanSubsurfaceScattering {
     /// Accuracy on surfaces seen at an angle. Default [`LeanQuality::High`].
     ///

@@ -1,6 +1,11 @@
 //! Requirements on the device.
 
-use crate::gpu::needed_limits::{NeededLimit, needed_limits, unmet};
+use bevy::prelude::*;
+
+use crate::{
+    gpu::needed_limits::{NeededLimit, needed_limits, unmet},
+    screen_space::support::check_device_limits,
+};
 
 /// Limits that scattering needs, in addition to those of [`LeanDeferred`](crate::LeanDeferred).
 #[doc(hidden)]
@@ -15,4 +20,9 @@ pub const NEEDED_LIMITS: &[NeededLimit] = &needed_limits![
 /// First limit that the device does not meet.
 pub fn missing_for_scattering(limits: &wgpu::Limits) -> Option<&'static NeededLimit> {
     unmet(NEEDED_LIMITS, limits).next()
+}
+
+/// Checks the device of `world` for limits that lean cameras do not need.
+pub(super) fn check(world: &World) -> Result<(), String> {
+    check_device_limits(world, NEEDED_LIMITS)
 }

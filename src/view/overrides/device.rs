@@ -7,13 +7,12 @@ use super::{
     record::CameraOverrides,
 };
 
-/// Checks the device of the main world. Cameras that already have effects are changed for those that it can run;
-/// changes for others are reverted. Call for each new device.
+/// Changes cameras that already have effects for those that the device can run, and reverts changes for others. Call it
+/// for each new device, once [`LeanSupport`](crate::LeanSupport) tells of it.
 pub(crate) fn fit_device(world: &mut World) {
-    let looks: Vec<fn(&mut World) -> bool> = (world.resource::<CameraNeeds>().0.iter())
-        .map(|effect| effect.look_at_device)
+    let runs: Vec<bool> = (world.resource::<CameraNeeds>().0.iter())
+        .map(|effect| (effect.can_run)(world))
         .collect();
-    let runs: Vec<bool> = looks.into_iter().map(|look| look(world)).collect();
     let mut changed: Vec<(ComponentId, &'static [Need])> = Vec::new();
     for (effect, runs) in (world.resource_mut::<CameraNeeds>().0.iter_mut()).zip(runs) {
         if effect.runs != runs {

@@ -27,16 +27,16 @@ use bevy::prelude::*;
 use needs::{EffectNeeds, is_needed};
 use record::CameraOverrides;
 
-/// Changes cameras once when they get the effect `E`, and reverts that when they lose it. `look_at_device` publishes the capabilities
-/// of the device in the main world; if it returns false, cameras stay unchanged.
-pub(crate) fn add_to<E: CameraEffect>(app: &mut App, look_at_device: fn(&mut World) -> bool) {
+/// Changes cameras once when they get the effect `E`, and reverts that when they lose it. `can_run` tells if the device
+/// of the main world can run it; otherwise cameras stay unchanged.
+pub(crate) fn add_to<E: CameraEffect>(app: &mut App, can_run: fn(&World) -> bool) {
     let effect = app.world_mut().register_component::<E>();
     let mut needs = app.world_mut().resource_mut::<CameraNeeds>();
     needs.0.push(EffectNeeds {
         name: E::NAME,
         effect,
         needs: E::NEEDS,
-        look_at_device,
+        can_run,
         runs: false,
     });
     app.add_observer(override_camera::<E>)

@@ -43,8 +43,8 @@ pub(super) struct EffectNeeds {
     pub(super) name: &'static str,
     pub(super) effect: ComponentId,
     pub(super) needs: &'static [Need],
-    /// Inserts the effect's device support into the main world; true if the device can run the effect.
-    pub(super) look_at_device: fn(&mut World) -> bool,
+    /// True if the device of the main world can run the effect.
+    pub(super) can_run: fn(&World) -> bool,
     /// True if the device can run the effect; false until there is a device.
     pub(super) runs: bool,
 }

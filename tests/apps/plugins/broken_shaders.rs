@@ -25,12 +25,16 @@ fn find_shader(world: &World, is_wanted: impl Fn(&Shader) -> bool) -> (AssetId<S
     (id, shader.clone())
 }
 
-fn status(headless: &mut Headless, camera: Entity) -> LeanStatus {
+fn statuses(headless: &mut Headless, camera: Entity) -> LeanStatus {
     headless.world().get::<LeanStatus>(camera).unwrap().clone()
 }
 
+fn status(headless: &mut Headless, camera: Entity) -> EffectStatus {
+    statuses(headless, camera).deferred
+}
+
 /// Renders until the status changes, for half a minute at most.
-fn await_other_status(headless: &mut Headless, camera: Entity, status_before: &LeanStatus) {
+fn await_other_status(headless: &mut Headless, camera: Entity, status_before: &EffectStatus) {
     let start = Instant::now();
     while status(headless, camera) == *status_before {
         assert!(start.elapsed() < Duration::from_secs(30), "{status_before}");
@@ -52,13 +56,13 @@ fn an_import_that_nothing_provides() {
         .entity_mut(camera)
         .insert(LeanDeferred::default());
     headless.frames(3);
-    assert_eq!(status(&mut headless, camera), LeanStatus::Compiling);
+    assert_eq!(status(&mut headless, camera), EffectStatus::Compiling);
 
-    await_other_status(&mut headless, camera, &LeanStatus::Compiling);
+    await_other_status(&mut headless, camera, &EffectStatus::Compiling);
     let cause = format!("nothing provides the shader {MODULE}");
     assert_eq!(
         status(&mut headless, camera),
-        LeanStatus::Off(LeanOffReason::Shader(cause.clone()))
+        EffectStatus::Off(LeanOffReason::Shader(cause.clone()))
     );
     headless.frames(20);
     assert_eq!(log_watch::messages_with(&cause).len(), 1);
@@ -70,7 +74,7 @@ fn an_import_that_nothing_provides() {
     shaders.insert(id, module).unwrap();
     headless.settle();
     headless.frames(1);
-    assert_eq!(status(&mut headless, camera), LeanStatus::Lean);
+    assert_eq!(status(&mut headless, camera), EffectStatus::On);
     assert!(difference(&forward, &headless.capture()).psnr > 40.0);
 }
 
@@ -91,7 +95,7 @@ fn a_shader_that_cannot_be_composed() {
         .insert(LeanDeferred::default());
     headless.settle();
     headless.frames(20);
-    let LeanStatus::Off(LeanOffReason::Shader(cause)) = status(&mut headless, camera) else {
+    let EffectStatus::Off(LeanOffReason::Shader(cause)) = status(&mut headless, camera) else {
         panic!("{}", status(&mut headless, camera));
     };
     assert!(cause.contains("missing_name"), "{cause}");
@@ -115,5 +119,32 @@ fn a_shader_that_cannot_be_composed() {
     shaders.insert(id, shader).unwrap();
     headless.settle();
     headless.frames(1);
-    assert_eq!(status(&mut headless, camera), LeanStatus::Lean);
+    assert_eq!(status(&mut headless, camera), EffectStatus::On);
+}
+
+/// Other effects go on without one whose shader is wrong.
+#[test]
+fn a_shader_of_diffuse_gi_that_cannot_be_composed() {
+    let (mut headless, camera) = solids(Headless::new(SIZE));
+    headless.settle();
+    let (id, _) = find_shader(headless.world(), |shader| {
+        shader.path.ends_with("diffuse_gi/gather.wgsl")
+    });
+    let broken = Shader::from_wgsl("fn broken() -> u32 { return missing_name; }", "broken.wgsl");
+    let mut shaders = headless.world().resource_mut::<Assets<Shader>>();
+    shaders.insert(id, broken).unwrap();
+    headless.world().entity_mut(camera).insert((
+        LeanDeferred::default(),
+        LeanScreenSpaceGi::default(),
+        LeanScreenSpaceReflections::default(),
+    ));
+    headless.settle();
+    headless.frames(20);
+    let status = statuses(&mut headless, camera);
+    let EffectStatus::Off(LeanOffReason::Shader(cause)) = &status.diffuse_gi else {
+        panic!("{status:?}");
+    };
+    assert!(cause.contains("missing_name"), "{cause}");
+    let on = [&status.deferred, &status.reflections];
+    assert!(on.into_iter().all(EffectStatus::is_on), "{status:?}");
 }
