@@ -129,9 +129,9 @@ fn update_bind_groups(
 
     bindings.arrays.update(device, &layouts.arrays, |entries| {
         let features = device.features();
-        let pads_arrays = !features.contains(WgpuFeatures::PARTIALLY_BOUND_BINDING_ARRAY);
+        let pads_decals = !features.contains(WgpuFeatures::PARTIALLY_BOUND_BINDING_ARRAY);
         for layout_entry in &layouts.arrays.descriptor().entries {
-            push_array_entry(entries, layout_entry, view, resources, pads_arrays)?;
+            push_array_entry(entries, layout_entry, view, resources, pads_decals)?;
         }
         Some(())
     })?;

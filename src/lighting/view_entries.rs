@@ -109,14 +109,15 @@ pub(super) fn view_entry<'a>(
     Some((resource, offset))
 }
 
-/// Pushes the next entry of bind group 1: light probes and decals. As in Bevy, arrays are padded to the length that the
-/// layout declares only if the device requires it (`pads_arrays`); for decal textures that length is 1,024 elsewhere.
+/// Pushes the next entry of bind group 1: light probes and decals. As in Bevy, arrays of probes are padded to the length
+/// that the layout declares, as D3D12 and Metal need; those of decals, whose length may be 1,024, only if the device
+/// cannot bind a part of an array (`pads_decals`).
 pub(super) fn push_array_entry(
     entries: &mut Entries,
     layout: &BindGroupLayoutEntry,
     view: &LitViewItem,
     resources: &LightingResources,
-    pads_arrays: bool,
+    pads_decals: bool,
 ) -> Option<()> {
     let maps = view
         .environment_maps
@@ -135,7 +136,8 @@ pub(super) fn push_array_entry(
                 return entries.push(layout.binding, BindingResource::TextureView(texture(0)));
             };
             let capacity = capacity.get() as usize;
-            let least = if pads_arrays { capacity } else { 1 };
+            let is_padded = pads_decals || layout.binding != arrays::CLUSTERED_DECAL_TEXTURES;
+            let least = if is_padded { capacity } else { 1 };
             entries.push_textures(layout.binding, count.clamp(least, capacity), texture);
             Some(())
         };
