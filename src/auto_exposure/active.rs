@@ -31,7 +31,7 @@ pub struct ViewExposurePipelines {
 /// The reason that a camera cannot be metered.
 fn reason_against(camera: &ExtractedCamera) -> Option<&'static str> {
     if !camera.hdr {
-        Some("it has no Hdr component")
+        Some("it has no `Hdr`: insert it")
     } else if camera.schedule != Core3d.intern() && camera.schedule != Core2d.intern() {
         Some("its CameraRenderGraph is neither Core3d nor Core2d")
     } else {

@@ -377,7 +377,7 @@ fn warnings_come_again_when_the_cause_does() {
             assert_eq!(occlusion(), expected);
             stage.insert(Msaa::Off);
         }
-        let exposure = || warnings("LeanAutoExposure", "it has no Hdr component");
+        let exposure = || warnings("LeanAutoExposure", "it has no `Hdr`");
         stage.add::<LeanAutoExposure>();
         for expected in 1..=2 {
             stage.remove::<Hdr>();
