@@ -108,13 +108,13 @@ fn move_all(world: &mut World, frame: usize) {
     shift_movers(world, Vec3::new(0.05, 0.02, -0.03));
 }
 
-/// Renders until all is loaded, then `frames` frames without history. Frame numbers are the same each time, modulo [`ALIGNED`], so that
-/// jitter, noise and TAA history are the same.
+/// Renders until all is loaded, then `frames` frames without history. Frame numbers are the same in each app, so that jitter, noise and TAA
+/// history are the same.
 fn align(headless: &mut Headless, frames: u32) {
     headless.settle();
     let world = headless.world();
     let made = &mut world.resource_mut::<FrameCount>().0;
-    *made = (*made + frames).next_multiple_of(ALIGNED) - frames;
+    *made = ALIGNED.checked_sub(frames).expect("not so many");
     let mut gathering = world.query::<&mut TemporalAntiAliasing>();
     for mut taa in gathering.iter_mut(world) {
         taa.reset = true;
@@ -122,7 +122,7 @@ fn align(headless: &mut Headless, frames: u32) {
     headless.frames(frames as usize);
 }
 
-/// Divides the frame count of aligned apps. A multiple of the periods of jitter and noise.
+/// Frame count of aligned apps.
 const ALIGNED: u32 = 256;
 
 /// The view of the last frame, if it was lean.

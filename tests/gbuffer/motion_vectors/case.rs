@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_lean_deferred::{prelude::*, view::ActiveLeanView};
 use kit::{
     headless::Headless,
-    lean::{set_lean, show},
+    lean::{build, set_lean},
     log_watch,
     scenes::SceneBuilder,
 };
@@ -24,13 +24,6 @@ impl Frame {
     pub fn has_motion_target(&self) -> bool {
         (self.view).is_some_and(|view| view.targets.contains(GBufferTargets::MOTION))
     }
-}
-
-/// An app without a scene, whose motion vectors are recorded.
-pub fn app() -> Headless {
-    let mut headless = Headless::new(SIZE);
-    probe::install(&mut headless);
-    headless
 }
 
 pub fn film(headless: &mut Headless, frames: usize, script: Script) -> Vec<Frame> {
@@ -113,35 +106,32 @@ impl<F: FnMut(&mut SceneBuilder)> Case<F> {
         }
     }
 
-    /// Films forward, then lean with the same script, each from the scene's beginning. Returns their differences and the lean frames.
-    pub fn measure(mut self, headless: &mut Headless) -> (Errors, Vec<Frame>) {
+    /// Films forward, then lean with the same script. Returns their differences and the lean frames.
+    pub fn measure(mut self) -> (Errors, Vec<Frame>) {
         let [forward, lean] = [false, true].map(|lean| {
-            show(headless, &mut self.make);
-            set_lean(headless, lean);
-            align(headless, 4);
-            film(headless, self.frames, self.script)
+            let mut headless = build(SIZE, &mut self.make);
+            probe::install(&mut headless);
+            set_lean(&mut headless, lean);
+            align(&mut headless, 4);
+            film(&mut headless, self.frames, self.script)
         });
-        let name = self.name;
-        assert!(
-            forward.iter().all(|frame| frame.view.is_none()),
-            "{name}: a forward camera is lean"
-        );
+        assert!(forward.iter().all(|frame| frame.view.is_none()));
         for frame in &lean {
             let view = frame.view.expect("lean in each frame");
-            assert_eq!(view.resolves_motion, self.resolves, "{name}: {view:?}");
-            assert_eq!(view.keeps_prepass, !self.resolves, "{name}: {view:?}");
+            assert_eq!(view.resolves_motion, self.resolves, "{view:?}");
+            assert_eq!(view.keeps_prepass, !self.resolves, "{view:?}");
         }
         let errors = errors(&forward, &lean);
-        println!("{name:24} {errors:?}");
-        assert!(errors.longest > 1.0, "{name}: nothing moves");
+        println!("{:24} {errors:?}", self.name);
+        assert!(errors.longest > 1.0, "{}: nothing moves", self.name);
         log_watch::assert_validation_layer_silent();
         (errors, lean)
     }
 
     /// As [`measure`](Self::measure), and asserts that the two agree. Returns the frames in which the lean view had a motion target.
-    pub fn compare(self, headless: &mut Headless) -> Vec<usize> {
+    pub fn compare(self) -> Vec<usize> {
         let name = self.name;
-        let (errors, lean) = self.measure(headless);
+        let (errors, lean) = self.measure();
         assert!(
             errors.largest <= LARGEST && errors.rms <= RMS,
             "{name}: {errors:?}"

@@ -6,13 +6,11 @@ use bevy::{
     prelude::*,
     render::{occlusion_culling::OcclusionCulling, render_resource::TextureUsages},
 };
-use kit::{own_process::in_own_process, scenes::SceneBuilder, skipped::culls_what_is_hidden};
-
-use super::{
-    Mover,
-    case::{self, Case},
-    move_all, still_and_moving, taa, turn_camera,
+use kit::{
+    lean::build, own_process::in_own_process, scenes::SceneBuilder, skipped::culls_what_is_hidden,
 };
+
+use super::{Mover, SIZE, case::Case, move_all, still_and_moving, taa, turn_camera};
 
 /// A wall that hides the scene except the movers' path disappears and returns, and the camera cuts to behind it.
 fn uncover(world: &mut World, frame: usize) {
@@ -72,12 +70,11 @@ fn culled<C: Bundle>(camera: impl Fn() -> C, culls_forward: bool) -> impl FnMut(
 #[test]
 fn occlusion_culling() {
     in_own_process(|| {
-        let mut headless = case::app();
-        if !culls_what_is_hidden(&headless) {
+        if !culls_what_is_hidden(&build(SIZE, |_| {})) {
             return;
         }
         let case = Case::new("occlusion_culling", culled(taa, false), uncover);
-        let (errors, _) = Case { frames: 16, ..case }.measure(&mut headless);
+        let (errors, _) = Case { frames: 16, ..case }.measure();
         assert!(errors.largest_share <= 1.0, "{errors:?}");
     });
 }
@@ -86,7 +83,6 @@ fn occlusion_culling() {
 #[test]
 fn what_only_the_prepass_can_do_is_left_to_it() {
     in_own_process(|| {
-        let mut headless = case::app();
         let case = Case::new(
             "normal_prepass",
             |s| still_and_moving(s, (MotionVectorPrepass, NormalPrepass)),
@@ -96,9 +92,9 @@ fn what_only_the_prepass_can_do_is_left_to_it() {
             resolves: false,
             ..case
         }
-        .measure(&mut headless);
+        .measure();
         assert_eq!(errors.unequal, 0, "{errors:?}");
-        if !culls_what_is_hidden(&headless) {
+        if !culls_what_is_hidden(&build(SIZE, |_| {})) {
             return;
         }
         // Without a depth copy the second phase of culling cannot be told from the first. Bevy reads a depth of unknown age, so its own
@@ -121,7 +117,7 @@ fn what_only_the_prepass_can_do_is_left_to_it() {
                 resolves: false,
                 ..case
             }
-            .measure(&mut headless);
+            .measure();
             errors.unequal
         });
         assert!(

@@ -6,8 +6,8 @@ use bevy::{
     prelude::*,
 };
 use kit::{
-    headless::{Headless, Picture},
-    lean::{judge, report, set_lean, show},
+    headless::Picture,
+    lean::{build, judge, report, set_lean},
     own_process::in_own_process,
     scenes::LEAST_PSNR,
 };
@@ -15,10 +15,10 @@ use kit::{
 use super::{SIZE, align, shift_movers, still_and_moving, taa, turn_camera};
 
 /// Films a scene in which camera and meshes move.
-fn pictures_of(headless: &mut Headless, camera: impl Bundle, lean: bool) -> Vec<Picture> {
-    show(headless, |s| still_and_moving(s, camera));
-    set_lean(headless, lean);
-    align(headless, 32);
+fn pictures_of(camera: impl Bundle, lean: bool) -> Vec<Picture> {
+    let mut headless = build(SIZE, |s| still_and_moving(s, camera));
+    set_lean(&mut headless, lean);
+    align(&mut headless, 32);
     headless.film(8, |world, frame| {
         turn_camera(world, frame as f32 * 0.03);
         shift_movers(world, Vec3::new(0.1, 0.04, -0.06));
@@ -28,11 +28,10 @@ fn pictures_of(headless: &mut Headless, camera: impl Bundle, lean: bool) -> Vec<
 /// Compares pictures whose pixels are fetched along motion vectors: lean against lean with Bevy's motion vectors, and against forward.
 /// Forward draws the movers in the first frame of their motion: the view gets its motion target one frame later.
 fn compare_pictures<B: Bundle>(name: &str, camera: impl Fn() -> B, least_psnr: f64) {
-    let mut headless = Headless::new(SIZE);
     let films = [
-        pictures_of(&mut headless, camera(), false),
-        pictures_of(&mut headless, (camera(), NormalPrepass), true),
-        pictures_of(&mut headless, camera(), true),
+        pictures_of(camera(), false),
+        pictures_of((camera(), NormalPrepass), true),
+        pictures_of(camera(), true),
     ];
     assert!(films[0][6].rgba != films[0][7].rgba, "nothing moves");
     let judge_frame = |frame: usize| {

@@ -95,6 +95,18 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     found
 }
 
+/// `DIFFUSE_TRANSMISSION` for `DiffuseTransmission`.
+fn constant_name(variant: &str) -> String {
+    let mut name = String::new();
+    for c in variant.chars() {
+        if c.is_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.extend(c.to_uppercase());
+    }
+    name
+}
+
 /// Numbers of Rust's enums and flags in WGSL.
 fn numbers_of_rust() -> BTreeMap<Place, Vec<f64>> {
     const SHADING_MODELS: [ShadingModel; 7] = [
@@ -111,12 +123,12 @@ fn numbers_of_rust() -> BTreeMap<Place, Vec<f64>> {
     assert_eq!(info.variant_len(), SHADING_MODELS.len());
     let models = SHADING_MODELS.map(|model| {
         let file = "shader_library/layout/specialization.wgsl".to_string();
-        let place = (file, model.variant_name().to_uppercase());
+        let place = (file, constant_name(model.variant_name()));
         (place, (model as u32).numbers())
     });
     let targets = GBufferTargets::all().iter_names().map(|(name, target)| {
         let file = "shader_library/layout.wgsl".to_string();
-        let place = (file, format!("{name}_WRITTEN"));
+        let place = (file, format!("{name}_VALID"));
         (place, u32::from(target.bits()).numbers())
     });
     models.into_iter().chain(targets).collect()
