@@ -116,7 +116,7 @@ fn numbers_of_rust() -> BTreeMap<Place, Vec<f64>> {
     });
     let targets = GBufferTargets::all().iter_names().map(|(name, target)| {
         let file = "shader_library/layout.wgsl".to_string();
-        let place = (file, format!("{name}_WRITTEN"));
+        let place = (file, format!("{name}_VALID"));
         (place, u32::from(target.bits()).numbers())
     });
     models.into_iter().chain(targets).collect()
