@@ -2,7 +2,7 @@
 
 use bevy::shader::ShaderDefVal;
 
-use crate::view::{LightingVariant, LightingVariants, ShadingModel};
+use crate::{shading_models::MODELS, view::LightingVariants};
 
 /// Returns the definitions for the dispatch that lights the tiles with special surfaces of the kinds `shaded`. If that
 /// is empty, returns those for the dispatch over all tiles, which lists tiles with kinds in `binned`.
@@ -13,48 +13,15 @@ pub(super) fn shader_defs(binned: LightingVariants, shaded: LightingVariants) ->
             false => vec!["LISTED_VARIANTS".into()],
         };
     }
-    let has = |model| {
-        shaded
-            .each()
-            .any(|variant| variant.shading_model() == model)
-    };
+    let models = MODELS.iter().filter(|model| shaded.have(model.model));
+    let models = models.filter_map(|model| model.shader_def);
     let mut defs: Vec<ShaderDefVal> = vec!["VISITED_VARIANTS".into()];
-    let mut define = |condition: bool, name: &'static str| {
-        if condition {
-            defs.push(name.into());
-        }
-    };
-    define(
-        has(ShadingModel::Anisotropy),
-        "STANDARD_MATERIAL_ANISOTROPY",
-    );
-    define(has(ShadingModel::Clearcoat), "STANDARD_MATERIAL_CLEARCOAT");
-    define(has(ShadingModel::Rim), "SHADING_MODEL_RIM");
-    define(
-        has(ShadingModel::DiffuseTransmission),
-        "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
-    );
-    define(
-        shaded.each().any(|variant| variant.is_lightmapped()),
+    defs.extend(models.map(ShaderDefVal::from));
+    if shaded.have_lightmaps() {
         // Not `LIGHTMAP`: with it, Bevy's functions assume that all surfaces have one.
-        "LIGHTMAPPED_SURFACES",
-    );
-    defs
-}
-
-impl LightingVariants {
-    /// Each variant in the set, in the order of their numbers.
-    fn each(self) -> impl Iterator<Item = LightingVariant> {
-        use ShadingModel::{Anisotropy, Clearcoat, DiffuseTransmission, Plain, Rim};
-        [false, true].into_iter().flat_map(move |lightmapped| {
-            [Plain, Anisotropy, Rim, Clearcoat, DiffuseTransmission]
-                .map(|model| LightingVariant::new(model, lightmapped))
-                .into_iter()
-                .filter(move |variant| {
-                    *variant != LightingVariant::PLAIN && self.contains(variant.as_set())
-                })
-        })
+        defs.push("LIGHTMAPPED_SURFACES".into());
     }
+    defs
 }
 
 #[cfg(test)]
@@ -62,21 +29,11 @@ mod tests {
     use bevy::math::Vec3;
     use kit::{compute::Compute, shipped_wgsl};
 
-    use super::LightingVariant;
     use crate::{
-        shader_library::layout::specialization as special, shading_models::unlit,
-        view::ShadingModel,
+        shader_library::layout::specialization as special,
+        shading_models::{MODELS, unlit},
+        view::LightingVariant,
     };
-
-    const MODELS: [ShadingModel; 7] = [
-        ShadingModel::Plain,
-        ShadingModel::Subsurface,
-        ShadingModel::Anisotropy,
-        ShadingModel::Rim,
-        ShadingModel::Clearcoat,
-        ShadingModel::DiffuseTransmission,
-        ShadingModel::Unlit,
-    ];
 
     const KERNEL: &str = "
 #import bevy_lean_deferred::lighting::tile_list::variant_of
@@ -87,7 +44,7 @@ fn kernel(word: array<u32, 1>) -> array<u32, 1> {
     #[test]
     fn shaders_know_variants_by_the_same_numbers() {
         let mut pixels = Vec::new();
-        for shading_model in MODELS {
+        for shading_model in MODELS.map(|model| model.model) {
             for lightmap in [
                 special::LIGHTMAP_NONE,
                 special::LIGHTMAP_INCIDENT,

@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use bitflags::bitflags;
 
+pub use crate::shading_models::ShadingModel;
+
 bitflags! {
     /// Optional targets. Each exists while a visible mesh writes it, and for some frames longer, so that meshes which
     /// come and go do not recreate textures and pipelines.
@@ -21,28 +23,6 @@ bitflags! {
         /// are not on layer 0 alone, on views with a light, decal or light probe whose layers exclude some meshes.
         const VISIBILITY_MASK = 1 << 3;
     }
-}
-
-/// Reflection model of a surface, one per pixel. Forward draws materials that need two at once.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq, Hash)]
-#[repr(u8)]
-pub enum ShadingModel {
-    /// Base colour, metallic, roughness.
-    #[default]
-    Plain = 0,
-    /// Entering light scatters and leaves elsewhere. Lit as [`Plain`](Self::Plain), then scattered.
-    Subsurface = 1,
-    /// Highlights stretched along a tangent.
-    Anisotropy = 2,
-    /// A highlight along the silhouette.
-    Rim = 3,
-    /// A second, clear lobe on top.
-    Clearcoat = 4,
-    /// Light on the back side is transmitted to the front.
-    DiffuseTransmission = 5,
-    /// The base colour, regardless of light.
-    Unlit = 6,
 }
 
 /// A kind of surface that lighting treats on its own.
@@ -78,6 +58,18 @@ impl LightingVariants {
             Self::union,
         )
     }
+
+    /// True if surfaces of one of these kinds have `shading_model`.
+    pub(crate) fn have(self, shading_model: ShadingModel) -> bool {
+        let kinds =
+            [false, true].map(|lightmapped| LightingVariant::new(shading_model, lightmapped));
+        kinds.into_iter().any(|kind| self.intersects(kind.as_set()))
+    }
+
+    /// True if surfaces of one of these kinds have lightmaps.
+    pub(crate) fn have_lightmaps(self) -> bool {
+        self.bits() >> LightingVariant::LIGHTMAPPED != 0
+    }
 }
 
 impl LightingVariant {
@@ -96,6 +88,9 @@ impl LightingVariant {
     fn scattering_ones() -> LightingVariants {
         Self::SCATTERING.map(Self::as_set).into_iter().collect()
     }
+
+    /// Bit of [`index`](Self::index): the surface has a lightmap. The bits below it hold the shading model.
+    const LIGHTMAPPED: u32 = 1 << 3;
 
     /// Plain surfaces.
     pub(crate) const PLAIN: Self = Self {
@@ -118,7 +113,7 @@ impl LightingVariant {
     /// Its number in shaders; 0 for the plain kind. `variant_of` in `tile_list.wgsl` computes it, but only for
     /// [`unscattered`](Self::unscattered) kinds, which are those that lighting treats differently.
     pub(crate) fn index(self) -> u32 {
-        self.shading_model as u32 | (u32::from(self.lightmapped) << 3)
+        self.shading_model as u32 | (u32::from(self.lightmapped) * Self::LIGHTMAPPED)
     }
 
     /// The same kind without scattering.
@@ -135,14 +130,5 @@ impl LightingVariant {
     /// The set of this kind alone.
     pub(crate) fn as_set(self) -> LightingVariants {
         LightingVariants::from_bits_retain((1 << self.index()) & !1)
-    }
-
-    pub(crate) fn shading_model(self) -> ShadingModel {
-        self.shading_model
-    }
-
-    /// True if light from a lightmap is added.
-    pub(crate) fn is_lightmapped(self) -> bool {
-        self.lightmapped
     }
 }

@@ -21,6 +21,7 @@ use bevy_lean_deferred::{
     lighting::bevy_definitions::{
         OF_BINDINGS, OF_MESHES, VIEW_BITS, name_of, of_mesh_pipeline, read_by_lighting,
     },
+    shading_models::MODELS,
 };
 use covering::{Factor, covering_rows};
 use factors::{
@@ -418,6 +419,9 @@ fn every_definition_of_the_lighting_shader_is_tried() {
     assert_all_tried("pipeline.rs", pipeline, &tried);
     let variants = include_str!("../../src/lighting/variants.rs");
     assert_all_tried("variants.rs", variants, &tried);
+    for name in MODELS.iter().filter_map(|model| model.shader_def) {
+        assert!(tried.contains(name), "{name}");
+    }
     let targets = include_str!("../../src/gbuffer/targets.rs");
     assert_all_tried("targets.rs", targets, &tried);
     let channels = tried
