@@ -132,3 +132,61 @@ impl LightingVariant {
         LightingVariants::from_bits_retain((1 << self.index()) & !1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Vec3;
+    use kit::{compute::Compute, shipped_wgsl};
+
+    use super::LightingVariant;
+    use crate::{
+        shader_library::layout::specialization as special,
+        shading_models::{MODELS, unlit},
+    };
+
+    const KERNEL: &str = "
+#import bevy_lean_deferred::lighting::tile_list::variant_of
+fn kernel(word: array<u32, 1>) -> array<u32, 1> {
+    return array(variant_of(word[0]));
+}";
+
+    #[test]
+    fn shaders_know_variants_by_the_same_numbers() {
+        let mut pixels = Vec::new();
+        for shading_model in MODELS.map(|model| model.model) {
+            for lightmap in [
+                special::LIGHTMAP_NONE,
+                special::LIGHTMAP_INCIDENT,
+                special::LIGHTMAP_REFLECTED,
+            ] {
+                for flags in [0, special::NO_FOG, special::NO_SHADOWS] {
+                    let word =
+                        special::pack_specialization(0.7, shading_model as u32, lightmap | flags);
+                    let is_lightmapped = lightmap != special::LIGHTMAP_NONE;
+                    let variant = LightingVariant::new(shading_model, is_lightmapped).unscattered();
+                    pixels.push((word, variant));
+                    pixels.push((special::with_arguments(word, 0x1_ffff), variant));
+                }
+            }
+        }
+        for brightness in [0.0, 0.3, 1.0, 70.0, 3e4] {
+            let color = brightness * Vec3::new(1.0, 0.5, 0.9);
+            let word = unlit::pack_unlit(color, special::NO_FOG);
+            pixels.push((word, LightingVariant::PLAIN));
+        }
+
+        let compute = Compute::new();
+        let modules = [
+            shipped_wgsl!("shader_library/layout.wgsl"),
+            shipped_wgsl!("shader_library/layout/specialization.wgsl"),
+            shipped_wgsl!("ambient_occlusion/view.wgsl"),
+            shipped_wgsl!("lighting/bindings.wgsl"),
+            shipped_wgsl!("lighting/tile_list.wgsl"),
+        ];
+        let kernel = compute.kernel::<1, 1>(&modules, KERNEL);
+        let words: Vec<_> = pixels.iter().map(|(word, _)| [*word]).collect();
+        for ((word, variant), [device]) in pixels.into_iter().zip(kernel.run(&words)) {
+            assert_eq!(device, variant.index(), "{word:08x}, {variant:?}");
+        }
+    }
+}
