@@ -310,8 +310,8 @@ fn every_definition_of_the_occlusion_shaders_is_tried() {
     let values = ["SLICES", "STEPS", "DIVISOR"];
     let tried = &(&tried(OCCLUSION_GATHER, &values) | &tried(OCCLUSION_MERGE, &[]))
         | &tried(OCCLUSION_GATHER_SHARED, &SHARES_DEPTHS);
-    let pipelines = include_str!("../../src/ambient_occlusion/pipelines.rs");
-    assert_all_tried("pipelines.rs", pipelines, &tried);
+    let keys = include_str!("../../src/ambient_occlusion/key.rs");
+    assert_all_tried("key.rs", keys, &tried);
 }
 
 #[test]
