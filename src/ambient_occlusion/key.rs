@@ -3,7 +3,10 @@
 use bevy::{render::render_resource::TextureFormat, shader::ShaderDefVal};
 
 use super::settings::{LeanScreenSpaceAmbientOcclusion, OcclusionKernel};
-use crate::{shader_library::reconstruction::position::ProjectionKind, view::LeanResolution};
+use crate::{
+    gpu::shader_defs, shader_library::reconstruction::position::ProjectionKind,
+    view::LeanResolution,
+};
 
 /// Pipeline key of the gather.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -41,22 +44,22 @@ impl GatherKey {
         self.kernel == OcclusionKernel::Hbao && self.divisor == 1
     }
 
-    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+    /// The definitions of the compute or the raster pass.
+    pub(super) fn shader_defs(self, compute: bool) -> Vec<ShaderDefVal> {
         let (slices, steps) = self.samples;
         let mut defs = vec![
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
             ShaderDefVal::UInt("SLICES".into(), slices),
             ShaderDefVal::UInt("STEPS".into(), steps),
         ];
-        let mut define = |condition: bool, name: &'static str| {
-            if condition {
-                defs.push(name.into());
-            }
-        };
-        define(self.kernel == OcclusionKernel::Hdao, "HDAO");
-        define(self.shading_normals, "SHADING_NORMALS");
-        define(self.thin, "THIN");
-        define(self.wide, "WIDE_PATTERN");
+        defs.extend(shader_defs::of_table([
+            (compute, "COMPUTE"),
+            (compute && self.shares_depths(), "SHARED_DEPTHS"),
+            (self.kernel == OcclusionKernel::Hdao, "HDAO"),
+            (self.shading_normals, "SHADING_NORMALS"),
+            (self.thin, "THIN"),
+            (self.wide, "WIDE_PATTERN"),
+        ]));
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
     }
@@ -82,14 +85,11 @@ impl From<&LeanScreenSpaceAmbientOcclusion> for FilterKey {
 
 impl FilterKey {
     pub(crate) fn shader_defs(self) -> impl Iterator<Item = ShaderDefVal> {
-        [
+        shader_defs::of_table([
             (self.wide, "OCCLUSION_WIDE"),
             (self.edge_aware, "OCCLUSION_EDGE_AWARE"),
             (self.half, "OCCLUSION_HALF"),
-        ]
-        .into_iter()
-        .filter(|(condition, _)| *condition)
-        .map(|(_, name)| name.into())
+        ])
     }
 }
 
@@ -100,4 +100,15 @@ pub(super) struct MergeKey {
     pub(super) filter: FilterKey,
     pub(super) fog: bool,
     pub(super) debug_view: bool,
+}
+
+impl MergeKey {
+    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+        let flags = [
+            (self.fog && !self.debug_view, "DISTANCE_FOG"),
+            (self.debug_view, "DEBUG_VIEW"),
+        ];
+        let filter = self.filter.shader_defs();
+        filter.chain(shader_defs::of_table(flags)).collect()
+    }
 }

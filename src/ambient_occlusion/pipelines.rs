@@ -18,7 +18,7 @@ use bevy::{
         },
         renderer::RenderDevice,
     },
-    shader::{CachedPipelineId, ShaderDefVal},
+    shader::CachedPipelineId,
 };
 
 use super::{
@@ -166,13 +166,9 @@ impl OcclusionPipelines {
         let label = Some("lean_deferred/ambient_occlusion/gather".into());
         let found = ResolvedLayout::new(pipeline_cache, gather_layout(key, compute));
         let layouts = vec![found.descriptor().clone()];
-        let mut shader_defs = key.shader_defs();
+        let shader_defs = key.shader_defs(compute);
         let shader = self.gather_shader.clone();
         let pipeline = if compute {
-            shader_defs.push("COMPUTE".into());
-            if key.shares_depths() {
-                shader_defs.push("SHARED_DEPTHS".into());
-            }
             GatherPipeline::Compute(pipeline_cache.queue_compute_pipeline(
                 ComputePipelineDescriptor {
                     label,
@@ -212,20 +208,13 @@ impl OcclusionPipelines {
         if let Some(pipeline) = self.merges.get(&key) {
             return *pipeline;
         }
-        let mut shader_defs: Vec<ShaderDefVal> = key.filter.shader_defs().collect();
-        if key.fog && !key.debug_view {
-            shader_defs.push("DISTANCE_FOG".into());
-        }
-        if key.debug_view {
-            shader_defs.push("DEBUG_VIEW".into());
-        }
         let pipeline = pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some("lean_deferred/ambient_occlusion/merge".into()),
             layout: vec![self.merge_layout.descriptor().clone()],
             vertex: self.fullscreen.to_vertex_state(),
             fragment: Some(FragmentState {
                 shader: self.merge_shader.clone(),
-                shader_defs,
+                shader_defs: key.shader_defs(),
                 entry_point: Some("fragment".into()),
                 targets: vec![Some(ColorTargetState {
                     format: key.target,

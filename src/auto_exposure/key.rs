@@ -3,6 +3,7 @@
 use bevy::{math::UVec2, shader::ShaderDefVal};
 
 use super::{LeanAutoExposure, Metering, MeteringPattern};
+use crate::gpu::shader_defs;
 
 /// Columns of pixels that a workgroup of the first pass reads.
 pub const TILE_WIDTH: u32 = 64;
@@ -78,26 +79,19 @@ impl ExposureKey {
     /// Shader defs of both passes.
     pub fn shader_defs(self) -> Vec<ShaderDefVal> {
         let log_average = self.metering == Metering::LogAverage;
-        let weighted = self.pattern != PatternKey::Average;
-        [
+        let pattern = self.pattern;
+        let weighted = pattern != PatternKey::Average;
+        let of_products = log_average && !weighted && !self.histogram;
+        shader_defs::of_table([
             (log_average, "LOG_AVERAGE"),
+            (of_products, "LOG_OF_PRODUCTS"),
             (weighted, "WEIGHTED"),
-            (
-                log_average && !weighted && !self.histogram,
-                "LOG_OF_PRODUCTS",
-            ),
-            (
-                self.pattern == PatternKey::CenterWeighted,
-                "CENTER_WEIGHTED",
-            ),
-            (self.pattern == PatternKey::Spot, "SPOT"),
-            (self.pattern == PatternKey::Mask, "MASK"),
+            (pattern == PatternKey::CenterWeighted, "CENTER_WEIGHTED"),
+            (pattern == PatternKey::Spot, "SPOT"),
+            (pattern == PatternKey::Mask, "MASK"),
             (self.histogram, "HISTOGRAM"),
             (self.subgroups, "SUBGROUPS"),
-        ]
-        .into_iter()
-        .filter(|(condition, _)| *condition)
-        .map(|(_, name)| name.into())
+        ])
         .collect()
     }
 }

@@ -6,6 +6,7 @@
 //! - `picture_bind_groups.rs`: bind groups of passes that read the main texture.
 //! - `pipeline_watch.rs`: reports pipelines of this crate that fail to compile.
 //! - `recovery.rs`: removes from views the resources of a lost device.
+//! - `shader_defs.rs`: shader definitions by tables of conditions.
 //! - `storage_texture.rs`: textures that one pass writes and another reads.
 //! - `subgroups.rs`: subgroup support, and the smallest subgroup size.
 //! - `texture_bytes.rs`: sizes of textures in memory.
@@ -18,6 +19,7 @@ pub(crate) mod needed_limits;
 pub(crate) mod picture_bind_groups;
 pub(crate) mod pipeline_watch;
 pub(crate) mod recovery;
+pub(crate) mod shader_defs;
 pub(crate) mod storage_texture;
 pub(crate) mod subgroups;
 pub(crate) mod texture_bytes;

@@ -33,8 +33,6 @@ pub(crate) struct LightingKey {
     pub(super) clustered_lights: ClusteredLights,
     /// The kinds of lights of which some cast shadows with a shadow map.
     pub(super) shadow_maps: ShadowMaps,
-    /// The geometric normal is reconstructed from depth.
-    pub(super) geometric_normal: bool,
     pub(super) projection: ProjectionKind,
     /// Never `Auto`.
     pub(super) light_culling: LightCulling,
@@ -210,13 +208,11 @@ impl SceneFeatures<'_, '_> {
         occlusion: Option<&LeanScreenSpaceAmbientOcclusion>,
         order: &ActiveLeanView,
     ) -> LightingKey {
-        let shadow_maps = lights.shadow_maps;
         let decals_usable = self
             .mesh_pipeline
             .as_ref()
             .is_some_and(|pipeline| pipeline.clustered_decals_are_usable);
         let shows_light = !settings.shows_channel();
-        let shows_normal = settings.debug_view == Some(DebugChannel::GeometricNormal);
         let mut read_targets = GBufferTargets::LIT;
         if settings.debug_view == Some(DebugChannel::Motion) {
             read_targets |= GBufferTargets::MOTION;
@@ -224,8 +220,7 @@ impl SceneFeatures<'_, '_> {
         LightingKey {
             view: view_key & VIEW_BITS,
             clustered_lights: lights.clustered,
-            shadow_maps,
-            geometric_normal: !shadow_maps.is_empty() || shows_normal,
+            shadow_maps: lights.shadow_maps,
             projection: projection_of(clip_from_view),
             light_culling: self.light_culling(settings),
             rect_lights: !self.rect_lights.is_empty(),

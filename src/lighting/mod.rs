@@ -10,12 +10,13 @@
 //! after it. Its GPU time is recorded as `lean_deferred/lighting`.
 
 // - `features.rs`: selects the pipeline of a view from its features.
-// - `variants.rs`: shader definitions for special surfaces.
 // - `tile_list.{rs,wgsl}`: the list of tiles with special surfaces.
 // - `light_layers.{rs,wgsl}`: the layers of lights, decals and light probes, which limit the meshes that each affects.
 // - `light_layer_table.rs`: uploads these layers for the shader.
 // - `pipeline.rs`: layouts and pipelines.
-// - `bevy_definitions.rs`: shader definitions of Bevy's part of the shader.
+// - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
+// - `implied.rs`: those that follow from others.
+// - `bevy_definitions.rs`: those of Bevy's part.
 // - `inputs.rs`: the inputs, per view and of the scene.
 // - `buffers.rs`: the crate's own buffers.
 // - `bindings.rs`: bind groups, recreated only when a bound resource has changed.
@@ -44,8 +45,11 @@ pub mod bevy_definitions;
 pub mod binding_numbers;
 mod bindings;
 mod buffers;
+mod definitions;
 mod diffuse_light;
 mod features;
+#[doc(hidden)]
+pub mod implied;
 mod inputs;
 mod light_layer_table;
 mod light_layers;
@@ -55,7 +59,6 @@ mod soft_shadows;
 #[doc(hidden)]
 pub mod subsurface_light;
 mod tile_list;
-mod variants;
 mod view_entries;
 
 pub use crate::view::LightingPasses;

@@ -18,20 +18,20 @@ use bevy::{
 };
 
 use super::{
-    bevy_definitions::{self, BevyBinding, name_of, read_by_lighting},
+    bevy_definitions::{self, BevyBinding, read_by_lighting},
     binding_numbers::{arrays, targets, view},
     buffers::LightingUniform,
+    definitions::definitions,
     diffuse_light::DIFFUSE_LIGHT_FORMAT,
-    features::{ClusteredLights, LightingKey, ShadowMaps},
+    features::{LightingKey, ShadowMaps},
     light_layer_table::LightLayersTable,
     subsurface_light::{SUBSURFACE_LIGHT_FORMAT, SUBSURFACE_PICTURE_FORMAT},
     tile_list::{filling_layout, reading_layout},
-    variants,
 };
 use crate::{
     ambient_occlusion::OcclusionUniform,
     gpu::{bind_group_cache::ResolvedLayout, bindings::layout},
-    view::{GBufferTargets, LightCulling, LightingIo},
+    view::{GBufferTargets, LightingIo},
 };
 
 /// The layouts of bind groups 0 (view), 1 (probes and decals) and 2 (G-buffer and output), which all variants of a view
@@ -290,90 +290,6 @@ impl LightingPipelines {
     fn shader_defs(&self, key: LightingKey, layouts: &LightingLayouts) -> Vec<ShaderDefVal> {
         let bevys = bevy_definitions::of_mesh_pipeline(&self.mesh_pipeline, bevys_key(key));
         let bevys = read_by_lighting(bevys, |binding| layouts.has_binding(binding));
-        Self::definitions(key, bevys)
-    }
-
-    /// The definitions of a lighting shader, given those of Bevy's that it reads.
-    fn definitions(key: LightingKey, bevys: Vec<ShaderDefVal>) -> Vec<ShaderDefVal> {
-        let has = |name: &str| bevys.iter().any(|other| name_of(other) == name);
-        let mut defs = Vec::new();
-        let mut define = |condition: bool, name: &'static str| {
-            if condition {
-                defs.push(name.into());
-            }
-        };
-
-        // Bevy blends normal maps of decals only onto meshes with tangents. The G-buffer does not record tangents; most
-        // meshes under such decals have them.
-        define(has("CLUSTERED_DECALS_ARE_USABLE"), "VERTEX_TANGENTS");
-
-        define(
-            !key.shadow_maps.is_empty() || has("CONTACT_SHADOWS"),
-            "SHADOWS",
-        );
-        let lights = |kinds| key.clustered_lights.contains(kinds);
-        define(lights(ClusteredLights::ANY), "CLUSTERED_LIGHTS");
-        define(lights(ClusteredLights::SPOT), "SPOT_LIGHTS");
-        define(lights(ClusteredLights::SPHERE), "SPHERE_LIGHTS");
-        let casts = |kinds| key.shadow_maps.intersects(kinds);
-        define(casts(ShadowMaps::DIRECTIONAL), "DIRECTIONAL_SHADOW_MAPS");
-        define(casts(ShadowMaps::POINT), "POINT_SHADOW_MAPS");
-        define(casts(ShadowMaps::SPOT), "SPOT_SHADOW_MAPS");
-        define(
-            casts(ShadowMaps::POINT | ShadowMaps::SPOT),
-            "CLUSTERED_SHADOW_MAPS",
-        );
-        define(casts(ShadowMaps::SOFT), "SOFT_SHADOWS");
-        define(key.geometric_normal, "GEOMETRIC_NORMAL");
-        if let Some(projection) = key.projection.shader_def() {
-            define(true, projection);
-            define(true, "PROJECTION_IS_AFFINE");
-        }
-        define(key.light_culling != LightCulling::PerPixel, "LIGHT_CULLING");
-        define(
-            key.light_culling == LightCulling::Subgroup,
-            "LIGHT_CULLING_BY_SUBGROUPS",
-        );
-
-        define(!key.targets.is_empty(), "GBUFFER_VALID_MASK");
-        for target in key.targets {
-            define(true, target.shader_def());
-        }
-        define(key.light_layers, "LIGHT_LAYERS");
-        let shows_occlusion = key.occlusion.is_some_and(|occlusion| occlusion.debug_view);
-        let shows_channel = key.debug_view.is_some_and(|channel| !channel.is_light());
-        define(!shows_channel && !shows_occlusion, "SHOWS_LIGHT");
-        define(shows_channel, "DEBUG_VIEW");
-        define(
-            key.debug_view.is_some() && !shows_channel,
-            "SHOWS_PART_OF_LIGHT",
-        );
-        if let Some(channel) = key.debug_view {
-            define(true, channel.shader_def());
-        }
-
-        let has_io = |what| key.io.contains(what);
-        define(has_io(LightingIo::DIFFUSE_LIGHT), "DIFFUSE_LIGHT");
-        define(key.scatters, "SCATTERS_LIGHT");
-        define(has_io(LightingIo::INDIRECT_SPECULAR), "INDIRECT_SPECULAR");
-        define(has_io(LightingIo::INDIRECT_DIFFUSE), "INDIRECT_DIFFUSE");
-        define(key.io.intersects(LightingIo::INDIRECT), "INDIRECT_LIGHT");
-
-        define(
-            key.occlusion.is_some()
-                || has("SCREEN_SPACE_AMBIENT_OCCLUSION")
-                || has_io(LightingIo::INDIRECT_DIFFUSE),
-            "APPLIES_VISIBILITY",
-        );
-        if let Some(occlusion) = key.occlusion {
-            define(true, "LEAN_AMBIENT_OCCLUSION");
-            define(occlusion.multibounce, "OCCLUSION_MULTIBOUNCE");
-            define(occlusion.direct_light, "OCCLUSION_OF_DIRECT_LIGHT");
-            define(occlusion.debug_view, "OCCLUSION_DEBUG_VIEW");
-            defs.extend(occlusion.filter.shader_defs());
-        }
-        defs.extend(variants::shader_defs(key.binned, key.shaded));
-        defs.extend(bevys);
-        defs
+        definitions(key, bevys)
     }
 }

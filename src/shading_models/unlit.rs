@@ -7,10 +7,8 @@
 
 use bevy::math::Vec3;
 
-use crate::{
-    shader_library::layout::{quantize_roots, specialization::NO_FOG},
-    view::ShadingModel,
-};
+use super::table::ShadingModel;
+use crate::shader_library::layout::{quantize_roots, specialization::NO_FOG};
 
 /// Largest channel of an unlit colour that is stored.
 pub const LARGEST_UNLIT: f32 = 32768.0;

@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use bitflags::bitflags;
 
+pub use crate::shading_models::ShadingModel;
+
 bitflags! {
     /// Optional targets. Each exists while a visible mesh writes it, and for some frames longer, so that meshes which
     /// come and go do not recreate textures and pipelines.
@@ -21,28 +23,6 @@ bitflags! {
         /// are not on layer 0 alone, on views with a light, decal or light probe whose layers exclude some meshes.
         const VISIBILITY_MASK = 1 << 3;
     }
-}
-
-/// Reflection model of a surface, one per pixel. Forward draws materials that need two at once.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Clone, PartialEq, Hash)]
-#[repr(u8)]
-pub enum ShadingModel {
-    /// Base colour, metallic, roughness.
-    #[default]
-    Plain = 0,
-    /// Entering light scatters and leaves elsewhere. Lit as [`Plain`](Self::Plain), then scattered.
-    Subsurface = 1,
-    /// Highlights stretched along a tangent.
-    Anisotropy = 2,
-    /// A highlight along the silhouette.
-    Rim = 3,
-    /// A second, clear lobe on top.
-    Clearcoat = 4,
-    /// Light on the back side is transmitted to the front.
-    DiffuseTransmission = 5,
-    /// The base colour, regardless of light.
-    Unlit = 6,
 }
 
 /// A kind of surface that lighting treats on its own.
@@ -78,6 +58,18 @@ impl LightingVariants {
             Self::union,
         )
     }
+
+    /// True if surfaces of one of these kinds have `shading_model`.
+    pub(crate) fn have(self, shading_model: ShadingModel) -> bool {
+        let kinds =
+            [false, true].map(|lightmapped| LightingVariant::new(shading_model, lightmapped));
+        kinds.into_iter().any(|kind| self.intersects(kind.as_set()))
+    }
+
+    /// True if surfaces of one of these kinds have lightmaps.
+    pub(crate) fn have_lightmaps(self) -> bool {
+        self.bits() >> LightingVariant::LIGHTMAPPED != 0
+    }
 }
 
 impl LightingVariant {
@@ -96,6 +88,9 @@ impl LightingVariant {
     fn scattering_ones() -> LightingVariants {
         Self::SCATTERING.map(Self::as_set).into_iter().collect()
     }
+
+    /// Bit of [`index`](Self::index): the surface has a lightmap. The bits below it hold the shading model.
+    const LIGHTMAPPED: u32 = 1 << 3;
 
     /// Plain surfaces.
     pub(crate) const PLAIN: Self = Self {
@@ -118,7 +113,7 @@ impl LightingVariant {
     /// Its number in shaders; 0 for the plain kind. `variant_of` in `tile_list.wgsl` computes it, but only for
     /// [`unscattered`](Self::unscattered) kinds, which are those that lighting treats differently.
     pub(crate) fn index(self) -> u32 {
-        self.shading_model as u32 | (u32::from(self.lightmapped) << 3)
+        self.shading_model as u32 | (u32::from(self.lightmapped) * Self::LIGHTMAPPED)
     }
 
     /// The same kind without scattering.
@@ -136,13 +131,62 @@ impl LightingVariant {
     pub(crate) fn as_set(self) -> LightingVariants {
         LightingVariants::from_bits_retain((1 << self.index()) & !1)
     }
+}
 
-    pub(crate) fn shading_model(self) -> ShadingModel {
-        self.shading_model
-    }
+#[cfg(test)]
+mod tests {
+    use bevy::math::Vec3;
+    use kit::{compute::Compute, shipped_wgsl};
 
-    /// True if light from a lightmap is added.
-    pub(crate) fn is_lightmapped(self) -> bool {
-        self.lightmapped
+    use super::LightingVariant;
+    use crate::{
+        shader_library::layout::specialization as special,
+        shading_models::{MODELS, unlit},
+    };
+
+    const KERNEL: &str = "
+#import bevy_lean_deferred::lighting::tile_list::variant_of
+fn kernel(word: array<u32, 1>) -> array<u32, 1> {
+    return array(variant_of(word[0]));
+}";
+
+    #[test]
+    fn shaders_know_variants_by_the_same_numbers() {
+        let mut pixels = Vec::new();
+        for shading_model in MODELS.map(|model| model.model) {
+            for lightmap in [
+                special::LIGHTMAP_NONE,
+                special::LIGHTMAP_INCIDENT,
+                special::LIGHTMAP_REFLECTED,
+            ] {
+                for flags in [0, special::NO_FOG, special::NO_SHADOWS] {
+                    let word =
+                        special::pack_specialization(0.7, shading_model as u32, lightmap | flags);
+                    let is_lightmapped = lightmap != special::LIGHTMAP_NONE;
+                    let variant = LightingVariant::new(shading_model, is_lightmapped).unscattered();
+                    pixels.push((word, variant));
+                    pixels.push((special::with_arguments(word, 0x1_ffff), variant));
+                }
+            }
+        }
+        for brightness in [0.0, 0.3, 1.0, 70.0, 3e4] {
+            let color = brightness * Vec3::new(1.0, 0.5, 0.9);
+            let word = unlit::pack_unlit(color, special::NO_FOG);
+            pixels.push((word, LightingVariant::PLAIN));
+        }
+
+        let compute = Compute::new();
+        let modules = [
+            shipped_wgsl!("shader_library/layout.wgsl"),
+            shipped_wgsl!("shader_library/layout/specialization.wgsl"),
+            shipped_wgsl!("ambient_occlusion/view.wgsl"),
+            shipped_wgsl!("lighting/bindings.wgsl"),
+            shipped_wgsl!("lighting/tile_list.wgsl"),
+        ];
+        let kernel = compute.kernel::<1, 1>(&modules, KERNEL);
+        let words: Vec<_> = pixels.iter().map(|(word, _)| [*word]).collect();
+        for ((word, variant), [device]) in pixels.into_iter().zip(kernel.run(&words)) {
+            assert_eq!(device, variant.index(), "{word:08x}, {variant:?}");
+        }
     }
 }

@@ -18,14 +18,18 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     DebugChannel,
-    lighting::bevy_definitions::{
-        OF_BINDINGS, OF_MESHES, VIEW_BITS, name_of, of_mesh_pipeline, read_by_lighting,
+    lighting::{
+        bevy_definitions::{
+            OF_BINDINGS, OF_MESHES, VIEW_BITS, name_of, of_mesh_pipeline, read_by_lighting,
+        },
+        implied::{self, implied_by},
     },
+    shading_models::MODELS,
 };
 use covering::{Factor, covering_rows};
 use factors::{
     EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
-    OCCLUSION_MERGE, SHARES_DEPTHS, implications, occurs,
+    OCCLUSION_MERGE, SHARES_DEPTHS, definitions, with_implied,
 };
 use kit::headless::Headless;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -42,25 +46,6 @@ pub fn definition(text: &str) -> (String, ShaderDefValue) {
         }
         None => (text.to_string(), ShaderDefValue::Bool(true)),
     }
-}
-
-/// The definitions of a row, and those that are `always` set.
-fn definitions(row: &[&[&'static str]], always: &[&'static str]) -> Definitions {
-    let mut defs: Definitions = row
-        .iter()
-        .copied()
-        .flatten()
-        .flat_map(|name| implications(name).iter().chain([name]))
-        .chain(always)
-        .map(|name| definition(name))
-        .collect();
-    // Optional targets come with a definition that says which of them are written.
-    if defs.keys().any(|name| name.starts_with("GBUFFER_")) {
-        defs.extend([definition("GBUFFER_VALID_MASK")]);
-    }
-    let names: HashSet<String> = defs.keys().cloned().collect();
-    defs.retain(|name, _| occurs(name, |other| names.contains(other)));
-    defs
 }
 
 /// The shader modules of a running app, by their import name.
@@ -148,7 +133,8 @@ fn check_permutations(
     let mut modules = Modules::new();
     let mut permutations = Vec::new();
     for row in covering_rows(factors) {
-        let mut defs = definitions(&row, always);
+        let row = definitions(&row, always);
+        let mut defs: Definitions = row.into_iter().map(definition).collect();
         defs.extend(
             values
                 .iter()
@@ -279,43 +265,38 @@ fn exposure_permutations_validate() {
     }
 }
 
-/// Names in the factors, and their implications.
-fn tried<'a>(factors: &[Factor], always: &[&'a str]) -> HashSet<&'a str> {
-    factors
+/// Names in the factors, and those that they imply.
+fn tried(factors: &[Factor], always: &[&'static str]) -> HashSet<&'static str> {
+    let names = factors
         .iter()
         .copied()
         .flatten()
         .copied()
         .flatten()
-        .flat_map(|name| implications(name).iter().chain([name]))
-        .map(|name| name.split_once('=').map_or(*name, |(name, _)| name))
-        .chain(always.iter().copied())
+        .copied();
+    with_implied(names.chain(always.iter().copied()))
+        .into_iter()
+        .map(|name| name.split_once('=').map_or(name, |(name, _)| name))
         .collect()
 }
 
-/// Definitions that a source names, each with the text before it.
-fn named(source: &str) -> impl Iterator<Item = (&str, &str)> {
-    let is_definition = |text: &str| {
+/// Definitions that a source names. Names that end in `_` are the beginnings of several.
+fn named(source: &str) -> impl Iterator<Item = &str> {
+    let is_definition = |text: &&str| {
         !text.is_empty()
+            && !text.ends_with('_')
             && text
                 .chars()
                 .all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
     };
     // Every second part is text between quotes.
-    let parts: Vec<&str> = source.split('"').collect();
-    let pairs: Vec<_> = parts
-        .chunks_exact(2)
-        .map(|pair| (pair[0], pair[1]))
-        .collect();
-    pairs
-        .into_iter()
-        .filter(move |(_, text)| is_definition(text))
+    let parts = source.split('"').skip(1).step_by(2);
+    parts.filter(is_definition)
 }
 
 /// Panics if `pipeline` names a definition that is not tried.
 fn assert_all_tried(path: &str, pipeline: &str, tried: &HashSet<&str>) {
     let unknown: Vec<&str> = named(pipeline)
-        .map(|(_, name)| name)
         .filter(|name| !tried.contains(name))
         .collect();
     assert!(
@@ -329,8 +310,8 @@ fn every_definition_of_the_occlusion_shaders_is_tried() {
     let values = ["SLICES", "STEPS", "DIVISOR"];
     let tried = &(&tried(OCCLUSION_GATHER, &values) | &tried(OCCLUSION_MERGE, &[]))
         | &tried(OCCLUSION_GATHER_SHARED, &SHARES_DEPTHS);
-    let pipelines = include_str!("../../src/ambient_occlusion/pipelines.rs");
-    assert_all_tried("pipelines.rs", pipelines, &tried);
+    let keys = include_str!("../../src/ambient_occlusion/key.rs");
+    assert_all_tried("key.rs", keys, &tried);
 }
 
 #[test]
@@ -385,7 +366,7 @@ fn bevys_bindings_that_are_left_out_are_not_read() {
     }
 }
 
-/// The Rust side of the lighting shader passes Bevy's definitions on as they are: it names none, so it adds none by a rule of its own.
+/// The Rust side of the lighting shader passes Bevy's definitions on as they are: it sets none by a rule of its own.
 #[test]
 fn bevys_definitions_are_tried_and_not_restated() {
     let bevys = bevys_definitions();
@@ -394,30 +375,23 @@ fn bevys_definitions_are_tried_and_not_restated() {
         let is_of_meshes = OF_MESHES.contains(&name.as_str());
         assert_ne!(is_of_meshes, tried.contains(name.as_str()), "{name}");
     }
-    for source in [
-        include_str!("../../src/lighting/pipeline.rs"),
-        include_str!("../../src/lighting/variants.rs"),
-    ] {
-        for (before, name) in named(source) {
-            let is_asked_for = before.ends_with("has(");
-            assert!(
-                is_asked_for || !bevys.contains(name),
-                "{name} is defined anew"
-            );
-        }
+    let set = named(include_str!("../../src/lighting/definitions.rs"));
+    let implied = tried.iter().flat_map(|name| implied_by(name)).copied();
+    for name in set.chain(implied) {
+        assert!(!bevys.contains(name), "{name} is defined anew");
     }
 }
 
 #[test]
 fn every_definition_of_the_lighting_shader_is_tried() {
-    let tried = tried(
-        LIGHTING,
-        &["DEPTH_PREPASS", "GBUFFER_VALID_MASK", "SHOWS_LIGHT"],
-    );
-    let pipeline = include_str!("../../src/lighting/pipeline.rs");
-    assert_all_tried("pipeline.rs", pipeline, &tried);
-    let variants = include_str!("../../src/lighting/variants.rs");
-    assert_all_tried("variants.rs", variants, &tried);
+    let tried = tried(LIGHTING, &["DEPTH_PREPASS", "SHOWS_LIGHT"]);
+    let definitions = include_str!("../../src/lighting/definitions.rs");
+    assert_all_tried("definitions.rs", definitions, &tried);
+    let implied = include_str!("../../src/lighting/implied.rs");
+    assert_all_tried("implied.rs", implied, &tried);
+    for name in MODELS.iter().filter_map(|model| model.shader_def) {
+        assert!(tried.contains(name), "{name}");
+    }
     let targets = include_str!("../../src/gbuffer/targets.rs");
     assert_all_tried("targets.rs", targets, &tried);
     let channels = tried

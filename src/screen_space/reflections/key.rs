@@ -3,7 +3,7 @@
 use bevy::shader::ShaderDefVal;
 
 use super::settings::Marches;
-use crate::shader_library::reconstruction::position::ProjectionKind;
+use crate::{gpu::shader_defs, shader_library::reconstruction::position::ProjectionKind};
 
 /// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,12 +28,10 @@ impl ReflectionKey {
             ShaderDefVal::UInt("SMOOTH_STEPS".into(), marches.smooth_steps),
             ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
         ];
-        if self.specialization {
-            defs.push("SPECIALIZATION".into());
-        }
-        if self.shown {
-            defs.push("SHOWN".into());
-        }
+        defs.extend(shader_defs::of_table([
+            (self.specialization, "SPECIALIZATION"),
+            (self.shown, "SHOWN"),
+        ]));
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
     }

@@ -2,11 +2,11 @@
 
 use bevy::math::Vec3;
 use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
-use bevy_lean_deferred::shading_models::{diffuse_transmission, rim, subsurface, unlit};
+use bevy_lean_deferred::shading_models::{MODELS, diffuse_transmission, rim, subsurface, unlit};
 
 use super::{
     BATCH, MODULES,
-    forms::{FORMS, Field, Form, Values},
+    forms::{FORMS, Field, Form, Values, named},
     stored_normal,
 };
 use kit::{compute::Compute, random::Random};
@@ -243,6 +243,18 @@ fn device_and_twin_pack_alike() {
                 "{tie_count} are too many to be ties"
             );
         }
+    }
+}
+
+/// Each bit is set for some values, and none beyond them.
+#[test]
+fn arguments_take_the_bits_of_the_table() {
+    let values = hostile_values(&mut Random::new(99));
+    for model in MODELS.iter().filter(|model| model.argument_bits > 0) {
+        let form = named(&model.name.to_lowercase());
+        let words = values.iter().map(|values| (form.pack)(*values));
+        let used = words.fold(0u32, |used, word| used | word);
+        assert_eq!(used, (1 << model.argument_bits) - 1, "{}", form.name);
     }
 }
 

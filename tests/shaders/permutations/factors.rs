@@ -1,6 +1,8 @@
 //! The definitions that Bevy and the crate compile shaders with. `NAME` is true, `NAME=1` an unsigned number.
 
-use super::covering::Factor;
+use std::collections::HashSet;
+
+use super::{covering::Factor, implied::implied_by};
 
 /// With or without the definitions.
 macro_rules! optional {
@@ -9,7 +11,7 @@ macro_rules! optional {
     };
 }
 
-/// Definitions of `LightingPipelines::shader_defs` for any view. `implications` adds those that never occur alone.
+/// Definitions of the lighting shader for any view: those of `lighting/definitions.rs`, and Bevy's. `definitions` adds what they imply.
 pub const LIGHTING: &[Factor] = &[
     optional!("ENVIRONMENT_MAP"),
     // Irradiance volumes are not usable on the web, whatever the view has.
@@ -48,12 +50,8 @@ pub const LIGHTING: &[Factor] = &[
     optional!("MULTIPLE_LIGHT_PROBES_IN_ARRAY"),
     &[
         &[],
-        &["CLUSTERED_DECALS_ARE_USABLE", "VERTEX_TANGENTS"],
-        &[
-            "CLUSTERED_DECALS_ARE_USABLE",
-            "LIGHT_TEXTURES",
-            "VERTEX_TANGENTS",
-        ],
+        &["CLUSTERED_DECALS_ARE_USABLE"],
+        &["CLUSTERED_DECALS_ARE_USABLE", "LIGHT_TEXTURES"],
     ],
     &[
         &[],
@@ -107,8 +105,7 @@ pub const LIGHTING: &[Factor] = &[
     WHAT_IS_LIT,
 ];
 
-/// Debug channels are shown for all surfaces alike; otherwise a dispatch may list special surfaces, or light them
-/// (`variants::shader_defs`).
+/// Debug channels are shown for all surfaces alike; otherwise a dispatch may list special surfaces, or light them.
 const WHAT_IS_LIT: Factor = &[
     &[],
     &["DEBUG_ALBEDO"],
@@ -339,18 +336,10 @@ pub const EXPOSURE: &[Factor] = &[
     optional!("SUBGROUPS"),
 ];
 
-/// Definitions that come with `name`.
-pub fn implications(name: &str) -> &'static [&'static str] {
+/// Definitions that never occur without others of the view, mesh or device: with `name` come these.
+fn implications(name: &str) -> &'static [&'static str] {
     match name {
-        "SCREEN_SPACE_AMBIENT_OCCLUSION" | "LEAN_AMBIENT_OCCLUSION" => &["APPLIES_VISIBILITY"],
         "SPOT_LIGHTS" | "SPHERE_LIGHTS" => &["CLUSTERED_LIGHTS"],
-        "PROJECTION_PERSPECTIVE" | "PROJECTION_ORTHOGRAPHIC" => &["PROJECTION_IS_AFFINE"],
-        "CONTACT_SHADOWS" => &["SHADOWS"],
-        "DIRECTIONAL_SHADOW_MAPS" => &["SHADOWS", "GEOMETRIC_NORMAL"],
-        "POINT_SHADOW_MAPS" | "SPOT_SHADOW_MAPS" => {
-            &["SHADOWS", "CLUSTERED_SHADOW_MAPS", "GEOMETRIC_NORMAL"]
-        }
-        "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "GEOMETRIC_NORMAL"],
         // Decals are bound in arrays, on devices that bind light probes in arrays too.
         "CLUSTERED_DECALS_ARE_USABLE" => &["MULTIPLE_LIGHT_PROBES_IN_ARRAY"],
         "VERTEX_UVS_A" | "VERTEX_UVS_B" => &["VERTEX_UVS"],
@@ -363,16 +352,36 @@ pub fn implications(name: &str) -> &'static [&'static str] {
         "STANDARD_MATERIAL_CLEARCOAT" | "STANDARD_MATERIAL_ANISOTROPY" => {
             &["GBUFFER_SPECIALIZATION"]
         }
-        "DEBUG_DIFFUSE_LIGHT" | "DEBUG_SPECULAR_LIGHT" => &["SHOWS_PART_OF_LIGHT"],
-        "INDIRECT_SPECULAR" => &["INDIRECT_LIGHT"],
-        "INDIRECT_DIFFUSE" => &["INDIRECT_LIGHT", "APPLIES_VISIBILITY"],
-        name if name.starts_with("DEBUG_") => &["DEBUG_VIEW"],
         _ => &[],
     }
 }
 
+/// The names with all that they imply, in the crate's own rules and in those above.
+pub fn with_implied(names: impl IntoIterator<Item = &'static str>) -> HashSet<&'static str> {
+    let mut all: HashSet<&'static str> = names.into_iter().collect();
+    // What is implied may imply more.
+    for _ in 0..2 {
+        let more = all
+            .iter()
+            .flat_map(|name| implications(name).iter().chain(implied_by(name)));
+        let more: Vec<&'static str> = more.copied().collect();
+        all.extend(more);
+    }
+    all
+}
+
+/// The definitions of a row of choices, with those that are `always` set.
+pub fn definitions(row: &[&[&'static str]], always: &[&'static str]) -> HashSet<&'static str> {
+    let chosen = row.iter().copied().flatten().copied();
+    let all = with_implied(chosen.chain(always.iter().copied()));
+    let occur = all
+        .iter()
+        .filter(|name| occurs(name, |other| all.contains(other)));
+    occur.copied().collect()
+}
+
 /// True if `name` occurs together with the definitions that the view, mesh or device `has`.
-pub fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
+fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
     match name {
         // Added by `material_texture_defs`.
         "PBR_SPECULAR_TEXTURES_SUPPORTED"

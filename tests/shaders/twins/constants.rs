@@ -19,7 +19,7 @@ use bevy_lean_deferred::{
         reconstruction::position,
         tiles,
     },
-    shading_models::{anisotropy, diffuse_transmission, subsurface, unlit},
+    shading_models::{MODELS, anisotropy, diffuse_transmission, subsurface, unlit},
 };
 use naga::{Expression, Handle, Literal, Module, TypeInner};
 
@@ -95,36 +95,14 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     found
 }
 
-/// `DIFFUSE_TRANSMISSION` for `DiffuseTransmission`.
-fn constant_name(variant: &str) -> String {
-    let mut name = String::new();
-    for c in variant.chars() {
-        if c.is_uppercase() && !name.is_empty() {
-            name.push('_');
-        }
-        name.extend(c.to_uppercase());
-    }
-    name
-}
-
 /// Numbers of Rust's enums and flags in WGSL.
 fn numbers_of_rust() -> BTreeMap<Place, Vec<f64>> {
-    const SHADING_MODELS: [ShadingModel; 7] = [
-        ShadingModel::Plain,
-        ShadingModel::Subsurface,
-        ShadingModel::Anisotropy,
-        ShadingModel::Rim,
-        ShadingModel::Clearcoat,
-        ShadingModel::DiffuseTransmission,
-        ShadingModel::Unlit,
-    ];
-    let [first, ..] = SHADING_MODELS;
-    let info = first.get_represented_enum_info().expect("it is an enum");
-    assert_eq!(info.variant_len(), SHADING_MODELS.len());
-    let models = SHADING_MODELS.map(|model| {
+    let info = ShadingModel::Plain.get_represented_enum_info();
+    assert_eq!(info.expect("it is an enum").variant_len(), MODELS.len());
+    let models = MODELS.map(|model| {
         let file = "shader_library/layout/specialization.wgsl".to_string();
-        let place = (file, constant_name(model.variant_name()));
-        (place, (model as u32).numbers())
+        let place = (file, model.name.to_string());
+        (place, (model.model as u32).numbers())
     });
     let targets = GBufferTargets::all().iter_names().map(|(name, target)| {
         let file = "shader_library/layout.wgsl".to_string();
@@ -222,6 +200,24 @@ fn constants_have_one_value() {
         left_out.is_empty(),
         "Rust beside these has constants of the same names: {left_out:#?}"
     );
+}
+
+/// Special shading models have a file each, and the colours of the table in the debug view.
+#[test]
+fn special_shading_models_have_a_file_and_a_color() {
+    let files = shipped::wgsl();
+    let debug_view = &files["lighting/debug_view.wgsl"];
+    let special = MODELS
+        .iter()
+        .filter_map(|model| Some((model.name, model.debug_color?)));
+    for (name, [r, g, b]) in special.clone() {
+        let file = format!("shading_models/{}.wgsl", name.to_lowercase());
+        assert!(files.contains_key(&file), "{file}");
+        let case = format!("case specialization::{name}: {{ return vec3({r:?}, {g:?}, {b:?}); }}");
+        assert!(debug_view.contains(&case), "{case}");
+    }
+    let cases = debug_view.matches("case specialization::");
+    assert_eq!(cases.count(), special.count());
 }
 
 /// Relations between constants that other code relies on.

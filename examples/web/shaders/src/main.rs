@@ -9,6 +9,8 @@ extern crate self as kit;
 mod covering;
 #[path = "../../../../tests/shaders/permutations/factors.rs"]
 mod factors;
+#[path = "../../../../src/lighting/implied.rs"]
+mod implied;
 mod modules;
 #[path = "../../../../kit/src/random.rs"]
 pub mod random;

@@ -1,7 +1,5 @@
 //! The shaders, and the definitions that they are composed under: those of `tests/shaders`.
 
-use std::collections::HashSet;
-
 use naga_oil::compose::ShaderDefValue;
 
 use super::{
@@ -9,7 +7,7 @@ use super::{
     covering::{Factor, covering_rows},
     factors::{
         EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
-        OCCLUSION_MERGE, SHARES_DEPTHS, implications, occurs,
+        OCCLUSION_MERGE, SHARES_DEPTHS, definitions,
     },
 };
 
@@ -57,20 +55,11 @@ fn rows(factors: &[Factor], always: &str) -> Vec<Definitions> {
     let always: Vec<&'static str> = always.to_string().leak().split_whitespace().collect();
     let mut permutations: Vec<Definitions> = Vec::new();
     for row in covering_rows(factors) {
-        let mut definitions: Definitions = row
-            .iter()
-            .copied()
-            .flatten()
-            .flat_map(|name| implications(name).iter().chain([name]))
-            .chain(&always)
+        let definitions: Definitions = definitions(&row, &always)
+            .into_iter()
             .filter(|name| !NOT_IN_BROWSERS.contains(name))
-            .map(|name| definition(name))
+            .map(definition)
             .collect();
-        if definitions.keys().any(|name| name.starts_with("GBUFFER_")) {
-            definitions.extend([definition("GBUFFER_VALID_MASK")]);
-        }
-        let names: HashSet<String> = definitions.keys().cloned().collect();
-        definitions.retain(|name, _| occurs(name, |other| names.contains(other)));
         if !permutations.contains(&definitions) {
             permutations.push(definitions);
         }

@@ -1,0 +1,11 @@
+//! Shader definitions by tables of conditions.
+
+use bevy::shader::ShaderDefVal;
+
+/// The definitions of a table whose conditions hold.
+pub(crate) fn of_table(
+    table: impl IntoIterator<Item = (bool, &'static str)>,
+) -> impl Iterator<Item = ShaderDefVal> {
+    let set = table.into_iter().filter(|(condition, _)| *condition);
+    set.map(|(_, name)| name.into())
+}

@@ -1,0 +1,84 @@
+//! The shader definitions of lighting.
+
+use std::collections::BTreeSet;
+
+use bevy::shader::ShaderDefVal;
+
+use super::{
+    bevy_definitions::name_of,
+    features::{ClusteredLights, LightingKey, OcclusionKey, ShadowMaps},
+    implied::implied_by,
+};
+use crate::{
+    gpu::shader_defs,
+    shading_models::MODELS,
+    view::{DebugChannel, GBufferTargets, LightCulling, LightingIo},
+};
+
+/// The definitions that fields of `key` set, each with its condition. [`implied_by`] adds those that follow.
+fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
+    let lights = |kinds| key.clustered_lights.contains(kinds);
+    let casts = |kinds| key.shadow_maps.contains(kinds);
+    let culling = key.light_culling;
+    let io = |what| key.io.contains(what);
+    let occlusion = |is_set: fn(OcclusionKey) -> bool| key.occlusion.is_some_and(is_set);
+    let shows_occlusion = occlusion(|occlusion| occlusion.debug_view);
+    let shows_channel = key.debug_view.is_some_and(|channel| !channel.is_light());
+    let over_all_tiles = key.shaded.is_empty();
+    [
+        (lights(ClusteredLights::ANY), "CLUSTERED_LIGHTS"),
+        (lights(ClusteredLights::SPOT), "SPOT_LIGHTS"),
+        (lights(ClusteredLights::SPHERE), "SPHERE_LIGHTS"),
+        (casts(ShadowMaps::DIRECTIONAL), "DIRECTIONAL_SHADOW_MAPS"),
+        (casts(ShadowMaps::POINT), "POINT_SHADOW_MAPS"),
+        (casts(ShadowMaps::SPOT), "SPOT_SHADOW_MAPS"),
+        (casts(ShadowMaps::SOFT), "SOFT_SHADOWS"),
+        (culling != LightCulling::PerPixel, "LIGHT_CULLING"),
+        (
+            culling == LightCulling::Subgroup,
+            "LIGHT_CULLING_BY_SUBGROUPS",
+        ),
+        (key.light_layers, "LIGHT_LAYERS"),
+        (!shows_channel && !shows_occlusion, "SHOWS_LIGHT"),
+        (io(LightingIo::DIFFUSE_LIGHT), "DIFFUSE_LIGHT"),
+        (key.scatters, "SCATTERS_LIGHT"),
+        (io(LightingIo::INDIRECT_SPECULAR), "INDIRECT_SPECULAR"),
+        (io(LightingIo::INDIRECT_DIFFUSE), "INDIRECT_DIFFUSE"),
+        (key.occlusion.is_some(), "LEAN_AMBIENT_OCCLUSION"),
+        (
+            occlusion(|occlusion| occlusion.multibounce),
+            "OCCLUSION_MULTIBOUNCE",
+        ),
+        (
+            occlusion(|occlusion| occlusion.direct_light),
+            "OCCLUSION_OF_DIRECT_LIGHT",
+        ),
+        (shows_occlusion, "OCCLUSION_DEBUG_VIEW"),
+        // The dispatch over all tiles lists those with special surfaces; another one lights the list.
+        (over_all_tiles && !key.binned.is_empty(), "LISTED_VARIANTS"),
+        (!over_all_tiles, "VISITED_VARIANTS"),
+        // Not `LIGHTMAP`: with it, Bevy's functions assume that all surfaces have one.
+        (key.shaded.have_lightmaps(), "LIGHTMAPPED_SURFACES"),
+    ]
+}
+
+/// The definitions of the lighting shader for `key`, given those of Bevy's that it reads.
+pub(super) fn definitions(key: LightingKey, bevys: Vec<ShaderDefVal>) -> Vec<ShaderDefVal> {
+    let models = MODELS.iter().filter(|model| key.shaded.have(model.model));
+    let names = (key.projection.shader_def().into_iter())
+        .chain(key.targets.iter().map(GBufferTargets::shader_def))
+        .chain(key.debug_view.map(DebugChannel::shader_def))
+        .chain(models.filter_map(|model| model.shader_def));
+    let filter = key
+        .occlusion
+        .map(|occlusion| occlusion.filter.shader_defs());
+    let mut defs: Vec<ShaderDefVal> = shader_defs::of_table(table(key))
+        .chain(names.map(ShaderDefVal::from))
+        .chain(filter.into_iter().flatten())
+        .chain(bevys)
+        .collect();
+    let implied = defs.iter().flat_map(|def| implied_by(name_of(def)));
+    let implied: BTreeSet<&str> = implied.copied().collect();
+    defs.extend(implied.into_iter().map(ShaderDefVal::from));
+    defs
+}
