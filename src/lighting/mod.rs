@@ -60,7 +60,7 @@ mod view_entries;
 
 pub use crate::view::LightingPasses;
 // For tests and benches.
-pub(crate) use features::{LightingKey, SceneFeatures};
+pub(crate) use features::{LightingKey, SceneFeatures, SceneLights};
 pub(crate) use pass::lighting_pass;
 pub(crate) use pipeline::LightingPipelines;
 pub(crate) use subsurface_light::{
