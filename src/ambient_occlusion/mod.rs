@@ -32,7 +32,6 @@
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
 // - `hbao.wgsl`, `hdao.wgsl`: the kernels.
 // - `gather.wgsl`: entry points of the kernels.
-// - `filter.wgsl`: the filter, for the merge and for the lighting pass.
 // - `merge.wgsl`: filters occlusion and darkens the picture by it.
 
 mod active;
@@ -85,10 +84,9 @@ use crate::{
     },
 };
 
-/// Loads the modules that the lighting pass imports. Bevy needs them even if nothing uses occlusion.
+/// Loads the module that the lighting pass imports. Bevy needs it even if nothing uses occlusion.
 pub(crate) fn load_shader_library(app: &mut App) {
     load_shader_library!(app, "view.wgsl");
-    load_shader_library!(app, "filter.wgsl");
 }
 
 /// Adds ambient occlusion for cameras with [`LeanScreenSpaceAmbientOcclusion`]. Part of
