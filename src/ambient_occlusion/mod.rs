@@ -61,7 +61,6 @@ pub use {
 
 pub(crate) use key::FilterKey;
 pub(crate) use pipelines::OcclusionPipelines;
-pub(crate) use prepare::OcclusionUniforms;
 
 use bevy::{
     asset::embedded_asset,
@@ -78,16 +77,12 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        Effect, EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
-        OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
-        depth_usage::extend_depth_usage, memory, overrides, removal, status, support::add_check,
+        AmbientOcclusion, Effect, EffectSystems, GBufferPasses, IndirectLightPasses,
+        LeanViewSystems, LightingPasses, OpaquePicturePasses, SharedPlugin, ViewTextureSystems,
+        can_build, depth_usage::extend_depth_usage, memory, overrides, removal, status,
+        support::add_check,
     },
 };
-
-/// Loads the module that the lighting pass imports. Bevy needs it even if nothing uses occlusion.
-pub(crate) fn load_shader_library(app: &mut App) {
-    load_shader_library!(app, "view.wgsl");
-}
 
 /// Adds ambient occlusion for cameras with [`LeanScreenSpaceAmbientOcclusion`]. Part of
 /// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
@@ -100,7 +95,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             return;
         }
         SharedPlugin::add_to(app);
-        load_shader_library(app);
+        load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "hbao.wgsl");
         load_shader_library!(app, "hdao.wgsl");
@@ -122,9 +117,15 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             return;
         };
         removal::remove_with::<LeanScreenSpaceAmbientOcclusion, ActiveOcclusion>(render_app);
-        removal::remove_with::<ActiveOcclusion, (OcclusionTexture, ViewOcclusion, OcclusionBindings)>(
-            render_app,
-        );
+        removal::remove_with::<
+            ActiveOcclusion,
+            (
+                OcclusionTexture,
+                ViewOcclusion,
+                OcclusionBindings,
+                AmbientOcclusion,
+            ),
+        >(render_app);
         EffectSystems::AmbientOcclusion
             .run_while::<With<LeanScreenSpaceAmbientOcclusion>>(render_app);
         memory::count(
@@ -133,7 +134,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             OcclusionTexture::bytes,
         );
         render_app
-            .init_gpu_resource::<OcclusionUniforms>()
+            .init_gpu_resource::<prepare::OcclusionUniforms>()
             .add_systems(
                 RenderStartup,
                 (

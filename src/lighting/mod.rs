@@ -88,12 +88,9 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use crate::{
-    ambient_occlusion,
-    view::{
-        ActiveLeanView, DiffuseLight, EffectSystems, LeanDeferred, SharedPlugin,
-        ViewTextureSystems, memory, removal,
-    },
+use crate::view::{
+    ActiveLeanView, DiffuseLight, EffectSystems, LeanDeferred, SharedPlugin, ViewTextureSystems,
+    memory, removal,
 };
 
 /// On a view: the state of its lighting pass. Removed with [`LeanDeferred`].
@@ -144,7 +141,6 @@ pub(crate) struct LightingPlugin;
 impl Plugin for LightingPlugin {
     fn build(&self, app: &mut App) {
         SharedPlugin::add_to(app);
-        ambient_occlusion::load_shader_library(app);
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "surface.wgsl");
         load_shader_library!(app, "subsurface_light.wgsl");

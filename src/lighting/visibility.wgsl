@@ -12,9 +12,7 @@
 #endif
 
 #ifdef LEAN_AMBIENT_OCCLUSION
-#import bevy_lean_deferred::lighting::bindings::{
-    nearest_sampler, occlusion_texture, occlusion_view, uniforms,
-}
+#import bevy_lean_deferred::lighting::bindings::{nearest_sampler, occlusion_texture, uniforms}
 #import bevy_lean_deferred::occlusion_filter::{OcclusionFilter, filtered_occlusion}
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
@@ -30,10 +28,10 @@ fn apply_ssao(pbr: ptr<function, PbrInput>, pixel: vec2<i32>) {
 /// Applies occlusion, and returns the visibility.
 fn apply_occlusion(pbr: ptr<function, PbrInput>, pixel: vec2<i32>, depth: f32) -> f32 {
     let parameters = OcclusionFilter(
-        occlusion_view.edge.xyz,
-        occlusion_view.intensity,
-        occlusion_view.viewport_origin,
-        occlusion_view.viewport_size,
+        uniforms.occlusion_edge,
+        uniforms.occlusion_intensity,
+        uniforms.viewport_origin,
+        uniforms.viewport_size,
     );
     let occlusion = filtered_occlusion(
         occlusion_texture,

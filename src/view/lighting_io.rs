@@ -65,6 +65,22 @@ pub struct IndirectSpecular(pub Option<TextureView>);
 #[derive(Component, Clone, Debug, Default)]
 pub struct IndirectDiffuse(pub Option<TextureView>);
 
+/// On a view whose occlusion lighting applies, for as long as it is computed: the occlusion of ambient light, and the
+/// parameters of its filter, `occlusion_filter.wgsl`.
+///
+/// The texture has a float format. R: occluded fraction, 0 to 1. It is as large as the viewport, or half as large per
+/// axis, rounded up. Without the component nothing is occluded.
+#[derive(Component, Clone, Debug)]
+pub struct AmbientOcclusion {
+    pub texture: TextureView,
+    /// As in the filter.
+    pub edge: Vec3,
+    /// Factor on the occlusion.
+    pub intensity: f32,
+    /// Share of the occlusion that darkens direct light too, 0 to 1.
+    pub of_direct_light: f32,
+}
+
 /// Inputs and outputs that effects request on a view. A tuple, because the bounds of a derived query make the compiler walk all
 /// types of `wgpu`.
 pub(crate) type LightingIoQuery = (
