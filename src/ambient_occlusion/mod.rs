@@ -59,9 +59,6 @@ pub use {
     uniforms::OcclusionUniform,
 };
 
-pub(crate) use key::FilterKey;
-pub(crate) use pipelines::OcclusionPipelines;
-
 use bevy::{
     asset::embedded_asset,
     core_pipeline::schedule::{Core3d, Core3dSystems},
@@ -78,9 +75,9 @@ use crate::{
     gpu::recovery,
     view::{
         AmbientOcclusion, Effect, EffectSystems, GBufferPasses, IndirectLightPasses,
-        LeanViewSystems, LightingPasses, OpaquePicturePasses, SharedPlugin, ViewTextureSystems,
-        can_build, depth_usage::extend_depth_usage, memory, overrides, removal, status,
-        support::add_check,
+        LeanViewSystems, LightingPasses, OccludesLight, OpaquePicturePasses, SharedPlugin,
+        ViewTextureSystems, can_build, depth_usage::extend_depth_usage, memory, overrides, removal,
+        status, support::add_check,
     },
 };
 
@@ -116,7 +113,9 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        removal::remove_with::<LeanScreenSpaceAmbientOcclusion, ActiveOcclusion>(render_app);
+        removal::remove_with::<LeanScreenSpaceAmbientOcclusion, (ActiveOcclusion, OccludesLight)>(
+            render_app,
+        );
         removal::remove_with::<
             ActiveOcclusion,
             (
@@ -145,9 +144,11 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             .add_systems(
                 Render,
                 (
-                    active::decide_active_occlusion
-                        .in_set(RenderSystems::PrepareAssets)
-                        .after(LeanViewSystems),
+                    (
+                        active::request_lighting.before(LeanViewSystems),
+                        active::decide_active_occlusion.after(LeanViewSystems),
+                    )
+                        .in_set(RenderSystems::PrepareAssets),
                     (
                         prepare::write_occlusion_uniforms,
                         prepare::prepare_occlusion_textures,

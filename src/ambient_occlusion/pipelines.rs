@@ -70,7 +70,7 @@ impl GatherPipeline {
 
 /// Pipelines by key. Created by `init_occlusion_pipelines`.
 #[derive(Resource)]
-pub(crate) struct OcclusionPipelines {
+pub(super) struct OcclusionPipelines {
     gather_shader: Handle<Shader>,
     merge_shader: Handle<Shader>,
     fullscreen: FullscreenShader,
@@ -212,7 +212,8 @@ impl OcclusionPipelines {
         if let Some(pipeline) = self.merges.get(&key) {
             return *pipeline;
         }
-        let mut shader_defs: Vec<ShaderDefVal> = key.filter.shader_defs().collect();
+        let filter = key.filter.occlusion_defs();
+        let mut shader_defs: Vec<_> = filter.map(ShaderDefVal::from).collect();
         if key.fog && !key.debug_view {
             shader_defs.push("DISTANCE_FOG".into());
         }

@@ -97,8 +97,9 @@ fn decide(
     };
     let order = draw_order(&view, inputs);
     let demands = inputs.demands.wanted(id);
+    let (settings, clip_from_view) = (view.settings, view.view.clip_from_view);
     let candidates = candidates(&view, order, demands, last).map(|active| {
-        let key = view.lighting_key(&active, lights, view_key, &inputs.scene);
+        let key = (inputs.scene).key(lights, view_key, clip_from_view, settings, &active);
         (active, key)
     });
     let pipelines = inputs.lighting_pipelines.as_deref_mut()?;

@@ -3,7 +3,7 @@
 use bevy::{
     camera::visibility::RenderLayers,
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
-    pbr::{MeshPipelineKey, ViewKeyCache},
+    pbr::ViewKeyCache,
     prelude::*,
     render::{
         camera::ExtractedCamera,
@@ -16,10 +16,9 @@ use bevy::{
 };
 
 use crate::{
-    ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
     gbuffer::{MotionResolvePipelines, ReadsGBuffer, ViewDemands},
     gpu::pipeline_watch::PipelineWatch,
-    lighting::{LightingKey, LightingPipelines, SceneFeatures, SceneLights, ViewLighting},
+    lighting::{LightingPipelines, SceneFeatures, ViewLighting},
     named::{query_item, system_param},
     view::{
         ActiveLeanView, EffectStatuses, LeanDeferred, LeanSupport, LightingIoQuery, OutOfMemory,
@@ -44,7 +43,6 @@ query_item! {
         pub(super) occlusion_culling: Has<OcclusionCulling>,
         pub(super) no_indirect_drawing: Has<NoIndirectDrawing>,
         pub(super) settings: &'static LeanDeferred,
-        pub(super) occlusion: Option<&'static LeanScreenSpaceAmbientOcclusion>,
         pub(super) io: LightingIoQuery,
         pub(super) lighting: Option<&'static mut ViewLighting>,
         pub(super) current: Option<&'static ActiveLeanView>,
@@ -54,26 +52,6 @@ query_item! {
 impl RequestedViewItem<'_, '_> {
     pub(super) fn id(&self) -> RetainedViewEntity {
         self.view.retained_view_entity
-    }
-
-    /// The key of lighting for the view in the state `active`.
-    pub(super) fn lighting_key(
-        &self,
-        active: &ActiveLeanView,
-        lights: SceneLights,
-        view_key: MeshPipelineKey,
-        scene: &SceneFeatures,
-    ) -> LightingKey {
-        let (settings, occlusion) = (self.settings, self.occlusion);
-        let clip_from_view = self.view.clip_from_view;
-        scene.key(
-            lights,
-            view_key,
-            clip_from_view,
-            settings,
-            occlusion,
-            active,
-        )
     }
 }
 

@@ -189,7 +189,7 @@ fn push_target_entries(
     )?;
     entries.push(targets::OUTPUT_TEXTURE, output.into_binding())?;
     entries.push(targets::UNIFORMS, resources.buffers.uniforms.binding()?)?;
-    if layouts.has_occlusion() {
+    if layouts.io.contains(LightingIo::AMBIENT_OCCLUSION) {
         // Zeros mean no occlusion.
         let texture = match view.ambient_occlusion {
             Some(occlusion) => &occlusion.texture,

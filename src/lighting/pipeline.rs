@@ -53,10 +53,6 @@ pub(super) struct LightingLayouts {
 }
 
 impl LightingLayouts {
-    pub(super) fn has_occlusion(&self) -> bool {
-        self.has_target_binding(targets::OCCLUSION_TEXTURE)
-    }
-
     pub(super) fn has_light_layers(&self) -> bool {
         self.has_target_binding(targets::LIGHT_LAYERS)
     }
@@ -136,7 +132,7 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
         (targets::OUTPUT_TEXTURE, output),
         (targets::UNIFORMS, uniform_buffer::<LightingUniform>(true)),
     ];
-    if key.occlusion.is_some() {
+    if key.io.contains(LightingIo::AMBIENT_OCCLUSION) {
         let occlusion = texture_2d(TextureSampleType::Float { filterable: false });
         entries.extend([
             (
@@ -345,7 +341,7 @@ impl LightingPipelines {
             define(true, target.shader_def());
         }
         define(key.light_layers, "LIGHT_LAYERS");
-        let shows_occlusion = key.occlusion.is_some_and(|occlusion| occlusion.debug_view);
+        let shows_occlusion = key.io.contains(LightingIo::OCCLUSION_DEBUG_VIEW);
         let shows_channel = key.debug_view.is_some_and(|channel| !channel.is_light());
         define(!shows_channel && !shows_occlusion, "SHOWS_LIGHT");
         define(shows_channel, "DEBUG_VIEW");
@@ -364,19 +360,15 @@ impl LightingPipelines {
         define(has_io(LightingIo::INDIRECT_DIFFUSE), "INDIRECT_DIFFUSE");
         define(key.io.intersects(LightingIo::INDIRECT), "INDIRECT_LIGHT");
 
+        let has_occlusion = has_io(LightingIo::AMBIENT_OCCLUSION);
         define(
-            key.occlusion.is_some()
+            has_occlusion
                 || has("SCREEN_SPACE_AMBIENT_OCCLUSION")
                 || has_io(LightingIo::INDIRECT_DIFFUSE),
             "APPLIES_VISIBILITY",
         );
-        if let Some(occlusion) = key.occlusion {
-            define(true, "LEAN_AMBIENT_OCCLUSION");
-            define(occlusion.multibounce, "OCCLUSION_MULTIBOUNCE");
-            define(occlusion.direct_light, "OCCLUSION_OF_DIRECT_LIGHT");
-            define(occlusion.debug_view, "OCCLUSION_DEBUG_VIEW");
-            defs.extend(occlusion.filter.shader_defs());
-        }
+        define(has_occlusion, "LEAN_AMBIENT_OCCLUSION");
+        defs.extend(key.io.occlusion_defs().map(ShaderDefVal::from));
         defs.extend(variants::shader_defs(key.binned, key.shaded));
         defs.extend(bevys);
         defs

@@ -64,7 +64,7 @@ pub(crate) use in_use::EffectSystems;
 pub(crate) use lighting_io::LightingIoQuery;
 #[doc(hidden)]
 pub use lighting_io::{
-    AmbientOcclusion, DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo,
+    AmbientOcclusion, DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo, OccludesLight,
     ReadsDiffuseLight, ScattersLight,
 };
 pub use memory::LeanMemory;

@@ -418,6 +418,8 @@ fn every_definition_of_the_lighting_shader_is_tried() {
     assert_all_tried("pipeline.rs", pipeline, &tried);
     let variants = include_str!("../../src/lighting/variants.rs");
     assert_all_tried("variants.rs", variants, &tried);
+    let inputs_and_outputs = include_str!("../../src/view/lighting_io.rs");
+    assert_all_tried("lighting_io.rs", inputs_and_outputs, &tried);
     let targets = include_str!("../../src/gbuffer/targets.rs");
     assert_all_tried("targets.rs", targets, &tried);
     let channels = tried
