@@ -13,21 +13,21 @@ use bevy::{
 use super::{
     key::{GatherKey, MergeKey},
     pipelines::{GatherPipeline, OcclusionPipelines},
-    settings::{LeanScreenSpaceAmbientOcclusion, OcclusionApplication, OcclusionNormals},
+    settings::{LeanScreenSpaceAmbientOcclusion, OcclusionApplication},
 };
 use crate::{
     gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
     view::{
         ActiveLeanView, Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanSupport,
-        LightingIo, OutOfMemory,
+        LightingIo, OccludesLight, OutOfMemory,
     },
 };
 
 /// On a view of the render world that has ambient occlusion this frame.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct ActiveOcclusion {
-    /// Settings used this frame: the camera's, or the last compiled ones while the camera's compile.
+    /// Settings used this frame: the camera's, or former ones while pipelines for the camera's compile.
     pub(super) settings: LeanScreenSpaceAmbientOcclusion,
     pub(super) key: GatherKey,
     /// `None` while lighting applies occlusion but no gather is compiled: nothing is occluded then.
@@ -69,13 +69,43 @@ impl ActiveOcclusion {
 
 impl LeanScreenSpaceAmbientOcclusion {
     /// True if the lighting pass of a lean view applies the occlusion.
-    pub(crate) fn is_for_lighting(&self) -> bool {
+    fn is_for_lighting(&self) -> bool {
         self.application != OcclusionApplication::MultiplicativeBlend
+    }
+}
+
+/// Asks the lighting of lean cameras to apply occlusion, unless it is to be blended: inserts or removes [`OccludesLight`].
+pub(super) fn request_lighting(
+    mut commands: Commands,
+    pipelines: Option<Res<OcclusionPipelines>>,
+    views: Query<(
+        Entity,
+        &LeanScreenSpaceAmbientOcclusion,
+        Has<LeanDeferred>,
+        Option<&OccludesLight>,
+    )>,
+) {
+    for (entity, settings, has_lighting, current) in &views {
+        let is_asked = pipelines.is_some() && has_lighting && settings.is_for_lighting();
+        let wanted = is_asked.then(|| OccludesLight(settings.lighting_io()));
+        if wanted.as_ref() == current {
+            continue;
+        }
+        match wanted {
+            Some(wanted) => {
+                commands.entity(entity).insert(wanted);
+            }
+            None => {
+                commands.entity(entity).remove::<OccludesLight>();
+            }
+        }
     }
 }
 
 /// Inserts or removes [`ActiveOcclusion`]. A view keeps its pipelines until those for new settings are compiled. Cameras that are
 /// switched off lose it, which frees their GPU resources.
+///
+/// Runs after lighting is decided: it applies the occlusion if [`ActiveLeanView::io`] says so, in the way that is said there.
 pub(super) fn decide_active_occlusion(
     mut commands: Commands,
     support: Res<LeanSupport>,
@@ -102,13 +132,12 @@ pub(super) fn decide_active_occlusion(
     for (entity, (camera, view, is_3d), msaa, settings, (lean, active_lean), has_fog, current) in
         &mut views
     {
-        let is_for_lighting = active_lean.is_some() && settings.is_for_lighting();
-        // Diffuse GI also outputs visibility, so occlusion is skipped.
-        let is_found =
-            active_lean.is_some_and(|lean| lean.io.contains(LightingIo::INDIRECT_DIFFUSE));
+        let io = active_lean.map(|lean| lean.io);
+        let is_for_lighting = io.is_some() && settings.is_for_lighting();
+        let is_replaced = io.is_some_and(LightingIo::replaces_occlusion);
         let shows_channel = is_for_lighting && lean.is_some_and(LeanDeferred::shows_channel);
         let reason = LeanOffReason::against_reading_depth(camera, is_3d, msaa)
-            .or(is_found.then_some(LeanOffReason::ReplacedByGi))
+            .or(is_replaced.then_some(LeanOffReason::ReplacedByGi))
             .or(shows_channel.then_some(LeanOffReason::ChannelShown));
         let camera = view.retained_view_entity.main_entity;
         let mut status = statuses.of(camera, Effect::AmbientOcclusion);
@@ -118,46 +147,53 @@ pub(super) fn decide_active_occlusion(
             }
             continue;
         }
-        let key = GatherKey {
-            kernel: settings.advanced.kernel,
-            samples: settings.samples(),
-            // After the opaque meshes, the G-buffer's normals may be of surfaces that forward meshes have covered.
-            shading_normals: is_for_lighting
-                && settings.advanced.normals == OcclusionNormals::Shading,
-            thin: settings.thickness.is_some(),
-            wide: settings.has_wide_pattern(),
-            divisor: settings.resolution.divisor(),
-            projection: projection_of(view.clip_from_view),
-        };
+        let mut settings = *settings;
+        let projection = projection_of(view.clip_from_view);
+        let computes = support.ambient_occlusion_by_compute.is_ok();
+        // Compiled together with lighting for these settings.
+        let key = GatherKey::new(&settings, is_for_lighting, projection);
+        let asked = pipelines.gather(&pipeline_cache, key, computes);
+        // While that compiles, lighting applies occlusion by former settings, or none.
+        let lit = io.filter(|io| is_for_lighting && io.contains(LightingIo::AMBIENT_OCCLUSION));
+        if let Some(io) = lit {
+            settings = settings.as_lit(io);
+        }
+        let key = GatherKey::new(&settings, is_for_lighting, projection);
+        let gather = pipelines.gather(&pipeline_cache, key, computes);
         let merge = (!is_for_lighting).then(|| {
             let key = MergeKey {
                 target: view.target_format,
-                filter: settings.into(),
+                filter: settings.lighting_io() & LightingIo::OCCLUSION_FILTER,
                 fog: has_fog,
                 debug_view: settings.debug_view,
             };
             (key, pipelines.merge(&pipeline_cache, key))
         });
-        let computes = support.ambient_occlusion_by_compute.is_ok();
-        let gather = pipelines.gather(&pipeline_cache, key, computes);
         let wanted = ActiveOcclusion {
-            settings: *settings,
+            settings,
             key,
             gather: Some(gather),
             merge,
         };
-        let active = core::iter::once(wanted)
-            .chain(wanted.stand_ins(current.as_deref().copied()))
-            .find(|active| active.is_compiled(&pipeline_cache))
-            .or_else(|| {
-                is_for_lighting.then_some(ActiveOcclusion {
-                    gather: None,
-                    ..wanted
+        let last = current.as_deref().copied();
+        let active = if is_for_lighting && lit.is_none() {
+            // Goes on to blend what it blended before.
+            last.filter(|last| last.merge.is_some() && last.key.projection.covers(projection))
+        } else {
+            core::iter::once(wanted)
+                .chain(wanted.stand_ins(last))
+                .find(|active| active.is_compiled(&pipeline_cache))
+                .or_else(|| {
+                    is_for_lighting.then_some(ActiveOcclusion {
+                        gather: None,
+                        ..wanted
+                    })
                 })
-            });
+        };
         let runs = active.is_some_and(|active| active.gather.is_some());
         let merge = merge.map(|(_, merge)| merge.id());
-        status.set_running(runs, watch.failure([gather.id()].into_iter().chain(merge)));
+        let ids = [asked.id(), gather.id()].into_iter().chain(merge);
+        status.set_running(runs, watch.failure(ids));
         match (active, current) {
             (Some(active), Some(mut current)) => *current = active,
             (Some(active), None) => {

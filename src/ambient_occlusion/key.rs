@@ -2,10 +2,13 @@
 
 use bevy::{render::render_resource::TextureFormat, shader::ShaderDefVal};
 
-use super::settings::{LeanScreenSpaceAmbientOcclusion, OcclusionKernel};
+use super::settings::{
+    LeanScreenSpaceAmbientOcclusion, OcclusionFilter, OcclusionKernel, OcclusionNormals,
+};
 use crate::{
-    gpu::shader_defs, shader_library::reconstruction::position::ProjectionKind,
-    view::LeanResolution,
+    gpu::shader_defs,
+    shader_library::reconstruction::position::ProjectionKind,
+    view::{LeanResolution, LightingIo},
 };
 
 /// Pipeline key of the gather.
@@ -24,6 +27,24 @@ pub(super) struct GatherKey {
 }
 
 impl GatherKey {
+    pub(super) fn new(
+        settings: &LeanScreenSpaceAmbientOcclusion,
+        is_for_lighting: bool,
+        projection: ProjectionKind,
+    ) -> Self {
+        Self {
+            kernel: settings.advanced.kernel,
+            samples: settings.samples(),
+            // After the opaque meshes, the G-buffer's normals may be of surfaces that forward meshes have covered.
+            shading_normals: is_for_lighting
+                && settings.advanced.normals == OcclusionNormals::Shading,
+            thin: settings.thickness.is_some(),
+            wide: settings.has_wide_pattern(),
+            divisor: settings.resolution.divisor(),
+            projection,
+        }
+    }
+
     /// Resets the fields that the kernel does not read.
     pub(super) fn reduced(mut self) -> Self {
         if self.kernel == OcclusionKernel::Hdao {
@@ -65,31 +86,43 @@ impl GatherKey {
     }
 }
 
-/// Pipeline key of the filter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct FilterKey {
-    wide: bool,
-    edge_aware: bool,
-    half: bool,
-}
-
-impl From<&LeanScreenSpaceAmbientOcclusion> for FilterKey {
-    fn from(settings: &LeanScreenSpaceAmbientOcclusion) -> Self {
-        Self {
-            wide: settings.has_wide_pattern(),
-            edge_aware: settings.advanced.edge_aware,
-            half: settings.resolution == LeanResolution::Half,
-        }
+impl LeanScreenSpaceAmbientOcclusion {
+    /// What lighting is compiled by to apply the occlusion.
+    pub(super) fn lighting_io(&self) -> LightingIo {
+        [
+            (true, LightingIo::AMBIENT_OCCLUSION),
+            (self.has_wide_pattern(), LightingIo::OCCLUSION_WIDE),
+            (self.advanced.edge_aware, LightingIo::OCCLUSION_EDGE_AWARE),
+            (
+                self.resolution == LeanResolution::Half,
+                LightingIo::OCCLUSION_HALF,
+            ),
+            (self.advanced.multibounce, LightingIo::OCCLUSION_MULTIBOUNCE),
+            (
+                self.direct_light > 0.0 && !self.debug_view,
+                LightingIo::OCCLUSION_OF_DIRECT_LIGHT,
+            ),
+            (self.debug_view, LightingIo::OCCLUSION_DEBUG_VIEW),
+        ]
+        .into_iter()
+        .filter_map(|(is_asked, what)| is_asked.then_some(what))
+        .collect()
     }
-}
 
-impl FilterKey {
-    pub(crate) fn shader_defs(self) -> impl Iterator<Item = ShaderDefVal> {
-        shader_defs::of_table([
-            (self.wide, "OCCLUSION_WIDE"),
-            (self.edge_aware, "OCCLUSION_EDGE_AWARE"),
-            (self.half, "OCCLUSION_HALF"),
-        ])
+    /// These settings with the resolution and the pattern that lighting with `io` filters: while it compiles for others,
+    /// those of before.
+    pub(super) fn as_lit(mut self, io: LightingIo) -> Self {
+        self.resolution = if io.contains(LightingIo::OCCLUSION_HALF) {
+            LeanResolution::Half
+        } else {
+            LeanResolution::Full
+        };
+        self.advanced.filter = if io.contains(LightingIo::OCCLUSION_WIDE) {
+            OcclusionFilter::Wide
+        } else {
+            OcclusionFilter::Narrow
+        };
+        self
     }
 }
 
@@ -97,7 +130,8 @@ impl FilterKey {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct MergeKey {
     pub(super) target: TextureFormat,
-    pub(super) filter: FilterKey,
+    /// The bits that the filter is compiled by.
+    pub(super) filter: LightingIo,
     pub(super) fog: bool,
     pub(super) debug_view: bool,
 }
@@ -108,7 +142,35 @@ impl MergeKey {
             (self.fog && !self.debug_view, "DISTANCE_FOG"),
             (self.debug_view, "DEBUG_VIEW"),
         ];
-        let filter = self.filter.shader_defs();
+        let filter = self.filter.occlusion_defs().map(ShaderDefVal::from);
         filter.chain(shader_defs::of_table(flags)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::prelude::default;
+
+    use super::*;
+
+    #[test]
+    fn occlusion_is_gathered_as_lighting_filters_it() {
+        for resolution in LeanResolution::ALL {
+            for filter in OcclusionFilter::ALL {
+                let mut former = LeanScreenSpaceAmbientOcclusion {
+                    resolution,
+                    ..default()
+                };
+                former.advanced.filter = filter;
+                for resolution in LeanResolution::ALL {
+                    let settings = LeanScreenSpaceAmbientOcclusion {
+                        resolution,
+                        ..default()
+                    };
+                    let lit = settings.as_lit(former.lighting_io());
+                    assert_eq!(lit.lighting_io(), former.lighting_io());
+                }
+            }
+        }
     }
 }

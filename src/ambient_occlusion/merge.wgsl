@@ -2,7 +2,7 @@
 #import bevy_lean_deferred::ambient_occlusion::bindings::{
     depth_texture, nearest_sampler, occlusion_texture, view, view_position,
 }
-#import bevy_lean_deferred::ambient_occlusion::filter::filtered_occlusion
+#import bevy_lean_deferred::occlusion_filter::{OcclusionFilter, filtered_occlusion}
 
 #ifdef DISTANCE_FOG
 /// Share of a surface's light that distance fog transmits, as in Bevy's `fog.wgsl`.
@@ -27,8 +27,9 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let depth = textureLoad(depth_texture, vec2<i32>(position.xy), 0);
     var occlusion = 0.0;
     if depth > 0.0 {
+        let parameters = OcclusionFilter(view.edge.xyz, view.intensity, view.viewport_origin, view.viewport_size);
         occlusion = filtered_occlusion(
-            occlusion_texture, nearest_sampler, depth_texture, view, pixel, depth,
+            occlusion_texture, nearest_sampler, depth_texture, parameters, pixel, depth,
         );
 #ifdef DISTANCE_FOG
         occlusion *= fog_transmittance(pixel, depth);

@@ -32,7 +32,6 @@
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
 // - `hbao.wgsl`, `hdao.wgsl`: the kernels.
 // - `gather.wgsl`: entry points of the kernels.
-// - `filter.wgsl`: the filter, for the merge and for the lighting pass.
 // - `merge.wgsl`: filters occlusion and darkens the picture by it.
 
 mod active;
@@ -60,10 +59,6 @@ pub use {
     uniforms::OcclusionUniform,
 };
 
-pub(crate) use key::FilterKey;
-pub(crate) use pipelines::OcclusionPipelines;
-pub(crate) use prepare::OcclusionUniforms;
-
 use bevy::{
     asset::embedded_asset,
     core_pipeline::schedule::{Core3d, Core3dSystems},
@@ -79,17 +74,12 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        Effect, EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
-        OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
-        depth_usage::extend_depth_usage, memory, overrides, removal, status, support::add_check,
+        AmbientOcclusion, Effect, EffectSystems, GBufferPasses, IndirectLightPasses,
+        LeanViewSystems, LightingPasses, OccludesLight, OpaquePicturePasses, SharedPlugin,
+        ViewTextureSystems, can_build, depth_usage::extend_depth_usage, memory, overrides, removal,
+        status, support::add_check,
     },
 };
-
-/// Loads the modules that the lighting pass imports. Bevy needs them even if nothing uses occlusion.
-pub(crate) fn load_shader_library(app: &mut App) {
-    load_shader_library!(app, "view.wgsl");
-    load_shader_library!(app, "filter.wgsl");
-}
 
 /// Adds ambient occlusion for cameras with [`LeanScreenSpaceAmbientOcclusion`]. Part of
 /// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
@@ -102,7 +92,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             return;
         }
         SharedPlugin::add_to(app);
-        load_shader_library(app);
+        load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "hbao.wgsl");
         load_shader_library!(app, "hdao.wgsl");
@@ -123,10 +113,18 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        removal::remove_with::<LeanScreenSpaceAmbientOcclusion, ActiveOcclusion>(render_app);
-        removal::remove_with::<ActiveOcclusion, (OcclusionTexture, ViewOcclusion, OcclusionBindings)>(
+        removal::remove_with::<LeanScreenSpaceAmbientOcclusion, (ActiveOcclusion, OccludesLight)>(
             render_app,
         );
+        removal::remove_with::<
+            ActiveOcclusion,
+            (
+                OcclusionTexture,
+                ViewOcclusion,
+                OcclusionBindings,
+                AmbientOcclusion,
+            ),
+        >(render_app);
         EffectSystems::AmbientOcclusion
             .run_while::<With<LeanScreenSpaceAmbientOcclusion>>(render_app);
         memory::count(
@@ -135,7 +133,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             OcclusionTexture::bytes,
         );
         render_app
-            .init_gpu_resource::<OcclusionUniforms>()
+            .init_gpu_resource::<prepare::OcclusionUniforms>()
             .add_systems(
                 RenderStartup,
                 (
@@ -146,9 +144,11 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             .add_systems(
                 Render,
                 (
-                    active::decide_active_occlusion
-                        .in_set(RenderSystems::PrepareAssets)
-                        .after(LeanViewSystems),
+                    (
+                        active::request_lighting.before(LeanViewSystems),
+                        active::decide_active_occlusion.after(LeanViewSystems),
+                    )
+                        .in_set(RenderSystems::PrepareAssets),
                     (
                         prepare::write_occlusion_uniforms,
                         prepare::prepare_occlusion_textures,

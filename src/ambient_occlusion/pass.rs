@@ -76,7 +76,7 @@ fn gather(
                 pipeline,
                 group,
                 offset: view.offset,
-                workgroups: workgroups(view.texture_size),
+                workgroups: workgroups(view.uniform.texture_size),
             };
             timed_dispatch(ctx, &dispatch);
         }

@@ -70,11 +70,11 @@ impl GatherPipeline {
 
 /// Pipelines by key. Created by `init_occlusion_pipelines`.
 #[derive(Resource)]
-pub(crate) struct OcclusionPipelines {
+pub(super) struct OcclusionPipelines {
     gather_shader: Handle<Shader>,
     merge_shader: Handle<Shader>,
     fullscreen: FullscreenShader,
-    pub(crate) nearest_sampler: Sampler,
+    pub(super) nearest_sampler: Sampler,
     pub(super) merge_layout: ResolvedLayout,
     /// The flag is true for compute pipelines.
     gathers: HashMap<(GatherKey, bool), (GatherPipeline, ResolvedLayout)>,

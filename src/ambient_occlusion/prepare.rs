@@ -31,19 +31,19 @@ use crate::{
     gbuffer::GBufferTextures,
     gpu::{bind_group_cache::CachedBindGroup, texture_bytes::texture_bytes},
     shader_library::reconstruction::position::without_scale,
-    view::{FrameAveraging, OutOfMemory},
+    view::{AmbientOcclusion, FrameAveraging, OutOfMemory},
 };
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
-pub(crate) struct OcclusionUniforms(pub(crate) DynamicUniformBuffer<OcclusionUniform>);
+pub(super) struct OcclusionUniforms(DynamicUniformBuffer<OcclusionUniform>);
 
-/// On a view with ambient occlusion: the offset of its uniform, its viewport and the size of its texture.
+/// On a view with ambient occlusion: its uniform, the offset of that, and its viewport.
 #[derive(Component)]
 pub struct ViewOcclusion {
-    pub(crate) offset: u32,
+    pub(super) offset: u32,
+    pub(super) uniform: OcclusionUniform,
     pub(super) viewport: Viewport,
-    pub(super) texture_size: UVec2,
 }
 
 /// Fills [`OcclusionUniforms`] and inserts [`ViewOcclusion`].
@@ -86,7 +86,7 @@ pub(super) fn write_occlusion_uniforms(
         }
         let view = ViewOcclusion {
             offset: writer.write(&uniform),
-            texture_size: uniform.texture_size,
+            uniform,
             viewport,
         };
         match current {
@@ -108,25 +108,29 @@ impl OcclusionTexture {
     }
 }
 
-/// Creates the occlusion textures of active views. A texture is kept while its size and usage stay the same.
+/// Creates the occlusion textures of active views, and gives lighting those that it reads: as [`AmbientOcclusion`]. A
+/// texture is kept while its size and usage stay the same.
 pub(super) fn prepare_occlusion_textures(
     mut commands: Commands,
     render_device: Res<RenderDevice>,
     mut memory: ResMut<OutOfMemory>,
-    views: Query<(
+    mut views: Query<(
         Entity,
         &ActiveOcclusion,
         &ViewOcclusion,
         Option<&OcclusionTexture>,
+        Option<&mut AmbientOcclusion>,
     )>,
 ) {
-    for (entity, active, view, current) in &views {
+    for (entity, active, view, current, given) in &mut views {
         let usage = match active.gather {
             Some(GatherPipeline::Compute(_)) => TextureUsages::STORAGE_BINDING,
             Some(GatherPipeline::Raster(_)) => TextureUsages::RENDER_ATTACHMENT,
             None => {
                 if current.is_some() {
-                    commands.entity(entity).remove::<OcclusionTexture>();
+                    commands
+                        .entity(entity)
+                        .remove::<(OcclusionTexture, AmbientOcclusion)>();
                 }
                 continue;
             }
@@ -134,7 +138,7 @@ pub(super) fn prepare_occlusion_textures(
         let label = "lean_deferred/ambient_occlusion";
         let descriptor = TextureDescriptor {
             label: Some(label),
-            size: view.texture_size.to_extents(),
+            size: view.uniform.texture_size.to_extents(),
             mip_level_count: 1,
             sample_count: 1,
             dimension: TextureDimension::D2,
@@ -145,21 +149,37 @@ pub(super) fn prepare_occlusion_textures(
         let is_as_asked = |texture: &Texture| {
             (texture.size(), texture.usage()) == (descriptor.size, descriptor.usage)
         };
-        if current.is_some_and(|current| is_as_asked(&current.0.texture)) {
-            continue;
-        }
-        let make = || render_device.create_texture(&descriptor);
-        let Some(texture) = memory.fit(&render_device, entity, label, make) else {
-            commands.entity(entity).remove::<OcclusionTexture>();
-            continue;
+        let texture = match current {
+            Some(current) if is_as_asked(&current.0.texture) => current.clone(),
+            _ => {
+                let make = || render_device.create_texture(&descriptor);
+                let Some(texture) = memory.fit(&render_device, entity, label, make) else {
+                    commands
+                        .entity(entity)
+                        .remove::<(OcclusionTexture, AmbientOcclusion)>();
+                    continue;
+                };
+                let default_view = texture.create_view(&TextureViewDescriptor::default());
+                let texture = OcclusionTexture(CachedTexture {
+                    texture,
+                    default_view,
+                });
+                commands.entity(entity).insert(texture.clone());
+                texture
+            }
         };
-        let default_view = texture.create_view(&TextureViewDescriptor::default());
-        commands
-            .entity(entity)
-            .insert(OcclusionTexture(CachedTexture {
-                texture,
-                default_view,
-            }));
+        let is_read = active.merge.is_none();
+        let occlusion = (view.uniform).for_lighting(&active.settings, texture.0.default_view);
+        match given {
+            Some(mut given) if is_read => *given = occlusion,
+            None if is_read => {
+                commands.entity(entity).insert(occlusion);
+            }
+            Some(_) => {
+                commands.entity(entity).remove::<AmbientOcclusion>();
+            }
+            None => {}
+        }
     }
 }
 

@@ -5,15 +5,18 @@ use core::f32::consts::{FRAC_PI_2, LOG2_E, PI};
 use bevy::{
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
-    render::render_resource::ShaderType,
+    render::render_resource::{ShaderType, TextureView},
 };
 
 use super::settings::LeanScreenSpaceAmbientOcclusion;
-use crate::shader_library::{
-    reconstruction::position::{
-        ProjectionKind, pixels_per_metre, pixels_per_ray, projection_of, view_from_pixel,
+use crate::{
+    shader_library::{
+        reconstruction::position::{
+            ProjectionKind, pixels_per_metre, pixels_per_ray, projection_of, view_from_pixel,
+        },
+        tiles,
     },
-    tiles,
+    view::AmbientOcclusion,
 };
 
 /// Largest radius on screen, as a share of the viewport's height. With a larger one, samples would be too sparse for a smooth image,
@@ -50,7 +53,6 @@ pub struct OcclusionUniform {
     inverse_falloff: f32,
     decline: f32,
     decay: f32,
-    direct_light: f32,
     turn: f32,
 }
 
@@ -100,11 +102,24 @@ impl OcclusionUniform {
             decay: settings.thickness.map_or(0.0, |thickness| {
                 (LOG2_E * radius / up_to(LARGEST_METRES, thickness)).min(FASTEST_DECAY)
             }),
-            direct_light: settings.direct_light.clamp(0.0, 1.0),
             ..default()
         };
         view.set_turn(settings, 0.0);
         view
+    }
+
+    /// What lighting needs to apply the occlusion in `texture`.
+    pub(super) fn for_lighting(
+        &self,
+        settings: &LeanScreenSpaceAmbientOcclusion,
+        texture: TextureView,
+    ) -> AmbientOcclusion {
+        AmbientOcclusion {
+            texture,
+            edge: self.edge.truncate(),
+            intensity: self.intensity,
+            of_direct_light: settings.direct_light.clamp(0.0, 1.0),
+        }
     }
 
     /// Sets the part of the pattern that changes per frame, 0 to 1.

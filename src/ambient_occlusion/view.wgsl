@@ -34,8 +34,6 @@ struct OcclusionUniform {
     decline: f32,
     /// Binary logarithm of the factor by which horizons sink behind a thin occluder, over the radius: 0 or more.
     decay: f32,
-    /// Share of the occlusion that also darkens direct light, 0 to 1.
-    direct_light: f32,
     /// Temporal part of the step pattern, 0 to 1; 0 without TAA.
     turn: f32,
 }

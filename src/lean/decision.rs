@@ -1,98 +1,30 @@
 //! Decides which views are lean in this frame, and with which targets and lighting.
 
-use core::iter::once;
-
 use bevy::{
-    camera::{Camera3dDepthLoadOp, CameraMainTextureUsages, visibility::RenderLayers},
-    core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
-    pbr::ViewKeyCache,
+    camera::CameraMainTextureUsages,
     platform::collections::{HashMap, HashSet},
     prelude::*,
     render::{
         camera::{DirtySpecializations, ExtractedCamera},
-        occlusion_culling::OcclusionCulling,
-        render_resource::{PipelineCache, TextureFormat, TextureUsages},
+        render_resource::{TextureFormat, TextureUsages},
         sync_world::MainEntity,
-        view::{
-            ExtractedView, NoIndirectDrawing, RenderExtractedVisibleEntities, RetainedViewEntity,
-        },
+        view::{ExtractedView, RetainedViewEntity},
     },
 };
 
-use super::foreign_depth::others_may_draw_depth;
+use super::{
+    candidates::{best_compiled, candidates},
+    draw_order::draw_order,
+    eligibility::is_eligible,
+    inputs::{DecisionInputs, RequestedView, RequestedViewItem},
+};
 use crate::{
-    ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
-    gbuffer::{MotionResolvePipelines, ReadsGBuffer, ViewDemands},
-    gpu::pipeline_watch::PipelineWatch,
-    lighting::{LightingPipelines, SceneFeatures, ViewLighting},
-    shader_library::reconstruction::position::depth_of_surfaces_is_above_zero,
-    view::{
-        ActiveLeanView, Demand, Effect, EffectStatuses, GBufferTargets, LeanDeferred,
-        LeanOffReason, LeanSupport, LightingIo, LightingIoQuery, LightingVariants, OutOfMemory,
-    },
+    lighting::{SceneLights, ViewLighting},
+    view::{ActiveLeanView, Effect, EffectStatuses, OutOfMemory},
 };
 
-fn reason_against(
-    camera: &ExtractedCamera,
-    view: &ExtractedView,
-    is_3d: bool,
-    msaa: &Msaa,
-    deferred_prepass: bool,
-) -> Option<LeanOffReason> {
-    let of_depth = LeanOffReason::against_reading_depth(camera, is_3d, msaa);
-    if of_depth.is_some() {
-        of_depth
-    } else if !camera.hdr {
-        Some(LeanOffReason::NotHdr)
-    } else if view.target_format != TextureFormat::Rgba16Float {
-        Some(LeanOffReason::Format(view.target_format))
-    } else if deferred_prepass {
-        Some(LeanOffReason::DeferredPrepass)
-    } else {
-        None
-    }
-}
-
-/// True if, when lighting reads depth, it is above 0 exactly at pixels with a lean mesh.
-fn depth_tells_geometry(
-    camera: Option<&Camera3d>,
-    view: &ExtractedView,
-    visible: Option<&RenderExtractedVisibleEntities>,
-) -> bool {
-    let starts_at_zero = camera
-        .is_some_and(|camera| matches!(camera.depth_load_op, Camera3dDepthLoadOp::Clear(0.0)));
-    starts_at_zero
-        && depth_of_surfaces_is_above_zero(view.clip_from_view)
-        && !others_may_draw_depth(visible)
-}
-
-/// Decides the draw order of a view that can be lean. The argument of `can_resolve_motion` is true if meshes are culled
-/// in two phases.
-fn draw_order(
-    depth_tells_geometry: bool,
-    (depth, normal, motion): (bool, bool, bool),
-    occlusion_culling: bool,
-    has_light_layers: bool,
-    can_resolve_motion: impl FnOnce(bool) -> bool,
-) -> ActiveLeanView {
-    let draws_in_prepass = depth || normal || motion;
-    let culls_in_two_phases = draws_in_prepass && occlusion_culling;
-    let resolves_motion = motion
-        && !normal
-        && (depth || !culls_in_two_phases)
-        && can_resolve_motion(culls_in_two_phases);
-    ActiveLeanView {
-        draws_in_prepass,
-        keeps_prepass: normal || (motion && !resolves_motion),
-        resolves_motion,
-        has_light_layers,
-        targets: GBufferTargets::empty(),
-        variants: LightingVariants::empty(),
-        io: LightingIo::empty(),
-        culls_in_two_phases,
-        depth_tells_geometry: depth_tells_geometry && !draws_in_prepass,
-    }
-}
+/// The lean views of a frame.
+type ActiveViews = HashMap<RetainedViewEntity, ActiveLeanView>;
 
 /// Inserts or removes [`ActiveLeanView`], and [`ViewLighting`] on all views that can be lean. A view is active only
 /// while the lighting pipelines that it needs in this frame are compiled. Until then forward draws it, so that neither
@@ -101,196 +33,142 @@ fn draw_order(
 /// with them their GPU resources.
 pub(super) fn decide_active_views(
     mut commands: Commands,
-    support: Res<LeanSupport>,
-    (scene, view_keys): (SceneFeatures, Res<ViewKeyCache>),
-    (pipelines, mut motion_pipelines, pipeline_cache, pipeline_watch): (
-        Option<ResMut<LightingPipelines>>,
-        Option<ResMut<MotionResolvePipelines>>,
-        Res<PipelineCache>,
-        Res<PipelineWatch>,
-    ),
-    (mut statuses, mut demands, memory): (
-        ResMut<EffectStatuses>,
-        ResMut<ViewDemands>,
-        Res<OutOfMemory>,
-    ),
+    mut inputs: DecisionInputs,
     mut dirty_specializations: ResMut<DirtySpecializations>,
-    mut active_before: Local<HashMap<RetainedViewEntity, ActiveLeanView>>,
-    mut views: Query<(
-        Entity,
-        (
-            &ExtractedCamera,
-            &ExtractedView,
-            &Msaa,
-            Option<&Camera3d>,
-            Option<&RenderLayers>,
-            (Option<&RenderExtractedVisibleEntities>, Has<ReadsGBuffer>),
-        ),
-        (
-            Has<DepthPrepass>,
-            Has<NormalPrepass>,
-            Has<MotionVectorPrepass>,
-            Has<DeferredPrepass>,
-            (Has<OcclusionCulling>, Has<NoIndirectDrawing>),
-        ),
-        (
-            &LeanDeferred,
-            Option<&LeanScreenSpaceAmbientOcclusion>,
-            LightingIoQuery,
-        ),
-        (Option<&mut ViewLighting>, Option<&ActiveLeanView>),
-    )>,
+    mut active_before: Local<ActiveViews>,
+    mut views: Query<RequestedView>,
     switched_off: Query<Entity, (With<ViewLighting>, Without<ExtractedCamera>)>,
 ) {
     for entity in &switched_off {
-        commands
-            .entity(entity)
-            .remove::<(ActiveLeanView, ViewLighting)>();
+        leave_to_bevy(&mut commands, entity);
     }
-    let Some(mut pipelines) = pipelines else {
+    if inputs.lighting_pipelines.is_none() {
         return;
-    };
-    if support.deferred.is_err() {
-        for (_, (_, view, ..), ..) in &views {
-            let main_entity = view.retained_view_entity.main_entity;
-            let mut status = statuses.of(main_entity, Effect::Deferred);
-            status.is_off_by_device(&support.deferred);
+    }
+    if inputs.support.deferred.is_err() {
+        for view in &mut views {
+            let camera = RequestedViewItem::of(view).id().main_entity;
+            let mut status = inputs.statuses.of(camera, Effect::Deferred);
+            status.is_off_by_device(&inputs.support.deferred);
         }
         return;
     }
     // Iterates over all lights.
-    let lights = if views.is_empty() {
-        default()
-    } else {
-        scene.lights()
-    };
-    let mut active_now = HashMap::default();
-    let mut candidates = HashSet::<RetainedViewEntity>::default();
-
-    for (entity, camera, prepasses, (settings, occlusion, io), (lighting, current)) in &mut views {
-        let (camera, view, msaa, camera_3d, layers, (visible, is_read)) = camera;
-        let is_3d = camera_3d.is_some();
-        let main_entity = view.retained_view_entity.main_entity;
-        let (depth, normal, motion, deferred, (occlusion_culling, no_indirect)) = prepasses;
-        candidates.insert(view.retained_view_entity);
-        let reason = (!settings.enabled)
-            .then_some(LeanOffReason::Disabled)
-            .or_else(|| reason_against(camera, view, is_3d, msaa, deferred));
-        let mut status = statuses.of(main_entity, Effect::Deferred);
-        if status.is_off_for(reason) || status.is_off_by_memory(memory.label(entity)) {
-            commands
-                .entity(entity)
-                .remove::<(ActiveLeanView, ViewLighting)>();
-            continue;
-        }
-        let Some(view_key) = view_keys.get(&view.retained_view_entity) else {
-            status.set_running(false, None);
-            continue;
-        };
-        // A camera has none in its first frame; it is lean at once if everything is compiled.
-        let mut new_lighting = None;
-        let lighting = match lighting {
-            Some(lighting) => lighting.into_inner(),
-            None => new_lighting.insert(ViewLighting::default()),
-        };
-
-        let order = draw_order(
-            !is_read && depth_tells_geometry(camera_3d, view, visible),
-            (depth, normal, motion),
-            occlusion_culling && !no_indirect,
-            scene.has_light_layers(settings, layers),
-            |in_two_phases| {
-                (motion_pipelines.as_mut())
-                    .is_some_and(|pipelines| pipelines.are_ready(&pipeline_cache, in_two_phases))
-            },
-        );
-        let last = active_before.get(&view.retained_view_entity);
-        let io = if settings.shows_channel() {
-            LightingIo::empty()
-        } else {
-            LightingIo::asked(io)
-        };
-        let before = last.map_or(Demand::default(), ActiveLeanView::demand);
-        let held = last.map(|last| last.io);
-        let held = held.filter(|held| *held != io);
-        // Lighting for lingering demands may never be compiled, so `needed` alone is a choice too.
-        let [wanted, needed] = demands.wanted(view.retained_view_entity);
-        let choices = if before.contains(needed) {
-            [wanted, before, needed]
-        } else {
-            [wanted, needed, before]
-        };
-        let choices = choices
-            .into_iter()
-            .flat_map(|demand| once(io).chain(held).map(move |io| (demand, io)));
-        let choices = choices.map(|(demand, io)| {
-            let order = ActiveLeanView { io, ..order };
-            let Demand { targets, variants } = demand.on(&order);
-            let order = ActiveLeanView {
-                targets,
-                variants,
-                ..order
-            };
-            let key = scene.key(
-                lights,
-                *view_key,
-                view.clip_from_view,
-                settings,
-                occlusion,
-                &order,
-            );
-            (order, key)
-        });
-        let mut compiled = choices.clone().find_map(|(order, key)| {
-            if lighting
-                .pipelines
-                .first()
-                .is_none_or(|(now, _)| *now != key)
-            {
-                lighting.pipelines = key
-                    .dispatches()
-                    .map(|key| (key, pipelines.specialize(&pipeline_cache, key)))
-                    .collect();
-            }
-            lighting
-                .pipelines
-                .iter()
-                .all(|(_, id)| pipeline_cache.get_compute_pipeline(*id).is_some())
-                .then_some(order)
-        });
-        if compiled.is_none() {
-            compiled = choices.into_iter().find_map(|(order, key)| {
-                let stand_in = |key| pipelines.compiled(&pipeline_cache, key);
-                lighting.pipelines = key.stand_ins().find_map(stand_in)?;
-                Some(order)
-            });
-        }
-        let failure = pipeline_watch.failure(lighting.pipelines.iter().map(|(_, id)| id.id()));
-        status.set_running(compiled.is_some(), failure);
-        if let Some(active) = &compiled {
-            statuses.set_lighting(main_entity, active.io, settings.shows_channel());
-        }
-        if let Some(new) = new_lighting {
-            commands.entity(entity).insert(new);
-        }
-        if let Some(active) = compiled {
-            active_now.insert(view.retained_view_entity, active);
-            if current != Some(&active) {
-                commands.entity(entity).insert(active);
-            }
-        } else {
-            commands.entity(entity).remove::<ActiveLeanView>();
+    let lights = (!views.is_empty()).then(|| inputs.scene.lights());
+    let lights = lights.unwrap_or_default();
+    let mut active_now = ActiveViews::default();
+    let mut requested = HashSet::default();
+    for view in &mut views {
+        let view = RequestedViewItem::of(view);
+        let id = view.id();
+        let last = active_before.get(&id);
+        requested.insert(id);
+        if let Some(active) = decide(view, last, lights, &mut inputs, &mut commands) {
+            active_now.insert(id, active);
         }
     }
-
-    // `queue_gbuffer_meshes` sorts the meshes of views that are lean or still could be. On other views Bevy must queue
-    // them again.
-    for view in active_before.keys() {
-        if !candidates.contains(view) {
-            dirty_specializations.views.insert(*view);
-        }
-    }
+    requeue_former_views(&mut dirty_specializations, &active_before, &requested);
     *active_before = active_now;
+}
+
+/// Decides for one view. Returns its state if it is lean in this frame; `last` is that of the frame before.
+fn decide(
+    mut view: RequestedViewItem,
+    last: Option<&ActiveLeanView>,
+    lights: SceneLights,
+    inputs: &mut DecisionInputs,
+    commands: &mut Commands,
+) -> Option<ActiveLeanView> {
+    if !is_eligible(&view, &inputs.memory, &mut inputs.statuses) {
+        leave_to_bevy(commands, view.entity);
+        return None;
+    }
+    let id = view.id();
+    let Some(view_key) = inputs.view_keys.get(&id).copied() else {
+        let mut status = inputs.statuses.of(id.main_entity, Effect::Deferred);
+        status.set_running(false, None);
+        return None;
+    };
+    // A camera has none in its first frame; it is lean at once if everything is compiled.
+    let mut new_lighting = None;
+    let lighting = match view.lighting.take() {
+        Some(lighting) => lighting.into_inner(),
+        None => new_lighting.insert(ViewLighting::default()),
+    };
+    let order = draw_order(&view, inputs);
+    let demands = inputs.demands.wanted(id);
+    let (settings, clip_from_view) = (view.settings, view.view.clip_from_view);
+    let candidates = candidates(&view, order, demands, last).map(|active| {
+        let key = (inputs.scene).key(lights, view_key, clip_from_view, settings, &active);
+        (active, key)
+    });
+    let pipelines = inputs.lighting_pipelines.as_deref_mut()?;
+    let active = best_compiled(candidates, lighting, pipelines, &inputs.pipeline_cache);
+    set_status(&view, active.as_ref(), lighting, inputs);
+    apply(commands, &view, new_lighting, active);
+    active
+}
+
+/// Sets the status of a view that can be lean: on if it is `active`, or why its pipelines are not compiled.
+fn set_status(
+    view: &RequestedViewItem,
+    active: Option<&ActiveLeanView>,
+    lighting: &ViewLighting,
+    inputs: &mut DecisionInputs,
+) {
+    let camera = view.id().main_entity;
+    let pipelines = lighting.pipelines.iter().map(|(_, id)| id.id());
+    let failure = inputs.pipeline_watch.failure(pipelines);
+    let mut status = inputs.statuses.of(camera, Effect::Deferred);
+    status.set_running(active.is_some(), failure);
+    if let Some(active) = active {
+        let shows_channel = view.settings.shows_channel();
+        let statuses = &mut inputs.statuses;
+        statuses.set_lighting(camera, active.io, shows_channel);
+    }
+}
+
+/// Inserts the components of a view that can be lean, where they are new.
+fn apply(
+    commands: &mut Commands,
+    view: &RequestedViewItem,
+    new_lighting: Option<ViewLighting>,
+    active: Option<ActiveLeanView>,
+) {
+    let mut entity = commands.entity(view.entity);
+    if let Some(lighting) = new_lighting {
+        entity.insert(lighting);
+    }
+    match active {
+        Some(active) if view.current == Some(&active) => {}
+        Some(active) => {
+            entity.insert(active);
+        }
+        None => {
+            entity.remove::<ActiveLeanView>();
+        }
+    }
+}
+
+/// Frees what a lean view holds. Bevy renders its camera.
+fn leave_to_bevy(commands: &mut Commands, view: Entity) {
+    commands
+        .entity(view)
+        .remove::<(ActiveLeanView, ViewLighting)>();
+}
+
+/// Has Bevy queue the meshes of views that lost `LeanDeferred`. Those of views that are lean or still could be are sorted
+/// by `queue_gbuffer_meshes`.
+fn requeue_former_views(
+    dirty: &mut DirtySpecializations,
+    active_before: &ActiveViews,
+    requested: &HashSet<RetainedViewEntity>,
+) {
+    for view in active_before.keys() {
+        if !requested.contains(view) {
+            dirty.views.insert(*view);
+        }
+    }
 }
 
 /// Leaves views whose textures do not fit into memory to Bevy. Runs after the textures of all views are allocated and
@@ -304,9 +182,7 @@ pub(super) fn withdraw_views_without_memory(
     for (entity, camera) in &views {
         let mut status = statuses.of(*camera, Effect::Deferred);
         if status.is_off_by_memory(memory.label(entity)) {
-            commands
-                .entity(entity)
-                .remove::<(ActiveLeanView, ViewLighting)>();
+            leave_to_bevy(&mut commands, entity);
         }
     }
 }

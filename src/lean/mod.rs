@@ -9,12 +9,20 @@
 //! no `Hdr`.
 
 // - `decision.rs`: decides per view and frame.
+// - `inputs.rs`: the inputs of the decision.
+// - `eligibility.rs`: decides which views can be lean.
+// - `draw_order.rs`: decides when and how the meshes of a view are drawn.
+// - `candidates.rs`: the states that a view may have, and the best of them whose lighting is compiled.
 // - `support.rs`: capabilities that the device needs.
 // - `notice.rs`: logs that a camera has become lean.
 // - `foreign_depth.rs`: detects other renderers that may draw depth before the G-buffer.
 
+mod candidates;
 mod decision;
+mod draw_order;
+mod eligibility;
 mod foreign_depth;
+mod inputs;
 mod notice;
 mod support;
 

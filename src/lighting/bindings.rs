@@ -34,8 +34,6 @@ pub(super) struct ViewLightingBindings {
     pub(super) read_list: CachedBindGroup,
     /// Offsets of the uniform without and with `writes_background`.
     pub(super) uniform_offsets: [u32; 2],
-    /// Offset of the view's ambient occlusion uniform, if lighting applies occlusion.
-    pub(super) occlusion_offset: Option<u32>,
     pub(super) viewport_size: UVec2,
     /// True if the viewport is the whole render target.
     pub(super) covers_target: bool,
@@ -163,15 +161,10 @@ fn update_bind_groups(
     {
         bindings.targets.swap(0, 1);
     }
-    bindings.occlusion_offset = if layouts.has_occlusion() {
-        Some(view.occlusion?.offset)
-    } else {
-        None
-    };
     for (slot, output) in bindings.targets.iter_mut().zip(outputs) {
         slot.0 = Some(output.id());
         slot.1.update(device, &layouts.targets, |entries| {
-            push_target_entries(entries, layouts, view, resources, output)
+            push_target_entries(entries, layouts, pipelines, view, resources, output)
         })?;
     }
     Some(())
@@ -181,6 +174,7 @@ fn update_bind_groups(
 fn push_target_entries(
     entries: &mut Entries,
     layouts: &LightingLayouts,
+    pipelines: &LightingPipelines,
     view: &LitViewItem,
     resources: &LightingResources,
     output: &TextureView,
@@ -195,17 +189,12 @@ fn push_target_entries(
     )?;
     entries.push(targets::OUTPUT_TEXTURE, output.into_binding())?;
     entries.push(targets::UNIFORMS, resources.buffers.uniforms.binding()?)?;
-    if layouts.has_occlusion() {
-        let pipelines = resources.occlusion_pipelines.as_ref()?;
-        // Without a texture, the occlusion passes are not compiled yet: nothing is occluded.
-        let texture = match view.occlusion_texture {
-            Some(texture) => &texture.0.default_view,
+    if layouts.io.contains(LightingIo::AMBIENT_OCCLUSION) {
+        // Zeros mean no occlusion.
+        let texture = match view.ambient_occlusion {
+            Some(occlusion) => &occlusion.texture,
             None => &resources.fallback_zero.texture_view,
         };
-        entries.push(
-            targets::OCCLUSION_VIEW,
-            resources.occlusion_uniforms.as_ref()?.0.binding()?,
-        )?;
         entries.push(
             targets::NEAREST_SAMPLER,
             pipelines.nearest_sampler.into_binding(),

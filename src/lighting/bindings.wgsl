@@ -1,10 +1,6 @@
 // Bindings of the lighting pass beside Bevy's view and light probes.
 #define_import_path bevy_lean_deferred::lighting::bindings
 
-#ifdef LEAN_AMBIENT_OCCLUSION
-#import bevy_lean_deferred::ambient_occlusion::view::OcclusionUniform
-#endif
-
 struct LightingUniform {
     /// Clear colour of the camera, as the main texture stores it.
     background: vec4<f32>,
@@ -17,6 +13,11 @@ struct LightingUniform {
     writes_background: u32,
     /// 1 if the G-buffer is undefined where depth is 0.
     depth_tells_geometry: u32,
+    /// Parameters of the filter of ambient occlusion: as in `occlusion_filter.wgsl`.
+    occlusion_edge: vec3<f32>,
+    occlusion_intensity: f32,
+    /// Share of the occlusion that also darkens direct light, 0 to 1.
+    occlusion_of_direct_light: f32,
 }
 
 #ifdef LIGHT_LAYERS
@@ -37,9 +38,8 @@ struct LightLayersTable {
 @group(2) @binding(2) var output_texture: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(3) var<uniform> uniforms: LightingUniform;
 #ifdef LEAN_AMBIENT_OCCLUSION
-@group(2) @binding(4) var<uniform> occlusion_view: OcclusionUniform;
-@group(2) @binding(5) var nearest_sampler: sampler;
-@group(2) @binding(6) var occlusion_texture: texture_2d<f32>;
+@group(2) @binding(4) var nearest_sampler: sampler;
+@group(2) @binding(5) var occlusion_texture: texture_2d<f32>;
 #endif
 #ifdef GBUFFER_VALID_MASK
 @group(2) @binding(12) var valid_mask_texture: texture_2d<u32>;

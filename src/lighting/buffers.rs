@@ -13,7 +13,10 @@ use bevy::{
 };
 
 use super::ViewLighting;
-use crate::{shader_library::reconstruction::position::edge_of, view::ActiveLeanView};
+use crate::{
+    shader_library::reconstruction::position::edge_of,
+    view::{ActiveLeanView, AmbientOcclusion},
+};
 
 /// Parameters of a view for the lighting shader, beside Bevy's uniforms.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
@@ -25,6 +28,9 @@ pub struct LightingUniform {
     edge: Vec2,
     writes_background: u32,
     depth_tells_geometry: u32,
+    occlusion_edge: Vec3,
+    occlusion_intensity: f32,
+    occlusion_of_direct_light: f32,
 }
 
 /// The crate's own buffers, one for all views.
@@ -45,6 +51,7 @@ pub(super) fn write_lighting_buffers(
         &mut ViewLighting,
         (&ExtractedCamera, &ExtractedView),
         (&ViewTarget, &ActiveLeanView),
+        Option<&AmbientOcclusion>,
         Option<&MainPassResolutionOverride>,
         Option<&GpuAtmosphere>,
     )>,
@@ -71,9 +78,11 @@ pub(super) fn write_lighting_buffers(
     else {
         return;
     };
-    for (mut lighting, (camera, view), (target, active), resolution_override, _) in &mut views {
+    for (mut lighting, (camera, view), (target, active), occlusion, resolution, _) in &mut views {
         let target_size = target_size(target);
-        let (origin, size) = lit_pixels(camera, target, resolution_override);
+        let (origin, size) = lit_pixels(camera, target, resolution);
+        let occlusion = occlusion.map(|found| (found.edge, found.intensity, found.of_direct_light));
+        let (edge, intensity, of_direct_light) = occlusion.unwrap_or_default();
         let uniform = LightingUniform {
             background: background(camera, &clear_color),
             viewport_origin: origin,
@@ -81,6 +90,9 @@ pub(super) fn write_lighting_buffers(
             edge: edge_of(view.clip_from_view, size),
             writes_background: 0,
             depth_tells_geometry: active.depth_tells_geometry.into(),
+            occlusion_edge: edge,
+            occlusion_intensity: intensity,
+            occlusion_of_direct_light: of_direct_light,
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
             writer.write(&LightingUniform {

@@ -6,7 +6,7 @@ use bevy::shader::ShaderDefVal;
 
 use super::{
     bevy_definitions::name_of,
-    features::{ClusteredLights, LightingKey, OcclusionKey, ShadowMaps},
+    features::{ClusteredLights, LightingKey, ShadowMaps},
     implied::implied_by,
 };
 use crate::{
@@ -21,8 +21,7 @@ fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
     let casts = |kinds| key.shadow_maps.contains(kinds);
     let culling = key.light_culling;
     let io = |what| key.io.contains(what);
-    let occlusion = |is_set: fn(OcclusionKey) -> bool| key.occlusion.is_some_and(is_set);
-    let shows_occlusion = occlusion(|occlusion| occlusion.debug_view);
+    let shows_occlusion = io(LightingIo::OCCLUSION_DEBUG_VIEW);
     let shows_channel = key.debug_view.is_some_and(|channel| !channel.is_light());
     let over_all_tiles = key.shaded.is_empty();
     [
@@ -44,16 +43,7 @@ fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
         (key.scatters, "SCATTERS_LIGHT"),
         (io(LightingIo::INDIRECT_SPECULAR), "INDIRECT_SPECULAR"),
         (io(LightingIo::INDIRECT_DIFFUSE), "INDIRECT_DIFFUSE"),
-        (key.occlusion.is_some(), "LEAN_AMBIENT_OCCLUSION"),
-        (
-            occlusion(|occlusion| occlusion.multibounce),
-            "OCCLUSION_MULTIBOUNCE",
-        ),
-        (
-            occlusion(|occlusion| occlusion.direct_light),
-            "OCCLUSION_OF_DIRECT_LIGHT",
-        ),
-        (shows_occlusion, "OCCLUSION_DEBUG_VIEW"),
+        (io(LightingIo::AMBIENT_OCCLUSION), "LEAN_AMBIENT_OCCLUSION"),
         // The dispatch over all tiles lists those with special surfaces; another one lights the list.
         (over_all_tiles && !key.binned.is_empty(), "LISTED_VARIANTS"),
         (!over_all_tiles, "VISITED_VARIANTS"),
@@ -68,13 +58,10 @@ pub(super) fn definitions(key: LightingKey, bevys: Vec<ShaderDefVal>) -> Vec<Sha
     let names = (key.projection.shader_def().into_iter())
         .chain(key.targets.iter().map(GBufferTargets::shader_def))
         .chain(key.debug_view.map(DebugChannel::shader_def))
-        .chain(models.filter_map(|model| model.shader_def));
-    let filter = key
-        .occlusion
-        .map(|occlusion| occlusion.filter.shader_defs());
+        .chain(models.filter_map(|model| model.shader_def))
+        .chain(key.io.occlusion_defs());
     let mut defs: Vec<ShaderDefVal> = shader_defs::of_table(table(key))
         .chain(names.map(ShaderDefVal::from))
-        .chain(filter.into_iter().flatten())
         .chain(bevys)
         .collect();
     let implied = defs.iter().flat_map(|def| implied_by(name_of(def)));

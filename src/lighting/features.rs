@@ -14,7 +14,6 @@ use bitflags::bitflags;
 
 use super::{bevy_definitions::VIEW_BITS, light_layers::LightLayers};
 use crate::{
-    ambient_occlusion::{FilterKey, LeanScreenSpaceAmbientOcclusion, OcclusionPipelines},
     gpu::subgroups::Subgroups,
     named::system_param,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
@@ -40,7 +39,6 @@ pub(crate) struct LightingKey {
     /// Decals, or lights with textures: they share a table.
     pub(super) decals: bool,
     pub(super) debug_view: Option<DebugChannel>,
-    pub(super) occlusion: Option<OcclusionKey>,
     pub(super) io: LightingIo,
     /// Some surfaces scatter light beneath them; lighting writes that light separately.
     pub(super) scatters: bool,
@@ -112,26 +110,6 @@ impl LightingKey {
     }
 }
 
-/// Parameters for which lighting with ambient occlusion is specialized.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct OcclusionKey {
-    pub(super) filter: FilterKey,
-    pub(super) multibounce: bool,
-    pub(super) direct_light: bool,
-    pub(super) debug_view: bool,
-}
-
-impl OcclusionKey {
-    fn new(settings: &LeanScreenSpaceAmbientOcclusion) -> Option<Self> {
-        settings.is_for_lighting().then(|| Self {
-            filter: settings.into(),
-            multibounce: settings.advanced.multibounce,
-            direct_light: settings.direct_light > 0.0 && !settings.debug_view,
-            debug_view: settings.debug_view,
-        })
-    }
-}
-
 system_param! {
     /// The features of the scene, which all views share.
     pub(crate) struct SceneFeatures<'w, 's> {
@@ -140,7 +118,6 @@ system_param! {
         rect_lights: Query<'w, 's, (), With<ExtractedRectLight>>,
         decals: Option<Res<'w, RenderClusteredDecals>>,
         mesh_pipeline: Option<Res<'w, MeshPipeline>>,
-        occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
         light_layers: Res<'w, LightLayers>,
         subgroups: Res<'w, Subgroups>,
     }
@@ -205,7 +182,6 @@ impl SceneFeatures<'_, '_> {
         view_key: MeshPipelineKey,
         clip_from_view: Mat4,
         settings: &LeanDeferred,
-        occlusion: Option<&LeanScreenSpaceAmbientOcclusion>,
         order: &ActiveLeanView,
     ) -> LightingKey {
         let decals_usable = self
@@ -217,6 +193,10 @@ impl SceneFeatures<'_, '_> {
         if settings.debug_view == Some(DebugChannel::Motion) {
             read_targets |= GBufferTargets::MOTION;
         }
+        let mut io = order.io;
+        if !shows_light {
+            io.remove(LightingIo::OCCLUSION);
+        }
         LightingKey {
             view: view_key & VIEW_BITS,
             clustered_lights: lights.clustered,
@@ -226,12 +206,7 @@ impl SceneFeatures<'_, '_> {
             rect_lights: !self.rect_lights.is_empty(),
             decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
             debug_view: settings.debug_view,
-            occlusion: occlusion
-                .filter(|_| self.occlusion_pipelines.is_some() && shows_light)
-                // Diffuse GI also outputs visibility, so AO is skipped.
-                .filter(|_| !order.io.contains(LightingIo::INDIRECT_DIFFUSE))
-                .and_then(OcclusionKey::new),
-            io: order.io,
+            io,
             scatters: order.scatters() && shows_light,
             light_layers: order.has_light_layers && shows_light,
             targets: order.targets & read_targets,

@@ -26,10 +26,9 @@ use super::{
     soft_shadows::BlockerSampler, subsurface_light::SubsurfaceLight,
 };
 use crate::{
-    ambient_occlusion::{OcclusionPipelines, OcclusionTexture, OcclusionUniforms, ViewOcclusion},
     gbuffer::GBufferTextures,
     named::{query_item, system_param},
-    view::{DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo},
+    view::{AmbientOcclusion, DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo},
 };
 
 query_item! {
@@ -42,8 +41,7 @@ query_item! {
         pub(super) shadows: &'static ViewShadowBindings,
         pub(super) clusters: &'static ViewClusterBindings,
         pub(super) ssao: Option<&'static ScreenSpaceAmbientOcclusionResources>,
-        pub(super) occlusion: Option<&'static ViewOcclusion>,
-        pub(super) occlusion_texture: Option<&'static OcclusionTexture>,
+        pub(super) ambient_occlusion: Option<&'static AmbientOcclusion>,
         pub(super) diffuse_light: Option<&'static DiffuseLight>,
         pub(super) subsurface_light: Option<&'static SubsurfaceLight>,
         pub(super) indirect_specular: Option<&'static IndirectSpecular>,
@@ -91,7 +89,5 @@ system_param! {
         pub(super) images: Res<'w, RenderAssets<GpuImage>>,
         pub(super) fallback: Res<'w, FallbackImage>,
         pub(super) fallback_zero: Res<'w, FallbackImageZero>,
-        pub(super) occlusion_pipelines: Option<Res<'w, OcclusionPipelines>>,
-        pub(super) occlusion_uniforms: Option<Res<'w, OcclusionUniforms>>,
     }
 }

@@ -63,7 +63,7 @@ mod view_entries;
 
 pub use crate::view::LightingPasses;
 // For tests and benches.
-pub(crate) use features::{LightingKey, SceneFeatures};
+pub(crate) use features::{LightingKey, SceneFeatures, SceneLights};
 pub(crate) use pass::lighting_pass;
 pub(crate) use pipeline::LightingPipelines;
 pub(crate) use subsurface_light::{
@@ -91,12 +91,9 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use crate::{
-    ambient_occlusion,
-    view::{
-        ActiveLeanView, DiffuseLight, EffectSystems, LeanDeferred, SharedPlugin,
-        ViewTextureSystems, memory, removal,
-    },
+use crate::view::{
+    ActiveLeanView, DiffuseLight, EffectSystems, LeanDeferred, SharedPlugin, ViewTextureSystems,
+    memory, removal,
 };
 
 /// On a view: the state of its lighting pass. Removed with [`LeanDeferred`].
@@ -147,7 +144,6 @@ pub(crate) struct LightingPlugin;
 impl Plugin for LightingPlugin {
     fn build(&self, app: &mut App) {
         SharedPlugin::add_to(app);
-        ambient_occlusion::load_shader_library(app);
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "surface.wgsl");
         load_shader_library!(app, "subsurface_light.wgsl");

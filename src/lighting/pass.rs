@@ -64,8 +64,6 @@ pub(crate) fn lighting_pass(
                 timestamp_writes: None,
             });
         let offset = bindings.uniform_offsets[usize::from(writes_background)];
-        let offsets = [offset, bindings.occlusion_offset.unwrap_or_default()];
-        let offsets = &offsets[..1 + usize::from(bindings.occlusion_offset.is_some())];
         for (key, id) in &lighting.pipelines {
             let Some(pipeline) = pipeline_cache.get_compute_pipeline(*id) else {
                 continue;
@@ -73,7 +71,7 @@ pub(crate) fn lighting_pass(
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, view_group, &bindings.view_offsets);
             pass.set_bind_group(1, arrays_group, &[]);
-            pass.set_bind_group(2, targets_group, offsets);
+            pass.set_bind_group(2, targets_group, &[offset]);
             if key.shaded.is_empty() {
                 if let Some(group) = bindings.fill_list.get() {
                     pass.set_bind_group(3, group, &[]);

@@ -5,14 +5,17 @@ use bevy::{
     pbr::{MeshPipeline, MeshPipelineKey, MeshPipelineViewLayoutKey},
     platform::collections::HashMap,
     prelude::*,
-    render::render_resource::{
-        BindGroupLayoutDescriptor, CachedComputePipelineId, ComputePipelineDescriptor,
-        PipelineCache, SamplerBindingType, ShaderStages, StorageTextureAccess, TextureFormat,
-        TextureSampleType,
-        binding_types::{
-            sampler, storage_buffer_read_only, storage_buffer_sized, texture_2d,
-            texture_storage_2d, uniform_buffer,
+    render::{
+        render_resource::{
+            BindGroupLayoutDescriptor, CachedComputePipelineId, ComputePipelineDescriptor,
+            PipelineCache, Sampler, SamplerBindingType, SamplerDescriptor, ShaderStages,
+            StorageTextureAccess, TextureFormat, TextureSampleType,
+            binding_types::{
+                sampler, storage_buffer_read_only, storage_buffer_sized, texture_2d,
+                texture_storage_2d, uniform_buffer,
+            },
         },
+        renderer::RenderDevice,
     },
     shader::ShaderDefVal,
 };
@@ -29,7 +32,6 @@ use super::{
     tile_list::{filling_layout, reading_layout},
 };
 use crate::{
-    ambient_occlusion::OcclusionUniform,
     gpu::{bind_group_cache::ResolvedLayout, bindings::layout},
     view::{GBufferTargets, LightingIo},
 };
@@ -51,10 +53,6 @@ pub(super) struct LightingLayouts {
 }
 
 impl LightingLayouts {
-    pub(super) fn has_occlusion(&self) -> bool {
-        self.has_target_binding(targets::OCCLUSION_VIEW)
-    }
-
     pub(super) fn has_light_layers(&self) -> bool {
         self.has_target_binding(targets::LIGHT_LAYERS)
     }
@@ -80,6 +78,8 @@ pub(crate) struct LightingPipelines {
     mesh_pipeline: MeshPipeline,
     shader: Handle<Shader>,
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
+    /// Gathers texels of ambient occlusion.
+    pub(super) nearest_sampler: Sampler,
     pub(super) filling_list: ResolvedLayout,
     pub(super) reading_list: ResolvedLayout,
 }
@@ -89,11 +89,16 @@ pub(super) fn init_lighting_pipelines(
     mesh_pipeline: Res<MeshPipeline>,
     asset_server: Res<AssetServer>,
     pipeline_cache: Res<PipelineCache>,
+    render_device: Res<RenderDevice>,
 ) {
     commands.insert_resource(LightingPipelines {
         mesh_pipeline: mesh_pipeline.clone(),
         shader: load_embedded_asset!(asset_server.as_ref(), "lighting.wgsl"),
         by_key: HashMap::default(),
+        nearest_sampler: render_device.create_sampler(&SamplerDescriptor {
+            label: Some("lean_deferred/lighting/nearest"),
+            ..default()
+        }),
         filling_list: ResolvedLayout::new(&pipeline_cache, filling_layout()),
         reading_list: ResolvedLayout::new(&pipeline_cache, reading_layout()),
     });
@@ -127,13 +132,9 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
         (targets::OUTPUT_TEXTURE, output),
         (targets::UNIFORMS, uniform_buffer::<LightingUniform>(true)),
     ];
-    if key.occlusion.is_some() {
+    if key.io.contains(LightingIo::AMBIENT_OCCLUSION) {
         let occlusion = texture_2d(TextureSampleType::Float { filterable: false });
         entries.extend([
-            (
-                targets::OCCLUSION_VIEW,
-                uniform_buffer::<OcclusionUniform>(true),
-            ),
             (
                 targets::NEAREST_SAMPLER,
                 sampler(SamplerBindingType::NonFiltering),

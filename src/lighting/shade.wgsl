@@ -75,7 +75,7 @@
 #endif
 
 #ifdef LEAN_AMBIENT_OCCLUSION
-#import bevy_lean_deferred::lighting::bindings::occlusion_view
+#import bevy_lean_deferred::lighting::bindings::uniforms
 #import bevy_lean_deferred::lighting::visibility::apply_occlusion
 #endif
 
@@ -155,7 +155,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
 #ifdef LEAN_AMBIENT_OCCLUSION
             let visibility = apply_occlusion(&pbr, pixel.position, pixel.depth);
 #ifdef OCCLUSION_OF_DIRECT_LIGHT
-            direct_visibility = 1.0 - occlusion_view.direct_light * (1.0 - visibility);
+            direct_visibility = 1.0 - uniforms.occlusion_of_direct_light * (1.0 - visibility);
 #endif
 #endif
 #ifdef INDIRECT_DIFFUSE

@@ -12,10 +12,8 @@
 #endif
 
 #ifdef LEAN_AMBIENT_OCCLUSION
-#import bevy_lean_deferred::ambient_occlusion::filter::filtered_occlusion
-#import bevy_lean_deferred::lighting::bindings::{
-    nearest_sampler, occlusion_texture, occlusion_view, uniforms,
-}
+#import bevy_lean_deferred::lighting::bindings::{nearest_sampler, occlusion_texture, uniforms}
+#import bevy_lean_deferred::occlusion_filter::{OcclusionFilter, filtered_occlusion}
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
 
@@ -29,11 +27,17 @@ fn apply_ssao(pbr: ptr<function, PbrInput>, pixel: vec2<i32>) {
 #ifdef LEAN_AMBIENT_OCCLUSION
 /// Applies occlusion, and returns the visibility.
 fn apply_occlusion(pbr: ptr<function, PbrInput>, pixel: vec2<i32>, depth: f32) -> f32 {
+    let parameters = OcclusionFilter(
+        uniforms.occlusion_edge,
+        uniforms.occlusion_intensity,
+        uniforms.viewport_origin,
+        uniforms.viewport_size,
+    );
     let occlusion = filtered_occlusion(
         occlusion_texture,
         nearest_sampler,
         depth_texture,
-        occlusion_view,
+        parameters,
         pixel - vec2<i32>(uniforms.viewport_origin),
         depth,
     );

@@ -4,6 +4,7 @@
 //! - `layout/`: the words of its optional targets, and packed light.
 //! - `reconstruction/`: positions, normals and motion from depth.
 //! - `horizon.{rs,wgsl}`: cosine-weighted occlusion by a pair of horizons.
+//! - `occlusion_filter.wgsl`: the filter of ambient occlusion.
 //! - `ggx.{rs,wgsl}`: samples of the GGX lobe.
 //! - `pattern.wgsl`: the 4×4 pattern in which neighbouring texels take different directions.
 //! - `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, and the order of the pixels in them.
@@ -26,6 +27,7 @@ pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "rounding.wgsl");
     load_shader_library!(app, "ggx.wgsl");
     load_shader_library!(app, "horizon.wgsl");
+    load_shader_library!(app, "occlusion_filter.wgsl");
     load_shader_library!(app, "layout.wgsl");
     load_shader_library!(app, "layout/light.wgsl");
     load_shader_library!(app, "layout/motion.wgsl");

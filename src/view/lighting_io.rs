@@ -14,7 +14,7 @@ use bitflags::bitflags;
 bitflags! {
     /// Inputs and outputs of lighting that effects provide or read.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-    pub struct LightingIo: u8 {
+    pub struct LightingIo: u16 {
         /// Lighting writes the [`DiffuseLight`].
         const DIFFUSE_LIGHT = 1 << 0;
         /// Lighting adds the [`IndirectSpecular`].
@@ -23,6 +23,30 @@ bitflags! {
         const INDIRECT_DIFFUSE = 1 << 2;
         /// Lighting writes the light that scatters beneath surfaces: [`ScattersLight`].
         const SUBSURFACE_LIGHT = 1 << 3;
+        /// Lighting darkens indirect light by the [`AmbientOcclusion`]. The bits below say how.
+        const AMBIENT_OCCLUSION = 1 << 4;
+        /// The filter is 5×5 texels wide, not 3×3.
+        const OCCLUSION_WIDE = 1 << 5;
+        /// The filter ignores neighbours across a depth step.
+        const OCCLUSION_EDGE_AWARE = 1 << 6;
+        /// The texture has half the size of the viewport per axis.
+        const OCCLUSION_HALF = 1 << 7;
+        /// Some of the occluded light returns from bright surfaces.
+        const OCCLUSION_MULTIBOUNCE = 1 << 8;
+        /// Occlusion darkens direct light too.
+        const OCCLUSION_OF_DIRECT_LIGHT = 1 << 9;
+        /// Lighting shows the filtered occlusion in place of light.
+        const OCCLUSION_DEBUG_VIEW = 1 << 10;
+        /// The bits that the filter is compiled by.
+        const OCCLUSION_FILTER = Self::OCCLUSION_WIDE.bits()
+            | Self::OCCLUSION_EDGE_AWARE.bits()
+            | Self::OCCLUSION_HALF.bits();
+        /// All bits of occlusion.
+        const OCCLUSION = Self::AMBIENT_OCCLUSION.bits()
+            | Self::OCCLUSION_FILTER.bits()
+            | Self::OCCLUSION_MULTIBOUNCE.bits()
+            | Self::OCCLUSION_OF_DIRECT_LIGHT.bits()
+            | Self::OCCLUSION_DEBUG_VIEW.bits();
         /// All kinds of indirect light that lighting adds.
         const INDIRECT = Self::INDIRECT_SPECULAR.bits() | Self::INDIRECT_DIFFUSE.bits();
     }
@@ -65,6 +89,29 @@ pub struct IndirectSpecular(pub Option<TextureView>);
 #[derive(Component, Clone, Debug, Default)]
 pub struct IndirectDiffuse(pub Option<TextureView>);
 
+/// On a view: an effect occludes ambient light, and lighting is asked to apply that. Has the bits of [`LightingIo`] that
+/// say how, [`AMBIENT_OCCLUSION`](LightingIo::AMBIENT_OCCLUSION) among them.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OccludesLight(pub LightingIo);
+
+/// On a view with [`OccludesLight`], for as long as the effect computes occlusion for lighting: the occlusion of ambient
+/// light, and the parameters of its filter, `occlusion_filter.wgsl`.
+///
+/// The texture has a float format. R: occluded fraction, 0 to 1. It is as large as the viewport, or with
+/// [`OCCLUSION_HALF`](LightingIo::OCCLUSION_HALF) half as large per axis, rounded up. Without the component nothing is
+/// occluded.
+#[derive(Component, Clone, Debug)]
+pub struct AmbientOcclusion {
+    /// Occluded fractions.
+    pub texture: TextureView,
+    /// As in the filter.
+    pub edge: Vec3,
+    /// Factor on the occlusion.
+    pub intensity: f32,
+    /// Share of the occlusion that darkens direct light too, 0 to 1.
+    pub of_direct_light: f32,
+}
+
 /// Inputs and outputs that effects request on a view. A tuple, because the bounds of a derived query make the compiler walk all
 /// types of `wgpu`.
 pub(crate) type LightingIoQuery = (
@@ -72,14 +119,21 @@ pub(crate) type LightingIoQuery = (
     Has<ScattersLight>,
     Has<IndirectSpecular>,
     Has<IndirectDiffuse>,
+    Option<&'static OccludesLight>,
 );
 
 impl LightingIo {
     /// Converts the result of a [`LightingIoQuery`].
     pub(crate) fn asked(
-        (diffuse_light, scatters, specular, diffuse): (bool, bool, bool, bool),
+        (diffuse_light, scatters, specular, diffuse, occludes): (
+            bool,
+            bool,
+            bool,
+            bool,
+            Option<&OccludesLight>,
+        ),
     ) -> Self {
-        [
+        let light: Self = [
             (diffuse_light, Self::DIFFUSE_LIGHT),
             (scatters, Self::SUBSURFACE_LIGHT),
             (specular, Self::INDIRECT_SPECULAR),
@@ -87,6 +141,44 @@ impl LightingIo {
         ]
         .into_iter()
         .filter_map(|(is_asked, what)| is_asked.then_some(what))
-        .collect()
+        .collect();
+        match occludes {
+            Some(OccludesLight(occlusion)) if !light.replaces_occlusion() => light | *occlusion,
+            _ => light,
+        }
+    }
+
+    /// True if ambient occlusion is off beside this light: [`IndirectDiffuse`] has an occlusion of its own.
+    pub(crate) fn replaces_occlusion(self) -> bool {
+        self.contains(Self::INDIRECT_DIFFUSE)
+    }
+
+    /// The shader definitions of the bits that say how occlusion is filtered and applied.
+    pub(crate) fn occlusion_defs(self) -> impl Iterator<Item = &'static str> {
+        [
+            (Self::OCCLUSION_WIDE, "OCCLUSION_WIDE"),
+            (Self::OCCLUSION_EDGE_AWARE, "OCCLUSION_EDGE_AWARE"),
+            (Self::OCCLUSION_HALF, "OCCLUSION_HALF"),
+            (Self::OCCLUSION_MULTIBOUNCE, "OCCLUSION_MULTIBOUNCE"),
+            (Self::OCCLUSION_OF_DIRECT_LIGHT, "OCCLUSION_OF_DIRECT_LIGHT"),
+            (Self::OCCLUSION_DEBUG_VIEW, "OCCLUSION_DEBUG_VIEW"),
+        ]
+        .into_iter()
+        .filter(move |(bit, _)| self.contains(*bit))
+        .map(|(_, name)| name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn diffuse_gi_replaces_occlusion() {
+        let occlusion = LightingIo::AMBIENT_OCCLUSION | LightingIo::OCCLUSION_HALF;
+        let occludes = OccludesLight(occlusion);
+        let asked = |has_gi| LightingIo::asked((false, false, true, has_gi, Some(&occludes)));
+        assert_eq!(asked(false), LightingIo::INDIRECT_SPECULAR | occlusion);
+        assert_eq!(asked(true), LightingIo::INDIRECT);
     }
 }

@@ -64,7 +64,8 @@ pub(crate) use in_use::EffectSystems;
 pub(crate) use lighting_io::LightingIoQuery;
 #[doc(hidden)]
 pub use lighting_io::{
-    DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo, ReadsDiffuseLight, ScattersLight,
+    AmbientOcclusion, DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo, OccludesLight,
+    ReadsDiffuseLight, ScattersLight,
 };
 pub use memory::LeanMemory;
 #[doc(hidden)]

@@ -179,7 +179,6 @@ fn kernel(word: array<u32, 1>) -> array<u32, 1> {
         let modules = [
             shipped_wgsl!("shader_library/layout.wgsl"),
             shipped_wgsl!("shader_library/layout/specialization.wgsl"),
-            shipped_wgsl!("ambient_occlusion/view.wgsl"),
             shipped_wgsl!("lighting/bindings.wgsl"),
             shipped_wgsl!("lighting/tile_list.wgsl"),
         ];

@@ -456,6 +456,36 @@ fn effects_go_on_when_a_projection_becomes_plain() {
     });
 }
 
+/// Occlusion comes to a lean camera, and is then filtered otherwise: until lighting is compiled for it, the camera is lit as before.
+#[test]
+fn a_camera_stays_lean_while_lighting_compiles_for_occlusion() {
+    in_own_process(|| {
+        let mut walk = Walk::new();
+        let mut camera = walk.headless.world().entity_mut(walk.tested);
+        camera.insert(LeanDeferred::default());
+        walk.settle();
+        assert_eq!(active_lean_views(&mut walk.headless), 1);
+        for resolution in LeanResolution::ALL {
+            let stalled_pipelines = StalledPipelines::new();
+            let mut camera = walk.headless.world().entity_mut(walk.tested);
+            camera.insert(LeanScreenSpaceAmbientOcclusion {
+                resolution,
+                ..default()
+            });
+            for frame in 0..HELD_BACK {
+                walk.step();
+                let lean = active_lean_views(&mut walk.headless);
+                assert_eq!(lean, 1, "{resolution:?}, frame {frame}");
+            }
+            drop(stalled_pipelines);
+            walk.settle();
+            let status = walk.headless.world().get::<LeanStatus>(walk.tested);
+            let status = status.expect("it has effects");
+            assert!(status.ambient_occlusion.is_on(), "{resolution:?}");
+        }
+    });
+}
+
 #[test]
 fn lean_cameras_show_what_forward_cameras_show() {
     in_own_process(|| {

@@ -392,6 +392,8 @@ fn every_definition_of_the_lighting_shader_is_tried() {
     for name in MODELS.iter().filter_map(|model| model.shader_def) {
         assert!(tried.contains(name), "{name}");
     }
+    let inputs_and_outputs = include_str!("../../src/view/lighting_io.rs");
+    assert_all_tried("lighting_io.rs", inputs_and_outputs, &tried);
     let targets = include_str!("../../src/gbuffer/targets.rs");
     assert_all_tried("targets.rs", targets, &tried);
     let channels = tried

@@ -22,6 +22,7 @@ const MODULES: [WgslModule; 12] = [
     wgsl!("shader_library/tiles.wgsl"),
     wgsl!("shader_library/reconstruction/position.wgsl"),
     wgsl!("shader_library/reconstruction/normal.wgsl"),
+    wgsl!("shader_library/occlusion_filter.wgsl"),
     wgsl!("ambient_occlusion/view.wgsl"),
     wgsl!("shader_library/horizon.wgsl"),
     wgsl!("shader_library/rounding.wgsl"),
@@ -29,7 +30,6 @@ const MODULES: [WgslModule; 12] = [
     wgsl!("ambient_occlusion/bindings.wgsl"),
     wgsl!("ambient_occlusion/hbao.wgsl"),
     wgsl!("ambient_occlusion/hdao.wgsl"),
-    wgsl!("ambient_occlusion/filter.wgsl"),
 ];
 
 pub(super) fn gather() -> Cow<'static, str> {

@@ -145,7 +145,7 @@ const WHAT_IS_LIT: Factor = &[
     ],
 ];
 
-/// Definitions of `FilterKey::shader_defs` for any settings of ambient occlusion.
+/// Definitions of `LightingIo::OCCLUSION_FILTER` for any settings of ambient occlusion.
 const OCCLUSION_FILTERS: Factor = &[
     &[],
     &["OCCLUSION_EDGE_AWARE"],

@@ -1,8 +1,17 @@
-// Filter of 3×3 or 5×5 texels (4×4 from half resolution), read with gathers, for the merge pass and the lighting pass.
-#define_import_path bevy_lean_deferred::ambient_occlusion::filter
+// Filter of ambient occlusion: 3×3 or 5×5 texels (4×4 from half resolution), read with gathers.
+#define_import_path bevy_lean_deferred::occlusion_filter
 
-#import bevy_lean_deferred::ambient_occlusion::view::OcclusionUniform
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
+
+struct OcclusionFilter {
+    /// 1 / view-space distance is `edge.x * depth + edge.y`. Its square times `edge.z` is the depth step that separates surfaces.
+    edge: vec3<f32>,
+    /// Factor on the occlusion.
+    intensity: f32,
+    /// The view's part of the depth texture.
+    viewport_origin: vec2<u32>,
+    viewport_size: vec2<u32>,
+}
 
 /// Gathers 2×2 texels, of which `first` has the least coordinates. The components are the texels (0, 1), (1, 1), (1, 0), (0, 0)
 /// relative to it.
@@ -20,19 +29,20 @@ struct DepthPlane {
     inverse_step: f32,
 }
 
-fn depth_in_view(depth: texture_depth_2d, view: OcclusionUniform, pixel: vec2<i32>) -> f32 {
-    let inside = clamp(pixel, vec2(0), vec2<i32>(view.viewport_size) - 1);
-    return textureLoad(depth, vec2<i32>(view.viewport_origin) + inside, 0);
+fn depth_in_view(depth: texture_depth_2d, parameters: OcclusionFilter, pixel: vec2<i32>) -> f32 {
+    let inside = clamp(pixel, vec2(0), vec2<i32>(parameters.viewport_size) - 1);
+    return textureLoad(depth, vec2<i32>(parameters.viewport_origin) + inside, 0);
 }
 
-fn depth_plane(depth: texture_depth_2d, view: OcclusionUniform, pixel: vec2<i32>, center: f32) -> DepthPlane {
-    let slope = vec2(
-        flatter_slope(depth_in_view(depth, view, pixel - vec2(1, 0)), center, depth_in_view(depth, view, pixel + vec2(1, 0))),
-        flatter_slope(depth_in_view(depth, view, pixel - vec2(0, 1)), center, depth_in_view(depth, view, pixel + vec2(0, 1))),
-    );
-    let nearness = view.edge.x * center + view.edge.y;
+fn depth_plane(depth: texture_depth_2d, parameters: OcclusionFilter, pixel: vec2<i32>, center: f32) -> DepthPlane {
+    let left = depth_in_view(depth, parameters, pixel - vec2(1, 0));
+    let right = depth_in_view(depth, parameters, pixel + vec2(1, 0));
+    let above = depth_in_view(depth, parameters, pixel - vec2(0, 1));
+    let below = depth_in_view(depth, parameters, pixel + vec2(0, 1));
+    let slope = vec2(flatter_slope(left, center, right), flatter_slope(above, center, below));
+    let nearness = parameters.edge.x * center + parameters.edge.y;
     // The second term exceeds rounding errors of depth. At depth 0, infinitely far away in perspective, any difference is a step.
-    let step = view.edge.z * nearness * nearness + 1e-6 * center;
+    let step = parameters.edge.z * nearness * nearness + 1e-6 * center;
     return DepthPlane(center, slope, 1.0 / max(step, 1e-30));
 }
 
@@ -47,14 +57,14 @@ fn filtered_occlusion(
     occlusion: texture_2d<f32>,
     nearest: sampler,
     depth: texture_depth_2d,
-    view: OcclusionUniform,
+    parameters: OcclusionFilter,
     pixel: vec2<i32>,
     center: f32,
 ) -> f32 {
     var sum = 0.0;
     var weights = 0.0;
 #ifdef OCCLUSION_EDGE_AWARE
-    let plane = depth_plane(depth, view, pixel, center);
+    let plane = depth_plane(depth, parameters, pixel, center);
 #endif
 #ifdef OCCLUSION_HALF
     // 1 2 1 after linear interpolation. Even and odd texels weigh the same, which also removes the 2×2 pattern.
@@ -73,7 +83,7 @@ fn filtered_occlusion(
             mean += 0.25 * weight * values[j];
 #ifdef OCCLUSION_EDGE_AWARE
             let offset = 2 * (base + texel) - pixel;
-            weight *= edge_weight(plane, depth_in_view(depth, view, pixel + offset), offset) + 1e-3;
+            weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset) + 1e-3;
 #endif
             sum += weight * values[j];
             weights += weight;
@@ -93,7 +103,7 @@ fn filtered_occlusion(
             var weight = f32(along.x * along.y);
 #ifdef OCCLUSION_EDGE_AWARE
             if along.x * along.y > 0 && any(offset != vec2(0)) {
-                weight *= edge_weight(plane, depth_in_view(depth, view, pixel + offset), offset);
+                weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset);
             }
 #endif
             sum += weight * values[j];
@@ -111,7 +121,7 @@ fn filtered_occlusion(
             var weight = 1.0;
 #ifdef OCCLUSION_EDGE_AWARE
             if distance > 0 {
-                weight *= edge_weight(plane, depth_in_view(depth, view, pixel + offset), offset);
+                weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset);
             }
 #endif
             sum += weight * values[j];
@@ -119,5 +129,5 @@ fn filtered_occlusion(
         }
     }
 #endif
-    return saturate(sum / weights * view.intensity);
+    return saturate(sum / weights * parameters.intensity);
 }
