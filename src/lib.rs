@@ -33,7 +33,7 @@
 //!
 //! All effects have the same levels, [`LeanQuality`] and [`LeanResolution`]. They can be listed, written and read, for menus and command
 //! lines, and with the feature `serialize` stored by serde. A component has what a game sets; what few games change is in its
-//! `advanced`.
+//! `advanced`. [`LeanPreset`] sets which effects a camera has, and their levels, in one call.
 //!
 //! # The frame of a camera with [`LeanDeferred`]
 //!
@@ -75,6 +75,7 @@ mod gpu;
 pub mod lean;
 pub mod lighting;
 mod named;
+mod preset;
 pub mod screen_space;
 #[doc(hidden)]
 pub mod shader_library;
@@ -88,6 +89,7 @@ pub use ambient_occlusion::{
 };
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::LeanDeferredPlugin;
+pub use preset::LeanPreset;
 pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin,
@@ -104,7 +106,7 @@ pub mod prelude {
     pub use crate::{
         CameraCut, DebugChannel, EffectStatus, LeanAutoExposure, LeanAutoExposurePlugin,
         LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins, LeanMemory, LeanOffReason,
-        LeanQuality, LeanResolution, LeanScreenSpaceAmbientOcclusion,
+        LeanPreset, LeanQuality, LeanResolution, LeanScreenSpaceAmbientOcclusion,
         LeanScreenSpaceAmbientOcclusionPlugin, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
         LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,
         LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin, LeanSupport, LightCulling,

@@ -15,6 +15,7 @@ mod memory;
 mod minimised;
 mod out_of_memory;
 mod plugins;
+mod presets;
 mod shared_targets;
 mod statuses;
 mod steady_state;
