@@ -33,7 +33,8 @@
 //!
 //! All effects have the same levels, [`LeanQuality`] and [`LeanResolution`]. They can be listed, written and read, for menus and command
 //! lines, and with the feature `serialize` stored by serde. A component has what a game sets; what few games change is in its
-//! `advanced`. [`LeanPreset`] sets which effects a camera has, and their levels, in one call.
+//! `advanced`. [`LeanPreset`] sets which effects a camera has, and their levels, in one call. Bevy's `bsn!` spawns all components,
+//! also with some of their fields alone.
 //!
 //! # The frame of a camera with [`LeanDeferred`]
 //!

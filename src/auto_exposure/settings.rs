@@ -73,6 +73,10 @@ pub struct LeanAutoExposure {
     pub overlay: bool,
 }
 
+// Handles are not `Unpin`, so that types with handles may have templates of their own. This one is its own template, as the components
+// of the other effects are: `bsn!` starts with its defaults, and `MeteringPattern::Mask` takes a handle, and no path.
+impl Unpin for LeanAutoExposure {}
+
 impl CameraEffect for LeanAutoExposure {
     const NAME: &'static str = "LeanAutoExposure";
     const NEEDS: &'static [Need] = &[Need::Hdr];

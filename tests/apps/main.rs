@@ -1,6 +1,7 @@
 //! Whole apps: plugins in any order, settings that change at run time, warnings, and held resources.
 
 mod actions;
+mod bsn;
 mod changing_settings;
 mod compiling;
 mod devices;
