@@ -33,7 +33,7 @@ use crate::{
 /// effects the device runs, and [`LeanMemory`](crate::LeanMemory) the GPU memory that they hold.
 ///
 /// `Display` writes `low`, `medium`, `high` or `ultra`, and `FromStr` reads these in upper or lower case. With the feature
-/// `serialize`, serde stores the names of the variants.
+/// `serialize`, serde stores the names of the variants. The example `settings_menu` has a button for each.
 ///
 /// ```
 /// # use bevy::prelude::*;
