@@ -102,27 +102,19 @@ pub use view::{
 
 use bevy::app::plugin_group;
 
-/// The types that most apps need.
+/// The plugins, the components of cameras with their levels and reports, and materials. All else is in its module: parts of settings,
+/// such as [`OcclusionFilter`](crate::ambient_occlusion::OcclusionFilter), single plugins, and
+/// [`ForwardReason`](crate::gbuffer::ForwardReason).
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, EffectStatus, LeanAutoExposure, LeanAutoExposurePlugin,
-        LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins, LeanMemory, LeanOffReason,
-        LeanPreset, LeanQuality, LeanResolution, LeanScreenSpaceAmbientOcclusion,
-        LeanScreenSpaceAmbientOcclusionPlugin, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
-        LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,
-        LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin, LeanSupport, LightCulling,
-        ambient_occlusion::{
-            OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
-        },
-        auto_exposure::{
-            ExposureClock, LuminanceTrim, MeteredExposure, Metering, MeteringPattern, ReductionPath,
-        },
-        gbuffer::{
-            GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
-            GBufferTargets, GBufferUsage, LeanForwardMeshes, ShadingModel,
-        },
+        CameraCut, DebugChannel, EffectStatus, LeanAutoExposure, LeanDeferred, LeanDeferredPlugins,
+        LeanMemory, LeanOffReason, LeanPreset, LeanQuality, LeanResolution,
+        LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi, LeanScreenSpaceReflections, LeanStatus,
+        LeanSubsurfaceScattering, LeanSupport,
+        auto_exposure::MeteredExposure,
+        gbuffer::{GBufferMaterial, GBufferMaterialPlugin, GBufferNeeds, LeanForwardMeshes},
         screen_space::{ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView},
-        shading_extension::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo},
+        shading_extension::{ExtendedStandardMaterial, ShadingExtension},
     };
 }
 

@@ -18,7 +18,8 @@ use crate::view::{
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// # use bevy_lean_deferred::prelude::*;
+/// use bevy_lean_deferred::{auto_exposure::MeteringPattern, prelude::*};
+///
 /// fn spawn_camera(mut commands: Commands) {
 ///     commands.spawn((
 ///         Camera3d::default(),

@@ -264,7 +264,7 @@ pub(super) fn material_texture_defs() -> Vec<ShaderDefVal> {
 ///     render::render_resource::AsBindGroup,
 ///     shader::ShaderRef,
 /// };
-/// use bevy_lean_deferred::prelude::*;
+/// use bevy_lean_deferred::{gbuffer::GBufferMaterialExtension, prelude::*};
 ///
 /// /// A blue tint.
 /// #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]

@@ -13,7 +13,10 @@ use bevy::{
     shader::ShaderRef,
     time::TimeUpdateStrategy,
 };
-use bevy_lean_deferred::{gbuffer::ForwardReason, prelude::*};
+use bevy_lean_deferred::{
+    gbuffer::{ForwardReason, GBufferMaterialExtension},
+    prelude::*,
+};
 use kit::{
     foreign_material::{Palette, VoxelMaterial, VoxelPlugin, row_attribute, voxel_mesh},
     headless::Headless,

@@ -1,7 +1,7 @@
 //! Films of motion vectors, forward against lean.
 
 use bevy::prelude::*;
-use bevy_lean_deferred::{prelude::*, view::ActiveLeanView};
+use bevy_lean_deferred::{gbuffer::GBufferTargets, view::ActiveLeanView};
 use kit::{
     headless::Headless,
     lean::{set_lean, show},
