@@ -33,7 +33,8 @@
 //!
 //! All effects have the same levels, [`LeanQuality`] and [`LeanResolution`]. They can be listed, written and read, for menus and command
 //! lines, and with the feature `serialize` stored by serde. A component has what a game sets; what few games change is in its
-//! `advanced`.
+//! `advanced`. [`LeanPreset`] sets which effects a camera has, and their levels, in one call. Bevy's `bsn!` spawns all components,
+//! also with some of their fields alone.
 //!
 //! # The frame of a camera with [`LeanDeferred`]
 //!
@@ -75,6 +76,7 @@ mod gpu;
 pub mod lean;
 pub mod lighting;
 mod named;
+mod preset;
 pub mod screen_space;
 #[doc(hidden)]
 pub mod shader_library;
@@ -88,6 +90,7 @@ pub use ambient_occlusion::{
 };
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
 pub use lean::LeanDeferredPlugin;
+pub use preset::LeanPreset;
 pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin,
@@ -99,27 +102,19 @@ pub use view::{
 
 use bevy::app::plugin_group;
 
-/// The types that most apps need.
+/// The plugins, the components of cameras with their levels and reports, and materials. All else is in its module: parts of settings,
+/// such as [`OcclusionFilter`](crate::ambient_occlusion::OcclusionFilter), single plugins, and
+/// [`ForwardReason`](crate::gbuffer::ForwardReason).
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, EffectStatus, LeanAutoExposure, LeanAutoExposurePlugin,
-        LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins, LeanMemory, LeanOffReason,
-        LeanQuality, LeanResolution, LeanScreenSpaceAmbientOcclusion,
-        LeanScreenSpaceAmbientOcclusionPlugin, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
-        LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,
-        LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin, LeanSupport, LightCulling,
-        ambient_occlusion::{
-            OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
-        },
-        auto_exposure::{
-            ExposureClock, LuminanceTrim, MeteredExposure, Metering, MeteringPattern, ReductionPath,
-        },
-        gbuffer::{
-            GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
-            GBufferTargets, GBufferUsage, LeanForwardMeshes, ShadingModel,
-        },
+        CameraCut, DebugChannel, EffectStatus, LeanAutoExposure, LeanDeferred, LeanDeferredPlugins,
+        LeanMemory, LeanOffReason, LeanPreset, LeanQuality, LeanResolution,
+        LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi, LeanScreenSpaceReflections, LeanStatus,
+        LeanSubsurfaceScattering, LeanSupport,
+        auto_exposure::MeteredExposure,
+        gbuffer::{GBufferMaterial, GBufferMaterialPlugin, GBufferNeeds, LeanForwardMeshes},
         screen_space::{ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView},
-        shading_extension::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo},
+        shading_extension::{ExtendedStandardMaterial, ShadingExtension},
     };
 }
 

@@ -5,7 +5,11 @@ use bevy::{
     prelude::*,
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced as Advanced, prelude::*,
+    ambient_occlusion::{
+        LeanScreenSpaceAmbientOcclusionAdvanced as Advanced, OcclusionFilter, OcclusionKernel,
+        OcclusionNormals,
+    },
+    prelude::*,
 };
 use figures::benches::ambient_occlusion::Bytes;
 

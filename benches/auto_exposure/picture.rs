@@ -6,12 +6,9 @@ use bevy::{
     asset::Handle,
     math::{UVec2, Vec3},
 };
-use bevy_lean_deferred::{
-    auto_exposure::{
-        LeanAutoExposure,
-        luminance::{LARGEST, LOWEST_LOG},
-    },
-    prelude::*,
+use bevy_lean_deferred::auto_exposure::{
+    LeanAutoExposure, LuminanceTrim, Metering, MeteringPattern,
+    luminance::{LARGEST, LOWEST_LOG},
 };
 use half::f16;
 

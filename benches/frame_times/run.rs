@@ -9,6 +9,8 @@ use bevy::{
     render::diagnostic::RenderDiagnosticsPlugin,
 };
 use bevy_lean_deferred::{
+    LightCulling,
+    gbuffer::GBufferUsage,
     prelude::*,
     view::{
         IndirectDiffuse, IndirectSpecular, LeanDeferredAdvanced, LightingIo, ReadsDiffuseLight,

@@ -5,7 +5,7 @@ use bevy::{
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
 };
-use bevy_lean_deferred::{prelude::*, view::LeanDeferredAdvanced};
+use bevy_lean_deferred::{LightCulling, prelude::*, view::LeanDeferredAdvanced};
 use kit::bench_spans;
 
 /// A way to render the scene.

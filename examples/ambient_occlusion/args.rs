@@ -2,7 +2,13 @@
 
 use argh::FromArgs;
 use bevy::prelude::*;
-use bevy_lean_deferred::{ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced, prelude::*};
+use bevy_lean_deferred::{
+    ambient_occlusion::{
+        LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication, OcclusionFilter,
+        OcclusionKernel, OcclusionNormals,
+    },
+    prelude::*,
+};
 
 use crate::settings::{self, ExampleSettings, Mode};
 use kit::{

@@ -3,7 +3,10 @@
 use core::fmt::Write;
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{
+    ambient_occlusion::{OcclusionApplication, OcclusionKernel, OcclusionNormals},
+    prelude::*,
+};
 
 use crate::{
     errors,

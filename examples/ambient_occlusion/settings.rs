@@ -8,7 +8,10 @@ use bevy::{
     pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionQualityLevel},
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{
+    ambient_occlusion::{OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals},
+    prelude::*,
+};
 
 use crate::courtyard::Sun;
 use kit::example::choices::next;

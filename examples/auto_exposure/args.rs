@@ -2,7 +2,10 @@
 
 use argh::FromArgs;
 use bevy::prelude::*;
-use bevy_lean_deferred::{auto_exposure::LeanAutoExposureAdvanced, prelude::*};
+use bevy_lean_deferred::{
+    auto_exposure::{LeanAutoExposureAdvanced, Metering, ReductionPath},
+    prelude::*,
+};
 
 use crate::{
     settings::{self, ExampleSettings, Mode, Pattern},

@@ -7,7 +7,10 @@ use bevy::{
     prelude::*,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{
+    auto_exposure::{LuminanceTrim, Metering, MeteringPattern, ReductionPath},
+    prelude::*,
+};
 
 use kit::example::choices::next;
 

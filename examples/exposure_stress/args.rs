@@ -2,7 +2,10 @@
 
 use argh::FromArgs;
 use bevy::{camera::Viewport, prelude::*};
-use bevy_lean_deferred::{auto_exposure::LeanAutoExposureAdvanced, prelude::*};
+use bevy_lean_deferred::{
+    auto_exposure::{LeanAutoExposureAdvanced, LuminanceTrim, ReductionPath},
+    prelude::*,
+};
 
 use kit::{example::choices, scenes::boxes::Boxes, size::parse_size};
 

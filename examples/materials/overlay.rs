@@ -3,7 +3,7 @@
 use core::fmt::Write;
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::gbuffer::GBufferUsage;
 
 use crate::{
     rows::ROWS,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::diagnostic::RenderDiagnosticsPlugin};
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::gbuffer::GBufferUsage;
 use figures::{table::Table, time::Time};
 use indicatif::{ProgressBar, ProgressStyle};
 use kit::{

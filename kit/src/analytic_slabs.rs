@@ -8,6 +8,7 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     prelude::*,
+    shading_extension::SubsurfaceAlbedo,
     shading_models::subsurface::{
         pack_subsurface, unpack_subsurface_color, unpack_subsurface_path,
     },

@@ -18,7 +18,8 @@ use crate::view::{
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// # use bevy_lean_deferred::prelude::*;
+/// use bevy_lean_deferred::{auto_exposure::MeteringPattern, prelude::*};
+///
 /// fn spawn_camera(mut commands: Commands) {
 ///     commands.spawn((
 ///         Camera3d::default(),
@@ -72,6 +73,10 @@ pub struct LeanAutoExposure {
     /// Default false.
     pub overlay: bool,
 }
+
+// Handles are not `Unpin`, so that types with handles may have templates of their own. This one is its own template, as the components
+// of the other effects are: `bsn!` starts with its defaults, and `MeteringPattern::Mask` takes a handle, and no path.
+impl Unpin for LeanAutoExposure {}
 
 impl CameraEffect for LeanAutoExposure {
     const NAME: &'static str = "LeanAutoExposure";

@@ -91,7 +91,8 @@ use crate::{
 /// `GBUFFER_SPECIALIZATION`, `GBUFFER_MOTION` and `GBUFFER_VISIBILITY_MASK` for those that its mesh needs and the view has.
 /// `pack_pbr_input` fills all of them. For meshes that do not move, `VertexOutput` has no previous position.
 ///
-/// The vertex shader is that of the material's deferred pass ([`Material::deferred_vertex_shader`]).
+/// The vertex shader is that of the material's deferred pass ([`Material::deferred_vertex_shader`]). If it moves vertices, the
+/// material needs [`GBufferTargets::MOTION`]. The example `custom_material` has water that does so.
 pub trait GBufferMaterial: Material {
     /// The fragment shader for the G-buffer. The default packs a `StandardMaterial` bind group.
     fn gbuffer_fragment_shader() -> ShaderRef {
@@ -263,7 +264,7 @@ pub(super) fn material_texture_defs() -> Vec<ShaderDefVal> {
 ///     render::render_resource::AsBindGroup,
 ///     shader::ShaderRef,
 /// };
-/// use bevy_lean_deferred::prelude::*;
+/// use bevy_lean_deferred::{gbuffer::GBufferMaterialExtension, prelude::*};
 ///
 /// /// A blue tint.
 /// #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]

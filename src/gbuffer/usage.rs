@@ -15,7 +15,8 @@ use crate::view::{GBufferTargets, LeanDeferred};
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// # use bevy_lean_deferred::prelude::*;
+/// use bevy_lean_deferred::gbuffer::GBufferUsage;
+///
 /// fn print_costs(cameras: Query<(Entity, &GBufferUsage)>) {
 ///     for (camera, usage) in &cameras {
 ///         for (target, bytes) in usage.each() {

@@ -70,6 +70,7 @@ pub use lighting_io::{
 pub use memory::LeanMemory;
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
+pub(crate) use quality::parse_level;
 pub use quality::{LeanQuality, LeanResolution, ParseLevelError};
 #[doc(hidden)]
 pub use schedule::DebugViewPasses;

@@ -54,7 +54,7 @@ impl FromStr for LeanQuality {
     type Err = ParseLevelError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        parse(&Self::ALL, text)
+        parse_level(&Self::ALL, text)
     }
 }
 
@@ -103,11 +103,12 @@ impl FromStr for LeanResolution {
     type Err = ParseLevelError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        parse(&Self::ALL, text)
+        parse_level(&Self::ALL, text)
     }
 }
 
-/// A text that is the name of no [`LeanQuality`], or of no [`LeanResolution`]. Its own text lists the names.
+/// A text that is the name of no [`LeanQuality`], [`LeanResolution`] or [`LeanPreset`](crate::LeanPreset). Its own text lists the
+/// names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParseLevelError {
     text: String,
@@ -124,7 +125,10 @@ impl fmt::Display for ParseLevelError {
 impl Error for ParseLevelError {}
 
 /// The level in `all` that is written `text`, in upper or lower case.
-fn parse<T: Copy + fmt::Display>(all: &[T], text: &str) -> Result<T, ParseLevelError> {
+pub(crate) fn parse_level<T: Copy + fmt::Display>(
+    all: &[T],
+    text: &str,
+) -> Result<T, ParseLevelError> {
     let names: Vec<String> = all.iter().map(T::to_string).collect();
     let found = names
         .iter()

@@ -1,7 +1,10 @@
 //! Materials of the street.
 
 use bevy::prelude::*;
-use bevy_lean_deferred::prelude::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo};
+use bevy_lean_deferred::{
+    prelude::{ExtendedStandardMaterial, ShadingExtension},
+    shading_extension::SubsurfaceAlbedo,
+};
 
 use crate::{
     sky::EXPOSURE,

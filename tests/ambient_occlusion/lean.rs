@@ -4,7 +4,10 @@ use bevy::{
     light::{EnvironmentMapLight, GlobalAmbientLight},
     prelude::*,
 };
-use bevy_lean_deferred::{ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced, prelude::*};
+use bevy_lean_deferred::{
+    ambient_occlusion::{LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication},
+    prelude::*,
+};
 
 use crate::stage::{Colors, Stage};
 use kit::{log_watch, scenes::SceneBuilder};

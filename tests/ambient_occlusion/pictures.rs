@@ -5,7 +5,12 @@ use bevy::{
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
 };
-use bevy_lean_deferred::{ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced, prelude::*};
+use bevy_lean_deferred::{
+    ambient_occlusion::{
+        LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication, OcclusionKernel,
+    },
+    prelude::*,
+};
 
 use crate::stage::{SIZE, Stage};
 use kit::{log_watch, scenes::SceneBuilder};

@@ -10,6 +10,7 @@ use bevy::{
     render::{RenderApp, camera::TemporalJitter},
 };
 use bevy_lean_deferred::{
+    auto_exposure::{LuminanceTrim, MeteringPattern},
     prelude::*,
     screen_space::{ViewHistory, diffuse_gi::ViewGi, reflections::ReflectionBindings},
 };

@@ -1,6 +1,7 @@
 //! Whole apps: plugins in any order, settings that change at run time, warnings, and held resources.
 
 mod actions;
+mod bsn;
 mod changing_settings;
 mod compiling;
 mod devices;
@@ -15,6 +16,7 @@ mod memory;
 mod minimised;
 mod out_of_memory;
 mod plugins;
+mod presets;
 mod shared_targets;
 mod statuses;
 mod steady_state;

@@ -7,7 +7,9 @@ mod passes;
 mod unused;
 
 use bevy::prelude::*;
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{
+    LeanAutoExposurePlugin, LeanDeferredPlugin, LeanScreenSpaceAmbientOcclusionPlugin, prelude::*,
+};
 use kit::{
     headless::{Headless, Picture, small_shadow_maps},
     lean::{active_lean_views, instant_exposure, settled},

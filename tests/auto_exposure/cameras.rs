@@ -9,7 +9,9 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     CameraCut,
-    auto_exposure::{LeanAutoExposure, MeteredExposure},
+    auto_exposure::{
+        ExposureClock, LeanAutoExposure, LuminanceTrim, MeteredExposure, MeteringPattern,
+    },
     prelude::*,
 };
 

@@ -4,7 +4,7 @@ use bevy::{
     asset::Handle,
     math::{UVec2, Vec3},
 };
-use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
+use bevy_lean_deferred::auto_exposure::{LeanAutoExposure, LuminanceTrim, MeteringPattern};
 
 use crate::{
     METERINGS, instant, paths,

@@ -2,6 +2,7 @@
 
 mod case;
 mod culling;
+mod custom_material;
 mod pictures;
 mod probe;
 mod sorting;

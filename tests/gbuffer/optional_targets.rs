@@ -10,7 +10,7 @@ use bevy::{
     prelude::*,
     render::{RenderApp, render_phase::ViewBinnedRenderPhases},
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::gbuffer::GBufferUsage;
 use kit::headless::Headless;
 
 const SIZE: UVec2 = UVec2::new(320, 240);

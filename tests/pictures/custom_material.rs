@@ -5,13 +5,18 @@ use std::time::Instant;
 
 use bevy::{
     asset::uuid_handle,
+    light::NotShadowCaster,
     pbr::{ExtendedMaterial, MaterialExtension, MaterialPlugin},
     prelude::*,
     reflect::TypePath,
     render::render_resource::AsBindGroup,
     shader::ShaderRef,
+    time::TimeUpdateStrategy,
 };
-use bevy_lean_deferred::{gbuffer::ForwardReason, prelude::*};
+use bevy_lean_deferred::{
+    gbuffer::{ForwardReason, GBufferMaterialExtension},
+    prelude::*,
+};
 use kit::{
     foreign_material::{Palette, VoxelMaterial, VoxelPlugin, row_attribute, voxel_mesh},
     headless::Headless,
@@ -23,6 +28,12 @@ use kit::{
 };
 
 use super::fragment_shaders::{forward_main, gbuffer_main, insert_shader};
+
+#[path = "../../examples/custom_material/main.rs"]
+#[expect(dead_code, reason = "of the example, only the material is tested")]
+mod example;
+
+use example::Water;
 
 const FORWARD: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e01");
 const GBUFFER: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e02");
@@ -187,6 +198,42 @@ fn documented_material_goes_through_the_gbuffer() {
         let psnr = psnr(&mut headless, camera);
         assert!(psnr >= 45.0, "{psnr} dB");
         assert!(is_in_gbuffer(&mut headless, camera));
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// Its vertices move, so time stands still: both renderers draw the same waves.
+#[test]
+fn water_of_the_example_goes_through_the_gbuffer() {
+    in_own_process(|| {
+        let mut headless = Headless::with(UVec2::new(160, 120), |app| {
+            app.add_plugins((
+                MaterialPlugin::<Water>::default(),
+                GBufferMaterialPlugin::<Water>::default(),
+            ));
+        });
+        let mut scene = SceneBuilder {
+            headless: &mut headless,
+        };
+        scene.solids();
+        scene.sun(true);
+        let mesh = scene.add::<Mesh>(Plane3d::default().mesh().size(12.0, 12.0).subdivisions(63));
+        let water = scene.add::<Water>(Water {
+            color: LinearRgba::rgb(0.02, 0.1, 0.12),
+            height: 0.15,
+        });
+        let place = Transform::from_xyz(0.0, 0.4, 0.0);
+        scene.spawn((Mesh3d(mesh), MeshMaterial3d(water), NotShadowCaster, place));
+        let camera = scene.default_camera(LeanForwardMeshes::default());
+        headless.frames(30);
+        headless
+            .world()
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        let psnr = psnr(&mut headless, camera);
+        assert!(psnr >= 45.0, "{psnr} dB");
+        let forward_meshes = headless.world().get::<LeanForwardMeshes>(camera);
+        let forward_meshes = forward_meshes.expect("it has one");
+        assert_eq!(forward_meshes.total(), 0, "{forward_meshes:?}");
         log_watch::assert_validation_layer_silent();
     });
 }

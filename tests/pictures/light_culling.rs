@@ -4,7 +4,7 @@ use bevy::{
     camera::{ScalingMode, Viewport, visibility::RenderLayers},
     prelude::*,
 };
-use bevy_lean_deferred::{prelude::*, view::LeanDeferredAdvanced};
+use bevy_lean_deferred::{LightCulling, prelude::*, view::LeanDeferredAdvanced};
 use half::f16;
 use kit::{
     hdr::{Light, keep_light_of_views, kept_light},

@@ -9,7 +9,7 @@ use bevy::{
     render::render_resource::AsBindGroup,
     shader::ShaderRef,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{gbuffer::GBufferMaterialExtension, prelude::*};
 use kit::{
     headless::Headless,
     lean::{active_lean_views, change_cameras, judge, report, set_lean, settled, show},

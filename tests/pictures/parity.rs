@@ -8,7 +8,7 @@ use bevy::{
     material::OpaqueRendererMethod,
     prelude::*,
 };
-use bevy_lean_deferred::{prelude::*, view::LeanDeferredAdvanced};
+use bevy_lean_deferred::{LightCulling, prelude::*, view::LeanDeferredAdvanced};
 use kit::{
     headless::{Headless, target_image},
     lean::{change_cameras, judge, report, set_lean, settled, show},

@@ -11,7 +11,9 @@ use bevy::{
         renderer::RenderDevice,
     },
 };
-use bevy_lean_deferred::{prelude::*, view::ActiveLeanView};
+use bevy_lean_deferred::{
+    gbuffer::GBufferTargets, prelude::*, shading_extension::SubsurfaceAlbedo, view::ActiveLeanView,
+};
 use kit::{
     headless::{Headless, Picture},
     lean::{build, judge, report, set_lean, settled, show},

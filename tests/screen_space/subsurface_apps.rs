@@ -10,6 +10,7 @@ use bevy_lean_deferred::{
     lighting::SubsurfaceLight,
     prelude::*,
     screen_space::{LeanSubsurfaceScatteringAdvanced, subsurface::ViewSubsurface},
+    shading_extension::SubsurfaceAlbedo,
 };
 use kit::{
     analytic_light::{Seen, look, see, show},

@@ -17,7 +17,8 @@ use crate::view::{LeanDeferred, LeanQuality, LeanStatus};
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// # use bevy_lean_deferred::prelude::*;
+/// use bevy_lean_deferred::{prelude::*, shading_extension::SubsurfaceAlbedo};
+///
 /// fn spawn_bust(
 ///     mut commands: Commands,
 ///     mut meshes: ResMut<Assets<Mesh>>,

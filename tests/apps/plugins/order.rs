@@ -9,7 +9,9 @@ use bevy::{
     reflect::TypePath,
     render::render_resource::AsBindGroup,
 };
-use bevy_lean_deferred::{LeanDeferredPlugins, prelude::*};
+use bevy_lean_deferred::{
+    LeanAutoExposurePlugin, LeanDeferredPlugins, gbuffer::GBufferMaterialExtension, prelude::*,
+};
 
 use super::{Effects, SIZE, solids};
 use kit::{headless::Headless, lean::active_lean_views, log_watch, scenes::SceneBuilder};

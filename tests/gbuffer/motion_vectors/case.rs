@@ -1,10 +1,10 @@
 //! Films of motion vectors, forward against lean.
 
 use bevy::prelude::*;
-use bevy_lean_deferred::{prelude::*, view::ActiveLeanView};
+use bevy_lean_deferred::{gbuffer::GBufferTargets, view::ActiveLeanView};
 use kit::{
-    headless::Headless,
-    lean::{build, set_lean},
+    headless::{Headless, small_shadow_maps},
+    lean::set_lean,
     log_watch,
     scenes::SceneBuilder,
 };
@@ -78,6 +78,8 @@ pub struct Case<F> {
     pub name: &'static str,
     pub make: F,
     pub script: Script,
+    /// Configures the apps.
+    pub configure: fn(&mut App),
     pub frames: usize,
     /// True if the G-buffer provides the motion, not Bevy's prepass.
     pub resolves: bool,
@@ -101,6 +103,7 @@ impl<F: FnMut(&mut SceneBuilder)> Case<F> {
             name,
             make,
             script,
+            configure: small_shadow_maps,
             frames: 8,
             resolves: true,
         }
@@ -109,7 +112,10 @@ impl<F: FnMut(&mut SceneBuilder)> Case<F> {
     /// Films forward, then lean with the same script. Returns their differences and the lean frames.
     pub fn measure(mut self) -> (Errors, Vec<Frame>) {
         let [forward, lean] = [false, true].map(|lean| {
-            let mut headless = build(SIZE, &mut self.make);
+            let mut headless = Headless::with(SIZE, self.configure);
+            (self.make)(&mut SceneBuilder {
+                headless: &mut headless,
+            });
             probe::install(&mut headless);
             set_lean(&mut headless, lean);
             align(&mut headless, 4);

@@ -12,7 +12,11 @@ use bevy::{
         camera::{MipBias, TemporalJitter},
     },
 };
-use bevy_lean_deferred::{gbuffer::GBufferTextures, prelude::*, view::ActiveLeanView};
+use bevy_lean_deferred::{
+    gbuffer::{GBufferTargets, GBufferTextures},
+    prelude::*,
+    view::ActiveLeanView,
+};
 use kit::{
     headless::Headless,
     lean::{build, set_lean},

@@ -7,7 +7,10 @@ use bevy::{
     prelude::*,
     render::RenderApp,
 };
-use bevy_lean_deferred::{gbuffer::ForwardReason, prelude::*};
+use bevy_lean_deferred::{
+    gbuffer::{ForwardReason, GBufferTargets, GBufferUsage},
+    prelude::*,
+};
 
 use super::{SMALL, forward_draws, usage};
 use kit::{

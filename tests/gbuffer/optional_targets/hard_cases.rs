@@ -7,7 +7,7 @@ use bevy::{
     prelude::*,
     render::occlusion_culling::OcclusionCulling,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::{gbuffer::GBufferTargets, prelude::*};
 
 use super::{SIZE, forward_draws, usage};
 use kit::{

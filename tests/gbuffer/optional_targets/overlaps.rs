@@ -4,7 +4,7 @@ use bevy::{
     camera::ScalingMode, core_pipeline::tonemapping::Tonemapping, prelude::*,
     render::batching::NoAutomaticBatching,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::gbuffer::GBufferTargets;
 use kit::{
     headless::{Headless, Picture},
     lean::{build, judge, report, set_lean, settled, show},

@@ -8,7 +8,7 @@ use bevy::{
         render_resource::{ColorWrites, PipelineCache, PipelineDescriptor, TextureFormat},
     },
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::gbuffer::GBufferTargets;
 
 use super::{SMALL, usage};
 use kit::{

@@ -5,7 +5,7 @@ use bevy::{
     light::{ClusteredDecal, PointLight, SpotLight},
     prelude::*,
 };
-use bevy_lean_deferred::prelude::*;
+use bevy_lean_deferred::gbuffer::{GBufferTargets, GBufferUsage};
 
 use kit::{
     headless::{Headless, Picture},

@@ -226,6 +226,53 @@ fn reflections_of(store: &Store, size: [u32; 2]) -> Table {
     })
 }
 
+/// Sums of effects that were measured one by one.
+pub fn presets(store: &Store) -> Table {
+    let occlusion = store.ambient_occlusion("h200");
+    let light = store.screen_space("h200");
+    let scattering = store.screen_space("h200_more");
+    let columns = [
+        "",
+        "occlusion",
+        "diffuse GI",
+        "reflections",
+        "scattering",
+        "all, 3840×2160",
+        "all, 1920×1080",
+    ];
+    let tenth = "scattering, High, Tenth";
+    let rows = [
+        ("`Low`", ["Medium, indirect, half", "", "", ""]),
+        (
+            "`Medium`",
+            ["Medium, indirect", "", "", "scattering, Low, Tenth"],
+        ),
+        (
+            "`High`",
+            ["", "GI, Medium, Half", "reflections, Medium, Half", tenth],
+        ),
+        (
+            "`Ultra`",
+            ["", "GI, High, Half", "reflections, High, Full", tenth],
+        ),
+    ];
+    rows_of(&columns, &rows, |contenders| {
+        let times = |size| {
+            let [ao, gi, reflections, subsurface] =
+                contenders.map(|name| (!name.is_empty()).then_some(name));
+            [
+                ao.map(|name| occlusion.all(occlusion.at(size, name))),
+                gi.map(|name| light.all(light.at(size, name))),
+                reflections.map(|name| light.all(light.at(size, name))),
+                subsurface.map(|name| scattering.all(scattering.at(size, name))),
+            ]
+        };
+        let sum = |times: [Option<f64>; 4]| fixed(times.into_iter().flatten().sum::<f64>(), 3);
+        let parts = times(UHD).map(|time| fixed(time, 3));
+        [&parts[..], &[sum(times(UHD)), sum(times(HD))]].concat()
+    })
+}
+
 pub fn scattering(store: &Store) -> Table {
     let figures = store.screen_space("h200_more");
     let columns = [

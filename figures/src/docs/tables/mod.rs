@@ -27,6 +27,7 @@ pub const TABLES: &[(&str, fn(&Store) -> Table)] = &[
     ("reflections", effects::reflections),
     ("reflections_1920", effects::reflections_1920),
     ("scattering", effects::scattering),
+    ("presets", effects::presets),
 ];
 
 const HD: [u32; 2] = [1920, 1080];

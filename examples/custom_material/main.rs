@@ -1,0 +1,160 @@
+//! A material of your own in the G-buffer: water, which its vertex shader moves. `assets/shaders/water.wgsl` is its shader.
+//!
+//! `cargo run --example custom_material -- [--headless OUT.png] [--help]`
+
+use argh::FromArgs;
+use bevy::{
+    anti_alias::taa::TemporalAntiAliasing,
+    camera::visibility::NoFrustumCulling,
+    light::{GeneratedEnvironmentMapLight, NotShadowCaster, Skybox},
+    prelude::*,
+    reflect::TypePath,
+    render::render_resource::AsBindGroup,
+    shader::ShaderRef,
+};
+use bevy_lean_deferred::{
+    gbuffer::{ForwardReason, GBufferTargets},
+    prelude::*,
+};
+use kit::{
+    example::{
+        made_up_sky::made_up_sky,
+        run::{self, SceneReady},
+    },
+    headless::Headless,
+};
+
+/// Animated water in the G-buffer.
+#[derive(FromArgs)]
+struct Args {
+    /// render without a window, write this PNG and quit
+    #[argh(option)]
+    headless: Option<String>,
+}
+
+fn main() -> AppExit {
+    let args: Args = argh::from_env();
+    if let Some(path) = args.headless {
+        let headless = Headless::with(UVec2::new(1280, 720), add_scene);
+        // TAA averages as many frames.
+        return run::write_picture(headless, &path, 60);
+    }
+    App::new()
+        .add_plugins((DefaultPlugins, LeanDeferredPlugins))
+        .add_plugins(add_scene)
+        .run()
+}
+
+fn add_scene(app: &mut App) {
+    app.add_plugins((
+        MaterialPlugin::<Water>::default(),
+        GBufferMaterialPlugin::<Water>::default(),
+    ))
+    .insert_resource(SceneReady)
+    .add_systems(Startup, setup);
+}
+
+const SHADER: &str = "shaders/water.wgsl";
+
+/// Waves on a horizontal plane.
+#[derive(Asset, AsBindGroup, TypePath, Clone)]
+pub struct Water {
+    #[uniform(0)]
+    pub color: LinearRgba,
+    /// Height of the longest wave, in metres.
+    #[uniform(0)]
+    pub height: f32,
+}
+
+impl Material for Water {
+    fn vertex_shader() -> ShaderRef {
+        SHADER.into()
+    }
+
+    fn fragment_shader() -> ShaderRef {
+        SHADER.into()
+    }
+
+    // For cameras that are not lean, and have a prepass.
+    fn prepass_vertex_shader() -> ShaderRef {
+        SHADER.into()
+    }
+
+    // The G-buffer has the vertex shader of Bevy's deferred pass.
+    fn deferred_vertex_shader() -> ShaderRef {
+        SHADER.into()
+    }
+}
+
+impl GBufferMaterial for Water {
+    fn gbuffer_fragment_shader() -> ShaderRef {
+        SHADER.into()
+    }
+
+    fn gbuffer_needs(&self) -> Result<GBufferNeeds, ForwardReason> {
+        // The mesh rests, but its vertices move. On cameras without motion vectors this costs nothing.
+        Ok(GBufferNeeds {
+            targets: GBufferTargets::MOTION,
+            ..GBufferNeeds::BASE
+        })
+    }
+}
+
+fn setup(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut waters: ResMut<Assets<Water>>,
+    mut images: ResMut<Assets<Image>>,
+) {
+    let sky = images.add(made_up_sky());
+    commands.spawn((
+        Camera3d::default(),
+        LeanDeferred::default(),
+        LeanScreenSpaceReflections::default(),
+        // It reads the motion vectors.
+        TemporalAntiAliasing::default(),
+        Transform::from_xyz(0.0, 2.5, 9.0).looking_at(Vec3::new(0.0, 0.3, 0.0), Vec3::Y),
+        Skybox {
+            image: Some(sky.clone()),
+            brightness: 900.0,
+            ..default()
+        },
+        GeneratedEnvironmentMapLight {
+            environment_map: sky,
+            intensity: 900.0,
+            ..default()
+        },
+    ));
+    commands.spawn((
+        DirectionalLight {
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        Transform::from_xyz(-3.0, 3.0, -2.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+    commands.spawn((
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(40.0, 40.0).subdivisions(199))),
+        MeshMaterial3d(waters.add(Water {
+            color: LinearRgba::rgb(0.01, 0.06, 0.08),
+            height: 0.12,
+        })),
+        NotShadowCaster,
+        // The waves leave the bounds of the mesh.
+        NoFrustumCulling,
+    ));
+    let post = meshes.add(Cuboid::new(0.3, 3.0, 0.3));
+    let wood = materials.add(StandardMaterial {
+        base_color: Color::srgb(0.5, 0.33, 0.2),
+        perceptual_roughness: 0.8,
+        ..default()
+    });
+    for i in 0..6 {
+        let x = i as f32 - 2.5;
+        commands.spawn((
+            Mesh3d(post.clone()),
+            MeshMaterial3d(wood.clone()),
+            Transform::from_xyz(1.6 * x, 0.0, -0.9 * x),
+        ));
+    }
+}
