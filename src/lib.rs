@@ -24,6 +24,7 @@
 //! | [`LeanSubsurfaceScattering`] | light scatters beneath surfaces whose material asks for it | 3D cameras; adds [`LeanDeferred`] |
 //! | [`LeanAutoExposure`] | exposure from the image's luminance | 3D and 2D cameras; adds `Hdr` |
 //! | [`CameraCut`] | the camera jumps: effects drop their history | all of these |
+//! | [`LeanDebugView`] | data of an effect in place of the image | all of these |
 //!
 //! Each can be added, changed and removed at run time; without it nothing is allocated, bound or dispatched for it.
 //! [`GBufferMaterial`](gbuffer::GBufferMaterial) renders custom materials to the G-buffer,
@@ -93,8 +94,8 @@ pub use screen_space::{
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin,
 };
 pub use view::{
-    CameraCut, DebugChannel, EffectStatus, LeanDeferred, LeanMemory, LeanOffReason, LeanQuality,
-    LeanResolution, LeanStatus, LeanSupport, LightCulling,
+    CameraCut, DebugChannel, DebugView, EffectStatus, LeanDebugView, LeanDeferred, LeanMemory,
+    LeanOffReason, LeanQuality, LeanResolution, LeanStatus, LeanSupport, LightCulling,
 };
 
 use bevy::app::plugin_group;
@@ -102,9 +103,9 @@ use bevy::app::plugin_group;
 /// The types that most apps need.
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, EffectStatus, LeanAutoExposure, LeanAutoExposurePlugin,
-        LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins, LeanMemory, LeanOffReason,
-        LeanQuality, LeanResolution, LeanScreenSpaceAmbientOcclusion,
+        CameraCut, DebugChannel, DebugView, EffectStatus, LeanAutoExposure, LeanAutoExposurePlugin,
+        LeanDebugView, LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins, LeanMemory,
+        LeanOffReason, LeanQuality, LeanResolution, LeanScreenSpaceAmbientOcclusion,
         LeanScreenSpaceAmbientOcclusionPlugin, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,
         LeanScreenSpaceReflections, LeanScreenSpaceReflectionsPlugin, LeanStatus,
         LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin, LeanSupport, LightCulling,
@@ -118,7 +119,6 @@ pub mod prelude {
             GBufferMaterial, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds,
             GBufferTargets, GBufferUsage, LeanForwardMeshes, ShadingModel,
         },
-        screen_space::{ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView},
         shading_extension::{ExtendedStandardMaterial, ShadingExtension, SubsurfaceAlbedo},
     };
 }

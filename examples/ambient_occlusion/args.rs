@@ -9,7 +9,7 @@ use kit::{
     example::{
         choices,
         model::Viewpoint,
-        numbers::{finite, not_negative, number_where, positive},
+        numbers::{finite, not_negative, number_where, positive, share},
     },
     size::parse_size,
 };
@@ -182,8 +182,4 @@ fn normals(text: &str) -> Result<OcclusionNormals, String> {
 
 fn up_to_half(text: &str) -> Result<f32, String> {
     number_where(text, "0 to 0.5", |x| (0.0..=0.5).contains(&x))
-}
-
-fn share(text: &str) -> Result<f32, String> {
-    number_where(text, "0 to 1", |x| (0.0..=1.0).contains(&x))
 }

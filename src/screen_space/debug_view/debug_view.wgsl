@@ -2,15 +2,15 @@
 #import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput
 
 #ifdef SHOWS_HIT
-@group(0) @binding(0) var found_texture: texture_2d<u32>;
+@group(0) @binding(0) var source_texture: texture_2d<u32>;
 #else
-@group(0) @binding(0) var found_texture: texture_2d<f32>;
+@group(0) @binding(0) var source_texture: texture_2d<f32>;
 #endif
 
 @fragment
 fn fragment(in: FullscreenVertexOutput) -> @location(0) vec4<f32> {
-    let size = vec2<f32>(textureDimensions(found_texture));
-    let texel = textureLoad(found_texture, vec2<i32>(min(in.uv * size, size - 1.0)), 0);
+    let size = vec2<f32>(textureDimensions(source_texture));
+    let texel = textureLoad(source_texture, vec2<i32>(min(in.uv * size, size - 1.0)), 0);
 #ifdef SHOWS_LIGHT
     let color = texel.rgb * texel.a;
 #else ifdef SHOWS_BARE_LIGHT

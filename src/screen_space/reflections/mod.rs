@@ -45,9 +45,7 @@ mod prepare;
 mod settings;
 mod uniforms;
 
-pub use settings::{
-    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvanced, ScreenSpaceReflectionsDebugView,
-};
+pub use settings::{LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvanced};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
@@ -112,7 +110,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         embedded_asset!(app, "resolve.wgsl");
         app.register_type::<LeanScreenSpaceReflections>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
-        app.add_plugins(DebugViewPlugin::<ViewReflections>::default());
+        DebugViewPlugin::add_to(app);
         add_check(app, |support| &mut support.screen_space, support::check);
         status::add_to::<LeanScreenSpaceReflections>(app, Effect::Reflections);
 

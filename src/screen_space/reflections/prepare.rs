@@ -27,7 +27,6 @@ use super::{
         HI_Z_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines,
         SURFACES_FORMAT,
     },
-    settings::ScreenSpaceReflectionsDebugView,
     uniforms::ReflectionUniform,
 };
 use crate::{
@@ -37,11 +36,7 @@ use crate::{
         storage_texture::StorageTexture,
         texture_bytes::texture_bytes,
     },
-    screen_space::{
-        LastFrame, ViewHistory,
-        debug_view::{DebugShown, Shows},
-        world_shift::WorldShift,
-    },
+    screen_space::{LastFrame, ViewHistory, world_shift::WorldShift},
     shader_library::tiles,
     view::{
         ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightingIo, OutOfMemory,
@@ -68,7 +63,6 @@ pub struct ViewReflections {
     output: StorageTexture,
     viewport_size: UVec2,
     texture_size: UVec2,
-    debug_view: Option<ScreenSpaceReflectionsDebugView>,
     /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
     has_motion: bool,
     pub(super) offset: u32,
@@ -114,7 +108,6 @@ impl ViewReflections {
             ),
             viewport_size: view.viewport_size,
             texture_size: view.texture_size,
-            debug_view: None,
             has_motion: false,
             offset: 0,
         }
@@ -135,6 +128,16 @@ impl ViewReflections {
         ]
     }
 
+    /// RGB: reflected light. Alpha: confidence.
+    pub(in crate::screen_space) fn output(&self) -> &TextureView {
+        &self.output.view
+    }
+
+    /// A word per ray.
+    pub(in crate::screen_space) fn hits(&self) -> &TextureView {
+        &self.hits.view
+    }
+
     pub(super) fn bytes(&self) -> u64 {
         self.textures().map(texture_bytes).sum()
     }
@@ -151,16 +154,6 @@ impl ViewReflections {
         ]
         .into_iter()
         .map(|held| &held.texture)
-    }
-}
-
-impl DebugShown for ViewReflections {
-    fn shown(&self) -> Option<(Shows, &TextureView)> {
-        Some(match self.debug_view? {
-            ScreenSpaceReflectionsDebugView::Light => (Shows::Light, &self.output.view),
-            ScreenSpaceReflectionsDebugView::Confidence => (Shows::Alpha, &self.output.view),
-            ScreenSpaceReflectionsDebugView::Hit => (Shows::Hit, &self.hits.view),
-        })
     }
 }
 
@@ -225,7 +218,6 @@ pub(super) fn prepare_reflections(
         };
         uniform.has_motion = has_motion.into();
         reflections.has_motion = has_motion;
-        reflections.debug_view = active.settings.debug_view;
         reflections.offset = writer.write(&uniform);
         found.0 = Some(reflections.output.view.clone());
         if let Some(made) = made {
