@@ -8,6 +8,7 @@ use crate::settings::{self, ExampleSettings, Mode};
 use kit::{
     example::{
         choices,
+        debug_view::DebugChoice,
         model::Viewpoint,
         numbers::{finite, not_negative, number_where, positive, share},
     },
@@ -89,6 +90,10 @@ pub struct Args {
     #[argh(switch)]
     debug: bool,
 
+    /// share of the width, from the left, that --debug is for, 0 to 1 (the default)
+    #[argh(option, default = "1.0", from_str_fn(share))]
+    split: f32,
+
     /// leave the sun out
     #[argh(switch)]
     no_sun: bool,
@@ -144,7 +149,10 @@ impl Args {
                     edge_aware: !self.not_edge_aware,
                     multibounce: !self.no_multibounce,
                 },
-                debug_view: self.debug,
+            },
+            debug: DebugChoice {
+                view: self.debug.then_some(DebugView::AmbientOcclusion),
+                split: self.split,
             },
             sun: !self.no_sun,
             text: true,

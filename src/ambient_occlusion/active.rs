@@ -134,7 +134,6 @@ pub(super) fn decide_active_occlusion(
                 target: view.target_format,
                 filter: settings.into(),
                 fog: has_fog,
-                debug_view: settings.debug_view,
             };
             (key, pipelines.merge(&pipeline_cache, key))
         });

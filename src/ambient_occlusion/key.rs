@@ -99,5 +99,4 @@ pub(super) struct MergeKey {
     pub(super) target: TextureFormat,
     pub(super) filter: FilterKey,
     pub(super) fog: bool,
-    pub(super) debug_view: bool,
 }

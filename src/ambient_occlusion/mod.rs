@@ -34,10 +34,12 @@
 // - `gather.wgsl`: entry points of the kernels.
 // - `filter.wgsl`: the filter, for the merge and for the lighting pass.
 // - `merge.wgsl`: filters occlusion and darkens the picture by it.
+// - `debug_view.{rs,wgsl}`: shows filtered occlusion in place of the picture.
 
 mod active;
 #[doc(hidden)]
 pub mod binding_numbers;
+mod debug_view;
 mod key;
 mod pass;
 mod pipelines;
@@ -64,6 +66,8 @@ pub(crate) use key::FilterKey;
 pub(crate) use pipelines::OcclusionPipelines;
 pub(crate) use prepare::OcclusionUniforms;
 
+use debug_view::ShownOcclusion;
+
 use bevy::{
     asset::embedded_asset,
     core_pipeline::schedule::{Core3d, Core3dSystems},
@@ -79,9 +83,13 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        Effect, EffectSystems, GBufferPasses, IndirectLightPasses, LeanViewSystems, LightingPasses,
-        OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
-        depth_usage::extend_depth_usage, memory, overrides, removal, status, support::add_check,
+        DebugViewPasses, Effect, EffectSystems, GBufferPasses, HistoryPasses, IndirectLightPasses,
+        LeanDebugView, LeanViewSystems, LightingPasses, OpaquePicturePasses, SharedPlugin,
+        ViewTextureSystems, can_build,
+        debug_draw::{DebugDrawn, draw_debug_view},
+        depth_usage::extend_depth_usage,
+        memory, overrides, removal, status,
+        support::add_check,
     },
 };
 
@@ -108,6 +116,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         load_shader_library!(app, "hdao.wgsl");
         embedded_asset!(app, "gather.wgsl");
         embedded_asset!(app, "merge.wgsl");
+        embedded_asset!(app, "debug_view.wgsl");
         app.register_type::<LeanScreenSpaceAmbientOcclusion>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceAmbientOcclusion>::default());
         add_check(
@@ -124,9 +133,16 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             return;
         };
         removal::remove_with::<LeanScreenSpaceAmbientOcclusion, ActiveOcclusion>(render_app);
-        removal::remove_with::<ActiveOcclusion, (OcclusionTexture, ViewOcclusion, OcclusionBindings)>(
-            render_app,
-        );
+        removal::remove_with::<
+            ActiveOcclusion,
+            (
+                OcclusionTexture,
+                ViewOcclusion,
+                OcclusionBindings,
+                DebugDrawn<ShownOcclusion>,
+            ),
+        >(render_app);
+        removal::remove_with::<LeanDebugView, DebugDrawn<ShownOcclusion>>(render_app);
         EffectSystems::AmbientOcclusion
             .run_while::<With<LeanScreenSpaceAmbientOcclusion>>(render_app);
         memory::count(
@@ -140,6 +156,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
                 RenderStartup,
                 (
                     pipelines::init_occlusion_pipelines,
+                    debug_view::init_debug_pipelines,
                     recovery::forget::<LeanScreenSpaceAmbientOcclusion>,
                 ),
             )
@@ -161,6 +178,12 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
                     .in_set(EffectSystems::AmbientOcclusion),
             )
             .add_systems(
+                Render,
+                debug_view::prepare_debug_views
+                    .in_set(RenderSystems::PrepareBindGroups)
+                    .in_set(EffectSystems::DebugViews),
+            )
+            .add_systems(
                 Core3d,
                 (
                     pass::occlusion_for_lighting
@@ -171,6 +194,14 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
                     pass::occlusion_after_opaque.in_set(OpaquePicturePasses),
                 )
                     .in_set(EffectSystems::AmbientOcclusion),
+            )
+            .add_systems(
+                Core3d,
+                draw_debug_view::<ShownOcclusion>
+                    .in_set(EffectSystems::DebugViews)
+                    .in_set(Core3dSystems::MainPass)
+                    .in_set(DebugViewPasses)
+                    .after(HistoryPasses),
             );
     }
 }

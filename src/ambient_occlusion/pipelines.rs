@@ -98,16 +98,20 @@ pub(super) fn init_occlusion_pipelines(
             min_filter: FilterMode::Nearest,
             ..default()
         }),
-        merge_layout: ResolvedLayout::new(&pipeline_cache, merge_layout()),
+        merge_layout: ResolvedLayout::new(
+            &pipeline_cache,
+            filter_layout("lean_deferred/ambient_occlusion/merge"),
+        ),
         gathers: HashMap::default(),
         merges: HashMap::default(),
     });
 }
 
-fn merge_layout() -> BindGroupLayoutDescriptor {
+/// The layout of passes that filter the occlusion: the merge, and the debug view.
+pub(super) fn filter_layout(label: &'static str) -> BindGroupLayoutDescriptor {
     let occlusion = texture_2d(TextureSampleType::Float { filterable: false });
     layout(
-        "lean_deferred/ambient_occlusion/merge",
+        label,
         ShaderStages::FRAGMENT,
         common_entries()
             .into_iter()
@@ -213,11 +217,8 @@ impl OcclusionPipelines {
             return *pipeline;
         }
         let mut shader_defs: Vec<ShaderDefVal> = key.filter.shader_defs().collect();
-        if key.fog && !key.debug_view {
+        if key.fog {
             shader_defs.push("DISTANCE_FOG".into());
-        }
-        if key.debug_view {
-            shader_defs.push("DEBUG_VIEW".into());
         }
         let pipeline = pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some("lean_deferred/ambient_occlusion/merge".into()),
@@ -229,7 +230,7 @@ impl OcclusionPipelines {
                 entry_point: Some("fragment".into()),
                 targets: vec![Some(ColorTargetState {
                     format: key.target,
-                    blend: (!key.debug_view).then_some(MULTIPLICATIVE),
+                    blend: Some(MULTIPLICATIVE),
                     write_mask: ColorWrites::ALL,
                 })],
             }),

@@ -120,7 +120,6 @@ pub(crate) struct OcclusionKey {
     pub(super) filter: FilterKey,
     pub(super) multibounce: bool,
     pub(super) direct_light: bool,
-    pub(super) debug_view: bool,
 }
 
 impl OcclusionKey {
@@ -128,8 +127,7 @@ impl OcclusionKey {
         settings.is_for_lighting().then(|| Self {
             filter: settings.into(),
             multibounce: settings.advanced.multibounce,
-            direct_light: settings.direct_light > 0.0 && !settings.debug_view,
-            debug_view: settings.debug_view,
+            direct_light: settings.direct_light > 0.0,
         })
     }
 }

@@ -340,9 +340,8 @@ impl LightingPipelines {
             define(true, target.shader_def());
         }
         define(key.light_layers, "LIGHT_LAYERS");
-        let shows_occlusion = key.occlusion.is_some_and(|occlusion| occlusion.debug_view);
         let shows_channel = key.debug_view.is_some_and(|channel| !channel.is_light());
-        define(!shows_channel && !shows_occlusion, "SHOWS_LIGHT");
+        define(!shows_channel, "SHOWS_LIGHT");
         define(shows_channel, "DEBUG_VIEW");
         define(
             key.debug_view.is_some() && !shows_channel,
@@ -369,7 +368,6 @@ impl LightingPipelines {
             define(true, "LEAN_AMBIENT_OCCLUSION");
             define(occlusion.multibounce, "OCCLUSION_MULTIBOUNCE");
             define(occlusion.direct_light, "OCCLUSION_OF_DIRECT_LIGHT");
-            define(occlusion.debug_view, "OCCLUSION_DEBUG_VIEW");
             defs.extend(occlusion.filter.shader_defs());
         }
         defs.extend(variants::shader_defs(key.binned, key.shaded));

@@ -254,11 +254,7 @@ fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
 fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     var pbr = pbr_input_from_gbuffer(pixel);
     var shaded: Shaded;
-#ifdef OCCLUSION_DEBUG_VIEW
-    shaded.color = vec4(vec3(apply_occlusion(&pbr, pixel.position, pixel.depth)), 1.0);
-#else
     shaded.color = vec4(debug_color(pbr, pixel), 1.0);
-#endif
     return shaded;
 }
 #endif  // SHOWS_LIGHT

@@ -58,9 +58,13 @@ impl LeanDebugView {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq, Hash)]
 pub enum DebugView {
+    /// Of [`LeanScreenSpaceAmbientOcclusion`](crate::LeanScreenSpaceAmbientOcclusion): the visibility that filtered occlusion
+    /// leaves, grey: 1 (white) where unoccluded, and without a surface. Where forward meshes cover lean ones that receive the
+    /// occlusion, it is that of the hidden surface.
+    #[default]
+    AmbientOcclusion,
     /// Of [`LeanScreenSpaceGi`](crate::LeanScreenSpaceGi): the light that surfaces receive from others, as a white surface reflects
     /// it, exposed.
-    #[default]
     GiLight,
     /// Of [`LeanScreenSpaceGi`](crate::LeanScreenSpaceGi): visibility of the environment, grey: 1 (white) where unoccluded.
     GiVisibility,
@@ -77,7 +81,8 @@ pub enum DebugView {
 
 impl DebugView {
     /// All views.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
+        Self::AmbientOcclusion,
         Self::GiLight,
         Self::GiVisibility,
         Self::ReflectionLight,

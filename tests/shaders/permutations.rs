@@ -24,8 +24,8 @@ use bevy_lean_deferred::{
 };
 use covering::{Factor, covering_rows};
 use factors::{
-    EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
-    OCCLUSION_MERGE, SHARES_DEPTHS, implications, occurs,
+    EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_DEBUG_VIEW, OCCLUSION_GATHER,
+    OCCLUSION_GATHER_SHARED, OCCLUSION_MERGE, SHARES_DEPTHS, implications, occurs,
 };
 use kit::headless::Headless;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -254,6 +254,13 @@ fn occlusion_permutations_validate() {
         include_str!("../../src/ambient_occlusion/merge.wgsl"),
         "src/ambient_occlusion/merge.wgsl",
         OCCLUSION_MERGE,
+        &[],
+        &[],
+    );
+    check_permutations(
+        include_str!("../../src/ambient_occlusion/debug_view.wgsl"),
+        "src/ambient_occlusion/debug_view.wgsl",
+        OCCLUSION_DEBUG_VIEW,
         &[],
         &[],
     );

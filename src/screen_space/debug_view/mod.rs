@@ -74,7 +74,7 @@ impl DebugDraw for Shows {
     }
 }
 
-/// The channels and the texture that `view` is of. The texture covers the viewport.
+/// The channels and the texture that `view` is of, if it is of one of these effects. The texture covers the viewport.
 fn source_of<'a>(
     view: DebugView,
     gi: Option<&'a ViewGi>,
@@ -86,6 +86,7 @@ fn source_of<'a>(
         DebugView::ReflectionLight => Shows::Light,
         DebugView::ReflectionConfidence => Shows::Alpha,
         DebugView::ReflectionHit => Shows::Hit,
+        _ => return None,
     };
     let texture = match shows {
         Shows::BareLight | Shows::OneMinusAlpha => gi?.output(),

@@ -25,7 +25,6 @@ pub const LIGHTING: &[Factor] = &[
         &["LEAN_AMBIENT_OCCLUSION"],
         &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_MULTIBOUNCE"],
         &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_OF_DIRECT_LIGHT"],
-        &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_DEBUG_VIEW"],
         &[
             "LEAN_AMBIENT_OCCLUSION",
             "OCCLUSION_MULTIBOUNCE",
@@ -191,10 +190,10 @@ const OCCLUSION_PROJECTIONS: Factor = &[
 ];
 
 /// Definitions of `OcclusionPipelines::merge`.
-pub const OCCLUSION_MERGE: &[Factor] = &[
-    &[&[], &["DISTANCE_FOG"], &["DEBUG_VIEW"]],
-    OCCLUSION_FILTERS,
-];
+pub const OCCLUSION_MERGE: &[Factor] = &[optional!("DISTANCE_FOG"), OCCLUSION_FILTERS];
+
+/// Definitions of the debug view of ambient occlusion.
+pub const OCCLUSION_DEBUG_VIEW: &[Factor] = &[OCCLUSION_FILTERS];
 
 const PROJECTIONS: Factor = &[
     &["VIEW_PROJECTION_NONSTANDARD"],
@@ -383,7 +382,7 @@ pub fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
         "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP" => {
             has("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED")
         }
-        "SHOWS_LIGHT" => !has("DEBUG_VIEW") && !has("OCCLUSION_DEBUG_VIEW"),
+        "SHOWS_LIGHT" => !has("DEBUG_VIEW"),
         _ => true,
     }
 }

@@ -161,6 +161,7 @@ pub fn all() -> &'static [Composed] {
                 "STEPS=1"
             ),
             shader!("ambient_occlusion/merge.wgsl",),
+            shader!("ambient_occlusion/debug_view.wgsl",),
             shader!("auto_exposure/meter.wgsl", "HISTOGRAM", "MASK"),
             shader!("auto_exposure/adapt.wgsl",),
             shader!("auto_exposure/overlay.wgsl", "OVERLAY", "MASK"),

@@ -8,8 +8,8 @@ use super::{
     Definitions,
     covering::{Factor, covering_rows},
     factors::{
-        EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
-        OCCLUSION_MERGE, SHARES_DEPTHS, implications, occurs,
+        EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_DEBUG_VIEW, OCCLUSION_GATHER,
+        OCCLUSION_GATHER_SHARED, OCCLUSION_MERGE, SHARES_DEPTHS, implications, occurs,
     },
 };
 
@@ -142,6 +142,10 @@ fn passes() -> Vec<Shader> {
             gather.map(occlusion_gathers).concat(),
         ),
         ("ambient_occlusion/merge.wgsl", rows(OCCLUSION_MERGE, "")),
+        (
+            "ambient_occlusion/debug_view.wgsl",
+            rows(OCCLUSION_DEBUG_VIEW, ""),
+        ),
         ("auto_exposure/meter.wgsl", exposure()),
         ("auto_exposure/adapt.wgsl", exposure()),
         ("auto_exposure/overlay.wgsl", exposure()),
