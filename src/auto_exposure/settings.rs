@@ -68,9 +68,6 @@ pub struct LeanAutoExposure {
     pub clock: ExposureClock,
     /// Settings that few games change.
     pub advanced: LeanAutoExposureAdvanced,
-    /// Shows the weight of each pixel over the tonemapped image, and the exposure (white) and its target (green) on a scale of stops.
-    /// Default false.
-    pub overlay: bool,
 }
 
 impl CameraEffect for LeanAutoExposure {
@@ -92,7 +89,6 @@ impl Default for LeanAutoExposure {
             compensation_curve: Vec::new(),
             clock: default(),
             advanced: default(),
-            overlay: false,
         }
     }
 }

@@ -8,7 +8,8 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 /// camera shows its picture. The effects go on behind the view, and the part of the picture beside it stays the same. Without the
 /// component, nothing is compiled, allocated or drawn for it.
 ///
-/// Values are shown as linear colours, before tonemapping: insert `Tonemapping::None` to see them unchanged.
+/// Values are shown as linear colours, before tonemapping, apart from [`DebugView::ExposureWeights`]: insert `Tonemapping::None` to see
+/// them unchanged.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -77,17 +78,22 @@ pub enum DebugView {
     /// Of [`LeanScreenSpaceReflections`](crate::LeanScreenSpaceReflections): distance of the mirror image at the hit of each ray,
     /// grey: `1 / (1 + metres)`. Black for misses. In the size of the texels, one per ray.
     ReflectionHit,
+    /// Of [`LeanAutoExposure`](crate::LeanAutoExposure), on 3D and 2D cameras: the tonemapped picture, in which pixels are the darker
+    /// the less they count: those without weight have 0.35 of their brightness. Over it is a scale with a line per stop, a longer one
+    /// at 0, a white mark at the exposure and a green one at its target.
+    ExposureWeights,
 }
 
 impl DebugView {
     /// All views.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::AmbientOcclusion,
         Self::GiLight,
         Self::GiVisibility,
         Self::ReflectionLight,
         Self::ReflectionConfidence,
         Self::ReflectionHit,
+        Self::ExposureWeights,
     ];
 }
 
