@@ -62,8 +62,8 @@
 //!
 //! Each pass is timed under `lean_deferred/…`; add Bevy's `RenderDiagnosticsPlugin` to read the times from its
 //! `DiagnosticsStore`. Pipelines and textures have the same labels in graphics debuggers.
-//! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the image. [`LeanMemory`], inserted on a camera, tells the
-//! GPU memory of each effect.
+//! [`LeanDebugView`], inserted on a camera, shows the G-buffer or the result of an effect in place of the image; [`LeanMemory`] tells
+//! the GPU memory of each effect.
 
 #![warn(missing_docs)]
 
@@ -94,8 +94,8 @@ pub use screen_space::{
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin,
 };
 pub use view::{
-    CameraCut, DebugChannel, DebugView, EffectStatus, LeanDebugView, LeanDeferred, LeanMemory,
-    LeanOffReason, LeanQuality, LeanResolution, LeanStatus, LeanSupport, LightCulling,
+    CameraCut, DebugView, EffectStatus, LeanDebugView, LeanDeferred, LeanMemory, LeanOffReason,
+    LeanQuality, LeanResolution, LeanStatus, LeanSupport, LightCulling,
 };
 
 use bevy::app::plugin_group;
@@ -103,7 +103,7 @@ use bevy::app::plugin_group;
 /// The types that most apps need.
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, DebugView, EffectStatus, LeanAutoExposure, LeanAutoExposurePlugin,
+        CameraCut, DebugView, EffectStatus, LeanAutoExposure, LeanAutoExposurePlugin,
         LeanDebugView, LeanDeferred, LeanDeferredPlugin, LeanDeferredPlugins, LeanMemory,
         LeanOffReason, LeanQuality, LeanResolution, LeanScreenSpaceAmbientOcclusion,
         LeanScreenSpaceAmbientOcclusionPlugin, LeanScreenSpaceGi, LeanScreenSpaceGiPlugin,

@@ -19,8 +19,7 @@ use crate::{
     gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
     view::{
-        ActiveLeanView, Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanSupport,
-        LightingIo, OutOfMemory,
+        ActiveLeanView, Effect, EffectStatuses, LeanOffReason, LeanSupport, LightingIo, OutOfMemory,
     },
 };
 
@@ -87,7 +86,7 @@ pub(super) fn decide_active_occlusion(
         (&ExtractedCamera, &ExtractedView, Has<Camera3d>),
         &Msaa,
         &LeanScreenSpaceAmbientOcclusion,
-        (Option<&LeanDeferred>, Option<&ActiveLeanView>),
+        Option<&ActiveLeanView>,
         Has<DistanceFog>,
         Option<&mut ActiveOcclusion>,
     )>,
@@ -99,17 +98,14 @@ pub(super) fn decide_active_occlusion(
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, (camera, view, is_3d), msaa, settings, (lean, active_lean), has_fog, current) in
-        &mut views
+    for (entity, (camera, view, is_3d), msaa, settings, active_lean, has_fog, current) in &mut views
     {
         let is_for_lighting = active_lean.is_some() && settings.is_for_lighting();
         // Diffuse GI also outputs visibility, so occlusion is skipped.
         let is_found =
             active_lean.is_some_and(|lean| lean.io.contains(LightingIo::INDIRECT_DIFFUSE));
-        let shows_channel = is_for_lighting && lean.is_some_and(LeanDeferred::shows_channel);
         let reason = LeanOffReason::against_reading_depth(camera, is_3d, msaa)
-            .or(is_found.then_some(LeanOffReason::ReplacedByGi))
-            .or(shows_channel.then_some(LeanOffReason::ChannelShown));
+            .or(is_found.then_some(LeanOffReason::ReplacedByGi));
         let camera = view.retained_view_entity.main_entity;
         let mut status = statuses.of(camera, Effect::AmbientOcclusion);
         if status.is_off_for(reason) || status.is_off_by_memory(memory.label(entity)) {

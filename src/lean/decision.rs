@@ -27,8 +27,9 @@ use crate::{
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
     shader_library::reconstruction::position::depth_of_surfaces_is_above_zero,
     view::{
-        ActiveLeanView, Demand, Effect, EffectStatuses, GBufferTargets, LeanDeferred,
-        LeanOffReason, LeanSupport, LightingIo, LightingIoQuery, LightingVariants, OutOfMemory,
+        ActiveLeanView, Demand, Effect, EffectStatuses, GBufferTargets, LeanDebugView,
+        LeanDeferred, LeanOffReason, LeanSupport, LightingIo, LightingIoQuery, LightingVariants,
+        OutOfMemory,
     },
 };
 
@@ -135,7 +136,10 @@ pub(super) fn decide_active_views(
         ),
         (
             &LeanDeferred,
-            Option<&LeanScreenSpaceAmbientOcclusion>,
+            (
+                Option<&LeanScreenSpaceAmbientOcclusion>,
+                Option<&LeanDebugView>,
+            ),
             LightingIoQuery,
         ),
         (Option<&mut ViewLighting>, Option<&ActiveLeanView>),
@@ -167,7 +171,7 @@ pub(super) fn decide_active_views(
     let mut active_now = HashMap::default();
     let mut candidates = HashSet::<RetainedViewEntity>::default();
 
-    for (entity, camera, prepasses, (settings, occlusion, io), (lighting, current)) in &mut views {
+    for (entity, camera, prepasses, (settings, effects, io), (lighting, current)) in &mut views {
         let (camera, view, msaa, camera_3d, layers, (visible, is_read)) = camera;
         let is_3d = camera_3d.is_some();
         let main_entity = view.retained_view_entity.main_entity;
@@ -205,11 +209,7 @@ pub(super) fn decide_active_views(
             },
         );
         let last = active_before.get(&view.retained_view_entity);
-        let io = if settings.shows_channel() {
-            LightingIo::empty()
-        } else {
-            LightingIo::asked(io)
-        };
+        let io = LightingIo::asked(io);
         let before = last.map_or(Demand::default(), ActiveLeanView::demand);
         let held = last.map(|last| last.io);
         let held = held.filter(|held| *held != io);
@@ -236,7 +236,7 @@ pub(super) fn decide_active_views(
                 *view_key,
                 view.clip_from_view,
                 settings,
-                occlusion,
+                effects,
                 &order,
             );
             (order, key)
@@ -268,7 +268,7 @@ pub(super) fn decide_active_views(
         let failure = pipeline_watch.failure(lighting.pipelines.iter().map(|(_, id)| id.id()));
         status.set_running(compiled.is_some(), failure);
         if let Some(active) = &compiled {
-            statuses.set_lighting(main_entity, active.io, settings.shows_channel());
+            statuses.set_lighting(main_entity, active.io);
         }
         if let Some(new) = new_lighting {
             commands.entity(entity).insert(new);

@@ -17,6 +17,8 @@ struct LightingUniform {
     writes_background: u32,
     /// 1 if the G-buffer is undefined where depth is 0.
     depth_tells_geometry: u32,
+    /// Columns of the viewport, from the left, that show a debug view.
+    debug_columns: u32,
 }
 
 #ifdef LIGHT_LAYERS

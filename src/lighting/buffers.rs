@@ -13,7 +13,10 @@ use bevy::{
 };
 
 use super::ViewLighting;
-use crate::{shader_library::reconstruction::position::edge_of, view::ActiveLeanView};
+use crate::{
+    shader_library::reconstruction::position::edge_of,
+    view::{ActiveLeanView, LeanDebugView},
+};
 
 /// Parameters of a view for the lighting shader, beside Bevy's uniforms.
 #[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
@@ -25,6 +28,7 @@ pub struct LightingUniform {
     edge: Vec2,
     writes_background: u32,
     depth_tells_geometry: u32,
+    debug_columns: u32,
 }
 
 /// The crate's own buffers, one for all views.
@@ -45,7 +49,7 @@ pub(super) fn write_lighting_buffers(
         &mut ViewLighting,
         (&ExtractedCamera, &ExtractedView),
         (&ViewTarget, &ActiveLeanView),
-        Option<&MainPassResolutionOverride>,
+        (Option<&MainPassResolutionOverride>, Option<&LeanDebugView>),
         Option<&GpuAtmosphere>,
     )>,
 ) {
@@ -71,7 +75,8 @@ pub(super) fn write_lighting_buffers(
     else {
         return;
     };
-    for (mut lighting, (camera, view), (target, active), resolution_override, _) in &mut views {
+    for (mut lighting, (camera, view), (target, active), of_view, _) in &mut views {
+        let (resolution_override, debug_view) = of_view;
         let target_size = target_size(target);
         let (origin, size) = lit_pixels(camera, target, resolution_override);
         let uniform = LightingUniform {
@@ -81,6 +86,7 @@ pub(super) fn write_lighting_buffers(
             edge: edge_of(view.clip_from_view, size),
             writes_background: 0,
             depth_tells_geometry: active.depth_tells_geometry.into(),
+            debug_columns: debug_view.map_or(0, |view| view.columns(size.x)),
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
             writer.write(&LightingUniform {

@@ -340,15 +340,13 @@ impl LightingPipelines {
             define(true, target.shader_def());
         }
         define(key.light_layers, "LIGHT_LAYERS");
-        let shows_channel = key.debug_view.is_some_and(|channel| !channel.is_light());
-        define(!shows_channel, "SHOWS_LIGHT");
-        define(shows_channel, "DEBUG_VIEW");
-        define(
-            key.debug_view.is_some() && !shows_channel,
-            "SHOWS_PART_OF_LIGHT",
-        );
-        if let Some(channel) = key.debug_view {
-            define(true, channel.shader_def());
+        if let Some(view) = key.debug_view {
+            define(true, "DEBUG_VIEW");
+            define(view.is_part_of_light(), "SHOWS_PART_OF_LIGHT");
+            define(!view.is_part_of_light(), "SHOWS_CHANNEL");
+            if let Some(name) = view.shader_def() {
+                define(true, name);
+            }
         }
 
         let has_io = |what| key.io.contains(what);

@@ -5,8 +5,8 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 /// Insert on a camera to see data of its effects in place of its picture: on the whole viewport, or on a part from the left.
 ///
 /// [`DebugView`] lists the views, and the effect that each is of. Without that effect, and while the shaders of a view compile, the
-/// camera shows its picture. The effects go on behind the view, and the part of the picture beside it stays the same. Without the
-/// component, nothing is compiled, allocated or drawn for it.
+/// camera shows its picture. The effects go on behind the view, and the picture beside it stays the same, except that reflections show
+/// the views that lighting draws where they reflect them. Without the component, nothing is compiled, allocated or drawn for it.
 ///
 /// Values are shown as linear colours, before tonemapping, apart from [`DebugView::ExposureWeights`]: insert `Tonemapping::None` to see
 /// them unchanged.
@@ -14,10 +14,10 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_lean_deferred::prelude::*;
-/// /// Shows the light of diffuse GI in the left half of the picture.
-/// fn compare(mut commands: Commands, camera: Single<Entity, With<LeanScreenSpaceGi>>) {
+/// /// Shows the normals in the left half of the picture.
+/// fn compare(mut commands: Commands, camera: Single<Entity, With<LeanDeferred>>) {
 ///     commands.entity(*camera).insert(LeanDebugView {
-///         shows: DebugView::GiLight,
+///         shows: DebugView::Normal,
 ///         split: 0.5,
 ///     });
 /// }
@@ -55,14 +55,48 @@ impl LeanDebugView {
     }
 }
 
-/// Data that a [`LeanDebugView`] shows. "Exposed" light is in the units of the HDR picture, before tonemapping.
+/// Data that a [`LeanDebugView`] shows.
+///
+/// The first ones are of [`LeanDeferred`](crate::LeanDeferred): channels of the G-buffer, and parts of the light. Lighting draws them on
+/// lean meshes; what Bevy's forward passes draw appears over them, and the background as usual. The views of other effects cover
+/// everything. "Exposed" light is in the units of the HDR picture before tonemapping, "grey" is the same value in all channels.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq, Hash)]
 pub enum DebugView {
+    /// Linear albedo, without decals.
+    #[default]
+    Albedo,
+    /// Metallic, grey, 0 to 1.
+    Metallic,
+    /// Occlusion baked into the material, grey: 1 (white) is unoccluded.
+    MaterialOcclusion,
+    /// World-space shading normal, `n / 2 + 1/2`.
+    Normal,
+    /// Perceptual roughness, grey, 0 to 1.
+    Roughness,
+    /// World-space normal reconstructed from depth, `n / 2 + 1/2`. Shadow bias uses it at pixels whose shading normal
+    /// comes from a normal map; elsewhere the shading normal is exact.
+    GeometricNormal,
+    /// Distance along the view axis, grey: `1 / (1 + metres)`.
+    Depth,
+    /// Emitted light and that of lightmaps, exposed. Black while no visible mesh has any.
+    Emissive,
+    /// A colour per shading model: subsurface pink, anisotropy yellow, rim cyan, clearcoat blue, diffuse transmission green, unlit
+    /// magenta; plain surfaces grey by their specular constant (white at 2).
+    ShadingModel,
+    /// Motion of meshes that move or deform: grey at rest, red and green with the motion across the picture (full at a
+    /// tenth of it), black for pixels whose motion follows from the cameras. Black without `MotionVectorPrepass`.
+    Motion,
+    /// Render layers: a colour per set, grey for layer 0 alone. All grey while no light has layers that exclude some
+    /// meshes.
+    VisibilityMask,
+    /// Light that surfaces reflect diffusely or transmit, exposed; without fog and emission.
+    DiffuseLight,
+    /// Light that surfaces reflect specularly, exposed; without fog and emission.
+    SpecularLight,
     /// Of [`LeanScreenSpaceAmbientOcclusion`](crate::LeanScreenSpaceAmbientOcclusion): the visibility that filtered occlusion
     /// leaves, grey: 1 (white) where unoccluded, and without a surface. Where forward meshes cover lean ones that receive the
     /// occlusion, it is that of the hidden surface.
-    #[default]
     AmbientOcclusion,
     /// Of [`LeanScreenSpaceGi`](crate::LeanScreenSpaceGi): the light that surfaces receive from others, as a white surface reflects
     /// it, exposed.
@@ -85,8 +119,21 @@ pub enum DebugView {
 }
 
 impl DebugView {
-    /// All views.
-    pub const ALL: [Self; 7] = [
+    /// All views: channels of the G-buffer, parts of the light, and other effects.
+    pub const ALL: [Self; 20] = [
+        Self::Albedo,
+        Self::Metallic,
+        Self::MaterialOcclusion,
+        Self::Normal,
+        Self::Roughness,
+        Self::GeometricNormal,
+        Self::Depth,
+        Self::Emissive,
+        Self::ShadingModel,
+        Self::Motion,
+        Self::VisibilityMask,
+        Self::DiffuseLight,
+        Self::SpecularLight,
         Self::AmbientOcclusion,
         Self::GiLight,
         Self::GiVisibility,
@@ -95,6 +142,43 @@ impl DebugView {
         Self::ReflectionHit,
         Self::ExposureWeights,
     ];
+
+    /// True if lighting draws it.
+    pub(crate) fn is_of_lighting(self) -> bool {
+        self.shader_def().is_some()
+    }
+
+    /// True if it is a part of the light, not a channel of the G-buffer.
+    pub(crate) fn is_part_of_light(self) -> bool {
+        matches!(self, Self::DiffuseLight | Self::SpecularLight)
+    }
+
+    /// The name of the shader definition with which lighting draws it.
+    #[doc(hidden)]
+    pub fn shader_def(self) -> Option<&'static str> {
+        match self {
+            Self::Albedo => Some("DEBUG_ALBEDO"),
+            Self::Metallic => Some("DEBUG_METALLIC"),
+            Self::MaterialOcclusion => Some("DEBUG_MATERIAL_OCCLUSION"),
+            Self::Normal => Some("DEBUG_NORMAL"),
+            Self::Roughness => Some("DEBUG_ROUGHNESS"),
+            Self::GeometricNormal => Some("DEBUG_GEOMETRIC_NORMAL"),
+            Self::Depth => Some("DEBUG_DEPTH"),
+            Self::Emissive => Some("DEBUG_EMISSIVE"),
+            Self::ShadingModel => Some("DEBUG_SHADING_MODEL"),
+            Self::Motion => Some("DEBUG_MOTION"),
+            Self::VisibilityMask => Some("DEBUG_VISIBILITY_MASK"),
+            Self::DiffuseLight => Some("DEBUG_DIFFUSE_LIGHT"),
+            Self::SpecularLight => Some("DEBUG_SPECULAR_LIGHT"),
+            Self::AmbientOcclusion
+            | Self::GiLight
+            | Self::GiVisibility
+            | Self::ReflectionLight
+            | Self::ReflectionConfidence
+            | Self::ReflectionHit
+            | Self::ExposureWeights => None,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -82,7 +82,7 @@ pub(crate) use schedule::{
     ExposureOverlayPasses, ExposurePasses, HistoryPasses, IndirectLightPasses, ViewTextureSystems,
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
-pub use settings::{DebugChannel, LeanDeferred, LeanDeferredAdvanced, LightCulling};
+pub use settings::{LeanDeferred, LeanDeferredAdvanced, LightCulling};
 pub(crate) use status::Effect;
 pub use status::{EffectStatus, LeanOffReason, LeanStatus};
 pub use support::LeanSupport;

@@ -17,7 +17,7 @@ use bevy::{
     shader::{Shader, ShaderDefVal, ShaderImport},
 };
 use bevy_lean_deferred::{
-    DebugChannel,
+    DebugView,
     lighting::bevy_definitions::{
         OF_BINDINGS, OF_MESHES, VIEW_BITS, name_of, of_mesh_pipeline, read_by_lighting,
     },
@@ -179,7 +179,7 @@ fn check_lighting(storage_buffers: u32) {
         include_str!("../../src/lighting/lighting.wgsl"),
         "src/lighting/lighting.wgsl",
         LIGHTING,
-        &["DEPTH_PREPASS", "SHOWS_LIGHT"],
+        &["DEPTH_PREPASS"],
         &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", storage_buffers)],
     );
 }
@@ -417,20 +417,17 @@ fn bevys_definitions_are_tried_and_not_restated() {
 
 #[test]
 fn every_definition_of_the_lighting_shader_is_tried() {
-    let tried = tried(
-        LIGHTING,
-        &["DEPTH_PREPASS", "GBUFFER_VALID_MASK", "SHOWS_LIGHT"],
-    );
+    let tried = tried(LIGHTING, &["DEPTH_PREPASS", "GBUFFER_VALID_MASK"]);
     let pipeline = include_str!("../../src/lighting/pipeline.rs");
     assert_all_tried("pipeline.rs", pipeline, &tried);
     let variants = include_str!("../../src/lighting/variants.rs");
     assert_all_tried("variants.rs", variants, &tried);
     let targets = include_str!("../../src/gbuffer/targets.rs");
     assert_all_tried("targets.rs", targets, &tried);
-    let channels = tried
-        .iter()
-        .filter(|name| name.starts_with("DEBUG_") && **name != "DEBUG_VIEW");
-    assert_eq!(channels.count(), DebugChannel::ALL.len());
+    let views = DebugView::ALL.into_iter().filter_map(DebugView::shader_def);
+    let views: HashSet<&str> = views.chain(["DEBUG_VIEW"]).collect();
+    let tried = tried.into_iter().filter(|name| name.starts_with("DEBUG_"));
+    assert_eq!(tried.collect::<HashSet<&str>>(), views);
 }
 
 #[test]

@@ -51,6 +51,12 @@ impl DebugChoice {
     }
 }
 
+/// The views that lighting draws.
+pub fn views_of_lighting() -> Vec<DebugView> {
+    let all = DebugView::ALL.into_iter();
+    all.filter(|view| view.shader_def().is_some()).collect()
+}
+
 /// Parses a view from its name in kebab case.
 pub fn debug_view(text: &str) -> Result<DebugView, String> {
     choices::parse(&DebugView::ALL, text)

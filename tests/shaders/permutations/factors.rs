@@ -103,16 +103,16 @@ pub const LIGHTING: &[Factor] = &[
         &["GBUFFER_SPECIALIZATION"],
         &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
     ],
-    WHAT_IS_LIT,
+    DEBUG_VIEWS,
+    SPECIAL_SURFACES,
 ];
 
-/// Debug channels are shown for all surfaces alike; otherwise a dispatch may list special surfaces, or light them
-/// (`variants::shader_defs`).
-const WHAT_IS_LIT: Factor = &[
+/// Debug views that lighting draws.
+const DEBUG_VIEWS: Factor = &[
     &[],
     &["DEBUG_ALBEDO"],
     &["DEBUG_METALLIC"],
-    &["DEBUG_OCCLUSION"],
+    &["DEBUG_MATERIAL_OCCLUSION"],
     &["DEBUG_NORMAL"],
     &["DEBUG_ROUGHNESS"],
     &["DEBUG_GEOMETRIC_NORMAL"],
@@ -125,6 +125,11 @@ const WHAT_IS_LIT: Factor = &[
     &["DEBUG_VISIBILITY_MASK", "GBUFFER_VISIBILITY_MASK"],
     &["DEBUG_DIFFUSE_LIGHT"],
     &["DEBUG_SPECULAR_LIGHT"],
+];
+
+/// A dispatch may list special surfaces, or light them (`variants::shader_defs`).
+const SPECIAL_SURFACES: Factor = &[
+    &[],
     &["LISTED_VARIANTS"],
     &["VISITED_VARIANTS", "STANDARD_MATERIAL_ANISOTROPY"],
     &["VISITED_VARIANTS", "SHADING_MODEL_RIM"],
@@ -349,7 +354,7 @@ pub fn implications(name: &str) -> &'static [&'static str] {
         "POINT_SHADOW_MAPS" | "SPOT_SHADOW_MAPS" => {
             &["SHADOWS", "CLUSTERED_SHADOW_MAPS", "GEOMETRIC_NORMAL"]
         }
-        "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "GEOMETRIC_NORMAL"],
+        "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "SHOWS_CHANNEL", "GEOMETRIC_NORMAL"],
         // Decals are bound in arrays, on devices that bind light probes in arrays too.
         "CLUSTERED_DECALS_ARE_USABLE" => &["MULTIPLE_LIGHT_PROBES_IN_ARRAY"],
         "VERTEX_UVS_A" | "VERTEX_UVS_B" => &["VERTEX_UVS"],
@@ -362,10 +367,10 @@ pub fn implications(name: &str) -> &'static [&'static str] {
         "STANDARD_MATERIAL_CLEARCOAT" | "STANDARD_MATERIAL_ANISOTROPY" => {
             &["GBUFFER_SPECIALIZATION"]
         }
-        "DEBUG_DIFFUSE_LIGHT" | "DEBUG_SPECULAR_LIGHT" => &["SHOWS_PART_OF_LIGHT"],
+        "DEBUG_DIFFUSE_LIGHT" | "DEBUG_SPECULAR_LIGHT" => &["DEBUG_VIEW", "SHOWS_PART_OF_LIGHT"],
         "INDIRECT_SPECULAR" => &["INDIRECT_LIGHT"],
         "INDIRECT_DIFFUSE" => &["INDIRECT_LIGHT", "APPLIES_VISIBILITY"],
-        name if name.starts_with("DEBUG_") => &["DEBUG_VIEW"],
+        name if name.starts_with("DEBUG_") => &["DEBUG_VIEW", "SHOWS_CHANNEL"],
         _ => &[],
     }
 }
@@ -382,7 +387,6 @@ pub fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
         "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP" => {
             has("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED")
         }
-        "SHOWS_LIGHT" => !has("DEBUG_VIEW"),
         _ => true,
     }
 }
