@@ -1,4 +1,4 @@
-// Debug views that lighting draws: a channel of the G-buffer, or a part of the light.
+// Debug views that lighting draws: a channel of the G-buffer, a part of the light, or a colour for all that lighting draws.
 #define_import_path bevy_lean_deferred::lighting::debug_view
 
 #import bevy_lean_deferred::lighting::bindings::uniforms
@@ -45,6 +45,10 @@
 #ifdef GBUFFER_VISIBILITY_MASK
 #import bevy_lean_deferred::lighting::bindings::visibility_mask_texture
 #endif
+#endif
+
+#ifdef DEBUG_FORWARD
+#import bevy_pbr::mesh_view_bindings::view
 #endif
 
 /// True if the debug view is shown at this pixel of the render target.
@@ -114,6 +118,15 @@ fn visibility_mask_color(pixel: Pixel) -> vec3<f32> {
 }
 #endif
 
+#ifdef DEBUG_FORWARD
+/// Magenta for lean surfaces, darker where they are turned away from the camera.
+fn lean_color(pixel: Pixel) -> vec3<f32> {
+    let normal = layout::unpack_normal(pixel.normal_word);
+    let facing = normalize((view.view_from_world * vec4(normal, 0.0)).xyz).z;
+    return vec3(0.5, 0.0, 0.5) * (0.2 + 0.8 * saturate(facing));
+}
+#endif
+
 #ifdef SHOWS_CHANNEL
 /// Colour of the channel.
 fn channel_color(pixel: Pixel) -> vec3<f32> {
@@ -137,8 +150,10 @@ fn channel_color(pixel: Pixel) -> vec3<f32> {
     return shading_model_color(pixel.specialization_word);
 #else ifdef DEBUG_MOTION
     return motion_color(pixel);
-#else
+#else ifdef DEBUG_VISIBILITY_MASK
     return visibility_mask_color(pixel);
+#else
+    return lean_color(pixel);
 #endif
 }
 #endif

@@ -5,8 +5,9 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 /// Insert on a camera to see data of its effects in place of its picture: on the whole viewport, or on a part from the left.
 ///
 /// [`DebugView`] lists the views, and the effect that each is of. Without that effect, and while the shaders of a view compile, the
-/// camera shows its picture. The effects go on behind the view, and the picture beside it stays the same, except that reflections show
-/// the views that lighting draws where they reflect them. Without the component, nothing is compiled, allocated or drawn for it.
+/// camera shows its picture. The effects go on behind the view, and the picture beside it stays the same, except that auto exposure
+/// meters what is shown, and that reflections reflect it if lighting draws it. Without the component, nothing is compiled, allocated
+/// or drawn for it.
 ///
 /// Values are shown as linear colours, before tonemapping, apart from [`DebugView::ExposureWeights`]: insert `Tonemapping::None` to see
 /// them unchanged.
@@ -57,9 +58,10 @@ impl LeanDebugView {
 
 /// Data that a [`LeanDebugView`] shows.
 ///
-/// The first ones are of [`LeanDeferred`](crate::LeanDeferred): channels of the G-buffer, and parts of the light. Lighting draws them on
-/// lean meshes; what Bevy's forward passes draw appears over them, and the background as usual. The views of other effects cover
-/// everything. "Exposed" light is in the units of the HDR picture before tonemapping, "grey" is the same value in all channels.
+/// Those up to [`Forward`](Self::Forward) are of [`LeanDeferred`](crate::LeanDeferred): channels of the G-buffer, and parts of the light.
+/// Lighting draws them on lean meshes; what Bevy's forward passes draw appears over them, and the background as usual. The views of
+/// other effects cover everything. "Exposed" light is in the units of the HDR picture before tonemapping; "grey" is the same value in
+/// all channels.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq, Hash)]
 pub enum DebugView {
@@ -94,6 +96,9 @@ pub enum DebugView {
     DiffuseLight,
     /// Light that surfaces reflect specularly, exposed; without fog and emission.
     SpecularLight,
+    /// What Bevy's forward passes draw, and the background, as in the picture. Lean meshes are magenta, darker where they are turned
+    /// away from the camera. [`LeanForwardMeshes`](crate::gbuffer::LeanForwardMeshes) tells why meshes are drawn forward.
+    Forward,
     /// Of [`LeanScreenSpaceAmbientOcclusion`](crate::LeanScreenSpaceAmbientOcclusion): the visibility that filtered occlusion
     /// leaves, grey: 1 (white) where unoccluded, and without a surface. Where forward meshes cover lean ones that receive the
     /// occlusion, it is that of the hidden surface.
@@ -120,7 +125,7 @@ pub enum DebugView {
 
 impl DebugView {
     /// All views: channels of the G-buffer, parts of the light, and other effects.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Albedo,
         Self::Metallic,
         Self::MaterialOcclusion,
@@ -134,6 +139,7 @@ impl DebugView {
         Self::VisibilityMask,
         Self::DiffuseLight,
         Self::SpecularLight,
+        Self::Forward,
         Self::AmbientOcclusion,
         Self::GiLight,
         Self::GiVisibility,
@@ -148,7 +154,7 @@ impl DebugView {
         self.shader_def().is_some()
     }
 
-    /// True if it is a part of the light, not a channel of the G-buffer.
+    /// True if it is a part of the light, for which lighting adds up less.
     pub(crate) fn is_part_of_light(self) -> bool {
         matches!(self, Self::DiffuseLight | Self::SpecularLight)
     }
@@ -170,6 +176,7 @@ impl DebugView {
             Self::VisibilityMask => Some("DEBUG_VISIBILITY_MASK"),
             Self::DiffuseLight => Some("DEBUG_DIFFUSE_LIGHT"),
             Self::SpecularLight => Some("DEBUG_SPECULAR_LIGHT"),
+            Self::Forward => Some("DEBUG_FORWARD"),
             Self::AmbientOcclusion
             | Self::GiLight
             | Self::GiVisibility

@@ -25,15 +25,19 @@ use bevy::{
 
 use binding_numbers::SOURCE_TEXTURE;
 
-use super::{diffuse_gi::ViewGi, reflections::ViewReflections};
 use crate::{
     gpu::bindings::layout,
     view::{
-        DebugView, DebugViewPasses, EffectSystems, HistoryPasses, LeanDebugView,
+        DebugView, DebugViewPasses, EffectSystems, HistoryPasses, IndirectDiffuse,
+        IndirectSpecular, LeanDebugView,
         debug_draw::{DebugDraw, DebugDrawn, DebugPipelines, draw_debug_view},
         removal,
     },
 };
+
+/// On a view with reflections, while their hits are shown: the texture of hit words, one per ray.
+#[derive(Component)]
+pub(super) struct RayHits(pub(super) TextureView);
 
 /// Channels of a texture to show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -77,23 +81,20 @@ impl DebugDraw for Shows {
 /// The channels and the texture that `view` is of, if it is of one of these effects. The texture covers the viewport.
 fn source_of<'a>(
     view: DebugView,
-    gi: Option<&'a ViewGi>,
-    reflections: Option<&'a ViewReflections>,
+    diffuse: Option<&'a IndirectDiffuse>,
+    specular: Option<&'a IndirectSpecular>,
+    hits: Option<&'a RayHits>,
 ) -> Option<(Shows, &'a TextureView)> {
-    let shows = match view {
-        DebugView::GiLight => Shows::BareLight,
-        DebugView::GiVisibility => Shows::OneMinusAlpha,
-        DebugView::ReflectionLight => Shows::Light,
-        DebugView::ReflectionConfidence => Shows::Alpha,
-        DebugView::ReflectionHit => Shows::Hit,
+    let diffuse = diffuse.and_then(|light| light.0.as_ref());
+    let specular = specular.and_then(|light| light.0.as_ref());
+    Some(match view {
+        DebugView::GiLight => (Shows::BareLight, diffuse?),
+        DebugView::GiVisibility => (Shows::OneMinusAlpha, diffuse?),
+        DebugView::ReflectionLight => (Shows::Light, specular?),
+        DebugView::ReflectionConfidence => (Shows::Alpha, specular?),
+        DebugView::ReflectionHit => (Shows::Hit, &hits?.0),
         _ => return None,
-    };
-    let texture = match shows {
-        Shows::BareLight | Shows::OneMinusAlpha => gi?.output(),
-        Shows::Light | Shows::Alpha => reflections?.output(),
-        Shows::Hit => reflections?.hits(),
-    };
-    Some((shows, texture))
+    })
 }
 
 /// Shows the debug views of diffuse GI and of reflections. Added by the first of the two.
@@ -115,8 +116,9 @@ impl Plugin for DebugViewPlugin {
         };
         removal::remove_with::<LeanDebugView, DebugDrawn<Shows>>(render_app);
         // What is drawn keeps their textures alive.
-        removal::remove_with::<ViewGi, DebugDrawn<Shows>>(render_app);
-        removal::remove_with::<ViewReflections, DebugDrawn<Shows>>(render_app);
+        removal::remove_with::<IndirectDiffuse, DebugDrawn<Shows>>(render_app);
+        removal::remove_with::<IndirectSpecular, DebugDrawn<Shows>>(render_app);
+        removal::remove_with::<RayHits, DebugDrawn<Shows>>(render_app);
         render_app
             .add_systems(RenderStartup, init_pipelines)
             .add_systems(
@@ -152,15 +154,17 @@ fn prepare_debug_views(
     mut views: Query<(
         Entity,
         (&ExtractedView, &LeanDebugView),
-        (Option<&ViewGi>, Option<&ViewReflections>),
+        (Option<&IndirectDiffuse>, Option<&IndirectSpecular>),
+        Option<&RayHits>,
         Option<&mut DebugDrawn<Shows>>,
     )>,
 ) {
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, (view, debug_view), (gi, reflections), drawn) in &mut views {
-        let Some((shows, texture)) = source_of(debug_view.shows, gi, reflections) else {
+    for (entity, (view, debug_view), (diffuse, specular), hits, drawn) in &mut views {
+        let source = source_of(debug_view.shows, diffuse, specular, hits);
+        let Some((shows, texture)) = source else {
             if drawn.is_some() {
                 commands.entity(entity).remove::<DebugDrawn<Shows>>();
             }

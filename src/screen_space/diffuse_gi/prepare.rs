@@ -7,9 +7,7 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        render_resource::{
-            BindGroup, BindingResource, DynamicUniformBuffer, IntoBinding, Texture, TextureView,
-        },
+        render_resource::{BindGroup, BindingResource, DynamicUniformBuffer, IntoBinding, Texture},
         renderer::{RenderDevice, RenderQueue},
         texture::FallbackImageZero,
         view::{ExtractedView, ViewDepthTexture},
@@ -116,11 +114,6 @@ impl ViewGi {
     /// Parameters of the last frame; `None` if its levels are invalid for this frame.
     pub fn last(&self) -> Option<&LastFrame> {
         self.frames.last()
-    }
-
-    /// RGB: light. Alpha: occlusion.
-    pub(in crate::screen_space) fn output(&self) -> &TextureView {
-        &self.output.view
     }
 
     pub(super) fn bytes(&self) -> u64 {

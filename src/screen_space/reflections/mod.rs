@@ -67,7 +67,7 @@ use bevy::{
 
 use super::{
     ReadsHistory,
-    debug_view::DebugViewPlugin,
+    debug_view::{DebugViewPlugin, RayHits},
     history::{HistoryPlugin, prepare_histories, prepare_history_bind_groups},
     support,
 };
@@ -128,6 +128,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
             ),
         >(render_app);
         removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
+        removal::remove_with::<ViewReflections, RayHits>(render_app);
         EffectSystems::Reflections.run_while::<With<LeanScreenSpaceReflections>>(render_app);
         memory::count(
             render_app,

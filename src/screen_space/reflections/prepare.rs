@@ -7,7 +7,7 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureView},
+        render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture},
         renderer::{RenderDevice, RenderQueue},
         texture::FallbackImageZero,
         view::{ExtractedView, ViewDepthTexture},
@@ -36,7 +36,7 @@ use crate::{
         storage_texture::StorageTexture,
         texture_bytes::texture_bytes,
     },
-    screen_space::{LastFrame, ViewHistory, world_shift::WorldShift},
+    screen_space::{LastFrame, ViewHistory, debug_view::RayHits, world_shift::WorldShift},
     shader_library::tiles,
     view::{
         ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightingIo, OutOfMemory,
@@ -128,16 +128,6 @@ impl ViewReflections {
         ]
     }
 
-    /// RGB: reflected light. Alpha: confidence.
-    pub(in crate::screen_space) fn output(&self) -> &TextureView {
-        &self.output.view
-    }
-
-    /// A word per ray.
-    pub(in crate::screen_space) fn hits(&self) -> &TextureView {
-        &self.hits.view
-    }
-
     pub(super) fn bytes(&self) -> u64 {
         self.textures().map(texture_bytes).sum()
     }
@@ -177,14 +167,18 @@ pub(super) fn prepare_reflections(
         Option<&MainPassResolutionOverride>,
         (Option<&FrameAveraging>, Has<MotionVectorPrepass>),
         Option<&ViewHistory>,
-        (Option<&mut ViewReflections>, &mut IndirectSpecular),
+        (
+            Option<&mut ViewReflections>,
+            &mut IndirectSpecular,
+            Has<RayHits>,
+        ),
     )>,
 ) {
     let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
     for (entity, (active, lean), (camera, view), resolution, of_view, history, held) in &mut views {
-        let ((averaging, has_motion), (reflections, mut found)) = (of_view, held);
+        let ((averaging, has_motion), (reflections, mut found, has_hits)) = (of_view, held);
         // The first frame has no history.
         let Some(history) = history else {
             found.0 = None;
@@ -220,6 +214,12 @@ pub(super) fn prepare_reflections(
         reflections.has_motion = has_motion;
         reflections.offset = writer.write(&uniform);
         found.0 = Some(reflections.output.view.clone());
+        if active.key.shown {
+            let hits = RayHits(reflections.hits.view.clone());
+            commands.entity(entity).insert(hits);
+        } else if has_hits {
+            commands.entity(entity).remove::<RayHits>();
+        }
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }

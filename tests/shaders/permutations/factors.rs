@@ -125,6 +125,7 @@ const DEBUG_VIEWS: Factor = &[
     &["DEBUG_VISIBILITY_MASK", "GBUFFER_VISIBILITY_MASK"],
     &["DEBUG_DIFFUSE_LIGHT"],
     &["DEBUG_SPECULAR_LIGHT"],
+    &["DEBUG_FORWARD"],
 ];
 
 /// A dispatch may list special surfaces, or light them (`variants::shader_defs`).
