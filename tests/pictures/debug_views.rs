@@ -173,12 +173,13 @@ fn forward_meshes_stand_out() {
         };
         let lean = count(OpaqueRendererMethod::Auto, false);
         let forward = [false, true].map(|prepass| count(OpaqueRendererMethod::Forward, prepass));
-        assert!(lean[0] > 3000 && lean[1] == 0, "{lean:?}");
+        assert!(lean[0] > 2000 && lean[1] == 0, "{lean:?}");
         for [magenta, green] in forward {
             assert!(magenta > 1000 && green > 200, "{forward:?}");
             assert!(magenta + green <= lean[0], "{lean:?}, {forward:?}");
         }
-        assert_eq!(forward[0], forward[1]);
+        let [without, with] = forward.map(|[magenta, _]| magenta);
+        assert!(without.abs_diff(with) <= 20, "{forward:?}");
         log_watch::assert_validation_layer_silent();
     });
 }
