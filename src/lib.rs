@@ -24,6 +24,7 @@
 //! | [`LeanSubsurfaceScattering`] | light scatters beneath surfaces whose material asks for it | 3D cameras; adds [`LeanDeferred`] |
 //! | [`LeanAutoExposure`] | exposure from the image's luminance | 3D and 2D cameras; adds `Hdr` |
 //! | [`CameraCut`] | the camera jumps: effects drop their history | all of these |
+//! | [`LeanDebugView`] | data of an effect in place of the image | all of these |
 //!
 //! Each can be added, changed and removed at run time; without it nothing is allocated, bound or dispatched for it.
 //! [`GBufferMaterial`](gbuffer::GBufferMaterial) renders custom materials to the G-buffer,
@@ -62,8 +63,8 @@
 //!
 //! Each pass is timed under `lean_deferred/…`; add Bevy's `RenderDiagnosticsPlugin` to read the times from its
 //! `DiagnosticsStore`. Pipelines and textures have the same labels in graphics debuggers.
-//! [`LeanDeferred::debug_view`] shows a channel of the G-buffer in place of the image. [`LeanMemory`], inserted on a camera, tells the
-//! GPU memory of each effect.
+//! [`LeanDebugView`], inserted on a camera, shows the G-buffer or the result of an effect in place of the image; [`LeanMemory`] tells
+//! the GPU memory of each effect.
 
 #![warn(missing_docs)]
 
@@ -96,8 +97,8 @@ pub use screen_space::{
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin,
 };
 pub use view::{
-    CameraCut, DebugChannel, EffectStatus, LeanDeferred, LeanMemory, LeanOffReason, LeanQuality,
-    LeanResolution, LeanStatus, LeanSupport, LightCulling,
+    CameraCut, DebugView, EffectStatus, LeanDebugView, LeanDeferred, LeanMemory, LeanOffReason,
+    LeanQuality, LeanResolution, LeanStatus, LeanSupport, LightCulling,
 };
 
 use bevy::app::plugin_group;
@@ -107,13 +108,12 @@ use bevy::app::plugin_group;
 /// [`ForwardReason`](crate::gbuffer::ForwardReason).
 pub mod prelude {
     pub use crate::{
-        CameraCut, DebugChannel, EffectStatus, LeanAutoExposure, LeanDeferred, LeanDeferredPlugins,
-        LeanMemory, LeanOffReason, LeanPreset, LeanQuality, LeanResolution,
+        CameraCut, DebugView, EffectStatus, LeanAutoExposure, LeanDebugView, LeanDeferred,
+        LeanDeferredPlugins, LeanMemory, LeanOffReason, LeanPreset, LeanQuality, LeanResolution,
         LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi, LeanScreenSpaceReflections, LeanStatus,
         LeanSubsurfaceScattering, LeanSupport,
         auto_exposure::MeteredExposure,
         gbuffer::{GBufferMaterial, GBufferMaterialPlugin, GBufferNeeds, LeanForwardMeshes},
-        screen_space::{ScreenSpaceGiDebugView, ScreenSpaceReflectionsDebugView},
         shading_extension::{ExtendedStandardMaterial, ShadingExtension},
     };
 }

@@ -150,10 +150,10 @@ impl Contender {
         match self.occlusion {
             None => {}
             Some(Kind::Lean(settings)) => {
-                camera.insert(LeanScreenSpaceAmbientOcclusion {
-                    debug_view: shows,
-                    ..settings
-                });
+                camera.insert(settings);
+                if shows {
+                    camera.insert(LeanDebugView::from(DebugView::AmbientOcclusion));
+                }
             }
             Some(Kind::Bevy(quality_level)) => {
                 camera.insert(ScreenSpaceAmbientOcclusion {

@@ -14,8 +14,9 @@ use crate::settings::{self, ExampleSettings, Mode};
 use kit::{
     example::{
         choices,
+        debug_view::DebugChoice,
         model::Viewpoint,
-        numbers::{finite, not_negative, number_where, positive},
+        numbers::{finite, not_negative, number_where, positive, share},
     },
     size::parse_size,
 };
@@ -95,6 +96,10 @@ pub struct Args {
     #[argh(switch)]
     debug: bool,
 
+    /// share of the width, from the left, that --debug is for, 0 to 1 (the default)
+    #[argh(option, default = "1.0", from_str_fn(share))]
+    split: f32,
+
     /// leave the sun out
     #[argh(switch)]
     no_sun: bool,
@@ -150,7 +155,10 @@ impl Args {
                     edge_aware: !self.not_edge_aware,
                     multibounce: !self.no_multibounce,
                 },
-                debug_view: self.debug,
+            },
+            debug: DebugChoice {
+                view: self.debug.then_some(DebugView::AmbientOcclusion),
+                split: self.split,
             },
             sun: !self.no_sun,
             text: true,
@@ -188,8 +196,4 @@ fn normals(text: &str) -> Result<OcclusionNormals, String> {
 
 fn up_to_half(text: &str) -> Result<f32, String> {
     number_where(text, "0 to 0.5", |x| (0.0..=0.5).contains(&x))
-}
-
-fn share(text: &str) -> Result<f32, String> {
-    number_where(text, "0 to 1", |x| (0.0..=1.0).contains(&x))
 }

@@ -10,6 +10,7 @@
 //! | K | kernel: HBAO, HDAO |
 //! | A | application: Auto, MultiplicativeBlend, Indirect |
 //! | D | occlusion alone / lit picture |
+//! | B | occlusion alone on the whole picture / on its left half |
 //! | Up, Down | larger, smaller radius |
 //! | Right, Left | more, less intensity |
 //! | R | full / half resolution |

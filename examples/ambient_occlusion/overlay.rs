@@ -27,7 +27,7 @@ impl Plugin for OverlayPlugin {
 }
 
 const KEYS: &str =
-    "1 off  2 lean  3 Bevy's  G LeanDeferred  P quality  K kernel  A application  D occlusion alone
+    "1 off  2 lean  3 Bevy's  G LeanDeferred  P quality  K kernel  A application  D occlusion alone  B split
 Up/Down radius  Left/Right intensity  R resolution  F filter  E edges  N normals  L sun  H text";
 
 fn update_text(
@@ -77,7 +77,7 @@ fn describe(settings: &ExampleSettings) -> String {
                 " across edges"
             },
             normals(occlusion, settings.lean_deferred),
-            if occlusion.debug_view {
+            if settings.debug.view.is_some() {
                 ", occlusion alone"
             } else {
                 ""

@@ -14,7 +14,7 @@ use bevy_lean_deferred::{
 };
 
 use crate::courtyard::Sun;
-use kit::example::choices::next;
+use kit::example::{choices::next, debug_view::DebugChoice};
 
 /// The occlusion technique on the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,16 +42,13 @@ pub struct ExampleSettings {
     pub mode: Mode,
     pub lean_deferred: bool,
     pub occlusion: LeanScreenSpaceAmbientOcclusion,
+    /// Shows the occlusion alone.
+    pub debug: DebugChoice,
     pub sun: bool,
     pub text: bool,
 }
 
 impl ExampleSettings {
-    /// Tells if the picture is the occlusion alone.
-    fn shows_data(&self) -> bool {
-        self.mode == Mode::Lean && self.occlusion.debug_view
-    }
-
     /// Bevy's level of the same name.
     pub fn bevy_level(&self) -> ScreenSpaceAmbientOcclusionQualityLevel {
         match self.occlusion.quality {
@@ -78,6 +75,7 @@ pub fn read_keys(
             mode,
             lean_deferred,
             occlusion,
+            debug,
             sun,
             text,
         } = &mut *settings;
@@ -106,7 +104,8 @@ pub fn read_keys(
             KeyCode::KeyF => advanced.filter = next(&OcclusionFilter::ALL, advanced.filter),
             KeyCode::KeyE => advanced.edge_aware = !advanced.edge_aware,
             KeyCode::KeyN => advanced.normals = next(&NORMALS, advanced.normals),
-            KeyCode::KeyD => occlusion.debug_view = !occlusion.debug_view,
+            KeyCode::KeyD => debug.change_view(&[DebugView::AmbientOcclusion]),
+            KeyCode::KeyB => debug.change_split(),
             KeyCode::KeyL => *sun = !*sun,
             KeyCode::KeyH => *text = !*text,
             _ => {}
@@ -150,7 +149,9 @@ pub fn apply(
             });
         }
     }
-    camera.insert(if settings.shows_data() {
+    settings.debug.put_on(&mut camera);
+    let shows_data = settings.mode == Mode::Lean && settings.debug.is_whole();
+    camera.insert(if shows_data {
         Tonemapping::None
     } else {
         Tonemapping::TonyMcMapface

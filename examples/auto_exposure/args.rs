@@ -14,7 +14,8 @@ use crate::{
 use kit::{
     example::{
         choices,
-        numbers::{finite, not_negative, positive},
+        debug_view::DebugChoice,
+        numbers::{finite, not_negative, positive, share},
     },
     size::parse_size,
 };
@@ -97,7 +98,11 @@ pub struct Args {
 
     /// show the weight of each pixel, and the exposure on a scale
     #[argh(switch)]
-    overlay: bool,
+    debug: bool,
+
+    /// share of the width, from the left, that --debug is for, 0 to 1 (the default)
+    #[argh(option, default = "1.0", from_str_fn(share))]
+    split: f32,
 
     /// auto (the default), subgroup or shared-memory
     #[argh(option, default = "default()", from_str_fn(reduction))]
@@ -138,12 +143,15 @@ impl Args {
                     instant: self.instant,
                     reduction: self.reduction,
                 },
-                overlay: self.overlay,
                 ..default()
             },
             pattern: self.pattern,
             spot_radius: self.spot_radius,
             curve: self.curve,
+            debug: DebugChoice {
+                view: self.debug.then_some(DebugView::ExposureWeights),
+                split: self.split,
+            },
             text: true,
         }
     }

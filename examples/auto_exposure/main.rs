@@ -33,7 +33,8 @@
 //! | I | instant / adapting |
 //! | R | reduction: Auto, Subgroup, SharedMemory |
 //! | X | cut: the next frame starts adapted |
-//! | O | exposure overlay on / off: weights and a scale |
+//! | D | weights of pixels and a scale of the exposure on / off |
+//! | B | these on the whole picture / on its left half |
 //! | H | text on / off |
 //! | mouse | left: look around, right: pan, wheel: move |
 //! | Esc | quit |

@@ -22,7 +22,7 @@ impl Plugin for OverlayPlugin {
 
 const KEYS: &str =
     "1 off  2 lean  3 Bevy's  Space walk  G LeanDeferred  M metering  P pattern  T trim  Up/Down target
-Left/Right compensation  C curve  PgUp/PgDn speeds  I instant  R reduction  X cut  O overlay  H text";
+Left/Right compensation  C curve  PgUp/PgDn speeds  I instant  R reduction  X cut  D weights  B split  H text";
 
 fn update_text(
     settings: Res<ExampleSettings>,

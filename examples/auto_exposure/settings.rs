@@ -12,7 +12,7 @@ use bevy_lean_deferred::{
     prelude::*,
 };
 
-use kit::example::choices::next;
+use kit::example::{choices::next, debug_view::DebugChoice};
 
 /// The auto exposure on the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +74,8 @@ pub struct ExampleSettings {
     pub pattern: Pattern,
     pub spot_radius: f32,
     pub curve: bool,
+    /// Shows weights and the exposure.
+    pub debug: DebugChoice,
     pub text: bool,
 }
 
@@ -155,6 +157,7 @@ pub fn read_keys(
             exposure,
             pattern,
             curve,
+            debug,
             text,
             ..
         } = &mut *settings;
@@ -181,7 +184,8 @@ pub fn read_keys(
             KeyCode::KeyR => {
                 exposure.advanced.reduction = next(&REDUCTIONS, exposure.advanced.reduction);
             }
-            KeyCode::KeyO => exposure.overlay = !exposure.overlay,
+            KeyCode::KeyD => debug.change_view(&[DebugView::ExposureWeights]),
+            KeyCode::KeyB => debug.change_split(),
             KeyCode::KeyH => *text = !*text,
             _ => {}
         }
@@ -237,6 +241,7 @@ pub fn apply(
     if settings.mode != Mode::Bevy {
         camera.remove::<AutoExposure>();
     }
+    settings.debug.put_on(&mut camera);
     match settings.mode {
         Mode::Off => {}
         Mode::Lean => {

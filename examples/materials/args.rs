@@ -5,7 +5,14 @@ use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 
 use crate::settings::{self, ExampleSettings, Shown};
-use kit::{example::choices, size::parse_size};
+use kit::{
+    example::{
+        choices,
+        debug_view::{DebugChoice, debug_view},
+        numbers::share,
+    },
+    size::parse_size,
+};
 
 /// Balls of every shading model that the G-buffer carries: lean beside forward.
 #[derive(FromArgs)]
@@ -14,9 +21,13 @@ pub struct Args {
     #[argh(option, default = "Shown::Both", from_str_fn(shown))]
     shown: Shown,
 
-    /// channel of the G-buffer to show instead of the lit picture, such as shading-model
-    #[argh(option, from_str_fn(channel))]
-    pub debug_view: Option<DebugChannel>,
+    /// data to show instead of the lit picture, such as shading-model
+    #[argh(option, from_str_fn(debug_view))]
+    debug_view: Option<DebugView>,
+
+    /// share of the width of the lean picture, from the left, that shows them, 0 to 1 (the default)
+    #[argh(option, default = "1.0", from_str_fn(share))]
+    split: f32,
 
     /// leave the sun out
     #[argh(switch)]
@@ -51,7 +62,10 @@ impl Args {
     pub fn settings(&self) -> ExampleSettings {
         ExampleSettings {
             shown: self.shown,
-            debug_view: self.debug_view,
+            debug: DebugChoice {
+                view: self.debug_view,
+                split: self.split,
+            },
             sun: !self.no_sun,
             environment: !self.no_environment,
             scattering: !self.no_scattering,
@@ -68,8 +82,4 @@ impl Args {
 
 fn shown(text: &str) -> Result<Shown, String> {
     choices::parse(&settings::SHOWN, text)
-}
-
-fn channel(text: &str) -> Result<DebugChannel, String> {
-    choices::parse(&DebugChannel::ALL, text)
 }

@@ -7,7 +7,8 @@
 //! | key | does |
 //! |---|---|
 //! | 1, 2, 3 | lean beside forward, lean alone, forward alone |
-//! | D | next channel of the G-buffer, where lean is shown |
+//! | D | next debug view of the G-buffer or of light, where lean is shown |
+//! | B | debug view on the whole picture / on its left half |
 //! | L | sun on / off |
 //! | E | environment map on / off |
 //! | S | subsurface scattering on / off, where lean is shown: forward has none |

@@ -24,7 +24,7 @@ impl Plugin for OverlayPlugin {
 }
 
 const KEYS: &str =
-    "1 both  2 lean  3 forward  D channel  L sun  E environment  S scattering  H text";
+    "1 both  2 lean  3 forward  D debug view  B split  L sun  E environment  S scattering  H text";
 
 fn update_text(
     settings: Res<ExampleSettings>,
@@ -63,8 +63,8 @@ fn describe(settings: &ExampleSettings) -> String {
         Shown::Lean => "lean",
         Shown::Forward => "forward",
     };
-    match settings.debug_view {
-        Some(channel) if settings.shown != Shown::Forward => format!("{shown}, {channel:?}"),
+    match settings.debug.view {
+        Some(view) if settings.shown != Shown::Forward => format!("{shown}, {view:?}"),
         _ => shown.into(),
     }
 }

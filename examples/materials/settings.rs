@@ -12,7 +12,10 @@ use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::PanOrbitCamera;
 
 use crate::grid::{self, Sun};
-use kit::example::{choices, made_up_sky::made_up_sky};
+use kit::example::{
+    debug_view::{DebugChoice, views_of_lighting},
+    made_up_sky::made_up_sky,
+};
 
 /// The active cameras.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +30,7 @@ pub const SHOWN: [Shown; 3] = [Shown::Both, Shown::Lean, Shown::Forward];
 #[derive(Resource, Clone)]
 pub struct ExampleSettings {
     pub shown: Shown,
-    pub debug_view: Option<DebugChannel>,
+    pub debug: DebugChoice,
     pub sun: bool,
     pub environment: bool,
     /// Light scatters beneath surfaces.
@@ -117,9 +120,8 @@ pub fn read_keys(
             KeyCode::Digit1 => settings.shown = Shown::Both,
             KeyCode::Digit2 => settings.shown = Shown::Lean,
             KeyCode::Digit3 => settings.shown = Shown::Forward,
-            KeyCode::KeyD => {
-                settings.debug_view = choices::next_or_none(&DebugChannel::ALL, settings.debug_view)
-            }
+            KeyCode::KeyD => settings.debug.change_view(&views_of_lighting()),
+            KeyCode::KeyB => settings.debug.change_split(),
             KeyCode::KeyL => settings.sun = !settings.sun,
             KeyCode::KeyE => settings.environment = !settings.environment,
             KeyCode::KeyS => settings.scattering = !settings.scattering,
@@ -164,19 +166,17 @@ pub fn apply(
         } else {
             entity.remove::<IsDefaultUiCamera>();
         }
-        let debug_view = settings.debug_view.filter(|_| *side == Side::Left);
         if *side == Side::Left {
-            entity.insert(LeanDeferred {
-                debug_view,
-                ..default()
-            });
+            entity.insert(LeanDeferred::default());
+            settings.debug.put_on(&mut entity);
             if settings.scattering {
                 entity.insert(LeanSubsurfaceScattering::default());
             } else {
                 entity.remove::<LeanSubsurfaceScattering>();
             }
         }
-        entity.insert(if debug_view.is_some() {
+        let shows_data = *side == Side::Left && settings.debug.is_whole();
+        entity.insert(if shows_data {
             Tonemapping::None
         } else {
             Tonemapping::TonyMcMapface

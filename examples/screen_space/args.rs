@@ -4,12 +4,13 @@ use argh::FromArgs;
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
 
-use crate::settings::{self, DebugView, Effect, ExampleSettings, Mirrors};
+use crate::settings::{self, Effect, ExampleSettings, Mirrors};
 use kit::{
     example::{
         choices,
+        debug_view::DebugChoice,
         model::Viewpoint,
-        numbers::{finite, positive},
+        numbers::{finite, positive, share},
     },
     size::parse_size,
 };
@@ -33,10 +34,14 @@ pub struct Args {
     #[argh(option, default = "Mirrors::Medium", from_str_fn(mirrors))]
     mirrors: Mirrors,
 
-    /// buffer of an effect to show instead of the picture: gi-light, gi-visibility, mirrors-light, mirrors-confidence
-    /// or mirrors-hit
+    /// data of an effect to show instead of the picture: gi-light, gi-visibility, reflection-light,
+    /// reflection-confidence or reflection-hit
     #[argh(option, from_str_fn(debug_view))]
     debug_view: Option<DebugView>,
+
+    /// share of the width, from the left, that shows the debug view, 0 to 1 (the default)
+    #[argh(option, default = "1.0", from_str_fn(share))]
+    split: f32,
 
     /// full or half (the default)
     #[argh(option, default = "default()")]
@@ -90,7 +95,10 @@ impl Args {
                 ..default()
             },
             mirrors: self.mirrors,
-            debug_view: self.debug_view,
+            debug: DebugChoice {
+                view: self.debug_view,
+                split: self.split,
+            },
             lights: !self.dark,
             text: true,
         }

@@ -10,6 +10,7 @@
 //! | Up, Down | larger, smaller radius |
 //! | M | `LeanScreenSpaceReflections`: off, low, medium, high, ultra; then Bevy's `ScreenSpaceReflections`, without other effects |
 //! | D | picture / debug views: light and visibility of GI; light, confidence and hits of reflections |
+//! | B | debug view on the whole picture / on its left half |
 //! | L | lamp and sun on / off |
 //! | H | text on / off |
 //! | mouse | left: orbit, right: pan, wheel: zoom |

@@ -17,7 +17,7 @@ impl Plugin for OverlayPlugin {
     }
 }
 
-const KEYS: &str = "1 none  2 occlusion  3 GI  Q quality  R resolution  Up/Down radius  M mirrors  D debug view  L lights  H text";
+const KEYS: &str = "1 none  2 occlusion  3 GI  Q quality  R resolution  Up/Down radius  M mirrors  D debug view  B split  L lights  H text";
 
 fn update_text(
     settings: Res<ExampleSettings>,

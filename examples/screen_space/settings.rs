@@ -8,10 +8,7 @@ use bevy::{
 use bevy_lean_deferred::prelude::*;
 
 use crate::room::Switched;
-use kit::example::{
-    choices::{next, next_or_none},
-    opaque_method::OpaqueMethod,
-};
+use kit::example::{choices::next, debug_view::DebugChoice, opaque_method::OpaqueMethod};
 
 /// The effect on the camera, beside reflections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,42 +41,14 @@ pub const MIRRORS: [Mirrors; 6] = [
     Mirrors::Bevy,
 ];
 
-/// A debug view, shown instead of the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DebugView {
-    GiLight,
-    GiVisibility,
-    MirrorsLight,
-    MirrorsConfidence,
-    MirrorsHit,
-}
-
+/// The debug views of the effects.
 pub const DEBUG_VIEWS: [DebugView; 5] = [
     DebugView::GiLight,
     DebugView::GiVisibility,
-    DebugView::MirrorsLight,
-    DebugView::MirrorsConfidence,
-    DebugView::MirrorsHit,
+    DebugView::ReflectionLight,
+    DebugView::ReflectionConfidence,
+    DebugView::ReflectionHit,
 ];
-
-impl DebugView {
-    fn of_gi(self) -> Option<ScreenSpaceGiDebugView> {
-        match self {
-            Self::GiLight => Some(ScreenSpaceGiDebugView::Light),
-            Self::GiVisibility => Some(ScreenSpaceGiDebugView::Visibility),
-            _ => None,
-        }
-    }
-
-    fn of_mirrors(self) -> Option<ScreenSpaceReflectionsDebugView> {
-        match self {
-            Self::MirrorsLight => Some(ScreenSpaceReflectionsDebugView::Light),
-            Self::MirrorsConfidence => Some(ScreenSpaceReflectionsDebugView::Confidence),
-            Self::MirrorsHit => Some(ScreenSpaceReflectionsDebugView::Hit),
-            _ => None,
-        }
-    }
-}
 
 impl Mirrors {
     pub fn quality(self) -> Option<LeanQuality> {
@@ -101,7 +70,7 @@ pub struct ExampleSettings {
     pub effect: Effect,
     pub gi: LeanScreenSpaceGi,
     pub mirrors: Mirrors,
-    pub debug_view: Option<DebugView>,
+    pub debug: DebugChoice,
     pub lights: bool,
     pub text: bool,
 }
@@ -120,9 +89,8 @@ pub fn read_keys(
                 settings.gi.quality = next(&LeanQuality::ALL, settings.gi.quality);
             }
             KeyCode::KeyM => settings.mirrors = next(&MIRRORS, settings.mirrors),
-            KeyCode::KeyD => {
-                settings.debug_view = next_or_none(&DEBUG_VIEWS, settings.debug_view);
-            }
+            KeyCode::KeyD => settings.debug.change_view(&DEBUG_VIEWS),
+            KeyCode::KeyB => settings.debug.change_split(),
             KeyCode::KeyR => {
                 settings.gi.resolution = next(&LeanResolution::ALL, settings.gi.resolution);
             }
@@ -161,6 +129,7 @@ pub fn apply(
         DeferredPrepass,
         DepthPrepass,
     )>();
+    settings.debug.put_on(&mut camera);
     let is_bevys = settings.mirrors == Mirrors::Bevy;
     method.set(is_bevys);
     if is_bevys {
@@ -177,7 +146,6 @@ pub fn apply(
         camera.insert(LeanScreenSpaceReflections {
             quality,
             resolution: settings.gi.resolution,
-            debug_view: settings.debug_view.and_then(DebugView::of_mirrors),
             ..default()
         });
     }
@@ -187,10 +155,7 @@ pub fn apply(
             camera.insert(LeanScreenSpaceAmbientOcclusion::default());
         }
         Effect::Gi => {
-            camera.insert(LeanScreenSpaceGi {
-                debug_view: settings.debug_view.and_then(DebugView::of_gi),
-                ..settings.gi
-            });
+            camera.insert(settings.gi);
         }
     }
 }

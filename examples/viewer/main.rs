@@ -8,7 +8,8 @@
 //! | key | does |
 //! |---|---|
 //! | 1, 2, 3 | Bevy forward, Bevy deferred, lean |
-//! | D | next debug view of the G-buffer (lean only) |
+//! | D | next debug view of the G-buffer or of light (lean only) |
+//! | B | debug view on the whole picture / on its left half |
 //! | L | sun on / off |
 //! | E | environment light on / off |
 //! | H | text on / off |
@@ -26,7 +27,13 @@ use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin, ui::IsDefaul
 use bevy_lean_deferred::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 use kit::{
-    example::{choices, dropped_model::DroppedModelPlugin, model, run},
+    example::{
+        debug_view::{DebugChoice, debug_view},
+        dropped_model::DroppedModelPlugin,
+        model,
+        numbers::share,
+        run,
+    },
     headless::Headless,
     renderer::Renderer,
     size::parse_size,
@@ -46,9 +53,13 @@ struct Args {
     #[argh(option, default = "Renderer::Lean")]
     renderer: Renderer,
 
-    /// channel to show instead of the picture, such as albedo, normal, depth, diffuse-light or specular-light
-    #[argh(option, from_str_fn(parse_channel))]
-    debug_view: Option<DebugChannel>,
+    /// data to show instead of the picture, such as albedo, normal, depth, diffuse-light or specular-light
+    #[argh(option, from_str_fn(debug_view))]
+    debug_view: Option<DebugView>,
+
+    /// share of the width, from the left, that shows them, 0 to 1 (the default)
+    #[argh(option, default = "1.0", from_str_fn(share))]
+    split: f32,
 
     /// render without a window, write this PNG and quit
     #[argh(option)]
@@ -83,10 +94,6 @@ struct Args {
     pitch: f32,
 }
 
-fn parse_channel(text: &str) -> Result<DebugChannel, String> {
-    choices::parse(&DebugChannel::ALL, text)
-}
-
 fn main() -> AppExit {
     let args: Args = argh::from_env();
     let files = args.file.as_deref().map_or(Ok(()), model::check_file);
@@ -101,7 +108,10 @@ fn main() -> AppExit {
     let viewer = ViewerPlugin {
         settings: ViewerSettings {
             renderer: args.renderer,
-            debug_view: args.debug_view,
+            debug: DebugChoice {
+                view: args.debug_view,
+                split: args.split,
+            },
             ..default()
         },
         model: model::ModelPath(args.file.clone()),

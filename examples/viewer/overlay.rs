@@ -71,14 +71,12 @@ fn update_text(
             out,
             "{}{}",
             lean_text(status.iter().next()),
-            settings
-                .debug_view
-                .map_or(String::new(), |channel| format!(", showing {channel:?}"))
+            (settings.debug.view).map_or(String::new(), |view| format!(", showing {view:?}"))
         ),
     };
     let _ = writeln!(
         out,
-        "1 forward  2 deferred  3 lean  D debug view  L sun  E environment  H text  drag a file here to show it"
+        "1 forward  2 deferred  3 lean  D debug view  B split  L sun  E environment  H text  drag a file here to show it"
     );
     for (name, milliseconds) in gpu_times::all(&diagnostics).into_iter().take(12) {
         if milliseconds < 0.0005 {

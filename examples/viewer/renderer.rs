@@ -4,7 +4,10 @@ use bevy::{core_pipeline::tonemapping::Tonemapping, prelude::*};
 use bevy_lean_deferred::prelude::*;
 
 use kit::{
-    example::{choices::next_or_none, opaque_method::OpaqueMethod},
+    example::{
+        debug_view::{DebugChoice, views_of_lighting},
+        opaque_method::OpaqueMethod,
+    },
     renderer::Renderer,
 };
 
@@ -12,7 +15,7 @@ use kit::{
 #[derive(Resource, Clone)]
 pub struct ViewerSettings {
     pub renderer: Renderer,
-    pub debug_view: Option<DebugChannel>,
+    pub debug: DebugChoice,
     pub sun: bool,
     pub environment: bool,
     pub text: bool,
@@ -22,7 +25,7 @@ impl Default for ViewerSettings {
     fn default() -> Self {
         Self {
             renderer: Renderer::Lean,
-            debug_view: None,
+            debug: default(),
             sun: true,
             environment: true,
             text: true,
@@ -40,9 +43,8 @@ pub fn read_keys(
             KeyCode::Digit1 => settings.renderer = Renderer::Forward,
             KeyCode::Digit2 => settings.renderer = Renderer::BevyDeferred,
             KeyCode::Digit3 => settings.renderer = Renderer::Lean,
-            KeyCode::KeyD => {
-                settings.debug_view = next_or_none(&DebugChannel::ALL, settings.debug_view)
-            }
+            KeyCode::KeyD => settings.debug.change_view(&views_of_lighting()),
+            KeyCode::KeyB => settings.debug.change_split(),
             KeyCode::KeyL => settings.sun = !settings.sun,
             KeyCode::KeyE => settings.environment = !settings.environment,
             KeyCode::KeyH => settings.text = !settings.text,
@@ -64,12 +66,10 @@ pub fn apply_settings(
     settings.renderer.prepare_camera(&mut camera);
     method.set(settings.renderer == Renderer::BevyDeferred);
     if settings.renderer == Renderer::Lean {
-        camera.insert(LeanDeferred {
-            debug_view: settings.debug_view,
-            ..default()
-        });
+        camera.insert(LeanDeferred::default());
     }
-    let shows_data = settings.renderer == Renderer::Lean && settings.debug_view.is_some();
+    settings.debug.put_on(&mut camera);
+    let shows_data = settings.renderer == Renderer::Lean && settings.debug.is_whole();
     camera.insert(if shows_data {
         Tonemapping::None
     } else {

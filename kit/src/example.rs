@@ -2,6 +2,7 @@
 
 pub mod builder;
 pub mod choices;
+pub mod debug_view;
 pub mod dropped_model;
 pub mod frame_times;
 pub mod gpu_times;

@@ -1,4 +1,4 @@
-//! Runs the shipped gather and merge shaders of ambient occlusion on the device, over depth buffers made on the CPU.
+//! Runs the shipped gather and filter of ambient occlusion on the device, over depth buffers made on the CPU.
 
 mod draw;
 mod shaders;
@@ -15,7 +15,7 @@ use bevy_lean_deferred::ambient_occlusion::{
 };
 use draw::Target;
 use naga_oil::compose::ShaderDefValue;
-use shaders::{filter_definitions, gather, gather_definitions, merge, shares_depths};
+use shaders::{debug_view, filter_definitions, gather, gather_definitions, shares_depths};
 
 use super::gpu;
 
@@ -182,7 +182,7 @@ impl OcclusionGpu {
             }
         }
 
-        // The merge's debug view shows the light that remains.
+        // The debug view shows the light that the filtered occlusion leaves.
         let shown = self.texture(
             image.size,
             wgpu::TextureFormat::R32Float,
@@ -198,7 +198,7 @@ impl OcclusionGpu {
         self.draw(
             &mut encoder,
             (&layout, &group),
-            self.shader(&merge(), filter_definitions(settings)),
+            self.shader(&debug_view(), filter_definitions(settings)),
             Target::Color(
                 &shown.create_view(&Default::default()),
                 wgpu::TextureFormat::R32Float,

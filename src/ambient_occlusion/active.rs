@@ -117,7 +117,7 @@ pub(super) fn decide_active_occlusion(
         (&ExtractedCamera, &ExtractedView, Has<Camera3d>),
         &Msaa,
         &LeanScreenSpaceAmbientOcclusion,
-        (Option<&LeanDeferred>, Option<&ActiveLeanView>),
+        Option<&ActiveLeanView>,
         Has<DistanceFog>,
         Option<&mut ActiveOcclusion>,
     )>,
@@ -129,16 +129,13 @@ pub(super) fn decide_active_occlusion(
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, (camera, view, is_3d), msaa, settings, (lean, active_lean), has_fog, current) in
-        &mut views
+    for (entity, (camera, view, is_3d), msaa, settings, active_lean, has_fog, current) in &mut views
     {
         let io = active_lean.map(|lean| lean.io);
         let is_for_lighting = io.is_some() && settings.is_for_lighting();
         let is_replaced = io.is_some_and(LightingIo::replaces_occlusion);
-        let shows_channel = is_for_lighting && lean.is_some_and(LeanDeferred::shows_channel);
         let reason = LeanOffReason::against_reading_depth(camera, is_3d, msaa)
-            .or(is_replaced.then_some(LeanOffReason::ReplacedByGi))
-            .or(shows_channel.then_some(LeanOffReason::ChannelShown));
+            .or(is_replaced.then_some(LeanOffReason::ReplacedByGi));
         let camera = view.retained_view_entity.main_entity;
         let mut status = statuses.of(camera, Effect::AmbientOcclusion);
         if status.is_off_for(reason) || status.is_off_by_memory(memory.label(entity)) {
@@ -165,7 +162,6 @@ pub(super) fn decide_active_occlusion(
                 target: view.target_format,
                 filter: settings.lighting_io() & LightingIo::OCCLUSION_FILTER,
                 fog: has_fog,
-                debug_view: settings.debug_view,
             };
             (key, pipelines.merge(&pipeline_cache, key))
         });

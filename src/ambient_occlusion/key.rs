@@ -99,10 +99,9 @@ impl LeanScreenSpaceAmbientOcclusion {
             ),
             (self.advanced.multibounce, LightingIo::OCCLUSION_MULTIBOUNCE),
             (
-                self.direct_light > 0.0 && !self.debug_view,
+                self.direct_light > 0.0,
                 LightingIo::OCCLUSION_OF_DIRECT_LIGHT,
             ),
-            (self.debug_view, LightingIo::OCCLUSION_DEBUG_VIEW),
         ]
         .into_iter()
         .filter_map(|(is_asked, what)| is_asked.then_some(what))
@@ -133,15 +132,11 @@ pub(super) struct MergeKey {
     /// The bits that the filter is compiled by.
     pub(super) filter: LightingIo,
     pub(super) fog: bool,
-    pub(super) debug_view: bool,
 }
 
 impl MergeKey {
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let flags = [
-            (self.fog && !self.debug_view, "DISTANCE_FOG"),
-            (self.debug_view, "DEBUG_VIEW"),
-        ];
+        let flags = [(self.fog, "DISTANCE_FOG")];
         let filter = self.filter.occlusion_defs().map(ShaderDefVal::from);
         filter.chain(shader_defs::of_table(flags)).collect()
     }

@@ -35,12 +35,8 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         occlusion *= fog_transmittance(pixel, depth);
 #endif
     }
-#ifdef DEBUG_VIEW
-    return vec4(vec3(1.0 - occlusion), 1.0);
-#else
     if !(occlusion > 0.0) {
         discard;
     }
     return vec4(vec3(occlusion), 0.0);
-#endif
 }

@@ -33,10 +33,12 @@
 // - `hbao.wgsl`, `hdao.wgsl`: the kernels.
 // - `gather.wgsl`: entry points of the kernels.
 // - `merge.wgsl`: filters occlusion and darkens the picture by it.
+// - `debug_view.{rs,wgsl}`: shows filtered occlusion in place of the picture.
 
 mod active;
 #[doc(hidden)]
 pub mod binding_numbers;
+mod debug_view;
 mod key;
 mod pass;
 mod pipelines;
@@ -59,6 +61,8 @@ pub use {
     uniforms::OcclusionUniform,
 };
 
+use debug_view::ShownOcclusion;
+
 use bevy::{
     asset::embedded_asset,
     core_pipeline::schedule::{Core3d, Core3dSystems},
@@ -74,10 +78,13 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        AmbientOcclusion, Effect, EffectSystems, GBufferPasses, IndirectLightPasses,
-        LeanViewSystems, LightingPasses, OccludesLight, OpaquePicturePasses, SharedPlugin,
-        ViewTextureSystems, can_build, depth_usage::extend_depth_usage, memory, overrides, removal,
-        status, support::add_check,
+        AmbientOcclusion, DebugViewPasses, Effect, EffectSystems, GBufferPasses, HistoryPasses,
+        IndirectLightPasses, LeanDebugView, LeanViewSystems, LightingPasses, OccludesLight,
+        OpaquePicturePasses, SharedPlugin, ViewTextureSystems, can_build,
+        debug_draw::{DebugDrawn, draw_debug_view},
+        depth_usage::extend_depth_usage,
+        memory, overrides, removal, status,
+        support::add_check,
     },
 };
 
@@ -98,6 +105,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         load_shader_library!(app, "hdao.wgsl");
         embedded_asset!(app, "gather.wgsl");
         embedded_asset!(app, "merge.wgsl");
+        embedded_asset!(app, "debug_view.wgsl");
         app.register_type::<LeanScreenSpaceAmbientOcclusion>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceAmbientOcclusion>::default());
         add_check(
@@ -123,8 +131,10 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
                 ViewOcclusion,
                 OcclusionBindings,
                 AmbientOcclusion,
+                DebugDrawn<ShownOcclusion>,
             ),
         >(render_app);
+        removal::remove_with::<LeanDebugView, DebugDrawn<ShownOcclusion>>(render_app);
         EffectSystems::AmbientOcclusion
             .run_while::<With<LeanScreenSpaceAmbientOcclusion>>(render_app);
         memory::count(
@@ -138,6 +148,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
                 RenderStartup,
                 (
                     pipelines::init_occlusion_pipelines,
+                    debug_view::init_debug_pipelines,
                     recovery::forget::<LeanScreenSpaceAmbientOcclusion>,
                 ),
             )
@@ -161,6 +172,12 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
                     .in_set(EffectSystems::AmbientOcclusion),
             )
             .add_systems(
+                Render,
+                debug_view::prepare_debug_views
+                    .in_set(RenderSystems::PrepareBindGroups)
+                    .in_set(EffectSystems::DebugViews),
+            )
+            .add_systems(
                 Core3d,
                 (
                     pass::occlusion_for_lighting
@@ -171,6 +188,14 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
                     pass::occlusion_after_opaque.in_set(OpaquePicturePasses),
                 )
                     .in_set(EffectSystems::AmbientOcclusion),
+            )
+            .add_systems(
+                Core3d,
+                draw_debug_view::<ShownOcclusion>
+                    .in_set(EffectSystems::DebugViews)
+                    .in_set(Core3dSystems::MainPass)
+                    .in_set(DebugViewPasses)
+                    .after(HistoryPasses),
             );
     }
 }

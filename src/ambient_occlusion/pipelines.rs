@@ -98,16 +98,20 @@ pub(super) fn init_occlusion_pipelines(
             min_filter: FilterMode::Nearest,
             ..default()
         }),
-        merge_layout: ResolvedLayout::new(&pipeline_cache, merge_layout()),
+        merge_layout: ResolvedLayout::new(
+            &pipeline_cache,
+            filter_layout("lean_deferred/ambient_occlusion/merge"),
+        ),
         gathers: HashMap::default(),
         merges: HashMap::default(),
     });
 }
 
-fn merge_layout() -> BindGroupLayoutDescriptor {
+/// The layout of passes that filter the occlusion: the merge, and the debug view.
+pub(super) fn filter_layout(label: &'static str) -> BindGroupLayoutDescriptor {
     let occlusion = texture_2d(TextureSampleType::Float { filterable: false });
     layout(
-        "lean_deferred/ambient_occlusion/merge",
+        label,
         ShaderStages::FRAGMENT,
         common_entries()
             .into_iter()
@@ -218,7 +222,7 @@ impl OcclusionPipelines {
                 entry_point: Some("fragment".into()),
                 targets: vec![Some(ColorTargetState {
                     format: key.target,
-                    blend: (!key.debug_view).then_some(MULTIPLICATIVE),
+                    blend: Some(MULTIPLICATIVE),
                     write_mask: ColorWrites::ALL,
                 })],
             }),

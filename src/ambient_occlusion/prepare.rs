@@ -36,7 +36,7 @@ use crate::{
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
-pub(super) struct OcclusionUniforms(DynamicUniformBuffer<OcclusionUniform>);
+pub(super) struct OcclusionUniforms(pub(super) DynamicUniformBuffer<OcclusionUniform>);
 
 /// On a view with ambient occlusion: its uniform, the offset of that, and its viewport.
 #[derive(Component)]

@@ -62,9 +62,6 @@ pub struct LeanScreenSpaceAmbientOcclusion {
     pub thickness: Option<f32>,
     /// Settings that few games change.
     pub advanced: LeanScreenSpaceAmbientOcclusionAdvanced,
-    /// Shows the filtered occlusion alone, white where unoccluded. With [`OcclusionApplication::Indirect`] it covers only meshes in
-    /// the G-buffer. Later passes draw over it. Default false.
-    pub debug_view: bool,
 }
 
 impl LeanScreenSpaceAmbientOcclusion {
@@ -101,7 +98,6 @@ impl Default for LeanScreenSpaceAmbientOcclusion {
             direct_light: 0.0,
             thickness: None,
             advanced: default(),
-            debug_view: false,
         }
     }
 }

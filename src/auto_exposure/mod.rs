@@ -28,7 +28,7 @@
 // - `adapt.wgsl`: the second dispatch.
 // - `reduction.wgsl`: sums over a workgroup.
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
-// - `overlay.{rs,wgsl}`: shows pixel weights and the exposure over the picture.
+// - `overlay.{rs,wgsl}`: the debug view: pixel weights and the exposure over the picture.
 // - `pattern.wgsl`: the weight of a pixel.
 // - `luminance.{rs,wgsl}`, `adaptation.{rs,wgsl}`: binding-free maths, with Rust twins.
 
@@ -52,7 +52,6 @@ mod state;
 mod support;
 mod uniforms;
 
-pub use overlay::ExposureOverlay;
 pub use settings::{
     ExposureClock, LeanAutoExposure, LeanAutoExposureAdvanced, LuminanceTrim, MeteredExposure,
     Metering, MeteringPattern, ReductionPath,
@@ -71,6 +70,8 @@ pub use {
     uniforms::{ExposureState, ExposureUniform},
 };
 
+use overlay::ShownWeights;
+
 use bevy::{
     asset::embedded_asset,
     core_pipeline::{
@@ -88,8 +89,11 @@ use bevy::{
 use crate::{
     gpu::recovery,
     view::{
-        Effect, EffectSystems, ExposureOverlayPasses, ExposurePasses, LeanMemory, LeanSupport,
-        SharedPlugin, can_build, memory, overrides, removal, status, support::add_check,
+        Effect, EffectSystems, ExposureOverlayPasses, ExposurePasses, LeanDebugView, LeanMemory,
+        LeanSupport, SharedPlugin, can_build,
+        debug_draw::{DebugDrawn, draw_debug_view},
+        memory, overrides, removal, status,
+        support::add_check,
     },
 };
 
@@ -135,8 +139,9 @@ impl Plugin for LeanAutoExposurePlugin {
         >(render_app);
         removal::remove_with::<
             ViewExposurePipelines,
-            (ViewExposure, ExposureBindings, ExposureOverlay),
+            (ViewExposure, ExposureBindings, DebugDrawn<ShownWeights>),
         >(render_app);
+        removal::remove_with::<LeanDebugView, DebugDrawn<ShownWeights>>(render_app);
         removal::remove_with::<MeteredExposure, ExposureReadback>(render_app);
         EffectSystems::AutoExposure.run_while::<With<LeanAutoExposure>>(render_app);
         let field: fn(&mut LeanMemory) -> &mut u64 = |memory| &mut memory.auto_exposure;
@@ -170,45 +175,46 @@ impl Plugin for LeanAutoExposurePlugin {
                     )
                         .chain()
                         .in_set(RenderSystems::PrepareResources),
-                    overlay::queue_overlay_pipelines
-                        .in_set(RenderSystems::Queue)
-                        .after(active::queue_exposure_pipelines),
-                    (
-                        prepare::prepare_exposure_bind_groups,
-                        overlay::prepare_overlay_bind_groups,
-                    )
-                        .in_set(RenderSystems::PrepareBindGroups),
+                    prepare::prepare_exposure_bind_groups.in_set(RenderSystems::PrepareBindGroups),
                     readback::map_readbacks.in_set(RenderSystems::Cleanup),
                 )
                     .in_set(EffectSystems::AutoExposure),
             )
             .add_systems(
+                Render,
+                overlay::prepare_overlays
+                    .in_set(RenderSystems::PrepareBindGroups)
+                    .in_set(EffectSystems::DebugViews),
+            )
+            .add_systems(
                 Core3d,
                 (
                     pass::auto_exposure
+                        .in_set(EffectSystems::AutoExposure)
                         .in_set(ExposurePasses)
                         .after(Core3dSystems::EarlyPostProcess)
                         .before(Core3dSystems::PostProcess),
-                    overlay::exposure_overlay
+                    draw_debug_view::<ShownWeights>
+                        .in_set(EffectSystems::DebugViews)
                         .in_set(ExposureOverlayPasses)
                         .in_set(Core3dSystems::PostProcess)
                         .after(tonemapping),
-                )
-                    .in_set(EffectSystems::AutoExposure),
+                ),
             )
             .add_systems(
                 Core2d,
                 (
                     pass::auto_exposure
+                        .in_set(EffectSystems::AutoExposure)
                         .in_set(ExposurePasses)
                         .after(Core2dSystems::EarlyPostProcess)
                         .before(Core2dSystems::PostProcess),
-                    overlay::exposure_overlay
+                    draw_debug_view::<ShownWeights>
+                        .in_set(EffectSystems::DebugViews)
                         .in_set(ExposureOverlayPasses)
                         .in_set(Core2dSystems::PostProcess)
                         .after(tonemapping),
-                )
-                    .in_set(EffectSystems::AutoExposure),
+                ),
             );
     }
 }

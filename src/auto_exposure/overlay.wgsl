@@ -1,4 +1,4 @@
-// Overlay on the tonemapped picture: darkens pixels that count less, and shows the exposure on a scale.
+// Debug view over the tonemapped picture: darkens pixels that count less, and shows the exposure on a scale.
 //
 // The scale has a line per stop, a long one at 0, a white mark at the exposure and a green one at its target.
 #import bevy_lean_deferred::auto_exposure::bindings::{state, view}

@@ -69,9 +69,6 @@ pub struct LeanAutoExposure {
     pub clock: ExposureClock,
     /// Settings that few games change.
     pub advanced: LeanAutoExposureAdvanced,
-    /// Shows the weight of each pixel over the tonemapped image, and the exposure (white) and its target (green) on a scale of stops.
-    /// Default false.
-    pub overlay: bool,
 }
 
 // Handles are not `Unpin`, so that types with handles may have templates of their own. This one is its own template, as the components
@@ -97,7 +94,6 @@ impl Default for LeanAutoExposure {
             compensation_curve: Vec::new(),
             clock: default(),
             advanced: default(),
-            overlay: false,
         }
     }
 }

@@ -18,11 +18,7 @@ pub(super) fn candidates(
     [wanted, needed]: [Demand; 2],
     last: Option<&ActiveLeanView>,
 ) -> impl Iterator<Item = ActiveLeanView> + Clone {
-    let io = if view.settings.shows_channel() {
-        LightingIo::empty()
-    } else {
-        LightingIo::asked(view.io)
-    };
+    let io = LightingIo::asked(view.io);
     let held = last.map(|last| last.io).filter(|held| *held != io);
     let before = last.map_or(Demand::default(), ActiveLeanView::demand);
     // Lighting for lingering demands may never be compiled, so `needed` alone is a choice too.

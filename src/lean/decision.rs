@@ -97,9 +97,18 @@ fn decide(
     };
     let order = draw_order(&view, inputs);
     let demands = inputs.demands.wanted(id);
-    let (settings, clip_from_view) = (view.settings, view.view.clip_from_view);
+    let (settings, debug_view) = (view.settings, view.debug_view);
+    let clip_from_view = view.view.clip_from_view;
+    let scene = &inputs.scene;
     let candidates = candidates(&view, order, demands, last).map(|active| {
-        let key = (inputs.scene).key(lights, view_key, clip_from_view, settings, &active);
+        let key = scene.key(
+            lights,
+            view_key,
+            clip_from_view,
+            settings,
+            debug_view,
+            &active,
+        );
         (active, key)
     });
     let pipelines = inputs.lighting_pipelines.as_deref_mut()?;
@@ -122,9 +131,7 @@ fn set_status(
     let mut status = inputs.statuses.of(camera, Effect::Deferred);
     status.set_running(active.is_some(), failure);
     if let Some(active) = active {
-        let shows_channel = view.settings.shows_channel();
-        let statuses = &mut inputs.statuses;
-        statuses.set_lighting(camera, active.io, shows_channel);
+        inputs.statuses.set_lighting(camera, active.io);
     }
 }
 

@@ -21,7 +21,8 @@ use crate::{
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
     named::{query_item, system_param},
     view::{
-        ActiveLeanView, EffectStatuses, LeanDeferred, LeanSupport, LightingIoQuery, OutOfMemory,
+        ActiveLeanView, EffectStatuses, LeanDebugView, LeanDeferred, LeanSupport, LightingIoQuery,
+        OutOfMemory,
     },
 };
 
@@ -43,6 +44,7 @@ query_item! {
         pub(super) occlusion_culling: Has<OcclusionCulling>,
         pub(super) no_indirect_drawing: Has<NoIndirectDrawing>,
         pub(super) settings: &'static LeanDeferred,
+        pub(super) debug_view: Option<&'static LeanDebugView>,
         pub(super) io: LightingIoQuery,
         pub(super) lighting: Option<&'static mut ViewLighting>,
         pub(super) current: Option<&'static ActiveLeanView>,

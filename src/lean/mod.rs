@@ -49,8 +49,8 @@ use crate::{
     lighting::LightingPlugin,
     shading_extension::ShadingExtensionPlugin,
     view::{
-        DebugChannel, Effect, EffectSystems, LeanDeferred, LeanSupport, LeanViewSystems,
-        ViewTextureSystems, can_build, overrides, status, support::add_check,
+        Effect, EffectSystems, LeanDeferred, LeanSupport, LeanViewSystems, ViewTextureSystems,
+        can_build, overrides, status, support::add_check,
     },
 };
 
@@ -67,7 +67,6 @@ impl Plugin for LeanDeferredPlugin {
         }
         app.add_plugins((GBufferPlugin, LightingPlugin, ShadingExtensionPlugin));
         app.register_type::<LeanDeferred>()
-            .register_type::<DebugChannel>()
             .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default());
         add_check(app, |support| &mut support.deferred, support::check);
         status::add_to::<LeanDeferred>(app, Effect::Deferred);

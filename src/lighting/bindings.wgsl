@@ -18,6 +18,8 @@ struct LightingUniform {
     occlusion_intensity: f32,
     /// Share of the occlusion that also darkens direct light, 0 to 1.
     occlusion_of_direct_light: f32,
+    /// Columns of the viewport, from the left, that show a debug view.
+    debug_columns: u32,
 }
 
 #ifdef LIGHT_LAYERS

@@ -15,7 +15,7 @@ use bevy::{
 use super::ViewLighting;
 use crate::{
     shader_library::reconstruction::position::edge_of,
-    view::{ActiveLeanView, AmbientOcclusion},
+    view::{ActiveLeanView, AmbientOcclusion, LeanDebugView},
 };
 
 /// Parameters of a view for the lighting shader, beside Bevy's uniforms.
@@ -31,6 +31,7 @@ pub struct LightingUniform {
     occlusion_edge: Vec3,
     occlusion_intensity: f32,
     occlusion_of_direct_light: f32,
+    debug_columns: u32,
 }
 
 /// The crate's own buffers, one for all views.
@@ -51,7 +52,7 @@ pub(super) fn write_lighting_buffers(
         &mut ViewLighting,
         (&ExtractedCamera, &ExtractedView),
         (&ViewTarget, &ActiveLeanView),
-        Option<&AmbientOcclusion>,
+        (Option<&AmbientOcclusion>, Option<&LeanDebugView>),
         Option<&MainPassResolutionOverride>,
         Option<&GpuAtmosphere>,
     )>,
@@ -78,7 +79,8 @@ pub(super) fn write_lighting_buffers(
     else {
         return;
     };
-    for (mut lighting, (camera, view), (target, active), occlusion, resolution, _) in &mut views {
+    for (mut lighting, (camera, view), (target, active), of_view, resolution, _) in &mut views {
+        let (occlusion, debug_view) = of_view;
         let target_size = target_size(target);
         let (origin, size) = lit_pixels(camera, target, resolution);
         let occlusion = occlusion.map(|found| (found.edge, found.intensity, found.of_direct_light));
@@ -93,6 +95,7 @@ pub(super) fn write_lighting_buffers(
             occlusion_edge: edge,
             occlusion_intensity: intensity,
             occlusion_of_direct_light: of_direct_light,
+            debug_columns: debug_view.map_or(0, |view| view.columns(size.x)),
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
             writer.write(&LightingUniform {

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     gpu::shader_defs,
     shading_models::MODELS,
-    view::{DebugChannel, GBufferTargets, LightCulling, LightingIo},
+    view::{DebugView, GBufferTargets, LightCulling, LightingIo},
 };
 
 /// The definitions that fields of `key` set, each with its condition. [`implied_by`] adds those that follow.
@@ -21,8 +21,6 @@ fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
     let casts = |kinds| key.shadow_maps.contains(kinds);
     let culling = key.light_culling;
     let io = |what| key.io.contains(what);
-    let shows_occlusion = io(LightingIo::OCCLUSION_DEBUG_VIEW);
-    let shows_channel = key.debug_view.is_some_and(|channel| !channel.is_light());
     let over_all_tiles = key.shaded.is_empty();
     [
         (lights(ClusteredLights::ANY), "CLUSTERED_LIGHTS"),
@@ -38,7 +36,6 @@ fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
             "LIGHT_CULLING_BY_SUBGROUPS",
         ),
         (key.light_layers, "LIGHT_LAYERS"),
-        (!shows_channel && !shows_occlusion, "SHOWS_LIGHT"),
         (io(LightingIo::DIFFUSE_LIGHT), "DIFFUSE_LIGHT"),
         (key.scatters, "SCATTERS_LIGHT"),
         (io(LightingIo::INDIRECT_SPECULAR), "INDIRECT_SPECULAR"),
@@ -57,7 +54,7 @@ pub(super) fn definitions(key: LightingKey, bevys: Vec<ShaderDefVal>) -> Vec<Sha
     let models = MODELS.iter().filter(|model| key.shaded.have(model.model));
     let names = (key.projection.shader_def().into_iter())
         .chain(key.targets.iter().map(GBufferTargets::shader_def))
-        .chain(key.debug_view.map(DebugChannel::shader_def))
+        .chain(key.debug_view.and_then(DebugView::shader_def))
         .chain(models.filter_map(|model| model.shader_def))
         .chain(key.io.occlusion_defs());
     let mut defs: Vec<ShaderDefVal> = shader_defs::of_table(table(key))

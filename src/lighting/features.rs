@@ -18,8 +18,8 @@ use crate::{
     named::system_param,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
     view::{
-        ActiveLeanView, DebugChannel, GBufferTargets, LeanDeferred, LightCulling, LightingIo,
-        LightingVariants,
+        ActiveLeanView, DebugView, GBufferTargets, LeanDebugView, LeanDeferred, LightCulling,
+        LightingIo, LightingVariants,
     },
 };
 
@@ -38,7 +38,8 @@ pub(crate) struct LightingKey {
     pub(super) rect_lights: bool,
     /// Decals, or lights with textures: they share a table.
     pub(super) decals: bool,
-    pub(super) debug_view: Option<DebugChannel>,
+    /// The debug view that lighting draws.
+    pub(super) debug_view: Option<DebugView>,
     pub(super) io: LightingIo,
     /// Some surfaces scatter light beneath them; lighting writes that light separately.
     pub(super) scatters: bool,
@@ -94,7 +95,7 @@ impl LightingKey {
     }
 
     /// Keys whose pipelines light the view as well, for frames in which those of this key are not compiled yet: for
-    /// perspective views, those for any projection.
+    /// perspective views, those for any projection; with a debug view, those without.
     pub(crate) fn stand_ins(self) -> impl Iterator<Item = Self> {
         let is_perspective = self.projection == ProjectionKind::Perspective;
         let general = is_perspective.then_some(Self {
@@ -106,7 +107,14 @@ impl LightingKey {
                 | MeshPipelineKey::VIEW_PROJECTION_NONSTANDARD,
             ..key
         });
-        general.into_iter().chain(with_general_view)
+        let without_debug_view = self.debug_view.is_some().then_some(Self {
+            debug_view: None,
+            targets: self.targets & GBufferTargets::LIT,
+            ..self
+        });
+        (general.into_iter())
+            .chain(with_general_view)
+            .chain(without_debug_view)
     }
 }
 
@@ -182,20 +190,19 @@ impl SceneFeatures<'_, '_> {
         view_key: MeshPipelineKey,
         clip_from_view: Mat4,
         settings: &LeanDeferred,
+        debug_view: Option<&LeanDebugView>,
         order: &ActiveLeanView,
     ) -> LightingKey {
         let decals_usable = self
             .mesh_pipeline
             .as_ref()
             .is_some_and(|pipeline| pipeline.clustered_decals_are_usable);
-        let shows_light = !settings.shows_channel();
+        let debug_view = debug_view
+            .map(|view| view.shows)
+            .filter(|view| view.is_of_lighting());
         let mut read_targets = GBufferTargets::LIT;
-        if settings.debug_view == Some(DebugChannel::Motion) {
+        if debug_view == Some(DebugView::Motion) {
             read_targets |= GBufferTargets::MOTION;
-        }
-        let mut io = order.io;
-        if !shows_light {
-            io.remove(LightingIo::OCCLUSION);
         }
         LightingKey {
             view: view_key & VIEW_BITS,
@@ -205,17 +212,12 @@ impl SceneFeatures<'_, '_> {
             light_culling: self.light_culling(settings),
             rect_lights: !self.rect_lights.is_empty(),
             decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
-            debug_view: settings.debug_view,
-            io,
-            scatters: order.scatters() && shows_light,
-            light_layers: order.has_light_layers && shows_light,
+            debug_view,
+            io: order.io,
+            scatters: order.scatters(),
+            light_layers: order.has_light_layers,
             targets: order.targets & read_targets,
-            // Debug channels are shown alike for all surfaces.
-            binned: if shows_light {
-                order.variants.unscattered()
-            } else {
-                LightingVariants::empty()
-            },
+            binned: order.variants.unscattered(),
             shaded: LightingVariants::empty(),
         }
     }

@@ -18,9 +18,10 @@ pub fn implied_by(name: &str) -> &'static [&'static str] {
         "SCREEN_SPACE_AMBIENT_OCCLUSION" | "LEAN_AMBIENT_OCCLUSION" => &["APPLIES_VISIBILITY"],
         "INDIRECT_SPECULAR" => &["INDIRECT_LIGHT"],
         "INDIRECT_DIFFUSE" => &["INDIRECT_LIGHT", "APPLIES_VISIBILITY"],
-        "DEBUG_DIFFUSE_LIGHT" | "DEBUG_SPECULAR_LIGHT" => &["SHOWS_PART_OF_LIGHT"],
-        "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "GEOMETRIC_NORMAL"],
-        name if name.starts_with("DEBUG_") => &["DEBUG_VIEW"],
+        "DEBUG_VIEW" => &[],
+        "DEBUG_DIFFUSE_LIGHT" | "DEBUG_SPECULAR_LIGHT" => &["DEBUG_VIEW", "SHOWS_PART_OF_LIGHT"],
+        "DEBUG_GEOMETRIC_NORMAL" => &["DEBUG_VIEW", "SHOWS_CHANNEL", "GEOMETRIC_NORMAL"],
+        name if name.starts_with("DEBUG_") => &["DEBUG_VIEW", "SHOWS_CHANNEL"],
         name if name.starts_with("GBUFFER_") => &["GBUFFER_VALID_MASK"],
         _ => &[],
     }

@@ -138,12 +138,8 @@ fn write_background(place: vec2<u32>) {
 #ifdef DIFFUSE_LIGHT
     textureStore(diffuse_light_texture, place, vec4(0u));
 #endif
-    let position = vec2<i32>(uniforms.viewport_origin + place);
-#ifdef OCCLUSION_DEBUG_VIEW
-    textureStore(output_texture, position, vec4(1.0));
-#else
     if uniforms.writes_background != 0u {
+        let position = vec2<i32>(uniforms.viewport_origin + place);
         textureStore(output_texture, position, uniforms.background);
     }
-#endif
 }

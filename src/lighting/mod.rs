@@ -31,7 +31,7 @@
 // - `shade.wgsl`: the light of a pixel.
 // - `surface.wgsl`: unpacks the G-buffer for Bevy's lighting functions.
 // - `visibility.wgsl`: applies ambient occlusion.
-// - `debug_view.wgsl`: shows channels of the G-buffer in place of light.
+// - `debug_view.wgsl`: shows channels of the G-buffer or parts of the light in place of all light.
 // - `lights/`: the light of each kind of source, and shadows.
 // - `lights/lit.wgsl`: outgoing light, diffuse and specular apart.
 // - `lights/shading_point.wgsl`, `lights/brdf.wgsl`: terms and BRDF that all lights share.

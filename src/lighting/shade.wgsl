@@ -9,11 +9,6 @@
     pbr_types::PbrInput,
 }
 
-#ifdef DEBUG_VIEW
-#import bevy_lean_deferred::lighting::debug_view::debug_color
-#endif
-
-#ifdef SHOWS_LIGHT
 #import bevy_lean_deferred::lighting::lights::{
     brdf::{LightAccumulator, lit_of},
     directional_light::{DirectionalShadows, add_directional_lights},
@@ -22,6 +17,13 @@
     lit::Lit,
     shading_point::{NO_CLUSTER, ShadingPoint, shading_point},
 }
+
+#ifdef DEBUG_VIEW
+#import bevy_lean_deferred::lighting::debug_view::is_shown_at
+#endif
+
+#ifdef SHOWS_CHANNEL
+#import bevy_lean_deferred::lighting::debug_view::channel_color
 #endif
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
@@ -96,9 +98,22 @@ struct Shaded {
 #endif
 }
 
-#ifdef SHOWS_LIGHT
+/// Outgoing light, or the part of it that is shown at `pixel`.
+fn shown_light(pixel: Pixel, lit: Lit) -> vec3<f32> {
+#ifdef SHOWS_PART_OF_LIGHT
+    if is_shown_at(pixel.position) {
+#ifdef DEBUG_DIFFUSE_LIGHT
+        return lit.diffuse;
+#else
+        return lit.specular;
+#endif
+    }
+#endif
+    return lit.diffuse + lit.specular;
+}
+
 /// Adds `lit`, exposed and scaled by `direct_visibility`.
-fn show(shaded: ptr<function, Shaded>, lit: Lit, direct_visibility: f32) {
+fn show(shaded: ptr<function, Shaded>, pixel: Pixel, lit: Lit, direct_visibility: f32) {
     let exposure = view.exposure * direct_visibility;
 #ifdef DIFFUSE_LIGHT
     (*shaded).diffuse += exposure * lit.diffuse;
@@ -106,14 +121,7 @@ fn show(shaded: ptr<function, Shaded>, lit: Lit, direct_visibility: f32) {
 #ifdef SCATTERS_LIGHT
     (*shaded).entering += exposure * lit.diffuse;
 #endif
-#ifdef DEBUG_DIFFUSE_LIGHT
-    let light = lit.diffuse;
-#else ifdef DEBUG_SPECULAR_LIGHT
-    let light = lit.specular;
-#else
-    let light = lit.diffuse + lit.specular;
-#endif
-    (*shaded).color += vec4(exposure * light, 0.0);
+    (*shaded).color += vec4(exposure * shown_light(pixel, lit), 0.0);
 }
 
 /// Shades a pixel. Lights are culled per tile: must be called by all invocations of a tile, also by those whose pixel has no
@@ -146,7 +154,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         let has_light = true;
 #endif
         if !has_light {
-            emit(&shaded, pbr.material.base_color.rgb);
+            emit(&shaded, pixel, pbr.material.base_color.rgb);
         } else {
             let found = screen_space_light(pixel, pbr.diffuse_occlusion);
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
@@ -166,13 +174,13 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
             point = shading_point(pbr, pixel, view_z);
             // Light that needs more of the surface comes first, so that fewer registers are live in the loops over lights.
             var lit: Lit;
-            emit(&shaded, emission(pbr, pixel));
+            emit(&shaded, pixel, emission(pbr, pixel));
             add_indirect_light(&point, pbr, cluster, found, &lit);
-            show(&shaded, lit, 1.0);
+            show(&shaded, pixel, lit, 1.0);
 #ifdef AREA_LIGHT_LUTS
             lit = Lit();
             add_rect_lights(&point, &lit);
-            show(&shaded, lit, direct_visibility);
+            show(&shaded, pixel, lit, direct_visibility);
 #endif
             add_directional_lights(&point, &shadows, &accumulator);
         }
@@ -184,11 +192,11 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         return shaded;
     }
     if cluster != NO_CLUSTER {
-        show(&shaded, lit_of(&point, accumulator), direct_visibility);
+        show(&shaded, pixel, lit_of(&point, accumulator), direct_visibility);
     }
 #ifdef SCATTERS_LIGHT
     if specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE {
-        shaded.leaving = left_by_fog(pbr);
+        shaded.leaving = left_by_fog(pbr, pixel);
         let arguments = specialization::unpack_arguments(pixel.specialization_word);
         if !unpack_subsurface_colors_before(arguments) {
             let albedo = max(pbr.material.base_color.rgb, vec3(LEAST_ALBEDO));
@@ -197,20 +205,35 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         }
     }
 #endif
-#ifndef SHOWS_PART_OF_LIGHT
+#ifdef DEBUG_VIEW
+    if !is_shown_at(pixel.position) {
+        shaded.color = main_pass_post_lighting_processing(pbr, shaded.color);
+    }
+#else
     shaded.color = main_pass_post_lighting_processing(pbr, shaded.color);
+#endif
+#ifdef SHOWS_CHANNEL
+    // Light is computed all the same: effects of the next frame read it.
+    if is_shown_at(pixel.position) {
+        shaded.color = vec4(channel_color(pixel), 1.0);
+    }
 #endif
     return shaded;
 }
 
 #ifdef SCATTERS_LIGHT
 /// Share of the surface's light seen through fog; 0 where scattered light is not shown.
-fn left_by_fog(pbr: PbrInput) -> vec3<f32> {
-#ifdef DEBUG_SPECULAR_LIGHT
-    return vec3(0.0);
-#else ifdef SHOWS_PART_OF_LIGHT
-    return vec3(1.0);
-#else ifdef DISTANCE_FOG
+fn left_by_fog(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
+#ifdef DEBUG_VIEW
+    if is_shown_at(pixel.position) {
+#ifdef DEBUG_DIFFUSE_LIGHT
+        return vec3(1.0);
+#else
+        return vec3(0.0);
+#endif
+    }
+#endif
+#ifdef DISTANCE_FOG
     let of_fog = main_pass_post_lighting_processing(pbr, vec4(0.0, 0.0, 0.0, 1.0));
     let of_both = main_pass_post_lighting_processing(pbr, vec4(1.0));
     return saturate(of_both.rgb - of_fog.rgb);
@@ -221,14 +244,15 @@ fn left_by_fog(pbr: PbrInput) -> vec3<f32> {
 #endif
 
 /// Starts an opaque pixel with emitted `light`, or black where only part of the light is shown.
-fn emit(shaded: ptr<function, Shaded>, light: vec3<f32>) {
+fn emit(shaded: ptr<function, Shaded>, pixel: Pixel, light: vec3<f32>) {
 #ifdef DIFFUSE_LIGHT
     (*shaded).diffuse = light;
 #endif
-#ifdef SHOWS_PART_OF_LIGHT
-    (*shaded).color = vec4(0.0, 0.0, 0.0, 1.0);
-#else
     (*shaded).color = vec4(light, 1.0);
+#ifdef SHOWS_PART_OF_LIGHT
+    if is_shown_at(pixel.position) {
+        (*shaded).color = vec4(0.0, 0.0, 0.0, 1.0);
+    }
 #endif
 }
 
@@ -249,16 +273,3 @@ fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
 #endif
     return light;
 }
-#else   // SHOWS_LIGHT
-/// Shows a debug view in place of light.
-fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
-    var pbr = pbr_input_from_gbuffer(pixel);
-    var shaded: Shaded;
-#ifdef OCCLUSION_DEBUG_VIEW
-    shaded.color = vec4(vec3(apply_occlusion(&pbr, pixel.position, pixel.depth)), 1.0);
-#else
-    shaded.color = vec4(debug_color(pbr, pixel), 1.0);
-#endif
-    return shaded;
-}
-#endif  // SHOWS_LIGHT

@@ -20,7 +20,7 @@
 // - `diffuse_gi/`: diffuse light between surfaces.
 // - `reflections/`: reflections.
 // - `subsurface/`: subsurface scattering.
-// - `debug_view/`: shows the output of an effect in place of the picture.
+// - `debug_view/`: shows textures of GI and reflections in place of the picture.
 // - `resolution.rs`: sizes of textures.
 // - `shown_exposure.{rs,wgsl}`: the exposure that tonemapping applied to the last frame.
 
@@ -40,14 +40,12 @@ mod world_shift;
 
 #[doc(hidden)]
 pub use crate::view::DebugViewPasses;
-pub use diffuse_gi::{
-    LeanScreenSpaceGi, LeanScreenSpaceGiAdvanced, LeanScreenSpaceGiPlugin, ScreenSpaceGiDebugView,
-};
+pub use diffuse_gi::{LeanScreenSpaceGi, LeanScreenSpaceGiAdvanced, LeanScreenSpaceGiPlugin};
 #[doc(hidden)]
 pub use history::{ReadsHistory, ViewHistory};
 pub use reflections::{
     LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvanced,
-    LeanScreenSpaceReflectionsPlugin, ScreenSpaceReflectionsDebugView,
+    LeanScreenSpaceReflectionsPlugin,
 };
 pub use subsurface::{
     LeanSubsurfaceScattering, LeanSubsurfaceScatteringAdvanced, LeanSubsurfaceScatteringPlugin,

@@ -37,7 +37,7 @@ pub struct Model {
     pub shader_def: Option<&'static str>,
     /// Bits of the arguments. An unlit surface has none: its colour takes most of the word.
     pub argument_bits: u32,
-    /// Colour of a special model in [`DebugChannel::ShadingModel`](crate::DebugChannel::ShadingModel).
+    /// Colour of a special model in [`DebugView::ShadingModel`](crate::DebugView::ShadingModel).
     pub debug_color: Option<[f32; 3]>,
 }
 

@@ -30,7 +30,6 @@ struct CameraStatuses {
     effects: [Decided; Effect::ALL.len()],
     /// Inputs and outputs of lighting in this frame.
     io: LightingIo,
-    shows_channel: bool,
     /// It was logged that the camera has become lean.
     is_told_lean: bool,
 }
@@ -43,7 +42,6 @@ struct Decided {
 
 static NOT_RENDERED: EffectStatus = EffectStatus::Off(LeanOffReason::NotRendered);
 static NOT_LEAN: EffectStatus = EffectStatus::Off(LeanOffReason::NotLean);
-static CHANNEL_SHOWN: EffectStatus = EffectStatus::Off(LeanOffReason::ChannelShown);
 static COMPILING: EffectStatus = EffectStatus::Compiling;
 
 /// The input or output by which lighting takes part in an effect.
@@ -81,7 +79,6 @@ impl CameraStatuses {
             return status;
         };
         match self.decided(Effect::Deferred) {
-            EffectStatus::On if self.shows_channel => &CHANNEL_SHOWN,
             EffectStatus::On if !is_on || self.io.contains(light) => status,
             EffectStatus::On | EffectStatus::Compiling => &COMPILING,
             EffectStatus::Off(_) | EffectStatus::Absent => &NOT_LEAN,
@@ -101,10 +98,8 @@ impl EffectStatuses {
     }
 
     /// Sets what lighting does on `camera` in this frame, if it is lean.
-    pub(crate) fn set_lighting(&mut self, camera: MainEntity, io: LightingIo, shows_channel: bool) {
-        let statuses = self.cameras.entry(camera).or_default();
-        statuses.io = io;
-        statuses.shows_channel = shows_channel;
+    pub(crate) fn set_lighting(&mut self, camera: MainEntity, io: LightingIo) {
+        self.cameras.entry(camera).or_default().io = io;
     }
 
     /// True once for a camera that is lean in this frame: again only after Bevy has rendered it in its place.
@@ -312,26 +307,22 @@ mod tests {
     fn light_is_on_once_lighting_takes_part_in_it() {
         let (mut world, camera) = world();
         let mut statuses = EffectStatuses::default();
-        let mut frame = |lean: Option<EffectStatus>, io: LightingIo, shows_channel: bool| {
+        let mut frame = |lean: Option<EffectStatus>, io: LightingIo| {
             statuses.of(camera, GI).set_running(true, None);
             if let Some(lean) = lean {
                 statuses.of(camera, LEAN).set(lean);
             }
-            statuses.set_lighting(camera, io, shows_channel);
+            statuses.set_lighting(camera, io);
             reported(&mut statuses, &mut world, camera).diffuse_gi
         };
         let (on, nothing) = (EffectStatus::On, LightingIo::empty());
         let light = LightingIo::INDIRECT_DIFFUSE;
-        assert_eq!(frame(Some(on.clone()), light, false), on);
-        assert_eq!(frame(Some(on.clone()), nothing, false), COMPILING);
-        assert_eq!(frame(Some(on), light, true), CHANNEL_SHOWN);
-        assert_eq!(frame(Some(COMPILING.clone()), light, false), COMPILING);
-        assert_eq!(
-            frame(Some(off(LeanOffReason::Msaa)), light, false),
-            NOT_LEAN
-        );
+        assert_eq!(frame(Some(on.clone()), light), on);
+        assert_eq!(frame(Some(on), nothing), COMPILING);
+        assert_eq!(frame(Some(COMPILING.clone()), light), COMPILING);
+        assert_eq!(frame(Some(off(LeanOffReason::Msaa)), light), NOT_LEAN);
         // Without the plugin of `LeanDeferred`.
-        assert_eq!(frame(None, nothing, false), NOT_LEAN);
+        assert_eq!(frame(None, nothing), NOT_LEAN);
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub(crate) enum EffectSystems {
     DiffuseGi,
     Reflections,
     History,
+    /// The systems that draw debug views over the picture.
+    DebugViews,
     /// The systems that count memory for cameras that ask for it.
     Memory,
 }

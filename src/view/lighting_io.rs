@@ -35,18 +35,10 @@ bitflags! {
         const OCCLUSION_MULTIBOUNCE = 1 << 8;
         /// Occlusion darkens direct light too.
         const OCCLUSION_OF_DIRECT_LIGHT = 1 << 9;
-        /// Lighting shows the filtered occlusion in place of light.
-        const OCCLUSION_DEBUG_VIEW = 1 << 10;
         /// The bits that the filter is compiled by.
         const OCCLUSION_FILTER = Self::OCCLUSION_WIDE.bits()
             | Self::OCCLUSION_EDGE_AWARE.bits()
             | Self::OCCLUSION_HALF.bits();
-        /// All bits of occlusion.
-        const OCCLUSION = Self::AMBIENT_OCCLUSION.bits()
-            | Self::OCCLUSION_FILTER.bits()
-            | Self::OCCLUSION_MULTIBOUNCE.bits()
-            | Self::OCCLUSION_OF_DIRECT_LIGHT.bits()
-            | Self::OCCLUSION_DEBUG_VIEW.bits();
         /// All kinds of indirect light that lighting adds.
         const INDIRECT = Self::INDIRECT_SPECULAR.bits() | Self::INDIRECT_DIFFUSE.bits();
     }
@@ -161,7 +153,6 @@ impl LightingIo {
             (Self::OCCLUSION_HALF, "OCCLUSION_HALF"),
             (Self::OCCLUSION_MULTIBOUNCE, "OCCLUSION_MULTIBOUNCE"),
             (Self::OCCLUSION_OF_DIRECT_LIGHT, "OCCLUSION_OF_DIRECT_LIGHT"),
-            (Self::OCCLUSION_DEBUG_VIEW, "OCCLUSION_DEBUG_VIEW"),
         ]
         .into_iter()
         .filter(move |(bit, _)| self.contains(*bit))

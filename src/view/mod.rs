@@ -5,6 +5,7 @@
 //! | cameras | [`LeanDeferred`] | requests lean rendering, with its settings |
 //! | cameras | [`LeanStatus`] | for each effect, if the last frame had it, or why not |
 //! | cameras | [`LeanMemory`] | requests the bytes of GPU memory that each effect holds |
+//! | cameras | [`LeanDebugView`] | requests data of an effect in place of the picture |
 //! | cameras | [`CameraCut`] | the camera jumps in this frame |
 //! | views of the render world | [`ActiveLeanView`] | the view is lean in this frame, with the contents of its G-buffer |
 //!
@@ -19,6 +20,8 @@
 // - `effect_statuses.rs`: reports statuses to the main world, and logs reasons.
 // - `support.rs`: `LeanSupport`, the effects that the device can run.
 // - `memory.rs`: `LeanMemory`, the GPU memory of each effect.
+// - `debug_view.rs`: `LeanDebugView`, which shows data of an effect in place of the picture.
+// - `debug_draw.rs`: draws debug views over the picture.
 // - `active.rs`: `ActiveLeanView`, the state of a view in this frame.
 // - `surfaces.rs`: kinds of surfaces and their G-buffer targets.
 // - `schedule.rs`: system sets.
@@ -37,6 +40,8 @@
 mod active;
 mod averaging;
 mod cut;
+pub(crate) mod debug_draw;
+mod debug_view;
 pub(crate) mod depth_usage;
 mod effect_statuses;
 mod in_use;
@@ -59,6 +64,7 @@ pub use active::ActiveLeanView;
 pub(crate) use active::Demand;
 pub(crate) use averaging::FrameAveraging;
 pub use cut::{CameraCut, CameraCuts};
+pub use debug_view::{DebugView, LeanDebugView};
 pub(crate) use effect_statuses::EffectStatuses;
 pub(crate) use in_use::EffectSystems;
 pub(crate) use lighting_io::LightingIoQuery;
@@ -78,7 +84,7 @@ pub(crate) use schedule::{
     ExposureOverlayPasses, ExposurePasses, HistoryPasses, IndirectLightPasses, ViewTextureSystems,
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
-pub use settings::{DebugChannel, LeanDeferred, LeanDeferredAdvanced, LightCulling};
+pub use settings::{LeanDeferred, LeanDeferredAdvanced, LightCulling};
 pub(crate) use status::Effect;
 pub use status::{EffectStatus, LeanOffReason, LeanStatus};
 pub use support::LeanSupport;
@@ -129,7 +135,11 @@ impl Plugin for SharedPlugin {
             .register_type::<CameraCut>()
             .register_type::<LeanStatus>()
             .register_type::<LeanMemory>()
-            .add_plugins(ExtractComponentPlugin::<CameraCuts>::default())
+            .register_type::<LeanDebugView>()
+            .add_plugins((
+                ExtractComponentPlugin::<CameraCuts>::default(),
+                ExtractComponentPlugin::<LeanDebugView>::default(),
+            ))
             .add_systems(
                 First,
                 // Bevy may create a new device when one is lost.
@@ -153,6 +163,7 @@ impl Plugin for SharedPlugin {
             return;
         };
         EffectSystems::Memory.run_while::<With<LeanMemory>>(render_app);
+        EffectSystems::DebugViews.run_while::<With<LeanDebugView>>(render_app);
         render_app
             .init_gpu_resource::<PipelineWatch>()
             .init_gpu_resource::<OutOfMemory>()

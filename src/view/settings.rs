@@ -36,9 +36,9 @@ use super::{
 /// }
 ///
 /// /// Shows a channel of the G-buffer in place of the picture.
-/// fn show_normals(mut cameras: Query<&mut LeanDeferred>) {
-///     for mut lean in &mut cameras {
-///         lean.debug_view = Some(DebugChannel::Normal);
+/// fn show_normals(mut commands: Commands, cameras: Query<Entity, With<LeanDeferred>>) {
+///     for camera in &cameras {
+///         commands.entity(camera).insert(LeanDebugView::from(DebugView::Normal));
 ///     }
 /// }
 /// ```
@@ -79,8 +79,6 @@ pub struct LeanDeferred {
     pub light_layers: bool,
     /// Settings that few games change.
     pub advanced: LeanDeferredAdvanced,
-    /// Shows one channel of the G-buffer, or one part of the light, in place of the picture. Default: none.
-    pub debug_view: Option<DebugChannel>,
 }
 
 impl Default for LeanDeferred {
@@ -89,15 +87,7 @@ impl Default for LeanDeferred {
             enabled: true,
             light_layers: true,
             advanced: default(),
-            debug_view: None,
         }
-    }
-}
-
-impl LeanDeferred {
-    /// True if a channel of the G-buffer is shown, so that surfaces are not lit.
-    pub(crate) fn shows_channel(&self) -> bool {
-        self.debug_view.is_some_and(|channel| !channel.is_light())
     }
 }
 
@@ -133,83 +123,4 @@ pub enum LightCulling {
     Subgroup,
     /// The workgroup of an 8×8 tile first culls lights that do not reach it, in shared memory.
     SharedMemory,
-}
-
-/// One channel of the G-buffer, or one part of the light, for [`LeanDeferred::debug_view`].
-#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[reflect(Clone, PartialEq)]
-pub enum DebugChannel {
-    /// Linear albedo.
-    Albedo,
-    /// Metallic, grey.
-    Metallic,
-    /// Baked material occlusion, grey: white is unoccluded.
-    Occlusion,
-    /// World-space shading normal, `n / 2 + 1/2`.
-    Normal,
-    /// Perceptual roughness, grey.
-    Roughness,
-    /// World-space normal reconstructed from depth, `n / 2 + 1/2`. Shadow bias uses it at pixels whose shading normal
-    /// comes from a normal map; elsewhere the shading normal is exact.
-    GeometricNormal,
-    /// Distance along the view axis, grey: `1 / (1 + metres)`.
-    Depth,
-    /// Emitted light and that of lightmaps, exposed. Black while no visible mesh has any.
-    Emissive,
-    /// A colour per shading model: subsurface pink, anisotropy yellow, rim cyan, clearcoat blue, diffuse transmission green, unlit
-    /// magenta; plain surfaces grey by their specular constant (white at 2).
-    ShadingModel,
-    /// Motion of meshes that move or deform: grey at rest, red and green with the motion across the picture (full at a
-    /// tenth of it), black for pixels whose motion follows from the cameras. Black without `MotionVectorPrepass`.
-    Motion,
-    /// Render layers: a colour per set, grey for layer 0 alone. All grey while no light has layers that exclude some
-    /// meshes.
-    VisibilityMask,
-    /// Light that surfaces reflect diffusely or transmit, exposed; without fog and emission.
-    DiffuseLight,
-    /// Light that surfaces reflect specularly, exposed; without fog and emission.
-    SpecularLight,
-}
-
-impl DebugChannel {
-    /// All channels, in the order of the bit table, followed by the parts of the light.
-    pub const ALL: [Self; 13] = [
-        Self::Albedo,
-        Self::Metallic,
-        Self::Occlusion,
-        Self::Normal,
-        Self::Roughness,
-        Self::GeometricNormal,
-        Self::Depth,
-        Self::Emissive,
-        Self::ShadingModel,
-        Self::Motion,
-        Self::VisibilityMask,
-        Self::DiffuseLight,
-        Self::SpecularLight,
-    ];
-
-    /// True if it shows light, for which surfaces must be lit.
-    pub(crate) fn is_light(self) -> bool {
-        matches!(self, Self::DiffuseLight | Self::SpecularLight)
-    }
-
-    /// The name of the shader definition that selects it.
-    pub(crate) fn shader_def(self) -> &'static str {
-        match self {
-            Self::Albedo => "DEBUG_ALBEDO",
-            Self::Metallic => "DEBUG_METALLIC",
-            Self::Occlusion => "DEBUG_OCCLUSION",
-            Self::Normal => "DEBUG_NORMAL",
-            Self::Roughness => "DEBUG_ROUGHNESS",
-            Self::GeometricNormal => "DEBUG_GEOMETRIC_NORMAL",
-            Self::Depth => "DEBUG_DEPTH",
-            Self::Emissive => "DEBUG_EMISSIVE",
-            Self::ShadingModel => "DEBUG_SHADING_MODEL",
-            Self::Motion => "DEBUG_MOTION",
-            Self::VisibilityMask => "DEBUG_VISIBILITY_MASK",
-            Self::DiffuseLight => "DEBUG_DIFFUSE_LIGHT",
-            Self::SpecularLight => "DEBUG_SPECULAR_LIGHT",
-        }
-    }
 }

@@ -202,9 +202,6 @@ pub enum LeanOffReason {
     NotLean,
     /// [`LeanScreenSpaceGi`](crate::LeanScreenSpaceGi) is on, which finds the occlusion of ambient light too.
     ReplacedByGi,
-    /// [`LeanDeferred::debug_view`](crate::LeanDeferred::debug_view) shows a channel of the G-buffer, for which surfaces
-    /// are not lit.
-    ChannelShown,
     /// No surface in view scatters light.
     NothingScatters,
     /// Its `Msaa` is not `Off`.
@@ -250,9 +247,6 @@ impl fmt::Display for LeanOffReason {
             }
             Self::ReplacedByGi => f.write_str(
                 "`LeanScreenSpaceGi` darkens ambient light in its place: remove one of the two",
-            ),
-            Self::ChannelShown => f.write_str(
-                "a channel of the G-buffer is shown: set `LeanDeferred::debug_view` to `None`",
             ),
             Self::NothingScatters => {
                 f.write_str("no surface in view scatters light: use `ShadingExtension::Subsurface`")
@@ -333,7 +327,6 @@ impl LeanOffReason {
             | Self::NoLeanDeferred
             | Self::NotLean
             | Self::ReplacedByGi
-            | Self::ChannelShown
             | Self::NothingScatters
             | Self::Device(_)
             | Self::Shader(_)

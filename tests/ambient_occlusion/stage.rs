@@ -10,7 +10,7 @@ use bevy::{
         render_resource::TextureFormat,
     },
 };
-use bevy_lean_deferred::LeanScreenSpaceAmbientOcclusion;
+use bevy_lean_deferred::{DebugView, LeanDebugView, LeanScreenSpaceAmbientOcclusion};
 
 use half::f16;
 use kit::{
@@ -76,10 +76,10 @@ impl Stage {
 
     /// Occlusion alone: visibility in all colours.
     pub fn visibility(&mut self, settings: LeanScreenSpaceAmbientOcclusion) -> Colors {
-        self.picture_with(LeanScreenSpaceAmbientOcclusion {
-            debug_view: true,
-            ..settings
-        })
+        self.insert(LeanDebugView::from(DebugView::AmbientOcclusion));
+        let visibility = self.picture_with(settings);
+        self.remove::<LeanDebugView>();
+        visibility
     }
 
     pub fn resized(&mut self, size: UVec2) -> &mut Self {

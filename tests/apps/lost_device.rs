@@ -204,16 +204,13 @@ fn scattering_survives() {
 #[test]
 fn exposure_survives() {
     in_own_process(|| {
-        let settings = LeanAutoExposure {
-            overlay: true,
-            ..instant_exposure()
-        };
         let mut headless = survives(
             "exposure",
             (
                 LeanDeferred::default(),
-                settings,
+                instant_exposure(),
                 MeteredExposure::default(),
+                LeanDebugView::from(DebugView::ExposureWeights),
             ),
         );
         // Metered exposure is still read back.

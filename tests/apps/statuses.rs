@@ -339,26 +339,19 @@ fn each_reason_is_told() {
             camera.insert(Tonemapping::Reinhard);
         });
 
-        let set_debug_view = |debug_view| {
-            move |camera: &mut EntityWorldMut| {
-                let mut lean = camera.get_mut::<LeanDeferred>().expect("it has one");
-                lean.debug_view = debug_view;
-            }
-        };
-        let shown = off(LeanOffReason::ChannelShown);
-        let expected = LeanStatus {
-            ambient_occlusion: shown.clone(),
-            diffuse_gi: shown.clone(),
-            reflections: shown.clone(),
-            subsurface: shown,
-            ..all_on()
-        };
-        stage.expect(
-            "a channel is shown",
-            set_debug_view(Some(DebugChannel::Normal)),
-            &expected,
-        );
-        stage.expect_all(set_debug_view(None));
+        // Effects go on behind a debug view.
+        for view in [
+            DebugView::Normal,
+            DebugView::DiffuseLight,
+            DebugView::GiLight,
+        ] {
+            stage.expect_all(|camera| {
+                camera.insert(LeanDebugView::from(view));
+            });
+        }
+        stage.expect_all(|camera| {
+            camera.remove::<LeanDebugView>();
+        });
 
         let not_rendered = off(LeanOffReason::NotRendered);
         let set_active = |is_active| {

@@ -407,10 +407,13 @@ fn images_that_are_no_masks_are_named() {
         let mask = headless.world().resource_mut::<Assets<Image>>().add(image);
         let settings = LeanAutoExposure {
             pattern: MeteringPattern::Mask(mask),
-            overlay: true,
             ..instant()
         };
-        headless.world().entity_mut(camera).insert(settings);
+        let shows = LeanDebugView::from(DebugView::ExposureWeights);
+        headless
+            .world()
+            .entity_mut(camera)
+            .insert((settings, shows));
         let metered = metered(&mut headless, camera);
         assert!((metered.luminance - 2.0).abs() < 1e-3, "{name}");
         let warnings = log_watch::messages_with(name);
@@ -422,14 +425,11 @@ fn images_that_are_no_masks_are_named() {
 /// Exposure does not need `Msaa::Off`: its overlay is drawn on the resolved picture.
 #[test]
 fn the_overlay_lies_on_what_was_sampled_several_times() {
-    let settings = LeanAutoExposure {
-        overlay: true,
-        ..instant()
-    };
+    let shows = LeanDebugView::from(DebugView::ExposureWeights);
     let pictures = [Msaa::Off, Msaa::Sample4].map(|msaa| {
         let mut headless = Headless::new(UVec2::new(160, 90));
-        let camera = camera(&mut headless, 0.5, settings.clone());
-        headless.world().entity_mut(camera).insert(msaa);
+        let camera = camera(&mut headless, 0.5, instant());
+        headless.world().entity_mut(camera).insert((msaa, shows));
         headless.settle();
         headless.frames(3);
         headless.capture()
@@ -460,7 +460,8 @@ fn viewports_may_be_empty() {
     });
 }
 
-/// The overlay darkens uncounted pixels and marks exposure and target on its scale; without it the picture is unchanged.
+/// The overlay darkens uncounted pixels and marks exposure and target on its scale, in its part of the picture; the other part, and the
+/// picture without it, are unchanged.
 #[test]
 fn the_overlay_shows_what_is_metered() {
     let mut headless = Headless::new(UVec2::new(640, 360));
@@ -469,14 +470,14 @@ fn the_overlay_shows_what_is_metered() {
         speed_brighten: 1.0,
         ..default()
     };
-    let camera = camera(&mut headless, 0.18, settings.clone());
+    let camera = camera(&mut headless, 0.18, settings);
     metered(&mut headless, camera);
     let without = headless.capture();
-    let with_overlay = LeanAutoExposure {
-        overlay: true,
-        ..settings.clone()
+    let shows = LeanDebugView {
+        shows: DebugView::ExposureWeights,
+        split: 0.9,
     };
-    headless.world().entity_mut(camera).insert(with_overlay);
+    headless.world().entity_mut(camera).insert(shows);
     set_background(&mut headless, camera, 0.18 * 16.0);
     headless.settle();
     headless.frames(30);
@@ -493,6 +494,11 @@ fn the_overlay_shows_what_is_metered() {
         (uncounted / counted - 0.35).abs() < 0.02,
         "{uncounted} of {counted}"
     );
+    let beside = LinearRgba::from(Srgba::rgb_u8(at(580, 5)[0], 0, 0)).red;
+    assert!(
+        (beside / counted - 1.0).abs() < 0.02,
+        "{beside} of {counted}"
+    );
 
     // The scale spans -8 to 8 stops, and half a stop on either side, over 0.6 of the width.
     let column = |stops: f32| (640.0 * (0.2 + 0.6 * (stops + 8.5) / 17.0)) as u32;
@@ -506,7 +512,8 @@ fn the_overlay_shows_what_is_metered() {
     headless
         .world()
         .entity_mut(camera)
-        .insert((settings, CameraCut));
+        .remove::<LeanDebugView>()
+        .insert(CameraCut);
     metered(&mut headless, camera);
     assert!(headless.capture() == without);
     log_watch::assert_validation_layer_silent();

@@ -155,17 +155,14 @@ fn psnr(headless: &mut Headless, camera: Entity) -> f64 {
 
 /// True if the ball is in the G-buffer: a debug view shows it in grey, and forward would draw over that in colour.
 fn is_in_gbuffer(headless: &mut Headless, camera: Entity) -> bool {
-    let mut show = |debug_view| {
-        let mut camera = headless.world().entity_mut(camera);
-        camera.insert(LeanDeferred {
-            debug_view,
-            ..default()
-        });
-        headless.settle();
-        headless.capture()
-    };
-    let debug = show(Some(DebugChannel::Roughness));
-    show(None);
+    let debug_view = LeanDebugView::from(DebugView::Roughness);
+    let mut entity = headless.world().entity_mut(camera);
+    entity.insert((LeanDeferred::default(), debug_view));
+    headless.settle();
+    let debug = headless.capture();
+    let mut entity = headless.world().entity_mut(camera);
+    entity.remove::<LeanDebugView>();
+    headless.settle();
     let center = (debug.size.x * debug.size.y / 2 + debug.size.x / 2) as usize * 4;
     let center = &debug.rgba[center..center + 3];
     center.iter().max().unwrap() - center.iter().min().unwrap() <= 1

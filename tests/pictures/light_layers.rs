@@ -8,10 +8,10 @@ use bevy::{
     light::{ClusteredDecal, DirectionalLight, LightProbe, PointLight, RectLight, SpotLight},
     prelude::*,
 };
-use bevy_lean_deferred::{DebugChannel, LeanDeferred};
+use bevy_lean_deferred::{DebugView, LeanDebugView, LeanDeferred};
 use kit::{
     headless::{Headless, Picture},
-    lean::{judge, report, set_lean, settled, show},
+    lean::{change_cameras, judge, report, set_lean, settled, show},
     metrics::difference,
     own_process::in_own_process,
     scenes::{
@@ -300,12 +300,12 @@ fn compare_without_layers(
 #[test]
 fn the_mask_can_be_shown() {
     in_own_process(|| {
-        let settings = LeanDeferred {
-            debug_view: Some(DebugChannel::VisibilityMask),
-            ..default()
-        };
         let headless = &mut Headless::new(SIZE);
-        let picture = picture(headless, point_lights, None, Some(settings));
+        picture(headless, point_lights, None, Some(LeanDeferred::default()));
+        change_cameras(headless, |camera| {
+            camera.insert(LeanDebugView::from(DebugView::VisibilityMask));
+        });
+        let picture = settled(headless);
         if let Some(folder) = std::env::var_os("PARITY_PICTURES") {
             picture.save(std::path::Path::new(&folder).join("mask_channel.png"));
         }

@@ -42,15 +42,16 @@ const WITH_EMISSION: [&str; 2] = ["special_", "lightmapped_"];
 /// A scene in which forward draws some meshes over others.
 const DRAWN_OVER: &str = "special_normal_map";
 
-fn set_debug_view(headless: &mut Headless, debug_view: Option<DebugChannel>) {
+fn set_debug_view(headless: &mut Headless, debug_view: Option<DebugView>) {
     change_cameras(headless, |camera| {
         if let Some(mut camera) = camera.get_mut::<Camera>() {
             camera.clear_color = ClearColorConfig::Custom(Color::BLACK);
         }
-        camera.insert(LeanDeferred {
-            debug_view,
-            ..default()
-        });
+        camera.insert(LeanDeferred::default());
+        match debug_view {
+            Some(view) => camera.insert(LeanDebugView::from(view)),
+            None => camera.remove::<LeanDebugView>(),
+        };
     });
 }
 
@@ -92,11 +93,10 @@ fn check_scene(headless: &mut Headless, scene: &Scene) {
     });
     assert_same_picture(scene.name, &whole, &settled_light(headless));
     let read = diffuse_light(headless);
-    let [diffuse, specular] =
-        [DebugChannel::DiffuseLight, DebugChannel::SpecularLight].map(|view| {
-            set_debug_view(headless, Some(view));
-            settled_light(headless)
-        });
+    let [diffuse, specular] = [DebugView::DiffuseLight, DebugView::SpecularLight].map(|view| {
+        set_debug_view(headless, Some(view));
+        settled_light(headless)
+    });
     let is_all = !WITH_EMISSION
         .iter()
         .any(|name| scene.name.starts_with(name));

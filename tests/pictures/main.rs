@@ -7,6 +7,7 @@ mod atmosphere;
 mod bright_light;
 mod coming_from_deferred;
 mod custom_material;
+mod debug_views;
 mod decals;
 mod far_plane;
 mod foreign_depth;

@@ -80,12 +80,9 @@ fn find_diffuse(headless: &mut Headless, texel: [f32; 4]) {
     });
 }
 
-fn show_part(headless: &mut Headless, part: DebugChannel) {
+fn show_part(headless: &mut Headless, part: DebugView) {
     change_cameras(headless, |camera| {
-        camera.insert(LeanDeferred {
-            debug_view: Some(part),
-            ..default()
-        });
+        camera.insert(LeanDebugView::from(part));
     });
 }
 
@@ -130,7 +127,7 @@ fn what_is_mirrored_takes_the_place_of_the_sky(headless: &mut Headless) {
     let twice = 2.0 * EXPOSED;
     find_specular(headless, [twice, twice, twice, 1.0]);
     let brighter = settled_light(headless);
-    show_part(headless, DebugChannel::DiffuseLight);
+    show_part(headless, DebugView::DiffuseLight);
     let diffuse = settled_light(headless);
     find_specular(headless, [0.0; 4]);
     assert_alike("diffuse light", &settled_light(headless), &diffuse);
@@ -162,7 +159,7 @@ fn each_pixel_mirrors_its_own(headless: &mut Headless) {
 
 fn what_shines_on_surfaces_takes_the_place_of_what_it_hides(headless: &mut Headless) {
     stage(headless, true, SPECIAL);
-    show_part(headless, DebugChannel::DiffuseLight);
+    show_part(headless, DebugView::DiffuseLight);
     let sky = settled_light(headless);
     for hidden in [0.25, 1.0] {
         let light = hidden * EXPOSED;

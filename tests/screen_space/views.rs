@@ -128,17 +128,14 @@ fn debug_views_show_what_was_found() {
             camera.insert((gi(), reflections()));
         });
         let picture = see(&mut headless, 6);
-        let mut shown = |found: Option<ScreenSpaceReflectionsDebugView>,
-                         light: Option<ScreenSpaceGiDebugView>| {
-            change_cameras(&mut headless, |camera| {
-                camera.insert(LeanScreenSpaceReflections {
-                    debug_view: found,
-                    ..reflections()
-                });
-                camera.insert(LeanScreenSpaceGi {
-                    debug_view: light,
-                    ..gi()
-                });
+        let mut shown = |view: Option<DebugView>| {
+            change_cameras(&mut headless, |camera| match view {
+                Some(view) => {
+                    camera.insert(LeanDebugView::from(view));
+                }
+                None => {
+                    camera.remove::<LeanDebugView>();
+                }
             });
             headless.settle();
             headless.frames(4);
@@ -150,19 +147,16 @@ fn debug_views_show_what_was_found() {
         };
         let mirrored = near(&picture);
         // The floor of white metal shows all that it reflects.
-        let light = near(&shown(Some(ScreenSpaceReflectionsDebugView::Light), None));
+        let light = near(&shown(Some(DebugView::ReflectionLight)));
         let (off, _) = errors(mirrored.iter().zip(&light).map(|(a, b)| a - b));
-        let confidence = near(&shown(
-            Some(ScreenSpaceReflectionsDebugView::Confidence),
-            None,
-        ));
+        let confidence = near(&shown(Some(DebugView::ReflectionConfidence)));
         // Pixels that reflect light have confidence, and no others.
         let agree = mirrored
             .iter()
             .zip(&confidence)
             .filter(|(light, confidence)| (**light > 0.05) == (**confidence > 0.5));
         let agree = agree.count() as f32 / mirrored.len() as f32;
-        let hits = near(&shown(Some(ScreenSpaceReflectionsDebugView::Hit), None));
+        let hits = near(&shown(Some(DebugView::ReflectionHit)));
         // The path by way of the mirror is about three metres long.
         let hit = mirrored
             .iter()
@@ -173,8 +167,8 @@ fn debug_views_show_what_was_found() {
             .iter()
             .filter(|metres| **metres > 2.0 && **metres < 7.0)
             .count();
-        let open = near(&shown(None, Some(ScreenSpaceGiDebugView::Visibility)));
-        let sent = near(&shown(None, Some(ScreenSpaceGiDebugView::Light)));
+        let open = near(&shown(Some(DebugView::GiVisibility)));
+        let sent = near(&shown(Some(DebugView::GiLight)));
         let brightest = |of: &[f32]| of.iter().copied().fold(0.0, f32::max);
         println!(
             "light off by {off:.4}; {agree:.3} agree on confidence; {nearer} of {} hits",
@@ -187,7 +181,7 @@ fn debug_views_show_what_was_found() {
         );
         assert!(off < 0.05 && agree > 0.95 && nearer * 10 > hit.len() * 9);
         assert!(brightest(&open) > 0.5 && brightest(&open) <= 1.0 && brightest(&sent) > 0.01);
-        let again = shown(None, None);
+        let again = shown(None);
         let (off, _) = errors(mirrored.iter().zip(&near(&again)).map(|(a, b)| a - b));
         assert!(off < 1e-3, "the picture is off by {off}");
     });

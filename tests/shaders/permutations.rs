@@ -17,7 +17,7 @@ use bevy::{
     shader::{Shader, ShaderDefVal, ShaderImport},
 };
 use bevy_lean_deferred::{
-    DebugChannel,
+    DebugView,
     lighting::{
         bevy_definitions::{
             OF_BINDINGS, OF_MESHES, VIEW_BITS, name_of, of_mesh_pipeline, read_by_lighting,
@@ -28,8 +28,8 @@ use bevy_lean_deferred::{
 };
 use covering::{Factor, covering_rows};
 use factors::{
-    EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
-    OCCLUSION_MERGE, SHARES_DEPTHS, definitions, with_implied,
+    EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_DEBUG_VIEW, OCCLUSION_GATHER,
+    OCCLUSION_GATHER_SHARED, OCCLUSION_MERGE, SHARES_DEPTHS, definitions, with_implied,
 };
 use kit::headless::Headless;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -165,7 +165,7 @@ fn check_lighting(storage_buffers: u32) {
         include_str!("../../src/lighting/lighting.wgsl"),
         "src/lighting/lighting.wgsl",
         LIGHTING,
-        &["DEPTH_PREPASS", "SHOWS_LIGHT"],
+        &["DEPTH_PREPASS"],
         &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", storage_buffers)],
     );
 }
@@ -240,6 +240,13 @@ fn occlusion_permutations_validate() {
         include_str!("../../src/ambient_occlusion/merge.wgsl"),
         "src/ambient_occlusion/merge.wgsl",
         OCCLUSION_MERGE,
+        &[],
+        &[],
+    );
+    check_permutations(
+        include_str!("../../src/ambient_occlusion/debug_view.wgsl"),
+        "src/ambient_occlusion/debug_view.wgsl",
+        OCCLUSION_DEBUG_VIEW,
         &[],
         &[],
     );
@@ -384,7 +391,7 @@ fn bevys_definitions_are_tried_and_not_restated() {
 
 #[test]
 fn every_definition_of_the_lighting_shader_is_tried() {
-    let tried = tried(LIGHTING, &["DEPTH_PREPASS", "SHOWS_LIGHT"]);
+    let tried = tried(LIGHTING, &["DEPTH_PREPASS"]);
     let definitions = include_str!("../../src/lighting/definitions.rs");
     assert_all_tried("definitions.rs", definitions, &tried);
     let implied = include_str!("../../src/lighting/implied.rs");
@@ -396,10 +403,10 @@ fn every_definition_of_the_lighting_shader_is_tried() {
     assert_all_tried("lighting_io.rs", inputs_and_outputs, &tried);
     let targets = include_str!("../../src/gbuffer/targets.rs");
     assert_all_tried("targets.rs", targets, &tried);
-    let channels = tried
-        .iter()
-        .filter(|name| name.starts_with("DEBUG_") && **name != "DEBUG_VIEW");
-    assert_eq!(channels.count(), DebugChannel::ALL.len());
+    let views = DebugView::ALL.into_iter().filter_map(DebugView::shader_def);
+    let views: HashSet<&str> = views.chain(["DEBUG_VIEW"]).collect();
+    let tried = tried.into_iter().filter(|name| name.starts_with("DEBUG_"));
+    assert_eq!(tried.collect::<HashSet<&str>>(), views);
 }
 
 #[test]

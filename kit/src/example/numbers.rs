@@ -24,6 +24,10 @@ pub fn positive(text: &str) -> Result<f32, String> {
     number_where(text, "more than 0", |x| x > 0.0)
 }
 
+pub fn share(text: &str) -> Result<f32, String> {
+    number_where(text, "0 to 1", |x| (0.0..=1.0).contains(&x))
+}
+
 pub fn not_negative(text: &str) -> Result<f32, String> {
     number_where(text, "0 or more", |x| x >= 0.0)
 }

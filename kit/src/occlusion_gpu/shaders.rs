@@ -16,7 +16,7 @@ use crate::{
     wgsl::{Definitions, WgslModule, compile, key_of, numbers, wgsl},
 };
 
-/// Modules that `gather.wgsl` and `merge.wgsl` import, dependencies first.
+/// Modules that `gather.wgsl` and `debug_view.wgsl` import, dependencies first.
 const MODULES: [WgslModule; 12] = [
     wgsl!("shader_library/layout.wgsl"),
     wgsl!("shader_library/tiles.wgsl"),
@@ -36,8 +36,8 @@ pub(super) fn gather() -> Cow<'static, str> {
     shader_file(&wgsl!("ambient_occlusion/gather.wgsl"))
 }
 
-pub(super) fn merge() -> Cow<'static, str> {
-    shader_file(&wgsl!("ambient_occlusion/merge.wgsl"))
+pub(super) fn debug_view() -> Cow<'static, str> {
+    shader_file(&wgsl!("ambient_occlusion/debug_view.wgsl"))
 }
 
 impl OcclusionGpu {
@@ -77,11 +77,10 @@ pub(super) fn shares_depths(settings: &LeanScreenSpaceAmbientOcclusion) -> bool 
     settings.advanced.kernel == OcclusionKernel::Hbao && settings.resolution == LeanResolution::Full
 }
 
-/// Definitions of the crate's filter, for its debug view.
+/// Definitions of the crate's filter.
 pub(super) fn filter_definitions(settings: &LeanScreenSpaceAmbientOcclusion) -> Definitions {
     let mut defs = Definitions::new();
     let flags = [
-        (true, "DEBUG_VIEW"),
         (
             settings.resolution == LeanResolution::Half,
             "OCCLUSION_HALF",

@@ -1,10 +1,8 @@
-//! Shows the output of an effect in place of the picture: before post-processing, and after the history is kept, which must not
-//! contain it.
+//! Shows textures of diffuse GI and of reflections in place of the picture: before post-processing, and after the history is kept,
+//! which must not contain them.
 
 #[doc(hidden)]
 pub mod binding_numbers;
-
-use core::marker::PhantomData;
 
 use bevy::{
     asset::{embedded_asset, load_embedded_asset},
@@ -12,37 +10,38 @@ use bevy::{
         FullscreenShader,
         schedule::{Core3d, Core3dSystems},
     },
-    platform::collections::HashMap,
     prelude::*,
     render::{
         Render, RenderApp, RenderStartup, RenderSystems,
-        camera::ExtractedCamera,
         render_resource::{
-            CachedRenderPipelineId, ColorTargetState, ColorWrites, FragmentState, IntoBinding,
-            PipelineCache, RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages,
-            TextureFormat, TextureSampleType, TextureView, binding_types::texture_2d,
+            BindGroupLayoutDescriptor, IntoBinding, PipelineCache, ShaderStages, TextureSampleType,
+            TextureView, binding_types::texture_2d,
         },
-        renderer::{RenderContext, RenderDevice, ViewQuery},
-        view::{ExtractedView, ViewTarget},
+        renderer::RenderDevice,
+        view::ExtractedView,
     },
+    shader::ShaderDefVal,
 };
 
 use binding_numbers::SOURCE_TEXTURE;
 
 use crate::{
-    gpu::{
-        bind_group_cache::{CachedBindGroup, ResolvedLayout},
-        bindings::layout,
-        timed::timed,
+    gpu::bindings::layout,
+    view::{
+        DebugView, DebugViewPasses, EffectSystems, HistoryPasses, IndirectDiffuse,
+        IndirectSpecular, LeanDebugView,
+        debug_draw::{DebugDraw, DebugDrawn, DebugPipelines, draw_debug_view},
+        removal,
     },
-    view::{DebugViewPasses, HistoryPasses, removal},
 };
 
-const LABEL: &str = "lean_deferred/screen_space/debug_view";
+/// On a view with reflections, while their hits are shown: the texture of hit words, one per ray.
+#[derive(Component)]
+pub(super) struct RayHits(pub(super) TextureView);
 
 /// Channels of a texture to show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Shows {
+enum Shows {
     /// RGB times alpha.
     Light,
     /// RGB alone.
@@ -55,60 +54,83 @@ pub(super) enum Shows {
     Hit,
 }
 
-impl Shows {
-    fn shader_def(self) -> &'static str {
-        match self {
+impl DebugDraw for Shows {
+    const LABEL: &'static str = "lean_deferred/screen_space/debug_view";
+
+    fn layout(self) -> BindGroupLayoutDescriptor {
+        let sample_type = match self {
+            Self::Hit => TextureSampleType::Uint,
+            _ => TextureSampleType::Float { filterable: false },
+        };
+        let source = [(SOURCE_TEXTURE, texture_2d(sample_type))];
+        layout(Self::LABEL, ShaderStages::FRAGMENT, source)
+    }
+
+    fn shader_defs(self) -> Vec<ShaderDefVal> {
+        let name = match self {
             Self::Light => "SHOWS_LIGHT",
             Self::BareLight => "SHOWS_BARE_LIGHT",
             Self::Alpha => "SHOWS_ALPHA",
             Self::OneMinusAlpha => "SHOWS_ONE_MINUS_ALPHA",
             Self::Hit => "SHOWS_HIT",
+        };
+        vec![name.into()]
+    }
+}
+
+/// The channels and the texture that `view` is of, if it is of one of these effects. The texture covers the viewport.
+fn source_of<'a>(
+    view: DebugView,
+    diffuse: Option<&'a IndirectDiffuse>,
+    specular: Option<&'a IndirectSpecular>,
+    hits: Option<&'a RayHits>,
+) -> Option<(Shows, &'a TextureView)> {
+    let diffuse = diffuse.and_then(|light| light.0.as_ref());
+    let specular = specular.and_then(|light| light.0.as_ref());
+    Some(match view {
+        DebugView::GiLight => (Shows::BareLight, diffuse?),
+        DebugView::GiVisibility => (Shows::OneMinusAlpha, diffuse?),
+        DebugView::ReflectionLight => (Shows::Light, specular?),
+        DebugView::ReflectionConfidence => (Shows::Alpha, specular?),
+        DebugView::ReflectionHit => (Shows::Hit, &hits?.0),
+        _ => return None,
+    })
+}
+
+/// Shows the debug views of diffuse GI and of reflections. Added by the first of the two.
+pub(super) struct DebugViewPlugin;
+
+impl DebugViewPlugin {
+    pub(super) fn add_to(app: &mut App) {
+        if !app.is_plugin_added::<Self>() {
+            app.add_plugins(Self);
         }
     }
-
-    fn sample_type(self) -> TextureSampleType {
-        match self {
-            Self::Hit => TextureSampleType::Uint,
-            _ => TextureSampleType::Float { filterable: false },
-        }
-    }
 }
 
-/// On a view of the render world: the state of an effect with a debug view.
-pub(super) trait DebugShown: Component {
-    /// Channels and texture that the settings select; the texture covers the viewport. `None` without a debug view.
-    fn shown(&self) -> Option<(Shows, &TextureView)>;
-}
-
-/// Shows the debug view of a `V`.
-pub(super) struct DebugViewPlugin<V>(PhantomData<V>);
-
-impl<V> Default for DebugViewPlugin<V> {
-    fn default() -> Self {
-        Self(PhantomData)
-    }
-}
-
-impl<V: DebugShown> Plugin for DebugViewPlugin<V> {
+impl Plugin for DebugViewPlugin {
     fn build(&self, app: &mut App) {
-        if !app.is_plugin_added::<DebugViewPipelinesPlugin>() {
-            app.add_plugins(DebugViewPipelinesPlugin);
-        }
+        embedded_asset!(app, "debug_view.wgsl");
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        removal::remove_with::<V, DebugView<V>>(render_app);
+        removal::remove_with::<LeanDebugView, DebugDrawn<Shows>>(render_app);
+        // What is drawn keeps their textures alive.
+        removal::remove_with::<IndirectDiffuse, DebugDrawn<Shows>>(render_app);
+        removal::remove_with::<IndirectSpecular, DebugDrawn<Shows>>(render_app);
+        removal::remove_with::<RayHits, DebugDrawn<Shows>>(render_app);
         render_app
+            .add_systems(RenderStartup, init_pipelines)
             .add_systems(
                 Render,
-                prepare_debug_views::<V>
-                    .run_if(any_with_component::<V>)
-                    .in_set(RenderSystems::PrepareBindGroups),
+                prepare_debug_views
+                    .in_set(RenderSystems::PrepareBindGroups)
+                    .in_set(EffectSystems::DebugViews),
             )
             .add_systems(
                 Core3d,
-                show::<V>
-                    .run_if(any_with_component::<DebugView<V>>)
+                draw_debug_view::<Shows>
+                    .in_set(EffectSystems::DebugViews)
                     .in_set(Core3dSystems::MainPass)
                     .in_set(DebugViewPasses)
                     .after(HistoryPasses),
@@ -116,140 +138,46 @@ impl<V: DebugShown> Plugin for DebugViewPlugin<V> {
     }
 }
 
-struct DebugViewPipelinesPlugin;
-
-impl Plugin for DebugViewPipelinesPlugin {
-    fn build(&self, app: &mut App) {
-        embedded_asset!(app, "debug_view.wgsl");
-        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
-            render_app
-                .allow_ambiguous_resource::<DebugViewPipelines>()
-                .add_systems(RenderStartup, init_pipelines);
-        }
-    }
-}
-
-type Key = (TextureFormat, Shows);
-
-/// Created on first use.
-#[derive(Resource)]
-struct DebugViewPipelines {
-    shader: Handle<Shader>,
-    fullscreen: FullscreenShader,
-    by_key: HashMap<Key, (CachedRenderPipelineId, ResolvedLayout)>,
-}
-
 fn init_pipelines(
     mut commands: Commands,
     asset_server: Res<AssetServer>,
     fullscreen: Res<FullscreenShader>,
 ) {
-    commands.insert_resource(DebugViewPipelines {
-        shader: load_embedded_asset!(asset_server.as_ref(), "debug_view.wgsl"),
-        fullscreen: fullscreen.clone(),
-        by_key: HashMap::default(),
-    });
+    let shader = load_embedded_asset!(asset_server.as_ref(), "debug_view.wgsl");
+    commands.insert_resource(DebugPipelines::<Shows>::new(shader, &fullscreen));
 }
 
-impl DebugViewPipelines {
-    fn get(
-        &mut self,
-        cache: &PipelineCache,
-        key: Key,
-    ) -> (CachedRenderPipelineId, &ResolvedLayout) {
-        let (format, shows) = key;
-        let (pipeline, layout) = self.by_key.entry(key).or_insert_with(|| {
-            let found = [(SOURCE_TEXTURE, texture_2d(shows.sample_type()))];
-            let layout = ResolvedLayout::new(cache, layout(LABEL, ShaderStages::FRAGMENT, found));
-            let pipeline = cache.queue_render_pipeline(RenderPipelineDescriptor {
-                label: Some(LABEL.into()),
-                layout: vec![layout.descriptor().clone()],
-                vertex: self.fullscreen.to_vertex_state(),
-                fragment: Some(FragmentState {
-                    shader: self.shader.clone(),
-                    shader_defs: vec![shows.shader_def().into()],
-                    entry_point: Some("fragment".into()),
-                    targets: vec![Some(ColorTargetState {
-                        format,
-                        blend: None,
-                        write_mask: ColorWrites::ALL,
-                    })],
-                }),
-                ..default()
-            });
-            (pipeline, layout)
-        });
-        (*pipeline, layout)
-    }
-}
-
-/// On a view that shows the output of a `V`. The pipeline may still be compiling.
-#[derive(Component)]
-struct DebugView<V> {
-    pipeline: CachedRenderPipelineId,
-    group: CachedBindGroup,
-    of: PhantomData<V>,
-}
-
-fn prepare_debug_views<V: DebugShown>(
+fn prepare_debug_views(
     mut commands: Commands,
-    device: Res<RenderDevice>,
-    cache: Res<PipelineCache>,
-    pipelines: Option<ResMut<DebugViewPipelines>>,
-    mut views: Query<(Entity, &V, &ExtractedView, Option<&mut DebugView<V>>)>,
+    (device, cache): (Res<RenderDevice>, Res<PipelineCache>),
+    pipelines: Option<ResMut<DebugPipelines<Shows>>>,
+    mut views: Query<(
+        Entity,
+        (&ExtractedView, &LeanDebugView),
+        (Option<&IndirectDiffuse>, Option<&IndirectSpecular>),
+        Option<&RayHits>,
+        Option<&mut DebugDrawn<Shows>>,
+    )>,
 ) {
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, held, view, shown) in &mut views {
-        let Some((shows, texture)) = held.shown() else {
-            if shown.is_some() {
-                commands.entity(entity).remove::<DebugView<V>>();
+    for (entity, (view, debug_view), (diffuse, specular), hits, drawn) in &mut views {
+        let source = source_of(debug_view.shows, diffuse, specular, hits);
+        let Some((shows, texture)) = source else {
+            if drawn.is_some() {
+                commands.entity(entity).remove::<DebugDrawn<Shows>>();
             }
             continue;
         };
-        let (pipeline, layout) = pipelines.get(&cache, (view.target_format, shows));
-        let mut made = None;
-        let shown = match shown {
-            Some(shown) => shown.into_inner(),
-            None => made.insert(DebugView {
-                pipeline,
-                group: CachedBindGroup::default(),
-                of: PhantomData,
-            }),
-        };
-        shown.pipeline = pipeline;
-        (shown.group).update(&device, layout, |entries| {
-            entries.push(SOURCE_TEXTURE, texture.into_binding())
-        });
-        if let Some(made) = made {
-            commands.entity(entity).insert(made);
-        }
+        pipelines.set(
+            &mut commands,
+            &device,
+            &cache,
+            (entity, view),
+            drawn,
+            (shows, None),
+            |entries| entries.push(SOURCE_TEXTURE, texture.into_binding()),
+        );
     }
-}
-
-fn show<V: DebugShown>(
-    view: ViewQuery<(&DebugView<V>, &ViewTarget, &ExtractedCamera)>,
-    cache: Res<PipelineCache>,
-    mut ctx: RenderContext,
-) {
-    let (shown, target, camera) = view.into_inner();
-    let (Some(pipeline), Some(group)) =
-        (cache.get_render_pipeline(shown.pipeline), shown.group.get())
-    else {
-        return;
-    };
-    timed(&mut ctx, LABEL, &mut |ctx| {
-        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-            label: Some(LABEL),
-            color_attachments: &[Some(target.get_color_attachment())],
-            ..default()
-        });
-        if let Some(viewport) = &camera.viewport {
-            pass.set_camera_viewport(viewport);
-        }
-        pass.set_render_pipeline(pipeline);
-        pass.set_bind_group(0, group, &[]);
-        pass.draw(0..3, 0..1);
-    });
 }

@@ -35,7 +35,7 @@ mod prepare;
 mod settings;
 mod uniforms;
 
-pub use settings::{LeanScreenSpaceGi, LeanScreenSpaceGiAdvanced, ScreenSpaceGiDebugView};
+pub use settings::{LeanScreenSpaceGi, LeanScreenSpaceGiAdvanced};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
@@ -91,10 +91,8 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         embedded_asset!(app, "forward_light.wgsl");
         app.register_type::<LeanScreenSpaceGi>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceGi>::default());
-        app.add_plugins((
-            DebugViewPlugin::<ViewGi>::default(),
-            ShownExposurePlugin::<ViewGi>::default(),
-        ));
+        app.add_plugins(ShownExposurePlugin::<ViewGi>::default());
+        DebugViewPlugin::add_to(app);
         add_check(app, |support| &mut support.screen_space, support::check);
         status::add_to::<LeanScreenSpaceGi>(app, Effect::DiffuseGi);
 

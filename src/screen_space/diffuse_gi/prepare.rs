@@ -7,9 +7,7 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        render_resource::{
-            BindGroup, BindingResource, DynamicUniformBuffer, IntoBinding, Texture, TextureView,
-        },
+        render_resource::{BindGroup, BindingResource, DynamicUniformBuffer, IntoBinding, Texture},
         renderer::{RenderDevice, RenderQueue},
         texture::FallbackImageZero,
         view::{ExtractedView, ViewDepthTexture},
@@ -23,7 +21,6 @@ use super::{
         MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, SHOWN_EXPOSURE, VIEW,
     },
     pipelines::{GiPipelines, LEVEL_COUNT, LEVELS_FORMAT, LIGHT_FORMAT},
-    settings::ScreenSpaceGiDebugView,
     uniforms::GiUniform,
 };
 use crate::{
@@ -34,7 +31,6 @@ use crate::{
     },
     screen_space::{
         LastFrame,
-        debug_view::{DebugShown, Shows},
         history_validity::{FrameNumber, HistoryValidity},
         shown_exposure::{BoundedByWhite, ShownExposure},
         world_shift::WorldShift,
@@ -74,7 +70,6 @@ pub struct ViewGi {
     output: StorageTexture,
     texture_size: UVec2,
     pub(super) viewport_size: UVec2,
-    debug_view: Option<ScreenSpaceGiDebugView>,
     /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
     has_motion: bool,
     pub(super) frames: HistoryValidity,
@@ -99,7 +94,6 @@ impl ViewGi {
             output: light("lean_deferred/screen_space/diffuse_gi/output"),
             texture_size,
             viewport_size: UVec2::ZERO,
-            debug_view: None,
             has_motion: false,
             frames,
             offset: 0,
@@ -136,16 +130,6 @@ impl ViewGi {
 impl BoundedByWhite for ViewGi {
     fn shown_exposure(&self) -> &ShownExposure {
         &self.shown_exposure
-    }
-}
-
-impl DebugShown for ViewGi {
-    fn shown(&self) -> Option<(Shows, &TextureView)> {
-        let shows = match self.debug_view? {
-            ScreenSpaceGiDebugView::Light => Shows::BareLight,
-            ScreenSpaceGiDebugView::Visibility => Shows::OneMinusAlpha,
-        };
-        Some((shows, &self.output.view))
     }
 }
 
@@ -205,7 +189,6 @@ pub(super) fn prepare_gi(
         uniform.has_motion = has_motion.into();
         gi.has_motion = has_motion;
         gi.viewport_size = uniform.viewport_size;
-        gi.debug_view = active.settings.debug_view;
         gi.offset = writer.write(&uniform);
         found.0 = Some(gi.output.view.clone());
         if let Some(made) = made {

@@ -55,8 +55,6 @@ pub struct LeanScreenSpaceGi {
     pub resolution: LeanResolution,
     /// Settings that few games change.
     pub advanced: LeanScreenSpaceGiAdvanced,
-    /// Output that is shown in place of the image. Default `None`, the image.
-    pub debug_view: Option<ScreenSpaceGiDebugView>,
 }
 
 impl Default for LeanScreenSpaceGi {
@@ -67,7 +65,6 @@ impl Default for LeanScreenSpaceGi {
             quality: default(),
             resolution: default(),
             advanced: default(),
-            debug_view: None,
         }
     }
 }
@@ -102,19 +99,4 @@ impl Default for LeanScreenSpaceGiAdvanced {
             falloff: 0.5,
         }
     }
-}
-
-/// Outputs for [`LeanScreenSpaceGi::debug_view`].
-#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[reflect(Clone, PartialEq)]
-pub enum ScreenSpaceGiDebugView {
-    /// Indirect diffuse light, exposed, as a white surface reflects it.
-    Light,
-    /// Visibility of the environment, in grey: white where unoccluded.
-    Visibility,
-}
-
-impl ScreenSpaceGiDebugView {
-    /// All variants.
-    pub const ALL: [Self; 2] = [Self::Light, Self::Visibility];
 }

@@ -9,15 +9,15 @@ use bevy::{
 use super::{
     key::ReflectionKey,
     pipelines::{ReflectionPasses, ReflectionPipelines},
-    settings::{LeanScreenSpaceReflections, ScreenSpaceReflectionsDebugView},
+    settings::LeanScreenSpaceReflections,
 };
 use crate::{
     gpu::pipeline_watch::PipelineWatch,
     screen_space::{ReadsHistory, history_validity::drawn_part},
     shader_library::reconstruction::position::projection_of,
     view::{
-        ActiveLeanView, Effect, EffectStatuses, GBufferTargets, IndirectSpecular, LeanDeferred,
-        LeanSupport,
+        ActiveLeanView, DebugView, Effect, EffectStatuses, GBufferTargets, IndirectSpecular,
+        LeanDebugView, LeanDeferred, LeanSupport,
     },
 };
 
@@ -41,7 +41,7 @@ pub(super) fn decide_active_reflections(
             Entity,
             &ExtractedView,
             &LeanScreenSpaceReflections,
-            Option<&LeanDeferred>,
+            (Option<&LeanDeferred>, Option<&LeanDebugView>),
             Option<&MainPassResolutionOverride>,
             (Option<&ActiveLeanView>, Option<&ActiveReflections>),
         ),
@@ -55,7 +55,7 @@ pub(super) fn decide_active_reflections(
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, view, settings, lean, resolution, (last, current)) in &views {
+    for (entity, view, settings, (lean, debug_view), resolution, (last, current)) in &views {
         let camera = view.retained_view_entity.main_entity;
         let mut status = statuses.of(camera, Effect::Reflections);
         let can_run =
@@ -68,7 +68,7 @@ pub(super) fn decide_active_reflections(
             specialization: last
                 .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
             projection: projection_of(view.clip_from_view),
-            shown: settings.debug_view == Some(ScreenSpaceReflectionsDebugView::Hit),
+            shown: debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit),
         };
         let wanted = can_run.then(|| ActiveReflections {
             settings: *settings,

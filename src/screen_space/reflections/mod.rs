@@ -45,9 +45,7 @@ mod prepare;
 mod settings;
 mod uniforms;
 
-pub use settings::{
-    LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvanced, ScreenSpaceReflectionsDebugView,
-};
+pub use settings::{LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvanced};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
@@ -69,7 +67,7 @@ use bevy::{
 
 use super::{
     ReadsHistory,
-    debug_view::DebugViewPlugin,
+    debug_view::{DebugViewPlugin, RayHits},
     history::{HistoryPlugin, prepare_histories, prepare_history_bind_groups},
     support,
 };
@@ -112,7 +110,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         embedded_asset!(app, "resolve.wgsl");
         app.register_type::<LeanScreenSpaceReflections>()
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
-        app.add_plugins(DebugViewPlugin::<ViewReflections>::default());
+        DebugViewPlugin::add_to(app);
         add_check(app, |support| &mut support.screen_space, support::check);
         status::add_to::<LeanScreenSpaceReflections>(app, Effect::Reflections);
 
@@ -130,6 +128,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
             ),
         >(render_app);
         removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
+        removal::remove_with::<ViewReflections, RayHits>(render_app);
         EffectSystems::Reflections.run_while::<With<LeanScreenSpaceReflections>>(render_app);
         memory::count(
             render_app,

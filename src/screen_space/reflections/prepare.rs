@@ -7,7 +7,7 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureView},
+        render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture},
         renderer::{RenderDevice, RenderQueue},
         texture::FallbackImageZero,
         view::{ExtractedView, ViewDepthTexture},
@@ -27,7 +27,6 @@ use super::{
         HI_Z_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines,
         SURFACES_FORMAT,
     },
-    settings::ScreenSpaceReflectionsDebugView,
     uniforms::ReflectionUniform,
 };
 use crate::{
@@ -37,11 +36,7 @@ use crate::{
         storage_texture::StorageTexture,
         texture_bytes::texture_bytes,
     },
-    screen_space::{
-        LastFrame, ViewHistory,
-        debug_view::{DebugShown, Shows},
-        world_shift::WorldShift,
-    },
+    screen_space::{LastFrame, ViewHistory, debug_view::RayHits, world_shift::WorldShift},
     shader_library::tiles,
     view::{
         ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightingIo, OutOfMemory,
@@ -68,7 +63,6 @@ pub struct ViewReflections {
     output: StorageTexture,
     viewport_size: UVec2,
     texture_size: UVec2,
-    debug_view: Option<ScreenSpaceReflectionsDebugView>,
     /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
     has_motion: bool,
     pub(super) offset: u32,
@@ -114,7 +108,6 @@ impl ViewReflections {
             ),
             viewport_size: view.viewport_size,
             texture_size: view.texture_size,
-            debug_view: None,
             has_motion: false,
             offset: 0,
         }
@@ -154,16 +147,6 @@ impl ViewReflections {
     }
 }
 
-impl DebugShown for ViewReflections {
-    fn shown(&self) -> Option<(Shows, &TextureView)> {
-        Some(match self.debug_view? {
-            ScreenSpaceReflectionsDebugView::Light => (Shows::Light, &self.output.view),
-            ScreenSpaceReflectionsDebugView::Confidence => (Shows::Alpha, &self.output.view),
-            ScreenSpaceReflectionsDebugView::Hit => (Shows::Hit, &self.hits.view),
-        })
-    }
-}
-
 /// Number of the largest cells in a viewport.
 fn cell_count(viewport_size: UVec2) -> UVec2 {
     viewport_size.map(|side| side.div_ceil(LARGEST_CELL).max(1))
@@ -184,14 +167,18 @@ pub(super) fn prepare_reflections(
         Option<&MainPassResolutionOverride>,
         (Option<&FrameAveraging>, Has<MotionVectorPrepass>),
         Option<&ViewHistory>,
-        (Option<&mut ViewReflections>, &mut IndirectSpecular),
+        (
+            Option<&mut ViewReflections>,
+            &mut IndirectSpecular,
+            Has<RayHits>,
+        ),
     )>,
 ) {
     let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
     for (entity, (active, lean), (camera, view), resolution, of_view, history, held) in &mut views {
-        let ((averaging, has_motion), (reflections, mut found)) = (of_view, held);
+        let ((averaging, has_motion), (reflections, mut found, has_hits)) = (of_view, held);
         // The first frame has no history.
         let Some(history) = history else {
             found.0 = None;
@@ -225,9 +212,14 @@ pub(super) fn prepare_reflections(
         };
         uniform.has_motion = has_motion.into();
         reflections.has_motion = has_motion;
-        reflections.debug_view = active.settings.debug_view;
         reflections.offset = writer.write(&uniform);
         found.0 = Some(reflections.output.view.clone());
+        if active.key.shown {
+            let hits = RayHits(reflections.hits.view.clone());
+            commands.entity(entity).insert(hits);
+        } else if has_hits {
+            commands.entity(entity).remove::<RayHits>();
+        }
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }

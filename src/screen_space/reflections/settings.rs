@@ -79,8 +79,6 @@ pub struct LeanScreenSpaceReflections {
     pub resolution: LeanResolution,
     /// Settings that few games change.
     pub advanced: LeanScreenSpaceReflectionsAdvanced,
-    /// Output that is shown in place of the image. Default `None`, the image.
-    pub debug_view: Option<ScreenSpaceReflectionsDebugView>,
 }
 
 impl Default for LeanScreenSpaceReflections {
@@ -92,7 +90,6 @@ impl Default for LeanScreenSpaceReflections {
             quality: default(),
             resolution: default(),
             advanced: default(),
-            debug_view: None,
         }
     }
 }
@@ -158,21 +155,4 @@ pub(super) struct Marches {
     pub(super) shortest_segment: u32,
     /// Length of a segment, in percent of the distance marched times the perceptual roughness squared.
     pub(super) growth_percent: u32,
-}
-
-/// Outputs for [`LeanScreenSpaceReflections::debug_view`].
-#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[reflect(Clone, PartialEq)]
-pub enum ScreenSpaceReflectionsDebugView {
-    /// Reflected light, exposed, before it is weighted by the surface's reflectance. Black where nothing is reflected.
-    Light,
-    /// Share of the environment that reflections replace, in grey.
-    Confidence,
-    /// Distance of the mirror image at each ray's hit, in grey: `1 / (1 + metres)`. Black for misses.
-    Hit,
-}
-
-impl ScreenSpaceReflectionsDebugView {
-    /// All variants.
-    pub const ALL: [Self; 3] = [Self::Light, Self::Confidence, Self::Hit];
 }

@@ -37,10 +37,10 @@ fn goes_through_the_gbuffer<M: Material>(headless: &mut Headless, material: M) -
     let material = scene.add::<M>(material);
     let transform = Transform::from_xyz(0.0, 0.4, 0.0);
     scene.spawn((Mesh3d(mesh), MeshMaterial3d(material), transform));
-    scene.default_camera(LeanDeferred {
-        debug_view: Some(DebugChannel::Roughness),
-        ..default()
-    });
+    scene.default_camera((
+        LeanDeferred::default(),
+        LeanDebugView::from(DebugView::Roughness),
+    ));
     headless.settle();
     assert_eq!(active_lean_views(headless), 1);
     let picture = headless.capture();

@@ -19,7 +19,7 @@ use bevy_lean_deferred::{
 };
 use kit::{
     headless::Headless,
-    lean::{build, set_lean},
+    lean::{build, change_cameras, set_lean},
     log_watch,
     own_process::in_own_process,
 };
@@ -92,12 +92,13 @@ fn the_motion_target_can_be_shown() {
         let mut headless = build(SIZE, |s| {
             still_and_moving(s, MotionVectorPrepass);
         });
-        set_lean(&mut headless, true);
-        let world = headless.world();
-        let mut cameras = world.query::<(&mut LeanDeferred, &mut Tonemapping)>();
-        let (mut lean, mut tonemapping) = cameras.single_mut(world).expect("one camera");
-        lean.debug_view = Some(DebugChannel::Motion);
-        *tonemapping = Tonemapping::None;
+        change_cameras(&mut headless, |camera| {
+            camera.insert((
+                LeanDeferred::default(),
+                LeanDebugView::from(DebugView::Motion),
+                Tonemapping::None,
+            ));
+        });
         headless.settle();
         let film = headless.film(6, |world, _| {
             shift_movers(world, Vec3::new(0.06, 0.03, 0.0));

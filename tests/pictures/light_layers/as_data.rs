@@ -14,7 +14,7 @@ use bevy_lean_deferred::prelude::*;
 
 use kit::{
     headless::{Headless, Picture},
-    lean::set_lean,
+    lean::change_cameras,
     own_process::in_own_process,
     scenes::{SceneBuilder, build::material},
 };
@@ -83,11 +83,12 @@ fn show(sets: usize, drawing: Drawing) -> Headless {
 
 fn show_in(headless: &mut Headless, sets: usize, drawing: Drawing) {
     kit::lean::show(headless, |s| scene(s, sets, drawing));
-    set_lean(headless, true);
-    let world = headless.world();
-    let mut cameras = world.query::<&mut LeanDeferred>();
-    let mut settings = cameras.single_mut(world).expect("there is one camera");
-    settings.debug_view = Some(DebugChannel::VisibilityMask);
+    change_cameras(headless, |camera| {
+        camera.insert((
+            LeanDeferred::default(),
+            LeanDebugView::from(DebugView::VisibilityMask),
+        ));
+    });
     headless.settle();
     headless.frames(3);
 }

@@ -27,7 +27,6 @@ pub const LIGHTING: &[Factor] = &[
         &["LEAN_AMBIENT_OCCLUSION"],
         &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_MULTIBOUNCE"],
         &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_OF_DIRECT_LIGHT"],
-        &["LEAN_AMBIENT_OCCLUSION", "OCCLUSION_DEBUG_VIEW"],
         &[
             "LEAN_AMBIENT_OCCLUSION",
             "OCCLUSION_MULTIBOUNCE",
@@ -102,15 +101,16 @@ pub const LIGHTING: &[Factor] = &[
         &["GBUFFER_SPECIALIZATION"],
         &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
     ],
-    WHAT_IS_LIT,
+    DEBUG_VIEWS,
+    SPECIAL_SURFACES,
 ];
 
-/// Debug channels are shown for all surfaces alike; otherwise a dispatch may list special surfaces, or light them.
-const WHAT_IS_LIT: Factor = &[
+/// Debug views that lighting draws.
+const DEBUG_VIEWS: Factor = &[
     &[],
     &["DEBUG_ALBEDO"],
     &["DEBUG_METALLIC"],
-    &["DEBUG_OCCLUSION"],
+    &["DEBUG_MATERIAL_OCCLUSION"],
     &["DEBUG_NORMAL"],
     &["DEBUG_ROUGHNESS"],
     &["DEBUG_GEOMETRIC_NORMAL"],
@@ -123,6 +123,12 @@ const WHAT_IS_LIT: Factor = &[
     &["DEBUG_VISIBILITY_MASK", "GBUFFER_VISIBILITY_MASK"],
     &["DEBUG_DIFFUSE_LIGHT"],
     &["DEBUG_SPECULAR_LIGHT"],
+    &["DEBUG_FORWARD"],
+];
+
+/// A dispatch may list special surfaces, or light them.
+const SPECIAL_SURFACES: Factor = &[
+    &[],
     &["LISTED_VARIANTS"],
     &["VISITED_VARIANTS", "STANDARD_MATERIAL_ANISOTROPY"],
     &["VISITED_VARIANTS", "SHADING_MODEL_RIM"],
@@ -188,10 +194,10 @@ const OCCLUSION_PROJECTIONS: Factor = &[
 ];
 
 /// Definitions of `OcclusionPipelines::merge`.
-pub const OCCLUSION_MERGE: &[Factor] = &[
-    &[&[], &["DISTANCE_FOG"], &["DEBUG_VIEW"]],
-    OCCLUSION_FILTERS,
-];
+pub const OCCLUSION_MERGE: &[Factor] = &[optional!("DISTANCE_FOG"), OCCLUSION_FILTERS];
+
+/// Definitions of the debug view of ambient occlusion.
+pub const OCCLUSION_DEBUG_VIEW: &[Factor] = &[OCCLUSION_FILTERS];
 
 const PROJECTIONS: Factor = &[
     &["VIEW_PROJECTION_NONSTANDARD"],
@@ -392,7 +398,6 @@ fn occurs(name: &str, has: impl Fn(&str) -> bool) -> bool {
         "STANDARD_MATERIAL_CLEARCOAT_NORMAL_MAP" => {
             has("PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED")
         }
-        "SHOWS_LIGHT" => !has("DEBUG_VIEW") && !has("OCCLUSION_DEBUG_VIEW"),
         _ => true,
     }
 }

@@ -120,9 +120,7 @@ pub fn lighting(more: &[&str]) -> Composed {
         "GEOMETRIC_NORMAL",
         "APPLIES_VISIBILITY",
     ];
-    let shows_light = !more.contains(&"DEBUG_VIEW");
-    let light = shows_light.then_some(&"SHOWS_LIGHT");
-    let definitions: Vec<&str> = MOST.iter().chain(light).chain(more).copied().collect();
+    let definitions: Vec<&str> = MOST.iter().chain(more).copied().collect();
     Composed::new(
         include_str!("../../../src/lighting/lighting.wgsl"),
         "lighting/lighting.wgsl",
@@ -150,7 +148,12 @@ pub fn all() -> &'static [Composed] {
                 "VISITED_VARIANTS",
                 "STANDARD_MATERIAL_CLEARCOAT",
             ]),
-            lighting(&["GBUFFER_MOTION", "DEBUG_VIEW", "DEBUG_MOTION"]),
+            lighting(&[
+                "GBUFFER_MOTION",
+                "DEBUG_VIEW",
+                "SHOWS_CHANNEL",
+                "DEBUG_MOTION",
+            ]),
             shader!(
                 "ambient_occlusion/gather.wgsl",
                 "COMPUTE",
@@ -161,6 +164,7 @@ pub fn all() -> &'static [Composed] {
                 "STEPS=1"
             ),
             shader!("ambient_occlusion/merge.wgsl",),
+            shader!("ambient_occlusion/debug_view.wgsl",),
             shader!("auto_exposure/meter.wgsl", "HISTOGRAM", "MASK"),
             shader!("auto_exposure/adapt.wgsl",),
             shader!("auto_exposure/overlay.wgsl", "OVERLAY", "MASK"),

@@ -6,8 +6,8 @@ use super::{
     Definitions,
     covering::{Factor, covering_rows},
     factors::{
-        EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED,
-        OCCLUSION_MERGE, SHARES_DEPTHS, definitions,
+        EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_DEBUG_VIEW, OCCLUSION_GATHER,
+        OCCLUSION_GATHER_SHARED, OCCLUSION_MERGE, SHARES_DEPTHS, definitions,
     },
 };
 
@@ -90,8 +90,8 @@ const MOTION: &[&str] = &["", "MOTION"];
 
 /// WebGPU's minimum of storage buffers, and the number that SwiftShader and most browsers have.
 const LIGHTING_ALWAYS: [&str; 2] = [
-    "DEPTH_PREPASS SHOWS_LIGHT AVAILABLE_STORAGE_BUFFER_BINDINGS=8",
-    "DEPTH_PREPASS SHOWS_LIGHT AVAILABLE_STORAGE_BUFFER_BINDINGS=10",
+    "DEPTH_PREPASS AVAILABLE_STORAGE_BUFFER_BINDINGS=8",
+    "DEPTH_PREPASS AVAILABLE_STORAGE_BUFFER_BINDINGS=10",
 ];
 
 const GBUFFER_ALWAYS: &str = "PREPASS_PIPELINE PREPASS_FRAGMENT VERTEX_OUTPUT_INSTANCE_INDEX VERTEX_POSITIONS \
@@ -131,6 +131,10 @@ fn passes() -> Vec<Shader> {
             gather.map(occlusion_gathers).concat(),
         ),
         ("ambient_occlusion/merge.wgsl", rows(OCCLUSION_MERGE, "")),
+        (
+            "ambient_occlusion/debug_view.wgsl",
+            rows(OCCLUSION_DEBUG_VIEW, ""),
+        ),
         ("auto_exposure/meter.wgsl", exposure()),
         ("auto_exposure/adapt.wgsl", exposure()),
         ("auto_exposure/overlay.wgsl", exposure()),
