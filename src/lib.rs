@@ -70,11 +70,11 @@
 
 extern crate alloc;
 
+pub mod activation;
 pub mod ambient_occlusion;
 pub mod auto_exposure;
 pub mod gbuffer;
 mod gpu;
-pub mod lean;
 pub mod lighting;
 mod named;
 mod preset;
@@ -86,11 +86,11 @@ pub mod shading_extension;
 pub mod shading_models;
 pub mod view;
 
+pub use activation::LeanDeferredPlugin;
 pub use ambient_occlusion::{
     LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin,
 };
 pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
-pub use lean::LeanDeferredPlugin;
 pub use preset::LeanPreset;
 pub use screen_space::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,

@@ -7,8 +7,9 @@ use bevy::{
     render::render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
 };
 use bevy_lean_deferred::{
-    LeanDeferredPlugins, ambient_occlusion, auto_exposure,
-    lean::{NEEDED_FLAGS, NEEDED_FORMATS, NEEDED_LIMITS, NeededLimit, missing_of},
+    LeanDeferredPlugins,
+    activation::{NEEDED_FLAGS, NEEDED_FORMATS, NEEDED_LIMITS, NeededLimit, missing_of},
+    ambient_occlusion, auto_exposure,
     prelude::*,
     screen_space::{self, subsurface},
 };

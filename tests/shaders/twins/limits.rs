@@ -1,8 +1,8 @@
 //! Device limits that compute shaders use are in the table of needed limits of their effect.
 
 use bevy_lean_deferred::{
+    activation::{self, NeededLimit},
     ambient_occlusion, auto_exposure,
-    lean::{self, NeededLimit},
     screen_space::{self, subsurface},
 };
 use naga::{
@@ -29,7 +29,7 @@ fn tables(file: &str) -> Vec<&'static [NeededLimit]> {
     } else {
         &[]
     };
-    vec![lean::NEEDED_LIMITS, of_effect]
+    vec![activation::NEEDED_LIMITS, of_effect]
 }
 
 /// Limits of a device that has what `tables` require, and of all else what WebGPU guarantees.
@@ -123,7 +123,7 @@ fn the_tables_of_needs_have_what_shaders_use() {
             }
         }
     };
-    check(&plain, &[lean::NEEDED_LIMITS]);
+    check(&plain, &[activation::NEEDED_LIMITS]);
     for composed in shaders::all() {
         let mut tables = tables(composed.file);
         // Lighting of scattering surfaces writes more.
