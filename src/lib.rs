@@ -71,14 +71,12 @@
 extern crate alloc;
 
 pub mod activation;
-pub mod ambient_occlusion;
-pub mod auto_exposure;
+pub mod effects;
 pub mod gbuffer;
 mod gpu;
 pub mod lighting;
 mod named;
 mod preset;
-pub mod screen_space;
 #[doc(hidden)]
 pub mod shader_library;
 pub mod shading_extension;
@@ -87,15 +85,13 @@ pub mod shading_models;
 pub mod view;
 
 pub use activation::LeanDeferredPlugin;
-pub use ambient_occlusion::{
-    LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin,
-};
-pub use auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin};
-pub use preset::LeanPreset;
-pub use screen_space::{
+pub use effects::{
     LeanScreenSpaceGi, LeanScreenSpaceGiPlugin, LeanScreenSpaceReflections,
     LeanScreenSpaceReflectionsPlugin, LeanSubsurfaceScattering, LeanSubsurfaceScatteringPlugin,
+    ambient_occlusion::{LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionPlugin},
+    auto_exposure::{LeanAutoExposure, LeanAutoExposurePlugin},
 };
+pub use preset::LeanPreset;
 pub use view::{
     CameraCut, DebugView, EffectStatus, LeanDebugView, LeanDeferred, LeanMemory, LeanOffReason,
     LeanQuality, LeanResolution, LeanStatus, LeanSupport, LightCulling,
@@ -104,7 +100,7 @@ pub use view::{
 use bevy::app::plugin_group;
 
 /// The plugins, the components of cameras with their levels and reports, and materials. All else is in its module: parts of settings,
-/// such as [`OcclusionFilter`](crate::ambient_occlusion::OcclusionFilter), single plugins, and
+/// such as [`OcclusionFilter`](crate::effects::ambient_occlusion::OcclusionFilter), single plugins, and
 /// [`ForwardReason`](crate::gbuffer::ForwardReason).
 pub mod prelude {
     pub use crate::{
@@ -112,7 +108,7 @@ pub mod prelude {
         LeanDeferredPlugins, LeanMemory, LeanOffReason, LeanPreset, LeanQuality, LeanResolution,
         LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi, LeanScreenSpaceReflections, LeanStatus,
         LeanSubsurfaceScattering, LeanSupport,
-        auto_exposure::MeteredExposure,
+        effects::auto_exposure::MeteredExposure,
         gbuffer::{GBufferMaterial, GBufferMaterialPlugin, GBufferNeeds, LeanForwardMeshes},
         shading_extension::{ExtendedStandardMaterial, ShadingExtension},
     };

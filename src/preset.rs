@@ -8,8 +8,10 @@ use bevy::{
 };
 
 use crate::{
-    ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
-    screen_space::{LeanScreenSpaceGi, LeanScreenSpaceReflections, LeanSubsurfaceScattering},
+    effects::{
+        LeanScreenSpaceGi, LeanScreenSpaceReflections, LeanSubsurfaceScattering,
+        ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
+    },
     view::{LeanDeferred, LeanQuality, LeanResolution, ParseLevelError, parse_level},
 };
 

@@ -5,7 +5,7 @@ use bevy::{
     prelude::*,
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::{
+    effects::ambient_occlusion::{
         LeanScreenSpaceAmbientOcclusionAdvanced as Advanced, OcclusionFilter, OcclusionKernel,
         OcclusionNormals,
     },
@@ -176,10 +176,10 @@ impl Contender {
         match self.occlusion {
             None => &[],
             // The lighting pass merges.
-            Some(Kind::Lean(_)) if self.lean => &["lean_deferred/ambient_occlusion/gather"],
+            Some(Kind::Lean(_)) if self.lean => &["lean_deferred/effects/ambient_occlusion/gather"],
             Some(Kind::Lean(_)) => &[
-                "lean_deferred/ambient_occlusion/gather",
-                "lean_deferred/ambient_occlusion/merge",
+                "lean_deferred/effects/ambient_occlusion/gather",
+                "lean_deferred/effects/ambient_occlusion/merge",
             ],
             Some(Kind::Bevy(_)) => &["ssao"],
             Some(Kind::Naive) => &["bench/naive/gather", "bench/naive/merge"],

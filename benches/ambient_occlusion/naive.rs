@@ -22,7 +22,7 @@ use bevy::{
     shader::ShaderDefVal,
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::OcclusionUniform,
+    effects::ambient_occlusion::OcclusionUniform,
     prelude::*,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
 };

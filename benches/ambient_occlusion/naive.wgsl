@@ -1,7 +1,7 @@
 // The technique that the crate replaces: occlusion in the alpha of four half-precision channels, nine fetches to blur
 // it, and a merge in the shader.
-#import bevy_lean_deferred::ambient_occlusion::bindings::{depth_at, depth_texture, view}
-#import bevy_lean_deferred::ambient_occlusion::hbao::hbao
+#import bevy_lean_deferred::effects::ambient_occlusion::bindings::{depth_at, depth_texture, view}
+#import bevy_lean_deferred::effects::ambient_occlusion::hbao::hbao
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthView, depths_around}
 
 #ifdef GATHER

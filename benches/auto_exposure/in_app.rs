@@ -19,7 +19,7 @@ use bevy::{
         view::{ViewUniform, ViewUniformOffset, ViewUniforms},
     },
 };
-use bevy_lean_deferred::{auto_exposure::LeanAutoExposure, prelude::*};
+use bevy_lean_deferred::{effects::auto_exposure::LeanAutoExposure, prelude::*};
 use figures::benches::auto_exposure::{Group, Measurement};
 
 use crate::{
@@ -123,7 +123,7 @@ fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> Measured {
         samples.take(headless.app.world().resource::<DiagnosticsStore>());
     }
     let span = match kind {
-        Kind::Lean(_) => "lean_deferred/auto_exposure",
+        Kind::Lean(_) => "lean_deferred/effects/auto_exposure",
         Kind::Bevy(_) => "auto_exposure",
     };
     let luminance = match kind {

@@ -1,7 +1,7 @@
 //! This crate's auto exposure, outside any app.
 
 use bevy::{asset::Handle, math::UVec2};
-use bevy_lean_deferred::auto_exposure::{LeanAutoExposure, Metering, MeteringPattern};
+use bevy_lean_deferred::effects::auto_exposure::{LeanAutoExposure, Metering, MeteringPattern};
 
 use crate::{
     Args,

@@ -6,7 +6,7 @@ use bevy::{
     asset::Handle,
     math::{UVec2, Vec3},
 };
-use bevy_lean_deferred::auto_exposure::{
+use bevy_lean_deferred::effects::auto_exposure::{
     LeanAutoExposure, LuminanceTrim, Metering, MeteringPattern,
     luminance::{LARGEST, LOWEST_LOG},
 };

@@ -69,15 +69,15 @@ impl Contender {
     pub fn spans(self) -> &'static [&'static str] {
         match self {
             Self::Plain => &[],
-            Self::Occlusion => &["lean_deferred/ambient_occlusion/gather"],
-            Self::Gi(..) => &["lean_deferred/screen_space/diffuse_gi"],
+            Self::Occlusion => &["lean_deferred/effects/ambient_occlusion/gather"],
+            Self::Gi(..) => &["lean_deferred/effects/diffuse_gi"],
             Self::Reflections(..) => &[
-                "lean_deferred/screen_space/history",
-                "lean_deferred/screen_space/reflections",
+                "lean_deferred/effects/history",
+                "lean_deferred/effects/reflections",
             ],
             Self::BevysReflections => &["ssr"],
             Self::Scattering(None, _) => &[],
-            Self::Scattering(..) => &["lean_deferred/screen_space/subsurface"],
+            Self::Scattering(..) => &["lean_deferred/effects/subsurface"],
         }
     }
 
@@ -85,16 +85,16 @@ impl Contender {
     pub fn stages(self) -> &'static [&'static str] {
         match self {
             Self::Gi(..) => &[
-                "lean_deferred/screen_space/diffuse_gi/levels",
-                "lean_deferred/screen_space/diffuse_gi/gather",
-                "lean_deferred/screen_space/diffuse_gi/filter",
+                "lean_deferred/effects/diffuse_gi/levels",
+                "lean_deferred/effects/diffuse_gi/gather",
+                "lean_deferred/effects/diffuse_gi/filter",
             ],
             Self::Reflections(..) => &[
-                "lean_deferred/screen_space/history",
-                "lean_deferred/screen_space/reflections/hi_z",
-                "lean_deferred/screen_space/reflections/trace",
-                "lean_deferred/screen_space/reflections/spatial_filter",
-                "lean_deferred/screen_space/reflections/resolve",
+                "lean_deferred/effects/history",
+                "lean_deferred/effects/reflections/hi_z",
+                "lean_deferred/effects/reflections/trace",
+                "lean_deferred/effects/reflections/spatial_filter",
+                "lean_deferred/effects/reflections/resolve",
             ],
             _ => &[],
         }

@@ -8,8 +8,8 @@ use bevy::{
     render::{RenderApp, diagnostic::RenderDiagnosticsPlugin},
 };
 use bevy_lean_deferred::{
+    effects::{LeanScreenSpaceGiAdvanced, TimesEachDispatch},
     prelude::*,
-    screen_space::{LeanScreenSpaceGiAdvanced, TimesEachDispatch},
 };
 use figures::benches::screen_space::{KnownError, Measurement};
 use kit::{

@@ -3,7 +3,7 @@
 use argh::FromArgs;
 use bevy::prelude::*;
 use bevy_lean_deferred::{
-    ambient_occlusion::{
+    effects::ambient_occlusion::{
         LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication, OcclusionFilter,
         OcclusionKernel, OcclusionNormals,
     },

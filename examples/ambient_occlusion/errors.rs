@@ -5,7 +5,7 @@
 //! the closed forms are in `kit/src/occlusion/closed_forms.rs`) with a radius of 0.5 m, the default falloff of 0.1 and all
 //! other settings at their defaults.
 
-use bevy_lean_deferred::{ambient_occlusion::OcclusionKernel, prelude::*};
+use bevy_lean_deferred::{effects::ambient_occlusion::OcclusionKernel, prelude::*};
 
 use crate::settings::{ExampleSettings, Mode};
 

@@ -4,7 +4,7 @@ use core::fmt::Write;
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 use bevy_lean_deferred::{
-    ambient_occlusion::{OcclusionApplication, OcclusionKernel, OcclusionNormals},
+    effects::ambient_occlusion::{OcclusionApplication, OcclusionKernel, OcclusionNormals},
     prelude::*,
 };
 
@@ -89,14 +89,14 @@ fn describe(settings: &ExampleSettings) -> String {
 /// Times of the passes that run now: the diagnostics of others keep their last times.
 fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
     let time = |span| gpu_times::text(diagnostics, span);
-    let gather = "lean_deferred/ambient_occlusion/gather";
+    let gather = "lean_deferred/effects/ambient_occlusion/gather";
     match settings.mode {
         Mode::Off => "-".into(),
         Mode::Bevy => format!("ssao {}", time("ssao")),
         Mode::Lean if is_merged(settings) => format!(
             "gather {}, merge {}",
             time(gather),
-            time("lean_deferred/ambient_occlusion/merge")
+            time("lean_deferred/effects/ambient_occlusion/merge")
         ),
         Mode::Lean => format!("gather {}, merged by the lighting pass", time(gather)),
     }

@@ -9,7 +9,9 @@ use bevy::{
     prelude::*,
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::{OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals},
+    effects::ambient_occlusion::{
+        OcclusionApplication, OcclusionFilter, OcclusionKernel, OcclusionNormals,
+    },
     prelude::*,
 };
 

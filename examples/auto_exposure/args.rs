@@ -3,7 +3,7 @@
 use argh::FromArgs;
 use bevy::prelude::*;
 use bevy_lean_deferred::{
-    auto_exposure::{LeanAutoExposureAdvanced, Metering, ReductionPath},
+    effects::auto_exposure::{LeanAutoExposureAdvanced, Metering, ReductionPath},
     prelude::*,
 };
 

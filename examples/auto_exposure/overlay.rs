@@ -111,6 +111,6 @@ fn times(settings: &ExampleSettings, diagnostics: &DiagnosticsStore) -> String {
     match settings.mode {
         Mode::Off => "-".into(),
         Mode::Bevy => format!("auto_exposure {}", time("auto_exposure")),
-        Mode::Lean => time("lean_deferred/auto_exposure"),
+        Mode::Lean => time("lean_deferred/effects/auto_exposure"),
     }
 }

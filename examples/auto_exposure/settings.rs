@@ -8,7 +8,7 @@ use bevy::{
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
 use bevy_lean_deferred::{
-    auto_exposure::{LuminanceTrim, Metering, MeteringPattern, ReductionPath},
+    effects::auto_exposure::{LuminanceTrim, Metering, MeteringPattern, ReductionPath},
     prelude::*,
 };
 

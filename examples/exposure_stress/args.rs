@@ -3,7 +3,7 @@
 use argh::FromArgs;
 use bevy::{camera::Viewport, prelude::*};
 use bevy_lean_deferred::{
-    auto_exposure::{LeanAutoExposureAdvanced, LuminanceTrim, ReductionPath},
+    effects::auto_exposure::{LeanAutoExposureAdvanced, LuminanceTrim, ReductionPath},
     prelude::*,
 };
 

@@ -233,7 +233,7 @@ fn report(what: &str, args: &Args, times: &FrameTimes, diagnostics: &Diagnostics
     let time = |span| gpu_times::text(diagnostics, span);
     let gpu = match args.effect {
         Effect::None => String::new(),
-        Effect::Lean => format!("; GPU: {}", time("lean_deferred/auto_exposure")),
+        Effect::Lean => format!("; GPU: {}", time("lean_deferred/effects/auto_exposure")),
         Effect::Bevy => format!("; GPU: auto_exposure {}", time("auto_exposure")),
     };
     println!(

@@ -36,14 +36,14 @@ fn update_text(
         Effect::None => "no effect".into(),
         Effect::Occlusion => format!(
             "LeanScreenSpaceAmbientOcclusion: {}",
-            time("lean_deferred/ambient_occlusion/gather")
+            time("lean_deferred/effects/ambient_occlusion/gather")
         ),
         Effect::Gi => format!(
             "LeanScreenSpaceGi {}, {}, {:.1} m: {}",
             gi.quality,
             gi.resolution,
             gi.radius,
-            time("lean_deferred/screen_space/diffuse_gi"),
+            time("lean_deferred/effects/diffuse_gi"),
         ),
     };
     let mirrors = match settings.mirrors {
@@ -52,8 +52,8 @@ fn update_text(
         quality => format!(
             "LeanScreenSpaceReflections {quality:?}, {}: {}, last frame {}",
             gi.resolution,
-            time("lean_deferred/screen_space/reflections"),
-            time("lean_deferred/screen_space/history"),
+            time("lean_deferred/effects/reflections"),
+            time("lean_deferred/effects/history"),
         ),
     };
     text.0 = format!(

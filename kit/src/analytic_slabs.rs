@@ -72,7 +72,7 @@ pub fn pattern(s: &mut SceneBuilder, side: u32, light: impl Fn(Vec2) -> f32) -> 
 
 /// Light that leaves at so many mean free paths from an edge of light, positive on its lit side, where incident light is 1.
 pub fn beside_edge(paths_away: f32) -> f32 {
-    let within = bevy_lean_deferred::screen_space::subsurface::profile::share_beside;
+    let within = bevy_lean_deferred::effects::subsurface::profile::share_beside;
     0.5 + 0.5 * within(paths_away.abs()) * paths_away.signum()
 }
 

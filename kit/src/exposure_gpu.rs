@@ -6,7 +6,7 @@ use bevy::{
     math::{UVec2, Vec3},
     render::render_resource::encase::{StorageBuffer, UniformBuffer},
 };
-use bevy_lean_deferred::auto_exposure::{
+use bevy_lean_deferred::effects::auto_exposure::{
     ExposureKey, ExposureState, ExposureUniform, LeanAutoExposure, MeteringPattern, adapt_layout,
     binding_numbers as numbers, key::workgroups, meter_layout,
 };
@@ -22,11 +22,11 @@ use crate::{
 const MODULES: [WgslModule; 7] = [
     wgsl!("shader_library/tiles.wgsl"),
     BEVY_VIEW,
-    wgsl!("auto_exposure/bindings.wgsl"),
-    wgsl!("auto_exposure/luminance.wgsl"),
-    wgsl!("auto_exposure/pattern.wgsl"),
-    wgsl!("auto_exposure/adaptation.wgsl"),
-    wgsl!("auto_exposure/reduction.wgsl"),
+    wgsl!("effects/auto_exposure/bindings.wgsl"),
+    wgsl!("effects/auto_exposure/luminance.wgsl"),
+    wgsl!("effects/auto_exposure/pattern.wgsl"),
+    wgsl!("effects/auto_exposure/adaptation.wgsl"),
+    wgsl!("effects/auto_exposure/reduction.wgsl"),
 ];
 /// Replaces Bevy's view module, as far as the shaders use it.
 const BEVY_VIEW: WgslModule = WgslModule {
@@ -37,8 +37,8 @@ struct ColorGrading { exposure: f32 }
 struct View { color_grading: ColorGrading }
 ",
 };
-const METER: WgslModule = wgsl!("auto_exposure/meter.wgsl");
-const ADAPT: WgslModule = wgsl!("auto_exposure/adapt.wgsl");
+const METER: WgslModule = wgsl!("effects/auto_exposure/meter.wgsl");
+const ADAPT: WgslModule = wgsl!("effects/auto_exposure/adapt.wgsl");
 
 /// Bound bytes of Bevy's view.
 const BEVY_VIEW_SIZE: u64 = 4096;

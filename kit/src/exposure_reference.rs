@@ -1,7 +1,7 @@
 //! CPU reference of the exposure shaders, in double precision.
 
 use bevy::math::{DVec2, UVec2, Vec3};
-use bevy_lean_deferred::auto_exposure::{
+use bevy_lean_deferred::effects::auto_exposure::{
     LeanAutoExposure, LuminanceTrim, Metering, MeteringPattern,
     luminance::{LARGEST, LOWEST_LOG, WEIGHTS},
 };

@@ -17,7 +17,7 @@ use bevy::{
         view::{ExtractedView, ViewTarget},
     },
 };
-use bevy_lean_deferred::screen_space::DebugViewPasses;
+use bevy_lean_deferred::effects::DebugViewPasses;
 use half::f16;
 
 use crate::{headless::Headless, lean::begin_phase};

@@ -4,7 +4,8 @@ use bevy::{
     anti_alias::taa::TemporalAntiAliasing, diagnostic::FrameCount, prelude::*, render::RenderApp,
 };
 use bevy_lean_deferred::{
-    LeanAutoExposure, LeanDeferred, auto_exposure::LeanAutoExposureAdvanced, view::ActiveLeanView,
+    LeanAutoExposure, LeanDeferred, effects::auto_exposure::LeanAutoExposureAdvanced,
+    view::ActiveLeanView,
 };
 
 use super::{

@@ -10,7 +10,7 @@ use bevy::{
     math::{Mat4, UVec2},
     render::render_resource::encase::UniformBuffer,
 };
-use bevy_lean_deferred::ambient_occlusion::{
+use bevy_lean_deferred::effects::ambient_occlusion::{
     LeanScreenSpaceAmbientOcclusion, OcclusionUniform, binding_numbers as numbers,
 };
 use draw::Target;

@@ -5,7 +5,7 @@ use bevy::render::{
     batching::gpu_preprocessing::{GpuPreprocessingMode, GpuPreprocessingSupport},
     renderer::RenderDevice,
 };
-use bevy_lean_deferred::screen_space::subsurface::missing_for_scattering;
+use bevy_lean_deferred::effects::subsurface::missing_for_scattering;
 use wgpu::{Features, Limits};
 
 use crate::{device::BINDING_ARRAYS, gpu, headless::Headless, own_process::in_own_process};

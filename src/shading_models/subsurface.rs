@@ -1,4 +1,4 @@
-//! Light that enters, scatters and leaves elsewhere; `screen_space/subsurface/` scatters it.
+//! Light that enters, scatters and leaves elsewhere; `effects/subsurface/` scatters it.
 //!
 //! | bits, low to high | |
 //! |---|---|

@@ -51,7 +51,7 @@ pub struct LeanMemory {
     /// Of [`LeanSubsurfaceScattering`](crate::LeanSubsurfaceScattering), with the light that lighting writes for it.
     pub subsurface: u64,
     /// Of [`LeanAutoExposure`](crate::LeanAutoExposure), with what reads it back for
-    /// [`MeteredExposure`](crate::auto_exposure::MeteredExposure).
+    /// [`MeteredExposure`](crate::effects::auto_exposure::MeteredExposure).
     pub auto_exposure: u64,
 }
 

@@ -221,7 +221,7 @@ pub enum LeanOffReason {
     /// It has `DeferredPrepass`, that is, Bevy's own deferred renderer.
     DeferredPrepass,
     /// Its `Tonemapping` is `None`, the default of `Camera2d`, with which Bevy applies no exposure. It is metered all the
-    /// same: [`MeteredExposure`](crate::auto_exposure::MeteredExposure) has the values.
+    /// same: [`MeteredExposure`](crate::effects::auto_exposure::MeteredExposure) has the values.
     NoTonemapping,
     /// The device lacks these capabilities. [`LeanSupport`](crate::LeanSupport) has them before any camera is spawned.
     Device(String),

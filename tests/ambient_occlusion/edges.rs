@@ -2,7 +2,7 @@
 
 use bevy::math::UVec2;
 use bevy_lean_deferred::{
-    ambient_occlusion::{
+    effects::ambient_occlusion::{
         LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionAdvanced as Advanced,
         OcclusionFilter,
     },

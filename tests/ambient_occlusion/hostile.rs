@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use bevy::math::{Mat4, UVec2};
-use bevy_lean_deferred::ambient_occlusion::LeanScreenSpaceAmbientOcclusion;
+use bevy_lean_deferred::effects::ambient_occlusion::LeanScreenSpaceAmbientOcclusion;
 
 use crate::views::{ORTHOGRAPHIC, SIZE, corner, difference, kinds, run, wall};
 use kit::{

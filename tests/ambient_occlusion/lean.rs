@@ -5,7 +5,7 @@ use bevy::{
     prelude::*,
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::{LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication},
+    effects::ambient_occlusion::{LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication},
     prelude::*,
 };
 

@@ -4,7 +4,7 @@ use std::{f64::consts::FRAC_PI_8, rc::Rc};
 
 use bevy::math::{DMat4, DVec2, DVec3, IVec2};
 use bevy_lean_deferred::{
-    ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
+    effects::ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
     view::{LeanQuality, LeanResolution},
 };
 

@@ -6,7 +6,7 @@ use bevy::{
     prelude::*,
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::{
+    effects::ambient_occlusion::{
         LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication, OcclusionKernel,
     },
     prelude::*,

@@ -5,7 +5,7 @@ use bevy::{
     math::{DMat4, DVec3, Mat4, UVec2, Vec3, Vec4},
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
+    effects::ambient_occlusion::LeanScreenSpaceAmbientOcclusion,
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
 };
 

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_8;
 
 use bevy::math::DVec3;
-use bevy_lean_deferred::ambient_occlusion::LeanScreenSpaceAmbientOcclusion;
+use bevy_lean_deferred::effects::ambient_occlusion::LeanScreenSpaceAmbientOcclusion;
 
 use crate::views::{RADIUS, SIZE, TALL, View, corner, kinds, run};
 use kit::{

@@ -1,7 +1,7 @@
 //! Pictures of any shape and size, and views anywhere in a larger buffer.
 
 use bevy::math::UVec2;
-use bevy_lean_deferred::ambient_occlusion::LeanScreenSpaceAmbientOcclusion;
+use bevy_lean_deferred::effects::ambient_occlusion::LeanScreenSpaceAmbientOcclusion;
 
 use crate::views::{
     ORTHOGRAPHIC, PERSPECTIVE, corner, crop, difference, kinds, kinds_and_filters, plane, run, wall,

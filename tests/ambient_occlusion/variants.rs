@@ -1,7 +1,7 @@
 //! Effects of filter, resolution and the kind of pass.
 
 use bevy_lean_deferred::{
-    ambient_occlusion::{
+    effects::ambient_occlusion::{
         LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionAdvanced as Advanced,
         OcclusionFilter, OcclusionKernel,
     },

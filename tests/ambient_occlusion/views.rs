@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use bevy::math::{DVec3, UVec2};
 use bevy_lean_deferred::{
-    ambient_occlusion::{
+    effects::ambient_occlusion::{
         LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceAmbientOcclusionAdvanced as Advanced,
         OcclusionFilter, OcclusionKernel,
     },

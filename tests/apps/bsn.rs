@@ -2,7 +2,8 @@
 
 use bevy::{camera::Hdr, prelude::*};
 use bevy_lean_deferred::{
-    auto_exposure::MeteringPattern, prelude::*, screen_space::LeanScreenSpaceGiAdvanced,
+    effects::{LeanScreenSpaceGiAdvanced, auto_exposure::MeteringPattern},
+    prelude::*,
 };
 use kit::{
     headless::Headless, lean::active_lean_views, log_watch, own_process::in_own_process,

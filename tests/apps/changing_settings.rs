@@ -8,7 +8,7 @@ use bevy::{
     prelude::*,
     render::error_handler::{RenderErrorHandler, RenderErrorPolicy},
 };
-use bevy_lean_deferred::{ambient_occlusion::OcclusionKernel, prelude::*};
+use bevy_lean_deferred::{effects::ambient_occlusion::OcclusionKernel, prelude::*};
 use kit::{
     headless::{Headless, Picture, target_image},
     lean::instant_exposure,

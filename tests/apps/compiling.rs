@@ -10,9 +10,13 @@ use bevy::{
     render::{RenderApp, camera::TemporalJitter},
 };
 use bevy_lean_deferred::{
-    auto_exposure::{LuminanceTrim, MeteringPattern},
+    effects::{
+        ViewHistory,
+        auto_exposure::{LuminanceTrim, MeteringPattern},
+        diffuse_gi::ViewGi,
+        reflections::ReflectionBindings,
+    },
     prelude::*,
-    screen_space::{ViewHistory, diffuse_gi::ViewGi, reflections::ReflectionBindings},
 };
 use kit::{
     analytic_slabs::{SKIN, slab},

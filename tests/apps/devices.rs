@@ -9,9 +9,8 @@ use bevy::{
 use bevy_lean_deferred::{
     LeanDeferredPlugins,
     activation::{NEEDED_FLAGS, NEEDED_FORMATS, NEEDED_LIMITS, NeededLimit, missing_of},
-    ambient_occlusion, auto_exposure,
+    effects::{self, ambient_occlusion, auto_exposure, subsurface},
     prelude::*,
-    screen_space::{self, subsurface},
 };
 use kit::{
     analytic_slabs::{SKIN, slab},
@@ -246,7 +245,7 @@ const TABLES: [(&str, &[NeededLimit]); 5] = [
         "LeanScreenSpaceAmbientOcclusion",
         ambient_occlusion::COMPUTE_LIMITS,
     ),
-    ("GI and reflections", screen_space::NEEDED_LIMITS),
+    ("GI and reflections", effects::NEEDED_LIMITS),
     ("scattering", subsurface::NEEDED_LIMITS),
     ("LeanAutoExposure", auto_exposure::NEEDED_LIMITS),
 ];

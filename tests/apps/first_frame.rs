@@ -7,8 +7,10 @@ use bevy::{
     render::{RenderApp, sync_world::MainEntity},
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::ActiveOcclusion, gbuffer::GBufferTargets, prelude::*,
-    screen_space::subsurface::ActiveScattering, view::ActiveLeanView,
+    effects::{ambient_occlusion::ActiveOcclusion, subsurface::ActiveScattering},
+    gbuffer::GBufferTargets,
+    prelude::*,
+    view::ActiveLeanView,
 };
 use kit::{
     analytic_slabs::{SKIN, slab},

@@ -8,8 +8,8 @@ use bevy::{
     render::{Render, RenderApp, RenderSystems, camera::ExtractedCamera},
 };
 use bevy_lean_deferred::{
+    effects::{ReadsHistory, ViewHistory},
     prelude::*,
-    screen_space::{ReadsHistory, ViewHistory},
 };
 use kit::{
     hdr::read_light,

@@ -12,11 +12,9 @@ use bevy::{
 use bevy_lean_deferred::{
     LeanAutoExposure, LeanDeferred, LeanMemory, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi,
     LeanScreenSpaceReflections, LeanSubsurfaceScattering,
-    ambient_occlusion::OcclusionBindings,
-    auto_exposure::MeteredExposure,
-    screen_space::{
-        ViewHistory, diffuse_gi::GiBindings, reflections::ReflectionBindings,
-        subsurface::ViewSubsurface,
+    effects::{
+        ViewHistory, ambient_occlusion::OcclusionBindings, auto_exposure::MeteredExposure,
+        diffuse_gi::GiBindings, reflections::ReflectionBindings, subsurface::ViewSubsurface,
     },
 };
 use kit::{
@@ -288,31 +286,31 @@ const COUNTED: [(&str, fn(&LeanMemory) -> u64, &[&str]); 8] = [
     (
         "history",
         |memory| memory.history,
-        &["lean_deferred/screen_space/history"],
+        &["lean_deferred/effects/history"],
     ),
     (
         "ambient occlusion",
         |memory| memory.ambient_occlusion,
-        &["lean_deferred/ambient_occlusion"],
+        &["lean_deferred/effects/ambient_occlusion"],
     ),
     (
         "diffuse GI",
         |memory| memory.diffuse_gi,
         &[
-            "lean_deferred/screen_space/diffuse_gi/",
+            "lean_deferred/effects/diffuse_gi/",
             "lean_deferred/lighting/diffuse",
         ],
     ),
     (
         "reflections",
         |memory| memory.reflections,
-        &["lean_deferred/screen_space/reflections/"],
+        &["lean_deferred/effects/reflections/"],
     ),
     (
         "subsurface scattering",
         |memory| memory.subsurface,
         &[
-            "lean_deferred/screen_space/subsurface/",
+            "lean_deferred/effects/subsurface/",
             "lean_deferred/lighting/subsurface",
             "lean_deferred/lighting/scattering_tiles",
         ],
@@ -320,7 +318,7 @@ const COUNTED: [(&str, fn(&LeanMemory) -> u64, &[&str]); 8] = [
     (
         "auto exposure",
         |memory| memory.auto_exposure,
-        &["lean_deferred/auto_exposure/"],
+        &["lean_deferred/effects/auto_exposure/"],
     ),
 ];
 

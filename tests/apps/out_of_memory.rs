@@ -149,7 +149,7 @@ fn gbuffer() {
 fn occlusion() {
     in_own_process(|| {
         check(
-            "lean_deferred/ambient_occlusion",
+            "lean_deferred/effects/ambient_occlusion",
             LeanScreenSpaceAmbientOcclusion::default(),
         );
     });
@@ -159,7 +159,7 @@ fn occlusion() {
 fn occlusion_of_a_lean_camera() {
     in_own_process(|| {
         check(
-            "lean_deferred/ambient_occlusion",
+            "lean_deferred/effects/ambient_occlusion",
             (
                 LeanDeferred::default(),
                 LeanScreenSpaceAmbientOcclusion::default(),
@@ -191,7 +191,7 @@ fn diffuse_light() {
 fn diffuse_gi() {
     in_own_process(|| {
         check(
-            "lean_deferred/screen_space/diffuse_gi",
+            "lean_deferred/effects/diffuse_gi",
             (LeanDeferred::default(), LeanScreenSpaceGi::default()),
         );
     });
@@ -201,7 +201,7 @@ fn diffuse_gi() {
 fn reflections() {
     in_own_process(|| {
         check(
-            "lean_deferred/screen_space/reflections",
+            "lean_deferred/effects/reflections",
             (
                 LeanDeferred::default(),
                 LeanScreenSpaceReflections::default(),
@@ -214,7 +214,7 @@ fn reflections() {
 fn history() {
     in_own_process(|| {
         check(
-            "lean_deferred/screen_space/history",
+            "lean_deferred/effects/history",
             (
                 LeanDeferred::default(),
                 LeanScreenSpaceReflections::default(),
@@ -237,7 +237,7 @@ fn scattering() {
 fn scattered_light() {
     where_light_scatters(|| {
         check(
-            "lean_deferred/screen_space/subsurface/scattered",
+            "lean_deferred/effects/subsurface/scattered",
             LeanSubsurfaceScattering::default(),
         )
     });

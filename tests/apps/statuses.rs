@@ -8,7 +8,7 @@ use bevy::{
     prelude::*,
     render::{RenderApp, camera::CameraRenderGraph},
 };
-use bevy_lean_deferred::{LeanDeferredPlugins, auto_exposure::Metering, prelude::*};
+use bevy_lean_deferred::{LeanDeferredPlugins, effects::auto_exposure::Metering, prelude::*};
 use kit::{
     analytic_slabs::{SKIN, slab},
     headless::Headless,

@@ -9,7 +9,7 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     CameraCut,
-    auto_exposure::{
+    effects::auto_exposure::{
         ExposureClock, LeanAutoExposure, LuminanceTrim, MeteredExposure, MeteringPattern,
     },
     prelude::*,

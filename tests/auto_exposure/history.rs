@@ -1,7 +1,7 @@
 //! Exposure over time, as it follows the metered luminance.
 
 use bevy::math::{UVec2, Vec3};
-use bevy_lean_deferred::auto_exposure::{
+use bevy_lean_deferred::effects::auto_exposure::{
     ExposureState, LeanAutoExposure, LeanAutoExposureAdvanced, LuminanceTrim, Metering,
     adaptation::{adapted, covered},
 };

@@ -7,7 +7,7 @@ mod pictures;
 mod reduction;
 mod resources;
 
-use bevy_lean_deferred::auto_exposure::Metering;
+use bevy_lean_deferred::effects::auto_exposure::Metering;
 use kit::{exposure_gpu::ExposureGpu, lean::instant_exposure as instant};
 
 const METERINGS: [Metering; 2] = [Metering::LogAverage, Metering::LinearAverage];

@@ -4,7 +4,9 @@ use bevy::{
     asset::Handle,
     math::{UVec2, Vec3},
 };
-use bevy_lean_deferred::auto_exposure::{LeanAutoExposure, LuminanceTrim, MeteringPattern};
+use bevy_lean_deferred::effects::auto_exposure::{
+    LeanAutoExposure, LuminanceTrim, MeteringPattern,
+};
 
 use crate::{
     METERINGS, instant, paths,

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use bevy::math::{UVec2, Vec3};
-use bevy_lean_deferred::auto_exposure::{ExposureState, LeanAutoExposure};
+use bevy_lean_deferred::effects::auto_exposure::{ExposureState, LeanAutoExposure};
 
 use crate::{
     METERINGS, instant, paths,

@@ -5,7 +5,7 @@ use bevy::{
     prelude::*,
     render::{RenderApp, render_resource::BindGroupId},
 };
-use bevy_lean_deferred::auto_exposure::{ExposureBindings, LeanAutoExposure};
+use bevy_lean_deferred::effects::auto_exposure::{ExposureBindings, LeanAutoExposure};
 
 use kit::{gpu_usage::GpuUsage, headless::Headless};
 

@@ -6,7 +6,7 @@ use bevy::{
     material::OpaqueRendererMethod,
     prelude::*,
 };
-use bevy_lean_deferred::{auto_exposure::MeteringPattern, prelude::*};
+use bevy_lean_deferred::{effects::auto_exposure::MeteringPattern, prelude::*};
 use kit::{
     headless::{Headless, Picture},
     lean::{build, change_cameras, instant_exposure, report, settled, show},

@@ -9,8 +9,8 @@ use bevy::{
     },
 };
 use bevy_lean_deferred::{
+    effects::{ViewHistory, diffuse_gi::ViewGi},
     prelude::*,
-    screen_space::{ViewHistory, diffuse_gi::ViewGi},
 };
 use kit::{
     analytic_light::{Errors, camera, see, surface},

@@ -4,7 +4,9 @@ use bevy::{
     camera::{ScalingMode, SubCameraView},
     prelude::*,
 };
-use bevy_lean_deferred::{ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced, prelude::*};
+use bevy_lean_deferred::{
+    effects::ambient_occlusion::LeanScreenSpaceAmbientOcclusionAdvanced, prelude::*,
+};
 use kit::{
     analytic_light::{
         CONVERGED, Seen, camera, errors, groove_app, groove_errors, groove_light, look,

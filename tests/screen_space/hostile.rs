@@ -7,7 +7,7 @@ use bevy::{
     prelude::*,
     render::{RenderApp, render_resource::TextureFormat},
 };
-use bevy_lean_deferred::screen_space::{ViewHistory, diffuse_gi::ViewGi};
+use bevy_lean_deferred::effects::{ViewHistory, diffuse_gi::ViewGi};
 use kit::{
     analytic_light::{Seen, look, see, surface},
     analytic_mirrors::metal,

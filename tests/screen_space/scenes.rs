@@ -6,8 +6,8 @@ use bevy::{
     prelude::*,
 };
 use bevy_lean_deferred::{
+    effects::{LeanScreenSpaceGiAdvanced, LeanScreenSpaceReflectionsAdvanced},
     prelude::*,
-    screen_space::{LeanScreenSpaceGiAdvanced, LeanScreenSpaceReflectionsAdvanced},
 };
 use kit::{
     analytic_light::{Seen, camera, look_at_once, see, surface},

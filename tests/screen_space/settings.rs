@@ -9,11 +9,11 @@ use bevy::{
     },
 };
 use bevy_lean_deferred::{
-    prelude::*,
-    screen_space::{
+    effects::{
         LeanScreenSpaceGiAdvanced, LeanScreenSpaceReflectionsAdvanced, TimesEachDispatch,
         ViewHistory, diffuse_gi::ViewGi, reflections::ViewReflections,
     },
+    prelude::*,
 };
 use kit::{
     analytic_light::{Seen, look_at_once, see, surface},
@@ -97,11 +97,17 @@ fn pipelines(headless: &Headless) -> Vec<String> {
         PipelineDescriptor::ComputePipelineDescriptor(compute) => compute.label.clone(),
         PipelineDescriptor::RenderPipelineDescriptor(render) => render.label.clone(),
     });
-    let of_effects = ["diffuse_gi", "reflections", "screen_space", "subsurface"];
+    let of_effects = [
+        "debug_view",
+        "diffuse_gi",
+        "history",
+        "reflections",
+        "subsurface",
+    ];
     labels
         .map(String::from)
         .filter(|label| {
-            let folder = label.strip_prefix("lean_deferred/");
+            let folder = label.strip_prefix("lean_deferred/effects/");
             folder.is_some_and(|folder| of_effects.iter().any(|effect| folder.starts_with(effect)))
         })
         .collect()

@@ -7,9 +7,9 @@ use bevy::{
     render::RenderApp,
 };
 use bevy_lean_deferred::{
+    effects::{LeanSubsurfaceScatteringAdvanced, subsurface::ViewSubsurface},
     lighting::SubsurfaceLight,
     prelude::*,
-    screen_space::{LeanSubsurfaceScatteringAdvanced, subsurface::ViewSubsurface},
     shading_extension::SubsurfaceAlbedo,
 };
 use kit::{

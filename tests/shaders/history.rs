@@ -6,7 +6,7 @@ use bevy::{
     render::render_resource::{ShaderType, encase::UniformBuffer},
 };
 use bevy_lean_deferred::{
-    screen_space::history::binding_numbers as numbers,
+    effects::history::binding_numbers as numbers,
     shader_library::reconstruction::position::{ProjectionKind, view_from_pixel, view_position},
 };
 use half::f16;
@@ -28,9 +28,9 @@ const MODULES: [WgslModule; 5] = [
     shipped_wgsl!("shader_library/layout/light.wgsl"),
     shipped_wgsl!("shader_library/reconstruction/position.wgsl"),
     shipped_wgsl!("shader_library/tiles.wgsl"),
-    shipped_wgsl!("screen_space/shown_exposure.wgsl"),
+    shipped_wgsl!("effects/shown_exposure.wgsl"),
 ];
-const LEVELS_WGSL: WgslModule = shipped_wgsl!("screen_space/history/levels.wgsl");
+const LEVELS_WGSL: WgslModule = shipped_wgsl!("effects/history/levels.wgsl");
 
 /// Size of the picture, origin and size of the view in it, and size of the view's levels.
 const PICTURE: UVec2 = UVec2::new(150, 90);

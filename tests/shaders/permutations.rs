@@ -228,8 +228,8 @@ fn occlusion_permutations_validate() {
     for values in values {
         for (factors, always) in gathers {
             check_permutations(
-                include_str!("../../src/ambient_occlusion/gather.wgsl"),
-                "src/ambient_occlusion/gather.wgsl",
+                include_str!("../../src/effects/ambient_occlusion/gather.wgsl"),
+                "src/effects/ambient_occlusion/gather.wgsl",
                 factors,
                 always,
                 values,
@@ -237,15 +237,15 @@ fn occlusion_permutations_validate() {
         }
     }
     check_permutations(
-        include_str!("../../src/ambient_occlusion/merge.wgsl"),
-        "src/ambient_occlusion/merge.wgsl",
+        include_str!("../../src/effects/ambient_occlusion/merge.wgsl"),
+        "src/effects/ambient_occlusion/merge.wgsl",
         OCCLUSION_MERGE,
         &[],
         &[],
     );
     check_permutations(
-        include_str!("../../src/ambient_occlusion/debug_view.wgsl"),
-        "src/ambient_occlusion/debug_view.wgsl",
+        include_str!("../../src/effects/ambient_occlusion/debug_view.wgsl"),
+        "src/effects/ambient_occlusion/debug_view.wgsl",
         OCCLUSION_DEBUG_VIEW,
         &[],
         &[],
@@ -256,16 +256,16 @@ fn occlusion_permutations_validate() {
 fn exposure_permutations_validate() {
     for (source, path) in [
         (
-            include_str!("../../src/auto_exposure/meter.wgsl"),
-            "src/auto_exposure/meter.wgsl",
+            include_str!("../../src/effects/auto_exposure/meter.wgsl"),
+            "src/effects/auto_exposure/meter.wgsl",
         ),
         (
-            include_str!("../../src/auto_exposure/adapt.wgsl"),
-            "src/auto_exposure/adapt.wgsl",
+            include_str!("../../src/effects/auto_exposure/adapt.wgsl"),
+            "src/effects/auto_exposure/adapt.wgsl",
         ),
         (
-            include_str!("../../src/auto_exposure/overlay.wgsl"),
-            "src/auto_exposure/overlay.wgsl",
+            include_str!("../../src/effects/auto_exposure/overlay.wgsl"),
+            "src/effects/auto_exposure/overlay.wgsl",
         ),
     ] {
         check_permutations(source, path, EXPOSURE, &[], &[]);
@@ -317,13 +317,13 @@ fn every_definition_of_the_occlusion_shaders_is_tried() {
     let values = ["SLICES", "STEPS", "DIVISOR"];
     let tried = &(&tried(OCCLUSION_GATHER, &values) | &tried(OCCLUSION_MERGE, &[]))
         | &tried(OCCLUSION_GATHER_SHARED, &SHARES_DEPTHS);
-    let keys = include_str!("../../src/ambient_occlusion/key.rs");
+    let keys = include_str!("../../src/effects/ambient_occlusion/key.rs");
     assert_all_tried("key.rs", keys, &tried);
 }
 
 #[test]
 fn every_definition_of_the_exposure_shaders_is_tried() {
-    let key = include_str!("../../src/auto_exposure/key.rs");
+    let key = include_str!("../../src/effects/auto_exposure/key.rs");
     assert_all_tried("key.rs", key, &tried(EXPOSURE, &[]));
 }
 

@@ -2,7 +2,7 @@
 
 use bevy::math::{Vec2, Vec3};
 use bevy_lean_deferred::{
-    screen_space::reflections::cell::{pack_cell, unpack_cell},
+    effects::reflections::cell::{pack_cell, unpack_cell},
     shader_library::ggx::sample_lobe,
 };
 use kit::{
@@ -10,11 +10,11 @@ use kit::{
     skipped::on_swiftshader, wgsl::WgslModule,
 };
 
-const CELL: WgslModule = shipped_wgsl!("screen_space/reflections/cell.wgsl");
+const CELL: WgslModule = shipped_wgsl!("effects/reflections/cell.wgsl");
 const GGX: WgslModule = shipped_wgsl!("shader_library/ggx.wgsl");
 
 const PACK: &str = "
-#import bevy_lean_deferred::screen_space::reflections::cell::{pack_cell, unpack_cell}
+#import bevy_lean_deferred::effects::reflections::cell::{pack_cell, unpack_cell}
 fn kernel(bits: array<u32, 2>) -> array<u32, 3> {
     let word = pack_cell(bitcast<f32>(bits[0]), bitcast<f32>(bits[1]));
     let depths = unpack_cell(word);

@@ -25,7 +25,7 @@ fn check(source: &'static str, path: &str, always: &[&str], choices: &[&[&str]])
 macro_rules! check {
     ($path:literal, $always:expr, $choices:expr) => {
         check(
-            include_str!(concat!("../../src/screen_space/", $path)),
+            include_str!(concat!("../../src/effects/", $path)),
             $path,
             $always,
             $choices,

@@ -2,13 +2,13 @@
 
 use bevy::math::Vec3;
 use bevy_lean_deferred::{
-    screen_space::subsurface::profile::share_beyond,
+    effects::subsurface::profile::share_beyond,
     shader_library::layout::light::{pack_light, unpack_light},
 };
 use kit::{compute::Compute, random::Random, shipped_wgsl};
 
 const SHARE: &str = "
-#import bevy_lean_deferred::screen_space::subsurface::profile::share_beyond
+#import bevy_lean_deferred::effects::subsurface::profile::share_beyond
 fn kernel(bits: array<u32, 4>) -> array<u32, 3> {
     let paths = bitcast<vec3<f32>>(vec3(bits[1], bits[2], bits[3]));
     let found = bitcast<vec3<u32>>(share_beyond(bitcast<f32>(bits[0]), paths));
@@ -28,7 +28,7 @@ fn levels_have_the_same_shares() {
         .collect();
     inputs.extend((0..7).flat_map(|level| hostile.map(|path| [level as f32, path, path, 1.0])));
     let words: Vec<[u32; 4]> = inputs.iter().map(|input| input.map(f32::to_bits)).collect();
-    let modules = [shipped_wgsl!("screen_space/subsurface/profile.wgsl")];
+    let modules = [shipped_wgsl!("effects/subsurface/profile.wgsl")];
     let outputs: Vec<[u32; 3]> = Compute::new().kernel(&modules, SHARE).run(&words);
     for ([level, r, g, b], found) in inputs.into_iter().zip(outputs) {
         let expected = share_beyond(level, Vec3::new(r, g, b));

@@ -1,7 +1,7 @@
 //! Draws over a texture, and the bindings of such draws.
 
 use bevy::math::UVec2;
-use bevy_lean_deferred::ambient_occlusion::binding_numbers as numbers;
+use bevy_lean_deferred::effects::ambient_occlusion::binding_numbers as numbers;
 
 use super::OcclusionGpu;
 use crate::wgsl::Definitions;

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use bevy::math::Mat4;
 use bevy_lean_deferred::{
-    ambient_occlusion::{LeanScreenSpaceAmbientOcclusion, OcclusionKernel},
+    effects::ambient_occlusion::{LeanScreenSpaceAmbientOcclusion, OcclusionKernel},
     shader_library::reconstruction::position::projection_of,
     view::LeanResolution,
 };
@@ -23,21 +23,21 @@ const MODULES: [WgslModule; 12] = [
     wgsl!("shader_library/reconstruction/position.wgsl"),
     wgsl!("shader_library/reconstruction/normal.wgsl"),
     wgsl!("shader_library/occlusion_filter.wgsl"),
-    wgsl!("ambient_occlusion/view.wgsl"),
+    wgsl!("effects/ambient_occlusion/view.wgsl"),
     wgsl!("shader_library/horizon.wgsl"),
     wgsl!("shader_library/rounding.wgsl"),
     wgsl!("shader_library/reconstruction/normal_from_depth.wgsl"),
-    wgsl!("ambient_occlusion/bindings.wgsl"),
-    wgsl!("ambient_occlusion/hbao.wgsl"),
-    wgsl!("ambient_occlusion/hdao.wgsl"),
+    wgsl!("effects/ambient_occlusion/bindings.wgsl"),
+    wgsl!("effects/ambient_occlusion/hbao.wgsl"),
+    wgsl!("effects/ambient_occlusion/hdao.wgsl"),
 ];
 
 pub(super) fn gather() -> Cow<'static, str> {
-    shader_file(&wgsl!("ambient_occlusion/gather.wgsl"))
+    shader_file(&wgsl!("effects/ambient_occlusion/gather.wgsl"))
 }
 
 pub(super) fn debug_view() -> Cow<'static, str> {
-    shader_file(&wgsl!("ambient_occlusion/debug_view.wgsl"))
+    shader_file(&wgsl!("effects/ambient_occlusion/debug_view.wgsl"))
 }
 
 impl OcclusionGpu {

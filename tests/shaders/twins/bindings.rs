@@ -4,9 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bevy::{prelude::*, render::render_resource::AsBindGroup};
 use bevy_lean_deferred::{
-    ambient_occlusion, auto_exposure, gbuffer,
+    effects::{
+        ambient_occlusion, auto_exposure, debug_view, diffuse_gi, history, reflections, subsurface,
+    },
+    gbuffer,
     lighting::binding_numbers as lighting_numbers,
-    screen_space::{debug_view, diffuse_gi, history, reflections, subsurface},
     shading_extension::ShadingExtension,
 };
 use kit::headless::Headless;
@@ -108,32 +110,20 @@ fn bindings_have_the_numbers_of_their_names() {
         compare("lighting/", 2, targets::ALL),
         compare("lighting/", 3, list::ALL),
         compare(
-            "ambient_occlusion/",
+            "effects/ambient_occlusion/",
             0,
             ambient_occlusion::binding_numbers::ALL,
         ),
-        compare("auto_exposure/", 0, auto_exposure::binding_numbers::ALL),
         compare(
-            "screen_space/diffuse_gi/",
+            "effects/auto_exposure/",
             0,
-            diffuse_gi::binding_numbers::ALL,
+            auto_exposure::binding_numbers::ALL,
         ),
-        compare("screen_space/history/", 0, history::binding_numbers::ALL),
-        compare(
-            "screen_space/reflections/",
-            0,
-            reflections::binding_numbers::ALL,
-        ),
-        compare(
-            "screen_space/subsurface/",
-            0,
-            subsurface::binding_numbers::ALL,
-        ),
-        compare(
-            "screen_space/debug_view/",
-            0,
-            debug_view::binding_numbers::ALL,
-        ),
+        compare("effects/diffuse_gi/", 0, diffuse_gi::binding_numbers::ALL),
+        compare("effects/history/", 0, history::binding_numbers::ALL),
+        compare("effects/reflections/", 0, reflections::binding_numbers::ALL),
+        compare("effects/subsurface/", 0, subsurface::binding_numbers::ALL),
+        compare("effects/debug_view/", 0, debug_view::binding_numbers::ALL),
         compare("gbuffer/resolve_motion", 0, resolve_motion::ALL),
         compare("gbuffer/gbuffer", pack::VISIBILITY_MASK_GROUP, pack::ALL),
         compare("shading_extension/", 3, &numbers_of_shading_extension()),

@@ -7,13 +7,13 @@ use bevy::{
     reflect::enums::Enum,
 };
 use bevy_lean_deferred::{
-    auto_exposure::{key, luminance},
-    gbuffer::{GBufferTargets, ShadingModel},
-    lighting::subsurface_light,
-    screen_space::{
+    effects::{
+        auto_exposure::{key, luminance},
         reflections::{self, cell},
         subsurface::profile,
     },
+    gbuffer::{GBufferTargets, ShadingModel},
+    lighting::subsurface_light,
     shader_library::{
         layout::{self, light, motion, specialization},
         reconstruction::position,
@@ -86,12 +86,12 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     constants!("shading_models/diffuse_transmission.wgsl": diffuse_transmission::{THICKNESS_STEPS, LEAST_THICKNESS_LOG});
     constants!("shading_models/subsurface.wgsl": subsurface::{LEAST_PATH_LOG, STEPS});
     constants!("shading_models/unlit.wgsl": unlit::{LARGEST_UNLIT});
-    constants!("auto_exposure/bindings.wgsl": key::{TILE_WIDTH, BINS});
-    constants!("auto_exposure/luminance.wgsl": luminance::{WEIGHTS, LARGEST, LOWEST_LOG, SMALLEST});
+    constants!("effects/auto_exposure/bindings.wgsl": key::{TILE_WIDTH, BINS});
+    constants!("effects/auto_exposure/luminance.wgsl": luminance::{WEIGHTS, LARGEST, LOWEST_LOG, SMALLEST});
     constants!("lighting/subsurface_light.wgsl": subsurface_light::{BLOCK_LOG, MASKS});
-    constants!("screen_space/reflections/cell.wgsl": cell::{FIRST});
-    constants!("screen_space/reflections/texels.wgsl": reflections::{WORKGROUP_SIDE});
-    constants!("screen_space/subsurface/profile.wgsl": profile::{REACH, SHORTEST});
+    constants!("effects/reflections/cell.wgsl": cell::{FIRST});
+    constants!("effects/reflections/texels.wgsl": reflections::{WORKGROUP_SIDE});
+    constants!("effects/subsurface/profile.wgsl": profile::{REACH, SHORTEST});
     found
 }
 
@@ -238,7 +238,7 @@ fn constants_fit_one_another() {
     assert!(number("lighting/tile_list.wgsl", "COLUMNS") <= widest);
     // The first bin of the histogram is the lowest luminance, and the bins reach up to 2 to the power of 16.
     let (file, lowest) = (
-        "auto_exposure/bindings.wgsl",
+        "effects/auto_exposure/bindings.wgsl",
         f64::from(luminance::LOWEST_LOG),
     );
     assert_eq!(number(file, "LOG_OF_FIRST_BIN"), lowest);

@@ -2,8 +2,7 @@
 
 use bevy_lean_deferred::{
     activation::{self, NeededLimit},
-    ambient_occlusion, auto_exposure,
-    screen_space::{self, subsurface},
+    effects::{self, ambient_occlusion, auto_exposure, subsurface},
 };
 use naga::{
     AddressSpace, ImageClass, ShaderStage, TypeInner,
@@ -16,16 +15,16 @@ use super::shaders::{self, Composed};
 
 /// Tables of needed limits for the shader `file`. All effects on lean cameras need the first.
 fn tables(file: &str) -> Vec<&'static [NeededLimit]> {
-    if file.starts_with("auto_exposure/") {
+    if file.starts_with("effects/auto_exposure/") {
         return vec![auto_exposure::NEEDED_LIMITS];
     }
-    if file.starts_with("ambient_occlusion/") {
+    if file.starts_with("effects/ambient_occlusion/") {
         return vec![ambient_occlusion::COMPUTE_LIMITS];
     }
-    let of_effect = if file.starts_with("screen_space/subsurface/") {
+    let of_effect = if file.starts_with("effects/subsurface/") {
         subsurface::NEEDED_LIMITS
-    } else if file.starts_with("screen_space/") {
-        screen_space::NEEDED_LIMITS
+    } else if file.starts_with("effects/") {
+        effects::NEEDED_LIMITS
     } else {
         &[]
     };

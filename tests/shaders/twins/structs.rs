@@ -7,13 +7,15 @@ use bevy::{
     render::render_resource::{AsBindGroup, ShaderType, encase::private::StructMetadata},
 };
 use bevy_lean_deferred::{
-    ambient_occlusion::OcclusionUniform,
-    auto_exposure::{ExposureState, ExposureUniform},
-    lighting::{LightLayersTable, LightingUniform},
-    screen_space::{
-        diffuse_gi::GiUniform, history::HistoryUniform, reflections::ReflectionUniform,
+    effects::{
+        ambient_occlusion::OcclusionUniform,
+        auto_exposure::{ExposureState, ExposureUniform},
+        diffuse_gi::GiUniform,
+        history::HistoryUniform,
+        reflections::ReflectionUniform,
         subsurface::SubsurfaceUniform,
     },
+    lighting::{LightLayersTable, LightingUniform},
     shading_extension::{ExtensionUniform, ShadingExtension},
 };
 use naga::{AddressSpace, Handle, Module, Type, TypeInner};
@@ -76,37 +78,37 @@ fn structs_of_rust() -> BTreeMap<Place, Layout> {
             layout_of::<LightLayersTable, _>(),
         ),
         (
-            "ambient_occlusion/view.wgsl",
+            "effects/ambient_occlusion/view.wgsl",
             "OcclusionUniform",
             layout_of::<OcclusionUniform, _>(),
         ),
         (
-            "auto_exposure/bindings.wgsl",
+            "effects/auto_exposure/bindings.wgsl",
             "ExposureUniform",
             layout_of::<ExposureUniform, _>(),
         ),
         (
-            "auto_exposure/bindings.wgsl",
+            "effects/auto_exposure/bindings.wgsl",
             "ExposureState",
             layout_of::<ExposureState, _>(),
         ),
         (
-            "screen_space/diffuse_gi/view.wgsl",
+            "effects/diffuse_gi/view.wgsl",
             "GiUniform",
             layout_of::<GiUniform, _>(),
         ),
         (
-            "screen_space/history/levels.wgsl",
+            "effects/history/levels.wgsl",
             "HistoryUniform",
             layout_of::<HistoryUniform, _>(),
         ),
         (
-            "screen_space/reflections/view.wgsl",
+            "effects/reflections/view.wgsl",
             "ReflectionUniform",
             layout_of::<ReflectionUniform, _>(),
         ),
         (
-            "screen_space/subsurface/view.wgsl",
+            "effects/subsurface/view.wgsl",
             "SubsurfaceUniform",
             layout_of::<SubsurfaceUniform, _>(),
         ),

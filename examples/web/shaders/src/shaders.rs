@@ -127,17 +127,20 @@ fn passes() -> Vec<Shader> {
         ("gbuffer/gbuffer.wgsl", rows(GBUFFER, GBUFFER_ALWAYS)),
         ("gbuffer/resolve_motion.wgsl", rows(MOTION_RESOLVE, resolve)),
         (
-            "ambient_occlusion/gather.wgsl",
+            "effects/ambient_occlusion/gather.wgsl",
             gather.map(occlusion_gathers).concat(),
         ),
-        ("ambient_occlusion/merge.wgsl", rows(OCCLUSION_MERGE, "")),
         (
-            "ambient_occlusion/debug_view.wgsl",
+            "effects/ambient_occlusion/merge.wgsl",
+            rows(OCCLUSION_MERGE, ""),
+        ),
+        (
+            "effects/ambient_occlusion/debug_view.wgsl",
             rows(OCCLUSION_DEBUG_VIEW, ""),
         ),
-        ("auto_exposure/meter.wgsl", exposure()),
-        ("auto_exposure/adapt.wgsl", exposure()),
-        ("auto_exposure/overlay.wgsl", exposure()),
+        ("effects/auto_exposure/meter.wgsl", exposure()),
+        ("effects/auto_exposure/adapt.wgsl", exposure()),
+        ("effects/auto_exposure/overlay.wgsl", exposure()),
     ]
 }
 
@@ -161,47 +164,47 @@ fn screen_space() -> Vec<Shader> {
     let drawn_out: &[&str] = &["", "DRAWN_OUT"];
     vec![
         (
-            "screen_space/diffuse_gi/levels.wgsl",
+            "effects/diffuse_gi/levels.wgsl",
             combinations("", &[divisors, MOTION, PROJECTIONS]),
         ),
-        ("screen_space/diffuse_gi/gather.wgsl", gi),
+        ("effects/diffuse_gi/gather.wgsl", gi),
         (
-            "screen_space/diffuse_gi/forward_light.wgsl",
+            "effects/diffuse_gi/forward_light.wgsl",
             combinations("", &[PROJECTIONS]),
         ),
         (
-            "screen_space/diffuse_gi/filter.wgsl",
+            "effects/diffuse_gi/filter.wgsl",
             combinations("", &[divisors, PROJECTIONS]),
         ),
-        ("screen_space/reflections/hi_z.wgsl", mirrors(&[""])),
+        ("effects/reflections/hi_z.wgsl", mirrors(&[""])),
+        ("effects/reflections/trace.wgsl", mirrors(&["", "SHOWN"])),
         (
-            "screen_space/reflections/trace.wgsl",
-            mirrors(&["", "SHOWN"]),
+            "effects/reflections/spatial_filter.wgsl",
+            mirrors(&["SPATIAL_FILTER"]),
         ),
-        ("screen_space/reflections/spatial_filter.wgsl", mirrors(&["SPATIAL_FILTER"])),
-        ("screen_space/reflections/resolve.wgsl", mirrors(&[""])),
+        ("effects/reflections/resolve.wgsl", mirrors(&[""])),
         (
-            "screen_space/subsurface/down.wgsl",
+            "effects/subsurface/down.wgsl",
             combinations("", &[&["", "LISTED"], orthographic]),
         ),
         (
-            "screen_space/subsurface/turn.wgsl",
+            "effects/subsurface/turn.wgsl",
             combinations("", &[drawn_out, orthographic]),
         ),
         (
-            "screen_space/subsurface/up.wgsl",
+            "effects/subsurface/up.wgsl",
             combinations("UNPACKED", &[&["", "LISTED"], drawn_out, orthographic]),
         ),
         (
-            "screen_space/subsurface/picture.wgsl",
+            "effects/subsurface/picture.wgsl",
             combinations("PICTURE UNPACKED", &[orthographic]),
         ),
         (
-            "screen_space/history/levels.wgsl",
+            "effects/history/levels.wgsl",
             combinations("", &[&["", "OF_LEVEL"]]),
         ),
         (
-            "screen_space/debug_view/debug_view.wgsl",
+            "effects/debug_view/debug_view.wgsl",
             combinations("", &[shown]),
         ),
     ]

@@ -1,0 +1,114 @@
+//! Debug view of the metering, drawn over the tonemapped image.
+
+use bevy::{
+    asset::load_embedded_asset,
+    core_pipeline::FullscreenShader,
+    prelude::*,
+    render::{
+        render_resource::{
+            BindGroupLayoutDescriptor, BlendState, PipelineCache, ShaderStages, ShaderType,
+            binding_types::{storage_buffer_read_only_sized, uniform_buffer},
+        },
+        renderer::RenderDevice,
+        view::ExtractedView,
+    },
+    shader::ShaderDefVal,
+};
+
+use super::{
+    active::ViewExposurePipelines,
+    binding_numbers::{STATE, VIEW},
+    key::ExposureKey,
+    pipelines::mask_entries,
+    prepare::{ExposureUniforms, Masks, ViewExposure},
+    state::ExposureHistory,
+    uniforms::{ExposureState, ExposureUniform},
+};
+use crate::{
+    gpu::bindings::layout,
+    view::{
+        DebugView, LeanDebugView,
+        debug_draw::{DebugDraw, DebugDrawn, DebugPipelines},
+    },
+};
+
+/// Weights of pixels, and the exposure on a scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct ShownWeights(ExposureKey);
+
+impl DebugDraw for ShownWeights {
+    const LABEL: &'static str = "lean_deferred/effects/auto_exposure/overlay";
+    const BLEND: Option<BlendState> = Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING);
+    const IS_AFTER_UPSCALING: bool = true;
+
+    /// Settings and state; with a mask also the mask and its sampler.
+    fn layout(self) -> BindGroupLayoutDescriptor {
+        let state = storage_buffer_read_only_sized(false, Some(ExposureState::min_size()));
+        layout(
+            Self::LABEL,
+            ShaderStages::FRAGMENT,
+            [
+                (VIEW, uniform_buffer::<ExposureUniform>(true)),
+                (STATE, state),
+            ]
+            .into_iter()
+            .chain(mask_entries(self.0)),
+        )
+    }
+
+    fn shader_defs(self) -> Vec<ShaderDefVal> {
+        let defs = self.0.shader_defs().into_iter();
+        defs.chain(["OVERLAY".into()]).collect()
+    }
+}
+
+pub(super) fn init_overlay_pipelines(
+    mut commands: Commands,
+    asset_server: Res<AssetServer>,
+    fullscreen: Res<FullscreenShader>,
+) {
+    let shader = load_embedded_asset!(asset_server.as_ref(), "overlay.wgsl");
+    commands.insert_resource(DebugPipelines::<ShownWeights>::new(shader, &fullscreen));
+}
+
+pub(super) fn prepare_overlays(
+    mut commands: Commands,
+    (device, cache): (Res<RenderDevice>, Res<PipelineCache>),
+    pipelines: Option<ResMut<DebugPipelines<ShownWeights>>>,
+    uniforms: Res<ExposureUniforms>,
+    masks: Masks,
+    mut views: Query<(
+        Entity,
+        (&ExtractedView, &LeanDebugView),
+        (&ViewExposurePipelines, &ViewExposure, &ExposureHistory),
+        Option<&mut DebugDrawn<ShownWeights>>,
+    )>,
+) {
+    let (Some(mut pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
+        return;
+    };
+    for (entity, (view, debug_view), (metering, exposure, history), drawn) in &mut views {
+        if debug_view.shows != DebugView::ExposureWeights {
+            if drawn.is_some() {
+                commands.entity(entity).remove::<DebugDrawn<ShownWeights>>();
+            }
+            continue;
+        }
+        pipelines.set(
+            &mut commands,
+            &device,
+            &cache,
+            (entity, view),
+            drawn,
+            (
+                ShownWeights(metering.key.of_overlay()),
+                Some(exposure.offset),
+            ),
+            |entries| {
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(STATE, history.state.as_entire_binding())?;
+                masks.push(metering, entries)
+            },
+        );
+    }
+}

@@ -1,0 +1,148 @@
+//! Diffuse global illumination: diffuse light between surfaces, and their occlusion of the environment, from one march over depth
+//! (Mayaux 2018, "Horizon-based indirect lighting").
+//!
+//! Put [`LeanScreenSpaceGi`] on a camera, which gets [`LeanDeferred`](crate::LeanDeferred) with it. Three passes run between G-buffer
+//! and lighting:
+//!
+//! 1. *levels* reprojects the diffuse light of the last frame onto the surfaces of this frame, at four mip levels.
+//! 2. *gather* marches over depth from each texel. The sixteen texels of a 4×4 block take different directions.
+//! 3. *filter* averages 4×4 texels of the same surface, which brings the sixteen directions together.
+//!
+//! Lighting adds the light and attenuates environment maps, irradiance volumes and ambient light by the occlusion. GPU times are
+//! recorded as `lean_deferred/effects/diffuse_gi/levels`, `…/gather` and `…/filter`.
+
+// - `settings.rs`: the component.
+// - `uniforms.rs`, `view.wgsl`: the uniform of a view.
+// - `key.rs`: pipeline keys.
+// - `pipelines.rs`: layouts and pipelines.
+// - `active.rs`: decides per view and frame if light is computed.
+// - `prepare.rs`: uniforms, textures and bind groups of views.
+// - `pass.rs`: the three passes.
+// - `levels.wgsl`: depth, and the reprojected light of the last frame.
+// - `gather.wgsl`: light and occlusion of each texel.
+// - `filter.wgsl`: the mean of 4×4 texels.
+// - `forward_light.{rs,wgsl}`: adds the light of meshes that Bevy's forward passes draw.
+// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
+
+mod active;
+#[doc(hidden)]
+pub mod binding_numbers;
+mod forward_light;
+mod key;
+mod pass;
+mod pipelines;
+mod prepare;
+mod settings;
+mod uniforms;
+
+pub use settings::{LeanScreenSpaceGi, LeanScreenSpaceGiAdvanced};
+// For tests and benches.
+#[doc(hidden)]
+pub use {
+    active::ActiveGi,
+    forward_light::ForwardLight,
+    prepare::{GiBindings, ViewGi},
+    uniforms::GiUniform,
+};
+
+use bevy::{
+    asset::embedded_asset,
+    core_pipeline::schedule::{Core3d, Core3dSystems},
+    prelude::*,
+    render::{
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        extract_component::ExtractComponentPlugin,
+    },
+    shader::load_shader_library,
+};
+
+use super::{
+    debug_view::DebugViewPlugin, history_validity::HistoryValidityPlugin,
+    shown_exposure::ShownExposurePlugin, support,
+};
+use crate::{
+    gpu::{recovery, texture_bytes::texture_bytes},
+    view::{
+        ActiveLeanView, DiffuseLight, Effect, EffectSystems, GBufferPasses, IndirectDiffuse,
+        IndirectLightPasses, LeanMemory, LeanViewSystems, LightingPasses, OpaquePicturePasses,
+        ReadsDiffuseLight, SharedPlugin, ViewTextureSystems, can_build, memory, removal, status,
+        support::add_check,
+    },
+};
+
+/// Adds diffuse GI for cameras with [`LeanScreenSpaceGi`]. Does nothing without
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Part of [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after
+/// `DefaultPlugins`.
+#[derive(Default)]
+pub struct LeanScreenSpaceGiPlugin;
+
+impl Plugin for LeanScreenSpaceGiPlugin {
+    fn build(&self, app: &mut App) {
+        if !can_build(app, "LeanScreenSpaceGiPlugin", true) {
+            return;
+        }
+        SharedPlugin::add_to(app);
+        HistoryValidityPlugin::add_to(app);
+        load_shader_library!(app, "view.wgsl");
+        load_shader_library!(app, "bindings.wgsl");
+        embedded_asset!(app, "levels.wgsl");
+        embedded_asset!(app, "gather.wgsl");
+        embedded_asset!(app, "filter.wgsl");
+        embedded_asset!(app, "forward_light.wgsl");
+        app.register_type::<LeanScreenSpaceGi>()
+            .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceGi>::default());
+        app.add_plugins(ShownExposurePlugin::<ViewGi>::default());
+        DebugViewPlugin::add_to(app);
+        add_check(app, |support| &mut support.screen_space, support::check);
+        status::add_to::<LeanScreenSpaceGi>(app, Effect::DiffuseGi);
+
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        removal::remove_with::<LeanScreenSpaceGi, ActiveGi>(render_app);
+        removal::remove_with::<ActiveGi, (ViewGi, IndirectDiffuse, ReadsDiffuseLight)>(render_app);
+        removal::remove_with::<ActiveLeanView, ViewGi>(render_app);
+        removal::remove_with::<ViewGi, (GiBindings, ForwardLight)>(render_app);
+        EffectSystems::DiffuseGi.run_while::<With<LeanScreenSpaceGi>>(render_app);
+        let field: fn(&mut LeanMemory) -> &mut u64 = |memory| &mut memory.diffuse_gi;
+        memory::count(render_app, field, ViewGi::bytes);
+        memory::count::<DiffuseLight>(render_app, field, |light| texture_bytes(&light.0.texture));
+        render_app
+            .init_gpu_resource::<prepare::GiUniforms>()
+            .add_systems(
+                RenderStartup,
+                (
+                    pipelines::init_gi_pipelines,
+                    forward_light::init_forward_light_pipeline,
+                    recovery::forget::<LeanScreenSpaceGi>,
+                ),
+            )
+            .add_systems(
+                Render,
+                (
+                    active::decide_active_gi
+                        .in_set(RenderSystems::PrepareAssets)
+                        .before(LeanViewSystems),
+                    prepare::prepare_gi.in_set(ViewTextureSystems),
+                    (
+                        prepare::prepare_gi_bind_groups,
+                        forward_light::prepare_forward_light,
+                    )
+                        .in_set(RenderSystems::PrepareBindGroups),
+                )
+                    .in_set(EffectSystems::DiffuseGi),
+            )
+            .add_systems(
+                Core3d,
+                (
+                    pass::find_diffuse_light
+                        .in_set(Core3dSystems::MainPass)
+                        .in_set(IndirectLightPasses)
+                        .after(GBufferPasses)
+                        .before(LightingPasses),
+                    forward_light::add_forward_light.in_set(OpaquePicturePasses),
+                )
+                    .in_set(EffectSystems::DiffuseGi),
+            );
+    }
+}

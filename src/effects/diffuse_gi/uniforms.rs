@@ -1,0 +1,75 @@
+//! Uniforms of a view.
+
+use core::f32::consts::FRAC_PI_2;
+
+use bevy::{prelude::*, render::render_resource::ShaderType};
+
+use super::settings::LeanScreenSpaceGi;
+use crate::{
+    effects::{
+        LastFrame,
+        reprojection::{exposure_ratio, last_pixel_from_view, up_to},
+        resolution,
+    },
+    shader_library::reconstruction::position::{
+        edge_of, pixels_per_metre, pixels_per_ray, view_from_pixel,
+    },
+};
+
+/// Largest radius on screen, as a share of the viewport's height.
+const LARGEST_RADIUS: f32 = 0.5;
+/// Upper bound of the radius, in metres.
+const LARGEST_METRES: f32 = 1e9;
+
+/// Uniform of the passes, one per view.
+#[derive(ShaderType, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(no_auto_register)]
+pub struct GiUniform {
+    view_from_pixel: Mat4,
+    view_from_world: Mat4,
+    last_pixel_from_view: Mat4,
+    pixels_per_metre: Vec2,
+    pixels_per_ray: Vec2,
+    edge: Vec2,
+    viewport_origin: UVec2,
+    pub(super) viewport_size: UVec2,
+    pub(super) texture_size: UVec2,
+    radius: f32,
+    largest_radius_in_pixels: f32,
+    inverse_falloff: f32,
+    sin_bias: f32,
+    intensity: f32,
+    exposure_ratio: f32,
+    pub(super) turn: f32,
+    pub(super) has_motion: u32,
+}
+
+impl GiUniform {
+    /// Derives the uniform from `settings`, for the frame `now` after the `last` one.
+    pub fn new(settings: &LeanScreenSpaceGi, now: &LastFrame, last: Option<&LastFrame>) -> Self {
+        let clip_from_view = now.clip_from_view;
+        let size = now.viewport.size();
+        let view_from_pixel = view_from_pixel(clip_from_view, size);
+        Self {
+            view_from_pixel,
+            view_from_world: now.world_from_view.inverse(),
+            last_pixel_from_view: last
+                .map_or(Mat4::IDENTITY, |last| last_pixel_from_view(now, last)),
+            pixels_per_metre: pixels_per_metre(clip_from_view, size),
+            pixels_per_ray: pixels_per_ray(view_from_pixel),
+            edge: edge_of(clip_from_view, size),
+            viewport_origin: now.viewport.min,
+            viewport_size: size,
+            texture_size: resolution::texels(size, settings.resolution.divisor()),
+            radius: up_to(LARGEST_METRES, settings.radius),
+            largest_radius_in_pixels: (LARGEST_RADIUS * size.y as f32).max(1.0),
+            // At least 1e-4, so that 0 is a hard edge without a division by 0.
+            inverse_falloff: 1.0 / settings.advanced.falloff.clamp(1e-4, 1.0),
+            sin_bias: settings.advanced.bias.clamp(0.0, FRAC_PI_2).sin(),
+            intensity: up_to(1.0, settings.intensity),
+            exposure_ratio: exposure_ratio(now, last),
+            turn: 0.0,
+            has_motion: 0,
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! History textures of views, and their validity.
+
+use bevy::{
+    camera::MainPassResolutionOverride,
+    prelude::*,
+    render::{
+        camera::ExtractedCamera,
+        render_resource::{
+            BindGroup, DynamicUniformBuffer, IntoBinding, PipelineCache, Texture, TextureView,
+        },
+        renderer::{RenderDevice, RenderQueue},
+        texture::CachedTexture,
+        view::{ExtractedView, ViewDepthTexture, ViewTarget},
+    },
+};
+
+use super::{
+    ReadsHistory,
+    binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, SHOWN_EXPOSURE, VIEW},
+    distance::units_per_metre,
+    pipelines::{FORMAT, HistoryPipelines, LEVELS},
+    uniforms::HistoryUniform,
+};
+use crate::{
+    effects::{
+        history_validity::{FrameNumber, HistoryValidity, LastFrame},
+        shown_exposure::{BoundedByWhite, ShownExposure},
+        world_shift::WorldShift,
+    },
+    gpu::{
+        bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
+        storage_texture::StorageTexture, texture_bytes::texture_bytes,
+    },
+    view::{CameraCuts, OutOfMemory},
+};
+
+const LABEL: &str = "lean_deferred/effects/history";
+const LEVEL_COUNT: usize = (LEVELS[0] + LEVELS[1]) as usize;
+/// Texels per side that a workgroup reads.
+const BLOCK_SIDE: u32 = 16;
+
+/// Uniforms of all views.
+#[derive(Resource, Default)]
+pub(in crate::effects) struct HistoryUniforms(DynamicUniformBuffer<HistoryUniform>);
+
+/// On a view of the render world with [`ReadsHistory`]: its last frame.
+///
+/// The texture has the size of the viewport, rounded up to a multiple of the last level's texel. Its colour is the lit image, linear
+/// and exposed as the last frame was: finite, and at most 1024 times the light that showed as white. Its alpha is the distance of
+/// the surface along the view direction, in metres times [`units_per_metre`](Self::units_per_metre); 65504 where there is none.
+/// Coarser levels average over their texels: colour is the light of surfaces, 0 for texels without one, and alpha the share of
+/// texels with a surface.
+#[derive(Component)]
+pub struct ViewHistory {
+    kept: StorageTexture<LEVEL_COUNT>,
+    /// Bind groups of the first dispatch.
+    pictures: PictureBindGroups,
+    means: CachedBindGroup,
+    frames: HistoryValidity,
+    offset: u32,
+    /// `Some` while the view shows meshes with specular transmission.
+    pub(super) opaque_depth: Option<CachedTexture>,
+    shown_exposure: ShownExposure,
+}
+
+impl ViewHistory {
+    /// Parameters of the last frame; `None` if the history is invalid for this frame.
+    pub fn last(&self) -> Option<&LastFrame> {
+        self.frames.last()
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        let copy = self.opaque_depth.as_ref().map(|copy| &copy.texture);
+        let textures = [&self.kept.texture].into_iter().chain(copy);
+        textures.map(texture_bytes).sum::<u64>() + self.shown_exposure.bytes()
+    }
+
+    /// Unit of the last frame's distances.
+    pub fn units_per_metre(&self) -> f32 {
+        self.last()
+            .map_or(1.0, |last| units_per_metre(last.clip_from_view))
+    }
+
+    /// View of all levels.
+    pub fn view(&self) -> &TextureView {
+        &self.kept.view
+    }
+
+    /// Texture of [`view`](Self::view).
+    pub fn texture(&self) -> &Texture {
+        &self.kept.texture
+    }
+
+    /// Size of the first level, in texels.
+    pub fn size(&self) -> UVec2 {
+        UVec2::new(self.kept.texture.width(), self.kept.texture.height())
+    }
+
+    /// Bind group of the dispatch that reads `picture`.
+    pub(super) fn bind_group_of(&self, picture: &Texture) -> Option<&BindGroup> {
+        self.pictures.of(picture)
+    }
+
+    /// Bind group of the second dispatch.
+    pub(super) fn bind_group_of_means(&self) -> Option<&BindGroup> {
+        self.means.get()
+    }
+
+    /// Bind groups that are reused across frames while nothing changes.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        self.pictures.all().chain(self.means.get())
+    }
+
+    pub(super) fn offset(&self) -> u32 {
+        self.offset
+    }
+
+    /// Workgroups of the two dispatches.
+    pub(super) fn workgroups(&self) -> [UVec2; 2] {
+        let last_of_first = self.size() >> (LEVELS[0] - 1);
+        [self.size(), last_of_first].map(|texels| texels.map(|side| side.div_ceil(BLOCK_SIDE)))
+    }
+
+    /// Marks this frame's light as stored.
+    pub(super) fn hold(&self, number: &FrameNumber) {
+        self.frames.hold(number);
+    }
+
+    fn new(
+        device: &RenderDevice,
+        view: &ExtractedView,
+        size: UVec2,
+        frames: HistoryValidity,
+    ) -> Self {
+        Self {
+            kept: StorageTexture::new(device, LABEL, size, FORMAT),
+            pictures: default(),
+            means: default(),
+            frames,
+            offset: 0,
+            opaque_depth: None,
+            shown_exposure: ShownExposure::new(device, view),
+        }
+    }
+}
+
+impl BoundedByWhite for ViewHistory {
+    fn shown_exposure(&self) -> &ShownExposure {
+        &self.shown_exposure
+    }
+}
+
+/// Size of the texture for a viewport: a multiple of the last level's texel.
+fn texture_size(viewport_size: UVec2) -> UVec2 {
+    let side = 1 << (LEVEL_COUNT - 1);
+    viewport_size.map(|length| length.max(1).next_multiple_of(side))
+}
+
+/// Drops all histories. Runs on each new device.
+pub(super) fn forget_histories(mut commands: Commands, views: Query<Entity, With<ViewHistory>>) {
+    for view in &views {
+        commands.entity(view).remove::<ViewHistory>();
+    }
+}
+
+/// Creates missing textures, and updates the validity of the others.
+pub(in crate::effects) fn prepare_histories(
+    mut commands: Commands,
+    mut uniforms: ResMut<HistoryUniforms>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    (number, shift, mut memory): (Res<FrameNumber>, Res<WorldShift>, ResMut<OutOfMemory>),
+    mut views: Query<
+        (
+            Entity,
+            (&ExtractedView, &ExtractedCamera),
+            &Msaa,
+            Option<&MainPassResolutionOverride>,
+            Option<&CameraCuts>,
+            Option<&mut ViewHistory>,
+        ),
+        With<ReadsHistory>,
+    >,
+) {
+    let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
+        return;
+    };
+    for (entity, (view, camera), msaa, resolution, cuts, history) in &mut views {
+        // Multisampled depth cannot be resolved.
+        if msaa.samples() != 1 {
+            commands.entity(entity).remove::<ViewHistory>();
+            continue;
+        }
+        let now = LastFrame::of(view, resolution, camera.exposure, &shift);
+        let size = now.viewport.size();
+        let mut made = None;
+        let history = match history {
+            Some(history) if history.size() == texture_size(size) => {
+                let history = history.into_inner();
+                history.frames.advance(now, cuts, &number);
+                history
+            }
+            _ => {
+                let frames = HistoryValidity::new(now, cuts);
+                let make = || ViewHistory::new(&device, view, texture_size(size), frames);
+                let Some(new) = memory.fit(&device, entity, LABEL, make) else {
+                    commands.entity(entity).remove::<ViewHistory>();
+                    continue;
+                };
+                made.insert(new)
+            }
+        };
+        history.offset = writer.write(&HistoryUniform::new(&now));
+        if let Some(made) = made {
+            commands.entity(entity).insert(made);
+        }
+    }
+}
+
+/// Updates the bind groups of all views with a history.
+pub(in crate::effects) fn prepare_history_bind_groups(
+    device: Res<RenderDevice>,
+    cache: Res<PipelineCache>,
+    pipelines: Option<ResMut<HistoryPipelines>>,
+    uniforms: Res<HistoryUniforms>,
+    mut views: Query<(&mut ViewHistory, &ViewTarget, &ViewDepthTexture)>,
+) {
+    let (Some(mut pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
+        return;
+    };
+    if !views.is_empty() {
+        pipelines.queue(&cache);
+    }
+    for (mut history, target, depth) in &mut views {
+        let history = &mut *history;
+        let depth = match &history.opaque_depth {
+            Some(copy) => &copy.default_view,
+            None => depth.view(),
+        };
+        let shown_exposure = &history.shown_exposure;
+        let (first, rest) = history.kept.levels.split_at(LEVELS[0] as usize);
+        (history.pictures).update(
+            &device,
+            &pipelines.layouts[0],
+            target,
+            |entries, picture| {
+                entries.push(COLOR_TEXTURE, picture.into_binding())?;
+                for (number, level) in (LEVEL_0..).zip(first) {
+                    entries.push(number, level.into_binding())?;
+                }
+                entries.push(VIEW, uniforms.clone())?;
+                entries.push(DEPTH_TEXTURE, depth.into_binding())?;
+                entries.push(SHOWN_EXPOSURE, shown_exposure.binding())
+            },
+        );
+        (history.means).update(&device, &pipelines.layouts[1], |entries| {
+            entries.push(COLOR_TEXTURE, first.last()?.into_binding())?;
+            for (number, level) in (LEVEL_0..).zip(rest) {
+                entries.push(number, level.into_binding())?;
+            }
+            Some(())
+        });
+    }
+}

@@ -1,0 +1,105 @@
+//! Decides per camera and frame if reflections run, and with which pipelines.
+
+use bevy::{
+    camera::MainPassResolutionOverride,
+    prelude::*,
+    render::{camera::ExtractedCamera, render_resource::PipelineCache, view::ExtractedView},
+};
+
+use super::{
+    key::ReflectionKey,
+    pipelines::{ReflectionPasses, ReflectionPipelines},
+    settings::LeanScreenSpaceReflections,
+};
+use crate::{
+    effects::{ReadsHistory, history_validity::drawn_part},
+    gpu::pipeline_watch::PipelineWatch,
+    shader_library::reconstruction::position::projection_of,
+    view::{
+        ActiveLeanView, DebugView, Effect, EffectStatuses, GBufferTargets, IndirectSpecular,
+        LeanDebugView, LeanDeferred, LeanSupport,
+    },
+};
+
+/// On a view of the render world: the pipelines are compiled, and lighting is asked to add their output.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct ActiveReflections {
+    pub(super) settings: LeanScreenSpaceReflections,
+    pub(super) key: ReflectionKey,
+    pub(super) passes: ReflectionPasses,
+}
+
+/// Inserts or removes [`ActiveReflections`] and its requests to other passes. While pipelines for new settings compile, a view keeps
+/// its current ones. Cameras that are switched off lose it, which frees their GPU resources.
+pub(super) fn decide_active_reflections(
+    mut commands: Commands,
+    pipelines: Option<ResMut<ReflectionPipelines>>,
+    (cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
+    (support, mut statuses): (Res<LeanSupport>, ResMut<EffectStatuses>),
+    views: Query<
+        (
+            Entity,
+            &ExtractedView,
+            &LeanScreenSpaceReflections,
+            (Option<&LeanDeferred>, Option<&LeanDebugView>),
+            Option<&MainPassResolutionOverride>,
+            (Option<&ActiveLeanView>, Option<&ActiveReflections>),
+        ),
+        With<ExtractedCamera>,
+    >,
+    switched_off: Query<Entity, (With<ActiveReflections>, Without<ExtractedCamera>)>,
+) {
+    for entity in &switched_off {
+        commands.entity(entity).remove::<ActiveReflections>();
+    }
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    for (entity, view, settings, (lean, debug_view), resolution, (last, current)) in &views {
+        let camera = view.retained_view_entity.main_entity;
+        let mut status = statuses.of(camera, Effect::Reflections);
+        let can_run =
+            !status.is_off_without(lean) && !status.is_off_by_device(&support.screen_space);
+        let rows = drawn_part(view, resolution).height();
+        let key = ReflectionKey {
+            marches: settings.marches(rows),
+            divisor: settings.texel_side(rows),
+            // From the last frame: if the target is new, coats reflect one frame late.
+            specialization: last
+                .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
+            projection: projection_of(view.clip_from_view),
+            shown: debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit),
+        };
+        let wanted = can_run.then(|| ActiveReflections {
+            settings: *settings,
+            key,
+            passes: pipelines.specialize(&cache, key),
+        });
+        let stand_in = current.filter(|last| last.key.stands_in_for(key)).copied();
+        let active = [wanted, stand_in]
+            .into_iter()
+            .flatten()
+            .find(|active| can_run && active.passes.are_compiled(&cache));
+        if let Some(wanted) = wanted {
+            status.set_running(active.is_some(), watch.failure(wanted.passes.ids()));
+        }
+        match active {
+            Some(active) => {
+                let mut view = commands.entity(entity);
+                view.insert(active);
+                if last.is_some() {
+                    view.insert(ReadsHistory);
+                    view.insert_if_new(IndirectSpecular::default());
+                } else {
+                    // The camera was not rendered lean: drop its history and output.
+                    view.remove::<ReadsHistory>();
+                    view.insert(IndirectSpecular::default());
+                }
+            }
+            None if current.is_some() => {
+                commands.entity(entity).remove::<ActiveReflections>();
+            }
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! Per-view resources of the passes: uniform, textures and bind groups. Bind groups are recreated only when their resources change.
+
+use bevy::{
+    camera::MainPassResolutionOverride,
+    core_pipeline::prepass::{MotionVectorPrepass, ViewPrepassTextures},
+    diagnostic::FrameCount,
+    prelude::*,
+    render::{
+        camera::ExtractedCamera,
+        render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture},
+        renderer::{RenderDevice, RenderQueue},
+        texture::FallbackImageZero,
+        view::{ExtractedView, ViewDepthTexture},
+    },
+};
+
+use super::{
+    active::ActiveReflections,
+    binding_numbers::{
+        DEPTH_SAMPLER, DEPTH_TEXTURE, FILTERED_OUTPUT, FILTERED_TEXTURE, HI_Z_OUTPUT, HI_Z_TEXTURE,
+        HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE,
+        NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE,
+        SURFACES_OUTPUT, SURFACES_TEXTURE, VALID_MASK_TEXTURE, VIEW,
+    },
+    pass::PASSES,
+    pipelines::{
+        HI_Z_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines,
+        SURFACES_FORMAT,
+    },
+    uniforms::ReflectionUniform,
+};
+use crate::{
+    effects::{LastFrame, ViewHistory, debug_view::RayHits, world_shift::WorldShift},
+    gbuffer::GBufferTextures,
+    gpu::{
+        bind_group_cache::{CachedBindGroup, Entries},
+        storage_texture::StorageTexture,
+        texture_bytes::texture_bytes,
+    },
+    shader_library::tiles,
+    view::{
+        ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightingIo, OutOfMemory,
+    },
+};
+
+/// Pixels per side of the largest cells.
+const LARGEST_CELL: u32 = 64;
+/// Side of a workgroup, in texels when it writes lobes, and in pixels when it resolves. Same value as in `texels.wgsl`.
+pub const WORKGROUP_SIDE: u32 = 16;
+
+/// Uniforms of all views.
+#[derive(Resource, Default)]
+pub(super) struct ReflectionUniforms(DynamicUniformBuffer<ReflectionUniform>);
+
+/// On a view with reflections: the outputs of the passes.
+#[derive(Component)]
+pub struct ViewReflections {
+    hi_z: StorageTexture,
+    surfaces: StorageTexture,
+    rays: StorageTexture,
+    hits: StorageTexture,
+    filtered: StorageTexture,
+    output: StorageTexture,
+    viewport_size: UVec2,
+    texture_size: UVec2,
+    /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
+    has_motion: bool,
+    pub(super) offset: u32,
+}
+
+impl ViewReflections {
+    fn new(device: &RenderDevice, view: &ReflectionUniform) -> Self {
+        let hi_z = cell_count(view.viewport_size);
+        // Cells of 4, 16 and 64 pixels, stacked vertically.
+        let hi_z = UVec2::new(hi_z.x * 16, hi_z.y * (16 + 4 + 1));
+        let texels = view.texture_size;
+        let texture = |label, size, format| StorageTexture::new(device, label, size, format);
+        Self {
+            hi_z: texture("lean_deferred/effects/reflections/hi_z", hi_z, HI_Z_FORMAT),
+            surfaces: texture(
+                "lean_deferred/effects/reflections/surfaces",
+                texels,
+                SURFACES_FORMAT,
+            ),
+            rays: texture(
+                "lean_deferred/effects/reflections/rays",
+                texels,
+                LIGHT_FORMAT,
+            ),
+            hits: texture(
+                "lean_deferred/effects/reflections/hits",
+                texels,
+                HITS_FORMAT,
+            ),
+            filtered: texture(
+                "lean_deferred/effects/reflections/spatial_filter",
+                texels,
+                LIGHT_FORMAT,
+            ),
+            output: texture(
+                "lean_deferred/effects/reflections/output",
+                view.viewport_size,
+                LIGHT_FORMAT,
+            ),
+            viewport_size: view.viewport_size,
+            texture_size: view.texture_size,
+            has_motion: false,
+            offset: 0,
+        }
+    }
+
+    fn is_for(&self, view: &ReflectionUniform) -> bool {
+        (self.viewport_size, self.texture_size) == (view.viewport_size, view.texture_size)
+    }
+
+    /// Workgroups of the passes.
+    pub(super) fn workgroups(&self) -> [UVec2; PASSES.len()] {
+        let of = |size: UVec2| size.map(|length| length.div_ceil(WORKGROUP_SIDE));
+        [
+            cell_count(self.viewport_size),
+            tiles::count(self.texture_size),
+            of(self.texture_size),
+            of(self.viewport_size),
+        ]
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.textures().map(texture_bytes).sum()
+    }
+
+    /// All textures that it holds.
+    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+        [
+            &self.hi_z,
+            &self.surfaces,
+            &self.rays,
+            &self.hits,
+            &self.filtered,
+            &self.output,
+        ]
+        .into_iter()
+        .map(|held| &held.texture)
+    }
+}
+
+/// Number of the largest cells in a viewport.
+fn cell_count(viewport_size: UVec2) -> UVec2 {
+    viewport_size.map(|side| side.div_ceil(LARGEST_CELL).max(1))
+}
+
+/// Creates missing textures, sets [`IndirectSpecular`] to the output, and writes [`ReflectionUniforms`].
+pub(super) fn prepare_reflections(
+    mut commands: Commands,
+    mut uniforms: ResMut<ReflectionUniforms>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    frame: Res<FrameCount>,
+    shift: Res<WorldShift>,
+    mut memory: ResMut<OutOfMemory>,
+    mut views: Query<(
+        Entity,
+        (&ActiveReflections, &ActiveLeanView),
+        (&ExtractedCamera, &ExtractedView),
+        Option<&MainPassResolutionOverride>,
+        (Option<&FrameAveraging>, Has<MotionVectorPrepass>),
+        Option<&ViewHistory>,
+        (
+            Option<&mut ViewReflections>,
+            &mut IndirectSpecular,
+            Has<RayHits>,
+        ),
+    )>,
+) {
+    let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
+        return;
+    };
+    for (entity, (active, lean), (camera, view), resolution, of_view, history, held) in &mut views {
+        let ((averaging, has_motion), (reflections, mut found, has_hits)) = (of_view, held);
+        // The first frame has no history.
+        let Some(history) = history else {
+            found.0 = None;
+            continue;
+        };
+        if !lean.io.contains(LightingIo::INDIRECT_SPECULAR) {
+            continue;
+        }
+        let now = LastFrame::of(view, resolution, camera.exposure, &shift);
+        let mut uniform =
+            ReflectionUniform::new(&active.settings, active.key.divisor, &now, history.last());
+        uniform.history_size = history.size().as_vec2();
+        uniform.turn = FrameAveraging::turn(averaging, &frame);
+        let mut made = None;
+        let reflections = match reflections {
+            Some(reflections) if reflections.is_for(&uniform) => reflections.into_inner(),
+            _ => {
+                let make = || ViewReflections::new(&device, &uniform);
+                let Some(new) =
+                    memory.fit(&device, entity, "lean_deferred/effects/reflections", make)
+                else {
+                    found.0 = None;
+                    commands.entity(entity).remove::<ViewReflections>();
+                    continue;
+                };
+                made.insert(new)
+            }
+        };
+        uniform.has_motion = has_motion.into();
+        reflections.has_motion = has_motion;
+        reflections.offset = writer.write(&uniform);
+        found.0 = Some(reflections.output.view.clone());
+        if active.key.shown {
+            let hits = RayHits(reflections.hits.view.clone());
+            commands.entity(entity).insert(hits);
+        } else if has_hits {
+            commands.entity(entity).remove::<RayHits>();
+        }
+        if let Some(made) = made {
+            commands.entity(entity).insert(made);
+        }
+    }
+}
+
+/// On a view with reflections: the bind groups of its passes.
+#[derive(Component, Default)]
+pub struct ReflectionBindings([CachedBindGroup; PASSES.len()]);
+
+impl ReflectionBindings {
+    /// Bind groups in the order of the passes.
+    pub(super) fn groups(&self) -> [Option<&BindGroup>; PASSES.len()] {
+        self.0.each_ref().map(CachedBindGroup::get)
+    }
+
+    /// Bind groups that are reused across frames while nothing changes.
+    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
+        self.groups().into_iter().flatten()
+    }
+}
+
+/// Updates the bind groups of all active views.
+pub(super) fn prepare_reflection_bind_groups(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    pipelines: Option<Res<ReflectionPipelines>>,
+    (uniforms, no_motion): (Res<ReflectionUniforms>, Res<FallbackImageZero>),
+    mut views: Query<(
+        Entity,
+        (&ActiveReflections, &ViewReflections, &ViewHistory),
+        (&GBufferTextures, &ViewDepthTexture),
+        Option<&ViewPrepassTextures>,
+        Option<&mut ReflectionBindings>,
+    )>,
+) {
+    let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
+        return;
+    };
+    for (entity, (active, held, history), (gbuffer, depth), prepass, bindings) in &mut views {
+        let Some(ReflectionLayouts(layouts)) = pipelines.layouts(active.key) else {
+            continue;
+        };
+        let fixtures = pipelines.fixtures(&device);
+        let mut made = None;
+        let bindings = match bindings {
+            Some(bindings) => bindings.into_inner(),
+            None => made.insert(ReflectionBindings::default()),
+        };
+        let scene = |entries: &mut Entries| {
+            entries.push(VIEW, uniforms.clone())?;
+            entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
+            entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
+            entries.push(HISTORY_TEXTURE, history.view().into_binding())?;
+            entries.push(HISTORY_SAMPLER, fixtures.history_sampler.into_binding())?;
+            let motion = if held.has_motion {
+                &prepass?.motion_vectors.as_ref()?.texture.default_view
+            } else {
+                &no_motion.texture_view
+            };
+            entries.push(MOTION_TEXTURE, motion.into_binding())?;
+            if active.key.specialization {
+                let special = gbuffer.optional(GBufferTargets::SPECIALIZATION);
+                let written = special.and(gbuffer.valid_mask.as_ref());
+                let views = [
+                    (VALID_MASK_TEXTURE, written),
+                    (SPECIALIZATION_TEXTURE, special),
+                ];
+                for (number, texture) in views {
+                    let view = texture.map_or(&fixtures.nothing, |texture| &texture.default_view);
+                    entries.push(number, view.into_binding())?;
+                }
+            }
+            Some(())
+        };
+        let texels = |entries: &mut Entries| {
+            entries.push(SURFACES_TEXTURE, held.surfaces.view.into_binding())?;
+            entries.push(RAYS_TEXTURE, held.rays.view.into_binding())?;
+            entries.push(HITS_TEXTURE, held.hits.view.into_binding())
+        };
+        let [hi_z, trace, filtered, resolve] = &mut bindings.0;
+        hi_z.update(&device, &layouts[0], |entries| {
+            entries.push(VIEW, uniforms.clone())?;
+            entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
+            entries.push(HI_Z_OUTPUT, held.hi_z.view.into_binding())?;
+            entries.push(DEPTH_SAMPLER, fixtures.depth_sampler.into_binding())
+        });
+        trace.update(&device, &layouts[1], |entries| {
+            scene(entries)?;
+            entries.push(HI_Z_TEXTURE, held.hi_z.view.into_binding())?;
+            entries.push(SURFACES_OUTPUT, held.surfaces.view.into_binding())?;
+            entries.push(RAYS_OUTPUT, held.rays.view.into_binding())?;
+            entries.push(HITS_OUTPUT, held.hits.view.into_binding())
+        });
+        filtered.update(&device, &layouts[2], |entries| {
+            entries.push(VIEW, uniforms.clone())?;
+            texels(entries)?;
+            entries.push(FILTERED_OUTPUT, held.filtered.view.into_binding())
+        });
+        resolve.update(&device, &layouts[3], |entries| {
+            scene(entries)?;
+            texels(entries)?;
+            entries.push(FILTERED_TEXTURE, held.filtered.view.into_binding())?;
+            entries.push(OUTPUT_TEXTURE, held.output.view.into_binding())
+        });
+        if let Some(made) = made {
+            commands.entity(entity).insert(made);
+        }
+    }
+}

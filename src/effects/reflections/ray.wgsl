@@ -1,0 +1,119 @@
+// A ray through the picture, and its hit. On screen it is a line, along which depth is affine too.
+#define_import_path bevy_lean_deferred::effects::reflections::ray
+
+#import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
+#import bevy_lean_deferred::reconstruction::normal::flatter_slope
+#import bevy_lean_deferred::effects::reflections::bindings::{
+    behind, depth_in_view, edge_step, homogeneous_pixel, normal_texture, to_viewer, view, view_position,
+}
+
+/// `start + step * u` in (pixel x, pixel y, depth), for `u` from 0 to `end`. `u` grows by about 1 per pixel.
+struct Ray {
+    start: vec3<f32>,
+    step: vec3<f32>,
+    end: f32,
+    /// The distance from the start is `metres * u / (1 - vanishing * u)`, in metres.
+    metres: f32,
+    vanishing: f32,
+}
+
+/// State of a march.
+struct MarchState {
+    u: f32,
+    /// True if the ray is in front of the visible surfaces. It hits those that it enters from in front, and passes behind others.
+    is_in_front: bool,
+    /// Length of the last step.
+    span: f32,
+}
+
+/// Result of a march.
+struct RayHit {
+    is_hit: bool,
+    u: f32,
+    /// In pixels, and depth.
+    place: vec3<f32>,
+    /// 1 on the front of a surface, 0 at its thickness behind it.
+    certainty: f32,
+}
+
+/// Parameter at which the line leaves 0 to `size`; 1e9 on axes along which it does not move.
+fn leaves(start: vec2<f32>, step: vec2<f32>, size: vec2<f32>) -> f32 {
+    let ends = (select(vec2(0.0), size, step > vec2(0.0)) - start) / step;
+    let along = abs(step) < vec2(1e-12);
+    let never = select(ends, vec2(1e9), along);
+    return min(never.x, never.y);
+}
+
+/// Ray from `position`, which is seen at `start`, in unit direction `direction`; both in view space.
+fn ray_on_screen(start: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) -> Ray {
+    let here = homogeneous_pixel(position, 1.0);
+    let towards = homogeneous_pixel(direction, 0.0);
+    let step = (towards.xyz - start * towards.w) / here.w;
+    var ray: Ray;
+    ray.start = start;
+    ray.metres = 1.0 / max(max(abs(step.x), abs(step.y)), 1e-6);
+    ray.step = step * ray.metres;
+    ray.vanishing = ray.metres * towards.w / here.w;
+    let sides = leaves(start.xy, ray.step.xy, vec2<f32>(view.viewport_size));
+    let planes = leaves(start.zz, ray.step.zz, vec2(1.0));
+    // The vanishing point, at infinite distance.
+    let infinity = select(1e9, 1.0 / ray.vanishing, ray.vanishing > 0.0);
+    ray.end = min(min(sides, planes), infinity);
+    return ray;
+}
+
+/// Pixel that the ray crosses at `u`.
+fn pixel_on(ray: Ray, u: f32) -> vec2<i32> {
+    return clamp(vec2<i32>(ray.start.xy + ray.step.xy * u), vec2(0), vec2<i32>(view.viewport_size) - 1);
+}
+
+/// Distance from the start at `u`, in metres.
+fn metres_at(ray: Ray, u: f32) -> f32 {
+    return ray.metres * u / max(1.0 - ray.vanishing * u, 1e-6);
+}
+
+/// Share of the assumed thickness that the surface at `pixel` has: 1 where it faces the viewer, less towards silhouettes, and 0
+/// where it faces away from the ray.
+fn share_of_thickness(pixel: vec2<i32>, depth: f32, direction: vec3<f32>) -> f32 {
+    let word = textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
+    // Surfaces outside the G-buffer have the full thickness.
+    if word == NO_GEOMETRY {
+        return 1.0;
+    }
+    let normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
+    let facing = dot(normal, to_viewer(view_position(vec2<f32>(pixel) + 0.5, depth)));
+    return select(0.0, saturate(facing), dot(normal, direction) < 0.0);
+}
+
+/// Distance behind the front at `pixel` of a ray that enters it at depth `z`, as a share of the thickness. Above 1, the ray misses.
+fn depth_inside(pixel: vec2<i32>, depth: f32, z: f32, direction: vec3<f32>) -> f32 {
+    let tolerance = edge_step(depth, 1.0);
+    let thickness = depth - behind(depth);
+    if z < depth - thickness - tolerance {
+        return 2.0;
+    }
+    let share = share_of_thickness(pixel, depth, direction);
+    let inside = max(depth - z - tolerance, 0.0) / max(thickness * share, 1e-30);
+    return select(inside, 2.0, share == 0.0);
+}
+
+/// Intersects the ray with the plane of the depths around `pixel`. `u` is where the ray crosses the pixel, within a `span` of
+/// pixels that it did not sample. `certainty` is that of a ray that comes from behind another surface.
+fn hit_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: f32) -> RayHit {
+    let slope = vec2(
+        flatter_slope(depth_in_view(pixel - vec2(1, 0)), depth, depth_in_view(pixel + vec2(1, 0))),
+        flatter_slope(depth_in_view(pixel - vec2(0, 1)), depth, depth_in_view(pixel + vec2(0, 1))),
+    );
+    let center = vec2<f32>(pixel) + 0.5;
+    let along = ray.step.z - dot(slope, ray.step.xy);
+    let exact = (depth + dot(slope, ray.start.xy - center) - ray.start.z) / along;
+    let is_crossed = abs(exact - u) < 1.0 + span;
+    var hit: RayHit;
+    hit.is_hit = true;
+    hit.u = clamp(select(u, exact, is_crossed), 0.5, ray.end);
+    // Within the pixel, because the next one may show another surface.
+    hit.place = vec3(ray.start.xy + ray.step.xy * clamp(hit.u, u - 0.4, u + 0.4), 0.0);
+    hit.place.z = clamp(depth + dot(slope, hit.place.xy - center), 0.5 * depth, 2.0 * depth);
+    hit.certainty = select(certainty, 1.0, is_crossed);
+    return hit;
+}

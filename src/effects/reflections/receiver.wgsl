@@ -1,0 +1,85 @@
+// The pixel to be resolved, and the results of the rays of the texels around it.
+#define_import_path bevy_lean_deferred::effects::reflections::receiver
+
+#import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
+#import bevy_lean_deferred::effects::reflections::bindings::{unpack_distance, view}
+#import bevy_lean_deferred::effects::reflections::texels::{CACHE_SIDE, hits, likeness, lights}
+
+struct Receiver {
+    /// Position in pixels.
+    at: vec2<f32>,
+    depth: f32,
+    /// Depth slope per texel.
+    slope: vec2<f32>,
+    /// 1 / the depth step that separates surfaces a texel apart.
+    inverse_step: f32,
+    /// In world space.
+    normal: vec3<f32>,
+    roughness: f32,
+    /// `likeness_beside` of the four texels around it.
+    alike: vec4<f32>,
+}
+
+/// Index of texel `i` of the four around the pixel, of which `first` is the first.
+fn texel_beside(first: i32, i: i32) -> i32 {
+    return first + (i & 1) + CACHE_SIDE * (i >> 1u);
+}
+
+/// Likeness, 0 to 1, of the surface of a texel to the receiver, which is `along` of the way between the texels.
+fn likeness_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>) -> f32 {
+    let offset = vec2(f32(i & 1), f32(i >> 1u)) - along;
+    let expected = receiver.depth + dot(receiver.slope, offset);
+    return likeness(receiver.normal, expected, texel_beside(first, i), receiver.inverse_step);
+}
+
+/// Weight of texel `i` for the receiver.
+fn weight_beside(receiver: Receiver, i: i32, along: vec2<f32>) -> f32 {
+    let corner = vec2(i & 1, i >> 1u);
+    // Above 0: the furthest texel may be the only one of its surface.
+    let near = max(select(1.0 - along, along, corner == vec2(1)), vec2(1e-3));
+    return near.x * near.y * receiver.alike[i];
+}
+
+/// Width on screen in pixels of a lobe with a squared roughness of 1, after `metres`, at a `distance` from the camera.
+fn lobe_width(metres: f32, distance: f32) -> f32 {
+#ifdef PROJECTION_ORTHOGRAPHIC
+    return 2.0 * metres * abs(view.pixels_per_metre.y);
+#else
+    return 2.0 * metres * abs(view.pixels_per_metre.y) / max(distance, 1e-6);
+#endif
+}
+
+/// Width on screen in pixels of a texel's lobe at the hits of the rays beside it, for a squared roughness of 1.
+fn width_at(first: i32, position: vec3<f32>) -> f32 {
+    var sum = 0.0;
+    var count = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let image = unpack_distance(hits[texel_beside(first, i)]);
+        sum += image;
+        count += select(0.0, 1.0, image > 0.0);
+    }
+    let distance = length(position);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let begin = 0.0;
+#else
+    let begin = distance;
+#endif
+    // Without hits, assumes one as far away as the mirror: hits of rays further away are part of a rough mirror's lobe, but not of
+    // a smooth mirror's reflection.
+    let metres = select(distance, sum / max(count, 1.0) - begin, count > 0.0);
+    // The hit is assumed at the mirror's distance from the camera, which is accurate enough.
+    return lobe_width(metres, distance);
+}
+
+/// Light of the rays around, for silhouettes: light times confidence, and confidence.
+fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
+    var sum = vec4(0.0);
+    var weights = 1e-12;
+    for (var i = 0; i < 4; i++) {
+        let texel = texel_beside(first, i);
+        let weight = select(0.0, weight_beside(receiver, i, along), hits[texel] != 0u);
+        sum += weight * unpack_halves(lights[texel]);
+        weights += weight;
+    }
+    return sum / weights;
+}

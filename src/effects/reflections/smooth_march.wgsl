@@ -1,0 +1,92 @@
+// Marches the ray of a smooth surface through cells and pixels.
+#define_import_path bevy_lean_deferred::effects::reflections::smooth_march
+
+#import bevy_lean_deferred::effects::reflections::bindings::{behind, hi_z_texture, depth_texture, view}
+#import bevy_lean_deferred::effects::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
+#import bevy_lean_deferred::effects::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
+
+/// Sides of the smallest and the largest cells in pixels, and the ratio of consecutive sides. Pixels come before the smallest
+/// cells.
+const FIRST_SIDE: f32 = 4.0;
+const STEP_OF_SIDES: f32 = 4.0;
+const LAST_SIDE: f32 = 64.0;
+/// Above the depth of the sky as stored in cells.
+const NEAREST_TO_SKY: f32 = 1e-9;
+/// Offset into the next cell, in pixels: above rounding errors.
+const INTO: f32 = 1.0 / 256.0;
+
+/// Marches through the largest cells that the ray passes in front of or behind, to the first surface whose front faces it (Uludag
+/// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. After `steps`, the state is in `way`.
+fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchState>) -> RayHit {
+    let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
+    let inverse_step = 1.0 / step;
+    let ends_from = -ray.start.xy * inverse_step;
+    let is_forward = step > vec2(0.0);
+    let forwards = vec2<f32>(is_forward);
+    // Coordinates of the last of 4×4 cells in a larger one, in the ray's direction.
+    let last_of_four = select(vec2(0), vec2(3), is_forward);
+    let start = ray.start.xy + select(vec2(-INTO), vec2(INTO), is_forward);
+    let rows = largest_rows(view.viewport_size.y);
+    let last = vec2<i32>(view.viewport_size) - 1;
+    var side = FIRST_SIDE;
+    var inverse_side = 1.0 / FIRST_SIDE;
+    var u = (*state).u;
+    var z = ray.start.z + ray.step.z * u;
+    var was_in_front = (*state).is_in_front;
+    var hit: RayHit;
+    for (var i = 0u; i < steps && u < ray.end; i++) {
+        let place = floor((start + ray.step.xy * u) * inverse_side);
+        let cell = vec2<i32>(place);
+        let is_pixel = side < FIRST_SIDE;
+        // Both reads are awaited together, because a subgroup has rays in both.
+        var depth = 0.0;
+        var word = 0u;
+        if is_pixel {
+            depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + min(cell, last), 0);
+        } else {
+            let before = select(select(ROWS_BEFORE_64, ROWS_BEFORE_16, side < LAST_SIDE), 0u, side == FIRST_SIDE);
+            word = textureLoad(hi_z_texture, cell + vec2(0, i32(before * rows)), 0).r;
+        }
+        let ends = (place + forwards) * (side * inverse_step) + ends_from;
+        let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
+        let next_z = ray.start.z + ray.step.z * next;
+        // A ray in front passes behind a single pixel only after a test of the surface's thickness.
+        let depths = select(unpack_cell(word), vec2(depth, -1.0), is_pixel);
+        var is_in_front = min(z, next_z) > depths.x;
+        // A ray that is already behind stays so while it is behind all fronts, regardless of thickness: its depth is shifted like the
+        // depths of backs in cells. The lower bound keeps it from passing behind the sky, which cells store as their least depth.
+        let nearest = max(z, next_z);
+        let reached = select(max(behind(nearest), NEAREST_TO_SKY), nearest, was_in_front);
+        var passes = is_in_front || reached < depths.y;
+        if !passes && is_pixel {
+            let middle = 0.5 * (u + next);
+            let middle_z = 0.5 * (z + next_z);
+            is_in_front = middle_z > depth;
+            if was_in_front && !is_in_front {
+                let pixel = pixel_on(ray, middle);
+                let inside = depth_inside(pixel, depth, middle_z, direction);
+                if inside < 1.0 {
+                    hit = RayHit(true, middle, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
+                    break;
+                }
+            }
+            passes = true;
+        }
+        if passes {
+            u = next;
+            z = next_z;
+            was_in_front = is_in_front;
+            // Goes to larger cells only where one begins.
+            let crosses_x = ends.x < ends.y;
+            let crossed = select(cell.y ^ last_of_four.y, cell.x ^ last_of_four.x, crosses_x);
+            let rises = (crossed & 3) == 0 && side < LAST_SIDE;
+            side *= select(1.0, STEP_OF_SIDES, rises);
+            inverse_side *= select(1.0, 1.0 / STEP_OF_SIDES, rises);
+        } else {
+            side *= 1.0 / STEP_OF_SIDES;
+            inverse_side *= STEP_OF_SIDES;
+        }
+    }
+    *state = MarchState(u, was_in_front, 1.0);
+    return hit;
+}

@@ -1,0 +1,145 @@
+// Traces a ray of the lobe of each texel's surface, a different one for each of 4×4 texels, through the depth of this frame into
+// the light of the last one.
+#import bevy_lean_deferred::ggx::sample_lobe
+#import bevy_lean_deferred::gbuffer::layout::is_finite
+#import bevy_lean_deferred::horizon::tangents
+#import bevy_lean_deferred::pattern::rotation_index
+#import bevy_lean_deferred::effects::reflections::bindings::{
+    DIVISOR, depth_in_view, hits_output, pack_hit, rays_output, surfaces_output, to_viewer, view, view_position,
+}
+#import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, hit_at, metres_at, ray_on_screen}
+#import bevy_lean_deferred::effects::reflections::rough_march
+#import bevy_lean_deferred::effects::reflections::smooth_march
+#import bevy_lean_deferred::effects::reflections::surface::{last_light, mirror_of, normal_word_at, rotated, smoothness}
+#import bevy_lean_deferred::tiles::pixel_in_view
+
+/// Rays that form a lobe together: those of 4×4 texels.
+const RAYS: u32 = 16u;
+
+/// Perceptual roughness above which rays march in segments from the start: between two values of the G-buffer, so that rounding
+/// makes no difference.
+const ROUGH: f32 = 51.5 / 255.0;
+
+const ROUGH_SEGMENTS: u32 = #{ROUGH_SEGMENTS}u;
+const SMOOTH_STEPS: u32 = #{SMOOTH_STEPS}u;
+/// Growth of a ray's segments with its length, in hundredths of its squared roughness. 50 is the radius of the part that one of
+/// sixteen rays represents: a quarter of the lobe's radius.
+const GROWTH_PERCENT: f32 = f32(#{GROWTH_PERCENT}u);
+/// Least growth, so that most rays leave the picture before their segments are used up.
+const LEAST_GROWTH: f32 = 0.03;
+
+/// Result of a ray.
+struct TraceResult {
+    /// Normal word and depth of the mirror; 0 without a ray.
+    surface: vec2<u32>,
+    /// Light and confidence.
+    light: vec4<f32>,
+    /// Packed by `pack_hit`.
+    hit: u32,
+}
+
+/// Two numbers from 0 to 1 per ray (Hammersley 1960, "Monte Carlo methods for solving multivariable problems").
+fn numbers_of(ray: u32) -> vec2<f32> {
+    let pair = (vec2(f32(ray), f32(reverseBits(ray) >> 28u)) + 0.5) / f32(RAYS);
+    return fract(pair + view.turn * vec2(1.0, 0.754877));
+}
+
+/// Fade towards the edge of the picture: 1 from `view.edge_fade` pixels on.
+fn rim_fade(at: vec2<f32>) -> f32 {
+    let room = min(at, vec2<f32>(view.viewport_size) - at);
+    return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
+}
+
+fn trace_at(texel: vec2<i32>) -> TraceResult {
+    var result: TraceResult;
+    let pixel = texel * DIVISOR;
+    let depth = depth_in_view(pixel);
+    if !(depth > 0.0) || view.exposure_ratio == 0.0 {
+        return result;
+    }
+    let word = normal_word_at(pixel);
+    let mirror = mirror_of(pixel, word);
+    if smoothness(mirror.roughness) == 0.0 {
+        return result;
+    }
+    let start = vec3(vec2<f32>(pixel) + 0.5, depth);
+    let is_rough = mirror.roughness > ROUGH;
+    result.surface = vec2(word, bitcast<u32>(depth));
+    let turn = rotation_index(vec2<u32>(texel) & vec2(3u));
+    let position = view_position(start.xy, depth);
+    let V = to_viewer(position);
+    let normal = rotated(mirror.normal);
+    let basis = tangents(normal);
+    // Shading normals may lean away from the viewer.
+    let local = vec3(V * basis, max(dot(V, normal), 1e-3));
+    let alpha = mirror.roughness * mirror.roughness;
+    let sample = sample_lobe(normalize(local), alpha, numbers_of(turn));
+    result.hit = pack_hit(0.0, sample.weight);
+    if sample.weight == 0.0 {
+        return result;
+    }
+    let direction = basis * sample.direction.xy + normal * sample.direction.z;
+    let ray = ray_on_screen(start, position, direction);
+    var hit: RayHit;
+    // Skips the pixel itself.
+    var state = MarchState(1.0, true, 0.0);
+    if !is_rough {
+        hit = smooth_march::march(ray, direction, SMOOTH_STEPS, &state);
+    }
+    // Rays of rough surfaces march in segments from the start. Smooth ones whose steps are used up continue in segments: they are few,
+    // but all others would wait for them.
+    if !hit.is_hit && state.u < ray.end {
+        // Differs from that of neighbouring rays.
+        let phase = fract(f32(turn) * 0.618034);
+        let growth = max(0.01 * GROWTH_PERCENT * alpha, LEAST_GROWTH);
+        hit = rough_march::march(ray, direction, growth, phase, ROUGH_SEGMENTS, !is_rough, &state);
+    }
+    if !hit.is_hit {
+        return result;
+    }
+    // Here, where the rays of a subgroup have converged again.
+    hit = hit_at(ray, vec2<i32>(hit.place.xy), hit.place.z, hit.u, state.span, hit.certainty);
+    let hit_position = view_position(hit.place.xy, hit.place.z);
+    let metres = metres_at(ray, hit.u);
+    // As wide as this ray's share of the lobe.
+    let scale = abs(view.pixels_per_metre.y);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let wide = metres * scale;
+#else
+    let wide = metres * scale / max(-hit_position.z, 1e-6);
+#endif
+    let level = 0.5 * log2(max(wide * wide / (f32(RAYS) * sample.density), 1.0));
+    let seen = last_light(hit.place, hit_position, level);
+    let confidence = seen.w * hit.certainty * rim_fade(hit.place.xy);
+    if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
+        return result;
+    }
+    result.light = vec4(seen.rgb, confidence);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let image = metres;
+#else
+    let image = length(position) + metres;
+#endif
+    result.hit = pack_hit(max(image, 1e-6), sample.weight);
+    return result;
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let texel = pixel_in_view(workgroup.xy, invocation);
+    if all(texel < view.texture_size) {
+        let result = trace_at(vec2<i32>(texel));
+        textureStore(surfaces_output, texel, vec4(result.surface, 0u, 0u));
+#ifndef SHOWN
+        // Other texels are not read.
+        if result.surface.y == 0u {
+            return;
+        }
+#endif
+        textureStore(rays_output, texel, result.light);
+        textureStore(hits_output, texel, vec4(result.hit));
+    }
+}

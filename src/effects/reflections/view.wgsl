@@ -1,0 +1,46 @@
+// View uniform of the reflection passes.
+#define_import_path bevy_lean_deferred::effects::reflections::view
+
+/// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and its ray starts at the first one.
+struct ReflectionUniform {
+    /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
+    view_from_pixel: mat4x4<f32>,
+    /// From view space to (pixel x, pixel y, depth, 1), homogeneous.
+    pixel_from_view: mat4x4<f32>,
+    view_from_world: mat4x4<f32>,
+    /// From view space to (pixel x, pixel y, depth, 1) of the last frame, homogeneous.
+    last_pixel_from_view: mat4x4<f32>,
+    /// Its dot product with a homogeneous view-space position is the distance along the last frame's view direction.
+    last_distance: vec4<f32>,
+    /// Value at a distance of one metre; in orthographic views, at any distance. Negative along axes that the projection mirrors.
+    pixels_per_metre: vec2<f32>,
+    /// `edge.x * depth + edge.y` is the depth step that separates surfaces one pixel apart.
+    edge: vec2<f32>,
+    /// Parameters of `behind`, the depth of the backs of surfaces.
+    behind: vec2<f32>,
+    /// Size of the history's first level.
+    history_size: vec2<f32>,
+    viewport_origin: vec2<u32>,
+    viewport_size: vec2<u32>,
+    /// Size of the viewport in texels.
+    texture_size: vec2<u32>,
+    /// Metres that separate surfaces one pixel apart, at a distance of one metre; in orthographic views, at any distance.
+    edge_metres: f32,
+    /// Unit of distances in the history.
+    metres_per_unit: f32,
+    /// Assumed thickness of surfaces, in metres.
+    thickness: f32,
+    /// Distance from the edge of the picture over which reflections fade, in pixels.
+    edge_fade: f32,
+    /// Perceptual roughness from which on there are no reflections.
+    max_roughness: f32,
+    /// Factor of the confidence.
+    intensity: f32,
+    /// This frame's exposure divided by that of the last one; 0 without a last frame.
+    exposure_ratio: f32,
+    /// Temporal part of the pattern, 0 to 1; 0 without TAA.
+    turn: f32,
+    /// 1 if `motion_texture` has the motion of each pixel. Not a shader definition: motion is toggled with effects that average
+    /// frames, and compiling shaders would leave the view without reflections meanwhile.
+    has_motion: u32,
+}
