@@ -33,35 +33,28 @@
 // - `registration.rs`: the plugin that registers materials.
 // - `mesh_overrides.rs`: meshes whose other components add to the needs of their material.
 // - `moving.rs`: meshes that need motion vectors of their own.
-// - `extracted.rs`: meshes that Bevy extracted in this frame.
 // - `demand.rs`: optional targets that the visible meshes of a view need.
 // - `lookup.rs`: the needs of a mesh.
 // - `phase.rs`, `phase_item.rs`: the render phases and their items.
-// - `batching.rs`: batching of the phases.
 // - `pipeline.rs`: specializes pipelines.
 // - `specialize.rs`: looks up the pipeline of a mesh.
 // - `queue.rs`: sorts meshes into the G-buffer or leaves them to Bevy.
 // - `forward_meshes.rs`: reports the meshes that are left to Bevy.
 // - `placement.rs`: places meshes in the passes of a view.
-// - `pipeline_filter.rs`: limits the meshes that Bevy's queue systems see.
-// - `bevy_phases.rs`: removes meshes from Bevy's phases, and returns them.
 // - `visibility_masks.rs`: uniforms of the render layers of meshes.
 // - `textures.rs`: allocates the targets.
 // - `pass.rs`: the raster passes.
-// - `depth_copy.rs`: the copy of depth for its readers.
 // - `usage.rs`: reports the targets of a camera and their bytes.
 // - `resolve_motion.{rs,wgsl}`: resolves motion vectors into Bevy's texture.
+// - `bevy/`: rules of Bevy that are repeated, and changes to its phases and passes.
 // - `binding_numbers.rs`: binding numbers.
 // - `pack.wgsl`: packs a `PbrInput` into the targets.
 // - `gbuffer.wgsl`: the fragment shader of `StandardMaterial`.
 
-mod batching;
-mod bevy_phases;
+mod bevy;
 #[doc(hidden)]
 pub mod binding_numbers;
 mod demand;
-mod depth_copy;
-mod extracted;
 mod forward_meshes;
 mod forward_reason;
 mod lookup;
@@ -72,7 +65,6 @@ mod pass;
 mod phase;
 mod phase_item;
 mod pipeline;
-mod pipeline_filter;
 mod placement;
 mod queue;
 mod registration;
@@ -83,10 +75,13 @@ mod textures;
 mod usage;
 mod visibility_masks;
 
+use self::bevy::{
+    batching::add_phase,
+    depth_copy::{self, DepthCopySystems},
+    phases, pipeline_filter,
+};
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
-use batching::add_phase;
 pub(crate) use demand::ViewDemands;
-use depth_copy::DepthCopySystems;
 pub use forward_meshes::LeanForwardMeshes;
 pub use forward_reason::ForwardReason;
 pub use material::{GBufferMaterial, GBufferMaterialExtension};
@@ -105,7 +100,7 @@ use visibility_masks::DrawWithVisibilityMask;
 #[doc(hidden)]
 pub use {crate::shader_library::layout, queue::SortedMeshes};
 
-use bevy::{
+use ::bevy::{
     asset::embedded_asset,
     core_pipeline::{
         core_3d::{
@@ -200,7 +195,7 @@ impl Plugin for GBufferPlugin {
                     usage::report_usage,
                     forward_meshes::report_forward_meshes,
                     phase::extract_gbuffer_phases,
-                    bevy_phases::drop_phases_of_views_without_pixels
+                    phases::drop_phases_of_views_without_pixels
                         .after(extract_core_3d_camera_phases)
                         .after(extract_camera_prepass_phase),
                     (

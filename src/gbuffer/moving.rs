@@ -11,7 +11,7 @@ use bevy::{
     },
 };
 
-use super::{extracted::ExtractedMeshes, mesh_overrides::ChangedMeshes};
+use super::{bevy::extracted::ExtractedMeshes, mesh_overrides::ChangedMeshes};
 use crate::view::LeanDeferred;
 
 /// Frames for which a mesh still writes motion after it stopped. Meshes that alternate, as with physics steps slower

@@ -26,7 +26,10 @@ use bevy::{
 };
 
 use super::{
-    bevy_phases::{BevyPhases, BevyViewPhases},
+    bevy::{
+        phases::{BevyPhases, BevyViewPhases},
+        pipeline_filter::{BevyPipelines, PipelineFilter, PipelineFilterWriter},
+    },
     demand::{MeshDemand, ViewDemand, ViewDemands},
     forward_meshes::{CameraForwardMeshes, ForwardMeshes},
     forward_reason::ForwardReason,
@@ -38,7 +41,6 @@ use super::{
         QueuedMesh,
     },
     pipeline::MeshOutput,
-    pipeline_filter::{BevyPipelines, PipelineFilter, PipelineFilterWriter},
     placement::{Placement, ViewChange},
     specialize::{GBufferPipeline, GBufferPipelines},
     visibility_masks::{DrawWithVisibilityMask, VisibilityMasks},

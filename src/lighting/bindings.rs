@@ -10,10 +10,10 @@ use bevy::{
 };
 
 use super::{
+    bevy::view_entries::{push_array_entry, view_entry},
     binding_numbers::{list, targets},
     inputs::{LightingResources, LitView, LitViewItem},
     pipeline::{INDIRECT_LIGHT, LightingLayouts, LightingPipelines, target_binding},
-    view_entries::{push_array_entry, view_entry},
 };
 use crate::{
     gpu::bind_group_cache::{CachedBindGroup, Entries},

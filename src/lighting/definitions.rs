@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use bevy::shader::ShaderDefVal;
 
 use super::{
-    bevy_definitions::name_of,
+    bevy::definitions::name_of,
     features::{ClusteredLights, LightingKey, ShadowMaps},
     implied::implied_by,
 };

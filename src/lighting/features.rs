@@ -12,7 +12,7 @@ use bevy::{
 
 use bitflags::bitflags;
 
-use super::{bevy_definitions::VIEW_BITS, light_layers::LightLayers};
+use super::{bevy::definitions::VIEW_BITS, light_layers::LightLayers};
 use crate::{
     gpu::subgroups::Subgroups,
     named::system_param,

@@ -22,8 +22,8 @@ use bevy::{
 };
 
 use super::{
-    ViewLighting, buffers::LightingBuffers, features::ViewEnvironmentMaps,
-    soft_shadows::BlockerSampler, subsurface_light::SubsurfaceLight,
+    ViewLighting, bevy::soft_shadows::BlockerSampler, buffers::LightingBuffers,
+    features::ViewEnvironmentMaps, subsurface_light::SubsurfaceLight,
 };
 use crate::{
     gbuffer::GBufferTextures,

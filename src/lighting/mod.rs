@@ -16,13 +16,11 @@
 // - `pipeline.rs`: layouts and pipelines.
 // - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
 // - `implied.rs`: those that follow from others.
-// - `bevy_definitions.rs`: those of Bevy's part.
 // - `inputs.rs`: the inputs, per view and of the scene.
 // - `buffers.rs`: the crate's own buffers.
 // - `bindings.rs`: bind groups, recreated only when a bound resource has changed.
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
-// - `view_entries.rs`: Bevy's resources that lighting binds.
-// - `soft_shadows.rs`: the sampler of percentage-closer soft shadows.
+// - `bevy/`: rules of Bevy that are repeated: shader definitions, bindings, samplers, shadows.
 // - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
 // - `subsurface_light.{rs,wgsl}`: the light that enters scattering surfaces, for the scattering pass.
 // - `scattering_tiles.wgsl`: writes that light and marks its tiles.
@@ -32,7 +30,7 @@
 // - `surface.wgsl`: unpacks the G-buffer for Bevy's lighting functions.
 // - `visibility.wgsl`: applies ambient occlusion.
 // - `debug_view.wgsl`: shows channels of the G-buffer or parts of the light in place of all light.
-// - `lights/`: the light of each kind of source, and shadows.
+// - `lights/`: the light of each kind of source.
 // - `lights/lit.wgsl`: outgoing light, diffuse and specular apart.
 // - `lights/shading_point.wgsl`, `lights/brdf.wgsl`: terms and BRDF that all lights share.
 // - `lights/screen_space_light.wgsl`: indirect light that other effects computed.
@@ -40,7 +38,7 @@
 // - `lights/clustered_lights.wgsl`: the loop over point and spot lights.
 
 #[doc(hidden)]
-pub mod bevy_definitions;
+pub mod bevy;
 #[doc(hidden)]
 pub mod binding_numbers;
 mod bindings;
@@ -55,11 +53,9 @@ mod light_layer_table;
 mod light_layers;
 mod pass;
 mod pipeline;
-mod soft_shadows;
 #[doc(hidden)]
 pub mod subsurface_light;
 mod tile_list;
-mod view_entries;
 
 pub use crate::view::LightingPasses;
 // For tests and benches.
@@ -75,7 +71,9 @@ pub use {
     subsurface_light::SubsurfaceLight,
 };
 
-use bevy::{
+use self::bevy::soft_shadows::BlockerSampler;
+
+use ::bevy::{
     asset::embedded_asset,
     core_pipeline::{
         core_3d::main_opaque_pass_3d,
@@ -156,8 +154,8 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "lights/lit.wgsl");
         load_shader_library!(app, "lights/shading_point.wgsl");
         load_shader_library!(app, "lights/brdf.wgsl");
-        load_shader_library!(app, "lights/shadow_maps.wgsl");
-        load_shader_library!(app, "lights/contact_shadow.wgsl");
+        load_shader_library!(app, "bevy/shadow_maps.wgsl");
+        load_shader_library!(app, "bevy/contact_shadow.wgsl");
         load_shader_library!(app, "lights/directional_light.wgsl");
         load_shader_library!(app, "lights/rect_light.wgsl");
         load_shader_library!(app, "lights/clustered_light.wgsl");
@@ -179,7 +177,7 @@ impl Plugin for LightingPlugin {
         );
         render_app
             .init_gpu_resource::<buffers::LightingBuffers>()
-            .init_gpu_resource::<soft_shadows::BlockerSampler>()
+            .init_gpu_resource::<BlockerSampler>()
             .init_resource::<light_layers::LightLayers>()
             .add_systems(
                 ExtractSchedule,

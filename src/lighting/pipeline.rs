@@ -21,7 +21,7 @@ use bevy::{
 };
 
 use super::{
-    bevy_definitions::{self, BevyBinding, read_by_lighting},
+    bevy::definitions::{self as bevy_definitions, BevyBinding, read_by_lighting},
     binding_numbers::{arrays, targets, view},
     buffers::LightingUniform,
     definitions::definitions,

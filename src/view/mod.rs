@@ -33,12 +33,13 @@
 // - `overrides/`: changes to cameras, and their reversal.
 // - `in_use.rs`: skips the systems of effects that no camera has.
 // - `removal.rs`: removes dependent components together with their source.
-// - `unfit_items.rs`: removes phase items of other crates that no longer fit a changed camera.
+// - `bevy/`: rules of Bevy that are repeated.
 // - `out_of_memory.rs`: textures that do not fit into memory.
 // - `warn_once.rs`: warns once per camera why a part of an effect is off.
 
 mod active;
 mod averaging;
+mod bevy;
 mod cut;
 pub(crate) mod debug_draw;
 mod debug_view;
@@ -57,7 +58,6 @@ mod settings;
 pub(crate) mod status;
 pub(crate) mod support;
 mod surfaces;
-mod unfit_items;
 pub(crate) mod warn_once;
 
 pub use active::ActiveLeanView;
@@ -91,7 +91,9 @@ pub use support::LeanSupport;
 pub use surfaces::{GBufferTargets, ShadingModel};
 pub(crate) use surfaces::{LightingVariant, LightingVariants};
 
-use bevy::{
+use self::bevy::unfit_items;
+
+use ::bevy::{
     asset::io::embedded::EmbeddedAssetRegistry,
     core_pipeline::{
         core_3d::{Opaque3d, main_opaque_pass_3d},

@@ -33,7 +33,7 @@ fn replaced(source: &str, old: &str, new: &str) -> String {
 
 /// An app whose lean cameras show the number of samples of directional shadow maps.
 fn counting_app() -> Headless {
-    let shadow_maps = include_str!("../../src/lighting/lights/shadow_maps.wgsl");
+    let shadow_maps = include_str!("../../src/lighting/bevy/shadow_maps.wgsl");
     let body = "    return fetch_directional_shadow(";
     let shadow_maps = replaced(shadow_maps, body, &format!("    samplings += 1.0;\n{body}"));
     let lighting = include_str!("../../src/lighting/lighting.wgsl");
@@ -45,14 +45,14 @@ fn counting_app() -> Headless {
         small_shadow_maps(app);
         replace_shader(
             app,
-            "lighting/lights/shadow_maps.wgsl",
+            "lighting/bevy/shadow_maps.wgsl",
             format!("{shadow_maps}\nvar<private> samplings: f32 = 0.0;\n"),
         );
         replace_shader(
             app,
             "lighting/lighting.wgsl",
             format!(
-                "#import bevy_lean_deferred::lighting::lights::shadow_maps::samplings\n{lighting}"
+                "#import bevy_lean_deferred::lighting::bevy::shadow_maps::samplings\n{lighting}"
             ),
         );
     })

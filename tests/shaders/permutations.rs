@@ -19,7 +19,7 @@ use bevy::{
 use bevy_lean_deferred::{
     DebugView,
     lighting::{
-        bevy_definitions::{
+        bevy::definitions::{
             OF_BINDINGS, OF_MESHES, VIEW_BITS, name_of, of_mesh_pipeline, read_by_lighting,
         },
         implied::{self, implied_by},

@@ -24,11 +24,11 @@
 
 #ifdef CLUSTERED_SHADOW_MAPS
 #import bevy_lean_deferred::lighting::lights::shading_point::geometric_normal
-#import bevy_lean_deferred::lighting::lights::shadow_maps::clustered_shadow
+#import bevy_lean_deferred::lighting::bevy::shadow_maps::clustered_shadow
 #endif
 
 #ifdef CONTACT_SHADOWS
-#import bevy_lean_deferred::lighting::lights::contact_shadow::contact_shadow
+#import bevy_lean_deferred::lighting::bevy::contact_shadow::contact_shadow
 #endif
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION

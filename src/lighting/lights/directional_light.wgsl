@@ -17,7 +17,7 @@
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
 #import bevy_lean_deferred::gbuffer::layout::{unpack_has_mesh_normal, unpack_normal}
-#import bevy_lean_deferred::lighting::lights::shadow_maps::directional_shadow
+#import bevy_lean_deferred::lighting::bevy::shadow_maps::directional_shadow
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at, shadow_normal}
 #endif
 
@@ -29,7 +29,7 @@
 #endif
 
 #ifdef CONTACT_SHADOWS
-#import bevy_lean_deferred::lighting::lights::contact_shadow::contact_shadow
+#import bevy_lean_deferred::lighting::bevy::contact_shadow::contact_shadow
 #endif
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION

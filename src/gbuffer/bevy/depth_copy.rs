@@ -18,15 +18,15 @@ use crate::view::ActiveLeanView;
 
 /// The systems of this file. They change nothing that shadow passes read.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
-pub(super) struct DepthCopySystems;
+pub(in crate::gbuffer) struct DepthCopySystems;
 
 /// The texture, while it is withheld from Bevy's prepass. One slot suffices: the views of a frame are drawn in
 /// sequence.
 #[derive(Resource, Default)]
-pub(super) struct WithheldDepthCopy(Option<ColorAttachment>);
+pub(in crate::gbuffer) struct WithheldDepthCopy(Option<ColorAttachment>);
 
 /// Withholds the texture before Bevy's early prepass.
-pub(super) fn withhold_depth_copy(
+pub(in crate::gbuffer) fn withhold_depth_copy(
     view: ViewQuery<&mut ViewPrepassTextures, With<ActiveLeanView>>,
     mut withheld: ResMut<WithheldDepthCopy>,
 ) {
@@ -35,7 +35,7 @@ pub(super) fn withhold_depth_copy(
 
 /// Returns the texture before Bevy's late prepass on views that resolve motion: the late resolve compares depth with
 /// the copy which that prepass makes.
-pub(super) fn allow_late_depth_copy(
+pub(in crate::gbuffer) fn allow_late_depth_copy(
     view: ViewQuery<(&mut ViewPrepassTextures, &ActiveLeanView)>,
     mut withheld: ResMut<WithheldDepthCopy>,
 ) {
@@ -46,7 +46,7 @@ pub(super) fn allow_late_depth_copy(
 }
 
 /// Copies depth after the last pass that draws in place of the prepass.
-pub(super) fn copy_depth(
+pub(in crate::gbuffer) fn copy_depth(
     view: ViewQuery<(&mut ViewPrepassTextures, &ViewDepthTexture), With<ActiveLeanView>>,
     mut withheld: ResMut<WithheldDepthCopy>,
     mut ctx: RenderContext,

@@ -47,7 +47,7 @@ impl Attachments {
 
 /// Removes items whose pipeline no longer matches their view from the phases of views that changed in this frame. Runs
 /// before all queue systems, which may add them again.
-pub(super) fn drop_unfit_items(
+pub(in crate::view) fn drop_unfit_items(
     cache: Res<PipelineCache>,
     dirty: Res<DirtySpecializations>,
     (mut opaque, mut alpha_mask): (

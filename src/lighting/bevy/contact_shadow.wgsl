@@ -1,5 +1,5 @@
 // Contact shadows of small nearby occluders: Bevy's ray march through the depth buffer.
-#define_import_path bevy_lean_deferred::lighting::lights::contact_shadow
+#define_import_path bevy_lean_deferred::lighting::bevy::contact_shadow
 
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
 #import bevy_pbr::mesh_view_bindings::contact_shadows_settings

@@ -9,14 +9,16 @@ use bevy::{
     },
 };
 
-use super::{
-    binding_numbers::{arrays, view},
-    inputs::{LightingResources, LitViewItem},
+use crate::{
+    gpu::bind_group_cache::Entries,
+    lighting::{
+        binding_numbers::{arrays, view},
+        inputs::{LightingResources, LitViewItem},
+    },
 };
-use crate::gpu::bind_group_cache::Entries;
 
 /// Returns the resource at `binding` of bind group 0, and its dynamic offset if it has one.
-pub(super) fn view_entry<'a>(
+pub(in crate::lighting) fn view_entry<'a>(
     binding: u32,
     lit: &'a LitViewItem,
     resources: &'a LightingResources,
@@ -112,7 +114,7 @@ pub(super) fn view_entry<'a>(
 /// Pushes the next entry of bind group 1: light probes and decals. As in Bevy, arrays of probes are padded to the length
 /// that the layout declares, as D3D12 and Metal need; those of decals, whose length may be 1,024, only if the device
 /// cannot bind a part of an array (`pads_decals`).
-pub(super) fn push_array_entry(
+pub(in crate::lighting) fn push_array_entry(
     entries: &mut Entries,
     layout: &BindGroupLayoutEntry,
     view: &LitViewItem,

@@ -18,14 +18,12 @@ use bevy::{
     },
 };
 
-use super::{
-    bevy_phases::BevyPhases,
-    lookup::{MeshLookup, RecentKinds},
-};
+use super::phases::BevyPhases;
+use crate::gbuffer::lookup::{MeshLookup, RecentKinds};
 
 /// The pipelines that Bevy specialized for all views.
 #[derive(SystemParam)]
-pub(super) struct BevyPipelines<'w> {
+pub(in crate::gbuffer) struct BevyPipelines<'w> {
     main: ResMut<'w, SpecializedMaterialPipelineCache>,
     prepass: ResMut<'w, SpecializedPrepassMaterialPipelineCache>,
 }
@@ -33,7 +31,7 @@ pub(super) struct BevyPipelines<'w> {
 /// Pipelines that Bevy may queue in this frame, per lean view. While Bevy queues, it contains the withheld ones
 /// instead.
 #[derive(Resource, Default)]
-pub(super) struct PipelineFilter(HashMap<RetainedViewEntity, ViewPipelines>);
+pub(in crate::gbuffer) struct PipelineFilter(HashMap<RetainedViewEntity, ViewPipelines>);
 
 #[derive(Default)]
 struct ViewPipelines {
@@ -64,7 +62,7 @@ impl ViewPipelines {
 
 impl PipelineFilter {
     /// Adds meshes to the filter of `view`.
-    pub(super) fn of<'a>(
+    pub(in crate::gbuffer) fn of<'a>(
         &'a mut self,
         view: RetainedViewEntity,
         pipelines: &'a BevyPipelines,
@@ -77,7 +75,7 @@ impl PipelineFilter {
     }
 
     /// Exposes only these pipelines to Bevy, and drops views that are not in `views`.
-    pub(super) fn show(
+    pub(in crate::gbuffer) fn show(
         &mut self,
         views: &HashSet<RetainedViewEntity>,
         pipelines: &mut BevyPipelines,
@@ -90,7 +88,7 @@ impl PipelineFilter {
 }
 
 /// Adds meshes to the filter of one view.
-pub(super) struct PipelineFilterWriter<'a> {
+pub(in crate::gbuffer) struct PipelineFilterWriter<'a> {
     main: Option<&'a SpecializedMaterialViewPipelineCache>,
     prepass: Option<&'a SpecializedPrepassMaterialViewPipelineCache>,
     pipelines: &'a mut ViewPipelines,
@@ -98,7 +96,7 @@ pub(super) struct PipelineFilterWriter<'a> {
 
 impl PipelineFilterWriter<'_> {
     /// Lets Bevy queue the mesh.
-    pub(super) fn add(&mut self, mesh: MainEntity) {
+    pub(in crate::gbuffer) fn add(&mut self, mesh: MainEntity) {
         if let Some(&pipeline) = self.main.and_then(|pipelines| pipelines.get(&mesh)) {
             self.pipelines.main.insert(mesh, pipeline);
         }
@@ -106,14 +104,14 @@ impl PipelineFilterWriter<'_> {
     }
 
     /// Lets Bevy queue the mesh for its prepass alone.
-    pub(super) fn add_to_prepass(&mut self, mesh: MainEntity) {
+    pub(in crate::gbuffer) fn add_to_prepass(&mut self, mesh: MainEntity) {
         if let Some(&pipeline) = self.prepass.and_then(|pipelines| pipelines.get(&mesh)) {
             self.pipelines.prepass.insert(mesh, pipeline);
         }
     }
 
     /// Adds the mesh to Bevy's phases although Bevy does not queue it.
-    pub(super) fn force(&mut self, mesh: MainEntity) {
+    pub(in crate::gbuffer) fn force(&mut self, mesh: MainEntity) {
         self.pipelines.forced.push(Forced {
             mesh,
             into_main: true,
@@ -121,7 +119,7 @@ impl PipelineFilterWriter<'_> {
     }
 
     /// Adds the mesh to Bevy's prepass although Bevy does not queue it.
-    pub(super) fn force_into_prepass(&mut self, mesh: MainEntity) {
+    pub(in crate::gbuffer) fn force_into_prepass(&mut self, mesh: MainEntity) {
         self.pipelines.forced.push(Forced {
             mesh,
             into_main: false,
@@ -130,7 +128,7 @@ impl PipelineFilterWriter<'_> {
 }
 
 /// Restores Bevy's pipelines after its queue systems, and adds the forced meshes to its phases.
-pub(super) fn restore_pipelines(
+pub(in crate::gbuffer) fn restore_pipelines(
     lookup: MeshLookup,
     gpu_preprocessing: Res<GpuPreprocessingSupport>,
     mut pipelines: BevyPipelines,

@@ -21,14 +21,13 @@ use bevy::{
     },
 };
 
-use super::phase_item::GBufferBatchSetKey;
-use crate::view::EffectSystems;
+use crate::{gbuffer::phase_item::GBufferBatchSetKey, view::EffectSystems};
 
 type InstancesFromCpu = BatchedInstanceBuffer<MeshUniform>;
 type InstancesFromGpu = BatchedInstanceBuffers<MeshUniform, MeshInputUniform>;
 
 /// Adds a phase that is batched and drawn like Bevy's prepasses.
-pub(super) fn add_phase<P>(app: &mut App)
+pub(in crate::gbuffer) fn add_phase<P>(app: &mut App)
 where
     P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey> + CachedRenderPipelinePhaseItem,
 {

@@ -11,7 +11,7 @@ use bevy::{
 /// Samples shadow maps in the blocker search, like the two linear samplers of Bevy's `ShadowSamplers`. Those fields
 /// exist only with Bevy's feature `experimental_pbr_pcss`, which a crate cannot see.
 #[derive(Resource)]
-pub(super) struct BlockerSampler(pub(super) Sampler);
+pub(in crate::lighting) struct BlockerSampler(pub(in crate::lighting) Sampler);
 
 impl FromWorld for BlockerSampler {
     fn from_world(world: &mut World) -> Self {

@@ -28,12 +28,15 @@ use bevy::{
     },
 };
 
-use super::{lookup::MeshToQueue, phase::is_extracted};
-use crate::{named::system_param, view::LeanDeferred};
+use crate::{
+    gbuffer::{lookup::MeshToQueue, phase::is_extracted},
+    named::system_param,
+    view::LeanDeferred,
+};
 
 system_param! {
     /// The phases of all views.
-    pub(super) struct BevyPhases<'w> {
+    pub(in crate::gbuffer) struct BevyPhases<'w> {
         opaque: ResMut<'w, ViewBinnedRenderPhases<Opaque3d>>,
         alpha_mask: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
         opaque_prepass: ResMut<'w, ViewBinnedRenderPhases<Opaque3dPrepass>>,
@@ -43,7 +46,7 @@ system_param! {
 }
 
 /// The phases of one view; `None` for those that it lacks.
-pub(super) struct BevyViewPhases<'a> {
+pub(in crate::gbuffer) struct BevyViewPhases<'a> {
     opaque: Option<&'a mut BinnedRenderPhase<Opaque3d>>,
     alpha_mask: Option<&'a mut BinnedRenderPhase<AlphaMask3d>>,
     opaque_prepass: Option<&'a mut BinnedRenderPhase<Opaque3dPrepass>>,
@@ -52,11 +55,11 @@ pub(super) struct BevyViewPhases<'a> {
 
 impl BevyPhases<'_> {
     /// True if Bevy's deferred pass draws into the view.
-    pub(super) fn draws_deferred(&self, view: &RetainedViewEntity) -> bool {
+    pub(in crate::gbuffer) fn draws_deferred(&self, view: &RetainedViewEntity) -> bool {
         self.opaque_deferred.contains_key(view)
     }
 
-    pub(super) fn of(&mut self, view: &RetainedViewEntity) -> BevyViewPhases<'_> {
+    pub(in crate::gbuffer) fn of(&mut self, view: &RetainedViewEntity) -> BevyViewPhases<'_> {
         BevyViewPhases {
             opaque: self.opaque.get_mut(view),
             alpha_mask: self.alpha_mask.get_mut(view),
@@ -69,7 +72,7 @@ impl BevyPhases<'_> {
 impl BevyViewPhases<'_> {
     /// Removes a mesh that the G-buffer draws. It stays in the prepass if the G-buffer does not write everything that
     /// the prepass writes.
-    pub(super) fn take_out(&mut self, mesh: MainEntity, keeps_prepass: bool) {
+    pub(in crate::gbuffer) fn take_out(&mut self, mesh: MainEntity, keeps_prepass: bool) {
         remove(&mut self.opaque, mesh);
         remove(&mut self.alpha_mask, mesh);
         if !keeps_prepass {
@@ -80,7 +83,7 @@ impl BevyViewPhases<'_> {
 
     /// Queues `mesh` for the forward renderer in place of any earlier entry. Mirrors Bevy's `queue_material_meshes` for
     /// opaque and alpha-masked meshes whose method is `Forward`.
-    pub(super) fn put_into_main(
+    pub(in crate::gbuffer) fn put_into_main(
         &mut self,
         entity: MainEntity,
         mesh: &MeshToQueue,
@@ -137,7 +140,7 @@ impl BevyViewPhases<'_> {
     }
 
     /// Mirrors Bevy's `queue_prepass_material_meshes` for meshes whose method is `Forward`.
-    pub(super) fn put_into_prepass(
+    pub(in crate::gbuffer) fn put_into_prepass(
         &mut self,
         entity: MainEntity,
         mesh: &MeshToQueue,
@@ -184,7 +187,7 @@ impl BevyViewPhases<'_> {
 /// Drops the phases of lean cameras that are not extracted; runs after Bevy's systems that keep phases for all active
 /// cameras. Bevy 0.19 keeps these phases (bevy#25649): meshes despawned meanwhile stay in them, and the others are
 /// added a second time.
-pub(super) fn drop_phases_of_views_without_pixels(
+pub(in crate::gbuffer) fn drop_phases_of_views_without_pixels(
     mut binned: BevyPhases,
     mut transmissive: Option<ResMut<ViewSortedRenderPhases<Transmissive3d>>>,
     mut transparent: ResMut<ViewSortedRenderPhases<Transparent3d>>,

@@ -10,13 +10,13 @@ use bevy::{
 /// Visible meshes that moved, changed or became visible; valid after Bevy's `MeshExtractionSystems`. Bevy searches all
 /// meshes in parallel; systems that concern a few of them need not repeat that.
 #[derive(SystemParam)]
-pub(super) struct ExtractedMeshes<'w> {
+pub(in crate::gbuffer) struct ExtractedMeshes<'w> {
     queues: Option<ResMut<'w, RenderMeshInstanceGpuQueues>>,
 }
 
 impl ExtractedMeshes<'_> {
     /// `None` if Bevy keeps no list: on devices for which it builds mesh uniforms on the CPU.
-    pub(super) fn iter(&mut self) -> Option<impl Iterator<Item = MainEntity>> {
+    pub(in crate::gbuffer) fn iter(&mut self) -> Option<impl Iterator<Item = MainEntity>> {
         let queues = self.queues.as_mut()?.bypass_change_detection();
         Some(queues.iter_mut().flat_map(|queue| {
             let (plain, culled): (&[_], [&[_]; 2]) = match queue {

@@ -1,5 +1,5 @@
 // Visibility of lights in Bevy's shadow maps.
-#define_import_path bevy_lean_deferred::lighting::lights::shadow_maps
+#define_import_path bevy_lean_deferred::lighting::bevy::shadow_maps
 
 #import bevy_pbr::mesh_view_bindings as view_bindings
 #import bevy_pbr::mesh_view_bindings::clustered_lights
