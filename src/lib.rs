@@ -75,7 +75,6 @@ pub mod effects;
 pub mod gbuffer;
 mod gpu;
 pub mod lighting;
-mod named;
 mod preset;
 #[doc(hidden)]
 pub mod shader_library;

@@ -17,9 +17,11 @@ use bevy::{
 
 use crate::{
     gbuffer::{MotionResolvePipelines, ReadsGBuffer, ViewDemands},
-    gpu::pipeline_watch::PipelineWatch,
+    gpu::{
+        named::{query_item, system_param},
+        pipeline_watch::PipelineWatch,
+    },
     lighting::{LightingPipelines, SceneFeatures, ViewLighting},
-    named::{query_item, system_param},
     view::{
         ActiveLeanView, EffectStatuses, LeanDebugView, LeanDeferred, LeanSupport, LightingIoQuery,
         OutOfMemory,

@@ -32,7 +32,7 @@ use super::{
     targets::GBufferNeeds,
 };
 use crate::{
-    named::system_param,
+    gpu::named::system_param,
     view::{Demand, GBufferTargets, LightingVariant, ShadingModel},
 };
 

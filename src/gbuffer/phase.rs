@@ -17,7 +17,7 @@ use bevy::{
 };
 
 use super::phase_item::{GBufferBatchSetKey, GBufferItem, QueuedMesh};
-use crate::{named::system_param, view::LeanDeferred};
+use crate::{gpu::named::system_param, view::LeanDeferred};
 
 system_param! {
     /// The opaque and alpha-masked phases of all views, for meshes with or without optional targets.

@@ -46,7 +46,7 @@ use super::{
     visibility_masks::{DrawWithVisibilityMask, VisibilityMasks},
 };
 use crate::{
-    named::system_param,
+    gpu::named::system_param,
     view::{ActiveLeanView, GBufferTargets, LeanDeferred},
 };
 

@@ -21,7 +21,7 @@ use super::{
     pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
     registration::MaterialShaders,
 };
-use crate::{named::system_param, view::GBufferTargets};
+use crate::{gpu::named::system_param, view::GBufferTargets};
 
 system_param! {
     /// The pipelines of the G-buffer, with what is needed to specialize them.

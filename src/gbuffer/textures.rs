@@ -18,7 +18,7 @@ use bevy::{
 
 use super::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, VALID_MASK_FORMAT};
 use crate::{
-    named::system_param,
+    gpu::named::system_param,
     view::{ActiveLeanView, GBufferTargets, OutOfMemory},
 };
 

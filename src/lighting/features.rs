@@ -14,8 +14,7 @@ use bitflags::bitflags;
 
 use super::{bevy::definitions::VIEW_BITS, light_layers::LightLayers};
 use crate::{
-    gpu::subgroups::Subgroups,
-    named::system_param,
+    gpu::{named::system_param, subgroups::Subgroups},
     shader_library::reconstruction::position::{ProjectionKind, projection_of},
     view::{
         ActiveLeanView, DebugView, GBufferTargets, LeanDebugView, LeanDeferred, LightCulling,

@@ -27,7 +27,7 @@ use super::{
 };
 use crate::{
     gbuffer::GBufferTextures,
-    named::{query_item, system_param},
+    gpu::named::{query_item, system_param},
     view::{AmbientOcclusion, DiffuseLight, IndirectDiffuse, IndirectSpecular, LightingIo},
 };
 

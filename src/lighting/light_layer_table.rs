@@ -21,7 +21,7 @@ use super::{
     features::ViewEnvironmentMaps,
     light_layers::{ALL, LightKind, LightLayers},
 };
-use crate::{named::system_param, view::ActiveLeanView};
+use crate::{gpu::named::system_param, view::ActiveLeanView};
 
 /// The visibility masks of lights, light probes and decals, at the index by which Bevy's shaders know each.
 #[derive(ShaderType, Reflect, Clone, Debug, PartialEq)]

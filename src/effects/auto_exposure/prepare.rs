@@ -26,8 +26,10 @@ use super::{
     uniforms::ExposureUniform,
 };
 use crate::{
-    gpu::bind_group_cache::{CachedBindGroup, Entries},
-    named::system_param,
+    gpu::{
+        bind_group_cache::{CachedBindGroup, Entries},
+        named::system_param,
+    },
     view::CameraCuts,
 };
 

@@ -30,7 +30,7 @@ use bevy::{
 
 use crate::{
     gbuffer::{lookup::MeshToQueue, phase::is_extracted},
-    named::system_param,
+    gpu::named::system_param,
     view::LeanDeferred,
 };
 
