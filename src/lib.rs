@@ -28,7 +28,7 @@
 //!
 //! Each can be added, changed and removed at run time; without it nothing is allocated, bound or dispatched for it.
 //! [`GBufferMaterial`](gbuffer::GBufferMaterial) renders custom materials to the G-buffer,
-//! [`ShadingExtension`](shading_extension::ShadingExtension) adds shading models to `StandardMaterial`.
+//! [`ShadingExtension`](material_extension::ShadingExtension) adds shading models to `StandardMaterial`.
 //!
 //! # Settings
 //!
@@ -75,10 +75,10 @@ pub mod effects;
 pub mod gbuffer;
 mod gpu;
 pub mod lighting;
+pub mod material_extension;
 mod preset;
 #[doc(hidden)]
 pub mod shader_library;
-pub mod shading_extension;
 #[doc(hidden)]
 pub mod shading_models;
 pub mod view;
@@ -109,7 +109,7 @@ pub mod prelude {
         LeanSubsurfaceScattering, LeanSupport,
         effects::auto_exposure::MeteredExposure,
         gbuffer::{GBufferMaterial, GBufferMaterialPlugin, GBufferNeeds, LeanForwardMeshes},
-        shading_extension::{ExtendedStandardMaterial, ShadingExtension},
+        material_extension::{ExtendedStandardMaterial, ShadingExtension},
     };
 }
 

@@ -30,7 +30,7 @@ use crate::{
 /// while a preset without the effect is applied. [`LeanAutoExposure`](crate::LeanAutoExposure) stays as it is, because it decides
 /// how bright a game is, and its cost is small.
 ///
-/// Light scatters only beneath surfaces with [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension); elsewhere
+/// Light scatters only beneath surfaces with [`ShadingExtension::Subsurface`](crate::material_extension::ShadingExtension); elsewhere
 /// this costs nothing. `docs/presets.md` has the GPU times of the presets as far as they are measured. [`LeanStatus`] tells which
 /// effects the device runs, and [`LeanMemory`](crate::LeanMemory) the GPU memory that they hold.
 ///

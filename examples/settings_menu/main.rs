@@ -4,7 +4,7 @@
 
 use argh::FromArgs;
 use bevy::{prelude::*, ui::IsDefaultUiCamera};
-use bevy_lean_deferred::{prelude::*, shading_extension::SubsurfaceAlbedo};
+use bevy_lean_deferred::{material_extension::SubsurfaceAlbedo, prelude::*};
 use kit::{
     example::run::{self, SceneReady},
     headless::Headless,

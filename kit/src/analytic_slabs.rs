@@ -7,8 +7,8 @@ use bevy::{
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
 use bevy_lean_deferred::{
+    material_extension::SubsurfaceAlbedo,
     prelude::*,
-    shading_extension::SubsurfaceAlbedo,
     shading_models::subsurface::{
         pack_subsurface, unpack_subsurface_color, unpack_subsurface_path,
     },

@@ -47,7 +47,7 @@ use crate::{
     gbuffer::GBufferPlugin,
     gpu::recovery,
     lighting::LightingPlugin,
-    shading_extension::ShadingExtensionPlugin,
+    material_extension::ShadingExtensionPlugin,
     view::{
         Effect, EffectSystems, LeanDeferred, LeanSupport, LeanViewSystems, ViewTextureSystems,
         can_build, overrides, status, support::add_check,
@@ -55,7 +55,7 @@ use crate::{
 };
 
 /// Adds the packed G-buffer and compute lighting for cameras with [`LeanDeferred`], and
-/// [`ExtendedStandardMaterial`](crate::shading_extension::ExtendedStandardMaterial). Part of
+/// [`ExtendedStandardMaterial`](crate::material_extension::ExtendedStandardMaterial). Part of
 /// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
 #[derive(Default)]
 pub struct LeanDeferredPlugin;

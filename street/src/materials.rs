@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 use bevy_lean_deferred::{
+    material_extension::SubsurfaceAlbedo,
     prelude::{ExtendedStandardMaterial, ShadingExtension},
-    shading_extension::SubsurfaceAlbedo,
 };
 
 use crate::{

@@ -4,7 +4,7 @@
 use std::sync::mpsc;
 
 use bevy::{prelude::*, render::RenderApp};
-use bevy_lean_deferred::{prelude::*, shading_extension::SubsurfaceAlbedo, view::OutOfMemory};
+use bevy_lean_deferred::{material_extension::SubsurfaceAlbedo, prelude::*, view::OutOfMemory};
 use kit::{
     headless::{Headless, Picture},
     lean::{build, instant_exposure, settled},

@@ -12,7 +12,7 @@ use bevy::{
     },
 };
 use bevy_lean_deferred::{
-    gbuffer::GBufferTargets, prelude::*, shading_extension::SubsurfaceAlbedo, view::ActiveLeanView,
+    gbuffer::GBufferTargets, material_extension::SubsurfaceAlbedo, prelude::*, view::ActiveLeanView,
 };
 use kit::{
     headless::{Headless, Picture},

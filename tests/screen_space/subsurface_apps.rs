@@ -9,8 +9,8 @@ use bevy::{
 use bevy_lean_deferred::{
     effects::{LeanSubsurfaceScatteringAdvanced, subsurface::ViewSubsurface},
     lighting::SubsurfaceLight,
+    material_extension::SubsurfaceAlbedo,
     prelude::*,
-    shading_extension::SubsurfaceAlbedo,
 };
 use kit::{
     analytic_light::{Seen, look, see, show},

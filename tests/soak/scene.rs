@@ -10,7 +10,7 @@ use bevy::{
     prelude::*,
     render::render_resource::Face,
 };
-use bevy_lean_deferred::{prelude::*, shading_extension::SubsurfaceAlbedo};
+use bevy_lean_deferred::{material_extension::SubsurfaceAlbedo, prelude::*};
 use kit::{
     random::Random,
     random_values::{Values, toggle, toggle_between},

@@ -1,8 +1,8 @@
 //! Subsurface scattering, after lighting: light that enters a surface leaves it elsewhere, by Burley's profile (Christensen and
 //! Burley 2015, "Approximate Reflectance Profiles for Efficient Subsurface Scattering").
 //!
-//! Give a mesh an [`ExtendedStandardMaterial`](crate::shading_extension::ExtendedStandardMaterial) with
-//! [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension::Subsurface), and put [`LeanSubsurfaceScattering`] on a
+//! Give a mesh an [`ExtendedStandardMaterial`](crate::material_extension::ExtendedStandardMaterial) with
+//! [`ShadingExtension::Subsurface`](crate::material_extension::ShadingExtension::Subsurface), and put [`LeanSubsurfaceScattering`] on a
 //! camera, which gets [`LeanDeferred`](crate::LeanDeferred) with it.
 //!
 //! Lighting writes the diffuse light of such surfaces to a texture of its own, in the tiles that have some. The passes run on the

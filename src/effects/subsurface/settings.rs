@@ -3,7 +3,7 @@ use bevy::{prelude::*, render::extract_component::ExtractComponent};
 use crate::view::{LeanDeferred, LeanQuality, LeanStatus};
 
 /// Screen-space scattering of light beneath surfaces with
-/// [`ShadingExtension::Subsurface`](crate::shading_extension::ShadingExtension).
+/// [`ShadingExtension::Subsurface`](crate::material_extension::ShadingExtension).
 ///
 /// For cameras with [`LeanDeferred`], which is added with it. Other cameras light such surfaces like their base. Diffuse light of the
 /// lighting pass scatters, including ambient light; emission, reflections and lightmaps do not. Light leaves up to about ten mean free
@@ -17,7 +17,7 @@ use crate::view::{LeanDeferred, LeanQuality, LeanStatus};
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// use bevy_lean_deferred::{prelude::*, shading_extension::SubsurfaceAlbedo};
+/// use bevy_lean_deferred::{material_extension::SubsurfaceAlbedo, prelude::*};
 ///
 /// fn spawn_bust(
 ///     mut commands: Commands,

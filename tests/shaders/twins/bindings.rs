@@ -9,7 +9,7 @@ use bevy_lean_deferred::{
     },
     gbuffer,
     lighting::binding_numbers as lighting_numbers,
-    shading_extension::ShadingExtension,
+    material_extension::ShadingExtension,
 };
 use kit::headless::Headless;
 
@@ -126,7 +126,7 @@ fn bindings_have_the_numbers_of_their_names() {
         compare("effects/debug_view/", 0, debug_view::binding_numbers::ALL),
         compare("gbuffer/resolve_motion", 0, resolve_motion::ALL),
         compare("gbuffer/gbuffer", pack::VISIBILITY_MASK_GROUP, pack::ALL),
-        compare("shading_extension/", 3, &numbers_of_shading_extension()),
+        compare("material_extension/", 3, &numbers_of_shading_extension()),
     ];
     let compared: BTreeSet<Place> = compared.into_iter().flatten().collect();
     let left_out: Vec<Place> = (shipped::bindings().difference(&compared))

@@ -220,9 +220,9 @@ pub fn all() -> &'static [Composed] {
                 "MATERIAL_BIND_GROUP=3",
                 "AVAILABLE_STORAGE_BUFFER_BINDINGS=16"
             ),
-            shader!("shading_extension/extension.wgsl", "MATERIAL_BIND_GROUP=3"),
+            shader!("material_extension/extension.wgsl", "MATERIAL_BIND_GROUP=3"),
             shader!(
-                "shading_extension/extension.wgsl",
+                "material_extension/extension.wgsl",
                 "MATERIAL_BIND_GROUP=3",
                 "BINDLESS"
             ),

@@ -16,7 +16,7 @@ use bevy_lean_deferred::{
         subsurface::SubsurfaceUniform,
     },
     lighting::{LightLayersTable, LightingUniform},
-    shading_extension::{ExtensionUniform, ShadingExtension},
+    material_extension::{ExtensionUniform, ShadingExtension},
 };
 use naga::{AddressSpace, Handle, Module, Type, TypeInner};
 
@@ -113,12 +113,12 @@ fn structs_of_rust() -> BTreeMap<Place, Layout> {
             layout_of::<SubsurfaceUniform, _>(),
         ),
         (
-            "shading_extension/extension.wgsl",
+            "material_extension/extension.wgsl",
             "Extension",
             layout_of::<ExtensionUniform, _>(),
         ),
         (
-            "shading_extension/extension.wgsl",
+            "material_extension/extension.wgsl",
             "ExtensionIndices",
             layout_of_indices(),
         ),

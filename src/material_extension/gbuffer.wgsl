@@ -7,7 +7,7 @@
 
 #ifdef GBUFFER_SPECIALIZATION
 #import bevy_lean_deferred::gbuffer::{layout::specialization::PLAIN, pack::pack_shading_model}
-#import bevy_lean_deferred::shading_extension::extension::extension_of
+#import bevy_lean_deferred::material_extension::extension::extension_of
 #endif
 
 @fragment

@@ -183,7 +183,7 @@ impl AsBindGroup for ShadingExtension {
     type Param = <ExtensionBindings as AsBindGroup>::Param;
 
     fn label() -> &'static str {
-        "lean_deferred/shading_extension"
+        "lean_deferred/material_extension"
     }
 
     fn bindless_slot_count() -> Option<BindlessSlabResourceLimit> {

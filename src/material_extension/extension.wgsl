@@ -1,5 +1,5 @@
 // Data of a `ShadingExtension` in its material's bind group.
-#define_import_path bevy_lean_deferred::shading_extension::extension
+#define_import_path bevy_lean_deferred::material_extension::extension
 
 struct Extension {
     shading_model: u32,

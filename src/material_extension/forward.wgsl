@@ -1,7 +1,7 @@
 // Draws a `StandardMaterial` with a `ShadingExtension` in Bevy's forward passes.
 #define SHADING_MODEL_RIM
 #import bevy_lean_deferred::gbuffer::layout::specialization::RIM
-#import bevy_lean_deferred::shading_extension::extension::extension_of
+#import bevy_lean_deferred::material_extension::extension::extension_of
 #import bevy_lean_deferred::shading_models::rim::rim_light
 #import bevy_pbr::{
     decal::clustered::apply_decals,
