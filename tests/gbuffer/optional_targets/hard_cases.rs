@@ -216,7 +216,7 @@ fn bright_and_broken_emission_and_unlit_colours_match_forward() {
     });
 }
 
-/// Where forward's picture is NaN, the lean one shows a surface without emission, or with the largest emission that can be stored.
+/// The lean picture shows a surface without emission, or with the largest that can be stored, where forward's is NaN.
 #[test]
 fn emission_that_is_not_a_number_is_black_and_infinite_emission_bright() {
     in_own_process(|| {

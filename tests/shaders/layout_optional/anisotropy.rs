@@ -37,7 +37,7 @@ pub const ANGLE: Field = Field {
         let [x, y] = projected(values);
         let size = x.abs() + y.abs();
         let length = direction(&values[1..]).abs().element_sum();
-        // Where sums overflow or fall below the least length, either side may or may not get a direction.
+        // Either side may or may not get a direction if sums overflow or fall below the least length.
         if !length.is_finite() || length > 7e37 || (size - 1e-30).abs() < 1e-35 {
             return f64::INFINITY;
         }
