@@ -15,7 +15,7 @@
 //! The pattern of the samples is the same in every frame: there is no noise, and TAA is not needed. GPU times are recorded as
 //! `lean_deferred/effects/ambient_occlusion/gather` and `…/merge`.
 //!
-//! Where compute shaders cannot store to `R8Unorm`, a raster pass writes the texture
+//! If compute shaders cannot store to `R8Unorm`, a raster pass writes the texture
 //! ([`LeanSupport::ambient_occlusion_by_compute`]).
 //!
 //! [`LeanDeferred`]: crate::LeanDeferred
