@@ -68,7 +68,7 @@ fn highlights_are_as_bright_as_a_half_float_can_be() {
     });
 }
 
-/// Where sums overflow floats, lean is finite wherever forward is.
+/// Lean is finite wherever forward is, also if sums overflow floats.
 #[test]
 fn light_beyond_all_bounds_is_finite_where_forward_has_it_so() {
     in_own_process(|| {

@@ -149,7 +149,7 @@ fn a_furnace_is_even() {
     });
 }
 
-/// Where reflections end, the environment continues: nothing is brighter than both, or darker.
+/// The environment continues past the end of reflections: nothing is brighter than both, or darker.
 #[test]
 fn there_are_no_seams() {
     in_own_process(|| {

@@ -3,18 +3,15 @@
 use bevy::{camera::Viewport, core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    analytic_light::{Seen, camera, errors, look, see, surface},
+    analytic_light::{Seen, camera, errors, look, see, show, surface},
     analytic_mirrors::{metal, mirror_app},
-    headless::Headless,
-    lean::{build, change_cameras, show},
+    lean::{build, change_cameras},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::SceneBuilder,
 };
 
-use super::scenes::{
-    EYE, SIZE, SMALL, floor, gi, glowing, looking, reflections, show_next, spawn_floor,
-};
+use super::scenes::{EYE, SIZE, SMALL, floor, gi, glowing, looking, reflections, spawn_floor};
 
 /// Solids on a metal floor, for one or two cameras side by side.
 pub fn two_views(s: &mut SceneBuilder) -> [Entity; 2] {
@@ -42,9 +39,8 @@ pub fn two_views(s: &mut SceneBuilder) -> [Entity; 2] {
 #[test]
 fn cameras_do_not_share_their_last_frames() {
     in_own_process(|| {
-        let mut headless = Headless::new(SIZE);
-        let mut picture = |shown: [bool; 2]| {
-            show(&mut headless, |s| {
+        let picture = |shown: [bool; 2]| {
+            let mut headless = build(SIZE, |s| {
                 let cameras = two_views(s);
                 for (camera, is_active) in cameras.into_iter().zip(shown) {
                     let mut camera = s.world().entity_mut(camera);
@@ -72,9 +68,8 @@ fn cameras_do_not_share_their_last_frames() {
 #[test]
 fn forward_meshes_shine_on_cameras_with_a_depth_prepass() {
     in_own_process(|| {
-        let mut headless = Headless::new(SMALL);
-        let mut sum = |prepass: bool, forward: bool| {
-            let seen = show_next(&mut headless, 12, |s| {
+        let sum = |prepass: bool, forward: bool| {
+            let (_, seen) = show(SMALL, 12, |s| {
                 spawn_floor(s, surface(0.5, 0.0), 0.0);
                 let wall = Rectangle::new(3.0, 1.0);
                 s.mesh(wall, glowing(forward), Transform::from_xyz(0.0, 0.5, -0.8));
@@ -191,9 +186,8 @@ fn debug_views_show_what_was_found() {
 #[test]
 fn scaled_cameras_show_what_others_do() {
     in_own_process(|| {
-        let mut headless = Headless::new(SMALL);
-        let mut picture = |scale: f32, occlusion: bool| {
-            show(&mut headless, |s| {
+        let picture = |scale: f32, occlusion: bool| {
+            let mut headless = build(SMALL, |s| {
                 spawn_floor(s, metal(0.2), 0.0);
                 s.solids();
                 s.sun(false);

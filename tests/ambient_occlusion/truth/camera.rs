@@ -127,7 +127,7 @@ fn interiors_hold_whole_spheres() {
                 })
             };
             assert!(!inside || bordered && shown(0.5), "{pixel}");
-            // Where the mask excludes a pixel, a slightly larger sphere does not fit either.
+            // A slightly larger sphere does not fit either at a pixel that the mask excludes.
             assert!(inside || !bordered || !shown(0.52), "{pixel}");
             touching += usize::from(inside);
         }
