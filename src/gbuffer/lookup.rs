@@ -24,8 +24,8 @@ use bevy::{
 };
 
 use super::{
+    bevy::lightmaps::LightmappedMeshes,
     forward_reason::ForwardReason,
-    layout::DEFAULT_VISIBILITY_MASK,
     mesh_overrides::MeshOverrides,
     moving::MovingMeshes,
     registration::{GBufferMaterials, MaterialShaders},
@@ -33,6 +33,7 @@ use super::{
 };
 use crate::{
     gpu::named::system_param,
+    shader_library::layout::DEFAULT_VISIBILITY_MASK,
     view::{Demand, GBufferTargets, LightingVariant, ShadingModel},
 };
 
@@ -46,6 +47,7 @@ system_param! {
         mesh_allocator: Res<'w, MeshAllocator>,
         gbuffer_materials: Res<'w, GBufferMaterials>,
         pub(super) special_meshes: Res<'w, MeshOverrides>,
+        pub(super) lightmapped_meshes: Res<'w, LightmappedMeshes>,
         moving_meshes: Res<'w, MovingMeshes>,
         morph_indices: Res<'w, MorphIndices>,
         pub(super) visibility_ranges: Res<'w, RenderVisibilityRanges>,
@@ -182,7 +184,7 @@ impl MeshLookup<'_> {
         view_key: MeshPipelineKey,
     ) -> Result<(Demand, &'a MaterialShaders), ForwardReason> {
         let (needs, shaders) = mesh.needs?;
-        let lightmapped = self.special_meshes.lightmap_key(entity).is_some();
+        let lightmapped = self.lightmapped_meshes.key(entity).is_some();
         // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward fails there too,
         // but a lighting pipeline that never compiles would block all other special surfaces.
         if lightmapped
@@ -192,6 +194,9 @@ impl MeshLookup<'_> {
             return Err(ForwardReason::LightmapUnderEnvironment);
         }
         let mut targets = needs.targets | self.special_meshes.targets(entity);
+        if lightmapped {
+            targets |= GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
+        }
         if mesh.deforms || self.moving_meshes.contains(entity) {
             targets |= GBufferTargets::MOTION;
         }
