@@ -6,6 +6,7 @@
 // - `lightmaps.rs`: Bevy's list of lightmapped meshes.
 // - `phases.rs`: removes meshes from Bevy's phases, and returns them.
 // - `pipeline_filter.rs`: limits the meshes that Bevy's queue systems see.
+// - `queue_rules.rs`: for which cameras and in which order Bevy queues meshes, and for which it waits.
 
 pub(super) mod batching;
 pub(super) mod depth_copy;
@@ -13,3 +14,4 @@ pub(super) mod extracted;
 pub(super) mod lightmaps;
 pub(super) mod phases;
 pub(super) mod pipeline_filter;
+pub(super) mod queue_rules;
