@@ -19,8 +19,8 @@
 // - `inputs.rs`: the inputs, per view and of the scene.
 // - `buffers.rs`: the crate's own buffers.
 // - `bindings.rs`: bind groups, recreated only when a bound resource has changed.
-// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
-// - `bevy/`: rules of Bevy that are repeated: shader definitions, bindings, samplers, shadows.
+// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations of the crate's own bindings.
+// - `bevy/`: rules of Bevy that are repeated: shader definitions, bindings, indices of lights, the background, shadows.
 // - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
 // - `subsurface_light.{rs,wgsl}`: the light that enters scattering surfaces, for the scattering pass.
 // - `scattering_tiles.wgsl`: writes that light and marks its tiles.
