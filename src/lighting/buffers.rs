@@ -1,7 +1,7 @@
 //! The crate's own buffers of the lighting pass.
 
 use bevy::{
-    camera::{ClearColorConfig, CompositingSpace, MainPassResolutionOverride, Viewport},
+    camera::MainPassResolutionOverride,
     pbr::resources::GpuAtmosphere,
     prelude::*,
     render::{
@@ -12,7 +12,10 @@ use bevy::{
     },
 };
 
-use super::ViewLighting;
+use super::{
+    ViewLighting,
+    bevy::background::{background, lit_pixels, target_size},
+};
 use crate::{
     shader_library::reconstruction::position::edge_of,
     view::{ActiveLeanView, AmbientOcclusion, LeanDebugView},
@@ -105,39 +108,5 @@ pub(super) fn write_lighting_buffers(
         });
         lighting.bindings.viewport_size = size;
         lighting.bindings.covers_target = origin == UVec2::ZERO && size == target_size;
-    }
-}
-
-/// The actual size; the one that the camera reports may lag behind a target that is resized or replaced.
-fn target_size(target: &ViewTarget) -> UVec2 {
-    let texture = target.main_texture();
-    UVec2::new(texture.width(), texture.height())
-}
-
-/// Origin and size of the lit part of a target, in pixels.
-pub(super) fn lit_pixels(
-    camera: &ExtractedCamera,
-    target: &ViewTarget,
-    resolution_override: Option<&MainPassResolutionOverride>,
-) -> (UVec2, UVec2) {
-    let viewport =
-        Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
-    match &viewport {
-        Some(viewport) => (viewport.physical_position, viewport.physical_size),
-        None => (UVec2::ZERO, target_size(target)),
-    }
-}
-
-/// The clear colour of `camera` as its main texture stores it; as in Bevy's `prepare_view_targets`.
-fn background(camera: &ExtractedCamera, clear_color: &ClearColor) -> Vec4 {
-    let color = match camera.clear_color {
-        ClearColorConfig::Custom(color) => color,
-        ClearColorConfig::None => return Vec4::ZERO,
-        ClearColorConfig::Default => clear_color.0,
-    };
-    match camera.compositing_space {
-        Some(CompositingSpace::Oklab) => Oklaba::from(color).to_vec4(),
-        Some(CompositingSpace::Srgb) => Srgba::from(color).to_vec4(),
-        Some(CompositingSpace::Linear) | None => color.to_linear().to_vec4(),
     }
 }

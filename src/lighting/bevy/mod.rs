@@ -1,5 +1,6 @@
 //! Rules of Bevy that lighting repeats. `docs/internals/porting.md` has them all.
 
+// - `background.rs`: the lit part of a target, and its clear colour.
 // - `binding_numbers.rs`: binding numbers of the view, light probes and decals.
 // - `definitions.rs`: shader definitions of Bevy's part of the shader.
 // - `view_entries.rs`: Bevy's resources that lighting binds.
@@ -7,6 +8,7 @@
 // - `shadow_maps.wgsl`: visibility in shadow maps.
 // - `contact_shadow.wgsl`: contact shadows.
 
+pub(super) mod background;
 pub mod binding_numbers;
 pub mod definitions;
 pub(super) mod soft_shadows;
