@@ -1,8 +1,9 @@
 //! The crate's own buffers of the lighting pass.
 
 use bevy::{
-    camera::MainPassResolutionOverride,
-    pbr::resources::GpuAtmosphere,
+    camera::{MainPassResolutionOverride, visibility::RenderLayers},
+    light::IrradianceVolume,
+    pbr::{RenderViewLightProbes, resources::GpuAtmosphere},
     prelude::*,
     render::{
         camera::ExtractedCamera,
@@ -13,8 +14,14 @@ use bevy::{
 };
 
 use super::{
-    ViewLighting,
-    bevy::background::{background, lit_pixels, target_size},
+    bevy::{
+        background::{background, lit_pixels, target_size},
+        light_order::LightOrder,
+    },
+    features::ViewEnvironmentMaps,
+    light_layer_table::LightLayersTable,
+    light_layers::LightLayers,
+    state::ViewLighting,
 };
 use crate::{
     shader_library::reconstruction::position::edge_of,
@@ -108,5 +115,39 @@ pub(super) fn write_lighting_buffers(
         });
         lighting.bindings.viewport_size = size;
         lighting.bindings.covers_target = origin == UVec2::ZERO && size == target_size;
+    }
+}
+
+/// Uploads the layers of lights for the views whose lighting is compiled for them: a table per view, written when it has
+/// changed.
+pub(super) fn write_light_layers(
+    (layers, order): (Res<LightLayers>, LightOrder),
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    mut views: Query<(
+        &mut ViewLighting,
+        Option<&ActiveLeanView>,
+        Option<&RenderLayers>,
+        Option<&ViewEnvironmentMaps>,
+        Option<&RenderViewLightProbes<IrradianceVolume>>,
+    )>,
+    mut table: Local<LightLayersTable>,
+) {
+    let mut has_common = false;
+    for (mut lighting, active, view_layers, environment_maps, volumes) in &mut views {
+        if !active.is_some_and(|active| active.has_light_layers) {
+            lighting.light_layers = None;
+            continue;
+        }
+        if !has_common {
+            table.fill_common(&layers, &order);
+            has_common = true;
+        }
+        let view_layers = view_layers.unwrap_or_default();
+        table.fill_of_view(&layers, &order, view_layers, environment_maps, volumes);
+        let buffer = lighting.light_layers.get_or_insert_default();
+        if buffer.buffer().is_none() || *buffer.get() != *table {
+            buffer.set(table.clone());
+            buffer.write_buffer(&device, &queue);
+        }
     }
 }
