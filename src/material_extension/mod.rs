@@ -228,8 +228,9 @@ impl AsBindGroup for ShadingExtension {
 }
 
 /// Draws [`ExtendedStandardMaterial`]s on cameras with and without `LeanDeferred`. Part of
-/// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it beside [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), which
-/// has its shaders. Adds their [`MaterialPlugin`] unless the app has one: add one with your own settings before this plugin.
+/// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it beside
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), whose shaders it imports. Adds the [`MaterialPlugin`] unless the app has one: add
+/// one with your own settings before this plugin.
 #[derive(Default)]
 pub struct ShadingExtensionPlugin;
 

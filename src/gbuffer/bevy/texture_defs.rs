@@ -1,5 +1,5 @@
-//! The textures of a `StandardMaterial` that exist only with features of Bevy. This crate cannot see these features, so it finds the
-//! fields by reflection.
+//! The textures of a `StandardMaterial` that exist only with features of Bevy, which this crate cannot see: it finds the fields by
+//! reflection.
 
 use bevy::{pbr::StandardMaterial, reflect::structs::Struct, shader::ShaderDefVal};
 
