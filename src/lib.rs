@@ -114,10 +114,11 @@ pub mod prelude {
 }
 
 plugin_group! {
-    /// All effects of this crate. Add it after `DefaultPlugins`. Each plugin can also be added alone; diffuse GI, reflections and
-    /// subsurface scattering have no effect without [`LeanDeferredPlugin`].
+    /// All effects of this crate. Add it after `DefaultPlugins`. Each plugin can also be added alone; diffuse GI, reflections,
+    /// subsurface scattering and shading extensions need [`LeanDeferredPlugin`].
     pub struct LeanDeferredPlugins {
         :LeanDeferredPlugin,
+        material_extension:::ShadingExtensionPlugin,
         :LeanScreenSpaceAmbientOcclusionPlugin,
         :LeanAutoExposurePlugin,
         :LeanScreenSpaceGiPlugin,

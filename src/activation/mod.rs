@@ -47,15 +47,13 @@ use crate::{
     gbuffer::GBufferPlugin,
     gpu::recovery,
     lighting::LightingPlugin,
-    material_extension::ShadingExtensionPlugin,
     view::{
         Effect, EffectSystems, LeanDeferred, LeanSupport, LeanViewSystems, ViewTextureSystems,
         can_build, overrides, status, support::add_check,
     },
 };
 
-/// Adds the packed G-buffer and compute lighting for cameras with [`LeanDeferred`], and
-/// [`ExtendedStandardMaterial`](crate::material_extension::ExtendedStandardMaterial). Part of
+/// Adds the packed G-buffer and compute lighting for cameras with [`LeanDeferred`]. Part of
 /// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it after `DefaultPlugins`.
 #[derive(Default)]
 pub struct LeanDeferredPlugin;
@@ -65,7 +63,7 @@ impl Plugin for LeanDeferredPlugin {
         if !can_build(app, "LeanDeferredPlugin", true) {
             return;
         }
-        app.add_plugins((GBufferPlugin, LightingPlugin, ShadingExtensionPlugin));
+        app.add_plugins((GBufferPlugin, LightingPlugin));
         app.register_type::<LeanDeferred>()
             .add_plugins(ExtractComponentPlugin::<LeanDeferred>::default());
         add_check(app, |support| &mut support.deferred, support::check);

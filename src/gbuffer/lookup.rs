@@ -5,27 +5,19 @@ use core::{hash::BuildHasher, ops::Deref};
 use bevy::{
     asset::UntypedAssetId,
     material::RenderPhaseType,
-    pbr::{
-        MeshPipeline, MeshPipelineKey, MorphIndices, PreparedMaterial, RenderMaterialInstances,
-        RenderMeshInstanceFlags, RenderMeshInstances, RenderMeshQueueData,
-    },
+    pbr::{MeshPipeline, MeshPipelineKey, PreparedMaterial, RenderMeshQueueData},
     platform::hash::FixedHasher,
     prelude::*,
     render::{
-        erased_render_asset::ErasedRenderAssets,
-        mesh::{
-            RenderMesh,
-            allocator::{MeshAllocator, MeshSlabs},
-        },
-        render_asset::RenderAssets,
+        mesh::{RenderMesh, allocator::MeshSlabs},
         sync_world::MainEntity,
         view::RenderVisibilityRanges,
     },
 };
 
 use super::{
+    bevy::{lightmaps::LightmappedMeshes, queue_rules::BevyLookup},
     forward_reason::ForwardReason,
-    layout::DEFAULT_VISIBILITY_MASK,
     mesh_overrides::MeshOverrides,
     moving::MovingMeshes,
     registration::{GBufferMaterials, MaterialShaders},
@@ -33,21 +25,18 @@ use super::{
 };
 use crate::{
     gpu::named::system_param,
+    shader_library::layout::DEFAULT_VISIBILITY_MASK,
     view::{Demand, GBufferTargets, LightingVariant, ShadingModel},
 };
 
 system_param! {
     /// The meshes and materials that decide how a mesh is drawn.
     pub(super) struct MeshLookup<'w> {
-        mesh_instances: Res<'w, RenderMeshInstances>,
-        material_instances: Res<'w, RenderMaterialInstances>,
-        materials: Res<'w, ErasedRenderAssets<PreparedMaterial>>,
-        meshes: Res<'w, RenderAssets<RenderMesh>>,
-        mesh_allocator: Res<'w, MeshAllocator>,
+        pub(super) bevy: BevyLookup<'w>,
         gbuffer_materials: Res<'w, GBufferMaterials>,
         pub(super) special_meshes: Res<'w, MeshOverrides>,
+        pub(super) lightmapped_meshes: Res<'w, LightmappedMeshes>,
         moving_meshes: Res<'w, MovingMeshes>,
-        morph_indices: Res<'w, MorphIndices>,
         pub(super) visibility_ranges: Res<'w, RenderVisibilityRanges>,
         mesh_pipeline: Res<'w, MeshPipeline>,
     }
@@ -91,19 +80,15 @@ impl<'a> Deref for MeshToQueue<'a> {
 }
 
 impl MeshLookup<'_> {
-    /// Returns `Err(true)` if the mesh may be ready in a later frame, `Err(false)` if waiting is of no use. The
-    /// conditions are those of Bevy's own queue systems, so that both wait for the same meshes.
+    /// Returns `Err(true)` if the mesh may be ready in a later frame, `Err(false)` if waiting is of no use: as Bevy's own
+    /// queue systems, so that both wait for the same meshes.
     pub(super) fn find<'a>(
         &'a self,
         entity: MainEntity,
         recent: &mut RecentKinds<'a>,
     ) -> Result<MeshToQueue<'a>, bool> {
-        let material_instance = self.material_instances.instances.get(&entity).ok_or(true)?;
-        let instance = self
-            .mesh_instances
-            .render_mesh_queue_data(entity)
-            .ok_or(true)?;
-        let (material_id, mesh_id) = (material_instance.asset_id, instance.mesh_asset_id());
+        let (material_id, instance) = self.bevy.instance(entity)?;
+        let mesh_id = instance.mesh_asset_id();
         let place = FixedHasher.hash_one((material_id, mesh_id)) as usize % RECENT_KINDS;
         if recent.0.is_empty() {
             recent.0.resize(RECENT_KINDS, None);
@@ -124,9 +109,7 @@ impl MeshLookup<'_> {
         material_id: UntypedAssetId,
         mesh_id: AssetId<Mesh>,
     ) -> Result<MeshKind<'_>, bool> {
-        let material = self.materials.get(material_id).ok_or(true)?;
-        let mesh = self.meshes.get(mesh_id).ok_or(false)?;
-        let slabs = self.mesh_allocator.mesh_slabs(&mesh_id).ok_or(false)?;
+        let (material, mesh, slabs) = self.bevy.assets(material_id, mesh_id)?;
         let has = |attribute| mesh.layout.0.contains(attribute);
         let needs = match material.properties.render_phase_type {
             RenderPhaseType::Opaque | RenderPhaseType::AlphaMask => {
@@ -160,19 +143,6 @@ impl MeshLookup<'_> {
         })
     }
 
-    /// True if Bevy has only this frame's morph weights. The previous ones exist from the next frame on, and need
-    /// another pipeline.
-    pub(super) fn awaits_previous_morph(&self, entity: MainEntity, mesh: &MeshToQueue) -> bool {
-        let flags = mesh.instance.flags();
-        let is_morphed = match &*self.morph_indices {
-            MorphIndices::Uniform { current, .. } => current.contains_key(&entity),
-            MorphIndices::Storage {
-                morph_weights_info, ..
-            } => morph_weights_info.contains_key(&entity),
-        };
-        is_morphed && !flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH)
-    }
-
     /// Returns the largest possible demand of the mesh and the shaders that draw it into the G-buffer, or the reason
     /// that forward must draw it.
     pub(super) fn gbuffer_needs<'a>(
@@ -182,7 +152,7 @@ impl MeshLookup<'_> {
         view_key: MeshPipelineKey,
     ) -> Result<(Demand, &'a MaterialShaders), ForwardReason> {
         let (needs, shaders) = mesh.needs?;
-        let lightmapped = self.special_meshes.lightmap_key(entity).is_some();
+        let lightmapped = self.lightmapped_meshes.key(entity).is_some();
         // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward fails there too,
         // but a lighting pipeline that never compiles would block all other special surfaces.
         if lightmapped
@@ -192,6 +162,9 @@ impl MeshLookup<'_> {
             return Err(ForwardReason::LightmapUnderEnvironment);
         }
         let mut targets = needs.targets | self.special_meshes.targets(entity);
+        if lightmapped {
+            targets |= GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
+        }
         if mesh.deforms || self.moving_meshes.contains(entity) {
             targets |= GBufferTargets::MOTION;
         }

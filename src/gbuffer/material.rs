@@ -4,15 +4,16 @@ use bevy::{
     material::OpaqueRendererMethod,
     pbr::{ExtendedMaterial, Material, MaterialExtension, StandardMaterial},
     prelude::*,
-    reflect::structs::Struct,
-    shader::{ShaderDefVal, ShaderRef},
+    shader::ShaderRef,
 };
 
 use super::{
-    forward_reason::ForwardReason, layout::specialization::LARGEST_REFLECTANCE,
+    bevy::texture_defs::{has_field, has_texture},
+    forward_reason::ForwardReason,
     targets::GBufferNeeds,
 };
 use crate::{
+    shader_library::layout::specialization::LARGEST_REFLECTANCE,
     shading_models::unlit::LARGEST_UNLIT,
     view::{GBufferTargets, ShadingModel},
 };
@@ -190,7 +191,7 @@ impl SpecialShadingModel for StandardMaterial {
             // Without the feature `pbr_anisotropy_texture`, forward shades differently. Forward stretches highlights
             // along the mesh's surface, but the stored normal is that of the normal map.
             (false, true, false) => {
-                if self.field("anisotropy_texture").is_none() {
+                if !has_field(self, "anisotropy_texture") {
                     return Err(ForwardReason::AnisotropyUnsupported);
                 }
                 if self.normal_map_texture.is_some() {
@@ -221,37 +222,6 @@ fn check_range<const N: usize>(
     } else {
         Err(ForwardReason::OutOfRange(field))
     }
-}
-
-/// True if the optional texture `field` is set. Uses reflection because the fields of `StandardMaterial` depend on
-/// features of Bevy that this crate cannot see.
-fn has_texture(material: &StandardMaterial, field: &str) -> bool {
-    material
-        .field(field)
-        .and_then(|value| value.reflect_ref().as_enum().ok())
-        .is_some_and(|option| option.variant_name() == "Some")
-}
-
-/// Definitions with which Bevy's shaders read the feature-gated textures of a `StandardMaterial`. Bevy's prepass does
-/// not set them.
-pub(super) fn material_texture_defs() -> Vec<ShaderDefVal> {
-    let material = StandardMaterial::default();
-    [
-        (
-            "diffuse_transmission_texture",
-            "PBR_TRANSMISSION_TEXTURES_SUPPORTED",
-        ),
-        (
-            "clearcoat_texture",
-            "PBR_MULTI_LAYER_MATERIAL_TEXTURES_SUPPORTED",
-        ),
-        ("anisotropy_texture", "PBR_ANISOTROPY_TEXTURE_SUPPORTED"),
-        ("specular_texture", "PBR_SPECULAR_TEXTURES_SUPPORTED"),
-    ]
-    .into_iter()
-    .filter(|(field, _)| material.field(field).is_some())
-    .map(|(_, name)| name.into())
-    .collect()
 }
 
 /// A [`MaterialExtension`] of [`StandardMaterial`] whose [`ExtendedMaterial`] can be drawn into the packed G-buffer.

@@ -3,20 +3,20 @@
 use core::mem::replace;
 
 use bevy::{
-    camera::visibility::{RenderLayers, ViewVisibility},
+    camera::visibility::RenderLayers,
     ecs::entity_disabling::Disabled,
     light::NotShadowReceiver,
-    pbr::{Lightmap, MeshPipelineKey},
     prelude::*,
     render::{
         Extract,
-        camera::DirtySpecializations,
         sync_world::{MainEntity, MainEntityHashMap, MainEntityHashSet},
     },
 };
 
-use super::layout::{DEFAULT_VISIBILITY_MASK, visibility_mask};
-use crate::view::{GBufferTargets, LeanDeferred};
+use crate::{
+    shader_library::layout::{DEFAULT_VISIBILITY_MASK, visibility_mask},
+    view::{GBufferTargets, LeanDeferred},
+};
 
 /// In the render world: meshes whose components changed their needs of the G-buffer since the last frame. Lean views
 /// sort them again; Bevy does not requeue them.
@@ -41,31 +41,18 @@ pub(super) fn clear_changed_meshes(mut changed: ResMut<ChangedMeshes>) {
 #[derive(Resource, Default)]
 pub(crate) struct MeshOverrides {
     without_shadows: MainEntityHashSet,
-    /// True if the lightmap is sampled bicubically.
-    lightmapped: MainEntityHashMap<bool>,
     /// Masks of meshes that are not on layer 0 alone.
     visibility_masks: MainEntityHashMap<u32>,
 }
 
 impl MeshOverrides {
-    /// Targets that `mesh` needs regardless of its material and of light layers.
+    /// Targets that `mesh` needs regardless of its material, lightmap and light layers.
     pub(crate) fn targets(&self, mesh: MainEntity) -> GBufferTargets {
-        let mut targets = GBufferTargets::empty();
         if self.without_shadows.contains(&mesh) {
-            targets |= GBufferTargets::SPECIALIZATION;
+            GBufferTargets::SPECIALIZATION
+        } else {
+            GBufferTargets::empty()
         }
-        if self.lightmapped.contains_key(&mesh) {
-            targets |= GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
-        }
-        targets
-    }
-
-    /// Key bits that the lightmap of `mesh`, if any, adds to its pipelines.
-    pub(crate) fn lightmap_key(&self, mesh: MainEntity) -> Option<MeshPipelineKey> {
-        let bicubic = *self.lightmapped.get(&mesh)?;
-        let mut key = MeshPipelineKey::LIGHTMAPPED;
-        key.set(MeshPipelineKey::LIGHTMAP_BICUBIC_SAMPLING, bicubic);
-        Some(key)
     }
 
     /// Forgets the state that [`extract_mesh_overrides`] tracks.
@@ -174,41 +161,6 @@ pub(super) fn extract_mesh_overrides(
         let receives_otherwise = special.set_without_shadows(mesh, is_without_shadows);
         if special.put_on(mesh, mask) || receives_otherwise {
             changed.insert(mesh);
-        }
-    }
-}
-
-/// Matches Bevy's list, which is recreated empty on a new device.
-pub(super) fn forget_lightmapped_meshes(mut special: ResMut<MeshOverrides>) {
-    special.lightmapped.clear();
-}
-
-/// Mirrors the list of lightmapped meshes in Bevy's private `extract_lightmaps`, by its rules: Bevy selects a mesh's
-/// bind group by that list, and a pipeline specialized for another one is an error. Bevy does not respecialize when the
-/// list changes, so the mesh is marked as changed; without lean cameras too, because the error ends the app there as
-/// well.
-pub(super) fn extract_lightmapped_meshes(
-    mut special: ResMut<MeshOverrides>,
-    mut dirty: ResMut<DirtySpecializations>,
-    changed: Extract<
-        Query<
-            (Entity, &ViewVisibility, &Lightmap),
-            Or<(Changed<ViewVisibility>, Changed<Lightmap>)>,
-        >,
-    >,
-    mut removed: Extract<RemovedComponents<Lightmap>>,
-) {
-    for (entity, visibility, lightmap) in &changed {
-        let mesh = MainEntity::from(entity);
-        if visibility.get() && !special.lightmapped.contains_key(&mesh) {
-            special.lightmapped.insert(mesh, lightmap.bicubic_sampling);
-            dirty.changed_renderables.insert(mesh);
-        }
-    }
-    for entity in removed.read() {
-        let mesh = MainEntity::from(entity);
-        if !changed.contains(entity) && special.lightmapped.remove(&mesh).is_some() {
-            dirty.changed_renderables.insert(mesh);
         }
     }
 }

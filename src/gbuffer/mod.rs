@@ -78,7 +78,7 @@ mod visibility_masks;
 use self::bevy::{
     batching::add_phase,
     depth_copy::{self, DepthCopySystems},
-    phases, pipeline_filter,
+    lightmaps, phases, pipeline_filter,
 };
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 pub(crate) use demand::ViewDemands;
@@ -170,6 +170,7 @@ impl Plugin for GBufferPlugin {
         render_app
             .init_resource::<mesh_overrides::MeshOverrides>()
             .init_resource::<mesh_overrides::ChangedMeshes>()
+            .init_resource::<lightmaps::LightmappedMeshes>()
             .init_resource::<moving::MovingMeshes>()
             .init_resource::<ViewDemands>()
             .init_resource::<forward_meshes::ForwardMeshes>()
@@ -186,7 +187,7 @@ impl Plugin for GBufferPlugin {
                 (
                     resolve_motion::init_motion_resolve_pipelines,
                     visibility_masks::forget_uploaded_visibility_masks,
-                    mesh_overrides::forget_lightmapped_meshes,
+                    lightmaps::forget_lightmapped_meshes,
                 ),
             )
             .add_systems(
@@ -211,9 +212,8 @@ impl Plugin for GBufferPlugin {
             // Runs without lean cameras too: it also prevents an error in Bevy's own passes.
             .add_systems(
                 ExtractSchedule,
-                mesh_overrides::extract_lightmapped_meshes
-                    .in_set(DirtySpecializationSystems::CheckForChanges)
-                    .after(mesh_overrides::extract_mesh_overrides),
+                lightmaps::extract_lightmapped_meshes
+                    .in_set(DirtySpecializationSystems::CheckForChanges),
             )
             .add_systems(
                 Render,

@@ -16,7 +16,10 @@ use bevy::{
     },
 };
 
-use super::phase_item::{GBufferBatchSetKey, GBufferItem, QueuedMesh};
+use super::{
+    bevy::queue_rules::is_extracted,
+    phase_item::{GBufferBatchSetKey, GBufferItem, QueuedMesh},
+};
 use crate::{gpu::named::system_param, view::LeanDeferred};
 
 system_param! {
@@ -183,12 +186,6 @@ impl DrawnGBufferPhases<'_> {
             .chain(of(&self.extended.alpha_masked))
             .collect()
     }
-}
-
-/// True if Bevy extracts the camera in this frame. False while its window is minimised: its target then has size 0.
-pub(super) fn is_extracted(camera: &Camera) -> bool {
-    let has_pixels = |size: UVec2| size.cmpne(UVec2::ZERO).all();
-    camera.is_active && camera.physical_target_size().is_none_or(has_pixels)
 }
 
 /// Keeps a phase of each kind for every extracted camera with [`LeanDeferred`], and none for others: phases of a camera

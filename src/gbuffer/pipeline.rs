@@ -14,7 +14,7 @@ use bevy::{
 };
 
 use super::{
-    binding_numbers::pack::VISIBILITY_MASK_GROUP, material::material_texture_defs,
+    bevy::texture_defs::material_texture_defs, binding_numbers::pack::VISIBILITY_MASK_GROUP,
     registration::VertexStage, visibility_masks::visibility_mask_layout,
 };
 use crate::view::GBufferTargets;

@@ -5,7 +5,7 @@
 //! Otherwise its phase retains it.
 
 use bevy::{
-    material::{OpaqueRendererMethod, RenderPhaseType},
+    material::RenderPhaseType,
     mesh::Mesh3d,
     pbr::{
         DrawPrepass, MeshPipelineKey, PendingMeshMaterialQueues, PendingPrepassMeshMaterialQueues,
@@ -19,9 +19,7 @@ use bevy::{
         render_phase::{BinnedRenderPhaseType, DrawFunctionId, DrawFunctions},
         render_resource::CachedRenderPipelineId,
         sync_world::MainEntity,
-        view::{
-            ExtractedView, RenderVisibleEntities, RenderVisibleEntitiesClass, RetainedViewEntity,
-        },
+        view::{ExtractedView, RenderVisibleEntities, RetainedViewEntity},
     },
 };
 
@@ -29,6 +27,7 @@ use super::{
     bevy::{
         phases::{BevyPhases, BevyViewPhases},
         pipeline_filter::{BevyPipelines, PipelineFilter, PipelineFilterWriter},
+        queue_rules::{is_for_deferred_pass, keep_visible_in_order, visible_pair},
     },
     demand::{MeshDemand, ViewDemand, ViewDemands},
     forward_meshes::{CameraForwardMeshes, ForwardMeshes},
@@ -236,14 +235,9 @@ pub(super) fn queue_gbuffer_meshes(
         for pair in dirty.iter_to_queue(retained, visible, &HashSet::default()) {
             sorter.sort(pair, QueueOwner::Nobody);
         }
-        // In entity order, as Bevy queues: it decides the draw order, and so which mesh wins at equal depth.
-        waiting.sort_unstable_by_key(|(_, entity)| *entity);
+        keep_visible_in_order(&mut waiting, visible);
         for (render_entity, entity) in &waiting {
-            // Bevy's own look-up by both entities misses some meshes that are also, say, lights: only those have
-            // entities in the render world, while its list is sorted by main-world entity.
-            if visible_pair(visible, *entity) == Some((*render_entity, *entity)) {
-                sorter.sort((render_entity, entity), QueueOwner::Bevy);
-            }
+            sorter.sort((render_entity, entity), QueueOwner::Bevy);
         }
         if let (ViewChange::Demand, Some(former), Some(active)) = (change, &former, active) {
             let demands = sorter.demand.each();
@@ -279,21 +273,6 @@ pub(super) struct SortedView {
     look_again: Vec<MainEntity>,
     /// The pipelines and their states. After a shader change they are compiled again, and may newly fail or succeed.
     pipelines: HashMap<CachedRenderPipelineId, GBufferPipeline>,
-}
-
-/// Returns the entities of a visible mesh, searched as in Bevy's `DirtySpecializations`.
-fn visible_pair(
-    visible: &RenderVisibleEntitiesClass,
-    mesh: MainEntity,
-) -> Option<(Entity, MainEntity)> {
-    let culled_on_cpu = &visible.entities_cpu_culling;
-    match culled_on_cpu.binary_search_by_key(&mesh, |(_, main_entity)| *main_entity) {
-        Ok(index) => Some(culled_on_cpu[index]),
-        Err(_) => {
-            let entity = visible.entities_gpu_culling.get(&mesh)?;
-            Some((*entity, mesh))
-        }
-    }
 }
 
 /// Sorts the meshes of one view.
@@ -391,7 +370,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
 
         if output.targets.contains(GBufferTargets::MOTION)
-            && lookup.awaits_previous_morph(entity, &mesh)
+            && lookup.bevy.awaits_previous_morph(entity, &mesh.instance)
         {
             self.look_again.push(entity);
         }
@@ -423,13 +402,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
 
     /// True if the mesh's method is `Deferred` but the view has no deferred pass of Bevy's: Bevy must not queue it.
     fn is_strange_to_bevy(&self, mesh: &MeshToQueue) -> bool {
-        let properties = &mesh.material.properties;
-        properties.render_method == OpaqueRendererMethod::Deferred
-            && matches!(
-                properties.render_phase_type,
-                RenderPhaseType::Opaque | RenderPhaseType::AlphaMask
-            )
-            && !self.draws_deferred
+        !self.draws_deferred && is_for_deferred_pass(&mesh.material.properties)
     }
 
     fn forget_forward_reason(&mut self, entity: MainEntity) {

@@ -15,7 +15,8 @@ use bevy::{
 };
 
 use super::{
-    GBufferPlugin, forward_reason::ForwardReason, material::GBufferMaterial, targets::GBufferNeeds,
+    demand::ViewDemands, forward_reason::ForwardReason, material::GBufferMaterial,
+    targets::GBufferNeeds,
 };
 use crate::view::{EffectSystems, LeanDeferred};
 
@@ -121,10 +122,10 @@ where
     /// In `finish`, so that the plugins may be added in any order.
     fn finish(&self, app: &mut App) {
         let has_material = app.is_plugin_added::<MaterialPlugin<M>>();
-        let has_gbuffer = app.is_plugin_added::<GBufferPlugin>();
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
+        let has_gbuffer = render_app.world().contains_resource::<ViewDemands>();
         if !has_material || !has_gbuffer {
             let missing = if has_material {
                 "LeanDeferredPlugin"

@@ -179,7 +179,7 @@ fn mesh_key(
     {
         key |= MeshPipelineKey::VISIBILITY_RANGE_DITHER;
     }
-    if let Some(lightmap) = lookup.special_meshes.lightmap_key(entity) {
+    if let Some(lightmap) = lookup.lightmapped_meshes.key(entity) {
         key |= lightmap;
     }
     if output.targets.contains(GBufferTargets::MOTION) {

@@ -16,9 +16,9 @@ use bevy::{
     },
 };
 
-use super::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, VALID_MASK_FORMAT};
 use crate::{
     gpu::named::system_param,
+    shader_library::layout::{NO_GEOMETRY, NORMAL_FORMAT, SURFACE_FORMAT, VALID_MASK_FORMAT},
     view::{ActiveLeanView, GBufferTargets, OutOfMemory},
 };
 

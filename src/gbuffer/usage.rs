@@ -5,11 +5,11 @@ use bevy::{
     render::{MainWorld, render_resource::TextureFormat, sync_world::MainEntity},
 };
 
-use super::{
-    layout::{BASE_BYTES_PER_PIXEL, VALID_MASK_FORMAT},
-    textures::GBufferTextures,
+use super::textures::GBufferTextures;
+use crate::{
+    shader_library::layout::{BASE_BYTES_PER_PIXEL, VALID_MASK_FORMAT},
+    view::{GBufferTargets, LeanDeferred},
 };
-use crate::view::{GBufferTargets, LeanDeferred};
 
 /// On a camera with [`LeanDeferred`]: the targets of its G-buffer in the last frame that was rendered.
 ///

@@ -3,7 +3,7 @@
 use bevy::{
     prelude::*,
     render::{
-        render_resource::{BindGroup, IntoBinding, TextureView, TextureViewId},
+        render_resource::{IntoBinding, TextureView},
         renderer::RenderDevice,
         settings::WgpuFeatures,
     },
@@ -14,62 +14,13 @@ use super::{
     binding_numbers::{list, targets},
     inputs::{LightingResources, LitView, LitViewItem},
     pipeline::{INDIRECT_LIGHT, LightingLayouts, LightingPipelines, target_binding},
+    state::ViewLightingBindings,
 };
 use crate::{
-    gpu::bind_group_cache::{CachedBindGroup, Entries},
+    gpu::bind_group_cache::Entries,
     shader_library::tiles,
     view::{ActiveLeanView, LightingIo},
 };
-
-/// The bind groups of one view, with the other arguments of its dispatches.
-#[derive(Default)]
-pub(super) struct ViewLightingBindings {
-    pub(super) view: CachedBindGroup,
-    pub(super) view_offsets: Vec<u32>,
-    pub(super) arrays: CachedBindGroup,
-    /// Post-processing swaps the two main textures, also between cameras of one target, so each has its group.
-    targets: [(Option<TextureViewId>, CachedBindGroup); 2],
-    /// The tile list, to fill and to read. Empty without special surfaces.
-    pub(super) fill_list: CachedBindGroup,
-    pub(super) read_list: CachedBindGroup,
-    /// Offsets of the uniform without and with `writes_background`.
-    pub(super) uniform_offsets: [u32; 2],
-    pub(super) viewport_size: UVec2,
-    /// True if the viewport is the whole render target.
-    pub(super) covers_target: bool,
-}
-
-impl ViewLightingBindings {
-    /// The group that writes into `main_texture`.
-    pub(super) fn targets_for(&self, main_texture: &TextureView) -> Option<&BindGroup> {
-        self.targets
-            .iter()
-            .find(|(id, _)| *id == Some(main_texture.id()))
-            .and_then(|(_, group)| group.get())
-    }
-
-    /// All bind groups except that of the view.
-    pub(super) fn lasting(&self) -> impl Iterator<Item = &BindGroup> {
-        let targets = self.targets.iter().map(|(_, group)| group);
-        [&self.arrays, &self.fill_list, &self.read_list]
-            .into_iter()
-            .chain(targets)
-            .filter_map(CachedBindGroup::get)
-    }
-
-    /// Number of bound textures of light probes and decals.
-    pub(super) fn textures_in_arrays(&self) -> usize {
-        self.arrays.texture_views()
-    }
-
-    fn clear(&mut self) {
-        self.view.clear();
-        self.arrays.clear();
-        self.targets = default();
-        self.fill_list.clear();
-        self.read_list.clear();
-    }
-}
 
 /// Updates the bind groups of the active views if a bound resource has changed.
 pub(super) fn prepare_lighting_bind_groups(

@@ -1,8 +1,9 @@
 //! The crate's own buffers of the lighting pass.
 
 use bevy::{
-    camera::{ClearColorConfig, CompositingSpace, MainPassResolutionOverride, Viewport},
-    pbr::resources::GpuAtmosphere,
+    camera::{MainPassResolutionOverride, visibility::RenderLayers},
+    light::IrradianceVolume,
+    pbr::{RenderViewLightProbes, resources::GpuAtmosphere},
     prelude::*,
     render::{
         camera::ExtractedCamera,
@@ -12,7 +13,16 @@ use bevy::{
     },
 };
 
-use super::ViewLighting;
+use super::{
+    bevy::{
+        background::{background, lit_pixels, target_size},
+        light_order::LightOrder,
+    },
+    features::ViewEnvironmentMaps,
+    light_layer_table::LightLayersTable,
+    light_layers::LightLayers,
+    state::ViewLighting,
+};
 use crate::{
     shader_library::reconstruction::position::edge_of,
     view::{ActiveLeanView, AmbientOcclusion, LeanDebugView},
@@ -108,36 +118,36 @@ pub(super) fn write_lighting_buffers(
     }
 }
 
-/// The actual size; the one that the camera reports may lag behind a target that is resized or replaced.
-fn target_size(target: &ViewTarget) -> UVec2 {
-    let texture = target.main_texture();
-    UVec2::new(texture.width(), texture.height())
-}
-
-/// Origin and size of the lit part of a target, in pixels.
-pub(super) fn lit_pixels(
-    camera: &ExtractedCamera,
-    target: &ViewTarget,
-    resolution_override: Option<&MainPassResolutionOverride>,
-) -> (UVec2, UVec2) {
-    let viewport =
-        Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
-    match &viewport {
-        Some(viewport) => (viewport.physical_position, viewport.physical_size),
-        None => (UVec2::ZERO, target_size(target)),
-    }
-}
-
-/// The clear colour of `camera` as its main texture stores it; as in Bevy's `prepare_view_targets`.
-fn background(camera: &ExtractedCamera, clear_color: &ClearColor) -> Vec4 {
-    let color = match camera.clear_color {
-        ClearColorConfig::Custom(color) => color,
-        ClearColorConfig::None => return Vec4::ZERO,
-        ClearColorConfig::Default => clear_color.0,
-    };
-    match camera.compositing_space {
-        Some(CompositingSpace::Oklab) => Oklaba::from(color).to_vec4(),
-        Some(CompositingSpace::Srgb) => Srgba::from(color).to_vec4(),
-        Some(CompositingSpace::Linear) | None => color.to_linear().to_vec4(),
+/// Uploads the layers of lights for the views whose lighting is compiled for them: a table per view, written when it has
+/// changed.
+pub(super) fn write_light_layers(
+    (layers, order): (Res<LightLayers>, LightOrder),
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    mut views: Query<(
+        &mut ViewLighting,
+        Option<&ActiveLeanView>,
+        Option<&RenderLayers>,
+        Option<&ViewEnvironmentMaps>,
+        Option<&RenderViewLightProbes<IrradianceVolume>>,
+    )>,
+    mut table: Local<LightLayersTable>,
+) {
+    let mut has_common = false;
+    for (mut lighting, active, view_layers, environment_maps, volumes) in &mut views {
+        if !active.is_some_and(|active| active.has_light_layers) {
+            lighting.light_layers = None;
+            continue;
+        }
+        if !has_common {
+            table.fill_common(&layers, &order);
+            has_common = true;
+        }
+        let view_layers = view_layers.unwrap_or_default();
+        table.fill_of_view(&layers, &order, view_layers, environment_maps, volumes);
+        let buffer = lighting.light_layers.get_or_insert_default();
+        if buffer.buffer().is_none() || *buffer.get() != *table {
+            buffer.set(table.clone());
+            buffer.write_buffer(&device, &queue);
+        }
     }
 }

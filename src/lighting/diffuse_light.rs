@@ -16,7 +16,7 @@ use bevy::{
     },
 };
 
-use super::buffers::lit_pixels;
+use super::bevy::background::lit_pixels;
 use crate::view::{ActiveLeanView, DiffuseLight, LightingIo, OutOfMemory};
 
 /// One word per pixel, with a shared exponent.

@@ -22,8 +22,8 @@ use bevy::{
 };
 
 use super::{
-    ViewLighting, bevy::soft_shadows::BlockerSampler, buffers::LightingBuffers,
-    features::ViewEnvironmentMaps, subsurface_light::SubsurfaceLight,
+    bevy::soft_shadows::BlockerSampler, buffers::LightingBuffers, features::ViewEnvironmentMaps,
+    state::ViewLighting, subsurface_light::SubsurfaceLight,
 };
 use crate::{
     gbuffer::GBufferTextures,

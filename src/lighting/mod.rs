@@ -12,15 +12,16 @@
 // - `features.rs`: selects the pipeline of a view from its features.
 // - `tile_list.{rs,wgsl}`: the list of tiles with special surfaces.
 // - `light_layers.{rs,wgsl}`: the layers of lights, decals and light probes, which limit the meshes that each affects.
-// - `light_layer_table.rs`: uploads these layers for the shader.
+// - `light_layer_table.rs`: these layers as the shader reads them.
 // - `pipeline.rs`: layouts and pipelines.
 // - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
 // - `implied.rs`: those that follow from others.
+// - `state.rs`: the state of a view.
 // - `inputs.rs`: the inputs, per view and of the scene.
 // - `buffers.rs`: the crate's own buffers.
 // - `bindings.rs`: bind groups, recreated only when a bound resource has changed.
-// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
-// - `bevy/`: rules of Bevy that are repeated: shader definitions, bindings, samplers, shadows.
+// - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations of the crate's own bindings.
+// - `bevy/`: rules of Bevy that are repeated: shader definitions, bindings, indices of lights, the background, shadows.
 // - `diffuse_light.rs`: the texture of diffuse light, for effects that read it.
 // - `subsurface_light.{rs,wgsl}`: the light that enters scattering surfaces, for the scattering pass.
 // - `scattering_tiles.wgsl`: writes that light and marks its tiles.
@@ -53,6 +54,7 @@ mod light_layer_table;
 mod light_layers;
 mod pass;
 mod pipeline;
+mod state;
 #[doc(hidden)]
 pub mod subsurface_light;
 mod tile_list;
@@ -67,7 +69,7 @@ pub(crate) use subsurface_light::{
 };
 #[doc(hidden)]
 pub use {
-    buffers::LightingUniform, light_layer_table::LightLayersTable,
+    buffers::LightingUniform, light_layer_table::LightLayersTable, state::ViewLighting,
     subsurface_light::SubsurfaceLight,
 };
 
@@ -81,11 +83,7 @@ use ::bevy::{
     },
     pbr::{MeshPipelineSystems, prepare_mesh_view_bind_groups},
     prelude::*,
-    render::{
-        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
-        render_resource::{BindGroup, CachedComputePipelineId},
-        renderer::RenderDevice,
-    },
+    render::{GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems},
     shader::load_shader_library,
 };
 
@@ -93,48 +91,6 @@ use crate::view::{
     ActiveLeanView, DiffuseLight, EffectSystems, LeanDeferred, SharedPlugin, ViewTextureSystems,
     memory, removal,
 };
-
-/// On a view: the state of its lighting pass. Removed with [`LeanDeferred`].
-#[doc(hidden)]
-#[derive(Component, Default)]
-pub struct ViewLighting {
-    /// Keys and pipelines of this frame, the one for plain surfaces first.
-    pub(crate) pipelines: Vec<(LightingKey, CachedComputePipelineId)>,
-    tile_list: Option<tile_list::TileList>,
-    light_layers: Option<light_layer_table::LightLayersBuffer>,
-    bindings: bindings::ViewLightingBindings,
-}
-
-impl ViewLighting {
-    /// Bytes of its buffers.
-    fn bytes(&self) -> u64 {
-        let tiles = self.tile_list.as_ref().map_or(0, |list| list.bytes());
-        let layers = self.light_layers.as_ref();
-        let layers = layers.and_then(|layers| layers.buffer());
-        tiles + layers.map_or(0, |buffer| buffer.size())
-    }
-
-    /// Recreates the tile list if its capacity differs, and drops it if `key` needs none.
-    fn update_tile_list(&mut self, device: &RenderDevice, key: LightingKey, capacity: u32) {
-        if key.binned.is_empty() {
-            self.tile_list = None;
-        } else if !(self.tile_list.as_ref()).is_some_and(|list| list.fits(capacity)) {
-            self.tile_list = Some(tile_list::TileList::new(device, capacity));
-        }
-    }
-
-    /// Bind groups that are kept until a bound resource is replaced: light probes and decals, the tile list, and the G-buffer
-    /// with either main texture. The group of the view is not among them: Bevy recreates the buffers of the light clusters in
-    /// each frame.
-    pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        self.bindings.lasting()
-    }
-
-    /// Number of bound textures of light probes and decals.
-    pub fn textures_in_arrays(&self) -> usize {
-        self.bindings.textures_in_arrays()
-    }
-}
 
 /// Lights the packed G-buffer.
 pub(crate) struct LightingPlugin;
@@ -197,7 +153,7 @@ impl Plugin for LightingPlugin {
                         .in_set(ViewTextureSystems),
                     buffers::write_lighting_buffers.in_set(RenderSystems::PrepareResources),
                     (
-                        light_layer_table::write_light_layers,
+                        buffers::write_light_layers,
                         bindings::prepare_lighting_bind_groups,
                     )
                         .chain()

@@ -9,7 +9,7 @@ use bevy::{
     },
 };
 
-use super::{ViewLighting, subsurface_light::SubsurfaceLight};
+use super::{state::ViewLighting, subsurface_light::SubsurfaceLight};
 use crate::{
     gbuffer::GBufferTextures, gpu::timed::timed, shader_library::tiles, view::ActiveLeanView,
 };

@@ -21,8 +21,11 @@ use bevy::{
 };
 
 use super::{
-    bevy::definitions::{self as bevy_definitions, BevyBinding, read_by_lighting},
-    binding_numbers::{arrays, targets, view},
+    bevy::{
+        binding_numbers::{arrays, view},
+        definitions::{self as bevy_definitions, BevyBinding, read_by_lighting},
+    },
+    binding_numbers::targets,
     buffers::LightingUniform,
     definitions::definitions,
     diffuse_light::DIFFUSE_LIGHT_FORMAT,

@@ -14,7 +14,7 @@ use bevy::{
     },
 };
 
-use super::buffers::lit_pixels;
+use super::bevy::background::lit_pixels;
 use crate::{
     gpu::{storage_texture::StorageTexture, texture_bytes::texture_bytes},
     shader_library::tiles,

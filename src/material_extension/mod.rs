@@ -2,7 +2,7 @@
 //!
 //! [`ExtendedStandardMaterial`] is a `StandardMaterial` with a [`ShadingExtension`]: rim light or subsurface scattering. All cameras
 //! draw it; those with [`LeanDeferred`](crate::LeanDeferred) draw it into the G-buffer. [`ShadingExtensionPlugin`], part of
-//! [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), registers it.
+//! [`LeanDeferredPlugins`](crate::LeanDeferredPlugins), registers it.
 
 // - `extension.wgsl`: its bindings.
 // - `forward.wgsl`: the fragment shader of Bevy's forward passes.
@@ -28,6 +28,7 @@ use crate::{
         ForwardReason, GBufferMaterialExtension, GBufferMaterialPlugin, GBufferNeeds, ShadingModel,
     },
     shading_models::{rim::pack_rim, subsurface::pack_subsurface},
+    view::can_build,
 };
 
 /// A `StandardMaterial` with a [`ShadingExtension`].
@@ -227,13 +228,17 @@ impl AsBindGroup for ShadingExtension {
 }
 
 /// Draws [`ExtendedStandardMaterial`]s on cameras with and without `LeanDeferred`. Part of
-/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin). Adds their [`MaterialPlugin`] unless the app has one: add one with your own
-/// settings before this plugin.
+/// [`LeanDeferredPlugins`](crate::LeanDeferredPlugins); alone, add it beside
+/// [`LeanDeferredPlugin`](crate::LeanDeferredPlugin), whose shaders it imports. Adds the [`MaterialPlugin`] unless the app has one: add
+/// one with your own settings before this plugin.
 #[derive(Default)]
 pub struct ShadingExtensionPlugin;
 
 impl Plugin for ShadingExtensionPlugin {
     fn build(&self, app: &mut App) {
+        if !can_build(app, "ShadingExtensionPlugin", true) {
+            return;
+        }
         load_shader_library!(app, "extension.wgsl");
         embedded_asset!(app, "forward.wgsl");
         embedded_asset!(app, "gbuffer.wgsl");

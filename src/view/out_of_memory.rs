@@ -15,7 +15,7 @@ use bevy::{
 };
 use wgpu::{ErrorFilter, Extent3d};
 
-use super::{LightingIo, LightingIoQuery};
+use super::lighting_io::{LightingIo, LightingIoQuery};
 
 /// In the render world: the cameras whose textures do not fit.
 #[derive(Resource, Default)]

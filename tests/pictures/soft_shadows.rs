@@ -12,7 +12,7 @@ use bevy::{
     prelude::*,
     render::{Render, RenderApp, RenderSystems},
 };
-use bevy_lean_deferred::lighting::binding_numbers::view;
+use bevy_lean_deferred::lighting::bevy::binding_numbers::view;
 use kit::{
     headless::Headless,
     lean::{active_lean_views, change_cameras, judge, report, set_lean, settled, show},

@@ -28,11 +28,8 @@ use bevy::{
     },
 };
 
-use crate::{
-    gbuffer::{lookup::MeshToQueue, phase::is_extracted},
-    gpu::named::system_param,
-    view::LeanDeferred,
-};
+use super::queue_rules::is_extracted;
+use crate::{gbuffer::lookup::MeshToQueue, gpu::named::system_param, view::LeanDeferred};
 
 system_param! {
     /// The phases of all views.

@@ -12,7 +12,7 @@ use bevy::{
     shader::ShaderDefVal,
 };
 
-use crate::lighting::binding_numbers::{arrays, view};
+use super::binding_numbers::{arrays, view};
 
 /// The bits of Bevy's view key for which the lighting shader is specialized. The others concern the rasterization of
 /// meshes or passes after lighting. `TEMPORAL_JITTER` is left out because only transmission and SSAO read it; with it,

@@ -9,12 +9,10 @@ use bevy::{
     },
 };
 
+use super::binding_numbers::{arrays, view};
 use crate::{
     gpu::bind_group_cache::Entries,
-    lighting::{
-        binding_numbers::{arrays, view},
-        inputs::{LightingResources, LitViewItem},
-    },
+    lighting::inputs::{LightingResources, LitViewItem},
 };
 
 /// Returns the resource at `binding` of bind group 0, and its dynamic offset if it has one.

@@ -90,7 +90,7 @@ fn numbers_of_shading_extension() -> [(&'static str, u32); 3] {
 
 #[test]
 fn bindings_of_the_view_have_bevys_numbers() {
-    use lighting_numbers::{arrays, view};
+    use bevy_lean_deferred::lighting::bevy::binding_numbers::{arrays, view};
     let bevys = Some("bevy_pbr::mesh_view_bindings");
     let found = bindings("lighting/", 0, bevys);
     for (name, number) in view::ALL {
