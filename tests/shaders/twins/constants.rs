@@ -7,11 +7,7 @@ use bevy::{
     reflect::enums::Enum,
 };
 use bevy_lean_deferred::{
-    effects::{
-        auto_exposure::{key, luminance},
-        reflections::{self, cell},
-        subsurface::profile,
-    },
+    effects::{auto_exposure::key, reflections},
     gbuffer::{GBufferTargets, ShadingModel},
     lighting::subsurface_light,
     shader_library::{
@@ -21,6 +17,7 @@ use bevy_lean_deferred::{
     },
     shading_models::{MODELS, anisotropy, diffuse_transmission, subsurface, unlit},
 };
+use kit::reference::effects::{auto_exposure::luminance, reflections::cell, subsurface::profile};
 use naga::{Expression, Handle, Literal, Module, TypeInner};
 
 use super::shipped::{self, Place, folder_of};
