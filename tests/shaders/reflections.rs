@@ -1,12 +1,14 @@
 //! Words of cells, and mirror lobes: the shipped WGSL on the device against its Rust twins.
 
 use bevy::math::{Vec2, Vec3};
-use bevy_lean_deferred::shader_library::ggx::sample_lobe;
 use kit::{
     analytic_mirrors::sent_on,
     compute::Compute,
     random::Random,
-    reference::effects::reflections::cell::{pack_cell, unpack_cell},
+    reference::{
+        effects::reflections::cell::{pack_cell, unpack_cell},
+        shader_library::ggx::sample_lobe,
+    },
     shipped_wgsl,
     skipped::on_swiftshader,
     wgsl::WgslModule,

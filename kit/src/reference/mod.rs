@@ -13,3 +13,13 @@ pub mod effects {
         pub mod profile;
     }
 }
+
+pub mod shader_library {
+    pub mod ggx;
+    pub mod horizon;
+    pub mod reconstruction {
+        pub mod motion;
+        pub mod normal;
+        pub mod position;
+    }
+}

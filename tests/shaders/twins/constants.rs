@@ -12,12 +12,14 @@ use bevy_lean_deferred::{
     lighting::subsurface_light,
     shader_library::{
         layout::{self, light, motion, specialization},
-        reconstruction::position,
         tiles,
     },
     shading_models::{MODELS, anisotropy, diffuse_transmission, subsurface, unlit},
 };
-use kit::reference::effects::{auto_exposure::luminance, reflections::cell, subsurface::profile};
+use kit::reference::{
+    effects::{auto_exposure::luminance, reflections::cell, subsurface::profile},
+    shader_library::reconstruction::position,
+};
 use naga::{Expression, Handle, Literal, Module, TypeInner};
 
 use super::shipped::{self, Place, folder_of};
