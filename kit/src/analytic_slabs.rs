@@ -6,18 +6,17 @@ use bevy::{
     prelude::*,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
-use bevy_lean_deferred::{
-    material_extension::SubsurfaceAlbedo,
-    prelude::*,
-    shading_models::subsurface::{
-        pack_subsurface, unpack_subsurface_color, unpack_subsurface_path,
-    },
-};
+use bevy_lean_deferred::{material_extension::SubsurfaceAlbedo, prelude::*};
 use half::f16;
 
 use crate::{
     analytic_light::{Errors, Seen, camera, show},
-    reference::effects::subsurface::profile::share_beside,
+    reference::{
+        effects::subsurface::profile::share_beside,
+        shading_models::subsurface::{
+            pack_subsurface, unpack_subsurface_color, unpack_subsurface_path,
+        },
+    },
     scenes::SceneBuilder,
 };
 

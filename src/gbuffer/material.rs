@@ -8,12 +8,9 @@ use bevy::{
     shader::{ShaderDefVal, ShaderRef},
 };
 
-use super::{
-    forward_reason::ForwardReason, layout::specialization::LARGEST_REFLECTANCE,
-    targets::GBufferNeeds,
-};
+use super::{forward_reason::ForwardReason, layout::LARGEST_REFLECTANCE, targets::GBufferNeeds};
 use crate::{
-    shading_models::unlit::LARGEST_UNLIT,
+    shading_models::LARGEST_UNLIT,
     view::{GBufferTargets, ShadingModel},
 };
 

@@ -1,6 +1,6 @@
 //! Binding-free WGSL modules that several stages import, registered once, with the Rust that the crate shares with them.
 //!
-//! - `layout.{rs,wgsl}`: the words of the G-buffer's base targets.
+//! - `layout.{rs,wgsl}`: the words of the G-buffer's base targets, and the formats of all targets.
 //! - `layout/`: the words of its optional targets, and packed light.
 //! - `reconstruction/`: positions, normals and motion from depth.
 //! - `horizon.wgsl`: cosine-weighted occlusion by a pair of horizons.

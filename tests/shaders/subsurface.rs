@@ -1,9 +1,13 @@
 //! Words of scattered light, and the shares of levels: the shipped WGSL on the device against Rust.
 
 use bevy::math::Vec3;
-use bevy_lean_deferred::shader_library::layout::light::{pack_light, unpack_light};
 use kit::{
-    compute::Compute, random::Random, reference::effects::subsurface::profile::share_beyond,
+    compute::Compute,
+    random::Random,
+    reference::{
+        effects::subsurface::profile::share_beyond,
+        shader_library::layout::light::{pack_light, unpack_light},
+    },
     shipped_wgsl,
 };
 

@@ -17,9 +17,19 @@ pub mod effects {
 pub mod shader_library {
     pub mod ggx;
     pub mod horizon;
+    pub mod layout;
     pub mod reconstruction {
         pub mod motion;
         pub mod normal;
         pub mod position;
     }
+}
+
+pub mod shading_models {
+    pub mod anisotropy;
+    pub mod clearcoat;
+    pub mod diffuse_transmission;
+    pub mod rim;
+    pub mod subsurface;
+    pub mod unlit;
 }

@@ -10,15 +10,16 @@ use bevy_lean_deferred::{
     effects::{auto_exposure::key, reflections},
     gbuffer::{GBufferTargets, ShadingModel},
     lighting::subsurface_light,
-    shader_library::{
-        layout::{self, light, motion, specialization},
-        tiles,
-    },
-    shading_models::{MODELS, anisotropy, diffuse_transmission, subsurface, unlit},
+    shader_library::tiles,
+    shading_models::MODELS,
 };
 use kit::reference::{
     effects::{auto_exposure::luminance, reflections::cell, subsurface::profile},
-    shader_library::reconstruction::position,
+    shader_library::{
+        layout::{self, light, motion, specialization},
+        reconstruction::position,
+    },
+    shading_models::{anisotropy, diffuse_transmission, subsurface, unlit},
 };
 use naga::{Expression, Handle, Literal, Module, TypeInner};
 
