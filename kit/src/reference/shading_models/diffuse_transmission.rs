@@ -1,4 +1,4 @@
-//! Light on the back of a surface that is transmitted to its front: Bevy's diffuse transmission. `diffuse_transmission.wgsl` has the bit table.
+//! Light on the back of a surface that is transmitted to its front: Bevy's diffuse transmission. `diffuse_transmission.wgsl` has the bits.
 
 use bevy_lean_deferred::shader_library::layout::quantize;
 
