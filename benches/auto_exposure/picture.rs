@@ -8,13 +8,13 @@ use bevy::{
 };
 use bevy_lean_deferred::effects::auto_exposure::{
     LeanAutoExposure, LuminanceTrim, Metering, MeteringPattern,
-    luminance::{LARGEST, LOWEST_LOG},
 };
 use half::f16;
 
 use kit::{
     exposure_reference::{self as reference, Mask},
     random::Random,
+    reference::effects::auto_exposure::luminance::{LARGEST, LOWEST_LOG},
 };
 
 /// Bytes per Rgba16Float texel.

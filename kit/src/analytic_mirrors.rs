@@ -15,6 +15,7 @@ use crate::{
     analytic_light::{Errors, Seen, camera, look, see, surface},
     headless::Headless,
     lean::build,
+    reference::shader_library::ggx::sample_lobe,
     scenes::SceneBuilder,
 };
 
@@ -346,7 +347,7 @@ fn lobe_of_quad(quad: GlowingQuad, place: Vec3, eye: Vec3, roughness: f32) -> f3
     let sum: f32 = (0..side * side)
         .map(|i| {
             let u = (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
-            let sample = bevy_lean_deferred::shader_library::ggx::sample_lobe(v, alpha, u);
+            let sample = sample_lobe(v, alpha, u);
             let l = sample.direction;
             let direction = Vec3::new(l.x, l.z, -l.y);
             let distance = -place.z / direction.z;

@@ -6,17 +6,17 @@ use bevy::{
     prelude::*,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
-use bevy_lean_deferred::{
-    material_extension::SubsurfaceAlbedo,
-    prelude::*,
-    shading_models::subsurface::{
-        pack_subsurface, unpack_subsurface_color, unpack_subsurface_path,
-    },
-};
+use bevy_lean_deferred::{material_extension::SubsurfaceAlbedo, prelude::*};
 use half::f16;
 
 use crate::{
     analytic_light::{Errors, Seen, camera, show},
+    reference::{
+        effects::subsurface::profile::share_beside,
+        shading_models::subsurface::{
+            pack_subsurface, unpack_subsurface_color, unpack_subsurface_path,
+        },
+    },
     scenes::SceneBuilder,
 };
 
@@ -72,8 +72,7 @@ pub fn pattern(s: &mut SceneBuilder, side: u32, light: impl Fn(Vec2) -> f32) -> 
 
 /// Light that leaves at so many mean free paths from an edge of light, positive on its lit side, where incident light is 1.
 pub fn beside_edge(paths_away: f32) -> f32 {
-    let within = bevy_lean_deferred::effects::subsurface::profile::share_beside;
-    0.5 + 0.5 * within(paths_away.abs()) * paths_away.signum()
+    0.5 + 0.5 * share_beside(paths_away.abs()) * paths_away.signum()
 }
 
 /// A slab that faces z under uniform light, of which it lets in the share `light`, from the upper left corner.

@@ -3,9 +3,10 @@
 use bevy::math::{DVec2, UVec2, Vec3};
 use bevy_lean_deferred::effects::auto_exposure::{
     LeanAutoExposure, LuminanceTrim, Metering, MeteringPattern,
-    luminance::{LARGEST, LOWEST_LOG, WEIGHTS},
 };
 use half::f16;
+
+use crate::reference::effects::auto_exposure::luminance::{LARGEST, LOWEST_LOG, WEIGHTS};
 
 /// Red channel of a mask, filtered linearly.
 pub struct Mask {

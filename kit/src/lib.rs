@@ -30,6 +30,7 @@ pub mod occlusion_gpu;
 pub mod own_process;
 pub mod random;
 pub mod random_values;
+pub mod reference;
 pub mod renderer;
 pub mod scenes;
 pub mod shader_files;

@@ -63,4 +63,5 @@ pub use subsurface::{
 #[doc(hidden)]
 pub use {history_validity::LastFrame, support::NEEDED_LIMITS};
 
+#[cfg(feature = "test_hooks")]
 pub use crate::gpu::timed::TimesEachDispatch;

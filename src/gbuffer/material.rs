@@ -13,8 +13,8 @@ use super::{
     targets::GBufferNeeds,
 };
 use crate::{
-    shader_library::layout::specialization::LARGEST_REFLECTANCE,
-    shading_models::unlit::LARGEST_UNLIT,
+    shader_library::layout::LARGEST_REFLECTANCE,
+    shading_models::LARGEST_UNLIT,
     view::{GBufferTargets, ShadingModel},
 };
 

@@ -1,18 +1,16 @@
-//! Binding-free WGSL modules that several stages import, registered once, and their Rust twins.
+//! Binding-free WGSL modules that several stages import, registered once, with the Rust that the crate shares with them.
 //!
-//! - `layout.{rs,wgsl}`: the words of the G-buffer's base targets.
+//! - `layout.{rs,wgsl}`: the words of the G-buffer's base targets, and the formats of all targets.
 //! - `layout/`: the words of its optional targets, and packed light.
 //! - `reconstruction/`: positions, normals and motion from depth.
-//! - `horizon.{rs,wgsl}`: cosine-weighted occlusion by a pair of horizons.
+//! - `horizon.wgsl`: cosine-weighted occlusion by a pair of horizons.
 //! - `occlusion_filter.wgsl`: the filter of ambient occlusion.
-//! - `ggx.{rs,wgsl}`: samples of the GGX lobe.
+//! - `ggx.wgsl`: samples of the GGX lobe.
 //! - `pattern.wgsl`: the 4×4 pattern in which neighbouring texels take different directions.
 //! - `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, and the order of the pixels in them.
 //! - `workgroup.wgsl`: a vote over the invocations of a workgroup.
 //! - `rounding.wgsl`: rounding without conversions.
 
-pub mod ggx;
-pub mod horizon;
 pub mod layout;
 pub mod reconstruction;
 pub mod tiles;

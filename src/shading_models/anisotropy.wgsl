@@ -1,4 +1,11 @@
-// Highlights stretched along a tangent. The bit table is in `anisotropy.rs`.
+// Highlights stretched along a tangent.
+//
+// | bits, low to high | |
+// |---|---|
+// | 7 | strength |
+// | 10 | angle of the tangent about the normal, over 180° |
+//
+// The tangent is off by at most 0.088° about the stored normal, and by 0.095° with the normal's own error.
 #define_import_path bevy_lean_deferred::shading_models::anisotropy
 
 #import bevy_lean_deferred::gbuffer::layout::{is_divisor, quantize}

@@ -1,4 +1,9 @@
-// A second, clear layer. The bit table is in `clearcoat.rs`.
+// A second, clear layer.
+//
+// | bits, low to high | |
+// |---|---|
+// | 8 | strength |
+// | 8 | perceptual roughness |
 #define_import_path bevy_lean_deferred::shading_models::clearcoat
 
 #import bevy_lean_deferred::gbuffer::layout::quantize

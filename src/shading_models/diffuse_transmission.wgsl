@@ -1,4 +1,12 @@
-// Diffuse transmission of light that falls on the back. The bit table is in `diffuse_transmission.rs`.
+// Diffuse transmission of light that falls on the back.
+//
+// | bits, low to high | |
+// |---|---|
+// | 7 | diffuse transmission |
+// | 9 | thickness: 0, or logarithmic, 1 µm to 4 km |
+// | 1 | receives transmitted shadows |
+//
+// The thickness is off by at most 2.2%.
 #define_import_path bevy_lean_deferred::shading_models::diffuse_transmission
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize}

@@ -1,4 +1,11 @@
-// Rim light along silhouettes. The bit table is in `rim.rs`.
+// Rim light along silhouettes.
+//
+// | bits, low to high | |
+// |---|---|
+// | 4, 4, 4 | colour R, G, B (square roots) |
+// | 5 | exponent, 1 to 16 (quadratic) |
+//
+// The exponent is off by at most 0.48.
 #define_import_path bevy_lean_deferred::shading_models::rim
 
 #import bevy_lean_deferred::gbuffer::layout::{quantize, quantize_roots}

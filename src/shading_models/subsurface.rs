@@ -1,13 +1,4 @@
-//! Light that enters, scatters and leaves elsewhere; `effects/subsurface/` scatters it.
-//!
-//! | bits, low to high | |
-//! |---|---|
-//! | 4, 3, 3 | colour R, G, B (square roots) |
-//! | 6 | mean free path, 0.1 mm to 1 m (logarithmic) |
-//! | 1 | the base colour is applied before light scatters |
-//!
-//! The mean free path is off by at most 7.6%. That of a channel is its product with the colour, whose square root is off by 1/30
-//! (red) or 1/14 (green, blue).
+//! Light that enters, scatters and leaves elsewhere; `effects/subsurface/` scatters it. `subsurface.wgsl` has the bit table.
 
 use bevy::math::Vec3;
 
@@ -31,26 +22,4 @@ pub fn pack_subsurface(color: Vec3, mean_free_path: f32, colors_before: bool) ->
     let path = 1.0 - valid.max(1e-30).log2() / LEAST_PATH_LOG;
     let color = codes[0] | (codes[1] << 4) | (codes[2] << 7);
     color | (quantize(path, 63.0) << 10) | (u32::from(colors_before) << 16)
-}
-
-/// Colour of scattered light, 0 to 1.
-pub fn unpack_subsurface_color(arguments: u32) -> Vec3 {
-    let codes = Vec3::new(
-        (arguments & 0xf) as f32,
-        ((arguments >> 4) & 0x7) as f32,
-        ((arguments >> 7) & 0x7) as f32,
-    );
-    let root = codes / STEPS;
-    root * root
-}
-
-/// Mean free path of scattered light in metres, 0.1 mm to 1 m.
-pub fn unpack_subsurface_path(arguments: u32) -> f32 {
-    let code = ((arguments >> 10) & 0x3f) as f32;
-    ((1.0 - code / 63.0) * LEAST_PATH_LOG).exp2()
-}
-
-/// True if the base colour is applied before light scatters.
-pub fn unpack_subsurface_colors_before(arguments: u32) -> bool {
-    (arguments >> 16) & 1 != 0
 }

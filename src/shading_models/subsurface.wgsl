@@ -1,4 +1,13 @@
-// Subsurface scattering: light enters a surface and leaves it elsewhere. The bit table is in `subsurface.rs`.
+// Subsurface scattering: light enters a surface and leaves it elsewhere.
+//
+// | bits, low to high | |
+// |---|---|
+// | 4, 3, 3 | colour R, G, B (square roots) |
+// | 6 | mean free path, 0.1 mm to 1 m (logarithmic) |
+// | 1 | the base colour is applied before light scatters |
+//
+// The mean free path is off by at most 7.6%. That of a channel is its product with the colour, whose square root is off by 1/30
+// (red) or 1/14 (green, blue).
 #define_import_path bevy_lean_deferred::shading_models::subsurface
 
 #import bevy_lean_deferred::gbuffer::layout::{is_nan, quantize, quantize_roots}

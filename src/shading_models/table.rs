@@ -2,7 +2,11 @@
 
 use bevy::prelude::*;
 
-use crate::shader_library::layout::specialization::ARGUMENT_BITS;
+/// Bits of a shading model's arguments.
+pub const ARGUMENT_BITS: u32 = 17;
+
+/// Largest channel of an unlit colour that is stored.
+pub const LARGEST_UNLIT: f32 = 32768.0;
 
 /// Reflection model of a surface, one per pixel. Forward draws materials that need two at once.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

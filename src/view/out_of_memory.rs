@@ -6,14 +6,10 @@
 use bevy::{
     ecs::entity::EntityHashMap,
     prelude::*,
-    render::{
-        camera::ExtractedCamera,
-        render_resource::{TextureDescriptor, TextureDimension, TextureFormat, TextureUsages},
-        renderer::RenderDevice,
-    },
+    render::{camera::ExtractedCamera, renderer::RenderDevice},
     tasks::futures::now_or_never,
 };
-use wgpu::{ErrorFilter, Extent3d};
+use wgpu::ErrorFilter;
 
 use super::lighting_io::{LightingIo, LightingIoQuery};
 
@@ -21,10 +17,8 @@ use super::lighting_io::{LightingIo, LightingIoQuery};
 #[derive(Resource, Default)]
 pub struct OutOfMemory {
     lacking: EntityHashMap<Lack>,
-    /// For tests: textures whose labels have this prefix do not fit.
-    scarce: Option<&'static str>,
-    /// For tests: number of creations within an error scope.
-    attempts: usize,
+    #[cfg(feature = "test_hooks")]
+    hooks: test_hooks::Hooks,
 }
 
 struct Lack {
@@ -48,12 +42,10 @@ impl OutOfMemory {
         if self.lacking.contains_key(&view) {
             return None;
         }
-        self.attempts += 1;
         let scope = (device.wgpu_device()).push_error_scope(ErrorFilter::OutOfMemory);
         let made = make();
-        if self.scarce.is_some_and(|scarce| label.starts_with(scarce)) {
-            make_huge(device);
-        }
+        #[cfg(feature = "test_hooks")]
+        self.hooks.create(device, label);
         let error = now_or_never(scope.pop()).flatten();
         let Some(error) = error else {
             return Some(made);
@@ -73,37 +65,6 @@ impl OutOfMemory {
     pub(crate) fn label(&self, view: Entity) -> Option<&'static str> {
         self.lacking.get(&view).map(|lack| lack.label)
     }
-
-    /// For tests: number of creations. It does not grow in frames in which nothing changed.
-    #[doc(hidden)]
-    pub fn attempts(&self) -> usize {
-        self.attempts
-    }
-
-    /// For tests: pretends that textures whose labels have this prefix do not fit.
-    #[doc(hidden)]
-    pub fn make_scarce(&mut self, labels: Option<&'static str>) {
-        self.scarce = labels;
-    }
-}
-
-/// Creates a texture that exceeds the memory of any GPU.
-fn make_huge(device: &RenderDevice) {
-    let limits = device.limits();
-    device.create_texture(&TextureDescriptor {
-        label: Some("lean_deferred/view/huge"),
-        size: Extent3d {
-            width: limits.max_texture_dimension_2d,
-            height: limits.max_texture_dimension_2d,
-            depth_or_array_layers: limits.max_texture_array_layers,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: TextureFormat::Rgba32Uint,
-        usage: TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
 }
 
 /// Lets cameras try again if their target's size or their effects changed, or if they are switched off or despawned.
@@ -122,4 +83,65 @@ pub(super) fn forget_cameras(
             *lack.tried_with.get_or_insert(now) == now
         })
     });
+}
+
+/// Counts creations for tests, and makes them fail.
+#[cfg(feature = "test_hooks")]
+mod test_hooks {
+    use bevy::render::{
+        render_resource::{TextureDescriptor, TextureDimension, TextureFormat, TextureUsages},
+        renderer::RenderDevice,
+    };
+    use wgpu::Extent3d;
+
+    use super::OutOfMemory;
+
+    #[derive(Default)]
+    pub(super) struct Hooks {
+        /// Textures whose labels have this prefix do not fit.
+        scarce: Option<&'static str>,
+        /// Number of creations within an error scope.
+        attempts: usize,
+    }
+
+    impl Hooks {
+        /// Called within the error scope of each creation.
+        pub(super) fn create(&mut self, device: &RenderDevice, label: &str) {
+            self.attempts += 1;
+            if self.scarce.is_some_and(|scarce| label.starts_with(scarce)) {
+                make_huge(device);
+            }
+        }
+    }
+
+    impl OutOfMemory {
+        /// Number of creations. It does not grow in frames in which nothing changed.
+        pub fn attempts(&self) -> usize {
+            self.hooks.attempts
+        }
+
+        /// Pretends that textures whose labels have this prefix do not fit.
+        pub fn make_scarce(&mut self, labels: Option<&'static str>) {
+            self.hooks.scarce = labels;
+        }
+    }
+
+    /// Creates a texture that exceeds the memory of any GPU.
+    fn make_huge(device: &RenderDevice) {
+        let limits = device.limits();
+        device.create_texture(&TextureDescriptor {
+            label: Some("lean_deferred/view/huge"),
+            size: Extent3d {
+                width: limits.max_texture_dimension_2d,
+                height: limits.max_texture_dimension_2d,
+                depth_or_array_layers: limits.max_texture_array_layers,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::Rgba32Uint,
+            usage: TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+    }
 }

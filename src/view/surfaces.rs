@@ -136,13 +136,14 @@ impl LightingVariant {
 #[cfg(test)]
 mod tests {
     use bevy::math::Vec3;
-    use kit::{compute::Compute, shipped_wgsl};
+    use kit::{
+        compute::Compute,
+        reference::{shader_library::layout::specialization as special, shading_models::unlit},
+        shipped_wgsl,
+    };
 
     use super::LightingVariant;
-    use crate::{
-        shader_library::layout::specialization as special,
-        shading_models::{MODELS, unlit},
-    };
+    use crate::shading_models::MODELS;
 
     const KERNEL: &str = "
 #import bevy_lean_deferred::lighting::tile_list::variant_of

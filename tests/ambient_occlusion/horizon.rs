@@ -1,13 +1,15 @@
-//! Occlusion by a pair of horizons: `horizon.wgsl` on the device against `horizon.rs`, and both against numeric integrals.
+//! Occlusion by a pair of horizons: `horizon.wgsl` on the device against its twin, and both against numeric integrals.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use bevy::math::{DVec3, Vec3};
-use bevy_lean_deferred::shader_library::horizon::{
-    SliceNormal, arc, segment, side_occlusion, slice_normal,
+use kit::{
+    compute::Compute,
+    random::Random,
+    reference::shader_library::horizon::{SliceNormal, arc, segment, side_occlusion, slice_normal},
+    shipped_wgsl,
+    wgsl::WgslModule,
 };
-
-use kit::{compute::Compute, random::Random, shipped_wgsl, wgsl::WgslModule};
 
 const MODULE: WgslModule = shipped_wgsl!("shader_library/horizon.wgsl");
 

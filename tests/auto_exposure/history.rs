@@ -3,14 +3,16 @@
 use bevy::math::{UVec2, Vec3};
 use bevy_lean_deferred::effects::auto_exposure::{
     ExposureState, LeanAutoExposure, LeanAutoExposureAdvanced, LuminanceTrim, Metering,
-    adaptation::{adapted, covered},
 };
 
 use crate::{
     instant, paths,
     pictures::{HOSTILE, picture},
 };
-use kit::exposure_gpu::{ExposureGpu, Meter};
+use kit::{
+    exposure_gpu::{ExposureGpu, Meter},
+    reference::effects::auto_exposure::adaptation::{adapted, covered},
+};
 
 const SIZE: UVec2 = UVec2::new(19, 11);
 

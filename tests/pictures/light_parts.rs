@@ -2,7 +2,6 @@
 
 use bevy::{camera::ClearColorConfig, prelude::*, render::RenderApp};
 use bevy_lean_deferred::{
-    gbuffer::layout::light::unpack_light,
     prelude::*,
     view::{DiffuseLight, ReadsDiffuseLight},
 };
@@ -11,6 +10,7 @@ use kit::{
     headless::Headless,
     lean::{change_cameras, show},
     own_process::in_own_process,
+    reference::shader_library::layout::light::unpack_light,
     scenes::{self, Scene},
     skipped::on_swiftshader,
 };

@@ -4,11 +4,16 @@ mod accuracy;
 mod scenes;
 
 use bevy::math::{DMat4, DVec2, DVec3, IVec2, Mat4, Vec2, Vec3};
-use bevy_lean_deferred::shader_library::reconstruction::{
-    normal::{flatter_slope, normal_from_positions, normal_from_slope, straighter_side},
-    position::{ProjectionKind, projection_of},
+use bevy_lean_deferred::shader_library::reconstruction::position::{ProjectionKind, projection_of};
+use kit::{
+    compute::Compute,
+    random::Random,
+    reference::shader_library::reconstruction::normal::{
+        flatter_slope, normal_from_positions, normal_from_slope, straighter_side,
+    },
+    shipped_wgsl,
+    wgsl::WgslModule,
 };
-use kit::{compute::Compute, random::Random, shipped_wgsl, wgsl::WgslModule};
 use scenes::{HEIGHT, Lens, WIDTH};
 
 const MODULE: WgslModule = shipped_wgsl!("shader_library/reconstruction/normal.wgsl");

@@ -7,12 +7,13 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     effects::history::binding_numbers as numbers,
-    shader_library::reconstruction::position::{ProjectionKind, view_from_pixel, view_position},
+    shader_library::reconstruction::position::{ProjectionKind, view_from_pixel},
 };
 use half::f16;
 use kit::{
     gpu,
     random::Random,
+    reference::shader_library::reconstruction::position::view_position,
     shader_files::shader_file,
     shipped_wgsl,
     wgsl::{Definitions, WgslModule, compile},

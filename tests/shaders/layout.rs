@@ -5,10 +5,10 @@ mod ties;
 
 use accuracy::angle;
 use bevy::math::Vec3;
-use bevy_lean_deferred::gbuffer::layout::{self, NO_GEOMETRY, NORMAL_STEPS, Surface};
 use kit::{
     compute::{Compute, Kernel},
     random::Random,
+    reference::shader_library::layout::{self, NO_GEOMETRY, NORMAL_STEPS, Surface},
     shipped_wgsl,
     wgsl::WgslModule,
 };

@@ -7,11 +7,11 @@ mod forms;
 mod packing;
 
 use bevy::math::Vec3;
-use bevy_lean_deferred::gbuffer::layout::{self, light, specialization};
 use forms::{FORMS, Form, VALUES};
 use kit::{
     compute::{Compute, Kernel},
     random::Random,
+    reference::shader_library::layout::{self, light, specialization},
     shipped_wgsl,
     wgsl::WgslModule,
 };

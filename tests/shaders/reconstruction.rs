@@ -1,14 +1,19 @@
 //! From depth back to positions and motion: the shipped WGSL on the device against its Rust twin, and both against f64.
 
 use bevy::math::{DVec3, DVec4, Mat4, Quat, Vec2, Vec3, Vec4, Vec4Swizzles};
-use bevy_lean_deferred::shader_library::reconstruction::{
-    motion::motion_at_rest,
-    position::{
-        ProjectionKind, SMALLEST_DEPTH, homogeneous_position, ndc_of_fragment, normalized,
-        projection_of, view_position,
-    },
+use bevy_lean_deferred::shader_library::reconstruction::position::{
+    ProjectionKind, normalized, projection_of,
 };
-use kit::{compute::Compute, random::Random, shipped_wgsl, wgsl::WgslModule};
+use kit::{
+    compute::Compute,
+    random::Random,
+    reference::shader_library::reconstruction::{
+        motion::motion_at_rest,
+        position::{SMALLEST_DEPTH, homogeneous_position, ndc_of_fragment, view_position},
+    },
+    shipped_wgsl,
+    wgsl::WgslModule,
+};
 
 const MODULES: [WgslModule; 4] = [
     shipped_wgsl!("shader_library/layout.wgsl"),

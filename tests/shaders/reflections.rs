@@ -1,13 +1,17 @@
 //! Words of cells, and mirror lobes: the shipped WGSL on the device against its Rust twins.
 
 use bevy::math::{Vec2, Vec3};
-use bevy_lean_deferred::{
-    effects::reflections::cell::{pack_cell, unpack_cell},
-    shader_library::ggx::sample_lobe,
-};
 use kit::{
-    analytic_mirrors::sent_on, compute::Compute, random::Random, shipped_wgsl,
-    skipped::on_swiftshader, wgsl::WgslModule,
+    analytic_mirrors::sent_on,
+    compute::Compute,
+    random::Random,
+    reference::{
+        effects::reflections::cell::{pack_cell, unpack_cell},
+        shader_library::ggx::sample_lobe,
+    },
+    shipped_wgsl,
+    skipped::on_swiftshader,
+    wgsl::WgslModule,
 };
 
 const CELL: WgslModule = shipped_wgsl!("effects/reflections/cell.wgsl");

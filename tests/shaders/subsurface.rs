@@ -1,11 +1,15 @@
 //! Words of scattered light, and the shares of levels: the shipped WGSL on the device against Rust.
 
 use bevy::math::Vec3;
-use bevy_lean_deferred::{
-    effects::subsurface::profile::share_beyond,
-    shader_library::layout::light::{pack_light, unpack_light},
+use kit::{
+    compute::Compute,
+    random::Random,
+    reference::{
+        effects::subsurface::profile::share_beyond,
+        shader_library::layout::light::{pack_light, unpack_light},
+    },
+    shipped_wgsl,
 };
-use kit::{compute::Compute, random::Random, shipped_wgsl};
 
 const SHARE: &str = "
 #import bevy_lean_deferred::effects::subsurface::profile::share_beyond

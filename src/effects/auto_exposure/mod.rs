@@ -30,18 +30,14 @@
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
 // - `overlay.{rs,wgsl}`: the debug view: pixel weights and the exposure over the picture.
 // - `pattern.wgsl`: the weight of a pixel.
-// - `luminance.{rs,wgsl}`, `adaptation.{rs,wgsl}`: binding-free maths, with Rust twins.
+// - `luminance.wgsl`, `adaptation.wgsl`: binding-free maths.
 
 mod active;
-#[doc(hidden)]
-pub mod adaptation;
 #[doc(hidden)]
 pub mod binding_numbers;
 mod clock;
 #[doc(hidden)]
 pub mod key;
-#[doc(hidden)]
-pub mod luminance;
 mod overlay;
 mod pass;
 mod pipelines;

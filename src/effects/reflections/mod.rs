@@ -21,7 +21,7 @@
 // - `prepare.rs`: uniforms, textures and bind groups of views.
 // - `pass.rs`: the four passes.
 // - `hi_z.wgsl`: the first pass.
-// - `cell.{rs,wgsl}`: cells, and their depths packed into a word.
+// - `cell.wgsl`: cells, and their depths packed into a word.
 // - `trace.wgsl`: the second pass.
 // - `ray.wgsl`: a ray on screen, and its hits.
 // - `smooth_march.wgsl`, `rough_march.wgsl`: the steps of rays of smooth and of rough surfaces.
@@ -36,8 +36,6 @@
 mod active;
 #[doc(hidden)]
 pub mod binding_numbers;
-#[doc(hidden)]
-pub mod cell;
 mod key;
 mod pass;
 mod pipelines;

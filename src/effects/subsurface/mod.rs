@@ -27,7 +27,7 @@
 // - `picture.wgsl`: from the finest level to the picture.
 // - `mean.wgsl`: a texel of a coarser level.
 // - `scattered.wgsl`: scattered light of a texel, from its own level and the coarser one.
-// - `profile.{rs,wgsl}`: the shares of the levels.
+// - `profile.wgsl`: the shares of the levels.
 // - `texel.wgsl`: listed blocks, and positions of texels.
 // - `entries.wgsl`: texels in shared memory.
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
@@ -40,8 +40,6 @@ mod key;
 mod pass;
 mod pipelines;
 mod prepare;
-#[doc(hidden)]
-pub mod profile;
 mod settings;
 mod support;
 mod uniforms;

@@ -1,4 +1,18 @@
-// Properties of a surface that differ from their defaults. The bit table is in `specialization.rs`.
+// Properties of a surface that differ from their defaults.
+//
+// | bits, low to high | |
+// |---|---|
+// | 8 | specular constant, 0 to 2 in steps of 1/126; stored so that 0 is the default 0.5 |
+// | 3 | shading model |
+// | 1 | no fog |
+// | 1 | receives no shadows |
+// | 2 | content of the emissive target, `LIGHTMAP_NONE` … |
+// | 17 | arguments of the shading model |
+//
+// `shading_models/` documents the arguments, one file per model. Unlit surfaces have no specular constant, shadows or lightmap: all
+// bits but those of the shading model and the fog hold the colour.
+//
+// A word of 0 is a plain surface with all defaults. The specular constant is off by at most half a step.
 #define_import_path bevy_lean_deferred::gbuffer::layout::specialization
 
 #import bevy_lean_deferred::gbuffer::layout::quantize

@@ -4,7 +4,7 @@ use std::fmt;
 
 use bevy::math::{IVec2, Vec3};
 
-use bevy_lean_deferred::shader_library::reconstruction::normal::{
+use kit::reference::shader_library::reconstruction::normal::{
     normal_from_positions, straighter_side,
 };
 

@@ -1,8 +1,10 @@
 //! Loss of storing a surface in the G-buffer, against that of other layouts of the same bits.
 
 use bevy::math::{DVec2, DVec3, Vec2Swizzles as _, Vec3};
-use bevy_lean_deferred::gbuffer::layout::{self, NORMAL_STEPS};
-use kit::random::Random;
+use kit::{
+    random::Random,
+    reference::shader_library::layout::{self, NORMAL_STEPS},
+};
 
 /// A transfer curve for albedo.
 struct Curve {

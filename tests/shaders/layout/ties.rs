@@ -1,7 +1,7 @@
 //! Tells differences between device and twin that are only rounding between two codes from others.
 
 use bevy::math::{DVec2, DVec3, Vec3};
-use bevy_lean_deferred::gbuffer::layout::{NORMAL_STEPS, Surface, albedo_scale};
+use kit::reference::shader_library::layout::{NORMAL_STEPS, Surface, albedo_scale};
 
 use super::{
     ALBEDO_CODE_MAX, METALLIC_CODE_MAX, OCCLUSION_CODE_MAX, accuracy::direction_from_octahedral,

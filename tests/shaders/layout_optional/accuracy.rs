@@ -4,12 +4,13 @@ use bevy::{
     color::{ColorToComponents, LinearRgba, Srgba},
     math::Vec3,
 };
-use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
-use bevy_lean_deferred::shading_models::{
-    anisotropy, clearcoat, diffuse_transmission, rim, subsurface, unlit,
+use kit::{
+    random::Random,
+    reference::{
+        shader_library::layout::{light, specialization as special},
+        shading_models::{anisotropy, clearcoat, diffuse_transmission, rim, subsurface, unlit},
+    },
 };
-
-use kit::random::Random;
 
 /// `low` to `high`, evenly on a logarithmic scale.
 fn logarithmic(low: f64, high: f64, count: u32) -> impl Iterator<Item = f64> {

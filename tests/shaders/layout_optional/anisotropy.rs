@@ -3,11 +3,12 @@
 use core::f64::consts::PI;
 
 use bevy::math::{DVec3, IVec3, Vec3};
-use bevy_lean_deferred::gbuffer::layout;
-use bevy_lean_deferred::shading_models::anisotropy;
 
 use super::forms::{Field, Values};
-use kit::random::Random;
+use kit::{
+    random::Random,
+    reference::{shader_library::layout, shading_models::anisotropy},
+};
 
 fn direction(x: &[f32]) -> DVec3 {
     Vec3::new(x[0], x[1], x[2]).as_dvec3()

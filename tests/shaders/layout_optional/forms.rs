@@ -1,12 +1,13 @@
 //! Forms of the words of the optional targets, on device and twin.
 
 use bevy::math::Vec3;
-use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
-use bevy_lean_deferred::shading_models::{
-    anisotropy, clearcoat, diffuse_transmission, rim, subsurface, unlit,
+use kit::{
+    random::Random,
+    reference::{
+        shader_library::layout::{light, specialization as special},
+        shading_models::{anisotropy, clearcoat, diffuse_transmission, rim, subsurface, unlit},
+    },
 };
-
-use kit::random::Random;
 
 /// Number of values that a word, or a shading model's arguments, hold.
 pub const VALUES: usize = 4;

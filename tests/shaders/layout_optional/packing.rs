@@ -1,15 +1,21 @@
 //! Device and twin pack the same words, for any input.
 
 use bevy::math::Vec3;
-use bevy_lean_deferred::gbuffer::layout::{light, specialization as special};
-use bevy_lean_deferred::shading_models::{MODELS, diffuse_transmission, rim, subsurface, unlit};
+use bevy_lean_deferred::shading_models::MODELS;
 
 use super::{
     BATCH, MODULES,
     forms::{FORMS, Field, Form, Values, named},
     stored_normal,
 };
-use kit::{compute::Compute, random::Random};
+use kit::{
+    compute::Compute,
+    random::Random,
+    reference::{
+        shader_library::layout::{light, specialization as special},
+        shading_models::{diffuse_transmission, rim, subsurface, unlit},
+    },
+};
 
 const PACK: &str = "
 fn kernel(bits: array<u32, 7>) -> array<u32, 1> {

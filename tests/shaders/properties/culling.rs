@@ -4,11 +4,10 @@
 use std::cell::Cell;
 
 use bevy::math::{DVec2, DVec3, Mat4, Quat, UVec2, Vec2, Vec3, Vec4, Vec4Swizzles};
-use bevy_lean_deferred::shader_library::reconstruction::position::{
-    ProjectionKind, ndc_of_fragment, projection_of, view_position,
-};
+use bevy_lean_deferred::shader_library::reconstruction::position::{ProjectionKind, projection_of};
 use kit::{
     compute::{Compute, Kernel},
+    reference::shader_library::reconstruction::position::{ndc_of_fragment, view_position},
     shipped_wgsl,
     wgsl::WgslModule,
 };

@@ -2,8 +2,8 @@
 //! twins do.)
 
 use bevy::math::{Vec2, Vec3};
-use bevy_lean_deferred::{
-    gbuffer::layout::{
+use kit::reference::{
+    shader_library::layout::{
         Surface, albedo_exponent, albedo_scale,
         light::{LARGEST_LIGHT, pack_light, unpack_light},
         motion::{LARGEST_MOTION, pack_motion, unpack_motion},

@@ -7,19 +7,19 @@ use bevy::{
     reflect::enums::Enum,
 };
 use bevy_lean_deferred::{
-    effects::{
-        auto_exposure::{key, luminance},
-        reflections::{self, cell},
-        subsurface::profile,
-    },
+    effects::{auto_exposure::key, reflections},
     gbuffer::{GBufferTargets, ShadingModel},
     lighting::subsurface_light,
+    shader_library::tiles,
+    shading_models::MODELS,
+};
+use kit::reference::{
+    effects::{auto_exposure::luminance, reflections::cell, subsurface::profile},
     shader_library::{
         layout::{self, light, motion, specialization},
         reconstruction::position,
-        tiles,
     },
-    shading_models::{MODELS, anisotropy, diffuse_transmission, subsurface, unlit},
+    shading_models::{anisotropy, diffuse_transmission, subsurface, unlit},
 };
 use naga::{Expression, Handle, Literal, Module, TypeInner};
 

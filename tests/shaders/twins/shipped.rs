@@ -3,30 +3,31 @@
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
-    path::{Path, PathBuf},
+    path::Path,
 };
 
 /// Place of a declaration: its file below `src`, and its name.
 pub type Place = (String, String);
 
-fn src() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+/// Files below `root` with this `extension`, relative to it, and their texts without comments.
+fn files(root: &str, extension: &str) -> BTreeMap<String, String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(root);
+    files_below(&root, &root, extension)
 }
 
-/// Files below `folder` with this `extension`, relative to `src`, and their texts without comments.
-fn files(folder: &Path, extension: &str) -> BTreeMap<String, String> {
+fn files_below(root: &Path, folder: &Path, extension: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("it is a folder") {
         let path = entry.expect("it can be read").path();
         if path.is_dir() {
-            found.extend(files(&path, extension));
+            found.extend(files_below(root, &path, extension));
         } else if path.extension().is_some_and(|found| found == extension) {
             let text = fs::read_to_string(&path).expect("it is text");
             let lines = text.lines();
             let code: Vec<&str> = lines
                 .map(|line| line.split("//").next().unwrap_or_default())
                 .collect();
-            let name = path.strip_prefix(src()).expect("it is below src");
+            let name = path.strip_prefix(root).expect("it is below the root");
             found.insert(name.display().to_string(), code.join("\n"));
         }
     }
@@ -34,7 +35,7 @@ fn files(folder: &Path, extension: &str) -> BTreeMap<String, String> {
 }
 
 pub fn wgsl() -> BTreeMap<String, String> {
-    files(&src(), "wgsl")
+    files("src", "wgsl")
 }
 
 /// Files by the paths under which others import them.
@@ -86,10 +87,11 @@ pub fn constants() -> BTreeMap<Place, String> {
     found
 }
 
-/// Names of Rust constants, by the folder of their file.
+/// Names of Rust constants, by the folder of their file. The folders of `reference` are those of `src`.
 pub fn rust_constants() -> BTreeSet<Place> {
     let mut found = BTreeSet::new();
-    for (file, text) in files(&src(), "rs") {
+    let reference = files("kit/src/reference", "rs");
+    for (file, text) in files("src", "rs").into_iter().chain(reference) {
         for line in text.lines() {
             let visible = line.split_once("const ");
             if let Some((before, after)) = visible

@@ -58,13 +58,3 @@ pub fn side_occlusion(normal: SliceNormal, base: f32, c: f32, side: f32) -> f32 
     }
     normal.length * (arc(normal, lowest, side) - arc(normal, c, side)).max(0.0)
 }
-
-/// Two orthonormal tangents of `n`, which faces +Z at least slightly (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
-pub fn tangents(n: Vec3) -> [Vec3; 2] {
-    let a = 1.0 / (1.0 + n.z);
-    let b = -n.x * n.y * a;
-    [
-        Vec3::new(1.0 - n.x * n.x * a, b, -n.x),
-        Vec3::new(b, 1.0 - n.y * n.y * a, -n.y),
-    ]
-}

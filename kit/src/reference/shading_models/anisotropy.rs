@@ -1,15 +1,9 @@
-//! Highlights stretched along a tangent.
-//!
-//! | bits, low to high | |
-//! |---|---|
-//! | 7 | strength |
-//! | 10 | angle of the tangent about the normal, over 180° |
-//!
-//! The tangent is off by at most 0.088° about the stored normal, and by 0.095° with the normal's own error.
+//! Highlights stretched along a tangent. `anisotropy.wgsl` has the bit table.
 
 use bevy::math::{Vec2, Vec3};
+use bevy_lean_deferred::shader_library::layout::quantize;
 
-use crate::shader_library::layout::{is_divisor, quantize};
+use crate::reference::shader_library::layout::is_divisor;
 
 /// Value of z at which `tangents` switches frames. Not 0, where walls are: passes may differ in a normal's last bits.
 pub const FRAME_SEAM: f32 = -0.3;

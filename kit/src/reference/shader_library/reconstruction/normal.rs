@@ -1,8 +1,7 @@
-//! Geometric normal from depth: a CPU twin for tests and measurements. Rendering uses the WGSL.
+//! Geometric normal from depth.
 
 use bevy::math::{Mat4, Vec2, Vec3, Vec4Swizzles};
-
-use super::position::ProjectionKind;
+use bevy_lean_deferred::shader_library::reconstruction::position::ProjectionKind;
 
 /// Side, -1 or 1, of the neighbour on an axis that lies on the surface of the centre: the one whose two depths extrapolate best to
 /// the centre. `near_*` are the depths one pixel away, `far_*` those two pixels away, on the sides `a` (towards -1) and `b` (towards

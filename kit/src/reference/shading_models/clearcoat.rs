@@ -1,11 +1,6 @@
-//! A second, clear layer on top of a surface.
-//!
-//! | bits, low to high | |
-//! |---|---|
-//! | 8 | strength |
-//! | 8 | perceptual roughness |
+//! A second, clear layer on top of a surface. `clearcoat.wgsl` has the bit table.
 
-use crate::shader_library::layout::quantize;
+use bevy_lean_deferred::shader_library::layout::quantize;
 
 /// Packs the arguments of clearcoat, both 0 to 1.
 pub fn pack_clearcoat(strength: f32, perceptual_roughness: f32) -> u32 {

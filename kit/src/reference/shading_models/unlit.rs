@@ -1,17 +1,10 @@
-//! Base colour, independent of light.
-//!
-//! Unlit surfaces have no specular constant, shadows or lightmap: all bits of the word but those of the shading model and the fog
-//! hold the colour, 8 + 8 + 8 (square roots) and a shared exponent of 4.
-//!
-//! Colours up to 1 are off by at most 0.71 in 1/255 of sRGB (RMS 0.30), brighter ones by 0.56% of the brightest channel.
+//! Base colour, independent of light. `unlit.wgsl` has the bits.
 
 use bevy::math::Vec3;
+pub use bevy_lean_deferred::shading_models::LARGEST_UNLIT;
+use bevy_lean_deferred::{shader_library::layout::quantize_roots, shading_models::ShadingModel};
 
-use super::table::ShadingModel;
-use crate::shader_library::layout::{quantize_roots, specialization::NO_FOG};
-
-/// Largest channel of an unlit colour that is stored.
-pub const LARGEST_UNLIT: f32 = 32768.0;
+use crate::reference::shader_library::layout::specialization::NO_FOG;
 
 /// Packs a whole word for an unlit surface: colour 0 to [`LARGEST_UNLIT`]; a colour with a NaN becomes black. `flags`
 /// may have [`NO_FOG`].

@@ -1,4 +1,4 @@
-//! Shares of the pyramid's levels, for tests, and the profile itself.
+//! Shares of the pyramid's levels, and the profile itself.
 
 use bevy::math::{Vec2, Vec3};
 

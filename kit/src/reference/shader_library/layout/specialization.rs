@@ -1,25 +1,12 @@
-//! Properties of a surface that are not at their defaults.
-//!
-//! | bits, low to high | |
-//! |---|---|
-//! | 8 | specular constant, 0 to 2 in steps of 1/126; stored so that 0 is the default 0.5 |
-//! | 3 | [`ShadingModel`](crate::gbuffer::ShadingModel) |
-//! | 1 | no fog |
-//! | 1 | receives no shadows |
-//! | 2 | content of the emissive target, [`LIGHTMAP_NONE`] … |
-//! | 17 | arguments of the shading model |
-//!
-//! `shading_models/` documents the arguments, one file per model. Unlit surfaces have no specular constant, shadows or lightmap: all
-//! bits but those of the shading model and the fog hold the colour.
-//!
-//! A word of 0 is a plain surface with all defaults. The specular constant is off by at most half a step.
+//! Properties of a surface that are not at their defaults. `specialization.wgsl` has the bit table.
 
-use super::quantize;
+use bevy_lean_deferred::shader_library::layout::quantize;
+pub use bevy_lean_deferred::{
+    shader_library::layout::LARGEST_REFLECTANCE, shading_models::ARGUMENT_BITS,
+};
 
 /// Steps per unit of the specular constant.
 pub const REFLECTANCE_STEPS: f32 = 126.0;
-/// Largest specular constant that is stored.
-pub const LARGEST_REFLECTANCE: f32 = 2.0;
 /// Code of the default, 0.5.
 pub const DEFAULT_REFLECTANCE: u32 = 63;
 
@@ -38,8 +25,6 @@ pub const LIGHTMAP_REFLECTED: u32 = 2 << 13;
 
 /// Offset of the shading model's arguments, in bits.
 pub const ARGUMENTS_SHIFT: u32 = 15;
-/// Bits of a shading model's arguments.
-pub const ARGUMENT_BITS: u32 = 17;
 
 /// Packs all but the arguments. `reflectance` is clamped to 0..2; NaN becomes 0.
 pub fn pack_specialization(reflectance: f32, shading_model: u32, flags: u32) -> u32 {

@@ -2,7 +2,7 @@
 
 use bevy::math::{Mat4, Vec2, Vec4};
 
-use crate::shader_library::layout::motion::motion_between;
+use crate::reference::shader_library::layout::motion::motion_between;
 
 /// Screen-space motion, in UV units, of a static point at `position`, which is homogeneous in view space: only the camera moves.
 pub fn motion_at_rest(

@@ -1,14 +1,6 @@
-//! Light on the back of a surface that is transmitted to its front: Bevy's diffuse transmission.
-//!
-//! | bits, low to high | |
-//! |---|---|
-//! | 7 | diffuse transmission |
-//! | 9 | thickness: 0, or logarithmic, 1 µm to 4 km |
-//! | 1 | receives transmitted shadows |
-//!
-//! The thickness is off by at most 2.2%.
+//! Light on the back of a surface that is transmitted to its front: Bevy's diffuse transmission. `diffuse_transmission.wgsl` has the bits.
 
-use crate::shader_library::layout::quantize;
+use bevy_lean_deferred::shader_library::layout::quantize;
 
 /// Codes per factor of 2 in thickness.
 pub const THICKNESS_STEPS: f32 = 16.0;
