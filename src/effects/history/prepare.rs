@@ -238,18 +238,20 @@ pub(in crate::effects) fn prepare_history_bind_groups(
         };
         let shown_exposure = &history.shown_exposure;
         let (first, rest) = history.kept.levels.split_at(LEVELS[0] as usize);
-        (history.pictures).update(
+        (history.pictures).bind(
             &device,
             &pipelines.layouts[0],
             target,
-            |entries, picture| {
-                entries.push(COLOR_TEXTURE, picture.into_binding())?;
-                for (number, level) in (LEVEL_0..).zip(first) {
-                    entries.push(number, level.into_binding())?;
-                }
-                entries.push(VIEW, uniforms.clone())?;
-                entries.push(DEPTH_TEXTURE, depth.into_binding())?;
-                entries.push(SHOWN_EXPOSURE, shown_exposure.binding())
+            |binding, picture| {
+                Some(match binding {
+                    VIEW => uniforms.clone(),
+                    COLOR_TEXTURE => picture.into_binding(),
+                    DEPTH_TEXTURE => depth.into_binding(),
+                    SHOWN_EXPOSURE => shown_exposure.binding(),
+                    _ => first
+                        .get(binding.checked_sub(LEVEL_0)? as usize)?
+                        .into_binding(),
+                })
             },
         );
         (history.means).update(&device, &pipelines.layouts[1], |entries| {

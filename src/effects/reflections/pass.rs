@@ -1,5 +1,7 @@
 //! The passes, between G-buffer and lighting.
 
+use core::slice;
+
 use bevy::{
     prelude::*,
     render::{
@@ -42,27 +44,26 @@ pub(super) fn find_reflections(
     if !lean.io.contains(LightingIo::INDIRECT_SPECULAR) {
         return;
     }
-    if let Some(dispatches) = dispatches(active, held, bindings, &cache) {
-        timed_dispatches(&mut ctx, LABEL, one_by_one.as_deref(), &dispatches);
-    }
+    let dispatches = dispatches(active, held, bindings, &cache);
+    timed_dispatches(&mut ctx, LABEL, one_by_one.as_deref(), &dispatches);
 }
 
-/// `None` if a pipeline or bind group is missing.
+/// `None` for passes whose pipeline or bind group is missing.
 fn dispatches<'a>(
     active: &ActiveReflections,
-    held: &ViewReflections,
+    held: &'a ViewReflections,
     bindings: &'a ReflectionBindings,
     cache: &'a PipelineCache,
-) -> Option<[Dispatch<'a>; PASSES.len()]> {
+) -> [Option<Dispatch<'a>>; PASSES.len()] {
     let (groups, workgroups) = (bindings.groups(), held.workgroups());
     let pass = |i: usize| {
         Some(Dispatch {
             label: PASSES[i],
             pipeline: cache.get_compute_pipeline(active.passes.0[i])?,
             group: groups[i]?,
-            offset: held.offset,
+            offsets: slice::from_ref(&held.offset),
             workgroups: workgroups[i],
         })
     };
-    Some([pass(0)?, pass(1)?, pass(2)?, pass(3)?])
+    core::array::from_fn(pass)
 }

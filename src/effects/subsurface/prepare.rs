@@ -208,13 +208,16 @@ pub(super) fn prepare_subsurface_bind_groups(
                 entries.push(ENTERING_TEXTURE, light[0].into_binding())
             });
         }
-        picture.update(&device, &layouts.picture, target, |entries, output| {
-            entries.push(VIEW, uniforms.clone())?;
-            entries.push(TILES, tiles())?;
-            entries.push(LIGHT_TEXTURE, light[0].into_binding())?;
-            entries.push(SCATTERED_TEXTURE, scattered_at(1).into_binding())?;
-            entries.push(PICTURE_TEXTURE, subsurface.picture.view.into_binding())?;
-            entries.push(OUTPUT_TEXTURE, output.into_binding())
+        picture.bind(&device, &layouts.picture, target, |binding, output| {
+            Some(match binding {
+                VIEW => uniforms.clone(),
+                TILES => tiles(),
+                LIGHT_TEXTURE => light[0].into_binding(),
+                SCATTERED_TEXTURE => scattered_at(1).into_binding(),
+                PICTURE_TEXTURE => subsurface.picture.view.into_binding(),
+                OUTPUT_TEXTURE => output.into_binding(),
+                _ => return None,
+            })
         });
     }
 }
