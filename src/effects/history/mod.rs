@@ -5,7 +5,7 @@
 //!
 //! - `prepare.rs`: the textures and their validity.
 //! - `uniforms.rs`: the uniform of a view.
-//! - `pipelines.rs`: layouts and pipelines.
+//! - `pipelines.rs`: the table of the dispatches, their bindings and pipelines.
 //! - `binding_numbers.rs`: binding numbers.
 //! - `pass.rs`, `levels.wgsl`: the pass that fills the textures.
 //! - `distance.rs`: the unit of stored distances.
