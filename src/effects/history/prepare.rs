@@ -15,12 +15,12 @@ use bevy::{
 };
 
 use super::{
-    ReadsHistory,
     binding_numbers::{
         COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, LEVEL_2, LEVEL_3, SHOWN_EXPOSURE, VIEW,
     },
     distance::units_per_metre,
     pipelines::{FORMAT, HistoryKey, HistoryPipelines, LEVELS, PASSES},
+    request::ReadsHistory,
     uniforms::HistoryUniform,
 };
 use crate::{

@@ -10,7 +10,7 @@ use super::{
     key::ReflectionKey, pipelines::ReflectionPipelines, settings::LeanScreenSpaceReflections,
 };
 use crate::{
-    effects::{ReadsHistory, history_validity::drawn_part},
+    effects::{history::ReadsHistory, history_validity::drawn_part},
     gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
     view::{

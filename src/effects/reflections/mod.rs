@@ -68,9 +68,8 @@ use bevy::{
 };
 
 use super::{
-    ReadsHistory,
     debug_view::{DebugViewPlugin, RayHits},
-    history::{HistoryPlugin, prepare_histories, prepare_history_bind_groups},
+    history::{HistoryPlugin, ReadsHistory, prepare_histories, prepare_history_bind_groups},
     support,
 };
 use crate::{

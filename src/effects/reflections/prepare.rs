@@ -29,7 +29,10 @@ use super::{
     uniforms::ReflectionUniform,
 };
 use crate::{
-    effects::{LastFrame, ViewHistory, debug_view::RayHits, world_shift::WorldShift},
+    effects::{
+        debug_view::RayHits, history::ViewHistory, history_validity::LastFrame,
+        world_shift::WorldShift,
+    },
     gbuffer::GBufferTextures,
     gpu::{
         bind_group_cache::CachedBindGroup, storage_texture::StorageTexture,

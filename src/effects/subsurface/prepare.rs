@@ -23,7 +23,7 @@ use super::{
     uniforms::SubsurfaceUniform,
 };
 use crate::{
-    effects::LastFrame,
+    effects::history_validity::LastFrame,
     gbuffer::GBufferTextures,
     gpu::{
         bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
