@@ -7,8 +7,8 @@ use bevy::{
     render::render_resource::encase::{StorageBuffer, UniformBuffer},
 };
 use bevy_lean_deferred::effects::auto_exposure::{
-    ExposureKey, ExposureState, ExposureUniform, LeanAutoExposure, MeteringPattern, adapt_layout,
-    binding_numbers as numbers, key::workgroups, meter_layout,
+    ExposureKey, ExposureState, ExposureUniform, LeanAutoExposure, MeteringPattern,
+    binding_numbers as numbers, key::workgroups, layouts,
 };
 use half::f16;
 
@@ -255,9 +255,10 @@ impl<'a> Meter<'a> {
                 });
             gpu.pipeline(&layout, &gpu.shader(source, key), entry_point)
         };
+        let [meter, adapt] = layouts(key);
         let pipelines = [
-            pipeline(&meter_layout(key).entries, &METER, "meter"),
-            pipeline(&adapt_layout().entries, &ADAPT, "sum_and_adapt"),
+            pipeline(&meter.entries, &METER, "meter"),
+            pipeline(&adapt.entries, &ADAPT, "sum_and_adapt"),
         ];
         Self::with_pipelines(
             gpu,

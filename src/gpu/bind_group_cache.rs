@@ -154,6 +154,19 @@ impl CachedBindGroup {
         Some(())
     }
 
+    /// As [`update`](Self::update), with the `resource` of each binding of `layout`.
+    pub(crate) fn bind<'r>(
+        &mut self,
+        device: &RenderDevice,
+        layout: &ResolvedLayout,
+        resource: impl Fn(u32) -> Option<BindingResource<'r>>,
+    ) -> Option<()> {
+        self.update(device, layout, |entries| {
+            let mut bindings = layout.descriptor.entries.iter().map(|entry| entry.binding);
+            bindings.try_for_each(|binding| entries.push(binding, resource(binding)?))
+        })
+    }
+
     fn make(&self, device: &RenderDevice, layout: &ResolvedLayout) -> BindGroup {
         let arrays: Vec<Vec<&wgpu::TextureView>> = self
             .bound

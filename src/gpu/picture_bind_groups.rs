@@ -1,25 +1,25 @@
 //! Bind groups of passes that read the picture.
 
 use bevy::render::{
-    render_resource::{BindGroup, Texture, TextureId, TextureView},
+    render_resource::{BindGroup, BindingResource, Texture, TextureId, TextureView},
     renderer::RenderDevice,
     view::ViewTarget,
 };
 
-use super::bind_group_cache::{CachedBindGroup, Entries, ResolvedLayout};
+use super::bind_group_cache::{CachedBindGroup, ResolvedLayout};
 
 /// A bind group per main texture: Bevy has two for a view and may use either.
 #[derive(Default)]
 pub(crate) struct PictureBindGroups([(Option<TextureId>, CachedBindGroup); 2]);
 
 impl PictureBindGroups {
-    /// Updates both groups. `push` gets each picture in turn.
-    pub(crate) fn update(
+    /// Updates both groups. `resource` gets each binding of the layout, and each picture in turn.
+    pub(crate) fn bind<'r>(
         &mut self,
         device: &RenderDevice,
         layout: &ResolvedLayout,
-        target: &ViewTarget,
-        push: impl Fn(&mut Entries, &TextureView) -> Option<()>,
+        target: &'r ViewTarget,
+        resource: impl Fn(u32, &'r TextureView) -> Option<BindingResource<'r>>,
     ) {
         // A stable order, although the textures swap roles.
         let mut pictures = [
@@ -32,7 +32,7 @@ impl PictureBindGroups {
         pictures.sort_by_key(|(texture, _)| texture.id());
         for ((picture, view), (id, group)) in pictures.into_iter().zip(&mut self.0) {
             *id = Some(picture.id());
-            group.update(device, layout, |entries| push(entries, view));
+            group.bind(device, layout, |binding| resource(binding, view));
         }
     }
 

@@ -1,6 +1,6 @@
 //! Runs passes with GPU times for Bevy's `RenderDiagnosticsPlugin`.
 
-use core::slice;
+use core::iter;
 
 use bevy::{
     ecs::resource::Resource,
@@ -31,13 +31,14 @@ pub(crate) fn timed(
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct TimesEachDispatch;
 
-/// A dispatch of workgroups. Bind group 0 has one dynamic offset.
+/// A dispatch of workgroups.
 pub(crate) struct Dispatch<'a> {
     /// Label of its time if that is recorded separately.
     pub(crate) label: &'static str,
     pub(crate) pipeline: &'a ComputePipeline,
     pub(crate) group: &'a BindGroup,
-    pub(crate) offset: u32,
+    /// Dynamic offsets of the bind group.
+    pub(crate) offsets: &'a [u32],
     pub(crate) workgroups: UVec2,
 }
 
@@ -45,28 +46,38 @@ pub(crate) struct Dispatch<'a> {
 pub(crate) fn timed_dispatch(ctx: &mut RenderContext, dispatch: &Dispatch) {
     let label = dispatch.label;
     timed(ctx, label, &mut |ctx| {
-        run(ctx, label, slice::from_ref(dispatch))
+        run(ctx, label, &mut iter::once(dispatch));
     });
 }
 
 /// Runs `dispatches` in one pass, recorded under `label`: each pass is a separate command buffer, which costs time.
-/// With `one_by_one`, each runs in its own pass.
+/// With `one_by_one`, each runs in its own pass. If one of them is missing, none runs, and the result is `None`.
 pub(crate) fn timed_dispatches(
     ctx: &mut RenderContext,
     label: &'static str,
     one_by_one: Option<&TimesEachDispatch>,
-    dispatches: &[Dispatch],
-) {
+    dispatches: &[Option<Dispatch>],
+) -> Option<()> {
+    if dispatches.iter().any(Option::is_none) {
+        return None;
+    }
     if one_by_one.is_some() {
-        for dispatch in dispatches {
+        for dispatch in dispatches.iter().flatten() {
             timed_dispatch(ctx, dispatch);
         }
     } else {
-        timed(ctx, label, &mut |ctx| run(ctx, label, dispatches));
+        timed(ctx, label, &mut |ctx| {
+            run(ctx, label, &mut dispatches.iter().flatten());
+        });
     }
+    Some(())
 }
 
-fn run(ctx: &mut RenderContext, label: &'static str, dispatches: &[Dispatch]) {
+fn run<'a>(
+    ctx: &mut RenderContext,
+    label: &'static str,
+    dispatches: &mut dyn Iterator<Item = &'a Dispatch<'a>>,
+) {
     let encoder = ctx.command_encoder();
     let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
         label: Some(label),
@@ -75,7 +86,7 @@ fn run(ctx: &mut RenderContext, label: &'static str, dispatches: &[Dispatch]) {
     for dispatch in dispatches {
         let UVec2 { x, y } = dispatch.workgroups;
         pass.set_pipeline(dispatch.pipeline);
-        pass.set_bind_group(0, dispatch.group, &[dispatch.offset]);
+        pass.set_bind_group(0, dispatch.group, dispatch.offsets);
         pass.dispatch_workgroups(x, y, 1);
     }
 }

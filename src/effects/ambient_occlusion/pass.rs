@@ -1,6 +1,8 @@
 //! The passes. If lighting applies occlusion, the gather runs after the G-buffer; otherwise gather and merge run after all opaque
 //! meshes.
 
+use core::slice;
+
 use bevy::{
     prelude::*,
     render::{
@@ -75,7 +77,7 @@ fn gather(
                 label: GATHER,
                 pipeline,
                 group,
-                offset: view.offset,
+                offsets: slice::from_ref(&view.offset),
                 workgroups: workgroups(view.uniform.texture_size),
             };
             timed_dispatch(ctx, &dispatch);

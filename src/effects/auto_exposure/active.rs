@@ -12,8 +12,8 @@ use bevy::{
 
 use super::{
     key::ExposureKey,
-    pipelines::{ExposurePipelines, PassPipelines},
-    prepare::Masks,
+    masks::Masks,
+    pipelines::ExposurePipelines,
     settings::{LeanAutoExposure, MeteringPattern},
     support::uses_subgroups,
 };
@@ -22,13 +22,12 @@ use crate::{
     view::{Effect, EffectStatuses, LeanOffReason, LeanSupport, warn_once::WarnOnce},
 };
 
-/// On a view with auto exposure: the pipelines it is metered with.
-#[derive(Component, Clone)]
-pub struct ViewExposurePipelines {
+/// On a view with auto exposure: how it is metered. The first time, its pipelines may still be compiling.
+#[derive(Component, Clone, PartialEq)]
+pub struct ActiveExposure {
     pub(super) key: ExposureKey,
     /// `Some` if the key has a mask.
     pub(super) mask: Option<Handle<Image>>,
-    pub(super) passes: PassPipelines,
 }
 
 /// The reason that a camera cannot be metered.
@@ -48,9 +47,9 @@ fn reason_not_applied(tonemapping: Option<&Tonemapping>) -> Option<LeanOffReason
     (!applies).then_some(LeanOffReason::NoTonemapping)
 }
 
-/// Inserts or removes [`ViewExposurePipelines`]. A view keeps its pipelines until those for new settings are compiled: without any,
+/// Inserts or removes [`ActiveExposure`]. A view keeps its pipelines until those for new settings are compiled: without any,
 /// the image would flash. Cameras that are switched off lose them, which frees their GPU resources except their history.
-pub(super) fn queue_exposure_pipelines(
+pub(super) fn decide_active_exposure(
     mut commands: Commands,
     (support, subgroups): (Res<LeanSupport>, Res<Subgroups>),
     pipelines: Option<ResMut<ExposurePipelines>>,
@@ -63,14 +62,14 @@ pub(super) fn queue_exposure_pipelines(
         &ExtractedCamera,
         &LeanAutoExposure,
         Option<&Tonemapping>,
-        Option<&mut ViewExposurePipelines>,
+        Option<&mut ActiveExposure>,
     )>,
     cameras: Query<&MainEntity, With<LeanAutoExposure>>,
-    switched_off: Query<Entity, (With<ViewExposurePipelines>, Without<ExtractedCamera>)>,
+    switched_off: Query<Entity, (With<ActiveExposure>, Without<ExtractedCamera>)>,
 ) {
     mask_warnings.keep_only(cameras.iter());
     for entity in &switched_off {
-        commands.entity(entity).remove::<ViewExposurePipelines>();
+        commands.entity(entity).remove::<ActiveExposure>();
     }
     let Some(mut pipelines) = pipelines else {
         return;
@@ -81,7 +80,7 @@ pub(super) fn queue_exposure_pipelines(
             || status.is_off_for(reason_against(extracted))
         {
             if current.is_some() {
-                commands.entity(entity).remove::<ViewExposurePipelines>();
+                commands.entity(entity).remove::<ActiveExposure>();
             }
             continue;
         }
@@ -93,32 +92,23 @@ pub(super) fn queue_exposure_pipelines(
         let mask = found.unwrap_or_default();
         let subgroups = uses_subgroups(*subgroups, settings);
         let key = ExposureKey::new(settings, subgroups, mask.is_some());
-        let passes = pipelines.get(key, &pipeline_cache);
+        let wanted = ActiveExposure {
+            key,
+            mask: mask.cloned(),
+        };
+        let kept = current.as_deref().cloned();
+        let active =
+            pipelines.keep_until_compiled(&pipeline_cache, wanted.clone(), kept, |kept| kept.key);
         if !status.is_off_for(reason_not_applied(tonemapping)) {
-            let current = current.as_ref().map(|current| current.passes);
-            let runs = [Some(passes), current]
-                .into_iter()
-                .flatten()
-                .any(|passes| passes.are_compiled(&pipeline_cache));
-            status.set_running(runs, watch.failure(passes.ids()));
+            status.set_running(active.is_some(), pipelines.failure(&watch, key));
         }
-        match current {
-            Some(current) if current.key == key && current.mask.as_ref() == mask => {}
-            Some(mut current) => {
-                if passes.are_compiled(&pipeline_cache) {
-                    *current = ViewExposurePipelines {
-                        key,
-                        mask: mask.cloned(),
-                        passes,
-                    };
-                }
+        match (active, current) {
+            (Some(active), Some(mut current)) => {
+                current.set_if_neq(active);
             }
-            None => {
-                commands.entity(entity).insert(ViewExposurePipelines {
-                    key,
-                    mask: mask.cloned(),
-                    passes,
-                });
+            (None, Some(_)) => {}
+            (_, None) => {
+                commands.entity(entity).insert(wanted);
             }
         }
     }

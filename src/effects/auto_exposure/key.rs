@@ -2,8 +2,8 @@
 
 use bevy::{math::UVec2, shader::ShaderDefVal};
 
-use super::{LeanAutoExposure, Metering, MeteringPattern};
-use crate::gpu::shader_defs;
+use super::settings::{LeanAutoExposure, Metering, MeteringPattern};
+use crate::gpu::{effect_pipelines::EffectKey, shader_defs};
 
 /// Columns of pixels that a workgroup of the first pass reads.
 pub const TILE_WIDTH: u32 = 64;
@@ -93,6 +93,12 @@ impl ExposureKey {
             (self.subgroups, "SUBGROUPS"),
         ])
         .collect()
+    }
+}
+
+impl EffectKey for ExposureKey {
+    fn shader_defs(self) -> Vec<ShaderDefVal> {
+        Self::shader_defs(self)
     }
 }
 

@@ -20,10 +20,11 @@
 // - `readback.rs`: reads the exposure back, for cameras with `MeteredExposure`.
 // - `uniforms.rs`: the uniform of a view, and the adaptation state.
 // - `key.rs`: pipeline key, and sizes of dispatches and buffers.
-// - `pipelines.rs`: layouts and pipelines.
+// - `pipelines.rs`: the table of the passes, their bindings and pipelines.
+// - `masks.rs`: images of the metering masks.
 // - `active.rs`: decides per view and frame if and how it is metered.
 // - `prepare.rs`: uniforms, buffers and bind groups of views.
-// - `pass.rs`: the two dispatches.
+// - `pass.rs`: runs the passes.
 // - `meter.wgsl`: the first dispatch.
 // - `adapt.wgsl`: the second dispatch.
 // - `reduction.wgsl`: sums over a workgroup.
@@ -38,6 +39,7 @@ pub mod binding_numbers;
 mod clock;
 #[doc(hidden)]
 pub mod key;
+mod masks;
 mod overlay;
 mod pass;
 mod pipelines;
@@ -57,9 +59,9 @@ pub use support::NEEDED_LIMITS;
 // For tests and benches.
 #[doc(hidden)]
 pub use {
-    active::ViewExposurePipelines,
+    active::ActiveExposure,
     key::ExposureKey,
-    pipelines::{adapt_layout, meter_layout},
+    pipelines::layouts,
     prepare::{ExposureBindings, ViewExposure},
     readback::ExposureReadback,
     state::ExposureHistory,
@@ -128,13 +130,12 @@ impl Plugin for LeanAutoExposurePlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        // `ExposureHistory` outlasts `ViewExposurePipelines`: the effect may pause.
+        // `ExposureHistory` outlasts `ActiveExposure`: the effect may pause.
+        removal::remove_with::<LeanAutoExposure, (ActiveExposure, ExposureHistory, ExposureReadback)>(
+            render_app,
+        );
         removal::remove_with::<
-            LeanAutoExposure,
-            (ViewExposurePipelines, ExposureHistory, ExposureReadback),
-        >(render_app);
-        removal::remove_with::<
-            ViewExposurePipelines,
+            ActiveExposure,
             (ViewExposure, ExposureBindings, DebugDrawn<ShownWeights>),
         >(render_app);
         removal::remove_with::<LeanDebugView, DebugDrawn<ShownWeights>>(render_app);
@@ -163,7 +164,7 @@ impl Plugin for LeanAutoExposurePlugin {
             .add_systems(
                 Render,
                 (
-                    active::queue_exposure_pipelines.in_set(RenderSystems::Queue),
+                    active::decide_active_exposure.in_set(RenderSystems::Queue),
                     (
                         state::begin_histories,
                         prepare::write_exposure_uniforms,

@@ -6,7 +6,8 @@ use bevy::{
     prelude::*,
     render::{
         render_resource::{
-            BindGroupLayoutDescriptor, BlendState, PipelineCache, ShaderStages, ShaderType,
+            BindGroupLayoutDescriptor, BlendState, IntoBinding, PipelineCache, ShaderStages,
+            ShaderType,
             binding_types::{storage_buffer_read_only_sized, uniform_buffer},
         },
         renderer::RenderDevice,
@@ -16,11 +17,12 @@ use bevy::{
 };
 
 use super::{
-    active::ViewExposurePipelines,
-    binding_numbers::{STATE, VIEW},
+    active::ActiveExposure,
+    binding_numbers::{MASK, MASK_SAMPLER, STATE, VIEW},
     key::ExposureKey,
-    pipelines::mask_entries,
-    prepare::{ExposureUniforms, Masks, ViewExposure},
+    masks::Masks,
+    pipelines::binding_kind,
+    prepare::{ExposureUniforms, ViewExposure},
     state::ExposureHistory,
     uniforms::{ExposureState, ExposureUniform},
 };
@@ -44,16 +46,14 @@ impl DebugDraw for ShownWeights {
     /// Settings and state; with a mask also the mask and its sampler.
     fn layout(self) -> BindGroupLayoutDescriptor {
         let state = storage_buffer_read_only_sized(false, Some(ExposureState::min_size()));
-        layout(
-            Self::LABEL,
-            ShaderStages::FRAGMENT,
-            [
-                (VIEW, uniform_buffer::<ExposureUniform>(true)),
-                (STATE, state),
-            ]
-            .into_iter()
-            .chain(mask_entries(self.0)),
-        )
+        let of_mask = [MASK, MASK_SAMPLER].into_iter();
+        let of_mask = of_mask.filter_map(|binding| Some((binding, binding_kind(self.0, binding)?)));
+        let entries = [
+            (VIEW, uniform_buffer::<ExposureUniform>(true)),
+            (STATE, state),
+        ];
+        let entries = entries.into_iter().chain(of_mask);
+        layout(Self::LABEL, ShaderStages::FRAGMENT, entries)
     }
 
     fn shader_defs(self) -> Vec<ShaderDefVal> {
@@ -80,14 +80,14 @@ pub(super) fn prepare_overlays(
     mut views: Query<(
         Entity,
         (&ExtractedView, &LeanDebugView),
-        (&ViewExposurePipelines, &ViewExposure, &ExposureHistory),
+        (&ActiveExposure, &ViewExposure, &ExposureHistory),
         Option<&mut DebugDrawn<ShownWeights>>,
     )>,
 ) {
     let (Some(mut pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
         return;
     };
-    for (entity, (view, debug_view), (metering, exposure, history), drawn) in &mut views {
+    for (entity, (view, debug_view), (active, exposure, history), drawn) in &mut views {
         if debug_view.shows != DebugView::ExposureWeights {
             if drawn.is_some() {
                 commands.entity(entity).remove::<DebugDrawn<ShownWeights>>();
@@ -100,14 +100,16 @@ pub(super) fn prepare_overlays(
             &cache,
             (entity, view),
             drawn,
-            (
-                ShownWeights(metering.key.of_overlay()),
-                Some(exposure.offset),
-            ),
+            (ShownWeights(active.key.of_overlay()), Some(exposure.offset)),
             |entries| {
                 entries.push(VIEW, uniforms.clone())?;
                 entries.push(STATE, history.state.as_entire_binding())?;
-                masks.push(metering, entries)
+                if let Some(mask) = &active.mask {
+                    let image = masks.bound(mask);
+                    entries.push(MASK, image.texture_view.into_binding())?;
+                    entries.push(MASK_SAMPLER, image.sampler.into_binding())?;
+                }
+                Some(())
             },
         );
     }

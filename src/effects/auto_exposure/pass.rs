@@ -1,28 +1,31 @@
-//! The two dispatches, in one compute pass. The span `lean_deferred/effects/auto_exposure` times both: timestamps between them
-//! would cost as much as the dispatches.
+//! Runs the passes together. The span `lean_deferred/effects/auto_exposure` times both: timestamps between them would cost as
+//! much as the dispatches.
 
 use bevy::{
     prelude::*,
     render::{
-        render_resource::{ComputePassDescriptor, PipelineCache},
+        render_resource::PipelineCache,
         renderer::{RenderContext, ViewQuery},
         view::{ViewTarget, ViewUniformOffset},
     },
 };
 
 use super::{
-    active::ViewExposurePipelines,
+    active::ActiveExposure,
+    pipelines::{ExposurePipelines, PASSES},
     prepare::{ExposureBindings, ViewExposure},
     readback::ExposureReadback,
     state::ExposureHistory,
 };
-use crate::gpu::timed::timed;
+use crate::gpu::timed::timed_dispatches;
+
+const LABEL: &str = "lean_deferred/effects/auto_exposure";
 
 /// Meters the image and adapts the view's exposure, between anti-aliasing and post-processing.
 pub(super) fn auto_exposure(
     view: ViewQuery<(
         &ViewExposure,
-        &ViewExposurePipelines,
+        &ActiveExposure,
         &ExposureBindings,
         &ExposureHistory,
         Option<&ExposureReadback>,
@@ -30,42 +33,23 @@ pub(super) fn auto_exposure(
         &ViewUniformOffset,
     )>,
     pipeline_cache: Res<PipelineCache>,
+    pipelines: Option<Res<ExposurePipelines>>,
     mut ctx: RenderContext,
 ) {
-    let (view, pipelines, bindings, history, readback, target, view_offset) = view.into_inner();
-    let picture = Some(target.main_texture_view().id());
-    let (Some(meter), Some(adapt), Some(meter_group), Some(adapt_group)) = (
-        pipeline_cache.get_compute_pipeline(pipelines.passes.meter),
-        pipeline_cache.get_compute_pipeline(pipelines.passes.adapt),
-        bindings
-            .meter
-            .iter()
-            .find(|(id, _)| *id == picture)
-            .and_then(|(_, group)| group.get()),
-        bindings.adapt.get(),
-    ) else {
+    let (view, active, bindings, history, readback, target, view_offset) = view.into_inner();
+    let Some(pipelines) = pipelines else {
         return;
     };
-
-    timed(
-        &mut ctx,
-        "lean_deferred/effects/auto_exposure",
-        &mut |ctx| {
-            let mut pass = ctx
-                .command_encoder()
-                .begin_compute_pass(&ComputePassDescriptor {
-                    label: Some("lean_deferred/effects/auto_exposure"),
-                    timestamp_writes: None,
-                });
-            pass.set_pipeline(meter);
-            pass.set_bind_group(0, meter_group, &[view.offset]);
-            pass.dispatch_workgroups(view.workgroups.x, view.workgroups.y, 1);
-            pass.set_pipeline(adapt);
-            pass.set_bind_group(0, adapt_group, &[view.offset, view_offset.offset]);
-            pass.dispatch_workgroups(1, 1, 1);
-        },
-    );
-    if let Some(readback) = readback {
+    let groups = bindings.groups(target.main_texture());
+    // Only the second pass writes Bevy's view.
+    let of_both = [view.offset, view_offset.offset];
+    let offsets: [&[u32]; PASSES.len()] = [&of_both[..1], &of_both];
+    let workgroups = [view.workgroups, UVec2::ONE];
+    let dispatches: [_; PASSES.len()] = pipelines.dispatches(&pipeline_cache, active.key, |pass| {
+        (groups[pass], offsets[pass], workgroups[pass])
+    });
+    let ran = timed_dispatches(&mut ctx, LABEL, None, &dispatches).is_some();
+    if let Some(readback) = readback.filter(|_| ran) {
         readback.copy(&history.state, ctx.command_encoder());
     }
 }

@@ -4,32 +4,28 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        render_asset::RenderAssets,
         render_resource::{
             BindGroup, Buffer, BufferDescriptor, BufferUsages, DynamicUniformBuffer, IntoBinding,
-            TextureDimension, TextureSampleType, TextureViewDimension, TextureViewId,
+            Texture,
         },
         renderer::{RenderDevice, RenderQueue},
-        texture::{FallbackImage, GpuImage},
         view::{ViewTarget, ViewUniforms},
     },
 };
 
 use super::{
-    active::ViewExposurePipelines,
+    active::ActiveExposure,
     binding_numbers::{BEVY_VIEW, MASK, MASK_SAMPLER, PARTIALS, PICTURE, STATE, VIEW},
     clock::Clocks,
     key::{ExposureKey, workgroups},
-    pipelines::ExposurePipelines,
+    masks::Masks,
+    pipelines::{ExposurePipelines, PASSES},
     settings::LeanAutoExposure,
     state::ExposureHistory,
     uniforms::ExposureUniform,
 };
 use crate::{
-    gpu::{
-        bind_group_cache::{CachedBindGroup, Entries},
-        named::system_param,
-    },
+    gpu::{bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups},
     view::CameraCuts,
 };
 
@@ -82,7 +78,7 @@ pub(super) fn write_exposure_uniforms(
         &LeanAutoExposure,
         &ExtractedCamera,
         &CameraCuts,
-        &ViewExposurePipelines,
+        &ActiveExposure,
         &ViewTarget,
         &mut ExposureHistory,
         Option<&mut ViewExposure>,
@@ -91,8 +87,8 @@ pub(super) fn write_exposure_uniforms(
     let Some(mut writer) = uniforms.0.get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
-    for (entity, settings, camera, cuts, pipelines, target, mut history, view) in &mut views {
-        let key = pipelines.key;
+    for (entity, settings, camera, cuts, active, target, mut history, view) in &mut views {
+        let key = active.key;
         let (origin, size) = match &camera.viewport {
             Some(viewport) => (viewport.physical_position, viewport.physical_size),
             None => {
@@ -126,16 +122,19 @@ pub(super) fn write_exposure_uniforms(
 /// On a view with auto exposure: the bind groups of its passes.
 #[derive(Component, Default)]
 pub struct ExposureBindings {
-    /// One per main texture, since post-processing swaps the two.
-    pub(super) meter: [(Option<TextureViewId>, CachedBindGroup); 2],
-    pub(super) adapt: CachedBindGroup,
+    meter: PictureBindGroups,
+    adapt: CachedBindGroup,
 }
 
 impl ExposureBindings {
+    /// Bind groups of the passes, of which the first reads `picture`.
+    pub(super) fn groups(&self, picture: &Texture) -> [Option<&BindGroup>; PASSES.len()] {
+        [self.meter.of(picture), self.adapt.get()]
+    }
+
     /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        let meter = self.meter.iter().map(|(_, group)| group);
-        meter.chain([&self.adapt]).filter_map(CachedBindGroup::get)
+        self.meter.all().chain(self.adapt.get())
     }
 }
 
@@ -149,7 +148,7 @@ pub(super) fn prepare_exposure_bind_groups(
     mut views: Query<(
         Entity,
         &ViewExposure,
-        &ViewExposurePipelines,
+        &ActiveExposure,
         &ExposureHistory,
         &ViewTarget,
         Option<&mut ExposureBindings>,
@@ -162,90 +161,39 @@ pub(super) fn prepare_exposure_bind_groups(
     ) else {
         return;
     };
-    for (entity, view, own_pipelines, history, target, bindings) in &mut views {
+    for (entity, view, active, history, target, bindings) in &mut views {
         let mut new = None;
         let bindings = match bindings {
             Some(bindings) => bindings.into_inner(),
             None => new.insert(ExposureBindings::default()),
         };
-        let pictures = [target.main_texture_view(), target.main_texture_other_view()];
-        if bindings.meter[0].0 == Some(pictures[1].id()) {
-            bindings.meter.swap(0, 1);
-        }
-        let Some(layout) = pipelines.meter_layout(own_pipelines.key) else {
+        let [meter, adapt] = pipelines.of(active.key) else {
             continue;
         };
-        for (slot, picture) in bindings.meter.iter_mut().zip(pictures) {
-            slot.0 = Some(picture.id());
-            slot.1.update(&device, layout, |entries| {
-                entries.push(VIEW, uniforms.clone())?;
-                entries.push(PICTURE, picture.into_binding())?;
-                entries.push(PARTIALS, view.sums.as_entire_binding())?;
-                masks.push(own_pipelines, entries)
-            });
-        }
-        bindings
-            .adapt
-            .update(&device, &pipelines.adapt_layout, |entries| {
-                entries.push(VIEW, uniforms.clone())?;
-                entries.push(PARTIALS, view.sums.as_entire_binding())?;
-                entries.push(STATE, history.state.as_entire_binding())?;
-                entries.push(BEVY_VIEW, view_uniforms.clone())
-            });
+        let mask = active.mask.as_ref().map(|mask| masks.bound(mask));
+        let resource = |binding: u32| {
+            Some(match binding {
+                VIEW => uniforms.clone(),
+                PARTIALS => view.sums.as_entire_binding(),
+                MASK => mask?.texture_view.into_binding(),
+                MASK_SAMPLER => mask?.sampler.into_binding(),
+                STATE => history.state.as_entire_binding(),
+                BEVY_VIEW => view_uniforms.clone(),
+                _ => return None,
+            })
+        };
+        (bindings.meter).bind(
+            &device,
+            &meter.layout,
+            target,
+            |binding, picture| match binding {
+                PICTURE => Some(picture.into_binding()),
+                _ => resource(binding),
+            },
+        );
+        bindings.adapt.bind(&device, &adapt.layout, resource);
         if let Some(new) = new {
             commands.entity(entity).insert(new);
         }
-    }
-}
-
-system_param! {
-    /// Images of the metering masks.
-    pub(super) struct Masks<'w> {
-        device: Res<'w, RenderDevice>,
-        images: Res<'w, RenderAssets<GpuImage>>,
-        fallback: Res<'w, FallbackImage>,
-    }
-}
-
-impl Masks<'_> {
-    /// The mask's image; `None` while it is loading. The error is the reason that the image cannot be a mask.
-    pub(super) fn get(&self, mask: &Handle<Image>) -> Result<Option<&GpuImage>, &'static str> {
-        let Some(image) = self.images.get(mask) else {
-            return Ok(None);
-        };
-        let texture = &image.texture_descriptor;
-        let viewed = image.texture_view_descriptor.as_ref();
-        let is_picture = texture.dimension == TextureDimension::D2
-            && texture.size.depth_or_array_layers == 1
-            && texture.sample_count == 1
-            && matches!(
-                viewed.and_then(|view| view.dimension),
-                None | Some(TextureViewDimension::D2)
-            );
-        let aspect = viewed.map(|view| view.aspect);
-        let kind = (texture.format).sample_type(aspect, Some(self.device.features()));
-        if !is_picture {
-            Err("it is no plain picture: use an image with one layer and one sample")
-        } else if kind != Some(TextureSampleType::Float { filterable: true }) {
-            Err("this device cannot filter its format: use another one, such as R8Unorm")
-        } else {
-            Ok(Some(image))
-        }
-    }
-
-    /// Binds the mask of `pipelines` and its sampler, if it has one. If the mask was unloaded or replaced by an unsuitable image, all
-    /// pixels count.
-    pub(super) fn push(
-        &self,
-        pipelines: &ViewExposurePipelines,
-        entries: &mut Entries,
-    ) -> Option<()> {
-        let Some(mask) = &pipelines.mask else {
-            return Some(());
-        };
-        let found = self.get(mask).ok().flatten();
-        let image = found.unwrap_or(&self.fallback.d2);
-        entries.push(MASK, image.texture_view.into_binding())?;
-        entries.push(MASK_SAMPLER, image.sampler.into_binding())
     }
 }

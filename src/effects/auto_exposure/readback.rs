@@ -19,7 +19,8 @@ use bevy::{
 };
 
 use super::{
-    MeteredExposure, prepare::ViewExposure, state::ExposureHistory, uniforms::ExposureState,
+    prepare::ViewExposure, settings::MeteredExposure, state::ExposureHistory,
+    uniforms::ExposureState,
 };
 
 /// Frames in flight. Frames are not read back while no slot is free.

@@ -8,7 +8,7 @@ use bevy::{
     },
 };
 
-use super::{LeanAutoExposure, ReductionPath};
+use super::settings::{LeanAutoExposure, ReductionPath};
 use crate::gpu::{
     needed_limits::{NeededLimit, check_limits, needed_limits},
     subgroups::Subgroups,

@@ -5,11 +5,7 @@ use bevy::{
     render::{camera::ExtractedCamera, render_resource::PipelineCache, view::ExtractedView},
 };
 
-use super::{
-    key::GiKey,
-    pipelines::{GiPasses, GiPipelines},
-    settings::LeanScreenSpaceGi,
-};
+use super::{key::GiKey, pipelines::GiPipelines, settings::LeanScreenSpaceGi};
 use crate::{
     gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
@@ -24,7 +20,6 @@ use crate::{
 pub struct ActiveGi {
     pub(super) settings: LeanScreenSpaceGi,
     pub(super) key: GiKey,
-    pub(super) passes: GiPasses,
 }
 
 /// Inserts or removes [`ActiveGi`] and its requests to lighting. While pipelines for new settings compile, a view keeps its current
@@ -62,20 +57,15 @@ pub(super) fn decide_active_gi(
             divisor: settings.resolution.divisor(),
             projection: projection_of(view.clip_from_view),
         };
-        let wanted = can_run.then(|| ActiveGi {
-            settings: *settings,
-            key,
-            passes: pipelines.specialize(&cache, key),
+        let active = can_run.then(|| {
+            let settings = *settings;
+            let wanted = ActiveGi { settings, key };
+            let current = current.copied();
+            let active = pipelines.keep_until_compiled(&cache, wanted, current, |gi| gi.key);
+            status.set_running(active.is_some(), pipelines.failure(&watch, key));
+            active
         });
-        let stand_in = current.filter(|last| last.key.stands_in_for(key)).copied();
-        let active = [wanted, stand_in]
-            .into_iter()
-            .flatten()
-            .find(|active| can_run && active.passes.are_compiled(&cache));
-        if let Some(wanted) = wanted {
-            status.set_running(active.is_some(), watch.failure(wanted.passes.ids()));
-        }
-        match active {
+        match active.flatten() {
             Some(active) => {
                 let mut view = commands.entity(entity);
                 view.insert((active, ReadsDiffuseLight));

@@ -1,16 +1,14 @@
 //! Light of meshes in Bevy's forward passes, on views with a depth prepass. Without the prepass, this frame's GI would not know
 //! their depth.
 
+use core::slice;
+
 use bevy::{
     asset::load_embedded_asset,
     core_pipeline::prepass::DepthPrepass,
     prelude::*,
     render::{
-        render_resource::{
-            BindGroup, CachedComputePipelineId, ComputePipelineDescriptor, IntoBinding,
-            PipelineCache, ShaderStages, StorageTextureAccess, TextureFormat, TextureSampleType,
-            binding_types::{texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer},
-        },
+        render_resource::{BindGroup, IntoBinding, PipelineCache},
         renderer::{RenderContext, RenderDevice, ViewQuery},
         view::{ViewDepthTexture, ViewTarget},
     },
@@ -19,16 +17,15 @@ use bevy::{
 use super::{
     active::ActiveGi,
     binding_numbers::{DEPTH_TEXTURE, DIFFUSE_LIGHT_OUTPUT, NORMAL_TEXTURE, PICTURE_TEXTURE, VIEW},
+    pipelines::binding_kind,
     prepare::{GiUniforms, ViewGi},
-    uniforms::GiUniform,
 };
 use crate::{
     gbuffer::GBufferTextures,
     gpu::{
-        bind_group_cache::ResolvedLayout,
-        bindings::layout,
+        effect_pipelines::{ComputePass, EffectKey, EffectPipelines},
         picture_bind_groups::PictureBindGroups,
-        timed::{Dispatch, timed_dispatch},
+        timed::timed_dispatches,
     },
     shader_library::tiles,
     view::{ActiveLeanView, DiffuseLight, LightingIo},
@@ -36,48 +33,29 @@ use crate::{
 
 const LABEL: &str = "lean_deferred/effects/diffuse_gi/forward_light";
 
-/// The pipeline is created when the first view needs it.
-#[derive(Resource)]
-pub(super) struct ForwardLightPipeline {
-    shader: Handle<Shader>,
-    queued: Option<(ResolvedLayout, CachedComputePipelineId)>,
-}
+const PASSES: [ComputePass; 1] = [ComputePass {
+    label: LABEL,
+    shader: |assets| load_embedded_asset!(assets, "forward_light.wgsl"),
+    entry: "main",
+    defs: &[],
+    reads: &[VIEW, DEPTH_TEXTURE, NORMAL_TEXTURE, PICTURE_TEXTURE],
+    writes: &[DIFFUSE_LIGHT_OUTPUT],
+}];
+
+/// The pass is compiled in one way, once the first view needs it.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct ForwardLightKey;
+
+impl EffectKey for ForwardLightKey {}
+
+type ForwardLightPipeline = EffectPipelines<ForwardLightKey>;
 
 pub(super) fn init_forward_light_pipeline(mut commands: Commands, asset_server: Res<AssetServer>) {
-    commands.insert_resource(ForwardLightPipeline {
-        shader: load_embedded_asset!(asset_server.as_ref(), "forward_light.wgsl"),
-        queued: None,
-    });
-}
-
-impl ForwardLightPipeline {
-    /// Queues the pipeline for compilation, once.
-    fn queue(&mut self, cache: &PipelineCache) -> &ResolvedLayout {
-        let shader = &self.shader;
-        let (layout, _) = self.queued.get_or_insert_with(|| {
-            let words = texture_2d(TextureSampleType::Uint);
-            let floats = texture_2d(TextureSampleType::Float { filterable: false });
-            let output =
-                texture_storage_2d(TextureFormat::R32Uint, StorageTextureAccess::WriteOnly);
-            let entries = [
-                (VIEW, uniform_buffer::<GiUniform>(true)),
-                (DEPTH_TEXTURE, texture_depth_2d()),
-                (NORMAL_TEXTURE, words),
-                (PICTURE_TEXTURE, floats),
-                (DIFFUSE_LIGHT_OUTPUT, output),
-            ];
-            let layout = ResolvedLayout::new(cache, layout(LABEL, ShaderStages::COMPUTE, entries));
-            let pipeline = cache.queue_compute_pipeline(ComputePipelineDescriptor {
-                label: Some(LABEL.into()),
-                layout: vec![layout.descriptor().clone()],
-                shader: shader.clone(),
-                entry_point: Some("main".into()),
-                ..default()
-            });
-            (layout, pipeline)
-        });
-        layout
-    }
+    commands.insert_resource(ForwardLightPipeline::new(
+        &asset_server,
+        &PASSES,
+        |_, binding| binding_kind(binding),
+    ));
 }
 
 /// On a view whose forward meshes emit light into GI.
@@ -124,14 +102,19 @@ pub(super) fn prepare_forward_light(
             Some(held) => held.into_inner(),
             None => made.insert(ForwardLight::default()),
         };
-        let layout = pipeline.queue(&cache);
-        held.0.update(&device, layout, target, |entries, picture| {
-            entries.push(VIEW, uniforms.clone())?;
-            entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
-            entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
-            entries.push(PICTURE_TEXTURE, picture.into_binding())?;
-            entries.push(DIFFUSE_LIGHT_OUTPUT, light.0.default_view.into_binding())
-        });
+        for pass in pipeline.specialize(&cache, ForwardLightKey) {
+            held.0
+                .bind(&device, &pass.layout, target, |binding, picture| {
+                    Some(match binding {
+                        VIEW => uniforms.clone(),
+                        DEPTH_TEXTURE => depth.view().into_binding(),
+                        NORMAL_TEXTURE => gbuffer.normal.default_view.into_binding(),
+                        PICTURE_TEXTURE => picture.into_binding(),
+                        DIFFUSE_LIGHT_OUTPUT => light.0.default_view.into_binding(),
+                        _ => return None,
+                    })
+                });
+        }
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }
@@ -146,22 +129,16 @@ pub(super) fn add_forward_light(
     mut ctx: RenderContext,
 ) {
     let (held, gi, lean, target) = view.into_inner();
-    let queued = pipeline
-        .as_ref()
-        .and_then(|pipeline| pipeline.queued.as_ref());
-    let pipeline = queued.and_then(|(_, pipeline)| cache.get_compute_pipeline(*pipeline));
-    let group = held.0.of(target.main_texture());
-    let (Some(pipeline), Some(group)) = (pipeline, group) else {
+    let Some(pipeline) = pipeline else {
         return;
     };
-    if lean.io.contains(LightingIo::DIFFUSE_LIGHT) {
-        let dispatch = Dispatch {
-            label: LABEL,
-            pipeline,
-            group,
-            offset: gi.offset,
-            workgroups: tiles::count(gi.viewport_size),
-        };
-        timed_dispatch(&mut ctx, &dispatch);
+    if !lean.io.contains(LightingIo::DIFFUSE_LIGHT) {
+        return;
     }
+    let group = held.0.of(target.main_texture());
+    let offsets = slice::from_ref(&gi.offset);
+    let workgroups = tiles::count(gi.viewport_size);
+    let dispatches: [_; PASSES.len()] =
+        pipeline.dispatches(&cache, ForwardLightKey, |_| (group, offsets, workgroups));
+    timed_dispatches(&mut ctx, LABEL, None, &dispatches);
 }

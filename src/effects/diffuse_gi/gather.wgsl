@@ -8,7 +8,7 @@
 #import bevy_lean_deferred::reconstruction::position::{position_on, ray_at, ray_step}
 #import bevy_lean_deferred::rounding::{Start, rounded, start_at}
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
-    Entry, depth_texture, edge_step, levels, normal_texture, output_texture, unpack_entry, view,
+    Entry, depth_texture, edge_step, gathered_output, levels, normal_texture, unpack_entry, view,
 }
 #import bevy_lean_deferred::tiles::pixel_in_view
 
@@ -201,6 +201,6 @@ fn main(
     let tile = vec2(workgroup.x >> 4u, workgroup.y);
     let texel = 4u * pixel_in_view(tile, invocation) + place;
     if all(texel < view.texture_size) {
-        textureStore(output_texture, texel, light_at(vec2<i32>(texel), place));
+        textureStore(gathered_output, texel, light_at(vec2<i32>(texel), place));
     }
 }

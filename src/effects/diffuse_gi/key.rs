@@ -2,7 +2,9 @@
 
 use bevy::shader::ShaderDefVal;
 
-use crate::shader_library::reconstruction::position::ProjectionKind;
+use crate::{
+    gpu::effect_pipelines::EffectKey, shader_library::reconstruction::position::ProjectionKind,
+};
 
 /// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -13,8 +15,8 @@ pub(super) struct GiKey {
     pub(super) projection: ProjectionKind,
 }
 
-impl GiKey {
-    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+impl EffectKey for GiKey {
+    fn shader_defs(self) -> Vec<ShaderDefVal> {
         let (slices, steps) = self.samples;
         let mut defs = vec![
             ShaderDefVal::UInt("SLICES".into(), slices),
@@ -25,8 +27,7 @@ impl GiKey {
         defs
     }
 
-    /// True if its pipelines can stand in for those of `other` until they are compiled.
-    pub(super) fn stands_in_for(self, other: Self) -> bool {
-        self.projection.covers(other.projection)
+    fn stands_in_for(self, wanted: Self) -> bool {
+        self.projection.covers(wanted.projection)
     }
 }

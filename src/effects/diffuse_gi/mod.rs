@@ -14,10 +14,10 @@
 // - `settings.rs`: the component.
 // - `uniforms.rs`, `view.wgsl`: the uniform of a view.
 // - `key.rs`: pipeline keys.
-// - `pipelines.rs`: layouts and pipelines.
+// - `pipelines.rs`: the table of the passes, their bindings and pipelines.
 // - `active.rs`: decides per view and frame if light is computed.
 // - `prepare.rs`: uniforms, textures and bind groups of views.
-// - `pass.rs`: the three passes.
+// - `pass.rs`: runs the passes.
 // - `levels.wgsl`: depth, and the reprojected light of the last frame.
 // - `gather.wgsl`: light and occlusion of each texel.
 // - `filter.wgsl`: the mean of 4×4 texels.

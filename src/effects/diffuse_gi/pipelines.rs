@@ -1,28 +1,26 @@
-//! Layouts and pipelines.
+//! The passes, their bindings, and their pipelines by key.
 
 use bevy::{
     asset::load_embedded_asset,
-    platform::collections::HashMap,
     prelude::*,
     render::render_resource::{
-        CachedComputePipelineId, ComputePipelineDescriptor, PipelineCache, ShaderStages,
-        StorageTextureAccess, TextureFormat, TextureSampleType,
+        BindGroupLayoutEntryBuilder, StorageTextureAccess, TextureFormat, TextureSampleType,
         binding_types::{texture_2d, texture_depth_2d, texture_storage_2d, uniform_buffer},
     },
-    shader::CachedPipelineId,
 };
 
 use super::{
     binding_numbers::{
-        DEPTH_TEXTURE, DIFFUSE_LIGHT_TEXTURE, GATHERED_TEXTURE, LAST_LEVELS, LEVEL_0, LEVELS,
-        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, SHOWN_EXPOSURE, VIEW,
+        DEPTH_TEXTURE, DIFFUSE_LIGHT_OUTPUT, DIFFUSE_LIGHT_TEXTURE, GATHERED_OUTPUT,
+        GATHERED_TEXTURE, LAST_LEVELS, LEVEL_0, LEVEL_1, LEVEL_2, LEVEL_3, LEVELS, MOTION_TEXTURE,
+        NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE, SHOWN_EXPOSURE, VIEW,
     },
     key::GiKey,
     uniforms::GiUniform,
 };
 use crate::{
     effects::shown_exposure::ShownExposure,
-    gpu::{bind_group_cache::ResolvedLayout, bindings::layout},
+    gpu::effect_pipelines::{ComputePass, EffectPipelines},
 };
 
 /// Format of the depth and light of texels: two words each.
@@ -32,132 +30,63 @@ pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 /// Number of levels. Any device has at least four storage textures per compute shader.
 pub(super) const LEVEL_COUNT: u32 = 4;
 
-/// Pipelines of one key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct GiPasses {
-    pub(super) levels: CachedComputePipelineId,
-    pub(super) gather: CachedComputePipelineId,
-    pub(super) filter: CachedComputePipelineId,
+/// The passes between G-buffer and lighting, in order.
+pub(super) const PASSES: [ComputePass; 3] = [
+    ComputePass {
+        label: "lean_deferred/effects/diffuse_gi/levels",
+        shader: |assets| load_embedded_asset!(assets, "levels.wgsl"),
+        entry: "main",
+        defs: &[],
+        reads: &[
+            VIEW,
+            DEPTH_TEXTURE,
+            DIFFUSE_LIGHT_TEXTURE,
+            MOTION_TEXTURE,
+            SHOWN_EXPOSURE,
+            LAST_LEVELS,
+        ],
+        writes: &[LEVEL_0, LEVEL_1, LEVEL_2, LEVEL_3],
+    },
+    ComputePass {
+        label: "lean_deferred/effects/diffuse_gi/gather",
+        shader: |assets| load_embedded_asset!(assets, "gather.wgsl"),
+        entry: "main",
+        defs: &[],
+        reads: &[VIEW, DEPTH_TEXTURE, NORMAL_TEXTURE, LEVELS],
+        writes: &[GATHERED_OUTPUT],
+    },
+    ComputePass {
+        label: "lean_deferred/effects/diffuse_gi/filter",
+        shader: |assets| load_embedded_asset!(assets, "filter.wgsl"),
+        entry: "main",
+        defs: &[],
+        reads: &[VIEW, LEVELS, GATHERED_TEXTURE],
+        writes: &[OUTPUT_TEXTURE],
+    },
+];
+
+pub(super) type GiPipelines = EffectPipelines<GiKey>;
+
+pub(super) fn init_gi_pipelines(mut commands: Commands, asset_server: Res<AssetServer>) {
+    commands.insert_resource(GiPipelines::new(&asset_server, &PASSES, |_, binding| {
+        binding_kind(binding)
+    }));
 }
 
-impl GiPasses {
-    fn each(self) -> [CachedComputePipelineId; 3] {
-        [self.levels, self.gather, self.filter]
-    }
-
-    pub(super) fn are_compiled(self, cache: &PipelineCache) -> bool {
-        self.each()
-            .into_iter()
-            .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some())
-    }
-
-    pub(super) fn ids(self) -> [CachedPipelineId; 3] {
-        self.each().map(|pipeline| pipeline.id())
-    }
-}
-
-/// Pipelines by key. Created by `init_gi_pipelines`.
-#[derive(Resource)]
-pub(super) struct GiPipelines {
-    shaders: [Handle<Shader>; 3],
-    pub(super) levels_layout: ResolvedLayout,
-    pub(super) gather_layout: ResolvedLayout,
-    pub(super) filter_layout: ResolvedLayout,
-    by_key: HashMap<GiKey, GiPasses>,
-}
-
-pub(super) fn init_gi_pipelines(
-    mut commands: Commands,
-    asset_server: Res<AssetServer>,
-    cache: Res<PipelineCache>,
-) {
-    let words = || texture_2d(TextureSampleType::Uint);
-    let floats = || texture_2d(TextureSampleType::Float { filterable: false });
+/// The kind of a binding.
+pub(super) fn binding_kind(binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
+    let words = texture_2d(TextureSampleType::Uint);
+    let floats = texture_2d(TextureSampleType::Float { filterable: false });
     let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
-    let view = || (VIEW, uniform_buffer::<GiUniform>(true));
-    let levels_layout = layout(
-        "lean_deferred/effects/diffuse_gi/levels",
-        ShaderStages::COMPUTE,
-        [
-            view(),
-            (DEPTH_TEXTURE, texture_depth_2d()),
-            (DIFFUSE_LIGHT_TEXTURE, words()),
-            (LAST_LEVELS, words()),
-            (MOTION_TEXTURE, floats()),
-            (SHOWN_EXPOSURE, ShownExposure::layout()),
-        ]
-        .into_iter()
-        .chain((0..LEVEL_COUNT).map(|level| (LEVEL_0 + level, stored(LEVELS_FORMAT)))),
-    );
-    let gather_layout = layout(
-        "lean_deferred/effects/diffuse_gi/gather",
-        ShaderStages::COMPUTE,
-        [
-            view(),
-            (DEPTH_TEXTURE, texture_depth_2d()),
-            (NORMAL_TEXTURE, words()),
-            (LEVELS, words()),
-            (OUTPUT_TEXTURE, stored(LIGHT_FORMAT)),
-        ],
-    );
-    let filter_layout = layout(
-        "lean_deferred/effects/diffuse_gi/filter",
-        ShaderStages::COMPUTE,
-        [
-            view(),
-            (LEVELS, words()),
-            (GATHERED_TEXTURE, floats()),
-            (OUTPUT_TEXTURE, stored(LIGHT_FORMAT)),
-        ],
-    );
-    commands.insert_resource(GiPipelines {
-        shaders: [
-            load_embedded_asset!(asset_server.as_ref(), "levels.wgsl"),
-            load_embedded_asset!(asset_server.as_ref(), "gather.wgsl"),
-            load_embedded_asset!(asset_server.as_ref(), "filter.wgsl"),
-        ],
-        levels_layout: ResolvedLayout::new(&cache, levels_layout),
-        gather_layout: ResolvedLayout::new(&cache, gather_layout),
-        filter_layout: ResolvedLayout::new(&cache, filter_layout),
-        by_key: HashMap::default(),
-    });
-}
-
-impl GiPipelines {
-    /// Pipelines for `key`; they may still be compiling.
-    pub(super) fn specialize(&mut self, cache: &PipelineCache, key: GiKey) -> GiPasses {
-        if let Some(passes) = self.by_key.get(&key) {
-            return *passes;
-        }
-        let queue = |label: &'static str, shader: &Handle<Shader>, layout: &ResolvedLayout| {
-            cache.queue_compute_pipeline(ComputePipelineDescriptor {
-                label: Some(label.into()),
-                layout: vec![layout.descriptor().clone()],
-                shader: shader.clone(),
-                shader_defs: key.shader_defs(),
-                entry_point: Some("main".into()),
-                ..default()
-            })
-        };
-        let [levels, gather, filter] = &self.shaders;
-        let passes = GiPasses {
-            levels: queue(
-                "lean_deferred/effects/diffuse_gi/levels",
-                levels,
-                &self.levels_layout,
-            ),
-            gather: queue(
-                "lean_deferred/effects/diffuse_gi/gather",
-                gather,
-                &self.gather_layout,
-            ),
-            filter: queue(
-                "lean_deferred/effects/diffuse_gi/filter",
-                filter,
-                &self.filter_layout,
-            ),
-        };
-        self.by_key.insert(key, passes);
-        passes
-    }
+    Some(match binding {
+        VIEW => uniform_buffer::<GiUniform>(true),
+        DEPTH_TEXTURE => texture_depth_2d(),
+        NORMAL_TEXTURE | DIFFUSE_LIGHT_TEXTURE | LAST_LEVELS | LEVELS => words,
+        MOTION_TEXTURE | GATHERED_TEXTURE | PICTURE_TEXTURE => floats,
+        SHOWN_EXPOSURE => ShownExposure::layout(),
+        LEVEL_0..=LEVEL_3 => stored(LEVELS_FORMAT),
+        GATHERED_OUTPUT | OUTPUT_TEXTURE => stored(LIGHT_FORMAT),
+        DIFFUSE_LIGHT_OUTPUT => stored(TextureFormat::R32Uint),
+        _ => return None,
+    })
 }

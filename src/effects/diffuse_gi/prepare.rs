@@ -17,16 +17,16 @@ use bevy::{
 use super::{
     active::ActiveGi,
     binding_numbers::{
-        DEPTH_TEXTURE, DIFFUSE_LIGHT_TEXTURE, GATHERED_TEXTURE, LAST_LEVELS, LEVEL_0, LEVELS,
-        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, SHOWN_EXPOSURE, VIEW,
+        DEPTH_TEXTURE, DIFFUSE_LIGHT_TEXTURE, GATHERED_OUTPUT, GATHERED_TEXTURE, LAST_LEVELS,
+        LEVEL_0, LEVEL_3, LEVELS, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, SHOWN_EXPOSURE,
+        VIEW,
     },
-    pipelines::{GiPipelines, LEVEL_COUNT, LEVELS_FORMAT, LIGHT_FORMAT},
+    pipelines::{GiPipelines, LEVEL_COUNT, LEVELS_FORMAT, LIGHT_FORMAT, PASSES},
     uniforms::GiUniform,
 };
 use crate::{
     effects::{
-        LastFrame,
-        history_validity::{FrameNumber, HistoryValidity},
+        history_validity::{FrameNumber, HistoryValidity, LastFrame},
         shown_exposure::{BoundedByWhite, ShownExposure},
         world_shift::WorldShift,
     },
@@ -101,8 +101,8 @@ impl ViewGi {
         }
     }
 
-    /// Workgroups of the three passes.
-    pub(super) fn workgroups(&self) -> [UVec2; 3] {
+    /// Workgroups of the passes.
+    pub(super) fn workgroups(&self) -> [UVec2; PASSES.len()] {
         let of = |side: u32| self.texture_size.map(|length| length.div_ceil(side));
         [
             of(LEVELS_SIDE),
@@ -198,24 +198,20 @@ pub(super) fn prepare_gi(
 #[derive(Component, Default)]
 pub struct GiBindings {
     /// By the index of this frame's levels.
-    pub(super) groups: [GiGroups; 2],
-    pub(super) current: usize,
-}
-
-#[derive(Default)]
-pub(super) struct GiGroups {
-    pub(super) levels: CachedBindGroup,
-    pub(super) gather: CachedBindGroup,
-    pub(super) filter: CachedBindGroup,
+    groups: [[CachedBindGroup; PASSES.len()]; 2],
+    current: usize,
 }
 
 impl GiBindings {
+    /// Bind groups in the order of the passes.
+    pub(super) fn current_groups(&self) -> &[CachedBindGroup; PASSES.len()] {
+        &self.groups[self.current]
+    }
+
     /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        self.groups
-            .iter()
-            .flat_map(|groups| [&groups.levels, &groups.gather, &groups.filter])
-            .filter_map(CachedBindGroup::get)
+        let groups = self.groups.iter().flatten();
+        groups.filter_map(CachedBindGroup::get)
     }
 }
 
@@ -227,7 +223,7 @@ pub(super) fn prepare_gi_bind_groups(
     (uniforms, no_motion): (Res<GiUniforms>, Res<FallbackImageZero>),
     mut views: Query<(
         Entity,
-        &ViewGi,
+        (&ActiveGi, &ViewGi),
         (&GBufferTextures, &ViewDepthTexture, &DiffuseLight),
         Option<&ViewPrepassTextures>,
         Option<&mut GiBindings>,
@@ -236,49 +232,38 @@ pub(super) fn prepare_gi_bind_groups(
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.binding()) else {
         return;
     };
-    for (entity, gi, (gbuffer, depth, light), prepass, bindings) in &mut views {
+    for (entity, (active, gi), (gbuffer, depth, light), prepass, bindings) in &mut views {
         let mut made = None;
         let bindings = match bindings {
             Some(bindings) => bindings.into_inner(),
             None => made.insert(GiBindings::default()),
         };
         bindings.current = gi.current;
-        let groups = &mut bindings.groups[gi.current];
         let (levels, last) = (&gi.levels[gi.current], &gi.levels[1 - gi.current]);
-        let layout = &pipelines.levels_layout;
-        groups.levels.update(&device, layout, |entries| {
-            entries.push(VIEW, uniforms.clone())?;
-            entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
-            entries.push(DIFFUSE_LIGHT_TEXTURE, light.0.default_view.into_binding())?;
-            entries.push(LAST_LEVELS, last.view.into_binding())?;
-            entries.push(SHOWN_EXPOSURE, gi.shown_exposure.binding())?;
-            for (level, view) in (LEVEL_0..).zip(&levels.levels) {
-                entries.push(level, view.into_binding())?;
-            }
-            let motion = if gi.has_motion {
-                &prepass?.motion_vectors.as_ref()?.texture.default_view
-            } else {
-                &no_motion.texture_view
-            };
-            entries.push(MOTION_TEXTURE, motion.into_binding())
-        });
-        groups
-            .gather
-            .update(&device, &pipelines.gather_layout, |entries| {
-                entries.push(VIEW, uniforms.clone())?;
-                entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
-                entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
-                entries.push(LEVELS, levels.view.into_binding())?;
-                entries.push(OUTPUT_TEXTURE, gi.gathered.view.into_binding())
-            });
-        groups
-            .filter
-            .update(&device, &pipelines.filter_layout, |entries| {
-                entries.push(VIEW, uniforms.clone())?;
-                entries.push(LEVELS, levels.view.into_binding())?;
-                entries.push(GATHERED_TEXTURE, gi.gathered.view.into_binding())?;
-                entries.push(OUTPUT_TEXTURE, gi.output.view.into_binding())
-            });
+        let resource = |binding: u32| {
+            Some(match binding {
+                VIEW => uniforms.clone(),
+                DEPTH_TEXTURE => depth.view().into_binding(),
+                NORMAL_TEXTURE => gbuffer.normal.default_view.into_binding(),
+                DIFFUSE_LIGHT_TEXTURE => light.0.default_view.into_binding(),
+                MOTION_TEXTURE if gi.has_motion => {
+                    let motion = prepass?.motion_vectors.as_ref()?;
+                    motion.texture.default_view.into_binding()
+                }
+                MOTION_TEXTURE => no_motion.texture_view.into_binding(),
+                SHOWN_EXPOSURE => gi.shown_exposure.binding(),
+                LAST_LEVELS => last.view.into_binding(),
+                LEVELS => levels.view.into_binding(),
+                LEVEL_0..=LEVEL_3 => levels.levels[(binding - LEVEL_0) as usize].into_binding(),
+                GATHERED_TEXTURE | GATHERED_OUTPUT => gi.gathered.view.into_binding(),
+                OUTPUT_TEXTURE => gi.output.view.into_binding(),
+                _ => return None,
+            })
+        };
+        let groups = &mut bindings.groups[gi.current];
+        for (group, pass) in groups.iter_mut().zip(pipelines.of(active.key)) {
+            group.bind(&device, &pass.layout, &resource);
+        }
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }

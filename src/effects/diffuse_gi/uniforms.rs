@@ -7,7 +7,7 @@ use bevy::{prelude::*, render::render_resource::ShaderType};
 use super::settings::LeanScreenSpaceGi;
 use crate::{
     effects::{
-        LastFrame,
+        history_validity::LastFrame,
         reprojection::{exposure_ratio, last_pixel_from_view, up_to},
         resolution,
     },

@@ -3,9 +3,10 @@
 //! An effect inserts [`ReadsHistory`] on its views and reads [`ViewHistory`] there. The history is valid if its frame directly
 //! precedes this one: not after a cut, a pause, a change of the viewport or of the kind of projection.
 //!
+//! - `request.rs`: the component that asks for a history.
 //! - `prepare.rs`: the textures and their validity.
 //! - `uniforms.rs`: the uniform of a view.
-//! - `pipelines.rs`: layouts and pipelines.
+//! - `pipelines.rs`: the table of the dispatches, their bindings and pipelines.
 //! - `binding_numbers.rs`: binding numbers.
 //! - `pass.rs`, `levels.wgsl`: the pass that fills the textures.
 //! - `distance.rs`: the unit of stored distances.
@@ -18,6 +19,7 @@ mod opaque_depth;
 mod pass;
 mod pipelines;
 mod prepare;
+mod request;
 mod uniforms;
 
 use bevy::{
@@ -36,6 +38,7 @@ use bevy::{
 pub(super) use distance::units_per_metre;
 pub use prepare::ViewHistory;
 pub(super) use prepare::{prepare_histories, prepare_history_bind_groups};
+pub use request::ReadsHistory;
 pub use uniforms::HistoryUniform;
 
 use super::{history_validity::HistoryValidityPlugin, shown_exposure::ShownExposurePlugin};
@@ -43,10 +46,6 @@ use crate::view::{
     EffectSystems, HistoryPasses, OpaquePicturePasses, SharedPlugin, ViewTextureSystems,
     depth_usage::extend_depth_usage, memory, removal,
 };
-
-/// On a view of the render world: requests its history. Insert before `RenderSystems::PrepareViews`; remove once nothing reads it.
-#[derive(Component, Clone, Copy, Debug, Default)]
-pub struct ReadsHistory;
 
 /// Keeps the history of views with [`ReadsHistory`]. Added once, by the effects that need it.
 pub(crate) struct HistoryPlugin;

@@ -16,7 +16,7 @@ use bevy::{
     },
 };
 
-use super::{ReadsHistory, prepare::ViewHistory};
+use super::{prepare::ViewHistory, request::ReadsHistory};
 use crate::view::OutOfMemory;
 
 /// In the render world: copies of depth, by size. Views are rendered one after another, so views of one size share a copy. A copy is

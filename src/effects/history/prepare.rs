@@ -15,10 +15,12 @@ use bevy::{
 };
 
 use super::{
-    ReadsHistory,
-    binding_numbers::{COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, SHOWN_EXPOSURE, VIEW},
+    binding_numbers::{
+        COLOR_TEXTURE, DEPTH_TEXTURE, LEVEL_0, LEVEL_2, LEVEL_3, SHOWN_EXPOSURE, VIEW,
+    },
     distance::units_per_metre,
-    pipelines::{FORMAT, HistoryPipelines, LEVELS},
+    pipelines::{FORMAT, HistoryKey, HistoryPipelines, LEVELS, PASSES},
+    request::ReadsHistory,
     uniforms::HistoryUniform,
 };
 use crate::{
@@ -96,14 +98,9 @@ impl ViewHistory {
         UVec2::new(self.kept.texture.width(), self.kept.texture.height())
     }
 
-    /// Bind group of the dispatch that reads `picture`.
-    pub(super) fn bind_group_of(&self, picture: &Texture) -> Option<&BindGroup> {
-        self.pictures.of(picture)
-    }
-
-    /// Bind group of the second dispatch.
-    pub(super) fn bind_group_of_means(&self) -> Option<&BindGroup> {
-        self.means.get()
+    /// Bind groups of the dispatches, of which the first reads `picture`.
+    pub(super) fn bind_groups(&self, picture: &Texture) -> [Option<&BindGroup>; PASSES.len()] {
+        [self.pictures.of(picture), self.means.get()]
     }
 
     /// Bind groups that are reused across frames while nothing changes.
@@ -115,8 +112,8 @@ impl ViewHistory {
         self.offset
     }
 
-    /// Workgroups of the two dispatches.
-    pub(super) fn workgroups(&self) -> [UVec2; 2] {
+    /// Workgroups of the dispatches.
+    pub(super) fn workgroups(&self) -> [UVec2; PASSES.len()] {
         let last_of_first = self.size() >> (LEVELS[0] - 1);
         [self.size(), last_of_first].map(|texels| texels.map(|side| side.div_ceil(BLOCK_SIDE)))
     }
@@ -227,9 +224,6 @@ pub(in crate::effects) fn prepare_history_bind_groups(
     let (Some(mut pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
         return;
     };
-    if !views.is_empty() {
-        pipelines.queue(&cache);
-    }
     for (mut history, target, depth) in &mut views {
         let history = &mut *history;
         let depth = match &history.opaque_depth {
@@ -238,26 +232,25 @@ pub(in crate::effects) fn prepare_history_bind_groups(
         };
         let shown_exposure = &history.shown_exposure;
         let (first, rest) = history.kept.levels.split_at(LEVELS[0] as usize);
-        (history.pictures).update(
-            &device,
-            &pipelines.layouts[0],
-            target,
-            |entries, picture| {
-                entries.push(COLOR_TEXTURE, picture.into_binding())?;
-                for (number, level) in (LEVEL_0..).zip(first) {
-                    entries.push(number, level.into_binding())?;
-                }
-                entries.push(VIEW, uniforms.clone())?;
-                entries.push(DEPTH_TEXTURE, depth.into_binding())?;
-                entries.push(SHOWN_EXPOSURE, shown_exposure.binding())
-            },
-        );
-        (history.means).update(&device, &pipelines.layouts[1], |entries| {
-            entries.push(COLOR_TEXTURE, first.last()?.into_binding())?;
-            for (number, level) in (LEVEL_0..).zip(rest) {
-                entries.push(number, level.into_binding())?;
-            }
-            Some(())
+        let [of_picture, of_level] = pipelines.specialize(&cache, HistoryKey) else {
+            continue;
+        };
+        (history.pictures).bind(&device, &of_picture.layout, target, |binding, picture| {
+            Some(match binding {
+                COLOR_TEXTURE => picture.into_binding(),
+                LEVEL_0..=LEVEL_3 => first[(binding - LEVEL_0) as usize].into_binding(),
+                VIEW => uniforms.clone(),
+                DEPTH_TEXTURE => depth.into_binding(),
+                SHOWN_EXPOSURE => shown_exposure.binding(),
+                _ => return None,
+            })
+        });
+        (history.means).bind(&device, &of_level.layout, |binding| {
+            Some(match binding {
+                COLOR_TEXTURE => first.last()?.into_binding(),
+                LEVEL_0..=LEVEL_2 => rest[(binding - LEVEL_0) as usize].into_binding(),
+                _ => return None,
+            })
         });
     }
 }

@@ -7,12 +7,10 @@ use bevy::{
 };
 
 use super::{
-    key::ReflectionKey,
-    pipelines::{ReflectionPasses, ReflectionPipelines},
-    settings::LeanScreenSpaceReflections,
+    key::ReflectionKey, pipelines::ReflectionPipelines, settings::LeanScreenSpaceReflections,
 };
 use crate::{
-    effects::{ReadsHistory, history_validity::drawn_part},
+    effects::{history::ReadsHistory, history_validity::drawn_part},
     gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
     view::{
@@ -26,7 +24,6 @@ use crate::{
 pub struct ActiveReflections {
     pub(super) settings: LeanScreenSpaceReflections,
     pub(super) key: ReflectionKey,
-    pub(super) passes: ReflectionPasses,
 }
 
 /// Inserts or removes [`ActiveReflections`] and its requests to other passes. While pipelines for new settings compile, a view keeps
@@ -70,20 +67,15 @@ pub(super) fn decide_active_reflections(
             projection: projection_of(view.clip_from_view),
             shown: debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit),
         };
-        let wanted = can_run.then(|| ActiveReflections {
-            settings: *settings,
-            key,
-            passes: pipelines.specialize(&cache, key),
+        let active = can_run.then(|| {
+            let settings = *settings;
+            let wanted = ActiveReflections { settings, key };
+            let current = current.copied();
+            let active = pipelines.keep_until_compiled(&cache, wanted, current, |kept| kept.key);
+            status.set_running(active.is_some(), pipelines.failure(&watch, key));
+            active
         });
-        let stand_in = current.filter(|last| last.key.stands_in_for(key)).copied();
-        let active = [wanted, stand_in]
-            .into_iter()
-            .flatten()
-            .find(|active| can_run && active.passes.are_compiled(&cache));
-        if let Some(wanted) = wanted {
-            status.set_running(active.is_some(), watch.failure(wanted.passes.ids()));
-        }
-        match active {
+        match active.flatten() {
             Some(active) => {
                 let mut view = commands.entity(entity);
                 view.insert(active);

@@ -6,30 +6,30 @@
 
 @group(0) @binding(0) var<uniform> view: ReflectionUniform;
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
-@group(0) @binding(2) var normal_texture: texture_2d<u32>;
-@group(0) @binding(3) var valid_mask_texture: texture_2d<u32>;
-@group(0) @binding(4) var specialization_texture: texture_2d<u32>;
+@group(0) @binding(2) var depth_sampler: sampler;
+@group(0) @binding(3) var normal_texture: texture_2d<u32>;
+@group(0) @binding(4) var valid_mask_texture: texture_2d<u32>;
+@group(0) @binding(5) var specialization_texture: texture_2d<u32>;
 /// Motion of each pixel since the last frame; valid with `view.has_motion`.
-@group(0) @binding(5) var motion_texture: texture_2d<f32>;
+@group(0) @binding(6) var motion_texture: texture_2d<f32>;
 /// Last frame: light, and distance in alpha, in a unit of its own.
-@group(0) @binding(6) var history_texture: texture_2d<f32>;
-@group(0) @binding(7) var history_sampler: sampler;
+@group(0) @binding(7) var history_texture: texture_2d<f32>;
+@group(0) @binding(8) var history_sampler: sampler;
 /// Nearest and furthest depth of cells of pixels, packed.
-@group(0) @binding(8) var hi_z_texture: texture_2d<u32>;
-@group(0) @binding(9) var hi_z_output: texture_storage_2d<r32uint, write>;
-/// Result of each ray: light and confidence, and its hit, packed by `pack_hit`.
-@group(0) @binding(10) var rays_texture: texture_2d<f32>;
-@group(0) @binding(11) var hits_texture: texture_2d<u32>;
-@group(0) @binding(12) var rays_output: texture_storage_2d<rgba16float, write>;
-@group(0) @binding(13) var hits_output: texture_storage_2d<r32uint, write>;
+@group(0) @binding(9) var hi_z_texture: texture_2d<u32>;
+@group(0) @binding(10) var hi_z_output: texture_storage_2d<r32uint, write>;
 /// Surface of each texel: its normal word, as in the G-buffer, and its depth; 0 without a ray.
-@group(0) @binding(18) var surfaces_texture: texture_2d<u32>;
-@group(0) @binding(19) var surfaces_output: texture_storage_2d<rg32uint, write>;
+@group(0) @binding(11) var surfaces_texture: texture_2d<u32>;
+@group(0) @binding(12) var surfaces_output: texture_storage_2d<rg32uint, write>;
+/// Result of each ray: light and confidence, and its hit, packed by `pack_hit`.
+@group(0) @binding(13) var rays_texture: texture_2d<f32>;
+@group(0) @binding(14) var rays_output: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(15) var hits_texture: texture_2d<u32>;
+@group(0) @binding(16) var hits_output: texture_storage_2d<r32uint, write>;
 /// Light times confidence, and confidence, of each texel's lobe.
-@group(0) @binding(16) var filtered_texture: texture_2d<f32>;
-@group(0) @binding(17) var filtered_output: texture_storage_2d<rgba16float, write>;
-@group(0) @binding(14) var output_texture: texture_storage_2d<rgba16float, write>;
-@group(0) @binding(15) var depth_sampler: sampler;
+@group(0) @binding(17) var filtered_texture: texture_2d<f32>;
+@group(0) @binding(18) var filtered_output: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(19) var output_texture: texture_storage_2d<rgba16float, write>;
 
 /// Side of a texel of rays in pixels.
 const DIVISOR: i32 = #{DIVISOR};

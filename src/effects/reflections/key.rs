@@ -3,7 +3,10 @@
 use bevy::shader::ShaderDefVal;
 
 use super::settings::Marches;
-use crate::{gpu::shader_defs, shader_library::reconstruction::position::ProjectionKind};
+use crate::{
+    gpu::{effect_pipelines::EffectKey, shader_defs},
+    shader_library::reconstruction::position::ProjectionKind,
+};
 
 /// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,8 +21,8 @@ pub(super) struct ReflectionKey {
     pub(super) shown: bool,
 }
 
-impl ReflectionKey {
-    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
+impl EffectKey for ReflectionKey {
+    fn shader_defs(self) -> Vec<ShaderDefVal> {
         let marches = self.marches;
         let mut defs = vec![
             ShaderDefVal::UInt("ROUGH_SEGMENTS".into(), marches.rough_segments),
@@ -36,8 +39,7 @@ impl ReflectionKey {
         defs
     }
 
-    /// True if its pipelines can stand in for those of `other` until they are compiled.
-    pub(super) fn stands_in_for(self, other: Self) -> bool {
-        self.projection.covers(other.projection)
+    fn stands_in_for(self, wanted: Self) -> bool {
+        self.projection.covers(wanted.projection)
     }
 }

@@ -16,10 +16,11 @@
 // - `settings.rs`: the component.
 // - `uniforms.rs`, `view.wgsl`: the uniform of a view.
 // - `key.rs`: pipeline keys.
-// - `pipelines.rs`: layouts and pipelines.
+// - `pipelines.rs`: the table of the passes, their bindings and pipelines.
+// - `fixtures.rs`: samplers and a texture that all views share.
 // - `active.rs`: decides per view and frame if reflections are computed.
 // - `prepare.rs`: uniforms, textures and bind groups of views.
-// - `pass.rs`: the four passes.
+// - `pass.rs`: runs the passes.
 // - `hi_z.wgsl`: the first pass.
 // - `cell.wgsl`: cells, and their depths packed into a word.
 // - `trace.wgsl`: the second pass.
@@ -36,6 +37,7 @@
 mod active;
 #[doc(hidden)]
 pub mod binding_numbers;
+mod fixtures;
 mod key;
 mod pass;
 mod pipelines;
@@ -64,9 +66,8 @@ use bevy::{
 };
 
 use super::{
-    ReadsHistory,
     debug_view::{DebugViewPlugin, RayHits},
-    history::{HistoryPlugin, prepare_histories, prepare_history_bind_groups},
+    history::{HistoryPlugin, ReadsHistory, prepare_histories, prepare_history_bind_groups},
     support,
 };
 use crate::{
@@ -135,6 +136,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         );
         render_app
             .init_gpu_resource::<prepare::ReflectionUniforms>()
+            .init_gpu_resource::<fixtures::ReflectionFixtures>()
             .add_systems(
                 RenderStartup,
                 (

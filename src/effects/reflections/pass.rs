@@ -1,4 +1,6 @@
-//! The passes, between G-buffer and lighting.
+//! Runs the passes, between G-buffer and lighting.
+
+use core::slice;
 
 use bevy::{
     prelude::*,
@@ -10,21 +12,15 @@ use bevy::{
 
 use super::{
     active::ActiveReflections,
+    pipelines::{PASSES, ReflectionPipelines},
     prepare::{ReflectionBindings, ViewReflections},
 };
 use crate::{
-    gpu::timed::{Dispatch, TimesEachDispatch, timed_dispatches},
+    gpu::timed::{TimesEachDispatch, timed_dispatches},
     view::{ActiveLeanView, LightingIo},
 };
 
 const LABEL: &str = "lean_deferred/effects/reflections";
-/// Labels of the dispatches, in order.
-pub(super) const PASSES: [&str; 4] = [
-    "lean_deferred/effects/reflections/hi_z",
-    "lean_deferred/effects/reflections/trace",
-    "lean_deferred/effects/reflections/spatial_filter",
-    "lean_deferred/effects/reflections/resolve",
-];
 
 /// Computes reflections for the lighting pass.
 pub(super) fn find_reflections(
@@ -35,34 +31,21 @@ pub(super) fn find_reflections(
         &ReflectionBindings,
     )>,
     cache: Res<PipelineCache>,
+    pipelines: Option<Res<ReflectionPipelines>>,
     one_by_one: Option<Res<TimesEachDispatch>>,
     mut ctx: RenderContext,
 ) {
     let (active, lean, held, bindings) = view.into_inner();
+    let Some(pipelines) = pipelines else {
+        return;
+    };
     if !lean.io.contains(LightingIo::INDIRECT_SPECULAR) {
         return;
     }
-    if let Some(dispatches) = dispatches(active, held, bindings, &cache) {
-        timed_dispatches(&mut ctx, LABEL, one_by_one.as_deref(), &dispatches);
-    }
-}
-
-/// `None` if a pipeline or bind group is missing.
-fn dispatches<'a>(
-    active: &ActiveReflections,
-    held: &ViewReflections,
-    bindings: &'a ReflectionBindings,
-    cache: &'a PipelineCache,
-) -> Option<[Dispatch<'a>; PASSES.len()]> {
     let (groups, workgroups) = (bindings.groups(), held.workgroups());
-    let pass = |i: usize| {
-        Some(Dispatch {
-            label: PASSES[i],
-            pipeline: cache.get_compute_pipeline(active.passes.0[i])?,
-            group: groups[i]?,
-            offset: held.offset,
-            workgroups: workgroups[i],
-        })
-    };
-    Some([pass(0)?, pass(1)?, pass(2)?, pass(3)?])
+    let offsets = slice::from_ref(&held.offset);
+    let dispatches: [_; PASSES.len()] = pipelines.dispatches(&cache, active.key, |pass| {
+        (groups[pass], offsets, workgroups[pass])
+    });
+    timed_dispatches(&mut ctx, LABEL, one_by_one.as_deref(), &dispatches);
 }

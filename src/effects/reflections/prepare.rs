@@ -22,19 +22,20 @@ use super::{
         NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE,
         SURFACES_OUTPUT, SURFACES_TEXTURE, VALID_MASK_TEXTURE, VIEW,
     },
-    pass::PASSES,
+    fixtures::ReflectionFixtures,
     pipelines::{
-        HI_Z_FORMAT, HITS_FORMAT, LIGHT_FORMAT, ReflectionLayouts, ReflectionPipelines,
-        SURFACES_FORMAT,
+        HI_Z_FORMAT, HITS_FORMAT, LIGHT_FORMAT, PASSES, ReflectionPipelines, SURFACES_FORMAT,
     },
     uniforms::ReflectionUniform,
 };
 use crate::{
-    effects::{LastFrame, ViewHistory, debug_view::RayHits, world_shift::WorldShift},
+    effects::{
+        debug_view::RayHits, history::ViewHistory, history_validity::LastFrame,
+        world_shift::WorldShift,
+    },
     gbuffer::GBufferTextures,
     gpu::{
-        bind_group_cache::{CachedBindGroup, Entries},
-        storage_texture::StorageTexture,
+        bind_group_cache::CachedBindGroup, storage_texture::StorageTexture,
         texture_bytes::texture_bytes,
     },
     shader_library::tiles,
@@ -240,7 +241,8 @@ pub(super) fn prepare_reflection_bind_groups(
     mut commands: Commands,
     device: Res<RenderDevice>,
     pipelines: Option<Res<ReflectionPipelines>>,
-    (uniforms, no_motion): (Res<ReflectionUniforms>, Res<FallbackImageZero>),
+    (uniforms, fixtures): (Res<ReflectionUniforms>, Res<ReflectionFixtures>),
+    no_motion: Res<FallbackImageZero>,
     mut views: Query<(
         Entity,
         (&ActiveReflections, &ViewReflections, &ViewHistory),
@@ -253,71 +255,41 @@ pub(super) fn prepare_reflection_bind_groups(
         return;
     };
     for (entity, (active, held, history), (gbuffer, depth), prepass, bindings) in &mut views {
-        let Some(ReflectionLayouts(layouts)) = pipelines.layouts(active.key) else {
-            continue;
-        };
-        let fixtures = pipelines.fixtures(&device);
+        let fixtures = fixtures.get(&device);
         let mut made = None;
         let bindings = match bindings {
             Some(bindings) => bindings.into_inner(),
             None => made.insert(ReflectionBindings::default()),
         };
-        let scene = |entries: &mut Entries| {
-            entries.push(VIEW, uniforms.clone())?;
-            entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
-            entries.push(NORMAL_TEXTURE, gbuffer.normal.default_view.into_binding())?;
-            entries.push(HISTORY_TEXTURE, history.view().into_binding())?;
-            entries.push(HISTORY_SAMPLER, fixtures.history_sampler.into_binding())?;
-            let motion = if held.has_motion {
-                &prepass?.motion_vectors.as_ref()?.texture.default_view
-            } else {
-                &no_motion.texture_view
-            };
-            entries.push(MOTION_TEXTURE, motion.into_binding())?;
-            if active.key.specialization {
-                let special = gbuffer.optional(GBufferTargets::SPECIALIZATION);
-                let written = special.and(gbuffer.valid_mask.as_ref());
-                let views = [
-                    (VALID_MASK_TEXTURE, written),
-                    (SPECIALIZATION_TEXTURE, special),
-                ];
-                for (number, texture) in views {
-                    let view = texture.map_or(&fixtures.nothing, |texture| &texture.default_view);
-                    entries.push(number, view.into_binding())?;
+        let special = gbuffer.optional(GBufferTargets::SPECIALIZATION);
+        let valid_mask = special.and(gbuffer.valid_mask.as_ref());
+        let resource = |binding: u32| {
+            let view = match binding {
+                VIEW => return Some(uniforms.clone()),
+                DEPTH_SAMPLER => return Some(fixtures.depth_sampler.into_binding()),
+                HISTORY_SAMPLER => return Some(fixtures.history_sampler.into_binding()),
+                DEPTH_TEXTURE => depth.view(),
+                NORMAL_TEXTURE => &gbuffer.normal.default_view,
+                VALID_MASK_TEXTURE => valid_mask.map_or(&fixtures.nothing, |t| &t.default_view),
+                SPECIALIZATION_TEXTURE => special.map_or(&fixtures.nothing, |t| &t.default_view),
+                MOTION_TEXTURE if held.has_motion => {
+                    &prepass?.motion_vectors.as_ref()?.texture.default_view
                 }
-            }
-            Some(())
+                MOTION_TEXTURE => &no_motion.texture_view,
+                HISTORY_TEXTURE => history.view(),
+                HI_Z_TEXTURE | HI_Z_OUTPUT => &held.hi_z.view,
+                SURFACES_TEXTURE | SURFACES_OUTPUT => &held.surfaces.view,
+                RAYS_TEXTURE | RAYS_OUTPUT => &held.rays.view,
+                HITS_TEXTURE | HITS_OUTPUT => &held.hits.view,
+                FILTERED_TEXTURE | FILTERED_OUTPUT => &held.filtered.view,
+                OUTPUT_TEXTURE => &held.output.view,
+                _ => return None,
+            };
+            Some(view.into_binding())
         };
-        let texels = |entries: &mut Entries| {
-            entries.push(SURFACES_TEXTURE, held.surfaces.view.into_binding())?;
-            entries.push(RAYS_TEXTURE, held.rays.view.into_binding())?;
-            entries.push(HITS_TEXTURE, held.hits.view.into_binding())
-        };
-        let [hi_z, trace, filtered, resolve] = &mut bindings.0;
-        hi_z.update(&device, &layouts[0], |entries| {
-            entries.push(VIEW, uniforms.clone())?;
-            entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
-            entries.push(HI_Z_OUTPUT, held.hi_z.view.into_binding())?;
-            entries.push(DEPTH_SAMPLER, fixtures.depth_sampler.into_binding())
-        });
-        trace.update(&device, &layouts[1], |entries| {
-            scene(entries)?;
-            entries.push(HI_Z_TEXTURE, held.hi_z.view.into_binding())?;
-            entries.push(SURFACES_OUTPUT, held.surfaces.view.into_binding())?;
-            entries.push(RAYS_OUTPUT, held.rays.view.into_binding())?;
-            entries.push(HITS_OUTPUT, held.hits.view.into_binding())
-        });
-        filtered.update(&device, &layouts[2], |entries| {
-            entries.push(VIEW, uniforms.clone())?;
-            texels(entries)?;
-            entries.push(FILTERED_OUTPUT, held.filtered.view.into_binding())
-        });
-        resolve.update(&device, &layouts[3], |entries| {
-            scene(entries)?;
-            texels(entries)?;
-            entries.push(FILTERED_TEXTURE, held.filtered.view.into_binding())?;
-            entries.push(OUTPUT_TEXTURE, held.output.view.into_binding())
-        });
+        for (group, pass) in bindings.0.iter_mut().zip(pipelines.of(active.key)) {
+            group.bind(&device, &pass.layout, &resource);
+        }
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }

@@ -5,8 +5,8 @@ use bevy::{prelude::*, render::render_resource::ShaderType};
 use super::settings::LeanScreenSpaceReflections;
 use crate::{
     effects::{
-        LastFrame,
         history::units_per_metre,
+        history_validity::LastFrame,
         reprojection::{exposure_ratio, last_distance, last_pixel_from_view, pixels_of, up_to},
         resolution,
     },

@@ -6,9 +6,7 @@ use bevy::{
 };
 
 use super::{
-    key::SubsurfaceKey,
-    pipelines::{SubsurfacePasses, SubsurfacePipelines},
-    settings::LeanSubsurfaceScattering,
+    key::SubsurfaceKey, pipelines::SubsurfacePipelines, settings::LeanSubsurfaceScattering,
 };
 use crate::{
     gbuffer::ViewDemands,
@@ -23,7 +21,6 @@ use crate::{
 pub struct ActiveScattering {
     pub(super) settings: LeanSubsurfaceScattering,
     pub(super) key: SubsurfaceKey,
-    pub(super) passes: SubsurfacePasses,
 }
 
 /// Inserts or removes [`ActiveScattering`] and its request to lighting. While pipelines for new settings compile, a view keeps its
@@ -62,22 +59,15 @@ pub(super) fn decide_active_scattering(
             && !status.is_off_for((!scatters).then_some(LeanOffReason::NothingScatters))
             && !status.is_off_by_device(&support.subsurface);
         let key = SubsurfaceKey::new(settings.quality, projection_of(view.clip_from_view));
-        let wanted = can_run.then(|| ActiveScattering {
-            settings: *settings,
-            key,
-            passes: pipelines.specialize(&cache, key),
+        let active = can_run.then(|| {
+            let settings = *settings;
+            let wanted = ActiveScattering { settings, key };
+            let current = current.copied();
+            let active = pipelines.keep_until_compiled(&cache, wanted, current, |kept| kept.key);
+            status.set_running(active.is_some(), pipelines.failure(&watch, key));
+            active
         });
-        let stand_in = current
-            .filter(|last| last.key.is_orthographic == key.is_orthographic)
-            .copied();
-        let active = [wanted, stand_in]
-            .into_iter()
-            .flatten()
-            .find(|active| can_run && active.passes.are_compiled(&cache));
-        if let Some(wanted) = wanted {
-            status.set_running(active.is_some(), watch.failure(wanted.passes.ids()));
-        }
-        match active {
+        match active.flatten() {
             Some(active) => {
                 commands.entity(entity).insert((active, ScattersLight));
             }

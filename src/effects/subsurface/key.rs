@@ -2,14 +2,17 @@
 
 use bevy::shader::ShaderDefVal;
 
-use crate::{shader_library::reconstruction::position::ProjectionKind, view::LeanQuality};
+use crate::{
+    gpu::effect_pipelines::EffectKey, shader_library::reconstruction::position::ProjectionKind,
+    view::LeanQuality,
+};
 
 /// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct SubsurfaceKey {
     /// Kernels are elongated on surfaces seen at an angle.
     is_drawn_out: bool,
-    pub(super) is_orthographic: bool,
+    is_orthographic: bool,
 }
 
 impl SubsurfaceKey {
@@ -19,20 +22,21 @@ impl SubsurfaceKey {
             is_orthographic: projection == ProjectionKind::Orthographic,
         }
     }
+}
 
-    /// Shader defs of all passes.
-    pub(super) fn shader_defs(self) -> Option<ShaderDefVal> {
+impl EffectKey for SubsurfaceKey {
+    fn shader_defs(self) -> Vec<ShaderDefVal> {
         let orthographic = ProjectionKind::Orthographic.shader_def();
         let projection = orthographic.filter(|_| self.is_orthographic);
-        projection.map(ShaderDefVal::from)
+        projection.into_iter().map(ShaderDefVal::from).collect()
     }
 
-    /// Additional shader defs of passes whose kernels cover more than a few pixels.
-    pub(super) fn drawn_out(self) -> &'static [&'static str] {
-        if self.is_drawn_out {
-            &["DRAWN_OUT"]
-        } else {
-            &[]
-        }
+    /// Only passes whose kernels cover more than a few pixels name `DRAWN_OUT`.
+    fn keeps_def(self, name: &str) -> bool {
+        self.is_drawn_out || name != "DRAWN_OUT"
+    }
+
+    fn stands_in_for(self, wanted: Self) -> bool {
+        self.is_orthographic == wanted.is_orthographic
     }
 }

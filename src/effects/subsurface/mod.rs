@@ -17,10 +17,10 @@
 // - `support.rs`: limits that the device needs.
 // - `uniforms.rs`, `view.wgsl`: the uniforms of a view.
 // - `key.rs`: pipeline keys.
-// - `pipelines.rs`: layouts and pipelines.
+// - `pipelines.rs`: the table of the passes, their bindings and pipelines.
 // - `active.rs`: decides per view and frame if light is scattered.
 // - `prepare.rs`: uniforms, textures and bind groups of views.
-// - `pass.rs`: the passes.
+// - `pass.rs`: runs the passes.
 // - `down.wgsl`: from finer to coarser levels.
 // - `turn.wgsl`: the two coarsest levels.
 // - `up.wgsl`: from coarser to finer levels.

@@ -16,13 +16,14 @@ use super::{
     active::ActiveScattering,
     binding_numbers::{
         COARSER_TEXTURE, ENTERING_TEXTURE, LAST_OUTPUT, LEVEL_OUTPUT, LIGHT_TEXTURE, NEXT_OUTPUT,
-        NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE, SCATTERED_TEXTURE, TILES, VIEW,
+        NORMAL_TEXTURE, OUTPUT_TEXTURE, PICTURE_TEXTURE, SCATTERED_OUTPUT, SCATTERED_TEXTURE,
+        TILES, VIEW,
     },
-    pipelines::SubsurfacePipelines,
+    pipelines::{PASSES, SubsurfacePipelines},
     uniforms::SubsurfaceUniform,
 };
 use crate::{
-    effects::LastFrame,
+    effects::history_validity::LastFrame,
     gbuffer::GBufferTextures,
     gpu::{
         bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
@@ -33,8 +34,10 @@ use crate::{
 };
 
 const LABEL: &str = "lean_deferred/effects/subsurface/scattered";
-/// Finest level that each pass writes, in order; the last pass writes the image.
-pub(super) const PASSES: [u32; 6] = [1, 3, 5, 3, 1, 0];
+/// Level of the light that each pass reads.
+const READ: [usize; PASSES.len()] = [0, 2, 5, 3, 1, 0];
+/// Finest level that each pass writes; the last pass writes the image.
+const WRITTEN: [u32; PASSES.len()] = [1, 3, 5, 3, 1, 0];
 
 /// Uniforms of all views, one per pass.
 #[derive(Resource, Default)]
@@ -48,12 +51,10 @@ pub struct ViewSubsurface {
     pub(super) size: UVec2,
     /// Offsets of the uniforms, by pass.
     pub(super) offsets: [u32; PASSES.len()],
-    pub(super) first: CachedBindGroup,
-    pub(super) down: CachedBindGroup,
-    pub(super) turn: CachedBindGroup,
-    pub(super) up: CachedBindGroup,
-    pub(super) last: CachedBindGroup,
-    pub(super) picture: PictureBindGroups,
+    /// Bind groups of all passes but the last.
+    groups: [CachedBindGroup; PASSES.len() - 1],
+    /// Those of the last.
+    picture: PictureBindGroups,
 }
 
 impl ViewSubsurface {
@@ -62,21 +63,23 @@ impl ViewSubsurface {
             scattered: StorageTexture::new(device, LABEL, size / 2, SUBSURFACE_LIGHT_FORMAT),
             size,
             offsets: default(),
-            first: default(),
-            down: default(),
-            turn: default(),
-            up: default(),
-            last: default(),
+            groups: default(),
             picture: default(),
+        }
+    }
+
+    /// The bind group of a pass; that of the last pass writes to `picture`.
+    pub(super) fn group(&self, pass: usize, picture: &Texture) -> Option<&BindGroup> {
+        match self.groups.get(pass) {
+            Some(group) => group.get(),
+            None => self.picture.of(picture),
         }
     }
 
     /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        let groups = [&self.first, &self.down, &self.turn, &self.up, &self.last];
-        self.picture
-            .all()
-            .chain(groups.into_iter().filter_map(CachedBindGroup::get))
+        let groups = self.groups.iter().filter_map(CachedBindGroup::get);
+        self.picture.all().chain(groups)
     }
 
     pub(super) fn bytes(&self) -> u64 {
@@ -130,7 +133,7 @@ pub(super) fn prepare_subsurface(
             }
         };
         let blocks = size >> SUBSURFACE_BLOCK_LOG;
-        held.offsets = PASSES.map(|level| {
+        held.offsets = WRITTEN.map(|level| {
             let settings = &active.settings;
             writer.write(&SubsurfaceUniform::new(settings, &now, blocks, level))
         });
@@ -146,7 +149,7 @@ pub(super) fn prepare_subsurface_bind_groups(
     pipelines: Option<Res<SubsurfacePipelines>>,
     uniforms: Res<SubsurfaceUniforms>,
     mut views: Query<(
-        &mut ViewSubsurface,
+        (&ActiveScattering, &mut ViewSubsurface),
         &SubsurfaceLight,
         &GBufferTextures,
         &ViewTarget,
@@ -155,66 +158,48 @@ pub(super) fn prepare_subsurface_bind_groups(
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
         return;
     };
-    let Some(layouts) = pipelines.layouts() else {
-        return;
-    };
-    for (mut held, subsurface, gbuffer, target) in &mut views {
+    for ((active, mut held), subsurface, gbuffer, target) in &mut views {
         let ViewSubsurface {
             scattered,
-            first,
-            down,
-            turn,
-            up,
-            last,
+            groups,
             picture,
             ..
         } = &mut *held;
         let light = &subsurface.light.levels;
         let scattered_at = |level: usize| &scattered.levels[level - 1];
-        let tiles = || subsurface.tiles.as_entire_binding();
-        let normal = &gbuffer.normal.default_view;
-        first.update(&device, &layouts.first, |entries| {
-            entries.push(VIEW, uniforms.clone())?;
-            entries.push(TILES, tiles())?;
-            entries.push(LIGHT_TEXTURE, light[0].into_binding())?;
-            entries.push(LEVEL_OUTPUT, light[1].into_binding())?;
-            entries.push(NEXT_OUTPUT, light[2].into_binding())
-        });
-        down.update(&device, &layouts.down, |entries| {
-            entries.push(VIEW, uniforms.clone())?;
-            entries.push(TILES, tiles())?;
-            entries.push(LIGHT_TEXTURE, light[2].into_binding())?;
-            entries.push(LEVEL_OUTPUT, light[3].into_binding())?;
-            entries.push(NEXT_OUTPUT, light[4].into_binding())?;
-            entries.push(LAST_OUTPUT, light[5].into_binding())
-        });
-        turn.update(&device, &layouts.turn, |entries| {
-            entries.push(VIEW, uniforms.clone())?;
-            entries.push(TILES, tiles())?;
-            entries.push(LIGHT_TEXTURE, light[5].into_binding())?;
-            entries.push(LEVEL_OUTPUT, scattered_at(5).into_binding())?;
-            entries.push(NORMAL_TEXTURE, normal.into_binding())?;
-            entries.push(ENTERING_TEXTURE, light[0].into_binding())
-        });
-        for (level, group) in [(3, up), (1, last)] {
-            group.update(&device, &layouts.up, |entries| {
-                entries.push(VIEW, uniforms.clone())?;
-                entries.push(TILES, tiles())?;
-                entries.push(LIGHT_TEXTURE, light[level].into_binding())?;
-                entries.push(SCATTERED_TEXTURE, scattered_at(level + 2).into_binding())?;
-                entries.push(COARSER_TEXTURE, light[level + 1].into_binding())?;
-                entries.push(LEVEL_OUTPUT, scattered_at(level).into_binding())?;
-                entries.push(NORMAL_TEXTURE, normal.into_binding())?;
-                entries.push(ENTERING_TEXTURE, light[0].into_binding())
-            });
+        for (number, pass) in pipelines.of(active.key).iter().enumerate() {
+            let level = READ[number];
+            let resource = |binding: u32| {
+                let view = match binding {
+                    VIEW => return Some(uniforms.clone()),
+                    TILES => return Some(subsurface.tiles.as_entire_binding()),
+                    LIGHT_TEXTURE => &light[level],
+                    COARSER_TEXTURE | LEVEL_OUTPUT => &light[level + 1],
+                    NEXT_OUTPUT => &light[level + 2],
+                    LAST_OUTPUT => &light[level + 3],
+                    // The pass before wrote it.
+                    SCATTERED_TEXTURE => scattered_at(WRITTEN[number - 1] as usize),
+                    SCATTERED_OUTPUT => scattered_at(level),
+                    NORMAL_TEXTURE => &gbuffer.normal.default_view,
+                    ENTERING_TEXTURE => &light[0],
+                    PICTURE_TEXTURE => &subsurface.picture.view,
+                    _ => return None,
+                };
+                Some(view.into_binding())
+            };
+            if let Some(group) = groups.get_mut(number) {
+                group.bind(&device, &pass.layout, resource);
+            } else {
+                picture.bind(
+                    &device,
+                    &pass.layout,
+                    target,
+                    |binding, output| match binding {
+                        OUTPUT_TEXTURE => Some(output.into_binding()),
+                        _ => resource(binding),
+                    },
+                );
+            }
         }
-        picture.update(&device, &layouts.picture, target, |entries, output| {
-            entries.push(VIEW, uniforms.clone())?;
-            entries.push(TILES, tiles())?;
-            entries.push(LIGHT_TEXTURE, light[0].into_binding())?;
-            entries.push(SCATTERED_TEXTURE, scattered_at(1).into_binding())?;
-            entries.push(PICTURE_TEXTURE, subsurface.picture.view.into_binding())?;
-            entries.push(OUTPUT_TEXTURE, output.into_binding())
-        });
     }
 }

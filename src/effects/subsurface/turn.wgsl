@@ -1,7 +1,7 @@
 // Makes and scatters the two coarsest levels, and scatters them into the finest level that is read here. Each workgroup makes the
 // part of the coarsest levels that reaches its own texels.
 #import bevy_lean_deferred::effects::subsurface::{
-    bindings::{level_output, light_texture},
+    bindings::{light_texture, scattered_output},
     entries::{Square, count_of, keep, read_materials, texel_of, words_kept_at},
     mean::mean_of,
     scattered::{scattered, shown_at},
@@ -20,8 +20,8 @@ fn words_at(texel: vec2<i32>) -> vec2<u32> {
 
 /// The picture may have fewer texels than the workgroups.
 fn store(texel: vec2<i32>, words: vec2<u32>) {
-    if all(texel < vec2<i32>(textureDimensions(level_output))) {
-        textureStore(level_output, texel, vec4(words, 0u, 0u));
+    if all(texel < vec2<i32>(textureDimensions(scattered_output))) {
+        textureStore(scattered_output, texel, vec4(words, 0u, 0u));
     }
 }
 

@@ -4,7 +4,7 @@ use bevy::{prelude::*, render::render_resource::ShaderType};
 
 use super::settings::{LARGEST_RADIUS, LeanSubsurfaceScattering};
 use crate::{
-    effects::{LastFrame, reprojection::up_to},
+    effects::{history_validity::LastFrame, reprojection::up_to},
     shader_library::reconstruction::position::pixels_per_metre,
 };
 

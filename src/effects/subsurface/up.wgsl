@@ -1,7 +1,7 @@
 // Scatters a level from the scattered light two levels coarser. The level between is scattered here too, around the texels of each
 // workgroup. Either a whole level, or the listed blocks (LISTED).
 #import bevy_lean_deferred::effects::subsurface::{
-    bindings::{coarser_texture, level_output, light_texture, scattered_texture, view},
+    bindings::{coarser_texture, light_texture, scattered_output, scattered_texture, view},
     entries::{Square, count_of, keep, read_materials, texel_of},
     scattered::{scattered, shown_at},
 }
@@ -41,7 +41,7 @@ fn make(corner: vec2<i32>, index: u32) {
     let words = textureLoad(light_texture, texel, 0).rg;
 #ifndef LISTED
     if !is_any(words.x != 0u, index) {
-        textureStore(level_output, texel, vec4(0u));
+        textureStore(scattered_output, texel, vec4(0u));
         return;
     }
 #endif
@@ -59,7 +59,7 @@ fn make(corner: vec2<i32>, index: u32) {
         keep(coarser, invocation, made);
     }
     workgroupBarrier();
-    textureStore(level_output, texel, vec4(scattered(texel, words, shown, view.level, coarser), 0u, 0u));
+    textureStore(scattered_output, texel, vec4(scattered(texel, words, shown, view.level, coarser), 0u, 0u));
 }
 
 @compute @workgroup_size(256, 1, 1)
