@@ -15,8 +15,8 @@ use held::{Coming, left_by};
 use kit::own_process::{in_own_process, in_own_processes};
 use run::{FRAMES, Run, legs, run};
 
-/// Seeds of every test run. One of them compiles shaders while frames run, as apps do.
-const SEEDS: [u64; 3] = [1, 2, 3];
+/// The first seed compiles shaders while frames run, as apps do.
+const SEEDS: [u64; 3] = [2, 1, 3];
 
 fn check(seed: u64) {
     run(&Run::of_environment(seed));
@@ -28,11 +28,13 @@ fn first_seed() {
 }
 
 #[test]
+#[ignore = "nightly: a further seed"]
 fn second_seed() {
     in_own_processes(FRAMES, legs(), || check(SEEDS[1]));
 }
 
 #[test]
+#[ignore = "nightly: a further seed"]
 fn third_seed() {
     in_own_processes(FRAMES, legs(), || check(SEEDS[2]));
 }
@@ -57,8 +59,11 @@ fn what_comes_and_goes_leaves_what_bevy_leaves() {
 const BYTES_OF_CHANCE: usize = 4096;
 
 /// `SOAK_SEED=7 cargo test --test soak shrink -- --ignored`: runs a seed and, if it fails, searches for few frames that make it fail.
+/// Does nothing without a seed.
 #[test]
 #[ignore = "by hand, for a seed that fails"]
 fn shrink() {
-    run::shrink(SEEDS[0]);
+    if std::env::var_os("SOAK_SEED").is_some() {
+        run::shrink(SEEDS[0]);
+    }
 }
