@@ -118,23 +118,32 @@ const CAMERAS: [Camera; 7] = [
 
 #[test]
 fn every_mesh_is_there() {
-    in_own_process(|| {
-        let mut all_forward = app_with(DefaultOpaqueRendererMethod::forward());
-        let mut all_deferred = app_with(DefaultOpaqueRendererMethod::deferred());
-        report(CAMERAS.map(|(name, camera)| {
-            show_through(&mut all_forward, camera);
-            let forward = settled(&mut all_forward);
-            show_through(&mut all_deferred, camera);
-            set_lean(&mut all_deferred, true);
-            let lean = settled(&mut all_deferred);
-            assert_eq!(active_lean_views(&mut all_deferred), 1, "{name}");
-            judge(name, &forward, &lean, 44.0)
-        }));
-    });
+    in_own_process(|| compare_all(&[CAMERAS[0], CAMERAS[5], CAMERAS[6]]));
+}
+
+#[test]
+#[ignore = "nightly: prepasses one by one"]
+fn every_mesh_is_there_with_single_prepasses() {
+    in_own_process(|| compare_all(&CAMERAS[1..5]));
+}
+
+fn compare_all(cameras: &[Camera]) {
+    let mut all_forward = app_with(DefaultOpaqueRendererMethod::forward());
+    let mut all_deferred = app_with(DefaultOpaqueRendererMethod::deferred());
+    report(cameras.iter().map(|&(name, camera)| {
+        show_through(&mut all_forward, camera);
+        let forward = settled(&mut all_forward);
+        show_through(&mut all_deferred, camera);
+        set_lean(&mut all_deferred, true);
+        let lean = settled(&mut all_deferred);
+        assert_eq!(active_lean_views(&mut all_deferred), 1, "{name}");
+        judge(name, &forward, &lean, 44.0)
+    }));
 }
 
 /// A lean camera that cannot be rendered lean, as with MSAA, is rendered by forward with the same meshes.
 #[test]
+#[ignore = "nightly: cameras that Bevy renders"]
 fn every_mesh_is_there_without_the_gbuffer() {
     in_own_process(|| {
         let mut apps = [
