@@ -319,6 +319,7 @@ fn hostile_light_does_not_spread() {
 }
 
 #[test]
+#[ignore = "nightly: as `settings`, for scattering"]
 fn views_and_settings_may_be_anything() {
     where_light_scatters(|| {
         let mut headless = build(SIZE, stage);
