@@ -186,6 +186,7 @@ fn visible_occluders_are_found() {
 /// Hidden surfaces bias the integral. From straight above only the tops of the walls are visible, which are further away than parts of
 /// their sides. Of a sphere only half is visible, and the space behind its outline counts as filled.
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn depth_buffers_do_not_hold_everything() {
     let errors = trench().errors(ORTHOGRAPHIC, SIZE, STRIDE);
     println!("trench from straight above: {errors}");
@@ -219,6 +220,7 @@ fn nothing_far_or_convex_occludes() {
 }
 
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn errors_fall_with_resolution() {
     let rmse = [64, 128, 256].map(|width| {
         // About as many pixels each.
@@ -233,6 +235,7 @@ fn errors_fall_with_resolution() {
 }
 
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn more_samples_change_little() {
     let twice = Sampling {
         slices: 2 * Sampling::CONVERGED.slices,
@@ -252,6 +255,7 @@ fn more_samples_change_little() {
 }
 
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn errors_are_what_they_say() {
     let truth: Vec<Option<f32>> = (0..300).map(|i| (i % 3 != 0).then_some(0.25)).collect();
     let mut mask = vec![true; 300];

@@ -55,6 +55,7 @@ fn moving_meshes() {
 
 /// Materials of this crate and of others pack their motion as `StandardMaterial` does.
 #[test]
+#[ignore = "nightly: further materials in motion"]
 fn moving_extended_materials() {
     in_own_process(|| {
         let rim = ShadingExtension::Rim {
@@ -165,6 +166,7 @@ fn teleporting_camera() {
 }
 
 #[test]
+#[ignore = "nightly: moving meshes, faster"]
 fn teleporting_meshes() {
     in_own_process(|| {
         Case::new(
@@ -201,6 +203,7 @@ fn viewport() {
 }
 
 #[test]
+#[ignore = "nightly: another projection"]
 fn orthographic() {
     in_own_process(|| {
         let projection = || {
