@@ -78,14 +78,20 @@ fn show_lobe_of_a_quad(roughness: impl IntoIterator<Item = f32>) {
 
 #[test]
 fn a_rough_floor_shows_the_lobe_of_a_bulb() {
-    in_own_process(|| show_lobe_of_a_bulb([(0.21, 0.085), (0.3, 0.053)]));
+    in_own_process(|| show_lobe_of_a_bulb([(0.21, 0.085)]));
 }
 
 #[test]
 #[ignore = "nightly: further roughness"]
 fn further_rough_floors_show_the_lobe_of_a_bulb() {
     in_own_process(|| {
-        show_lobe_of_a_bulb([(0.15, 0.084), (0.2, 0.058), (0.25, 0.076), (0.4, 0.042)]);
+        show_lobe_of_a_bulb([
+            (0.15, 0.084),
+            (0.2, 0.058),
+            (0.25, 0.076),
+            (0.3, 0.053),
+            (0.4, 0.042),
+        ]);
     });
 }
 

@@ -22,6 +22,7 @@ use super::{
 };
 
 #[test]
+#[ignore = "nightly: the next test without its meshes"]
 fn moving_camera() {
     in_own_process(|| {
         let targets = Case::new(
