@@ -165,8 +165,8 @@ fn check_scenes(scenes: impl Iterator<Item = &'static Scene>) {
     }
 }
 
-/// A light of each kind, special materials in the sun, and on lightmapped surfaces: each of them adds parts by code of its own. Lighting is
-/// compiled four times for each.
+/// True for a scene of each kind of light, of special materials in the sun, and of lightmapped surfaces: each adds its parts by code of its
+/// own. Lighting is compiled four times for each.
 fn is_kind_of_light(scene: &&Scene) -> bool {
     let kinds = [
         "rect",

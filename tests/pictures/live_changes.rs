@@ -185,6 +185,7 @@ fn shadow_receiver() {
 }
 
 #[test]
+#[ignore = "nightly: `light_layers::existence` changes them too"]
 fn render_layers() {
     in_own_process(|| {
         const LIT: Change = |mesh, _| {

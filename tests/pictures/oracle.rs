@@ -169,57 +169,59 @@ fn compare_kept(surfaces: Surfaces, keep: Keep, scenes: impl Iterator<Item = &'s
     }));
 }
 
-/// Kinds of light, each of which has its own code for each kind of material.
-fn is_light(scene: &&Scene) -> bool {
-    let lights = [
+/// True for a scene of each kind of light, which has code of its own for each kind of material.
+fn is_kind_of_light(scene: &&Scene) -> bool {
+    let kinds = [
+        "special_sun_and_ambient",
         "special_clustered_lights",
         "special_rect_light",
         "special_environment_map",
         "special_irradiance_volume",
+        "special_transmitted_shadows",
+        "lightmapped_specials_bicubic",
     ];
-    lights.contains(&scene.name)
+    kinds.contains(&scene.name)
+}
+
+fn compare_kinds_of_light(keep: Keep) {
+    let scenes = scenes::SPECIAL_MATERIALS.iter();
+    compare_special(keep, scenes.filter(is_kind_of_light));
+}
+
+fn compare_combinations(keep: Keep) {
+    let scenes = scenes::SPECIAL_MATERIALS.iter();
+    compare_special(keep, scenes.filter(|scene| !is_kind_of_light(scene)));
 }
 
 #[test]
 fn anisotropic_materials_are_lit_as_bevy_has_it() {
-    in_own_process(|| {
-        compare_special(
-            ANISOTROPY,
-            scenes::SPECIAL_MATERIALS.iter().filter(is_light),
-        );
-    });
+    in_own_process(|| compare_kinds_of_light(ANISOTROPY));
 }
 
 #[test]
 fn clear_coats_are_lit_as_bevy_has_it() {
-    in_own_process(|| compare_special(COATS, scenes::SPECIAL_MATERIALS.iter().filter(is_light)));
+    in_own_process(|| compare_kinds_of_light(COATS));
 }
 
 #[test]
 fn light_shines_through_as_bevy_has_it() {
-    in_own_process(|| compare_special(TRANSMISSION, daily(scenes::SPECIAL_MATERIALS)));
+    in_own_process(|| compare_kinds_of_light(TRANSMISSION));
 }
 
 #[test]
-#[ignore = "nightly: combinations of lights and materials"]
-fn further_anisotropic_materials_are_lit_as_bevy_has_it() {
-    in_own_process(|| {
-        let scenes = scenes::SPECIAL_MATERIALS.iter();
-        compare_special(ANISOTROPY, scenes.filter(|scene| !is_light(scene)));
-    });
+#[ignore = "nightly: combinations of lights"]
+fn anisotropic_materials_under_further_lights() {
+    in_own_process(|| compare_combinations(ANISOTROPY));
 }
 
 #[test]
-#[ignore = "nightly: combinations of lights and materials"]
-fn further_clear_coats_are_lit_as_bevy_has_it() {
-    in_own_process(|| {
-        let scenes = scenes::SPECIAL_MATERIALS.iter();
-        compare_special(COATS, scenes.filter(|scene| !is_light(scene)));
-    });
+#[ignore = "nightly: combinations of lights"]
+fn clear_coats_under_further_lights() {
+    in_own_process(|| compare_combinations(COATS));
 }
 
 #[test]
-#[ignore = "nightly: combinations of lights and materials"]
-fn light_shines_through_in_further_scenes_as_bevy_has_it() {
-    in_own_process(|| compare_special(TRANSMISSION, nightly(scenes::SPECIAL_MATERIALS)));
+#[ignore = "nightly: combinations of lights"]
+fn transmission_under_further_lights() {
+    in_own_process(|| compare_combinations(TRANSMISSION));
 }
