@@ -7,7 +7,8 @@
 # (Mesa 22 with no more than WebGPU's default limits and features), own (this machine's GPU, if it has one). Without names: all of them.
 # Filters are names of tests, or parts of them. TOPICS names some of the test binaries, separated by spaces. BINARIES names a folder of
 # test binaries, called as the topics are, and the viewer, that were built elsewhere: for a machine with a GPU and without Rust. THREADS
-# says how many tests run at a time, 2 if not said: each render thread of a software driver takes all cores anyway.
+# says how many tests run at a time, 2 if not said: each render thread of a software driver takes all cores anyway. With
+# `-- --include-ignored` the nightly tests run too.
 #
 # What is missing is fetched into a cache folder, never into the system: on Debian 12, from where its packages come from. Each driver's
 # log is kept there too.
@@ -129,7 +130,7 @@ each_alone() { # binary, filters…
     ignored=$("$binary" "$@" --ignored --list 2>/dev/null)
     for test in $("$binary" "$@" --list 2>/dev/null | sed -n 's/: test$//p'); do
         ! printf '%s\n' "$ignored" | grep -q -x -F "$test: test" || continue
-        if timeout 600 "$binary" --exact "$test" --show-output; then
+        if timeout 600 "$binary" --exact "$test" --show-output --include-ignored; then
             passed=$((passed + 1))
         else
             [ $? -le 101 ] || echo "ended the process: $test"

@@ -1,5 +1,7 @@
 #!/bin/sh
-# Installs what is missing and runs all tests. Arguments are those of `cargo test`.
+# Installs what is missing and runs all tests but the nightly ones. Arguments are those of `cargo test`.
+#
+# LEAN_TEST_NIGHTLY=1 runs the nightly tests too. LEAN_TEST_LAYER=all loads Vulkan's validation layer in all test binaries.
 #
 # Where LEAN_PASSED names a folder, and there are no arguments, a test binary that has passed is not run again while its sources, the
 # toolchain, drivers and settings are the same. (Not while the binary is: rustc writes another one each time.)
@@ -11,8 +13,9 @@ cd "$(dirname "$0")/.."
 export RUST_LIB_BACKTRACE=0
 # Few apps at a time: each render thread of a software driver takes all cores, but no app keeps it busy all the time.
 threads=--test-threads=3
+nightly=${LEAN_TEST_NIGHTLY:+--include-ignored}
 if [ -z "${LEAN_PASSED:-}" ] || [ -n "${LEAN_SHADERS:-}" ] || [ $# -gt 0 ]; then
-    exec cargo test --no-fail-fast "$@" -- $threads
+    exec cargo test --no-fail-fast "$@" -- $threads $nightly
 fi
 
 mkdir -p "$LEAN_PASSED"
@@ -43,8 +46,14 @@ for binary in $built; do
     started=$(date +%s)
     # Each of the soak's tests is one process on a small picture, which leaves most of a core to others.
     case $name in soak-*) own_threads=--test-threads=4 ;; *) own_threads=$threads ;; esac
+    # These three have every pass, and changes between frames. The layer costs the others 7 % of their time.
+    case $name in apps-* | gbuffer-* | soak-*) layer=all ;; *) layer=${LEAN_TEST_LAYER:-none} ;; esac
     result=passed
-    "$binary" "$own_threads" || result=failed
+    (
+        [ "$layer" = all ] || export WGPU_VALIDATION=0
+        # shellcheck disable=SC2086 # none, or one argument
+        "$binary" "$own_threads" $nightly
+    ) || result=failed
     echo "$name: $result in $(($(date +%s) - started)) s"
     case $result in
     passed) touch "$LEAN_PASSED/$key" ;;

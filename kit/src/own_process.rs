@@ -41,7 +41,8 @@ fn run_alone(name: &str, environment: &[(&str, String)]) {
     let program = std::env::current_exe().expect("a test is a program");
     let start = Instant::now();
     let output = Command::new(program)
-        .args([name, "--exact", "--nocapture"])
+        // Nightly tests are ignored unless asked for.
+        .args([name, "--exact", "--nocapture", "--include-ignored"])
         .env(ALONE, name)
         .envs(
             environment

@@ -83,6 +83,7 @@ fn planes_are_not_occluded() {
 
 /// A plane is unoccluded in orthographic views, where the far plane limits the depth resolution and clips.
 #[test]
+#[ignore = "nightly: another projection"]
 fn planes_are_not_occluded_in_orthographic_views() {
     let gpu = OcclusionGpu::new();
     for (distance, far) in [(100.0, 200.0), (500.0, 1000.0), (60.0, 100.0), (9.0, 10.0)] {

@@ -133,6 +133,7 @@ fn filters_remove_the_pattern_and_keep_edges() {
 }
 
 #[test]
+#[ignore = "nightly: `errors_of_all_presets` has half resolution"]
 fn half_resolution_is_near_full() {
     let gpu = OcclusionGpu::new();
     for (view, largest) in [

@@ -296,11 +296,13 @@ fn settings_of_cameras_that_are_off_may_change() {
 
 #[test]
 fn any_setting_may_change_at_any_time() {
-    in_own_process(|| {
-        for seed in 0..2 {
-            check(seed, 60);
-        }
-    });
+    in_own_process(|| check(0, 60));
+}
+
+#[test]
+#[ignore = "nightly: a further seed"]
+fn any_setting_may_change_at_any_time_by_another_seed() {
+    in_own_process(|| check(1, 60));
 }
 
 /// Gives cameras other targets, and targets other sizes. Returns the logged errors.

@@ -20,7 +20,7 @@ use bevy_lean_deferred::{
 };
 use kit::{
     analytic_slabs::{SKIN, slab},
-    headless::{Headless, target_image},
+    headless::{Headless, small_shadow_maps, target_image},
     lean::{active_lean_views, instant_exposure},
     metrics::pixel_difference,
     own_process::in_own_process,
@@ -54,7 +54,7 @@ struct Walk {
 
 impl Walk {
     fn new() -> Self {
-        let mut headless = Headless::with_compilation(SIZE, false, |_| {});
+        let mut headless = Headless::with_compilation(SIZE, false, small_shadow_maps);
         let mut s = SceneBuilder {
             headless: &mut headless,
         };
@@ -176,9 +176,9 @@ impl Walk {
     }
 }
 
-/// Makes each change that needs other pipelines, one after the other, and reverts them. The sequence runs without `LeanDeferred` first:
-/// Bevy draws nothing of a mesh while its own pipeline compiles.
-fn changes(walk: &mut Walk, is_lean: bool) {
+/// Makes changes that need other pipelines, one after the other, and reverts them: one of each kind, or `all`. The sequence runs without
+/// `LeanDeferred` first: Bevy draws nothing of a mesh while its own pipeline compiles.
+fn changes(walk: &mut Walk, is_lean: bool, all: bool) {
     let look = |walk: &mut Walk, name: &str| {
         if is_lean {
             walk.watch(name, SAME);
@@ -195,26 +195,30 @@ fn changes(walk: &mut Walk, is_lean: bool) {
     look(walk, "emission");
     walk.set_material(|material| material.clearcoat = 1.0);
     look(walk, "clearcoat");
-    walk.set_material(|material| {
-        *material = StandardMaterial {
-            unlit: true,
-            ..default()
-        };
-    });
-    look(walk, "unlit");
+    if all {
+        walk.set_material(|material| {
+            *material = StandardMaterial {
+                unlit: true,
+                ..default()
+            };
+        });
+        look(walk, "unlit");
+    }
     walk.set_material(|material| *material = Color::srgb(0.7, 0.4, 0.3).into());
     look(walk, "plain");
     walk.both(|camera| {
         camera.insert((DepthPrepass, MotionVectorPrepass));
     });
     look(walk, "motion");
-    walk.both(|camera| {
-        camera.insert(DistanceFog {
-            falloff: FogFalloff::from_visibility(20.0),
-            ..default()
+    if all {
+        walk.both(|camera| {
+            camera.insert(DistanceFog {
+                falloff: FogFalloff::from_visibility(20.0),
+                ..default()
+            });
         });
-    });
-    look(walk, "fog");
+        look(walk, "fog");
+    }
     let lamp = walk.headless.world().spawn((
         SpotLight {
             intensity: 500_000.0,
@@ -225,14 +229,16 @@ fn changes(walk: &mut Walk, is_lean: bool) {
     ));
     let lamp = lamp.id();
     look(walk, "spot light");
-    let environment = SceneBuilder {
-        headless: &mut walk.headless,
+    if all {
+        let environment = SceneBuilder {
+            headless: &mut walk.headless,
+        }
+        .environment_map(600.0);
+        walk.both(|camera| {
+            camera.insert(environment.clone());
+        });
+        look(walk, "environment map");
     }
-    .environment_map(600.0);
-    walk.both(|camera| {
-        camera.insert(environment.clone());
-    });
-    look(walk, "environment map");
     walk.headless.world().despawn(lamp);
     walk.both(|camera| {
         camera.remove::<(
@@ -252,68 +258,83 @@ fn changes(walk: &mut Walk, is_lean: bool) {
 
 #[test]
 fn effects_show_the_frame_that_they_are_of() {
-    in_own_process(|| {
-        let mut walk = Walk::new();
-        walk.both(|camera| {
-            camera.insert((DepthPrepass, NormalPrepass));
-        });
-        walk.settle();
-        // Scatters light on cameras with scattering.
-        let mut s = SceneBuilder {
-            headless: &mut walk.headless,
-        };
-        let ball = s.add::<Mesh>(Sphere::new(0.5));
-        let skin = s.add::<ExtendedStandardMaterial>(slab(SKIN, 0.05));
-        let place = Transform::from_xyz(0.0, 0.5, 2.6);
-        s.spawn((Mesh3d(ball), MeshMaterial3d(skin), place));
-        walk.settle();
-        let watch = |walk: &mut Walk, name: &str, change: &dyn Fn(&mut EntityWorldMut)| {
-            change(&mut walk.headless.world().entity_mut(walk.tested));
-            walk.watch(name, WITH_EFFECTS);
-        };
-        let scattering = |quality| LeanSubsurfaceScattering {
-            quality,
+    in_own_process(|| add_effects(false));
+}
+
+#[test]
+#[ignore = "nightly: further settings of the same effects"]
+fn effects_of_further_settings_show_the_frame_that_they_are_of() {
+    in_own_process(|| add_effects(true));
+}
+
+/// Adds each effect, one after the other, changes settings of some (or of each, if `each_setting`), and removes them.
+fn add_effects(each_setting: bool) {
+    let mut walk = Walk::new();
+    walk.both(|camera| {
+        camera.insert((DepthPrepass, NormalPrepass));
+    });
+    walk.settle();
+    // Scatters light on cameras with scattering.
+    let mut s = SceneBuilder {
+        headless: &mut walk.headless,
+    };
+    let ball = s.add::<Mesh>(Sphere::new(0.5));
+    let skin = s.add::<ExtendedStandardMaterial>(slab(SKIN, 0.05));
+    let place = Transform::from_xyz(0.0, 0.5, 2.6);
+    s.spawn((Mesh3d(ball), MeshMaterial3d(skin), place));
+    walk.settle();
+    let watch = |walk: &mut Walk, name: &str, change: &dyn Fn(&mut EntityWorldMut)| {
+        change(&mut walk.headless.world().entity_mut(walk.tested));
+        walk.watch(name, WITH_EFFECTS);
+    };
+    let scattering = |quality| LeanSubsurfaceScattering {
+        quality,
+        ..default()
+    };
+    watch(&mut walk, "occlusion", &|camera| {
+        camera.insert(LeanScreenSpaceAmbientOcclusion::default());
+    });
+    watch(&mut walk, "occlusion of another quality", &|camera| {
+        camera.insert(LeanScreenSpaceAmbientOcclusion {
+            quality: LeanQuality::Low,
             ..default()
-        };
-        watch(&mut walk, "occlusion", &|camera| {
-            camera.insert(LeanScreenSpaceAmbientOcclusion::default());
         });
-        watch(&mut walk, "occlusion of another quality", &|camera| {
-            camera.insert(LeanScreenSpaceAmbientOcclusion {
-                quality: LeanQuality::Low,
-                ..default()
-            });
-        });
-        watch(&mut walk, "lean, with occlusion", &|camera| {
-            camera.insert(LeanDeferred::default());
-        });
-        watch(&mut walk, "scattering", &|camera| {
-            camera.insert(scattering(LeanQuality::High));
-        });
+    });
+    watch(&mut walk, "lean, with occlusion", &|camera| {
+        camera.insert(LeanDeferred::default());
+    });
+    watch(&mut walk, "scattering", &|camera| {
+        camera.insert(scattering(LeanQuality::High));
+    });
+    if each_setting {
         watch(&mut walk, "scattering of another quality", &|camera| {
             camera.insert(scattering(LeanQuality::Low));
         });
-        watch(&mut walk, "reflections", &|camera| {
-            camera.insert(LeanScreenSpaceReflections::default());
-        });
-        watch(&mut walk, "diffuse GI", &|camera| {
-            camera.insert(LeanScreenSpaceGi::default());
-        });
+    }
+    watch(&mut walk, "reflections", &|camera| {
+        camera.insert(LeanScreenSpaceReflections::default());
+    });
+    watch(&mut walk, "diffuse GI", &|camera| {
+        camera.insert(LeanScreenSpaceGi::default());
+    });
+    if each_setting {
         watch(&mut walk, "reflections at full resolution", &|camera| {
             camera.insert(LeanScreenSpaceReflections {
                 resolution: LeanResolution::Full,
                 ..default()
             });
         });
-        // On both cameras, with the same exposure whatever is metered: a frame without it is four times as bright as the other camera's.
-        let exposure = LeanAutoExposure {
-            range: -2.0..=-2.0,
-            ..instant_exposure()
-        };
-        walk.both(|camera| {
-            camera.insert(exposure.clone());
-        });
-        walk.watch("exposure", WITH_EFFECTS);
+    }
+    // On both cameras, with the same exposure whatever is metered: a frame without it is four times as bright as the other camera's.
+    let exposure = LeanAutoExposure {
+        range: -2.0..=-2.0,
+        ..instant_exposure()
+    };
+    walk.both(|camera| {
+        camera.insert(exposure.clone());
+    });
+    walk.watch("exposure", WITH_EFFECTS);
+    if each_setting {
         for (name, settings) in [
             (
                 "exposure metered otherwise",
@@ -337,20 +358,20 @@ fn effects_show_the_frame_that_they_are_of() {
                 camera.insert(settings.clone());
             });
         }
-        watch(&mut walk, "forward with exposure", &|camera| {
-            camera.remove::<LeanDeferred>();
-        });
-        walk.both(|camera| {
-            camera.remove::<(
-                LeanScreenSpaceAmbientOcclusion,
-                LeanScreenSpaceGi,
-                LeanScreenSpaceReflections,
-                LeanSubsurfaceScattering,
-                LeanAutoExposure,
-            )>();
-        });
-        walk.watch("nothing", WITH_EFFECTS);
+    }
+    watch(&mut walk, "forward with exposure", &|camera| {
+        camera.remove::<LeanDeferred>();
     });
+    walk.both(|camera| {
+        camera.remove::<(
+            LeanScreenSpaceAmbientOcclusion,
+            LeanScreenSpaceGi,
+            LeanScreenSpaceReflections,
+            LeanSubsurfaceScattering,
+            LeanAutoExposure,
+        )>();
+    });
+    walk.watch("nothing", WITH_EFFECTS);
 }
 
 /// For each effect that reads the last frame, true if a view has it.
@@ -424,6 +445,7 @@ fn effects_keep_their_last_frame_while_motion_comes() {
 /// A near plane across the view, as in portals, becomes plain: shaders for any projection stay in use until those for a plain one are
 /// compiled.
 #[test]
+#[ignore = "nightly: a further change while shaders compile"]
 fn effects_go_on_when_a_projection_becomes_plain() {
     in_own_process(|| {
         let mut walk = Walk::new();
@@ -463,6 +485,7 @@ fn effects_go_on_when_a_projection_becomes_plain() {
 
 /// Occlusion comes to a lean camera, and is then filtered otherwise: until lighting is compiled for it, the camera is lit as before.
 #[test]
+#[ignore = "nightly: a part of what effects show above"]
 fn a_camera_stays_lean_while_lighting_compiles_for_occlusion() {
     in_own_process(|| {
         let mut walk = Walk::new();
@@ -493,9 +516,17 @@ fn a_camera_stays_lean_while_lighting_compiles_for_occlusion() {
 
 #[test]
 fn lean_cameras_show_what_forward_cameras_show() {
-    in_own_process(|| {
-        let mut walk = Walk::new();
-        changes(&mut walk, false);
-        changes(&mut walk, true);
-    });
+    in_own_process(|| show_changes(false));
+}
+
+#[test]
+#[ignore = "nightly: further changes"]
+fn lean_cameras_show_what_forward_cameras_show_after_further_changes() {
+    in_own_process(|| show_changes(true));
+}
+
+fn show_changes(all: bool) {
+    let mut walk = Walk::new();
+    changes(&mut walk, false, all);
+    changes(&mut walk, true, all);
 }

@@ -37,7 +37,7 @@ use bevy::{
 };
 use bevy_lean_deferred::prelude::*;
 use kit::{
-    headless::{Headless, Picture},
+    headless::{Headless, Picture, small_shadow_maps},
     lean::active_lean_views,
     log_watch,
     own_process::in_own_process,
@@ -277,6 +277,7 @@ struct Stage {
 impl Stage {
     fn new(camera: impl Bundle, plugin: impl FnOnce(&mut App)) -> Self {
         let mut headless = Headless::with(SIZE, |app| {
+            small_shadow_maps(app);
             actions::add_actions(app);
             plugin(app);
         });

@@ -166,6 +166,7 @@ fn cameras_without_diffuse_gi_hold_nothing_of_it() {
 }
 
 #[test]
+#[ignore = "nightly: as diffuse GI"]
 fn cameras_without_reflections_hold_nothing_of_them() {
     let lean = LeanDeferred::default();
     let states = [State::SwitchedOff, State::NotHdr];
@@ -178,6 +179,7 @@ fn cameras_that_are_not_metered_hold_nothing_for_it() {
 }
 
 #[test]
+#[ignore = "nightly: a part of what other tests here show"]
 fn removed_occlusion_is_given_back() {
     let mut camera = Entity::PLACEHOLDER;
     let mut headless = build(UVec2::new(160, 120), |s| {

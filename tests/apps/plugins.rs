@@ -93,10 +93,21 @@ fn picture(headless: &mut Headless, camera: Entity, effects: Effects) -> (Pictur
 }
 
 #[test]
-fn each_plugin_alone_and_each_pair_render_as_the_group() {
+fn each_pair_of_plugins_renders_as_the_group() {
+    check_plugins([3, 5, 6]);
+}
+
+#[test]
+#[ignore = "nightly: each pair has them"]
+fn each_plugin_alone_and_all_of_them_render_as_the_group() {
+    check_plugins([1, 2, 4, 7]);
+}
+
+/// Compares apps that have only the plugins of these bits with one that has the group.
+fn check_plugins<const N: usize>(apps: [u32; N]) {
     let (mut group, camera) = solids(Headless::new(SIZE));
     let (plain, _) = picture(&mut group, camera, Effects::NONE);
-    for bits in 1..=7 {
+    for bits in apps {
         let effects = Effects::from_bits(bits);
         let (expected, lean_views) = picture(&mut group, camera, effects);
         assert_eq!(lean_views, usize::from(effects.deferred), "{effects:?}");

@@ -11,7 +11,7 @@ use bevy::{
 use bevy_lean_deferred::{LeanDeferredPlugins, effects::auto_exposure::Metering, prelude::*};
 use kit::{
     analytic_slabs::{SKIN, slab},
-    headless::Headless,
+    headless::{Headless, small_shadow_maps},
     log_watch::{self, LogWatch},
     own_process::in_own_process,
     scenes::SceneBuilder,
@@ -218,7 +218,7 @@ fn each_effect_is_on_until_it_is_removed() {
 #[test]
 fn each_effect_compiles_before_it_is_on() {
     in_own_process(|| {
-        let mut stage = Stage::new(Headless::with_compilation(SIZE, false, |_| {}));
+        let mut stage = Stage::new(Headless::with_compilation(SIZE, false, small_shadow_maps));
         let stalled_pipelines = StalledPipelines::new();
         stage.change(|camera| {
             camera.insert(all_effects());

@@ -96,6 +96,7 @@ fn every_pixel_counts_once() {
 
 /// In a picture of half a gigabyte, sums and weights stay exact.
 #[test]
+#[ignore = "nightly: a picture of half a gigabyte"]
 fn large_pictures_are_as_exact() {
     let gpu = ExposureGpu::new();
     let size = UVec2::splat(8192);
@@ -152,6 +153,7 @@ fn a_view_of_no_numbers_keeps_its_target() {
 
 /// On software renderers with subgroups of other sizes, if these are requested, all of the above holds too.
 #[test]
+#[ignore = "nightly: other drivers in effect: tests of this binary, three times more"]
 fn subgroups_may_have_any_size() {
     const WIDTH: &str = "LP_NATIVE_VECTOR_WIDTH";
     let gpu = ExposureGpu::new();

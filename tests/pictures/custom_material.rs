@@ -19,7 +19,7 @@ use bevy_lean_deferred::{
 };
 use kit::{
     foreign_material::{Palette, VoxelMaterial, VoxelPlugin, row_attribute, voxel_mesh},
-    headless::Headless,
+    headless::{Headless, small_shadow_maps},
     lean::active_lean_views,
     log_watch,
     metrics::difference,
@@ -101,6 +101,7 @@ type StripedMaterial = ExtendedMaterial<StandardMaterial, Stripes>;
 /// A striped ball on a floor, and the camera that sees them.
 fn ball(registers: bool, gbuffer_main: &str) -> (Headless, Entity) {
     let mut headless = Headless::with(UVec2::new(160, 120), |app| {
+        small_shadow_maps(app);
         app.add_plugins(MaterialPlugin::<StripedMaterial>::default());
         if registers {
             app.add_plugins(GBufferMaterialPlugin::<StripedMaterial>::default());
@@ -169,6 +170,7 @@ fn is_in_gbuffer(headless: &mut Headless, camera: Entity) -> bool {
 }
 
 #[test]
+#[ignore = "nightly: as the documented material"]
 fn registered_material_goes_through_the_gbuffer() {
     in_own_process(|| {
         let (mut headless, camera) = ball(true, &gbuffer_main(CHANGE));
@@ -183,6 +185,7 @@ fn registered_material_goes_through_the_gbuffer() {
 fn documented_material_goes_through_the_gbuffer() {
     in_own_process(|| {
         let mut headless = Headless::with(UVec2::new(160, 120), |app| {
+            small_shadow_maps(app);
             app.add_plugins((
                 MaterialPlugin::<Rings>::default(),
                 GBufferMaterialPlugin::<Rings>::default(),
@@ -204,6 +207,7 @@ fn documented_material_goes_through_the_gbuffer() {
 fn water_of_the_example_goes_through_the_gbuffer() {
     in_own_process(|| {
         let mut headless = Headless::with(UVec2::new(160, 120), |app| {
+            small_shadow_maps(app);
             app.add_plugins((
                 MaterialPlugin::<Water>::default(),
                 GBufferMaterialPlugin::<Water>::default(),
@@ -318,6 +322,7 @@ fn a_shader_with_an_error_of_grammar() {
 }
 
 #[test]
+#[ignore = "nightly: a further error in a shader"]
 fn a_shader_that_knows_no_such_name() {
     in_own_process(|| {
         assert_forward_draws(
@@ -328,6 +333,7 @@ fn a_shader_that_knows_no_such_name() {
 }
 
 #[test]
+#[ignore = "nightly: a further error in a shader"]
 fn a_shader_that_imports_what_is_not_there() {
     in_own_process(|| {
         assert_forward_draws(
@@ -400,6 +406,7 @@ fn fragment(voxel: Voxel, @builtin(front_facing) is_front: bool) -> GBufferOutpu
 /// A cube of a foreign material, for which `GBufferMaterial` cannot be implemented here.
 fn voxels(plugins: impl FnOnce(&mut App)) -> (Headless, Entity) {
     let mut headless = Headless::with(UVec2::new(160, 120), |app| {
+        small_shadow_maps(app);
         app.add_plugins(VoxelPlugin);
         plugins(app);
     });

@@ -148,24 +148,25 @@ fn compare_all(scenes: &[fn(&mut Headless) -> Vec<Result<(), String>>]) {
 }
 
 #[test]
-fn many_and_hostile_lights() {
+fn all_modes_give_the_same_light() {
     in_own_process(|| {
         compare_all(&[
             many_lights,
-            hundreds_of_lights_on_a_pixel,
-            lights_with_layers,
             from_close_to_far,
-            hostile_ranges,
-        ]);
+            light_from_behind,
+            other_views,
+        ])
     });
 }
 
 #[test]
-fn other_lights_and_views() {
+#[ignore = "nightly: further lights and views"]
+fn all_modes_give_the_same_light_of_further_lights() {
     in_own_process(|| {
         compare_all(&[
-            other_views,
-            light_from_behind,
+            hundreds_of_lights_on_a_pixel,
+            lights_with_layers,
+            hostile_ranges,
             narrow_cones,
             sheared_cameras,
         ]);

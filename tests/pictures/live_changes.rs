@@ -155,6 +155,7 @@ const NOT_LIGHTMAPPED: Change = |mesh, _| {
 };
 
 #[test]
+#[ignore = "nightly: as `changes_in_every_frame`"]
 fn lightmap() {
     in_own_process(|| {
         let states = [NOT_LIGHTMAPPED, LIGHTMAPPED];
@@ -167,6 +168,7 @@ fn lightmap() {
 }
 
 #[test]
+#[ignore = "nightly: as `parity::changes`, frame by frame"]
 fn shadow_receiver() {
     in_own_process(|| {
         const NONE: Change = |mesh, _| {
@@ -183,6 +185,7 @@ fn shadow_receiver() {
 }
 
 #[test]
+#[ignore = "nightly: `light_layers::existence` changes them too"]
 fn render_layers() {
     in_own_process(|| {
         const LIT: Change = |mesh, _| {
@@ -252,6 +255,7 @@ fn cameras_switched_in_every_frame() {
 /// Layers given to pooled meshes and lights while they are disabled apply once they are enabled. (Bevy never shows what was spawned
 /// disabled, and misses a `NotShadowReceiver` added meanwhile.)
 #[test]
+#[ignore = "nightly: combines layers and disabled entities"]
 fn layers_change_while_things_are_disabled() {
     in_own_process(|| {
         let picture = |disabled: bool| {
@@ -321,6 +325,7 @@ fn assert_known_later(name: &str, extra: Extra, before: &Picture, changes: [Chan
 }
 
 #[test]
+#[ignore = "nightly: as `apps::plugins::unused`, for further components"]
 fn what_changes_while_no_camera_is_lean() {
     in_own_process(|| {
         const NO_SHADOWS: Change = |mesh, _| {

@@ -9,7 +9,7 @@ use kit::{
     headless::{Headless, Picture, small_shadow_maps},
     lean::{change_cameras, report, show},
     own_process::in_own_process,
-    scenes::{self, Scene, SceneBuilder},
+    scenes::{self, Scene, SceneBuilder, daily, nightly},
     shader_files::replace_shader,
     skipped::skips_without_binding_arrays,
 };
@@ -112,18 +112,36 @@ fn compare_all(scenes: impl IntoIterator<Item = &'static Scene>) {
 
 #[test]
 fn lights_are_as_bevy_has_them() {
-    in_own_process(|| compare_all(scenes::LIGHTS));
+    in_own_process(|| compare_all(daily(scenes::LIGHTS)));
 }
 
 #[test]
-fn materials_are_lit_as_bevy_has_it() {
-    in_own_process(|| compare_all(scenes::MATERIALS.iter().chain(scenes::FORWARD_MATERIALS)));
+#[ignore = "nightly: combinations of lights, and materials, which have the same lights"]
+fn further_lights_and_materials_are_lit_as_bevy_has_it() {
+    in_own_process(|| {
+        let materials = scenes::MATERIALS.iter().chain(scenes::FORWARD_MATERIALS);
+        compare_all(nightly(scenes::LIGHTS).chain(materials));
+    });
 }
 
-/// Compares scenes with special materials. `keep` leaves only the features to compare: Bevy's functions, compiled for several kinds at
-/// once, light some wrongly.
-fn compare_special(keep: fn(&mut StandardMaterial)) {
-    let scenes = scenes::SPECIAL_MATERIALS.iter();
+/// Features to keep of a material, in place of all: Bevy's functions, compiled for several kinds at once, light some wrongly.
+type Keep = fn(&mut StandardMaterial);
+
+const ANISOTROPY: Keep = |material| {
+    material.clearcoat = 0.0;
+    material.diffuse_transmission = 0.0;
+};
+const COATS: Keep = |material| {
+    material.anisotropy_strength = 0.0;
+    material.diffuse_transmission = 0.0;
+};
+const TRANSMISSION: Keep = |material| {
+    material.anisotropy_strength = 0.0;
+    material.clearcoat = 0.0;
+};
+
+/// Compares scenes with special materials.
+fn compare_special(keep: Keep, scenes: impl Iterator<Item = &'static Scene> + Clone) {
     let lightmapped = scenes
         .clone()
         .filter(|scene| scene.name.starts_with("lightmapped"));
@@ -131,11 +149,7 @@ fn compare_special(keep: fn(&mut StandardMaterial)) {
     compare_kept(Surfaces::Lightmapped, keep, lightmapped);
 }
 
-fn compare_kept(
-    surfaces: Surfaces,
-    keep: fn(&mut StandardMaterial),
-    scenes: impl Iterator<Item = &'static Scene>,
-) {
+fn compare_kept(surfaces: Surfaces, keep: Keep, scenes: impl Iterator<Item = &'static Scene>) {
     let mut headless = app(surfaces);
     let device = headless.device().clone();
     // Without binding arrays Bevy's functions do not compile for lightmapped surfaces under an environment map.
@@ -155,32 +169,59 @@ fn compare_kept(
     }));
 }
 
+/// True for a scene of each kind of light, which has code of its own for each kind of material.
+fn is_kind_of_light(scene: &&Scene) -> bool {
+    let kinds = [
+        "special_sun_and_ambient",
+        "special_clustered_lights",
+        "special_rect_light",
+        "special_environment_map",
+        "special_irradiance_volume",
+        "special_transmitted_shadows",
+        "lightmapped_specials_bicubic",
+    ];
+    kinds.contains(&scene.name)
+}
+
+fn compare_kinds_of_light(keep: Keep) {
+    let scenes = scenes::SPECIAL_MATERIALS.iter();
+    compare_special(keep, scenes.filter(is_kind_of_light));
+}
+
+fn compare_combinations(keep: Keep) {
+    let scenes = scenes::SPECIAL_MATERIALS.iter();
+    compare_special(keep, scenes.filter(|scene| !is_kind_of_light(scene)));
+}
+
 #[test]
 fn anisotropic_materials_are_lit_as_bevy_has_it() {
-    in_own_process(|| {
-        compare_special(|material| {
-            material.clearcoat = 0.0;
-            material.diffuse_transmission = 0.0;
-        });
-    });
+    in_own_process(|| compare_kinds_of_light(ANISOTROPY));
 }
 
 #[test]
 fn clear_coats_are_lit_as_bevy_has_it() {
-    in_own_process(|| {
-        compare_special(|material| {
-            material.anisotropy_strength = 0.0;
-            material.diffuse_transmission = 0.0;
-        });
-    });
+    in_own_process(|| compare_kinds_of_light(COATS));
 }
 
 #[test]
 fn light_shines_through_as_bevy_has_it() {
-    in_own_process(|| {
-        compare_special(|material| {
-            material.anisotropy_strength = 0.0;
-            material.clearcoat = 0.0;
-        });
-    });
+    in_own_process(|| compare_kinds_of_light(TRANSMISSION));
+}
+
+#[test]
+#[ignore = "nightly: combinations of lights"]
+fn anisotropic_materials_under_further_lights() {
+    in_own_process(|| compare_combinations(ANISOTROPY));
+}
+
+#[test]
+#[ignore = "nightly: combinations of lights"]
+fn clear_coats_under_further_lights() {
+    in_own_process(|| compare_combinations(COATS));
+}
+
+#[test]
+#[ignore = "nightly: combinations of lights"]
+fn transmission_under_further_lights() {
+    in_own_process(|| compare_combinations(TRANSMISSION));
 }

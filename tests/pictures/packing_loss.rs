@@ -203,6 +203,7 @@ fn kinds() -> [(&'static str, [f64; 2], StandardMaterial); 7] {
 }
 
 #[test]
+#[ignore = "nightly: figures of what parity bounds"]
 fn lighting_at_full_precision_and_packed() {
     in_own_process(|| {
         let mut headless = app();

@@ -13,7 +13,7 @@ use kit::{
     headless::{Headless, target_image},
     lean::{change_cameras, judge, report, set_lean, settled, show},
     own_process::in_own_process,
-    scenes::{self, LEAST_PSNR, Scene},
+    scenes::{self, LEAST_PSNR, Scene, daily, nightly},
     skipped::{on_swiftshader, skips_without_binding_arrays},
 };
 
@@ -52,21 +52,16 @@ fn compare(headless: &mut Headless, scene: &Scene) -> Result<(), String> {
     judge(&name, &forward, &lean, least_psnr)
 }
 
-/// An app with Bevy's default sizes of shadow maps.
-fn app(size: UVec2) -> Headless {
-    Headless::with(size, |_| {})
+/// An app with Bevy's default sizes of shadow maps. Scenes that are not about the edges of shadows have small ones, which halve the time.
+fn app() -> Headless {
+    Headless::with(SIZE, |_| {})
 }
 
 /// Compares all of `scenes`, or those whose name contains one of the comma-separated words of `PARITY_SCENE`.
-fn compare_all(scenes: &[Scene]) {
-    compare_all_in(app(SIZE), scenes);
-}
-
-fn compare_all_in(mut headless: Headless, scenes: &[Scene]) {
+fn compare_all(mut headless: Headless, scenes: impl Iterator<Item = &'static Scene>) {
     let only = std::env::var("PARITY_SCENE").unwrap_or_default();
     report(
         scenes
-            .iter()
             .filter(|scene| only.split(',').any(|word| scene.name.contains(word)))
             .map(|scene| compare(&mut headless, scene)),
     );
@@ -75,43 +70,66 @@ fn compare_all_in(mut headless: Headless, scenes: &[Scene]) {
 #[test]
 fn lights_match_forward() {
     in_own_process(|| {
-        compare_all(scenes::LIGHTS);
+        compare_all(app(), daily(scenes::LIGHTS));
     });
 }
 
 #[test]
 fn materials_match_forward() {
     in_own_process(|| {
-        compare_all(scenes::MATERIALS);
+        compare_all(app(), daily(scenes::MATERIALS));
     });
 }
 
 #[test]
 fn forward_materials_match_forward() {
     in_own_process(|| {
-        compare_all(scenes::FORWARD_MATERIALS);
+        compare_all(Headless::new(SIZE), daily(scenes::FORWARD_MATERIALS));
     });
 }
 
 #[test]
 fn special_materials_match_forward() {
     in_own_process(|| {
-        // Small shadow maps halve the time: none of these scenes is about the edges of shadows.
-        compare_all_in(Headless::new(SIZE), scenes::SPECIAL_MATERIALS);
+        compare_all(Headless::new(SIZE), daily(scenes::SPECIAL_MATERIALS));
     });
 }
 
 #[test]
 fn meshes_match_forward() {
     in_own_process(|| {
-        compare_all(scenes::MESHES);
+        compare_all(app(), daily(scenes::MESHES));
     });
 }
 
 #[test]
 fn views_match_forward() {
     in_own_process(|| {
-        compare_all(scenes::VIEWS);
+        compare_all(Headless::new(SIZE), daily(scenes::VIEWS));
+    });
+}
+
+#[test]
+#[ignore = "nightly: combinations of what other scenes show"]
+fn lights_and_materials_of_further_scenes_match_forward() {
+    in_own_process(|| {
+        let all = [scenes::LIGHTS, scenes::MATERIALS, scenes::FORWARD_MATERIALS];
+        compare_all(app(), all.into_iter().flat_map(nightly));
+    });
+}
+
+#[test]
+#[ignore = "nightly: combinations of what other scenes show"]
+fn special_materials_of_further_scenes_match_forward() {
+    in_own_process(|| compare_all(Headless::new(SIZE), nightly(scenes::SPECIAL_MATERIALS)));
+}
+
+#[test]
+#[ignore = "nightly: combinations of what other scenes show"]
+fn meshes_and_views_of_further_scenes_match_forward() {
+    in_own_process(|| {
+        let all = [scenes::MESHES, scenes::VIEWS];
+        compare_all(app(), all.into_iter().flat_map(nightly));
     });
 }
 
@@ -120,7 +138,7 @@ fn odd_sizes_match_forward() {
     in_own_process(|| {
         let scene = scene_named("many_lights_of_all_kinds");
         let sizes = [UVec2::new(1, 1), UVec2::new(3, 5), UVec2::new(317, 211)];
-        let headless = &mut app(SIZE);
+        let headless = &mut app();
         report(sizes.map(|size| {
             let mut images = headless.world().resource_mut::<Assets<Image>>();
             headless.target = images.add(target_image(size));

@@ -25,39 +25,47 @@ const LARGE: UVec2 = UVec2::new(512, 512);
 
 #[test]
 fn a_groove_is_as_bright_as_its_bounces_make_it() {
-    in_own_process(|| {
-        let mut headless = groove_app(LARGE, 0.5, ());
-        for albedo in [0.5, 0.8, 1.0] {
-            let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
-            for (_, material) in materials.iter_mut() {
-                *material = surface(albedo, 0.0);
-            }
-            let truth = groove_light(albedo, None);
-            change_cameras(&mut headless, |camera| {
-                camera
-                    .remove::<LeanScreenSpaceAmbientOcclusion>()
-                    .insert(gi());
-            });
-            let seen = see(&mut headless, CONVERGED);
-            seen.save("groove", 0.5 / truth);
-            let found = groove_errors(&seen, truth);
-            change_cameras(&mut headless, |camera| {
-                let occlusion = LeanScreenSpaceAmbientOcclusion {
-                    radius: 100.0,
-                    advanced: LeanScreenSpaceAmbientOcclusionAdvanced {
-                        multibounce: false,
-                        ..default()
-                    },
-                    ..default()
-                };
-                camera.remove::<LeanScreenSpaceGi>().insert(occlusion);
-            });
-            let dark = groove_errors(&see(&mut headless, 4), truth).bias;
-            println!("albedo {albedo}: {found:.3?}, occlusion alone {dark:+.3}");
-            assert!(found.bias.abs() < 0.05 && found.rmse < 0.06);
-            assert!(dark < -0.19, "occlusion alone is too dark");
+    in_own_process(|| check_grooves([0.8]));
+}
+
+#[test]
+#[ignore = "nightly: further albedos"]
+fn further_grooves_are_as_bright_as_their_bounces_make_them() {
+    in_own_process(|| check_grooves([0.5, 1.0]));
+}
+
+fn check_grooves(albedos: impl IntoIterator<Item = f32>) {
+    let mut headless = groove_app(LARGE, 0.5, ());
+    for albedo in albedos {
+        let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
+        for (_, material) in materials.iter_mut() {
+            *material = surface(albedo, 0.0);
         }
-    });
+        let truth = groove_light(albedo, None);
+        change_cameras(&mut headless, |camera| {
+            camera
+                .remove::<LeanScreenSpaceAmbientOcclusion>()
+                .insert(gi());
+        });
+        let seen = see(&mut headless, CONVERGED);
+        seen.save("groove", 0.5 / truth);
+        let found = groove_errors(&seen, truth);
+        change_cameras(&mut headless, |camera| {
+            let occlusion = LeanScreenSpaceAmbientOcclusion {
+                radius: 100.0,
+                advanced: LeanScreenSpaceAmbientOcclusionAdvanced {
+                    multibounce: false,
+                    ..default()
+                },
+                ..default()
+            };
+            camera.remove::<LeanScreenSpaceGi>().insert(occlusion);
+        });
+        let dark = groove_errors(&see(&mut headless, 4), truth).bias;
+        println!("albedo {albedo}: {found:.3?}, occlusion alone {dark:+.3}");
+        assert!(found.bias.abs() < 0.05 && found.rmse < 0.06);
+        assert!(dark < -0.19, "occlusion alone is too dark");
+    }
 }
 
 /// The frame after a cut has only the sky's light, and each later one has another bounce.
@@ -80,6 +88,7 @@ fn each_frame_is_another_bounce() {
 
 /// Light is correct in an orthographic view, and in the lower left of a larger picture.
 #[test]
+#[ignore = "nightly: further projections of the next two"]
 fn light_is_right_in_any_projection() {
     in_own_process(|| {
         let orthographic = || {

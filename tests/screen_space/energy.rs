@@ -70,6 +70,7 @@ fn pictures(
 
 /// Everything around emits 1, and so does the sky: each surface reflects the same as under the sky alone.
 #[test]
+#[ignore = "nightly: a furnace of each effect, for all surfaces"]
 fn a_furnace_is_even_for_all_surfaces() {
     in_own_process(|| {
         let mut headless = build(SMALL, |s| {

@@ -82,107 +82,115 @@ fn moving_box(headless: &mut Headless, motion: bool, floor: StandardMaterial, ex
     });
 }
 
-/// Light of a moving box moves with it: its light on the floor behind it is gone after two frames.
 #[test]
 fn there_is_no_trail_behind_what_moves() {
-    in_own_process(|| {
-        let mut headless = Headless::new(SMALL);
-        type Make<'a> = &'a dyn Fn(&mut Headless, bool);
-        // With the longest trail in frames. A rough floor is also lit by the box's position at which its light was kept.
-        let make: [(&str, f32, Make); 3] = [
-            ("mirror", 0.5, &|headless, motion| {
-                moving_box(headless, motion, metal(0.0), reflections());
-            }),
-            ("rough", 2.2, &|headless, motion| {
-                moving_box(headless, motion, metal(0.3), reflections());
-            }),
-            ("diffuse", 0.5, &|headless, motion| {
-                moving_box(headless, motion, surface(0.5, 0.0), gi());
-            }),
-        ];
-        for (name, longest, make) in make {
-            for motion in [false, true] {
-                make(&mut headless, motion);
-                see(&mut headless, 8);
-                let moving = step(&mut headless, FRAMES);
-                moving.save(&format!("trail_{name}_{motion}"), 1.0);
-                headless.frames(12);
-                let still = look(&mut headless);
-                still.save(&format!("trail_{name}_{motion}_still"), 1.0);
-                // The furthest distance behind the box, in frames of its motion, at which the floor is brighter than with the box at rest.
-                let right = -1.0 + FRAMES as f32 * PACE - BOX / 2.0;
-                let brighter =
-                    floor(&moving)
-                        .zip(floor(&still))
-                        .map(|((place, moving), (_, still))| {
-                            let behind = (right - place.x) / PACE;
-                            (place, behind, moving - still)
-                        });
-                let most = still.light.texels.iter().map(|texel| texel[1]);
-                let most = most.filter(|light| *light < 0.99).fold(0.0, f32::max);
-                let trail = brighter
-                    .filter(|(place, _, more)| place.z > 0.2 && *more > 0.03 * most)
-                    .map(|(_, behind, _)| behind)
-                    .fold(0.0, f32::max);
-                println!(
-                    "{name}, motion vectors {motion}: {trail:.1} frames behind, brightest {most:.2}"
-                );
-                assert!(trail <= longest);
-            }
-        }
-    });
+    in_own_process(|| check_trails(true));
+}
+
+#[test]
+#[ignore = "nightly: the same without motion vectors"]
+fn there_is_no_trail_without_motion_vectors() {
+    in_own_process(|| check_trails(false));
+}
+
+/// Light of a moving box moves with it: its light on the floor behind it is gone after two frames.
+fn check_trails(motion: bool) {
+    let mut headless = Headless::new(SMALL);
+    type Make<'a> = &'a dyn Fn(&mut Headless, bool);
+    // With the longest trail in frames. A rough floor is also lit by the box's position at which its light was kept.
+    let make: [(&str, f32, Make); 3] = [
+        ("mirror", 0.5, &|headless, motion| {
+            moving_box(headless, motion, metal(0.0), reflections());
+        }),
+        ("rough", 2.2, &|headless, motion| {
+            moving_box(headless, motion, metal(0.3), reflections());
+        }),
+        ("diffuse", 0.5, &|headless, motion| {
+            moving_box(headless, motion, surface(0.5, 0.0), gi());
+        }),
+    ];
+    for (name, longest, make) in make {
+        make(&mut headless, motion);
+        see(&mut headless, 8);
+        let moving = step(&mut headless, FRAMES);
+        moving.save(&format!("trail_{name}_{motion}"), 1.0);
+        headless.frames(12);
+        let still = look(&mut headless);
+        still.save(&format!("trail_{name}_{motion}_still"), 1.0);
+        // The furthest distance behind the box, in frames of its motion, at which the floor is brighter than with the box at rest.
+        let right = -1.0 + FRAMES as f32 * PACE - BOX / 2.0;
+        let brighter = floor(&moving)
+            .zip(floor(&still))
+            .map(|((place, moving), (_, still))| {
+                let behind = (right - place.x) / PACE;
+                (place, behind, moving - still)
+            });
+        let most = still.light.texels.iter().map(|texel| texel[1]);
+        let most = most.filter(|light| *light < 0.99).fold(0.0, f32::max);
+        let trail = brighter
+            .filter(|(place, _, more)| place.z > 0.2 && *more > 0.03 * most)
+            .map(|(_, behind, _)| behind)
+            .fold(0.0, f32::max);
+        println!("{name}, motion vectors {motion}: {trail:.1} frames behind, brightest {most:.2}");
+        assert!(trail <= longest);
+    }
+}
+
+#[test]
+fn moving_mirrors_show_what_they_show_at_rest() {
+    in_own_process(|| check_moving_mirrors(true));
+}
+
+#[test]
+#[ignore = "nightly: the same without motion vectors"]
+fn moving_mirrors_show_what_they_show_at_rest_without_motion_vectors() {
+    in_own_process(|| check_moving_mirrors(false));
 }
 
 /// A mirror that moves, or whose mesh deforms, shows the same as one at rest.
-#[test]
-fn moving_mirrors_show_what_they_show_at_rest() {
-    in_own_process(|| {
-        let mut headless = Headless::new(SMALL);
-        const UP: Mover = Mover(Vec3::new(0.0, 0.02, 0.0));
-        let moves_up = |s: &mut SceneBuilder| {
-            let mirror = spawn_floor(s, metal(0.0), -0.3);
-            s.world().entity_mut(mirror).insert(UP);
-        };
-        let bends = |s: &mut SceneBuilder| {
-            let joint = skinned(s);
-            s.world().entity_mut(joint).insert(UP);
-            let material = s.add::<StandardMaterial>(metal(0.1));
-            let mut columns = s.world().query_filtered::<Entity, With<SkinnedMesh>>();
-            let column = columns.single(s.world()).expect("one was spawned");
-            s.world()
-                .entity_mut(column)
-                .insert(MeshMaterial3d(material));
-        };
-        type Mirror<'a> = &'a dyn Fn(&mut SceneBuilder);
-        let cases: [(&str, Mirror); 2] = [("plane", &moves_up), ("skinned mesh", &bends)];
-        for (name, mirror) in cases {
-            for motion in [false, true] {
-                show(&mut headless, |s| {
-                    mirror(s);
-                    let wall = Rectangle::new(3.0, 1.0);
-                    s.mesh(wall, surface(0.0, 1.0), Transform::from_xyz(0.0, 0.6, -0.8));
-                    let camera = camera(s, looking(EYE, 0.2), 0.3, reflections());
-                    with_motion(motion, &mut s.world().entity_mut(camera));
-                });
-                see(&mut headless, 8);
-                let moving = step(&mut headless, 8);
-                moving.save(&format!("mover_{name}_{motion}"), 0.8);
-                headless.frames(12);
-                let still = look(&mut headless);
-                still.save(&format!("mover_{name}_{motion}_still"), 0.8);
-                let pairs = moving.light.texels.iter().zip(&still.light.texels);
-                let (off, bias) = errors(pairs.map(|(moving, still)| moving[1] - still[1]));
-                println!(
-                    "{name}, motion vectors {motion}: {off:.4} ({bias:+.4}) of the wall's light"
-                );
-                assert!(off < 0.002);
-            }
-        }
-    });
+fn check_moving_mirrors(motion: bool) {
+    let mut headless = Headless::new(SMALL);
+    const UP: Mover = Mover(Vec3::new(0.0, 0.02, 0.0));
+    let moves_up = |s: &mut SceneBuilder| {
+        let mirror = spawn_floor(s, metal(0.0), -0.3);
+        s.world().entity_mut(mirror).insert(UP);
+    };
+    let bends = |s: &mut SceneBuilder| {
+        let joint = skinned(s);
+        s.world().entity_mut(joint).insert(UP);
+        let material = s.add::<StandardMaterial>(metal(0.1));
+        let mut columns = s.world().query_filtered::<Entity, With<SkinnedMesh>>();
+        let column = columns.single(s.world()).expect("one was spawned");
+        s.world()
+            .entity_mut(column)
+            .insert(MeshMaterial3d(material));
+    };
+    type Mirror<'a> = &'a dyn Fn(&mut SceneBuilder);
+    let cases: [(&str, Mirror); 2] = [("plane", &moves_up), ("skinned mesh", &bends)];
+    for (name, mirror) in cases {
+        show(&mut headless, |s| {
+            mirror(s);
+            let wall = Rectangle::new(3.0, 1.0);
+            s.mesh(wall, surface(0.0, 1.0), Transform::from_xyz(0.0, 0.6, -0.8));
+            let camera = camera(s, looking(EYE, 0.2), 0.3, reflections());
+            with_motion(motion, &mut s.world().entity_mut(camera));
+        });
+        see(&mut headless, 8);
+        let moving = step(&mut headless, 8);
+        moving.save(&format!("mover_{name}_{motion}"), 0.8);
+        headless.frames(12);
+        let still = look(&mut headless);
+        still.save(&format!("mover_{name}_{motion}_still"), 0.8);
+        let pairs = moving.light.texels.iter().zip(&still.light.texels);
+        let (off, bias) = errors(pairs.map(|(moving, still)| moving[1] - still[1]));
+        println!("{name}, motion vectors {motion}: {off:.4} ({bias:+.4}) of the wall's light");
+        assert!(off < 0.002);
+    }
 }
 
 /// On a floor between glowing pillars, light stays in place while the camera pans back and forth for 60 frames without TAA.
 #[test]
+#[ignore = "nightly: 80 frames of what mirrors show"]
 fn light_stays_where_it_is_while_the_camera_pans() {
     in_own_process(|| {
         let pose = |frame: usize| {
@@ -229,83 +237,93 @@ fn light_stays_where_it_is_while_the_camera_pans() {
     });
 }
 
-/// A patterned wall is reflected in a metal floor, and the camera pans back and forth: the light at each position of the mirror image is
-/// constant from frame to frame, and equals that of the camera at rest.
 #[test]
 fn mirror_images_stay_where_they_are_while_the_camera_pans() {
     in_own_process(|| {
-        let pose = |frame: usize| {
-            let angle = 0.12 * (frame as f32 * 0.1).sin();
-            let from = Vec3::new(3.2 * angle.sin(), 1.1, 3.2 * angle.cos());
-            looking(from, 0.35)
-        };
-        // Positions on the wall's mirror image that neither the ball nor the box covers.
-        let places: Vec<Vec3> = (0..24 * 24)
-            .map(|i| Vec2::new((i % 24) as f32, (i / 24) as f32) / 24.0)
-            .map(|at| Vec3::new(0.7 * at.x - 0.25, -(0.15 + 1.2 * at.y), -1.5))
-            .collect();
-        let light = |headless: &mut Headless, seen: &Seen| -> Vec<Option<f32>> {
-            let places = places.iter();
-            places
-                .map(|place| light_at(headless, seen, *place))
-                .collect()
-        };
-        type Lights = Vec<Option<f32>>;
-        let less = |some: &Lights, other: &Lights| -> Vec<f32> {
-            let pairs = some.iter().zip(other);
-            pairs
-                .filter_map(|(some, other)| Some((*some)? - (*other)?))
-                .collect()
-        };
         let most = on_swiftshader(0.0055, 0.004, "a smooth mirror under a camera that pans");
-        let smooth = (0.0, LeanQuality::Medium, [most, 0.006]);
-        let qualities = [LeanQuality::Low, LeanQuality::Medium, LeanQuality::High];
-        let rough = qualities.map(|quality| (0.3, quality, [0.012, 0.007]));
-        let mut headless = mirror_app(SMALL, 0.0, |_| ());
-        for (roughness, quality, most) in [smooth].into_iter().chain(rough) {
-            let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
-            for (_, material) in materials.iter_mut() {
-                if material.metallic > 0.0 {
-                    material.perceptual_roughness = roughness;
-                }
-            }
-            change_cameras(&mut headless, |camera| {
-                let effect = LeanScreenSpaceReflections {
-                    quality,
-                    ..reflections()
-                };
-                camera.insert((effect, pose(0), CameraCut));
-            });
-            let first = see(&mut headless, 8);
-            let mut before = light(&mut headless, &first);
-            let [mut differences, mut lags] = [Vec::new(), Vec::new()];
-            for frame in 1..=60 {
-                change_cameras(&mut headless, |camera| {
-                    camera.insert(pose(frame));
-                });
-                let moving = look_at_once(&mut headless);
-                let moving = light(&mut headless, &moving);
-                differences.extend(less(&moving, &before));
-                before = moving;
-                // The camera rests now and then.
-                if frame % 10 == 0 {
-                    headless.frames(4);
-                    let still = look(&mut headless);
-                    let still = light(&mut headless, &still);
-                    lags.extend(less(&before, &still));
-                    before = still;
-                }
-            }
-            let places = differences.len();
-            let (from_frame_to_frame, _) = errors(differences);
-            let (lag, bias) = errors(lags);
-            println!(
-                "roughness {roughness}, {quality:?}: from frame to frame {from_frame_to_frame:.4}, to the camera at rest {lag:.4} ({bias:+.4}); {places} places",
-            );
-            assert!(places > 60 * 200);
-            assert!(from_frame_to_frame < most[0] && lag < most[1] && bias.abs() < 1e-3);
-        }
+        check_panning([(0.0, LeanQuality::Medium, [most, 0.006])]);
     });
+}
+
+#[test]
+#[ignore = "nightly: rough floors of each quality"]
+fn rough_mirror_images_stay_where_they_are_while_the_camera_pans() {
+    in_own_process(|| {
+        let qualities = [LeanQuality::Low, LeanQuality::Medium, LeanQuality::High];
+        check_panning(qualities.map(|quality| (0.3, quality, [0.012, 0.007])));
+    });
+}
+
+/// A patterned wall is reflected in a metal floor, and the camera pans back and forth: the light at each position of the mirror image is
+/// constant from frame to frame, and equals that of the camera at rest. Takes floors: roughness, quality, and largest errors.
+fn check_panning(floors: impl IntoIterator<Item = (f32, LeanQuality, [f32; 2])>) {
+    let pose = |frame: usize| {
+        let angle = 0.12 * (frame as f32 * 0.1).sin();
+        let from = Vec3::new(3.2 * angle.sin(), 1.1, 3.2 * angle.cos());
+        looking(from, 0.35)
+    };
+    // Positions on the wall's mirror image that neither the ball nor the box covers.
+    let places: Vec<Vec3> = (0..24 * 24)
+        .map(|i| Vec2::new((i % 24) as f32, (i / 24) as f32) / 24.0)
+        .map(|at| Vec3::new(0.7 * at.x - 0.25, -(0.15 + 1.2 * at.y), -1.5))
+        .collect();
+    let light = |headless: &mut Headless, seen: &Seen| -> Vec<Option<f32>> {
+        let places = places.iter();
+        places
+            .map(|place| light_at(headless, seen, *place))
+            .collect()
+    };
+    type Lights = Vec<Option<f32>>;
+    let less = |some: &Lights, other: &Lights| -> Vec<f32> {
+        let pairs = some.iter().zip(other);
+        pairs
+            .filter_map(|(some, other)| Some((*some)? - (*other)?))
+            .collect()
+    };
+    let mut headless = mirror_app(SMALL, 0.0, |_| ());
+    for (roughness, quality, most) in floors {
+        let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
+        for (_, material) in materials.iter_mut() {
+            if material.metallic > 0.0 {
+                material.perceptual_roughness = roughness;
+            }
+        }
+        change_cameras(&mut headless, |camera| {
+            let effect = LeanScreenSpaceReflections {
+                quality,
+                ..reflections()
+            };
+            camera.insert((effect, pose(0), CameraCut));
+        });
+        let first = see(&mut headless, 8);
+        let mut before = light(&mut headless, &first);
+        let [mut differences, mut lags] = [Vec::new(), Vec::new()];
+        for frame in 1..=60 {
+            change_cameras(&mut headless, |camera| {
+                camera.insert(pose(frame));
+            });
+            let moving = look_at_once(&mut headless);
+            let moving = light(&mut headless, &moving);
+            differences.extend(less(&moving, &before));
+            before = moving;
+            // The camera rests now and then.
+            if frame % 10 == 0 {
+                headless.frames(4);
+                let still = look(&mut headless);
+                let still = light(&mut headless, &still);
+                lags.extend(less(&before, &still));
+                before = still;
+            }
+        }
+        let places = differences.len();
+        let (from_frame_to_frame, _) = errors(differences);
+        let (lag, bias) = errors(lags);
+        println!(
+            "roughness {roughness}, {quality:?}: from frame to frame {from_frame_to_frame:.4}, to the camera at rest {lag:.4} ({bias:+.4}); {places} places",
+        );
+        assert!(places > 60 * 200);
+        assert!(from_frame_to_frame < most[0] && lag < most[1] && bias.abs() < 1e-3);
+    }
 }
 
 /// True on the floor in front of the pillars, of which they hide nothing.
@@ -331,24 +349,30 @@ fn walking(headless: &mut Headless, pace: Vec3) {
 
 #[test]
 fn mirrors_keep_up_with_cameras() {
-    in_own_process(|| {
-        for motion in [false, true] {
-            let mut headless = mirror_app(SIZE, 0.0, |camera| {
-                camera.insert(reflections());
-                with_motion(motion, camera);
-            });
-            see(&mut headless, 4);
-            walking(&mut headless, Vec3::new(0.01, 0.003, -0.005));
-            headless.frames(10);
-            let seen = look(&mut headless);
-            let found = compare(&mut headless, seen);
-            found.seen.save(&format!("walking_{motion}"), 1.0);
-            println!(
-                "motion vectors {motion}: {:.1} dB, without outlines {:.1} dB",
-                found.everywhere.psnr(),
-                found.inside.psnr()
-            );
-            assert!(found.inside.psnr() > 36.0);
-        }
+    in_own_process(|| check_mirrors_of_walkers(true));
+}
+
+#[test]
+#[ignore = "nightly: the same without motion vectors"]
+fn mirrors_keep_up_with_cameras_without_motion_vectors() {
+    in_own_process(|| check_mirrors_of_walkers(false));
+}
+
+fn check_mirrors_of_walkers(motion: bool) {
+    let mut headless = mirror_app(SIZE, 0.0, |camera| {
+        camera.insert(reflections());
+        with_motion(motion, camera);
     });
+    see(&mut headless, 4);
+    walking(&mut headless, Vec3::new(0.01, 0.003, -0.005));
+    headless.frames(10);
+    let seen = look(&mut headless);
+    let found = compare(&mut headless, seen);
+    found.seen.save(&format!("walking_{motion}"), 1.0);
+    println!(
+        "motion vectors {motion}: {:.1} dB, without outlines {:.1} dB",
+        found.everywhere.psnr(),
+        found.inside.psnr()
+    );
+    assert!(found.inside.psnr() > 36.0);
 }

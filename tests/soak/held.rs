@@ -36,16 +36,6 @@ pub enum Coming {
     Component,
 }
 
-impl Coming {
-    pub const ALL: [Self; 5] = [
-        Self::Camera,
-        Self::Light,
-        Self::Material,
-        Self::Size,
-        Self::Component,
-    ];
-}
-
 fn come_and_go(stage: &mut Stage, what: Coming, turn: usize) {
     match what {
         Coming::Camera => {

@@ -18,14 +18,15 @@ pub const SCENES: &[Scene] = &[
     Scene::new("emissive", |s| {
         among(s, |m| m.emissive = LinearRgba::rgb(0.1, 0.4, 0.1))
     }),
-    Scene::new("clearcoat", |s| among(s, |m| m.clearcoat = 1.0)),
+    Scene::new("clearcoat", |s| among(s, |m| m.clearcoat = 1.0)).nightly(),
     Scene::new("anisotropy", |s| {
         among(s, |m| {
             m.anisotropy_strength = 0.9;
             m.anisotropy_rotation = 0.7;
             m.metallic = 1.0;
         })
-    }),
+    })
+    .nightly(),
     Scene::new("reflectance", |s| among(s, |m| m.reflectance = 1.0)),
     Scene::new("specular_tint", |s| {
         among(s, |m| {
@@ -33,7 +34,7 @@ pub const SCENES: &[Scene] = &[
             m.perceptual_roughness = 0.3;
         })
     }),
-    Scene::new("unlit", |s| among(s, |m| m.unlit = true)),
+    Scene::new("unlit", |s| among(s, |m| m.unlit = true)).nightly(),
     Scene::new("specular_transmission", |s| {
         among(s, |m| {
             m.base_color = Color::srgb(0.9, 1.0, 0.9);
@@ -41,16 +42,18 @@ pub const SCENES: &[Scene] = &[
             m.thickness = 0.5;
             m.perceptual_roughness = 0.1;
         })
-    }),
+    })
+    .nightly(),
     Scene::new("diffuse_transmission", |s| {
         among(s, |m| m.diffuse_transmission = 0.8)
     }),
     Scene::new("alpha_blend", |s| transparent(s, AlphaMode::Blend)),
-    Scene::new("alpha_add", |s| transparent(s, AlphaMode::Add)),
-    Scene::new("alpha_multiply", |s| transparent(s, AlphaMode::Multiply)),
+    Scene::new("alpha_add", |s| transparent(s, AlphaMode::Add)).nightly(),
+    Scene::new("alpha_multiply", |s| transparent(s, AlphaMode::Multiply)).nightly(),
     Scene::new("alpha_premultiplied", |s| {
         transparent(s, AlphaMode::Premultiplied)
-    }),
+    })
+    .nightly(),
     // `Deferred` is in `parity.rs`: Bevy does not draw it on a camera without `DeferredPrepass`.
     Scene::new("method_forward", |s| {
         among(s, |m| {

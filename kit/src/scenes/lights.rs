@@ -17,7 +17,8 @@ pub const SCENES: &[Scene] = &[
         s.solids();
         s.sun(false);
         s.default_camera(());
-    }),
+    })
+    .nightly(),
     Scene::new("directional_shadow_cascades", |s| {
         s.solids();
         let sun = s.sun(true);
@@ -38,7 +39,8 @@ pub const SCENES: &[Scene] = &[
         s.solids();
         points(s, false);
         s.default_camera(indoor());
-    }),
+    })
+    .nightly(),
     Scene::new("point_shadow", |s| {
         s.solids();
         points(s, true);
@@ -48,12 +50,14 @@ pub const SCENES: &[Scene] = &[
         s.solids();
         spot(s, false);
         s.default_camera(indoor());
-    }),
+    })
+    .nightly(),
     Scene::new("spot_shadow", |s| {
         s.solids();
         spot(s, true);
         s.default_camera(indoor());
-    }),
+    })
+    .nightly(),
     Scene::new("rect", |s| {
         s.solids();
         s.rect_light();
@@ -93,10 +97,12 @@ pub const SCENES: &[Scene] = &[
                 end: 12.0,
             },
         )
-    }),
+    })
+    .nightly(),
     Scene::new("fog_exponential", |s| {
         fog(s, FogFalloff::Exponential { density: 0.12 })
-    }),
+    })
+    .nightly(),
     Scene::new("fog_atmospheric", |s| {
         fog(
             s,
@@ -135,7 +141,8 @@ pub const SCENES: &[Scene] = &[
             brightness: 1000.0,
             ..default()
         });
-    }),
+    })
+    .nightly(),
     Scene::new("volumetric_fog", |s| {
         s.solids();
         let sun = s.sun(true);
@@ -155,7 +162,8 @@ pub const SCENES: &[Scene] = &[
         s.decal(Vec3::new(4.0, 3.0, 3.0));
         s.default_camera(());
     })
-    .needs_binding_arrays(),
+    .needs_binding_arrays()
+    .nightly(),
     Scene::new("light_textures", |s| {
         s.solids();
         let image = s.checker([255, 255, 255, 255], [20, 20, 60, 255]);
@@ -169,7 +177,8 @@ pub const SCENES: &[Scene] = &[
             .insert(DirectionalLightTexture { image, tiled: true });
         s.default_camera(indoor());
     })
-    .needs_binding_arrays(),
+    .needs_binding_arrays()
+    .nightly(),
     Scene::new("many_lights_of_all_kinds", |s| {
         s.solids();
         points(s, true);

@@ -25,8 +25,10 @@ pub const SCENES: &[Scene] = &[
                 ..default()
             },
         );
-    }),
-    Scene::new("normal_map", |s| normal_map(s, false)),
+    })
+    .nightly(),
+    Scene::new("normal_map", |s| normal_map(s, false))
+    .nightly(),
     Scene::new("normal_map_flipped_y", |s| normal_map(s, true)),
     Scene::new("metallic_roughness_texture", |s| {
         let texture = s.image(64, TextureFormat::Rgba8Unorm, |u, v| {
@@ -60,7 +62,8 @@ pub const SCENES: &[Scene] = &[
     .allow(43.0, "occlusion has 24 codes"),
     Scene::new("parallax_occlusion", |s| {
         parallax(s, ParallaxMappingMethod::Occlusion)
-    }),
+    })
+    .nightly(),
     Scene::new("parallax_relief", |s| {
         parallax(s, ParallaxMappingMethod::Relief { max_steps: 5 })
     }),
@@ -70,8 +73,10 @@ pub const SCENES: &[Scene] = &[
     }),
     Scene::new("alpha_mask_shadow", |s| {
         holes(s, AlphaMode::Mask(0.5), true)
-    }),
-    Scene::new("double_sided", |s| backs(s, true, false, true)),
+    })
+    .nightly(),
+    Scene::new("double_sided", |s| backs(s, true, false, true))
+    .nightly(),
     Scene::new("double_sided_normal_map", |s| backs(s, true, true, false)),
     Scene::new("double_sided_normal_map_shadow", |s| {
         backs(s, true, true, true)
@@ -80,7 +85,8 @@ pub const SCENES: &[Scene] = &[
         25.0,
         "Bevy offsets its shadow look-up along the normal of the front face even on the back of a mesh with tangents, \
          so that backs shadow themselves; lean offsets towards the viewer",
-    ),
+    )
+    .nightly(),
     Scene::new("cull_none_single_sided", |s| backs(s, false, false, true)),
     Scene::new("uv_transform", |s| {
         let checker = s.checker([240, 200, 60, 255], [60, 60, 90, 255]);
@@ -153,17 +159,20 @@ pub const SCENES: &[Scene] = &[
         grid(s, 4, |i| {
             material((0.8, 0.6, 0.3), [-0.5, 0.0, 1.0, 2.0][i], 0.4)
         })
-    }),
+    })
+    .nightly(),
     Scene::new("roughness_out_of_range", |s| {
         grid(s, 4, |i| {
             material((0.8, 0.6, 0.3), 0.5, [-0.5, 0.0, 1.0, 2.0][i])
         })
-    }),
+    })
+    .nightly(),
     Scene::new("metallic_roughness_steps", |s| {
         grid(s, 8, |i| {
             material((0.8, 0.6, 0.3), (i % 4) as f32 / 3.0, 0.1 + 0.1 * i as f32)
         })
-    }),
+    })
+    .nightly(),
 ];
 
 pub(super) fn red() -> StandardMaterial {

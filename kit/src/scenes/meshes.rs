@@ -31,7 +31,8 @@ pub const SCENES: &[Scene] = &[
     Scene::new("many_instances", |s| {
         instances(s, || ());
         unshadowed(s);
-    }),
+    })
+    .nightly(),
     Scene::new("many_instances_shadow", |s| {
         instances(s, || ());
         lit(s);
@@ -58,7 +59,8 @@ pub const SCENES: &[Scene] = &[
     Scene::new("no_frustum_culling", |s| {
         instances(s, || NoFrustumCulling);
         unshadowed(s);
-    }),
+    })
+    .nightly(),
     Scene::new("no_cpu_culling", |s| {
         instances(s, || NoCpuCulling);
         s.sun(false);
@@ -87,7 +89,8 @@ pub const SCENES: &[Scene] = &[
         mesh.remove_attribute(Mesh::ATTRIBUTE_NORMAL);
         s.mesh(mesh, red(), Transform::from_xyz(0.0, 0.8, 0.0));
         lit(s);
-    }),
+    })
+    .nightly(),
     Scene::new("without_uvs", |s| {
         s.floor();
         let mut mesh = Mesh::from(Cuboid::from_length(1.4));
@@ -102,7 +105,8 @@ pub const SCENES: &[Scene] = &[
             Transform::from_xyz(0.0, 0.8, 0.0),
         );
         lit(s);
-    }),
+    })
+    .nightly(),
     Scene::new("positions_only", |s| {
         s.floor();
         let mut mesh = Mesh::from(Cuboid::from_length(1.4));
@@ -120,12 +124,14 @@ pub const SCENES: &[Scene] = &[
         s.floor();
         wires(s, PrimitiveTopology::LineStrip);
         lit(s);
-    }),
+    })
+    .nightly(),
     Scene::new("points", |s| {
         s.floor();
         wires(s, PrimitiveTopology::PointList);
         lit(s);
-    }),
+    })
+    .nightly(),
     Scene::new("triangle_strip", |s| {
         s.floor();
         let count = 40u16;
@@ -175,7 +181,8 @@ pub const SCENES: &[Scene] = &[
     Scene::new("visibility_range_crossfade", |s| {
         crossfade(s);
         unshadowed(s);
-    }),
+    })
+    .nightly(),
     Scene::new("visibility_range_crossfade_shadow", |s| {
         crossfade(s);
         lit(s);
@@ -195,7 +202,8 @@ pub const SCENES: &[Scene] = &[
         }
         s.sun(true);
         s.default_camera((ambient(), RenderLayers::from_layers(&[0, 2])));
-    }),
+    })
+    .nightly(),
     Scene::new("nan_position", |s| {
         s.floor();
         let mut mesh = Sphere::new(0.8).mesh().uv(48, 24);
@@ -212,7 +220,8 @@ pub const SCENES: &[Scene] = &[
         s.floor();
         broken_normals(s, [0.0; 3]);
         lit(s);
-    }),
+    })
+    .nightly(),
     Scene::new("nan_normals", |s| {
         s.floor();
         broken_normals(s, [f32::NAN; 3]);

@@ -20,6 +20,8 @@ pub struct Scene {
     pub reason: &'static str,
     /// True if only devices with binding arrays show the scene's subject.
     pub needs_binding_arrays: bool,
+    /// True if the scene combines or repeats what other scenes and tests show, and is left to nightly tests.
+    pub is_nightly: bool,
     pub build: fn(&mut SceneBuilder),
 }
 
@@ -33,6 +35,7 @@ impl Scene {
             least_psnr: LEAST_PSNR,
             reason: "",
             needs_binding_arrays: false,
+            is_nightly: false,
             build,
         }
     }
@@ -47,6 +50,21 @@ impl Scene {
         self.needs_binding_arrays = true;
         self
     }
+
+    const fn nightly(mut self) -> Self {
+        self.is_nightly = true;
+        self
+    }
+}
+
+/// Those of `scenes` that every test run shows.
+pub fn daily(scenes: &'static [Scene]) -> impl Iterator<Item = &'static Scene> + Clone {
+    scenes.iter().filter(|scene| !scene.is_nightly)
+}
+
+/// Those of `scenes` that only nightly tests show.
+pub fn nightly(scenes: &'static [Scene]) -> impl Iterator<Item = &'static Scene> + Clone {
+    scenes.iter().filter(|scene| scene.is_nightly)
 }
 
 /// All scenes, by subject.

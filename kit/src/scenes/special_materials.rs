@@ -67,14 +67,16 @@ pub const SCENES: &[Scene] = &[
         s.sun(true);
         let light = s.environment_map(1500.0);
         s.default_camera(light);
-    }),
+    })
+    .nightly(),
     Scene::new("special_reflection_probe", |s| {
         gallery(s);
         let light = s.environment_map(1500.0);
         s.probe(light);
         s.sun(false);
         s.default_camera(());
-    }),
+    })
+    .nightly(),
     Scene::new("special_irradiance_volume", |s| {
         gallery(s);
         let volume = s.irradiance_volume(1500.0);
@@ -90,7 +92,8 @@ pub const SCENES: &[Scene] = &[
                 ..default()
             },
         ));
-    }),
+    })
+    .nightly(),
     Scene::new("special_contact_shadows", |s| {
         gallery(s);
         let sun = s.sun(true);
@@ -98,7 +101,8 @@ pub const SCENES: &[Scene] = &[
         let mut sun = sun.get_mut::<DirectionalLight>().expect("it is one");
         sun.contact_shadows_enabled = true;
         s.default_camera(ContactShadows::default());
-    }),
+    })
+    .nightly(),
     Scene::new("special_fog", |s| {
         gallery(s);
         s.sun(true);
@@ -107,14 +111,16 @@ pub const SCENES: &[Scene] = &[
             falloff: FogFalloff::Exponential { density: 0.12 },
             ..default()
         });
-    }),
+    })
+    .nightly(),
     Scene::new("special_decal", |s| {
         gallery(s);
         s.sun(true);
         s.decal(Vec3::new(6.0, 4.0, 3.0));
         s.default_camera(());
     })
-    .needs_binding_arrays(),
+    .needs_binding_arrays()
+    .nightly(),
     Scene::new("special_orthographic", |s| {
         gallery(s);
         s.sun(true);
@@ -123,14 +129,16 @@ pub const SCENES: &[Scene] = &[
             ..OrthographicProjection::default_3d()
         });
         s.default_camera((projection, ambient()));
-    }),
+    })
+    .nightly(),
     Scene::new("special_without_shadows", |s| {
         for ball in gallery(s) {
             s.world().entity_mut(ball).insert(NotShadowReceiver);
         }
         s.sun(true);
         s.default_camera(ambient());
-    }),
+    })
+    .nightly(),
     Scene::new("special_normal_map", |s| {
         let bumps = s.bumps();
         gallery_of(s, |material| {
@@ -170,7 +178,8 @@ pub const SCENES: &[Scene] = &[
         with_second_uvs(s, &balls);
         s.sun(true);
         s.default_camera(ambient());
-    }),
+    })
+    .nightly(),
     Scene::new("special_exposed_emission", |s| {
         gallery_of(s, |material| {
             material.emissive = LinearRgba::rgb(300.0, 900.0, 200.0);
@@ -214,7 +223,8 @@ pub const SCENES: &[Scene] = &[
         lightmapped(s, false);
         s.sun(true);
         s.default_camera(ambient());
-    }),
+    })
+    .nightly(),
     Scene::new("lightmapped_specials_bicubic", |s| {
         lightmapped(s, true);
         s.sun(false);
@@ -235,7 +245,8 @@ pub const SCENES: &[Scene] = &[
         let light = s.environment_map(1500.0);
         s.default_camera(light);
     })
-    .needs_binding_arrays(),
+    .needs_binding_arrays()
+    .nightly(),
     // In the next two scenes only the floor, which has no lightmap, takes the diffuse light.
     Scene::new("lightmapped_specials_irradiance_volume", |s| {
         lightmapped(s, false);
@@ -254,7 +265,8 @@ pub const SCENES: &[Scene] = &[
             ..light
         });
     })
-    .needs_binding_arrays(),
+    .needs_binding_arrays()
+    .nightly(),
 ];
 
 /// One material of each kind.

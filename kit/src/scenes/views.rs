@@ -43,7 +43,8 @@ pub const SCENES: &[Scene] = &[
     .allow(
         44.0,
         "TAA bounds colours by those around them, also by what is off",
-    ),
+    )
+    .nightly(),
     Scene::new("off_center_projection", |s| {
         scene(s);
         s.default_camera(Projection::custom(OffCenter(
@@ -71,7 +72,8 @@ pub const SCENES: &[Scene] = &[
             view(0, UVec2::new(37, 21), UVec2::new(201, 155)),
             DepthPrepass,
         ));
-    }),
+    })
+    .nightly(),
     Scene::new("split_screen", |s| {
         scene(s);
         s.default_camera(view(0, UVec2::ZERO, UVec2::new(159, 240)));
@@ -79,7 +81,8 @@ pub const SCENES: &[Scene] = &[
             Transform::from_xyz(3.0, 1.5, 3.0).looking_at(Vec3::Y * 0.5, Vec3::Y),
             view(1, UVec2::new(159, 0), UVec2::new(161, 240)),
         );
-    }),
+    })
+    .nightly(),
     Scene::new("clear_custom", |s| {
         scene(s);
         s.default_camera(Camera {
@@ -109,7 +112,8 @@ pub const SCENES: &[Scene] = &[
                 ..view(1, UVec2::new(11, 13), UVec2::new(101, 91))
             },
         );
-    }),
+    })
+    .nightly(),
     Scene::new("near_plane_0_001", |s| {
         scene(s);
         s.mesh(
@@ -183,7 +187,8 @@ pub const SCENES: &[Scene] = &[
     Scene::new("depth_of_field_gaussian", |s| {
         scene(s);
         s.default_camera(depth_of_field(DepthOfFieldMode::Gaussian));
-    }),
+    })
+    .nightly(),
     Scene::new("depth_of_field_bokeh", |s| {
         scene(s);
         s.default_camera(depth_of_field(DepthOfFieldMode::Bokeh));
@@ -195,7 +200,8 @@ pub const SCENES: &[Scene] = &[
     Scene::new("smaa", |s| {
         scene(s);
         s.default_camera(Smaa::default());
-    }),
+    })
+    .nightly(),
     Scene::new("taa", |s| {
         scene(s);
         s.default_camera(TemporalAntiAliasing::default());
@@ -216,17 +222,20 @@ pub const SCENES: &[Scene] = &[
         scene(s);
         forward_ball(s);
         s.default_camera(DepthPrepass);
-    }),
+    })
+    .nightly(),
     Scene::new("normal_prepass", |s| {
         scene(s);
         forward_ball(s);
         s.default_camera(NormalPrepass);
-    }),
+    })
+    .nightly(),
     Scene::new("motion_vector_prepass", |s| {
         scene(s);
         forward_ball(s);
         s.default_camera(MotionVectorPrepass);
-    }),
+    })
+    .nightly(),
     Scene::new("all_prepasses", |s| {
         scene(s);
         forward_ball(s);
@@ -248,7 +257,8 @@ pub const SCENES: &[Scene] = &[
         scene(s);
         forward_ball(s);
         s.default_camera(NoIndirectDrawing);
-    }),
+    })
+    .nightly(),
     Scene::new("no_indirect_drawing_with_prepass", |s| {
         scene(s);
         forward_ball(s);

@@ -116,6 +116,7 @@ fn stairs() -> View {
 }
 
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn planes_are_not_occluded() {
     let far = Projection::Orthographic {
         height: 3.0,
@@ -154,6 +155,7 @@ fn planes_are_not_occluded() {
 
 /// Visible occluders are integrated within these bounds of RMSE and bias, in either projection.
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn visible_occluders_are_found() {
     for (name, view, rmse, bias) in [
         ("tall wall", wall(INF), 0.005, 0.0015),
@@ -186,6 +188,7 @@ fn visible_occluders_are_found() {
 /// Hidden surfaces bias the integral. From straight above only the tops of the walls are visible, which are further away than parts of
 /// their sides. Of a sphere only half is visible, and the space behind its outline counts as filled.
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn depth_buffers_do_not_hold_everything() {
     let errors = trench().errors(ORTHOGRAPHIC, SIZE, STRIDE);
     println!("trench from straight above: {errors}");
@@ -201,6 +204,7 @@ fn depth_buffers_do_not_hold_everything() {
 }
 
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn nothing_far_or_convex_occludes() {
     let pole = Geometry::Pole {
         thickness: 0.03,
@@ -219,6 +223,7 @@ fn nothing_far_or_convex_occludes() {
 }
 
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn errors_fall_with_resolution() {
     let rmse = [64, 128, 256].map(|width| {
         // About as many pixels each.
@@ -233,6 +238,7 @@ fn errors_fall_with_resolution() {
 }
 
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn more_samples_change_little() {
     let twice = Sampling {
         slices: 2 * Sampling::CONVERGED.slices,
@@ -252,6 +258,7 @@ fn more_samples_change_little() {
 }
 
 #[test]
+#[ignore = "nightly: tests the tests' reference"]
 fn errors_are_what_they_say() {
     let truth: Vec<Option<f32>> = (0..300).map(|i| (i % 3 != 0).then_some(0.25)).collect();
     let mut mask = vec![true; 300];

@@ -124,6 +124,7 @@ fn a_shader_that_cannot_be_composed() {
 
 /// Other effects go on without one whose shader is wrong.
 #[test]
+#[ignore = "nightly: as another shader"]
 fn a_shader_of_diffuse_gi_that_cannot_be_composed() {
     let (mut headless, camera) = solids(Headless::new(SIZE));
     headless.settle();

@@ -35,6 +35,7 @@ fn resorts(headless: &mut Headless, frames: usize, moves: impl Fn(usize) -> bool
 /// A mesh is sorted again when it starts to move and after it has stopped, not while it moves or pauses; and the first time once more when
 /// the view has the target.
 #[test]
+#[ignore = "nightly: hundreds of frames for what `sorting` shows in forty"]
 fn moving_meshes_are_sorted_once() {
     in_own_process(|| {
         let mut headless = build(SMALL, |s| still_and_moving(s, taa()));

@@ -120,6 +120,7 @@ fn overlapping(s: &mut SceneBuilder) {
 
 /// In the second phase of culling, plain meshes are drawn in front of special ones that are already drawn.
 #[test]
+#[ignore = "nightly: combines special surfaces and occlusion culling"]
 fn culling_in_two_phases_matches_forward() {
     in_own_process(|| {
         let mut headless = build(SIZE, |s| {
@@ -262,6 +263,7 @@ fn emission_that_is_not_a_number_is_black_and_infinite_emission_bright() {
 }
 
 #[test]
+#[ignore = "nightly: the same materials, a thousand of them"]
 fn a_thousand_materials_match_forward() {
     in_own_process(|| {
         let mut headless = Headless::new(SIZE);
@@ -328,6 +330,7 @@ fn a_material_of_another_kind_in_each_frame_matches_forward() {
 
 /// Special surfaces match forward on one camera, then on one of two, on both, on the other alone, and on none again.
 #[test]
+#[ignore = "nightly: combines special surfaces and shared targets"]
 fn special_surfaces_on_two_cameras_match_forward() {
     in_own_process(|| {
         let mut headless = Headless::new(SIZE);

@@ -190,6 +190,7 @@ fn show_beneath(headless: &mut Headless, visibility: Visibility) {
 
 /// The cards beneath need targets that the view gets when they appear: cards on top, which existed before, are still drawn after them.
 #[test]
+#[ignore = "nightly: all pairs of what the next test has for one"]
 fn alpha_masked_ones_lie_on_top_at_the_same_depth() {
     in_own_process(|| {
         let mut headless = build(CELL * KINDS.len() as u32, |s| {

@@ -210,6 +210,7 @@ fn changed<L>(scene: impl FnOnce(&mut SceneBuilder) -> L, change: fn(&mut World,
 }
 
 #[test]
+#[ignore = "nightly: nine scenes of one more change"]
 fn lights_that_lose_their_layers_affect_all_again() {
     in_own_process(|| {
         let show = |layered: &[usize], change: fn(&mut World, Vec<Entity>)| {
@@ -292,6 +293,7 @@ fn row_of_decals(s: &mut SceneBuilder, on_another_layer: &[usize]) -> Vec<Entity
 
 /// Only on devices that show decals at all: a software renderer may not.
 #[test]
+#[ignore = "nightly: as lights"]
 fn decals_that_lose_their_layers_affect_all_again() {
     in_own_process(|| {
         let show = |layered: &[usize], change: fn(&mut World, Vec<Entity>)| {

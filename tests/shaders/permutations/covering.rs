@@ -11,7 +11,7 @@ pub type Factor = &'static [&'static [&'static str]];
 type Row = Vec<usize>;
 
 /// Random rows in addition to those.
-const RANDOM_ROWS: usize = 200;
+pub const RANDOM_ROWS: usize = 200;
 /// Candidates for the next row, of which the one with the most new pairs is taken.
 const CANDIDATES: usize = 100;
 
