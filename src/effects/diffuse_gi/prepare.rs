@@ -262,7 +262,7 @@ pub(super) fn prepare_gi_bind_groups(
         };
         let groups = &mut bindings.groups[gi.current];
         for (group, pass) in groups.iter_mut().zip(pipelines.of(active.key)) {
-            group.bind(&device, &pass.layout, &resource);
+            group.bind(&device, &pass.layout, resource);
         }
         if let Some(made) = made {
             commands.entity(entity).insert(made);

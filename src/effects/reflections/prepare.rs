@@ -288,7 +288,7 @@ pub(super) fn prepare_reflection_bind_groups(
             Some(view.into_binding())
         };
         for (group, pass) in bindings.0.iter_mut().zip(pipelines.of(active.key)) {
-            group.bind(&device, &pass.layout, &resource);
+            group.bind(&device, &pass.layout, resource);
         }
         if let Some(made) = made {
             commands.entity(entity).insert(made);
