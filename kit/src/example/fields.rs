@@ -185,7 +185,8 @@ pub fn set(
 }
 
 fn parse<T: FromStr<Err: core::fmt::Display>>(text: &str) -> Result<T, String> {
-    text.parse().map_err(|error| format!("{text}: {error}"))
+    text.parse::<T>()
+        .map_err(|error| format!("{text}: {error}"))
 }
 
 /// Sets an enum to a variant, whose fields get first values. Does nothing if one of them has no first value.
