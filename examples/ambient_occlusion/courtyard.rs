@@ -10,14 +10,12 @@ use kit::example::{
     made_up_sky::made_up_sky,
     model::{self, Viewpoint},
     run::SceneReady,
+    switch::SwitchedLight,
 };
 
 /// Target of the camera, and its distance.
 const FOCUS: Vec3 = Vec3::new(-0.5, 0.7, -1.0);
 const DISTANCE: f32 = 8.5;
-
-#[derive(Component)]
-pub struct Sun;
 
 /// Spawns sun, ambient light and sky, also for files.
 pub fn spawn_lights(
@@ -26,7 +24,7 @@ pub fn spawn_lights(
     mut images: ResMut<Assets<Image>>,
 ) {
     commands.spawn((
-        Sun,
+        SwitchedLight,
         DirectionalLight {
             illuminance: 4_000.0,
             shadow_maps_enabled: true,

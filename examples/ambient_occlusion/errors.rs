@@ -7,7 +7,7 @@
 
 use bevy_lean_deferred::{effects::ambient_occlusion::OcclusionKernel, prelude::*};
 
-use crate::settings::{ExampleSettings, Mode};
+use crate::Mode;
 
 const HBAO_LOW_RMSE: f32 = 0.040;
 const HBAO_MEDIUM_RMSE: f32 = 0.024;
@@ -20,22 +20,22 @@ const BEVY_HIGH_RMSE_ON_PLANES: f32 = 0.17;
 const BEVY_HIGH_RMSE_ON_WALL: (f32, f32) = (0.12, 0.19);
 
 /// Error of the technique that is shown.
-pub fn text(settings: &ExampleSettings) -> String {
-    let rmse = match (settings.mode, settings.occlusion.advanced.kernel) {
-        (Mode::Off, _) => return "RMSE -".into(),
-        (Mode::Bevy, _) => {
-            let (low, high) = BEVY_HIGH_RMSE_ON_WALL;
-            return format!(
-                "RMSE {low:.2} to {high:.2} (tall wall), {BEVY_HIGH_RMSE_ON_PLANES:.2} (open planes), at High"
-            );
-        }
-        (Mode::Lean, OcclusionKernel::Hdao) => HDAO_RMSE,
-        (Mode::Lean, OcclusionKernel::Hbao) => match settings.occlusion.quality {
-            LeanQuality::Low => HBAO_LOW_RMSE,
-            LeanQuality::Medium => HBAO_MEDIUM_RMSE,
-            LeanQuality::High => HBAO_HIGH_RMSE,
-            LeanQuality::Ultra => HBAO_ULTRA_RMSE,
-        },
+pub fn text(mode: Mode, occlusion: Option<&LeanScreenSpaceAmbientOcclusion>) -> String {
+    if mode == Mode::Bevy {
+        let (low, high) = BEVY_HIGH_RMSE_ON_WALL;
+        return format!(
+            "RMSE {low:.2} to {high:.2} (tall wall), {BEVY_HIGH_RMSE_ON_PLANES:.2} (open planes), at High"
+        );
+    }
+    let Some(occlusion) = occlusion else {
+        return "RMSE -".into();
+    };
+    let rmse = match (occlusion.advanced.kernel, occlusion.quality) {
+        (OcclusionKernel::Hdao, _) => HDAO_RMSE,
+        (OcclusionKernel::Hbao, LeanQuality::Low) => HBAO_LOW_RMSE,
+        (OcclusionKernel::Hbao, LeanQuality::Medium) => HBAO_MEDIUM_RMSE,
+        (OcclusionKernel::Hbao, LeanQuality::High) => HBAO_HIGH_RMSE,
+        (OcclusionKernel::Hbao, LeanQuality::Ultra) => HBAO_ULTRA_RMSE,
     };
     format!("RMSE {rmse:.3} (tall wall), at default settings")
 }

@@ -2,109 +2,127 @@
 //!
 //! `cargo run --example ambient_occlusion -- [FILE] [--headless OUT.png] [--help]`
 //!
-//! | key | does |
-//! |---|---|
-//! | 1, 2, 3 | none, `LeanScreenSpaceAmbientOcclusion`, Bevy's `ScreenSpaceAmbientOcclusion` |
-//! | G | `LeanDeferred` on / off |
-//! | P | next quality |
-//! | K | kernel: HBAO, HDAO |
-//! | A | application: Auto, MultiplicativeBlend, Indirect |
-//! | D | occlusion alone / lit picture |
-//! | B | occlusion alone on the whole picture / on its left half |
-//! | Up, Down | larger, smaller radius |
-//! | Right, Left | more, less intensity |
-//! | R | full / half resolution |
-//! | F | narrow / wide filter |
-//! | E | filter ignores edges / averages across them |
-//! | N | shading / geometric normals |
-//! | L | sun on / off |
-//! | H | text on / off |
-//! | mouse | left: orbit, right: pan, wheel: zoom |
-//! | Esc | quit |
+//! The keys 1, 2 and 3 choose none, `LeanScreenSpaceAmbientOcclusion` and Bevy's `ScreenSpaceAmbientOcclusion`, G whether the camera
+//! has `LeanDeferred`; the README lists the others. Mouse: left orbits, right pans, the wheel zooms.
 
-mod args;
 mod courtyard;
 mod errors;
-mod overlay;
-mod settings;
 
 use bevy::{
-    camera::Hdr, prelude::*, render::diagnostic::RenderDiagnosticsPlugin, ui::IsDefaultUiCamera,
+    camera::Hdr,
+    core_pipeline::prepass::{DepthPrepass, NormalPrepass},
+    pbr::ScreenSpaceAmbientOcclusion,
+    prelude::*,
+    ui::IsDefaultUiCamera,
 };
-use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
-use kit::{
-    example::{model, run},
-    headless::Headless,
+use bevy_lean_deferred::prelude::*;
+use bevy_panorbit_camera::PanOrbitCamera;
+use kit::example::{
+    choices,
+    keys::{Technique, TechniquePlugin},
+    model::{self, ModelPath, Viewpoint},
+    numbers::{finite, positive},
+    panel::{Panel, PanelCamera, panel},
+    switch::switch,
 };
-use settings::ExampleSettings;
+
+kit::example_args! {
+    /// A courtyard, or a glTF or GLB file, without ambient occlusion, with LeanScreenSpaceAmbientOcclusion, or with Bevy's.
+    struct Args {
+        /// the file to show; a courtyard when left out
+        #[argh(positional)]
+        file: Option<String>,
+
+        /// off, lean (the default) or bevy
+        #[argh(option, default = "Mode::Lean", from_str_fn(mode))]
+        mode: Mode,
+
+        /// direction of the camera in degrees, default 30
+        #[argh(option, default = "30.0", from_str_fn(finite))]
+        yaw: f32,
+
+        /// height of the camera in degrees, default 15
+        #[argh(option, default = "15.0", from_str_fn(finite))]
+        pitch: f32,
+
+        /// zoom factor of the camera, default 1
+        #[argh(option, default = "1.0", from_str_fn(positive))]
+        zoom: f32,
+    }
+}
+
+/// The occlusion technique on the camera.
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+enum Mode {
+    Off,
+    Lean,
+    Bevy,
+}
+
+impl Technique for Mode {
+    const CHOICES: [Self; 3] = [Self::Off, Self::Lean, Self::Bevy];
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Off => "no ambient occlusion",
+            Self::Lean => "LeanScreenSpaceAmbientOcclusion",
+            Self::Bevy => "Bevy's ScreenSpaceAmbientOcclusion",
+        }
+    }
+}
+
+fn mode(text: &str) -> Result<Mode, String> {
+    choices::parse(&Mode::CHOICES, text)
+}
 
 fn main() -> AppExit {
-    let args: args::Args = argh::from_env();
+    let args: Args = argh::from_env();
     if let Err(message) = args.file.as_deref().map_or(Ok(()), model::check_file) {
         eprintln!("error: {message}");
         return AppExit::error();
     }
-    let example = ExamplePlugin {
-        settings: args.settings(),
-        model: model::ModelPath(args.file.clone()),
-        viewpoint: args.viewpoint(),
-    };
-    match &args.headless {
-        Some(path) => {
-            let headless = Headless::with(args.size, |app| {
-                app.add_plugins(example);
-                if args.text {
-                    app.add_plugins(overlay::OverlayPlugin);
-                }
-            });
-            run::write_picture(headless, path, args.frames)
-        }
-        None => run::windowed("bevy_lean_deferred ambient occlusion", args.size)
-            .add_plugins((PanOrbitCameraPlugin, example, overlay::OverlayPlugin))
-            .add_systems(Update, settings::read_keys)
-            .run(),
-    }
-}
-
-/// The scene, the camera and its ambient occlusion.
-struct ExamplePlugin {
-    settings: ExampleSettings,
-    model: model::ModelPath,
-    viewpoint: model::Viewpoint,
-}
-
-impl Plugin for ExamplePlugin {
-    fn build(&self, app: &mut App) {
-        app.add_plugins(RenderDiagnosticsPlugin)
-            .insert_resource(self.settings.clone())
-            .insert_resource(self.model.clone())
-            .insert_resource(self.viewpoint)
-            .add_systems(
-                Startup,
-                (
-                    spawn_camera,
-                    courtyard::spawn_lights,
-                    model::spawn_model,
-                    (courtyard::spawn, courtyard::stand_camera).run_if(model::is_builtin),
-                )
-                    .chain(),
+    let example = args.example("ambient occlusion", UVec2::new(1280, 720), 8);
+    App::new()
+        .add_plugins((
+            example.set_up(DefaultPlugins),
+            LeanDeferredPlugins,
+            example,
+            TechniquePlugin(args.mode),
+            panel::<LeanScreenSpaceAmbientOcclusion>("LeanScreenSpaceAmbientOcclusion"),
+            panel::<ScreenSpaceAmbientOcclusion>("Bevy's ScreenSpaceAmbientOcclusion"),
+            panel::<LeanDeferred>("LeanDeferred"),
+        ))
+        .insert_resource(ModelPath(args.file))
+        .insert_resource(Viewpoint::from_degrees(args.yaw, args.pitch, args.zoom))
+        .add_systems(
+            Startup,
+            (
+                spawn_camera,
+                courtyard::spawn_lights,
+                model::spawn_model,
+                (courtyard::spawn, courtyard::stand_camera).run_if(model::is_builtin),
             )
-            .add_systems(
-                Update,
-                (
-                    model::watch_loading,
-                    settings::apply.run_if(resource_changed::<ExampleSettings>),
-                ),
-            );
-    }
+                .chain(),
+        )
+        .add_systems(
+            Update,
+            (
+                model::watch_loading,
+                apply.run_if(resource_changed::<Mode>),
+                write_head,
+            ),
+        )
+        .run()
 }
 
 fn spawn_camera(mut commands: Commands) {
     commands.spawn((
         Camera3d::default(),
+        LeanScreenSpaceAmbientOcclusion::default(),
         // LeanDeferred and both techniques need it; all modes have it, so that they compare.
         Hdr,
         Msaa::Off,
+        PanelCamera,
         IsDefaultUiCamera,
         PanOrbitCamera {
             button_orbit: MouseButton::Left,
@@ -113,4 +131,22 @@ fn spawn_camera(mut commands: Commands) {
         },
         Transform::default(),
     ));
+}
+
+fn apply(mut commands: Commands, mode: Res<Mode>, camera: Single<Entity, With<PanelCamera>>) {
+    let mut camera = commands.entity(*camera);
+    switch::<LeanScreenSpaceAmbientOcclusion>(&mut camera, *mode == Mode::Lean);
+    switch::<ScreenSpaceAmbientOcclusion>(&mut camera, *mode == Mode::Bevy);
+    if *mode != Mode::Bevy {
+        // They came with Bevy's component.
+        camera.remove::<(DepthPrepass, NormalPrepass)>();
+    }
+}
+
+fn write_head(
+    mode: Res<Mode>,
+    occlusion: Single<Option<&LeanScreenSpaceAmbientOcclusion>, With<PanelCamera>>,
+    mut panel: ResMut<Panel>,
+) {
+    panel.head = errors::text(*mode, *occlusion);
 }

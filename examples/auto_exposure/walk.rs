@@ -5,6 +5,7 @@ use core::f32::consts::{PI, TAU};
 use bevy::prelude::*;
 use bevy_panorbit_camera::PanOrbitCamera;
 
+use crate::settings::House;
 use kit::example::model::{self, Viewpoint};
 
 /// Distance from the camera to the point that it orbits: short, so that it looks around and stays within the walls.
@@ -12,10 +13,11 @@ const DISTANCE: f32 = 0.4;
 /// Duration of the way from one place to the next, in seconds.
 const DURATION: f32 = 2.0;
 
-/// The place where the camera is, or that it moves to.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+/// A place of the camera.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Place {
     /// In front of the corner with the lamp.
+    #[default]
     Dark,
     /// In view of both the corner and the door.
     Room,
@@ -24,9 +26,6 @@ pub enum Place {
 }
 
 pub const PLACES: [Place; 3] = [Place::Dark, Place::Room, Place::Door];
-
-/// Order in which Space visits them: the straight lines between neighbours hit no wall.
-const ROUND: [Place; 4] = [Place::Dark, Place::Room, Place::Door, Place::Room];
 
 /// Position and direction of the camera.
 #[derive(Clone, Copy)]
@@ -82,57 +81,60 @@ impl Pose {
     }
 }
 
-pub fn stand(place: Res<Place>, camera: Single<(&mut Transform, &mut PanOrbitCamera)>) {
-    let (mut transform, mut orbit) = camera.into_inner();
-    place.pose().take(&mut transform, &mut orbit);
+pub fn stand(camera: Single<(&House, &mut Transform, &mut PanOrbitCamera)>) {
+    let (house, mut transform, mut orbit) = camera.into_inner();
+    house.place.pose().take(&mut transform, &mut orbit);
 }
 
 /// Present while the camera moves.
 #[derive(Resource)]
 pub struct Walk {
     from: Pose,
+    /// On the way: walls are between the corner and the door.
+    via: Option<Pose>,
     seconds: f32,
 }
 
-pub fn read_keys(
+/// Sets off when the panel has another place.
+pub fn set_off(
     mut commands: Commands,
-    keys: Res<ButtonInput<KeyCode>>,
-    orbit: Single<&PanOrbitCamera>,
-    mut place: ResMut<Place>,
-    mut visited: Local<Option<usize>>,
+    camera: Single<(&House, &PanOrbitCamera), Changed<House>>,
+    mut place: Local<Option<Place>>,
 ) {
-    if !keys.just_pressed(KeyCode::Space) {
+    let (house, orbit) = *camera;
+    let Some(before) = place.replace(house.place) else {
         return;
+    };
+    if before != house.place {
+        let is_far = before != Place::Room && house.place != Place::Room;
+        commands.insert_resource(Walk {
+            from: Pose::of(orbit),
+            via: is_far.then(|| Place::Room.pose()),
+            seconds: 0.0,
+        });
     }
-    let here = visited
-        .or_else(|| ROUND.iter().position(|other| other == &*place))
-        .unwrap_or(0);
-    let next = (here + 1) % ROUND.len();
-    *visited = Some(next);
-    *place = ROUND[next];
-    commands.insert_resource(Walk {
-        from: Pose::of(&orbit),
-        seconds: 0.0,
-    });
 }
 
 pub fn walk(
     mut commands: Commands,
     time: Res<Time>,
-    place: Res<Place>,
     walk: Option<ResMut<Walk>>,
-    camera: Single<(&mut Transform, &mut PanOrbitCamera)>,
+    camera: Single<(&House, &mut Transform, &mut PanOrbitCamera)>,
 ) {
     let Some(mut walk) = walk else {
         return;
     };
     walk.seconds += time.delta_secs();
     let t = (walk.seconds / DURATION).min(1.0);
-    let (mut transform, mut orbit) = camera.into_inner();
+    let (house, mut transform, mut orbit) = camera.into_inner();
     let smooth = t * t * (3.0 - 2.0 * t);
-    walk.from
-        .lerp(place.pose(), smooth)
-        .take(&mut transform, &mut orbit);
+    let to = house.place.pose();
+    let pose = match walk.via {
+        None => walk.from.lerp(to, smooth),
+        Some(via) if smooth < 0.5 => walk.from.lerp(via, 2.0 * smooth),
+        Some(via) => via.lerp(to, 2.0 * smooth - 1.0),
+    };
+    pose.take(&mut transform, &mut orbit);
     if t >= 1.0 {
         commands.remove_resource::<Walk>();
     }

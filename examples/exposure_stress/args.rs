@@ -2,12 +2,11 @@
 
 use argh::FromArgs;
 use bevy::{camera::Viewport, prelude::*};
-use bevy_lean_deferred::{
-    effects::auto_exposure::{LeanAutoExposureAdvanced, LuminanceTrim, ReductionPath},
-    prelude::*,
+use kit::{
+    example::{choices, keys::Technique},
+    scenes::boxes::Boxes,
+    size::parse_size,
 };
-
-use kit::{example::choices, scenes::boxes::Boxes, size::parse_size};
 
 /// Frame times of cameras with auto exposure.
 #[derive(FromArgs, Resource, Clone)]
@@ -20,17 +19,9 @@ pub struct Args {
     #[argh(option, default = "Effect::Lean", from_str_fn(effect))]
     pub effect: Effect,
 
-    /// put LeanDeferred on the cameras
-    #[argh(switch)]
-    pub deferred: bool,
-
-    /// leave out the darkest and the brightest tenth; Bevy's always does
-    #[argh(switch)]
-    pub trim: bool,
-
-    /// auto (the default), subgroup or shared-memory
-    #[argh(option, default = "default()", from_str_fn(reduction))]
-    pub reduction: ReductionPath,
+    /// a setting of the cameras, such as LeanAutoExposure.trim=some; LeanDeferred=on inserts it; any number of these
+    #[argh(option)]
+    pub set: Vec<String>,
 
     /// show a sky alone instead of the boxes, so that auto exposure is much of the frame
     #[argh(switch)]
@@ -58,14 +49,24 @@ pub struct Args {
 }
 
 /// The auto exposure on the cameras.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     None,
     Lean,
     Bevy,
 }
 
-const EFFECTS: [Effect; 3] = [Effect::None, Effect::Lean, Effect::Bevy];
+impl Technique for Effect {
+    const CHOICES: [Self; 3] = [Self::None, Self::Lean, Self::Bevy];
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Lean => "LeanAutoExposure",
+            Self::Bevy => "Bevy's AutoExposure",
+        }
+    }
+}
 
 impl Args {
     pub fn boxes(&self) -> Boxes {
@@ -73,20 +74,6 @@ impl Args {
             Boxes::small(self.lights)
         } else {
             Boxes::full(self.lights)
-        }
-    }
-
-    pub fn lean(&self) -> LeanAutoExposure {
-        LeanAutoExposure {
-            trim: self.trim.then_some(LuminanceTrim {
-                low: 0.1,
-                high: 0.1,
-            }),
-            advanced: LeanAutoExposureAdvanced {
-                reduction: self.reduction,
-                ..default()
-            },
-            ..default()
         }
     }
 
@@ -111,16 +98,7 @@ impl Args {
 }
 
 fn effect(text: &str) -> Result<Effect, String> {
-    choices::parse(&EFFECTS, text)
-}
-
-fn reduction(text: &str) -> Result<ReductionPath, String> {
-    let all = [
-        ReductionPath::Auto,
-        ReductionPath::Subgroup,
-        ReductionPath::SharedMemory,
-    ];
-    choices::parse(&all, text)
+    choices::parse(&Effect::CHOICES, text)
 }
 
 fn at_least_one(text: &str) -> Result<u32, String> {

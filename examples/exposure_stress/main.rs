@@ -5,12 +5,7 @@
 //!
 //! In a window, without vertical synchronisation, frame times are those of the whole app, printed every three seconds and at
 //! the end. With `--headless` the CPU waits for the GPU after each frame, so that frame times are the sum of both. Compare
-//! `--effect none` with the others.
-//!
-//! | key | does |
-//! |---|---|
-//! | 1, 2, 3 | none, `LeanAutoExposure`, Bevy's `AutoExposure` |
-//! | Esc | quit |
+//! `--effect none` with the others. The keys 1, 2 and 3 choose none, `LeanAutoExposure` and Bevy's `AutoExposure`; Esc quits.
 
 mod args;
 
@@ -19,8 +14,12 @@ use kit::{
     example::{
         frame_times::{FrameReports, FrameTimes},
         gpu_times,
+        keys::{TechniquePlugin, read_keys},
         made_up_sky::made_up_sky,
+        panel::PanelCamera,
         run::{self, SceneReady},
+        set,
+        switch::switch,
     },
     headless::Headless,
     scenes::boxes,
@@ -70,7 +69,7 @@ fn main() -> AppExit {
         ))
         .insert_resource(WinitSettings::continuous())
         .init_resource::<Reports>()
-        .add_systems(Update, (read_keys.before(apply_effect), measure))
+        .add_systems(Update, (read_keys, measure))
         .add_systems(Last, report_all.run_if(on_message::<AppExit>));
         add_scene(&mut app, args);
         app.run()
@@ -84,17 +83,19 @@ fn run_headless(args: Args) -> AppExit {
     }
     headless.frames(WARM_UP_FRAMES);
     let mut reports = FrameReports::default();
+    let effect = args.effect;
     for _ in 0..args.frames {
         let start = Instant::now();
         headless.frames(1);
         let recent = reports.add(start.elapsed().as_secs_f64() * 1000.0);
         if let Some(times) = recent {
-            report("", &args, &times, headless.app.world().resource());
+            report("", &args, effect, &times, headless.app.world().resource());
         }
     }
     report(
         "all: ",
         &args,
+        effect,
         &reports.all,
         headless.app.world().resource(),
     );
@@ -102,14 +103,25 @@ fn run_headless(args: Args) -> AppExit {
 }
 
 fn add_scene(app: &mut App, args: Args) {
-    app.add_plugins((RenderDiagnosticsPlugin, AutoExposurePlugin))
-        .insert_resource(args)
-        .insert_resource(SceneReady)
-        .add_systems(Startup, setup)
-        .add_systems(
-            Update,
-            (turn_cameras, apply_effect.run_if(resource_changed::<Args>)),
-        );
+    let settings = args.set.clone();
+    app.add_plugins((
+        RenderDiagnosticsPlugin,
+        AutoExposurePlugin,
+        TechniquePlugin(args.effect),
+    ))
+    .insert_resource(args)
+    .insert_resource(SceneReady)
+    .add_systems(Startup, setup)
+    .add_systems(PostStartup, move |world: &mut World| {
+        set::apply_all(world, &settings);
+    })
+    .add_systems(
+        Update,
+        (
+            turn_cameras,
+            apply_effect.run_if(resource_changed::<Effect>),
+        ),
+    );
 }
 
 fn setup(
@@ -133,6 +145,7 @@ fn setup(
         let turn = Quat::from_rotation_y(TAU * number as f32 / args.cameras as f32);
         let mut camera = commands.spawn((
             Camera3d::default(),
+            PanelCamera,
             Camera {
                 order: number as isize,
                 viewport: Some(args.viewport(number)),
@@ -149,9 +162,6 @@ fn setup(
         if let Some(sky) = &sky {
             camera.insert(sky.clone());
         }
-        if args.deferred {
-            camera.insert(LeanDeferred::default());
-        }
     }
 }
 
@@ -163,40 +173,19 @@ fn turn_cameras(time: Res<Time>, mut cameras: Query<&mut Transform, With<Camera3
     }
 }
 
-fn apply_effect(mut commands: Commands, args: Res<Args>, cameras: Query<Entity, With<Camera3d>>) {
+fn apply_effect(
+    mut commands: Commands,
+    effect: Res<Effect>,
+    cameras: Query<Entity, With<Camera3d>>,
+    reports: Option<ResMut<Reports>>,
+) {
     for camera in &cameras {
         let mut camera = commands.entity(camera);
-        camera.remove::<(LeanAutoExposure, AutoExposure)>();
-        match args.effect {
-            Effect::None => {}
-            Effect::Lean => {
-                camera.insert(args.lean());
-            }
-            Effect::Bevy => {
-                camera.insert(AutoExposure::default());
-            }
-        }
+        switch::<LeanAutoExposure>(&mut camera, *effect == Effect::Lean);
+        switch::<AutoExposure>(&mut camera, *effect == Effect::Bevy);
     }
-}
-
-fn read_keys(
-    keys: Res<ButtonInput<KeyCode>>,
-    mut args: ResMut<Args>,
-    mut reports: ResMut<Reports>,
-    mut exit: MessageWriter<AppExit>,
-) {
-    for key in keys.get_just_pressed() {
-        args.effect = match key {
-            KeyCode::Digit1 => Effect::None,
-            KeyCode::Digit2 => Effect::Lean,
-            KeyCode::Digit3 => Effect::Bevy,
-            KeyCode::Escape => {
-                exit.write(AppExit::Success);
-                continue;
-            }
-            _ => continue,
-        };
-        // Drops the times of the effect before.
+    // Drops the times of the effect before.
+    if let Some(mut reports) = reports {
         *reports = default();
     }
 }
@@ -211,6 +200,7 @@ struct Reports {
 fn measure(
     time: Res<Time<Real>>,
     args: Res<Args>,
+    effect: Res<Effect>,
     diagnostics: Res<DiagnosticsStore>,
     mut reports: ResMut<Reports>,
 ) {
@@ -220,24 +210,35 @@ fn measure(
     }
     let recent = reports.times.add(time.delta_secs_f64() * 1000.0);
     if let Some(times) = recent {
-        report("", &args, &times, &diagnostics);
+        report("", &args, *effect, &times, &diagnostics);
     }
 }
 
-fn report_all(args: Res<Args>, diagnostics: Res<DiagnosticsStore>, reports: Res<Reports>) {
-    report("all: ", &args, &reports.times.all, &diagnostics);
+fn report_all(
+    args: Res<Args>,
+    effect: Res<Effect>,
+    diagnostics: Res<DiagnosticsStore>,
+    reports: Res<Reports>,
+) {
+    report("all: ", &args, *effect, &reports.times.all, &diagnostics);
 }
 
 /// Prints one line: the scene and effect, the frame times, and the effect's GPU times per camera.
-fn report(what: &str, args: &Args, times: &FrameTimes, diagnostics: &DiagnosticsStore) {
+fn report(
+    what: &str,
+    args: &Args,
+    effect: Effect,
+    times: &FrameTimes,
+    diagnostics: &DiagnosticsStore,
+) {
     let time = |span| gpu_times::text(diagnostics, span);
-    let gpu = match args.effect {
+    let gpu = match effect {
         Effect::None => String::new(),
         Effect::Lean => format!("; GPU: {}", time("lean_deferred/effects/auto_exposure")),
         Effect::Bevy => format!("; GPU: auto_exposure {}", time("auto_exposure")),
     };
     println!(
-        "{what}{:?}, cameras: {}, {}×{}: {times}{gpu}",
-        args.effect, args.cameras, args.size.x, args.size.y
+        "{what}{effect:?}, cameras: {}, {}×{}: {times}{gpu}",
+        args.cameras, args.size.x, args.size.y
     );
 }

@@ -3,31 +3,19 @@
 //!
 //! `cargo run --example many_lights -- [--lights N] [--headless OUT.png] [--help]`
 //!
-//! | key | does |
-//! |---|---|
-//! | 1, 2, 3 | Bevy forward, Bevy deferred, lean |
-//! | Space | next renderer |
-//! | Up, Down | twice / half as many lights |
-//! | Esc | quit |
+//! The keys 1, 2 and 3 choose Bevy forward, Bevy deferred and lean, and the panel has the number of lights; the README lists the other
+//! keys.
 
 mod times;
 
-use argh::FromArgs;
-use bevy::{
-    diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin},
-    light::cluster::GlobalClusterSettings,
-    prelude::*,
-    render::diagnostic::RenderDiagnosticsPlugin,
-    ui::IsDefaultUiCamera,
-};
+use bevy::{camera::Hdr, light::cluster::GlobalClusterSettings, prelude::*, ui::IsDefaultUiCamera};
 use bevy_lean_deferred::prelude::*;
 use kit::{
     bench_spans,
     example::{
-        choices::next,
-        opaque_method::OpaqueMethod,
-        run::{self, SceneReady},
-        text_panel::{TextPanel, spawn_text_panel},
+        panel::{Panel, PanelCamera, fixed_panel, panel},
+        renderers::RenderersPlugin,
+        run::{self, Example, SceneReady},
     },
     headless::Headless,
     renderer::Renderer,
@@ -35,34 +23,36 @@ use kit::{
 };
 use times::GpuTimes;
 
-/// The scene of the benches, live.
-#[derive(FromArgs)]
-struct Args {
-    /// point lights, default 512
-    #[argh(option, default = "512")]
-    lights: u32,
+kit::example_args! {
+    /// The scene of the benches, live.
+    struct Args {
+        /// point lights, default 512
+        #[argh(option, default = "512")]
+        lights: u32,
 
-    /// a grid of 10 by 10 meshes in place of 40 by 40, for software renderers
-    #[argh(switch)]
-    small: bool,
+        /// a grid of 10 by 10 meshes in place of 40 by 40, for software renderers
+        #[argh(switch)]
+        small: bool,
 
-    /// forward, deferred or lean (the default)
-    #[argh(option, default = "Renderer::Lean")]
-    renderer: Renderer,
+        /// forward, deferred or lean (the default)
+        #[argh(option, default = "Renderer::Lean")]
+        renderer: Renderer,
 
-    /// render without a window, write this PNG and quit
-    #[argh(option)]
-    headless: Option<String>,
-
-    /// time the other renderers first, with --headless
-    #[argh(switch)]
-    compare: bool,
+        /// time the other renderers first, with --headless
+        #[argh(switch)]
+        compare: bool,
+    }
 }
 
+/// The meshes, and the lights at the start.
 #[derive(Resource, Clone, Copy)]
-struct Settings {
-    boxes: Boxes,
-    renderer: Renderer,
+struct Meshes(Boxes);
+
+/// The number of lights, on the panel.
+#[derive(Component, Reflect, Default)]
+#[reflect(Component, Default)]
+struct Lights {
+    count: u32,
 }
 
 fn main() -> AppExit {
@@ -72,29 +62,38 @@ fn main() -> AppExit {
     } else {
         Boxes::full(args.lights)
     };
-    let settings = Settings {
-        boxes,
-        renderer: args.renderer,
+    let (chosen, compare) = (args.renderer, args.compare);
+    let frames = args.frames.unwrap_or(times::FRAMES);
+    let example = Example {
+        // The picture is about the times in it.
+        text: true,
+        ..args.example("many lights", UVec2::new(1280, 720), times::FRAMES)
     };
-    match &args.headless {
-        None => {
-            let mut app = App::new();
-            app.add_plugins((DefaultPlugins, LeanDeferredPlugins));
-            add_scene(&mut app, settings);
-            app.run()
+    let example = example.written_by(move |mut headless, path| {
+        if compare && let Err(exit) = time_others(&mut headless, chosen) {
+            return exit;
         }
-        Some(path) => {
-            let mut headless = Headless::with(UVec2::new(1280, 720), |app| {
-                add_scene(app, settings);
-            });
-            if args.compare
-                && let Err(exit) = time_others(&mut headless, args.renderer)
-            {
-                return exit;
-            }
-            run::write_picture(headless, path, times::FRAMES)
-        }
-    }
+        run::write_picture(headless, path, frames)
+    });
+    let mut app = App::new();
+    app.add_plugins((
+        example.set_up(DefaultPlugins),
+        LeanDeferredPlugins,
+        example,
+        RenderersPlugin(args.renderer),
+        fixed_panel::<Lights>("point lights"),
+        panel::<LeanDeferred>("LeanDeferred"),
+    ))
+    .insert_resource(Meshes(boxes))
+    .insert_resource(SceneReady)
+    .init_resource::<GpuTimes>()
+    .add_systems(Startup, setup)
+    .add_systems(
+        Update,
+        (move_lights, spawn_lights, times::measure, write_head).chain(),
+    );
+    bench_spans::add_bench_spans(&mut app);
+    app.run()
 }
 
 /// Renders some frames with each renderer, with `chosen` last.
@@ -102,96 +101,61 @@ fn time_others(headless: &mut Headless, chosen: Renderer) -> Result<(), AppExit>
     run::make_ready(headless)?;
     let others = Renderer::ALL.into_iter().filter(|other| *other != chosen);
     for renderer in others.chain([chosen]) {
-        headless.world().resource_mut::<Settings>().renderer = renderer;
+        headless.world().insert_resource(renderer);
         headless.settle();
         headless.frames(times::FRAMES);
     }
     Ok(())
 }
 
-fn add_scene(app: &mut App, settings: Settings) {
-    app.add_plugins((
-        FrameTimeDiagnosticsPlugin::default(),
-        RenderDiagnosticsPlugin,
-    ))
-    .insert_resource(settings)
-    .insert_resource(SceneReady)
-    .init_resource::<GpuTimes>()
-    .add_systems(Startup, (setup, spawn_text_panel))
-    .add_systems(
-        Update,
-        (
-            read_keys,
-            move_lights,
-            apply_settings.run_if(resource_changed::<Settings>),
-            times::measure,
-            update_text,
-        )
-            .chain(),
-    );
-    bench_spans::add_bench_spans(app);
-}
-
 fn setup(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
-    settings: Res<Settings>,
+    scene: Res<Meshes>,
     mut clusters: ResMut<GlobalClusterSettings>,
 ) {
     boxes::reserve_clusters(&mut clusters);
-    boxes::spawn(&mut commands, &mut meshes, &mut materials, settings.boxes);
+    boxes::spawn(&mut commands, &mut meshes, &mut materials, scene.0);
     commands.spawn((
         Camera3d::default(),
-        bevy::camera::Hdr,
+        LeanDeferred::default(),
+        // LeanDeferred adds both; all renderers have them, so that they compare.
+        Hdr,
         Msaa::Off,
+        PanelCamera,
+        Lights {
+            count: scene.0.point_lights,
+        },
         IsDefaultUiCamera,
-        boxes::camera_transform(settings.boxes),
+        boxes::camera_transform(scene.0),
     ));
 }
 
-fn read_keys(
-    keys: Option<Res<ButtonInput<KeyCode>>>,
-    mut settings: ResMut<Settings>,
-    mut exit: MessageWriter<AppExit>,
-) {
-    let Some(keys) = keys else {
-        return;
-    };
-    for key in keys.get_just_pressed() {
-        match key {
-            KeyCode::Digit1 => settings.renderer = Renderer::Forward,
-            KeyCode::Digit2 => settings.renderer = Renderer::BevyDeferred,
-            KeyCode::Digit3 => settings.renderer = Renderer::Lean,
-            KeyCode::Space => settings.renderer = next(&Renderer::ALL, settings.renderer),
-            KeyCode::ArrowUp => {
-                settings.boxes.point_lights = (settings.boxes.point_lights * 2).clamp(1, 16_384);
-            }
-            KeyCode::ArrowDown => settings.boxes.point_lights /= 2,
-            KeyCode::Escape => {
-                exit.write(AppExit::Success);
-            }
-            _ => {}
-        }
-    }
-}
+/// Most lights of the panel.
+const MOST: u32 = 16_384;
 
-fn apply_settings(
+/// Spawns all lights anew when their number changes.
+fn spawn_lights(
     mut commands: Commands,
-    settings: Res<Settings>,
-    camera: Single<Entity, With<Camera3d>>,
+    scene: Res<Meshes>,
+    wanted: Single<&Lights, Changed<Lights>>,
     lights: Query<Entity, With<PointLight>>,
-    mut method: OpaqueMethod,
 ) {
-    let mut camera = commands.entity(*camera);
-    settings.renderer.prepare_camera(&mut camera);
-    method.set(settings.renderer == Renderer::BevyDeferred);
-    if lights.iter().len() != settings.boxes.point_lights as usize {
-        for light in &lights {
-            commands.entity(light).despawn();
-        }
-        boxes::spawn_point_lights(&mut commands, settings.boxes);
+    let point_lights = wanted.count.min(MOST);
+    if lights.iter().len() == point_lights as usize {
+        return;
     }
+    for light in &lights {
+        commands.entity(light).despawn();
+    }
+    boxes::spawn_point_lights(
+        &mut commands,
+        Boxes {
+            point_lights,
+            ..scene.0
+        },
+    );
 }
 
 /// Moves each light around the place where it was spawned.
@@ -207,21 +171,7 @@ fn move_lights(time: Res<Time>, mut lights: Query<&mut Transform, With<PointLigh
 
 const EXPLANATION: &str =
     "GPU time to draw and light all meshes, from when each renderer was last on";
-const KEYS: &str = "1 forward  2 deferred  3 lean  Space next  Up/Down lights  Esc quit";
 
-fn update_text(
-    settings: Res<Settings>,
-    times: Res<GpuTimes>,
-    diagnostics: Res<DiagnosticsStore>,
-    mut text: Single<&mut Text, With<TextPanel>>,
-) {
-    let fps = diagnostics
-        .get(&FrameTimeDiagnosticsPlugin::FPS)
-        .and_then(|fps| fps.smoothed())
-        .unwrap_or_default();
-    text.0 = format!(
-        "{} point lights, {fps:.0} frames a second\n{}{EXPLANATION}\n{KEYS}",
-        settings.boxes.point_lights,
-        times.table(settings.renderer),
-    );
+fn write_head(renderer: Res<Renderer>, times: Res<GpuTimes>, mut panel: ResMut<Panel>) {
+    panel.head = format!("{}{EXPLANATION}", times.table(*renderer));
 }

@@ -5,7 +5,6 @@ use core::fmt::Write;
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 use bevy_lean_deferred::LeanStatus;
 
-use crate::Settings;
 use kit::{example::gpu_times, renderer::Renderer};
 
 /// Frames after a change whose GPU times do not count: they are of frames before it, or of frames in which shaders
@@ -28,17 +27,22 @@ struct Measured {
 pub struct GpuTimes {
     measured: [Option<Measured>; Renderer::ALL.len()],
     frames_since_change: usize,
+    /// Lights of the frame before.
+    lights: u32,
 }
 
 pub fn measure(
-    settings: Res<Settings>,
+    renderer: Res<Renderer>,
+    lights: Query<(), With<PointLight>>,
     status: Query<&LeanStatus>,
     mut diagnostics: ResMut<DiagnosticsStore>,
     mut times: ResMut<GpuTimes>,
 ) {
     let is_waiting =
-        settings.renderer == Renderer::Lean && status.iter().any(|status| !status.deferred.is_on());
-    if settings.is_changed() || is_waiting {
+        *renderer == Renderer::Lean && status.iter().any(|status| !status.deferred.is_on());
+    let lights = lights.iter().len() as u32;
+    let has_other_lights = core::mem::replace(&mut times.lights, lights) != lights;
+    if renderer.is_changed() || has_other_lights || is_waiting {
         times.frames_since_change = 0;
     }
     times.frames_since_change += 1;
@@ -46,14 +50,14 @@ pub fn measure(
         gpu_times::forget(&mut diagnostics);
         return;
     }
-    let (geometry, lighting) = settings.renderer.spans();
+    let (geometry, lighting) = renderer.spans();
     let Some(geometry) = gpu_times::mean(&diagnostics, geometry) else {
         return;
     };
     // Bevy's forward pass has no lighting stage of its own.
     let lighting = lighting.and_then(|span| gpu_times::mean(&diagnostics, span));
-    times.measured[settings.renderer as usize] = Some(Measured {
-        lights: settings.boxes.point_lights,
+    times.measured[*renderer as usize] = Some(Measured {
+        lights,
         all: geometry + lighting.unwrap_or(0.0),
         lighting,
     });

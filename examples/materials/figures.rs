@@ -1,30 +1,41 @@
 //! Pictures of `--headless`, and the differences between lean and forward.
 
 use bevy::prelude::*;
+use bevy_lean_deferred::LeanDebugView;
 
-use crate::{args::Args, grid, rows::ROWS, settings::Side};
+use crate::{
+    cameras::{Shown, Side},
+    grid,
+    rows::ROWS,
+};
 use kit::{
-    example::run,
+    example::{run, text_panel::TextPanel},
     headless::{Headless, Picture},
     metrics::{Difference, difference},
 };
 
 /// Writes a PNG. If it has lean beside forward, prints their differences, in total and for each row.
-pub fn write_pictures(mut headless: Headless, path: &str, args: &Args) -> AppExit {
+pub fn write_pictures(mut headless: Headless, path: &str, frames: usize) -> AppExit {
     if let Err(exit) = run::make_ready(&mut headless) {
         return exit;
     }
-    headless.frames(args.frames);
+    headless.frames(frames);
     let picture = headless.capture();
     if let Err(error) = picture.try_save(path) {
         eprintln!("error: cannot write {path}: {error}");
         return AppExit::error();
     }
     println!("{path}: {}×{}", picture.size.x, picture.size.y);
-    if args.compares() {
+    if compares(headless.world()) {
         compare(&mut headless, &picture);
     }
     AppExit::Success
+}
+
+/// True if both halves of the picture should look the same.
+fn compares(world: &mut World) -> bool {
+    let mut unlike = world.query_filtered::<(), Or<(With<LeanDebugView>, With<TextPanel>)>>();
+    *world.resource::<Shown>() == Shown::Both && unlike.iter(world).next().is_none()
 }
 
 fn compare(headless: &mut Headless, picture: &Picture) {

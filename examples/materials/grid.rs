@@ -9,15 +9,13 @@ use bevy::{
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
 use bevy_lean_deferred::prelude::*;
+use kit::example::switch::SwitchedLight;
 
 use crate::rows::{COLUMNS, ROWS, Shape, Textures};
 
 /// Distance between two samples, in metres.
 const SPACING: f32 = 1.0;
 const RADIUS: f32 = 0.4;
-
-#[derive(Component)]
-pub struct Sun;
 
 /// Half the width and half the height of the grid, with a margin.
 pub fn half_size() -> Vec2 {
@@ -104,7 +102,7 @@ pub fn spawn(
 
 pub fn spawn_lights(mut commands: Commands) {
     commands.spawn((
-        Sun,
+        SwitchedLight,
         DirectionalLight {
             illuminance: 4_000.0,
             shadow_maps_enabled: true,

@@ -7,6 +7,7 @@ use kit::example::{
     builder::Builder,
     model::{self, Viewpoint},
     run::SceneReady,
+    switch::SwitchedLight,
 };
 
 /// Target of the camera, and its distance.
@@ -17,13 +18,9 @@ const DISTANCE: f32 = 6.5;
 const HALF: f32 = 2.5;
 const HEIGHT: f32 = 2.8;
 
-/// Lights that a key switches.
-#[derive(Component)]
-pub struct Switched;
-
 pub fn spawn_sun(mut commands: Commands) {
     commands.spawn((
-        Switched,
+        SwitchedLight,
         DirectionalLight {
             illuminance: 20_000.0,
             shadow_maps_enabled: true,
@@ -49,7 +46,7 @@ pub fn spawn(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     commands.spawn((
-        Switched,
+        SwitchedLight,
         SpotLight {
             intensity: 1_500_000.0,
             range: 20.0,

@@ -44,6 +44,11 @@ pub struct Args {
     /// the whole street, even without a GPU
     #[argh(switch)]
     full: bool,
+
+    /// a setting of the camera, such as LeanScreenSpaceGi.quality=high; Component=on inserts it, Component=off removes it; any
+    /// number of these
+    #[argh(option)]
+    set: Vec<String>,
 }
 
 impl Args {
@@ -56,6 +61,7 @@ impl Args {
             model: self.model,
             figure: self.figure,
             headless: self.headless,
+            set: self.set,
             size: self.size.unwrap_or(size.into()),
             frames: self.frames.unwrap_or(if has_gpu { 20 } else { 3 }),
             detail: Detail {
@@ -72,6 +78,7 @@ pub struct Wanted {
     pub model: Option<String>,
     pub figure: Option<String>,
     pub headless: Option<String>,
+    pub set: Vec<String>,
     pub size: UVec2,
     pub frames: usize,
     pub detail: Detail,

@@ -2,7 +2,9 @@
 
 use bevy::{camera::Exposure, prelude::*};
 use bevy_lean_deferred::prelude::*;
-use street::Viewpoint;
+use kit::example::switch::switch;
+
+use crate::settings::Place;
 
 /// An effect on a lean camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,23 +46,13 @@ impl Effect {
         }
     }
 
-    pub fn key(self) -> KeyCode {
-        match self {
-            Self::AmbientOcclusion => KeyCode::KeyO,
-            Self::DiffuseGi => KeyCode::KeyG,
-            Self::Reflections => KeyCode::KeyR,
-            Self::SubsurfaceScattering => KeyCode::KeyS,
-            Self::AutoExposure => KeyCode::KeyE,
-        }
-    }
-
     /// The viewpoint that shows it best.
-    pub fn viewpoint(self) -> Viewpoint {
+    pub fn place(self) -> Place {
         match self {
-            Self::AmbientOcclusion | Self::DiffuseGi => Viewpoint::STALL,
-            Self::Reflections => Viewpoint::PUDDLE,
-            Self::SubsurfaceScattering => Viewpoint::CATS,
-            Self::AutoExposure => Viewpoint::STREET,
+            Self::AmbientOcclusion | Self::DiffuseGi => Place::Stall,
+            Self::Reflections => Place::Puddle,
+            Self::SubsurfaceScattering => Place::Cats,
+            Self::AutoExposure => Place::Street,
         }
     }
 
@@ -71,41 +63,15 @@ impl Effect {
     }
 
     pub fn switch(self, camera: &mut EntityCommands, is_on: bool) {
-        match (self, is_on) {
-            (Self::AmbientOcclusion, true) => {
-                camera.insert(LeanScreenSpaceAmbientOcclusion::default());
+        match self {
+            Self::AmbientOcclusion => switch::<LeanScreenSpaceAmbientOcclusion>(camera, is_on),
+            Self::DiffuseGi => switch::<LeanScreenSpaceGi>(camera, is_on),
+            Self::Reflections => switch::<LeanScreenSpaceReflections>(camera, is_on),
+            Self::SubsurfaceScattering => switch::<LeanSubsurfaceScattering>(camera, is_on),
+            Self::AutoExposure if is_on => {
+                camera.insert_if_new(night_exposure());
             }
-            (Self::AmbientOcclusion, false) => {
-                camera.remove::<LeanScreenSpaceAmbientOcclusion>();
-            }
-            (Self::DiffuseGi, true) => {
-                camera.insert(LeanScreenSpaceGi::default());
-            }
-            (Self::DiffuseGi, false) => {
-                camera.remove::<LeanScreenSpaceGi>();
-            }
-            (Self::Reflections, true) => {
-                camera.insert(LeanScreenSpaceReflections::default());
-            }
-            (Self::Reflections, false) => {
-                camera.remove::<LeanScreenSpaceReflections>();
-            }
-            (Self::SubsurfaceScattering, true) => {
-                camera.insert(LeanSubsurfaceScattering::default());
-            }
-            (Self::SubsurfaceScattering, false) => {
-                camera.remove::<LeanSubsurfaceScattering>();
-            }
-            (Self::AutoExposure, true) => {
-                camera.insert(LeanAutoExposure {
-                    // Keeps a night dark.
-                    target: 0.1,
-                    ..default()
-                });
-            }
-            (Self::AutoExposure, false) => {
-                camera.remove::<LeanAutoExposure>();
-            }
+            Self::AutoExposure => switch::<LeanAutoExposure>(camera, false),
         }
     }
 
@@ -120,5 +86,13 @@ impl Effect {
             effect => effect.name(),
         };
         pass.split('/').any(|part| part == folder)
+    }
+}
+
+/// Auto exposure that keeps a night dark.
+pub fn night_exposure() -> LeanAutoExposure {
+    LeanAutoExposure {
+        target: 0.1,
+        ..default()
     }
 }

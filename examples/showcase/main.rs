@@ -3,15 +3,8 @@
 //!
 //! `cargo run --example showcase -- [--model FILE | --figure FILE] [--headless OUT.png] [--help]`
 //!
-//! | key | does |
-//! |---|---|
-//! | 1, 2, 3 | Bevy forward, Bevy deferred, lean |
-//! | O, G, R, S, E | occlusion, diffuse GI, reflections, subsurface scattering, auto exposure on / off (lean only) |
-//! | V | next viewpoint of the street |
-//! | P | people walk / stand |
-//! | H | text on / off |
-//! | mouse | left: orbit, right: pan, wheel: zoom |
-//! | Esc | quit |
+//! The keys 1, 2 and 3 choose Bevy forward, Bevy deferred and lean. The panel switches each effect, moves the camera to the viewpoints
+//! of the street, and lets people stand; the README lists the other keys. Mouse: left orbits, right pans, the wheel zooms.
 //!
 //! `--headless` writes a picture split into Bevy forward and lean, and beside it one of each effect off and on. It also
 //! prints the cost of each on this machine.
@@ -19,18 +12,28 @@
 mod args;
 mod companions;
 mod effects;
-mod overlay;
 mod report;
 mod scene;
 mod settings;
 
-use bevy::{prelude::*, render::diagnostic::RenderDiagnosticsPlugin};
-use bevy_panorbit_camera::PanOrbitCameraPlugin;
-use kit::{
-    example::{model, run},
-    gpu,
-    headless::Headless,
+use bevy::{
+    anti_alias::smaa::Smaa, camera::Hdr, post_process::bloom::Bloom, prelude::*,
+    ui::IsDefaultUiCamera,
 };
+use bevy_lean_deferred::prelude::*;
+use bevy_panorbit_camera::PanOrbitCamera;
+use kit::{
+    bench_spans::add_bench_spans,
+    example::{
+        model,
+        panel::{Panel, PanelCamera, panel},
+        renderers::RenderersPlugin,
+        run::Example,
+    },
+    gpu,
+    renderer::Renderer,
+};
+use settings::Street;
 
 fn main() -> AppExit {
     let args: args::Args = argh::from_env();
@@ -41,27 +44,83 @@ fn main() -> AppExit {
             return AppExit::error();
         }
     }
-    let scene = scene::ScenePlugin {
-        model: model::ModelPath(args.model.clone()),
-        figure: args.figure.clone(),
-        detail: args.detail,
+    let is_windowed = args.headless.is_none();
+    let frames = args.frames;
+    let example = Example {
+        title: "showcase",
+        size: args.size,
+        headless: args.headless,
+        set: args.set,
+        ..Example::with_frames(frames)
     };
-    match &args.headless {
-        Some(path) => {
-            let headless = Headless::with(args.size, |app| {
-                app.add_plugins((scene, settings::SettingsPlugin::of_pictures()));
-                report::prepare(app);
-            });
-            report::write(headless, path, args.frames)
-        }
-        None => run::windowed("bevy_lean_deferred showcase", args.size)
-            .add_plugins((
-                RenderDiagnosticsPlugin,
-                PanOrbitCameraPlugin,
-                scene,
-                settings::SettingsPlugin::of_window(),
-                overlay::OverlayPlugin,
-            ))
-            .run(),
+    let example = example.written_by(move |headless, path| report::write(headless, path, frames));
+    let mut app = App::new();
+    app.add_plugins((
+        example.set_up(DefaultPlugins),
+        LeanDeferredPlugins,
+        example,
+        // Pictures begin with the reference.
+        RenderersPlugin(match is_windowed {
+            true => Renderer::Lean,
+            false => Renderer::Forward,
+        }),
+        scene::ScenePlugin {
+            model: model::ModelPath(args.model),
+            figure: args.figure,
+            detail: args.detail,
+        },
+        panel::<LeanScreenSpaceAmbientOcclusion>("LeanScreenSpaceAmbientOcclusion"),
+        panel::<LeanScreenSpaceGi>("LeanScreenSpaceGi"),
+        panel::<LeanScreenSpaceReflections>("LeanScreenSpaceReflections"),
+        panel::<LeanSubsurfaceScattering>("LeanSubsurfaceScattering"),
+        panel::<LeanAutoExposure>("LeanAutoExposure"),
+    ))
+    .add_systems(PreStartup, move |commands: Commands| {
+        spawn_camera(commands, is_windowed);
+    })
+    .add_systems(Update, write_head);
+    if !is_windowed {
+        add_bench_spans(&mut app);
     }
+    app.run()
+}
+
+/// Spawns a camera with all effects but ambient occlusion, which GI replaces. Pictures begin without effects, and nobody walks in them.
+fn spawn_camera(mut commands: Commands, is_windowed: bool) {
+    let mut camera = commands.spawn((
+        Camera3d::default(),
+        LeanDeferred::default(),
+        Hdr,
+        Msaa::Off,
+        Smaa::default(),
+        Bloom::NATURAL,
+        PanelCamera,
+        Street {
+            walk: is_windowed,
+            ..default()
+        },
+        IsDefaultUiCamera,
+        PanOrbitCamera {
+            button_orbit: MouseButton::Left,
+            button_pan: MouseButton::Right,
+            ..default()
+        },
+        Transform::default(),
+    ));
+    if is_windowed {
+        camera.insert((
+            LeanScreenSpaceGi::default(),
+            LeanScreenSpaceReflections::default(),
+            LeanSubsurfaceScattering::default(),
+            effects::night_exposure(),
+        ));
+    }
+}
+
+/// Writes the number of lights.
+fn write_head(
+    lights: Query<(), Or<(With<PointLight>, With<SpotLight>)>>,
+    mut panel: ResMut<Panel>,
+) {
+    panel.head = format!("{} point and spot lights", lights.iter().count());
 }

@@ -2,29 +2,26 @@
 
 use std::path::{Path, PathBuf};
 
-use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::diagnostic::RenderDiagnosticsPlugin};
+use bevy::{camera::Exposure, diagnostic::DiagnosticsStore, prelude::*};
 use bevy_lean_deferred::gbuffer::GBufferUsage;
 use figures::{table::Table, time::Time};
 use indicatif::{ProgressBar, ProgressStyle};
 use kit::{
-    bench_spans::{self, add_bench_spans},
-    example::run,
+    bench_spans,
+    example::{panel::PanelCamera, run},
     gpu_time::Samples,
     headless::{Headless, Picture},
     metrics::difference,
     renderer::Renderer,
 };
 
-use crate::{effects::Effect, settings::Settings};
+use crate::{
+    effects::Effect,
+    settings::{Place, Settings},
+};
 
 /// Frames until light has bounced and exposure has adapted.
 const FRAMES_OF_EFFECTS: usize = 10;
-
-/// Adds the plugins that measurements need.
-pub fn prepare(app: &mut App) {
-    app.add_plugins(RenderDiagnosticsPlugin);
-    add_bench_spans(app);
-}
 
 /// Writes `path` and, beside it, a picture of each effect; prints the tables. Times are medians of `frames`.
 pub fn write(headless: Headless, path: &str, frames: usize) -> AppExit {
@@ -33,6 +30,13 @@ pub fn write(headless: Headless, path: &str, frames: usize) -> AppExit {
         path: path.into(),
         frames,
         bar: bar(),
+        exposure: Exposure::default(),
+        settings: Settings {
+            renderer: Renderer::Forward,
+            effects: Vec::new(),
+            place: Place::Street,
+            exposure: Exposure::default(),
+        },
     };
     match report.write() {
         Ok(()) => AppExit::Success,
@@ -52,6 +56,10 @@ struct Report {
     path: PathBuf,
     frames: usize,
     bar: ProgressBar,
+    /// The scene's.
+    exposure: Exposure,
+    /// Of the last picture.
+    settings: Settings,
 }
 
 /// A picture, and the times of its frames.
@@ -64,6 +72,10 @@ impl Report {
     fn write(&mut self) -> Result<(), AppExit> {
         self.step("the scene");
         run::make_ready(&mut self.headless)?;
+        let world = self.headless.world();
+        let mut exposures = world.query_filtered::<&Exposure, With<PanelCamera>>();
+        self.exposure = exposures.iter(world).next().copied().unwrap_or_default();
+        self.settings.exposure = self.exposure;
         let renderers = self.renderers()?;
         let effects = self.effects()?;
         self.bar.finish_and_clear();
@@ -155,10 +167,11 @@ impl Report {
     fn effects(&mut self) -> Result<Table, AppExit> {
         let mut rows = Vec::new();
         for effect in Effect::ALL {
+            let exposure = effect.exposure().unwrap_or(self.exposure);
             let show = |is_on: bool| {
                 move |settings: &mut Settings| {
-                    settings.viewpoint = effect.viewpoint();
-                    settings.exposure = effect.exposure();
+                    settings.place = effect.place();
+                    settings.exposure = exposure;
                     settings.effects = if is_on { vec![effect] } else { Vec::new() };
                 }
             };
@@ -182,18 +195,14 @@ impl Report {
 
     fn shoot(&mut self, what: &str, change: impl FnOnce(&mut Settings)) -> Shot {
         self.step(what);
-        change(&mut self.headless.world().resource_mut::<Settings>());
+        change(&mut self.settings);
+        self.settings.apply(self.headless.world());
         // New settings take effect in the frame after.
         self.headless.frames(2);
         self.headless.settle();
-        let has_effects = !self
-            .headless
-            .world()
-            .resource::<Settings>()
-            .effects
-            .is_empty();
-        self.headless
-            .frames(if has_effects { FRAMES_OF_EFFECTS } else { 0 });
+        if !self.settings.effects.is_empty() {
+            self.headless.frames(FRAMES_OF_EFFECTS);
+        }
         let mut samples = Samples::default();
         for _ in 0..self.frames {
             self.headless.frames(1);

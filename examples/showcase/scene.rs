@@ -1,23 +1,24 @@
-//! The street or a model, and the camera.
+//! The street or a model.
 
-use bevy::{
-    anti_alias::smaa::Smaa, camera::Hdr, post_process::bloom::Bloom, prelude::*,
-    ui::IsDefaultUiCamera,
-};
+use bevy::prelude::*;
 use bevy_panorbit_camera::PanOrbitCamera;
 use kit::{
     example::{
         made_up_sky::made_up_sky,
         model::{self, ModelPath},
+        panel::fixed_panel,
         run::SceneReady,
     },
     scenes::boxes,
 };
 use street::{Detail, StreetPlugin, sky};
 
-use crate::{companions::CompanionsPlugin, settings::Settings};
+use crate::{
+    companions::CompanionsPlugin,
+    settings::{Street, walk_or_stand},
+};
 
-/// Spawns the scene and its camera.
+/// Spawns the scene.
 pub struct ScenePlugin {
     pub model: ModelPath,
     /// glTF file of a figure that walks among the people.
@@ -27,17 +28,16 @@ pub struct ScenePlugin {
 
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(self.model.clone())
-            .add_systems(PreStartup, spawn_camera);
+        app.insert_resource(self.model.clone());
         if self.model.0.is_none() {
-            app.add_plugins(StreetPlugin {
-                detail: self.detail,
-            })
+            app.add_plugins((
+                StreetPlugin {
+                    detail: self.detail,
+                },
+                fixed_panel::<Street>("street"),
+            ))
             .add_systems(Startup, (prepare_camera, reserve_clusters))
-            .add_systems(
-                Update,
-                stand.run_if(resource_exists_and_changed::<Settings>),
-            );
+            .add_systems(Update, (stand, walk_or_stand));
             match self.figure.clone() {
                 Some(path) => _ = app.add_plugins(CompanionsPlugin { path }),
                 None => _ = app.insert_resource(SceneReady),
@@ -54,23 +54,6 @@ impl Plugin for ScenePlugin {
     }
 }
 
-fn spawn_camera(mut commands: Commands) {
-    commands.spawn((
-        Camera3d::default(),
-        Hdr,
-        Msaa::Off,
-        Smaa::default(),
-        Bloom::NATURAL,
-        IsDefaultUiCamera,
-        PanOrbitCamera {
-            button_orbit: MouseButton::Left,
-            button_pan: MouseButton::Right,
-            ..default()
-        },
-        Transform::default(),
-    ));
-}
-
 fn prepare_camera(
     mut commands: Commands,
     mut images: ResMut<Assets<Image>>,
@@ -85,23 +68,23 @@ fn reserve_clusters(mut settings: ResMut<bevy::light::cluster::GlobalClusterSett
     boxes::reserve_clusters(&mut settings);
 }
 
-/// Moves the camera when the viewpoint changes.
+/// Moves the camera when the panel or a picture has another viewpoint.
 fn stand(
-    settings: Res<Settings>,
-    camera: Single<(&mut Transform, &mut PanOrbitCamera), With<Camera3d>>,
+    camera: Single<(&Street, &mut Transform, &mut PanOrbitCamera), With<Camera3d>>,
     mut stands_at: Local<Option<street::Viewpoint>>,
 ) {
-    if stands_at.replace(settings.viewpoint) == Some(settings.viewpoint) {
+    let (settings, mut transform, mut orbit) = camera.into_inner();
+    let wanted = settings.place.viewpoint();
+    if stands_at.replace(wanted) == Some(wanted) {
         return;
     }
-    let street::Viewpoint { eye, target } = settings.viewpoint;
+    let street::Viewpoint { eye, target } = wanted;
     let from = (eye - target).normalize_or(Vec3::Z);
     let viewpoint = model::Viewpoint {
         yaw: from.x.atan2(from.z),
         pitch: from.y.asin(),
         zoom: 1.0,
     };
-    let (mut transform, mut orbit) = camera.into_inner();
     let distance = eye.distance(target);
     model::stand(&mut transform, &mut orbit, target, viewpoint, distance);
 }

@@ -5,8 +5,7 @@ use bevy::{
     prelude::*,
 };
 
-use crate::renderer::ViewerSettings;
-use kit::example::{made_up_sky::made_up_sky, model::check_readable};
+use kit::example::{made_up_sky::made_up_sky, model::check_readable, switch::SwitchedLight};
 
 /// Prefiltered maps; `None` for a procedural sky that Bevy filters.
 #[derive(Resource, Clone)]
@@ -27,12 +26,22 @@ impl SkyFiles {
     }
 }
 
-#[derive(Component)]
-pub struct Sun;
+/// Light from the environment, on the panel.
+#[derive(Component, Reflect)]
+#[reflect(Component, Default)]
+pub struct Environment {
+    is_on: bool,
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Self { is_on: true }
+    }
+}
 
 pub fn spawn_sun(mut commands: Commands) {
     commands.spawn((
-        Sun,
+        SwitchedLight,
         DirectionalLight {
             illuminance: 5_000.0,
             shadow_maps_enabled: true,
@@ -42,23 +51,18 @@ pub fn spawn_sun(mut commands: Commands) {
     ));
 }
 
-pub fn apply_settings(
+/// Lights the camera by the maps, or without.
+pub fn light(
     mut commands: Commands,
-    settings: Res<ViewerSettings>,
     files: Res<SkyFiles>,
-    camera: Single<Entity, With<Camera3d>>,
-    mut sun: Single<&mut Visibility, With<Sun>>,
+    camera: Single<(Entity, &Environment), Changed<Environment>>,
     asset_server: Res<AssetServer>,
     mut images: ResMut<Assets<Image>>,
 ) {
-    **sun = if settings.sun {
-        Visibility::Inherited
-    } else {
-        Visibility::Hidden
-    };
-    let mut camera = commands.entity(*camera);
+    let (camera, environment) = *camera;
+    let mut camera = commands.entity(camera);
     camera.remove::<(EnvironmentMapLight, GeneratedEnvironmentMapLight)>();
-    if !settings.environment {
+    if !environment.is_on {
         return;
     }
     match &files.0 {

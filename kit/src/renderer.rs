@@ -11,7 +11,7 @@ use bevy_lean_deferred::prelude::*;
 use crate::bench_spans;
 
 /// A renderer in its default configuration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Renderer {
     Forward,
     BevyDeferred,
@@ -45,6 +45,7 @@ impl Renderer {
 
     /// Gives a camera the components that this renderer needs and removes those of others.
     /// [`OpaqueMethod`](crate::example::opaque_method::OpaqueMethod) switches materials.
+    /// [`RenderersPlugin`](crate::example::renderers::RenderersPlugin) does both, and keeps the settings of `LeanDeferred`.
     pub fn prepare_camera(self, camera: &mut EntityCommands) {
         camera.remove::<(LeanDeferred, DepthPrepass, DeferredPrepass)>();
         match self {

@@ -26,6 +26,17 @@ pub struct Viewpoint {
     pub zoom: f32,
 }
 
+impl Viewpoint {
+    /// A viewpoint whose angles are in degrees.
+    pub fn from_degrees(yaw: f32, pitch: f32, zoom: f32) -> Self {
+        Self {
+            yaw: yaw.to_radians(),
+            pitch: pitch.to_radians(),
+            zoom,
+        }
+    }
+}
+
 /// The scene that is loading and will then be framed; none for meshes that exist already.
 #[derive(Resource)]
 pub struct LoadingModel(pub Option<Handle<WorldAsset>>);

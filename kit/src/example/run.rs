@@ -1,10 +1,25 @@
 //! Runs an example in a window or renders it to a PNG.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use crate::headless::Headless;
-use bevy::{asset::UnapprovedPathMode, prelude::*, window::WindowResolution};
-use bevy_lean_deferred::LeanDeferredPlugins;
+use bevy::{
+    app::PluginGroupBuilder, asset::UnapprovedPathMode, diagnostic::FrameTimeDiagnosticsPlugin,
+    input::InputSystems, prelude::*, render::diagnostic::RenderDiagnosticsPlugin, ui::UiSystems,
+    window::WindowResolution,
+};
+use bevy_panorbit_camera::PanOrbitCameraPlugin;
+
+use super::{
+    debug_view, keys,
+    panel::{self, Panel},
+    set,
+    switch::switch_lights,
+    text_panel::spawn_text_panel,
+};
 
 /// Ample for a file on disk, even on a software renderer.
 const LOADING_TIME: Duration = Duration::from_secs(120);
@@ -13,15 +28,59 @@ const LOADING_TIME: Duration = Duration::from_secs(120);
 #[derive(Resource)]
 pub struct SceneReady;
 
-/// An app with a window that may load files from any path.
-pub fn windowed(title: &str, size: UVec2) -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        DefaultPlugins
+/// What all examples have: a window with keys and a panel, or a PNG for `--headless`. As a plugin, it also sets the runner of the
+/// app.
+pub struct Example {
+    pub title: &'static str,
+    pub size: UVec2,
+    pub headless: Option<String>,
+    /// Shows the panel without a window, too.
+    pub text: bool,
+    /// Switches the lights of the key L off.
+    pub dark: bool,
+    /// Settings of the camera: see [`set::apply_all`].
+    pub set: Vec<String>,
+    /// Writes the picture of `--headless`.
+    pub write: Arc<dyn Fn(Headless, &str) -> AppExit + Send + Sync>,
+}
+
+impl Example {
+    /// An example without options, whose picture is taken after so many frames.
+    pub fn with_frames(frames: usize) -> Self {
+        Self {
+            title: "",
+            size: UVec2::new(1280, 720),
+            headless: None,
+            text: false,
+            dark: false,
+            set: Vec::new(),
+            write: Arc::new(move |headless: Headless, path: &str| {
+                write_picture(headless, path, frames)
+            }),
+        }
+    }
+
+    /// Has `write` write the picture of `--headless`.
+    pub fn written_by(
+        self,
+        write: impl Fn(Headless, &str) -> AppExit + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            write: Arc::new(write),
+            ..self
+        }
+    }
+
+    /// Bevy's default plugins with the window of this example, which may load files from any path, or without a window.
+    pub fn set_up(&self, plugins: DefaultPlugins) -> PluginGroupBuilder {
+        if self.headless.is_some() {
+            return Headless::default_plugins();
+        }
+        plugins
             .set(WindowPlugin {
                 primary_window: Some(Window {
-                    title: title.into(),
-                    resolution: WindowResolution::new(size.x, size.y),
+                    title: format!("bevy_lean_deferred {}", self.title),
+                    resolution: WindowResolution::new(self.size.x, self.size.y),
                     ..default()
                 }),
                 ..default()
@@ -29,10 +88,35 @@ pub fn windowed(title: &str, size: UVec2) -> App {
             .set(AssetPlugin {
                 unapproved_path_mode: UnapprovedPathMode::Allow,
                 ..default()
-            }),
-        LeanDeferredPlugins,
-    ));
-    app
+            })
+    }
+}
+
+impl Plugin for Example {
+    fn build(&self, app: &mut App) {
+        let settings = self.set.clone();
+        app.add_plugins(RenderDiagnosticsPlugin)
+            .init_resource::<Panel>()
+            .add_systems(PostStartup, move |world: &mut World| {
+                set::apply_all(world, &settings);
+            })
+            .add_systems(Update, debug_view::set_tonemapping);
+        if self.dark {
+            app.add_systems(PostStartup, switch_lights);
+        }
+        if self.headless.is_none() || self.text {
+            app.add_plugins(FrameTimeDiagnosticsPlugin::default())
+                .add_systems(Startup, spawn_text_panel)
+                .add_systems(PostUpdate, panel::write_text.before(UiSystems::Prepare));
+        }
+        let Some(path) = self.headless.clone() else {
+            app.add_plugins(PanOrbitCameraPlugin)
+                .add_systems(PreUpdate, keys::read_keys.after(InputSystems));
+            return;
+        };
+        let (size, write) = (self.size, self.write.clone());
+        app.set_runner(move |app| write(Headless::from_app(size, app, |_| {}), &path));
+    }
 }
 
 /// Calls [`make_ready`], renders `frames` more frames and writes a PNG.
@@ -54,6 +138,11 @@ pub fn make_ready(headless: &mut Headless) -> Result<(), AppExit> {
     let cameras: Vec<Entity> = cameras.iter(world).collect();
     for camera in cameras {
         world.entity_mut(camera).insert(target.clone());
+    }
+
+    // Settings that cannot be applied end the app.
+    if let Some(exit) = headless.app.should_exit() {
+        return Err(exit);
     }
 
     let start = Instant::now();
