@@ -84,6 +84,7 @@ pub(crate) use schedule::{
     ExposureOverlayPasses, ExposurePasses, HistoryPasses, IndirectLightPasses, ViewTextureSystems,
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
+pub(crate) use settings::require_lean;
 pub use settings::{LeanDeferred, LeanDeferredAdvanced, LightCulling};
 pub(crate) use status::Effect;
 pub use status::{EffectStatus, LeanOffReason, LeanStatus};

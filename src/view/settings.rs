@@ -124,3 +124,10 @@ pub enum LightCulling {
     /// The workgroup of an 8×8 tile first culls lights that do not reach it, in shared memory.
     SharedMemory,
 }
+
+/// Adds [`LeanDeferred`] to entities that `C` is added to. `#[require]` would hold in the render world too: there each extraction of `C`
+/// would add it again after an app has removed it.
+pub(crate) fn require_lean<C: Component>(app: &mut App) {
+    // Refused if entities with `C` exist already; these have to add it themselves.
+    let _ = app.try_register_required_components::<C, LeanDeferred>();
+}

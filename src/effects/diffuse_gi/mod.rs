@@ -65,8 +65,8 @@ use crate::{
     view::{
         ActiveLeanView, DiffuseLight, Effect, EffectSystems, GBufferPasses, IndirectDiffuse,
         IndirectLightPasses, LeanMemory, LeanViewSystems, LightingPasses, OpaquePicturePasses,
-        ReadsDiffuseLight, SharedPlugin, ViewTextureSystems, can_build, memory, removal, status,
-        support::add_check,
+        ReadsDiffuseLight, SharedPlugin, ViewTextureSystems, can_build, memory, removal,
+        require_lean, status, support::add_check,
     },
 };
 
@@ -94,6 +94,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         app.add_plugins(ShownExposurePlugin::<ViewGi>::default());
         DebugViewPlugin::add_to(app);
         add_check(app, |support| &mut support.screen_space, support::check);
+        require_lean::<LeanScreenSpaceGi>(app);
         status::add_to::<LeanScreenSpaceGi>(app, Effect::DiffuseGi);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

@@ -1,14 +1,14 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::view::{LeanDeferred, LeanQuality, LeanResolution, LeanStatus};
+use crate::view::{LeanQuality, LeanResolution, LeanStatus};
 
 /// Screen-space diffuse GI: gathers the last frame's diffuse light from surfaces on screen (Mayaux 2018, "Horizon-based indirect
 /// lighting").
 ///
-/// For cameras with [`LeanDeferred`], which is added with it. The diffuse radiance of a surface (ambient and diffuse light, transmitted
-/// light, emission) illuminates surfaces around it in the next frame, and becomes part of their radiance: light bounces any number
-/// of times. Surfaces also occlude environment maps, irradiance volumes and ambient light over the part of the hemisphere that they
-/// cover, so that no energy is added. This replaces
+/// For cameras with [`LeanDeferred`](crate::LeanDeferred), which is added with it. The diffuse radiance of a surface (ambient and
+/// diffuse light, transmitted light, emission) illuminates surfaces around it in the next frame, and becomes part of their radiance:
+/// light bounces any number of times. Surfaces also occlude environment maps, irradiance volumes and ambient light over the part of the
+/// hemisphere that they cover, so that no energy is added. This replaces
 /// [`LeanScreenSpaceAmbientOcclusion`](crate::LeanScreenSpaceAmbientOcclusion), which is off beside this component.
 ///
 /// Off-screen and hidden surfaces emit nothing. Meshes in Bevy's forward passes emit and occlude if the camera has `DepthPrepass`,
@@ -41,7 +41,7 @@ use crate::view::{LeanDeferred, LeanQuality, LeanResolution, LeanStatus};
 #[doc(alias("ssgi", "ssil"))]
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(LeanDeferred, LeanStatus)]
+#[require(LeanStatus)]
 pub struct LeanScreenSpaceGi {
     /// Distance in metres beyond which surfaces neither illuminate one another nor occlude. More than 0. Clamped on screen to half of
     /// the viewport's height. Default 4.

@@ -75,7 +75,7 @@ use crate::{
     view::{
         ActiveLeanView, Effect, EffectSystems, GBufferPasses, IndirectLightPasses,
         IndirectSpecular, LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems,
-        can_build, memory, removal, status, support::add_check,
+        can_build, memory, removal, require_lean, status, support::add_check,
     },
 };
 
@@ -111,6 +111,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
             .add_plugins(ExtractComponentPlugin::<LeanScreenSpaceReflections>::default());
         DebugViewPlugin::add_to(app);
         add_check(app, |support| &mut support.screen_space, support::check);
+        require_lean::<LeanScreenSpaceReflections>(app);
         status::add_to::<LeanScreenSpaceReflections>(app, Effect::Reflections);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

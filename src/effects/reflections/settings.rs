@@ -1,13 +1,13 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::view::{LeanDeferred, LeanQuality, LeanResolution, LeanStatus};
+use crate::view::{LeanQuality, LeanResolution, LeanStatus};
 
 /// Screen-space reflections: traces rays through this frame's depth into the light of the last frame.
 ///
-/// For cameras with [`LeanDeferred`], which is added with it. Smooth surfaces reflect a single direction, resolved per pixel; rough ones
-/// the mean of rays in sixteen directions of the GGX lobe, shared by neighbours. The pattern is the same every frame, unless the
-/// camera's frames are averaged, as with TAA. In lighting, reflections replace environment maps, reflection probes and ambient light
-/// with the same Fresnel, roughness and energy terms; they also work in scenes without these.
+/// For cameras with [`LeanDeferred`](crate::LeanDeferred), which is added with it. Smooth surfaces reflect a single direction, resolved
+/// per pixel; rough ones the mean of rays in sixteen directions of the GGX lobe, shared by neighbours. The pattern is the same every
+/// frame, unless the camera's frames are averaged, as with TAA. In lighting, reflections replace environment maps, reflection probes
+/// and ambient light with the same Fresnel, roughness and energy terms; they also work in scenes without these.
 ///
 /// Surfaces that are off screen, hidden or turned away are not reflected; the environment shows there, as without the component.
 /// Meshes in Bevy's forward passes are reflected only if the camera has `DepthPrepass`, and reflect nothing themselves. Light that
@@ -64,7 +64,7 @@ use crate::view::{LeanDeferred, LeanQuality, LeanResolution, LeanStatus};
 #[doc(alias = "ssr")]
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(LeanDeferred, LeanStatus)]
+#[require(LeanStatus)]
 pub struct LeanScreenSpaceReflections {
     /// Perceptual roughness above which surfaces do not reflect the image, 0 to 1.25. Reflections fade from three quarters of it on;
     /// above 1, the roughest surfaces reflect too. Default 0.8.

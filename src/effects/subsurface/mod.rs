@@ -73,7 +73,8 @@ use crate::{
     lighting::{SubsurfaceLight, lighting_pass, prepare_subsurface_light},
     view::{
         Effect, EffectSystems, LeanMemory, LeanViewSystems, LightingPasses, ScattersLight,
-        SharedPlugin, ViewTextureSystems, can_build, memory, removal, status, support::add_check,
+        SharedPlugin, ViewTextureSystems, can_build, memory, removal, require_lean, status,
+        support::add_check,
     },
 };
 
@@ -103,6 +104,7 @@ impl Plugin for LeanSubsurfaceScatteringPlugin {
         app.register_type::<LeanSubsurfaceScattering>()
             .add_plugins(ExtractComponentPlugin::<LeanSubsurfaceScattering>::default());
         add_check(app, |support| &mut support.subsurface, support::check);
+        require_lean::<LeanSubsurfaceScattering>(app);
         status::add_to::<LeanSubsurfaceScattering>(app, Effect::Subsurface);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {

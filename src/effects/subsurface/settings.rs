@@ -1,15 +1,15 @@
 use bevy::{prelude::*, render::extract_component::ExtractComponent};
 
-use crate::view::{LeanDeferred, LeanQuality, LeanStatus};
+use crate::view::{LeanQuality, LeanStatus};
 
 /// Screen-space scattering of light beneath surfaces with
 /// [`ShadingExtension::Subsurface`](crate::material_extension::ShadingExtension).
 ///
-/// For cameras with [`LeanDeferred`], which is added with it. Other cameras light such surfaces like their base. Diffuse light of the
-/// lighting pass scatters, including ambient light; emission, reflections and lightmaps do not. Light leaves up to about ten mean free
-/// paths away, in metres: the result does not depend on distance, resolution or projection. Light does not cross to another material,
-/// over a step in depth, or off screen; it stays on the surface instead, so that none is lost. Thin parts therefore do not transmit
-/// light.
+/// For cameras with [`LeanDeferred`](crate::LeanDeferred), which is added with it. Other cameras light such surfaces like their base.
+/// Diffuse light of the lighting pass scatters, including ambient light; emission, reflections and lightmaps do not. Light leaves up to
+/// about ten mean free paths away, in metres: the result does not depend on distance, resolution or projection. Light does not cross to
+/// another material, over a step in depth, or off screen; it stays on the surface instead, so that none is lost. Thin parts therefore
+/// do not transmit light.
 ///
 /// The result is free of noise, and independent of other frames.
 ///
@@ -45,7 +45,7 @@ use crate::view::{LeanDeferred, LeanQuality, LeanStatus};
 #[doc(alias("sss", "sssss"))]
 #[derive(Component, ExtractComponent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(LeanDeferred, LeanStatus)]
+#[require(LeanStatus)]
 pub struct LeanSubsurfaceScattering {
     /// Accuracy on surfaces seen at an angle. Default [`LeanQuality::High`].
     ///
