@@ -104,6 +104,8 @@ fn main() -> AppExit {
             panel::<CameraCut>("CameraCut"),
             panel::<LeanDeferred>("LeanDeferred"),
         ))
+        // The panel makes a `MeteringPattern::Mask` of a default handle, which `settings::complete` replaces.
+        .register_type_data::<Handle<Image>, ReflectDefault>()
         .insert_resource(SceneReady)
         .add_systems(
             Startup,

@@ -15,6 +15,7 @@ mod lost_device;
 mod memory;
 mod minimised;
 mod out_of_memory;
+mod panel;
 mod plugins;
 mod presets;
 mod shared_targets;

@@ -89,7 +89,8 @@ pub fn kebab_case(name: &str) -> String {
     text
 }
 
-/// Changes a field: numbers by a factor, counts by 2, enums to the next variant or, unless `forward`, to the one before.
+/// Changes a field: numbers by a factor, counts by 2, enums to the next variant or, unless `forward`, to the one before. Variants
+/// without first values are skipped.
 pub fn step(field: &mut dyn PartialReflect, forward: bool, registry: &TypeRegistry) {
     if let Some(number) = field.try_downcast_mut::<f32>() {
         *number = step_number(*number, forward);
@@ -112,10 +113,14 @@ pub fn step(field: &mut dyn PartialReflect, forward: bool, registry: &TypeRegist
     let Some(info) = value.get_represented_enum_info() else {
         return;
     };
-    let count = info.variant_len();
-    let step = if forward { 1 } else { count - 1 };
-    if let Some(variant) = info.variant_at((value.variant_index() + step) % count) {
-        set_variant(field, variant, registry);
+    let (count, index) = (info.variant_len(), value.variant_index());
+    for step in 1..count {
+        let step = if forward { step } else { count - step };
+        if let Some(variant) = info.variant_at((index + step) % count)
+            && set_variant(field, variant, registry).is_ok()
+        {
+            return;
+        }
     }
 }
 
@@ -165,12 +170,11 @@ pub fn set(
         variants.find(|variant| kebab_case(variant.name()) == name.to_lowercase())
     };
     if let Some(variant) = variant_named(text) {
-        set_variant(field, variant, registry);
-        return Ok(());
+        return set_variant(field, variant, registry);
     }
     // The content of an option.
     if let Some(some) = info.variant("Some") {
-        set_variant(field, some, registry);
+        set_variant(field, some, registry)?;
         if let ReflectMut::Enum(value) = field.reflect_mut()
             && let Some(content) = value.field_at_mut(0)
         {
@@ -189,8 +193,12 @@ fn parse<T: FromStr<Err: core::fmt::Display>>(text: &str) -> Result<T, String> {
         .map_err(|error| format!("{text}: {error}"))
 }
 
-/// Sets an enum to a variant, whose fields get first values. Does nothing if one of them has no first value.
-fn set_variant(field: &mut dyn PartialReflect, variant: &VariantInfo, registry: &TypeRegistry) {
+/// Sets an enum to a variant, whose fields get first values. An error if one of them has no first value.
+fn set_variant(
+    field: &mut dyn PartialReflect,
+    variant: &VariantInfo,
+    registry: &TypeRegistry,
+) -> Result<(), String> {
     let fields = match variant {
         VariantInfo::Unit(_) => Some(DynamicVariant::Unit),
         VariantInfo::Tuple(info) => {
@@ -203,11 +211,11 @@ fn set_variant(field: &mut dyn PartialReflect, variant: &VariantInfo, registry: 
             first_struct(fields, registry).map(DynamicVariant::Struct)
         }
     };
-    if let Some(fields) = fields
-        && let Err(error) = field.try_apply(&DynamicEnum::new(variant.name(), fields))
-    {
-        warn!("{}: {error}", variant.name());
-    }
+    let name = variant.name();
+    let fields = fields.ok_or_else(|| format!("{name} has a field without a default"))?;
+    field
+        .try_apply(&DynamicEnum::new(name, fields))
+        .map_err(|error| error.to_string())
 }
 
 /// The first value of a field of a new variant.

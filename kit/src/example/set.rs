@@ -9,27 +9,28 @@ use super::{fields, panel::cameras};
 
 /// Applies settings in their order. An error ends the app.
 pub fn apply_all(world: &mut World, settings: &[String]) {
-    let registry = world.resource::<AppTypeRegistry>().clone();
-    let registry = registry.read();
     for setting in settings {
-        let name = setting.split(['.', '=']).next().unwrap_or_default();
-        let result = registry
-            .get_with_short_type_path(name)
-            .ok_or_else(|| format!("there is no component {name}"))
-            .and_then(|component| {
-                let mut all = cameras(world).into_iter();
-                all.try_for_each(|camera| {
-                    apply(&mut world.entity_mut(camera), component, setting, &registry)
-                })
-            });
-        if let Err(error) = result {
+        if let Err(error) = apply(world, setting) {
             eprintln!("error: --set {setting}: {error}");
             world.write_message(AppExit::error());
         }
     }
 }
 
-fn apply(
+/// Applies a setting. The error tells what was expected.
+pub fn apply(world: &mut World, setting: &str) -> Result<(), String> {
+    let registry = world.resource::<AppTypeRegistry>().clone();
+    let registry = registry.read();
+    let name = setting.split(['.', '=']).next().unwrap_or_default();
+    let component = registry.get_with_short_type_path(name);
+    let component = component.ok_or_else(|| format!("there is no component {name}"))?;
+    let mut all = cameras(world).into_iter();
+    all.try_for_each(|camera| {
+        apply_to(&mut world.entity_mut(camera), component, setting, &registry)
+    })
+}
+
+fn apply_to(
     camera: &mut EntityWorldMut,
     registration: &TypeRegistration,
     setting: &str,
