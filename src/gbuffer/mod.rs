@@ -33,6 +33,7 @@
 // - `registration.rs`: the plugin that registers materials.
 // - `mesh_overrides.rs`: meshes whose other components add to the needs of their material.
 // - `moving.rs`: meshes that need motion vectors of their own.
+// - `draw_functions.rs`: draws meshes, with or without their previous positions.
 // - `demand.rs`: optional targets that the visible meshes of a view need.
 // - `lookup.rs`: the needs of a mesh.
 // - `phase.rs`, `phase_item.rs`: the render phases and their items.
@@ -55,6 +56,7 @@ mod bevy;
 #[doc(hidden)]
 pub mod binding_numbers;
 mod demand;
+mod draw_functions;
 mod forward_meshes;
 mod forward_reason;
 mod lookup;
@@ -82,6 +84,7 @@ use self::bevy::{
 };
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 pub(crate) use demand::ViewDemands;
+use draw_functions::{DrawPlain, DrawWithVisibilityMask};
 pub use forward_meshes::LeanForwardMeshes;
 pub use forward_reason::ForwardReason;
 pub use material::{GBufferMaterial, GBufferMaterialExtension};
@@ -94,7 +97,6 @@ use resolve_motion::ViewMotionResolve;
 pub use targets::GBufferNeeds;
 pub use textures::{GBufferTextures, ReadsGBuffer};
 pub use usage::GBufferUsage;
-use visibility_masks::DrawWithVisibilityMask;
 
 // For tests and benches.
 #[doc(hidden)]
@@ -180,8 +182,12 @@ impl Plugin for GBufferPlugin {
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
             .init_resource::<visibility_masks::VisibilityMasks>()
-            .add_render_command::<ExtendedOpaqueGBuffer, DrawWithVisibilityMask>()
-            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawWithVisibilityMask>()
+            .add_render_command::<ExtendedOpaqueGBuffer, DrawPlain<true>>()
+            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawPlain<true>>()
+            .add_render_command::<ExtendedOpaqueGBuffer, DrawWithVisibilityMask<false>>()
+            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawWithVisibilityMask<false>>()
+            .add_render_command::<ExtendedOpaqueGBuffer, DrawWithVisibilityMask<true>>()
+            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawWithVisibilityMask<true>>()
             .add_systems(
                 RenderStartup,
                 (

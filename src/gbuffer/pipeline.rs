@@ -5,12 +5,11 @@ use alloc::sync::Arc;
 use bevy::{
     material::{MaterialProperties, key::ErasedMaterialPipelineKey},
     mesh::MeshVertexBufferLayoutRef,
-    pbr::{MeshPipelineKey, PrepassPipeline, PrepassPipelineSpecializer},
+    pbr::{PrepassPipeline, PrepassPipelineSpecializer},
     prelude::*,
     render::render_resource::{
         RenderPipelineDescriptor, SpecializedMeshPipeline, SpecializedMeshPipelineError,
     },
-    shader::ShaderDefVal,
 };
 
 use super::{
@@ -42,12 +41,11 @@ pub(super) struct MeshOutput {
     pub(super) targets: GBufferTargets,
 }
 
-/// Definitions with which Bevy's shaders compute previous positions.
-const MOTION_DEFS: [&str; 3] = [
-    "MOTION_VECTOR_PREPASS",
-    "HAS_PREVIOUS_SKIN",
-    "HAS_PREVIOUS_MORPH",
-];
+impl MeshOutput {
+    pub(super) fn is_extended(self) -> bool {
+        !self.pass.is_empty()
+    }
+}
 
 impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
     type Key = GBufferPipelineKey;
@@ -74,14 +72,7 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         if output.targets.contains(GBufferTargets::VISIBILITY_MASK) {
             descriptor.layout[VISIBILITY_MASK_GROUP] = visibility_mask_layout();
         }
-        // The layouts stay: on a view with motion vectors, Bevy binds the groups with previous positions.
-        let needs_def = |def: &ShaderDefVal| {
-            output.targets.contains(GBufferTargets::MOTION)
-                || !matches!(def, ShaderDefVal::Bool(name, _) if MOTION_DEFS.contains(&name.as_str()))
-        };
-        descriptor.vertex.shader_defs.retain(needs_def);
         if let Some(fragment) = &mut descriptor.fragment {
-            fragment.shader_defs.retain(needs_def);
             fragment.shader = self.fragment_shader.clone();
             fragment.entry_point = None;
             fragment.targets = output.pass.color_targets(output.targets);
@@ -98,9 +89,3 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         Ok(descriptor)
     }
 }
-
-/// The bits of Bevy's view key that matter for a G-buffer pipeline. The others concern lighting; without them, views
-/// that are lit differently share pipelines.
-pub(super) const VIEW_KEY_BITS: MeshPipelineKey = MeshPipelineKey::MOTION_VECTOR_PREPASS
-    .union(MeshPipelineKey::INVERT_CULLING)
-    .union(MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS);

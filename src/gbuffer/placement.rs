@@ -63,8 +63,4 @@ impl Placement {
             },
         }
     }
-
-    pub(super) fn is_extended(self) -> bool {
-        !self.pass.is_empty()
-    }
 }

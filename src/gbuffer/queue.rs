@@ -8,8 +8,7 @@ use bevy::{
     material::RenderPhaseType,
     mesh::Mesh3d,
     pbr::{
-        DrawPrepass, MeshPipelineKey, PendingMeshMaterialQueues, PendingPrepassMeshMaterialQueues,
-        ViewKeyCache,
+        MeshPipelineKey, PendingMeshMaterialQueues, PendingPrepassMeshMaterialQueues, ViewKeyCache,
     },
     platform::collections::{HashMap, HashSet},
     prelude::*,
@@ -30,6 +29,7 @@ use super::{
         queue_rules::{is_for_deferred_pass, keep_visible_in_order, visible_pair},
     },
     demand::{MeshDemand, ViewDemand, ViewDemands},
+    draw_functions::{DrawPlain, DrawWithVisibilityMask},
     forward_meshes::{CameraForwardMeshes, ForwardMeshes},
     forward_reason::ForwardReason,
     lookup::{MeshLookup, MeshToQueue, RecentKinds},
@@ -42,7 +42,7 @@ use super::{
     pipeline::MeshOutput,
     placement::{Placement, ViewChange},
     specialize::{GBufferPipeline, GBufferPipelines},
-    visibility_masks::{DrawWithVisibilityMask, VisibilityMasks},
+    visibility_masks::VisibilityMasks,
 };
 use crate::{
     gpu::named::system_param,
@@ -66,36 +66,65 @@ system_param! {
         extended_opaque: Res<'w, DrawFunctions<ExtendedOpaqueGBuffer>>,
         extended_alpha_mask: Res<'w, DrawFunctions<ExtendedAlphaMaskGBuffer>>,
         visibility_masks: ResMut<'w, VisibilityMasks>,
-        /// Draw functions of meshes without a visibility mask, in the order of the phases above.
-        plain: Local<'s, Option<[DrawFunctionId; 4]>>,
+        ids: Local<'s, Option<DrawFunctionIds>>,
     }
+}
+
+/// Draw functions of opaque and of alpha-masked meshes.
+struct DrawFunctionIds {
+    base: [DrawFunctionId; 2],
+    /// Of meshes without a visibility mask: of those that write no motion, then of those that do.
+    extended: [[DrawFunctionId; 2]; 2],
+    with_visibility_mask: [[DrawFunctionId; 2]; 2],
 }
 
 impl GBufferDrawFunctions<'_, '_> {
     fn get(
         &mut self,
-        extended: bool,
+        output: MeshOutput,
         alpha_masked: bool,
         visibility_mask: Option<u32>,
     ) -> DrawFunctionId {
-        if let Some(mask) = visibility_mask {
-            self.visibility_masks.insert(mask);
-            return if alpha_masked {
-                let functions = self.extended_alpha_mask.read();
-                functions.id::<DrawWithVisibilityMask>()
-            } else {
-                self.extended_opaque.read().id::<DrawWithVisibilityMask>()
-            };
-        }
-        let plain = self.plain.get_or_insert_with(|| {
-            [
-                self.opaque.read().id::<DrawPrepass>(),
-                self.alpha_mask.read().id::<DrawPrepass>(),
-                self.extended_opaque.read().id::<DrawPrepass>(),
-                self.extended_alpha_mask.read().id::<DrawPrepass>(),
-            ]
+        let ids = self.ids.get_or_insert_with(|| {
+            let opaque = self.extended_opaque.read();
+            let alpha_mask = self.extended_alpha_mask.read();
+            DrawFunctionIds {
+                base: [
+                    self.opaque.read().id::<DrawPlain<false>>(),
+                    self.alpha_mask.read().id::<DrawPlain<false>>(),
+                ],
+                extended: [
+                    [
+                        opaque.id::<DrawPlain<false>>(),
+                        alpha_mask.id::<DrawPlain<false>>(),
+                    ],
+                    [
+                        opaque.id::<DrawPlain<true>>(),
+                        alpha_mask.id::<DrawPlain<true>>(),
+                    ],
+                ],
+                with_visibility_mask: [
+                    [
+                        opaque.id::<DrawWithVisibilityMask<false>>(),
+                        alpha_mask.id::<DrawWithVisibilityMask<false>>(),
+                    ],
+                    [
+                        opaque.id::<DrawWithVisibilityMask<true>>(),
+                        alpha_mask.id::<DrawWithVisibilityMask<true>>(),
+                    ],
+                ],
+            }
         });
-        plain[2 * usize::from(extended) + usize::from(alpha_masked)]
+        let writes_motion = usize::from(output.targets.contains(GBufferTargets::MOTION));
+        let pair = match visibility_mask {
+            Some(mask) => {
+                self.visibility_masks.insert(mask);
+                ids.with_visibility_mask[writes_motion]
+            }
+            None if output.is_extended() => ids.extended[writes_motion],
+            None => ids.base,
+        };
+        pair[usize::from(alpha_masked)]
     }
 }
 
@@ -379,12 +408,12 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             .targets
             .contains(GBufferTargets::VISIBILITY_MASK)
             .then(|| lookup.special_meshes.visibility_mask(entity));
-        let draw_function =
-            self.draw_functions
-                .get(placement.is_extended(), alpha_masked, visibility_mask);
+        let draw_function = self
+            .draw_functions
+            .get(output, alpha_masked, visibility_mask);
         self.phases.add(
             alpha_masked,
-            placement.is_extended(),
+            output.is_extended(),
             QueuedMesh {
                 visibility_mask,
                 pipeline,

@@ -18,7 +18,7 @@ use bevy::{
 
 use super::{
     lookup::{MeshLookup, MeshToQueue, RECENT_KINDS},
-    pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
+    pipeline::{GBufferPipelineSpecializer, MeshOutput},
     registration::MaterialShaders,
 };
 use crate::{gpu::named::system_param, view::GBufferTargets};
@@ -168,7 +168,9 @@ fn mesh_key(
     view_key: MeshPipelineKey,
     output: MeshOutput,
 ) -> MeshPipelineKey {
-    let mut key = (view_key & VIEW_KEY_BITS)
+    // Views share pipelines: those for any projection, and without motion vectors unless the mesh writes its own.
+    let mut key = (view_key & MeshPipelineKey::INVERT_CULLING)
+        | MeshPipelineKey::VIEW_PROJECTION_NONSTANDARD
         | MeshPipelineKey::from_msaa_samples(1)
         | MeshPipelineKey::DEFERRED_PREPASS
         | MeshPipelineKey::from_bits_retain(mesh.mesh.key_bits.bits())
@@ -183,6 +185,7 @@ fn mesh_key(
         key |= lightmap;
     }
     if output.targets.contains(GBufferTargets::MOTION) {
+        key |= MeshPipelineKey::MOTION_VECTOR_PREPASS;
         let flags = mesh.instance.flags();
         key.set(
             MeshPipelineKey::HAS_PREVIOUS_SKIN,
