@@ -10,25 +10,12 @@ use bevy::{
     },
 };
 
+use super::placement::MeshDemand;
 use crate::view::Demand;
 
 /// Frames for which a view keeps targets and pipelines that none of its visible meshes needs, so that a mesh which
 /// returns to view finds them ready.
 const LINGERING_FRAMES: u32 = 120;
-
-/// Needs of a mesh, with the other property that decides its placement.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) struct MeshDemand {
-    pub(super) demand: Demand,
-    pub(super) is_alpha_masked: bool,
-}
-
-impl MeshDemand {
-    /// True if no possible change of a view's demand concerns the mesh.
-    fn is_plain(self) -> bool {
-        self.demand.is_empty() && !self.is_alpha_masked
-    }
-}
 
 /// The demand of one view. Each mesh counts with its largest possible demand, including parts that the view has no use
 /// for: see [`Demand::on`].

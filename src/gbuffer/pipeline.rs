@@ -14,7 +14,7 @@ use bevy::{
 
 use super::{
     bevy::texture_defs::material_texture_defs, binding_numbers::pack::VISIBILITY_MASK_GROUP,
-    registration::VertexStage, visibility_masks::visibility_mask_layout,
+    placement::MeshOutput, registration::VertexStage, visibility_masks::visibility_mask_layout,
 };
 use crate::view::GBufferTargets;
 
@@ -31,21 +31,6 @@ pub(super) struct GBufferPipelineSpecializer {
 /// The key of [`GBufferPipelineSpecializer`]: the material's key, the shader (pipelines of different material types
 /// share one cache), and the targets.
 pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>, MeshOutput);
-
-/// The optional targets of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct MeshOutput {
-    /// The optional targets of the pass that it is drawn in.
-    pub(super) pass: GBufferTargets,
-    /// The targets of that pass that the mesh writes.
-    pub(super) targets: GBufferTargets,
-}
-
-impl MeshOutput {
-    pub(super) fn is_extended(self) -> bool {
-        !self.pass.is_empty()
-    }
-}
 
 impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
     type Key = GBufferPipelineKey;
@@ -75,8 +60,10 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         if let Some(fragment) = &mut descriptor.fragment {
             fragment.shader = self.fragment_shader.clone();
             fragment.entry_point = None;
-            fragment.targets = output.pass.color_targets(output.targets);
-            if !output.pass.is_empty() {
+            fragment.targets = output
+                .pass
+                .color_targets(output.has_valid_mask, output.targets);
+            if output.has_valid_mask {
                 fragment.shader_defs.push("GBUFFER_VALID_MASK".into());
             }
             let defs = output.targets.iter();

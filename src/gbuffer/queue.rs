@@ -28,7 +28,7 @@ use super::{
         pipeline_filter::{BevyPipelines, PipelineFilter, PipelineFilterWriter},
         queue_rules::{is_for_deferred_pass, keep_visible_in_order, visible_pair},
     },
-    demand::{MeshDemand, ViewDemand, ViewDemands},
+    demand::{ViewDemand, ViewDemands},
     draw_functions::{DrawPlain, DrawWithVisibilityMask},
     forward_meshes::{CameraForwardMeshes, ForwardMeshes},
     forward_reason::ForwardReason,
@@ -39,8 +39,7 @@ use super::{
         AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
         QueuedMesh,
     },
-    pipeline::MeshOutput,
-    placement::{Placement, ViewChange},
+    placement::{MeshDemand, MeshOutput, Placement, ViewChange},
     specialize::{GBufferPipeline, GBufferPipelines},
     visibility_masks::VisibilityMasks,
 };
@@ -372,16 +371,15 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
 
         let placement = Placement::of(demand, active);
-        let output = MeshOutput {
-            pass: placement.pass,
-            targets: placement.demand.targets,
-        };
-        let pipeline = if placement.is_met {
-            self.pipelines
-                .get(lookup, entity, &mesh, self.view_key, shaders, output)
-        } else {
-            GBufferPipeline::Pending
-        };
+        let output = placement.output;
+        let mut pipeline = GBufferPipeline::Pending;
+        if placement.has_targets {
+            // Compiled while lighting is, too.
+            pipeline = (self.pipelines).get(lookup, entity, &mesh, self.view_key, shaders, output);
+        }
+        if !placement.is_lit {
+            pipeline = GBufferPipeline::Pending;
+        }
         if let GBufferPipeline::Ready(id) | GBufferPipeline::Failed(Some(id)) = pipeline {
             self.known_pipelines.insert(id, pipeline);
         }
@@ -392,7 +390,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             };
             self.leave_to_forward(entity, &mesh, owner, Some(reason));
             // An unmet demand needs no retry: the mesh is sorted again when the view changes.
-            if pipeline == GBufferPipeline::Pending && placement.is_met {
+            if pipeline == GBufferPipeline::Pending && placement.is_met() {
                 self.pending.insert((render_entity, entity));
             }
             return;

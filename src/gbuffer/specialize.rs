@@ -13,15 +13,18 @@ use bevy::{
         },
         sync_world::MainEntity,
     },
-    shader::ShaderCacheError,
 };
 
 use super::{
     lookup::{MeshLookup, MeshToQueue, RECENT_KINDS},
-    pipeline::{GBufferPipelineSpecializer, MeshOutput},
+    pipeline::GBufferPipelineSpecializer,
+    placement::MeshOutput,
     registration::MaterialShaders,
 };
-use crate::{gpu::named::system_param, view::GBufferTargets};
+use crate::{
+    gpu::{named::system_param, pipeline_watch::is_settled},
+    view::GBufferTargets,
+};
 
 system_param! {
     /// The pipelines of the G-buffer, with what is needed to specialize them.
@@ -153,9 +156,7 @@ impl GBufferPipelines<'_, '_> {
         match self.cache.get_render_pipeline_state(id) {
             CachedPipelineState::Ok(_) => GBufferPipeline::Ready(id),
             // Bevy has logged the error, and compiles again when a shader changes.
-            CachedPipelineState::Err(
-                ShaderCacheError::ProcessShaderError(_) | ShaderCacheError::CreateShaderModule(_),
-            ) => GBufferPipeline::Failed(Some(id)),
+            state if is_settled(state) => GBufferPipeline::Failed(Some(id)),
             _ => GBufferPipeline::Pending,
         }
     }

@@ -48,9 +48,9 @@ impl ActiveLeanView {
         self.io.contains(LightingIo::SUBSURFACE_LIGHT) && self.variants.scatter()
     }
 
-    /// True if meshes that need no optional targets are drawn in the pass with these too: in the second phase of
-    /// culling they may lie in front of meshes that need them.
-    pub(crate) fn extends_all(&self) -> bool {
+    /// True if meshes without optional targets clear the valid mask: in the second phase of culling they may lie in
+    /// front of meshes that have some.
+    pub(crate) fn all_clear_valid_mask(&self) -> bool {
         self.culls_in_two_phases && !self.targets.is_empty()
     }
 }
