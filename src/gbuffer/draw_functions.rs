@@ -11,15 +11,25 @@ use bevy::{
         DrawMesh, SetMaterialBindGroup, SetMeshBindGroup, SetPrepassViewBindGroup,
         SetPrepassViewEmptyBindGroup,
     },
+    prelude::*,
     render::{
         render_phase::{
-            PhaseItem, RenderCommand, RenderCommandResult, SetItemPipeline, TrackedRenderPass,
+            DrawFunctionId, DrawFunctions, PhaseItem, RenderCommand, RenderCommandResult,
+            SetItemPipeline, TrackedRenderPass,
         },
         view::ViewUniformOffset,
     },
 };
 
-use super::{binding_numbers::pack::VISIBILITY_MASK_GROUP, visibility_masks::SetVisibilityMask};
+use super::{
+    binding_numbers::pack::VISIBILITY_MASK_GROUP,
+    phase_item::{
+        AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
+    },
+    placement::MeshOutput,
+    visibility_masks::{SetVisibilityMask, VisibilityMasks},
+};
+use crate::{gpu::named::system_param, view::GBufferTargets};
 
 /// Draws meshes that write no visibility mask. `MOTION`: they write their motion.
 pub(super) type DrawPlain<const MOTION: bool> = (
@@ -40,6 +50,77 @@ pub(super) type DrawWithVisibilityMask<const MOTION: bool> = (
     SetMaterialBindGroup<3>,
     DrawMesh,
 );
+
+system_param! {
+    /// The draw functions of each phase.
+    pub(super) struct GBufferDrawFunctions<'w, 's> {
+        opaque: Res<'w, DrawFunctions<OpaqueGBuffer>>,
+        alpha_mask: Res<'w, DrawFunctions<AlphaMaskGBuffer>>,
+        extended_opaque: Res<'w, DrawFunctions<ExtendedOpaqueGBuffer>>,
+        extended_alpha_mask: Res<'w, DrawFunctions<ExtendedAlphaMaskGBuffer>>,
+        visibility_masks: ResMut<'w, VisibilityMasks>,
+        ids: Local<'s, Option<DrawFunctionIds>>,
+    }
+}
+
+/// Draw functions of opaque and of alpha-masked meshes.
+struct DrawFunctionIds {
+    base: [DrawFunctionId; 2],
+    /// Of meshes without a visibility mask: of those that write no motion, then of those that do.
+    extended: [[DrawFunctionId; 2]; 2],
+    with_visibility_mask: [[DrawFunctionId; 2]; 2],
+}
+
+impl GBufferDrawFunctions<'_, '_> {
+    /// Function that draws a mesh, which writes `visibility_mask`.
+    pub(super) fn get(
+        &mut self,
+        output: MeshOutput,
+        alpha_masked: bool,
+        visibility_mask: Option<u32>,
+    ) -> DrawFunctionId {
+        let ids = self.ids.get_or_insert_with(|| {
+            let opaque = self.extended_opaque.read();
+            let alpha_mask = self.extended_alpha_mask.read();
+            DrawFunctionIds {
+                base: [
+                    self.opaque.read().id::<DrawPlain<false>>(),
+                    self.alpha_mask.read().id::<DrawPlain<false>>(),
+                ],
+                extended: [
+                    [
+                        opaque.id::<DrawPlain<false>>(),
+                        alpha_mask.id::<DrawPlain<false>>(),
+                    ],
+                    [
+                        opaque.id::<DrawPlain<true>>(),
+                        alpha_mask.id::<DrawPlain<true>>(),
+                    ],
+                ],
+                with_visibility_mask: [
+                    [
+                        opaque.id::<DrawWithVisibilityMask<false>>(),
+                        alpha_mask.id::<DrawWithVisibilityMask<false>>(),
+                    ],
+                    [
+                        opaque.id::<DrawWithVisibilityMask<true>>(),
+                        alpha_mask.id::<DrawWithVisibilityMask<true>>(),
+                    ],
+                ],
+            }
+        });
+        let writes_motion = usize::from(output.targets.contains(GBufferTargets::MOTION));
+        let pair = match visibility_mask {
+            Some(mask) => {
+                self.visibility_masks.insert(mask);
+                ids.with_visibility_mask[writes_motion]
+            }
+            None if output.is_extended() => ids.extended[writes_motion],
+            None => ids.base,
+        };
+        pair[usize::from(alpha_masked)]
+    }
+}
 
 /// Bevy's command for the view, with or without its previous matrices, which every 3D view has.
 pub(super) struct SetView<const I: usize, const MOTION: bool>;

@@ -42,6 +42,7 @@
 // - `queue.rs`: sorts meshes into the G-buffer or leaves them to Bevy.
 // - `forward_meshes.rs`: reports the meshes that are left to Bevy.
 // - `placement.rs`: places meshes in the passes of a view.
+// - `next_targets.rs`: prepares meshes for the targets that a view should have next.
 // - `visibility_masks.rs`: uniforms of the render layers of meshes.
 // - `textures.rs`: allocates the targets.
 // - `pass.rs`: the raster passes.
@@ -63,6 +64,7 @@ mod lookup;
 mod material;
 mod mesh_overrides;
 mod moving;
+mod next_targets;
 mod pass;
 mod phase;
 mod phase_item;
@@ -88,6 +90,7 @@ use draw_functions::{DrawPlain, DrawWithVisibilityMask};
 pub use forward_meshes::LeanForwardMeshes;
 pub use forward_reason::ForwardReason;
 pub use material::{GBufferMaterial, GBufferMaterialExtension};
+pub(crate) use moving::MovingMeshes;
 use phase_item::{
     AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
 };
