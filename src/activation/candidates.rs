@@ -32,10 +32,9 @@ pub(super) fn candidates(
         .flat_map(move |demand| once(io).chain(held).map(move |io| (demand, io)))
         .map(move |(demand, io)| {
             let view = ActiveLeanView { io, ..order };
-            let Demand { targets, variants } = demand.on(&view);
             ActiveLeanView {
-                targets,
-                variants,
+                targets: demand.targets,
+                variants: demand.on(&view).variants,
                 ..view
             }
         })

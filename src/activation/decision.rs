@@ -95,8 +95,10 @@ fn decide(
         Some(lighting) => lighting.into_inner(),
         None => new_lighting.insert(ViewLighting::default()),
     };
-    let order = draw_order(&view, inputs);
-    let demands = inputs.demands.wanted(id);
+    let mut order = draw_order(&view, inputs);
+    let meshes_move = !inputs.moving_meshes.is_empty();
+    let demands =
+        (inputs.demands).wanted(id, &mut order, last, meshes_move, &inputs.pipeline_cache);
     let (settings, debug_view) = (view.settings, view.debug_view);
     let clip_from_view = view.view.clip_from_view;
     let scene = &inputs.scene;

@@ -16,7 +16,7 @@ use bevy::{
 };
 
 use crate::{
-    gbuffer::{MotionResolvePipelines, ReadsGBuffer, ViewDemands},
+    gbuffer::{MotionResolvePipelines, MovingMeshes, ReadsGBuffer, ViewDemands},
     gpu::{
         named::{query_item, system_param},
         pipeline_watch::PipelineWatch,
@@ -67,6 +67,7 @@ system_param! {
         pub(super) scene: SceneFeatures<'w, 's>,
         pub(super) view_keys: Res<'w, ViewKeyCache>,
         pub(super) demands: ResMut<'w, ViewDemands>,
+        pub(super) moving_meshes: Res<'w, MovingMeshes>,
         pub(super) lighting_pipelines: Option<ResMut<'w, LightingPipelines>>,
         pub(super) motion_pipelines: Option<ResMut<'w, MotionResolvePipelines>>,
         pub(super) pipeline_cache: Res<'w, PipelineCache>,

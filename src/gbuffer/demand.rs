@@ -1,32 +1,45 @@
 //! Tracks the G-buffer targets and lighting variants that the visible meshes of each view need, and derives those that
 //! the view gets.
+//!
+//! A view keeps its targets until the pipelines are compiled that draw its meshes with other ones: no mesh leaves the
+//! G-buffer because a target comes or goes. Pipelines are requested for targets that come. Targets that go are kept
+//! while that would need new pipelines.
+
+use core::mem::replace;
 
 use bevy::{
-    platform::collections::HashMap,
+    platform::collections::{HashMap, HashSet},
     prelude::*,
     render::{
+        render_resource::{CachedRenderPipelineId, PipelineCache},
         sync_world::{MainEntity, MainEntityHashMap},
         view::RetainedViewEntity,
     },
 };
 
-use crate::view::Demand;
+use super::placement::MeshDemand;
+use crate::{
+    gpu::pipeline_watch::is_settled,
+    view::{ActiveLeanView, Demand, GBufferTargets},
+};
 
 /// Frames for which a view keeps targets and pipelines that none of its visible meshes needs, so that a mesh which
-/// returns to view finds them ready.
+/// returns to view finds them ready; and frames until targets that could not be released are tried again.
 const LINGERING_FRAMES: u32 = 120;
 
-/// Needs of a mesh, with the other property that decides its placement.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) struct MeshDemand {
-    pub(super) demand: Demand,
-    pub(super) is_alpha_masked: bool,
+/// Targets that a view should have in place of its own, and what it waits for.
+pub(super) struct NextTargets {
+    pub(super) targets: GBufferTargets,
+    /// Some of them are new. Otherwise some of the present ones are to be released, for which nothing is compiled.
+    pub(super) is_growth: bool,
+    /// Pipelines of meshes that would leave the G-buffer without them.
+    pub(super) awaited: HashSet<CachedRenderPipelineId>,
 }
 
-impl MeshDemand {
-    /// True if no possible change of a view's demand concerns the mesh.
-    fn is_plain(self) -> bool {
-        self.demand.is_empty() && !self.is_alpha_masked
+impl NextTargets {
+    fn is_ready(&self, cache: &PipelineCache) -> bool {
+        let mut awaited = self.awaited.iter();
+        awaited.all(|id| is_settled(cache.get_render_pipeline_state(*id)))
     }
 }
 
@@ -39,6 +52,12 @@ pub(super) struct ViewDemand {
     counts: HashMap<Demand, usize>,
     /// Remaining frames for which each current or former demand is met.
     lingering: HashMap<Demand, u32>,
+    /// The targets that the view would have a use for, if meshes need them.
+    useful: GBufferTargets,
+    /// `None` if the view has the targets that it should have.
+    pub(super) next: Option<NextTargets>,
+    /// Frames for which no target is released.
+    kept_for: u32,
 }
 
 impl ViewDemand {
@@ -81,10 +100,12 @@ impl ViewDemand {
         for (demand, _) in self.counts.drain() {
             self.lingering.insert(demand, LINGERING_FRAMES);
         }
+        self.next = None;
     }
 
     /// Returns the current demand with and without lingering ones. Call once per frame.
     fn wanted(&mut self) -> [Demand; 2] {
+        self.kept_for = self.kept_for.saturating_sub(1);
         self.lingering.retain(|_, frames| {
             *frames = frames.saturating_sub(1);
             *frames > 0
@@ -92,14 +113,67 @@ impl ViewDemand {
         for demand in self.counts.keys() {
             self.lingering.insert(*demand, LINGERING_FRAMES);
         }
-        let all = |demands: &mut dyn Iterator<Item = &Demand>| {
-            demands.fold(Demand::default(), |all, demand| all.union(*demand))
-        };
-        [
-            all(&mut self.lingering.keys()),
-            all(&mut self.counts.keys()),
-        ]
+        [union(self.lingering.keys()), union(self.counts.keys())]
     }
+
+    /// The targets that a view with those of `view` should have instead: more if its meshes need more, or else fewer if
+    /// none has needed some of them for a while.
+    pub(super) fn next_targets(&self, view: &ActiveLeanView) -> Option<GBufferTargets> {
+        let useful = self.useful | view.useful_targets();
+        let needed = union(self.counts.keys()).targets & useful;
+        if !view.targets.contains(needed) {
+            return Some(view.targets | needed);
+        }
+        let recent = union(self.lingering.keys()).targets & useful;
+        let kept = view.targets & (recent | needed);
+        (kept != view.targets && self.kept_for == 0).then_some(kept)
+    }
+
+    /// Keeps the present targets for a while, because meshes have no pipelines for fewer.
+    pub(super) fn keep_targets(&mut self) {
+        self.next = None;
+        self.kept_for = LINGERING_FRAMES;
+    }
+
+    /// Targets of a view that was in the state `last` in the last frame. It begins to resolve motion and to test light
+    /// layers once it has the target for it, if a mesh needs that: until then, `order` is changed.
+    fn targets(
+        &mut self,
+        order: &mut ActiveLeanView,
+        last: &ActiveLeanView,
+        meshes_move: bool,
+        cache: &PipelineCache,
+    ) -> GBufferTargets {
+        let useful = order.useful_targets();
+        let newly_useful = useful - replace(&mut self.useful, useful);
+        let next = self.next_targets(last);
+        let ready = self.next.as_ref().filter(|ready| ready.is_ready(cache));
+        let targets = match (next, ready) {
+            (Some(next), Some(ready)) if next == ready.targets => next,
+            _ => last.targets,
+        };
+        let mut lacking = union(self.counts.keys()).targets;
+        // Meshes that move are sorted later in the frame.
+        if meshes_move {
+            lacking |= newly_useful & GBufferTargets::MOTION;
+        }
+        lacking -= targets;
+        if lacking.contains(GBufferTargets::MOTION)
+            && order.resolves_motion
+            && !last.resolves_motion
+        {
+            order.resolves_motion = false;
+            order.keeps_prepass = true;
+        }
+        if lacking.contains(GBufferTargets::VISIBILITY_MASK) {
+            order.has_light_layers &= last.has_light_layers;
+        }
+        targets
+    }
+}
+
+fn union<'a>(demands: impl Iterator<Item = &'a Demand>) -> Demand {
+    demands.fold(Demand::default(), |all, demand| all.union(*demand))
 }
 
 /// The demands of all lean views.
@@ -129,8 +203,7 @@ impl ViewDemands {
 
     /// Demand of the meshes of all views, including lingering ones.
     fn of_all(&self) -> Demand {
-        let demands = self.0.values().flat_map(|view| view.lingering.keys());
-        demands.fold(Demand::default(), |all, demand| all.union(*demand))
+        union(self.0.values().flat_map(|view| view.lingering.keys()))
     }
 
     /// True if visible meshes of `view` scatter light beneath their surfaces, now or within the lingering time. A view
@@ -142,12 +215,38 @@ impl ViewDemands {
         }
     }
 
-    /// Demand that `view` should meet in this frame, from the needs of its meshes up to the last one: with and without
-    /// lingering ones. For a view in its first frame the best guess is the demand of all other views.
-    pub(crate) fn wanted(&mut self, view: RetainedViewEntity) -> [Demand; 2] {
-        match self.0.get_mut(&view) {
-            Some(demand) => demand.wanted(),
-            None => [self.of_all(), Demand::default()],
+    /// Demand that `view`, drawn in this `order`, should meet in this frame, from the needs of its meshes up to the last
+    /// one: with and without lingering ones. `last` is its state in the last frame; without one it has no mesh in the
+    /// G-buffer that could leave it. For a view in its first frame the best guess is the demand of all other views.
+    /// `order` is changed for a view that lacks targets for it.
+    pub(crate) fn wanted(
+        &mut self,
+        view: RetainedViewEntity,
+        order: &mut ActiveLeanView,
+        last: Option<&ActiveLeanView>,
+        meshes_move: bool,
+        cache: &PipelineCache,
+    ) -> [Demand; 2] {
+        let Some(demand) = self.0.get_mut(&view) else {
+            let targets = order.useful_targets();
+            return [self.of_all(), Demand::default()].map(|demand| Demand {
+                targets: demand.targets & targets,
+                ..demand
+            });
+        };
+        let demands = demand.wanted();
+        match last {
+            Some(last) => {
+                let targets = demand.targets(order, last, meshes_move, cache);
+                demands.map(|demand| Demand { targets, ..demand })
+            }
+            None => {
+                demand.useful = order.useful_targets();
+                demands.map(|wanted| Demand {
+                    targets: wanted.targets & demand.useful,
+                    ..wanted
+                })
+            }
         }
     }
 }

@@ -20,6 +20,7 @@ use super::{
     forward_reason::ForwardReason,
     mesh_overrides::MeshOverrides,
     moving::MovingMeshes,
+    placement::MeshDemand,
     registration::{GBufferMaterials, MaterialShaders},
     targets::GBufferNeeds,
 };
@@ -53,7 +54,7 @@ pub(super) struct MeshKind<'a> {
     /// Needs of the material and the shaders that draw it into the G-buffer, or the reason that forward must draw it.
     needs: Result<(GBufferNeeds, &'a MaterialShaders), ForwardReason>,
     /// True if vertices may move within the mesh.
-    deforms: bool,
+    pub(super) deforms: bool,
 }
 
 /// Number of mesh kinds that are cached while views are sorted.
@@ -150,7 +151,7 @@ impl MeshLookup<'_> {
         entity: MainEntity,
         mesh: &MeshToQueue<'a>,
         view_key: MeshPipelineKey,
-    ) -> Result<(Demand, &'a MaterialShaders), ForwardReason> {
+    ) -> Result<(MeshDemand, &'a MaterialShaders), ForwardReason> {
         let (needs, shaders) = mesh.needs?;
         let lightmapped = self.lightmapped_meshes.key(entity).is_some();
         // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward fails there too,
@@ -171,9 +172,15 @@ impl MeshLookup<'_> {
         if self.special_meshes.visibility_mask(entity) != DEFAULT_VISIBILITY_MASK {
             targets |= GBufferTargets::VISIBILITY_MASK;
         }
-        let demand = Demand {
-            targets,
-            variants: LightingVariant::new(needs.shading_model, lightmapped).as_set(),
+        let demand = MeshDemand {
+            demand: Demand {
+                targets,
+                variants: LightingVariant::new(needs.shading_model, lightmapped).as_set(),
+            },
+            is_alpha_masked: matches!(
+                mesh.material.properties.render_phase_type,
+                RenderPhaseType::AlphaMask
+            ),
         };
         Ok((demand, shaders))
     }

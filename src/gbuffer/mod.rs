@@ -33,6 +33,7 @@
 // - `registration.rs`: the plugin that registers materials.
 // - `mesh_overrides.rs`: meshes whose other components add to the needs of their material.
 // - `moving.rs`: meshes that need motion vectors of their own.
+// - `draw_functions.rs`: draws meshes, with or without their previous positions.
 // - `demand.rs`: optional targets that the visible meshes of a view need.
 // - `lookup.rs`: the needs of a mesh.
 // - `phase.rs`, `phase_item.rs`: the render phases and their items.
@@ -41,6 +42,7 @@
 // - `queue.rs`: sorts meshes into the G-buffer or leaves them to Bevy.
 // - `forward_meshes.rs`: reports the meshes that are left to Bevy.
 // - `placement.rs`: places meshes in the passes of a view.
+// - `next_targets.rs`: prepares meshes for the targets that a view should have next.
 // - `visibility_masks.rs`: uniforms of the render layers of meshes.
 // - `textures.rs`: allocates the targets.
 // - `pass.rs`: the raster passes.
@@ -55,12 +57,14 @@ mod bevy;
 #[doc(hidden)]
 pub mod binding_numbers;
 mod demand;
+mod draw_functions;
 mod forward_meshes;
 mod forward_reason;
 mod lookup;
 mod material;
 mod mesh_overrides;
 mod moving;
+mod next_targets;
 mod pass;
 mod phase;
 mod phase_item;
@@ -82,9 +86,11 @@ use self::bevy::{
 };
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 pub(crate) use demand::ViewDemands;
+use draw_functions::{DrawPlain, DrawWithVisibilityMask};
 pub use forward_meshes::LeanForwardMeshes;
 pub use forward_reason::ForwardReason;
 pub use material::{GBufferMaterial, GBufferMaterialExtension};
+pub(crate) use moving::MovingMeshes;
 use phase_item::{
     AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
 };
@@ -94,7 +100,6 @@ use resolve_motion::ViewMotionResolve;
 pub use targets::GBufferNeeds;
 pub use textures::{GBufferTextures, ReadsGBuffer};
 pub use usage::GBufferUsage;
-use visibility_masks::DrawWithVisibilityMask;
 
 // For tests and benches.
 #[doc(hidden)]
@@ -180,8 +185,12 @@ impl Plugin for GBufferPlugin {
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
             .init_resource::<visibility_masks::VisibilityMasks>()
-            .add_render_command::<ExtendedOpaqueGBuffer, DrawWithVisibilityMask>()
-            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawWithVisibilityMask>()
+            .add_render_command::<ExtendedOpaqueGBuffer, DrawPlain<true>>()
+            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawPlain<true>>()
+            .add_render_command::<ExtendedOpaqueGBuffer, DrawWithVisibilityMask<false>>()
+            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawWithVisibilityMask<false>>()
+            .add_render_command::<ExtendedOpaqueGBuffer, DrawWithVisibilityMask<true>>()
+            .add_render_command::<ExtendedAlphaMaskGBuffer, DrawWithVisibilityMask<true>>()
             .add_systems(
                 RenderStartup,
                 (

@@ -24,6 +24,10 @@ const LINGERING_FRAMES: u32 = 30;
 pub(crate) struct MovingMeshes(MainEntityHashMap<u32>);
 
 impl MovingMeshes {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     pub(crate) fn contains(&self, mesh: MainEntity) -> bool {
         self.0.contains_key(&mesh)
     }

@@ -1,7 +1,10 @@
-//! The raster passes of the G-buffer. The first draws meshes that write only the base targets. The second runs while
-//! the view has optional targets. It draws the meshes that write these, and all alpha-masked ones, which hide opaque
-//! ones at equal depth. Each mesh writes the optional targets that it needs, and `valid_mask`, which lists them: words in
-//! other targets at that pixel stem from surfaces behind and are not read. The view decides when the passes run:
+//! The raster passes of the G-buffer. The first draws meshes that write only the base targets. While the view has
+//! optional targets, a second one draws the meshes that write these. Each writes those that it needs, and `valid_mask`,
+//! which lists them: words in other targets at that pixel stem from surfaces behind and are not read. Alpha-masked
+//! meshes hide opaque ones at equal depth, so those of the first pass are then drawn last, in a third pass that clears
+//! `valid_mask` where they are visible. None of their pipelines depends on the optional targets that the view has.
+//!
+//! The view decides when the passes run:
 //!
 //! - No prepass: once, after Bevy has built the indirect draws for the main passes.
 //! - A depth prepass, which something else requested: in its place, so that readers of depth between prepass and main
@@ -15,7 +18,10 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        render_resource::{PipelineCache, RenderPassDescriptor, StoreOp},
+        render_phase::TrackedRenderPass,
+        render_resource::{
+            PipelineCache, RenderPassDepthStencilAttachment, RenderPassDescriptor, StoreOp,
+        },
         renderer::{RenderContext, ViewQuery},
         view::{ExtractedView, ViewDepthTexture},
     },
@@ -24,7 +30,7 @@ use bevy::{
 use super::{
     phase::DrawnGBufferPhases,
     resolve_motion::ViewMotionResolve,
-    textures::{BaseLoad, GBufferTextures},
+    textures::{BaseLoad, GBufferTextures, PassLoad, PassTargets},
 };
 use crate::{gpu::timed::timed, view::ActiveLeanView};
 
@@ -102,54 +108,107 @@ fn draw(
     };
     let retained = view.retained_view_entity;
 
-    let viewport =
-        Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution_override);
     // The first attachment that is requested in a frame clears depth.
-    let mut first_depth = is_first.then(|| depth.get_attachment(StoreOp::Store));
-    let mut base_load = match &first_depth {
+    let first_depth = is_first.then(|| depth.get_attachment(StoreOp::Store));
+    let base = match &first_depth {
         Some(depth) => BaseLoad::first(active, depth),
         None => BaseLoad::Drawn,
     };
-    let mut depth_attachment = || {
-        let first = first_depth.take();
-        first.unwrap_or_else(|| depth.get_attachment(StoreOp::Store))
+    let mut passes = Passes {
+        textures,
+        depth,
+        first_depth,
+        viewport: Viewport::from_viewport_and_override(
+            camera.viewport.as_ref(),
+            resolution_override,
+        ),
+        load: PassLoad {
+            base,
+            has_valid_mask: !is_first,
+            has_optional: !is_first,
+        },
+        world,
     };
-    let has_optional = !active.targets.is_empty();
+    let (opaque, alpha_masked) = phases.base.of(&retained);
+    let (extended_opaque, extended_alpha_masked) = phases.extended.of(&retained);
 
-    // Timed around the passes, not inside: the cost includes clearing.
+    // Timed around the passes, not inside: the cost includes clearing. The first pass that has a target must clear it,
+    // so it runs even without meshes.
     timed(ctx, "lean_deferred/gbuffer", &mut |ctx| {
-        // The first pass that has a target must clear it, so it runs even without meshes.
-        if !phases.base.is_empty(&retained) || (is_first && !has_optional) {
-            let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-                label: Some("lean_deferred/gbuffer"),
-                color_attachments: &textures.base_attachments(base_load),
-                depth_stencil_attachment: Some(depth_attachment()),
-                ..default()
-            });
-            base_load = BaseLoad::Drawn;
-            if let Some(viewport) = &viewport {
-                pass.set_camera_viewport(viewport);
+        if active.targets.is_empty() {
+            if is_first || !opaque.is_empty() || !alpha_masked.is_empty() {
+                passes.draw(ctx, PassTargets::Base, |pass, world| {
+                    opaque.render(pass, world, view_entity);
+                    alpha_masked.render(pass, world, view_entity);
+                });
             }
-            phases.base.render(&retained, &mut pass, world, view_entity);
-        }
-        if has_optional && (is_first || !phases.extended.is_empty(&retained)) {
-            let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
-                label: Some("lean_deferred/gbuffer/extended"),
-                color_attachments: &textures.all_attachments(base_load, is_first),
-                depth_stencil_attachment: Some(depth_attachment()),
-                ..default()
-            });
-            if let Some(viewport) = &viewport {
-                pass.set_camera_viewport(viewport);
+        } else {
+            if !opaque.is_empty() {
+                let targets = if active.all_clear_valid_mask() {
+                    PassTargets::ValidMask
+                } else {
+                    PassTargets::Base
+                };
+                passes.draw(ctx, targets, |pass, world| {
+                    opaque.render(pass, world, view_entity);
+                });
             }
-            phases
-                .extended
-                .render(&retained, &mut pass, world, view_entity);
+            if is_first || !extended_opaque.is_empty() || !extended_alpha_masked.is_empty() {
+                passes.draw(ctx, PassTargets::All, |pass, world| {
+                    extended_opaque.render(pass, world, view_entity);
+                    extended_alpha_masked.render(pass, world, view_entity);
+                });
+            }
+            if !alpha_masked.is_empty() {
+                passes.draw(ctx, PassTargets::ValidMask, |pass, world| {
+                    alpha_masked.render(pass, world, view_entity);
+                });
+            }
         }
 
         if let (Some(resolve), Some(prepass)) = (resolve_motion, prepass_textures) {
             let cache = world.resource::<PipelineCache>();
-            resolve.draw(!is_first, prepass, viewport.as_ref(), cache, ctx);
+            resolve.draw(!is_first, prepass, passes.viewport.as_ref(), cache, ctx);
         }
     });
+}
+
+/// The passes of one view at one point in the frame.
+struct Passes<'a> {
+    textures: &'a GBufferTextures,
+    depth: &'a ViewDepthTexture,
+    /// Attachment of the first pass, which clears depth.
+    first_depth: Option<RenderPassDepthStencilAttachment<'a>>,
+    viewport: Option<Viewport>,
+    /// State of the targets for the next pass.
+    load: PassLoad,
+    world: &'a World,
+}
+
+impl Passes<'_> {
+    fn draw(
+        &mut self,
+        ctx: &mut RenderContext,
+        targets: PassTargets,
+        render: impl for<'w> FnOnce(&mut TrackedRenderPass<'w>, &'w World),
+    ) {
+        let depth = self.first_depth.take();
+        let depth = depth.unwrap_or_else(|| self.depth.get_attachment(StoreOp::Store));
+        let label = match targets {
+            PassTargets::Base => "lean_deferred/gbuffer",
+            PassTargets::ValidMask => "lean_deferred/gbuffer/valid_mask",
+            PassTargets::All => "lean_deferred/gbuffer/extended",
+        };
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &self.textures.attachments(targets, self.load),
+            depth_stencil_attachment: Some(depth),
+            ..default()
+        });
+        self.load = self.load.after(targets);
+        if let Some(viewport) = &self.viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        render(&mut pass, self.world);
+    }
 }

@@ -124,38 +124,44 @@ system_param! {
 }
 
 impl<const EXTENDED: bool> DrawnPhasePair<'_, EXTENDED> {
-    /// True if neither phase of `view` has a mesh.
-    pub(super) fn is_empty(&self, view: &RetainedViewEntity) -> bool {
-        self.opaque.get(view).is_none_or(|phase| phase.is_empty())
-            && self
-                .alpha_masked
-                .get(view)
-                .is_none_or(|phase| phase.is_empty())
-    }
-
-    /// Draws the meshes of `view`, opaque ones first.
-    pub(super) fn render<'w>(
+    /// The meshes of `view`.
+    pub(super) fn of(
         &self,
         view: &RetainedViewEntity,
+    ) -> (
+        DrawnPhase<'_, GBufferItem<false, EXTENDED>>,
+        DrawnPhase<'_, GBufferItem<true, EXTENDED>>,
+    ) {
+        (
+            DrawnPhase::new(self.opaque.get(view)),
+            DrawnPhase::new(self.alpha_masked.get(view)),
+        )
+    }
+}
+
+/// A phase of one view, for drawing. `None` if it has no mesh.
+pub(super) struct DrawnPhase<'a, P: BinnedPhaseItem>(Option<&'a BinnedRenderPhase<P>>);
+
+impl<'a, P: BinnedPhaseItem + CachedRenderPipelinePhaseItem> DrawnPhase<'a, P> {
+    fn new(phase: Option<&'a BinnedRenderPhase<P>>) -> Self {
+        Self(phase.filter(|phase| !phase.is_empty()))
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_none()
+    }
+
+    pub(super) fn render<'w>(
+        &self,
         pass: &mut TrackedRenderPass<'w>,
         world: &'w World,
-        view_entity: Entity,
+        view: Entity,
     ) {
-        fn render<'w, P: BinnedPhaseItem + CachedRenderPipelinePhaseItem>(
-            phase: Option<&BinnedRenderPhase<P>>,
-            pass: &mut TrackedRenderPass<'w>,
-            world: &'w World,
-            view: Entity,
-        ) {
-            if let Some(phase) = phase
-                && !phase.is_empty()
-                && let Err(error) = phase.render(pass, world, view)
-            {
-                error_once!("drawing {}: {error:?}", core::any::type_name::<P>());
-            }
+        if let Some(phase) = self.0
+            && let Err(error) = phase.render(pass, world, view)
+        {
+            error_once!("drawing {}: {error:?}", core::any::type_name::<P>());
         }
-        render(self.opaque.get(view), pass, world, view_entity);
-        render(self.alpha_masked.get(view), pass, world, view_entity);
     }
 }
 

@@ -5,17 +5,16 @@ use alloc::sync::Arc;
 use bevy::{
     material::{MaterialProperties, key::ErasedMaterialPipelineKey},
     mesh::MeshVertexBufferLayoutRef,
-    pbr::{MeshPipelineKey, PrepassPipeline, PrepassPipelineSpecializer},
+    pbr::{PrepassPipeline, PrepassPipelineSpecializer},
     prelude::*,
     render::render_resource::{
         RenderPipelineDescriptor, SpecializedMeshPipeline, SpecializedMeshPipelineError,
     },
-    shader::ShaderDefVal,
 };
 
 use super::{
     bevy::texture_defs::material_texture_defs, binding_numbers::pack::VISIBILITY_MASK_GROUP,
-    registration::VertexStage, visibility_masks::visibility_mask_layout,
+    placement::MeshOutput, registration::VertexStage, visibility_masks::visibility_mask_layout,
 };
 use crate::view::GBufferTargets;
 
@@ -32,22 +31,6 @@ pub(super) struct GBufferPipelineSpecializer {
 /// The key of [`GBufferPipelineSpecializer`]: the material's key, the shader (pipelines of different material types
 /// share one cache), and the targets.
 pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>, MeshOutput);
-
-/// The optional targets of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct MeshOutput {
-    /// The optional targets of the pass that it is drawn in.
-    pub(super) pass: GBufferTargets,
-    /// The targets of that pass that the mesh writes.
-    pub(super) targets: GBufferTargets,
-}
-
-/// Definitions with which Bevy's shaders compute previous positions.
-const MOTION_DEFS: [&str; 3] = [
-    "MOTION_VECTOR_PREPASS",
-    "HAS_PREVIOUS_SKIN",
-    "HAS_PREVIOUS_MORPH",
-];
 
 impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
     type Key = GBufferPipelineKey;
@@ -74,18 +57,13 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         if output.targets.contains(GBufferTargets::VISIBILITY_MASK) {
             descriptor.layout[VISIBILITY_MASK_GROUP] = visibility_mask_layout();
         }
-        // The layouts stay: on a view with motion vectors, Bevy binds the groups with previous positions.
-        let needs_def = |def: &ShaderDefVal| {
-            output.targets.contains(GBufferTargets::MOTION)
-                || !matches!(def, ShaderDefVal::Bool(name, _) if MOTION_DEFS.contains(&name.as_str()))
-        };
-        descriptor.vertex.shader_defs.retain(needs_def);
         if let Some(fragment) = &mut descriptor.fragment {
-            fragment.shader_defs.retain(needs_def);
             fragment.shader = self.fragment_shader.clone();
             fragment.entry_point = None;
-            fragment.targets = output.pass.color_targets(output.targets);
-            if !output.pass.is_empty() {
+            fragment.targets = output
+                .pass
+                .color_targets(output.has_valid_mask, output.targets);
+            if output.has_valid_mask {
                 fragment.shader_defs.push("GBUFFER_VALID_MASK".into());
             }
             let defs = output.targets.iter();
@@ -98,9 +76,3 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
         Ok(descriptor)
     }
 }
-
-/// The bits of Bevy's view key that matter for a G-buffer pipeline. The others concern lighting; without them, views
-/// that are lit differently share pipelines.
-pub(super) const VIEW_KEY_BITS: MeshPipelineKey = MeshPipelineKey::MOTION_VECTOR_PREPASS
-    .union(MeshPipelineKey::INVERT_CULLING)
-    .union(MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS);

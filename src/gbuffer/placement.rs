@@ -1,6 +1,5 @@
 //! Places meshes in the passes of a view, and tells which meshes a change of the view concerns.
 
-use super::demand::MeshDemand;
 use crate::view::{ActiveLeanView, Demand, GBufferTargets};
 
 /// The meshes that a change of their view concerns.
@@ -20,9 +19,7 @@ impl ViewChange {
             (Some(former), Some(now)) => {
                 let same_passes = former.draws_in_prepass == now.draws_in_prepass
                     && former.keeps_prepass == now.keeps_prepass
-                    && former.extends_all() == now.extends_all()
-                    // If the extended pass has all meshes, a change of its targets concerns all.
-                    && (!now.extends_all() || former.targets == now.targets);
+                    && former.all_clear_valid_mask() == now.all_clear_valid_mask();
                 if former == now {
                     Self::None
                 } else if same_passes {
@@ -36,35 +33,78 @@ impl ViewChange {
     }
 }
 
-/// Placement of a mesh on a view.
+/// Needs of a mesh, with the other property that decides its placement.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) struct Placement {
-    /// Its demand, reduced to what the view has a use for.
+pub(super) struct MeshDemand {
     pub(super) demand: Demand,
-    /// True if the view meets this demand.
-    pub(super) is_met: bool,
-    /// The optional targets of the pass that it is drawn in.
-    pub(super) pass: GBufferTargets,
+    pub(super) is_alpha_masked: bool,
 }
 
-impl Placement {
-    /// Puts alpha-masked meshes into the extended pass: they hide opaque ones at equal depth, as in Bevy's passes, so
-    /// they are drawn after all of these.
-    pub(super) fn of(mesh: MeshDemand, view: &ActiveLeanView) -> Self {
-        let demand = mesh.demand.on(view);
-        let is_extended = !demand.targets.is_empty() || mesh.is_alpha_masked || view.extends_all();
+impl MeshDemand {
+    /// True if no possible change of a view's demand concerns the mesh.
+    pub(super) fn is_plain(self) -> bool {
+        self.demand.is_empty() && !self.is_alpha_masked
+    }
+}
+
+/// The pass of a mesh, and the optional targets that it writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct MeshOutput {
+    /// The optional targets of the pass.
+    pub(super) pass: GBufferTargets,
+    /// The pass has the `valid_mask` target.
+    pub(super) has_valid_mask: bool,
+    /// The targets of the pass that the mesh writes.
+    pub(super) targets: GBufferTargets,
+}
+
+impl MeshOutput {
+    /// Output of a mesh on a view with the optional targets `available`. The mesh writes those of its demand. If there
+    /// are none, its pipeline does not depend on the targets of the view. It clears the valid mask where it may be drawn
+    /// over meshes with optional targets: if it is alpha-masked, and with culling `in_two_phases`.
+    pub(super) fn of(mesh: MeshDemand, available: GBufferTargets, in_two_phases: bool) -> Self {
+        let targets = mesh.demand.targets & available;
+        let is_extended = !targets.is_empty();
         Self {
-            demand,
-            is_met: view.demand().contains(demand),
             pass: if is_extended {
-                view.targets
+                available
             } else {
                 GBufferTargets::empty()
             },
+            has_valid_mask: is_extended
+                || (!available.is_empty() && (mesh.is_alpha_masked || in_two_phases)),
+            targets,
         }
     }
 
+    /// True if the mesh is drawn in the pass with optional targets.
     pub(super) fn is_extended(self) -> bool {
         !self.pass.is_empty()
+    }
+}
+
+/// Placement of a mesh on a view.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Placement {
+    /// True if the view has the targets that the mesh needs.
+    pub(super) has_targets: bool,
+    /// True if lighting is compiled for its kind of surface.
+    pub(super) is_lit: bool,
+    pub(super) output: MeshOutput,
+}
+
+impl Placement {
+    pub(super) fn of(mesh: MeshDemand, view: &ActiveLeanView) -> Self {
+        let demand = mesh.demand.on(view);
+        Self {
+            has_targets: view.targets.contains(demand.targets),
+            is_lit: view.variants.contains(demand.variants),
+            output: MeshOutput::of(mesh, view.targets, view.culls_in_two_phases),
+        }
+    }
+
+    /// True if the mesh can be drawn once its pipeline is compiled.
+    pub(super) fn is_met(self) -> bool {
+        self.has_targets && self.is_lit
     }
 }

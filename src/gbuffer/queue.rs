@@ -5,18 +5,16 @@
 //! Otherwise its phase retains it.
 
 use bevy::{
-    material::RenderPhaseType,
     mesh::Mesh3d,
     pbr::{
-        DrawPrepass, MeshPipelineKey, PendingMeshMaterialQueues, PendingPrepassMeshMaterialQueues,
-        ViewKeyCache,
+        MeshPipelineKey, PendingMeshMaterialQueues, PendingPrepassMeshMaterialQueues, ViewKeyCache,
     },
     platform::collections::{HashMap, HashSet},
     prelude::*,
     render::{
         batching::gpu_preprocessing::GpuPreprocessingSupport,
         camera::{DirtySpecializations, PendingQueues},
-        render_phase::{BinnedRenderPhaseType, DrawFunctionId, DrawFunctions},
+        render_phase::BinnedRenderPhaseType,
         render_resource::CachedRenderPipelineId,
         sync_world::MainEntity,
         view::{ExtractedView, RenderVisibleEntities, RetainedViewEntity},
@@ -29,25 +27,18 @@ use super::{
         pipeline_filter::{BevyPipelines, PipelineFilter, PipelineFilterWriter},
         queue_rules::{is_for_deferred_pass, keep_visible_in_order, visible_pair},
     },
-    demand::{MeshDemand, ViewDemand, ViewDemands},
+    demand::{ViewDemand, ViewDemands},
+    draw_functions::GBufferDrawFunctions,
     forward_meshes::{CameraForwardMeshes, ForwardMeshes},
     forward_reason::ForwardReason,
     lookup::{MeshLookup, MeshToQueue, RecentKinds},
     mesh_overrides::ChangedMeshes,
     phase::{GBufferPhases, GBufferViewPhases},
-    phase_item::{
-        AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
-        QueuedMesh,
-    },
-    pipeline::MeshOutput,
-    placement::{Placement, ViewChange},
+    phase_item::QueuedMesh,
+    placement::{MeshOutput, Placement, ViewChange},
     specialize::{GBufferPipeline, GBufferPipelines},
-    visibility_masks::{DrawWithVisibilityMask, VisibilityMasks},
 };
-use crate::{
-    gpu::named::system_param,
-    view::{ActiveLeanView, GBufferTargets, LeanDeferred},
-};
+use crate::view::{ActiveLeanView, GBufferTargets, LeanDeferred};
 
 /// Meshes whose assets or pipelines were not ready. They are retried each frame and drawn by forward until then.
 #[derive(Resource, Default)]
@@ -57,47 +48,6 @@ pub(super) struct PendingGBufferQueues(PendingQueues);
 /// nothing changes; a change of a view counts only the meshes that it concerns.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SortedMeshes(pub usize);
-
-system_param! {
-    /// The draw functions of each phase.
-    pub(super) struct GBufferDrawFunctions<'w, 's> {
-        opaque: Res<'w, DrawFunctions<OpaqueGBuffer>>,
-        alpha_mask: Res<'w, DrawFunctions<AlphaMaskGBuffer>>,
-        extended_opaque: Res<'w, DrawFunctions<ExtendedOpaqueGBuffer>>,
-        extended_alpha_mask: Res<'w, DrawFunctions<ExtendedAlphaMaskGBuffer>>,
-        visibility_masks: ResMut<'w, VisibilityMasks>,
-        /// Draw functions of meshes without a visibility mask, in the order of the phases above.
-        plain: Local<'s, Option<[DrawFunctionId; 4]>>,
-    }
-}
-
-impl GBufferDrawFunctions<'_, '_> {
-    fn get(
-        &mut self,
-        extended: bool,
-        alpha_masked: bool,
-        visibility_mask: Option<u32>,
-    ) -> DrawFunctionId {
-        if let Some(mask) = visibility_mask {
-            self.visibility_masks.insert(mask);
-            return if alpha_masked {
-                let functions = self.extended_alpha_mask.read();
-                functions.id::<DrawWithVisibilityMask>()
-            } else {
-                self.extended_opaque.read().id::<DrawWithVisibilityMask>()
-            };
-        }
-        let plain = self.plain.get_or_insert_with(|| {
-            [
-                self.opaque.read().id::<DrawPrepass>(),
-                self.alpha_mask.read().id::<DrawPrepass>(),
-                self.extended_opaque.read().id::<DrawPrepass>(),
-                self.extended_alpha_mask.read().id::<DrawPrepass>(),
-            ]
-        });
-        plain[2 * usize::from(extended) + usize::from(alpha_masked)]
-    }
-}
 
 /// Owner of a mesh before it is sorted.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -114,7 +64,7 @@ enum QueueOwner {
 /// systems.
 ///
 /// A mesh that needs more than its view has is left to forward and its need is recorded. The view meets it from a later
-/// frame on, once lighting is compiled for it.
+/// frame on, once lighting is compiled for it and the pipelines of all other meshes are: see `demand.rs`.
 pub(super) fn queue_gbuffer_meshes(
     lookup: MeshLookup,
     mut pipelines: GBufferPipelines,
@@ -230,6 +180,7 @@ pub(super) fn queue_gbuffer_meshes(
             for pair in visible.iter_visible() {
                 sorter.sort(pair, owner);
             }
+            sorter.prepare_next_targets(visible);
             continue;
         }
         for pair in dirty.iter_to_queue(retained, visible, &HashSet::default()) {
@@ -254,6 +205,7 @@ pub(super) fn queue_gbuffer_meshes(
                 sorter.sort((&pair.0, &pair.1), owner);
             }
         }
+        sorter.prepare_next_targets(visible);
     }
     pipeline_filter.show(&live_views, &mut bevy_pipelines);
     pending_queues.0.expire_stale_views(&live_views);
@@ -276,10 +228,10 @@ pub(super) struct SortedView {
 }
 
 /// Sorts the meshes of one view.
-struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
-    lookup: &'l MeshLookup<'l>,
-    recent_kinds: &'a mut RecentKinds<'l>,
-    pipelines: &'a mut GBufferPipelines<'w, 's>,
+pub(super) struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
+    pub(super) lookup: &'l MeshLookup<'l>,
+    pub(super) recent_kinds: &'a mut RecentKinds<'l>,
+    pub(super) pipelines: &'a mut GBufferPipelines<'w, 's>,
     draw_functions: &'a mut GBufferDrawFunctions<'dw, 'ds>,
     gpu_preprocessing: &'a GpuPreprocessingSupport,
     /// True if Bevy's deferred pass draws into this view; the view is not lean then.
@@ -290,11 +242,11 @@ struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     pending: &'a mut HashSet<(Entity, MainEntity)>,
     look_again: &'a mut Vec<MainEntity>,
     known_pipelines: &'a mut HashMap<CachedRenderPipelineId, GBufferPipeline>,
-    demand: &'a mut ViewDemand,
+    pub(super) demand: &'a mut ViewDemand,
     /// `None` if nobody asks for them, or if the view is not lean.
     forward_meshes: Option<&'a mut CameraForwardMeshes>,
-    view_key: MeshPipelineKey,
-    active: Option<&'a ActiveLeanView>,
+    pub(super) view_key: MeshPipelineKey,
+    pub(super) active: Option<&'a ActiveLeanView>,
     count: &'a mut usize,
 }
 
@@ -318,18 +270,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
         let phase_type =
             BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), self.gpu_preprocessing);
-        let alpha_masked = matches!(
-            mesh.material.properties.render_phase_type,
-            RenderPhaseType::AlphaMask
-        );
         let needs = lookup.gbuffer_needs(entity, &mesh, self.view_key);
-        let needs = needs.map(|(demand, shaders)| {
-            let demand = MeshDemand {
-                demand,
-                is_alpha_masked: alpha_masked,
-            };
-            (demand, shaders)
-        });
         match &needs {
             Ok((demand, _)) => self.demand.insert(entity, *demand),
             Err(_) => self.demand.remove(entity),
@@ -343,16 +284,10 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
 
         let placement = Placement::of(demand, active);
-        let output = MeshOutput {
-            pass: placement.pass,
-            targets: placement.demand.targets,
-        };
-        let pipeline = if placement.is_met {
-            self.pipelines
-                .get(lookup, entity, &mesh, self.view_key, shaders, output)
-        } else {
-            GBufferPipeline::Pending
-        };
+        let output = placement.output;
+        let pipeline = self.pipeline(entity, &mesh, shaders, placement);
+        let is_drawn = matches!(pipeline, GBufferPipeline::Ready(_));
+        self.prepare(entity, &mesh, shaders, demand, output, is_drawn);
         if let GBufferPipeline::Ready(id) | GBufferPipeline::Failed(Some(id)) = pipeline {
             self.known_pipelines.insert(id, pipeline);
         }
@@ -363,16 +298,23 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             };
             self.leave_to_forward(entity, &mesh, owner, Some(reason));
             // An unmet demand needs no retry: the mesh is sorted again when the view changes.
-            if pipeline == GBufferPipeline::Pending && placement.is_met {
+            if matches!(pipeline, GBufferPipeline::Pending(_)) && placement.is_met() {
                 self.pending.insert((render_entity, entity));
             }
             return;
         };
 
-        if output.targets.contains(GBufferTargets::MOTION)
-            && lookup.bevy.awaits_previous_morph(entity, &mesh.instance)
-        {
-            self.look_again.push(entity);
+        if output.targets.contains(GBufferTargets::MOTION) {
+            if lookup.bevy.awaits_previous_morph(entity, &mesh.instance) {
+                self.look_again.push(entity);
+            }
+            if !mesh.deforms {
+                // Compiled before it stops, or before the view has no motion vectors any more.
+                let mut still = demand;
+                still.demand.targets -= GBufferTargets::MOTION;
+                let still = MeshOutput::of(still, active.targets, active.culls_in_two_phases);
+                (self.pipelines).get(lookup, entity, &mesh, self.view_key, shaders, still);
+            }
         }
         self.take_from_forward(entity, &mesh, active.keeps_prepass, owner);
         let visibility_mask = output
@@ -381,10 +323,10 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             .then(|| lookup.special_meshes.visibility_mask(entity));
         let draw_function =
             self.draw_functions
-                .get(placement.is_extended(), alpha_masked, visibility_mask);
+                .get(output, demand.is_alpha_masked, visibility_mask);
         self.phases.add(
-            alpha_masked,
-            placement.is_extended(),
+            demand.is_alpha_masked,
+            output.is_extended(),
             QueuedMesh {
                 visibility_mask,
                 pipeline,

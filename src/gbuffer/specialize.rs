@@ -1,11 +1,16 @@
 //! Looks up the pipeline that draws a mesh into the G-buffer, or specializes it.
 
+use core::hash::BuildHasher;
+
 use alloc::sync::Arc;
 
 use bevy::{
     material::key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey},
     pbr::{MeshPipelineKey, PrepassPipeline, RenderMeshInstanceFlags, alpha_mode_pipeline_key},
-    platform::collections::{HashMap, HashSet},
+    platform::{
+        collections::{HashMap, HashSet},
+        hash::FixedHasher,
+    },
     prelude::*,
     render::{
         render_resource::{
@@ -13,15 +18,18 @@ use bevy::{
         },
         sync_world::MainEntity,
     },
-    shader::ShaderCacheError,
 };
 
 use super::{
     lookup::{MeshLookup, MeshToQueue, RECENT_KINDS},
-    pipeline::{GBufferPipelineSpecializer, MeshOutput, VIEW_KEY_BITS},
+    pipeline::{GBufferPipelineKey, GBufferPipelineSpecializer},
+    placement::MeshOutput,
     registration::MaterialShaders,
 };
-use crate::{gpu::named::system_param, view::GBufferTargets};
+use crate::{
+    gpu::{named::system_param, pipeline_watch::is_settled},
+    view::GBufferTargets,
+};
 
 system_param! {
     /// The pipelines of the G-buffer, with what is needed to specialize them.
@@ -35,6 +43,8 @@ system_param! {
         found: Local<'s, HashMap<PipelineQuery, GBufferPipeline>>,
         /// The last of these for each recent mesh kind.
         recent: Local<'s, Vec<Option<(PipelineQuery, GBufferPipeline)>>>,
+        /// Hashes of all requested pipelines.
+        requested: Local<'s, HashSet<u64>>,
         /// Errors that have been logged; each is logged once.
         reported: Local<'s, HashSet<String>>,
     }
@@ -55,8 +65,8 @@ struct PipelineQuery {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum GBufferPipeline {
     Ready(CachedRenderPipelineId),
-    /// Not compiled yet.
-    Pending,
+    /// Not compiled yet; `None` if it is not requested yet.
+    Pending(Option<CachedRenderPipelineId>),
     /// Compilation failed, and is retried if a shader changes; `None` if it never can succeed.
     Failed(Option<CachedRenderPipelineId>),
 }
@@ -66,6 +76,9 @@ impl GBufferPipelines<'_, '_> {
     pub(super) fn start_frame(&mut self) {
         self.found.clear();
         self.recent.clear();
+        if self.are_of_another_device() {
+            self.requested.clear();
+        }
         if self.prepass_pipeline.is_changed() || self.shared_prepass_pipeline.is_none() {
             *self.shared_prepass_pipeline = Some(Arc::new(self.prepass_pipeline.clone()));
         }
@@ -76,6 +89,7 @@ impl GBufferPipelines<'_, '_> {
         self.cache.is_added()
     }
 
+    /// The pipeline that draws `mesh` with this `output`. Requests it if it is new.
     pub(super) fn get(
         &mut self,
         lookup: &MeshLookup,
@@ -102,7 +116,8 @@ impl GBufferPipelines<'_, '_> {
         let pipeline = match self.found.get(&query) {
             Some(found) => *found,
             None => {
-                let pipeline = self.specialize(mesh, shaders, &query);
+                let key = pipeline_key(mesh, query.mesh_key, shaders, output);
+                let pipeline = self.specialize(mesh, shaders, key);
                 self.found.insert(query, pipeline);
                 pipeline
             }
@@ -111,33 +126,39 @@ impl GBufferPipelines<'_, '_> {
         pipeline
     }
 
+    /// True if this pipeline was requested before.
+    pub(super) fn knows(
+        &self,
+        lookup: &MeshLookup,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        view_key: MeshPipelineKey,
+        shaders: &MaterialShaders,
+        output: MeshOutput,
+    ) -> bool {
+        let mesh_key = mesh_key(lookup, entity, mesh, view_key, output);
+        let key = pipeline_key(mesh, mesh_key, shaders, output);
+        (self.requested).contains(&FixedHasher.hash_one((&mesh.mesh.layout, key)))
+    }
+
     fn specialize(
         &mut self,
         mesh: &MeshToQueue,
         shaders: &MaterialShaders,
-        query: &PipelineQuery,
+        key: GBufferPipelineKey,
     ) -> GBufferPipeline {
         let Some(pipeline) = self.shared_prepass_pipeline.clone() else {
-            return GBufferPipeline::Pending;
+            return GBufferPipeline::Pending(None);
         };
-        let properties = &mesh.material.properties;
-        let key = ErasedMaterialPipelineKey {
-            type_id: mesh.material_id.type_id(),
-            mesh_key: ErasedMeshPipelineKey::new(query.mesh_key),
-            material_key: properties.material_key.clone(),
-        };
+        let layout = &mesh.mesh.layout;
+        (self.requested).insert(FixedHasher.hash_one((layout, &key)));
         let specializer = GBufferPipelineSpecializer {
             pipeline,
-            properties: properties.clone(),
+            properties: mesh.material.properties.clone(),
             fragment_shader: shaders.fragment.clone(),
             vertex: shaders.vertex.clone(),
         };
-        match self.specialized.specialize(
-            &self.cache,
-            &specializer,
-            (key, query.fragment_shader, query.output),
-            &mesh.mesh.layout,
-        ) {
+        match (self.specialized).specialize(&self.cache, &specializer, key, layout) {
             Ok(id) => self.state(id),
             Err(error) => {
                 let message = error.to_string();
@@ -153,12 +174,24 @@ impl GBufferPipelines<'_, '_> {
         match self.cache.get_render_pipeline_state(id) {
             CachedPipelineState::Ok(_) => GBufferPipeline::Ready(id),
             // Bevy has logged the error, and compiles again when a shader changes.
-            CachedPipelineState::Err(
-                ShaderCacheError::ProcessShaderError(_) | ShaderCacheError::CreateShaderModule(_),
-            ) => GBufferPipeline::Failed(Some(id)),
-            _ => GBufferPipeline::Pending,
+            state if is_settled(state) => GBufferPipeline::Failed(Some(id)),
+            _ => GBufferPipeline::Pending(Some(id)),
         }
     }
+}
+
+fn pipeline_key(
+    mesh: &MeshToQueue,
+    mesh_key: MeshPipelineKey,
+    shaders: &MaterialShaders,
+    output: MeshOutput,
+) -> GBufferPipelineKey {
+    let key = ErasedMaterialPipelineKey {
+        type_id: mesh.material_id.type_id(),
+        mesh_key: ErasedMeshPipelineKey::new(mesh_key),
+        material_key: mesh.material.properties.material_key.clone(),
+    };
+    (key, shaders.fragment.id(), output)
 }
 
 fn mesh_key(
@@ -168,7 +201,9 @@ fn mesh_key(
     view_key: MeshPipelineKey,
     output: MeshOutput,
 ) -> MeshPipelineKey {
-    let mut key = (view_key & VIEW_KEY_BITS)
+    // Views share pipelines: those for any projection, and without motion vectors unless the mesh writes its own.
+    let mut key = (view_key & MeshPipelineKey::INVERT_CULLING)
+        | MeshPipelineKey::VIEW_PROJECTION_NONSTANDARD
         | MeshPipelineKey::from_msaa_samples(1)
         | MeshPipelineKey::DEFERRED_PREPASS
         | MeshPipelineKey::from_bits_retain(mesh.mesh.key_bits.bits())
@@ -183,6 +218,7 @@ fn mesh_key(
         key |= lightmap;
     }
     if output.targets.contains(GBufferTargets::MOTION) {
+        key |= MeshPipelineKey::MOTION_VECTOR_PREPASS;
         let flags = mesh.instance.flags();
         key.set(
             MeshPipelineKey::HAS_PREVIOUS_SKIN,

@@ -49,9 +49,13 @@ impl GBufferTargets {
     pub(crate) const LIT: Self = Self::all().difference(Self::MOTION);
 
     /// Colour targets of a pipeline that writes `written` in a pass with the targets `self`, in the order of the
-    /// fragment shader's outputs: the two of the base; in a pass with optional targets also the `valid_mask` target, and a
-    /// slot for each optional target up to the last.
-    pub(crate) fn color_targets(self, written: Self) -> Vec<Option<ColorTargetState>> {
+    /// fragment shader's outputs: the two of the base, the `valid_mask` target if the pass has it, and a slot for each
+    /// optional target up to the last.
+    pub(crate) fn color_targets(
+        self,
+        has_valid_mask: bool,
+        written: Self,
+    ) -> Vec<Option<ColorTargetState>> {
         let target = |format, write_mask| {
             Some(ColorTargetState {
                 format,
@@ -71,7 +75,7 @@ impl GBufferTargets {
             );
         [SURFACE_FORMAT, NORMAL_FORMAT]
             .into_iter()
-            .chain((!self.is_empty()).then_some(VALID_MASK_FORMAT))
+            .chain(has_valid_mask.then_some(VALID_MASK_FORMAT))
             .map(|format| target(format, ColorWrites::ALL))
             .chain(optional)
             .collect()

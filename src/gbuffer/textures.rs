@@ -71,12 +71,13 @@ impl GBufferTextures {
         (UVec2::new(normal.width(), normal.height()), self.targets())
     }
 
-    /// The attachments of the pass that writes only the base targets.
-    pub(super) fn base_attachments(
+    /// The attachments of a pass, in the order of the fragment shader's outputs.
+    pub(super) fn attachments(
         &self,
-        load: BaseLoad,
-    ) -> [Option<RenderPassColorAttachment<'_>>; 2] {
-        let (surface, normal) = match load {
+        pass: PassTargets,
+        load: PassLoad,
+    ) -> Vec<Option<RenderPassColorAttachment<'_>>> {
+        let (surface, normal) = match load.base {
             BaseLoad::Drawn => (LoadOp::Load, LoadOp::Load),
             BaseLoad::Cleared => {
                 let no_geometry = wgpu::Color {
@@ -87,31 +88,63 @@ impl GBufferTextures {
             }
             BaseLoad::Anything => (load_anything(), load_anything()),
         };
-        [(&self.surface, surface), (&self.normal, normal)]
-            .map(|(texture, load)| Some(attachment(texture, load)))
-    }
-
-    /// The attachments of the pass that writes all targets, in the order of the fragment shader's outputs. `is_first`:
-    /// the optional targets are not written yet in this frame.
-    pub(super) fn all_attachments(
-        &self,
-        base: BaseLoad,
-        is_first: bool,
-    ) -> Vec<Option<RenderPassColorAttachment<'_>>> {
-        let mut attachments = self.base_attachments(base).to_vec();
-        let [nothing_written, anything] = if is_first {
-            [LoadOp::Clear(wgpu::Color::BLACK), load_anything()]
+        let mut attachments = vec![
+            Some(attachment(&self.surface, surface)),
+            Some(attachment(&self.normal, normal)),
+        ];
+        if pass == PassTargets::Base {
+            return attachments;
+        }
+        let valid_mask = if load.has_valid_mask {
+            LoadOp::Load
         } else {
-            [LoadOp::Load; 2]
+            LoadOp::Clear(wgpu::Color::BLACK)
         };
-        attachments.extend(
-            (self.valid_mask.iter()).map(|texture| Some(attachment(texture, nothing_written))),
-        );
+        let drawn = (self.valid_mask.iter()).map(|texture| Some(attachment(texture, valid_mask)));
+        attachments.extend(drawn);
+        if pass == PassTargets::ValidMask {
+            return attachments;
+        }
+        let words = if load.has_optional {
+            LoadOp::Load
+        } else {
+            load_anything()
+        };
         for (target, texture) in &self.optional {
             attachments.resize(target.slot(), None);
-            attachments.push(Some(attachment(texture, anything)));
+            attachments.push(Some(attachment(texture, words)));
         }
         attachments
+    }
+}
+
+/// The targets of a pass.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum PassTargets {
+    Base,
+    /// The base and the valid mask.
+    ValidMask,
+    All,
+}
+
+/// State of the targets at the start of a pass.
+#[derive(Clone, Copy)]
+pub(super) struct PassLoad {
+    pub(super) base: BaseLoad,
+    /// An earlier pass of the frame has cleared the valid mask.
+    pub(super) has_valid_mask: bool,
+    /// An earlier pass of the frame may have drawn into the optional targets.
+    pub(super) has_optional: bool,
+}
+
+impl PassLoad {
+    /// The state after the `pass`.
+    pub(super) fn after(self, pass: PassTargets) -> Self {
+        Self {
+            base: BaseLoad::Drawn,
+            has_valid_mask: self.has_valid_mask || pass != PassTargets::Base,
+            has_optional: self.has_optional || pass == PassTargets::All,
+        }
     }
 }
 

@@ -3,11 +3,10 @@
 
 use bevy::{
     ecs::system::{SystemParamItem, lifetimeless::SRes},
-    pbr::{DrawMesh, SetMaterialBindGroup, SetMeshBindGroup, SetPrepassViewBindGroup},
     platform::collections::{HashMap, HashSet},
     prelude::*,
     render::{
-        render_phase::{RenderCommand, RenderCommandResult, SetItemPipeline, TrackedRenderPass},
+        render_phase::{RenderCommand, RenderCommandResult, TrackedRenderPass},
         render_resource::{
             BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, DynamicUniformBuffer,
             PipelineCache, ShaderStages, binding_types::uniform_buffer,
@@ -17,21 +16,9 @@ use bevy::{
 };
 
 use super::{
-    binding_numbers::pack::{MESH_VISIBILITY_MASK, VISIBILITY_MASK_GROUP},
-    phase::DrawnGBufferPhases,
-    phase_item::GBufferItem,
+    binding_numbers::pack::MESH_VISIBILITY_MASK, phase::DrawnGBufferPhases, phase_item::GBufferItem,
 };
 use crate::gpu::bindings::layout;
-
-/// Bevy's `DrawPrepass` with the mask of the batch in place of the empty bind group.
-pub(super) type DrawWithVisibilityMask = (
-    SetItemPipeline,
-    SetPrepassViewBindGroup<0>,
-    SetVisibilityMask<VISIBILITY_MASK_GROUP>,
-    SetMeshBindGroup<2>,
-    SetMaterialBindGroup<3>,
-    DrawMesh,
-);
 
 /// Binds the mask of the item.
 pub(super) struct SetVisibilityMask<const I: usize>;
@@ -94,7 +81,7 @@ impl VisibilityMasks {
     }
 }
 
-/// The layout at [`VISIBILITY_MASK_GROUP`] of pipelines that write masks.
+/// The layout at `VISIBILITY_MASK_GROUP` of pipelines that write masks.
 pub(super) fn visibility_mask_layout() -> BindGroupLayoutDescriptor {
     layout(
         "lean_deferred/gbuffer/visibility_mask",

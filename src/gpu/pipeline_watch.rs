@@ -210,6 +210,15 @@ fn definitions(stages: &[Stage]) -> String {
     }
 }
 
+/// True if the pipeline is compiled, or cannot be until a shader changes.
+pub(crate) fn is_settled(state: &CachedPipelineState) -> bool {
+    match state {
+        CachedPipelineState::Ok(_) => true,
+        CachedPipelineState::Err(error) => !awaits_shader(error),
+        _ => false,
+    }
+}
+
 /// True if Bevy retries by itself.
 fn awaits_shader(error: &ShaderCacheError) -> bool {
     matches!(

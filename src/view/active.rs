@@ -19,7 +19,7 @@ pub struct ActiveLeanView {
     pub resolves_motion: bool,
     /// Some light, decal or light probe has layers that exclude some meshes.
     pub has_light_layers: bool,
-    /// The optional targets that the view has.
+    /// The optional targets that the view has. Meshes write those that they need, even if the view has no use for them.
     pub targets: GBufferTargets,
     /// The kinds of special surfaces that lighting is compiled for.
     pub(crate) variants: LightingVariants,
@@ -35,6 +35,14 @@ pub struct ActiveLeanView {
 }
 
 impl ActiveLeanView {
+    /// The optional targets that the view has a use for.
+    pub(crate) fn useful_targets(&self) -> GBufferTargets {
+        let mut targets = GBufferTargets::all();
+        targets.set(GBufferTargets::MOTION, self.resolves_motion);
+        targets.set(GBufferTargets::VISIBILITY_MASK, self.has_light_layers);
+        targets
+    }
+
     /// The demand of meshes that the view meets.
     pub(crate) fn demand(&self) -> Demand {
         Demand {
@@ -48,9 +56,9 @@ impl ActiveLeanView {
         self.io.contains(LightingIo::SUBSURFACE_LIGHT) && self.variants.scatter()
     }
 
-    /// True if meshes that need no optional targets are drawn in the pass with these too: in the second phase of
-    /// culling they may lie in front of meshes that need them.
-    pub(crate) fn extends_all(&self) -> bool {
+    /// True if meshes without optional targets clear the valid mask: in the second phase of culling they may lie in
+    /// front of meshes that have some.
+    pub(crate) fn all_clear_valid_mask(&self) -> bool {
         self.culls_in_two_phases && !self.targets.is_empty()
     }
 }
@@ -74,12 +82,7 @@ impl Demand {
 
     /// Removes parts that `view` has no use for: motion, layers or scattering.
     pub(crate) fn on(mut self, view: &ActiveLeanView) -> Self {
-        if !view.resolves_motion {
-            self.targets.remove(GBufferTargets::MOTION);
-        }
-        if !view.has_light_layers {
-            self.targets.remove(GBufferTargets::VISIBILITY_MASK);
-        }
+        self.targets &= view.useful_targets();
         if !view.io.contains(LightingIo::SUBSURFACE_LIGHT) {
             self.variants = self.variants.unscattered();
         }

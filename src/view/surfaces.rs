@@ -7,7 +7,7 @@ pub use crate::shading_models::ShadingModel;
 
 bitflags! {
     /// Optional targets. Each exists while a visible mesh writes it, and for some frames longer, so that meshes which
-    /// come and go do not recreate textures and pipelines.
+    /// come and go do not recreate textures; and while other meshes have no pipelines without it.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Reflect)]
     #[reflect(opaque, Default, Clone, PartialEq, Hash)]
     pub struct GBufferTargets: u8 {

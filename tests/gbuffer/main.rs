@@ -7,4 +7,5 @@ mod geometry;
 mod motion_vectors;
 mod occlusion_culling;
 mod optional_targets;
+mod pipelines;
 mod sorting;

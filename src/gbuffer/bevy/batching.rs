@@ -2,7 +2,7 @@
 //! be skipped.
 
 use bevy::{
-    pbr::{DrawPrepass, MeshInputUniform, MeshPipeline, MeshUniform},
+    pbr::{MeshInputUniform, MeshPipeline, MeshUniform},
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderSystems,
@@ -21,12 +21,15 @@ use bevy::{
     },
 };
 
-use crate::{gbuffer::phase_item::GBufferBatchSetKey, view::EffectSystems};
+use crate::{
+    gbuffer::{draw_functions::DrawPlain, phase_item::GBufferBatchSetKey},
+    view::EffectSystems,
+};
 
 type InstancesFromCpu = BatchedInstanceBuffer<MeshUniform>;
 type InstancesFromGpu = BatchedInstanceBuffers<MeshUniform, MeshInputUniform>;
 
-/// Adds a phase that is batched and drawn like Bevy's prepasses.
+/// Adds a phase that is batched like Bevy's prepasses.
 pub(in crate::gbuffer) fn add_phase<P>(app: &mut App)
 where
     P: BinnedPhaseItem<BatchSetKey = GBufferBatchSetKey> + CachedRenderPipelinePhaseItem,
@@ -36,7 +39,7 @@ where
     };
     render_app
         .init_resource::<DrawFunctions<P>>()
-        .add_render_command::<P, DrawPrepass>()
+        .add_render_command::<P, DrawPlain<false>>()
         .init_gpu_resource::<ViewBinnedRenderPhases<P>>()
         .allow_ambiguous_resource::<ViewBinnedRenderPhases<P>>()
         .init_gpu_resource::<PhaseBatchedInstanceBuffers<P, MeshUniform>>()

@@ -249,9 +249,10 @@ pub const GBUFFER: &[Factor] = &[
         ],
     ],
     optional!("GBUFFER_VISIBILITY_MASK"),
-    // In the second phase of culling, meshes without optional targets are drawn in the pass that has some.
+    // Meshes without optional targets may clear the valid mask.
     optional!("GBUFFER_VALID_MASK"),
-    PROJECTIONS,
+    // For all projections.
+    &[&["VIEW_PROJECTION_NONSTANDARD"]],
     optional!("STANDARD_MATERIAL_NORMAL_MAP"),
     optional!("RELIEF_MAPPING"),
     optional!(
