@@ -63,8 +63,8 @@ fn specialize(
     pipelines: &mut LightingPipelines,
     cache: &PipelineCache,
 ) -> bool {
-    let current = lighting.pipelines.first();
-    if current.is_none_or(|(current, _)| *current != key) {
+    let current = lighting.pipelines.iter().map(|(key, _)| *key);
+    if !current.eq(key.dispatches()) {
         lighting.pipelines = key
             .dispatches()
             .map(|key| (key, pipelines.specialize(cache, key)))

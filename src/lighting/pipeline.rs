@@ -283,7 +283,7 @@ impl LightingPipelines {
             scatters: key.scatters,
             list: if !key.shaded.is_empty() {
                 Some(self.reading_list.clone())
-            } else if !key.binned.is_empty() {
+            } else if key.lists {
                 Some(self.filling_list.clone())
             } else {
                 None

@@ -33,14 +33,15 @@ impl ViewLighting {
         tiles + layers.map_or(0, |buffer| buffer.size())
     }
 
-    /// Recreates the tile list if its capacity differs, and drops it if `key` needs none.
+    /// Recreates the tile list if its capacity differs, and drops it if the dispatch over all tiles, with this `key`, fills
+    /// none.
     pub(super) fn update_tile_list(
         &mut self,
         device: &RenderDevice,
         key: LightingKey,
         capacity: u32,
     ) {
-        if key.binned.is_empty() {
+        if !key.lists {
             self.tile_list = None;
         } else if !(self.tile_list.as_ref()).is_some_and(|list| list.fits(capacity)) {
             self.tile_list = Some(TileList::new(device, capacity));

@@ -42,7 +42,6 @@ pub const LIGHTING: &[Factor] = &[
         &["SHADOW_FILTER_METHOD_GAUSSIAN"],
         &["SHADOW_FILTER_METHOD_TEMPORAL"],
     ],
-    PROJECTIONS,
     optional!("BLUE_NOISE_TEXTURE"),
     optional!("DFG_LUT"),
     optional!("AREA_LIGHT_LUTS"),
