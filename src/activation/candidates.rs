@@ -49,10 +49,11 @@ pub(super) fn best_compiled(
     pipelines: &mut LightingPipelines,
     cache: &PipelineCache,
 ) -> Option<ActiveLeanView> {
-    let (best, _) = candidates
+    let (best, key) = candidates
         .clone()
         .find(|(_, key)| specialize(*key, lighting, pipelines, cache))
         .or_else(|| candidates.find(|(_, key)| stand_in(*key, lighting, pipelines, cache)))?;
+    lighting.parts = key.parts();
     Some(best)
 }
 

@@ -35,6 +35,7 @@ fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
             "LIGHT_CULLING_BY_SUBGROUPS",
         ),
         (key.light_layers, "LIGHT_LAYERS"),
+        (key.is_general, "SUPERSET"),
         (io(LightingIo::DIFFUSE_LIGHT), "DIFFUSE_LIGHT"),
         (key.scatters, "SCATTERS_LIGHT"),
         (io(LightingIo::INDIRECT_SPECULAR), "INDIRECT_SPECULAR"),

@@ -46,6 +46,8 @@ pub(crate) struct LightingKey {
     pub(super) light_layers: bool,
     /// The optional targets of the view that are read.
     pub(super) targets: GBufferTargets,
+    /// The pipeline also lights views that need less, and reads what they need from the uniform.
+    pub(super) is_general: bool,
     /// This dispatch over all tiles lists those with special surfaces.
     pub(super) lists: bool,
     /// The kinds of special surfaces that this dispatch lights, in the listed tiles. Empty for the dispatch over all
@@ -74,6 +76,8 @@ bitflags! {
         const SPOT = 1 << 2;
         /// Some of these lights have percentage-closer soft shadows (Bevy's feature `experimental_pbr_pcss`).
         const SOFT = 1 << 3;
+        /// The kinds of lights.
+        const OF_ANY_LIGHT = Self::DIRECTIONAL.bits() | Self::POINT.bits() | Self::SPOT.bits();
     }
 }
 
@@ -213,6 +217,7 @@ impl SceneFeatures<'_, '_> {
             scatters: order.scatters(),
             light_layers: order.has_light_layers,
             targets: order.targets & read_targets,
+            is_general: false,
             lists: false,
             shaded: order.variants.unscattered().by_definitions(),
         }

@@ -16,6 +16,7 @@
 // - `pipeline.rs`: layouts and pipelines.
 // - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
 // - `implied.rs`: those that follow from others.
+// - `parts.{rs,wgsl}`: parts that the general pipelines skip where a view does not need them.
 // - `state.rs`: the state of a view.
 // - `inputs.rs`: the inputs, per view and of the scene.
 // - `buffers.rs`: the crate's own buffers.
@@ -52,6 +53,8 @@ pub mod implied;
 mod inputs;
 mod light_layer_table;
 mod light_layers;
+#[doc(hidden)]
+pub mod parts;
 mod pass;
 mod pipeline;
 mod state;
@@ -99,6 +102,7 @@ impl Plugin for LightingPlugin {
     fn build(&self, app: &mut App) {
         SharedPlugin::add_to(app);
         load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "parts.wgsl");
         load_shader_library!(app, "surface.wgsl");
         load_shader_library!(app, "subsurface_light.wgsl");
         load_shader_library!(app, "scattering_tiles.wgsl");

@@ -10,7 +10,10 @@ use bevy::{
     },
 };
 
-use super::{features::LightingKey, light_layer_table::LightLayersTable, tile_list::TileList};
+use super::{
+    features::LightingKey, light_layer_table::LightLayersTable, parts::LightingParts,
+    tile_list::TileList,
+};
 use crate::gpu::bind_group_cache::CachedBindGroup;
 
 /// On a view: the state of its lighting pass. Removed with [`LeanDeferred`](crate::LeanDeferred).
@@ -19,6 +22,8 @@ use crate::gpu::bind_group_cache::CachedBindGroup;
 pub struct ViewLighting {
     /// Keys and pipelines of this frame, the one for plain surfaces first.
     pub(crate) pipelines: Vec<(LightingKey, CachedComputePipelineId)>,
+    /// The parts that the view needs.
+    pub(crate) parts: LightingParts,
     pub(super) tile_list: Option<TileList>,
     pub(super) light_layers: Option<StorageBuffer<LightLayersTable>>,
     pub(super) bindings: ViewLightingBindings,

@@ -102,6 +102,7 @@ pub const LIGHTING: &[Factor] = &[
     ],
     DEBUG_VIEWS,
     SPECIAL_SURFACES,
+    optional!("SUPERSET"),
 ];
 
 /// Debug views that lighting draws.

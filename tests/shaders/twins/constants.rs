@@ -9,7 +9,7 @@ use bevy::{
 use bevy_lean_deferred::{
     effects::{auto_exposure::key, reflections},
     gbuffer::{GBufferTargets, ShadingModel},
-    lighting::subsurface_light,
+    lighting::{parts::LightingParts, subsurface_light},
     shader_library::tiles,
     shading_models::MODELS,
 };
@@ -109,7 +109,11 @@ fn numbers_of_rust() -> BTreeMap<Place, Vec<f64>> {
         let place = (file, format!("{name}_VALID"));
         (place, u32::from(target.bits()).numbers())
     });
-    models.into_iter().chain(targets).collect()
+    let parts = LightingParts::all().iter_names().map(|(name, part)| {
+        let place = ("lighting/parts.wgsl".to_string(), name.to_string());
+        (place, part.bits().numbers())
+    });
+    models.into_iter().chain(targets).chain(parts).collect()
 }
 
 fn literals(module: &Module, expression: Handle<Expression>, numbers: &mut Vec<f64>) {
