@@ -13,6 +13,7 @@ use super::{
     bevy::view_entries::{push_array_entry, view_entry},
     binding_numbers::{list, targets},
     inputs::{LightingResources, LitView, LitViewItem},
+    parts::LightingParts,
     pipeline::{INDIRECT_LIGHT, LightingLayouts, LightingPipelines, target_binding},
     state::ViewLightingBindings,
 };
@@ -152,35 +153,46 @@ fn push_target_entries(
         )?;
         entries.push(targets::OCCLUSION_TEXTURE, texture.into_binding())?;
     }
+    let placeholders = &*resources.placeholders;
     if layouts.has_light_layers() {
-        let table = view.lighting.light_layers.as_ref()?;
-        entries.push(targets::LIGHT_LAYERS, table.binding()?)?;
+        let table = if view.needs(LightingParts::LIGHT_LAYERS) {
+            view.lighting.light_layers.as_ref()?.binding()?
+        } else {
+            placeholders.zeros.as_entire_binding()
+        };
+        entries.push(targets::LIGHT_LAYERS, table)?;
     }
     if !layouts.read_targets.is_empty() {
-        let written = view.gbuffer.valid_mask.as_ref()?;
-        entries.push(
-            targets::VALID_MASK_TEXTURE,
-            written.default_view.into_binding(),
-        )?;
+        let valid_mask = view.gbuffer.valid_mask.as_ref();
+        let valid_mask = valid_mask.map_or(&placeholders.words.view, |mask| &mask.default_view);
+        entries.push(targets::VALID_MASK_TEXTURE, valid_mask.into_binding())?;
     }
     if layouts.io.contains(LightingIo::DIFFUSE_LIGHT) {
-        let texture = &view.diffuse_light?.0.default_view;
+        let texture = if view.needs(LightingParts::DIFFUSE_LIGHT) {
+            &view.diffuse_light?.0.default_view
+        } else {
+            &placeholders.diffuse_light.view
+        };
         entries.push(targets::DIFFUSE_LIGHT_TEXTURE, texture.into_binding())?;
     }
     if layouts.scatters {
-        let subsurface = view.subsurface_light?;
-        entries.push(
-            targets::SUBSURFACE_LIGHT_TEXTURE,
-            subsurface.light.levels[0].into_binding(),
-        )?;
-        entries.push(
-            targets::SUBSURFACE_PICTURE_TEXTURE,
-            subsurface.picture.view.into_binding(),
-        )?;
-        entries.push(
-            targets::SCATTERING_TILES,
-            subsurface.tiles.as_entire_binding(),
-        )?;
+        let (light, picture, tiles) = if view.needs(LightingParts::SCATTERS_LIGHT) {
+            let subsurface = view.subsurface_light?;
+            (
+                &subsurface.light.levels[0],
+                &subsurface.picture.view,
+                &subsurface.tiles,
+            )
+        } else {
+            (
+                &placeholders.subsurface_light.view,
+                &placeholders.subsurface_picture.view,
+                &placeholders.scattering_tiles,
+            )
+        };
+        entries.push(targets::SUBSURFACE_LIGHT_TEXTURE, light.into_binding())?;
+        entries.push(targets::SUBSURFACE_PICTURE_TEXTURE, picture.into_binding())?;
+        entries.push(targets::SCATTERING_TILES, tiles.as_entire_binding())?;
     }
     for (found, binding) in INDIRECT_LIGHT {
         if layouts.io.contains(found) {
@@ -191,9 +203,10 @@ fn push_target_entries(
         }
     }
     for target in layouts.read_targets {
-        if let Some(texture) = view.gbuffer.optional(target) {
-            entries.push(target_binding(target), texture.default_view.into_binding())?;
-        }
+        // No pixel of the valid mask has the bit of a missing target.
+        let texture = view.gbuffer.optional(target);
+        let texture = texture.map_or(&placeholders.words.view, |texture| &texture.default_view);
+        entries.push(target_binding(target), texture.into_binding())?;
     }
     Some(())
 }

@@ -23,7 +23,8 @@ use bevy::{
 
 use super::{
     bevy::soft_shadows::BlockerSampler, buffers::LightingBuffers, features::ViewEnvironmentMaps,
-    state::ViewLighting, subsurface_light::SubsurfaceLight,
+    parts::LightingParts, placeholders::Placeholders, state::ViewLighting,
+    subsurface_light::SubsurfaceLight,
 };
 use crate::{
     gbuffer::GBufferTextures,
@@ -58,6 +59,11 @@ query_item! {
 }
 
 impl LitViewItem<'_, '_> {
+    /// True if lighting needs this part for the view. Otherwise a pipeline that has the part binds placeholders for it.
+    pub(super) fn needs(&self, part: LightingParts) -> bool {
+        self.lighting.parts.contains(part)
+    }
+
     /// The texture of one kind of indirect light, if an effect provides it.
     pub(super) fn screen_space_light(&self, kind: LightingIo) -> Option<&TextureView> {
         match kind {
@@ -71,6 +77,7 @@ system_param! {
     /// The parts of the scene that lighting reads.
     pub(super) struct LightingResources<'w> {
         pub(super) buffers: Res<'w, LightingBuffers>,
+        pub(super) placeholders: Res<'w, Placeholders>,
         pub(super) view_uniforms: Res<'w, ViewUniforms>,
         pub(super) lights: Res<'w, LightMeta>,
         pub(super) shadow_samplers: Res<'w, ShadowSamplers>,

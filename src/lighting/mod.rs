@@ -14,6 +14,7 @@
 // - `light_layers.{rs,wgsl}`: the layers of lights, decals and light probes, which limit the meshes that each affects.
 // - `light_layer_table.rs`: these layers as the shader reads them.
 // - `pipeline.rs`: layouts and pipelines.
+// - `placeholders.rs`: what the general pipelines bind in place of resources that a view does not have.
 // - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
 // - `implied.rs`: those that follow from others.
 // - `parts.{rs,wgsl}`: parts that the general pipelines skip where a view does not need them.
@@ -57,6 +58,7 @@ mod light_layers;
 pub mod parts;
 mod pass;
 mod pipeline;
+mod placeholders;
 mod state;
 #[doc(hidden)]
 pub mod subsurface_light;
@@ -138,6 +140,7 @@ impl Plugin for LightingPlugin {
         render_app
             .init_gpu_resource::<buffers::LightingBuffers>()
             .init_gpu_resource::<BlockerSampler>()
+            .init_gpu_resource::<placeholders::Placeholders>()
             .init_resource::<light_layers::LightLayers>()
             .add_systems(
                 ExtractSchedule,

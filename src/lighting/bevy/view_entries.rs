@@ -12,8 +12,44 @@ use bevy::{
 use super::binding_numbers::{arrays, view};
 use crate::{
     gpu::bind_group_cache::Entries,
-    lighting::inputs::{LightingResources, LitViewItem},
+    lighting::{
+        inputs::{LightingResources, LitViewItem},
+        parts::LightingParts,
+    },
 };
+
+/// Returns what stands in for the resource at `binding` of bind group 0, with its dynamic offset, on a view that does not
+/// need it. Bevy keeps the offsets of a view whose fog or contact shadows were removed.
+fn placeholder<'a>(
+    binding: u32,
+    lit: &LitViewItem,
+    resources: &'a LightingResources,
+) -> Option<(BindingResource<'a>, Option<u32>)> {
+    let part = match binding {
+        view::FOG => LightingParts::DISTANCE_FOG,
+        view::CONTACT_SHADOWS_SETTINGS => LightingParts::CONTACT_SHADOWS,
+        view::SCREEN_SPACE_AMBIENT_OCCLUSION_TEXTURE => {
+            LightingParts::SCREEN_SPACE_AMBIENT_OCCLUSION
+        }
+        view::ATMOSPHERE_TRANSMITTANCE_TEXTURE
+        | view::ATMOSPHERE_TRANSMITTANCE_SAMPLER
+        | view::ATMOSPHERE => LightingParts::ATMOSPHERE,
+        _ => return None,
+    };
+    if lit.needs(part) {
+        return None;
+    }
+    let fallback = &resources.fallback.d2;
+    let zeros = &resources.placeholders.zeros;
+    Some(match binding {
+        view::ATMOSPHERE_TRANSMITTANCE_TEXTURE | view::SCREEN_SPACE_AMBIENT_OCCLUSION_TEXTURE => {
+            (fallback.texture_view.into_binding(), None)
+        }
+        view::ATMOSPHERE_TRANSMITTANCE_SAMPLER => (fallback.sampler.into_binding(), None),
+        view::ATMOSPHERE => (zeros.as_entire_binding(), None),
+        _ => (zeros.as_entire_binding(), Some(0)),
+    })
+}
 
 /// Returns the resource at `binding` of bind group 0, and its dynamic offset if it has one.
 pub(in crate::lighting) fn view_entry<'a>(
@@ -21,6 +57,10 @@ pub(in crate::lighting) fn view_entry<'a>(
     lit: &'a LitViewItem,
     resources: &'a LightingResources,
 ) -> Option<(BindingResource<'a>, Option<u32>)> {
+    let placeholder = placeholder(binding, lit, resources);
+    if placeholder.is_some() {
+        return placeholder;
+    }
     let images = &resources.images;
     let fallback = &resources.fallback;
     let atmosphere = resources.buffers.atmosphere.as_ref();
