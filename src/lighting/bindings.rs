@@ -13,8 +13,9 @@ use super::{
     bevy::view_entries::{push_array_entry, view_entry},
     binding_numbers::{list, targets},
     inputs::{LightingResources, LitView, LitViewItem},
+    layouts::{INDIRECT_LIGHT, LightingLayouts, target_binding},
     parts::LightingParts,
-    pipeline::{INDIRECT_LIGHT, LightingLayouts, LightingPipelines, target_binding},
+    pipeline::LightingPipelines,
     state::ViewLightingBindings,
 };
 use crate::{

@@ -13,7 +13,8 @@
 // - `tile_list.{rs,wgsl}`: the list of tiles with special surfaces.
 // - `light_layers.{rs,wgsl}`: the layers of lights, decals and light probes, which limit the meshes that each affects.
 // - `light_layer_table.rs`: these layers as the shader reads them.
-// - `pipeline.rs`: layouts and pipelines.
+// - `layouts.rs`: layouts of bind groups.
+// - `pipeline.rs`: pipelines.
 // - `placeholders.rs`: what the general pipelines bind in place of resources that a view does not have.
 // - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
 // - `implied.rs`: those that follow from others.
@@ -52,6 +53,7 @@ mod features;
 #[doc(hidden)]
 pub mod implied;
 mod inputs;
+mod layouts;
 mod light_layer_table;
 mod light_layers;
 #[doc(hidden)]
