@@ -28,7 +28,7 @@ use bevy::{
     window::ExitCondition,
     winit::WinitPlugin,
 };
-use bevy_lean_deferred::LeanDeferredPlugins;
+use bevy_lean_deferred::{LeanDeferredPlugins, lighting::CompiledLighting};
 use figures::time::Device;
 
 /// Simulated time between two frames.
@@ -39,7 +39,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// Consecutive frames without pipeline requests after which an app counts as settled.
 const QUIET_FRAMES: usize = 3;
 
-/// An app that renders to an image. Unless told otherwise, it compiles pipelines in the frame that requests them.
+/// An app that renders to an image. Unless told otherwise, it compiles pipelines in the frame that requests them, and no
+/// general ones of lighting.
 pub struct Headless {
     pub app: App,
     pub target: Handle<Image>,
@@ -99,6 +100,10 @@ impl Headless {
     pub fn from_app(size: UVec2, mut app: App, configure: impl FnOnce(&mut App)) -> Self {
         app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME_TIME));
         read_shader_files(&mut app);
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            // Each pipeline takes a software renderer a second or more.
+            render_app.insert_resource(CompiledLighting::Fitting);
+        }
         configure(&mut app);
 
         keep_drivers_loaded();

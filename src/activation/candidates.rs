@@ -6,7 +6,7 @@ use bevy::render::render_resource::PipelineCache;
 
 use super::inputs::RequestedViewItem;
 use crate::{
-    lighting::{LightingKey, LightingPipelines, ViewLighting},
+    lighting::{CompiledLighting, LightingKey, LightingPipelines, ViewLighting},
     view::{ActiveLeanView, Demand, LightingIo},
 };
 
@@ -41,51 +41,81 @@ pub(super) fn candidates(
         })
 }
 
-/// Returns the first candidate whose pipelines are compiled, and sets those of `lighting` to them. If there is none,
-/// returns the first one with stand-ins for its pipelines.
-pub(super) fn best_compiled(
-    mut candidates: impl Iterator<Item = (ActiveLeanView, LightingKey)> + Clone,
-    lighting: &mut ViewLighting,
-    pipelines: &mut LightingPipelines,
-    cache: &PipelineCache,
-) -> Option<ActiveLeanView> {
-    let (best, key) = candidates
-        .clone()
-        .find(|(_, key)| specialize(*key, lighting, pipelines, cache))
-        .or_else(|| candidates.find(|(_, key)| stand_in(*key, lighting, pipelines, cache)))?;
-    lighting.parts = key.parts();
-    Some(best)
+/// Selects the lighting pipelines of views, and queues missing ones.
+pub(super) struct PipelineSelection<'a> {
+    pub(super) pipelines: &'a mut LightingPipelines,
+    pub(super) cache: &'a PipelineCache,
+    pub(super) compiled: CompiledLighting,
+    /// A pipeline that is queued causes no long frame.
+    pub(super) compiles_in_background: bool,
 }
 
-/// Sets the pipelines of `lighting` to those for `key`, and tells if all are compiled. Queues missing ones.
-fn specialize(
-    key: LightingKey,
-    lighting: &mut ViewLighting,
-    pipelines: &mut LightingPipelines,
-    cache: &PipelineCache,
-) -> bool {
-    let current = lighting.pipelines.iter().map(|(key, _)| *key);
-    if !current.eq(key.dispatches()) {
-        lighting.pipelines = key
-            .dispatches()
-            .map(|key| (key, pipelines.specialize(cache, key)))
-            .collect();
+impl PipelineSelection<'_> {
+    /// Returns the first candidate with compiled pipelines, and sets those of `lighting` to them. If there is none, returns
+    /// the first one with stand-ins for its pipelines.
+    pub(super) fn best(
+        &mut self,
+        mut candidates: impl Iterator<Item = (ActiveLeanView, LightingKey)> + Clone,
+        lighting: &mut ViewLighting,
+    ) -> Option<ActiveLeanView> {
+        let found = candidates
+            .clone()
+            .find(|(_, key)| self.is_lit(*key, lighting))
+            .or_else(|| {
+                let mut candidates = candidates.clone();
+                candidates.find(|(_, key)| self.stands_in(*key, lighting))
+            });
+        // After the pipelines that fit, which are of use for longer.
+        if self.compiled != CompiledLighting::Fitting
+            && let Some((_, wanted)) = candidates.next()
+        {
+            self.pipelines.request_general(self.cache, wanted);
+        }
+        let (best, key) = found?;
+        lighting.parts = key.parts();
+        Some(best)
     }
-    let mut ids = lighting.pipelines.iter().map(|(_, id)| *id);
-    ids.all(|id| cache.get_compute_pipeline(id).is_some())
-}
 
-/// Sets the pipelines of `lighting` to compiled ones that light a view with this `key` as well. False if there are none.
-fn stand_in(
-    key: LightingKey,
-    lighting: &mut ViewLighting,
-    pipelines: &LightingPipelines,
-    cache: &PipelineCache,
-) -> bool {
-    let compiled = (key.stand_ins()).find_map(|key| pipelines.compiled(cache, key));
-    let is_compiled = compiled.is_some();
-    if let Some(compiled) = compiled {
-        lighting.pipelines = compiled;
+    /// Sets the pipelines of `lighting` to those that fit `key`, or to general ones, and tells if they are compiled. Queues
+    /// missing ones that fit, unless that delayed the frame of a view that general ones light.
+    fn is_lit(&mut self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
+        let may_fit =
+            self.compiled != CompiledLighting::General || !self.pipelines.have_room_for(key);
+        if may_fit && self.are_set(key, lighting) {
+            return true;
+        }
+        let is_lit = (self.pipelines.general_for(key)).any(|key| self.are_set(key, lighting));
+        if may_fit && (!is_lit || self.compiles_in_background) {
+            let queued = key
+                .dispatches()
+                .map(|key| (key, self.pipelines.specialize(self.cache, key)));
+            if is_lit {
+                queued.for_each(drop);
+            } else {
+                lighting.pipelines = queued.collect();
+            }
+        }
+        is_lit
     }
-    is_compiled
+
+    /// Sets the pipelines of `lighting` to compiled ones that light a view with this `key` as well. False if there are none.
+    fn stands_in(&self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
+        (key.stand_ins().chain(self.pipelines.general_like(key)))
+            .any(|key| self.are_set(key, lighting))
+    }
+
+    /// Sets the pipelines of `lighting` to those for `key` if all are compiled.
+    fn are_set(&self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
+        let current = lighting.pipelines.iter().map(|(key, _)| *key);
+        if current.eq(key.dispatches()) {
+            let mut ids = lighting.pipelines.iter().map(|(_, id)| *id);
+            return ids.all(|id| self.cache.get_compute_pipeline(id).is_some());
+        }
+        let compiled = self.pipelines.compiled(self.cache, key);
+        let is_compiled = compiled.is_some();
+        if let Some(compiled) = compiled {
+            lighting.pipelines = compiled;
+        }
+        is_compiled
+    }
 }

@@ -93,11 +93,19 @@ impl LightingKey {
     pub(crate) fn dispatches(self) -> impl Iterator<Item = Self> {
         let has_special = !self.shaded.is_empty();
         let over_all_tiles = Self {
-            lists: has_special,
+            lists: has_special || self.is_general,
             shaded: LightingVariants::empty(),
             ..self
         };
         core::iter::once(over_all_tiles).chain(has_special.then_some(self))
+    }
+
+    pub(super) fn without_debug_view(self) -> Self {
+        Self {
+            debug_view: None,
+            targets: self.targets & GBufferTargets::LIT,
+            ..self
+        }
     }
 
     /// Keys whose pipelines light the view as well, for frames in which those of this key are not compiled yet: for
@@ -108,11 +116,7 @@ impl LightingKey {
             projection: ProjectionKind::Other,
             ..self
         });
-        let without_debug_view = self.debug_view.is_some().then_some(Self {
-            debug_view: None,
-            targets: self.targets & GBufferTargets::LIT,
-            ..self
-        });
+        let without_debug_view = self.debug_view.map(|_| self.without_debug_view());
         for_any_projection.into_iter().chain(without_debug_view)
     }
 }

@@ -15,6 +15,7 @@
 // - `light_layer_table.rs`: these layers as the shader reads them.
 // - `layouts.rs`: layouts of bind groups.
 // - `pipeline.rs`: pipelines.
+// - `general.rs`: general pipelines, which light a view until those compiled for it are there.
 // - `placeholders.rs`: what the general pipelines bind in place of resources that a view does not have.
 // - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
 // - `implied.rs`: those that follow from others.
@@ -50,6 +51,7 @@ mod buffers;
 mod definitions;
 mod diffuse_light;
 mod features;
+mod general;
 #[doc(hidden)]
 pub mod implied;
 mod inputs;
@@ -76,8 +78,8 @@ pub(crate) use subsurface_light::{
 };
 #[doc(hidden)]
 pub use {
-    buffers::LightingUniform, light_layer_table::LightLayersTable, state::ViewLighting,
-    subsurface_light::SubsurfaceLight,
+    buffers::LightingUniform, general::CompiledLighting, light_layer_table::LightLayersTable,
+    state::ViewLighting, subsurface_light::SubsurfaceLight,
 };
 
 use self::bevy::soft_shadows::BlockerSampler;
@@ -144,6 +146,7 @@ impl Plugin for LightingPlugin {
             .init_gpu_resource::<BlockerSampler>()
             .init_gpu_resource::<placeholders::Placeholders>()
             .init_resource::<light_layers::LightLayers>()
+            .init_resource::<CompiledLighting>()
             .add_systems(
                 ExtractSchedule,
                 light_layers::extract_light_layers.in_set(EffectSystems::Lean),

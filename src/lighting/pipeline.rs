@@ -19,6 +19,7 @@ use super::{
     bevy::definitions::{of_mesh_pipeline, read_by_lighting},
     definitions::definitions,
     features::LightingKey,
+    general::room,
     layouts::{LightingLayouts, bevys_keys, descriptors},
     tile_list::{filling_layout, reading_layout},
 };
@@ -30,6 +31,10 @@ pub(crate) struct LightingPipelines {
     mesh_pipeline: MeshPipeline,
     shader: Handle<Shader>,
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
+    /// The parts that general pipelines have on this device, if it can have such pipelines.
+    pub(super) room: Option<LightingKey>,
+    /// The keys of the general pipelines that were requested.
+    pub(super) general: Vec<LightingKey>,
     /// Gathers texels of ambient occlusion.
     pub(super) nearest_sampler: Sampler,
     pub(super) filling_list: ResolvedLayout,
@@ -47,6 +52,8 @@ pub(super) fn init_lighting_pipelines(
         mesh_pipeline: mesh_pipeline.clone(),
         shader: load_embedded_asset!(asset_server.as_ref(), "lighting.wgsl"),
         by_key: HashMap::default(),
+        room: room(&mesh_pipeline, &render_device.limits()),
+        general: Vec::new(),
         nearest_sampler: render_device.create_sampler(&SamplerDescriptor {
             label: Some("lean_deferred/lighting/nearest"),
             ..default()

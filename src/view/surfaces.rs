@@ -60,6 +60,14 @@ impl LightingVariants {
         )
     }
 
+    /// All kinds that lighting distinguishes.
+    pub(crate) fn of_lighting() -> Self {
+        let kinds = MODELS.iter().flat_map(|model| {
+            [false, true].map(|lightmapped| LightingVariant::new(model.model, lightmapped))
+        });
+        kinds.map(|kind| kind.unscattered().as_set()).collect()
+    }
+
     /// The largest set for which lighting is compiled by the same definitions: one per model, and one for lightmaps.
     pub(crate) fn by_definitions(self) -> Self {
         let lightmapped = self.have_lightmaps().then_some(true);
