@@ -66,7 +66,7 @@ impl PipelineSelection<'_> {
                 candidates.find(|(_, key)| self.stands_in(*key, lighting))
             });
         // After the pipelines that fit, which are of use for longer.
-        if self.compiled != CompiledLighting::Fitting
+        if self.may_be_general()
             && let Some((_, wanted)) = candidates.next()
         {
             self.pipelines.request_general(self.cache, wanted);
@@ -84,7 +84,8 @@ impl PipelineSelection<'_> {
         if may_fit && self.are_set(key, lighting) {
             return true;
         }
-        let is_lit = (self.pipelines.general_for(key)).any(|key| self.are_set(key, lighting));
+        let is_lit = self.may_be_general()
+            && (self.pipelines.general_for(key)).any(|key| self.are_set(key, lighting));
         if may_fit && (!is_lit || self.compiles_in_background) {
             let queued = key
                 .dispatches()
@@ -100,8 +101,14 @@ impl PipelineSelection<'_> {
 
     /// Sets the pipelines of `lighting` to compiled ones that light a view with this `key` as well. False if there are none.
     fn stands_in(&self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
-        (key.stand_ins().chain(self.pipelines.general_like(key)))
-            .any(|key| self.are_set(key, lighting))
+        let general = self.pipelines.general_like(key);
+        (key.stand_ins()
+            .chain(general.filter(|_| self.may_be_general())))
+        .any(|key| self.are_set(key, lighting))
+    }
+
+    fn may_be_general(&self) -> bool {
+        self.compiled != CompiledLighting::Fitting
     }
 
     /// Sets the pipelines of `lighting` to those for `key` if all are compiled.

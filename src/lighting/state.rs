@@ -64,6 +64,12 @@ impl ViewLighting {
     pub fn textures_in_arrays(&self) -> usize {
         self.bindings.textures_in_arrays()
     }
+
+    /// True if general pipelines light the view.
+    pub fn is_general(&self) -> bool {
+        let first = self.pipelines.first();
+        first.is_some_and(|(key, _)| key.is_general)
+    }
 }
 
 /// The bind groups of one view, with the other arguments of its dispatches.

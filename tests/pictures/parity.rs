@@ -17,7 +17,7 @@ use kit::{
     skipped::{on_swiftshader, skips_without_binding_arrays},
 };
 
-const SIZE: UVec2 = UVec2::new(320, 240);
+pub const SIZE: UVec2 = UVec2::new(320, 240);
 
 fn scene_named(name: &str) -> &'static Scene {
     let mut scenes = scenes::ALL.into_iter().flatten();
@@ -62,7 +62,7 @@ fn compare_all(scenes: &[Scene]) {
     compare_all_in(app(SIZE), scenes);
 }
 
-fn compare_all_in(mut headless: Headless, scenes: &[Scene]) {
+pub fn compare_all_in(mut headless: Headless, scenes: &[Scene]) {
     let only = std::env::var("PARITY_SCENE").unwrap_or_default();
     report(
         scenes
