@@ -3,8 +3,9 @@
 //!
 //! Lights each pixel with the formulas of Bevy's forward pass: directional, point, spot and rectangular lights, shadow maps and
 //! contact shadows, environment maps, reflection probes, irradiance volumes, lightmaps, clustered decals, ambient light, fog. The
-//! shader is compiled for, and binds, only those that the view has. [`LightCulling`](crate::LightCulling) selects how out-of-range
-//! lights are culled.
+//! shader is compiled for, and binds, only those that the view has. Until it is compiled, general pipelines light the view: they have
+//! all parts, skip those that the view does not need, and bind placeholders for what it lacks. [`LightCulling`](crate::LightCulling)
+//! selects how out-of-range lights are culled.
 //!
 //! Systems that must run before or after it in `Core3d` order themselves by [`LightingPasses`]. All others of Bevy's main pass run
 //! after it. Its GPU time is recorded as `lean_deferred/lighting`.
