@@ -67,11 +67,13 @@ fn update_bind_groups(
     resources: &LightingResources,
     device: &RenderDevice,
 ) -> Option<()> {
+    let placeholders = pipelines.placeholders.as_ref();
     let offsets = &mut bindings.view_offsets;
     offsets.clear();
     bindings.view.update(device, &layouts.view, |entries| {
         for layout_entry in &layouts.view.descriptor().entries {
-            let (resource, offset) = view_entry(layout_entry.binding, view, resources)?;
+            let (resource, offset) =
+                view_entry(layout_entry.binding, view, resources, placeholders)?;
             entries.push(layout_entry.binding, resource)?;
             offsets.extend(offset);
         }
@@ -154,25 +156,27 @@ fn push_target_entries(
         )?;
         entries.push(targets::OCCLUSION_TEXTURE, texture.into_binding())?;
     }
-    let placeholders = &*resources.placeholders;
+    let placeholders = pipelines.placeholders.as_ref();
     if layouts.has_light_layers() {
         let table = if view.needs(LightingParts::LIGHT_LAYERS) {
             view.lighting.light_layers.as_ref()?.binding()?
         } else {
-            placeholders.zeros.as_entire_binding()
+            placeholders?.zeros.as_entire_binding()
         };
         entries.push(targets::LIGHT_LAYERS, table)?;
     }
     if !layouts.read_targets.is_empty() {
-        let valid_mask = view.gbuffer.valid_mask.as_ref();
-        let valid_mask = valid_mask.map_or(&placeholders.words.view, |mask| &mask.default_view);
+        let valid_mask = match &view.gbuffer.valid_mask {
+            Some(texture) => &texture.default_view,
+            None => &placeholders?.words.view,
+        };
         entries.push(targets::VALID_MASK_TEXTURE, valid_mask.into_binding())?;
     }
     if layouts.io.contains(LightingIo::DIFFUSE_LIGHT) {
         let texture = if view.needs(LightingParts::DIFFUSE_LIGHT) {
             &view.diffuse_light?.0.default_view
         } else {
-            &placeholders.diffuse_light.view
+            &placeholders?.diffuse_light.view
         };
         entries.push(targets::DIFFUSE_LIGHT_TEXTURE, texture.into_binding())?;
     }
@@ -185,10 +189,11 @@ fn push_target_entries(
                 &subsurface.tiles,
             )
         } else {
+            let scattering = placeholders?.scattering.as_ref()?;
             (
-                &placeholders.subsurface_light.view,
-                &placeholders.subsurface_picture.view,
-                &placeholders.scattering_tiles,
+                &scattering.light.view,
+                &scattering.picture.view,
+                &scattering.tiles,
             )
         };
         entries.push(targets::SUBSURFACE_LIGHT_TEXTURE, light.into_binding())?;
@@ -204,9 +209,11 @@ fn push_target_entries(
         }
     }
     for target in layouts.read_targets {
-        // No pixel of the valid mask has the bit of a missing target.
-        let texture = view.gbuffer.optional(target);
-        let texture = texture.map_or(&placeholders.words.view, |texture| &texture.default_view);
+        let texture = match view.gbuffer.optional(target) {
+            Some(texture) => &texture.default_view,
+            // No pixel of the valid mask has the bit of a missing target.
+            None => &placeholders?.words.view,
+        };
         entries.push(target_binding(target), texture.into_binding())?;
     }
     Some(())

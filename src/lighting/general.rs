@@ -6,7 +6,10 @@
 use bevy::{
     pbr::{MeshPipeline, MeshPipelineKey},
     prelude::*,
-    render::render_resource::{PipelineCache, WgpuLimits},
+    render::{
+        render_resource::{PipelineCache, TextureUsages},
+        renderer::{RenderAdapter, RenderDevice},
+    },
 };
 
 use super::{
@@ -14,6 +17,8 @@ use super::{
     features::{ClusteredLights, LightingKey, ShadowMaps},
     layouts::descriptors,
     pipeline::LightingPipelines,
+    placeholders::Placeholders,
+    subsurface_light::{SUBSURFACE_LIGHT_FORMAT, SUBSURFACE_PICTURE_FORMAT},
     tile_list::filling_layout,
 };
 use crate::{
@@ -50,7 +55,7 @@ const EXCHANGED_LIGHT: LightingIo = LightingIo::DIFFUSE_LIGHT.union(LightingIo::
 /// Drops a part of the general pipelines.
 type DropPart = fn(&mut LightingKey);
 
-/// Drop parts for which a device may lack bindings, in this order.
+/// Drops parts for which a device may lack bindings, in this order.
 const DROPPED_PARTS: [DropPart; 7] = [
     |room| room.scatters = false,
     |room| room.view.remove(MeshPipelineKey::ATMOSPHERE),
@@ -67,19 +72,35 @@ const DROPPED_PARTS: [DropPart; 7] = [
     |room| room.io.remove(OCCLUSION),
 ];
 
-/// The parts of general pipelines on a device with these `limits`. `None` if it cannot have such pipelines.
-pub(super) fn room(mesh_pipeline: &MeshPipeline, limits: &WgpuLimits) -> Option<LightingKey> {
+/// The parts of general pipelines on `device`. `None` if it cannot have such pipelines.
+pub(super) fn room(
+    mesh_pipeline: &MeshPipeline,
+    device: &RenderDevice,
+    adapter: &RenderAdapter,
+) -> Option<LightingKey> {
+    let can_store = |format| {
+        let features = adapter.get_texture_format_features(format);
+        features
+            .allowed_usages
+            .contains(TextureUsages::STORAGE_BINDING)
+    };
+    let all = LightingKey {
+        decals: mesh_pipeline.clustered_decals_are_usable,
+        scatters: can_store(SUBSURFACE_LIGHT_FORMAT) && can_store(SUBSURFACE_PICTURE_FORMAT),
+        ..LightingKey::with_all_parts()
+    };
+    let limits = device.limits();
     let list = filling_layout();
-    room_within(mesh_pipeline.clustered_decals_are_usable, |key| {
+    room_within(all, |key| {
         let layouts = descriptors(mesh_pipeline, key);
         let layouts = layouts.iter().chain([&list]);
-        excess(layouts.flat_map(|layout| &layout.entries), limits)
+        excess(layouts.flat_map(|layout| &layout.entries), &limits)
     })
 }
 
-/// All parts for which `excess` tells that no binding is too many. Keeps parts whose bindings are not among those.
-fn room_within(decals_usable: bool, excess: impl Fn(LightingKey) -> u32) -> Option<LightingKey> {
-    let mut room = LightingKey::with_all_parts(decals_usable);
+/// Those parts of `room` for which `excess` tells that no binding is too many. Keeps parts whose bindings are not among
+/// those.
+fn room_within(mut room: LightingKey, excess: impl Fn(LightingKey) -> u32) -> Option<LightingKey> {
     for drop_part in DROPPED_PARTS {
         let before = excess(room);
         let mut smaller = room;
@@ -92,7 +113,7 @@ fn room_within(decals_usable: bool, excess: impl Fn(LightingKey) -> u32) -> Opti
 }
 
 impl LightingKey {
-    fn with_all_parts(decals_usable: bool) -> Self {
+    fn with_all_parts() -> Self {
         Self {
             view: VIEW_FLAGS.into_iter().collect(),
             clustered_lights: ClusteredLights::all(),
@@ -101,7 +122,7 @@ impl LightingKey {
             projection: ProjectionKind::Other,
             light_culling: LightCulling::PerPixel,
             rect_lights: true,
-            decals: decals_usable,
+            decals: true,
             debug_view: None,
             io: EXCHANGED_LIGHT | LightingIo::AMBIENT_OCCLUSION,
             scatters: true,
@@ -182,6 +203,9 @@ impl LightingPipelines {
         if !general.covers(need) {
             return;
         }
+        let device = &self.device;
+        self.placeholders
+            .get_or_insert_with(|| Placeholders::new(device, room));
         self.general.push(general);
         for key in general.dispatches() {
             self.specialize(pipeline_cache, key);
@@ -214,7 +238,7 @@ mod tests {
     use crate::view::DebugView;
 
     fn room() -> LightingKey {
-        room_within(true, |_| 0).expect("there are no limits")
+        LightingKey::with_all_parts()
     }
 
     /// A view with a sun and its shadows.
@@ -255,17 +279,17 @@ mod tests {
         let mut expected = room();
         for (limit, drop_part) in (0..DROPPED_PARTS.len() as u32).rev().zip(DROPPED_PARTS) {
             drop_part(&mut expected);
-            let found = room_within(true, |key| bindings(key).saturating_sub(limit));
+            let found = room_within(room(), |key| bindings(key).saturating_sub(limit));
             assert_eq!(found, Some(expected), "{limit} bindings");
         }
         // Those of the base do not fit.
-        assert_eq!(room_within(true, |_| 1), None);
+        assert_eq!(room_within(room(), |_| 1), None);
     }
 
     /// On a device with few textures but many buffers, parts that only take buffers stay.
     #[test]
     fn parts_that_do_not_help_are_kept() {
-        let found = room_within(true, |key| u32::from(key.rect_lights));
+        let found = room_within(room(), |key| u32::from(key.rect_lights));
         let expected = LightingKey {
             rect_lights: false,
             ..room()
@@ -296,7 +320,10 @@ mod tests {
         for need in needs {
             assert!(room().with_settings_of(need).covers(need), "{need:?}");
         }
-        let without_decals = room_within(false, |_| 0).expect("there are no limits");
+        let without_decals = LightingKey {
+            decals: false,
+            ..room()
+        };
         let decals = LightingKey {
             decals: true,
             ..sun()

@@ -23,8 +23,7 @@ use bevy::{
 
 use super::{
     bevy::soft_shadows::BlockerSampler, buffers::LightingBuffers, features::ViewEnvironmentMaps,
-    parts::LightingParts, placeholders::Placeholders, state::ViewLighting,
-    subsurface_light::SubsurfaceLight,
+    parts::LightingParts, state::ViewLighting, subsurface_light::SubsurfaceLight,
 };
 use crate::{
     gbuffer::GBufferTextures,
@@ -77,7 +76,6 @@ system_param! {
     /// The parts of the scene that lighting reads.
     pub(super) struct LightingResources<'w> {
         pub(super) buffers: Res<'w, LightingBuffers>,
-        pub(super) placeholders: Res<'w, Placeholders>,
         pub(super) view_uniforms: Res<'w, ViewUniforms>,
         pub(super) lights: Res<'w, LightMeta>,
         pub(super) shadow_samplers: Res<'w, ShadowSamplers>,

@@ -145,7 +145,6 @@ impl Plugin for LightingPlugin {
         render_app
             .init_gpu_resource::<buffers::LightingBuffers>()
             .init_gpu_resource::<BlockerSampler>()
-            .init_gpu_resource::<placeholders::Placeholders>()
             .init_resource::<light_layers::LightLayers>()
             .init_resource::<CompiledLighting>()
             .add_systems(

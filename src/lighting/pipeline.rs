@@ -10,7 +10,7 @@ use bevy::{
             CachedComputePipelineId, ComputePipelineDescriptor, PipelineCache, Sampler,
             SamplerDescriptor,
         },
-        renderer::RenderDevice,
+        renderer::{RenderAdapter, RenderDevice},
     },
     shader::ShaderDefVal,
 };
@@ -21,6 +21,7 @@ use super::{
     features::LightingKey,
     general::room,
     layouts::{LightingLayouts, bevys_keys, descriptors},
+    placeholders::Placeholders,
     tile_list::{filling_layout, reading_layout},
 };
 use crate::gpu::bind_group_cache::ResolvedLayout;
@@ -35,6 +36,9 @@ pub(crate) struct LightingPipelines {
     pub(super) room: Option<LightingKey>,
     /// The keys of the general pipelines that were requested.
     pub(super) general: Vec<LightingKey>,
+    /// Created with the first of these.
+    pub(super) placeholders: Option<Placeholders>,
+    pub(super) device: RenderDevice,
     /// Gathers texels of ambient occlusion.
     pub(super) nearest_sampler: Sampler,
     pub(super) filling_list: ResolvedLayout,
@@ -46,14 +50,16 @@ pub(super) fn init_lighting_pipelines(
     mesh_pipeline: Res<MeshPipeline>,
     asset_server: Res<AssetServer>,
     pipeline_cache: Res<PipelineCache>,
-    render_device: Res<RenderDevice>,
+    (render_device, render_adapter): (Res<RenderDevice>, Res<RenderAdapter>),
 ) {
     commands.insert_resource(LightingPipelines {
         mesh_pipeline: mesh_pipeline.clone(),
         shader: load_embedded_asset!(asset_server.as_ref(), "lighting.wgsl"),
         by_key: HashMap::default(),
-        room: room(&mesh_pipeline, &render_device.limits()),
+        room: room(&mesh_pipeline, &render_device, &render_adapter),
         general: Vec::new(),
+        placeholders: None,
+        device: render_device.clone(),
         nearest_sampler: render_device.create_sampler(&SamplerDescriptor {
             label: Some("lean_deferred/lighting/nearest"),
             ..default()

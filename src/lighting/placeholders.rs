@@ -11,6 +11,7 @@ use bevy::{
 
 use super::{
     diffuse_light::DIFFUSE_LIGHT_FORMAT,
+    features::LightingKey,
     light_layer_table::LightLayersTable,
     subsurface_light::{SUBSURFACE_LIGHT_FORMAT, SUBSURFACE_PICTURE_FORMAT},
 };
@@ -18,22 +19,27 @@ use crate::gpu::storage_texture::StorageTexture;
 
 /// Textures of one texel and buffers of zeros, one of each for all views. Shaders write to none of them: bits of
 /// [`LightingParts`](super::parts::LightingParts) tell them what the view has.
-#[derive(Resource)]
 pub(super) struct Placeholders {
     /// As large as the largest of the uniforms and tables that it stands in for.
     pub(super) zeros: Buffer,
-    /// The list of scattering tiles. Apart from `zeros`: a shader may write it.
-    pub(super) scattering_tiles: Buffer,
     /// Words of the G-buffer.
     pub(super) words: StorageTexture,
     pub(super) diffuse_light: StorageTexture,
-    pub(super) subsurface_light: StorageTexture,
-    pub(super) subsurface_picture: StorageTexture,
+    /// `None` if general pipelines do not scatter light.
+    pub(super) scattering: Option<ScatteringPlaceholders>,
 }
 
-impl FromWorld for Placeholders {
-    fn from_world(world: &mut World) -> Self {
-        let device = world.resource::<RenderDevice>();
+/// Placeholders for the light that enters scattering surfaces.
+pub(super) struct ScatteringPlaceholders {
+    pub(super) light: StorageTexture,
+    pub(super) picture: StorageTexture,
+    /// Apart from [`Placeholders::zeros`]: a shader may write it.
+    pub(super) tiles: Buffer,
+}
+
+impl Placeholders {
+    /// Creates those for general pipelines with the parts of `room`.
+    pub(super) fn new(device: &RenderDevice, room: LightingKey) -> Self {
         let label = "lean_deferred/lighting/placeholder";
         let buffer = |size, usage| {
             device.create_buffer(&BufferDescriptor {
@@ -49,18 +55,17 @@ impl FromWorld for Placeholders {
             GpuAtmosphere::min_size(),
             LightLayersTable::min_size(),
         ];
-        let largest = sizes.map(|size| size.get()).into_iter().max();
+        let largest = sizes.into_iter().max().map_or(0, |size| size.get());
         let texture = |format| StorageTexture::new(device, label, UVec2::ONE, format);
         Self {
-            zeros: buffer(
-                largest.unwrap_or_default(),
-                BufferUsages::UNIFORM | BufferUsages::STORAGE,
-            ),
-            scattering_tiles: buffer(4, BufferUsages::STORAGE),
+            zeros: buffer(largest, BufferUsages::UNIFORM | BufferUsages::STORAGE),
             words: texture(TextureFormat::R32Uint),
             diffuse_light: texture(DIFFUSE_LIGHT_FORMAT),
-            subsurface_light: texture(SUBSURFACE_LIGHT_FORMAT),
-            subsurface_picture: texture(SUBSURFACE_PICTURE_FORMAT),
+            scattering: room.scatters.then(|| ScatteringPlaceholders {
+                light: texture(SUBSURFACE_LIGHT_FORMAT),
+                picture: texture(SUBSURFACE_PICTURE_FORMAT),
+                tiles: buffer(4, BufferUsages::STORAGE),
+            }),
         }
     }
 }
