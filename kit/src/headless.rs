@@ -40,7 +40,7 @@ const PATIENCE: Duration = Duration::from_secs(120);
 const QUIET_FRAMES: usize = 3;
 
 /// An app that renders to an image. Unless told otherwise, it compiles pipelines in the frame that requests them, and no
-/// general ones of lighting.
+/// general ones of lighting (`LEAN_LIGHTING`).
 pub struct Headless {
     pub app: App,
     pub target: Handle<Image>,
@@ -101,8 +101,7 @@ impl Headless {
         app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME_TIME));
         read_shader_files(&mut app);
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
-            // Each pipeline takes a software renderer a second or more.
-            render_app.insert_resource(CompiledLighting::Fitting);
+            render_app.insert_resource(compiled_lighting());
         }
         configure(&mut app);
 
@@ -231,6 +230,18 @@ impl Headless {
         let render_world = self.app.sub_app(RenderApp).world();
         let device = render_world.resource::<RenderDevice>().wgpu_device();
         read_texture(device, render_world.resource::<RenderQueue>(), texture)
+    }
+}
+
+/// The lighting pipelines that `LEAN_LIGHTING` names: `general` or `all`. Without it those that fit, because each pipeline takes a
+/// software renderer a second or more.
+fn compiled_lighting() -> CompiledLighting {
+    let name = std::env::var("LEAN_LIGHTING").unwrap_or_default();
+    match name.as_str() {
+        "" => CompiledLighting::Fitting,
+        "general" => CompiledLighting::General,
+        "all" => CompiledLighting::All,
+        _ => panic!("LEAN_LIGHTING is general or all, and not {name}"),
     }
 }
 

@@ -21,7 +21,7 @@ pub struct ActiveLeanView {
     pub has_light_layers: bool,
     /// The optional targets that the view has.
     pub targets: GBufferTargets,
-    /// The kinds of special surfaces that lighting is compiled for.
+    /// The kinds of special surfaces that lighting lights.
     pub(crate) variants: LightingVariants,
     /// The light that lighting exchanges with other effects.
     pub io: LightingIo,
