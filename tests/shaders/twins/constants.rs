@@ -206,6 +206,16 @@ fn constants_have_one_value() {
     );
 }
 
+/// General lighting pipelines skip each part somewhere.
+#[test]
+fn parts_of_lighting_are_read() {
+    let files = shipped::wgsl();
+    for (name, _) in LightingParts::all().iter_names() {
+        let read = format!("parts::{name}");
+        assert!(files.values().any(|text| text.contains(&read)), "{name}");
+    }
+}
+
 /// Special shading models have a file each, and the colours of the table in the debug view.
 #[test]
 fn special_shading_models_have_a_file_and_a_color() {
