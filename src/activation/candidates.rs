@@ -41,6 +41,10 @@ pub(super) fn candidates(
         })
 }
 
+/// Lean frames of a view in which pipelines that fit it are compiled even if each delays a frame: its scene appears in
+/// them.
+const FIRST_FRAMES: u32 = 30;
+
 /// Selects the lighting pipelines of views, and queues missing ones.
 pub(super) struct PipelineSelection<'a> {
     pub(super) pipelines: &'a mut LightingPipelines,
@@ -73,11 +77,13 @@ impl PipelineSelection<'_> {
         }
         let (best, key) = found?;
         lighting.parts = key.parts();
+        lighting.frames = lighting.frames.saturating_add(1);
         Some(best)
     }
 
-    /// Sets the pipelines of `lighting` to those that fit `key`, or to general ones, and tells if they are compiled. Queues
-    /// missing ones that fit, unless that delayed the frame of a view that general ones light.
+    /// Sets the pipelines of `lighting` to those that fit `key`, keeps them if they fit more than that, or else sets them to
+    /// general ones. Tells if they are compiled. Queues missing ones that fit, unless others light the view and each new one
+    /// delays the frame.
     fn is_lit(&mut self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
         let may_fit =
             self.compiled != CompiledLighting::General || !self.pipelines.have_room_for(key);
@@ -85,8 +91,10 @@ impl PipelineSelection<'_> {
             return true;
         }
         let is_lit = self.may_be_general()
-            && (self.pipelines.general_for(key)).any(|key| self.are_set(key, lighting));
-        if may_fit && (!is_lit || self.compiles_in_background) {
+            && ((may_fit && self.include(key, lighting))
+                || (self.pipelines.general_for(key)).any(|key| self.are_set(key, lighting)));
+        let may_queue = self.compiles_in_background || lighting.frames < FIRST_FRAMES;
+        if may_fit && (!is_lit || may_queue) {
             let queued = key
                 .dispatches()
                 .map(|key| (key, self.pipelines.specialize(self.cache, key)));
@@ -97,6 +105,19 @@ impl PipelineSelection<'_> {
             }
         }
         is_lit
+    }
+
+    /// True if the pipelines of `lighting` are compiled, and light a view with this `key` as they light the one that they fit.
+    fn include(&self, key: LightingKey, lighting: &ViewLighting) -> bool {
+        let current = lighting.pipelines.iter().map(|(key, _)| *key);
+        self.pipelines.have_placeholders()
+            && LightingKey::of_view(current).is_some_and(|current| current.includes(key))
+            && self.are_compiled(lighting)
+    }
+
+    fn are_compiled(&self, lighting: &ViewLighting) -> bool {
+        let mut ids = lighting.pipelines.iter().map(|(_, id)| *id);
+        ids.all(|id| self.cache.get_compute_pipeline(id).is_some())
     }
 
     /// Sets the pipelines of `lighting` to compiled ones that light a view with this `key` as well. False if there are none.
@@ -115,8 +136,7 @@ impl PipelineSelection<'_> {
     fn are_set(&self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
         let current = lighting.pipelines.iter().map(|(key, _)| *key);
         if current.eq(key.dispatches()) {
-            let mut ids = lighting.pipelines.iter().map(|(_, id)| *id);
-            return ids.all(|id| self.cache.get_compute_pipeline(id).is_some());
+            return self.are_compiled(lighting);
         }
         let compiled = self.pipelines.compiled(self.cache, key);
         let is_compiled = compiled.is_some();

@@ -134,6 +134,30 @@ impl LightingKey {
         }
     }
 
+    /// True if pipelines that fit a view with this key light one with the key `need` alike: what that has less of are lights,
+    /// decals, and words of optional targets, which come to nothing by themselves.
+    pub(crate) fn includes(self, need: Self) -> bool {
+        let has_shadows = |key: Self| key.shadow_maps.intersects(ShadowMaps::OF_ANY_LIGHT);
+        let reduced = Self {
+            clustered_lights: need.clustered_lights,
+            shadow_maps: need.shadow_maps,
+            light_culling: need.light_culling,
+            rect_lights: need.rect_lights,
+            decals: need.decals,
+            targets: need.targets,
+            shaded: need.shaded,
+            ..self
+        };
+        reduced == need
+            && has_shadows(self) == has_shadows(need)
+            && self.clustered_lights.contains(need.clustered_lights)
+            && self.shadow_maps.contains(need.shadow_maps)
+            && (self.rect_lights || !need.rect_lights)
+            && (self.decals || !need.decals)
+            && self.targets.contains(need.targets)
+            && self.shaded.contains(need.shaded)
+    }
+
     /// This general key for a camera with the settings in `need`.
     fn with_settings_of(self, need: Self) -> Self {
         let occlusion = if self.io.contains(LightingIo::AMBIENT_OCCLUSION) {
@@ -186,6 +210,11 @@ impl LightingKey {
 }
 
 impl LightingPipelines {
+    /// True if there are placeholders for what a view lost.
+    pub(crate) fn have_placeholders(&self) -> bool {
+        self.placeholders.is_some()
+    }
+
     /// True if general pipelines can light a view with the key `need` on this device.
     pub(crate) fn have_room_for(&self, need: LightingKey) -> bool {
         let room = self.room.map(|room| room.with_settings_of(need));
@@ -362,6 +391,53 @@ mod tests {
             ..sun()
         };
         assert!(!general.covers(shown));
+    }
+
+    #[test]
+    fn pipelines_go_on_for_views_that_lost_lights_or_surfaces() {
+        let more = LightingKey {
+            clustered_lights: ClusteredLights::all(),
+            shadow_maps: ShadowMaps::DIRECTIONAL | ShadowMaps::SPOT,
+            light_culling: LightCulling::SharedMemory,
+            rect_lights: true,
+            decals: true,
+            targets: GBufferTargets::EMISSIVE,
+            shaded: LightingVariants::of_lighting(),
+            ..sun()
+        };
+        assert!(more.includes(sun()));
+        assert!(!sun().includes(more));
+        assert_eq!(LightingKey::of_view(more.dispatches()), Some(more));
+        let others = [
+            // The bias of shadows takes another normal.
+            LightingKey {
+                shadow_maps: ShadowMaps::empty(),
+                ..sun()
+            },
+            // Without their own bits, these parts would remain.
+            LightingKey {
+                view: sun().view | MeshPipelineKey::DISTANCE_FOG,
+                ..sun()
+            },
+            LightingKey {
+                io: LightingIo::INDIRECT_DIFFUSE,
+                ..sun()
+            },
+            LightingKey {
+                light_layers: true,
+                ..sun()
+            },
+        ];
+        for other in others {
+            assert!(!more.includes(other), "{other:?}");
+            assert!(
+                !LightingKey {
+                    decals: true,
+                    ..other
+                }
+                .includes(sun())
+            );
+        }
     }
 
     #[test]

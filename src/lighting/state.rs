@@ -22,6 +22,8 @@ use crate::gpu::bind_group_cache::CachedBindGroup;
 pub struct ViewLighting {
     /// Keys and pipelines of this frame, the one for plain surfaces first.
     pub(crate) pipelines: Vec<(LightingKey, CachedComputePipelineId)>,
+    /// Number of lean frames so far.
+    pub(crate) frames: u32,
     /// The parts that the view needs.
     pub(crate) parts: LightingParts,
     pub(super) tile_list: Option<TileList>,

@@ -27,6 +27,10 @@ use wgpu::Limits;
 const SIZE: UVec2 = UVec2::new(96, 64);
 /// Frames after a change for which compilation is delayed.
 const HELD_BACK: usize = 4;
+/// More frames than those in which a view gets pipelines that fit although each delays a frame.
+const FIRST_FRAMES: usize = 40;
+/// More frames than those for which optional targets stay.
+const LINGERING_FRAMES: usize = 130;
 
 /// What the changes act on.
 #[derive(Clone)]
@@ -124,15 +128,26 @@ fn build(headless: &mut Headless) -> Subject {
     Subject { camera, material }
 }
 
-fn app(synchronous: bool, configure: impl FnOnce(&mut App)) -> (Headless, Subject) {
+/// The change of that name.
+fn change(name: &str) -> Change {
+    let mut changes = CHANGES.iter();
+    let (_, change) = changes.find(|(other, _)| *other == name).expect(name);
+    *change
+}
+
+/// An app that shows the scene after the changes `first`.
+fn app(synchronous: bool, first: &[&str], configure: impl FnOnce(&mut App)) -> (Headless, Subject) {
     let mut headless = Headless::with_compilation(SIZE, synchronous, |app| {
         small_shadow_maps(app);
         compile_lighting(app, CompiledLighting::All);
         configure(app);
     });
     let subject = build(&mut headless);
+    for name in first {
+        change(name)(headless.world(), &subject);
+    }
     headless.settle();
-    headless.frames(2);
+    headless.frames(FIRST_FRAMES);
     (headless, subject)
 }
 
@@ -159,7 +174,7 @@ fn lighting_pipelines(headless: &Headless) -> usize {
 #[test]
 fn features_come_and_go_without_a_forward_frame() {
     in_own_process(|| {
-        let (mut headless, subject) = app(false, |_| {});
+        let (mut headless, subject) = app(false, &[], |_| {});
         assert_lean(&mut headless, &subject, "at first");
         assert!(!is_lit_by_general(&mut headless));
         for (name, change) in CHANGES {
@@ -180,11 +195,11 @@ fn features_come_and_go_without_a_forward_frame() {
     });
 }
 
-/// Where Bevy compiles within the frame, as on macOS and the web, lighting is compiled in the first frames only.
+/// Where Bevy compiles within the frame, as on macOS and the web, lighting is compiled for what the first frames show only.
 #[test]
 fn synchronous_apps_compile_lighting_once() {
     in_own_process(|| {
-        let (mut headless, subject) = app(true, |_| {});
+        let (mut headless, subject) = app(true, &[], |_| {});
         let compiled = lighting_pipelines(&headless);
         // The general ones for all tiles and for those with special surfaces, one that fits, and perhaps one that fitted the first
         // frame.
@@ -203,11 +218,32 @@ fn synchronous_apps_compile_lighting_once() {
     });
 }
 
+/// Pipelines that fitted the scene go on when it has less to show.
+#[test]
+fn what_goes_needs_no_pipeline() {
+    in_own_process(|| {
+        let first = ["rectangular light", "emission", "clear coat"];
+        let (mut headless, subject) = app(true, &first, |_| {});
+        let compiled = lighting_pipelines(&headless);
+        assert!(!is_lit_by_general(&mut headless));
+        for name in ["no rectangular light", "plain material"] {
+            change(name)(headless.world(), &subject);
+            for frame in 0..LINGERING_FRAMES {
+                headless.frame();
+                assert_lean(&mut headless, &subject, &format!("{name}, frame {frame}"));
+                assert!(!is_lit_by_general(&mut headless), "{name}, frame {frame}");
+            }
+        }
+        assert_eq!(lighting_pipelines(&headless), compiled);
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
 /// Without general pipelines a camera waits for its own, and stays lean.
 #[test]
 fn a_broken_general_pipeline_is_not_waited_for() {
     in_own_process(|| {
-        let (mut headless, subject) = app(true, |app| {
+        let (mut headless, subject) = app(true, &[], |app| {
             let shader = include_str!("../../src/lighting/lighting.wgsl");
             let broken = "#ifdef SUPERSET\nfn broken() -> u32 { return missing_name; }\n#endif\n";
             replace_shader(app, "lighting/lighting.wgsl", format!("{shader}{broken}"));
