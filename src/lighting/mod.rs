@@ -16,6 +16,7 @@
 // - `light_layer_table.rs`: these layers as the shader reads them.
 // - `layouts.rs`: layouts of bind groups.
 // - `pipeline.rs`: pipelines.
+// - `coverage.rs`: views that pipelines light beside those that they fit.
 // - `general.rs`: general pipelines, which light a view until those compiled for it are there.
 // - `placeholders.rs`: what the general pipelines bind in place of resources that a view does not have.
 // - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
@@ -49,6 +50,7 @@ pub mod bevy;
 pub mod binding_numbers;
 mod bindings;
 mod buffers;
+mod coverage;
 mod definitions;
 mod diffuse_light;
 mod features;
