@@ -45,7 +45,8 @@
 //!    forward passes on the same camera.
 //! 2. **Lighting** ([`lighting`]): one compute pass lights every pixel as Bevy's forward pass does and writes the view's HDR
 //!    texture. Tiles with special surfaces have a dispatch of their own. Features that the view does not use (fog, probes, shadows,
-//!    decals, …) are neither compiled in nor bound.
+//!    decals, …) are neither compiled in nor bound. Until the pipeline for its features is compiled, a general one lights the view,
+//!    which has all features compiled in and binds placeholders for those that the view lacks.
 //! 3. **Bevy's passes**: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
 //!
 //! Occlusion, diffuse GI and reflections run between 1 and 2, subsurface scattering after 2, auto exposure after anti-aliasing
@@ -57,7 +58,8 @@
 //! a component, listed in `docs/reliability.md`. One warning gives the reason and what to change. [`LeanStatus`], on each camera with
 //! such a component, gives it to the app; [`LeanSupport`] tells what the device can run. `Hdr` and `Msaa::Off` are set when the
 //! component is added, and restored when it is removed. Other cameras stay as they are: those that draw over such a camera or under it
-//! need both too, and one warning names them. While pipelines compile, in the first frames, Bevy renders the camera.
+//! need both too, and one warning names them. While pipelines compile, in the first frames, Bevy renders the camera
+//! (`docs/compiling.md`).
 //!
 //! # GPU times
 //!

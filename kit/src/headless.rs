@@ -28,7 +28,7 @@ use bevy::{
     window::ExitCondition,
     winit::WinitPlugin,
 };
-use bevy_lean_deferred::LeanDeferredPlugins;
+use bevy_lean_deferred::{LeanDeferredPlugins, lighting::CompiledLighting};
 use figures::time::Device;
 
 /// Simulated time between two frames.
@@ -39,7 +39,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// Consecutive frames without pipeline requests after which an app counts as settled.
 const QUIET_FRAMES: usize = 3;
 
-/// An app that renders to an image. Unless told otherwise, it compiles pipelines in the frame that requests them.
+/// An app that renders to an image. Unless told otherwise, it compiles pipelines in the frame that requests them, and no
+/// general ones of lighting (`LEAN_LIGHTING`).
 pub struct Headless {
     pub app: App,
     pub target: Handle<Image>,
@@ -99,6 +100,9 @@ impl Headless {
     pub fn from_app(size: UVec2, mut app: App, configure: impl FnOnce(&mut App)) -> Self {
         app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME_TIME));
         read_shader_files(&mut app);
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            render_app.insert_resource(compiled_lighting());
+        }
         configure(&mut app);
 
         keep_drivers_loaded();
@@ -226,6 +230,18 @@ impl Headless {
         let render_world = self.app.sub_app(RenderApp).world();
         let device = render_world.resource::<RenderDevice>().wgpu_device();
         read_texture(device, render_world.resource::<RenderQueue>(), texture)
+    }
+}
+
+/// The lighting pipelines that `LEAN_LIGHTING` names: `general` or `all`. Without it those that fit, because each pipeline takes a
+/// software renderer a second or more.
+fn compiled_lighting() -> CompiledLighting {
+    let name = std::env::var("LEAN_LIGHTING").unwrap_or_default();
+    match name.as_str() {
+        "" => CompiledLighting::Fitting,
+        "general" => CompiledLighting::General,
+        "all" => CompiledLighting::All,
+        _ => panic!("LEAN_LIGHTING is general or all, and not {name}"),
     }
 }
 

@@ -4,7 +4,9 @@ use bevy::{
     anti_alias::taa::TemporalAntiAliasing, diagnostic::FrameCount, prelude::*, render::RenderApp,
 };
 use bevy_lean_deferred::{
-    LeanAutoExposure, LeanDeferred, effects::auto_exposure::LeanAutoExposureAdvanced,
+    LeanAutoExposure, LeanDeferred,
+    effects::auto_exposure::LeanAutoExposureAdvanced,
+    lighting::{CompiledLighting, ViewLighting},
     view::ActiveLeanView,
 };
 
@@ -114,6 +116,19 @@ pub fn active_lean_views(headless: &mut Headless) -> usize {
         .query_filtered::<(), With<ActiveLeanView>>()
         .iter(world)
         .count()
+}
+
+/// Selects the lighting pipelines that the app compiles. It keeps those that it has.
+pub fn compile_lighting(app: &mut App, compiled: CompiledLighting) {
+    let render_app = app.sub_app_mut(RenderApp);
+    render_app.insert_resource(compiled);
+}
+
+/// True if general pipelines light a view in the last frame.
+pub fn is_lit_by_general(headless: &mut Headless) -> bool {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query_filtered::<&ViewLighting, With<ActiveLeanView>>();
+    views.iter(world).any(ViewLighting::is_general)
 }
 
 /// Prints the difference between `lean` and `forward`; an error if it is too large. Saves both to the folder that `PARITY_PICTURES` names,

@@ -6,7 +6,7 @@ use bevy::render::render_resource::PipelineCache;
 
 use super::inputs::RequestedViewItem;
 use crate::{
-    lighting::{LightingKey, LightingPipelines, ViewLighting},
+    lighting::{CompiledLighting, LightingKey, LightingPipelines, ViewLighting},
     view::{ActiveLeanView, Demand, LightingIo},
 };
 
@@ -40,50 +40,108 @@ pub(super) fn candidates(
         })
 }
 
-/// Returns the first candidate whose pipelines are compiled, and sets those of `lighting` to them. If there is none,
-/// returns the first one with stand-ins for its pipelines.
-pub(super) fn best_compiled(
-    mut candidates: impl Iterator<Item = (ActiveLeanView, LightingKey)> + Clone,
-    lighting: &mut ViewLighting,
-    pipelines: &mut LightingPipelines,
-    cache: &PipelineCache,
-) -> Option<ActiveLeanView> {
-    let (best, _) = candidates
-        .clone()
-        .find(|(_, key)| specialize(*key, lighting, pipelines, cache))
-        .or_else(|| candidates.find(|(_, key)| stand_in(*key, lighting, pipelines, cache)))?;
-    Some(best)
+/// Lean frames of a view in which pipelines that fit it are compiled even if each delays a frame: its scene appears in
+/// them.
+const FIRST_FRAMES: u32 = 30;
+
+/// Selects the lighting pipelines of views, and queues missing ones.
+pub(super) struct PipelineSelection<'a> {
+    pub(super) pipelines: &'a mut LightingPipelines,
+    pub(super) cache: &'a PipelineCache,
+    pub(super) compiled: CompiledLighting,
+    /// A pipeline that is queued causes no long frame.
+    pub(super) compiles_in_background: bool,
 }
 
-/// Sets the pipelines of `lighting` to those for `key`, and tells if all are compiled. Queues missing ones.
-fn specialize(
-    key: LightingKey,
-    lighting: &mut ViewLighting,
-    pipelines: &mut LightingPipelines,
-    cache: &PipelineCache,
-) -> bool {
-    let current = lighting.pipelines.first();
-    if current.is_none_or(|(current, _)| *current != key) {
-        lighting.pipelines = key
-            .dispatches()
-            .map(|key| (key, pipelines.specialize(cache, key)))
-            .collect();
+impl PipelineSelection<'_> {
+    /// Returns the first candidate with compiled pipelines, and sets those of `lighting` to them. If there is none, returns
+    /// the first one with stand-ins for its pipelines.
+    pub(super) fn best(
+        &mut self,
+        mut candidates: impl Iterator<Item = (ActiveLeanView, LightingKey)> + Clone,
+        lighting: &mut ViewLighting,
+    ) -> Option<ActiveLeanView> {
+        let found = candidates
+            .clone()
+            .find(|(_, key)| self.is_lit(*key, lighting))
+            .or_else(|| {
+                let mut candidates = candidates.clone();
+                candidates.find(|(_, key)| self.stands_in(*key, lighting))
+            });
+        // After the pipelines that fit, which are of use for longer.
+        if self.may_be_general()
+            && let Some((_, wanted)) = candidates.next()
+        {
+            self.pipelines.request_general(self.cache, wanted);
+        }
+        let (best, key) = found?;
+        lighting.parts = key.parts();
+        lighting.frames = lighting.frames.saturating_add(1);
+        Some(best)
     }
-    let mut ids = lighting.pipelines.iter().map(|(_, id)| *id);
-    ids.all(|id| cache.get_compute_pipeline(id).is_some())
-}
 
-/// Sets the pipelines of `lighting` to compiled ones that light a view with this `key` as well. False if there are none.
-fn stand_in(
-    key: LightingKey,
-    lighting: &mut ViewLighting,
-    pipelines: &LightingPipelines,
-    cache: &PipelineCache,
-) -> bool {
-    let compiled = (key.stand_ins()).find_map(|key| pipelines.compiled(cache, key));
-    let is_compiled = compiled.is_some();
-    if let Some(compiled) = compiled {
-        lighting.pipelines = compiled;
+    /// Sets the pipelines of `lighting` to those that fit `key`, keeps them if they fit more than that, or else sets them to
+    /// general ones. Tells if they are compiled. Queues missing ones that fit, unless others light the view and each new one
+    /// delays the frame.
+    fn is_lit(&mut self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
+        let may_fit =
+            self.compiled != CompiledLighting::General || !self.pipelines.have_room_for(key);
+        if may_fit && self.are_set(key, lighting) {
+            return true;
+        }
+        let is_lit = self.may_be_general()
+            && ((may_fit && self.include(key, lighting))
+                || (self.pipelines.general_for(key)).any(|key| self.are_set(key, lighting)));
+        let may_queue = self.compiles_in_background || lighting.frames < FIRST_FRAMES;
+        if may_fit && (!is_lit || may_queue) {
+            let queued = key
+                .dispatches()
+                .map(|key| (key, self.pipelines.specialize(self.cache, key)));
+            if is_lit {
+                queued.for_each(drop);
+            } else {
+                lighting.pipelines = queued.collect();
+            }
+        }
+        is_lit
     }
-    is_compiled
+
+    /// True if the pipelines of `lighting` are compiled, and light a view with this `key` as they light the one that they fit.
+    fn include(&self, key: LightingKey, lighting: &ViewLighting) -> bool {
+        let current = lighting.pipelines.iter().map(|(key, _)| *key);
+        self.pipelines.have_placeholders()
+            && LightingKey::of_view(current).is_some_and(|current| current.includes(key))
+            && self.are_compiled(lighting)
+    }
+
+    fn are_compiled(&self, lighting: &ViewLighting) -> bool {
+        let mut ids = lighting.pipelines.iter().map(|(_, id)| *id);
+        ids.all(|id| self.cache.get_compute_pipeline(id).is_some())
+    }
+
+    /// Sets the pipelines of `lighting` to compiled ones that light a view with this `key` as well. False if there are none.
+    fn stands_in(&self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
+        let general = self.pipelines.general_like(key);
+        (key.stand_ins()
+            .chain(general.filter(|_| self.may_be_general())))
+        .any(|key| self.are_set(key, lighting))
+    }
+
+    fn may_be_general(&self) -> bool {
+        self.compiled != CompiledLighting::Fitting
+    }
+
+    /// Sets the pipelines of `lighting` to those for `key` if all are compiled.
+    fn are_set(&self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
+        let current = lighting.pipelines.iter().map(|(key, _)| *key);
+        if current.eq(key.dispatches()) {
+            return self.are_compiled(lighting);
+        }
+        let compiled = self.pipelines.compiled(self.cache, key);
+        let is_compiled = compiled.is_some();
+        if let Some(compiled) = compiled {
+            lighting.pipelines = compiled;
+        }
+        is_compiled
+    }
 }

@@ -13,7 +13,7 @@ use bevy::{
 };
 
 use super::{
-    candidates::{best_compiled, candidates},
+    candidates::{PipelineSelection, candidates},
     draw_order::draw_order,
     eligibility::is_eligible,
     inputs::{DecisionInputs, RequestedView, RequestedViewItem},
@@ -27,10 +27,10 @@ use crate::{
 type ActiveViews = HashMap<RetainedViewEntity, ActiveLeanView>;
 
 /// Inserts or removes [`ActiveLeanView`], and [`ViewLighting`] on all views that can be lean. A view is active only
-/// while the lighting pipelines that it needs in this frame are compiled. Until then forward draws it, so that neither
-/// a switch of renderers nor a new kind of light shows a dark frame. New needs of its meshes are met once lighting for
-/// them is compiled; until then forward draws those meshes. Cameras that are switched off lose both components, and
-/// with them their GPU resources.
+/// while lighting pipelines that fit it in this frame, or general ones, are compiled: forward draws the first frames, so
+/// that no switch of renderers shows a dark one. Where general ones do not light the view, new needs of its meshes are
+/// met once lighting for them is compiled; until then forward draws those meshes. Cameras that are switched off lose both
+/// components, and with them their GPU resources.
 pub(super) fn decide_active_views(
     mut commands: Commands,
     mut inputs: DecisionInputs,
@@ -113,8 +113,13 @@ fn decide(
         );
         (active, key)
     });
-    let pipelines = inputs.lighting_pipelines.as_deref_mut()?;
-    let active = best_compiled(candidates, lighting, pipelines, &inputs.pipeline_cache);
+    let mut selection = PipelineSelection {
+        pipelines: inputs.lighting_pipelines.as_deref_mut()?,
+        cache: &inputs.pipeline_cache,
+        compiled: *inputs.compiled_lighting,
+        compiles_in_background: inputs.pipeline_watch.compiles_in_background(),
+    };
+    let active = selection.best(candidates, lighting);
     set_status(&view, active.as_ref(), lighting, inputs);
     apply(commands, &view, new_lighting, active);
     active

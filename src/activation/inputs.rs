@@ -21,7 +21,7 @@ use crate::{
         named::{query_item, system_param},
         pipeline_watch::PipelineWatch,
     },
-    lighting::{LightingPipelines, SceneFeatures, ViewLighting},
+    lighting::{CompiledLighting, LightingPipelines, SceneFeatures, ViewLighting},
     view::{
         ActiveLeanView, EffectStatuses, LeanDebugView, LeanDeferred, LeanSupport, LightingIoQuery,
         OutOfMemory,
@@ -69,6 +69,7 @@ system_param! {
         pub(super) demands: ResMut<'w, ViewDemands>,
         pub(super) moving_meshes: Res<'w, MovingMeshes>,
         pub(super) lighting_pipelines: Option<ResMut<'w, LightingPipelines>>,
+        pub(super) compiled_lighting: Res<'w, CompiledLighting>,
         pub(super) motion_pipelines: Option<ResMut<'w, MotionResolvePipelines>>,
         pub(super) pipeline_cache: Res<'w, PipelineCache>,
         pub(super) pipeline_watch: Res<'w, PipelineWatch>,

@@ -3,6 +3,7 @@
 //! - `bindings.rs`: named binding numbers, and bind group layouts from them.
 //! - `bind_group_cache.rs`: bind groups that are recreated only when a bound resource has changed.
 //! - `effect_pipelines.rs`: the passes of an effect, and their pipelines by key.
+//! - `layout_limits.rs`: counts bindings against the limits of the device.
 //! - `named.rs`: structs of system parameters and queries.
 //! - `needed_limits.rs`: device limits that effects need.
 //! - `picture_bind_groups.rs`: bind groups of passes that read the main texture.
@@ -18,6 +19,7 @@
 pub(crate) mod bind_group_cache;
 pub(crate) mod bindings;
 pub(crate) mod effect_pipelines;
+pub(crate) mod layout_limits;
 pub(crate) mod named;
 pub(crate) mod needed_limits;
 pub(crate) mod picture_bind_groups;

@@ -34,6 +34,7 @@ pub(crate) struct PipelineWatch {
     /// Start of each pipeline's wait for shaders.
     waiting: HashMap<CachedPipelineId, Instant>,
     failures: HashMap<CachedPipelineId, Failure>,
+    compiles_in_background: bool,
 }
 
 #[derive(Clone, PartialEq)]
@@ -53,6 +54,12 @@ impl PipelineWatch {
     ) -> Option<&str> {
         let mut pipelines = pipelines.into_iter();
         pipelines.find_map(|id| Some(self.failures.get(&id)?.cause.as_str()))
+    }
+
+    /// True if a pipeline was seen to compile while frames go on. Bevy compiles within the frame on macOS, on the web, without
+    /// its feature `multi_threaded`, and if told to; which of these holds, it does not tell.
+    pub(crate) fn compiles_in_background(&self) -> bool {
+        self.compiles_in_background
     }
 
     /// Records a failure. Many pipelines may fail for one cause, which is logged once, with the definitions of the first.
@@ -97,6 +104,12 @@ pub(crate) fn watch_pipelines(
                 _ => failure.awaits_shader,
             })
         });
+    }
+
+    if !watch.compiles_in_background {
+        let mut waiting = cache.waiting_pipelines().filter_map(pipeline);
+        watch.compiles_in_background =
+            waiting.any(|waiting| matches!(waiting.state, CachedPipelineState::Creating(_)));
     }
 
     for id in cache.waiting_pipelines() {

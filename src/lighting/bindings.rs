@@ -13,7 +13,9 @@ use super::{
     bevy::view_entries::{push_array_entry, view_entry},
     binding_numbers::{list, targets},
     inputs::{LightingResources, LitView, LitViewItem},
-    pipeline::{INDIRECT_LIGHT, LightingLayouts, LightingPipelines, target_binding},
+    layouts::{INDIRECT_LIGHT, LightingLayouts, target_binding},
+    parts::LightingParts,
+    pipeline::LightingPipelines,
     state::ViewLightingBindings,
 };
 use crate::{
@@ -65,11 +67,13 @@ fn update_bind_groups(
     resources: &LightingResources,
     device: &RenderDevice,
 ) -> Option<()> {
+    let placeholders = pipelines.placeholders.as_ref();
     let offsets = &mut bindings.view_offsets;
     offsets.clear();
     bindings.view.update(device, &layouts.view, |entries| {
         for layout_entry in &layouts.view.descriptor().entries {
-            let (resource, offset) = view_entry(layout_entry.binding, view, resources)?;
+            let (resource, offset) =
+                view_entry(layout_entry.binding, view, resources, placeholders)?;
             entries.push(layout_entry.binding, resource)?;
             offsets.extend(offset);
         }
@@ -152,35 +156,49 @@ fn push_target_entries(
         )?;
         entries.push(targets::OCCLUSION_TEXTURE, texture.into_binding())?;
     }
+    let placeholders = pipelines.placeholders.as_ref();
     if layouts.has_light_layers() {
-        let table = view.lighting.light_layers.as_ref()?;
-        entries.push(targets::LIGHT_LAYERS, table.binding()?)?;
+        let table = if view.needs(LightingParts::LIGHT_LAYERS) {
+            view.lighting.light_layers.as_ref()?.binding()?
+        } else {
+            placeholders?.zeros.as_entire_binding()
+        };
+        entries.push(targets::LIGHT_LAYERS, table)?;
     }
     if !layouts.read_targets.is_empty() {
-        let written = view.gbuffer.valid_mask.as_ref()?;
-        entries.push(
-            targets::VALID_MASK_TEXTURE,
-            written.default_view.into_binding(),
-        )?;
+        let valid_mask = match &view.gbuffer.valid_mask {
+            Some(texture) => &texture.default_view,
+            None => &placeholders?.words.view,
+        };
+        entries.push(targets::VALID_MASK_TEXTURE, valid_mask.into_binding())?;
     }
     if layouts.io.contains(LightingIo::DIFFUSE_LIGHT) {
-        let texture = &view.diffuse_light?.0.default_view;
+        let texture = if view.needs(LightingParts::DIFFUSE_LIGHT) {
+            &view.diffuse_light?.0.default_view
+        } else {
+            &placeholders?.diffuse_light.view
+        };
         entries.push(targets::DIFFUSE_LIGHT_TEXTURE, texture.into_binding())?;
     }
     if layouts.scatters {
-        let subsurface = view.subsurface_light?;
-        entries.push(
-            targets::SUBSURFACE_LIGHT_TEXTURE,
-            subsurface.light.levels[0].into_binding(),
-        )?;
-        entries.push(
-            targets::SUBSURFACE_PICTURE_TEXTURE,
-            subsurface.picture.view.into_binding(),
-        )?;
-        entries.push(
-            targets::SCATTERING_TILES,
-            subsurface.tiles.as_entire_binding(),
-        )?;
+        let (light, picture, tiles) = if view.needs(LightingParts::SCATTERS_LIGHT) {
+            let subsurface = view.subsurface_light?;
+            (
+                &subsurface.light.levels[0],
+                &subsurface.picture.view,
+                &subsurface.tiles,
+            )
+        } else {
+            let scattering = placeholders?.scattering.as_ref()?;
+            (
+                &scattering.light.view,
+                &scattering.picture.view,
+                &scattering.tiles,
+            )
+        };
+        entries.push(targets::SUBSURFACE_LIGHT_TEXTURE, light.into_binding())?;
+        entries.push(targets::SUBSURFACE_PICTURE_TEXTURE, picture.into_binding())?;
+        entries.push(targets::SCATTERING_TILES, tiles.as_entire_binding())?;
     }
     for (found, binding) in INDIRECT_LIGHT {
         if layouts.io.contains(found) {
@@ -191,9 +209,12 @@ fn push_target_entries(
         }
     }
     for target in layouts.read_targets {
-        if let Some(texture) = view.gbuffer.optional(target) {
-            entries.push(target_binding(target), texture.default_view.into_binding())?;
-        }
+        let texture = match view.gbuffer.optional(target) {
+            Some(texture) => &texture.default_view,
+            // No pixel of the valid mask has the bit of a missing target.
+            None => &placeholders?.words.view,
+        };
+        entries.push(target_binding(target), texture.into_binding())?;
     }
     Some(())
 }

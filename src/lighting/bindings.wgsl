@@ -20,6 +20,8 @@ struct LightingUniform {
     occlusion_of_direct_light: f32,
     /// Columns of the viewport, from the left, that show a debug view.
     debug_columns: u32,
+    /// Parts that the view needs: bits of `parts.wgsl`.
+    parts: u32,
 }
 
 #ifdef LIGHT_LAYERS

@@ -42,6 +42,7 @@ pub struct LightingUniform {
     occlusion_intensity: f32,
     occlusion_of_direct_light: f32,
     debug_columns: u32,
+    parts: u32,
 }
 
 /// The crate's own buffers, one for all views.
@@ -106,6 +107,7 @@ pub(super) fn write_lighting_buffers(
             occlusion_intensity: intensity,
             occlusion_of_direct_light: of_direct_light,
             debug_columns: debug_view.map_or(0, |view| view.columns(size.x)),
+            parts: lighting.parts.bits(),
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
             writer.write(&LightingUniform {

@@ -21,7 +21,6 @@ fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
     let casts = |kinds| key.shadow_maps.contains(kinds);
     let culling = key.light_culling;
     let io = |what| key.io.contains(what);
-    let over_all_tiles = key.shaded.is_empty();
     [
         (lights(ClusteredLights::ANY), "CLUSTERED_LIGHTS"),
         (lights(ClusteredLights::SPOT), "SPOT_LIGHTS"),
@@ -36,14 +35,15 @@ fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
             "LIGHT_CULLING_BY_SUBGROUPS",
         ),
         (key.light_layers, "LIGHT_LAYERS"),
+        (key.is_general, "SUPERSET"),
         (io(LightingIo::DIFFUSE_LIGHT), "DIFFUSE_LIGHT"),
         (key.scatters, "SCATTERS_LIGHT"),
         (io(LightingIo::INDIRECT_SPECULAR), "INDIRECT_SPECULAR"),
         (io(LightingIo::INDIRECT_DIFFUSE), "INDIRECT_DIFFUSE"),
         (io(LightingIo::AMBIENT_OCCLUSION), "LEAN_AMBIENT_OCCLUSION"),
         // The dispatch over all tiles lists those with special surfaces; another one lights the list.
-        (over_all_tiles && !key.binned.is_empty(), "LISTED_VARIANTS"),
-        (!over_all_tiles, "VISITED_VARIANTS"),
+        (key.lists, "LISTED_VARIANTS"),
+        (!key.shaded.is_empty(), "VISITED_VARIANTS"),
         // Not `LIGHTMAP`: with it, Bevy's functions assume that all surfaces have one.
         (key.shaded.have_lightmaps(), "LIGHTMAPPED_SURFACES"),
     ]

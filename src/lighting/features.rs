@@ -46,10 +46,12 @@ pub(crate) struct LightingKey {
     pub(super) light_layers: bool,
     /// The optional targets of the view that are read.
     pub(super) targets: GBufferTargets,
-    /// The kinds of special surfaces on the view. The dispatch over all tiles lists the tiles that have some.
-    pub(super) binned: LightingVariants,
-    /// The kinds of special surfaces that this dispatch lights, in the binned tiles. Empty for the dispatch over all
-    /// tiles.
+    /// The pipeline also lights views that need less, and reads what they need from the uniform.
+    pub(super) is_general: bool,
+    /// This dispatch over all tiles lists those with special surfaces.
+    pub(super) lists: bool,
+    /// The kinds of special surfaces that this dispatch lights, in the listed tiles. Empty for the dispatch over all
+    /// tiles. In the key of a view: the kinds on that view.
     pub(super) shaded: LightingVariants,
 }
 
@@ -74,6 +76,8 @@ bitflags! {
         const SPOT = 1 << 2;
         /// Some of these lights have percentage-closer soft shadows (Bevy's feature `experimental_pbr_pcss`).
         const SOFT = 1 << 3;
+        /// The kinds of lights.
+        const OF_ANY_LIGHT = Self::DIRECTIONAL.bits() | Self::POINT.bits() | Self::SPOT.bits();
     }
 }
 
@@ -85,35 +89,46 @@ pub(crate) struct SceneLights {
 }
 
 impl LightingKey {
-    /// The keys of all dispatches; the one over all tiles comes first.
+    /// The keys of all dispatches of a view with this key; the one over all tiles comes first.
     pub(crate) fn dispatches(self) -> impl Iterator<Item = Self> {
-        let special = (!self.binned.is_empty()).then_some(self.binned);
-        core::iter::once(LightingVariants::empty())
-            .chain(special)
-            .map(move |shaded| Self { shaded, ..self })
+        let has_special = !self.shaded.is_empty();
+        let over_all_tiles = Self {
+            lists: has_special || self.is_general,
+            shaded: LightingVariants::empty(),
+            ..self
+        };
+        core::iter::once(over_all_tiles).chain(has_special.then_some(self))
+    }
+
+    /// The key of a view with these dispatches.
+    pub(crate) fn of_view(mut dispatches: impl Iterator<Item = Self>) -> Option<Self> {
+        let over_all_tiles = dispatches.next()?;
+        let special = dispatches.next().map(|key| key.shaded);
+        Some(Self {
+            lists: false,
+            shaded: special.unwrap_or_default(),
+            ..over_all_tiles
+        })
+    }
+
+    pub(super) fn without_debug_view(self) -> Self {
+        Self {
+            debug_view: None,
+            targets: self.targets & GBufferTargets::LIT,
+            ..self
+        }
     }
 
     /// Keys whose pipelines light the view as well, for frames in which those of this key are not compiled yet: for
     /// perspective views, those for any projection; with a debug view, those without.
     pub(crate) fn stand_ins(self) -> impl Iterator<Item = Self> {
         let is_perspective = self.projection == ProjectionKind::Perspective;
-        let general = is_perspective.then_some(Self {
+        let for_any_projection = is_perspective.then_some(Self {
             projection: ProjectionKind::Other,
             ..self
         });
-        let with_general_view = general.map(|key| Self {
-            view: (key.view - MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS)
-                | MeshPipelineKey::VIEW_PROJECTION_NONSTANDARD,
-            ..key
-        });
-        let without_debug_view = self.debug_view.is_some().then_some(Self {
-            debug_view: None,
-            targets: self.targets & GBufferTargets::LIT,
-            ..self
-        });
-        (general.into_iter())
-            .chain(with_general_view)
-            .chain(without_debug_view)
+        let without_debug_view = self.debug_view.map(|_| self.without_debug_view());
+        for_any_projection.into_iter().chain(without_debug_view)
     }
 }
 
@@ -171,8 +186,9 @@ impl SceneFeatures<'_, '_> {
         lights
     }
 
-    fn light_culling(&self, settings: &LeanDeferred) -> LightCulling {
+    fn light_culling(&self, lights: SceneLights, settings: &LeanDeferred) -> LightCulling {
         match settings.advanced.light_culling {
+            _ if lights.clustered.is_empty() => LightCulling::PerPixel,
             LightCulling::Auto if self.point_lights.iter().len() >= MANY_LIGHTS => {
                 LightCulling::SharedMemory
             }
@@ -208,7 +224,7 @@ impl SceneFeatures<'_, '_> {
             clustered_lights: lights.clustered,
             shadow_maps: lights.shadow_maps,
             projection: projection_of(clip_from_view),
-            light_culling: self.light_culling(settings),
+            light_culling: self.light_culling(lights, settings),
             rect_lights: !self.rect_lights.is_empty(),
             decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
             debug_view,
@@ -216,8 +232,9 @@ impl SceneFeatures<'_, '_> {
             scatters: order.scatters(),
             light_layers: order.has_light_layers,
             targets: order.targets & read_targets,
-            binned: order.variants.unscattered(),
-            shaded: LightingVariants::empty(),
+            is_general: false,
+            lists: false,
+            shaded: order.variants.unscattered().by_definitions(),
         }
     }
 }

@@ -23,7 +23,7 @@ use bevy::{
 
 use super::{
     bevy::soft_shadows::BlockerSampler, buffers::LightingBuffers, features::ViewEnvironmentMaps,
-    state::ViewLighting, subsurface_light::SubsurfaceLight,
+    parts::LightingParts, state::ViewLighting, subsurface_light::SubsurfaceLight,
 };
 use crate::{
     gbuffer::GBufferTextures,
@@ -58,6 +58,11 @@ query_item! {
 }
 
 impl LitViewItem<'_, '_> {
+    /// True if lighting needs this part for the view. Otherwise a pipeline that has the part binds placeholders for it.
+    pub(super) fn needs(&self, part: LightingParts) -> bool {
+        self.lighting.parts.contains(part)
+    }
+
     /// The texture of one kind of indirect light, if an effect provides it.
     pub(super) fn screen_space_light(&self, kind: LightingIo) -> Option<&TextureView> {
         match kind {

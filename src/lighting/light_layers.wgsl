@@ -3,6 +3,7 @@
 #define_import_path bevy_lean_deferred::lighting::light_layers
 
 #import bevy_lean_deferred::lighting::bindings::light_layers
+#import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_pbr::clustered_forward::get_clusterable_object_id
 #import bevy_pbr::light_probe
@@ -30,7 +31,7 @@ fn enter_pixel(pixel: Pixel) {
 }
 
 fn affects_mesh(layers: u32) -> bool {
-    return (layers & mesh_layers) != 0u;
+    return (layers & mesh_layers) != 0u || !parts::has(parts::LIGHT_LAYERS);
 }
 
 /// Masks of the clustered light (x) and of the decal (y) with this index.

@@ -8,6 +8,7 @@
 #import bevy_lean_deferred::lighting::bindings::{
     normal_texture, output_texture, surface_texture, uniforms,
 }
+#import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::shade::shade
 #import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_lean_deferred::tiles::{pixel_in_view, place_in_tile}
@@ -118,12 +119,16 @@ fn light_tile(pixel: Pixel, place: vec2<u32>, corner: vec2<u32>, invocation: u32
     var shaded = shade(pixel, uniforms.viewport_origin + corner, member);
     shaded.color = vec4(within_halves(shaded.color.rgb), shaded.color.a);
 #ifdef SCATTERS_LIGHT
-    write_entering_light(pixel, shaded, place, corner, invocation);
+    if parts::has(parts::SCATTERS_LIGHT) {
+        write_entering_light(pixel, shaded, place, corner, invocation);
+    }
 #endif
     if pixel.has_geometry {
         textureStore(output_texture, pixel.position, shaded.color);
 #ifdef DIFFUSE_LIGHT
-        textureStore(diffuse_light_texture, place, vec4(pack_light(shaded.diffuse)));
+        if parts::has(parts::DIFFUSE_LIGHT) {
+            textureStore(diffuse_light_texture, place, vec4(pack_light(shaded.diffuse)));
+        }
 #endif
     } else {
         write_background(place);
@@ -136,7 +141,9 @@ fn write_background(place: vec2<u32>) {
         return;
     }
 #ifdef DIFFUSE_LIGHT
-    textureStore(diffuse_light_texture, place, vec4(0u));
+    if parts::has(parts::DIFFUSE_LIGHT) {
+        textureStore(diffuse_light_texture, place, vec4(0u));
+    }
 #endif
     if uniforms.writes_background != 0u {
         let position = vec2<i32>(uniforms.viewport_origin + place);

@@ -3,8 +3,9 @@
 //!
 //! Lights each pixel with the formulas of Bevy's forward pass: directional, point, spot and rectangular lights, shadow maps and
 //! contact shadows, environment maps, reflection probes, irradiance volumes, lightmaps, clustered decals, ambient light, fog. The
-//! shader is compiled for, and binds, only those that the view has. [`LightCulling`](crate::LightCulling) selects how out-of-range
-//! lights are culled.
+//! shader is compiled for, and binds, only those that the view has. Until it is compiled, general pipelines light the view: they have
+//! all parts, skip those that the view does not need, and bind placeholders for what it lacks. [`LightCulling`](crate::LightCulling)
+//! selects how out-of-range lights are culled.
 //!
 //! Systems that must run before or after it in `Core3d` order themselves by [`LightingPasses`]. All others of Bevy's main pass run
 //! after it. Its GPU time is recorded as `lean_deferred/lighting`.
@@ -13,9 +14,14 @@
 // - `tile_list.{rs,wgsl}`: the list of tiles with special surfaces.
 // - `light_layers.{rs,wgsl}`: the layers of lights, decals and light probes, which limit the meshes that each affects.
 // - `light_layer_table.rs`: these layers as the shader reads them.
-// - `pipeline.rs`: layouts and pipelines.
+// - `layouts.rs`: layouts of bind groups.
+// - `pipeline.rs`: pipelines.
+// - `coverage.rs`: views that pipelines light beside those that they fit.
+// - `general.rs`: general pipelines, which light a view until those compiled for it are there.
+// - `placeholders.rs`: what the general pipelines bind in place of resources that a view does not have.
 // - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
 // - `implied.rs`: those that follow from others.
+// - `parts.{rs,wgsl}`: parts that the general pipelines skip where a view does not need them.
 // - `state.rs`: the state of a view.
 // - `inputs.rs`: the inputs, per view and of the scene.
 // - `buffers.rs`: the crate's own buffers.
@@ -44,16 +50,22 @@ pub mod bevy;
 pub mod binding_numbers;
 mod bindings;
 mod buffers;
+mod coverage;
 mod definitions;
 mod diffuse_light;
 mod features;
+mod general;
 #[doc(hidden)]
 pub mod implied;
 mod inputs;
+mod layouts;
 mod light_layer_table;
 mod light_layers;
+#[doc(hidden)]
+pub mod parts;
 mod pass;
 mod pipeline;
+mod placeholders;
 mod state;
 #[doc(hidden)]
 pub mod subsurface_light;
@@ -69,8 +81,8 @@ pub(crate) use subsurface_light::{
 };
 #[doc(hidden)]
 pub use {
-    buffers::LightingUniform, light_layer_table::LightLayersTable, state::ViewLighting,
-    subsurface_light::SubsurfaceLight,
+    buffers::LightingUniform, general::CompiledLighting, light_layer_table::LightLayersTable,
+    state::ViewLighting, subsurface_light::SubsurfaceLight,
 };
 
 use self::bevy::soft_shadows::BlockerSampler;
@@ -99,6 +111,7 @@ impl Plugin for LightingPlugin {
     fn build(&self, app: &mut App) {
         SharedPlugin::add_to(app);
         load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "parts.wgsl");
         load_shader_library!(app, "surface.wgsl");
         load_shader_library!(app, "subsurface_light.wgsl");
         load_shader_library!(app, "scattering_tiles.wgsl");
@@ -135,6 +148,7 @@ impl Plugin for LightingPlugin {
             .init_gpu_resource::<buffers::LightingBuffers>()
             .init_gpu_resource::<BlockerSampler>()
             .init_resource::<light_layers::LightLayers>()
+            .init_resource::<CompiledLighting>()
             .add_systems(
                 ExtractSchedule,
                 light_layers::extract_light_layers.in_set(EffectSystems::Lean),

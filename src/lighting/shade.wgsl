@@ -1,6 +1,7 @@
 // Shades a pixel: light of all kinds of sources and emission, seen through fog.
 #define_import_path bevy_lean_deferred::lighting::shade
 
+#import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::{Pixel, pbr_input_from_gbuffer}
 #import bevy_pbr::{
     clustered_forward::view_fragment_cluster_index,
@@ -158,16 +159,22 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         } else {
             let found = screen_space_light(pixel, pbr.diffuse_occlusion);
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
-            apply_ssao(&pbr, pixel.position);
+            if parts::has(parts::SCREEN_SPACE_AMBIENT_OCCLUSION) {
+                apply_ssao(&pbr, pixel.position);
+            }
 #endif
 #ifdef LEAN_AMBIENT_OCCLUSION
-            let visibility = apply_occlusion(&pbr, pixel.position, pixel.depth);
+            if parts::has(parts::AMBIENT_OCCLUSION) {
+                let visibility = apply_occlusion(&pbr, pixel.position, pixel.depth);
 #ifdef OCCLUSION_OF_DIRECT_LIGHT
-            direct_visibility = 1.0 - uniforms.occlusion_of_direct_light * (1.0 - visibility);
+                direct_visibility = 1.0 - uniforms.occlusion_of_direct_light * (1.0 - visibility);
 #endif
+            }
 #endif
 #ifdef INDIRECT_DIFFUSE
-            apply_visibility(&pbr, found.visibility, vec3(found.visibility));
+            if parts::has(parts::INDIRECT_DIFFUSE) {
+                apply_visibility(&pbr, found.visibility, vec3(found.visibility));
+            }
 #endif
             let view_z = (view.view_from_world * pbr.world_position).z;
             cluster = view_fragment_cluster_index(pbr.frag_coord.xy, view_z, pbr.is_orthographic);
@@ -207,10 +214,10 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
 #endif
 #ifdef DEBUG_VIEW
     if !is_shown_at(pixel.position) {
-        shaded.color = main_pass_post_lighting_processing(pbr, shaded.color);
+        shaded.color = behind_fog(pbr, shaded.color);
     }
 #else
-    shaded.color = main_pass_post_lighting_processing(pbr, shaded.color);
+    shaded.color = behind_fog(pbr, shaded.color);
 #endif
 #ifdef SHOWS_CHANNEL
     // Light is computed all the same: effects of the next frame read it.
@@ -219,6 +226,14 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     }
 #endif
     return shaded;
+}
+
+/// `color` as seen through fog.
+fn behind_fog(pbr: PbrInput, color: vec4<f32>) -> vec4<f32> {
+    if !parts::has(parts::DISTANCE_FOG) {
+        return color;
+    }
+    return main_pass_post_lighting_processing(pbr, color);
 }
 
 #ifdef SCATTERS_LIGHT
@@ -234,8 +249,8 @@ fn left_by_fog(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
     }
 #endif
 #ifdef DISTANCE_FOG
-    let of_fog = main_pass_post_lighting_processing(pbr, vec4(0.0, 0.0, 0.0, 1.0));
-    let of_both = main_pass_post_lighting_processing(pbr, vec4(1.0));
+    let of_fog = behind_fog(pbr, vec4(0.0, 0.0, 0.0, 1.0));
+    let of_both = behind_fog(pbr, vec4(1.0));
     return saturate(of_both.rgb - of_fog.rgb);
 #else
     return vec3(1.0);

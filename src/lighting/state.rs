@@ -10,7 +10,10 @@ use bevy::{
     },
 };
 
-use super::{features::LightingKey, light_layer_table::LightLayersTable, tile_list::TileList};
+use super::{
+    features::LightingKey, light_layer_table::LightLayersTable, parts::LightingParts,
+    tile_list::TileList,
+};
 use crate::gpu::bind_group_cache::CachedBindGroup;
 
 /// On a view: the state of its lighting pass. Removed with [`LeanDeferred`](crate::LeanDeferred).
@@ -19,6 +22,10 @@ use crate::gpu::bind_group_cache::CachedBindGroup;
 pub struct ViewLighting {
     /// Keys and pipelines of this frame, the one for plain surfaces first.
     pub(crate) pipelines: Vec<(LightingKey, CachedComputePipelineId)>,
+    /// Number of lean frames so far.
+    pub(crate) frames: u32,
+    /// The parts that the view needs.
+    pub(crate) parts: LightingParts,
     pub(super) tile_list: Option<TileList>,
     pub(super) light_layers: Option<StorageBuffer<LightLayersTable>>,
     pub(super) bindings: ViewLightingBindings,
@@ -33,14 +40,15 @@ impl ViewLighting {
         tiles + layers.map_or(0, |buffer| buffer.size())
     }
 
-    /// Recreates the tile list if its capacity differs, and drops it if `key` needs none.
+    /// Recreates the tile list if its capacity differs, and drops it if the dispatch over all tiles, with this `key`, fills
+    /// none.
     pub(super) fn update_tile_list(
         &mut self,
         device: &RenderDevice,
         key: LightingKey,
         capacity: u32,
     ) {
-        if key.binned.is_empty() {
+        if !key.lists {
             self.tile_list = None;
         } else if !(self.tile_list.as_ref()).is_some_and(|list| list.fits(capacity)) {
             self.tile_list = Some(TileList::new(device, capacity));
@@ -57,6 +65,12 @@ impl ViewLighting {
     /// Number of bound textures of light probes and decals.
     pub fn textures_in_arrays(&self) -> usize {
         self.bindings.textures_in_arrays()
+    }
+
+    /// True if general pipelines light the view.
+    pub fn is_general(&self) -> bool {
+        let first = self.pipelines.first();
+        first.is_some_and(|(key, _)| key.is_general)
     }
 }
 

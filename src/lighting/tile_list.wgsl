@@ -19,7 +19,7 @@ fn variant_of(word: u32) -> u32 {
 #ifdef LISTED_VARIANTS
 /// `x`, `y`, `z` of the indirect dispatch over the list; `z` is always 1.
 @group(3) @binding(0) var<storage, read_write> dispatch: array<atomic<u32>, 3>;
-/// Number of binned tiles, followed by their corners.
+/// Number of listed tiles, followed by their corners.
 @group(3) @binding(1) var<storage, read_write> list: array<atomic<u32>>;
 
 var<workgroup> has_special: atomic<u32>;

@@ -3,7 +3,7 @@
 //! An effect inserts these components on its views in the render world before
 //! [`LeanViewSystems`](super::LeanViewSystems), and removes them when it is done.
 //! [`ActiveLeanView`](super::ActiveLeanView) has those of this frame: while lighting compiles for others,
-//! it keeps the former ones.
+//! and no general pipeline lights the view with them, it keeps the former ones.
 
 use bevy::{
     prelude::*,

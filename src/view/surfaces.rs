@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bitflags::bitflags;
 
+use crate::shading_models::MODELS;
 pub use crate::shading_models::ShadingModel;
 
 bitflags! {
@@ -57,6 +58,27 @@ impl LightingVariants {
             self.difference(LightingVariant::scattering_ones()),
             Self::union,
         )
+    }
+
+    /// All kinds that lighting distinguishes.
+    pub(crate) fn of_lighting() -> Self {
+        let kinds = MODELS.iter().flat_map(|model| {
+            [false, true].map(|lightmapped| LightingVariant::new(model.model, lightmapped))
+        });
+        kinds.map(|kind| kind.unscattered().as_set()).collect()
+    }
+
+    /// The largest set for which lighting is compiled by the same definitions: one per model, and one for lightmaps.
+    pub(crate) fn by_definitions(self) -> Self {
+        let lightmapped = self.have_lightmaps().then_some(true);
+        let kinds = MODELS.iter().map(|model| model.model).flat_map(|model| {
+            let has_model = self.have(model) || model == ShadingModel::Plain;
+            let forms = core::iter::once(false).chain(lightmapped);
+            forms
+                .filter(move |_| has_model)
+                .map(move |lightmapped| LightingVariant::new(model, lightmapped).as_set())
+        });
+        kinds.collect()
     }
 
     /// True if surfaces of one of these kinds have `shading_model`.
@@ -135,6 +157,8 @@ impl LightingVariant {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use bevy::math::Vec3;
     use kit::{
         compute::Compute,
@@ -142,7 +166,7 @@ mod tests {
         shipped_wgsl,
     };
 
-    use super::LightingVariant;
+    use super::{LightingVariant, LightingVariants};
     use crate::shading_models::MODELS;
 
     const KERNEL: &str = "
@@ -150,6 +174,33 @@ mod tests {
 fn kernel(word: array<u32, 1>) -> array<u32, 1> {
     return array(variant_of(word[0]));
 }";
+
+    /// Four models and lightmaps: 31 sets, and the empty one.
+    #[test]
+    fn sets_with_the_same_definitions_are_one() {
+        let kinds: Vec<LightingVariants> = MODELS
+            .iter()
+            .flat_map(|model| {
+                [false, true].map(|lightmapped| LightingVariant::new(model.model, lightmapped))
+            })
+            .map(|kind| kind.unscattered().as_set())
+            .filter(|kind| !kind.is_empty())
+            .collect();
+        let sets: HashSet<LightingVariants> = (0..1u32 << kinds.len())
+            .map(|set| {
+                let chosen = kinds
+                    .iter()
+                    .enumerate()
+                    .filter(|(i, _)| (set >> i) & 1 != 0);
+                let chosen: LightingVariants = chosen.map(|(_, kind)| *kind).collect();
+                let widened = chosen.by_definitions();
+                assert!(widened.contains(chosen));
+                assert_eq!(widened.is_empty(), chosen.is_empty());
+                widened
+            })
+            .collect();
+        assert_eq!(sets.len(), 32);
+    }
 
     #[test]
     fn shaders_know_variants_by_the_same_numbers() {

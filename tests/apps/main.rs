@@ -15,6 +15,7 @@ mod lost_device;
 mod memory;
 mod minimised;
 mod no_forward;
+mod no_stutter;
 mod out_of_memory;
 mod panel;
 mod plugins;

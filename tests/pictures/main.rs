@@ -28,3 +28,4 @@ mod screen_space_light;
 mod shading_extension;
 mod shadow_bias;
 mod soft_shadows;
+mod supersets;

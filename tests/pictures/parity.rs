@@ -17,7 +17,7 @@ use kit::{
     skipped::{on_swiftshader, skips_without_binding_arrays},
 };
 
-const SIZE: UVec2 = UVec2::new(320, 240);
+pub const SIZE: UVec2 = UVec2::new(320, 240);
 
 fn scene_named(name: &str) -> &'static Scene {
     let mut scenes = scenes::ALL.into_iter().flatten();
@@ -58,7 +58,7 @@ fn app() -> Headless {
 }
 
 /// Compares all of `scenes`, or those whose name contains one of the comma-separated words of `PARITY_SCENE`.
-fn compare_all(mut headless: Headless, scenes: impl Iterator<Item = &'static Scene>) {
+pub fn compare_all(mut headless: Headless, scenes: impl Iterator<Item = &'static Scene>) {
     let only = std::env::var("PARITY_SCENE").unwrap_or_default();
     report(
         scenes

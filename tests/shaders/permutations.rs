@@ -168,12 +168,15 @@ fn check_permutations(
     }
 }
 
+/// Definitions that lighting always has.
+const LIGHTING_ALWAYS: [&str; 2] = ["DEPTH_PREPASS", "VIEW_PROJECTION_NONSTANDARD"];
+
 fn check_lighting(storage_buffers: u32) {
     check_permutations(
         include_str!("../../src/lighting/lighting.wgsl"),
         "src/lighting/lighting.wgsl",
         LIGHTING,
-        &["DEPTH_PREPASS"],
+        &LIGHTING_ALWAYS,
         &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", storage_buffers)],
     );
 }
@@ -346,24 +349,15 @@ fn bevys_definitions() -> HashSet<String> {
         clustered_decals_are_usable: true,
         ..world.resource::<MeshPipeline>().clone()
     };
-    let choices = Key::SHADOW_FILTER_METHOD_RESERVED_BITS
-        | Key::VIEW_PROJECTION_RESERVED_BITS
-        | Key::MSAA_RESERVED_BITS;
-    let flags = (VIEW_BITS - choices) | Key::DEPTH_PREPASS;
+    let flags = (VIEW_BITS - Key::SHADOW_FILTER_METHOD_RESERVED_BITS) | Key::DEPTH_PREPASS;
     let filters = [
         Key::SHADOW_FILTER_METHOD_HARDWARE_2X2,
         Key::SHADOW_FILTER_METHOD_GAUSSIAN,
         Key::SHADOW_FILTER_METHOD_TEMPORAL,
     ];
-    let projections = [
-        Key::VIEW_PROJECTION_NONSTANDARD,
-        Key::VIEW_PROJECTION_PERSPECTIVE,
-        Key::VIEW_PROJECTION_ORTHOGRAPHIC,
-    ];
     filters
         .into_iter()
-        .flat_map(|filter| projections.map(|projection| flags | filter | projection))
-        .flat_map(|key| of_mesh_pipeline(&pipeline, key))
+        .flat_map(|filter| of_mesh_pipeline(&pipeline, flags | filter))
         .map(|definition| name_of(&definition).to_string())
         .collect()
 }
@@ -385,7 +379,7 @@ fn bevys_bindings_that_are_left_out_are_not_read() {
 #[test]
 fn bevys_definitions_are_tried_and_not_restated() {
     let bevys = bevys_definitions();
-    let tried = tried(LIGHTING, &["DEPTH_PREPASS"]);
+    let tried = tried(LIGHTING, &LIGHTING_ALWAYS);
     for name in &bevys {
         let is_of_meshes = OF_MESHES.contains(&name.as_str());
         assert_ne!(is_of_meshes, tried.contains(name.as_str()), "{name}");
@@ -399,7 +393,7 @@ fn bevys_definitions_are_tried_and_not_restated() {
 
 #[test]
 fn every_definition_of_the_lighting_shader_is_tried() {
-    let tried = tried(LIGHTING, &["DEPTH_PREPASS"]);
+    let tried = tried(LIGHTING, &LIGHTING_ALWAYS);
     let definitions = include_str!("../../src/lighting/definitions.rs");
     assert_all_tried("definitions.rs", definitions, &tried);
     let implied = include_str!("../../src/lighting/implied.rs");

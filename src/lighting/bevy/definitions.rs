@@ -15,17 +15,27 @@ use bevy::{
 use super::binding_numbers::{arrays, view};
 
 /// The bits of Bevy's view key for which the lighting shader is specialized. The others concern the rasterization of
-/// meshes or passes after lighting. `TEMPORAL_JITTER` is left out because only transmission and SSAO read it; with it,
-/// a camera that gets TAA would fall back to forward until lighting is compiled again.
-pub const VIEW_BITS: MeshPipelineKey = MeshPipelineKey::ENVIRONMENT_MAP
-    .union(MeshPipelineKey::IRRADIANCE_VOLUME)
-    .union(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION)
-    .union(MeshPipelineKey::CONTACT_SHADOWS)
-    .union(MeshPipelineKey::DISTANCE_FOG)
-    .union(MeshPipelineKey::ATMOSPHERE)
-    .union(MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS)
-    .union(MeshPipelineKey::VIEW_PROJECTION_RESERVED_BITS)
-    .union(MeshPipelineKey::MSAA_RESERVED_BITS);
+/// meshes or passes after lighting, or functions that lighting does not call: `TEMPORAL_JITTER` is read by transmission
+/// and SSAO alone, `VIEW_PROJECTION_*` by conversions between depth and view-space z.
+pub const VIEW_BITS: MeshPipelineKey = {
+    let mut bits = MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS;
+    let mut i = 0;
+    while i < VIEW_FLAGS.len() {
+        bits = bits.union(VIEW_FLAGS[i]);
+        i += 1;
+    }
+    bits
+};
+
+/// The flags among [`VIEW_BITS`].
+pub const VIEW_FLAGS: [MeshPipelineKey; 6] = [
+    MeshPipelineKey::ENVIRONMENT_MAP,
+    MeshPipelineKey::IRRADIANCE_VOLUME,
+    MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION,
+    MeshPipelineKey::CONTACT_SHADOWS,
+    MeshPipelineKey::DISTANCE_FOG,
+    MeshPipelineKey::ATMOSPHERE,
+];
 
 /// Definitions for meshes and their materials, which lighting does not read.
 pub const OF_MESHES: [&str; 10] = [

@@ -12,15 +12,57 @@ use bevy::{
 use super::binding_numbers::{arrays, view};
 use crate::{
     gpu::bind_group_cache::Entries,
-    lighting::inputs::{LightingResources, LitViewItem},
+    lighting::{
+        inputs::{LightingResources, LitViewItem},
+        parts::LightingParts,
+        placeholders::Placeholders,
+    },
 };
+
+/// The part for which a view needs the resource at `binding` of bind group 0, if not all views do.
+fn part_of(binding: u32) -> Option<LightingParts> {
+    Some(match binding {
+        view::FOG => LightingParts::DISTANCE_FOG,
+        view::CONTACT_SHADOWS_SETTINGS => LightingParts::CONTACT_SHADOWS,
+        view::SCREEN_SPACE_AMBIENT_OCCLUSION_TEXTURE => {
+            LightingParts::SCREEN_SPACE_AMBIENT_OCCLUSION
+        }
+        view::ATMOSPHERE_TRANSMITTANCE_TEXTURE
+        | view::ATMOSPHERE_TRANSMITTANCE_SAMPLER
+        | view::ATMOSPHERE => LightingParts::ATMOSPHERE,
+        _ => return None,
+    })
+}
+
+/// Returns what stands in for the resource of a part at `binding` of bind group 0, with its dynamic offset. Bevy's own
+/// resource may be that of a former frame: it keeps the offsets of a view whose fog or contact shadows were removed.
+fn placeholder<'a>(
+    binding: u32,
+    resources: &'a LightingResources,
+    placeholders: &'a Placeholders,
+) -> (BindingResource<'a>, Option<u32>) {
+    let fallback = &resources.fallback.d2;
+    let zeros = &placeholders.zeros;
+    match binding {
+        view::ATMOSPHERE_TRANSMITTANCE_TEXTURE | view::SCREEN_SPACE_AMBIENT_OCCLUSION_TEXTURE => {
+            (fallback.texture_view.into_binding(), None)
+        }
+        view::ATMOSPHERE_TRANSMITTANCE_SAMPLER => (fallback.sampler.into_binding(), None),
+        view::ATMOSPHERE => (zeros.as_entire_binding(), None),
+        _ => (zeros.as_entire_binding(), Some(0)),
+    }
+}
 
 /// Returns the resource at `binding` of bind group 0, and its dynamic offset if it has one.
 pub(in crate::lighting) fn view_entry<'a>(
     binding: u32,
     lit: &'a LitViewItem,
     resources: &'a LightingResources,
+    placeholders: Option<&'a Placeholders>,
 ) -> Option<(BindingResource<'a>, Option<u32>)> {
+    if part_of(binding).is_some_and(|part| !lit.needs(part)) {
+        return Some(placeholder(binding, resources, placeholders?));
+    }
     let images = &resources.images;
     let fallback = &resources.fallback;
     let atmosphere = resources.buffers.atmosphere.as_ref();

@@ -3,6 +3,7 @@
 
 #import bevy_lean_deferred::lighting::lights::brdf::{LightAccumulator, accumulate, response}
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
+#import bevy_lean_deferred::lighting::parts
 #import bevy_pbr::mesh_view_bindings as view_bindings
 #import bevy_pbr::mesh_view_types
 
@@ -59,13 +60,15 @@ fn color_at(id: u32, position: vec3<f32>) -> vec3<f32> {
     }
 #endif
 #ifdef ATMOSPHERE
-    let atmosphere = view_bindings::atmosphere;
-    let place = clamp_to_surface(atmosphere, (atmosphere.world_to_atmosphere * vec4(position, 1.0)).xyz);
-    let r = length(place);
-    // Clamp: Bevy's functions take roots of 1 - mu.
-    let mu = clamp(dot((*light).direction_to_light, normalize(place)), -1.0, 1.0);
-    color *= sample_transmittance_lut(r, mu)
-        * calculate_visible_sun_ratio(atmosphere, r, mu, (*light).sun_disk_angular_size);
+    if parts::has(parts::ATMOSPHERE) {
+        let atmosphere = view_bindings::atmosphere;
+        let place = clamp_to_surface(atmosphere, (atmosphere.world_to_atmosphere * vec4(position, 1.0)).xyz);
+        let r = length(place);
+        // Clamp: Bevy's functions take roots of 1 - mu.
+        let mu = clamp(dot((*light).direction_to_light, normalize(place)), -1.0, 1.0);
+        color *= sample_transmittance_lut(r, mu)
+            * calculate_visible_sun_ratio(atmosphere, r, mu, (*light).sun_disk_angular_size);
+    }
 #endif
     return color;
 }

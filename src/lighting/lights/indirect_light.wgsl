@@ -6,6 +6,7 @@
 #import bevy_lean_deferred::lighting::lights::screen_space_light::ScreenSpaceLight
 #import bevy_lean_deferred::lighting::lights::lit::Lit
 #import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
+#import bevy_lean_deferred::lighting::parts
 #import bevy_pbr::{
     clustered_forward::{ClusterableObjectIndexRanges, unpack_clusterable_object_index_ranges},
     lighting::{EnvBRDFApprox, F_AB},
@@ -51,14 +52,16 @@ fn add_indirect_light(
 #endif
     var ranges = unpack_clusterable_object_index_ranges(cluster);
 #ifdef IRRADIANCE_VOLUME
-    if !found_diffuse {
+    if !found_diffuse && parts::has(parts::IRRADIANCE_VOLUME) {
         let irradiance = irradiance_volume_light((*point).position, (*point).N, &ranges);
         (*lit).diffuse += irradiance * (*point).diffuse_color * pbr.diffuse_occlusion;
         found_diffuse = true;
     }
 #endif
 #ifdef ENVIRONMENT_MAP
-    add_environment(point, pbr, &ranges, found_diffuse, found.confidence, lit);
+    if parts::has(parts::ENVIRONMENT_MAP) {
+        add_environment(point, pbr, &ranges, found_diffuse, found.confidence, lit);
+    }
 #endif
     // The same for all pixels: most scenes with an environment map have no ambient light.
     if any(lights.ambient_color.rgb != vec3(0.0)) {
@@ -70,7 +73,9 @@ fn add_indirect_light(
 #endif
     }
 #ifdef INDIRECT_LIGHT
-    add_screen_space_light(point, pbr.specular_occlusion, found, is_lightmapped, lit);
+    if parts::has(parts::INDIRECT_SPECULAR | parts::INDIRECT_DIFFUSE) {
+        add_screen_space_light(point, pbr.specular_occlusion, found, is_lightmapped, lit);
+    }
 #endif
 }
 
@@ -78,10 +83,11 @@ fn add_indirect_light(
 /// the surface, the more its own rays decide visibility.
 fn mirrorable(visible: vec3<f32>, perceptual_roughness: f32) -> vec3<f32> {
 #ifdef INDIRECT_SPECULAR
-    return mix(vec3(1.0), visible, perceptual_roughness);
-#else
-    return visible;
+    if parts::has(parts::INDIRECT_SPECULAR) {
+        return mix(vec3(1.0), visible, perceptual_roughness);
+    }
 #endif
+    return visible;
 }
 
 /// `mirrorable`, beside a reflection with `confidence`: that reflection counts as the first occluder of the environment.
@@ -97,11 +103,12 @@ fn add_ambient_light(
     lit: ptr<function, Lit>,
 ) {
     let occlusion = pbr.diffuse_occlusion;
+    var visible = occlusion;
 #ifdef INDIRECT_DIFFUSE
-    // As for environment maps: the light of its occluders is in `ScreenSpaceLight`.
-    let visible = vec3(pbr.specular_occlusion);
-#else
-    let visible = occlusion;
+    if parts::has(parts::INDIRECT_DIFFUSE) {
+        // As for environment maps: the light of its occluders is in `ScreenSpaceLight`.
+        visible = vec3(pbr.specular_occlusion);
+    }
 #endif
     let color = lights.ambient_color.rgb;
     let diffuse = EnvBRDFApprox((*point).diffuse_color, F_AB(1.0, (*point).NdotV));

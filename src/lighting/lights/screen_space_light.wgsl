@@ -4,6 +4,7 @@
 #import bevy_lean_deferred::gbuffer::layout::is_nan
 #import bevy_lean_deferred::gbuffer::layout::light::LARGEST_HALF
 #import bevy_lean_deferred::lighting::bindings::uniforms
+#import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_pbr::mesh_view_bindings::view
 
@@ -39,14 +40,18 @@ fn screen_space_light(pixel: Pixel, material_visibility: vec3<f32>) -> ScreenSpa
     let place = pixel.position - vec2<i32>(uniforms.viewport_origin);
 #endif
 #ifdef INDIRECT_SPECULAR
-    let specular = finite(textureLoad(indirect_specular_texture, inside(place, indirect_specular_texture), 0));
-    found.radiance = specular.rgb / view.exposure;
-    found.confidence = saturate(specular.a);
+    if parts::has(parts::INDIRECT_SPECULAR) {
+        let specular = finite(textureLoad(indirect_specular_texture, inside(place, indirect_specular_texture), 0));
+        found.radiance = specular.rgb / view.exposure;
+        found.confidence = saturate(specular.a);
+    }
 #endif
 #ifdef INDIRECT_DIFFUSE
-    let diffuse = indirect_diffuse(place, pixel.depth);
-    found.irradiance = diffuse.rgb / view.exposure;
-    found.visibility = 1.0 - saturate(diffuse.a);
+    if parts::has(parts::INDIRECT_DIFFUSE) {
+        let diffuse = indirect_diffuse(place, pixel.depth);
+        found.irradiance = diffuse.rgb / view.exposure;
+        found.visibility = 1.0 - saturate(diffuse.a);
+    }
 #endif
     return found;
 }

@@ -11,6 +11,7 @@
 
 #ifdef GEOMETRIC_NORMAL
 #import bevy_lean_deferred::gbuffer::layout::unpack_has_mesh_normal
+#import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::shadow_normal
 #endif
 
@@ -163,8 +164,11 @@ fn transmits(point: ptr<function, ShadingPoint>) -> bool {
 #endif
 
 #ifdef GEOMETRIC_NORMAL
-/// Evaluated lazily: in many pixels no light with shadows reaches the surface.
+/// Evaluated lazily: in many pixels no light with shadows reaches the surface. The shading normal where nothing casts shadows.
 fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
+    if !parts::has(parts::SHADOW_MAPS) {
+        return (*point).N;
+    }
     if !(*point).knows_geometric_normal {
         (*point).geometric_normal = shadow_normal((*point).pixel, (*point).depth, (*point).N);
         (*point).knows_geometric_normal = true;

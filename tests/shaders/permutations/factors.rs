@@ -42,7 +42,6 @@ pub const LIGHTING: &[Factor] = &[
         &["SHADOW_FILTER_METHOD_GAUSSIAN"],
         &["SHADOW_FILTER_METHOD_TEMPORAL"],
     ],
-    PROJECTIONS,
     optional!("BLUE_NOISE_TEXTURE"),
     optional!("DFG_LUT"),
     optional!("AREA_LIGHT_LUTS"),
@@ -103,6 +102,7 @@ pub const LIGHTING: &[Factor] = &[
     ],
     DEBUG_VIEWS,
     SPECIAL_SURFACES,
+    optional!("SUPERSET"),
 ];
 
 /// Debug views that lighting draws.

@@ -9,7 +9,7 @@ use bevy::{
 use bevy_lean_deferred::{
     effects::{auto_exposure::key, reflections},
     gbuffer::{GBufferTargets, ShadingModel},
-    lighting::subsurface_light,
+    lighting::{parts::LightingParts, subsurface_light},
     shader_library::tiles,
     shading_models::MODELS,
 };
@@ -109,7 +109,11 @@ fn numbers_of_rust() -> BTreeMap<Place, Vec<f64>> {
         let place = (file, format!("{name}_VALID"));
         (place, u32::from(target.bits()).numbers())
     });
-    models.into_iter().chain(targets).collect()
+    let parts = LightingParts::all().iter_names().map(|(name, part)| {
+        let place = ("lighting/parts.wgsl".to_string(), name.to_string());
+        (place, part.bits().numbers())
+    });
+    models.into_iter().chain(targets).chain(parts).collect()
 }
 
 fn literals(module: &Module, expression: Handle<Expression>, numbers: &mut Vec<f64>) {
@@ -200,6 +204,16 @@ fn constants_have_one_value() {
         left_out.is_empty(),
         "Rust beside these has constants of the same names: {left_out:#?}"
     );
+}
+
+/// General lighting pipelines skip each part somewhere.
+#[test]
+fn parts_of_lighting_are_read() {
+    let files = shipped::wgsl();
+    for (name, _) in LightingParts::all().iter_names() {
+        let read = format!("parts::{name}");
+        assert!(files.values().any(|text| text.contains(&read)), "{name}");
+    }
 }
 
 /// Special shading models have a file each, and the colours of the table in the debug view.

@@ -116,7 +116,7 @@ pub fn lighting(more: &[&str]) -> Composed {
         "CLUSTERED_DECALS_ARE_USABLE",
         "LIGHT_TEXTURES",
         "VERTEX_TANGENTS",
-        "VIEW_PROJECTION_PERSPECTIVE",
+        "VIEW_PROJECTION_NONSTANDARD",
         "GEOMETRIC_NORMAL",
         "APPLIES_VISIBILITY",
     ];

@@ -1,0 +1,280 @@
+//! Views that pipelines light beside those that they fit.
+
+use bevy::pbr::MeshPipelineKey;
+
+use super::{
+    bevy::definitions::VIEW_FLAGS,
+    features::{ClusteredLights, LightingKey, ShadowMaps},
+};
+use crate::{
+    shader_library::reconstruction::position::ProjectionKind,
+    view::{GBufferTargets, LightCulling, LightingIo, LightingVariants},
+};
+
+/// How shadow maps are filtered: a setting of the camera by which general pipelines are compiled.
+pub(super) const SHADOW_FILTER: MeshPipelineKey =
+    MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS;
+
+/// How ambient occlusion is filtered and applied: another one.
+pub(super) const OCCLUSION: LightingIo = LightingIo::AMBIENT_OCCLUSION
+    .union(LightingIo::OCCLUSION_FILTER)
+    .union(LightingIo::OCCLUSION_MULTIBOUNCE)
+    .union(LightingIo::OCCLUSION_OF_DIRECT_LIGHT);
+
+/// Light that effects exchange with lighting. The light that scatters is [`LightingKey::scatters`].
+pub(super) const EXCHANGED_LIGHT: LightingIo =
+    LightingIo::DIFFUSE_LIGHT.union(LightingIo::INDIRECT);
+
+impl LightingKey {
+    /// The key of general pipelines with all parts.
+    pub(super) fn with_all_parts() -> Self {
+        Self {
+            view: VIEW_FLAGS.into_iter().collect(),
+            clustered_lights: ClusteredLights::all(),
+            shadow_maps: ShadowMaps::all(),
+            // For lighting, shaders for any projection are those for all.
+            projection: ProjectionKind::Other,
+            light_culling: LightCulling::PerPixel,
+            rect_lights: true,
+            decals: true,
+            debug_view: None,
+            io: EXCHANGED_LIGHT | LightingIo::AMBIENT_OCCLUSION,
+            scatters: true,
+            light_layers: true,
+            targets: GBufferTargets::LIT,
+            is_general: true,
+            lists: false,
+            shaded: LightingVariants::of_lighting(),
+        }
+    }
+
+    /// True if pipelines that fit a view with this key light one with the key `need` alike: what that has less of are lights,
+    /// decals, and words of optional targets, which come to nothing by themselves.
+    pub(crate) fn includes(self, need: Self) -> bool {
+        let has_shadows = |key: Self| key.shadow_maps.intersects(ShadowMaps::OF_ANY_LIGHT);
+        let reduced = Self {
+            clustered_lights: need.clustered_lights,
+            shadow_maps: need.shadow_maps,
+            light_culling: need.light_culling,
+            rect_lights: need.rect_lights,
+            decals: need.decals,
+            targets: need.targets,
+            shaded: need.shaded,
+            ..self
+        };
+        reduced == need
+            && has_shadows(self) == has_shadows(need)
+            && self.clustered_lights.contains(need.clustered_lights)
+            && self.shadow_maps.contains(need.shadow_maps)
+            && (self.rect_lights || !need.rect_lights)
+            && (self.decals || !need.decals)
+            && self.targets.contains(need.targets)
+            && self.shaded.contains(need.shaded)
+    }
+
+    /// This general key for a camera with the settings in `need`.
+    pub(super) fn with_settings_of(self, need: Self) -> Self {
+        let occlusion = if self.io.contains(LightingIo::AMBIENT_OCCLUSION) {
+            need.io & OCCLUSION
+        } else {
+            LightingIo::empty()
+        };
+        Self {
+            view: self.view | (need.view & SHADOW_FILTER),
+            io: (self.io - OCCLUSION) | occlusion,
+            ..self
+        }
+    }
+
+    /// This general key for the dispatches of a view with the key `need`.
+    pub(super) fn with_dispatches_of(self, need: Self) -> Self {
+        let has_special = !need.shaded.is_empty();
+        Self {
+            shaded: if has_special {
+                self.shaded
+            } else {
+                LightingVariants::empty()
+            },
+            ..self
+        }
+    }
+
+    /// True if general pipelines with this key light a view with the key `need`.
+    pub(super) fn covers(self, need: Self) -> bool {
+        let has_shadows = need.shadow_maps.intersects(ShadowMaps::OF_ANY_LIGHT);
+        let has_occlusion = need.io.contains(LightingIo::AMBIENT_OCCLUSION);
+        let filter = |key: Self| key.view & SHADOW_FILTER;
+        let parts = [
+            (self.rect_lights, need.rect_lights),
+            (self.decals, need.decals),
+            (self.scatters, need.scatters),
+            (self.light_layers, need.light_layers),
+        ];
+        need.debug_view.is_none()
+            && self.view.contains(need.view - SHADOW_FILTER)
+            && (!has_shadows || filter(self) == filter(need))
+            && self.clustered_lights.contains(need.clustered_lights)
+            && self.shadow_maps.contains(need.shadow_maps)
+            && self.io.contains(need.io & EXCHANGED_LIGHT)
+            && (!has_occlusion || self.io & OCCLUSION == need.io & OCCLUSION)
+            && self.targets.contains(need.targets)
+            && self.shaded.contains(need.shaded)
+            && parts.into_iter().all(|(has, needs)| has || !needs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::DebugView;
+
+    fn room() -> LightingKey {
+        LightingKey::with_all_parts()
+    }
+
+    /// A view with a sun and its shadows.
+    fn sun() -> LightingKey {
+        LightingKey {
+            view: MeshPipelineKey::SHADOW_FILTER_METHOD_GAUSSIAN,
+            clustered_lights: ClusteredLights::empty(),
+            shadow_maps: ShadowMaps::DIRECTIONAL,
+            projection: ProjectionKind::Perspective,
+            rect_lights: false,
+            decals: false,
+            io: LightingIo::empty(),
+            scatters: false,
+            light_layers: false,
+            targets: GBufferTargets::empty(),
+            is_general: false,
+            shaded: LightingVariants::empty(),
+            ..room()
+        }
+    }
+
+    #[test]
+    fn general_pipelines_light_views_that_need_less() {
+        let needs = [
+            sun(),
+            LightingKey {
+                view: sun().view | MeshPipelineKey::DISTANCE_FOG,
+                clustered_lights: ClusteredLights::all(),
+                shadow_maps: ShadowMaps::all(),
+                projection: ProjectionKind::Orthographic,
+                light_culling: LightCulling::SharedMemory,
+                rect_lights: true,
+                scatters: true,
+                shaded: LightingVariants::of_lighting(),
+                ..sun()
+            },
+            LightingKey {
+                io: OCCLUSION | LightingIo::INDIRECT_SPECULAR,
+                ..sun()
+            },
+        ];
+        for need in needs {
+            assert!(room().with_settings_of(need).covers(need), "{need:?}");
+        }
+        let without_decals = LightingKey {
+            decals: false,
+            ..room()
+        };
+        let decals = LightingKey {
+            decals: true,
+            ..sun()
+        };
+        assert!(!without_decals.with_settings_of(decals).covers(decals));
+    }
+
+    #[test]
+    fn settings_of_cameras_are_not_mixed_up() {
+        let general = room().with_settings_of(sun());
+        let other_filter = LightingKey {
+            view: MeshPipelineKey::SHADOW_FILTER_METHOD_TEMPORAL,
+            ..sun()
+        };
+        assert!(!general.covers(other_filter));
+        let without_shadows = LightingKey {
+            shadow_maps: ShadowMaps::empty(),
+            ..other_filter
+        };
+        assert!(general.covers(without_shadows));
+
+        let occluded = |filter| LightingKey {
+            io: LightingIo::AMBIENT_OCCLUSION | filter,
+            ..sun()
+        };
+        let half = occluded(LightingIo::OCCLUSION_HALF);
+        assert!(!general.covers(half));
+        let general = room().with_settings_of(half);
+        assert!(general.covers(half));
+        assert!(!general.covers(occluded(LightingIo::OCCLUSION_WIDE)));
+        // Occlusion that is gone needs no other pipeline.
+        assert!(general.covers(sun()));
+
+        let shown = LightingKey {
+            debug_view: Some(DebugView::Normal),
+            ..sun()
+        };
+        assert!(!general.covers(shown));
+    }
+
+    #[test]
+    fn pipelines_go_on_for_views_that_lost_lights_or_surfaces() {
+        let more = LightingKey {
+            clustered_lights: ClusteredLights::all(),
+            shadow_maps: ShadowMaps::DIRECTIONAL | ShadowMaps::SPOT,
+            light_culling: LightCulling::SharedMemory,
+            rect_lights: true,
+            decals: true,
+            targets: GBufferTargets::EMISSIVE,
+            shaded: LightingVariants::of_lighting(),
+            ..sun()
+        };
+        assert!(more.includes(sun()));
+        assert!(!sun().includes(more));
+        assert_eq!(LightingKey::of_view(more.dispatches()), Some(more));
+        let others = [
+            // The bias of shadows takes another normal.
+            LightingKey {
+                shadow_maps: ShadowMaps::empty(),
+                ..sun()
+            },
+            // Without their own bits, these parts would remain.
+            LightingKey {
+                view: sun().view | MeshPipelineKey::DISTANCE_FOG,
+                ..sun()
+            },
+            LightingKey {
+                io: LightingIo::INDIRECT_DIFFUSE,
+                ..sun()
+            },
+            LightingKey {
+                light_layers: true,
+                ..sun()
+            },
+        ];
+        for other in others {
+            assert!(!more.includes(other), "{other:?}");
+            assert!(
+                !LightingKey {
+                    decals: true,
+                    ..other
+                }
+                .includes(sun())
+            );
+        }
+    }
+
+    #[test]
+    fn views_without_special_surfaces_have_one_dispatch() {
+        let special = LightingKey {
+            shaded: LightingVariants::of_lighting(),
+            ..sun()
+        };
+        let general = room();
+        let all: Vec<LightingKey> = general.dispatches().collect();
+        let of = |need| general.with_dispatches_of(need).dispatches();
+        assert!(of(sun()).eq(all[..1].iter().copied()));
+        assert!(of(special).eq(all));
+    }
+}
