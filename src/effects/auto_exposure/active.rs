@@ -26,7 +26,7 @@ use crate::{
 #[derive(Component, Clone, PartialEq)]
 pub struct ActiveExposure {
     pub(super) key: ExposureKey,
-    /// `Some` if the key has a mask.
+    /// `None` until it is loaded.
     pub(super) mask: Option<Handle<Image>>,
 }
 

@@ -170,13 +170,13 @@ pub(super) fn prepare_exposure_bind_groups(
         let [meter, adapt] = pipelines.of(active.key) else {
             continue;
         };
-        let mask = active.mask.as_ref().map(|mask| masks.bound(mask));
+        let mask = masks.bound(active.mask.as_ref());
         let resource = |binding: u32| {
             Some(match binding {
                 VIEW => uniforms.clone(),
                 PARTIALS => view.sums.as_entire_binding(),
-                MASK => mask?.texture_view.into_binding(),
-                MASK_SAMPLER => mask?.sampler.into_binding(),
+                MASK => mask.texture_view.into_binding(),
+                MASK_SAMPLER => mask.sampler.into_binding(),
                 STATE => history.state.as_entire_binding(),
                 BEVY_VIEW => view_uniforms.clone(),
                 _ => return None,
