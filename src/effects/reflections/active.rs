@@ -14,8 +14,8 @@ use crate::{
     gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
     view::{
-        ActiveLeanView, DebugView, Effect, EffectStatuses, GBufferTargets, IndirectSpecular,
-        LeanDebugView, LeanDeferred, LeanSupport,
+        ActiveLeanView, DebugView, Effect, EffectStatuses, IndirectSpecular, LeanDebugView,
+        LeanDeferred, LeanSupport,
     },
 };
 
@@ -24,6 +24,8 @@ use crate::{
 pub struct ActiveReflections {
     pub(super) settings: LeanScreenSpaceReflections,
     pub(super) key: ReflectionKey,
+    /// The debug view shows the hits of rays.
+    pub(super) shows_hits: bool,
 }
 
 /// Inserts or removes [`ActiveReflections`] and its requests to other passes. While pipelines for new settings compile, a view keeps
@@ -40,7 +42,7 @@ pub(super) fn decide_active_reflections(
             &LeanScreenSpaceReflections,
             (Option<&LeanDeferred>, Option<&LeanDebugView>),
             Option<&MainPassResolutionOverride>,
-            (Option<&ActiveLeanView>, Option<&ActiveReflections>),
+            (Has<ActiveLeanView>, Option<&ActiveReflections>),
         ),
         With<ExtractedCamera>,
     >,
@@ -52,24 +54,24 @@ pub(super) fn decide_active_reflections(
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, view, settings, (lean, debug_view), resolution, (last, current)) in &views {
+    for (entity, view, settings, (lean, debug_view), resolution, (was_lean, current)) in &views {
         let camera = view.retained_view_entity.main_entity;
         let mut status = statuses.of(camera, Effect::Reflections);
         let can_run =
             !status.is_off_without(lean) && !status.is_off_by_device(&support.screen_space);
         let rows = drawn_part(view, resolution).height();
         let key = ReflectionKey {
-            marches: settings.marches(rows),
             divisor: settings.texel_side(rows),
-            // From the last frame: if the target is new, coats reflect one frame late.
-            specialization: last
-                .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
             projection: projection_of(view.clip_from_view),
-            shown: debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit),
         };
+        let shows_hits = debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit);
         let active = can_run.then(|| {
             let settings = *settings;
-            let wanted = ActiveReflections { settings, key };
+            let wanted = ActiveReflections {
+                settings,
+                key,
+                shows_hits,
+            };
             let current = current.copied();
             let active = pipelines.keep_until_compiled(&cache, wanted, current, |kept| kept.key);
             status.set_running(active.is_some(), pipelines.failure(&watch, key));
@@ -79,7 +81,7 @@ pub(super) fn decide_active_reflections(
             Some(active) => {
                 let mut view = commands.entity(entity);
                 view.insert(active);
-                if last.is_some() {
+                if was_lean {
                     view.insert(ReadsHistory);
                     view.insert_if_new(IndirectSpecular::default());
                 } else {

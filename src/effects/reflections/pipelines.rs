@@ -98,12 +98,12 @@ pub(super) fn init_reflection_pipelines(mut commands: Commands, asset_server: Re
     commands.insert_resource(ReflectionPipelines::new(
         &asset_server,
         &PASSES,
-        binding_kind,
+        |_, binding| binding_kind(binding),
     ));
 }
 
-/// The kind of a binding; `None` for those of special surfaces if the view has none.
-fn binding_kind(key: ReflectionKey, binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
+/// The kind of a binding.
+fn binding_kind(binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
     let words = texture_2d(TextureSampleType::Uint);
     let floats = |filterable| texture_2d(TextureSampleType::Float { filterable });
     let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
@@ -111,7 +111,6 @@ fn binding_kind(key: ReflectionKey, binding: u32) -> Option<BindGroupLayoutEntry
         VIEW => uniform_buffer::<ReflectionUniform>(true),
         DEPTH_TEXTURE => texture_depth_2d(),
         DEPTH_SAMPLER => sampler(SamplerBindingType::NonFiltering),
-        VALID_MASK_TEXTURE | SPECIALIZATION_TEXTURE if !key.specialization => return None,
         NORMAL_TEXTURE | VALID_MASK_TEXTURE | SPECIALIZATION_TEXTURE => words,
         MOTION_TEXTURE => floats(false),
         HISTORY_TEXTURE => floats(true),

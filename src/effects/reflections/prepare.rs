@@ -189,6 +189,8 @@ pub(super) fn prepare_reflections(
             ReflectionUniform::new(&active.settings, active.key.divisor, &now, history.last());
         uniform.history_size = history.size().as_vec2();
         uniform.turn = FrameAveraging::turn(averaging, &frame);
+        uniform.has_specialization = lean.targets.contains(GBufferTargets::SPECIALIZATION).into();
+        uniform.shows_hits = active.shows_hits.into();
         let mut made = None;
         let reflections = match reflections {
             Some(reflections) if reflections.is_for(&uniform) => reflections.into_inner(),
@@ -208,7 +210,7 @@ pub(super) fn prepare_reflections(
         reflections.has_motion = has_motion;
         reflections.offset = writer.write(&uniform);
         found.0 = Some(reflections.output.view.clone());
-        if active.key.shown {
+        if active.shows_hits {
             let hits = RayHits(reflections.hits.view.clone());
             commands.entity(entity).insert(hits);
         } else if has_hits {
