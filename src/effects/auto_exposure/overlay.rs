@@ -7,8 +7,7 @@ use bevy::{
     render::{
         render_resource::{
             BindGroupLayoutDescriptor, BlendState, IntoBinding, PipelineCache, ShaderStages,
-            ShaderType,
-            binding_types::storage_buffer_read_only_sized,
+            ShaderType, binding_types::storage_buffer_read_only_sized,
         },
         renderer::RenderDevice,
         view::ExtractedView,

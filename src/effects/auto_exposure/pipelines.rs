@@ -27,6 +27,16 @@ pub(super) const PASSES: [ComputePass; 2] = [
         shader: |assets| load_embedded_asset!(assets, "meter.wgsl"),
         entry: "meter",
         defs: &[],
+        key_defs: &[
+            "LOG_AVERAGE",
+            "LOG_OF_PRODUCTS",
+            "WEIGHTED",
+            "CENTER_WEIGHTED",
+            "SPOT",
+            "MASK",
+            "HISTOGRAM",
+            "SUBGROUPS",
+        ],
         reads: &[VIEW, PICTURE, MASK, MASK_SAMPLER],
         writes: &[PARTIALS],
     },
@@ -35,6 +45,7 @@ pub(super) const PASSES: [ComputePass; 2] = [
         shader: |assets| load_embedded_asset!(assets, "adapt.wgsl"),
         entry: "sum_and_adapt",
         defs: &[],
+        key_defs: &["LOG_AVERAGE", "HISTOGRAM", "SUBGROUPS"],
         reads: &[VIEW, PARTIALS],
         writes: &[STATE, BEVY_VIEW],
     },
@@ -43,11 +54,7 @@ pub(super) const PASSES: [ComputePass; 2] = [
 pub(super) type ExposurePipelines = EffectPipelines<ExposureKey>;
 
 pub(super) fn init_exposure_pipelines(mut commands: Commands, asset_server: Res<AssetServer>) {
-    commands.insert_resource(ExposurePipelines::new(
-        &asset_server,
-        &PASSES,
-        |_, binding| binding_kind(binding),
-    ));
+    commands.insert_resource(ExposurePipelines::new(&asset_server, &PASSES, binding_kind));
 }
 
 /// The kind of a binding of the passes.

@@ -167,7 +167,7 @@ pub(super) fn prepare_exposure_bind_groups(
             Some(bindings) => bindings.into_inner(),
             None => new.insert(ExposureBindings::default()),
         };
-        let [meter, adapt] = pipelines.of(active.key) else {
+        let [meter, adapt] = pipelines.layouts() else {
             continue;
         };
         let mask = masks.bound(active.mask.as_ref());
@@ -182,16 +182,11 @@ pub(super) fn prepare_exposure_bind_groups(
                 _ => return None,
             })
         };
-        (bindings.meter).bind(
-            &device,
-            &meter.layout,
-            target,
-            |binding, picture| match binding {
-                PICTURE => Some(picture.into_binding()),
-                _ => resource(binding),
-            },
-        );
-        bindings.adapt.bind(&device, &adapt.layout, resource);
+        (bindings.meter).bind(&device, meter, target, |binding, picture| match binding {
+            PICTURE => Some(picture.into_binding()),
+            _ => resource(binding),
+        });
+        bindings.adapt.bind(&device, adapt, resource);
         if let Some(new) = new {
             commands.entity(entity).insert(new);
         }

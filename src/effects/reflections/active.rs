@@ -28,8 +28,8 @@ pub struct ActiveReflections {
     pub(super) shows_hits: bool,
 }
 
-/// Inserts or removes [`ActiveReflections`] and its requests to other passes. While pipelines for new settings compile, a view keeps
-/// its current ones. Cameras that are switched off lose it, which frees their GPU resources.
+/// Inserts or removes [`ActiveReflections`] and its requests to other passes. While pipelines for new settings compile, others
+/// stand in. Cameras that are switched off lose it, which frees their GPU resources.
 pub(super) fn decide_active_reflections(
     mut commands: Commands,
     pipelines: Option<ResMut<ReflectionPipelines>>,
@@ -60,27 +60,24 @@ pub(super) fn decide_active_reflections(
         let can_run =
             !status.is_off_without(lean) && !status.is_off_by_device(&support.screen_space);
         let rows = drawn_part(view, resolution).height();
-        let key = ReflectionKey {
+        let wanted = ReflectionKey {
             divisor: settings.texel_side(rows),
             projection: projection_of(view.clip_from_view),
         };
         let shows_hits = debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit);
-        let active = can_run.then(|| {
-            let settings = *settings;
-            let wanted = ActiveReflections {
-                settings,
-                key,
-                shows_hits,
-            };
-            let current = current.copied();
-            let active = pipelines.keep_until_compiled(&cache, wanted, current, |kept| kept.key);
-            status.set_running(active.is_some(), pipelines.failure(&watch, key));
-            active
+        let key = can_run.then(|| {
+            let key = pipelines.compiled_key(&cache, wanted, current.map(|active| active.key));
+            status.set_running(key.is_some(), pipelines.failure(&watch, wanted));
+            key
         });
-        match active.flatten() {
-            Some(active) => {
+        match key.flatten() {
+            Some(key) => {
                 let mut view = commands.entity(entity);
-                view.insert(active);
+                view.insert(ActiveReflections {
+                    settings: *settings,
+                    key,
+                    shows_hits,
+                });
                 if was_lean {
                     view.insert(ReadsHistory);
                     view.insert_if_new(IndirectSpecular::default());

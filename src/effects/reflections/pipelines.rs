@@ -40,6 +40,7 @@ pub(super) const PASSES: [ComputePass; 4] = [
         shader: |assets| load_embedded_asset!(assets, "hi_z.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &["PROJECTION_ORTHOGRAPHIC"],
         reads: &[VIEW, DEPTH_TEXTURE, DEPTH_SAMPLER],
         writes: &[HI_Z_OUTPUT],
     },
@@ -48,6 +49,7 @@ pub(super) const PASSES: [ComputePass; 4] = [
         shader: |assets| load_embedded_asset!(assets, "trace.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &["PROJECTION_PERSPECTIVE", "PROJECTION_ORTHOGRAPHIC"],
         reads: &[
             VIEW,
             DEPTH_TEXTURE,
@@ -66,6 +68,7 @@ pub(super) const PASSES: [ComputePass; 4] = [
         shader: |assets| load_embedded_asset!(assets, "spatial_filter.wgsl"),
         entry: "main",
         defs: &["SPATIAL_FILTER"],
+        key_defs: &[],
         reads: &[VIEW, SURFACES_TEXTURE, RAYS_TEXTURE, HITS_TEXTURE],
         writes: &[FILTERED_OUTPUT],
     },
@@ -74,6 +77,11 @@ pub(super) const PASSES: [ComputePass; 4] = [
         shader: |assets| load_embedded_asset!(assets, "resolve.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &[
+            "DIVISOR",
+            "PROJECTION_PERSPECTIVE",
+            "PROJECTION_ORTHOGRAPHIC",
+        ],
         reads: &[
             VIEW,
             DEPTH_TEXTURE,
@@ -98,7 +106,7 @@ pub(super) fn init_reflection_pipelines(mut commands: Commands, asset_server: Re
     commands.insert_resource(ReflectionPipelines::new(
         &asset_server,
         &PASSES,
-        |_, binding| binding_kind(binding),
+        binding_kind,
     ));
 }
 

@@ -247,7 +247,7 @@ pub(super) fn prepare_reflection_bind_groups(
     no_motion: Res<FallbackImageZero>,
     mut views: Query<(
         Entity,
-        (&ActiveReflections, &ViewReflections, &ViewHistory),
+        (&ViewReflections, &ViewHistory),
         (&GBufferTextures, &ViewDepthTexture),
         Option<&ViewPrepassTextures>,
         Option<&mut ReflectionBindings>,
@@ -256,7 +256,7 @@ pub(super) fn prepare_reflection_bind_groups(
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
         return;
     };
-    for (entity, (active, held, history), (gbuffer, depth), prepass, bindings) in &mut views {
+    for (entity, (held, history), (gbuffer, depth), prepass, bindings) in &mut views {
         let fixtures = fixtures.get(&device);
         let mut made = None;
         let bindings = match bindings {
@@ -289,8 +289,8 @@ pub(super) fn prepare_reflection_bind_groups(
             };
             Some(view.into_binding())
         };
-        for (group, pass) in bindings.0.iter_mut().zip(pipelines.of(active.key)) {
-            group.bind(&device, &pass.layout, &resource);
+        for (group, layout) in bindings.0.iter_mut().zip(pipelines.layouts()) {
+            group.bind(&device, layout, &resource);
         }
         if let Some(made) = made {
             commands.entity(entity).insert(made);

@@ -13,6 +13,7 @@ use bevy::{
 };
 
 use super::binding_numbers::{arrays, view};
+pub use crate::gpu::shader_defs::name_of;
 
 /// The bits of Bevy's view key for which the lighting shader is specialized. The others concern the rasterization of
 /// meshes or passes after lighting. `TEMPORAL_JITTER` is left out because only transmission and SSAO read it; with it,
@@ -87,12 +88,4 @@ pub fn read_by_lighting(
             && of_bindings.all(|(other, binding)| *other != name || binds(*binding))
     });
     definitions
-}
-
-pub fn name_of(definition: &ShaderDefVal) -> &str {
-    match definition {
-        ShaderDefVal::Bool(name, _) | ShaderDefVal::Int(name, _) | ShaderDefVal::UInt(name, _) => {
-            name
-        }
-    }
 }
