@@ -120,7 +120,7 @@ fn passes() -> Vec<Shader> {
         .map(|always| rows(LIGHTING, always))
         .concat();
     let resolve = "PREPASS_PIPELINE AVAILABLE_STORAGE_BUFFER_BINDINGS=8";
-    let gather = ["DIVISOR=1 SLICES=1 STEPS=6", "DIVISOR=2 SLICES=2 STEPS=8"];
+    let gather = ["SLICES=1 STEPS=6", "SLICES=2 STEPS=8"];
     let exposure = || rows(EXPOSURE, "");
     vec![
         ("lighting/lighting.wgsl", lighting),
