@@ -389,13 +389,13 @@ fn follows_last_frame(headless: &mut Headless) -> [bool; 3] {
     found.unwrap_or_default()
 }
 
-/// Effects keep their last frame while motion vectors and jitter are added and removed at run time.
+/// Effects keep their last frame while settings, motion vectors and jitter change at run time, and when a projection becomes plain.
 #[test]
-fn effects_keep_their_last_frame_while_motion_comes() {
+fn effects_keep_their_last_frame_through_changes() {
     in_own_process(|| {
         let mut walk = Walk::new();
         walk.both(|camera| {
-            camera.insert(DepthPrepass);
+            camera.insert((DepthPrepass, perspective(Vec4::new(0.02, 0.0, -1.0, -0.1))));
         });
         let mut camera = walk.headless.world().entity_mut(walk.tested);
         camera.insert((
@@ -439,7 +439,49 @@ fn effects_keep_their_last_frame_while_motion_comes() {
         watch("no motion", &|camera| {
             camera.remove::<MotionVectorPrepass>();
         });
+        watch("a plain projection", &|camera| {
+            camera.insert(perspective(
+                PerspectiveProjection::default().near_clip_plane,
+            ));
+        });
+        watch("other qualities", &|camera| {
+            camera.insert((
+                LeanScreenSpaceGi {
+                    quality: LeanQuality::Low,
+                    ..default()
+                },
+                LeanScreenSpaceReflections {
+                    quality: LeanQuality::High,
+                    ..default()
+                },
+            ));
+        });
+        for resolution in [LeanResolution::Full, LeanResolution::Half] {
+            watch("another resolution", &|camera| {
+                camera.insert((
+                    LeanScreenSpaceGi {
+                        resolution,
+                        ..default()
+                    },
+                    LeanScreenSpaceReflections {
+                        resolution,
+                        ..default()
+                    },
+                ));
+            });
+        }
+        watch("a debug view", &|camera| {
+            camera.insert(LeanDebugView::from(DebugView::ReflectionHit));
+        });
     });
+}
+
+/// A perspective projection, oblique with a near plane across the view.
+fn perspective(near_clip_plane: Vec4) -> Projection {
+    Projection::from(PerspectiveProjection {
+        near_clip_plane,
+        ..default()
+    })
 }
 
 /// A near plane across the view, as in portals, becomes plain: shaders for any projection stay in use until those for a plain one are
@@ -449,14 +491,8 @@ fn effects_keep_their_last_frame_while_motion_comes() {
 fn effects_go_on_when_a_projection_becomes_plain() {
     in_own_process(|| {
         let mut walk = Walk::new();
-        let oblique = |near_clip_plane| {
-            Projection::from(PerspectiveProjection {
-                near_clip_plane,
-                ..default()
-            })
-        };
         walk.both(|camera| {
-            camera.insert(oblique(Vec4::new(0.02, 0.0, -1.0, -0.1)));
+            camera.insert(perspective(Vec4::new(0.02, 0.0, -1.0, -0.1)));
         });
         let mut camera = walk.headless.world().entity_mut(walk.tested);
         camera.insert((
@@ -468,7 +504,9 @@ fn effects_go_on_when_a_projection_becomes_plain() {
         assert_eq!(active_lean_views(&mut walk.headless), 1);
         let stalled_pipelines = StalledPipelines::new();
         walk.both(|camera| {
-            camera.insert(oblique(PerspectiveProjection::default().near_clip_plane));
+            camera.insert(perspective(
+                PerspectiveProjection::default().near_clip_plane,
+            ));
         });
         for frame in 0..HELD_BACK {
             walk.step();

@@ -42,19 +42,28 @@ pub(super) fn decide_active_reflections(
             &LeanScreenSpaceReflections,
             (Option<&LeanDeferred>, Option<&LeanDebugView>),
             Option<&MainPassResolutionOverride>,
-            (Has<ActiveLeanView>, Option<&ActiveReflections>),
+            (Has<ActiveLeanView>, Has<ReadsHistory>),
+            Option<&ActiveReflections>,
         ),
         With<ExtractedCamera>,
     >,
-    switched_off: Query<Entity, (With<ActiveReflections>, Without<ExtractedCamera>)>,
+    switched_off: Query<
+        Entity,
+        (
+            Or<(With<ActiveReflections>, With<ReadsHistory>)>,
+            Without<ExtractedCamera>,
+        ),
+    >,
 ) {
     for entity in &switched_off {
-        commands.entity(entity).remove::<ActiveReflections>();
+        let mut view = commands.entity(entity);
+        view.remove::<(ActiveReflections, ReadsHistory)>();
     }
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, view, settings, (lean, debug_view), resolution, (was_lean, current)) in &views {
+    for (entity, view, settings, (lean, debug_view), resolution, last, current) in &views {
+        let (was_lean, reads_history) = last;
         let camera = view.retained_view_entity.main_entity;
         let mut status = statuses.of(camera, Effect::Reflections);
         let can_run =
@@ -79,11 +88,9 @@ pub(super) fn decide_active_reflections(
                     shows_hits,
                 });
                 if was_lean {
-                    view.insert(ReadsHistory);
                     view.insert_if_new(IndirectSpecular::default());
                 } else {
-                    // The camera was not rendered lean: drop its history and output.
-                    view.remove::<ReadsHistory>();
+                    // The camera was not rendered lean: drop its output.
                     view.insert(IndirectSpecular::default());
                 }
             }
@@ -91,6 +98,12 @@ pub(super) fn decide_active_reflections(
                 commands.entity(entity).remove::<ActiveReflections>();
             }
             None => {}
+        }
+        // Also while pipelines compile, so that there is a last frame when they are.
+        if can_run && was_lean {
+            commands.entity(entity).insert(ReadsHistory);
+        } else if reads_history {
+            commands.entity(entity).remove::<ReadsHistory>();
         }
     }
 }
