@@ -21,7 +21,7 @@ use super::{
 use crate::gpu::effect_pipelines::{ComputePass, EffectPipelines};
 
 /// The passes, in order.
-pub(super) const PASSES: [ComputePass; 2] = [
+pub const PASSES: [ComputePass; 2] = [
     ComputePass {
         label: "lean_deferred/effects/auto_exposure/meter",
         shader: |assets| load_embedded_asset!(assets, "meter.wgsl"),

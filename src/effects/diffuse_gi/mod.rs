@@ -41,8 +41,8 @@ pub use settings::{LeanScreenSpaceGi, LeanScreenSpaceGiAdvanced};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
-    active::ActiveGi, forward_light::ForwardLight, prepare::GiBindings, textures::ViewGi,
-    uniforms::GiUniform,
+    active::ActiveGi, forward_light::ForwardLight, pipelines::PASSES, prepare::GiBindings,
+    textures::ViewGi, uniforms::GiUniform,
 };
 
 use bevy::{

@@ -31,7 +31,7 @@ pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 pub(super) const LEVEL_COUNT: u32 = 4;
 
 /// The passes between G-buffer and lighting, in order.
-pub(super) const PASSES: [ComputePass; 3] = [
+pub const PASSES: [ComputePass; 3] = [
     ComputePass {
         label: "lean_deferred/effects/diffuse_gi/levels",
         shader: |assets| load_embedded_asset!(assets, "levels.wgsl"),

@@ -50,6 +50,7 @@ pub use settings::{LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvance
 #[doc(hidden)]
 pub use {
     active::ActiveReflections,
+    pipelines::PASSES,
     prepare::{ReflectionBindings, ViewReflections, WORKGROUP_SIDE},
     uniforms::ReflectionUniform,
 };

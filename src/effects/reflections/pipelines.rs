@@ -34,7 +34,7 @@ pub(super) const SURFACES_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 pub(super) const HITS_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
 /// The passes, in order.
-pub(super) const PASSES: [ComputePass; 4] = [
+pub const PASSES: [ComputePass; 4] = [
     ComputePass {
         label: "lean_deferred/effects/reflections/hi_z",
         shader: |assets| load_embedded_asset!(assets, "hi_z.wgsl"),

@@ -24,7 +24,7 @@ impl SubsurfaceKey {
 
 impl EffectKey for SubsurfaceKey {
     fn shader_defs(self) -> Vec<ShaderDefVal> {
-        // Only passes whose kernels cover more than a few pixels have it in their table.
+        // Only of passes whose kernels cover more than a few pixels.
         shader_defs::of_table([(self.is_drawn_out, "DRAWN_OUT")]).collect()
     }
 }

@@ -26,7 +26,7 @@ use crate::{
 };
 
 /// The passes, in order.
-pub(super) const PASSES: [ComputePass; 6] = [
+pub const PASSES: [ComputePass; 6] = [
     // Downsamples to levels 1 and 2, in the listed blocks.
     ComputePass {
         label: "lean_deferred/effects/subsurface/first",
