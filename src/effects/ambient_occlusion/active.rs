@@ -83,26 +83,39 @@ impl LeanScreenSpaceAmbientOcclusion {
     }
 }
 
-/// Asks the lighting of lean cameras to apply occlusion, unless it is to be blended: inserts or removes [`OccludesLight`].
+/// Asks the lighting of lean cameras to apply occlusion, unless it is to be blended: inserts or removes [`OccludesLight`]. Lighting
+/// filters what is gathered, so it is asked for another filter once the gather for that is compiled.
 pub(super) fn request_lighting(
     mut commands: Commands,
-    pipelines: Option<Res<OcclusionPipelines>>,
+    support: Res<LeanSupport>,
+    pipelines: Option<ResMut<OcclusionPipelines>>,
+    pipeline_cache: Res<PipelineCache>,
     views: Query<(
         Entity,
+        &ExtractedView,
         &LeanScreenSpaceAmbientOcclusion,
         Has<LeanDeferred>,
         Option<&OccludesLight>,
     )>,
 ) {
-    for (entity, settings, has_lighting, current) in &views {
-        let is_asked = pipelines.is_some() && has_lighting && settings.is_for_lighting();
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    let computes = support.ambient_occlusion_by_compute.is_ok();
+    for (entity, view, settings, has_lighting, current) in &views {
+        let is_asked = has_lighting && settings.is_for_lighting();
         let wanted = is_asked.then(|| OccludesLight(settings.lighting_io()));
         if wanted.as_ref() == current {
             continue;
         }
         match wanted {
             Some(wanted) => {
-                commands.entity(entity).insert(wanted);
+                let projection = projection_of(view.clip_from_view);
+                let key = GatherKey::new(settings, true, computes, projection);
+                let gather = pipelines.gather(&pipeline_cache, key);
+                if current.is_none() || gather.is_compiled(&pipeline_cache) {
+                    commands.entity(entity).insert(wanted);
+                }
             }
             None => {
                 commands.entity(entity).remove::<OccludesLight>();
@@ -154,7 +167,6 @@ pub(super) fn decide_active_occlusion(
         let mut settings = *settings;
         let projection = projection_of(view.clip_from_view);
         let computes = support.ambient_occlusion_by_compute.is_ok();
-        // Compiled together with lighting for these settings.
         let key_of = |settings: &LeanScreenSpaceAmbientOcclusion| {
             GatherKey::new(settings, is_for_lighting, computes, projection)
         };
