@@ -1,5 +1,7 @@
 //! Decides per camera and frame if occlusion is computed, and with which pipelines.
 
+use core::iter;
+
 use bevy::{
     prelude::*,
     render::{
@@ -177,7 +179,8 @@ pub(super) fn decide_active_occlusion(
             settings = settings.as_lit(io);
         }
         let key = key_of(&settings);
-        let gather = pipelines.gather(&pipeline_cache, key);
+        // Lighting is asked for settings that are gathered, so those of former ones are compiled, or others stand in.
+        let gather = pipelines.asked_gather(key);
         let merge = (!is_for_lighting).then(|| {
             let key = MergeKey {
                 target: view.target_format,
@@ -188,7 +191,7 @@ pub(super) fn decide_active_occlusion(
         let wanted = ActiveOcclusion {
             settings,
             key,
-            gather: Some(gather),
+            gather,
             merge,
         };
         let last = current.as_deref().copied();
@@ -196,7 +199,7 @@ pub(super) fn decide_active_occlusion(
             // Goes on to blend what it blended before.
             last.filter(|last| last.merge.is_some() && last.key.projection.covers(projection))
         } else {
-            core::iter::once(wanted)
+            iter::once(wanted)
                 .chain(wanted.stand_ins(last, &pipelines))
                 .find(|active| active.is_compiled(&pipeline_cache))
                 .or_else(|| {
@@ -208,8 +211,8 @@ pub(super) fn decide_active_occlusion(
         };
         let runs = active.is_some_and(|active| active.gather.is_some());
         let merge = merge.map(|(_, merge)| merge.id());
-        let ids = [asked.id(), gather.id()].into_iter().chain(merge);
-        status.set_running(runs, watch.failure(ids));
+        let ids = iter::once(asked).chain(gather).map(GatherPipeline::id);
+        status.set_running(runs, watch.failure(ids.chain(merge)));
         match (active, current) {
             (Some(active), Some(mut current)) => *current = active,
             (Some(active), None) => {

@@ -162,14 +162,20 @@ impl OcclusionPipelines {
             .map(|(key, (gather, _))| (*key, *gather))
     }
 
+    /// Pipeline of the gather if [`gather`](Self::gather) was called for `key`.
+    pub(super) fn asked_gather(&self, key: GatherKey) -> Option<GatherPipeline> {
+        let (pipeline, _) = self.gathers.get(&key)?;
+        Some(*pipeline)
+    }
+
     /// Pipeline of the gather; it may still be compiling.
     pub(super) fn gather(
         &mut self,
         pipeline_cache: &PipelineCache,
         key: GatherKey,
     ) -> GatherPipeline {
-        if let Some((pipeline, _)) = self.gathers.get(&key) {
-            return *pipeline;
+        if let Some(pipeline) = self.asked_gather(key) {
+            return pipeline;
         }
         let label = Some("lean_deferred/effects/ambient_occlusion/gather".into());
         let found = ResolvedLayout::new(pipeline_cache, gather_layout(key));
