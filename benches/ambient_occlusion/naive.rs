@@ -116,7 +116,6 @@ fn init(
     let defs: Vec<ShaderDefVal> = vec![
         ShaderDefVal::UInt("SLICES".into(), slices),
         ShaderDefVal::UInt("STEPS".into(), steps),
-        ShaderDefVal::UInt("DIVISOR".into(), 1),
         "PROJECTION_PERSPECTIVE".into(),
     ];
     let with = |names: &[&'static str]| {

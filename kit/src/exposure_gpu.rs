@@ -255,7 +255,7 @@ impl<'a> Meter<'a> {
                 });
             gpu.pipeline(&layout, &gpu.shader(source, key), entry_point)
         };
-        let [meter, adapt] = layouts(key);
+        let [meter, adapt] = layouts();
         let pipelines = [
             pipeline(&meter.entries, &METER, "meter"),
             pipeline(&adapt.entries, &ADAPT, "sum_and_adapt"),
@@ -305,23 +305,21 @@ impl<'a> Meter<'a> {
         let picture = picture.create_view(&Default::default());
 
         use wgpu::BindingResource::{Sampler, TextureView};
-        let mut resources = vec![
-            (numbers::VIEW, uniform.as_entire_binding()),
-            (numbers::PICTURE, TextureView(&picture)),
-            (numbers::PARTIALS, sums.as_entire_binding()),
-        ];
-        let mask = mask.map(|mask| mask.create_view(&Default::default()));
+        let no_mask = gpu.mask(UVec2::ONE, &[255]);
+        let mask = mask.unwrap_or(&no_mask);
+        let mask = mask.create_view(&Default::default());
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        if let Some(mask) = &mask {
-            resources.extend([
-                (numbers::MASK, TextureView(mask)),
-                (numbers::MASK_SAMPLER, Sampler(&sampler)),
-            ]);
-        }
+        let resources = [
+            (numbers::VIEW, uniform.as_entire_binding()),
+            (numbers::PICTURE, TextureView(&picture)),
+            (numbers::PARTIALS, sums.as_entire_binding()),
+            (numbers::MASK, TextureView(&mask)),
+            (numbers::MASK_SAMPLER, Sampler(&sampler)),
+        ];
         let meter_group = gpu.bind_group(&meter.get_bind_group_layout(0), &resources);
         let adapt_group = gpu.bind_group(
             &adapt.get_bind_group_layout(0),

@@ -11,7 +11,7 @@ use bevy::{
 
 use super::world_shift::{self, WorldShift};
 use crate::{
-    shader_library::reconstruction::position::{projection_of, without_scale},
+    shader_library::reconstruction::position::{ProjectionKind, projection_of, without_scale},
     view::CameraCuts,
 };
 
@@ -59,10 +59,14 @@ impl LastFrame {
         }
     }
 
-    /// True if the viewports and the kinds of projection are equal.
+    /// True if rays are parallel, and do not start at the camera.
+    pub(super) fn is_orthographic(&self) -> bool {
+        projection_of(self.clip_from_view) == ProjectionKind::Orthographic
+    }
+
+    /// True if the viewports are equal, and both projections are orthographic, or none is.
     fn is_like(&self, other: &Self) -> bool {
-        self.viewport == other.viewport
-            && projection_of(self.clip_from_view) == projection_of(other.clip_from_view)
+        self.viewport == other.viewport && self.is_orthographic() == other.is_orthographic()
     }
 }
 
@@ -139,5 +143,28 @@ impl HistoryValidity {
     /// Records that the history of this frame was kept.
     pub(super) fn hold(&self, number: &FrameNumber) {
         self.held.store(number.0, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parallel_rays_are_unlike_others() {
+        let perspective = Mat4::perspective_infinite_reverse_rh(0.9, 1.5, 0.1);
+        let mut oblique = perspective;
+        oblique.x_axis.z = 0.2;
+        let orthographic = Mat4::orthographic_rh(-3.0, 3.0, -2.0, 2.0, 50.0, 0.0);
+        let [perspective, oblique, orthographic] =
+            [perspective, oblique, orthographic].map(|clip_from_view| LastFrame {
+                clip_from_view,
+                world_from_view: Mat4::IDENTITY,
+                viewport: URect::new(0, 0, 64, 48),
+                exposure: 1.0,
+                world_shift: DVec3::ZERO,
+            });
+        assert!(perspective.is_like(&oblique));
+        assert!(!perspective.is_like(&orthographic));
     }
 }

@@ -1,8 +1,8 @@
 //! Compute passes of effects: an effect's passes are one table, from which its layouts, pipelines and dispatches follow.
 //!
-//! An effect keeps until compiled: it goes on with the pipelines it has until those for new settings are compiled.
+//! While the pipelines for new settings compile, compiled ones of another key stand in for them.
 
-use core::{array, hash::Hash};
+use core::{array, hash::Hash, iter};
 
 use bevy::{
     platform::collections::HashMap,
@@ -16,18 +16,20 @@ use bevy::{
 
 use super::{
     bind_group_cache::ResolvedLayout, bindings::layout, pipeline_watch::PipelineWatch,
-    timed::Dispatch,
+    shader_defs::name_of, timed::Dispatch,
 };
 
 /// A compute pass of an effect.
-pub(crate) struct ComputePass {
+pub struct ComputePass {
     /// Label of its layout, its pipeline and its GPU time.
-    pub(crate) label: &'static str,
+    pub label: &'static str,
     pub(crate) shader: fn(&AssetServer) -> Handle<Shader>,
     pub(crate) entry: &'static str,
-    /// Shader definitions in addition to those of the key. [`EffectKey::keeps_def`] may leave some out.
-    pub(crate) defs: &'static [&'static str],
-    /// Numbers of the bindings. Those of no kind for the key are not bound.
+    /// Shader definitions that it is always compiled with.
+    pub defs: &'static [&'static str],
+    /// Names of the key's shader definitions that it is compiled with. Keys that differ in others share its pipeline.
+    pub key_defs: &'static [&'static str],
+    /// Numbers of the bindings.
     pub(crate) reads: &'static [u32],
     pub(crate) writes: &'static [u32],
 }
@@ -46,14 +48,9 @@ impl ComputePass {
 
 /// Key that the passes of an effect are compiled by.
 pub(crate) trait EffectKey: Copy + Eq + Hash + Send + Sync + 'static {
-    /// Shader definitions of all passes.
+    /// Shader definitions. A pass has those that its table names.
     fn shader_defs(self) -> Vec<ShaderDefVal> {
         Vec::new()
-    }
-
-    /// True if passes with the definition `name` in their table are compiled with it.
-    fn keeps_def(self, _name: &str) -> bool {
-        true
     }
 
     /// True if its pipelines can stand in for those of `wanted` until they are compiled.
@@ -62,93 +59,114 @@ pub(crate) trait EffectKey: Copy + Eq + Hash + Send + Sync + 'static {
     }
 }
 
-/// Pipelines of an effect's passes by key. Belongs to one device.
+/// Pipelines of an effect's passes by key, and the layouts that all keys share. Belongs to one device.
 #[derive(Resource)]
 pub(crate) struct EffectPipelines<K: EffectKey> {
     passes: &'static [ComputePass],
-    /// The kind of a binding; `None` if shaders of the key do not have it.
-    kind: fn(K, u32) -> Option<BindGroupLayoutEntryBuilder>,
+    /// The kind of a binding.
+    kind: fn(u32) -> Option<BindGroupLayoutEntryBuilder>,
     shaders: Vec<Handle<Shader>>,
-    by_key: HashMap<K, Vec<PassPipeline>>,
-}
-
-/// The pipeline of a pass for a key, and the layout of its bind group.
-pub(crate) struct PassPipeline {
-    id: CachedComputePipelineId,
-    pub(crate) layout: ResolvedLayout,
+    /// Of the bind groups, by pass. Empty until a key is specialized.
+    layouts: Vec<ResolvedLayout>,
+    by_key: HashMap<K, Vec<CachedComputePipelineId>>,
+    /// By the number of the pass, and its definitions.
+    by_defs: HashMap<(usize, Vec<ShaderDefVal>), CachedComputePipelineId>,
 }
 
 impl<K: EffectKey> EffectPipelines<K> {
     pub(crate) fn new(
         asset_server: &AssetServer,
         passes: &'static [ComputePass],
-        kind: fn(K, u32) -> Option<BindGroupLayoutEntryBuilder>,
+        kind: fn(u32) -> Option<BindGroupLayoutEntryBuilder>,
     ) -> Self {
         let shaders = passes.iter().map(|pass| (pass.shader)(asset_server));
         Self {
             passes,
             kind,
             shaders: shaders.collect(),
+            layouts: Vec::new(),
             by_key: HashMap::default(),
+            by_defs: HashMap::default(),
         }
     }
 
-    /// Pipelines for `key`, in the order of the passes; they may still be compiling.
-    pub(crate) fn specialize(&mut self, cache: &PipelineCache, key: K) -> &[PassPipeline] {
-        let (passes, kind, shaders) = (self.passes, self.kind, &self.shaders);
-        self.by_key.entry(key).or_insert_with(|| {
-            let queue = |(pass, shader): (&ComputePass, &Handle<Shader>)| {
-                let layout = ResolvedLayout::new(cache, pass.layout(|binding| kind(key, binding)));
-                let of_pass = pass.defs.iter().copied();
-                let of_pass = of_pass.filter(|name| key.keeps_def(name));
-                let defs = key.shader_defs().into_iter();
-                let id = cache.queue_compute_pipeline(ComputePipelineDescriptor {
-                    label: Some(pass.label.into()),
-                    layout: vec![layout.descriptor().clone()],
-                    shader: shader.clone(),
-                    shader_defs: defs.chain(of_pass.map(ShaderDefVal::from)).collect(),
-                    entry_point: Some(pass.entry.into()),
-                    ..default()
-                });
-                PassPipeline { id, layout }
-            };
-            passes.iter().zip(shaders).map(queue).collect()
+    /// Requests the pipelines for `key`. Returns the layouts of the passes' bind groups, in their order.
+    pub(crate) fn specialize(&mut self, cache: &PipelineCache, key: K) -> &[ResolvedLayout] {
+        if self.layouts.is_empty() {
+            let layout = |pass: &ComputePass| ResolvedLayout::new(cache, pass.layout(self.kind));
+            self.layouts = self.passes.iter().map(layout).collect();
+        }
+        if !self.by_key.contains_key(&key) {
+            let defs = key.shader_defs();
+            let passes = 0..self.passes.len();
+            let pipelines = passes.map(|number| self.request(cache, number, &defs));
+            let pipelines = pipelines.collect();
+            self.by_key.insert(key, pipelines);
+        }
+        &self.layouts
+    }
+
+    /// The pipeline of a pass for a key with these definitions.
+    fn request(
+        &mut self,
+        cache: &PipelineCache,
+        number: usize,
+        defs: &[ShaderDefVal],
+    ) -> CachedComputePipelineId {
+        let pass = &self.passes[number];
+        let of_key = defs
+            .iter()
+            .filter(|def| pass.key_defs.contains(&name_of(def)));
+        let of_pass = pass.defs.iter().map(|name| ShaderDefVal::from(*name));
+        let shader_defs: Vec<ShaderDefVal> = of_pass.chain(of_key.cloned()).collect();
+        let key = (number, shader_defs.clone());
+        *self.by_defs.entry(key).or_insert_with(|| {
+            cache.queue_compute_pipeline(ComputePipelineDescriptor {
+                label: Some(pass.label.into()),
+                layout: vec![self.layouts[number].descriptor().clone()],
+                shader: self.shaders[number].clone(),
+                shader_defs,
+                entry_point: Some(pass.entry.into()),
+                ..default()
+            })
         })
     }
 
-    /// As [`specialize`](Self::specialize); empty for a key that has not been specialized.
-    pub(crate) fn of(&self, key: K) -> &[PassPipeline] {
+    /// Layouts of the passes' bind groups, in their order; empty until a key is specialized.
+    pub(crate) fn layouts(&self) -> &[ResolvedLayout] {
+        &self.layouts
+    }
+
+    fn of(&self, key: K) -> &[CachedComputePipelineId] {
         let pipelines = self.by_key.get(&key);
         pipelines.map(Vec::as_slice).unwrap_or_default()
     }
 
     fn are_compiled(&self, cache: &PipelineCache, key: K) -> bool {
-        let is_compiled = |pass: &PassPipeline| cache.get_compute_pipeline(pass.id).is_some();
+        let is_compiled = |id: &CachedComputePipelineId| cache.get_compute_pipeline(*id).is_some();
         let pipelines = self.by_key.get(&key);
         pipelines.is_some_and(|pipelines| pipelines.iter().all(is_compiled))
     }
 
-    /// The state of a view in this frame: `wanted` once its pipelines are compiled, and until then the `current` one, if that
-    /// can stand in.
-    pub(crate) fn keep_until_compiled<A>(
+    /// The key of a view's pipelines in this frame: `wanted` once they are compiled; until then the `current` one, or any other
+    /// compiled one, that can stand in. `None` while there is none.
+    pub(crate) fn compiled_key(
         &mut self,
         cache: &PipelineCache,
-        wanted: A,
-        current: Option<A>,
-        key_of: impl Fn(&A) -> K,
-    ) -> Option<A> {
-        let key = key_of(&wanted);
-        self.specialize(cache, key);
-        let stand_in = current.filter(|current| key_of(current).stands_in_for(key));
-        [Some(wanted), stand_in]
-            .into_iter()
-            .flatten()
-            .find(|active| self.are_compiled(cache, key_of(active)))
+        wanted: K,
+        current: Option<K>,
+    ) -> Option<K> {
+        self.specialize(cache, wanted);
+        let stand_ins = current.into_iter().chain(self.by_key.keys().copied());
+        let stand_ins = stand_ins.filter(|key| key.stands_in_for(wanted));
+        iter::once(wanted)
+            .chain(stand_ins)
+            .find(|key| self.are_compiled(cache, *key))
     }
 
     /// The reason that pipelines for `key` cannot be compiled.
     pub(crate) fn failure<'w>(&self, watch: &'w PipelineWatch, key: K) -> Option<&'w str> {
-        watch.failure(self.of(key).iter().map(|pass| pass.id.id()))
+        watch.failure(self.of(key).iter().map(|pipeline| pipeline.id()))
     }
 
     /// The dispatch of each pass, from its bind group, dynamic offsets and workgroups; `None` if its pipeline or bind group
@@ -164,7 +182,7 @@ impl<K: EffectKey> EffectPipelines<K> {
             let (group, offsets, workgroups) = of_pass(pass);
             Some(Dispatch {
                 label: self.passes.get(pass)?.label,
-                pipeline: cache.get_compute_pipeline(pipelines.get(pass)?.id)?,
+                pipeline: cache.get_compute_pipeline(*pipelines.get(pass)?)?,
                 group: group?,
                 offsets,
                 workgroups,

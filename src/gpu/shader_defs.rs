@@ -1,4 +1,4 @@
-//! Shader definitions by tables of conditions.
+//! Shader definitions by tables of conditions, and their names.
 
 use bevy::shader::ShaderDefVal;
 
@@ -8,4 +8,12 @@ pub(crate) fn of_table(
 ) -> impl Iterator<Item = ShaderDefVal> {
     let set = table.into_iter().filter(|(condition, _)| *condition);
     set.map(|(_, name)| name.into())
+}
+
+pub fn name_of(definition: &ShaderDefVal) -> &str {
+    match definition {
+        ShaderDefVal::Bool(name, _) | ShaderDefVal::Int(name, _) | ShaderDefVal::UInt(name, _) => {
+            name
+        }
+    }
 }

@@ -216,6 +216,46 @@ fn most_off(a: &Seen, b: &Seen) -> f32 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
+/// Bounced light stays as bright in the first frame of another resolution or quality, where after a cut it is gone.
+#[test]
+fn light_stays_when_settings_change() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            courtyard(s, surface(0.5, 0.0), surface(0.5, 0.3), 0.4, gi());
+        });
+        let steady = see(&mut headless, 12);
+        change_cameras(&mut headless, |camera| {
+            camera.insert(CameraCut);
+        });
+        let lost = mean_off(&look_at_once(&mut headless), &steady);
+        see(&mut headless, 12);
+        let (half, full) = (LeanResolution::Half, LeanResolution::Full);
+        for (resolution, quality) in [
+            (full, LeanQuality::Medium),
+            (half, LeanQuality::Medium),
+            (half, LeanQuality::High),
+        ] {
+            change_cameras(&mut headless, |camera| {
+                camera.insert(LeanScreenSpaceGi {
+                    resolution,
+                    quality,
+                    ..gi()
+                });
+            });
+            let first = look_at_once(&mut headless);
+            let off = mean_off(&first, &see(&mut headless, 12));
+            println!("{resolution}, {quality}: {off:.5}; after a cut {lost:.5}");
+            assert!(off < 0.25 * lost);
+        }
+    });
+}
+
+fn mean_off(a: &Seen, b: &Seen) -> f32 {
+    let pairs = a.light.texels.iter().zip(&b.light.texels);
+    let sum: f32 = pairs.map(|(a, b)| (a[1] - b[1]).abs()).sum();
+    sum / a.light.texels.len() as f32
+}
+
 /// Effects come with `LeanDeferred`, and are off where an app removes it on purpose: the status tells so, and no warning does.
 #[test]
 fn without_lean_deferred_it_is_off() {

@@ -54,17 +54,11 @@ pub(super) fn gather_definitions(
     settings: &LeanScreenSpaceAmbientOcclusion,
     clip_from_view: Mat4,
 ) -> Definitions {
-    let divisor = if settings.resolution == LeanResolution::Half {
-        2
-    } else {
-        1
-    };
     let (slices, steps) = settings.samples();
-    let mut defs = numbers(&[("DIVISOR", divisor), ("SLICES", slices), ("STEPS", steps)]);
+    let mut defs = numbers(&[("SLICES", slices), ("STEPS", steps)]);
     let flags = [
         (settings.advanced.kernel == OcclusionKernel::Hdao, "HDAO"),
         (settings.thickness.is_some(), "THIN"),
-        (settings.has_wide_pattern(), "WIDE_PATTERN"),
     ];
     insert_flags(&mut defs, &flags);
     let projection = projection_of(clip_from_view).shader_def();

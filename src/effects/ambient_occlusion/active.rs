@@ -1,7 +1,8 @@
 //! Decides per camera and frame if occlusion is computed, and with which pipelines.
 
+use core::iter;
+
 use bevy::{
-    pbr::DistanceFog,
     prelude::*,
     render::{
         camera::ExtractedCamera,
@@ -19,8 +20,8 @@ use crate::{
     gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
     view::{
-        ActiveLeanView, Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanSupport,
-        LightingIo, OccludesLight, OutOfMemory,
+        ActiveLeanView, Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanResolution,
+        LeanSupport, LightingIo, OccludesLight, OutOfMemory,
     },
 };
 
@@ -44,26 +45,36 @@ impl ActiveOcclusion {
                 .is_none_or(|(_, merge)| cache.get_render_pipeline(merge).is_some())
     }
 
-    /// Fallbacks for a frame in which `self` is not compiled: the `last` state, where it is compatible.
-    fn stand_ins(self, last: Option<Self>) -> impl Iterator<Item = Self> {
+    /// True if a gather of `key` is right for the view.
+    fn is_covered_by(&self, key: GatherKey) -> bool {
         // Only occlusion for lighting is weighted about the G-buffer's normals.
-        let last = last.filter(|last| {
-            last.key.projection.covers(self.key.projection)
-                && (self.merge.is_none() || !last.key.reads_normals())
-        });
-        // Pipelines of lighting and merge are compiled for one resolution.
-        let gather = last
-            .filter(|last| last.key.divisor == self.key.divisor)
-            .map(|last| Self {
-                key: last.key,
-                gather: last.gather,
-                ..self
-            });
+        key.projection.covers(self.key.projection) && (self.merge.is_none() || !key.shading_normals)
+    }
+
+    /// Fallbacks for a frame in which `self` is not compiled: the gather of the `last` state, any other of `pipelines`, or all of the
+    /// last state, where they are compatible.
+    fn stand_ins(
+        self,
+        last: Option<Self>,
+        pipelines: &OcclusionPipelines,
+    ) -> impl Iterator<Item = Self> {
+        let last = last.filter(|last| self.is_covered_by(last.key));
+        let of_last = last.and_then(|last| Some((last.key, last.gather?)));
         let all = last.filter(|last| match (last.merge, self.merge) {
             (Some((last, _)), Some((own, _))) => last.target == own.target,
             _ => false,
         });
-        gather.into_iter().chain(all)
+        // Shared depths are those of contiguous pixels.
+        let is_half = self.settings.resolution == LeanResolution::Half;
+        let gathers = of_last.into_iter().chain(pipelines.gathers());
+        gathers
+            .filter(move |(key, _)| self.is_covered_by(*key) && !(is_half && key.shares_depths))
+            .map(move |(key, gather)| Self {
+                key,
+                gather: Some(gather),
+                ..self
+            })
+            .chain(all)
     }
 }
 
@@ -74,26 +85,39 @@ impl LeanScreenSpaceAmbientOcclusion {
     }
 }
 
-/// Asks the lighting of lean cameras to apply occlusion, unless it is to be blended: inserts or removes [`OccludesLight`].
+/// Asks the lighting of lean cameras to apply occlusion, unless it is to be blended: inserts or removes [`OccludesLight`]. Lighting
+/// filters what is gathered, so it is asked for another filter once the gather for that is compiled.
 pub(super) fn request_lighting(
     mut commands: Commands,
-    pipelines: Option<Res<OcclusionPipelines>>,
+    support: Res<LeanSupport>,
+    pipelines: Option<ResMut<OcclusionPipelines>>,
+    pipeline_cache: Res<PipelineCache>,
     views: Query<(
         Entity,
+        &ExtractedView,
         &LeanScreenSpaceAmbientOcclusion,
         Has<LeanDeferred>,
         Option<&OccludesLight>,
     )>,
 ) {
-    for (entity, settings, has_lighting, current) in &views {
-        let is_asked = pipelines.is_some() && has_lighting && settings.is_for_lighting();
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    let computes = support.ambient_occlusion_by_compute.is_ok();
+    for (entity, view, settings, has_lighting, current) in &views {
+        let is_asked = has_lighting && settings.is_for_lighting();
         let wanted = is_asked.then(|| OccludesLight(settings.lighting_io()));
         if wanted.as_ref() == current {
             continue;
         }
         match wanted {
             Some(wanted) => {
-                commands.entity(entity).insert(wanted);
+                let projection = projection_of(view.clip_from_view);
+                let key = GatherKey::new(settings, true, computes, projection);
+                let gather = pipelines.gather(&pipeline_cache, key);
+                if current.is_none() || gather.is_compiled(&pipeline_cache) {
+                    commands.entity(entity).insert(wanted);
+                }
             }
             None => {
                 commands.entity(entity).remove::<OccludesLight>();
@@ -102,7 +126,7 @@ pub(super) fn request_lighting(
     }
 }
 
-/// Inserts or removes [`ActiveOcclusion`]. A view keeps its pipelines until those for new settings are compiled. Cameras that are
+/// Inserts or removes [`ActiveOcclusion`]. While pipelines for new settings compile, others stand in. Cameras that are
 /// switched off lose it, which frees their GPU resources.
 ///
 /// Runs after lighting is decided: it applies the occlusion if [`ActiveLeanView::io`] says so, in the way that is said there.
@@ -118,7 +142,6 @@ pub(super) fn decide_active_occlusion(
         &Msaa,
         &LeanScreenSpaceAmbientOcclusion,
         Option<&ActiveLeanView>,
-        Has<DistanceFog>,
         Option<&mut ActiveOcclusion>,
     )>,
     switched_off: Query<Entity, (With<ActiveOcclusion>, Without<ExtractedView>)>,
@@ -129,8 +152,7 @@ pub(super) fn decide_active_occlusion(
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, (camera, view, is_3d), msaa, settings, active_lean, has_fog, current) in &mut views
-    {
+    for (entity, (camera, view, is_3d), msaa, settings, active_lean, current) in &mut views {
         let io = active_lean.map(|lean| lean.io);
         let is_for_lighting = io.is_some() && settings.is_for_lighting();
         let is_replaced = io.is_some_and(LightingIo::replaces_occlusion);
@@ -147,28 +169,29 @@ pub(super) fn decide_active_occlusion(
         let mut settings = *settings;
         let projection = projection_of(view.clip_from_view);
         let computes = support.ambient_occlusion_by_compute.is_ok();
-        // Compiled together with lighting for these settings.
-        let key = GatherKey::new(&settings, is_for_lighting, projection);
-        let asked = pipelines.gather(&pipeline_cache, key, computes);
+        let key_of = |settings: &LeanScreenSpaceAmbientOcclusion| {
+            GatherKey::new(settings, is_for_lighting, computes, projection)
+        };
+        let asked = pipelines.gather(&pipeline_cache, key_of(&settings));
         // While that compiles, lighting applies occlusion by former settings, or none.
         let lit = io.filter(|io| is_for_lighting && io.contains(LightingIo::AMBIENT_OCCLUSION));
         if let Some(io) = lit {
             settings = settings.as_lit(io);
         }
-        let key = GatherKey::new(&settings, is_for_lighting, projection);
-        let gather = pipelines.gather(&pipeline_cache, key, computes);
+        let key = key_of(&settings);
+        // Lighting is asked for settings that are gathered, so those of former ones are compiled, or others stand in.
+        let gather = pipelines.asked_gather(key);
         let merge = (!is_for_lighting).then(|| {
             let key = MergeKey {
                 target: view.target_format,
                 filter: settings.lighting_io() & LightingIo::OCCLUSION_FILTER,
-                fog: has_fog,
             };
             (key, pipelines.merge(&pipeline_cache, key))
         });
         let wanted = ActiveOcclusion {
             settings,
             key,
-            gather: Some(gather),
+            gather,
             merge,
         };
         let last = current.as_deref().copied();
@@ -176,8 +199,8 @@ pub(super) fn decide_active_occlusion(
             // Goes on to blend what it blended before.
             last.filter(|last| last.merge.is_some() && last.key.projection.covers(projection))
         } else {
-            core::iter::once(wanted)
-                .chain(wanted.stand_ins(last))
+            iter::once(wanted)
+                .chain(wanted.stand_ins(last, &pipelines))
                 .find(|active| active.is_compiled(&pipeline_cache))
                 .or_else(|| {
                     is_for_lighting.then_some(ActiveOcclusion {
@@ -188,8 +211,8 @@ pub(super) fn decide_active_occlusion(
         };
         let runs = active.is_some_and(|active| active.gather.is_some());
         let merge = merge.map(|(_, merge)| merge.id());
-        let ids = [asked.id(), gather.id()].into_iter().chain(merge);
-        status.set_running(runs, watch.failure(ids));
+        let ids = iter::once(asked).chain(gather).map(GatherPipeline::id);
+        status.set_running(runs, watch.failure(ids.chain(merge)));
         match (active, current) {
             (Some(active), Some(mut current)) => *current = active,
             (Some(active), None) => {

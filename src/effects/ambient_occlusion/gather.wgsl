@@ -24,7 +24,7 @@ fn phase_at(texel: vec2<u32>) -> u32 {
 
 #ifdef HDAO
 fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
-    let pixel = vec2<i32>(texel * #{DIVISOR}u);
+    let pixel = vec2<i32>(texel * view.divisor);
     let depth = depth_at(pixel);
     // Sky or NaN.
     if !(depth > 0.0) {
@@ -82,11 +82,11 @@ fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
         vec2(depths[i - CACHE_SIDE], depths[i - 2 * CACHE_SIDE]),
         vec2(depths[i + CACHE_SIDE], depths[i + 2 * CACHE_SIDE]),
     );
-    return hbao(phase, pixel, depth, around);
+    return hbao(phase, texel, pixel, depth, around);
 }
 #else
 fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
-    let pixel = vec2<i32>(texel * #{DIVISOR}u);
+    let pixel = vec2<i32>(texel * view.divisor);
     let depth = depth_at(pixel);
     // Sky or NaN.
     if !(depth > 0.0) {
@@ -94,7 +94,7 @@ fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
     }
     let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
     let is_inside = is_in_view(pixel - 2) && is_in_view(pixel + 2);
-    return hbao(phase, pixel, depth, depths_around(depth_texture, in_depth, pixel, is_inside));
+    return hbao(phase, texel, pixel, depth, depths_around(depth_texture, in_depth, pixel, is_inside));
 }
 #endif
 

@@ -184,7 +184,7 @@ fn turned(rotation: vec2<f32>, angle: vec2<f32>) -> vec2<f32> {
 }
 
 /// Cosine-weighted occlusion of a pixel, 0 to 1, from the pattern's slices of `phase` 0 to 3.
-fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
+fn hbao(phase: u32, texel: vec2<u32>, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let center = vec2<f32>(pixel) + 0.5;
     let ray = ray_at(view.view_from_pixel, center);
     let position = position_on(view.view_from_pixel, ray, depth);
@@ -212,15 +212,14 @@ fn hbao(phase: u32, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
 
     // Steps vary over 4×4 texels; with a wide filter, directions do too. A narrow filter leaves a fine dither of that pattern, not
     // stripes.
-    let quad = (vec2<u32>(pixel) / (2u * #{DIVISOR}u)) & vec2(1u);
+    let quad = (texel >> vec2(1u)) & vec2(1u);
     let block = quad.x + 2u * quad.y;
-#ifdef WIDE_PATTERN
-    var rotation = turned(view.rotations[phase].xy, view.rotations[block].zw);
-    let offset = 0.125 + 0.25 * f32(phase + block) + 0.0625 * f32(block) + view.turn;
-#else
     var rotation = view.rotations[phase].xy;
-    let offset = 0.125 + 0.25 * f32(phase ^ block) + view.turn;
-#endif
+    var offset = 0.125 + 0.25 * f32(phase ^ block) + view.turn;
+    if view.has_wide_pattern != 0u {
+        rotation = turned(rotation, view.rotations[block].zw);
+        offset = 0.125 + 0.25 * f32(phase + block) + 0.0625 * f32(block) + view.turn;
+    }
 
     let basis = tangents(to_viewer);
     let slope = ray_slope(view.view_from_pixel, ray, position);

@@ -20,9 +20,10 @@ pub(super) struct GatherKey {
     pub(super) shading_normals: bool,
     /// Horizons decay behind thin occluders.
     pub(super) thin: bool,
-    /// Directions are spread over 4×4 pixels, for a wide filter; otherwise over 2×2.
-    pub(super) wide: bool,
-    pub(super) divisor: u32,
+    /// A compute pass; otherwise a raster pass.
+    pub(super) computes: bool,
+    /// Workgroups of the compute pass load depth into workgroup memory. Needs full resolution, where the pixels are contiguous.
+    pub(super) shares_depths: bool,
     pub(super) projection: ProjectionKind,
 }
 
@@ -30,56 +31,47 @@ impl GatherKey {
     pub(super) fn new(
         settings: &LeanScreenSpaceAmbientOcclusion,
         is_for_lighting: bool,
+        computes: bool,
         projection: ProjectionKind,
     ) -> Self {
+        let kernel = settings.advanced.kernel;
+        if kernel == OcclusionKernel::Hdao {
+            // It reads none of the other settings.
+            return Self {
+                kernel,
+                samples: (0, 0),
+                shading_normals: false,
+                thin: false,
+                computes,
+                shares_depths: false,
+                projection,
+            };
+        }
         Self {
-            kernel: settings.advanced.kernel,
+            kernel,
             samples: settings.samples(),
             // After the opaque meshes, the G-buffer's normals may be of surfaces that forward meshes have covered.
             shading_normals: is_for_lighting
                 && settings.advanced.normals == OcclusionNormals::Shading,
             thin: settings.thickness.is_some(),
-            wide: settings.has_wide_pattern(),
-            divisor: settings.resolution.divisor(),
+            computes,
+            shares_depths: computes && settings.resolution == LeanResolution::Full,
             projection,
         }
     }
 
-    /// Resets the fields that the kernel does not read.
-    pub(super) fn reduced(mut self) -> Self {
-        if self.kernel == OcclusionKernel::Hdao {
-            self.samples = (0, 0);
-            self.shading_normals = false;
-            self.thin = false;
-            self.wide = false;
-        }
-        self
-    }
-
-    pub(super) fn reads_normals(self) -> bool {
-        self.reduced().shading_normals
-    }
-
-    /// True if workgroups of the compute pass load depth into workgroup memory. Needs full resolution, where the pixels are contiguous.
-    pub(super) fn shares_depths(self) -> bool {
-        self.kernel == OcclusionKernel::Hbao && self.divisor == 1
-    }
-
-    /// The definitions of the compute or the raster pass.
-    pub(super) fn shader_defs(self, compute: bool) -> Vec<ShaderDefVal> {
+    pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
         let (slices, steps) = self.samples;
         let mut defs = vec![
-            ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
             ShaderDefVal::UInt("SLICES".into(), slices),
             ShaderDefVal::UInt("STEPS".into(), steps),
         ];
         defs.extend(shader_defs::of_table([
-            (compute, "COMPUTE"),
-            (compute && self.shares_depths(), "SHARED_DEPTHS"),
+            (self.computes, "COMPUTE"),
+            (self.shares_depths, "SHARED_DEPTHS"),
             (self.kernel == OcclusionKernel::Hdao, "HDAO"),
             (self.shading_normals, "SHADING_NORMALS"),
             (self.thin, "THIN"),
-            (self.wide, "WIDE_PATTERN"),
         ]));
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs
@@ -131,14 +123,12 @@ pub(super) struct MergeKey {
     pub(super) target: TextureFormat,
     /// The bits that the filter is compiled by.
     pub(super) filter: LightingIo,
-    pub(super) fog: bool,
 }
 
 impl MergeKey {
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let flags = [(self.fog, "DISTANCE_FOG")];
-        let filter = self.filter.occlusion_defs().map(ShaderDefVal::from);
-        filter.chain(shader_defs::of_table(flags)).collect()
+        let filter = self.filter.occlusion_defs();
+        filter.map(ShaderDefVal::from).collect()
     }
 }
 

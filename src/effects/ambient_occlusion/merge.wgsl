@@ -4,7 +4,6 @@
 }
 #import bevy_lean_deferred::occlusion_filter::{OcclusionFilter, filtered_occlusion}
 
-#ifdef DISTANCE_FOG
 /// Share of a surface's light that distance fog transmits, as in Bevy's `fog.wgsl`.
 fn fog_transmittance(pixel: vec2<i32>, depth: f32) -> f32 {
     let distance = length(view_position(pixel, depth));
@@ -19,7 +18,6 @@ fn fog_transmittance(pixel: vec2<i32>, depth: f32) -> f32 {
     }
     return 1.0 - extinction * view.fog.z;
 }
-#endif
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
@@ -31,9 +29,9 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         occlusion = filtered_occlusion(
             occlusion_texture, nearest_sampler, depth_texture, parameters, pixel, depth,
         );
-#ifdef DISTANCE_FOG
-        occlusion *= fog_transmittance(pixel, depth);
-#endif
+        if view.fog.w != 0.0 {
+            occlusion *= fog_transmittance(pixel, depth);
+        }
     }
     if !(occlusion > 0.0) {
         discard;

@@ -76,8 +76,7 @@ pub(super) struct OcclusionPipelines {
     fullscreen: FullscreenShader,
     pub(super) nearest_sampler: Sampler,
     pub(super) merge_layout: ResolvedLayout,
-    /// The flag is true for compute pipelines.
-    gathers: HashMap<(GatherKey, bool), (GatherPipeline, ResolvedLayout)>,
+    gathers: HashMap<GatherKey, (GatherPipeline, ResolvedLayout)>,
     merges: HashMap<MergeKey, CachedRenderPipelineId>,
 }
 
@@ -119,8 +118,8 @@ pub(super) fn filter_layout(label: &'static str) -> BindGroupLayoutDescriptor {
     )
 }
 
-fn gather_layout(key: GatherKey, compute: bool) -> BindGroupLayoutDescriptor {
-    let stages = if compute {
+fn gather_layout(key: GatherKey) -> BindGroupLayoutDescriptor {
+    let stages = if key.computes {
         ShaderStages::COMPUTE
     } else {
         ShaderStages::FRAGMENT
@@ -135,8 +134,8 @@ fn gather_layout(key: GatherKey, compute: bool) -> BindGroupLayoutDescriptor {
         stages,
         common_entries()
             .into_iter()
-            .chain(key.reads_normals().then_some(normals))
-            .chain(compute.then_some(output)),
+            .chain(key.shading_normals.then_some(normals))
+            .chain(key.computes.then_some(output)),
     )
 }
 
@@ -151,9 +150,22 @@ fn common_entries() -> [(u32, BindGroupLayoutEntryBuilder); 3] {
 
 impl OcclusionPipelines {
     /// Layout of the gather's only bind group; `None` before [`gather`](Self::gather) was called for `key`.
-    pub(super) fn gather_layout(&self, key: GatherKey, compute: bool) -> Option<&ResolvedLayout> {
-        let (_, layout) = self.gathers.get(&(key.reduced(), compute))?;
+    pub(super) fn gather_layout(&self, key: GatherKey) -> Option<&ResolvedLayout> {
+        let (_, layout) = self.gathers.get(&key)?;
         Some(layout)
+    }
+
+    /// All gathers that were asked for; they may still be compiling.
+    pub(super) fn gathers(&self) -> impl Iterator<Item = (GatherKey, GatherPipeline)> {
+        self.gathers
+            .iter()
+            .map(|(key, (gather, _))| (*key, *gather))
+    }
+
+    /// Pipeline of the gather if [`gather`](Self::gather) was called for `key`.
+    pub(super) fn asked_gather(&self, key: GatherKey) -> Option<GatherPipeline> {
+        let (pipeline, _) = self.gathers.get(&key)?;
+        Some(*pipeline)
     }
 
     /// Pipeline of the gather; it may still be compiling.
@@ -161,18 +173,16 @@ impl OcclusionPipelines {
         &mut self,
         pipeline_cache: &PipelineCache,
         key: GatherKey,
-        compute: bool,
     ) -> GatherPipeline {
-        let key = key.reduced();
-        if let Some((pipeline, _)) = self.gathers.get(&(key, compute)) {
-            return *pipeline;
+        if let Some(pipeline) = self.asked_gather(key) {
+            return pipeline;
         }
         let label = Some("lean_deferred/effects/ambient_occlusion/gather".into());
-        let found = ResolvedLayout::new(pipeline_cache, gather_layout(key, compute));
+        let found = ResolvedLayout::new(pipeline_cache, gather_layout(key));
         let layouts = vec![found.descriptor().clone()];
-        let shader_defs = key.shader_defs(compute);
+        let shader_defs = key.shader_defs();
         let shader = self.gather_shader.clone();
-        let pipeline = if compute {
+        let pipeline = if key.computes {
             GatherPipeline::Compute(pipeline_cache.queue_compute_pipeline(
                 ComputePipelineDescriptor {
                     label,
@@ -199,7 +209,7 @@ impl OcclusionPipelines {
                 }),
             )
         };
-        self.gathers.insert((key, compute), (pipeline, found));
+        self.gathers.insert(key, (pipeline, found));
         pipeline
     }
 

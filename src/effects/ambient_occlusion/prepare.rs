@@ -81,9 +81,9 @@ pub(super) fn write_occlusion_uniforms(
         uniform.fog = fog_parameters(fog);
         uniform.viewport_origin = viewport.physical_position;
         let turn = FrameAveraging::turn(averaging, &frame);
-        if turn != 0.0 {
-            uniform.set_turn(&active.settings, turn);
-        }
+        // The gather may stand in for one of another quality.
+        let (slices, _) = active.key.samples;
+        uniform.set_pattern(slices, turn);
         let view = ViewOcclusion {
             offset: writer.write(&uniform),
             uniform,
@@ -223,23 +223,22 @@ pub(super) fn prepare_occlusion_bind_groups(
             Some(bindings) => bindings.into_inner(),
             None => new.insert(OcclusionBindings::default()),
         };
-        let (Some(texture), Some(gather)) = (texture, active.gather) else {
+        let (Some(texture), Some(_)) = (texture, active.gather) else {
             bindings.gather.clear();
             bindings.merge.clear();
             continue;
         };
         let occlusion = || texture.0.default_view.into_binding();
 
-        let computes = matches!(gather, GatherPipeline::Compute(_));
-        if let Some(layout) = pipelines.gather_layout(active.key, computes) {
+        if let Some(layout) = pipelines.gather_layout(active.key) {
             bindings.gather.update(&device, layout, |entries| {
                 entries.push(VIEW, uniforms.clone())?;
                 entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
                 entries.push(NEAREST_SAMPLER, pipelines.nearest_sampler.into_binding())?;
-                if active.key.reads_normals() {
+                if active.key.shading_normals {
                     entries.push(NORMAL_TEXTURE, gbuffer?.normal.default_view.into_binding())?;
                 }
-                if computes {
+                if active.key.computes {
                     entries.push(OUTPUT_TEXTURE, occlusion())?;
                 }
                 Some(())

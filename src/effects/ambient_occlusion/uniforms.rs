@@ -46,6 +46,8 @@ pub struct OcclusionUniform {
     viewport_size: UVec2,
     /// Size of the occlusion texture, in texels.
     pub texture_size: UVec2,
+    divisor: u32,
+    has_wide_pattern: u32,
     radius: f32,
     largest_nearness: f32,
     intensity: f32,
@@ -83,11 +85,12 @@ impl OcclusionUniform {
         let mut view = Self {
             view_from_pixel,
             edge,
-            slice_rotation: Vec2::from_angle(PI / slices as f32),
             pixels_per_ray: pixels_per_ray(view_from_pixel),
             radius_in_pixels,
             viewport_size,
             texture_size: texture_size(settings, viewport_size),
+            divisor: settings.resolution.divisor(),
+            has_wide_pattern: settings.has_wide_pattern().into(),
             radius,
             largest_nearness: up_to(
                 f32::MAX,
@@ -104,7 +107,7 @@ impl OcclusionUniform {
             }),
             ..default()
         };
-        view.set_turn(settings, 0.0);
+        view.set_pattern(slices, 0.0);
         view
     }
 
@@ -122,11 +125,12 @@ impl OcclusionUniform {
         }
     }
 
-    /// Sets the part of the pattern that changes per frame, 0 to 1.
-    pub(super) fn set_turn(&mut self, settings: &LeanScreenSpaceAmbientOcclusion, turn: f32) {
+    /// Sets the directions of `slices`, and the part of the pattern that changes per frame, 0 to 1.
+    pub(super) fn set_pattern(&mut self, slices: u32, turn: f32) {
         self.turn = turn;
-        let (slices, _) = settings.samples();
-        let quarter = 0.25 * PI / slices as f32;
+        let angle = PI / slices.max(1) as f32;
+        self.slice_rotation = Vec2::from_angle(angle);
+        let quarter = 0.25 * angle;
         for (i, rotation) in self.rotations.iter_mut().enumerate() {
             let phase = Vec2::from_angle(quarter * (i as f32 + turn));
             let block = Vec2::from_angle(quarter * 0.25 * i as f32);

@@ -8,7 +8,7 @@ struct OcclusionUniform {
     view_from_world: mat4x4<f32>,
     /// 1 / view-space distance is `edge.x * depth + edge.y`. Its square times `edge.z` is the depth step that separates surfaces.
     edge: vec4<f32>,
-    /// Extinction of distance fog: parameters a and b of its mode, alpha, mode.
+    /// Extinction of distance fog: parameters a and b of its mode, alpha, mode; 0 without fog.
     fog: vec4<f32>,
     /// Cosine and sine of the rotation of each phase's directions (xy), and, with a wide filter, of the further rotation in each
     /// block of texels (zw).
@@ -23,6 +23,10 @@ struct OcclusionUniform {
     viewport_size: vec2<u32>,
     /// Size of the occlusion texture in texels.
     texture_size: vec2<u32>,
+    /// Side of a texel in pixels.
+    divisor: u32,
+    /// 1 if directions are spread over 4×4 texels, for a wide filter; otherwise over 2×2.
+    has_wide_pattern: u32,
     /// In metres.
     radius: f32,
     /// 1 / the distance below which the projected radius is clamped.

@@ -26,7 +26,7 @@ use crate::{
 #[derive(Component, Clone, PartialEq)]
 pub struct ActiveExposure {
     pub(super) key: ExposureKey,
-    /// `Some` if the key has a mask.
+    /// `None` until it is loaded.
     pub(super) mask: Option<Handle<Image>>,
 }
 
@@ -47,8 +47,8 @@ fn reason_not_applied(tonemapping: Option<&Tonemapping>) -> Option<LeanOffReason
     (!applies).then_some(LeanOffReason::NoTonemapping)
 }
 
-/// Inserts or removes [`ActiveExposure`]. A view keeps its pipelines until those for new settings are compiled: without any,
-/// the image would flash. Cameras that are switched off lose them, which frees their GPU resources except their history.
+/// Inserts or removes [`ActiveExposure`]. While pipelines for new settings compile, others stand in: without any, the
+/// image would flash. Cameras that are switched off lose them, which frees their GPU resources except their history.
 pub(super) fn decide_active_exposure(
     mut commands: Commands,
     (support, subgroups): (Res<LeanSupport>, Res<Subgroups>),
@@ -91,24 +91,22 @@ pub(super) fn decide_active_exposure(
         mask_warnings.tell("The metering mask", *camera, found.err());
         let mask = found.unwrap_or_default();
         let subgroups = uses_subgroups(*subgroups, settings);
-        let key = ExposureKey::new(settings, subgroups, mask.is_some());
-        let wanted = ActiveExposure {
-            key,
+        let wanted = ExposureKey::new(settings, subgroups, mask.is_some());
+        let last = current.as_ref().map(|active| active.key);
+        let key = pipelines.compiled_key(&pipeline_cache, wanted, last);
+        if !status.is_off_for(reason_not_applied(tonemapping)) {
+            status.set_running(key.is_some(), pipelines.failure(&watch, wanted));
+        }
+        let active = ActiveExposure {
+            key: key.or(last).unwrap_or(wanted),
             mask: mask.cloned(),
         };
-        let kept = current.as_deref().cloned();
-        let active =
-            pipelines.keep_until_compiled(&pipeline_cache, wanted.clone(), kept, |kept| kept.key);
-        if !status.is_off_for(reason_not_applied(tonemapping)) {
-            status.set_running(active.is_some(), pipelines.failure(&watch, key));
-        }
-        match (active, current) {
-            (Some(active), Some(mut current)) => {
+        match current {
+            Some(mut current) => {
                 current.set_if_neq(active);
             }
-            (None, Some(_)) => {}
-            (_, None) => {
-                commands.entity(entity).insert(wanted);
+            None => {
+                commands.entity(entity).insert(active);
             }
         }
     }

@@ -52,11 +52,6 @@ impl ExposureKey {
         self.histogram
     }
 
-    /// True if pixels are weighted by a mask.
-    pub fn has_mask(self) -> bool {
-        self.pattern == PatternKey::Mask
-    }
-
     /// Size in bytes of the buffer between the passes: partial sums, or the histogram.
     pub fn sums_size(self, viewport_size: UVec2) -> u64 {
         if self.histogram {

@@ -47,9 +47,9 @@ impl Masks<'_> {
         }
     }
 
-    /// The image to bind for the mask. If the mask was unloaded or replaced by an unsuitable image, all pixels count.
-    pub(super) fn bound(&self, mask: &Handle<Image>) -> &GpuImage {
-        let found = self.get(mask).ok().flatten();
+    /// The image to bind for the mask. Without one, and if it was unloaded or replaced by an unsuitable image, all pixels count.
+    pub(super) fn bound(&self, mask: Option<&Handle<Image>>) -> &GpuImage {
+        let found = mask.and_then(|mask| self.get(mask).ok().flatten());
         found.unwrap_or(&self.fallback.d2)
     }
 }

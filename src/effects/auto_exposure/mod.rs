@@ -61,7 +61,7 @@ pub use support::NEEDED_LIMITS;
 pub use {
     active::ActiveExposure,
     key::ExposureKey,
-    pipelines::layouts,
+    pipelines::{PASSES, layouts},
     prepare::{ExposureBindings, ViewExposure},
     readback::ExposureReadback,
     state::ExposureHistory,

@@ -7,8 +7,7 @@ use bevy::{
     render::{
         render_resource::{
             BindGroupLayoutDescriptor, BlendState, IntoBinding, PipelineCache, ShaderStages,
-            ShaderType,
-            binding_types::{storage_buffer_read_only_sized, uniform_buffer},
+            ShaderType, binding_types::storage_buffer_read_only_sized,
         },
         renderer::RenderDevice,
         view::ExtractedView,
@@ -24,7 +23,7 @@ use super::{
     pipelines::binding_kind,
     prepare::{ExposureUniforms, ViewExposure},
     state::ExposureHistory,
-    uniforms::{ExposureState, ExposureUniform},
+    uniforms::ExposureState,
 };
 use crate::{
     gpu::bindings::layout,
@@ -43,16 +42,11 @@ impl DebugDraw for ShownWeights {
     const BLEND: Option<BlendState> = Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING);
     const IS_AFTER_UPSCALING: bool = true;
 
-    /// Settings and state; with a mask also the mask and its sampler.
     fn layout(self) -> BindGroupLayoutDescriptor {
         let state = storage_buffer_read_only_sized(false, Some(ExposureState::min_size()));
-        let of_mask = [MASK, MASK_SAMPLER].into_iter();
-        let of_mask = of_mask.filter_map(|binding| Some((binding, binding_kind(self.0, binding)?)));
-        let entries = [
-            (VIEW, uniform_buffer::<ExposureUniform>(true)),
-            (STATE, state),
-        ];
-        let entries = entries.into_iter().chain(of_mask);
+        let as_metered = [VIEW, MASK, MASK_SAMPLER].into_iter();
+        let as_metered = as_metered.filter_map(|binding| Some((binding, binding_kind(binding)?)));
+        let entries = as_metered.chain([(STATE, state)]);
         layout(Self::LABEL, ShaderStages::FRAGMENT, entries)
     }
 
@@ -104,12 +98,9 @@ pub(super) fn prepare_overlays(
             |entries| {
                 entries.push(VIEW, uniforms.clone())?;
                 entries.push(STATE, history.state.as_entire_binding())?;
-                if let Some(mask) = &active.mask {
-                    let image = masks.bound(mask);
-                    entries.push(MASK, image.texture_view.into_binding())?;
-                    entries.push(MASK_SAMPLER, image.sampler.into_binding())?;
-                }
-                Some(())
+                let mask = masks.bound(active.mask.as_ref());
+                entries.push(MASK, mask.texture_view.into_binding())?;
+                entries.push(MASK_SAMPLER, mask.sampler.into_binding())
             },
         );
     }

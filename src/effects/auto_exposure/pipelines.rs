@@ -21,12 +21,22 @@ use super::{
 use crate::gpu::effect_pipelines::{ComputePass, EffectPipelines};
 
 /// The passes, in order.
-pub(super) const PASSES: [ComputePass; 2] = [
+pub const PASSES: [ComputePass; 2] = [
     ComputePass {
         label: "lean_deferred/effects/auto_exposure/meter",
         shader: |assets| load_embedded_asset!(assets, "meter.wgsl"),
         entry: "meter",
         defs: &[],
+        key_defs: &[
+            "LOG_AVERAGE",
+            "LOG_OF_PRODUCTS",
+            "WEIGHTED",
+            "CENTER_WEIGHTED",
+            "SPOT",
+            "MASK",
+            "HISTOGRAM",
+            "SUBGROUPS",
+        ],
         reads: &[VIEW, PICTURE, MASK, MASK_SAMPLER],
         writes: &[PARTIALS],
     },
@@ -35,6 +45,7 @@ pub(super) const PASSES: [ComputePass; 2] = [
         shader: |assets| load_embedded_asset!(assets, "adapt.wgsl"),
         entry: "sum_and_adapt",
         defs: &[],
+        key_defs: &["LOG_AVERAGE", "HISTOGRAM", "SUBGROUPS"],
         reads: &[VIEW, PARTIALS],
         writes: &[STATE, BEVY_VIEW],
     },
@@ -46,15 +57,15 @@ pub(super) fn init_exposure_pipelines(mut commands: Commands, asset_server: Res<
     commands.insert_resource(ExposurePipelines::new(&asset_server, &PASSES, binding_kind));
 }
 
-/// The kind of a binding of the passes; `None` for the mask and its sampler if `key` has no mask.
-pub(super) fn binding_kind(key: ExposureKey, binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
+/// The kind of a binding of the passes.
+pub(super) fn binding_kind(binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
     let floats = |filterable| texture_2d(TextureSampleType::Float { filterable });
     Some(match binding {
         VIEW => uniform_buffer::<ExposureUniform>(true),
         PICTURE => floats(false),
         PARTIALS => storage_buffer_sized(false, None),
-        MASK if key.has_mask() => floats(true),
-        MASK_SAMPLER if key.has_mask() => sampler(SamplerBindingType::Filtering),
+        MASK => floats(true),
+        MASK_SAMPLER => sampler(SamplerBindingType::Filtering),
         STATE => storage_buffer_sized(false, Some(ExposureState::min_size())),
         BEVY_VIEW => storage_buffer_sized(true, Some(ViewUniform::min_size())),
         _ => return None,
@@ -62,6 +73,6 @@ pub(super) fn binding_kind(key: ExposureKey, binding: u32) -> Option<BindGroupLa
 }
 
 /// Layouts of the passes.
-pub fn layouts(key: ExposureKey) -> [BindGroupLayoutDescriptor; 2] {
-    PASSES.map(|pass| pass.layout(|binding| binding_kind(key, binding)))
+pub fn layouts() -> [BindGroupLayoutDescriptor; 2] {
+    PASSES.map(|pass| pass.layout(binding_kind))
 }

@@ -167,31 +167,26 @@ pub(super) fn prepare_exposure_bind_groups(
             Some(bindings) => bindings.into_inner(),
             None => new.insert(ExposureBindings::default()),
         };
-        let [meter, adapt] = pipelines.of(active.key) else {
+        let [meter, adapt] = pipelines.layouts() else {
             continue;
         };
-        let mask = active.mask.as_ref().map(|mask| masks.bound(mask));
+        let mask = masks.bound(active.mask.as_ref());
         let resource = |binding: u32| {
             Some(match binding {
                 VIEW => uniforms.clone(),
                 PARTIALS => view.sums.as_entire_binding(),
-                MASK => mask?.texture_view.into_binding(),
-                MASK_SAMPLER => mask?.sampler.into_binding(),
+                MASK => mask.texture_view.into_binding(),
+                MASK_SAMPLER => mask.sampler.into_binding(),
                 STATE => history.state.as_entire_binding(),
                 BEVY_VIEW => view_uniforms.clone(),
                 _ => return None,
             })
         };
-        (bindings.meter).bind(
-            &device,
-            &meter.layout,
-            target,
-            |binding, picture| match binding {
-                PICTURE => Some(picture.into_binding()),
-                _ => resource(binding),
-            },
-        );
-        bindings.adapt.bind(&device, &adapt.layout, resource);
+        (bindings.meter).bind(&device, meter, target, |binding, picture| match binding {
+            PICTURE => Some(picture.into_binding()),
+            _ => resource(binding),
+        });
+        bindings.adapt.bind(&device, adapt, resource);
         if let Some(new) = new {
             commands.entity(entity).insert(new);
         }

@@ -22,8 +22,8 @@ pub struct ActiveGi {
     pub(super) key: GiKey,
 }
 
-/// Inserts or removes [`ActiveGi`] and its requests to lighting. While pipelines for new settings compile, a view keeps its current
-/// ones. Cameras that are switched off lose it, which frees their GPU resources.
+/// Inserts or removes [`ActiveGi`] and its requests to lighting. While pipelines for new settings compile, others stand in.
+/// Cameras that are switched off lose it, which frees their GPU resources.
 pub(super) fn decide_active_gi(
     mut commands: Commands,
     pipelines: Option<ResMut<GiPipelines>>,
@@ -52,23 +52,20 @@ pub(super) fn decide_active_gi(
         let mut status = statuses.of(camera, Effect::DiffuseGi);
         let can_run =
             !status.is_off_without(lean) && !status.is_off_by_device(&support.screen_space);
-        let key = GiKey {
+        let wanted = GiKey {
             samples: settings.samples(),
-            divisor: settings.resolution.divisor(),
             projection: projection_of(view.clip_from_view),
         };
-        let active = can_run.then(|| {
-            let settings = *settings;
-            let wanted = ActiveGi { settings, key };
-            let current = current.copied();
-            let active = pipelines.keep_until_compiled(&cache, wanted, current, |gi| gi.key);
-            status.set_running(active.is_some(), pipelines.failure(&watch, key));
-            active
+        let key = can_run.then(|| {
+            let key = pipelines.compiled_key(&cache, wanted, current.map(|active| active.key));
+            status.set_running(key.is_some(), pipelines.failure(&watch, wanted));
+            key
         });
-        match active.flatten() {
-            Some(active) => {
+        match key.flatten() {
+            Some(key) => {
+                let settings = *settings;
                 let mut view = commands.entity(entity);
-                view.insert((active, ReadsDiffuseLight));
+                view.insert((ActiveGi { settings, key }, ReadsDiffuseLight));
                 if was_lean {
                     view.insert_if_new(IndirectDiffuse::default());
                 } else {

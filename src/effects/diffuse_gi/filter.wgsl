@@ -5,9 +5,6 @@
     edge_step, gathered_texture, levels, output_texture, view,
 }
 
-/// Side of a texel in pixels.
-const DIVISOR: i32 = #{DIVISOR};
-
 /// Side of the texels that a workgroup reads: its 8×8, one before and two after.
 const CACHE_SIDE: u32 = 11u;
 
@@ -42,7 +39,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
             flatter_slope(depths[center - 1u], depth, depths[center + 1u]),
             flatter_slope(depths[center - CACHE_SIDE], depth, depths[center + CACHE_SIDE]),
         );
-        let inverse_step = 1.0 / edge_step(depth, f32(DIVISOR));
+        let inverse_step = 1.0 / edge_step(depth, f32(view.divisor));
         for (var y = 0u; y < 4u; y++) {
             for (var x = 0u; x < 4u; x++) {
                 let other = center + x + CACHE_SIDE * y - 1u - CACHE_SIDE;

@@ -18,7 +18,8 @@ use super::{
     active::ActiveGi,
     binding_numbers::{DEPTH_TEXTURE, DIFFUSE_LIGHT_OUTPUT, NORMAL_TEXTURE, PICTURE_TEXTURE, VIEW},
     pipelines::binding_kind,
-    prepare::{GiUniforms, ViewGi},
+    prepare::GiUniforms,
+    textures::ViewGi,
 };
 use crate::{
     gbuffer::GBufferTextures,
@@ -38,6 +39,7 @@ const PASSES: [ComputePass; 1] = [ComputePass {
     shader: |assets| load_embedded_asset!(assets, "forward_light.wgsl"),
     entry: "main",
     defs: &[],
+    key_defs: &[],
     reads: &[VIEW, DEPTH_TEXTURE, NORMAL_TEXTURE, PICTURE_TEXTURE],
     writes: &[DIFFUSE_LIGHT_OUTPUT],
 }];
@@ -54,7 +56,7 @@ pub(super) fn init_forward_light_pipeline(mut commands: Commands, asset_server: 
     commands.insert_resource(ForwardLightPipeline::new(
         &asset_server,
         &PASSES,
-        |_, binding| binding_kind(binding),
+        binding_kind,
     ));
 }
 
@@ -102,18 +104,17 @@ pub(super) fn prepare_forward_light(
             Some(held) => held.into_inner(),
             None => made.insert(ForwardLight::default()),
         };
-        for pass in pipeline.specialize(&cache, ForwardLightKey) {
-            held.0
-                .bind(&device, &pass.layout, target, |binding, picture| {
-                    Some(match binding {
-                        VIEW => uniforms.clone(),
-                        DEPTH_TEXTURE => depth.view().into_binding(),
-                        NORMAL_TEXTURE => gbuffer.normal.default_view.into_binding(),
-                        PICTURE_TEXTURE => picture.into_binding(),
-                        DIFFUSE_LIGHT_OUTPUT => light.0.default_view.into_binding(),
-                        _ => return None,
-                    })
-                });
+        for layout in pipeline.specialize(&cache, ForwardLightKey) {
+            held.0.bind(&device, layout, target, |binding, picture| {
+                Some(match binding {
+                    VIEW => uniforms.clone(),
+                    DEPTH_TEXTURE => depth.view().into_binding(),
+                    NORMAL_TEXTURE => gbuffer.normal.default_view.into_binding(),
+                    PICTURE_TEXTURE => picture.into_binding(),
+                    DIFFUSE_LIGHT_OUTPUT => light.0.default_view.into_binding(),
+                    _ => return None,
+                })
+            });
         }
         if let Some(made) = made {
             commands.entity(entity).insert(made);

@@ -12,8 +12,6 @@
 }
 #import bevy_lean_deferred::tiles::pixel_in_view
 
-/// Side of a texel in pixels.
-const DIVISOR: i32 = #{DIVISOR};
 const SLICES: u32 = #{SLICES}u;
 const STEPS: u32 = #{STEPS}u;
 /// Index of the coarsest level.
@@ -24,6 +22,8 @@ struct Receiver {
     texel: Start,
     /// `ray_at` of the pixel from which its depth was taken.
     ray: vec2<f32>,
+    /// Change of the ray per texel.
+    ray_per_texel: vec2<f32>,
     position: vec3<f32>,
     to_viewer: vec3<f32>,
     geometric: vec3<f32>,
@@ -33,7 +33,7 @@ struct Receiver {
 
 /// Vector from the receiver to the surface of this depth, `texels` away on screen.
 fn delta_to(receiver: Receiver, texels: vec2<f32>, depth: f32) -> vec3<f32> {
-    let ray = receiver.ray + ray_step(view.view_from_pixel, texels * f32(DIVISOR));
+    let ray = receiver.ray + texels * receiver.ray_per_texel;
     return position_on(view.view_from_pixel, ray, depth) - receiver.position;
 }
 
@@ -62,7 +62,7 @@ fn further_out(
     let inside = clamp(texel + vec2<i32>(step), vec2(0), vec2<i32>(view.texture_size) - 1);
     let beside = bitcast<f32>(textureLoad(levels, inside, 0).r);
     let slope = beside - depth;
-    let is_surface = beside > 0.0 && abs(slope) < edge_step(depth, f32(DIVISOR));
+    let is_surface = beside > 0.0 && abs(slope) < edge_step(depth, f32(view.divisor));
     let way = select(0.0, 0.5 * gap, is_surface);
     return delta_to(receiver, texels + step * way, max(depth + slope * way, 0.5 * depth));
 }
@@ -74,7 +74,7 @@ fn light_of(texel: vec2<i32>, entry: Entry, gap: f32) -> vec3<f32> {
         return entry.light;
     }
     let coarse = unpack_entry(textureLoad(levels, texel >> vec2(u32(level)), level).rg);
-    let is_surface = abs(coarse.depth - entry.depth) < edge_step(entry.depth, f32(DIVISOR << u32(level)));
+    let is_surface = abs(coarse.depth - entry.depth) < edge_step(entry.depth, f32(view.divisor << u32(level)));
     return select(entry.light, coarse.light, is_surface);
 }
 
@@ -125,11 +125,12 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     if !(depth > 0.0) {
         return vec4(0.0);
     }
-    let pixel = texel * DIVISOR;
+    let pixel = texel * view.divisor;
     var receiver: Receiver;
     receiver.texel = start_at(texel, vec2(0));
     let center = vec2<f32>(pixel) + 0.5;
     receiver.ray = ray_at(view.view_from_pixel, center);
+    receiver.ray_per_texel = ray_step(view.view_from_pixel, vec2(f32(view.divisor)));
     receiver.position = position_on(view.view_from_pixel, receiver.ray, depth);
 #ifdef PROJECTION_ORTHOGRAPHIC
     receiver.to_viewer = vec3(0.0, 0.0, 1.0);
@@ -142,9 +143,10 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
     pixels *= shrink;
     let metres = view.radius * shrink;
     // Also true of NaN.
-    if !(max(abs(pixels.x), abs(pixels.y)) > f32(DIVISOR)) {
+    if !(max(abs(pixels.x), abs(pixels.y)) > f32(view.divisor)) {
         return vec4(0.0);
     }
+    let texels = pixels / f32(view.divisor);
     receiver.decline = view.inverse_falloff / (metres * metres);
 
     let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
@@ -176,7 +178,7 @@ fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
 #endif
         let lobe = slice_normal(normal, receiver.to_viewer, tangent);
         let surface = slice_normal(receiver.geometric, receiver.to_viewer, tangent);
-        let on_screen = pixels * vec2(direction.x, -direction.y) / f32(DIVISOR);
+        let on_screen = texels * vec2(direction.x, -direction.y);
         let reach = max(abs(on_screen.x), abs(on_screen.y));
         let step = on_screen / reach;
         // Steps are jittered too, in another order than directions.

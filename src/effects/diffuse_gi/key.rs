@@ -9,9 +9,8 @@ use crate::{
 /// Pipeline key of all passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct GiKey {
-    /// Slices, and steps per side.
+    /// Slices, and steps per side. Compiled in, so that loops unroll.
     pub(super) samples: (u32, u32),
-    pub(super) divisor: u32,
     pub(super) projection: ProjectionKind,
 }
 
@@ -21,7 +20,6 @@ impl EffectKey for GiKey {
         let mut defs = vec![
             ShaderDefVal::UInt("SLICES".into(), slices),
             ShaderDefVal::UInt("STEPS".into(), steps),
-            ShaderDefVal::UInt("DIVISOR".into(), self.divisor),
         ];
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs

@@ -8,9 +8,6 @@
 }
 #import bevy_lean_deferred::effects::shown_exposure::light_of_whites
 
-/// Side of a texel in pixels.
-const DIVISOR: i32 = #{DIVISOR};
-
 /// Clamp of a texel's light, in multiples of what shows as white: brighter single texels would make neighbours flicker. The total
 /// light of a source is not clamped, because it may cover more texels.
 const MOST_WHITES: f32 = 256.0;
@@ -22,15 +19,18 @@ var<workgroup> entries_0: array<vec4<f32>, 256>;
 var<workgroup> entries_1: array<vec4<f32>, 64>;
 var<workgroup> entries_2: array<vec4<f32>, 16>;
 
-/// Mean light of a texel of the last frame, which covers `DIVISOR` × `DIVISOR` pixels.
+/// Mean light of a texel of the last frame, which covers a pixel or 2×2.
 fn light_of(texel: vec2<i32>) -> vec3<f32> {
+    if view.last_divisor == 1 {
+        return unpack_light(textureLoad(diffuse_light_texture, texel, 0).r);
+    }
     let last_pixel = vec2<i32>(view.viewport_size) - 1;
     var light = vec3(0.0);
-    for (var i = 0; i < DIVISOR * DIVISOR; i++) {
-        let pixel = min(texel * DIVISOR + vec2(i % DIVISOR, i / DIVISOR), last_pixel);
+    for (var i = 0; i < 4; i++) {
+        let pixel = min(texel * 2 + vec2(i & 1, i >> 1u), last_pixel);
         light += unpack_light(textureLoad(diffuse_light_texture, pixel, 0).r);
     }
-    return light / f32(DIVISOR * DIVISOR);
+    return light / 4.0;
 }
 
 /// Light that the surface at `pixel` sent out in the last frame; 0 if that frame did not show it.
@@ -51,15 +51,15 @@ fn last_light(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
         return vec3(0.0);
     }
     // Nearest of the four texels around that shows the surface.
-    let texels = (at - 0.5) / f32(DIVISOR);
+    let texels = (at - 0.5) / f32(view.last_divisor);
     let first = vec2<i32>(floor(texels + 1e-3));
     let along = texels - vec2<f32>(first);
-    let largest = SAME_SURFACE * edge_step(expected, f32(DIVISOR));
+    let largest = SAME_SURFACE * edge_step(expected, f32(view.last_divisor));
     var best = vec2(-1);
     var weight = 0.0;
     for (var i = 0; i < 4; i++) {
         let corner = vec2(i & 1, i >> 1u);
-        let texel = min(first + corner, vec2<i32>(view.texture_size) - 1);
+        let texel = min(first + corner, vec2<i32>(view.last_texture_size) - 1);
         let depth = bitcast<f32>(textureLoad(last_levels, texel, 0).r);
         let near = select(1.0 - along, along, corner == vec2(1));
         let nearness = max(near.x, 0.0) * max(near.y, 0.0) + 1e-6;
@@ -78,7 +78,7 @@ fn last_light(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
 }
 
 fn entry_at(texel: vec2<u32>) -> Entry {
-    let pixel = vec2<i32>(texel) * DIVISOR;
+    let pixel = vec2<i32>(texel) * view.divisor;
     let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
     var entry: Entry;
     // Sky and NaN stay 0.
@@ -118,7 +118,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     entries_0[i] = vec4(entry.light, entry.depth);
     workgroupBarrier();
 
-    let pixels = f32(DIVISOR);
+    let pixels = f32(view.divisor);
     if i < 64u {
         let place = vec2(i % 8u, i / 8u);
         let first = 2u * (place.x + 16u * place.y);

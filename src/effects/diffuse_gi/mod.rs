@@ -16,7 +16,8 @@
 // - `key.rs`: pipeline keys.
 // - `pipelines.rs`: the table of the passes, their bindings and pipelines.
 // - `active.rs`: decides per view and frame if light is computed.
-// - `prepare.rs`: uniforms, textures and bind groups of views.
+// - `textures.rs`: the textures of a view, and its history.
+// - `prepare.rs`: uniforms and bind groups of views.
 // - `pass.rs`: runs the passes.
 // - `levels.wgsl`: depth, and the reprojected light of the last frame.
 // - `gather.wgsl`: light and occlusion of each texel.
@@ -33,16 +34,15 @@ mod pass;
 mod pipelines;
 mod prepare;
 mod settings;
+mod textures;
 mod uniforms;
 
 pub use settings::{LeanScreenSpaceGi, LeanScreenSpaceGiAdvanced};
 // For tests and benches.
 #[doc(hidden)]
 pub use {
-    active::ActiveGi,
-    forward_light::ForwardLight,
-    prepare::{GiBindings, ViewGi},
-    uniforms::GiUniform,
+    active::ActiveGi, forward_light::ForwardLight, pipelines::PASSES, prepare::GiBindings,
+    textures::ViewGi, uniforms::GiUniform,
 };
 
 use bevy::{

@@ -13,7 +13,8 @@ use bevy::{
 use super::{
     active::ActiveGi,
     pipelines::{GiPipelines, PASSES},
-    prepare::{GiBindings, ViewGi},
+    prepare::GiBindings,
+    textures::ViewGi,
 };
 use crate::{
     effects::history_validity::FrameNumber,

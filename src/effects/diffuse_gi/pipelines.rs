@@ -31,12 +31,13 @@ pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 pub(super) const LEVEL_COUNT: u32 = 4;
 
 /// The passes between G-buffer and lighting, in order.
-pub(super) const PASSES: [ComputePass; 3] = [
+pub const PASSES: [ComputePass; 3] = [
     ComputePass {
         label: "lean_deferred/effects/diffuse_gi/levels",
         shader: |assets| load_embedded_asset!(assets, "levels.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &[],
         reads: &[
             VIEW,
             DEPTH_TEXTURE,
@@ -52,6 +53,12 @@ pub(super) const PASSES: [ComputePass; 3] = [
         shader: |assets| load_embedded_asset!(assets, "gather.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &[
+            "SLICES",
+            "STEPS",
+            "PROJECTION_PERSPECTIVE",
+            "PROJECTION_ORTHOGRAPHIC",
+        ],
         reads: &[VIEW, DEPTH_TEXTURE, NORMAL_TEXTURE, LEVELS],
         writes: &[GATHERED_OUTPUT],
     },
@@ -60,6 +67,7 @@ pub(super) const PASSES: [ComputePass; 3] = [
         shader: |assets| load_embedded_asset!(assets, "filter.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &[],
         reads: &[VIEW, LEVELS, GATHERED_TEXTURE],
         writes: &[OUTPUT_TEXTURE],
     },
@@ -68,9 +76,7 @@ pub(super) const PASSES: [ComputePass; 3] = [
 pub(super) type GiPipelines = EffectPipelines<GiKey>;
 
 pub(super) fn init_gi_pipelines(mut commands: Commands, asset_server: Res<AssetServer>) {
-    commands.insert_resource(GiPipelines::new(&asset_server, &PASSES, |_, binding| {
-        binding_kind(binding)
-    }));
+    commands.insert_resource(GiPipelines::new(&asset_server, &PASSES, binding_kind));
 }
 
 /// The kind of a binding.

@@ -1,4 +1,4 @@
-//! Per-view resources of the passes: uniform, textures and bind groups. Bind groups are recreated only when their resources change.
+//! Per-view resources of the passes: uniform and bind groups, and the creation of textures. Bind groups are recreated only when their resources change.
 
 use bevy::{
     camera::MainPassResolutionOverride,
@@ -7,7 +7,7 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        render_resource::{BindGroup, BindingResource, DynamicUniformBuffer, IntoBinding, Texture},
+        render_resource::{BindGroup, BindingResource, DynamicUniformBuffer, IntoBinding},
         renderer::{RenderDevice, RenderQueue},
         texture::FallbackImageZero,
         view::{ExtractedView, ViewDepthTexture},
@@ -21,33 +21,24 @@ use super::{
         LEVEL_0, LEVEL_3, LEVELS, MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, SHOWN_EXPOSURE,
         VIEW,
     },
-    pipelines::{GiPipelines, LEVEL_COUNT, LEVELS_FORMAT, LIGHT_FORMAT, PASSES},
+    pipelines::{GiPipelines, PASSES},
+    textures::ViewGi,
     uniforms::GiUniform,
 };
 use crate::{
     effects::{
         history_validity::{FrameNumber, HistoryValidity, LastFrame},
-        shown_exposure::{BoundedByWhite, ShownExposure},
         world_shift::WorldShift,
     },
     gbuffer::GBufferTextures,
-    gpu::{
-        bind_group_cache::CachedBindGroup, storage_texture::StorageTexture,
-        texture_bytes::texture_bytes,
-    },
-    shader_library::tiles,
+    gpu::bind_group_cache::CachedBindGroup,
     view::{
         ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LightingIo,
         OutOfMemory,
     },
 };
 
-/// Texels per side that a workgroup of the first pass writes.
-const LEVELS_SIDE: u32 = 16;
-/// Texels per side of a block of the second pass.
-const GATHER_SIDE: u32 = 32;
-/// Workgroups that share such a block.
-const PHASES: u32 = 16;
+const LABEL: &str = "lean_deferred/effects/diffuse_gi";
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
@@ -57,79 +48,6 @@ impl GiUniforms {
     /// `None` without views.
     pub(super) fn binding(&self) -> Option<BindingResource<'_>> {
         self.0.binding()
-    }
-}
-
-/// On a view with diffuse GI: its history, and the outputs of the passes.
-#[derive(Component)]
-pub struct ViewGi {
-    /// Of this frame and the last one, alternating.
-    levels: [StorageTexture<{ LEVEL_COUNT as usize }>; 2],
-    current: usize,
-    gathered: StorageTexture,
-    output: StorageTexture,
-    texture_size: UVec2,
-    pub(super) viewport_size: UVec2,
-    /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
-    has_motion: bool,
-    pub(super) frames: HistoryValidity,
-    pub(super) offset: u32,
-    shown_exposure: ShownExposure,
-}
-
-impl ViewGi {
-    fn new(
-        device: &RenderDevice,
-        view: &ExtractedView,
-        texture_size: UVec2,
-        frames: HistoryValidity,
-    ) -> Self {
-        let levels = "lean_deferred/effects/diffuse_gi/levels";
-        let light = |label| StorageTexture::new(device, label, texture_size, LIGHT_FORMAT);
-        Self {
-            levels: [(); 2]
-                .map(|()| StorageTexture::new(device, levels, texture_size, LEVELS_FORMAT)),
-            current: 0,
-            gathered: light("lean_deferred/effects/diffuse_gi/gathered"),
-            output: light("lean_deferred/effects/diffuse_gi/output"),
-            texture_size,
-            viewport_size: UVec2::ZERO,
-            has_motion: false,
-            frames,
-            offset: 0,
-            shown_exposure: ShownExposure::new(device, view),
-        }
-    }
-
-    /// Workgroups of the passes.
-    pub(super) fn workgroups(&self) -> [UVec2; PASSES.len()] {
-        let of = |side: u32| self.texture_size.map(|length| length.div_ceil(side));
-        [
-            of(LEVELS_SIDE),
-            of(GATHER_SIDE) * UVec2::new(PHASES, 1),
-            tiles::count(self.texture_size),
-        ]
-    }
-
-    /// Parameters of the last frame; `None` if its levels are invalid for this frame.
-    pub fn last(&self) -> Option<&LastFrame> {
-        self.frames.last()
-    }
-
-    pub(super) fn bytes(&self) -> u64 {
-        self.textures().map(texture_bytes).sum::<u64>() + self.shown_exposure.bytes()
-    }
-
-    /// All textures that it holds.
-    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
-        let levels = self.levels.iter().map(|levels| &levels.texture);
-        levels.chain([&self.gathered.texture, &self.output.texture])
-    }
-}
-
-impl BoundedByWhite for ViewGi {
-    fn shown_exposure(&self) -> &ShownExposure {
-        &self.shown_exposure
     }
 }
 
@@ -162,26 +80,31 @@ pub(super) fn prepare_gi(
         let now = LastFrame::of(view, resolution, camera.exposure, &shift);
         let mut made = None;
         let size = GiUniform::new(&active.settings, &now, None).texture_size;
-        let gi = match gi {
-            Some(gi) if gi.texture_size == size => {
+        let held = match gi {
+            Some(gi) => {
                 let gi = gi.into_inner();
                 gi.frames.advance(now, cuts, &number);
                 gi.current = 1 - gi.current;
-                gi
+                let resized = gi.is_of(size)
+                    || (memory.fit(&device, entity, LABEL, || gi.resize(&device, size))).is_some();
+                resized.then_some(gi)
             }
-            _ => {
+            None => {
                 let make = || ViewGi::new(&device, view, size, HistoryValidity::new(now, cuts));
-                let Some(new) =
-                    memory.fit(&device, entity, "lean_deferred/effects/diffuse_gi", make)
-                else {
-                    found.0 = None;
-                    commands.entity(entity).remove::<ViewGi>();
-                    continue;
-                };
-                made.insert(new)
+                made = memory.fit(&device, entity, LABEL, make);
+                made.as_mut()
             }
         };
+        let Some(gi) = held else {
+            found.0 = None;
+            commands.entity(entity).remove::<ViewGi>();
+            continue;
+        };
         let mut uniform = GiUniform::new(&active.settings, &now, gi.frames.last());
+        gi.levels[gi.current].divisor = uniform.divisor;
+        let last = &gi.levels[1 - gi.current];
+        uniform.last_divisor = last.divisor;
+        uniform.last_texture_size = last.size;
         uniform.turn = FrameAveraging::turn(averaging, &frame);
         uniform.has_motion = has_motion.into();
         gi.has_motion = has_motion;
@@ -223,7 +146,7 @@ pub(super) fn prepare_gi_bind_groups(
     (uniforms, no_motion): (Res<GiUniforms>, Res<FallbackImageZero>),
     mut views: Query<(
         Entity,
-        (&ActiveGi, &ViewGi),
+        &ViewGi,
         (&GBufferTextures, &ViewDepthTexture, &DiffuseLight),
         Option<&ViewPrepassTextures>,
         Option<&mut GiBindings>,
@@ -232,14 +155,14 @@ pub(super) fn prepare_gi_bind_groups(
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.binding()) else {
         return;
     };
-    for (entity, (active, gi), (gbuffer, depth, light), prepass, bindings) in &mut views {
+    for (entity, gi, (gbuffer, depth, light), prepass, bindings) in &mut views {
         let mut made = None;
         let bindings = match bindings {
             Some(bindings) => bindings.into_inner(),
             None => made.insert(GiBindings::default()),
         };
         bindings.current = gi.current;
-        let (levels, last) = (&gi.levels[gi.current], &gi.levels[1 - gi.current]);
+        let [levels, last] = [gi.current, 1 - gi.current].map(|i| &gi.levels[i].texture);
         let resource = |binding: u32| {
             Some(match binding {
                 VIEW => uniforms.clone(),
@@ -261,8 +184,8 @@ pub(super) fn prepare_gi_bind_groups(
             })
         };
         let groups = &mut bindings.groups[gi.current];
-        for (group, pass) in groups.iter_mut().zip(pipelines.of(active.key)) {
-            group.bind(&device, &pass.layout, resource);
+        for (group, layout) in groups.iter_mut().zip(pipelines.layouts()) {
+            group.bind(&device, layout, resource);
         }
         if let Some(made) = made {
             commands.entity(entity).insert(made);

@@ -34,6 +34,9 @@ pub struct GiUniform {
     viewport_origin: UVec2,
     pub(super) viewport_size: UVec2,
     pub(super) texture_size: UVec2,
+    pub(super) last_texture_size: UVec2,
+    pub(super) divisor: i32,
+    pub(super) last_divisor: i32,
     radius: f32,
     largest_radius_in_pixels: f32,
     inverse_falloff: f32,
@@ -50,6 +53,8 @@ impl GiUniform {
         let clip_from_view = now.clip_from_view;
         let size = now.viewport.size();
         let view_from_pixel = view_from_pixel(clip_from_view, size);
+        let divisor = settings.resolution.divisor();
+        let texture_size = resolution::texels(size, divisor);
         Self {
             view_from_pixel,
             view_from_world: now.world_from_view.inverse(),
@@ -60,7 +65,10 @@ impl GiUniform {
             edge: edge_of(clip_from_view, size),
             viewport_origin: now.viewport.min,
             viewport_size: size,
-            texture_size: resolution::texels(size, settings.resolution.divisor()),
+            texture_size,
+            last_texture_size: texture_size,
+            divisor: divisor as i32,
+            last_divisor: divisor as i32,
             radius: up_to(LARGEST_METRES, settings.radius),
             largest_radius_in_pixels: (LARGEST_RADIUS * size.y as f32).max(1.0),
             // At least 1e-4, so that 0 is a hard edge without a division by 0.

@@ -18,6 +18,12 @@ struct GiUniform {
     viewport_size: vec2<u32>,
     /// Size of the viewport in texels.
     texture_size: vec2<u32>,
+    /// The same in the last frame.
+    last_texture_size: vec2<u32>,
+    /// Side of a texel in pixels: 1 or 2.
+    divisor: i32,
+    /// The same in the last frame.
+    last_divisor: i32,
     /// In metres.
     radius: f32,
     largest_radius_in_pixels: f32,

@@ -32,6 +32,7 @@ pub(super) const PASSES: [ComputePass; 2] = [
         shader: |assets| load_embedded_asset!(assets, "levels.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &[],
         reads: &[COLOR_TEXTURE, VIEW, DEPTH_TEXTURE, SHOWN_EXPOSURE],
         writes: &[LEVEL_0, LEVEL_1, LEVEL_2, LEVEL_3],
     },
@@ -40,6 +41,7 @@ pub(super) const PASSES: [ComputePass; 2] = [
         shader: |assets| load_embedded_asset!(assets, "levels.wgsl"),
         entry: "main",
         defs: &["OF_LEVEL"],
+        key_defs: &[],
         reads: &[COLOR_TEXTURE],
         writes: &[LEVEL_0, LEVEL_1, LEVEL_2],
     },
@@ -57,7 +59,7 @@ pub(super) fn init_history_pipelines(mut commands: Commands, asset_server: Res<A
     commands.insert_resource(HistoryPipelines::new(&asset_server, &PASSES, binding_kind));
 }
 
-fn binding_kind(_: HistoryKey, binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
+fn binding_kind(binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
     Some(match binding {
         COLOR_TEXTURE => texture_2d(TextureSampleType::Float { filterable: false }),
         LEVEL_0..=LEVEL_3 => texture_storage_2d(FORMAT, StorageTextureAccess::WriteOnly),

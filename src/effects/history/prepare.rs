@@ -235,7 +235,7 @@ pub(in crate::effects) fn prepare_history_bind_groups(
         let [of_picture, of_level] = pipelines.specialize(&cache, HistoryKey) else {
             continue;
         };
-        (history.pictures).bind(&device, &of_picture.layout, target, |binding, picture| {
+        (history.pictures).bind(&device, of_picture, target, |binding, picture| {
             Some(match binding {
                 COLOR_TEXTURE => picture.into_binding(),
                 LEVEL_0..=LEVEL_3 => first[(binding - LEVEL_0) as usize].into_binding(),
@@ -245,7 +245,7 @@ pub(in crate::effects) fn prepare_history_bind_groups(
                 _ => return None,
             })
         });
-        (history.means).bind(&device, &of_level.layout, |binding| {
+        (history.means).bind(&device, of_level, |binding| {
             Some(match binding {
                 COLOR_TEXTURE => first.last()?.into_binding(),
                 LEVEL_0..=LEVEL_2 => rest[(binding - LEVEL_0) as usize].into_binding(),

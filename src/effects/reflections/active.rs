@@ -14,8 +14,8 @@ use crate::{
     gpu::pipeline_watch::PipelineWatch,
     shader_library::reconstruction::position::projection_of,
     view::{
-        ActiveLeanView, DebugView, Effect, EffectStatuses, GBufferTargets, IndirectSpecular,
-        LeanDebugView, LeanDeferred, LeanSupport,
+        ActiveLeanView, DebugView, Effect, EffectStatuses, IndirectSpecular, LeanDebugView,
+        LeanDeferred, LeanSupport,
     },
 };
 
@@ -24,10 +24,12 @@ use crate::{
 pub struct ActiveReflections {
     pub(super) settings: LeanScreenSpaceReflections,
     pub(super) key: ReflectionKey,
+    /// The debug view shows the hits of rays.
+    pub(super) shows_hits: bool,
 }
 
-/// Inserts or removes [`ActiveReflections`] and its requests to other passes. While pipelines for new settings compile, a view keeps
-/// its current ones. Cameras that are switched off lose it, which frees their GPU resources.
+/// Inserts or removes [`ActiveReflections`] and its requests to other passes. While pipelines for new settings compile, others
+/// stand in. Cameras that are switched off lose it, which frees their GPU resources.
 pub(super) fn decide_active_reflections(
     mut commands: Commands,
     pipelines: Option<ResMut<ReflectionPipelines>>,
@@ -40,51 +42,55 @@ pub(super) fn decide_active_reflections(
             &LeanScreenSpaceReflections,
             (Option<&LeanDeferred>, Option<&LeanDebugView>),
             Option<&MainPassResolutionOverride>,
-            (Option<&ActiveLeanView>, Option<&ActiveReflections>),
+            (Has<ActiveLeanView>, Has<ReadsHistory>),
+            Option<&ActiveReflections>,
         ),
         With<ExtractedCamera>,
     >,
-    switched_off: Query<Entity, (With<ActiveReflections>, Without<ExtractedCamera>)>,
+    switched_off: Query<
+        Entity,
+        (
+            Or<(With<ActiveReflections>, With<ReadsHistory>)>,
+            Without<ExtractedCamera>,
+        ),
+    >,
 ) {
     for entity in &switched_off {
-        commands.entity(entity).remove::<ActiveReflections>();
+        let mut view = commands.entity(entity);
+        view.remove::<(ActiveReflections, ReadsHistory)>();
     }
     let Some(mut pipelines) = pipelines else {
         return;
     };
-    for (entity, view, settings, (lean, debug_view), resolution, (last, current)) in &views {
+    for (entity, view, settings, (lean, debug_view), resolution, last, current) in &views {
+        let (was_lean, reads_history) = last;
         let camera = view.retained_view_entity.main_entity;
         let mut status = statuses.of(camera, Effect::Reflections);
         let can_run =
             !status.is_off_without(lean) && !status.is_off_by_device(&support.screen_space);
         let rows = drawn_part(view, resolution).height();
-        let key = ReflectionKey {
-            marches: settings.marches(rows),
+        let wanted = ReflectionKey {
             divisor: settings.texel_side(rows),
-            // From the last frame: if the target is new, coats reflect one frame late.
-            specialization: last
-                .is_some_and(|view| view.targets.contains(GBufferTargets::SPECIALIZATION)),
             projection: projection_of(view.clip_from_view),
-            shown: debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit),
         };
-        let active = can_run.then(|| {
-            let settings = *settings;
-            let wanted = ActiveReflections { settings, key };
-            let current = current.copied();
-            let active = pipelines.keep_until_compiled(&cache, wanted, current, |kept| kept.key);
-            status.set_running(active.is_some(), pipelines.failure(&watch, key));
-            active
+        let shows_hits = debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit);
+        let key = can_run.then(|| {
+            let key = pipelines.compiled_key(&cache, wanted, current.map(|active| active.key));
+            status.set_running(key.is_some(), pipelines.failure(&watch, wanted));
+            key
         });
-        match active.flatten() {
-            Some(active) => {
+        match key.flatten() {
+            Some(key) => {
                 let mut view = commands.entity(entity);
-                view.insert(active);
-                if last.is_some() {
-                    view.insert(ReadsHistory);
+                view.insert(ActiveReflections {
+                    settings: *settings,
+                    key,
+                    shows_hits,
+                });
+                if was_lean {
                     view.insert_if_new(IndirectSpecular::default());
                 } else {
-                    // The camera was not rendered lean: drop its history and output.
-                    view.remove::<ReadsHistory>();
+                    // The camera was not rendered lean: drop its output.
                     view.insert(IndirectSpecular::default());
                 }
             }
@@ -92,6 +98,12 @@ pub(super) fn decide_active_reflections(
                 commands.entity(entity).remove::<ActiveReflections>();
             }
             None => {}
+        }
+        // Also while pipelines compile, so that there is a last frame when they are.
+        if can_run && was_lean {
+            commands.entity(entity).insert(ReadsHistory);
+        } else if reads_history {
+            commands.entity(entity).remove::<ReadsHistory>();
         }
     }
 }

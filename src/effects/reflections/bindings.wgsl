@@ -31,9 +31,6 @@
 @group(0) @binding(18) var filtered_output: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(19) var output_texture: texture_storage_2d<rgba16float, write>;
 
-/// Side of a texel of rays in pixels.
-const DIVISOR: i32 = #{DIVISOR};
-
 /// View-space position of a point of the picture, in pixels.
 fn view_position(at: vec2<f32>, depth: f32) -> vec3<f32> {
     return reconstruction::view_position(view.view_from_pixel, vec3(at, depth));

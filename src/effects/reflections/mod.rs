@@ -50,6 +50,7 @@ pub use settings::{LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvance
 #[doc(hidden)]
 pub use {
     active::ActiveReflections,
+    pipelines::PASSES,
     prepare::{ReflectionBindings, ViewReflections, WORKGROUP_SIDE},
     uniforms::ReflectionUniform,
 };
@@ -117,15 +118,12 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        removal::remove_with::<LeanScreenSpaceReflections, ActiveReflections>(render_app);
+        removal::remove_with::<LeanScreenSpaceReflections, (ActiveReflections, ReadsHistory)>(
+            render_app,
+        );
         removal::remove_with::<
             ActiveReflections,
-            (
-                ViewReflections,
-                ReflectionBindings,
-                IndirectSpecular,
-                ReadsHistory,
-            ),
+            (ViewReflections, ReflectionBindings, IndirectSpecular),
         >(render_app);
         removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
         removal::remove_with::<ViewReflections, RayHits>(render_app);

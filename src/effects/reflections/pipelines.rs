@@ -34,12 +34,13 @@ pub(super) const SURFACES_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 pub(super) const HITS_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
 /// The passes, in order.
-pub(super) const PASSES: [ComputePass; 4] = [
+pub const PASSES: [ComputePass; 4] = [
     ComputePass {
         label: "lean_deferred/effects/reflections/hi_z",
         shader: |assets| load_embedded_asset!(assets, "hi_z.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &["PROJECTION_ORTHOGRAPHIC"],
         reads: &[VIEW, DEPTH_TEXTURE, DEPTH_SAMPLER],
         writes: &[HI_Z_OUTPUT],
     },
@@ -48,6 +49,7 @@ pub(super) const PASSES: [ComputePass; 4] = [
         shader: |assets| load_embedded_asset!(assets, "trace.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &["PROJECTION_PERSPECTIVE", "PROJECTION_ORTHOGRAPHIC"],
         reads: &[
             VIEW,
             DEPTH_TEXTURE,
@@ -66,6 +68,7 @@ pub(super) const PASSES: [ComputePass; 4] = [
         shader: |assets| load_embedded_asset!(assets, "spatial_filter.wgsl"),
         entry: "main",
         defs: &["SPATIAL_FILTER"],
+        key_defs: &[],
         reads: &[VIEW, SURFACES_TEXTURE, RAYS_TEXTURE, HITS_TEXTURE],
         writes: &[FILTERED_OUTPUT],
     },
@@ -74,6 +77,11 @@ pub(super) const PASSES: [ComputePass; 4] = [
         shader: |assets| load_embedded_asset!(assets, "resolve.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &[
+            "DIVISOR",
+            "PROJECTION_PERSPECTIVE",
+            "PROJECTION_ORTHOGRAPHIC",
+        ],
         reads: &[
             VIEW,
             DEPTH_TEXTURE,
@@ -102,8 +110,8 @@ pub(super) fn init_reflection_pipelines(mut commands: Commands, asset_server: Re
     ));
 }
 
-/// The kind of a binding; `None` for those of special surfaces if the view has none.
-fn binding_kind(key: ReflectionKey, binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
+/// The kind of a binding.
+fn binding_kind(binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
     let words = texture_2d(TextureSampleType::Uint);
     let floats = |filterable| texture_2d(TextureSampleType::Float { filterable });
     let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
@@ -111,7 +119,6 @@ fn binding_kind(key: ReflectionKey, binding: u32) -> Option<BindGroupLayoutEntry
         VIEW => uniform_buffer::<ReflectionUniform>(true),
         DEPTH_TEXTURE => texture_depth_2d(),
         DEPTH_SAMPLER => sampler(SamplerBindingType::NonFiltering),
-        VALID_MASK_TEXTURE | SPECIALIZATION_TEXTURE if !key.specialization => return None,
         NORMAL_TEXTURE | VALID_MASK_TEXTURE | SPECIALIZATION_TEXTURE => words,
         MOTION_TEXTURE => floats(false),
         HISTORY_TEXTURE => floats(true),

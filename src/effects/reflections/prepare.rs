@@ -189,6 +189,8 @@ pub(super) fn prepare_reflections(
             ReflectionUniform::new(&active.settings, active.key.divisor, &now, history.last());
         uniform.history_size = history.size().as_vec2();
         uniform.turn = FrameAveraging::turn(averaging, &frame);
+        uniform.has_specialization = lean.targets.contains(GBufferTargets::SPECIALIZATION).into();
+        uniform.shows_hits = active.shows_hits.into();
         let mut made = None;
         let reflections = match reflections {
             Some(reflections) if reflections.is_for(&uniform) => reflections.into_inner(),
@@ -208,7 +210,7 @@ pub(super) fn prepare_reflections(
         reflections.has_motion = has_motion;
         reflections.offset = writer.write(&uniform);
         found.0 = Some(reflections.output.view.clone());
-        if active.key.shown {
+        if active.shows_hits {
             let hits = RayHits(reflections.hits.view.clone());
             commands.entity(entity).insert(hits);
         } else if has_hits {
@@ -245,7 +247,7 @@ pub(super) fn prepare_reflection_bind_groups(
     no_motion: Res<FallbackImageZero>,
     mut views: Query<(
         Entity,
-        (&ActiveReflections, &ViewReflections, &ViewHistory),
+        (&ViewReflections, &ViewHistory),
         (&GBufferTextures, &ViewDepthTexture),
         Option<&ViewPrepassTextures>,
         Option<&mut ReflectionBindings>,
@@ -254,7 +256,7 @@ pub(super) fn prepare_reflection_bind_groups(
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
         return;
     };
-    for (entity, (active, held, history), (gbuffer, depth), prepass, bindings) in &mut views {
+    for (entity, (held, history), (gbuffer, depth), prepass, bindings) in &mut views {
         let fixtures = fixtures.get(&device);
         let mut made = None;
         let bindings = match bindings {
@@ -287,8 +289,8 @@ pub(super) fn prepare_reflection_bind_groups(
             };
             Some(view.into_binding())
         };
-        for (group, pass) in bindings.0.iter_mut().zip(pipelines.of(active.key)) {
-            group.bind(&device, &pass.layout, resource);
+        for (group, layout) in bindings.0.iter_mut().zip(pipelines.layouts()) {
+            group.bind(&device, layout, resource);
         }
         if let Some(made) = made {
             commands.entity(entity).insert(made);

@@ -1,12 +1,12 @@
 // Resolves the reflection of each pixel from the rays around it. A rough mirror interpolates the lobes around it. A smooth one
 // has the light of one point: the end of its own ray, which is as long as those beside it.
-#import bevy_lean_deferred::effects::reflections::bindings::{DIVISOR, depth_texture, output_texture, view, view_position}
+#import bevy_lean_deferred::effects::reflections::bindings::{depth_texture, output_texture, view, view_position}
 #import bevy_lean_deferred::effects::reflections::receiver::{Receiver, likeness_beside, width_at}
 #import bevy_lean_deferred::effects::reflections::rough_light::{keep_lobe, lobe_at, rough_light}
 #import bevy_lean_deferred::effects::reflections::smooth_light::smooth_light
 #import bevy_lean_deferred::effects::reflections::surface::{mirror_of, normal_word_at, smoothness}
 #import bevy_lean_deferred::effects::reflections::texels::{
-    FIRST_MADE, INVOCATIONS, CACHE_SIDE, WORKGROUP_SIDE, inverse_step_at, keep, slope_at, texel_at,
+    CACHE_SIDE, DIVISOR, FIRST_MADE, INVOCATIONS, WORKGROUP_SIDE, inverse_step_at, keep, slope_at, texel_at,
 }
 #import bevy_lean_deferred::tiles::{TILE_SIDE as TILE, place_in_tile}
 #import bevy_lean_deferred::workgroup::is_any

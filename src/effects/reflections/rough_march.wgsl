@@ -5,8 +5,6 @@
 #import bevy_lean_deferred::effects::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
 
-/// Length of the shortest segment, in pixels.
-const SHORTEST: f32 = f32(#{SHORTEST_SEGMENT}u);
 /// Largest factor on the length of segments, reached in front of all surfaces.
 const LONGER: f32 = 4.0;
 /// Segments per iteration. Their reads do not depend on each other's results, so all are issued before the first is used.
@@ -77,7 +75,7 @@ fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<fu
     var now = *march;
     var crossing: Crossing;
     while now.segments < segments && now.u < ray.end && !crossing.is_one {
-        let length = max(SHORTEST, growth * now.u) * now.factor;
+        let length = max(view.shortest_segment, growth * now.u) * now.factor;
         now.length = length;
         // The smallest cells that are at least as long.
         let is_16 = length > 4.0;

@@ -130,29 +130,29 @@ impl LeanScreenSpaceReflections {
     /// How rays march in a view of `rows` rows.
     pub(super) fn marches(&self, rows: u32) -> Marches {
         let (smooth_steps, rough_segments, pixels, growth_percent) = match self.quality {
-            LeanQuality::Low => (48, 48, 8, 45),
-            LeanQuality::Medium => (64, 48, 8, 45),
-            LeanQuality::High => (128, 96, 4, 15),
-            LeanQuality::Ultra => (256, 192, 2, 8),
+            LeanQuality::Low => (48, 48, 8, 45.0),
+            LeanQuality::Medium => (64, 48, 8, 45.0),
+            LeanQuality::High => (128, 96, 4, 15.0),
+            LeanQuality::Ultra => (256, 192, 2, 8.0),
         };
         Marches {
             smooth_steps,
             rough_segments,
-            shortest_segment: pixels * self.texel_step(rows),
-            growth_percent,
+            shortest_segment: (pixels * self.texel_step(rows)) as f32,
+            growth: 0.01 * growth_percent,
         }
     }
 }
 
 /// Range and precision of rays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Marches {
     /// Most steps of a ray from a smooth surface (perceptual roughness up to 0.2) before it continues in segments.
     pub(super) smooth_steps: u32,
     /// Most segments of a ray from a rough surface, or of the rest of one from a smooth surface.
     pub(super) rough_segments: u32,
     /// Shortest segment, in pixels.
-    pub(super) shortest_segment: u32,
-    /// Length of a segment, in percent of the distance marched times the perceptual roughness squared.
-    pub(super) growth_percent: u32,
+    pub(super) shortest_segment: f32,
+    /// Length of a segment, as a share of the distance marched times the perceptual roughness squared.
+    pub(super) growth: f32,
 }

@@ -1,19 +1,14 @@
 // Mirrors, and the light of surfaces in the last frame.
 #define_import_path bevy_lean_deferred::effects::reflections::surface
 
-#import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal, unpack_roughness}
+#import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, SPECIALIZATION_VALID, unpack_normal, unpack_roughness}
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    history_sampler, history_texture, motion_texture, normal_texture, view,
+    history_sampler, history_texture, motion_texture, normal_texture, specialization_texture, valid_mask_texture, view,
 }
-
-#ifdef SPECIALIZATION
-#import bevy_lean_deferred::gbuffer::layout::SPECIALIZATION_VALID
 #import bevy_lean_deferred::gbuffer::layout::specialization::{
     CLEARCOAT, UNLIT, unpack_arguments, unpack_shading_model,
 }
-#import bevy_lean_deferred::effects::reflections::bindings::{specialization_texture, valid_mask_texture}
 #import bevy_lean_deferred::shading_models::clearcoat::{unpack_clearcoat_roughness, unpack_clearcoat_strength}
-#endif
 
 struct Mirror {
     /// In world space.
@@ -35,7 +30,9 @@ fn mirror_of(pixel: vec2<i32>, word: u32) -> Mirror {
         return Mirror(vec3(0.0, 0.0, 1.0), NO_MIRROR);
     }
     var mirror = Mirror(unpack_normal(word), unpack_roughness(word));
-#ifdef SPECIALIZATION
+    if view.has_specialization == 0u {
+        return mirror;
+    }
     let place = vec2<i32>(view.viewport_origin) + pixel;
     if (textureLoad(valid_mask_texture, place, 0).r & SPECIALIZATION_VALID) != 0u {
         let word = textureLoad(specialization_texture, place, 0).r;
@@ -48,7 +45,6 @@ fn mirror_of(pixel: vec2<i32>, word: u32) -> Mirror {
             mirror.roughness = unpack_clearcoat_roughness(arguments);
         }
     }
-#endif
     return mirror;
 }
 

@@ -5,7 +5,7 @@
 #import bevy_lean_deferred::gbuffer::layout::{light::{pack_halves, unpack_halves}, unpack_normal}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    DIVISOR, edge_step, hits_texture, rays_texture, surfaces_texture, view,
+    edge_step, hits_texture, rays_texture, surfaces_texture, view,
 }
 
 /// Side in texels of the lobes, and in pixels of the light, that a workgroup makes.
@@ -18,6 +18,8 @@ const MADE: i32 = WORKGROUP_SIDE;
 const RIM: i32 = 2;
 const INVOCATIONS: i32 = 256;
 #else
+/// Side of a texel in pixels.
+const DIVISOR: i32 = #{DIVISOR};
 /// Side in texels of those around the pixels.
 const MADE: i32 = WORKGROUP_SIDE / DIVISOR + 1;
 /// Border of texels that are read too, for slopes.
@@ -91,5 +93,5 @@ fn slope_at(texel: i32) -> vec2<f32> {
 
 /// 1 / the depth step that separates surfaces a texel apart.
 fn inverse_step_at(depth: f32) -> f32 {
-    return 1.0 / edge_step(depth, f32(DIVISOR));
+    return 1.0 / edge_step(depth, f32(view.divisor));
 }

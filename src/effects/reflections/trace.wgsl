@@ -5,7 +5,7 @@
 #import bevy_lean_deferred::horizon::tangents
 #import bevy_lean_deferred::pattern::rotation_index
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    DIVISOR, depth_in_view, hits_output, pack_hit, rays_output, surfaces_output, to_viewer, view, view_position,
+    depth_in_view, hits_output, pack_hit, rays_output, surfaces_output, to_viewer, view, view_position,
 }
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, hit_at, metres_at, ray_on_screen}
 #import bevy_lean_deferred::effects::reflections::rough_march
@@ -20,12 +20,7 @@ const RAYS: u32 = 16u;
 /// makes no difference.
 const ROUGH: f32 = 51.5 / 255.0;
 
-const ROUGH_SEGMENTS: u32 = #{ROUGH_SEGMENTS}u;
-const SMOOTH_STEPS: u32 = #{SMOOTH_STEPS}u;
-/// Growth of a ray's segments with its length, in hundredths of its squared roughness. 50 is the radius of the part that one of
-/// sixteen rays represents: a quarter of the lobe's radius.
-const GROWTH_PERCENT: f32 = f32(#{GROWTH_PERCENT}u);
-/// Least growth, so that most rays leave the picture before their segments are used up.
+/// Least growth of a ray's segments with its length, so that most rays leave the picture before their segments are used up.
 const LEAST_GROWTH: f32 = 0.03;
 
 /// Result of a ray.
@@ -52,7 +47,7 @@ fn rim_fade(at: vec2<f32>) -> f32 {
 
 fn trace_at(texel: vec2<i32>) -> TraceResult {
     var result: TraceResult;
-    let pixel = texel * DIVISOR;
+    let pixel = texel * view.divisor;
     let depth = depth_in_view(pixel);
     if !(depth > 0.0) || view.exposure_ratio == 0.0 {
         return result;
@@ -84,15 +79,15 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     // Skips the pixel itself.
     var state = MarchState(1.0, true, 0.0);
     if !is_rough {
-        hit = smooth_march::march(ray, direction, SMOOTH_STEPS, &state);
+        hit = smooth_march::march(ray, direction, view.smooth_steps, &state);
     }
     // Rays of rough surfaces march in segments from the start. Smooth ones whose steps are used up continue in segments: they are few,
     // but all others would wait for them.
     if !hit.is_hit && state.u < ray.end {
         // Differs from that of neighbouring rays.
         let phase = fract(f32(turn) * 0.618034);
-        let growth = max(0.01 * GROWTH_PERCENT * alpha, LEAST_GROWTH);
-        hit = rough_march::march(ray, direction, growth, phase, ROUGH_SEGMENTS, !is_rough, &state);
+        let growth = max(view.growth * alpha, LEAST_GROWTH);
+        hit = rough_march::march(ray, direction, growth, phase, view.rough_segments, !is_rough, &state);
     }
     if !hit.is_hit {
         return result;
@@ -133,12 +128,10 @@ fn main(
     if all(texel < view.texture_size) {
         let result = trace_at(vec2<i32>(texel));
         textureStore(surfaces_output, texel, vec4(result.surface, 0u, 0u));
-#ifndef SHOWN
         // Other texels are not read.
-        if result.surface.y == 0u {
+        if result.surface.y == 0u && view.shows_hits == 0u {
             return;
         }
-#endif
         textureStore(rays_output, texel, result.light);
         textureStore(hits_output, texel, vec4(result.hit));
     }

@@ -34,6 +34,11 @@ pub struct ReflectionUniform {
     viewport_origin: UVec2,
     pub(super) viewport_size: UVec2,
     pub(super) texture_size: UVec2,
+    divisor: i32,
+    smooth_steps: u32,
+    rough_segments: u32,
+    shortest_segment: f32,
+    growth: f32,
     edge_metres: f32,
     metres_per_unit: f32,
     thickness: f32,
@@ -43,6 +48,8 @@ pub struct ReflectionUniform {
     exposure_ratio: f32,
     pub(super) turn: f32,
     pub(super) has_motion: u32,
+    pub(super) has_specialization: u32,
+    pub(super) shows_hits: u32,
 }
 
 impl ReflectionUniform {
@@ -56,6 +63,7 @@ impl ReflectionUniform {
         let clip_from_view = now.clip_from_view;
         let size = now.viewport.size();
         let thickness = up_to(LARGEST_METRES, settings.thickness);
+        let marches = settings.marches(size.y);
         let pixels_per_metre = pixels_per_metre(clip_from_view, size);
         Self {
             view_from_pixel: view_from_pixel(clip_from_view, size),
@@ -71,6 +79,11 @@ impl ReflectionUniform {
             viewport_origin: now.viewport.min,
             viewport_size: size,
             texture_size: resolution::texels(size, divisor),
+            divisor: divisor as i32,
+            smooth_steps: marches.smooth_steps,
+            rough_segments: marches.rough_segments,
+            shortest_segment: marches.shortest_segment,
+            growth: marches.growth,
             edge_metres: STEEPEST / pixels_per_metre.y.abs(),
             metres_per_unit: last.map_or(1.0, |last| 1.0 / units_per_metre(last.clip_from_view)),
             thickness,
@@ -80,6 +93,8 @@ impl ReflectionUniform {
             exposure_ratio: exposure_ratio(now, last),
             turn: 0.0,
             has_motion: 0,
+            has_specialization: 0,
+            shows_hits: 0,
         }
     }
 }

@@ -24,6 +24,17 @@ struct ReflectionUniform {
     viewport_size: vec2<u32>,
     /// Size of the viewport in texels.
     texture_size: vec2<u32>,
+    /// Side of a texel in pixels.
+    divisor: i32,
+    /// Most steps of a ray from a smooth surface before it continues in segments.
+    smooth_steps: u32,
+    /// Most segments of a ray.
+    rough_segments: u32,
+    /// Length of the shortest segment, in pixels.
+    shortest_segment: f32,
+    /// Growth of a ray's segments with its length, per squared roughness. 0.5 is the radius of the part that one of sixteen rays
+    /// represents: a quarter of the lobe's radius.
+    growth: f32,
     /// Metres that separate surfaces one pixel apart, at a distance of one metre; in orthographic views, at any distance.
     edge_metres: f32,
     /// Unit of distances in the history.
@@ -43,4 +54,8 @@ struct ReflectionUniform {
     /// 1 if `motion_texture` has the motion of each pixel. Not a shader definition: motion is toggled with effects that average
     /// frames, and compiling shaders would leave the view without reflections meanwhile.
     has_motion: u32,
+    /// 1 if `specialization_texture` has words of special surfaces.
+    has_specialization: u32,
+    /// 1 if a debug view shows the hits, which are then written for texels without a ray too.
+    shows_hits: u32,
 }

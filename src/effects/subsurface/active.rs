@@ -11,7 +11,6 @@ use super::{
 use crate::{
     gbuffer::ViewDemands,
     gpu::pipeline_watch::PipelineWatch,
-    shader_library::reconstruction::position::projection_of,
     view::{Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanSupport, ScattersLight},
 };
 
@@ -23,8 +22,8 @@ pub struct ActiveScattering {
     pub(super) key: SubsurfaceKey,
 }
 
-/// Inserts or removes [`ActiveScattering`] and its request to lighting. While pipelines for new settings compile, a view keeps its
-/// current ones. Cameras that are switched off lose it.
+/// Inserts or removes [`ActiveScattering`] and its request to lighting. While pipelines for new settings compile, others stand
+/// in. Cameras that are switched off lose it.
 pub(super) fn decide_active_scattering(
     mut commands: Commands,
     pipelines: Option<ResMut<SubsurfacePipelines>>,
@@ -58,17 +57,16 @@ pub(super) fn decide_active_scattering(
         let can_run = !status.is_off_without(lean)
             && !status.is_off_for((!scatters).then_some(LeanOffReason::NothingScatters))
             && !status.is_off_by_device(&support.subsurface);
-        let key = SubsurfaceKey::new(settings.quality, projection_of(view.clip_from_view));
-        let active = can_run.then(|| {
-            let settings = *settings;
-            let wanted = ActiveScattering { settings, key };
-            let current = current.copied();
-            let active = pipelines.keep_until_compiled(&cache, wanted, current, |kept| kept.key);
-            status.set_running(active.is_some(), pipelines.failure(&watch, key));
-            active
+        let wanted = SubsurfaceKey::new(settings.quality);
+        let key = can_run.then(|| {
+            let key = pipelines.compiled_key(&cache, wanted, current.map(|active| active.key));
+            status.set_running(key.is_some(), pipelines.failure(&watch, wanted));
+            key
         });
-        match active.flatten() {
-            Some(active) => {
+        match key.flatten() {
+            Some(key) => {
+                let settings = *settings;
+                let active = ActiveScattering { settings, key };
                 commands.entity(entity).insert((active, ScattersLight));
             }
             None if current.is_some() => {

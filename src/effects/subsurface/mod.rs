@@ -49,6 +49,7 @@ pub use settings::{LeanSubsurfaceScattering, LeanSubsurfaceScatteringAdvanced};
 #[doc(hidden)]
 pub use {
     active::ActiveScattering,
+    pipelines::PASSES,
     prepare::ViewSubsurface,
     support::{NEEDED_LIMITS, missing_for_scattering},
     uniforms::SubsurfaceUniform,

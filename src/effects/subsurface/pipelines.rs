@@ -26,13 +26,14 @@ use crate::{
 };
 
 /// The passes, in order.
-pub(super) const PASSES: [ComputePass; 6] = [
+pub const PASSES: [ComputePass; 6] = [
     // Downsamples to levels 1 and 2, in the listed blocks.
     ComputePass {
         label: "lean_deferred/effects/subsurface/first",
         shader: |assets| load_embedded_asset!(assets, "down.wgsl"),
         entry: "main",
         defs: &["LISTED"],
+        key_defs: &[],
         reads: &[VIEW, TILES, LIGHT_TEXTURE],
         writes: &[LEVEL_OUTPUT, NEXT_OUTPUT],
     },
@@ -42,6 +43,7 @@ pub(super) const PASSES: [ComputePass; 6] = [
         shader: |assets| load_embedded_asset!(assets, "down.wgsl"),
         entry: "main",
         defs: &[],
+        key_defs: &[],
         reads: &[VIEW, TILES, LIGHT_TEXTURE],
         writes: &[LEVEL_OUTPUT, NEXT_OUTPUT, LAST_OUTPUT],
     },
@@ -50,7 +52,8 @@ pub(super) const PASSES: [ComputePass; 6] = [
         label: "lean_deferred/effects/subsurface/turn",
         shader: |assets| load_embedded_asset!(assets, "turn.wgsl"),
         entry: "main",
-        defs: &["DRAWN_OUT"],
+        defs: &[],
+        key_defs: &["DRAWN_OUT"],
         reads: &[VIEW, TILES, LIGHT_TEXTURE, NORMAL_TEXTURE, ENTERING_TEXTURE],
         writes: &[SCATTERED_OUTPUT],
     },
@@ -59,7 +62,8 @@ pub(super) const PASSES: [ComputePass; 6] = [
         label: "lean_deferred/effects/subsurface/up",
         shader: |assets| load_embedded_asset!(assets, "up.wgsl"),
         entry: "main",
-        defs: &["UNPACKED", "DRAWN_OUT"],
+        defs: &["UNPACKED"],
+        key_defs: &["DRAWN_OUT"],
         reads: &UP_READS,
         writes: &[SCATTERED_OUTPUT],
     },
@@ -68,7 +72,8 @@ pub(super) const PASSES: [ComputePass; 6] = [
         label: "lean_deferred/effects/subsurface/up",
         shader: |assets| load_embedded_asset!(assets, "up.wgsl"),
         entry: "main",
-        defs: &["UNPACKED", "LISTED", "DRAWN_OUT"],
+        defs: &["UNPACKED", "LISTED"],
+        key_defs: &["DRAWN_OUT"],
         reads: &UP_READS,
         writes: &[SCATTERED_OUTPUT],
     },
@@ -78,6 +83,7 @@ pub(super) const PASSES: [ComputePass; 6] = [
         shader: |assets| load_embedded_asset!(assets, "picture.wgsl"),
         entry: "main",
         defs: &["PICTURE", "UNPACKED"],
+        key_defs: &[],
         reads: &[
             VIEW,
             TILES,
@@ -109,7 +115,8 @@ pub(super) fn init_subsurface_pipelines(mut commands: Commands, asset_server: Re
     ));
 }
 
-fn binding_kind(_: SubsurfaceKey, binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
+/// The kind of a binding.
+fn binding_kind(binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
     let words = texture_2d(TextureSampleType::Uint);
     let stored = |format| texture_storage_2d(format, StorageTextureAccess::WriteOnly);
     Some(match binding {

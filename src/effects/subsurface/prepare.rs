@@ -149,7 +149,7 @@ pub(super) fn prepare_subsurface_bind_groups(
     pipelines: Option<Res<SubsurfacePipelines>>,
     uniforms: Res<SubsurfaceUniforms>,
     mut views: Query<(
-        (&ActiveScattering, &mut ViewSubsurface),
+        &mut ViewSubsurface,
         &SubsurfaceLight,
         &GBufferTextures,
         &ViewTarget,
@@ -158,7 +158,7 @@ pub(super) fn prepare_subsurface_bind_groups(
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
         return;
     };
-    for ((active, mut held), subsurface, gbuffer, target) in &mut views {
+    for (mut held, subsurface, gbuffer, target) in &mut views {
         let ViewSubsurface {
             scattered,
             groups,
@@ -167,7 +167,7 @@ pub(super) fn prepare_subsurface_bind_groups(
         } = &mut *held;
         let light = &subsurface.light.levels;
         let scattered_at = |level: usize| &scattered.levels[level - 1];
-        for (number, pass) in pipelines.of(active.key).iter().enumerate() {
+        for (number, layout) in pipelines.layouts().iter().enumerate() {
             let level = READ[number];
             let resource = |binding: u32| {
                 let view = match binding {
@@ -188,17 +188,12 @@ pub(super) fn prepare_subsurface_bind_groups(
                 Some(view.into_binding())
             };
             if let Some(group) = groups.get_mut(number) {
-                group.bind(&device, &pass.layout, resource);
+                group.bind(&device, layout, resource);
             } else {
-                picture.bind(
-                    &device,
-                    &pass.layout,
-                    target,
-                    |binding, output| match binding {
-                        OUTPUT_TEXTURE => Some(output.into_binding()),
-                        _ => resource(binding),
-                    },
-                );
+                picture.bind(&device, layout, target, |binding, output| match binding {
+                    OUTPUT_TEXTURE => Some(output.into_binding()),
+                    _ => resource(binding),
+                });
             }
         }
     }

@@ -108,6 +108,7 @@ fn mean_beside(surface: Surface, coarser: Square, place: vec2<i32>, offset: vec2
 /// kernel is as narrow, and the taps stretch it along the other axis; their squared offsets add up over all levels. The picture's
 /// own offset is too small to matter.
 fn offset_of(surface: Surface, middle: vec2<f32>) -> vec2<f32> {
+#ifndef PICTURE
 #ifdef DRAWN_OUT
     let width = min(1.0 / surface.facing, WIDEST);
     if width > 1.1 {
@@ -115,6 +116,7 @@ fn offset_of(surface: Surface, middle: vec2<f32>) -> vec2<f32> {
         let along = normalize(vec2(-lean.y, lean.x) * sign(view.pixels_per_metre));
         return along * (DRAWN * sqrt(width * width - 1.0));
     }
+#endif
 #endif
     return vec2(0.0);
 }

@@ -35,18 +35,13 @@ fn is_written(pixel: vec2<i32>) -> bool {
 
 /// Pixels per metre along the vertical axis, at a distance of `metres`.
 fn pixels_per_metre_at(metres: f32) -> f32 {
-#ifdef PROJECTION_ORTHOGRAPHIC
-    return abs(view.pixels_per_metre.y);
-#else
-    return abs(view.pixels_per_metre.y) / max(metres, 1e-6);
-#endif
+    return abs(view.pixels_per_metre.y) / select(max(metres, 1e-6), 1.0, view.is_orthographic != 0u);
 }
 
 /// View-space direction from a pixel to the viewer.
 fn to_viewer(pixel: vec2<f32>) -> vec3<f32> {
-#ifdef PROJECTION_ORTHOGRAPHIC
-    return vec3(0.0, 0.0, 1.0);
-#else
+    if view.is_orthographic != 0u {
+        return vec3(0.0, 0.0, 1.0);
+    }
     return normalize(vec3((view.center - pixel) / view.pixels_per_metre, 1.0));
-#endif
 }

@@ -20,6 +20,7 @@ pub struct SubsurfaceUniform {
     blocks: UVec2,
     level: u32,
     largest_radius: f32,
+    is_orthographic: u32,
 }
 
 impl SubsurfaceUniform {
@@ -42,6 +43,7 @@ impl SubsurfaceUniform {
             blocks,
             level,
             largest_radius: up_to(LARGEST_RADIUS, settings.advanced.largest_radius),
+            is_orthographic: now.is_orthographic().into(),
         }
     }
 }

@@ -16,4 +16,6 @@ struct SubsurfaceUniform {
     level: u32,
     /// Largest radius from which light comes, in pixels.
     largest_radius: f32,
+    /// 1 if all directions to the viewer are the same.
+    is_orthographic: u32,
 }

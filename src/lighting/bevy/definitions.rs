@@ -13,6 +13,7 @@ use bevy::{
 };
 
 use super::binding_numbers::{arrays, view};
+pub use crate::gpu::shader_defs::name_of;
 
 /// The bits of Bevy's view key for which the lighting shader is specialized. The others concern the rasterization of
 /// meshes or passes after lighting, or functions that lighting does not call: `TEMPORAL_JITTER` is read by transmission
@@ -97,12 +98,4 @@ pub fn read_by_lighting(
             && of_bindings.all(|(other, binding)| *other != name || binds(*binding))
     });
     definitions
-}
-
-pub fn name_of(definition: &ShaderDefVal) -> &str {
-    match definition {
-        ShaderDefVal::Bool(name, _) | ShaderDefVal::Int(name, _) | ShaderDefVal::UInt(name, _) => {
-            name
-        }
-    }
 }

@@ -168,8 +168,6 @@ pub const OCCLUSION_GATHER: &[Factor] = &[
         &["SHADING_NORMALS", "THIN"],
         &[],
         &["THIN"],
-        &["WIDE_PATTERN"],
-        &["WIDE_PATTERN", "SHADING_NORMALS", "THIN"],
         &["HDAO"],
     ],
     optional!("COMPUTE"),
@@ -183,7 +181,6 @@ pub const SHARES_DEPTHS: [&str; 2] = ["COMPUTE", "SHARED_DEPTHS"];
 pub const OCCLUSION_GATHER_SHARED: &[Factor] = &[
     optional!("SHADING_NORMALS"),
     optional!("THIN"),
-    optional!("WIDE_PATTERN"),
     OCCLUSION_PROJECTIONS,
 ];
 
@@ -194,7 +191,7 @@ const OCCLUSION_PROJECTIONS: Factor = &[
 ];
 
 /// Definitions of `OcclusionPipelines::merge`.
-pub const OCCLUSION_MERGE: &[Factor] = &[optional!("DISTANCE_FOG"), OCCLUSION_FILTERS];
+pub const OCCLUSION_MERGE: &[Factor] = &[OCCLUSION_FILTERS];
 
 /// Definitions of the debug view of ambient occlusion.
 pub const OCCLUSION_DEBUG_VIEW: &[Factor] = &[OCCLUSION_FILTERS];

@@ -159,7 +159,6 @@ pub fn all() -> &'static [Composed] {
                 "COMPUTE",
                 "SHARED_DEPTHS",
                 "SHADING_NORMALS",
-                "DIVISOR=1",
                 "SLICES=1",
                 "STEPS=1"
             ),
@@ -168,32 +167,15 @@ pub fn all() -> &'static [Composed] {
             shader!("effects/auto_exposure/meter.wgsl", "HISTOGRAM", "MASK"),
             shader!("effects/auto_exposure/adapt.wgsl",),
             shader!("effects/auto_exposure/overlay.wgsl", "OVERLAY", "MASK"),
-            shader!("effects/diffuse_gi/levels.wgsl", "DIVISOR=2"),
-            shader!(
-                "effects/diffuse_gi/gather.wgsl",
-                "DIVISOR=1",
-                "SLICES=1",
-                "STEPS=1"
-            ),
-            shader!("effects/diffuse_gi/filter.wgsl", "DIVISOR=1"),
+            shader!("effects/diffuse_gi/levels.wgsl",),
+            shader!("effects/diffuse_gi/gather.wgsl", "SLICES=1", "STEPS=1"),
+            shader!("effects/diffuse_gi/filter.wgsl",),
             shader!("effects/diffuse_gi/forward_light.wgsl",),
             shader!("effects/history/levels.wgsl",),
             shader!("effects/history/levels.wgsl", "OF_LEVEL"),
-            shader!("effects/reflections/hi_z.wgsl", "DIVISOR=1"),
-            shader!(
-                "effects/reflections/trace.wgsl",
-                "DIVISOR=2",
-                "ROUGH_SEGMENTS=1",
-                "SHORTEST_SEGMENT=8",
-                "GROWTH_PERCENT=30",
-                "SMOOTH_STEPS=1",
-                "SPECIALIZATION"
-            ),
-            shader!(
-                "effects/reflections/spatial_filter.wgsl",
-                "DIVISOR=4",
-                "SPATIAL_FILTER"
-            ),
+            shader!("effects/reflections/hi_z.wgsl",),
+            shader!("effects/reflections/trace.wgsl",),
+            shader!("effects/reflections/spatial_filter.wgsl", "SPATIAL_FILTER"),
             shader!("effects/reflections/resolve.wgsl", "DIVISOR=2"),
             shader!("effects/subsurface/down.wgsl", "LISTED"),
             shader!("effects/subsurface/down.wgsl",),

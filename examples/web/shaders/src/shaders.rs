@@ -86,7 +86,6 @@ fn combinations(always: &str, choices: &[&[&str]]) -> Vec<Definitions> {
 }
 
 const PROJECTIONS: &[&str] = &["", "PROJECTION_PERSPECTIVE", "PROJECTION_ORTHOGRAPHIC"];
-const MOTION: &[&str] = &["", "MOTION"];
 
 /// WebGPU's minimum of storage buffers, and the number that SwiftShader and most browsers have.
 const LIGHTING_ALWAYS: [&str; 2] = [
@@ -120,7 +119,7 @@ fn passes() -> Vec<Shader> {
         .map(|always| rows(LIGHTING, always))
         .concat();
     let resolve = "PREPASS_PIPELINE AVAILABLE_STORAGE_BUFFER_BINDINGS=8";
-    let gather = ["DIVISOR=1 SLICES=1 STEPS=6", "DIVISOR=2 SLICES=2 STEPS=8"];
+    let gather = ["SLICES=1 STEPS=6", "SLICES=2 STEPS=8"];
     let exposure = || rows(EXPOSURE, "");
     vec![
         ("lighting/lighting.wgsl", lighting),
@@ -145,10 +144,7 @@ fn passes() -> Vec<Shader> {
 }
 
 fn screen_space() -> Vec<Shader> {
-    let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2"];
     let sides: &[&str] = &["DIVISOR=1", "DIVISOR=2", "DIVISOR=4"];
-    let special: &[&str] = &["", "SPECIALIZATION"];
-    let orthographic: &[&str] = &["", "PROJECTION_ORTHOGRAPHIC"];
     let shown: &[&str] = &[
         "SHOWS_LIGHT",
         "SHOWS_BARE_LIGHT",
@@ -156,48 +152,47 @@ fn screen_space() -> Vec<Shader> {
         "SHOWS_ONE_MINUS_ALPHA",
         "SHOWS_HIT",
     ];
-    let gi = combinations("SLICES=2 STEPS=3", &[divisors, PROJECTIONS]);
-    let mirrors = |shown: &[&str]| {
-        let samples = "ROUGH_SEGMENTS=4 SHORTEST_SEGMENT=8 GROWTH_PERCENT=30 SMOOTH_STEPS=8";
-        combinations(samples, &[sides, MOTION, special, PROJECTIONS, shown])
-    };
+    let listed: &[&str] = &["", "LISTED"];
     let drawn_out: &[&str] = &["", "DRAWN_OUT"];
     vec![
+        ("effects/diffuse_gi/levels.wgsl", combinations("", &[])),
         (
-            "effects/diffuse_gi/levels.wgsl",
-            combinations("", &[divisors, MOTION, PROJECTIONS]),
+            "effects/diffuse_gi/gather.wgsl",
+            combinations("SLICES=2 STEPS=3", &[PROJECTIONS]),
         ),
-        ("effects/diffuse_gi/gather.wgsl", gi),
         (
             "effects/diffuse_gi/forward_light.wgsl",
+            combinations("", &[]),
+        ),
+        ("effects/diffuse_gi/filter.wgsl", combinations("", &[])),
+        (
+            "effects/reflections/hi_z.wgsl",
             combinations("", &[PROJECTIONS]),
         ),
         (
-            "effects/diffuse_gi/filter.wgsl",
-            combinations("", &[divisors, PROJECTIONS]),
+            "effects/reflections/trace.wgsl",
+            combinations("", &[PROJECTIONS]),
         ),
-        ("effects/reflections/hi_z.wgsl", mirrors(&[""])),
-        ("effects/reflections/trace.wgsl", mirrors(&["", "SHOWN"])),
         (
             "effects/reflections/spatial_filter.wgsl",
-            mirrors(&["SPATIAL_FILTER"]),
+            combinations("SPATIAL_FILTER", &[]),
         ),
-        ("effects/reflections/resolve.wgsl", mirrors(&[""])),
         (
-            "effects/subsurface/down.wgsl",
-            combinations("", &[&["", "LISTED"], orthographic]),
+            "effects/reflections/resolve.wgsl",
+            combinations("", &[sides, PROJECTIONS]),
         ),
+        ("effects/subsurface/down.wgsl", combinations("", &[listed])),
         (
             "effects/subsurface/turn.wgsl",
-            combinations("", &[drawn_out, orthographic]),
+            combinations("", &[drawn_out]),
         ),
         (
             "effects/subsurface/up.wgsl",
-            combinations("UNPACKED", &[&["", "LISTED"], drawn_out, orthographic]),
+            combinations("UNPACKED", &[listed, drawn_out]),
         ),
         (
             "effects/subsurface/picture.wgsl",
-            combinations("PICTURE UNPACKED", &[orthographic]),
+            combinations("PICTURE UNPACKED", &[]),
         ),
         (
             "effects/history/levels.wgsl",
