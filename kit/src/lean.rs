@@ -4,7 +4,11 @@ use bevy::{
     anti_alias::taa::TemporalAntiAliasing, diagnostic::FrameCount, prelude::*, render::RenderApp,
 };
 use bevy_lean_deferred::{
-    LeanAutoExposure, LeanDeferred, effects::auto_exposure::LeanAutoExposureAdvanced,
+    LeanAutoExposure, LeanDeferred,
+    effects::{
+        ViewHistory, auto_exposure::LeanAutoExposureAdvanced, diffuse_gi::ViewGi,
+        reflections::ReflectionBindings,
+    },
     view::ActiveLeanView,
 };
 
@@ -114,6 +118,22 @@ pub fn active_lean_views(headless: &mut Headless) -> usize {
         .query_filtered::<(), With<ActiveLeanView>>()
         .iter(world)
         .count()
+}
+
+/// For GI, the history of reflections and reflections themselves: true if a view has it, with a valid last frame. All false if no view has
+/// both effects.
+pub fn follows_last_frame(headless: &mut Headless) -> [bool; 3] {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query::<(
+        Option<&ViewGi>,
+        Option<&ViewHistory>,
+        Has<ReflectionBindings>,
+    )>();
+    let mut views = views.iter(world);
+    let found = views.find_map(|(gi, history, reflections)| {
+        Some([gi?.last().is_some(), history?.last().is_some(), reflections])
+    });
+    found.unwrap_or_default()
 }
 
 /// Prints the difference between `lean` and `forward`; an error if it is too large. Saves both to the folder that `PARITY_PICTURES` names,
