@@ -14,6 +14,7 @@ mod late_switch;
 mod lost_device;
 mod memory;
 mod minimised;
+mod no_stutter;
 mod out_of_memory;
 mod plugins;
 mod presets;
