@@ -237,6 +237,45 @@ fn light_scaling() {
 }
 
 #[test]
+fn stutter() {
+    let walk = |contender: &str, synchronous: bool, pipelines: &str, counts: [&str; 3]| {
+        let [not_lean, waiting, lost] = counts;
+        format!(
+            r#"{{"adapter": "GPU", "cores": 2, "size": [64, 32], "frames": 600, "contender": "{contender}",
+            "synchronous": {synchronous}, "pipelines": [{pipelines}], "not_lean": {not_lean}, "waiting_meshes": {waiting},
+            "lost_history": {lost}, "median": 2.0, "longest": 100.25, "hitches": 480.0, "events": [{{"name": "fog comes",
+            "not_lean": 3, "waiting_meshes": 0, "lost_history": 1, "hitches": 96.25}}]}}"#
+        )
+    };
+    let label = |label: &str, loading: usize, walk: usize| {
+        format!(r#"{{"label": "{label}", "loading": {loading}, "walk": {walk}}}"#)
+    };
+    let bevys = label("opaque_mesh_pipeline", 4, 40);
+    let own = [
+        label("lean_deferred/lighting", 2, 70),
+        label("lean_deferred/gbuffer", 3, 9),
+        label("lean_deferred/gbuffer/resolve_motion", 1, 0),
+        bevys.clone(),
+    ];
+    let walks = [
+        walk("Bevy forward", false, &bevys, ["null"; 3]),
+        walk("lean", false, &own.join(","), ["3", "0", "null"]),
+        walk("lean", true, &own.join(","), ["0", "0", "null"]),
+    ];
+    has_rows(
+        &read("stutter.json", &format!("[{}]", walks.join(","))),
+        &[
+            "| Bevy forward | asynchronous | – | – | – | 4 + 40 | – | – | – | 2.00 | 100.2 | 480 |",
+            "| lean | asynchronous | 2 + 70 | 4 + 9 | – | 4 + 40 | 3 | 0 | – | 2.00 | 100.2 | 480 |",
+            "| lean | synchronous | 2 + 70 |",
+            "| label | Bevy forward | lean |",
+            "| lean_deferred/lighting | – | 2 + 70 |",
+            "| lean | asynchronous | fog comes | 3 | 0 | 1 | 96 |",
+        ],
+    );
+}
+
+#[test]
 fn a_folder_makes_a_page() {
     let folder = Folder::new("page");
     folder.write("frame_times.json", FRAME_TIMES);

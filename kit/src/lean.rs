@@ -5,7 +5,10 @@ use bevy::{
 };
 use bevy_lean_deferred::{
     LeanAutoExposure, LeanDeferred,
-    effects::auto_exposure::LeanAutoExposureAdvanced,
+    effects::{
+        ViewHistory, auto_exposure::LeanAutoExposureAdvanced, diffuse_gi::ViewGi,
+        reflections::ReflectionBindings,
+    },
     lighting::{CompiledLighting, ViewLighting},
     view::ActiveLeanView,
 };
@@ -129,6 +132,22 @@ pub fn is_lit_by_general(headless: &mut Headless) -> bool {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut views = world.query_filtered::<&ViewLighting, With<ActiveLeanView>>();
     views.iter(world).any(ViewLighting::is_general)
+}
+
+/// For GI, the history of reflections and reflections themselves: true if a view has it, with a valid last frame. All false if no view has
+/// both effects.
+pub fn follows_last_frame(headless: &mut Headless) -> [bool; 3] {
+    let world = headless.app.sub_app_mut(RenderApp).world_mut();
+    let mut views = world.query::<(
+        Option<&ViewGi>,
+        Option<&ViewHistory>,
+        Has<ReflectionBindings>,
+    )>();
+    let mut views = views.iter(world);
+    let found = views.find_map(|(gi, history, reflections)| {
+        Some([gi?.last().is_some(), history?.last().is_some(), reflections])
+    });
+    found.unwrap_or_default()
 }
 
 /// Prints the difference between `lean` and `forward`; an error if it is too large. Saves both to the folder that `PARITY_PICTURES` names,

@@ -37,4 +37,5 @@ pub mod shader_files;
 pub mod size;
 pub mod skipped;
 pub mod stalled_pipelines;
+pub mod walk;
 pub mod wgsl;

@@ -7,21 +7,16 @@ use bevy::{
     camera::RenderTarget,
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
     prelude::*,
-    render::{RenderApp, camera::TemporalJitter},
+    render::camera::TemporalJitter,
 };
 use bevy_lean_deferred::{
-    effects::{
-        ViewHistory,
-        auto_exposure::{LuminanceTrim, MeteringPattern},
-        diffuse_gi::ViewGi,
-        reflections::ReflectionBindings,
-    },
+    effects::auto_exposure::{LuminanceTrim, MeteringPattern},
     prelude::*,
 };
 use kit::{
     analytic_slabs::{SKIN, slab},
     headless::{Headless, small_shadow_maps, target_image},
-    lean::{active_lean_views, instant_exposure},
+    lean::{active_lean_views, follows_last_frame, instant_exposure},
     metrics::pixel_difference,
     own_process::in_own_process,
     scenes::{SceneBuilder, build::default_camera_transform},
@@ -372,21 +367,6 @@ fn add_effects(each_setting: bool) {
         )>();
     });
     walk.watch("nothing", WITH_EFFECTS);
-}
-
-/// For each effect that reads the last frame, true if a view has it.
-fn follows_last_frame(headless: &mut Headless) -> [bool; 3] {
-    let world = headless.app.sub_app_mut(RenderApp).world_mut();
-    let mut views = world.query::<(
-        Option<&ViewGi>,
-        Option<&ViewHistory>,
-        Has<ReflectionBindings>,
-    )>();
-    let mut views = views.iter(world);
-    let found = views.find_map(|(gi, history, reflections)| {
-        Some([gi?.last().is_some(), history?.last().is_some(), reflections])
-    });
-    found.unwrap_or_default()
 }
 
 /// Effects keep their last frame while settings, motion vectors and jitter change at run time, and when a projection becomes plain.

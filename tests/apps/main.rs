@@ -27,3 +27,4 @@ mod switching;
 #[cfg(target_os = "linux")]
 mod validation_layer;
 mod viewer_errors;
+mod walk;

@@ -6,6 +6,7 @@ pub mod frame_times;
 pub mod light_scaling;
 pub mod many_meshes;
 pub mod screen_space;
+pub mod stutter;
 
 use std::path::Path;
 
@@ -17,6 +18,7 @@ pub use frame_times::FrameTimes;
 pub use light_scaling::LightScaling;
 pub use many_meshes::ManyMeshes;
 pub use screen_space::ScreenSpace;
+pub use stutter::Stutter;
 
 /// The figures of one bench.
 pub trait Figures {
@@ -101,6 +103,7 @@ benches! {
     auto_exposure AutoExposure,
     light_scaling LightScaling,
     many_meshes ManyMeshes,
+    stutter Stutter,
 }
 
 /// The only one of the measurements that are `found`: a table of the docs relies on it.

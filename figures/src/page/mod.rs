@@ -43,6 +43,10 @@ fn heading(bench: &str) -> (&'static str, &'static str) {
             "Cost over the number of lights",
             "The boxes scene under more and more point lights. Lines end where a stage took too long.",
         ),
+        "stutter" => (
+            "Hitches",
+            "A walk through a level in which features come and go one at a time.",
+        ),
         _ => (
             "Cost over the number of meshes",
             "Time of the CPU: the GPU is waited for outside of it.",

@@ -41,7 +41,7 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
     let step = |bench, args: &[&str], expected| Step {
         bench,
         args: args.iter().map(|arg| (*arg).into()).collect(),
-        has_pictures: bench != "auto_exposure",
+        has_pictures: !matches!(bench, "auto_exposure" | "stutter"),
         expected,
     };
     let mut steps = match mode {
@@ -137,6 +137,11 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
                 ],
                 90.0,
             ),
+            step(
+                "stutter",
+                &["--quick", "--contender", "Bevy forward,lean"],
+                300.0,
+            ),
         ],
         Mode::Full => vec![
             step(
@@ -156,6 +161,7 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
                 300.0,
             ),
             step("many_meshes", &[], 120.0),
+            step("stutter", &[], 240.0),
         ],
     };
     if let Some(file) = gltf {
