@@ -6,6 +6,7 @@
 )]
 
 pub mod analytic_balls;
+pub mod analytic_lamps;
 pub mod analytic_light;
 pub mod analytic_mirrors;
 pub mod analytic_slabs;
