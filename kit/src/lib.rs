@@ -26,6 +26,7 @@ pub mod headless;
 pub mod lean;
 pub mod log_watch;
 pub mod metrics;
+pub mod motion;
 pub mod occlusion;
 pub mod occlusion_gpu;
 pub mod own_process;
