@@ -5,6 +5,7 @@ pub mod auto_exposure;
 pub mod frame_times;
 pub mod light_scaling;
 pub mod many_meshes;
+pub mod motion;
 pub mod screen_space;
 
 use std::path::Path;
@@ -16,6 +17,7 @@ pub use auto_exposure::AutoExposure;
 pub use frame_times::FrameTimes;
 pub use light_scaling::LightScaling;
 pub use many_meshes::ManyMeshes;
+pub use motion::Motion;
 pub use screen_space::ScreenSpace;
 
 /// The figures of one bench.
@@ -98,6 +100,7 @@ benches! {
     frame_times FrameTimes,
     ambient_occlusion AmbientOcclusion,
     screen_space ScreenSpace,
+    motion Motion,
     auto_exposure AutoExposure,
     light_scaling LightScaling,
     many_meshes ManyMeshes,
